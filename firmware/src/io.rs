@@ -1,0 +1,32 @@
+//! What the tick takes in and gives out: raw samples and bridge commands, no HAL types.
+
+use serde::{Deserialize, Serialize};
+
+/// One tick's samples, as the peripherals deliver them. Index 0 is joint 1 (at A),
+/// index 1 is joint 4 (at E).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Sensed {
+    /// Encoder counts, both latched together; they wrap.
+    pub counts: [i32; 2],
+    /// Phase currents [ADC codes].
+    pub current: [u16; 2],
+    /// Bus voltage [ADC codes].
+    pub bus_voltage: u16,
+    /// Home switches, true when pressed.
+    pub home: [bool; 2],
+    /// Emergency stop, true when pressed.
+    pub emergency_stop: bool,
+    /// Fault outputs of the bridges, true when raised.
+    pub driver_fault: [bool; 2],
+}
+
+/// What the bridges are told until the next tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Command {
+    /// Duty of each bridge in −1…1: the mean voltage as a share of the bus voltage.
+    pub duty: [f32; 2],
+    /// Whether each bridge is powered. Off, its motor's terminals float.
+    pub enable: [bool; 2],
+    /// Engage the holding brake, where one is fitted.
+    pub brake: bool,
+}

@@ -1,0 +1,11 @@
+//! The portable part of the controller: everything but registers.
+//!
+//! [`Sensed`] in, [`Command`] out, at the tick rate. It compiles for a desktop and for a
+//! Cortex-M4F from the same source and gives the same bits on both.
+#![no_std]
+
+pub mod io;
+pub mod settings;
+
+pub use io::{Command, Sensed};
+pub use settings::Settings;

@@ -1,0 +1,112 @@
+//! Kane's equations: partial velocities and inverse dynamics.
+//!
+//! Generalised speeds ω1, ω4; sij = sin(θi−θj). Partial angular velocities:
+//!
+//! ω21 = −l1 s13/(l2 s23), ω24 = l4 s43/(l2 s23), ω31 = l1 s12/(l3 s32), ω34 = l4 s24/(l3 s32).
+//!
+//! τr + F·vCr + Σj mj g·vjr = Σj [mj aj·vjr + Ij αj ωjr] + rotor inertia, r ∈ {1, 4}.
+//!
+//! With fj = mj (aj − g), the force a link needs, and the partial velocities written
+//! out, the sums factor link by link: that is the order of the code.
+//!
+//! **Errata** of the print: v31 carries a stray X21; "a = v̇" component-wise drops the
+//! velocity-product terms, which the accelerations must hold.
+
+use super::Arm;
+use crate::five_bar::{Accelerations, Pose, PoseError, Singularity, Velocities};
+use crate::{Scalar, Vec2};
+
+/// Partial angular velocities of links 2 and 3 in the generalised speeds ω1 and ω4.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PartialVelocities<S> {
+    /// ∂ω2/∂ω1.
+    pub omega21: S,
+    /// ∂ω2/∂ω4.
+    pub omega24: S,
+    /// ∂ω3/∂ω1.
+    pub omega31: S,
+    /// ∂ω3/∂ω4.
+    pub omega34: S,
+}
+
+impl<S: Scalar> Arm<S> {
+    /// The partial angular velocities at a pose.
+    ///
+    /// # Errors
+    /// `Singular` at type 2.
+    #[inline]
+    pub fn partial_velocities(&self, pose: &Pose<S>) -> Result<PartialVelocities<S>, PoseError> {
+        let geometry = self.geometry();
+        let sin32 = pose.sin32();
+        if sin32 == S::ZERO {
+            return Err(PoseError::Singular(Singularity::Parallel));
+        }
+        let per2 = S::ONE / (geometry.l2() * sin32);
+        let per3 = S::ONE / (geometry.l3() * sin32);
+        Ok(PartialVelocities {
+            omega21: geometry.l1() * pose.u3.cross(pose.u1) * per2,
+            omega24: -geometry.l4() * pose.u3.cross(pose.u4) * per2,
+            omega31: geometry.l1() * pose.u2.cross(pose.u1) * per3,
+            omega34: -geometry.l4() * pose.u2.cross(pose.u4) * per3,
+        })
+    }
+
+    /// The driving torques [τ1, τ4] [N·m] that give these accelerations, with
+    /// `external_force` [N] acting on the tool. Without friction.
+    ///
+    /// # Errors
+    /// `Singular` at type 2.
+    #[inline]
+    pub fn inverse_dynamics(
+        &self,
+        pose: &Pose<S>,
+        velocities: &Velocities<S>,
+        accelerations: &Accelerations<S>,
+        external_force: Vec2<S>,
+    ) -> Result<[S; 2], PoseError> {
+        let partial = self.partial_velocities(pose)?;
+        let geometry = self.geometry();
+        let g = self.gravity();
+        let [omega1, omega2, omega3, omega4] = velocities.omega;
+        let [alpha1, alpha2, alpha3, alpha4] = accelerations.alpha;
+        let [link1, link2, link3, link4] = self.links();
+
+        // Centres of mass from their links' proximal joints, turned into the plane.
+        let r1 = link1.com.rotated_to(pose.u1);
+        let r2 = link2.com.rotated_to(pose.u2);
+        let r3 = link3.com.rotated_to(pose.u3);
+        let r4 = link4.com.rotated_to(pose.u4);
+        let ab = turning(pose.u1 * geometry.l1(), omega1, alpha1);
+        let ad = turning(pose.u4 * geometry.l4(), omega4, alpha4);
+
+        let f1 = (turning(r1, omega1, alpha1) - g) * link1.mass;
+        let f2 = (ab + turning(r2, omega2, alpha2) - g) * link2.mass;
+        let f3 = (ad + turning(r3, omega3, alpha3) - g) * link3.mass;
+        let f4 = (turning(r4, omega4, alpha4) - g) * link4.mass;
+        let fc = (accelerations.c - g) * self.payload() - external_force;
+
+        // Moments about each link's proximal joint.
+        let k1 = r1.cross(f1) + link1.inertia * alpha1;
+        let k2 = r2.cross(f2) + link2.inertia * alpha2 + (pose.u2 * geometry.l2()).cross(fc);
+        let k3 = r3.cross(f3) + link3.inertia * alpha3;
+        let k4 = r4.cross(f4) + link4.inertia * alpha4;
+
+        let [rotor1, rotor4] = self.rotor_inertia();
+        Ok([
+            k1 + (pose.u1 * geometry.l1()).cross(f2 + fc)
+                + partial.omega21 * k2
+                + partial.omega31 * k3
+                + rotor1 * alpha1,
+            k4 + (pose.u4 * geometry.l4()).cross(f3)
+                + partial.omega24 * k2
+                + partial.omega34 * k3
+                + rotor4 * alpha4,
+        ])
+    }
+}
+
+/// Acceleration of a point at r from a fixed point of a turning body: α r⊥ − ω² r.
+#[inline]
+fn turning<S: Scalar>(r: Vec2<S>, omega: S, alpha: S) -> Vec2<S> {
+    r.perp() * alpha - r * (omega * omega)
+}

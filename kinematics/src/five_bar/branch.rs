@@ -1,0 +1,68 @@
+//! The branches: which of the mirrored solutions an arm is in.
+
+/// Left or right of a directed line, seen with the plane's normal towards the viewer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Side {
+    /// To the left: the cross product is positive.
+    Left,
+    /// To the right: the cross product is negative.
+    Right,
+}
+
+impl Side {
+    /// Both sides.
+    pub const BOTH: [Self; 2] = [Self::Left, Self::Right];
+
+    /// The side on which a cross product says the second vector lies.
+    #[inline]
+    pub fn of<S: crate::Scalar>(cross: S) -> Self {
+        if cross > S::ZERO {
+            Self::Left
+        } else {
+            Self::Right
+        }
+    }
+
+    /// `value` on the left, −`value` on the right.
+    #[inline]
+    pub fn sign<S: crate::Scalar>(self, value: S) -> S {
+        match self {
+            Self::Left => value,
+            Self::Right => -value,
+        }
+    }
+
+    /// The other side.
+    #[inline]
+    #[must_use]
+    pub fn opposite(self) -> Self {
+        match self {
+            Self::Left => Self::Right,
+            Self::Right => Self::Left,
+        }
+    }
+}
+
+/// Which way each leg's elbow turns: the branch of the inverse solution.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct WorkingMode {
+    /// `Left` where AB×BC > 0.
+    pub elbow1: Side,
+    /// `Left` where ED×DC > 0.
+    pub elbow4: Side,
+}
+
+impl WorkingMode {
+    /// All four working modes.
+    pub const ALL: [Self; 4] = [
+        Self::new(Side::Left, Side::Left),
+        Self::new(Side::Left, Side::Right),
+        Self::new(Side::Right, Side::Left),
+        Self::new(Side::Right, Side::Right),
+    ];
+
+    /// The mode with these elbows.
+    pub const fn new(elbow1: Side, elbow4: Side) -> Self {
+        Self { elbow1, elbow4 }
+    }
+}

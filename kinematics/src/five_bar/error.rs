@@ -1,0 +1,104 @@
+//! What a five-bar cannot do, by name.
+
+use core::fmt;
+
+/// Why five numbers are not a five-bar.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GeometryError {
+    /// Length `0..=4` (l1…l4, base) is not a positive finite number.
+    NotPositive(usize),
+    /// The longest length exceeds the sum of the others: the loop cannot close.
+    CannotAssemble,
+}
+
+/// Why no pose exists.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unreachable {
+    /// C is farther from A than l1 + l2.
+    Leg1TooFar,
+    /// C is nearer to A than |l1 − l2|.
+    Leg1TooNear,
+    /// C is farther from E than l4 + l3.
+    Leg4TooFar,
+    /// C is nearer to E than |l4 − l3|.
+    Leg4TooNear,
+    /// B and D are farther apart than l2 + l3.
+    ElbowsTooFar,
+    /// B and D are nearer than |l2 − l3|.
+    ElbowsTooNear,
+}
+
+/// A pose in which the arm loses or gains a freedom.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Singularity {
+    /// Type 1: A, B, C in line, sin(θ2−θ1) = 0.
+    Leg1,
+    /// Type 1: E, D, C in line, sin(θ3−θ4) = 0.
+    Leg4,
+    /// Type 2: B, C, D in line or B = D, sin(θ3−θ2) = 0.
+    Parallel,
+}
+
+/// Why a pose or a motion cannot be given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PoseError {
+    /// No pose exists.
+    Unreachable(Unreachable),
+    /// The answer is not unique or not finite here.
+    Singular(Singularity),
+    /// An input is infinite or not a number.
+    NotFinite,
+}
+
+impl fmt::Display for GeometryError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotPositive(index) => {
+                let name = ["l1", "l2", "l3", "l4", "base"].get(*index).unwrap_or(&"?");
+                write!(
+                    f,
+                    "length {name} must be a positive finite number of metres"
+                )
+            }
+            Self::CannotAssemble => {
+                f.write_str("the longest length exceeds the sum of the other four")
+            }
+        }
+    }
+}
+
+impl fmt::Display for Unreachable {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Leg1TooFar => "the point is farther from A than l1 + l2",
+            Self::Leg1TooNear => "the point is nearer to A than |l1 − l2|",
+            Self::Leg4TooFar => "the point is farther from E than l4 + l3",
+            Self::Leg4TooNear => "the point is nearer to E than |l4 − l3|",
+            Self::ElbowsTooFar => "the elbows B and D are farther apart than l2 + l3",
+            Self::ElbowsTooNear => "the elbows B and D are nearer than |l2 − l3|",
+        })
+    }
+}
+
+impl fmt::Display for Singularity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Leg1 => "leg A–B–C is straight or folded (type 1)",
+            Self::Leg4 => "leg E–D–C is straight or folded (type 1)",
+            Self::Parallel => "B, C and D are in line, or B meets D (type 2)",
+        })
+    }
+}
+
+impl fmt::Display for PoseError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unreachable(why) => why.fmt(f),
+            Self::Singular(which) => which.fmt(f),
+            Self::NotFinite => f.write_str("a number given is infinite or not a number"),
+        }
+    }
+}
+
+impl core::error::Error for GeometryError {}
+impl core::error::Error for PoseError {}

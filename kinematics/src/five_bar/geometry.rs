@@ -1,0 +1,71 @@
+//! The five lengths, validated once.
+
+use super::GeometryError;
+use crate::{Scalar, Vec2};
+
+/// The lengths of a five-bar [m], proven positive and able to close.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Geometry<S> {
+    lengths: [S; 5],
+}
+
+impl<S: Scalar> Geometry<S> {
+    /// The arm with links `lengths[0..4]` = l1…l4 and base `lengths[4]` = l5 = |AE| [m].
+    ///
+    /// # Errors
+    /// A length that is not positive and finite, or a longest length that exceeds the
+    /// sum of the others.
+    pub fn new(lengths: [S; 5]) -> Result<Self, GeometryError> {
+        let mut sum = S::ZERO;
+        let mut longest = S::ZERO;
+        for (index, &length) in lengths.iter().enumerate() {
+            if !(length > S::ZERO && length.is_finite()) {
+                return Err(GeometryError::NotPositive(index));
+            }
+            sum = sum + length;
+            if length > longest {
+                longest = length;
+            }
+        }
+        if longest > sum - longest {
+            return Err(GeometryError::CannotAssemble);
+        }
+        Ok(Self { lengths })
+    }
+
+    /// Link 1, A to B [m].
+    #[inline]
+    pub fn l1(&self) -> S {
+        self.lengths[0]
+    }
+    /// Link 2, B to C [m].
+    #[inline]
+    pub fn l2(&self) -> S {
+        self.lengths[1]
+    }
+    /// Link 3, D to C [m].
+    #[inline]
+    pub fn l3(&self) -> S {
+        self.lengths[2]
+    }
+    /// Link 4, E to D [m].
+    #[inline]
+    pub fn l4(&self) -> S {
+        self.lengths[3]
+    }
+    /// The base, A to E [m].
+    #[inline]
+    pub fn base(&self) -> S {
+        self.lengths[4]
+    }
+    /// l1…l4 and the base [m].
+    #[inline]
+    pub fn lengths(&self) -> [S; 5] {
+        self.lengths
+    }
+    /// The ground pivot E = (l5, 0) [m]; A is the origin.
+    #[inline]
+    pub fn e(&self) -> Vec2<S> {
+        Vec2::new(self.base(), S::ZERO)
+    }
+}

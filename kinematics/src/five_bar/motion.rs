@@ -1,0 +1,158 @@
+//! Velocities and accelerations, both ways (Yu 2007, section 1).
+//!
+//! With sin(θ3−θ2) = u2×u3, and v, a the velocity and acceleration of D relative to B:
+//!
+//! ω2 = v·u3 / (l2 sin(θ3−θ2)), ω3 = v·u2 / (l3 sin(θ3−θ2)),
+//! α2 = [a·u3 + l2 ω2² cos(θ3−θ2) − l3 ω3²] / (l2 sin(θ3−θ2)),
+//! α3 = [a·u2 − l3 ω3² cos(θ3−θ2) + l2 ω2²] / (l3 sin(θ3−θ2)).
+//!
+//! **Erratum**: the printed inverse ω2 has l1 for l2 and the wrong sign; here
+//! ω1 = ṙC·u2 / (l1 sin(θ2−θ1)), ω2 = −ṙC·u1 / (l2 sin(θ2−θ1)).
+
+use super::{Geometry, Pose, PoseError, Singularity};
+use crate::{Scalar, Vec2};
+
+/// Angular velocities of the links and the velocity of the tool.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Velocities<S> {
+    /// ω1, ω2, ω3, ω4 [rad/s].
+    pub omega: [S; 4],
+    /// ṙC [m/s].
+    pub c: Vec2<S>,
+}
+
+/// Angular accelerations of the links and the acceleration of the tool.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Accelerations<S> {
+    /// α1, α2, α3, α4 [rad/s²].
+    pub alpha: [S; 4],
+    /// r̈C [m/s²].
+    pub c: Vec2<S>,
+}
+
+/// sin θ as a divisor, or the singularity that makes it zero.
+#[inline]
+fn divisor<S: Scalar>(sine: S, singularity: Singularity) -> Result<S, PoseError> {
+    if sine == S::ZERO {
+        Err(PoseError::Singular(singularity))
+    } else {
+        Ok(sine)
+    }
+}
+
+impl<S: Scalar> Geometry<S> {
+    /// All velocities from the driven ones, ω1 and ω4 [rad/s].
+    ///
+    /// # Errors
+    /// `Singular` at type 2.
+    #[inline]
+    pub fn forward_velocities(
+        &self,
+        pose: &Pose<S>,
+        omega1: S,
+        omega4: S,
+    ) -> Result<Velocities<S>, PoseError> {
+        let sin32 = divisor(pose.sin32(), Singularity::Parallel)?;
+        let vb = pose.u1.perp() * (self.l1() * omega1);
+        let vd = pose.u4.perp() * (self.l4() * omega4);
+        let v = vd - vb;
+        let omega2 = v.dot(pose.u3) / (self.l2() * sin32);
+        let omega3 = v.dot(pose.u2) / (self.l3() * sin32);
+        Ok(Velocities {
+            omega: [omega1, omega2, omega3, omega4],
+            c: vb + pose.u2.perp() * (self.l2() * omega2),
+        })
+    }
+
+    /// All accelerations from the driven ones, α1 and α4 [rad/s²].
+    ///
+    /// # Errors
+    /// `Singular` at type 2.
+    #[inline]
+    pub fn forward_accelerations(
+        &self,
+        pose: &Pose<S>,
+        velocities: &Velocities<S>,
+        alpha1: S,
+        alpha4: S,
+    ) -> Result<Accelerations<S>, PoseError> {
+        let sin32 = divisor(pose.sin32(), Singularity::Parallel)?;
+        let cos32 = pose.u2.dot(pose.u3);
+        let [omega1, omega2, omega3, omega4] = velocities.omega;
+        let (l2, l3) = (self.l2(), self.l3());
+        let ab = link_end(pose.u1, self.l1(), omega1, alpha1);
+        let ad = link_end(pose.u4, self.l4(), omega4, alpha4);
+        let a = ad - ab;
+        let centripetal2 = l2 * omega2 * omega2;
+        let centripetal3 = l3 * omega3 * omega3;
+        let alpha2 = (a.dot(pose.u3) + centripetal2 * cos32 - centripetal3) / (l2 * sin32);
+        let alpha3 = (a.dot(pose.u2) - centripetal3 * cos32 + centripetal2) / (l3 * sin32);
+        Ok(Accelerations {
+            alpha: [alpha1, alpha2, alpha3, alpha4],
+            c: ab + link_end(pose.u2, l2, omega2, alpha2),
+        })
+    }
+
+    /// All velocities from the tool's, ṙC [m/s].
+    ///
+    /// # Errors
+    /// `Singular` at type 1, naming the leg.
+    #[inline]
+    pub fn inverse_velocities(
+        &self,
+        pose: &Pose<S>,
+        c_velocity: Vec2<S>,
+    ) -> Result<Velocities<S>, PoseError> {
+        let sin21 = divisor(pose.sin21(), Singularity::Leg1)?;
+        let sin34 = divisor(pose.sin34(), Singularity::Leg4)?;
+        Ok(Velocities {
+            omega: [
+                c_velocity.dot(pose.u2) / (self.l1() * sin21),
+                -c_velocity.dot(pose.u1) / (self.l2() * sin21),
+                -c_velocity.dot(pose.u4) / (self.l3() * sin34),
+                c_velocity.dot(pose.u3) / (self.l4() * sin34),
+            ],
+            c: c_velocity,
+        })
+    }
+
+    /// All accelerations from the tool's, r̈C [m/s²].
+    ///
+    /// From r̈C·u2 = l1 α1 sin(θ2−θ1) − l1 ω1² cos(θ2−θ1) − l2 ω2², and alike for the rest.
+    ///
+    /// # Errors
+    /// `Singular` at type 1, naming the leg.
+    #[inline]
+    pub fn inverse_accelerations(
+        &self,
+        pose: &Pose<S>,
+        velocities: &Velocities<S>,
+        c_acceleration: Vec2<S>,
+    ) -> Result<Accelerations<S>, PoseError> {
+        let sin21 = divisor(pose.sin21(), Singularity::Leg1)?;
+        let sin34 = divisor(pose.sin34(), Singularity::Leg4)?;
+        let [omega1, omega2, omega3, omega4] = velocities.omega;
+        // What remains for the angular accelerations once the centripetal terms are met.
+        let a1 = c_acceleration
+            + pose.u1 * (self.l1() * omega1 * omega1)
+            + pose.u2 * (self.l2() * omega2 * omega2);
+        let a4 = c_acceleration
+            + pose.u4 * (self.l4() * omega4 * omega4)
+            + pose.u3 * (self.l3() * omega3 * omega3);
+        Ok(Accelerations {
+            alpha: [
+                a1.dot(pose.u2) / (self.l1() * sin21),
+                -a1.dot(pose.u1) / (self.l2() * sin21),
+                -a4.dot(pose.u4) / (self.l3() * sin34),
+                a4.dot(pose.u3) / (self.l4() * sin34),
+            ],
+            c: c_acceleration,
+        })
+    }
+}
+
+/// Acceleration of a link's far end relative to its near one: l (α n − ω² u).
+#[inline]
+fn link_end<S: Scalar>(u: Vec2<S>, length: S, omega: S, alpha: S) -> Vec2<S> {
+    u.perp() * (length * alpha) - u * (length * omega * omega)
+}

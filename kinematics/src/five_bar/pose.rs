@@ -1,0 +1,69 @@
+//! A configuration of the arm: where its joints are and which way its links point.
+
+use super::{Side, WorkingMode};
+use crate::{Scalar, Vec2};
+
+/// A closed configuration of the five-bar.
+///
+/// Directions are kept as unit vectors, since everything downstream needs sines and
+/// cosines and hardly anything needs the angles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose<S> {
+    /// u(θ1), A to B.
+    pub u1: Vec2<S>,
+    /// u(θ2), B to C.
+    pub u2: Vec2<S>,
+    /// u(θ3), D to C.
+    pub u3: Vec2<S>,
+    /// u(θ4), E to D.
+    pub u4: Vec2<S>,
+    /// Elbow of leg 1 [m].
+    pub b: Vec2<S>,
+    /// The tool point [m].
+    pub c: Vec2<S>,
+    /// Elbow of leg 4 [m].
+    pub d: Vec2<S>,
+}
+
+impl<S: Scalar> Pose<S> {
+    /// θ1, θ2, θ3, θ4 [rad], each in (−π, π].
+    #[inline]
+    pub fn angles(&self) -> [S; 4] {
+        [
+            self.u1.angle(),
+            self.u2.angle(),
+            self.u3.angle(),
+            self.u4.angle(),
+        ]
+    }
+
+    /// The forward branch: `Left` where C lies left of the ray B→D.
+    #[inline]
+    pub fn assembly(&self) -> Side {
+        Side::of((self.d - self.b).cross(self.c - self.b))
+    }
+
+    /// The inverse branch: which way each elbow turns.
+    #[inline]
+    pub fn working_mode(&self) -> WorkingMode {
+        WorkingMode::new(Side::of(self.sin21()), Side::of(self.sin34()))
+    }
+
+    /// sin(θ2−θ1): zero where leg 1 is straight or folded (type 1).
+    #[inline]
+    pub fn sin21(&self) -> S {
+        self.u1.cross(self.u2)
+    }
+
+    /// sin(θ3−θ4): zero where leg 4 is straight or folded (type 1).
+    #[inline]
+    pub fn sin34(&self) -> S {
+        self.u4.cross(self.u3)
+    }
+
+    /// sin(θ3−θ2): zero where B, C, D are in line or B meets D (type 2).
+    #[inline]
+    pub fn sin32(&self) -> S {
+        self.u2.cross(self.u3)
+    }
+}

@@ -1,0 +1,64 @@
+//! The number the models are generic over.
+//!
+//! | type | where | functions |
+//! |---|---|---|
+//! | `f32` | the controller's tick, on the target and on a desktop | our own polynomials, IEEE square root: the same bits everywhere |
+//! | `f64` | the desktop: queries, design, references for tests | `libm` |
+//! | dual numbers | sensitivities (feature `design`) | derivatives carried along |
+
+mod double;
+mod single;
+
+use core::fmt::Debug;
+use core::ops::{Add, Div, Mul, Neg, Sub};
+
+/// A real number as the models use it.
+///
+/// Comparisons look at the value alone, so that a dual number takes the same branch as
+/// the plain number it stands for.
+pub trait Scalar:
+    Copy
+    + Debug
+    + PartialEq
+    + PartialOrd
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + 'static
+{
+    /// 0.
+    const ZERO: Self;
+    /// 1.
+    const ONE: Self;
+    /// ½.
+    const HALF: Self;
+    /// 2.
+    const TWO: Self;
+
+    /// The number nearest to `value`; for constants.
+    fn from_f64(value: f64) -> Self;
+    /// The value, without any derivative it carries.
+    fn to_f64(self) -> f64;
+    /// √x, correctly rounded for the plain types. NaN below zero.
+    fn sqrt(self) -> Self;
+    /// (sin x, cos x), x in radians.
+    fn sin_cos(self) -> (Self, Self);
+    /// The angle of (x, y) in (−π, π], `self` being y.
+    fn atan2(self, x: Self) -> Self;
+
+    /// |x|.
+    #[inline]
+    fn abs(self) -> Self {
+        if self < Self::ZERO { -self } else { self }
+    }
+
+    /// Neither infinite nor NaN.
+    #[inline]
+    #[allow(clippy::eq_op)]
+    fn is_finite(self) -> bool {
+        // x − x is 0 for every finite x and NaN for the others.
+        self - self == Self::ZERO
+    }
+}

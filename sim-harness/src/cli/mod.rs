@@ -1,0 +1,35 @@
+//! The command line: one module per subcommand, each with its arguments and a `run`.
+
+mod failure;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+pub use failure::Failure;
+
+/// Simulate, check and drive a planar five-bar arm.
+#[derive(Parser)]
+#[command(version, about)]
+struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Subcommand)]
+enum Command {}
+
+/// Parses the arguments, runs the command and reports what went wrong.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let outcome: Result<(), Failure> = match cli.command {
+        None => Ok(()),
+        Some(command) => match command {},
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("fivebar: {failure}");
+            failure.exit_code()
+        }
+    }
+}

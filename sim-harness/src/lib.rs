@@ -1,0 +1,3 @@
+//! Simulate, check and drive a planar five-bar arm: the library behind `fivebar`.
+
+pub mod cli;

@@ -1,0 +1,1 @@
+//! Truths that cross the crates of Fivebar; see `tests/`.
