@@ -5,7 +5,9 @@
 #![no_std]
 
 pub mod io;
+pub mod motion;
 pub mod settings;
 
 pub use io::{Command, Sensed};
+pub use motion::{Move, MoveKind};
 pub use settings::Settings;

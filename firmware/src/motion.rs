@@ -1,0 +1,48 @@
+//! What the controller can be asked to do with its tool: the moves of the protocol and of
+//! the planner's queue.
+
+use serde::{Deserialize, Serialize};
+
+/// One move, from wherever the one before it ends.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Move {
+    /// The sender's name for this move, given back in states and refusals: a line number.
+    pub tag: u32,
+    /// What to do.
+    pub kind: MoveKind,
+}
+
+/// The kinds of move. Positions are of the tool in the frame of the base [m].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum MoveKind {
+    /// Straight to a point.
+    Line {
+        /// The end [m].
+        to: [f32; 2],
+        /// Speed along the path [m/s]; the limits may slow it.
+        feed: f32,
+    },
+    /// Along a circle; a full turn where the end is the start.
+    Arc {
+        /// The end [m].
+        to: [f32; 2],
+        /// The circle's centre [m].
+        center: [f32; 2],
+        /// The sense of rotation.
+        clockwise: bool,
+        /// Speed along the path [m/s]; the limits may slow it.
+        feed: f32,
+    },
+    /// Stand still.
+    Dwell {
+        /// For how long [s].
+        duration: f32,
+    },
+    /// Both driven joints straight to their angles, arriving together.
+    Joint {
+        /// θ1, θ4 [rad].
+        to: [f32; 2],
+        /// Share of the joints' greatest speed, in 0…1.
+        speed: f32,
+    },
+}
