@@ -1,3 +1,4 @@
 //! Simulate, check and drive a planar five-bar arm: the library behind `fivebar`.
 
 pub mod cli;
+pub mod report;

@@ -1,0 +1,311 @@
+//! Curves over two axes, drawn by plotters as SVG.
+
+use super::Point;
+use super::decimate::{Range, is_finite, thin};
+use super::page::escape;
+use plotters::prelude::*;
+use std::fmt::Write as _;
+
+/// How a series is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stroke {
+    /// A solid line.
+    Line,
+    /// A dashed line, for references and limits.
+    Dashed,
+    /// Separate dots.
+    Dots,
+}
+
+/// One curve of a chart.
+#[derive(Clone, Debug)]
+pub struct Series {
+    /// What it is, for the legend; with an empty name it has no entry there.
+    pub name: String,
+    /// Its points, in the units of the axes; a point that is not finite breaks the line.
+    pub points: Vec<Point>,
+    /// How it is drawn.
+    pub stroke: Stroke,
+}
+
+/// Series over two labelled axes.
+#[derive(Clone, Debug)]
+pub struct Chart {
+    /// What the chart shows.
+    pub title: String,
+    /// Name and unit of the horizontal axis: "time [s]".
+    pub x_label: String,
+    /// Name and unit of the vertical axis: "tip error [µm]".
+    pub y_label: String,
+    /// The curves, the first drawn first.
+    pub series: Vec<Series>,
+    /// Whether a unit is as long across as up, for paths in the plane.
+    pub equal_aspect: bool,
+}
+
+/// Plotters' SVG has whole coordinates only: drawing this much larger leaves a quarter
+/// of a pixel of resolution.
+const FINE: u32 = 4;
+/// Width of a chart [px]; the page scales it to the reader's screen.
+const WIDTH: u32 = 720;
+const HEIGHT: u32 = 280;
+const MARGIN: u32 = 8;
+const X_LABELS: u32 = 36;
+const Y_LABELS: u32 = 64;
+
+/// Stand-ins in plotters' output for the colours the style sheet sets, so that a chart
+/// follows the reader's light or dark mode.
+const INK: RGBColor = RGBColor(1, 1, 1);
+const GRID: RGBColor = RGBColor(2, 2, 2);
+const SERIES: [RGBColor; 6] = [
+    RGBColor(3, 3, 3),
+    RGBColor(4, 4, 4),
+    RGBColor(5, 5, 5),
+    RGBColor(6, 6, 6),
+    RGBColor(7, 7, 7),
+    RGBColor(8, 8, 8),
+];
+
+impl Chart {
+    /// A chart without series.
+    pub fn new(
+        title: impl Into<String>,
+        x_label: impl Into<String>,
+        y_label: impl Into<String>,
+    ) -> Self {
+        Self {
+            title: title.into(),
+            x_label: x_label.into(),
+            y_label: y_label.into(),
+            series: Vec::new(),
+            equal_aspect: false,
+        }
+    }
+
+    /// Adds a series.
+    #[must_use]
+    pub fn series(mut self, stroke: Stroke, name: impl Into<String>, points: Vec<Point>) -> Self {
+        self.series.push(Series {
+            name: name.into(),
+            points,
+            stroke,
+        });
+        self
+    }
+
+    /// Adds a solid line.
+    #[must_use]
+    pub fn line(self, name: impl Into<String>, points: Vec<Point>) -> Self {
+        self.series(Stroke::Line, name, points)
+    }
+
+    /// Adds a dashed line.
+    #[must_use]
+    pub fn dashed(self, name: impl Into<String>, points: Vec<Point>) -> Self {
+        self.series(Stroke::Dashed, name, points)
+    }
+
+    /// Adds separate dots.
+    #[must_use]
+    pub fn dots(self, name: impl Into<String>, points: Vec<Point>) -> Self {
+        self.series(Stroke::Dots, name, points)
+    }
+
+    /// Makes a unit as long across as up.
+    #[must_use]
+    pub fn with_equal_aspect(mut self) -> Self {
+        self.equal_aspect = true;
+        self
+    }
+
+    /// The chart as a figure with its legend.
+    pub(super) fn to_html(&self) -> String {
+        let mut legend = String::new();
+        for (index, series) in self.series.iter().enumerate() {
+            if !series.name.is_empty() {
+                let dashed = match series.stroke {
+                    Stroke::Dashed => " dashed",
+                    Stroke::Line | Stroke::Dots => "",
+                };
+                let _ = write!(
+                    legend,
+                    "<span class=\"entry{dashed} s{}\">{}</span>",
+                    index % SERIES.len() + 1,
+                    escape(&series.name)
+                );
+            }
+        }
+        format!(
+            "<figure class=\"chart\"><figcaption><b>{}</b>{legend}</figcaption>\
+             <div class=\"scroll\">{}</div></figure>\n",
+            escape(&self.title),
+            self.to_svg()
+        )
+    }
+
+    fn to_svg(&self) -> String {
+        let points = || self.series.iter().flat_map(|series| &series.points);
+        let Some(range) = Range::of(points()) else {
+            return "<p>There is nothing to show.</p>".into();
+        };
+        let (range, height) = if self.equal_aspect {
+            same_scale(range)
+        } else {
+            (widened(range), HEIGHT)
+        };
+        let mut svg = String::new();
+        // Drawing into a string fails for no input: there is no device to refuse it.
+        self.draw(&mut svg, range, height)
+            .expect("drawing into memory does not fail");
+        themed(&svg)
+    }
+
+    fn draw(
+        &self,
+        svg: &mut String,
+        range: Range,
+        height: u32,
+    ) -> Result<(), Box<dyn std::error::Error>> {
+        let area = SVGBackend::with_string(svg, (WIDTH * FINE, height * FINE)).into_drawing_area();
+        let mut chart = ChartBuilder::on(&area)
+            .margin(MARGIN * FINE)
+            .x_label_area_size(X_LABELS * FINE)
+            .y_label_area_size(Y_LABELS * FINE)
+            .build_cartesian_2d(range.low[0]..range.high[0], range.low[1]..range.high[1])?;
+        let text = ("sans-serif", 12 * FINE).into_font().color(&INK);
+        chart
+            .configure_mesh()
+            .x_desc(&self.x_label)
+            .y_desc(&self.y_label)
+            .x_labels(8)
+            .y_labels(6)
+            .x_label_formatter(&|value| tick(*value, range.width()))
+            .y_label_formatter(&|value| tick(*value, range.height()))
+            .label_style(text.clone())
+            .axis_desc_style(text)
+            .axis_style(GRID.stroke_width(FINE))
+            .bold_line_style(GRID.stroke_width(FINE / 2))
+            .light_line_style(TRANSPARENT)
+            .draw()?;
+        for (series, color) in self.series.iter().zip(SERIES.iter().cycle()) {
+            let points = thin(&series.points, f64::from(WIDTH));
+            let style = color.stroke_width(3 * FINE / 2);
+            for part in points.split(|point| !is_finite(point)) {
+                let part = part.iter().map(|&[x, y]| (x, y));
+                match series.stroke {
+                    Stroke::Line => {
+                        chart.draw_series(LineSeries::new(part, style))?;
+                    }
+                    Stroke::Dashed => {
+                        let dash = (5 * FINE, 4 * FINE);
+                        chart.draw_series(DashedLineSeries::new(part, dash.0, dash.1, style))?;
+                    }
+                    Stroke::Dots => {
+                        let dot = |at| Circle::new(at, 2 * FINE, color.filled());
+                        chart.draw_series(part.map(dot))?;
+                    }
+                }
+            }
+        }
+        area.present()?;
+        Ok(())
+    }
+}
+
+/// A range with some air around it, and never empty.
+fn widened(Range { low, high }: Range) -> Range {
+    let air = |low: f64, high: f64, share: f64| {
+        if high > low {
+            (high - low) * share
+        } else {
+            low.abs().max(1.0) * 0.5
+        }
+    };
+    let (x, y) = (air(low[0], high[0], 0.0), air(low[1], high[1], 0.05));
+    Range {
+        low: [low[0] - x, low[1] - y],
+        high: [high[0] + x, high[1] + y],
+    }
+}
+
+/// The range and the chart's height [px] at which a unit is as long across as up.
+fn same_scale(range: Range) -> (Range, u32) {
+    let plot_width = f64::from(WIDTH - 2 * MARGIN - Y_LABELS);
+    let frame = f64::from(2 * MARGIN + X_LABELS);
+    let size = range.width().max(range.height()).max(1e-9);
+    let air = 0.04 * size;
+    let (width, height) = (range.width() + 2.0 * air, range.height() + 2.0 * air);
+    let plot_height = (plot_width * height / width).clamp(200.0, 520.0).round();
+    let per_pixel = (width / plot_width).max(height / plot_height);
+    let middle = [0, 1].map(|axis| 0.5 * (range.low[axis] + range.high[axis]));
+    let half = [0.5 * per_pixel * plot_width, 0.5 * per_pixel * plot_height];
+    let widened = Range {
+        low: [middle[0] - half[0], middle[1] - half[1]],
+        high: [middle[0] + half[0], middle[1] + half[1]],
+    };
+    (widened, (plot_height + frame) as u32)
+}
+
+/// A number at an axis, with as many decimals as the axis's span calls for.
+fn tick(value: f64, span: f64) -> String {
+    let digits = (2.0 - span.log10().floor()).clamp(0.0, 12.0) as usize;
+    let text = format!("{value:.digits$}");
+    let text = match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.'),
+        false => &text,
+    };
+    match text {
+        "-0" => "0".into(),
+        text => text.replace('-', "−"),
+    }
+}
+
+/// Puts the style sheet's colours for the stand-ins.
+fn themed(svg: &str) -> String {
+    let hex = |RGBColor(r, g, b)| format!("\"#{r:02X}{g:02X}{b:02X}\"");
+    let mut svg = svg
+        .replace(&hex(INK), "\"currentColor\"")
+        .replace(&hex(GRID), "\"var(--grid)\"");
+    for (index, color) in SERIES.into_iter().enumerate() {
+        svg = svg.replace(&hex(color), &format!("\"var(--s{})\"", index + 1));
+    }
+    svg
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Chart, Range, same_scale, tick};
+
+    #[test]
+    fn labels_axes_without_noise_digits() {
+        assert_eq!(tick(0.1 + 0.2, 1.0), "0.3");
+        assert_eq!(tick(-0.0, 1.0), "0");
+        assert_eq!(tick(-25.0, 100.0), "−25");
+        assert_eq!(tick(1200.0, 4000.0), "1200");
+        assert_eq!(tick(2.5e-5, 1e-4), "0.000025");
+    }
+
+    #[test]
+    fn keeps_a_unit_as_long_across_as_up() {
+        for high in [[1.0, 1.0], [10.0, 1.0], [1.0, 10.0], [0.0, 0.0]] {
+            let (range, height) = same_scale(Range {
+                low: [0.0, 0.0],
+                high,
+            });
+            let across = range.width() / f64::from(super::WIDTH - 16 - 64);
+            let up = range.height() / f64::from(height - 16 - 36);
+            assert!((across / up - 1.0).abs() < 1e-9);
+            assert!(range.low[0] <= 0.0 && range.high[1] >= high[1]);
+        }
+    }
+
+    #[test]
+    fn draws_breaks_flat_lines_and_nothing() {
+        let broken = vec![[0.0, 1.0], [f64::NAN, f64::NAN], [1.0, 1.0], [2.0, 1.0]];
+        let svg = Chart::new("t", "x [s]", "y [m]").line("a", broken).to_svg();
+        assert_eq!(svg.matches("var(--s1)").count(), 2);
+        assert!(svg.contains("x [s]") && svg.contains("y [m]"));
+        let empty = Chart::new("t", "x", "y").line("a", vec![[f64::NAN, 0.0]]);
+        assert!(empty.to_html().contains("nothing to show"));
+    }
+}

@@ -1,0 +1,75 @@
+//! Files written whole or not at all.
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+/// A file could not be written; nothing is left behind in its place.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot write {}: {source}; choose another folder or free the file", path.display())]
+pub struct WriteError {
+    path: PathBuf,
+    source: std::io::Error,
+}
+
+/// Writes a file by way of a temporary one in the same folder, so that a reader finds
+/// the old file or the new one and never a part. Makes the folder if it is missing.
+///
+/// # Errors
+/// Whatever the file system refuses, with the path.
+pub fn write_whole(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), WriteError> {
+    try_write(path, bytes.as_ref()).map_err(|source| WriteError {
+        path: path.to_owned(),
+        source,
+    })
+}
+
+fn try_write(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let folder = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    std::fs::create_dir_all(folder)?;
+    let mut builder = tempfile::Builder::new();
+    // A temporary file is private by default; the finished one obeys the umask instead.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let mut file = builder.tempfile_in(folder)?;
+    file.write_all(bytes)?;
+    file.persist(path).map_err(|refused| refused.error)?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::write_whole;
+
+    #[test]
+    fn replaces_a_file_and_leaves_nothing_beside_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("deep/report.html");
+        write_whole(&path, "old").unwrap();
+        write_whole(&path, "new").unwrap();
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "new");
+        let beside = std::fs::read_dir(path.parent().unwrap()).unwrap().count();
+        assert_eq!(beside, 1);
+    }
+
+    #[test]
+    fn refuses_a_folder_that_is_a_file_and_names_the_path() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("taken");
+        std::fs::write(&file, "").unwrap();
+        let refusal = write_whole(&file.join("report.html"), "x").unwrap_err();
+        assert!(refusal.to_string().contains("taken/report.html"));
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_refused_replacement_leaves_no_partial_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let target = folder.path().join("report.html");
+        std::fs::create_dir(&target).unwrap();
+        assert!(write_whole(&target, "x").is_err());
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+}
