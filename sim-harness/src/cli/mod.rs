@@ -1,6 +1,7 @@
 //! The command line: one module per subcommand, each with its arguments and a `run`.
 
 mod failure;
+mod robots;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -16,14 +17,18 @@ struct Cli {
 }
 
 #[derive(Subcommand)]
-enum Command {}
+enum Command {
+    Robots(robots::Args),
+}
 
 /// Parses the arguments, runs the command and reports what went wrong.
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let outcome: Result<(), Failure> = match cli.command {
         None => Ok(()),
-        Some(command) => match command {},
+        Some(command) => match command {
+            Command::Robots(args) => robots::run(&args),
+        },
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
