@@ -11,6 +11,7 @@
 #[cfg(feature = "design")]
 extern crate std;
 
+pub mod control;
 pub mod dynamics;
 pub mod five_bar;
 pub mod scalar;
