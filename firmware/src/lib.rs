@@ -8,6 +8,7 @@
 pub mod board;
 pub mod io;
 pub mod motion;
+pub mod protocol;
 pub mod settings;
 
 pub use io::{Command, Sensed};
