@@ -14,6 +14,8 @@ extern crate std;
 pub mod control;
 pub mod dynamics;
 pub mod five_bar;
+#[cfg(feature = "design")]
+pub mod linkage;
 pub mod scalar;
 mod vector;
 
