@@ -3,7 +3,7 @@
 use super::{Actuator, KinematicsOnly, Robot};
 use fivebar_firmware::Settings;
 use fivebar_firmware::settings::{
-    AxisSettings, ControlSettings, LinkSettings, MotionSettings, ProtectionSettings,
+    AxisSettings, ControlSettings, HomingSettings, LinkSettings, MotionSettings, ProtectionSettings,
 };
 use fivebar_kinematics::dynamics::Arm;
 use fivebar_kinematics::five_bar::Side;
@@ -42,6 +42,7 @@ impl Robot {
             tool_offset: self.tool.offset.map(single),
             elbows_left: [self.working_mode.elbow1, self.working_mode.elbow4]
                 .map(|side| side == Side::Left),
+            assembly_left: self.assembly() == Side::Left,
             axes: [0, 1].map(|joint| self.axis(joint, &actuators[joint])),
             control: ControlSettings {
                 tick_rate: single(control.tick_rate),
@@ -50,7 +51,13 @@ impl Robot {
                 integral_rate: single(control.integral_rate),
                 observer_bandwidth: single(control.observer_bandwidth),
                 current_bandwidth: single(control.current_bandwidth),
+                friction_smoothing: 0.02,
                 computed_torque: true,
+            },
+            homing: HomingSettings {
+                speed: single(0.02 * least(self.limits.max_speed)),
+                back_off: 0.05,
+                current: single(0.3 * least(actuators.map(|a| a.peak_current))),
             },
             motion: MotionSettings {
                 max_speed: single(motion.max_speed),
@@ -103,6 +110,23 @@ impl Robot {
         }))
     }
 
+    /// The assembly branch: the one that has the working mode in the middle of the joints'
+    /// ranges, `Left` where both have.
+    fn assembly(&self) -> Side {
+        let [theta1, theta4] = self.limits.angle.map(|[low, high]| 0.5 * (low + high));
+        let right = self.geometry.forward(theta1, theta4, Side::Right);
+        let left = self.geometry.forward(theta1, theta4, Side::Left);
+        match (left, right) {
+            (Ok(left), Ok(right))
+                if left.working_mode() != self.working_mode
+                    && right.working_mode() == self.working_mode =>
+            {
+                Side::Right
+            }
+            _ => Side::Left,
+        }
+    }
+
     /// Bus voltage per ADC code [V].
     pub fn voltage_per_code(&self) -> f64 {
         let ample = 2.0 * self.supply.voltage / ADC_CODES;
@@ -111,6 +135,7 @@ impl Robot {
 
     fn axis(&self, joint: usize, actuator: &Actuator) -> AxisSettings {
         let ample = 4.0 * actuator.peak_current / ADC_CODES;
+        let [low, high] = self.limits.angle[joint];
         AxisSettings {
             gear_ratio: single(actuator.gear_ratio),
             rotor_inertia: single(actuator.rotor_inertia),
@@ -121,6 +146,7 @@ impl Robot {
             coulomb_friction: single(actuator.coulomb_friction),
             encoder_counts: actuator.encoder_counts,
             home_angle: single(self.home[joint]),
+            home_forward: self.home[joint] > 0.5 * (low + high),
             angle_limits: self.limits.angle[joint].map(single),
             max_speed: single(self.limits.max_speed[joint]),
             max_acceleration: single(self.limits.max_acceleration[joint]),
@@ -167,6 +193,10 @@ fn ample_torque(arm: &Arm<f64>, acceleration: f64) -> f64 {
 
 fn largest([a, b]: [f64; 2]) -> f64 {
     a.max(b)
+}
+
+fn least([a, b]: [f64; 2]) -> f64 {
+    a.min(b)
 }
 
 fn single(value: f64) -> f32 {
