@@ -1,7 +1,8 @@
 //! The settings in sections, each small enough for a frame.
 
 use crate::settings::{
-    AxisSettings, ControlSettings, LinkSettings, MotionSettings, ProtectionSettings, Settings,
+    AxisSettings, ControlSettings, HomingSettings, LinkSettings, MotionSettings,
+    ProtectionSettings, Settings,
 };
 use serde::{Deserialize, Serialize};
 
@@ -28,6 +29,10 @@ pub enum SectionKey {
     Motion,
     /// The trip points.
     Protection,
+    /// The assembly mode.
+    Assembly,
+    /// The search for the home switches.
+    Homing,
 }
 
 /// A section with its value; units as in [`Settings`].
@@ -53,12 +58,16 @@ pub enum Section {
     Motion(MotionSettings),
     /// [`Settings::protection`].
     Protection(ProtectionSettings),
+    /// [`Settings::assembly_left`].
+    Assembly(bool),
+    /// [`Settings::homing`].
+    Homing(HomingSettings),
 }
 
 impl SectionKey {
     /// Every section: to read or write all of these is to read or write the settings
     /// whole.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 16] = [
         Self::Lengths,
         Self::Link(0),
         Self::Link(1),
@@ -73,6 +82,8 @@ impl SectionKey {
         Self::Control,
         Self::Motion,
         Self::Protection,
+        Self::Assembly,
+        Self::Homing,
     ];
 
     /// This section of `settings`; `None` for a link or axis that is not there.
@@ -88,6 +99,8 @@ impl SectionKey {
             Self::Control => Section::Control(settings.control),
             Self::Motion => Section::Motion(settings.motion),
             Self::Protection => Section::Protection(settings.protection),
+            Self::Assembly => Section::Assembly(settings.assembly_left),
+            Self::Homing => Section::Homing(settings.homing),
         })
     }
 }
@@ -108,6 +121,8 @@ impl Section {
             Self::Control(value) => settings.control = value,
             Self::Motion(value) => settings.motion = value,
             Self::Protection(value) => settings.protection = value,
+            Self::Assembly(value) => settings.assembly_left = value,
+            Self::Homing(value) => settings.homing = value,
         }
         Some(())
     }

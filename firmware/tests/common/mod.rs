@@ -5,7 +5,7 @@ use fivebar_firmware::protocol::{
     SectionKey, Sequence, State, Telemetry, Ticked, VERSION,
 };
 use fivebar_firmware::settings::{
-    AxisSettings, ControlSettings, LinkSettings, MotionSettings, ProtectionSettings,
+    AxisSettings, ControlSettings, HomingSettings, LinkSettings, MotionSettings, ProtectionSettings,
 };
 use fivebar_firmware::{Command, Move, MoveKind, Sensed};
 use proptest::prelude::*;
@@ -66,27 +66,34 @@ fn section_key() -> impl Strategy<Value = SectionKey> {
 }
 
 fn axis() -> impl Strategy<Value = AxisSettings> {
-    (prop::array::uniform17(number()), any::<u32>(), any::<u16>()).prop_map(
-        |(v, encoder_counts, current_zero_code)| AxisSettings {
-            gear_ratio: v[0],
-            rotor_inertia: v[1],
-            torque_constant: v[2],
-            resistance: v[3],
-            inductance: v[4],
-            viscous_friction: v[5],
-            coulomb_friction: v[6],
-            encoder_counts,
-            home_angle: v[7],
-            angle_limits: [v[8], v[9]],
-            max_speed: v[10],
-            max_acceleration: v[11],
-            peak_current: v[12],
-            continuous_current: v[13],
-            thermal_time_constant: v[14],
-            current_per_code: v[15],
-            current_zero_code,
-        },
+    (
+        prop::array::uniform16(number()),
+        any::<u32>(),
+        any::<u16>(),
+        any::<bool>(),
     )
+        .prop_map(
+            |(v, encoder_counts, current_zero_code, home_forward)| AxisSettings {
+                gear_ratio: v[0],
+                rotor_inertia: v[1],
+                torque_constant: v[2],
+                resistance: v[3],
+                inductance: v[4],
+                viscous_friction: v[5],
+                coulomb_friction: v[6],
+                encoder_counts,
+                home_angle: v[7],
+                home_forward,
+                angle_limits: [v[8], v[9]],
+                max_speed: v[10],
+                max_acceleration: v[11],
+                peak_current: v[12],
+                continuous_current: v[13],
+                thermal_time_constant: v[14],
+                current_per_code: v[15],
+                current_zero_code,
+            },
+        )
 }
 
 /// Any section.
@@ -101,7 +108,7 @@ pub(crate) fn section() -> impl Strategy<Value = Section> {
         pair().prop_map(Section::ToolOffset),
         any::<[bool; 2]>().prop_map(Section::Elbows),
         (any::<u8>(), axis()).prop_map(|(index, axis)| Section::Axis(index, axis)),
-        (prop::array::uniform6(number()), any::<bool>()).prop_map(|(v, computed_torque)| {
+        (prop::array::uniform7(number()), any::<bool>()).prop_map(|(v, computed_torque)| {
             Section::Control(ControlSettings {
                 tick_rate: v[0],
                 bandwidth: v[1],
@@ -109,6 +116,7 @@ pub(crate) fn section() -> impl Strategy<Value = Section> {
                 integral_rate: v[3],
                 observer_bandwidth: v[4],
                 current_bandwidth: v[5],
+                friction_smoothing: v[6],
                 computed_torque,
             })
         }),
@@ -129,6 +137,14 @@ pub(crate) fn section() -> impl Strategy<Value = Section> {
                 bus_voltage: [v[3], v[4]],
                 bus_voltage_per_code: v[5],
                 command_timeout: v[6],
+            })
+        }),
+        any::<bool>().prop_map(Section::Assembly),
+        prop::array::uniform3(number()).prop_map(|v| {
+            Section::Homing(HomingSettings {
+                speed: v[0],
+                back_off: v[1],
+                current: v[2],
             })
         }),
     ]
