@@ -4,3 +4,4 @@ pub mod cli;
 pub mod job;
 pub mod report;
 pub mod robot;
+pub mod run;
