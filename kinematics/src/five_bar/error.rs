@@ -9,6 +9,8 @@ pub enum GeometryError {
     NotPositive(usize),
     /// The longest length exceeds the sum of the others: the loop cannot close.
     CannotAssemble,
+    /// The tool's offset from C is not finite, or puts the tool on B.
+    ToolOffset,
 }
 
 /// Why no pose exists.
@@ -62,6 +64,9 @@ impl fmt::Display for GeometryError {
             }
             Self::CannotAssemble => {
                 f.write_str("the longest length exceeds the sum of the other four")
+            }
+            Self::ToolOffset => {
+                f.write_str("the tool's offset must be finite and not put the tool on B")
             }
         }
     }

@@ -1,12 +1,13 @@
 //! Forward position: from the driven angles to the tool.
 //!
-//! Yu 2007 solves rC = rB + l2 u(θ2) = rD + l3 u(θ3) by a half-angle formula; the same
-//! two roots by intersecting the circles about B and D need one square root, one
-//! division and no trigonometry:
+//! Yu 2007 solves rC = rB + l2 u(θ2) = rD + l3 u(θ3) by a half-angle formula
+//! ([`Geometry::half_angle_forward`]); the same two roots by intersecting the circles
+//! about B and D need one square root, one division and no trigonometry:
 //!
 //! p = rD − rB, a = ½(1 + (l2² − l3²)/|p|²), h = √(l2²/|p|² − a²), rC = rB + a p ± h p⊥,
 //! the upper sign on the `Left` assembly.
 
+use super::circles::{Miss, intersect};
 use super::{Geometry, Pose, PoseError, Side, Singularity, Unreachable};
 use crate::{Scalar, Vec2};
 
@@ -14,12 +15,10 @@ impl<S: Scalar> Geometry<S> {
     /// The pose with driven angles θ1, θ4 [rad] on the given assembly branch.
     ///
     /// # Errors
-    /// `Unreachable` where links 2 and 3 cannot meet, `Singular` where B meets D.
-    #[inline]
+    /// `Unreachable` where links 2 and 3 cannot meet, `Singular` where B meets D to
+    /// rounding, `NotFinite`. A pose with B, C, D in line is given; motion is refused there.
+    #[inline(always)]
     pub fn forward(&self, theta1: S, theta4: S, assembly: Side) -> Result<Pose<S>, PoseError> {
-        if !(theta1.is_finite() && theta4.is_finite()) {
-            return Err(PoseError::NotFinite);
-        }
         self.forward_from_directions(Vec2::unit(theta1), Vec2::unit(theta4), assembly)
     }
 
@@ -27,42 +26,35 @@ impl<S: Scalar> Geometry<S> {
     ///
     /// # Errors
     /// As [`Geometry::forward`].
-    #[inline]
+    #[inline(always)]
     pub fn forward_from_directions(
         &self,
         u1: Vec2<S>,
         u4: Vec2<S>,
         assembly: Side,
     ) -> Result<Pose<S>, PoseError> {
-        let (l2, l3) = (self.l2(), self.l3());
         let b = u1 * self.l1();
-        let d = self.e() + u4 * self.l4();
-        let p = d - b;
-        let p_squared = p.norm_squared();
-        if p_squared == S::ZERO {
-            return Err(PoseError::Singular(Singularity::Parallel));
-        }
-        let inverse = S::ONE / p_squared;
-        let a = S::HALF * (S::ONE + (l2 * l2 - l3 * l3) * inverse);
-        let h_squared = l2 * l2 * inverse - a * a;
-        if h_squared < S::ZERO {
-            let too_far = p_squared > (l2 + l3) * (l2 + l3);
-            return Err(PoseError::Unreachable(if too_far {
-                Unreachable::ElbowsTooFar
-            } else {
-                Unreachable::ElbowsTooNear
-            }));
-        }
-        let h = assembly.sign(h_squared.sqrt());
-        let c = b + p * a + p.perp() * h;
+        let d = Vec2::new(self.base() + u4.x * self.l4(), u4.y * self.l4());
+        let bc = intersect(d - b, self.l2(), self.l3(), assembly).map_err(refusal)?;
+        let c = b + bc;
+        let [_, per_l2, per_l3, _] = self.per_length();
         Ok(Pose {
             u1,
-            u2: (c - b) * (S::ONE / l2),
-            u3: (c - d) * (S::ONE / l3),
+            u2: bc * per_l2,
+            u3: (c - d) * per_l3,
             u4,
             b,
             c,
             d,
         })
+    }
+}
+
+fn refusal(miss: Miss) -> PoseError {
+    match miss {
+        Miss::TooFar => PoseError::Unreachable(Unreachable::ElbowsTooFar),
+        Miss::TooNear => PoseError::Unreachable(Unreachable::ElbowsTooNear),
+        Miss::Coincident => PoseError::Singular(Singularity::Parallel),
+        Miss::NotFinite => PoseError::NotFinite,
     }
 }

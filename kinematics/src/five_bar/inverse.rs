@@ -4,72 +4,68 @@
 //! h = √(l1²/|r|² − a²), rB = rA + a r ∓ h r⊥, the upper sign where the elbow turns
 //! `Left` (then B lies right of the ray A→C). Leg 4 alike about E.
 
+use super::circles::{Miss, intersect};
 use super::{Geometry, Pose, PoseError, Side, Singularity, Unreachable, WorkingMode};
 use crate::{Scalar, Vec2};
 
+/// Leg 4's part of a pose.
+pub(super) struct Leg4<S> {
+    pub(super) d: Vec2<S>,
+    pub(super) u3: Vec2<S>,
+    pub(super) u4: Vec2<S>,
+}
+
 impl<S: Scalar> Geometry<S> {
-    /// The pose that holds the tool at `c` [m] in the given working mode.
+    /// The pose that holds C at `c` [m] in the given working mode.
     ///
     /// # Errors
     /// `Unreachable` with the leg and the side of its annulus, `Singular` where C meets
-    /// a base pivot.
-    #[inline]
+    /// a base pivot to rounding, `NotFinite`. A pose with a leg straight or folded is
+    /// given; motion is refused there.
+    #[inline(always)]
     pub fn inverse(&self, c: Vec2<S>, mode: WorkingMode) -> Result<Pose<S>, PoseError> {
-        if !(c.x.is_finite() && c.y.is_finite()) {
-            return Err(PoseError::NotFinite);
-        }
-        let e = self.e();
-        let b = leg(c, self.l1(), self.l2(), mode.elbow1).map_err(|failure| match failure {
-            LegFailure::TooFar => PoseError::Unreachable(Unreachable::Leg1TooFar),
-            LegFailure::TooNear => PoseError::Unreachable(Unreachable::Leg1TooNear),
-            LegFailure::AtPivot => PoseError::Singular(Singularity::Leg1),
-        })?;
-        let ed =
-            leg(c - e, self.l4(), self.l3(), mode.elbow4).map_err(|failure| match failure {
-                LegFailure::TooFar => PoseError::Unreachable(Unreachable::Leg4TooFar),
-                LegFailure::TooNear => PoseError::Unreachable(Unreachable::Leg4TooNear),
-                LegFailure::AtPivot => PoseError::Singular(Singularity::Leg4),
-            })?;
-        let d = e + ed;
+        let [per_l1, per_l2, ..] = self.per_length();
+        let b = intersect(c, self.l1(), self.l2(), mode.elbow1.opposite()).map_err(refusal1)?;
+        let Leg4 { d, u3, u4 } = self.leg4(c, mode.elbow4)?;
         Ok(Pose {
-            u1: b * (S::ONE / self.l1()),
-            u2: (c - b) * (S::ONE / self.l2()),
-            u3: (c - d) * (S::ONE / self.l3()),
-            u4: ed * (S::ONE / self.l4()),
+            u1: b * per_l1,
+            u2: (c - b) * per_l2,
+            u3,
+            u4,
             b,
             c,
             d,
         })
     }
+
+    /// Leg 4 when C is at `c`.
+    #[inline(always)]
+    pub(super) fn leg4(&self, c: Vec2<S>, elbow4: Side) -> Result<Leg4<S>, PoseError> {
+        let [_, _, per_l3, per_l4] = self.per_length();
+        let ec = c - self.e();
+        let ed = intersect(ec, self.l4(), self.l3(), elbow4.opposite()).map_err(refusal4)?;
+        Ok(Leg4 {
+            d: self.e() + ed,
+            u3: (ec - ed) * per_l3,
+            u4: ed * per_l4,
+        })
+    }
 }
 
-enum LegFailure {
-    TooFar,
-    TooNear,
-    AtPivot,
+pub(super) fn refusal1(miss: Miss) -> PoseError {
+    match miss {
+        Miss::TooFar => PoseError::Unreachable(Unreachable::Leg1TooFar),
+        Miss::TooNear => PoseError::Unreachable(Unreachable::Leg1TooNear),
+        Miss::Coincident => PoseError::Singular(Singularity::Leg1),
+        Miss::NotFinite => PoseError::NotFinite,
+    }
 }
 
-/// The elbow, relative to the pivot, of a leg that ends at `r` from the pivot.
-#[inline]
-fn leg<S: Scalar>(r: Vec2<S>, driven: S, distal: S, elbow: Side) -> Result<Vec2<S>, LegFailure> {
-    let r_squared = r.norm_squared();
-    if r_squared == S::ZERO {
-        return Err(if driven == distal {
-            LegFailure::AtPivot
-        } else {
-            LegFailure::TooNear
-        });
+pub(super) fn refusal4(miss: Miss) -> PoseError {
+    match miss {
+        Miss::TooFar => PoseError::Unreachable(Unreachable::Leg4TooFar),
+        Miss::TooNear => PoseError::Unreachable(Unreachable::Leg4TooNear),
+        Miss::Coincident => PoseError::Singular(Singularity::Leg4),
+        Miss::NotFinite => PoseError::NotFinite,
     }
-    let inverse = S::ONE / r_squared;
-    let a = S::HALF * (S::ONE + (driven * driven - distal * distal) * inverse);
-    let h_squared = driven * driven * inverse - a * a;
-    if h_squared < S::ZERO {
-        let too_far = r_squared > (driven + distal) * (driven + distal);
-        return Err(if too_far {
-            LegFailure::TooFar
-        } else {
-            LegFailure::TooNear
-        });
-    }
-    Ok(r * a - r.perp() * elbow.sign(h_squared.sqrt()))
 }

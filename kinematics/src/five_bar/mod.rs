@@ -2,15 +2,29 @@
 //! eight branches (Yu 2007, section 1; corrected where its print errs).
 
 mod branch;
+mod circles;
+mod closed_form;
 mod error;
 mod forward;
 mod geometry;
 mod inverse;
+mod jacobian;
+mod limits;
 mod motion;
 mod pose;
+mod reach;
+mod singularity;
+mod tool;
+mod workspace;
 
 pub use branch::{Side, WorkingMode};
 pub use error::{GeometryError, PoseError, Singularity, Unreachable};
 pub use geometry::Geometry;
+pub use jacobian::{InverseJacobian, Jacobian};
+pub use limits::{Joint, JointLimits};
 pub use motion::{Accelerations, Velocities};
 pub use pose::Pose;
+pub use reach::Arc;
+pub use singularity::{Clearance, Clearances};
+pub use tool::Tool;
+pub use workspace::{Outside, Workspace};

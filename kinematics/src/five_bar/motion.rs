@@ -8,6 +8,9 @@
 //!
 //! **Erratum**: the printed inverse ω2 has l1 for l2 and the wrong sign; here
 //! ω1 = ṙC·u2 / (l1 sin(θ2−θ1)), ω2 = −ṙC·u1 / (l2 sin(θ2−θ1)).
+//!
+//! Each function divides once per sine, by [`per_sine`]; the lengths' reciprocals are the
+//! geometry's.
 
 use super::{Geometry, Pose, PoseError, Singularity};
 use crate::{Scalar, Vec2};
@@ -30,13 +33,17 @@ pub struct Accelerations<S> {
     pub c: Vec2<S>,
 }
 
-/// sin θ as a divisor, or the singularity that makes it zero.
+/// 1/sin θ, or the singularity that sin θ ≈ 0 is.
+///
+/// A position is known to about ε of its size, a direction near a singularity only to
+/// √ε: a sine below 8 √ε (1.2e-7 for `f64`, 2.8e-3 for `f32`) is rounding, and dividing
+/// by it would give large numbers that mean nothing.
 #[inline]
-fn divisor<S: Scalar>(sine: S, singularity: Singularity) -> Result<S, PoseError> {
-    if sine == S::ZERO {
-        Err(PoseError::Singular(singularity))
+pub(crate) fn per_sine<S: Scalar>(sine: S, singularity: Singularity) -> Result<S, PoseError> {
+    if sine * sine > S::from_f64(64.0) * S::EPSILON {
+        Ok(S::ONE / sine)
     } else {
-        Ok(sine)
+        Err(PoseError::Singular(singularity))
     }
 }
 
@@ -52,12 +59,13 @@ impl<S: Scalar> Geometry<S> {
         omega1: S,
         omega4: S,
     ) -> Result<Velocities<S>, PoseError> {
-        let sin32 = divisor(pose.sin32(), Singularity::Parallel)?;
+        let per_sin32 = per_sine(pose.sin32(), Singularity::Parallel)?;
+        let [_, per_l2, per_l3, _] = self.per_length();
         let vb = pose.u1.perp() * (self.l1() * omega1);
         let vd = pose.u4.perp() * (self.l4() * omega4);
         let v = vd - vb;
-        let omega2 = v.dot(pose.u3) / (self.l2() * sin32);
-        let omega3 = v.dot(pose.u2) / (self.l3() * sin32);
+        let omega2 = v.dot(pose.u3) * (per_l2 * per_sin32);
+        let omega3 = v.dot(pose.u2) * (per_l3 * per_sin32);
         Ok(Velocities {
             omega: [omega1, omega2, omega3, omega4],
             c: vb + pose.u2.perp() * (self.l2() * omega2),
@@ -76,7 +84,8 @@ impl<S: Scalar> Geometry<S> {
         alpha1: S,
         alpha4: S,
     ) -> Result<Accelerations<S>, PoseError> {
-        let sin32 = divisor(pose.sin32(), Singularity::Parallel)?;
+        let per_sin32 = per_sine(pose.sin32(), Singularity::Parallel)?;
+        let [_, per_l2, per_l3, _] = self.per_length();
         let cos32 = pose.u2.dot(pose.u3);
         let [omega1, omega2, omega3, omega4] = velocities.omega;
         let (l2, l3) = (self.l2(), self.l3());
@@ -85,15 +94,15 @@ impl<S: Scalar> Geometry<S> {
         let a = ad - ab;
         let centripetal2 = l2 * omega2 * omega2;
         let centripetal3 = l3 * omega3 * omega3;
-        let alpha2 = (a.dot(pose.u3) + centripetal2 * cos32 - centripetal3) / (l2 * sin32);
-        let alpha3 = (a.dot(pose.u2) - centripetal3 * cos32 + centripetal2) / (l3 * sin32);
+        let alpha2 = (a.dot(pose.u3) + centripetal2 * cos32 - centripetal3) * (per_l2 * per_sin32);
+        let alpha3 = (a.dot(pose.u2) - centripetal3 * cos32 + centripetal2) * (per_l3 * per_sin32);
         Ok(Accelerations {
             alpha: [alpha1, alpha2, alpha3, alpha4],
             c: ab + link_end(pose.u2, l2, omega2, alpha2),
         })
     }
 
-    /// All velocities from the tool's, ṙC [m/s].
+    /// All velocities from C's, ṙC [m/s].
     ///
     /// # Errors
     /// `Singular` at type 1, naming the leg.
@@ -103,20 +112,21 @@ impl<S: Scalar> Geometry<S> {
         pose: &Pose<S>,
         c_velocity: Vec2<S>,
     ) -> Result<Velocities<S>, PoseError> {
-        let sin21 = divisor(pose.sin21(), Singularity::Leg1)?;
-        let sin34 = divisor(pose.sin34(), Singularity::Leg4)?;
+        let per_sin21 = per_sine(pose.sin21(), Singularity::Leg1)?;
+        let [per_l1, per_l2, ..] = self.per_length();
+        let [omega3, omega4] = self.leg4_velocities(pose, c_velocity)?;
         Ok(Velocities {
             omega: [
-                c_velocity.dot(pose.u2) / (self.l1() * sin21),
-                -c_velocity.dot(pose.u1) / (self.l2() * sin21),
-                -c_velocity.dot(pose.u4) / (self.l3() * sin34),
-                c_velocity.dot(pose.u3) / (self.l4() * sin34),
+                c_velocity.dot(pose.u2) * (per_l1 * per_sin21),
+                -c_velocity.dot(pose.u1) * (per_l2 * per_sin21),
+                omega3,
+                omega4,
             ],
             c: c_velocity,
         })
     }
 
-    /// All accelerations from the tool's, r̈C [m/s²].
+    /// All accelerations from C's, r̈C [m/s²].
     ///
     /// From r̈C·u2 = l1 α1 sin(θ2−θ1) − l1 ω1² cos(θ2−θ1) − l2 ω2², and alike for the rest.
     ///
@@ -129,25 +139,58 @@ impl<S: Scalar> Geometry<S> {
         velocities: &Velocities<S>,
         c_acceleration: Vec2<S>,
     ) -> Result<Accelerations<S>, PoseError> {
-        let sin21 = divisor(pose.sin21(), Singularity::Leg1)?;
-        let sin34 = divisor(pose.sin34(), Singularity::Leg4)?;
-        let [omega1, omega2, omega3, omega4] = velocities.omega;
+        let per_sin21 = per_sine(pose.sin21(), Singularity::Leg1)?;
+        let [per_l1, per_l2, ..] = self.per_length();
+        let [omega1, omega2, ..] = velocities.omega;
         // What remains for the angular accelerations once the centripetal terms are met.
-        let a1 = c_acceleration
+        let a = c_acceleration
             + pose.u1 * (self.l1() * omega1 * omega1)
             + pose.u2 * (self.l2() * omega2 * omega2);
-        let a4 = c_acceleration
-            + pose.u4 * (self.l4() * omega4 * omega4)
-            + pose.u3 * (self.l3() * omega3 * omega3);
+        let [alpha3, alpha4] = self.leg4_accelerations(pose, velocities, c_acceleration)?;
         Ok(Accelerations {
             alpha: [
-                a1.dot(pose.u2) / (self.l1() * sin21),
-                -a1.dot(pose.u1) / (self.l2() * sin21),
-                -a4.dot(pose.u4) / (self.l3() * sin34),
-                a4.dot(pose.u3) / (self.l4() * sin34),
+                a.dot(pose.u2) * (per_l1 * per_sin21),
+                -a.dot(pose.u1) * (per_l2 * per_sin21),
+                alpha3,
+                alpha4,
             ],
             c: c_acceleration,
         })
+    }
+
+    /// ω3, ω4 from ṙC.
+    #[inline]
+    pub(super) fn leg4_velocities(
+        &self,
+        pose: &Pose<S>,
+        c_velocity: Vec2<S>,
+    ) -> Result<[S; 2], PoseError> {
+        let per_sin34 = per_sine(pose.sin34(), Singularity::Leg4)?;
+        let [_, _, per_l3, per_l4] = self.per_length();
+        Ok([
+            -c_velocity.dot(pose.u4) * (per_l3 * per_sin34),
+            c_velocity.dot(pose.u3) * (per_l4 * per_sin34),
+        ])
+    }
+
+    /// α3, α4 from r̈C.
+    #[inline]
+    pub(super) fn leg4_accelerations(
+        &self,
+        pose: &Pose<S>,
+        velocities: &Velocities<S>,
+        c_acceleration: Vec2<S>,
+    ) -> Result<[S; 2], PoseError> {
+        let per_sin34 = per_sine(pose.sin34(), Singularity::Leg4)?;
+        let [_, _, per_l3, per_l4] = self.per_length();
+        let [_, _, omega3, omega4] = velocities.omega;
+        let a = c_acceleration
+            + pose.u4 * (self.l4() * omega4 * omega4)
+            + pose.u3 * (self.l3() * omega3 * omega3);
+        Ok([
+            -a.dot(pose.u4) * (per_l3 * per_sin34),
+            a.dot(pose.u3) * (per_l4 * per_sin34),
+        ])
     }
 }
 

@@ -7,6 +7,7 @@ impl Scalar for f64 {
     const ONE: Self = 1.0;
     const HALF: Self = 0.5;
     const TWO: Self = 2.0;
+    const EPSILON: Self = f64::EPSILON;
 
     #[inline]
     fn from_f64(value: f64) -> Self {
@@ -26,6 +27,7 @@ impl Scalar for f64 {
     }
     #[inline]
     fn atan2(self, x: Self) -> Self {
-        libm::atan2(self, x)
+        // −0 + 0 is +0, so that the result is never −π for it.
+        libm::atan2(self + 0.0, x)
     }
 }

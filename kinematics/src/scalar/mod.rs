@@ -36,6 +36,9 @@ pub trait Scalar:
     const HALF: Self;
     /// 2.
     const TWO: Self;
+    /// The distance from 1 to the next number: what rounding can make of a quantity, in
+    /// its own units.
+    const EPSILON: Self;
 
     /// The number nearest to `value`; for constants.
     fn from_f64(value: f64) -> Self;

@@ -1,0 +1,119 @@
+//! The Jacobians between the driven rates and C's velocity, and what they say of a pose.
+//!
+//! Projecting ṙC on links 2 and 3 removes their unknown rates:
+//! ṙC·u2 = l1 sin(θ2−θ1) ω1, ṙC·u3 = l4 sin(θ3−θ4) ω4. Solved for ṙC = vC1 ω1 + vC4 ω4:
+//!
+//! vC1 = −l1 sin(θ2−θ1)/sin(θ3−θ2) n3, vC4 = l4 sin(θ3−θ4)/sin(θ3−θ2) n2,
+//!
+//! and for the rates, ω1 = u2·ṙC/(l1 sin(θ2−θ1)), ω4 = u3·ṙC/(l4 sin(θ3−θ4)).
+
+use super::motion::per_sine;
+use super::{Geometry, Pose, PoseError, Singularity};
+use crate::{Scalar, Vec2};
+
+/// ṙC = J q̇ with q̇ = (ω1, ω4): the partial velocities of C, which are J's columns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Jacobian<S> {
+    /// vC1 = ∂ṙC/∂ω1 [m].
+    pub c1: Vec2<S>,
+    /// vC4 = ∂ṙC/∂ω4 [m].
+    pub c4: Vec2<S>,
+}
+
+/// q̇ = J⁻¹ ṙC: the rows of J⁻¹, finite where J itself is not (type 2).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InverseJacobian<S> {
+    /// ∂ω1/∂ṙC [1/m].
+    pub joint1: Vec2<S>,
+    /// ∂ω4/∂ṙC [1/m].
+    pub joint4: Vec2<S>,
+}
+
+impl<S: Scalar> Geometry<S> {
+    /// J at a pose.
+    ///
+    /// # Errors
+    /// `Singular` at type 2.
+    #[inline]
+    pub fn jacobian(&self, pose: &Pose<S>) -> Result<Jacobian<S>, PoseError> {
+        let per_sin32 = per_sine(pose.sin32(), Singularity::Parallel)?;
+        Ok(Jacobian {
+            c1: pose.u3.perp() * (-self.l1() * pose.sin21() * per_sin32),
+            c4: pose.u2.perp() * (self.l4() * pose.sin34() * per_sin32),
+        })
+    }
+
+    /// J⁻¹ at a pose.
+    ///
+    /// # Errors
+    /// `Singular` at type 1, naming the leg.
+    #[inline]
+    pub fn inverse_jacobian(&self, pose: &Pose<S>) -> Result<InverseJacobian<S>, PoseError> {
+        let [per_l1, _, _, per_l4] = self.per_length();
+        let per_sin21 = per_sine(pose.sin21(), Singularity::Leg1)?;
+        let per_sin34 = per_sine(pose.sin34(), Singularity::Leg4)?;
+        Ok(InverseJacobian {
+            joint1: pose.u2 * (per_l1 * per_sin21),
+            joint4: pose.u3 * (per_l4 * per_sin34),
+        })
+    }
+}
+
+impl<S: Scalar> Jacobian<S> {
+    /// ṙC [m/s] of the rates (ω1, ω4) [rad/s].
+    #[inline]
+    pub fn velocity(&self, [omega1, omega4]: [S; 2]) -> Vec2<S> {
+        self.c1 * omega1 + self.c4 * omega4
+    }
+
+    /// Jᵀ F: the torques [N·m] on links 1 and 4 that a force [N] on C amounts to.
+    #[inline]
+    pub fn torques(&self, force: Vec2<S>) -> [S; 2] {
+        [force.dot(self.c1), force.dot(self.c4)]
+    }
+
+    /// σmax ≥ σmin ≥ 0 [m/rad]: C's greatest and least speed per unit of joint rate.
+    ///
+    /// σmax ± σmin = √(|vC1|² + |vC4|² ± 2 |det J|).
+    #[inline]
+    pub fn singular_values(&self) -> [S; 2] {
+        let squares = self.c1.norm_squared() + self.c4.norm_squared();
+        let det = self.manipulability();
+        let sum = (squares + S::TWO * det).sqrt();
+        let rest = squares - S::TWO * det;
+        let difference = if rest > S::ZERO { rest.sqrt() } else { S::ZERO };
+        let greatest = S::HALF * (sum + difference);
+        let least = if greatest > S::ZERO {
+            det / greatest
+        } else {
+            S::ZERO
+        };
+        [greatest, least]
+    }
+
+    /// Yoshikawa's manipulability |det J| = σmax σmin [m²]: zero at type 1.
+    #[inline]
+    pub fn manipulability(&self) -> S {
+        self.c1.cross(self.c4).abs()
+    }
+
+    /// σmin/σmax in 0…1, the inverse of the condition number: 1 where C moves alike in
+    /// every direction, 0 where a direction is lost.
+    #[inline]
+    pub fn inverse_condition(&self) -> S {
+        let [greatest, least] = self.singular_values();
+        if greatest > S::ZERO {
+            least / greatest
+        } else {
+            S::ZERO
+        }
+    }
+}
+
+impl<S: Scalar> InverseJacobian<S> {
+    /// (ω1, ω4) [rad/s] of ṙC [m/s].
+    #[inline]
+    pub fn rates(&self, c_velocity: Vec2<S>) -> [S; 2] {
+        [self.joint1.dot(c_velocity), self.joint4.dot(c_velocity)]
+    }
+}

@@ -1,0 +1,95 @@
+//! The angles the driven joints may have.
+
+use crate::Scalar;
+use core::f64::consts::PI;
+use core::fmt;
+
+/// One of the driven joints.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Joint {
+    /// At A, turning link 1.
+    Joint1,
+    /// At E, turning link 4.
+    Joint4,
+}
+
+impl fmt::Display for Joint {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Joint1 => "joint 1",
+            Self::Joint4 => "joint 4",
+        })
+    }
+}
+
+/// Least and greatest angle of each driven joint [rad], within one and a half turns of 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointLimits<S> {
+    joint1: [S; 2],
+    joint4: [S; 2],
+}
+
+impl<S: Scalar> JointLimits<S> {
+    /// Limits from `[least, greatest]` of θ1 and of θ4 [rad].
+    ///
+    /// # Errors
+    /// The joint whose limits are not −3π ≤ least < greatest ≤ 3π.
+    pub fn new(joint1: [S; 2], joint4: [S; 2]) -> Result<Self, Joint> {
+        for (joint, [least, greatest]) in [(Joint::Joint1, joint1), (Joint::Joint4, joint4)] {
+            let bound = S::from_f64(3.0 * PI);
+            if !(-bound <= least && least < greatest && greatest <= bound) {
+                return Err(joint);
+            }
+        }
+        Ok(Self { joint1, joint4 })
+    }
+
+    /// Least and greatest θ1 and θ4 [rad].
+    pub fn ranges(&self) -> [[S; 2]; 2] {
+        [self.joint1, self.joint4]
+    }
+
+    /// The given directions θ1, θ4 ∈ (−π, π] as joint angles within the limits: a whole
+    /// turn is added or taken where only that one is allowed.
+    ///
+    /// # Errors
+    /// The joint that cannot point there.
+    pub fn admit(&self, theta1: S, theta4: S) -> Result<[S; 2], Joint> {
+        Ok([
+            within(theta1, self.joint1).ok_or(Joint::Joint1)?,
+            within(theta4, self.joint4).ok_or(Joint::Joint4)?,
+        ])
+    }
+}
+
+fn within<S: Scalar>(theta: S, [least, greatest]: [S; 2]) -> Option<S> {
+    let turn = S::from_f64(2.0 * PI);
+    [theta, theta - turn, theta + turn]
+        .into_iter()
+        .find(|&angle| least <= angle && angle <= greatest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_angle_is_found_on_the_turn_that_is_allowed() {
+        let limits = JointLimits::new([0.5, 4.0], [-1.0, 1.0]).unwrap();
+        assert_eq!(limits.admit(1.0, 0.0), Ok([1.0, 0.0]));
+        let [theta1, _] = limits.admit(-2.9, 0.0).unwrap();
+        assert!((theta1 - (2.0 * PI - 2.9)).abs() < 1e-15);
+        assert_eq!(limits.admit(0.4, 0.0), Err(Joint::Joint1));
+        assert_eq!(limits.admit(1.0, 1.1), Err(Joint::Joint4));
+        assert_eq!(limits.admit(f64::NAN, 0.0), Err(Joint::Joint1));
+    }
+
+    #[test]
+    fn empty_boundless_or_undefined_limits_are_refused() {
+        let good = [-1.0, 1.0];
+        for bad in [[1.0, 1.0], [1.0, -1.0], [-1.0, 10.0], [f64::NAN, 1.0]] {
+            assert_eq!(JointLimits::new(bad, good), Err(Joint::Joint1));
+            assert_eq!(JointLimits::new(good, bad), Err(Joint::Joint4));
+        }
+    }
+}

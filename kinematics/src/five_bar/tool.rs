@@ -1,0 +1,182 @@
+//! A tool that is not at C: a point T fixed to link 2, at any angle.
+//!
+//! With the offset (along, left) in link 2's frame, rT = rC + along u2 + left n2. A, B, T
+//! is then a dyad of lengths l1 and |BT|, so that leg 1 is solved by T itself, and leg 4
+//! by the C that follows. Its branch and its singularity are the dyad's: `elbow1` is
+//! `Left` where AB×BT > 0, and type 1 is where A, B, T are in line.
+
+use super::circles::intersect;
+use super::inverse::{Leg4, refusal1};
+use super::motion::per_sine;
+use super::{
+    Accelerations, Geometry, GeometryError, Pose, PoseError, Side, Singularity, Velocities,
+    WorkingMode,
+};
+use crate::{Scalar, Vec2};
+
+/// An arm with its tool point T.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tool<S> {
+    geometry: Geometry<S>,
+    /// T from C in link 2's frame [m].
+    offset: Vec2<S>,
+    /// |BT| [m].
+    reach: S,
+    /// 1/|BT| [1/m].
+    per_reach: S,
+    /// Direction of B→T in link 2's frame.
+    lean: Vec2<S>,
+}
+
+impl<S: Scalar> Tool<S> {
+    /// The tool at `offset` [m] from C, along link 2 and to its left; zero is C itself.
+    ///
+    /// # Errors
+    /// `ToolOffset` if it is not finite or puts T on B.
+    pub fn new(geometry: Geometry<S>, offset: Vec2<S>) -> Result<Self, GeometryError> {
+        let bt = Vec2::new(geometry.l2(), S::ZERO) + offset;
+        let reach = bt.norm();
+        let per_reach = S::ONE / reach;
+        if !(reach.is_finite() && per_reach.is_finite()) {
+            return Err(GeometryError::ToolOffset);
+        }
+        Ok(Self {
+            geometry,
+            offset,
+            reach,
+            per_reach,
+            lean: bt * per_reach,
+        })
+    }
+
+    /// The arm's lengths.
+    #[inline]
+    pub fn geometry(&self) -> &Geometry<S> {
+        &self.geometry
+    }
+
+    /// T from C, along link 2 and to its left [m].
+    #[inline]
+    pub fn offset(&self) -> Vec2<S> {
+        self.offset
+    }
+
+    /// T [m].
+    #[inline]
+    pub fn point(&self, pose: &Pose<S>) -> Vec2<S> {
+        pose.c + self.offset.rotated_to(pose.u2)
+    }
+
+    /// ṙT = ṙC + ω2 t⊥ [m/s], t = rT − rC.
+    #[inline]
+    pub fn velocity(&self, pose: &Pose<S>, velocities: &Velocities<S>) -> Vec2<S> {
+        let [_, omega2, ..] = velocities.omega;
+        velocities.c + self.offset.rotated_to(pose.u2).perp() * omega2
+    }
+
+    /// r̈T = r̈C + α2 t⊥ − ω2² t [m/s²].
+    #[inline]
+    pub fn acceleration(
+        &self,
+        pose: &Pose<S>,
+        velocities: &Velocities<S>,
+        accelerations: &Accelerations<S>,
+    ) -> Vec2<S> {
+        let [_, omega2, ..] = velocities.omega;
+        let [_, alpha2, ..] = accelerations.alpha;
+        let t = self.offset.rotated_to(pose.u2);
+        accelerations.c + t.perp() * alpha2 - t * (omega2 * omega2)
+    }
+
+    /// The inverse branch as the tool sees it: leg 1 by AB×BT.
+    #[inline]
+    pub fn working_mode(&self, pose: &Pose<S>) -> WorkingMode {
+        let sine = pose.u1.cross(self.direction(pose));
+        WorkingMode::new(Side::of(sine), Side::of(pose.sin34()))
+    }
+
+    /// The pose that holds T at `t` [m].
+    ///
+    /// # Errors
+    /// As [`Geometry::inverse`], leg 1 being A–B–T.
+    #[inline]
+    pub fn inverse(&self, t: Vec2<S>, mode: WorkingMode) -> Result<Pose<S>, PoseError> {
+        let geometry = &self.geometry;
+        let [per_l1, ..] = geometry.per_length();
+        let b =
+            intersect(t, geometry.l1(), self.reach, mode.elbow1.opposite()).map_err(refusal1)?;
+        // B→T turned back by the lean is link 2's own direction.
+        let back = Vec2::new(self.lean.x, -self.lean.y);
+        let u2 = back.rotated_to((t - b) * self.per_reach);
+        let c = b + u2 * geometry.l2();
+        let Leg4 { d, u3, u4 } = geometry.leg4(c, mode.elbow4)?;
+        Ok(Pose {
+            u1: b * per_l1,
+            u2,
+            u3,
+            u4,
+            b,
+            c,
+            d,
+        })
+    }
+
+    /// All velocities from the tool's, ṙT [m/s].
+    ///
+    /// # Errors
+    /// `Singular` at type 1, naming the leg.
+    #[inline]
+    pub fn inverse_velocities(
+        &self,
+        pose: &Pose<S>,
+        t_velocity: Vec2<S>,
+    ) -> Result<Velocities<S>, PoseError> {
+        let [per_l1, ..] = self.geometry.per_length();
+        let ut = self.direction(pose);
+        let per_sin = per_sine(pose.u1.cross(ut), Singularity::Leg1)?;
+        let omega1 = t_velocity.dot(ut) * (per_l1 * per_sin);
+        let omega2 = -t_velocity.dot(pose.u1) * (self.per_reach * per_sin);
+        let c_velocity = t_velocity - self.offset.rotated_to(pose.u2).perp() * omega2;
+        let [omega3, omega4] = self.geometry.leg4_velocities(pose, c_velocity)?;
+        Ok(Velocities {
+            omega: [omega1, omega2, omega3, omega4],
+            c: c_velocity,
+        })
+    }
+
+    /// All accelerations from the tool's, r̈T [m/s²].
+    ///
+    /// # Errors
+    /// `Singular` at type 1, naming the leg.
+    #[inline]
+    pub fn inverse_accelerations(
+        &self,
+        pose: &Pose<S>,
+        velocities: &Velocities<S>,
+        t_acceleration: Vec2<S>,
+    ) -> Result<Accelerations<S>, PoseError> {
+        let geometry = &self.geometry;
+        let [per_l1, ..] = geometry.per_length();
+        let [omega1, omega2, ..] = velocities.omega;
+        let ut = self.direction(pose);
+        let per_sin = per_sine(pose.u1.cross(ut), Singularity::Leg1)?;
+        let a = t_acceleration
+            + pose.u1 * (geometry.l1() * omega1 * omega1)
+            + ut * (self.reach * omega2 * omega2);
+        let alpha1 = a.dot(ut) * (per_l1 * per_sin);
+        let alpha2 = -a.dot(pose.u1) * (self.per_reach * per_sin);
+        let t = self.offset.rotated_to(pose.u2);
+        let c_acceleration = t_acceleration - t.perp() * alpha2 + t * (omega2 * omega2);
+        let [alpha3, alpha4] = geometry.leg4_accelerations(pose, velocities, c_acceleration)?;
+        Ok(Accelerations {
+            alpha: [alpha1, alpha2, alpha3, alpha4],
+            c: c_acceleration,
+        })
+    }
+
+    /// Unit vector from B to T.
+    #[inline]
+    fn direction(&self, pose: &Pose<S>) -> Vec2<S> {
+        self.lean.rotated_to(pose.u2)
+    }
+}

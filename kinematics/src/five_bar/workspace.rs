@@ -1,0 +1,61 @@
+//! Where the tool may be: reach, joint limits and a margin from singularities together.
+
+use super::{Joint, JointLimits, Pose, PoseError, Singularity, Tool, WorkingMode};
+use crate::{Scalar, Vec2};
+use core::fmt;
+
+/// The points an arm may take its tool to in one working mode.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Workspace<S> {
+    /// The arm and its tool.
+    pub tool: Tool<S>,
+    /// The inverse branch.
+    pub mode: WorkingMode,
+    /// Limits of the driven joints, if they have any.
+    pub limits: Option<JointLimits<S>>,
+    /// Least |sin| of the angles at the elbows and at C.
+    pub margin: S,
+}
+
+/// Why a point lies outside a workspace.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outside {
+    /// There is no pose.
+    Pose(PoseError),
+    /// A driven joint would leave its limits.
+    Joint(Joint),
+    /// The pose is nearer than the margin to this singularity.
+    Margin(Singularity),
+}
+
+impl fmt::Display for Outside {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Pose(error) => error.fmt(f),
+            Self::Joint(joint) => write!(f, "{joint} would leave its limits"),
+            Self::Margin(singularity) => write!(f, "too near a singularity: {singularity}"),
+        }
+    }
+}
+
+impl core::error::Error for Outside {}
+
+impl<S: Scalar> Workspace<S> {
+    /// The pose that holds the tool at `t` [m], if it may be there.
+    ///
+    /// # Errors
+    /// The first that fails of reach, joint limits and margin.
+    pub fn admit(&self, t: Vec2<S>) -> Result<Pose<S>, Outside> {
+        let pose = self.tool.inverse(t, self.mode).map_err(Outside::Pose)?;
+        if let Some(limits) = &self.limits {
+            limits
+                .admit(pose.u1.angle(), pose.u4.angle())
+                .map_err(Outside::Joint)?;
+        }
+        let (singularity, sine) = pose.nearest_singularity();
+        if sine < self.margin {
+            return Err(Outside::Margin(singularity));
+        }
+        Ok(pose)
+    }
+}

@@ -1,0 +1,212 @@
+//! Forward and inverse position undo each other on every branch.
+
+mod common;
+
+use common::{Case, assert_close, distance, geometry, pose, side, turned};
+use fivebar_kinematics::Vec2;
+use fivebar_kinematics::five_bar::{
+    Geometry, PoseError, Side, Singularity, Unreachable, WorkingMode,
+};
+use proptest::prelude::*;
+
+/// The arm of the literature's closed-form figures: four links of 0.23 m, base 0.275 m.
+fn textbook() -> Geometry<f64> {
+    Geometry::new([0.23, 0.23, 0.23, 0.23, 0.275]).unwrap()
+}
+
+proptest! {
+    #[test]
+    fn inverse_undoes_forward_on_both_assemblies(case in pose(1e-3)) {
+        let Case { geometry, theta1, theta4, assembly, pose } = case;
+        prop_assert_eq!(pose.assembly(), assembly);
+        let back = geometry.inverse(pose.c, pose.working_mode()).unwrap();
+        let [back1, _, _, back4] = back.angles();
+        prop_assert!(turned(back1, theta1).abs() < 1e-9);
+        prop_assert!(turned(back4, theta4).abs() < 1e-9);
+        prop_assert_eq!(back.assembly(), assembly);
+    }
+
+    #[test]
+    fn every_working_mode_holds_the_same_point_in_its_own_way(case in pose(1e-2)) {
+        let Case { geometry, pose, .. } = case;
+        let poses = WorkingMode::ALL.map(|mode| (mode, geometry.inverse(pose.c, mode).unwrap()));
+        for (index, (mode, pose_of_mode)) in poses.iter().enumerate() {
+            prop_assert_eq!(pose_of_mode.working_mode(), *mode);
+            let [theta1, _, _, theta4] = pose_of_mode.angles();
+            // A mode that is flat at C can be forward-solved only to the root of rounding.
+            let (_, sine) = pose_of_mode.nearest_singularity();
+            if sine > 1e-3 {
+                let again = geometry.forward(theta1, theta4, pose_of_mode.assembly()).unwrap();
+                prop_assert!(distance(again.c, pose.c) < 1e-10);
+            }
+            for (_, other) in poses.iter().skip(index + 1) {
+                let apart = distance(pose_of_mode.b, other.b) + distance(pose_of_mode.d, other.d);
+                prop_assert!(apart > 1e-4, "two modes give one pose");
+            }
+        }
+    }
+
+    #[test]
+    fn a_pose_closes_the_loop(case in pose(1e-3)) {
+        let Case { geometry, pose, .. } = case;
+        let [l1, l2, l3, l4, _] = geometry.lengths();
+        for (tip, root, u, length) in [
+            (pose.b, Vec2::zero(), pose.u1, l1),
+            (pose.c, pose.b, pose.u2, l2),
+            (pose.c, pose.d, pose.u3, l3),
+            (pose.d, geometry.e(), pose.u4, l4),
+        ] {
+            prop_assert!(distance(tip, root + u * length) < 1e-12);
+            prop_assert!((u.norm() - 1.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn half_angle_formulas_give_the_same_roots(case in pose(1e-3)) {
+        let Case { geometry, theta1, theta4, assembly, pose } = case;
+        let [_, theta2, theta3, _] = pose.angles();
+        let [yu2, yu3] = geometry.half_angle_forward(theta1, theta4, assembly).unwrap();
+        prop_assert!(turned(yu2, theta2).abs() < 1e-8);
+        prop_assert!(turned(yu3, theta3).abs() < 1e-8);
+        let [yu1, yu4] = geometry.half_angle_inverse(pose.c, pose.working_mode()).unwrap();
+        prop_assert!(turned(yu1, theta1).abs() < 1e-8);
+        prop_assert!(turned(yu4, theta4).abs() < 1e-8);
+    }
+
+    #[test]
+    fn what_forward_refuses_has_no_pose(
+        geometry in geometry(), theta1 in -3.1..3.1, theta4 in -3.1..3.1, assembly in side()
+    ) {
+        let b = Vec2::unit(theta1) * geometry.l1();
+        let d = geometry.e() + Vec2::unit(theta4) * geometry.l4();
+        let elbows = distance(b, d);
+        let outcome = geometry.forward(theta1, theta4, assembly);
+        if elbows > geometry.l2() + geometry.l3() + 1e-12 {
+            prop_assert_eq!(outcome, Err(PoseError::Unreachable(Unreachable::ElbowsTooFar)));
+        } else if elbows < (geometry.l2() - geometry.l3()).abs() - 1e-12 {
+            prop_assert_eq!(outcome, Err(PoseError::Unreachable(Unreachable::ElbowsTooNear)));
+        } else {
+            prop_assert!(outcome.is_ok());
+        }
+    }
+
+    #[test]
+    fn what_inverse_refuses_is_what_reach_refuses(
+        geometry in geometry(), x in -1.2..1.2, y in -1.2..1.2
+    ) {
+        let c = Vec2::new(x, y);
+        for mode in WorkingMode::ALL {
+            prop_assert_eq!(geometry.inverse(c, mode).map(|_| ()), geometry.reach(c));
+        }
+    }
+
+    #[test]
+    fn a_point_on_the_rim_of_reach_is_not_refused_for_rounding(
+        geometry in geometry(), direction in -3.1..3.1
+    ) {
+        let [near, far] = geometry.leg1_radii();
+        for radius in [near, far] {
+            let c = Vec2::unit(direction) * radius;
+            let leg4_reaches = !matches!(
+                geometry.reach(c),
+                Err(PoseError::Unreachable(Unreachable::Leg4TooFar | Unreachable::Leg4TooNear))
+            );
+            prop_assume!(leg4_reaches);
+            let pose = geometry.inverse(c, WorkingMode::ALL[0]).unwrap();
+            prop_assert!(pose.sin21().abs() < 1e-5, "leg 1 is in line");
+            prop_assert!(distance(pose.b + pose.u2 * geometry.l2(), c) < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn numbers_that_are_not_finite_are_refused_by_name() {
+    let geometry = textbook();
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let refused = Err(PoseError::NotFinite);
+        assert_eq!(geometry.forward(bad, 1.0, Side::Left).map(|_| ()), refused);
+        assert_eq!(geometry.forward(1.0, bad, Side::Left).map(|_| ()), refused);
+        for c in [Vec2::new(bad, 0.1), Vec2::new(0.1, bad)] {
+            assert_eq!(geometry.reach(c), refused);
+            assert_eq!(
+                geometry.inverse(c, WorkingMode::ALL[0]).map(|_| ()),
+                refused
+            );
+        }
+    }
+    let huge = geometry.inverse(Vec2::new(1e300, 0.0), WorkingMode::ALL[0]);
+    let too_far = PoseError::Unreachable(Unreachable::Leg1TooFar);
+    assert_eq!(huge, Err(too_far));
+}
+
+#[test]
+fn c_on_a_base_pivot_is_singular_where_the_leg_folds_onto_it() {
+    let geometry = textbook();
+    for mode in WorkingMode::ALL {
+        let at_a = geometry.inverse(Vec2::zero(), mode);
+        assert_eq!(at_a, Err(PoseError::Singular(Singularity::Leg1)));
+        let at_e = geometry.inverse(geometry.e(), mode);
+        assert_eq!(at_e, Err(PoseError::Singular(Singularity::Leg4)));
+    }
+    let uneven = Geometry::new([0.2, 0.23, 0.23, 0.2, 0.275]).unwrap();
+    let at_a = uneven.inverse(Vec2::zero(), WorkingMode::ALL[0]);
+    assert_eq!(at_a, Err(PoseError::Unreachable(Unreachable::Leg1TooNear)));
+}
+
+#[test]
+fn elbows_that_meet_are_singular() {
+    // cos θ1 = base/(2 l1): 53.28564°.
+    let theta1 = (0.1375_f64 / 0.23).acos();
+    assert_close("θ1", theta1.to_degrees(), 53.28564, 1e-7);
+    for assembly in Side::BOTH {
+        let pose = textbook().forward(theta1, std::f64::consts::PI - theta1, assembly);
+        assert_eq!(pose, Err(PoseError::Singular(Singularity::Parallel)));
+    }
+}
+
+#[test]
+fn the_symmetric_flat_pose_is_given_but_does_not_move() {
+    // Elbows 2·0.23 m apart: cos θ1 = (0.1375 − 0.23)/0.23, 113.71415°.
+    let geometry = textbook();
+    let theta1 = (0.1375_f64 / 0.23 - 1.0).acos();
+    assert_close("θ1", theta1.to_degrees(), 113.71415, 1e-7);
+    for assembly in Side::BOTH {
+        let pose = geometry
+            .forward(theta1, std::f64::consts::PI - theta1, assembly)
+            .unwrap();
+        assert_close("height of C", pose.c.y, 0.210_579_56, 1e-8);
+        let singular = PoseError::Singular(Singularity::Parallel);
+        assert_eq!(geometry.forward_velocities(&pose, 1.0, 0.5), Err(singular));
+        assert_eq!(geometry.jacobian(&pose), Err(singular));
+        // The other way round nothing is lost.
+        assert!(geometry.inverse_jacobian(&pose).is_ok());
+    }
+}
+
+#[test]
+fn half_angle_formulas_fail_beside_a_root_at_pi_where_the_arm_does_not() {
+    use std::f64::consts::{FRAC_PI_2, PI};
+    // Leg 1 with θ1 = π on one elbow: |rC + l1 x̂| = l2, all numbers exact in binary.
+    let geometry = Geometry::new([0.25, 0.625, 0.625, 0.25, 0.25]).unwrap();
+    let c = Vec2::new(0.125, 0.5);
+    let [at_pi, beside] = [Side::Right, Side::Left].map(|side| WorkingMode::new(side, side));
+    let [theta1, ..] = geometry.inverse(c, at_pi).unwrap().angles();
+    assert_close("θ1", theta1.abs(), PI, 1e-15);
+    let pose = geometry.inverse(c, beside).unwrap();
+    assert!(pose.nearest_singularity().1 > 0.1);
+    assert_eq!(geometry.half_angle_inverse(c, beside), None);
+
+    // Dyad B–C–D with θ2 = π on one assembly: |rD − rB + l2 x̂| = l3.
+    let geometry = Geometry::new([0.25, 0.25, 0.625, 0.5, 0.375]).unwrap();
+    let [_, theta2, ..] = geometry
+        .forward(0.0, FRAC_PI_2, Side::Left)
+        .unwrap()
+        .angles();
+    assert_close("θ2", theta2.abs(), PI, 1e-15);
+    let pose = geometry.forward(0.0, FRAC_PI_2, Side::Right).unwrap();
+    assert!(pose.sin32().abs() > 0.1);
+    assert_eq!(
+        geometry.half_angle_forward(0.0, FRAC_PI_2, Side::Right),
+        None
+    );
+}
