@@ -11,11 +11,10 @@
 #[cfg(feature = "design")]
 extern crate std;
 
-pub mod control;
 pub mod dynamics;
 pub mod five_bar;
 #[cfg(feature = "design")]
-pub mod linkage;
+pub mod mobility;
 pub mod scalar;
 mod vector;
 

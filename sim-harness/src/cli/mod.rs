@@ -1,7 +1,7 @@
 //! The command line: one module per subcommand, each with its arguments and a `run`.
 
 mod failure;
-mod robots;
+mod mobility;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -18,7 +18,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    Robots(robots::Args),
+    Mobility(mobility::Args),
 }
 
 /// Parses the arguments, runs the command and reports what went wrong.
@@ -27,7 +27,7 @@ pub fn main() -> ExitCode {
     let outcome: Result<(), Failure> = match cli.command {
         None => Ok(()),
         Some(command) => match command {
-            Command::Robots(args) => robots::run(&args),
+            Command::Mobility(args) => mobility::run(&args),
         },
     };
     match outcome {

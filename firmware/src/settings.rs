@@ -1,0 +1,130 @@
+//! Everything the controller is told about its arm: SI units, `f32`, one flat value that
+//! is stored, sent and validated whole.
+
+use serde::{Deserialize, Serialize};
+
+/// Inertia of one link, see `fivebar_kinematics::dynamics::Link`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LinkSettings {
+    /// Mass [kg].
+    pub mass: f32,
+    /// Centre of mass, along the link and to its left, from A, B, D or E [m].
+    pub com: [f32; 2],
+    /// Moment of inertia about the centre of mass [kg·m²].
+    pub inertia: f32,
+}
+
+/// One driven joint: its motor, gear, encoder and limits.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AxisSettings {
+    /// Motor turns per joint turn.
+    pub gear_ratio: f32,
+    /// Rotor inertia at the motor shaft [kg·m²].
+    pub rotor_inertia: f32,
+    /// Torque constant [N·m/A], equal to the back-EMF constant [V·s/rad].
+    pub torque_constant: f32,
+    /// Winding resistance [Ω].
+    pub resistance: f32,
+    /// Winding inductance [H].
+    pub inductance: f32,
+    /// Viscous friction at the joint [N·m·s/rad].
+    pub viscous_friction: f32,
+    /// Coulomb friction at the joint [N·m].
+    pub coulomb_friction: f32,
+    /// Encoder counts per motor turn, after quadrature.
+    pub encoder_counts: u32,
+    /// Joint angle at the home switch [rad].
+    pub home_angle: f32,
+    /// Least and greatest joint angle [rad].
+    pub angle_limits: [f32; 2],
+    /// Greatest joint speed [rad/s].
+    pub max_speed: f32,
+    /// Greatest joint acceleration [rad/s²].
+    pub max_acceleration: f32,
+    /// Peak motor current [A].
+    pub peak_current: f32,
+    /// Current the motor bears for ever [A].
+    pub continuous_current: f32,
+    /// Time constant of the motor's heating [s].
+    pub thermal_time_constant: f32,
+    /// Current per ADC code [A].
+    pub current_per_code: f32,
+    /// ADC code at zero current.
+    pub current_zero_code: u16,
+}
+
+/// How the loops are closed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ControlSettings {
+    /// Tick rate [Hz].
+    pub tick_rate: f32,
+    /// Bandwidth of the position loop [rad/s].
+    pub bandwidth: f32,
+    /// Its damping ratio.
+    pub damping: f32,
+    /// Rate at which the integral action takes up a steady error [rad/s]; 0 turns it off.
+    pub integral_rate: f32,
+    /// Bandwidth of the velocity observer [rad/s].
+    pub observer_bandwidth: f32,
+    /// Bandwidth of the current loop [rad/s].
+    pub current_bandwidth: f32,
+    /// Feed the arm's model forward (computed torque); off: independent-joint PD.
+    pub computed_torque: bool,
+}
+
+/// Limits of the tool's motion.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MotionSettings {
+    /// Greatest speed along the path [m/s].
+    pub max_speed: f32,
+    /// Greatest acceleration of the tool [m/s²].
+    pub max_acceleration: f32,
+    /// Greatest jerk of the tool [m/s³].
+    pub max_jerk: f32,
+    /// How far a rounded corner may leave the path [m]; 0 stops at corners.
+    pub corner_tolerance: f32,
+    /// Least |sin| of the angle at an elbow or at C: the distance kept from singularities.
+    pub singularity_margin: f32,
+}
+
+/// When protection trips.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ProtectionSettings {
+    /// Greatest joint position error [rad].
+    pub following_error: f32,
+    /// Joint speed that is a fault [rad/s].
+    pub over_speed: f32,
+    /// Motor current that is a fault [A].
+    pub over_current: f32,
+    /// Bus voltage below and above which the arm stops [V].
+    pub bus_voltage: [f32; 2],
+    /// Bus voltage per ADC code [V].
+    pub bus_voltage_per_code: f32,
+    /// Silence of the host that is a fault while moving [s].
+    pub command_timeout: f32,
+}
+
+/// The controller's whole configuration. Index 0 of a pair is joint 1, index 1 joint 4.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Settings {
+    /// l1…l4 and the base [m].
+    pub lengths: [f32; 5],
+    /// Inertia of links 1 to 4.
+    pub links: [LinkSettings; 4],
+    /// Point mass at C [kg].
+    pub payload: f32,
+    /// In-plane gravity [m/s²].
+    pub gravity: [f32; 2],
+    /// The tool from C, along link 2 and to its left [m].
+    pub tool_offset: [f32; 2],
+    /// Whether each elbow turns left: the working mode.
+    pub elbows_left: [bool; 2],
+    /// The driven joints.
+    pub axes: [AxisSettings; 2],
+    /// The loops.
+    pub control: ControlSettings,
+    /// The tool's limits.
+    pub motion: MotionSettings,
+    /// The trip points.
+    pub protection: ProtectionSettings,
+}

@@ -1,0 +1,67 @@
+//! `fivebar mobility`: what a mechanism can do, and why.
+
+use super::Failure;
+use crate::mobility::{EXAMPLES, Finding, Study, answer, explain, page, parse, read};
+use crate::report::write_whole;
+use std::path::PathBuf;
+
+/// Degrees of freedom by screw theory, explained step by step.
+#[derive(clap::Args)]
+pub(super) struct Args {
+    /// A mechanism in TOML, a list of cases in JSON, or the name of an example; all
+    /// examples when left out.
+    file: Option<String>,
+    /// Print one JSON object a case instead of the explanation.
+    #[arg(long)]
+    json: bool,
+    /// Also write the explanation as DIR/report.html.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    let studies = studies(args.file.as_deref()).map_err(Failure::Refused)?;
+    let studied: Vec<(Study, Finding)> = studies
+        .into_iter()
+        .map(|study| {
+            let finding = study.analyse();
+            (study, finding)
+        })
+        .collect();
+    if let Some(folder) = &args.out {
+        let path = folder.join("report.html");
+        write_whole(&path, page(&studied).render())
+            .map_err(|error| Failure::Refused(error.to_string()))?;
+    }
+    for (study, finding) in &studied {
+        if args.json {
+            println!("{}", answer(&study.name, finding));
+        } else {
+            println!("{}", explain(study, finding));
+        }
+    }
+    Ok(())
+}
+
+fn studies(file: Option<&str>) -> Result<Vec<Study>, String> {
+    let example = |(name, text): &(&str, &str)| {
+        parse(text, false)
+            .map(|mut studies| studies.remove(0))
+            .map_err(|error| format!("example {name}: {error}"))
+    };
+    let Some(file) = file else {
+        return EXAMPLES.iter().map(example).collect();
+    };
+    if let Some(found) = EXAMPLES.iter().find(|(name, _)| *name == file) {
+        return Ok(vec![example(found)?]);
+    }
+    let path = PathBuf::from(file);
+    if !path.exists() {
+        let names: Vec<&str> = EXAMPLES.iter().map(|(name, _)| *name).collect();
+        return Err(format!(
+            "{file}: no such file, and no example of that name; the examples are {}",
+            names.join(", ")
+        ));
+    }
+    read(&path)
+}

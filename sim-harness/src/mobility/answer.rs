@@ -1,0 +1,101 @@
+//! The answer as JSON, one object a case.
+
+use super::Finding;
+use fivebar_kinematics::mobility::{Mobility, NamedScrew, Pitch};
+use serde_json::{Map, Value, json};
+
+/// The finding as one JSON object; lengths in the file's unit.
+pub fn answer(name: &str, finding: &Finding) -> Value {
+    let mut object = Map::new();
+    let mut put = |key: &str, value: Value| object.insert(key.into(), value);
+    put("name", json!(name));
+    match finding {
+        Finding::Parallel(report) => {
+            put("p", json!(report.limbs.len()));
+            put(
+                "q",
+                report
+                    .limbs
+                    .iter()
+                    .map(|limb| limb.constraints.len())
+                    .collect(),
+            );
+            put("rank_W", json!(report.wrench_rank));
+            put("k", json!(report.k));
+            put("zeta", json!(report.passive));
+            put("platform_dof_eq9", json!(report.m_eq9));
+            put(
+                "constraints",
+                json!({
+                    "limbs": report.limbs.iter().map(|limb| wrenches(&limb.constraints)).collect::<Value>(),
+                    "common": wrenches(&report.common),
+                    "platform": wrenches(&report.platform_constraints),
+                }),
+            );
+            put_mobility(&mut object, &report.mobility);
+        }
+        Finding::Graph(report) => {
+            put("loops", json!(report.loops));
+            put("rankJ", json!(report.jacobian_rank));
+            put("platform_dof", json!(report.mobility.platform_dof));
+            put(
+                "constraints",
+                json!({ "platform": wrenches(&report.platform_constraints) }),
+            );
+            put_mobility(&mut object, &report.mobility);
+        }
+    }
+    Value::Object(object)
+}
+
+fn put_mobility(object: &mut Map<String, Value>, mobility: &Mobility) {
+    let freedoms = mobility.freedoms.iter();
+    let pairs = [
+        ("n", json!(mobility.bodies)),
+        ("g", json!(mobility.joints)),
+        ("sum_f", json!(mobility.sum_f)),
+        ("lambda", json!(mobility.lambda)),
+        ("d", json!(mobility.order)),
+        ("v", json!(mobility.redundant)),
+        ("M_eq7", json!(mobility.m_eq7)),
+        ("pure_translations", json!(mobility.pure_translations)),
+        ("rot_rank", json!(mobility.rotations)),
+        ("grubler6", json!(mobility.grubler)),
+        ("M_inst", json!(mobility.instantaneous)),
+        ("finite_M", json!(mobility.finite)),
+        (
+            "inst_exceeds_finite",
+            json!(mobility.instantaneous > mobility.finite),
+        ),
+        (
+            "freedoms",
+            freedoms
+                .map(|f| screw(f, ["rotation", "screw", "translation"]))
+                .collect(),
+        ),
+    ];
+    for (key, value) in pairs {
+        object.insert(key.into(), value);
+    }
+    if let Some(held) = mobility.with_drives_held {
+        object.insert("M_with_drives_held".into(), json!(held));
+    }
+}
+
+fn wrenches(screws: &[NamedScrew]) -> Value {
+    let kinds = ["force", "wrench", "couple"];
+    screws.iter().map(|s| screw(s, kinds)).collect()
+}
+
+/// A screw by the words for zero, finite and infinite pitch.
+fn screw(screw: &NamedScrew, [zero, finite, infinite]: [&str; 3]) -> Value {
+    let axis = [screw.axis.x, screw.axis.y, screw.axis.z];
+    let point = screw.point.map(|p| [p.x, p.y, p.z]);
+    match screw.pitch {
+        Pitch::Zero => json!({"kind": zero, "axis": axis, "point": point}),
+        Pitch::Finite(pitch) => {
+            json!({"kind": finite, "axis": axis, "point": point, "pitch": pitch})
+        }
+        Pitch::Infinite => json!({"kind": infinite, "axis": axis}),
+    }
+}

@@ -1,0 +1,99 @@
+//! Lists of cases in JSON: twists as six numbers, in limbs or in a graph.
+
+use super::{Mechanism, Study};
+use fivebar_kinematics::mobility::{Freedom, Graph, Joint, Parallel, Screw};
+use nalgebra::Vector6;
+use serde::Deserialize;
+
+#[derive(Deserialize)]
+struct Cases {
+    #[serde(default)]
+    parallel: Vec<ParallelCase>,
+    #[serde(default)]
+    graph: Vec<GraphCase>,
+}
+
+#[derive(Deserialize)]
+struct ParallelCase {
+    name: String,
+    #[serde(default)]
+    description: String,
+    limbs: Vec<Vec<[f64; 6]>>,
+}
+
+#[derive(Deserialize)]
+struct GraphCase {
+    name: String,
+    #[serde(default)]
+    description: String,
+    bodies: usize,
+    platform_body: usize,
+    joints: Vec<GraphJoint>,
+}
+
+#[derive(Deserialize)]
+struct GraphJoint {
+    a: usize,
+    b: usize,
+    twists: Vec<[f64; 6]>,
+}
+
+pub(super) fn parse(text: &str) -> Result<Vec<Study>, String> {
+    let cases = read(text)?;
+    if cases.parallel.is_empty() && cases.graph.is_empty() {
+        return Err("no case: expected a list under \"parallel\" or \"graph\"".into());
+    }
+    let parallel = cases.parallel.into_iter().map(|case| {
+        let limbs = case
+            .limbs
+            .iter()
+            .map(|limb| limb.iter().map(|t| joint(0, 0, &[*t])).collect());
+        let mechanism = Parallel::new(limbs.collect())
+            .map_err(|error| format!("case {:?}: {error}", case.name))?;
+        Ok(Study {
+            name: case.name,
+            description: case.description,
+            mechanism: Mechanism::Parallel(mechanism),
+        })
+    });
+    let graph = cases.graph.into_iter().map(|case| {
+        let joints = case
+            .joints
+            .iter()
+            .map(|j| joint(j.a, j.b, &j.twists))
+            .collect();
+        let mechanism = Graph::new(case.bodies, case.platform_body, joints)
+            .map_err(|error| format!("case {:?}: {error}", case.name))?;
+        Ok(Study {
+            name: case.name,
+            description: case.description,
+            mechanism: Mechanism::Graph(mechanism),
+        })
+    });
+    parallel.chain(graph).collect()
+}
+
+/// A file holds lists of cases, or one case by itself.
+fn read(text: &str) -> Result<Cases, String> {
+    let value: serde_json::Value = serde_json::from_str(text).map_err(|e| e.to_string())?;
+    let alone = |key| value.get(key).is_some_and(serde_json::Value::is_array);
+    let wrapped = if alone("limbs") {
+        serde_json::json!({ "parallel": [value] })
+    } else if alone("joints") {
+        serde_json::json!({ "graph": [value] })
+    } else {
+        value
+    };
+    serde_json::from_value(wrapped).map_err(|e| e.to_string())
+}
+
+fn joint(from: usize, to: usize, twists: &[[f64; 6]]) -> Joint {
+    let freedom =
+        |twist: &[f64; 6]| Freedom::Screw(Screw::from_vector(&Vector6::from_row_slice(twist)));
+    Joint {
+        from,
+        to,
+        freedoms: twists.iter().map(freedom).collect(),
+        actuated: false,
+    }
+}

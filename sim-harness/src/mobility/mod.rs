@@ -1,0 +1,121 @@
+//! Mobility studies: mechanisms from files, the answer in words and as JSON.
+
+mod answer;
+mod cases;
+mod described;
+mod explain;
+mod report;
+
+pub use answer::answer;
+pub use explain::explain;
+pub use report::page;
+
+use fivebar_kinematics::mobility::{
+    Graph, GraphReport, Mobility, Parallel, ParallelReport, analyse_graph, analyse_parallel,
+};
+use std::path::Path;
+
+/// The largest file that is read: a mechanism within the limits needs far less.
+const LARGEST_FILE: u64 = 4 << 20;
+
+/// A mechanism to analyse, under its name.
+pub struct Study {
+    /// What it is called.
+    pub name: String,
+    /// What it is, in a sentence; may be empty.
+    pub description: String,
+    /// How it is built.
+    pub mechanism: Mechanism,
+}
+
+/// The two ways of describing a mechanism.
+pub enum Mechanism {
+    /// A platform on limbs.
+    Parallel(Parallel),
+    /// Any graph of bodies and joints.
+    Graph(Graph),
+}
+
+/// What the analysis found.
+pub enum Finding {
+    /// Of a platform on limbs.
+    Parallel(ParallelReport),
+    /// Of a graph.
+    Graph(GraphReport),
+}
+
+impl Finding {
+    /// What holds for every mechanism.
+    pub fn mobility(&self) -> &Mobility {
+        match self {
+            Self::Parallel(report) => &report.mobility,
+            Self::Graph(report) => &report.mobility,
+        }
+    }
+}
+
+impl Study {
+    /// Analyses the mechanism.
+    pub fn analyse(&self) -> Finding {
+        match &self.mechanism {
+            Mechanism::Parallel(parallel) => Finding::Parallel(analyse_parallel(parallel)),
+            Mechanism::Graph(graph) => Finding::Graph(analyse_graph(graph)),
+        }
+    }
+}
+
+/// The studies in a file: TOML with one mechanism, or JSON with lists of cases.
+///
+/// # Errors
+/// A sentence naming the file, the place and what is wrong.
+pub fn read(path: &Path) -> Result<Vec<Study>, String> {
+    let shown = path.display();
+    let size = std::fs::metadata(path)
+        .map_err(|error| format!("{shown}: {error}"))?
+        .len();
+    if size > LARGEST_FILE {
+        return Err(format!(
+            "{shown}: {size} bytes, more than any mechanism within the limits needs ({LARGEST_FILE})"
+        ));
+    }
+    let text = std::fs::read_to_string(path).map_err(|error| format!("{shown}: {error}"))?;
+    parse(&text, path.extension().is_some_and(|e| e == "json"))
+        .map_err(|reason| format!("{shown}: {reason}"))
+}
+
+/// The studies in a text, JSON or TOML.
+///
+/// # Errors
+/// A sentence naming the place and what is wrong.
+pub fn parse(text: &str, json: bool) -> Result<Vec<Study>, String> {
+    if json {
+        cases::parse(text)
+    } else {
+        described::parse(text).map(|study| vec![study])
+    }
+}
+
+/// The examples that come with the program, by name.
+pub const EXAMPLES: [(&str, &str); 9] = [
+    ("five-bar", include_str!("../../mobility/five-bar.toml")),
+    (
+        "five-bar-elbows-meet",
+        include_str!("../../mobility/five-bar-elbows-meet.toml"),
+    ),
+    (
+        "five-bar-flat",
+        include_str!("../../mobility/five-bar-flat.toml"),
+    ),
+    ("huang-3rrr", include_str!("../../mobility/huang-3rrr.toml")),
+    (
+        "huang-4rprrr",
+        include_str!("../../mobility/huang-4rprrr.toml"),
+    ),
+    ("four-bar", include_str!("../../mobility/four-bar.toml")),
+    ("delta", include_str!("../../mobility/delta.toml")),
+    ("stewart", include_str!("../../mobility/stewart.toml")),
+    (
+        "slider-parallelograms",
+        include_str!("../../mobility/slider-parallelograms.toml"),
+    ),
+];

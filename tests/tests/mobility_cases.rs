@@ -1,0 +1,289 @@
+//! Mobility: 26 mechanisms of the literature in every figure, and what must not matter.
+
+use fivebar::mobility::{EXAMPLES, Finding, Study, answer, parse};
+use fivebar_kinematics::mobility::{Freedom, Graph, Joint, Screw, analyse_graph};
+use nalgebra::Vector3;
+use proptest::prelude::*;
+use serde_json::{Value, json};
+
+/// Says how a case was drawn up, which its twists alone cannot tell.
+const NOT_A_RESULT: &str = "uses_parallelogram_as_P";
+
+fn cases() -> Value {
+    serde_json::from_str(include_str!("../data/mobility_cases.json")).unwrap()
+}
+
+/// Compares every expected key; `cases` may have been moved or scaled.
+fn compare(cases: &Value) -> Result<(), String> {
+    let studies = parse(&cases.to_string(), true)?;
+    let lists = ["parallel", "graph"].map(|kind| cases[kind].as_array().unwrap());
+    let mut compared = 0;
+    for (case, study) in lists.into_iter().flatten().zip(&studies) {
+        let found = answer(&study.name, &study.analyse());
+        for (key, expected) in case["expected"].as_object().unwrap() {
+            if key != NOT_A_RESULT && &found[key] != expected {
+                let found = &found[key];
+                return Err(format!(
+                    "{}: {key} is {found}, expected {expected}",
+                    study.name
+                ));
+            }
+        }
+        compared += 1;
+    }
+    assert_eq!(compared, 26);
+    Ok(())
+}
+
+#[test]
+fn every_expected_figure_of_26_mechanisms() {
+    compare(&cases()).unwrap();
+}
+
+/// Every twist of every case turned, shifted and scaled as its mechanism would be.
+fn displaced(turn: [f64; 3], shift: [f64; 3], scale: f64) -> Value {
+    fn walk(value: &mut Value, change: &dyn Fn(&mut Vec<Value>)) {
+        match value {
+            Value::Array(items) if items.len() == 6 && items.iter().all(Value::is_number) => {
+                change(items);
+            }
+            Value::Array(items) => items.iter_mut().for_each(|item| walk(item, change)),
+            Value::Object(map) => map
+                .iter_mut()
+                .filter(|(key, _)| *key == "limbs" || *key == "joints" || *key == "twists")
+                .for_each(|(_, item)| walk(item, change)),
+            _ => {}
+        }
+    }
+    let motion = nalgebra::Isometry3::new(Vector3::from(shift), Vector3::from(turn));
+    let change = |items: &mut Vec<Value>| {
+        let number = |i: usize| items[i].as_f64().unwrap();
+        let screw = Screw {
+            direction: Vector3::new(number(0), number(1), number(2)),
+            moment: Vector3::new(number(3), number(4), number(5)) * scale,
+        };
+        let moved = screw.transformed(&motion).to_vector();
+        *items = moved.iter().map(|x| json!(x)).collect();
+    };
+    let mut cases = cases();
+    for kind in ["parallel", "graph"] {
+        for case in cases[kind].as_array_mut().unwrap() {
+            walk(case, &change);
+        }
+    }
+    cases
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(8))]
+
+    #[test]
+    fn no_figure_depends_on_place_attitude_or_size(
+        turn in prop::array::uniform3(-3.0..3.0_f64),
+        shift in prop::array::uniform3(-5.0..5.0_f64),
+        exponent in -2.0..2.0_f64,
+    ) {
+        let outcome = compare(&displaced(turn, shift, 10_f64.powf(exponent)));
+        prop_assert!(outcome.is_ok(), "{}", outcome.unwrap_err());
+    }
+}
+
+fn example(name: &str) -> (Study, Finding) {
+    let (_, text) = EXAMPLES.iter().find(|(known, _)| *known == name).unwrap();
+    let study = parse(text, false).unwrap().remove(0);
+    let finding = study.analyse();
+    (study, finding)
+}
+
+/// λ, d, v, M by (7), instantaneous, finite, left free by held drives.
+fn figures(name: &str) -> [i64; 7] {
+    let (study, finding) = example(name);
+    let found = answer(&study.name, &finding);
+    let keys = [
+        "lambda",
+        "d",
+        "v",
+        "M_eq7",
+        "M_inst",
+        "finite_M",
+        "M_with_drives_held",
+    ];
+    keys.map(|key| found[key].as_i64().unwrap())
+}
+
+#[test]
+fn our_arm_has_two_freedoms_and_its_drives_hold_it() {
+    assert_eq!(figures("five-bar"), [3, 3, 0, 2, 2, 2, 0]);
+}
+
+#[test]
+fn where_the_elbows_meet_the_drives_lose_hold() {
+    assert_eq!(figures("five-bar-elbows-meet"), [3, 3, 0, 2, 2, 2, 1]);
+}
+
+#[test]
+fn a_flat_arm_has_a_third_freedom_for_an_instant() {
+    let [lambda, _, _, _, instantaneous, finite, _] = figures("five-bar-flat");
+    assert_eq!([lambda, instantaneous, finite], [4, 3, 2]);
+}
+
+#[test]
+fn huangs_worked_examples_from_their_drawings() {
+    let huang = |name| {
+        let (study, finding) = example(name);
+        answer(&study.name, &finding)
+    };
+    let first = huang("huang-3rrr");
+    let keys = [
+        "n",
+        "g",
+        "lambda",
+        "k",
+        "v",
+        "M_eq7",
+        "platform_dof_eq9",
+        "rot_rank",
+        "pure_translations",
+    ];
+    assert_eq!(
+        keys.map(|key| first[key].as_i64().unwrap()),
+        [14, 15, 1, 0, 0, 5, 5, 3, 2]
+    );
+    assert_eq!(first["q"], json!([1, 1, 1]));
+    let second = huang("huang-4rprrr");
+    assert_eq!(
+        keys.map(|key| second[key].as_i64().unwrap()),
+        [18, 20, 0, 2, 2, 4, 4, 1, 3]
+    );
+    assert_eq!(second["q"], json!([1, 1, 1, 1]));
+    // Three translations, and the rotation is about z.
+    let rotation = second["freedoms"].as_array().unwrap();
+    let axis = &rotation.iter().find(|f| f["kind"] == "rotation").unwrap()["axis"];
+    assert!((axis[2].as_f64().unwrap().abs() - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn the_other_examples_move_as_their_builders_meant() {
+    assert_eq!(figures("four-bar"), [3, 3, 0, 1, 1, 1, 0]);
+    assert_eq!(figures("delta"), [1, 5, 1, 3, 3, 3, 0]);
+    assert_eq!(figures("stewart"), [0, 6, 0, 6, 6, 6, 0]);
+    assert_eq!(figures("slider-parallelograms"), [3, 3, 1, 2, 2, 2, 0]);
+}
+
+#[test]
+fn a_shaky_structure_beside_a_real_freedom_counts_only_the_real_one() {
+    let hinge = |from, to, x| Joint {
+        from,
+        to,
+        freedoms: vec![Freedom::Screw(Screw::line(
+            Vector3::z(),
+            Vector3::new(x, 0.0, 0.0),
+        ))],
+        actuated: false,
+    };
+    // A flat triangle, rigid but shaky, and a wheel on it that truly turns.
+    let joints = vec![
+        hinge(0, 1, 0.0),
+        hinge(1, 2, 1.0),
+        hinge(2, 0, 2.5),
+        hinge(2, 3, 2.0),
+    ];
+    let report = analyse_graph(&Graph::new(4, 3, joints).unwrap());
+    assert_eq!(
+        (report.mobility.instantaneous, report.mobility.finite),
+        (2, 1)
+    );
+}
+
+#[test]
+fn constraints_do_no_work_on_freedoms() {
+    for (name, _) in EXAMPLES {
+        let (study, finding) = example(name);
+        let found = answer(&study.name, &finding);
+        let screw = |value: &Value| {
+            let vector = |v: &Value| Vector3::from_fn(|i, _| v[i].as_f64().unwrap());
+            let axis = vector(&value["axis"]);
+            match value["kind"].as_str().unwrap() {
+                "translation" | "couple" => Screw::free(axis),
+                _ => Screw::helix(
+                    axis,
+                    vector(&value["point"]),
+                    value["pitch"].as_f64().unwrap_or(0.0),
+                ),
+            }
+        };
+        let list = |value: &Value| {
+            value
+                .as_array()
+                .unwrap()
+                .iter()
+                .map(screw)
+                .collect::<Vec<_>>()
+        };
+        let (wrenches, twists) = (
+            list(&found["constraints"]["platform"]),
+            list(&found["freedoms"]),
+        );
+        assert_eq!(wrenches.len() + twists.len(), 6, "{name}");
+        for (wrench, twist) in wrenches
+            .iter()
+            .flat_map(|w| twists.iter().map(move |t| (w, t)))
+        {
+            assert!(
+                wrench.reciprocal_product(twist).abs() < 1e-6,
+                "{name}: {wrench:?} {twist:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn unsound_descriptions_are_refused_in_one_sentence() {
+    let refusal = |text: &str, json| match parse(text, json) {
+        Ok(_) => panic!("accepted: {text}"),
+        Err(reason) => reason,
+    };
+    let limb = |joint: &str| format!("name = \"x\"\n[[limb]]\njoints = [{joint}]\n");
+    let zero = refusal(
+        &limb(r#"{ kind = "R", axis = [0, 0, 0], point = [0, 0, 0] }"#),
+        false,
+    );
+    assert_eq!(
+        zero,
+        "limb 1, joint 1: an axis must be finite and not zero, and a joint needs a freedom"
+    );
+    assert!(refusal(&limb(r#"{ kind = "Q", axis = [0, 0, 1] }"#), false).contains('Q'));
+    assert!(
+        refusal(
+            &limb(r#"{ kind = "P", axis = [0, 0, 1], colour = 1 }"#),
+            false
+        )
+        .contains("colour")
+    );
+    assert!(refusal("name = \"x\"", false).contains("no [[limb]]"));
+    let joint = |a: &str, b: &str| {
+        format!("[[joint]]\nbetween = [\"{a}\", \"{b}\"]\nkind = \"P\"\naxis = [1, 0, 0]\n")
+    };
+    let ring = format!(
+        "name = \"x\"\nplatform = \"a\"\n{}{}{}",
+        joint("a", "b"),
+        joint("b", "c"),
+        joint("c", "a")
+    );
+    assert!(refusal(&ring, false).contains("nothing holds the mechanism"));
+    let odd = format!(
+        "name = \"x\"\nplatform = \"a\"\n{}colour = 1\n",
+        joint("ground", "a")
+    );
+    assert!(refusal(&odd, false).contains("colour"));
+    let apart = format!(
+        "name = \"x\"\nplatform = \"a\"\n{}{}",
+        joint("ground", "a"),
+        joint("b", "c")
+    );
+    assert!(refusal(&apart, false).contains("not connected to the ground"));
+    let many = format!("[[{}]]", ["[0,0,1,0,0,0]"; 100_000].join(","));
+    let many = format!("{{\"parallel\":[{{\"name\":\"x\",\"limbs\":{many}}}]}}");
+    assert!(refusal(&many, true).contains("more than 200"));
+    assert!(refusal("{\"parallel\":[]}", true).contains("no case"));
+}
