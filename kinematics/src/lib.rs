@@ -16,6 +16,7 @@ pub mod five_bar;
 #[cfg(feature = "design")]
 pub mod mobility;
 pub mod scalar;
+pub mod trajectory;
 mod vector;
 
 pub use scalar::Scalar;

@@ -1,0 +1,156 @@
+//! Rounded corners: a quintic that takes over from one segment ½ℓ before the corner and
+//! hands over to the next ½ℓ after it.
+//!
+//! Position, tangent and curvature agree at both ends, so that any motion s(t) with
+//! continuous acceleration has a continuous acceleration through the corner too. With
+//! u = s/ℓ, h = u³ − ½u⁴ and two lines that meet at V with tangents t₀, t₁,
+//!
+//! r = V + t₀ (s − ½ℓ) + (t₁ − t₀) ℓ h(u),
+//!
+//! h″ = 6u(1−u), so |r″| ≤ 1.5 |Δt|/ℓ and |r‴| ≤ 6 |Δt|/ℓ², and it misses the corner by
+//! ℓ|Δt| 3/32, which is also the farthest it leaves the path.
+//!
+//! In general the blend is the Hermite interpolant of the cornered path p(s), linear in
+//! p. Write p as the first segment carried on plus, from the corner on, the difference
+//! Δt x + ½Δκ x² + O(x³), x = s − ½ℓ, whose third derivative is below κ₀² + κ₁². The
+//! interpolant of x₊ errs by 3/32, that of ½x₊² by less than 0.002, that of x₊³/6 by
+//! less than 0.0014, and what remains is less than half as much again while ℓκ ≤ 1. So
+//!
+//! |r − p| ≤ ℓ (3/32 |Δt| + 0.002 ℓ|Δκ| + 0.0022 ℓ² (κ₀² + κ₁²)).
+
+use super::curve::{Curve, CurveBounds};
+use super::number::{max, min};
+use super::segment::Segment;
+use crate::{Scalar, Vec2};
+
+/// How far the blend over length ℓ leaves the path, at most [m].
+struct Deviation<S> {
+    turn: S,
+    curvature_step: S,
+    curvature_squared: S,
+}
+
+impl<S: Scalar> Deviation<S> {
+    fn over(&self, length: S) -> S {
+        let by_turn = S::from_f64(3.0 / 32.0) * self.turn;
+        let by_step = S::from_f64(0.002) * self.curvature_step;
+        let by_curve = S::from_f64(0.0022) * self.curvature_squared;
+        length * (by_turn + length * (by_step + length * by_curve))
+    }
+}
+
+/// The longest blend from `first` to `second` that stays within `tolerance` [m] of their
+/// path and takes no more than `reach` [m] of each; `None` where that leaves nothing.
+pub(super) fn blend<S: Scalar>(
+    first: &Segment<S>,
+    second: &Segment<S>,
+    tolerance: S,
+    reach: [S; 2],
+) -> Option<Segment<S>> {
+    let before = first.at(first.length());
+    let after = second.at(S::ZERO);
+    let [k0, k1] = [before.curvature, after.curvature].map(Vec2::norm);
+    let deviation = Deviation {
+        turn: (after.tangent - before.tangent).norm(),
+        curvature_step: (after.curvature - before.curvature).norm(),
+        curvature_squared: k0 * k0 + k1 * k1,
+    };
+    let mut longest = S::TWO * min(reach[0], reach[1]);
+    if longest * max(k0, k1) > S::ONE {
+        longest = S::ONE / max(k0, k1);
+    }
+    let length = longest_within(&deviation, longest, tolerance);
+    // A blend too short for the numbers at hand is a corner.
+    let some = length > S::from_f64(1e-7);
+    some.then(|| hermite(first, second, length))
+}
+
+/// The greatest length up to `longest` whose deviation is within `tolerance`.
+fn longest_within<S: Scalar>(deviation: &Deviation<S>, longest: S, tolerance: S) -> S {
+    if deviation.over(longest) <= tolerance {
+        return longest;
+    }
+    let (mut low, mut high) = (S::ZERO, longest);
+    for _ in 0..24 {
+        let middle = (low + high) * S::HALF;
+        if deviation.over(middle) <= tolerance {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    low
+}
+
+/// The quintic over u ∈ [0, 1] that leaves `first` ½ℓ before its end and joins `second`
+/// ½ℓ after its start, with their tangents and curvatures.
+fn hermite<S: Scalar>(first: &Segment<S>, second: &Segment<S>, length: S) -> Segment<S> {
+    let half = length * S::HALF;
+    let from = first.at(first.length() - half);
+    let to = second.at(half);
+    let [v0, v1] = [from.tangent * length, to.tangent * length];
+    let [a0, a1] = [from, to].map(|point| point.curvature * (length * length));
+    // What the Taylor polynomial from the start leaves over at the end: in position,
+    // velocity and acceleration. The positions are taken relative to the corner, since
+    // in single precision a short blend far from the origin would be mostly rounding.
+    let way = first.part(first.length() - half, first.length()).way(half) + second.way(half);
+    let e = way - v0 - a0 * S::HALF;
+    let f = v1 - v0 - a0;
+    let g = a1 - a0;
+    let c = S::from_f64;
+    Segment::new(
+        Curve::Blend {
+            coefficients: [
+                from.position,
+                v0,
+                a0 * S::HALF,
+                e * c(10.0) - f * c(4.0) + g * S::HALF,
+                f * c(7.0) - e * c(15.0) - g,
+                e * c(6.0) - f * c(3.0) + g * S::HALF,
+            ],
+            inverse_length: S::ONE / length,
+        },
+        length,
+    )
+}
+
+/// Bounds on a quintic's derivatives by length.
+///
+/// Between samples a distance h apart a function exceeds the greater of them by at most
+/// h²/8 times its greatest second derivative, and the fourth derivative of a quintic is
+/// linear, so its greatest is at an end: samples and that remainder bound the rest.
+pub(super) fn bounds<S: Scalar>(coefficients: &[Vec2<S>; 6], inverse_length: S) -> CurveBounds<S> {
+    const SAMPLES: f64 = 8.0;
+    let [_, c1, c2, c3, c4, c5] = *coefficients;
+    let c = S::from_f64;
+    let fifth = c5 * c(120.0);
+    let fourth = |u: S| c4 * c(24.0) + fifth * u;
+    let third = |u: S| c3 * c(6.0) + (c4 * c(24.0) + c5 * (c(60.0) * u)) * u;
+    let second = |u: S| c2 * c(2.0) + (c3 * c(6.0) + (c4 * c(12.0) + c5 * (c(20.0) * u)) * u) * u;
+    let first =
+        |u: S| c1 + (c2 * c(2.0) + (c3 * c(3.0) + (c4 * c(4.0) + c5 * (c(5.0) * u)) * u) * u) * u;
+
+    let m4 = max(fourth(S::ZERO).norm(), fourth(S::ONE).norm());
+    let m5 = fifth.norm();
+    let (mut m1, mut m2, mut m3, mut lean) = (S::ZERO, S::ZERO, S::ZERO, S::ZERO);
+    for sample in 0..=8_u8 {
+        let u = c(f64::from(sample) / SAMPLES);
+        m1 = max(m1, first(u).norm());
+        m2 = max(m2, second(u).norm());
+        m3 = max(m3, third(u).norm());
+        lean = max(lean, first(u).dot(second(u)).abs());
+    }
+    // h²/8.
+    let between = c(1.0 / (8.0 * SAMPLES * SAMPLES));
+    m3 = m3 + between * m5;
+    m2 = m2 + between * m4;
+    lean = lean + between * (c(3.0) * m2 * m3 + (m1 + between * m3) * m4);
+    m1 = m1 + between * m3;
+    let per = inverse_length;
+    CurveBounds {
+        first: m1 * per,
+        second: m2 * (per * per),
+        third: m3 * (per * per * per),
+        lean: lean * (per * per * per),
+    }
+}

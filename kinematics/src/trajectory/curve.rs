@@ -1,0 +1,187 @@
+//! The three shapes a path is made of, each by its length s from its start.
+//!
+//! | shape | r(s) | r′(s) | r″(s) |
+//! |---|---|---|---|
+//! | line | r₀ + s t | t | 0 |
+//! | arc, curvature κ | r₀ + (2/κ) sin(κs/2) · t(κs/2) | t(κs) | κ t⊥(κs) |
+//! | blend | a quintic in s/ℓ | its derivative, \|r′\| ≤ 1 | its second derivative |
+//!
+//! t(φ) is the start's tangent t turned by φ. The arc's chord form keeps its precision
+//! however flat the arc, where a centre far away would swallow the last bits. For a blend
+//! s is the length of the corner it replaces, so its own length is a little shorter.
+
+use super::Reference;
+use crate::{Scalar, Vec2};
+
+/// Position and its first two derivatives by path length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CurvePoint<S> {
+    /// r [m].
+    pub position: Vec2<S>,
+    /// r′ [1]: the tangent, a unit vector on lines and arcs.
+    pub tangent: Vec2<S>,
+    /// r″ [1/m]: on lines and arcs, the curvature towards the centre.
+    pub curvature: Vec2<S>,
+}
+
+/// The greatest values along a curve of what bounds the speed on it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct CurveBounds<S> {
+    /// |r′|.
+    pub(super) first: S,
+    /// |r″| [1/m].
+    pub(super) second: S,
+    /// |r‴| [1/m²].
+    pub(super) third: S,
+    /// |r′·r″| [1/m]: how far r″ leans along the path.
+    pub(super) lean: S,
+}
+
+/// A shape by its length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Curve<S> {
+    /// Straight.
+    Line {
+        /// r₀ [m].
+        start: Vec2<S>,
+        /// t, a unit vector.
+        tangent: Vec2<S>,
+    },
+    /// Circular.
+    Arc {
+        /// r₀ [m].
+        start: Vec2<S>,
+        /// t at the start, a unit vector.
+        tangent: Vec2<S>,
+        /// κ [1/m], positive where the arc turns left.
+        curvature: S,
+    },
+    /// A rounded corner, r = Σ cₖ (s/ℓ)ᵏ.
+    Blend {
+        /// c₀ … c₅ [m].
+        coefficients: [Vec2<S>; 6],
+        /// 1/ℓ [1/m].
+        inverse_length: S,
+    },
+}
+
+impl<S: Scalar> Curve<S> {
+    /// Position, tangent and curvature at length `s` [m] from the start.
+    #[inline]
+    pub fn at(&self, s: S) -> CurvePoint<S> {
+        match *self {
+            Self::Line { start, tangent } => CurvePoint {
+                position: start + tangent * s,
+                tangent,
+                curvature: Vec2::zero(),
+            },
+            Self::Arc {
+                start,
+                tangent,
+                curvature,
+            } => {
+                let (sin, cos) = (curvature * s * S::HALF).sin_cos();
+                let left = tangent.perp();
+                let chord = tangent * cos + left * sin;
+                // cos 2φ = 1 − 2 sin²φ, sin 2φ = 2 sin φ cos φ.
+                let direction = chord * (cos + cos) - tangent;
+                CurvePoint {
+                    position: start + chord * (S::TWO * sin / curvature),
+                    tangent: direction,
+                    curvature: direction.perp() * curvature,
+                }
+            }
+            Self::Blend {
+                coefficients: [c0, c1, c2, c3, c4, c5],
+                inverse_length,
+            } => {
+                let u = s * inverse_length;
+                let [two, three, four, six, twelve] = [2.0, 3.0, 4.0, 6.0, 12.0].map(S::from_f64);
+                let (five, twenty) = (S::from_f64(5.0), S::from_f64(20.0));
+                let first =
+                    c1 + (c2 * two + (c3 * three + (c4 * four + c5 * (five * u)) * u) * u) * u;
+                let second = c2 * two + (c3 * six + (c4 * twelve + c5 * (twenty * u)) * u) * u;
+                CurvePoint {
+                    position: c0 + (c1 + (c2 + (c3 + (c4 + c5 * u) * u) * u) * u) * u,
+                    tangent: first * inverse_length,
+                    curvature: second * (inverse_length * inverse_length),
+                }
+            }
+        }
+    }
+
+    /// The tool's motion at s, moving with ṡ [m/s] and s̈ [m/s²]:
+    /// v = r′ ṡ, a = r″ ṡ² + r′ s̈.
+    #[inline]
+    pub(super) fn follow(&self, s: S, rate: S, acceleration: S) -> Reference<S> {
+        let point = self.at(s);
+        let along = point.tangent * acceleration;
+        Reference::Tool {
+            position: point.position,
+            velocity: point.tangent * rate,
+            acceleration: match self {
+                Self::Line { .. } => along,
+                _ => along + point.curvature * (rate * rate),
+            },
+        }
+    }
+
+    /// From the start to the point at length `s` [m].
+    pub(super) fn way(&self, s: S) -> Vec2<S> {
+        match *self {
+            Self::Line { tangent, .. } => tangent * s,
+            Self::Arc {
+                tangent, curvature, ..
+            } => {
+                Self::Arc {
+                    start: Vec2::zero(),
+                    tangent,
+                    curvature,
+                }
+                .at(s)
+                .position
+            }
+            Self::Blend { coefficients, .. } => self.at(s).position - coefficients[0],
+        }
+    }
+
+    /// The same curve started `s` further on.
+    pub(super) fn advanced(self, s: S) -> Self {
+        let CurvePoint {
+            position: start,
+            tangent,
+            ..
+        } = self.at(s);
+        match self {
+            Self::Line { .. } => Self::Line { start, tangent },
+            Self::Arc { curvature, .. } => Self::Arc {
+                start,
+                tangent,
+                curvature,
+            },
+            Self::Blend { .. } => self,
+        }
+    }
+
+    /// Bounds on the derivatives along the whole of the curve.
+    pub(super) fn bounds(&self) -> CurveBounds<S> {
+        match *self {
+            Self::Line { .. } => CurveBounds {
+                first: S::ONE,
+                second: S::ZERO,
+                third: S::ZERO,
+                lean: S::ZERO,
+            },
+            Self::Arc { curvature, .. } => CurveBounds {
+                first: S::ONE,
+                second: curvature.abs(),
+                third: curvature * curvature,
+                lean: S::ZERO,
+            },
+            Self::Blend {
+                coefficients,
+                inverse_length,
+            } => super::blend::bounds(&coefficients, inverse_length),
+        }
+    }
+}

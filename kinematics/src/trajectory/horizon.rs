@@ -1,0 +1,112 @@
+//! Planning over the spans ahead.
+//!
+//! Backwards from the next place of rest, each boundary between spans gets the greatest
+//! speed at which, passed without acceleration, everything behind it can still be kept.
+//! Forwards from the motion at hand, a [`Plan`] (change speed, hold it, slow down) is
+//! tried to each of those boundaries, under the tightest caps on its way. The plan that
+//! reaches furthest is taken, unless a nearer end lets it go faster and saves time over
+//! all. It need not be finished: at each boundary, and with each push, planning starts
+//! anew from the motion at hand, its acceleration included, and the plan in hand is kept
+//! unless a better one is found. So a run of thousands of tiny segments is passed as if
+//! it were one.
+
+use super::number::{max, min};
+use super::plan::{Motion, Plan};
+use super::queue::Queue;
+use super::ramp::{Caps, greatest_entry_speed};
+use crate::Scalar;
+
+/// The spans ahead and the motion at hand.
+pub(super) struct Horizon<'a, S, const N: usize> {
+    pub(super) queue: &'a Queue<S, N>,
+    /// How far into the first span the motion is [m].
+    pub(super) place: S,
+    pub(super) motion: Motion<S>,
+}
+
+impl<S: Scalar, const N: usize> Horizon<'_, S, N> {
+    /// The best plan from the motion at hand, `kept` being what is left of the one before.
+    pub(super) fn best_plan(&self, kept: Option<Plan<S>>) -> Option<Plan<S>> {
+        let spans = self.queue.run();
+        let entry = self.entry_speeds(spans);
+        let speed_at = |boundary: usize| entry.get(boundary).copied().unwrap_or(S::ZERO);
+        // Up to each boundary: the way and the tightest caps.
+        let first = self.queue.first()?;
+        let mut ahead = [(S::ZERO, first.caps); N];
+        let (mut way, mut caps) = (-self.place, first.caps);
+        for (span, slot) in self.queue.iter().take(spans).zip(&mut ahead) {
+            way = way + span.length;
+            caps = caps.tightest(&span.caps);
+            *slot = (way, caps);
+        }
+        let mut best: Option<(Plan<S>, S, S)> = None;
+        // The time from the boundary to the end of the run, at the boundaries' speeds: what
+        // a plan that arrives with that speed can count on, and too little for one that is
+        // still gathering speed, which must therefore be the faster one to be preferred.
+        let mut rest = S::ZERO;
+        let mut beyond = way;
+        for boundary in (1..=spans).rev() {
+            let &(way, caps) = ahead.get(boundary - 1)?;
+            let sum = speed_at(boundary) + speed_at(boundary + 1);
+            if beyond > way && sum > S::ZERO {
+                rest = rest + S::TWO * (beyond - way) / sum;
+            }
+            beyond = way;
+            let fresh = Plan::over(way, self.motion, speed_at(boundary), &caps, boundary);
+            let kept = kept.filter(|plan| {
+                plan.spans == boundary && plan.exit <= speed_at(boundary) * S::from_f64(1.0 + 1e-5)
+            });
+            for plan in [fresh, kept].into_iter().flatten() {
+                let (time, peak) = plan.outlook();
+                let total = time + rest;
+                let on_time = plan.exit >= speed_at(boundary) * S::from_f64(0.99);
+                let better = best.as_ref().is_none_or(|&(_, best_peak, best_total)| {
+                    total < best_total && (on_time || peak > best_peak)
+                });
+                if better {
+                    best = Some((plan, peak, total));
+                }
+            }
+        }
+        best.map(|(plan, ..)| plan)
+    }
+
+    /// The greatest speed at the start of each span, passed without acceleration, from
+    /// which the rest of the run can be kept.
+    fn entry_speeds(&self, spans: usize) -> [S; N] {
+        let mut entry = [S::ZERO; N];
+        for boundary in (1..spans).rev() {
+            let mut best = S::ZERO;
+            let mut way = S::ZERO;
+            let Some(mut caps) = self.queue.get(boundary).map(|span| span.caps) else {
+                continue;
+            };
+            for (index, span) in self.queue.iter().enumerate().take(spans).skip(boundary) {
+                caps = caps.tightest(&span.caps);
+                way = way + span.length;
+                if caps.speed <= best {
+                    break;
+                }
+                let exit = entry.get(index + 1).copied().unwrap_or(S::ZERO);
+                let speed = greatest_entry_speed(exit, way, &in_reserve(&caps));
+                best = max(best, min(speed, caps.speed));
+            }
+            let before = self.queue.get(boundary - 1).map(|span| span.caps.speed);
+            if let (Some(slot), Some(before)) = (entry.get_mut(boundary), before) {
+                *slot = min(best, before);
+            }
+        }
+        entry
+    }
+}
+
+/// A thousandth of acceleration and jerk is kept back for the roundings between the
+/// planning of a speed and its use.
+fn in_reserve<S: Scalar>(caps: &Caps<S>) -> Caps<S> {
+    let share = S::from_f64(0.999);
+    Caps {
+        speed: caps.speed,
+        acceleration: caps.acceleration * share,
+        jerk: caps.jerk * share,
+    }
+}

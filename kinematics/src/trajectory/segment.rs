@@ -1,0 +1,182 @@
+//! A stretch of path: a curve and how much of it.
+
+use super::curve::{Curve, CurvePoint};
+use crate::{Scalar, Vec2};
+use core::fmt;
+
+/// A line, an arc or a blend of a given length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Segment<S> {
+    curve: Curve<S>,
+    length: S,
+}
+
+/// Why numbers are not a segment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SegmentError {
+    /// A number is infinite or not a number.
+    NotFinite,
+    /// The end is the start: there is no direction to go. Nothing is lost by skipping it.
+    ZeroLength,
+    /// The start lies on the arc's centre.
+    ZeroRadius,
+    /// Start and end are not equally far from the centre.
+    RadiusMismatch,
+}
+
+impl fmt::Display for SegmentError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::NotFinite => "a number given is infinite or not a number",
+            Self::ZeroLength => "the end is the start",
+            Self::ZeroRadius => "the arc starts on its centre",
+            Self::RadiusMismatch => "the arc's start and end are not equally far from its centre",
+        })
+    }
+}
+
+impl core::error::Error for SegmentError {}
+
+/// Which way an arc turns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sense {
+    /// Counter-clockwise, G3.
+    CounterClockwise,
+    /// Clockwise, G2.
+    Clockwise,
+}
+
+impl<S: Scalar> Segment<S> {
+    /// Straight from `from` to `to` [m].
+    ///
+    /// # Errors
+    /// `NotFinite`; `ZeroLength` where the points coincide.
+    pub fn line(from: Vec2<S>, to: Vec2<S>) -> Result<Self, SegmentError> {
+        let d = to - from;
+        let length = d.norm();
+        if !(length.is_finite() && from.norm_squared().is_finite()) {
+            return Err(SegmentError::NotFinite);
+        }
+        // Below the least normal square, d/|d| is no unit vector any more.
+        if length <= S::from_f64(1e-15) {
+            return Err(SegmentError::ZeroLength);
+        }
+        let tangent = d * (S::ONE / length);
+        Ok(Self {
+            curve: Curve::Line {
+                start: from,
+                tangent,
+            },
+            length,
+        })
+    }
+
+    /// Along the circle about `centre` from `from` to `to` [m]; the full circle where the
+    /// two are equal.
+    ///
+    /// A file's centre is rounded, so the two radii may differ by up to `tolerance` [m].
+    /// The centre is then moved along the chord until they agree, which keeps both ends
+    /// exact; it may move no further than `tolerance` either.
+    ///
+    /// # Errors
+    /// `NotFinite`, `ZeroRadius`, `RadiusMismatch`.
+    pub fn arc(
+        from: Vec2<S>,
+        to: Vec2<S>,
+        centre: Vec2<S>,
+        sense: Sense,
+        tolerance: S,
+    ) -> Result<Self, SegmentError> {
+        let sizes = from.norm_squared() + to.norm_squared() + centre.norm_squared();
+        if !(sizes.is_finite() && tolerance.is_finite()) {
+            return Err(SegmentError::NotFinite);
+        }
+        let chord = to - from;
+        let closed = chord.norm_squared() == S::ZERO;
+        let centre = if closed {
+            centre
+        } else {
+            // Onto the chord's perpendicular bisector.
+            let middle = from + chord * S::HALF;
+            let share = (middle - centre).dot(chord) / chord.norm_squared();
+            let shift = chord * share;
+            let consistent = shift.norm() <= tolerance;
+            if !consistent {
+                return Err(SegmentError::RadiusMismatch);
+            }
+            centre + shift
+        };
+        let (r0, r1) = (from - centre, to - centre);
+        let radius = r0.norm();
+        if radius <= S::from_f64(1e-9) {
+            return Err(SegmentError::ZeroRadius);
+        }
+        let turn = S::from_f64(core::f64::consts::TAU);
+        let angle = r0.cross(r1).atan2(r0.dot(r1));
+        let (sweep, side) = match sense {
+            Sense::CounterClockwise => (angle, S::ONE),
+            Sense::Clockwise => (-angle, -S::ONE),
+        };
+        let sweep = if closed {
+            turn
+        } else if sweep > S::ZERO {
+            sweep
+        } else {
+            sweep + turn
+        };
+        Ok(Self {
+            curve: Curve::Arc {
+                start: from,
+                tangent: r0.perp() * (side / radius),
+                curvature: side / radius,
+            },
+            length: radius * sweep,
+        })
+    }
+
+    pub(super) fn new(curve: Curve<S>, length: S) -> Self {
+        Self { curve, length }
+    }
+
+    /// Length [m]; of a blend, of the corner it replaces.
+    #[inline]
+    pub fn length(&self) -> S {
+        self.length
+    }
+
+    /// The shape.
+    #[inline]
+    pub fn curve(&self) -> &Curve<S> {
+        &self.curve
+    }
+
+    /// Position and derivatives at length `s` [m] from the start.
+    #[inline]
+    pub fn at(&self, s: S) -> CurvePoint<S> {
+        self.curve.at(s)
+    }
+
+    /// Where it starts [m].
+    pub fn start(&self) -> Vec2<S> {
+        self.at(S::ZERO).position
+    }
+
+    /// Where it ends [m].
+    pub fn end(&self) -> Vec2<S> {
+        self.at(self.length).position
+    }
+
+    /// From the start to the point at length `s` [m], without the rounding of places far
+    /// from the origin.
+    pub(super) fn way(&self, s: S) -> Vec2<S> {
+        self.curve.way(s)
+    }
+
+    /// The part from `from` to `to` [m] along it.
+    pub(super) fn part(&self, from: S, to: S) -> Self {
+        Self {
+            curve: self.curve.advanced(from),
+            length: to - from,
+        }
+    }
+}
