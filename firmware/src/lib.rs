@@ -4,8 +4,11 @@
 //! Cortex-M4F from the same source and gives the same bits on both.
 #![no_std]
 
+#[cfg(any(feature = "qemu", feature = "stm32f405"))]
+pub mod board;
 pub mod io;
 pub mod motion;
+pub mod protocol;
 pub mod settings;
 
 pub use io::{Command, Sensed};

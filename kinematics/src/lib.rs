@@ -11,8 +11,11 @@
 #[cfg(feature = "design")]
 extern crate std;
 
+pub mod control;
 pub mod dynamics;
 pub mod five_bar;
+#[cfg(feature = "design")]
+pub mod linkage;
 #[cfg(feature = "design")]
 pub mod mobility;
 pub mod scalar;

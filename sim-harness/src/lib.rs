@@ -1,5 +1,8 @@
 //! Simulate, check and drive a planar five-bar arm: the library behind `fivebar`.
 
 pub mod cli;
+pub mod job;
 pub mod mobility;
 pub mod report;
+pub mod robot;
+pub mod run;

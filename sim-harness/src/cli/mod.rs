@@ -2,6 +2,7 @@
 
 mod failure;
 mod mobility;
+mod robots;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -19,6 +20,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Mobility(mobility::Args),
+    Robots(robots::Args),
 }
 
 /// Parses the arguments, runs the command and reports what went wrong.
@@ -28,6 +30,7 @@ pub fn main() -> ExitCode {
         None => Ok(()),
         Some(command) => match command {
             Command::Mobility(args) => mobility::run(&args),
+            Command::Robots(args) => robots::run(&args),
         },
     };
     match outcome {

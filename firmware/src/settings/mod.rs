@@ -1,7 +1,13 @@
 //! Everything the controller is told about its arm: SI units, `f32`, one flat value that
 //! is stored, sent and validated whole.
 
+mod arm;
+mod error;
+mod validate;
+
 use serde::{Deserialize, Serialize};
+
+pub use error::{AxisField, Field, SettingsError};
 
 /// Inertia of one link, see `fivebar_kinematics::dynamics::Link`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -17,7 +23,7 @@ pub struct LinkSettings {
 /// One driven joint: its motor, gear, encoder and limits.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AxisSettings {
-    /// Motor turns per joint turn.
+    /// Motor turns per joint turn, below zero where the motor turns against its joint.
     pub gear_ratio: f32,
     /// Rotor inertia at the motor shaft [kg·m²].
     pub rotor_inertia: f32,
@@ -33,8 +39,10 @@ pub struct AxisSettings {
     pub coulomb_friction: f32,
     /// Encoder counts per motor turn, after quadrature.
     pub encoder_counts: u32,
-    /// Joint angle at the home switch [rad].
+    /// Joint angle at which the home switch closes [rad].
     pub home_angle: f32,
+    /// Whether the joint's angle grows towards its switch.
+    pub home_forward: bool,
     /// Least and greatest joint angle [rad].
     pub angle_limits: [f32; 2],
     /// Greatest joint speed [rad/s].
@@ -60,7 +68,7 @@ pub struct ControlSettings {
     pub tick_rate: f32,
     /// Bandwidth of the position loop [rad/s].
     pub bandwidth: f32,
-    /// Its damping ratio.
+    /// Its damping ratio; the integral comes on top.
     pub damping: f32,
     /// Rate at which the integral action takes up a steady error [rad/s]; 0 turns it off.
     pub integral_rate: f32,
@@ -68,8 +76,21 @@ pub struct ControlSettings {
     pub observer_bandwidth: f32,
     /// Bandwidth of the current loop [rad/s].
     pub current_bandwidth: f32,
+    /// Joint speed at which half of the Coulomb friction is compensated [rad/s].
+    pub friction_smoothing: f32,
     /// Feed the arm's model forward (computed torque); off: independent-joint PD.
     pub computed_torque: bool,
+}
+
+/// How the joints look for their home switches.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HomingSettings {
+    /// Speed of the first approach [rad/s]; the second goes at an eighth of it.
+    pub speed: f32,
+    /// How far to back off a closed switch [rad].
+    pub back_off: f32,
+    /// Greatest motor current while homing [A].
+    pub current: f32,
 }
 
 /// Limits of the tool's motion.
@@ -83,7 +104,8 @@ pub struct MotionSettings {
     pub max_jerk: f32,
     /// How far a rounded corner may leave the path [m]; 0 stops at corners.
     pub corner_tolerance: f32,
-    /// Least |sin| of the angle at an elbow or at C: the distance kept from singularities.
+    /// Least |sin| of the angle at an elbow or at C that is planned: the distance kept from
+    /// singularities. The arm trips at half of it.
     pub singularity_margin: f32,
 }
 
@@ -119,10 +141,14 @@ pub struct Settings {
     pub tool_offset: [f32; 2],
     /// Whether each elbow turns left: the working mode.
     pub elbows_left: [bool; 2],
+    /// Whether C lies left of the ray B→D: the assembly mode.
+    pub assembly_left: bool,
     /// The driven joints.
     pub axes: [AxisSettings; 2],
     /// The loops.
     pub control: ControlSettings,
+    /// The search for the home switches.
+    pub homing: HomingSettings,
     /// The tool's limits.
     pub motion: MotionSettings,
     /// The trip points.

@@ -1,0 +1,34 @@
+#!/usr/bin/env bash
+# Everything that must hold before a change lands: what CI runs and what a person runs.
+#
+#   ./ci.sh            every step, from a fresh clone on a fresh machine
+#   ./ci.sh test       one step, or several, by name
+set -euo pipefail
+cd "$(dirname "$0")"
+exec </dev/null
+export CARGO_TERM_COLOR=${CARGO_TERM_COLOR:-never}
+
+format() { cargo fmt --all --check; }
+lint() { cargo clippy --workspace --all-targets --quiet -- -D warnings; }
+docs() { scripts/docs.sh; }
+licences() { scripts/licences.sh; }
+file_lengths() { scripts/file-lengths.sh; }
+tests() { cargo test --workspace; }
+setup() { scripts/toolchain.sh; }
+firmware() { scripts/firmware.sh; }
+
+all=(format file_lengths lint docs licences tests setup firmware)
+steps=("$@")
+[ $# -gt 0 ] || steps=("${all[@]}")
+
+for step in "${steps[@]}"; do
+    if ! declare -F "$step" >/dev/null; then
+        echo "ci.sh: there is no step '$step'; the steps are: ${all[*]}" >&2
+        exit 2
+    fi
+    echo "==> $step"
+    started=$SECONDS
+    "$step"
+    echo "==> $step: passed in $((SECONDS - started)) s"
+done
+echo "ci.sh: ${#steps[@]} steps passed in $SECONDS s"

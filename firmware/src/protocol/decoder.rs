@@ -1,0 +1,122 @@
+//! Bytes into messages, one byte at a time.
+
+use super::frame::{BORDER, CRC, CRC_BYTES, FrameError, MAX_CONTENT, Message};
+use cobs::{DecodeResult, DecoderState};
+use core::marker::PhantomData;
+use heapless::Vec;
+use serde::{Deserialize, Serialize};
+
+/// What a link has carried since it began; the counts stop at their greatest value.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LinkCounts {
+    /// Frames that were messages.
+    pub received: u32,
+    /// Frames dropped because their bytes were wrong: stuffing, length or checksum.
+    pub corrupt: u32,
+    /// Whole frames dropped because of what they said: the wrong sender or version.
+    pub foreign: u32,
+}
+
+/// Reads messages `M` from a stream of bytes. Anything that is not one is dropped and
+/// counted, and reading goes on at the next border.
+#[derive(Debug)]
+pub struct Decoder<M> {
+    stuffing: DecoderState,
+    content: Vec<u8, MAX_CONTENT>,
+    /// Why the frame being read is already lost.
+    lost: Option<FrameError>,
+    counts: LinkCounts,
+    message: PhantomData<fn() -> M>,
+}
+
+impl<M: Message> Default for Decoder<M> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<M: Message> Decoder<M> {
+    /// A decoder that has read nothing.
+    pub const fn new() -> Self {
+        Self {
+            stuffing: DecoderState::Idle,
+            content: Vec::new(),
+            lost: None,
+            counts: LinkCounts {
+                received: 0,
+                corrupt: 0,
+                foreign: 0,
+            },
+            message: PhantomData,
+        }
+    }
+
+    /// What has been read so far.
+    pub fn counts(&self) -> LinkCounts {
+        self.counts
+    }
+
+    /// Takes the next byte. `Some` at the end of each frame: its message, or why it has
+    /// none. The work is bounded by one frame's length.
+    pub fn feed(&mut self, byte: u8) -> Option<Result<M, FrameError>> {
+        if self.lost.is_none() {
+            match self.stuffing.feed(byte) {
+                Ok(DecodeResult::NoData) => return None,
+                Ok(DecodeResult::DataStart) => {
+                    self.content.clear();
+                    return None;
+                }
+                Ok(DecodeResult::DataContinue(data)) => {
+                    if self.content.push(data).is_err() {
+                        self.lost = Some(FrameError::TooLong);
+                    }
+                    return None;
+                }
+                Ok(DecodeResult::DataComplete) => {}
+                Err(_) => self.lost = Some(FrameError::Stuffing),
+            }
+        }
+        if byte != BORDER {
+            return None;
+        }
+        self.stuffing = DecoderState::Idle;
+        let outcome = match self.lost.take() {
+            Some(error) => Err(error),
+            None => read(&self.content),
+        };
+        self.count(outcome.as_ref().err());
+        Some(outcome)
+    }
+
+    fn count(&mut self, error: Option<&FrameError>) {
+        let count = match error {
+            None => &mut self.counts.received,
+            Some(
+                FrameError::Stuffing
+                | FrameError::TooLong
+                | FrameError::TooShort
+                | FrameError::Checksum,
+            ) => &mut self.counts.corrupt,
+            Some(FrameError::Sender | FrameError::Malformed) => &mut self.counts.foreign,
+        };
+        *count = count.saturating_add(1);
+    }
+}
+
+/// The message of an unstuffed frame.
+fn read<M: Message>(content: &[u8]) -> Result<M, FrameError> {
+    let (checked, crc) = content
+        .split_last_chunk::<CRC_BYTES>()
+        .ok_or(FrameError::TooShort)?;
+    let (&sender, message) = checked.split_first().ok_or(FrameError::TooShort)?;
+    if CRC.checksum(checked) != u32::from_le_bytes(*crc) {
+        return Err(FrameError::Checksum);
+    }
+    if sender != M::SENDER as u8 {
+        return Err(FrameError::Sender);
+    }
+    match postcard::take_from_bytes(message) {
+        Ok((message, [])) => Ok(message),
+        _ => Err(FrameError::Malformed),
+    }
+}

@@ -1,0 +1,129 @@
+//! The settings in sections, each small enough for a frame.
+
+use crate::settings::{
+    AxisSettings, ControlSettings, HomingSettings, LinkSettings, MotionSettings,
+    ProtectionSettings, Settings,
+};
+use serde::{Deserialize, Serialize};
+
+/// The name of a section.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum SectionKey {
+    /// l1…l4 and the base.
+    Lengths,
+    /// Inertia of a link: 0…3 are links 1…4.
+    Link(u8),
+    /// The point mass at C.
+    Payload,
+    /// In-plane gravity.
+    Gravity,
+    /// The tool from C.
+    ToolOffset,
+    /// The working mode.
+    Elbows,
+    /// A driven joint: 0 is joint 1, 1 is joint 4.
+    Axis(u8),
+    /// The loops.
+    Control,
+    /// The tool's limits.
+    Motion,
+    /// The trip points.
+    Protection,
+    /// The assembly mode.
+    Assembly,
+    /// The search for the home switches.
+    Homing,
+}
+
+/// A section with its value; units as in [`Settings`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Section {
+    /// [`Settings::lengths`].
+    Lengths([f32; 5]),
+    /// One of [`Settings::links`].
+    Link(u8, LinkSettings),
+    /// [`Settings::payload`].
+    Payload(f32),
+    /// [`Settings::gravity`].
+    Gravity([f32; 2]),
+    /// [`Settings::tool_offset`].
+    ToolOffset([f32; 2]),
+    /// [`Settings::elbows_left`].
+    Elbows([bool; 2]),
+    /// One of [`Settings::axes`].
+    Axis(u8, AxisSettings),
+    /// [`Settings::control`].
+    Control(ControlSettings),
+    /// [`Settings::motion`].
+    Motion(MotionSettings),
+    /// [`Settings::protection`].
+    Protection(ProtectionSettings),
+    /// [`Settings::assembly_left`].
+    Assembly(bool),
+    /// [`Settings::homing`].
+    Homing(HomingSettings),
+}
+
+impl SectionKey {
+    /// Every section: to read or write all of these is to read or write the settings
+    /// whole.
+    pub const ALL: [Self; 16] = [
+        Self::Lengths,
+        Self::Link(0),
+        Self::Link(1),
+        Self::Link(2),
+        Self::Link(3),
+        Self::Payload,
+        Self::Gravity,
+        Self::ToolOffset,
+        Self::Elbows,
+        Self::Axis(0),
+        Self::Axis(1),
+        Self::Control,
+        Self::Motion,
+        Self::Protection,
+        Self::Assembly,
+        Self::Homing,
+    ];
+
+    /// This section of `settings`; `None` for a link or axis that is not there.
+    pub fn of(self, settings: &Settings) -> Option<Section> {
+        Some(match self {
+            Self::Lengths => Section::Lengths(settings.lengths),
+            Self::Link(index) => Section::Link(index, *settings.links.get(usize::from(index))?),
+            Self::Payload => Section::Payload(settings.payload),
+            Self::Gravity => Section::Gravity(settings.gravity),
+            Self::ToolOffset => Section::ToolOffset(settings.tool_offset),
+            Self::Elbows => Section::Elbows(settings.elbows_left),
+            Self::Axis(index) => Section::Axis(index, *settings.axes.get(usize::from(index))?),
+            Self::Control => Section::Control(settings.control),
+            Self::Motion => Section::Motion(settings.motion),
+            Self::Protection => Section::Protection(settings.protection),
+            Self::Assembly => Section::Assembly(settings.assembly_left),
+            Self::Homing => Section::Homing(settings.homing),
+        })
+    }
+}
+
+impl Section {
+    /// Puts this section into `settings`; `None`, and nothing changed, for a link or axis
+    /// that is not there.
+    #[must_use]
+    pub fn put(self, settings: &mut Settings) -> Option<()> {
+        match self {
+            Self::Lengths(value) => settings.lengths = value,
+            Self::Link(index, value) => *settings.links.get_mut(usize::from(index))? = value,
+            Self::Payload(value) => settings.payload = value,
+            Self::Gravity(value) => settings.gravity = value,
+            Self::ToolOffset(value) => settings.tool_offset = value,
+            Self::Elbows(value) => settings.elbows_left = value,
+            Self::Axis(index, value) => *settings.axes.get_mut(usize::from(index))? = value,
+            Self::Control(value) => settings.control = value,
+            Self::Motion(value) => settings.motion = value,
+            Self::Protection(value) => settings.protection = value,
+            Self::Assembly(value) => settings.assembly_left = value,
+            Self::Homing(value) => settings.homing = value,
+        }
+        Some(())
+    }
+}

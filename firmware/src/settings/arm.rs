@@ -1,0 +1,94 @@
+//! The arm that the settings describe.
+
+use super::{Settings, SettingsError};
+use fivebar_kinematics::control::effective_inertia;
+use fivebar_kinematics::dynamics::{Arm, Link};
+use fivebar_kinematics::five_bar::{Geometry, Pose, Side, WorkingMode};
+use fivebar_kinematics::{Scalar, Vec2};
+
+/// Poses looked at across the range of each joint.
+const GRID: u8 = 9;
+
+fn side(left: bool) -> Side {
+    if left { Side::Left } else { Side::Right }
+}
+
+impl Settings {
+    /// Geometry and inertia, the rotors seen through their gears.
+    ///
+    /// # Errors
+    /// Lengths or inertias that are not an arm's.
+    pub fn arm(&self) -> Result<Arm<f32>, SettingsError> {
+        let geometry = Geometry::new(self.lengths).map_err(SettingsError::Geometry)?;
+        let links = self.links.map(|link| Link {
+            mass: link.mass,
+            com: vec2(link.com),
+            inertia: link.inertia,
+        });
+        let rotors = self
+            .axes
+            .map(|axis| axis.gear_ratio * axis.gear_ratio * axis.rotor_inertia);
+        Arm::new(geometry, links, self.payload, vec2(self.gravity), rotors)
+            .map_err(SettingsError::Inertia)
+    }
+
+    /// The branch of the inverse solution.
+    pub fn working_mode(&self) -> WorkingMode {
+        let [elbow1, elbow4] = self.elbows_left.map(side);
+        WorkingMode::new(elbow1, elbow4)
+    }
+
+    /// The branch of the forward solution.
+    pub fn assembly(&self) -> Side {
+        side(self.assembly_left)
+    }
+
+    /// Whether a pose is on the branch and keeps `margin` from singularities.
+    pub(crate) fn stands_clear(&self, pose: &Pose<f32>, margin: f32) -> bool {
+        let mode = self.working_mode();
+        mode.elbow1.sign(pose.sin21()) >= margin
+            && mode.elbow4.sign(pose.sin34()) >= margin
+            && Scalar::abs(pose.sin32()) >= margin
+    }
+
+    /// The inertia [kg·m²] that each joint shows on the average of the poses that the arm
+    /// can take: the constant of independent-joint control.
+    ///
+    /// # Errors
+    /// `NoPose` where the arm can take none.
+    pub(crate) fn nominal_inertia(&self, arm: &Arm<f32>) -> Result<[f32; 2], SettingsError> {
+        let [range1, range4] = self.axes.map(|axis| axis.angle_limits);
+        let at = |[low, high]: [f32; 2], step: u8| {
+            low + (high - low) * (f32::from(step) / f32::from(GRID - 1))
+        };
+        let mut sum = [0.0; 2];
+        let mut poses = 0.0;
+        for i in 0..GRID {
+            for j in 0..GRID {
+                let pose = arm
+                    .geometry()
+                    .forward(at(range1, i), at(range4, j), self.assembly());
+                let Ok(pose) = pose else { continue };
+                if !self.stands_clear(&pose, self.motion.singularity_margin) {
+                    continue;
+                }
+                if let Ok([inertia1, inertia4]) = effective_inertia(arm, &pose) {
+                    let [sum1, sum4] = sum;
+                    sum = [sum1 + inertia1, sum4 + inertia4];
+                    poses += 1.0;
+                }
+            }
+        }
+        let [sum1, sum4] = sum;
+        let average = [sum1 / poses, sum4 / poses];
+        if poses > 0.0 && average.iter().all(|&inertia| inertia > 0.0) {
+            Ok(average)
+        } else {
+            Err(SettingsError::NoPose)
+        }
+    }
+}
+
+pub(crate) fn vec2([x, y]: [f32; 2]) -> Vec2<f32> {
+    Vec2::new(x, y)
+}

@@ -1,0 +1,183 @@
+//! What is wrong with settings, by field.
+
+use core::fmt;
+use fivebar_kinematics::dynamics::ModelError;
+use fivebar_kinematics::five_bar::GeometryError;
+
+/// A field of an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(
+    missing_docs,
+    reason = "each is the field of AxisSettings of this name"
+)]
+pub enum AxisField {
+    GearRatio,
+    RotorInertia,
+    TorqueConstant,
+    Resistance,
+    Inductance,
+    ViscousFriction,
+    CoulombFriction,
+    EncoderCounts,
+    HomeAngle,
+    AngleLimits,
+    MaxSpeed,
+    MaxAcceleration,
+    PeakCurrent,
+    ContinuousCurrent,
+    ThermalTimeConstant,
+    CurrentPerCode,
+}
+
+/// A field outside the axes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs, reason = "each is the field of Settings of this name")]
+pub enum Field {
+    ToolOffset,
+    TickRate,
+    Bandwidth,
+    Damping,
+    IntegralRate,
+    ObserverBandwidth,
+    CurrentBandwidth,
+    FrictionSmoothing,
+    HomingSpeed,
+    HomingBackOff,
+    HomingCurrent,
+    MaxSpeed,
+    MaxAcceleration,
+    MaxJerk,
+    CornerTolerance,
+    SingularityMargin,
+    FollowingError,
+    OverSpeed,
+    OverCurrent,
+    BusVoltage,
+    BusVoltagePerCode,
+    CommandTimeout,
+}
+
+/// Why settings are refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SettingsError {
+    /// The lengths are not a five-bar.
+    Geometry(GeometryError),
+    /// Masses or inertias are not sound.
+    Inertia(ModelError),
+    /// A field of joint 1 or 4.
+    Axis(u8, AxisField),
+    /// Another field.
+    Field(Field),
+    /// No pose within the joint limits is on the branch and clear of singularities.
+    NoPose,
+}
+
+impl AxisField {
+    /// The field's name and what it must be.
+    fn rule(self) -> (&'static str, &'static str) {
+        match self {
+            Self::GearRatio => ("gear_ratio", "must be finite and not zero"),
+            Self::RotorInertia => ("rotor_inertia", "must be finite and not negative [kg·m²]"),
+            Self::TorqueConstant => ("torque_constant", "must be positive [N·m/A]"),
+            Self::Resistance => ("resistance", "must be positive [Ω]"),
+            Self::Inductance => ("inductance", "must be positive [H]"),
+            Self::ViscousFriction => ("viscous_friction", "must not be negative [N·m·s/rad]"),
+            Self::CoulombFriction => ("coulomb_friction", "must not be negative [N·m]"),
+            Self::EncoderCounts => (
+                "encoder_counts",
+                "must be positive, and at most 4 194 304 per turn of the joint",
+            ),
+            Self::HomeAngle => ("home_angle", "must be within ±2π [rad]"),
+            Self::AngleLimits => ("angle_limits", "must be rising and within ±2π [rad]"),
+            Self::MaxSpeed => ("max_speed", "must be positive [rad/s]"),
+            Self::MaxAcceleration => ("max_acceleration", "must be positive [rad/s²]"),
+            Self::PeakCurrent => ("peak_current", "must be positive [A]"),
+            Self::ContinuousCurrent => (
+                "continuous_current",
+                "must be positive and at most the peak current [A]",
+            ),
+            Self::ThermalTimeConstant => ("thermal_time_constant", "must be positive [s]"),
+            Self::CurrentPerCode => ("current_per_code", "must be positive [A]"),
+        }
+    }
+}
+
+impl Field {
+    /// The field's name and what it must be.
+    fn rule(self) -> (&'static str, &'static str) {
+        match self {
+            Self::ToolOffset => ("tool_offset", "must be finite [m]"),
+            Self::TickRate => ("control.tick_rate", "must lie in 100 to 50 000 Hz"),
+            Self::Bandwidth => (
+                "control.bandwidth",
+                "must be positive and at most a quarter of current_bandwidth [rad/s]",
+            ),
+            Self::Damping => ("control.damping", "must lie in 0.2 to 2"),
+            Self::IntegralRate => (
+                "control.integral_rate",
+                "must lie between 0 and a quarter of bandwidth [rad/s]",
+            ),
+            Self::ObserverBandwidth => (
+                "control.observer_bandwidth",
+                "must lie between twice bandwidth and the tick rate [rad/s]",
+            ),
+            Self::CurrentBandwidth => (
+                "control.current_bandwidth",
+                "must be positive and at most 0.35 times the tick rate [rad/s]",
+            ),
+            Self::FrictionSmoothing => ("control.friction_smoothing", "must be positive [rad/s]"),
+            Self::HomingSpeed => (
+                "homing.speed",
+                "must be positive and at most the least max_speed [rad/s]",
+            ),
+            Self::HomingBackOff => ("homing.back_off", "must be positive and under 1 rad"),
+            Self::HomingCurrent => (
+                "homing.current",
+                "must be positive and at most the least peak_current [A]",
+            ),
+            Self::MaxSpeed => ("motion.max_speed", "must be positive [m/s]"),
+            Self::MaxAcceleration => ("motion.max_acceleration", "must be positive [m/s²]"),
+            Self::MaxJerk => ("motion.max_jerk", "must be positive [m/s³]"),
+            Self::CornerTolerance => ("motion.corner_tolerance", "must not be negative [m]"),
+            Self::SingularityMargin => ("motion.singularity_margin", "must lie within 0 and 1"),
+            Self::FollowingError => ("protection.following_error", "must lie within 0 and 1 rad"),
+            Self::OverSpeed => (
+                "protection.over_speed",
+                "must be at least the greatest max_speed [rad/s]",
+            ),
+            Self::OverCurrent => (
+                "protection.over_current",
+                "must be at least the greatest peak_current [A]",
+            ),
+            Self::BusVoltage => ("protection.bus_voltage", "must be positive and rising [V]"),
+            Self::BusVoltagePerCode => ("protection.bus_voltage_per_code", "must be positive [V]"),
+            Self::CommandTimeout => (
+                "protection.command_timeout",
+                "must last at least one tick and at most 60 s",
+            ),
+        }
+    }
+}
+
+impl fmt::Display for SettingsError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Geometry(error) => error.fmt(f),
+            Self::Inertia(error) => error.fmt(f),
+            Self::Axis(joint, field) => {
+                let (name, rule) = field.rule();
+                write!(f, "joint {joint}: {name} {rule}")
+            }
+            Self::Field(field) => {
+                let (name, rule) = field.rule();
+                write!(f, "{name} {rule}")
+            }
+            Self::NoPose => f.write_str(
+                "no pose within angle_limits is on the branch of elbows_left and assembly_left \
+                 and keeps singularity_margin",
+            ),
+        }
+    }
+}
+
+impl core::error::Error for SettingsError {}

@@ -1,0 +1,190 @@
+//! Every number looked at once, before a controller is made of it.
+
+use super::{AxisField, AxisSettings, Field, Settings, SettingsError};
+use core::f32::consts::TAU;
+use fivebar_kinematics::Scalar;
+
+/// Counts of a whole turn that `f32` still tells apart, with two bits to spare.
+const MAX_COUNTS_PER_TURN: f32 = 4_194_304.0;
+
+fn positive(value: f32) -> bool {
+    value > 0.0 && value.is_finite()
+}
+
+fn not_negative(value: f32) -> bool {
+    value >= 0.0 && value.is_finite()
+}
+
+fn rising([low, high]: [f32; 2]) -> bool {
+    low < high && low.is_finite() && high.is_finite()
+}
+
+/// The first rule that does not hold.
+fn first_broken<F: Copy>(rules: &[(bool, F)]) -> Option<F> {
+    rules
+        .iter()
+        .find_map(|&(holds, field)| if holds { None } else { Some(field) })
+}
+
+impl AxisSettings {
+    fn broken_field(&self) -> Option<AxisField> {
+        let counts = self.encoder_counts as f32 * Scalar::abs(self.gear_ratio);
+        first_broken(&[
+            (
+                self.gear_ratio != 0.0 && self.gear_ratio.is_finite(),
+                AxisField::GearRatio,
+            ),
+            (not_negative(self.rotor_inertia), AxisField::RotorInertia),
+            (positive(self.torque_constant), AxisField::TorqueConstant),
+            (positive(self.resistance), AxisField::Resistance),
+            (positive(self.inductance), AxisField::Inductance),
+            (
+                not_negative(self.viscous_friction),
+                AxisField::ViscousFriction,
+            ),
+            (
+                not_negative(self.coulomb_friction),
+                AxisField::CoulombFriction,
+            ),
+            (
+                self.encoder_counts > 0 && counts <= MAX_COUNTS_PER_TURN,
+                AxisField::EncoderCounts,
+            ),
+            (Scalar::abs(self.home_angle) <= TAU, AxisField::HomeAngle),
+            (
+                rising(self.angle_limits)
+                    && self.angle_limits.iter().all(|&a| Scalar::abs(a) <= TAU),
+                AxisField::AngleLimits,
+            ),
+            (positive(self.max_speed), AxisField::MaxSpeed),
+            (positive(self.max_acceleration), AxisField::MaxAcceleration),
+            (positive(self.peak_current), AxisField::PeakCurrent),
+            (
+                positive(self.continuous_current) && self.continuous_current <= self.peak_current,
+                AxisField::ContinuousCurrent,
+            ),
+            (
+                positive(self.thermal_time_constant),
+                AxisField::ThermalTimeConstant,
+            ),
+            (positive(self.current_per_code), AxisField::CurrentPerCode),
+        ])
+    }
+}
+
+impl Settings {
+    /// Checks every field and that the arm they describe can stand somewhere.
+    ///
+    /// # Errors
+    /// The first field that is not sound, by name.
+    pub fn validate(&self) -> Result<(), SettingsError> {
+        for (joint, axis) in [1, 4].into_iter().zip(&self.axes) {
+            if let Some(field) = axis.broken_field() {
+                return Err(SettingsError::Axis(joint, field));
+            }
+        }
+        if let Some(field) = self.broken_field() {
+            return Err(SettingsError::Field(field));
+        }
+        let arm = self.arm()?;
+        self.nominal_inertia(&arm).map(|_| ())
+    }
+
+    fn broken_field(&self) -> Option<Field> {
+        let [axis1, axis4] = &self.axes;
+        let control = &self.control;
+        let motion = &self.motion;
+        let protection = &self.protection;
+        let homing = &self.homing;
+        let [low, _] = protection.bus_voltage;
+        first_broken(&[
+            (
+                self.tool_offset.iter().all(|x| x.is_finite()),
+                Field::ToolOffset,
+            ),
+            (
+                (100.0..=50_000.0).contains(&control.tick_rate),
+                Field::TickRate,
+            ),
+            (
+                positive(control.current_bandwidth)
+                    && control.current_bandwidth <= 0.35 * control.tick_rate,
+                Field::CurrentBandwidth,
+            ),
+            (
+                positive(control.bandwidth)
+                    && control.bandwidth <= 0.25 * control.current_bandwidth,
+                Field::Bandwidth,
+            ),
+            ((0.2..=2.0).contains(&control.damping), Field::Damping),
+            (
+                (0.0..=0.25 * control.bandwidth).contains(&control.integral_rate),
+                Field::IntegralRate,
+            ),
+            (
+                (2.0 * control.bandwidth..=control.tick_rate).contains(&control.observer_bandwidth),
+                Field::ObserverBandwidth,
+            ),
+            (
+                positive(control.friction_smoothing),
+                Field::FrictionSmoothing,
+            ),
+            (
+                positive(homing.speed)
+                    && homing.speed <= axis1.max_speed
+                    && homing.speed <= axis4.max_speed,
+                Field::HomingSpeed,
+            ),
+            (
+                positive(homing.back_off) && homing.back_off < 1.0,
+                Field::HomingBackOff,
+            ),
+            (
+                positive(homing.current)
+                    && homing.current <= axis1.peak_current
+                    && homing.current <= axis4.peak_current,
+                Field::HomingCurrent,
+            ),
+            (positive(motion.max_speed), Field::MaxSpeed),
+            (positive(motion.max_acceleration), Field::MaxAcceleration),
+            (positive(motion.max_jerk), Field::MaxJerk),
+            (
+                not_negative(motion.corner_tolerance),
+                Field::CornerTolerance,
+            ),
+            (
+                positive(motion.singularity_margin) && motion.singularity_margin < 1.0,
+                Field::SingularityMargin,
+            ),
+            (
+                positive(protection.following_error) && protection.following_error < 1.0,
+                Field::FollowingError,
+            ),
+            (
+                protection.over_speed.is_finite()
+                    && protection.over_speed >= axis1.max_speed
+                    && protection.over_speed >= axis4.max_speed,
+                Field::OverSpeed,
+            ),
+            (
+                protection.over_current.is_finite()
+                    && protection.over_current >= axis1.peak_current
+                    && protection.over_current >= axis4.peak_current,
+                Field::OverCurrent,
+            ),
+            (
+                low > 0.0 && rising(protection.bus_voltage),
+                Field::BusVoltage,
+            ),
+            (
+                positive(protection.bus_voltage_per_code),
+                Field::BusVoltagePerCode,
+            ),
+            (
+                protection.command_timeout * control.tick_rate >= 1.0
+                    && protection.command_timeout <= 60.0,
+                Field::CommandTimeout,
+            ),
+        ])
+    }
+}

@@ -1,0 +1,304 @@
+//! Any message at all, for property tests.
+
+use fivebar_firmware::protocol::{
+    Board, ControllerMessage, HostMessage, Identity, Mode, Order, Refusal, Reply, Reset, Section,
+    SectionKey, Sequence, State, Telemetry, Ticked, VERSION,
+};
+use fivebar_firmware::settings::{
+    AxisSettings, ControlSettings, HomingSettings, LinkSettings, MotionSettings, ProtectionSettings,
+};
+use fivebar_firmware::{Command, Move, MoveKind, Sensed};
+use proptest::prelude::*;
+
+/// Every bit pattern of an `f32`, those that are no number included.
+fn number() -> impl Strategy<Value = f32> + Clone {
+    any::<u32>().prop_map(f32::from_bits)
+}
+
+fn pair() -> impl Strategy<Value = [f32; 2]> + Clone {
+    [number(), number()]
+}
+
+fn a_move() -> impl Strategy<Value = Move> {
+    let kind = prop_oneof![
+        (pair(), number()).prop_map(|(to, feed)| MoveKind::Line { to, feed }),
+        (pair(), pair(), any::<bool>(), number()).prop_map(|(to, center, clockwise, feed)| {
+            MoveKind::Arc {
+                to,
+                center,
+                clockwise,
+                feed,
+            }
+        }),
+        number().prop_map(|duration| MoveKind::Dwell { duration }),
+        (pair(), number()).prop_map(|(to, speed)| MoveKind::Joint { to, speed }),
+    ];
+    (any::<u32>(), kind).prop_map(|(tag, kind)| Move { tag, kind })
+}
+
+fn sensed() -> impl Strategy<Value = Sensed> {
+    (
+        any::<[i32; 2]>(),
+        any::<[u16; 2]>(),
+        any::<u16>(),
+        any::<[bool; 2]>(),
+        any::<bool>(),
+        any::<[bool; 2]>(),
+    )
+        .prop_map(
+            |(counts, current, bus_voltage, home, emergency_stop, driver_fault)| Sensed {
+                counts,
+                current,
+                bus_voltage,
+                home,
+                emergency_stop,
+                driver_fault,
+            },
+        )
+}
+
+fn section_key() -> impl Strategy<Value = SectionKey> {
+    prop_oneof![
+        prop::sample::select(SectionKey::ALL.to_vec()),
+        any::<u8>().prop_map(SectionKey::Link),
+        any::<u8>().prop_map(SectionKey::Axis),
+    ]
+}
+
+fn axis() -> impl Strategy<Value = AxisSettings> {
+    (
+        prop::array::uniform16(number()),
+        any::<u32>(),
+        any::<u16>(),
+        any::<bool>(),
+    )
+        .prop_map(
+            |(v, encoder_counts, current_zero_code, home_forward)| AxisSettings {
+                gear_ratio: v[0],
+                rotor_inertia: v[1],
+                torque_constant: v[2],
+                resistance: v[3],
+                inductance: v[4],
+                viscous_friction: v[5],
+                coulomb_friction: v[6],
+                encoder_counts,
+                home_angle: v[7],
+                home_forward,
+                angle_limits: [v[8], v[9]],
+                max_speed: v[10],
+                max_acceleration: v[11],
+                peak_current: v[12],
+                continuous_current: v[13],
+                thermal_time_constant: v[14],
+                current_per_code: v[15],
+                current_zero_code,
+            },
+        )
+}
+
+/// Any section.
+pub(crate) fn section() -> impl Strategy<Value = Section> {
+    prop_oneof![
+        prop::array::uniform5(number()).prop_map(Section::Lengths),
+        (any::<u8>(), number(), pair(), number()).prop_map(|(index, mass, com, inertia)| {
+            Section::Link(index, LinkSettings { mass, com, inertia })
+        }),
+        number().prop_map(Section::Payload),
+        pair().prop_map(Section::Gravity),
+        pair().prop_map(Section::ToolOffset),
+        any::<[bool; 2]>().prop_map(Section::Elbows),
+        (any::<u8>(), axis()).prop_map(|(index, axis)| Section::Axis(index, axis)),
+        (prop::array::uniform7(number()), any::<bool>()).prop_map(|(v, computed_torque)| {
+            Section::Control(ControlSettings {
+                tick_rate: v[0],
+                bandwidth: v[1],
+                damping: v[2],
+                integral_rate: v[3],
+                observer_bandwidth: v[4],
+                current_bandwidth: v[5],
+                friction_smoothing: v[6],
+                computed_torque,
+            })
+        }),
+        prop::array::uniform5(number()).prop_map(|v| {
+            Section::Motion(MotionSettings {
+                max_speed: v[0],
+                max_acceleration: v[1],
+                max_jerk: v[2],
+                corner_tolerance: v[3],
+                singularity_margin: v[4],
+            })
+        }),
+        prop::array::uniform7(number()).prop_map(|v| {
+            Section::Protection(ProtectionSettings {
+                following_error: v[0],
+                over_speed: v[1],
+                over_current: v[2],
+                bus_voltage: [v[3], v[4]],
+                bus_voltage_per_code: v[5],
+                command_timeout: v[6],
+            })
+        }),
+        any::<bool>().prop_map(Section::Assembly),
+        prop::array::uniform3(number()).prop_map(|v| {
+            Section::Homing(HomingSettings {
+                speed: v[0],
+                back_off: v[1],
+                current: v[2],
+            })
+        }),
+    ]
+}
+
+/// Any message of a host.
+pub(crate) fn host_message() -> impl Strategy<Value = HostMessage> {
+    let order = prop_oneof![
+        (any::<u16>(), any::<u32>())
+            .prop_map(|(version, session)| Order::Hello { version, session }),
+        prop::sample::select(vec![
+            Order::State,
+            Order::Arm,
+            Order::Disarm,
+            Order::HomeToSwitches,
+            Order::Stop,
+            Order::EmergencyStop,
+            Order::ClearFault,
+            Order::ApplySettings,
+            Order::SaveSettings,
+        ]),
+        pair().prop_map(Order::HomeAt),
+        a_move().prop_map(Order::Move),
+        section_key().prop_map(Order::GetSection),
+        section().prop_map(Order::SetSection),
+        any::<u16>().prop_map(|every| Order::Telemetry { every }),
+        sensed().prop_map(Order::Tick),
+    ];
+    (any::<u16>(), order).prop_map(|(sequence, order)| HostMessage {
+        sequence: Sequence(sequence),
+        order,
+    })
+}
+
+fn mode() -> impl Strategy<Value = Mode> {
+    prop::sample::select(vec![
+        Mode::Stopped,
+        Mode::Homing,
+        Mode::Armed,
+        Mode::Running,
+        Mode::Stopping,
+        Mode::Fault,
+    ])
+}
+
+fn state() -> impl Strategy<Value = State> {
+    (
+        (
+            any::<u32>(),
+            mode(),
+            any::<u8>(),
+            any::<u16>(),
+            any::<bool>(),
+        ),
+        prop::array::uniform6(pair()),
+        (number(), any::<Option<u32>>(), any::<u8>()),
+    )
+        .prop_map(
+            |((tick, mode, fault, limits, homed), v, (bus_voltage, tag, room))| State {
+                tick,
+                mode,
+                fault,
+                limits,
+                homed,
+                angle: v[0],
+                velocity: v[1],
+                tool: v[2],
+                reference: v[3],
+                torque: v[4],
+                current: v[5],
+                bus_voltage,
+                tag,
+                room,
+            },
+        )
+}
+
+fn ticked() -> impl Strategy<Value = Ticked> {
+    (
+        prop::array::uniform5(pair()),
+        any::<[bool; 3]>(),
+        any::<[u32; 2]>(),
+        mode(),
+        any::<u8>(),
+    )
+        .prop_map(|(v, on, [tick, instructions], mode, fault)| Ticked {
+            command: Command {
+                duty: v[0],
+                enable: [on[0], on[1]],
+                brake: on[2],
+            },
+            tick,
+            mode,
+            fault,
+            angle: v[1],
+            velocity: v[2],
+            tool: v[3],
+            current: v[4],
+            instructions,
+        })
+}
+
+fn refusal() -> impl Strategy<Value = Refusal> {
+    prop_oneof![
+        any::<u16>().prop_map(Refusal::Version),
+        any::<u16>().prop_map(|next| Refusal::OutOfSequence(Sequence(next))),
+        mode().prop_map(Refusal::Mode),
+        prop::sample::select(vec![
+            Refusal::NoSession,
+            Refusal::Unsupported,
+            Refusal::NotHomed,
+            Refusal::QueueFull,
+            Refusal::NoSection,
+            Refusal::Settings,
+            Refusal::Storage,
+        ]),
+    ]
+}
+
+/// Any message of a controller.
+pub(crate) fn controller_message() -> impl Strategy<Value = ControllerMessage> {
+    let identity = (
+        prop::sample::select(vec![Board::Desktop, Board::Emulated, Board::Stm32f405]),
+        prop::sample::select(vec![
+            Reset::Power,
+            Reset::Software,
+            Reset::Watchdog,
+            Reset::Panic,
+            Reset::HardFault,
+            Reset::BrownOut,
+        ]),
+        any::<[u8; 3]>(),
+    )
+        .prop_map(|(board, reset, firmware)| Identity {
+            version: VERSION,
+            board,
+            firmware,
+            reset,
+        });
+    let reply = prop_oneof![
+        refusal().prop_map(Reply::Refused),
+        Just(Reply::Done),
+        identity.prop_map(Reply::Hello),
+        state().prop_map(Reply::State),
+        any::<u8>().prop_map(|room| Reply::Taken { room }),
+        section().prop_map(Reply::Section),
+        ticked().prop_map(Reply::Ticked),
+    ];
+    prop_oneof![
+        (any::<u16>(), reply).prop_map(|(sequence, reply)| ControllerMessage::Reply {
+            sequence: Sequence(sequence),
+            reply,
+        }),
+        (any::<u32>(), state())
+            .prop_map(|(number, state)| ControllerMessage::Telemetry(Telemetry { number, state })),
+    ]
+}

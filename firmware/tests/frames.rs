@@ -1,0 +1,177 @@
+//! The frame layer: what arrives is what was sent, or nothing.
+
+mod common;
+
+use common::{controller_message, host_message};
+use fivebar_firmware::protocol::{
+    ControllerMessage, Decoder, FrameError, HostMessage, MAX_CONTENT, Message, Order, Sequence,
+    encode,
+};
+use proptest::prelude::*;
+
+/// All that a decoder makes of these bytes.
+fn decode<M: Message>(decoder: &mut Decoder<M>, bytes: &[u8]) -> Vec<Result<M, FrameError>> {
+    bytes
+        .iter()
+        .filter_map(|&byte| decoder.feed(byte))
+        .collect()
+}
+
+/// The message's frame; messages are compared by it, so that NaN equals itself.
+fn frame<M: Message>(message: &M) -> Vec<u8> {
+    encode(message)
+        .expect("every message fits a frame")
+        .to_vec()
+}
+
+fn survives_garbage<M: Message>(garbage: &[u8], message: &M) -> Result<(), TestCaseError> {
+    let sent = frame(message);
+    let mut decoder = Decoder::<M>::new();
+    decode(&mut decoder, garbage);
+    let heard = decode(&mut decoder, &sent);
+    let last = heard.last().and_then(|heard| heard.as_ref().ok());
+    prop_assert_eq!(last.map(frame), Some(sent));
+    Ok(())
+}
+
+/// Garbage that tries harder: random bytes, borders, pieces of real frames.
+fn garbage() -> impl Strategy<Value = Vec<u8>> {
+    let piece = prop_oneof![
+        prop::collection::vec(any::<u8>(), 0..300),
+        prop::collection::vec(prop::sample::select(vec![0u8, 1, 2, 0xfe, 0xff]), 0..20),
+        (host_message(), any::<prop::sample::Index>()).prop_map(|(message, cut)| {
+            let whole = frame(&message);
+            whole[..cut.index(whole.len())].to_vec()
+        }),
+        (controller_message(), any::<prop::sample::Index>()).prop_map(|(message, cut)| {
+            let whole = frame(&message);
+            whole[cut.index(whole.len())..].to_vec()
+        }),
+    ];
+    prop::collection::vec(piece, 0..4).prop_map(|pieces| pieces.concat())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_order_survives_any_prefix_of_garbage(garbage in garbage(), message in host_message()) {
+        survives_garbage(&garbage, &message)?;
+    }
+
+    #[test]
+    fn any_reply_survives_any_prefix_of_garbage(
+        garbage in garbage(),
+        message in controller_message(),
+    ) {
+        survives_garbage(&garbage, &message)?;
+    }
+
+    #[test]
+    fn one_changed_byte_never_makes_another_message(
+        message in host_message(),
+        at in any::<prop::sample::Index>(),
+        change in 1u8..,
+    ) {
+        let sent = frame(&message);
+        let mut changed = sent.clone();
+        changed[at.index(sent.len())] ^= change;
+        for heard in decode(&mut Decoder::<HostMessage>::new(), &changed).iter().flatten() {
+            prop_assert_eq!(frame(heard), sent.clone());
+        }
+    }
+
+    #[test]
+    fn a_lost_byte_costs_one_frame_only(
+        messages in [host_message(), host_message(), host_message()],
+        at in any::<prop::sample::Index>(),
+    ) {
+        let mut frames = messages.each_ref().map(frame);
+        // Not a border: without one of them the frame is still whole.
+        let lost = 1 + at.index(frames[1].len() - 2);
+        frames[1].remove(lost);
+        let heard: Vec<_> = decode(&mut Decoder::<HostMessage>::new(), &frames.concat())
+            .iter().flatten().map(frame).collect();
+        prop_assert_eq!(heard, [frames[0].clone(), frames[2].clone()]);
+    }
+}
+
+fn stop() -> HostMessage {
+    HostMessage {
+        sequence: Sequence(7),
+        order: Order::Stop,
+    }
+}
+
+#[test]
+fn dropped_frames_are_counted_by_their_kind() {
+    let mut decoder = Decoder::<HostMessage>::new();
+    let mut feed = |bytes: &[u8]| decode(&mut decoder, bytes);
+    let whole = frame(&stop());
+    assert_eq!(feed(&whole), [Ok(stop())]);
+
+    let mut wrong = whole.clone();
+    wrong[3] ^= 0x40;
+    assert_eq!(feed(&wrong), [Err(FrameError::Checksum)]);
+    assert_eq!(feed(&[0, 9, 1, 2, 0]), [Err(FrameError::Stuffing)]);
+    assert_eq!(feed(&[0, 2, b'H', 0]), [Err(FrameError::TooShort)]);
+    let endless = [&[0u8][..], &[0xff; 400], &[0]].concat();
+    assert_eq!(feed(&endless), [Err(FrameError::TooLong)]);
+    let echo = frame(&ControllerMessage::Reply {
+        sequence: Sequence(7),
+        reply: fivebar_firmware::protocol::Reply::Done,
+    });
+    assert_eq!(feed(&echo), [Err(FrameError::Sender)]);
+    assert_eq!(feed(&[0, 0, 0]), []);
+    assert_eq!(feed(&whole), [Ok(stop())]);
+
+    let counts = decoder.counts();
+    assert_eq!((counts.received, counts.corrupt, counts.foreign), (2, 4, 1));
+}
+
+/// A frame around any content, its checksum right.
+fn framed(content: &[u8]) -> Vec<u8> {
+    let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISCSI).checksum(content);
+    let whole = [content, &crc.to_le_bytes()].concat();
+    let mut bytes = vec![0; whole.len() + 4];
+    let stuffed = cobs::encode(&whole, &mut bytes[1..]);
+    bytes.truncate(1 + stuffed);
+    bytes.push(0);
+    bytes
+}
+
+#[test]
+fn whole_frames_that_are_no_message_are_refused() {
+    let mut decoder = Decoder::<HostMessage>::new();
+    assert_eq!(decode(&mut decoder, &framed(b"H\x07\x07")), [Ok(stop())]);
+    for (content, error) in [
+        (&b"H\x07\x63"[..], FrameError::Malformed), // no such order
+        (&b"H\x07\x07\x00"[..], FrameError::Malformed), // bytes too many
+        (&b"H\x07"[..], FrameError::Malformed),     // bytes too few
+        (&b"X\x07\x07"[..], FrameError::Sender),
+        (&b""[..], FrameError::TooShort),
+    ] {
+        assert_eq!(decode(&mut decoder, &framed(content)), [Err(error)]);
+    }
+    assert_eq!(decoder.counts().foreign, 4);
+}
+
+#[test]
+fn content_of_every_length_up_to_the_bound_is_read() {
+    for length in 1..=MAX_CONTENT {
+        let content = vec![b'H'; length.saturating_sub(4)];
+        let heard = decode(&mut Decoder::<HostMessage>::new(), &framed(&content));
+        assert!(
+            matches!(
+                heard[..],
+                [Err(FrameError::Malformed | FrameError::TooShort)]
+            ),
+            "{length}: {heard:?}"
+        );
+    }
+    let heard = decode(
+        &mut Decoder::<HostMessage>::new(),
+        &framed(&[b'H'; MAX_CONTENT - 3]),
+    );
+    assert_eq!(heard, [Err(FrameError::TooLong)]);
+}

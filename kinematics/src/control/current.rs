@@ -1,0 +1,210 @@
+//! The current loop of one brushed DC motor, on the same tick as the position loop.
+//!
+//! L i̇ = v − R i − Ke ω. Less the back-EMF, and exact for a voltage held over T,
+//!
+//! i[k+1] = a i[k] + (1 − a)/R · v[k−1], a = e^(−RT/L),
+//!
+//! where v is one tick late. The PI law v = Kp e + x, x ← x + KiT e has a zero at
+//! 1 − KiT/Kp; put on a, it leaves the loop g/(z(z − 1)) with
+//!
+//! g = ωc T, Kp = R g/(1 − a), KiT = R g.
+//!
+//! Closed, z² − z + g = 0: both poles real for g ≤ ¼, at ½ for g = ¼, and the loop follows
+//! a slow demand with the lag T/g = 1/ωc, the tick of delay included.
+//!
+//! v = Kp e + x + Ke ω is limited to the share `duty_limit` of the bus voltage; while it
+//! is, x tracks what could be given: x ← x + KiT e + (1 − a)(v_limited − v), which takes
+//! out exactly what Kp e put in beyond the limit. Duty = v / bus voltage.
+
+use super::discrete::decay;
+use crate::Scalar;
+
+/// The current loop's constants.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CurrentLoop<S> {
+    kp: S,
+    ki_period: S,
+    tracking: S,
+    back_emf: S,
+    duty_limit: S,
+}
+
+/// The integral x [V].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CurrentState<S>(pub S);
+
+/// What the loop gives the bridge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drive<S> {
+    /// Duty in −1…1.
+    pub duty: S,
+    /// Whether the bus could not give what the loop asked for.
+    pub limited: bool,
+}
+
+impl<S: Scalar> CurrentLoop<S> {
+    /// A loop of the bandwidth ωc [rad/s] at the tick period T [s] for a motor of
+    /// `resistance` R [Ω] and `inductance` L [H] whose back-EMF is `back_emf` [V·s/rad]
+    /// times the velocity that [`CurrentLoop::update`] is given; |duty| ≤ `duty_limit`.
+    pub fn new(
+        bandwidth: S,
+        period: S,
+        resistance: S,
+        inductance: S,
+        back_emf: S,
+        duty_limit: S,
+    ) -> Self {
+        let g = bandwidth * period;
+        let tracking = S::ONE - decay(resistance * period / inductance);
+        Self {
+            kp: resistance * g / tracking,
+            ki_period: resistance * g,
+            tracking,
+            back_emf,
+            duty_limit,
+        }
+    }
+
+    /// One tick: the drive that brings the current [A] to `demand` [A] at `velocity`
+    /// [rad/s]; `bus` is the bus voltage [V] and `per_bus` its reciprocal.
+    #[inline]
+    pub fn update(
+        &self,
+        state: &mut CurrentState<S>,
+        demand: S,
+        current: S,
+        velocity: S,
+        bus: S,
+        per_bus: S,
+    ) -> Drive<S> {
+        let error = demand - current;
+        let v = self.kp * error + state.0 + self.back_emf * velocity;
+        let limit = self.duty_limit * bus;
+        let limited = v.abs() > limit;
+        state.0 = state.0 + self.ki_period * error;
+        let mut given = v;
+        if limited {
+            given = if v > S::ZERO { limit } else { -limit };
+            state.0 = state.0 + self.tracking * (given - v);
+        }
+        Drive {
+            duty: given * per_bus,
+            limited,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const T: f64 = 1e-4;
+
+    struct Motor {
+        r: f64,
+        l: f64,
+        ke: f64,
+        i: f64,
+        late: f64,
+    }
+
+    impl Motor {
+        /// The exact solution over one tick, with the duty of the tick before.
+        fn step(&mut self, duty: f64, omega: f64, bus: f64) {
+            let a = libm::exp(-self.r * T / self.l);
+            let v = self.late * bus - self.ke * omega;
+            self.i = a * self.i + (1.0 - a) / self.r * v;
+            self.late = duty;
+        }
+    }
+
+    fn respond(g: f64, r: f64, l: f64, demand: f64, omega: f64, bus: f64) -> [f64; 200] {
+        let ke = 0.05;
+        let current = CurrentLoop::new(g / T, T, r, l, ke, 0.95);
+        let mut state = CurrentState(0.0);
+        let mut motor = Motor {
+            r,
+            l,
+            ke,
+            i: 0.0,
+            late: ke * omega / bus,
+        };
+        core::array::from_fn(|_| {
+            let drive = current.update(&mut state, demand, motor.i, omega, bus, 1.0 / bus);
+            assert!(drive.duty.abs() <= 0.95 + 1e-12);
+            motor.step(drive.duty, omega, bus);
+            motor.i
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn step_response_is_the_designed_second_order(
+            g in 0.05..0.25_f64,
+            r in 0.3..5.0_f64,
+            time_constant in 0.05e-3..5e-3_f64,
+            omega in -30.0..30.0_f64,
+            bus in 12.0..48.0_f64,
+        ) {
+            // A demand so small that the bus is never limiting.
+            let i = respond(g, r, r * time_constant, 1e-3, omega, bus);
+            // y[k+2] = y[k+1] − g y[k] + g u, the closed loop z² − z + g.
+            let (mut y0, mut y1) = (0.0, 0.0);
+            for (k, &measured) in i.iter().enumerate() {
+                // The first voltage acts in the second tick.
+                prop_assert!((measured - y1).abs() < 1e-8, "tick {k}: {measured} {y1}");
+                (y0, y1) = (y1, y1 - g * y0 + g * 1e-3);
+            }
+        }
+    }
+
+    #[test]
+    fn current_lags_a_ramp_by_one_over_the_bandwidth() {
+        let (g, r, l) = (0.2, 1.0, 1e-3);
+        let current = CurrentLoop::new(g / T, T, r, l, 0.05, 0.95);
+        let mut state = CurrentState(0.0);
+        let mut motor = Motor {
+            r,
+            l,
+            ke: 0.05,
+            i: 0.0,
+            late: 0.0,
+        };
+        let mut lag = 0.0;
+        for k in 0..400_u32 {
+            let demand = f64::from(k) * 1e-3;
+            lag = (demand - motor.i) / 1e-3;
+            let drive = current.update(&mut state, demand, motor.i, 0.0, 24.0, 1.0 / 24.0);
+            motor.step(drive.duty, 0.0, 24.0);
+        }
+        assert!((lag - 1.0 / g).abs() < 1e-6, "{lag} ticks");
+    }
+
+    #[test]
+    fn a_long_saturation_does_not_wind_up() {
+        let (r, l) = (1.0, 1e-3);
+        let current = CurrentLoop::new(2000.0, T, r, l, 0.05, 0.95);
+        let mut state = CurrentState(0.0);
+        let mut motor = Motor {
+            r,
+            l,
+            ke: 0.05,
+            i: 0.0,
+            late: 0.0,
+        };
+        let mut after = [0.0; 40];
+        for k in 0..2040_usize {
+            let demand = if k < 2000 { 100.0 } else { 1.0 };
+            let drive = current.update(&mut state, demand, motor.i, 0.0, 12.0, 1.0 / 12.0);
+            assert!(drive.limited || k >= 2000, "tick {k}");
+            motor.step(drive.duty, 0.0, 12.0);
+            if k >= 2000 {
+                after[k - 2000] = motor.i;
+            }
+        }
+        // From the saturated 11.4 A down to 1 A within 20 ticks and hardly below it.
+        assert!((after[25] - 1.0).abs() < 0.2, "{after:?}");
+        assert!(after.iter().all(|&i| i > 0.8), "{after:?}");
+    }
+}

@@ -1,0 +1,32 @@
+//! The control laws, from the joint's error down to the bridge's duty.
+//!
+//! ```text
+//! counts → VelocityObserver → θ̂, ω̂ ┐
+//!                 θd, ωd, αd ───────┴→ Feedback → α → computed torque → friction
+//!        → TorqueLimit → current set-point → CurrentLoop → duty
+//! ```
+//!
+//! Each law is an immutable model, built and checked once, apart from the small state it
+//! updates. All are generic over [`crate::Scalar`]; none allocates, panics or loops.
+//!
+//! # Time
+//! With the tick's period T: samples are taken at kT and the duty worked out from them
+//! acts from (k+1)T on. [`CurrentLoop`] is designed in discrete time with that tick of
+//! delay in its loop and turns it into the lag 1/ωc, ωc being its bandwidth;
+//! [`FeedbackGains`] places the poles of the position loop with this lag in the loop.
+//! The observer adds none of first order: the phase it loses grows with frequency cubed.
+
+mod computed_torque;
+mod current;
+mod discrete;
+mod feedback;
+mod friction;
+mod observer;
+mod thermal;
+
+pub use computed_torque::{TorqueLimit, computed_torque, effective_inertia};
+pub use current::{CurrentLoop, CurrentState, Drive};
+pub use feedback::{FeedbackGains, Integral};
+pub use friction::FrictionCompensation;
+pub use observer::{ObserverState, VelocityObserver};
+pub use thermal::{MotorHeat, MotorHeating};

@@ -1,0 +1,154 @@
+//! The velocity of a joint from its encoder's counts: a second-order tracking loop.
+//!
+//! Between ticks the joint is taken to accelerate steadily by α, the desired acceleration,
+//! known while the arm follows its path. With the count's angle q, the new counts δ and
+//! the state ε = θ̂ − θ_counted:
+//!
+//! ε⁻ = ε + T(ω̂ + ½Tα) − qδ, ε = (1 − g1) ε⁻, ω̂ ← ω̂ + Tα − (g2/T) ε⁻.
+//!
+//! Both poles of the error lie at p = e^(−ωoT) with g1 = 1 − p², g2 = (1 − p)². Keeping
+//! the small ε rather than θ̂ loses no precision however far the joint turns, and only the
+//! difference of counts enters, so their wrapping does not matter.
+//!
+//! From θ to ω̂ without α this is s(2ωo s + ωo²)/(s + ωo)²: no velocity lag, and the phase
+//! lost at ω ≪ ωo is 2(ω/ωo)³.
+
+use super::discrete::decay;
+use crate::Scalar;
+
+/// The observer's constants.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VelocityObserver<S> {
+    radians_per_count: S,
+    period: S,
+    half_period: S,
+    keep: S,
+    velocity_gain: S,
+}
+
+/// What the observer holds of one joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ObserverState<S> {
+    /// ε: the estimated angle less the counted one [rad].
+    pub offset: S,
+    /// ω̂: the estimated velocity [rad/s].
+    pub velocity: S,
+}
+
+impl<S: Scalar> ObserverState<S> {
+    /// A joint at rest at its counted angle.
+    pub fn at_rest() -> Self {
+        Self {
+            offset: S::ZERO,
+            velocity: S::ZERO,
+        }
+    }
+}
+
+impl<S: Scalar> VelocityObserver<S> {
+    /// An observer of the bandwidth ωo [rad/s] at the tick period T [s] on an encoder
+    /// whose count is worth `radians_per_count` [rad] at the joint.
+    pub fn new(bandwidth: S, period: S, radians_per_count: S) -> Self {
+        let pole = decay(bandwidth * period);
+        let gone = S::ONE - pole;
+        Self {
+            radians_per_count,
+            period,
+            half_period: S::HALF * period,
+            keep: pole * pole,
+            velocity_gain: gone * gone / period,
+        }
+    }
+
+    /// One tick: `delta` new counts while the joint should have accelerated by `alpha`
+    /// [rad/s²]. Gives the innovation, measured less predicted angle [rad].
+    #[inline]
+    pub fn update(&self, state: &mut ObserverState<S>, delta: S, alpha: S) -> S {
+        let predicted = state.offset + self.period * (state.velocity + self.half_period * alpha)
+            - self.radians_per_count * delta;
+        state.offset = self.keep * predicted;
+        state.velocity = state.velocity + self.period * alpha - self.velocity_gain * predicted;
+        -predicted
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const T: f64 = 1e-4;
+    const Q: f64 = core::f64::consts::TAU / 40_960.0;
+
+    /// Feeds quantised counts of θ(t) and returns the worst velocity error after `settle`.
+    fn worst(
+        observer: &VelocityObserver<f64>,
+        theta: impl Fn(f64) -> f64,
+        omega: impl Fn(f64) -> f64,
+        alpha: impl Fn(f64) -> f64,
+        settle: usize,
+    ) -> f64 {
+        let mut state = ObserverState::at_rest();
+        let mut last = libm::round(theta(0.0) / Q);
+        let mut worst = 0.0_f64;
+        for k in 1..8000_u32 {
+            let t = f64::from(k) * T;
+            let counts = libm::round(theta(t) / Q);
+            observer.update(&mut state, counts - last, alpha(t - T));
+            last = counts;
+            if k as usize > settle {
+                worst = worst.max((state.velocity - omega(t)).abs());
+            }
+        }
+        worst
+    }
+
+    #[test]
+    fn error_dynamics_have_both_poles_where_asked() {
+        // Without counts the state obeys z² − (p² + 1 − (1−p)²) z + p² = (z − p)².
+        let observer = VelocityObserver::new(1500.0, T, Q);
+        let step = |offset, velocity| {
+            let mut state = ObserverState { offset, velocity };
+            observer.update(&mut state, 0.0, 0.0);
+            [state.offset, state.velocity]
+        };
+        let ([a, c], [b, d]) = (step(1.0, 0.0), step(0.0, 1.0));
+        let p = libm::exp(-0.15);
+        assert!((a + d - 2.0 * p).abs() < 1e-9);
+        assert!((a * d - b * c - p * p).abs() < 1e-9);
+    }
+
+    #[test]
+    fn known_acceleration_leaves_only_quantisation() {
+        let observer = VelocityObserver::new(800.0, T, Q);
+        let w = core::f64::consts::TAU * 3.0;
+        let (theta, omega) = (|t| 0.5 * libm::sin(w * t), |t| 0.5 * w * libm::cos(w * t));
+        let known = worst(
+            &observer,
+            theta,
+            omega,
+            |t| -0.5 * w * w * libm::sin(w * t),
+            500,
+        );
+        let unknown = worst(&observer, theta, omega, |_| 0.0, 500);
+        // The error of one count, half a q, passes with a gain of about ωo at most.
+        assert!(known < 800.0 * Q, "{known}");
+        assert!(unknown > 2.0 * known, "{unknown} against {known}");
+    }
+
+    proptest! {
+        #[test]
+        fn constant_velocity_is_found_without_bias(velocity in -20.0..20.0_f64) {
+            let observer = VelocityObserver::new(800.0, T, Q);
+            let error = worst(&observer, |t| velocity * t, |_| velocity, |_| 0.0, 1000);
+            prop_assert!(error < 800.0 * Q, "{error}");
+        }
+
+        #[test]
+        fn standing_still_reads_zero(start in -1e6..1e6_f64) {
+            let observer = VelocityObserver::new(800.0, T, Q);
+            let error = worst(&observer, |_| start, |_| 0.0, |_| 0.0, 0);
+            prop_assert_eq!(error, 0.0);
+        }
+    }
+}

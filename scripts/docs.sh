@@ -1,0 +1,23 @@
+#!/usr/bin/env bash
+# Builds the documentation; warnings are errors.
+#
+# A unit in brackets, as in "length [m]", looks to rustdoc like a link to an item of that
+# name. The workspace therefore allows broken links, and this script looks for the ones
+# that are not units.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+units='A|H|Hz|J|K|N|V|W|kg|m|mm|rad|s|us|Ω'
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+
+if ! RUSTDOCFLAGS="-D warnings --force-warn rustdoc::broken_intra_doc_links" \
+    cargo doc --workspace --no-deps 2>"$log"; then
+    cat "$log" >&2
+    exit 1
+fi
+if broken=$(grep -A 1 'unresolved link to' "$log" | grep -vE "^--|unresolved link to \`($units)\`" |
+    grep -A 1 'unresolved link to'); then
+    echo "$broken" >&2
+    exit 1
+fi

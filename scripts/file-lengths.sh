@@ -1,0 +1,10 @@
+#!/usr/bin/env bash
+# No source file may grow past 400 lines: a longer one holds more than one idea.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+long=$(git ls-files '*.rs' '*.sh' '*.py' | xargs wc -l | awk '$1 > 400 && $2 != "total"')
+if [ -n "$long" ]; then
+    echo "files of more than 400 lines:" >&2
+    echo "$long" >&2
+    exit 1
+fi

@@ -1,0 +1,12 @@
+#!/usr/bin/env bash
+# Builds the images for the Cortex-M4F into target/firmware, apart from the desktop's
+# artifacts: the STM32F405 (stm32f405), the emulated board (qemu) and its benchmark.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+source scripts/toolchain.sh
+
+build() {
+    cargo build --package fivebar-firmware --profile firmware --target "$target" \
+        --target-dir target/firmware "${cargo_flags[@]}" "$@"
+}
+build --features qemu

@@ -1,0 +1,41 @@
+#!/usr/bin/env bash
+# Checks the licence of every dependency against the list in deny.toml, offline.
+#
+# Known vulnerabilities need cargo-deny and its advisory database; where they are at hand
+# the whole of deny.toml is checked, where not this says so.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+allowed=$(sed -n '/^allow = \[/,/^\]/s/^ *"\(.*\)",$/\1/p' deny.toml)
+
+# An SPDX expression passes if one alternative of every part joined by AND is allowed.
+passes() {
+    local part choice found
+    while IFS= read -r part; do
+        found=no
+        while IFS= read -r choice; do
+            if grep -qxF -- "$choice" <<<"$allowed"; then found=yes; fi
+        done < <(sed 's, OR ,\n,g; s,/,\n,g' <<<"$part" | sed 's/^[( ]*//; s/[) ]*$//')
+        [ "$found" = yes ] || return 1
+    done < <(sed 's/ AND /\n/g' <<<"$1")
+}
+
+list() { cargo tree --workspace --all-features --edges normal,build,dev --prefix none --format '{p}|{l}' --target "$1"; }
+count=0
+refused=0
+while IFS='|' read -r package licence; do
+    count=$((count + 1))
+    if ! passes "$licence"; then
+        echo "licences: $package is under '$licence', which deny.toml does not allow" >&2
+        refused=1
+    fi
+done < <({ list x86_64-unknown-linux-gnu; list thumbv7em-none-eabihf; } | sed '/^$/d; s/ (\*)$//; s/ (.*)|/|/' | sort -u)
+[ "$refused" -eq 0 ]
+[ "$count" -gt 20 ] || { echo "licences: cargo tree listed only $count packages" >&2; exit 1; }
+echo "licences: $count packages, all under licences that deny.toml allows"
+
+if command -v cargo-deny >/dev/null && cargo deny --offline check advisories 2>/dev/null; then
+    echo "licences: no known vulnerabilities (cargo-deny, its database as last fetched)"
+else
+    echo "licences: NOT checked here for known vulnerabilities: cargo-deny or its database is absent; GitHub's job 'dependencies' does it"
+fi

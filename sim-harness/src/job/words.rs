@@ -1,0 +1,155 @@
+//! One line of G-code as codes and words, by the crate `gcode`.
+//!
+//! The crate is given a line at a time without its comments: it would let a parenthesis
+//! left open swallow the rest of the job. It keeps numbers as `f32`, so values are read
+//! again from the text that it points to.
+
+use super::Reason;
+use super::error::quoted;
+
+/// A code by letter, number and decimal: G91.1 is `('G', 91, 1)`.
+pub(super) type Code = (char, u32, u32);
+
+/// What stands on a line.
+#[derive(Debug, Default)]
+pub(super) struct Line {
+    /// The G codes, in order.
+    pub(super) general: Vec<Code>,
+    /// The M and T codes, in order, with their S where they have one.
+    pub(super) miscellaneous: Vec<(Code, Option<f64>)>,
+    /// The words of the G codes and those that stand alone.
+    words: Vec<(char, f64)>,
+}
+
+impl Line {
+    /// Reads a line.
+    pub(super) fn read(text: &str) -> Result<Self, Reason> {
+        let text = without_comments(text)?;
+        if has_overlong_code(&text) {
+            return Err(Reason::Syntax("no code has that many digits".into()));
+        }
+        let program = gcode::parse(&text).map_err(|diagnostics| {
+            let first = diagnostics.iter().next();
+            Reason::Syntax(first.map_or_else(String::new, |found| explain(&found.kind)))
+        })?;
+        let value_at = |span: gcode::core::Span| {
+            let word = text.get(span.start + 1..span.end()).unwrap_or_default();
+            let number: String = word.split_whitespace().collect();
+            let value = number.parse::<f64>().ok().filter(|value| value.is_finite());
+            value.ok_or_else(|| Reason::Syntax(format!("\"{}\" is not a number", quoted(word))))
+        };
+        let mut line = Self::default();
+        for block in program.blocks {
+            for code in block.codes {
+                match code {
+                    gcode::Code::General(general) => {
+                        line.general.push(named('G', general.number));
+                        for word in general.args {
+                            line.push(word.letter, value_at(word.span)?)?;
+                        }
+                    }
+                    gcode::Code::Miscellaneous(code) => {
+                        let speed = code
+                            .args
+                            .iter()
+                            .find(|word| word.letter.eq_ignore_ascii_case(&'S'));
+                        let speed = speed.map(|word| value_at(word.span)).transpose()?;
+                        line.miscellaneous.push((named('M', code.number), speed));
+                        // Coordinates after an M code are the line's all the same.
+                        for word in code.args {
+                            if "XYZIJRF".contains(word.letter.to_ascii_uppercase()) {
+                                line.push(word.letter, value_at(word.span)?)?;
+                            }
+                        }
+                    }
+                    gcode::Code::ToolChange(code) => {
+                        line.miscellaneous.push((named('T', code.number), None));
+                    }
+                    other => return Err(Reason::Syntax(format!("{other} is not understood"))),
+                }
+            }
+            for word in block.word_addresses {
+                line.push(word.letter, value_at(word.span)?)?;
+            }
+        }
+        Ok(line)
+    }
+
+    fn push(&mut self, letter: char, value: f64) -> Result<(), Reason> {
+        let letter = letter.to_ascii_uppercase();
+        if self.words.iter().any(|&(other, _)| other == letter) {
+            return Err(Reason::Repeated(letter));
+        }
+        self.words.push((letter, value));
+        Ok(())
+    }
+
+    /// The value of a word, which is then used up.
+    pub(super) fn take(&mut self, letter: char) -> Option<f64> {
+        let index = self.words.iter().position(|&(other, _)| other == letter)?;
+        Some(self.words.swap_remove(index).1)
+    }
+
+    /// A word that nothing has used.
+    pub(super) fn left_over(&self) -> Option<char> {
+        self.words.first().map(|&(letter, _)| letter)
+    }
+}
+
+fn named(letter: char, number: gcode::core::Number) -> Code {
+    let minor = number.minor().map_or(0, std::num::NonZero::get);
+    (letter, number.major(), minor)
+}
+
+/// The code as one writes it.
+pub(super) fn spelled((letter, major, minor): Code) -> String {
+    match minor {
+        0 => format!("{letter}{major}"),
+        _ => format!("{letter}{major}.{minor}"),
+    }
+}
+
+/// The text before a semicolon and outside parentheses, which do not nest.
+fn without_comments(text: &str) -> Result<String, Reason> {
+    let mut kept = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(start) = rest.find(['(', ';']) {
+        kept.push_str(&rest[..start]);
+        kept.push(' ');
+        if rest[start..].starts_with(';') {
+            return Ok(kept);
+        }
+        let end = rest[start..].find(')').ok_or(Reason::OpenComment)?;
+        rest = &rest[start + end + 1..];
+    }
+    kept.push_str(rest);
+    Ok(kept)
+}
+
+/// Whether a code has more than eight digits: the crate's arithmetic would overflow.
+fn has_overlong_code(text: &str) -> bool {
+    text.split(['G', 'g', 'M', 'm', 'T', 't'])
+        .skip(1)
+        .any(|after| {
+            let digits = after.trim_start().bytes().take_while(u8::is_ascii_digit);
+            digits.count() > 8
+        })
+}
+
+fn explain(kind: &gcode::DiagnosticKind) -> String {
+    match kind {
+        gcode::DiagnosticKind::UnknownContent { text } => {
+            format!("\"{}\" is not G-code", quoted(text))
+        }
+        gcode::DiagnosticKind::Unexpected { actual, .. } if actual.trim().is_empty() => {
+            "the line ends where a number should be".into()
+        }
+        gcode::DiagnosticKind::Unexpected { actual, .. } => {
+            format!(
+                "\"{}\" is not a letter with its number; write words such as X12.5",
+                quoted(actual)
+            )
+        }
+        other => other.to_string(),
+    }
+}

@@ -1,0 +1,365 @@
+//! From the file as written to a robot that makes sense, or the key that does not.
+
+use super::file::{LinkFile, OneOrEach, RobotFile};
+use super::{Actuator, FileError, Key, Limits, Robot, Source, Tolerance};
+use fivebar_kinematics::Vec2;
+use fivebar_kinematics::dynamics::{Arm, Link};
+use fivebar_kinematics::five_bar::{Geometry, GeometryError, Side, WorkingMode};
+
+const POSITIVE: &str = "must be a positive finite number";
+const NOT_NEGATIVE: &str = "must be finite and not negative";
+const FINITE: &str = "must be finite";
+
+pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
+    let file: RobotFile = source.parse()?;
+    if file.name.trim().is_empty() {
+        return Err(source.refuse(Key::Top("name"), "must not be empty"));
+    }
+    let gravity = finite(&source, Key::Top("gravity"), file.gravity)?;
+    let payload = not_negative(&source, Key::Top("payload"), file.payload)?;
+    let links: [LinkFile; 4] = file.link.try_into().map_err(|links: Vec<_>| {
+        let reason = format!(
+            "must be given four times, not {}: links 1 to 4",
+            links.len()
+        );
+        source.refuse(Key::Top("link"), reason)
+    })?;
+    let geometry = geometry(&source, &links, file.base)?;
+    let actuators = actuators(&source, file.actuator)?;
+    let rotors = actuators.map_or([0.0; 2], |actuators| {
+        actuators.map(|a| a.rotor_inertia * a.gear_ratio * a.gear_ratio)
+    });
+    let arm = match inertias(&source, &links)? {
+        None => None,
+        Some(inertias) => {
+            let arm = Arm::new(geometry, inertias, payload, gravity, rotors);
+            Some(arm.map_err(|error| source.refuse(Key::Top("link"), error))?)
+        }
+    };
+    let working_mode = WorkingMode::new(
+        side(&source, &file.working_mode[0])?,
+        side(&source, &file.working_mode[1])?,
+    );
+    let home = match file.home {
+        None => best_conditioned_home(&geometry, working_mode, &file.limits),
+        Some(angles) => {
+            finite(&source, Key::Top("home"), angles)?;
+            angles
+        }
+    };
+    let robot = Robot {
+        name: file.name,
+        geometry,
+        arm,
+        working_mode,
+        home,
+        actuators,
+        tool: file.tool,
+        limits: file.limits,
+        motion: file.motion,
+        control: file.control,
+        supply: file.supply,
+        protection: file.protection,
+        tolerance: tolerance(&source, &file.tolerance)?,
+    };
+    sections(&source, &robot)?;
+    if file.home.is_some() {
+        home_fits(&source, &robot)?;
+    }
+    Ok(robot)
+}
+
+fn positive(source: &Source<'_>, key: Key, value: f64) -> Result<f64, FileError> {
+    if value > 0.0 && value.is_finite() {
+        Ok(value)
+    } else {
+        Err(source.refuse(key, format!("{POSITIVE}, not {value}")))
+    }
+}
+
+fn not_negative(source: &Source<'_>, key: Key, value: f64) -> Result<f64, FileError> {
+    if value >= 0.0 && value.is_finite() {
+        Ok(value)
+    } else {
+        Err(source.refuse(key, format!("{NOT_NEGATIVE}, not {value}")))
+    }
+}
+
+fn finite(source: &Source<'_>, key: Key, value: [f64; 2]) -> Result<Vec2<f64>, FileError> {
+    let [x, y] = value;
+    if x.is_finite() && y.is_finite() {
+        Ok(Vec2::new(x, y))
+    } else {
+        Err(source.refuse(key, format!("{FINITE}, not [{x}, {y}]")))
+    }
+}
+
+fn increasing(source: &Source<'_>, key: Key, [least, greatest]: [f64; 2]) -> Result<(), FileError> {
+    if least < greatest && least.is_finite() && greatest.is_finite() {
+        Ok(())
+    } else {
+        let reason = format!("must be [least, greatest], not [{least}, {greatest}]");
+        Err(source.refuse(key, reason))
+    }
+}
+
+fn side(source: &Source<'_>, name: &str) -> Result<Side, FileError> {
+    match name {
+        "left" => Ok(Side::Left),
+        "right" => Ok(Side::Right),
+        other => Err(source.refuse(
+            Key::Top("working_mode"),
+            format!("must name two sides, \"left\" or \"right\", not \"{other}\""),
+        )),
+    }
+}
+
+fn geometry(
+    source: &Source<'_>,
+    links: &[LinkFile; 4],
+    base: f64,
+) -> Result<Geometry<f64>, FileError> {
+    let [l1, l2, l3, l4] = [0, 1, 2, 3].map(|i| links[i].length);
+    Geometry::new([l1, l2, l3, l4, base]).map_err(|error| match error {
+        GeometryError::NotPositive(index @ 0..4) => source.refuse(
+            Key::Of("link", index, "length"),
+            format!("{POSITIVE} of metres, not {}", links[index].length),
+        ),
+        GeometryError::NotPositive(_) => source.refuse(
+            Key::Top("base"),
+            format!("{POSITIVE} of metres, not {base}"),
+        ),
+        GeometryError::CannotAssemble => source.refuse(
+            Key::Top("base"),
+            format!(
+                "and the links cannot be assembled: of {l1}, {l2}, {l3}, {l4} and {base} m \
+                 the longest exceeds the sum of the others"
+            ),
+        ),
+    })
+}
+
+/// The links' inertias: for every link, or for none (a robot known by its lengths alone).
+fn inertias(
+    source: &Source<'_>,
+    links: &[LinkFile; 4],
+) -> Result<Option<[Link<f64>; 4]>, FileError> {
+    let bare = |link: &LinkFile| (link.mass, link.com, link.inertia) == (None, None, None);
+    if links.iter().all(bare) {
+        return Ok(None);
+    }
+    let mut inertias = [Link {
+        mass: 0.0,
+        com: Vec2::zero(),
+        inertia: 0.0,
+    }; 4];
+    for (index, (link, inertia)) in links.iter().zip(&mut inertias).enumerate() {
+        let key = |name| Key::Of("link", index, name);
+        let missing = |name| {
+            source.refuse(
+                key(name),
+                "is missing: every link needs mass, com and inertia (or none of the four \
+                 has any, for kinematics alone)",
+            )
+        };
+        let mass = link.mass.ok_or_else(|| missing("mass"))?;
+        let com = link.com.ok_or_else(|| missing("com"))?;
+        let moment = link.inertia.ok_or_else(|| missing("inertia"))?;
+        *inertia = Link {
+            mass: positive(source, key("mass"), mass)?,
+            com: finite(source, key("com"), com)?,
+            inertia: positive(source, key("inertia"), moment)?,
+        };
+    }
+    Ok(Some(inertias))
+}
+
+fn actuators(
+    source: &Source<'_>,
+    given: Vec<Actuator>,
+) -> Result<Option<[Actuator; 2]>, FileError> {
+    if given.is_empty() {
+        return Ok(None);
+    }
+    let actuators: [Actuator; 2] = given.try_into().map_err(|given: Vec<_>| {
+        let reason = format!(
+            "must be given twice, not {}: joint 1 and joint 4",
+            given.len()
+        );
+        source.refuse(Key::Top("actuator"), reason)
+    })?;
+    for (index, a) in actuators.iter().enumerate() {
+        let key = |name| Key::Of("actuator", index, name);
+        for (name, value) in [
+            ("gear_ratio", a.gear_ratio),
+            ("torque_constant", a.torque_constant),
+            ("resistance", a.resistance),
+            ("inductance", a.inductance),
+            ("encoder_counts", f64::from(a.encoder_counts)),
+            ("peak_current", a.peak_current),
+            ("continuous_current", a.continuous_current),
+            ("thermal_time_constant", a.thermal_time_constant),
+            ("current_per_code", a.current_per_code.unwrap_or(1.0)),
+        ] {
+            positive(source, key(name), value)?;
+        }
+        for (name, value) in [
+            ("rotor_inertia", a.rotor_inertia),
+            ("viscous_friction", a.viscous_friction),
+            ("coulomb_friction", a.coulomb_friction),
+        ] {
+            not_negative(source, key(name), value)?;
+        }
+    }
+    Ok(Some(actuators))
+}
+
+fn sections(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
+    let Robot {
+        limits,
+        motion,
+        control,
+        supply,
+        protection,
+        tool,
+        ..
+    } = robot;
+    finite(source, Key::In("tool", "offset"), tool.offset)?;
+    for range in limits.angle {
+        increasing(source, Key::In("limits", "angle"), range)?;
+    }
+    if let Some(range) = supply.range {
+        increasing(source, Key::In("supply", "range"), range)?;
+    }
+    let [speed1, speed4] = limits.max_speed;
+    let [acceleration1, acceleration4] = limits.max_acceleration;
+    let [torque1, torque4] = limits.max_torque.unwrap_or([1.0; 2]);
+    for (section, key, value) in [
+        ("limits", "max_speed", speed1.min(speed4)),
+        ("limits", "max_speed", speed1.max(speed4)),
+        (
+            "limits",
+            "max_acceleration",
+            acceleration1.min(acceleration4),
+        ),
+        (
+            "limits",
+            "max_acceleration",
+            acceleration1.max(acceleration4),
+        ),
+        ("limits", "max_torque", torque1.min(torque4)),
+        ("limits", "max_torque", torque1.max(torque4)),
+        ("motion", "max_speed", motion.max_speed),
+        ("motion", "max_acceleration", motion.max_acceleration),
+        ("motion", "max_jerk", motion.max_jerk),
+        ("control", "tick_rate", control.tick_rate),
+        ("control", "bandwidth", control.bandwidth),
+        ("control", "damping", control.damping),
+        ("control", "observer_bandwidth", control.observer_bandwidth),
+        ("control", "current_bandwidth", control.current_bandwidth),
+        ("supply", "voltage", supply.voltage),
+        (
+            "supply",
+            "voltage_per_code",
+            supply.voltage_per_code.unwrap_or(1.0),
+        ),
+        ("protection", "following_error", protection.following_error),
+        ("protection", "over_speed", protection.over_speed),
+        ("protection", "over_current", protection.over_current),
+        ("protection", "command_timeout", protection.command_timeout),
+    ] {
+        positive(source, Key::In(section, key), value)?;
+    }
+    not_negative(
+        source,
+        Key::In("motion", "corner_tolerance"),
+        motion.corner_tolerance,
+    )?;
+    not_negative(
+        source,
+        Key::In("control", "integral_rate"),
+        control.integral_rate,
+    )?;
+    if !(0.0..1.0).contains(&limits.singularity_margin) {
+        let reason = format!("is a sine: in 0…1, not {}", limits.singularity_margin);
+        return Err(source.refuse(Key::In("limits", "singularity_margin"), reason));
+    }
+    Ok(())
+}
+
+fn tolerance(
+    source: &Source<'_>,
+    file: &super::file::ToleranceFile,
+) -> Result<Tolerance, FileError> {
+    Ok(Tolerance {
+        length_sd: each(
+            source,
+            "length_sd",
+            &file.length_sd,
+            "l1 to l4 and the base",
+        )?,
+        input_sd: each(source, "input_sd", &file.input_sd, "θ1 and θ4")?,
+        input_max: each(source, "input_max", &file.input_max, "θ1 and θ4")?,
+        clearance_radius: each(source, "clearance_radius", &file.clearance_radius, "A to E")?,
+    })
+}
+
+fn each<const N: usize>(
+    source: &Source<'_>,
+    name: &'static str,
+    given: &OneOrEach,
+    whose: &str,
+) -> Result<[f64; N], FileError> {
+    let key = Key::In("tolerance", name);
+    let values = match given {
+        OneOrEach::One(value) => [*value; N],
+        OneOrEach::Each(values) => values.as_slice().try_into().map_err(|_| {
+            let reason = format!(
+                "must be one number or {N}, for {whose}, not {}",
+                values.len()
+            );
+            source.refuse(key, reason)
+        })?,
+    };
+    for value in values {
+        not_negative(source, key, value)?;
+    }
+    Ok(values)
+}
+
+/// Where the arm holds its tool in front of the middle of its base, as far as it can from
+/// every singularity: the home of a robot that states none. Zero if there is none; then
+/// whatever needs a home finds no pose there.
+fn best_conditioned_home(geometry: &Geometry<f64>, mode: WorkingMode, limits: &Limits) -> [f64; 2] {
+    let [l1, l2, l3, l4, base] = geometry.lengths();
+    let reach = (l1 + l2).max(l3 + l4);
+    let candidates = (1..400).filter_map(|step| {
+        let c = Vec2::new(0.5 * base, reach * f64::from(step) / 400.0);
+        let pose = geometry.inverse(c, mode).ok()?;
+        let [theta1, _, _, theta4] = pose.angles();
+        let sines = [pose.sin21(), pose.sin34(), pose.sin32()];
+        let margin = sines.into_iter().map(f64::abs).fold(1.0, f64::min);
+        limits
+            .contain([theta1, theta4])
+            .then_some((margin, [theta1, theta4]))
+    });
+    candidates
+        .max_by(|(a, _), (b, _)| a.total_cmp(b))
+        .map_or([0.0; 2], |(_, angles)| angles)
+}
+
+/// Home must be a pose in the working mode and within the joints' limits.
+fn home_fits(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
+    let [theta1, theta4] = robot.home;
+    if !robot.limits.contain(robot.home) {
+        let [limits1, limits4] = robot.limits.angle;
+        let reason = format!(
+            "[{theta1}, {theta4}] rad is outside the joints' limits {limits1:?} and {limits4:?} rad"
+        );
+        return Err(source.refuse(Key::Top("home"), reason));
+    }
+    robot.home_pose().map(|_| ()).map_err(|_| {
+        let reason = format!("[{theta1}, {theta4}] rad is no pose of this arm in its working mode");
+        source.refuse(Key::Top("home"), reason)
+    })
+}

@@ -1,0 +1,91 @@
+//! Why a robot, or any other of the TOML files, is refused: file, line, key, reason.
+
+use std::fmt;
+use toml::de::{DeTable, DeValue};
+
+/// A refused file.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{file}{}: {reason}", line.map(|line| format!(", line {line}")).unwrap_or_default())]
+pub struct FileError {
+    /// The file, as the user named it.
+    pub file: String,
+    /// The line at fault, from 1.
+    pub line: Option<usize>,
+    /// What is wrong, naming the key.
+    pub reason: String,
+}
+
+/// The place of a value in a file.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Key {
+    /// A key of the file itself.
+    Top(&'static str),
+    /// A key of `[section]`.
+    In(&'static str, &'static str),
+    /// A key of the n-th `[[section]]`, from 0.
+    Of(&'static str, usize, &'static str),
+}
+
+impl fmt::Display for Key {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Top(key) => write!(f, "`{key}`"),
+            Self::In(section, key) => write!(f, "`{key}` of [{section}]"),
+            Self::Of(section, index, key) => write!(f, "`{key}` of [[{section}]] {}", index + 1),
+        }
+    }
+}
+
+/// A file's name and text, for errors that name their line.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Source<'a> {
+    pub(crate) file: &'a str,
+    pub(crate) text: &'a str,
+}
+
+impl<'a> Source<'a> {
+    /// Reads the file's keys into `T`.
+    pub(crate) fn parse<T: serde::de::DeserializeOwned>(&self) -> Result<T, FileError> {
+        toml::from_str(self.text).map_err(|error| FileError {
+            file: self.file.into(),
+            line: error.span().map(|span| self.line(span.start)),
+            reason: error.message().trim_end().replace('\n', ", "),
+        })
+    }
+
+    /// The refusal of a value that was read well but makes no sense.
+    pub(crate) fn refuse(&self, key: Key, reason: impl fmt::Display) -> FileError {
+        FileError {
+            file: self.file.into(),
+            line: self.line_of(key),
+            reason: format!("{key} {reason}"),
+        }
+    }
+
+    /// The line of a key's value, or of the section that should hold it.
+    fn line_of(&self, key: Key) -> Option<usize> {
+        let document = DeTable::parse(self.text).ok()?;
+        let document = document.get_ref();
+        let span = match key {
+            Key::Top(name) => document.get(name)?.span(),
+            Key::In(section, name) => {
+                let section = document.get(section)?;
+                inner(section.get_ref(), name).unwrap_or_else(|| section.span())
+            }
+            Key::Of(section, index, name) => {
+                let item = document.get(section)?.get_ref().as_array()?.get(index)?;
+                inner(item.get_ref(), name).unwrap_or_else(|| item.span())
+            }
+        };
+        Some(self.line(span.start))
+    }
+
+    fn line(&self, offset: usize) -> usize {
+        let before = self.text.as_bytes().iter().take(offset);
+        1 + before.filter(|&&byte| byte == b'\n').count()
+    }
+}
+
+fn inner(value: &DeValue<'_>, name: &str) -> Option<std::ops::Range<usize>> {
+    Some(value.as_table()?.get(name)?.span())
+}

@@ -1,0 +1,131 @@
+//! Robots: read from TOML, checked once, turned into what the models and the controller
+//! take.
+
+mod builtin;
+mod check;
+mod error;
+mod file;
+mod settings;
+
+pub use builtin::{BUILT_IN, BuiltIn};
+pub use error::FileError;
+pub(crate) use error::{Key, Source};
+pub use file::{Actuator, Control, Limits, Motion, Protection, Supply, Tool};
+
+use fivebar_kinematics::dynamics::Arm;
+use fivebar_kinematics::five_bar::{Geometry, Pose, Side, WorkingMode};
+use std::path::Path;
+
+/// A robot as its file describes it, checked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Robot {
+    /// Its name.
+    pub name: String,
+    /// l1…l4 and the base, proven able to close.
+    pub geometry: Geometry<f64>,
+    /// Its equations of motion, rotors included; none where the masses are not known.
+    arm: Option<Arm<f64>>,
+    /// Which way the elbows turn.
+    pub working_mode: WorkingMode,
+    /// θ1, θ4 at the home switches [rad].
+    pub home: [f64; 2],
+    /// The drives of joint 1 and joint 4; without them, ideal torque sources.
+    pub actuators: Option<[Actuator; 2]>,
+    /// The tool on link 2.
+    pub tool: Tool,
+    /// The joints' limits.
+    pub limits: Limits,
+    /// The tool's limits.
+    pub motion: Motion,
+    /// The loops.
+    pub control: Control,
+    /// The bus.
+    pub supply: Supply,
+    /// The trip points.
+    pub protection: Protection,
+    /// How exact its parts are.
+    pub tolerance: Tolerance,
+}
+
+/// `[tolerance]`: how exact the parts are.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Tolerance {
+    /// Standard deviation of l1…l4 and the base [m].
+    pub length_sd: [f64; 5],
+    /// Standard deviation of θ1 and θ4 [rad].
+    pub input_sd: [f64; 2],
+    /// Greatest error of θ1 and θ4 [rad].
+    pub input_max: [f64; 2],
+    /// Radial clearance of the joints A, B, C, D, E [m].
+    pub clearance_radius: [f64; 5],
+}
+
+/// A robot whose masses are not known was asked for what needs them.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "robot `{0}` is known by its lengths alone: give every [[link]] mass, com and inertia \
+     to simulate it or to ask for forces"
+)]
+pub struct KinematicsOnly(pub String);
+
+/// The home of a robot is not a pose of its working mode.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "robot `{0}` has no home pose in its working mode: state `home = [θ1, θ4]` in radians, \
+     and `working_mode` if its elbows do not point outwards"
+)]
+pub struct NoHome(pub String);
+
+impl Robot {
+    /// The robot that `--robot` names: a built-in one, or else a file.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or that [`Robot::parse`] refuses.
+    pub fn load(name_or_path: &str) -> Result<Self, FileError> {
+        if let Some(built_in) = BuiltIn::find(name_or_path) {
+            return built_in.robot();
+        }
+        let text = std::fs::read_to_string(Path::new(name_or_path)).map_err(|error| {
+            let names: Vec<_> = BUILT_IN.iter().map(|robot| robot.name).collect();
+            FileError {
+                file: name_or_path.into(),
+                line: None,
+                reason: format!(
+                    "no such robot: not a built-in one ({}), and as a file: {error}",
+                    names.join(", ")
+                ),
+            }
+        })?;
+        Self::parse(name_or_path, &text)
+    }
+
+    /// The robot described by the text of a file called `file`.
+    ///
+    /// # Errors
+    /// An unknown or missing key, or a value that makes no sense, with its line.
+    pub fn parse(file: &str, text: &str) -> Result<Self, FileError> {
+        check::robot(Source { file, text })
+    }
+
+    /// The pose at home, in the robot's working mode.
+    ///
+    /// # Errors
+    /// None of the assembly branches is in that mode there.
+    pub fn home_pose(&self) -> Result<Pose<f64>, NoHome> {
+        let [theta1, theta4] = self.home;
+        Side::BOTH
+            .into_iter()
+            .filter_map(|assembly| self.geometry.forward(theta1, theta4, assembly).ok())
+            .find(|pose| pose.working_mode() == self.working_mode)
+            .ok_or_else(|| NoHome(self.name.clone()))
+    }
+
+    /// The arm's equations of motion, rotors included.
+    ///
+    /// # Errors
+    /// A robot known by its lengths alone.
+    pub fn arm(&self) -> Result<&Arm<f64>, KinematicsOnly> {
+        let unknown = || KinematicsOnly(self.name.clone());
+        self.arm.as_ref().ok_or_else(unknown)
+    }
+}

@@ -1,0 +1,204 @@
+//! What the controller is told about a robot.
+
+use super::{Actuator, KinematicsOnly, Robot};
+use fivebar_firmware::Settings;
+use fivebar_firmware::settings::{
+    AxisSettings, ControlSettings, HomingSettings, LinkSettings, MotionSettings, ProtectionSettings,
+};
+use fivebar_kinematics::dynamics::Arm;
+use fivebar_kinematics::five_bar::Side;
+
+/// Codes of the 12-bit converters.
+const ADC_CODES: f64 = 4096.0;
+/// Zero current lies in the middle of the range.
+const ZERO_CODE: u16 = 2048;
+
+impl Robot {
+    /// The controller's settings for this robot, in its numbers: SI units, `f32`.
+    ///
+    /// # Errors
+    /// A robot known by its lengths alone.
+    pub fn settings(&self) -> Result<Settings, KinematicsOnly> {
+        let arm = self.arm()?;
+        let actuators = self.drives()?;
+        let gravity = arm.gravity();
+        let Self {
+            control,
+            motion,
+            supply,
+            protection,
+            ..
+        } = self;
+        let nominal = supply.voltage;
+        Ok(Settings {
+            lengths: self.geometry.lengths().map(single),
+            links: arm.links().map(|link| LinkSettings {
+                mass: single(link.mass),
+                com: [single(link.com.x), single(link.com.y)],
+                inertia: single(link.inertia),
+            }),
+            payload: single(arm.payload()),
+            gravity: [single(gravity.x), single(gravity.y)],
+            tool_offset: self.tool.offset.map(single),
+            elbows_left: [self.working_mode.elbow1, self.working_mode.elbow4]
+                .map(|side| side == Side::Left),
+            assembly_left: self.assembly() == Side::Left,
+            axes: [0, 1].map(|joint| self.axis(joint, &actuators[joint])),
+            control: ControlSettings {
+                tick_rate: single(control.tick_rate),
+                bandwidth: single(control.bandwidth),
+                damping: single(control.damping),
+                integral_rate: single(control.integral_rate),
+                observer_bandwidth: single(control.observer_bandwidth),
+                current_bandwidth: single(control.current_bandwidth),
+                friction_smoothing: 0.02,
+                computed_torque: true,
+            },
+            homing: HomingSettings {
+                speed: single(0.02 * least(self.limits.max_speed)),
+                back_off: 0.05,
+                current: single(0.3 * least(actuators.map(|a| a.peak_current))),
+            },
+            motion: MotionSettings {
+                max_speed: single(motion.max_speed),
+                max_acceleration: single(motion.max_acceleration),
+                max_jerk: single(motion.max_jerk),
+                corner_tolerance: single(motion.corner_tolerance),
+                singularity_margin: single(self.limits.singularity_margin),
+            },
+            protection: ProtectionSettings {
+                following_error: single(protection.following_error),
+                over_speed: single(protection.over_speed * largest(self.limits.max_speed)),
+                over_current: single(
+                    protection.over_current * largest(actuators.map(|a| a.peak_current)),
+                ),
+                bus_voltage: supply
+                    .range
+                    .unwrap_or([0.7 * nominal, 1.3 * nominal])
+                    .map(single),
+                bus_voltage_per_code: single(self.voltage_per_code()),
+                command_timeout: single(protection.command_timeout),
+            },
+        })
+    }
+
+    /// The drives of the joints: as given, or ideal torque sources.
+    ///
+    /// # Errors
+    /// A robot known by its lengths alone.
+    pub fn drives(&self) -> Result<[Actuator; 2], KinematicsOnly> {
+        let arm = self.arm()?;
+        let drives = self.actuators.unwrap_or_else(|| {
+            [0, 1].map(|joint| {
+                let torque = self.limits.max_torque.map_or_else(
+                    || ample_torque(arm, self.motion.max_acceleration),
+                    |torque| torque[joint],
+                );
+                ideal_torque_source(torque, self.limits.max_speed[joint], self.supply.voltage)
+            })
+        });
+        let Some(torque) = self.limits.max_torque else {
+            return Ok(drives);
+        };
+        Ok([0, 1].map(|joint| {
+            let drive = drives[joint];
+            let current = torque[joint] / (drive.torque_constant * drive.gear_ratio);
+            Actuator {
+                peak_current: drive.peak_current.min(current),
+                ..drive
+            }
+        }))
+    }
+
+    /// The assembly branch: the one that has the working mode in the middle of the joints'
+    /// ranges, `Left` where both have.
+    fn assembly(&self) -> Side {
+        let [theta1, theta4] = self.limits.angle.map(|[low, high]| 0.5 * (low + high));
+        let right = self.geometry.forward(theta1, theta4, Side::Right);
+        let left = self.geometry.forward(theta1, theta4, Side::Left);
+        match (left, right) {
+            (Ok(left), Ok(right))
+                if left.working_mode() != self.working_mode
+                    && right.working_mode() == self.working_mode =>
+            {
+                Side::Right
+            }
+            _ => Side::Left,
+        }
+    }
+
+    /// Bus voltage per ADC code [V].
+    pub fn voltage_per_code(&self) -> f64 {
+        let ample = 2.0 * self.supply.voltage / ADC_CODES;
+        self.supply.voltage_per_code.unwrap_or(ample)
+    }
+
+    fn axis(&self, joint: usize, actuator: &Actuator) -> AxisSettings {
+        let ample = 4.0 * actuator.peak_current / ADC_CODES;
+        let [low, high] = self.limits.angle[joint];
+        AxisSettings {
+            gear_ratio: single(actuator.gear_ratio),
+            rotor_inertia: single(actuator.rotor_inertia),
+            torque_constant: single(actuator.torque_constant),
+            resistance: single(actuator.resistance),
+            inductance: single(actuator.inductance),
+            viscous_friction: single(actuator.viscous_friction),
+            coulomb_friction: single(actuator.coulomb_friction),
+            encoder_counts: actuator.encoder_counts,
+            home_angle: single(self.home[joint]),
+            home_forward: self.home[joint] > 0.5 * (low + high),
+            angle_limits: self.limits.angle[joint].map(single),
+            max_speed: single(self.limits.max_speed[joint]),
+            max_acceleration: single(self.limits.max_acceleration[joint]),
+            peak_current: single(actuator.peak_current),
+            continuous_current: single(actuator.continuous_current),
+            thermal_time_constant: single(actuator.thermal_time_constant),
+            current_per_code: single(actuator.current_per_code.unwrap_or(ample)),
+            current_zero_code: ZERO_CODE,
+        }
+    }
+}
+
+/// As good as an ideal torque source: a frictionless direct drive without inertia whose
+/// voltage never runs short. Of the bus voltage V, a quarter meets the back-EMF at full
+/// speed, k ω = V/4; a quarter drives the peak current, R i = V/4; the rest makes the
+/// current follow, with L/R of 1 ms. The encoder has 2²⁰ counts a turn.
+fn ideal_torque_source(torque: f64, max_speed: f64, voltage: f64) -> Actuator {
+    let torque_constant = 0.25 * voltage / max_speed;
+    let peak_current = torque / torque_constant;
+    let resistance = 0.25 * voltage / peak_current;
+    Actuator {
+        gear_ratio: 1.0,
+        rotor_inertia: 0.0,
+        torque_constant,
+        resistance,
+        inductance: 1e-3 * resistance,
+        viscous_friction: 0.0,
+        coulomb_friction: 0.0,
+        encoder_counts: 1 << 20,
+        peak_current,
+        continuous_current: peak_current,
+        thermal_time_constant: 60.0,
+        current_per_code: None,
+    }
+}
+
+/// A torque [N·m] that no motion within the limits needs: twice all the mass, at the end
+/// of a straight leg, held against gravity and accelerated.
+fn ample_torque(arm: &Arm<f64>, acceleration: f64) -> f64 {
+    let [l1, l2, l3, l4, _] = arm.geometry().lengths();
+    let mass = arm.payload() + arm.links().iter().map(|link| link.mass).sum::<f64>();
+    2.0 * mass * (l1 + l2).max(l3 + l4) * (arm.gravity().norm() + acceleration)
+}
+
+fn largest([a, b]: [f64; 2]) -> f64 {
+    a.max(b)
+}
+
+fn least([a, b]: [f64; 2]) -> f64 {
+    a.min(b)
+}
+
+fn single(value: f64) -> f32 {
+    value as f32
+}

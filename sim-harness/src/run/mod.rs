@@ -1,0 +1,7 @@
+//! A run: what happened in it, and what it comes to.
+
+mod summary;
+mod trace;
+
+pub use summary::{Summary, TipError};
+pub use trace::{Sample, Trace};

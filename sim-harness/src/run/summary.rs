@@ -1,0 +1,37 @@
+//! What a run comes to, in the words of its JSON.
+
+use serde::Serialize;
+
+/// How far the tool was from its reference, over all ticks of the job.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct TipError {
+    /// Root of the mean square [m].
+    pub rms_m: f64,
+    /// Greatest [m].
+    pub max_m: f64,
+}
+
+/// A run in figures: `summary.json`, and the last line of `--json`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Summary {
+    /// The robot's name.
+    pub robot: String,
+    /// The scenario's or the job's name.
+    pub scenario: String,
+    /// Simulated time [s].
+    pub simulated_s: f64,
+    /// Time the run took [s].
+    pub wall_s: f64,
+    /// Ticks of the controller.
+    pub ticks: u64,
+    /// How far the tool was from its reference.
+    pub tip_error: TipError,
+    /// Greatest torque of each motor, at its joint [N·m].
+    pub peak_torque_nm: [f64; 2],
+    /// Ticks in which a torque was limited.
+    pub saturated_ticks: u64,
+    /// Faults raised, by name.
+    pub faults: Vec<String>,
+    /// The folder with the report.
+    pub out_dir: String,
+}

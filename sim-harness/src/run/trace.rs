@@ -1,0 +1,114 @@
+//! What happened in a run, sample by sample.
+
+/// One moment of a run. Pairs are of joint 1 and joint 4; positions are in the frame of
+/// the base.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sample {
+    /// Time since the start [s].
+    pub time: f64,
+    /// Tag of the move in progress: the line of the job.
+    pub line: u32,
+    /// Where the tool should be [m].
+    pub reference: [f64; 2],
+    /// Where it truly is [m].
+    pub tool: [f64; 2],
+    /// The joints' angles, as they truly are: θ1, θ4 [rad].
+    pub angle: [f64; 2],
+    /// What the reference asks of the joints: θ1, θ4 [rad].
+    pub reference_angle: [f64; 2],
+    /// ω1, ω4 of the reference [rad/s].
+    pub reference_velocity: [f64; 2],
+    /// α1, α4 of the reference [rad/s²].
+    pub reference_acceleration: [f64; 2],
+    /// Torque of the motors at the joints [N·m].
+    pub torque: [f64; 2],
+    /// Current set-points of the motors [A].
+    pub current_set_point: [f64; 2],
+    /// Currents in the motors [A].
+    pub current: [f64; 2],
+    /// Duties of the bridges, −1…1.
+    pub duty: [f64; 2],
+    /// Whether the torques were limited.
+    pub saturated: bool,
+}
+
+impl Sample {
+    /// Distance of the tool from where it should be [m].
+    pub fn tip_error(&self) -> f64 {
+        (self.tool[0] - self.reference[0]).hypot(self.tool[1] - self.reference[1])
+    }
+}
+
+/// A run's samples, in time. A long run keeps every second, fourth, … of them, so that
+/// what it takes has a bound.
+#[derive(Clone, Debug)]
+pub struct Trace {
+    samples: Vec<Sample>,
+    stride: u64,
+    seen: u64,
+}
+
+/// Samples kept at most.
+const MOST: usize = 200_000;
+
+impl Default for Trace {
+    fn default() -> Self {
+        Self {
+            samples: Vec::new(),
+            stride: 1,
+            seen: 0,
+        }
+    }
+}
+
+impl Trace {
+    /// Takes the next sample of the run.
+    pub fn push(&mut self, sample: Sample) {
+        if self.seen.is_multiple_of(self.stride) {
+            if self.samples.len() == MOST {
+                let mut keep = false;
+                self.samples.retain(|_| {
+                    keep = !keep;
+                    keep
+                });
+                self.stride *= 2;
+            }
+            // Of the samples at the old stride, only every second is one of the new.
+            if self.seen.is_multiple_of(self.stride) {
+                self.samples.push(sample);
+            }
+        }
+        self.seen += 1;
+    }
+
+    /// What was kept, evenly spaced.
+    pub fn samples(&self) -> &[Sample] {
+        &self.samples
+    }
+
+    /// Ticks from one kept sample to the next.
+    pub fn stride(&self) -> u64 {
+        self.stride
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{MOST, Sample, Trace};
+
+    #[test]
+    fn thins_a_long_run_evenly() {
+        let mut trace = Trace::default();
+        for tick in 0..5 * MOST as u64 + 3 {
+            trace.push(Sample {
+                time: tick as f64,
+                ..Sample::default()
+            });
+        }
+        assert_eq!(trace.stride(), 8);
+        assert!(trace.samples().len() <= MOST && trace.samples().len() > MOST / 2);
+        for pair in trace.samples().windows(2) {
+            assert_eq!(pair[1].time - pair[0].time, 8.0);
+        }
+    }
+}

@@ -1,0 +1,391 @@
+//! G-code in, steps out: what each code means, what is refused and how, and that no text
+//! whatever makes the reader fail in any other way.
+
+use fivebar::job::{Action, Job, JobError, Placement, Reason, Step, WarningKind};
+use proptest::prelude::*;
+use std::fmt::Write as _;
+
+const AS_WRITTEN: Placement = Placement {
+    origin: [0.0, 0.0],
+    scale: 1.0,
+    home: [0.05, 0.2],
+};
+
+fn job(text: &str) -> Job {
+    Job::parse(text, &AS_WRITTEN).unwrap_or_else(|refusal| panic!("{refusal}"))
+}
+
+fn steps(text: &str) -> Vec<Step> {
+    job(text).steps
+}
+
+fn refusal(text: &str) -> (u32, Reason) {
+    match Job::parse(text, &AS_WRITTEN) {
+        Err(JobError::Line { line, reason, .. }) => (line, reason),
+        other => panic!("{text:?} gave {other:?}"),
+    }
+}
+
+fn ends(text: &str) -> Vec<[f64; 2]> {
+    let mut ends = Vec::new();
+    for step in steps(text) {
+        match step.action {
+            Action::Line { to, .. } | Action::Arc { to, .. } => {
+                ends.push(to.map(|metres| (metres * 1e9).round() / 1e6));
+            }
+            Action::Dwell { .. } => {}
+        }
+    }
+    ends
+}
+
+fn only_arc(text: &str) -> ([f64; 2], [f64; 2], bool) {
+    let arcs: Vec<_> = steps(text)
+        .into_iter()
+        .filter_map(|step| match step.action {
+            Action::Arc {
+                to,
+                center,
+                clockwise,
+                ..
+            } => Some((to, center, clockwise)),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(arcs.len(), 1);
+    arcs[0]
+}
+
+#[test]
+fn moves_in_millimetres_and_inches_absolute_and_relative() {
+    assert_eq!(
+        ends("G1 F600 X10 Y5\nG91 X1\nY-2\nG90 X0"),
+        [[10.0, 5.0], [11.0, 5.0], [11.0, 3.0], [0.0, 3.0]]
+    );
+    assert_eq!(ends("G20\nG0 X1 Y-.5"), [[25.4, -12.7]]);
+}
+
+#[test]
+fn reads_feeds_per_minute_in_the_unit_of_the_line_and_leaves_rapids_open() {
+    let feed = |text| match steps(text).last().unwrap().action {
+        Action::Line { feed, .. } => feed,
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(feed("G1 X1 F600"), Some(0.01));
+    assert_eq!(feed("F600\nG1 X1"), Some(0.01));
+    assert_eq!(feed("G20 G1 X1 F60"), Some(0.0254));
+    assert_eq!(feed("F600\nG0 X1"), None);
+}
+
+#[test]
+fn shifts_coordinates_with_g92_and_goes_home_with_g28() {
+    assert_eq!(
+        ends("G0 X10 Y10\nG92 X0\nG0 X5 Y5\nG92\nG0 X1"),
+        [[10.0, 10.0], [15.0, 5.0], [16.0, 5.0]]
+    );
+    assert_eq!(
+        ends("G0 X1\nG28\nG91 G0 X1"),
+        [[1.0, 0.0], [50.0, 200.0], [51.0, 200.0]]
+    );
+}
+
+#[test]
+fn places_the_job_by_origin_and_scale_but_not_its_feed() {
+    let placement = Placement {
+        origin: [0.1, 0.2],
+        scale: 2.0,
+        home: [0.3, 0.4],
+    };
+    let job = Job::parse("G1 X10 Y-10 F60\nG28", &placement).unwrap();
+    let Action::Line { to, feed } = job.steps[0].action else {
+        panic!("not a line")
+    };
+    assert!((to[0] - 0.12).abs() < 1e-15 && (to[1] - 0.18).abs() < 1e-15);
+    assert_eq!(feed, Some(1e-3));
+    assert!(matches!(job.steps[1].action, Action::Line { to, .. }
+        if (to[0] - 0.3).abs() < 1e-15 && (to[1] - 0.4).abs() < 1e-15));
+}
+
+#[test]
+fn finds_the_same_centre_from_offsets_and_from_the_radius() {
+    for (radius, center) in [(5.0, [5.0, 5.0]), (-5.0, [10.0, 10.0])] {
+        let text = format!("G0 X10 Y5\nG3 X5 Y10 R{radius} F100");
+        let (_, by_radius, clockwise) = only_arc(&text);
+        let offset = [center[0] - 10.0, center[1] - 5.0];
+        let text = format!("G0 X10 Y5\nG3 X5 Y10 I{} J{} F100", offset[0], offset[1]);
+        let (_, by_offset, _) = only_arc(&text);
+        assert!(!clockwise);
+        for axis in 0..2 {
+            assert!((by_radius[axis] - 1e-3 * center[axis]).abs() < 1e-12);
+            assert!((by_offset[axis] - 1e-3 * center[axis]).abs() < 1e-12);
+        }
+    }
+    let (_, center, clockwise) = only_arc("G0 X10 Y5\nG2 X5 Y10 R5 F100");
+    assert!(clockwise && (center[0] - 0.01).abs() < 1e-12);
+}
+
+#[test]
+fn evens_out_radii_that_differ_by_rounding_and_refuses_others() {
+    let (to, center, _) = only_arc("F100\nG2 X7.071 Y2.929 I0 J10.002");
+    let radius = center[0].hypot(center[1]);
+    assert!((radius - (to[0] - center[0]).hypot(to[1] - center[1])).abs() < 1e-15);
+    assert!(matches!(
+        refusal("F100\nG2 X5 Y5 I0 J9"),
+        (2, Reason::ArcEnds(..))
+    ));
+}
+
+#[test]
+fn makes_a_full_turn_where_the_end_is_the_start_but_not_of_a_speck() {
+    let (to, center, _) = only_arc("F100\nG0 X10\nG2 I-10");
+    assert_eq!((to, center), ([0.01, 0.0], [0.0, 0.0]));
+    let speck = steps("F100\nG0 X10\nG3 X10 Y0.00001 I-10");
+    assert_eq!(speck.len(), 1);
+    let nearly_full = steps("F100\nG0 X10\nG2 X10 Y0.00001 I-10");
+    assert_eq!(nearly_full.len(), 2);
+}
+
+#[test]
+fn starts_an_arc_where_the_job_says_even_when_nothing_has_moved_yet() {
+    let steps = steps("G2 X10 I5 F100");
+    assert!(matches!(
+        steps[0].action,
+        Action::Line {
+            to: [0.0, 0.0],
+            feed: None
+        }
+    ));
+    assert!(matches!(steps[1].action, Action::Arc { .. }));
+    assert_eq!((steps[0].line, steps[1].line), (1, 1));
+}
+
+#[test]
+fn follows_the_pen_of_both_dialects() {
+    let text = "G0 X1\nM3\nG0 X2\nM5\nG0 X3\nM300 S30.00 (down)\nG0 X4\nM300 S50\nG0 X5\n\
+                M300 S5\nG0 X6\nM300 S255\nG0 X7";
+    let pen: Vec<bool> = steps(text).iter().map(|step| step.pen_down).collect();
+    assert_eq!(pen, [false, true, false, true, false, true, false]);
+    assert!(job(text).pen_down(3) && !job(text).pen_down(5) && !job(text).pen_down(99));
+}
+
+#[test]
+fn dwells_in_milliseconds_by_p_and_seconds_by_s() {
+    let dwell = |text| match steps(text)[1].action {
+        Action::Dwell { duration } => duration,
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(dwell("G0 X1\nG4 P160 (wait 160ms)"), 0.16);
+    assert_eq!(dwell("G0 X1\nG4 S1.5"), 1.5);
+    for bad in ["G4", "G4 P-1", "G4 S601", "G4 X1"] {
+        assert_eq!(refusal(bad), (1, Reason::Dwell), "{bad}");
+    }
+}
+
+#[test]
+fn keeps_line_numbers_through_comments_blanks_and_n_words() {
+    let text = "%\n(head\tline)\n\nN10 G21 ; units\r\nN20 g1 x1 (a) y2 f100 (b)\n";
+    let steps = steps(text);
+    assert_eq!((steps.len(), steps[0].line), (1, 5));
+    let moves: Vec<_> = job(text).moves(0.5).collect();
+    assert_eq!(moves[0].tag, 5);
+}
+
+#[test]
+fn skips_unknown_m_codes_and_heights_with_a_warning() {
+    let job = job("M18 (drives off)\nM01\nG1 X1 F100 Z5\nG1 Z0\nT1\nM300");
+    let warned: Vec<_> = job.warnings.iter().map(|warning| warning.line).collect();
+    assert_eq!(warned, [1, 2, 3, 5, 6]);
+    assert_eq!(job.warnings[2].kind, WarningKind::Height);
+    assert!(job.warnings[0].to_string().contains("line 1: M18"));
+    assert_eq!(job.steps.len(), 1);
+}
+
+#[test]
+fn ends_at_m2_and_m30() {
+    assert_eq!(ends("G0 X1\nM2\nG0 X2 garbage"), [[1.0, 0.0]]);
+    assert_eq!(ends("G0 X1\nG0 X3 M30\nG0 X2"), [[1.0, 0.0], [3.0, 0.0]]);
+}
+
+#[test]
+fn leaves_out_moves_of_no_length_and_nothing_else() {
+    let text = "F100\nG1 X0 Y0\nG1 X1\nG1 X1\nG1 X1.0002\nG1 X1.00025\nG1 X1.0004";
+    assert_eq!(ends(text).len(), 4);
+}
+
+#[test]
+fn refuses_what_it_does_not_understand_with_line_and_reason() {
+    let unknown = |code: &str| Reason::UnknownGCode(code.into());
+    for (text, line, reason) in [
+        ("G0 X1\nG38.2 X1", 2, unknown("G38.2")),
+        ("G91.1", 1, unknown("G91.1")),
+        ("G17", 1, unknown("G17")),
+        ("X1", 1, Reason::NoMode),
+        ("G1 X1", 1, Reason::NoFeed),
+        ("G1 X1 F0", 1, Reason::Feed),
+        ("G1 X1 F-5", 1, Reason::Feed),
+        ("G0 X1 X2", 1, Reason::Repeated('X')),
+        ("G0 X1 E3", 1, Reason::StrayWord('E')),
+        ("G0 X1 I3", 1, Reason::StrayWord('I')),
+        ("G0 X1 P3", 1, Reason::StrayWord('P')),
+        ("G0 G28 X1", 1, Reason::Conflict("G0".into(), "G28".into())),
+        ("G0 X1\n(open", 2, Reason::OpenComment),
+        ("G2 X1 F1", 1, Reason::ArcForm),
+        ("G2 X1 R1 I1 F1", 1, Reason::ArcForm),
+        ("G2 X1 R0 F1", 1, Reason::ArcRadius),
+        ("G2 X1 I0 J0 F1", 1, Reason::ArcRadius),
+        ("G2 X9 R1 F1", 1, Reason::ArcChord),
+        ("G2 R1 F1", 1, Reason::ArcChord),
+    ] {
+        assert_eq!(refusal(text), (line, reason), "{text}");
+    }
+    assert!(matches!(refusal("G0 X1e9"), (1, Reason::StrayWord('E'))));
+    assert!(matches!(refusal("G0 X1000001"), (1, Reason::TooFar(_))));
+}
+
+#[test]
+fn refuses_garbage_and_numbers_that_are_none() {
+    for text in [
+        "G0 Xnan",
+        "G0 Xinf",
+        "G0 X",
+        "G0 X--1",
+        "G0 X1.2.3",
+        "G0 X$5",
+        "hello",
+        "G",
+        "GX1",
+        "G0 X1 é",
+        "G0 X#1",
+        "\u{0}",
+        "12",
+        "G4294967295",
+        "M99999999999",
+        "/G0 X1",
+        "G0 X.",
+    ] {
+        let both = format!("G0 X1\n{text}\n");
+        assert_eq!(refusal(&both).0, 2, "{text:?}");
+    }
+}
+
+#[test]
+fn quotes_the_line_but_not_a_whole_book() {
+    let text = format!("G0 X1 \u{7}{}", "é".repeat(5_000));
+    let said = Job::parse(&text, &AS_WRITTEN).unwrap_err().to_string();
+    assert!(said.starts_with("line 1: \"G0 X1 \u{FFFD}éé") && said.contains('…'));
+    assert!(!said.contains('\u{7}'));
+}
+
+#[test]
+fn refuses_a_job_without_motion() {
+    for text in ["", "\n\n", "(only words)", "G21\nG90\nM3\nM5", "G4 P100"] {
+        assert_eq!(Job::parse(text, &AS_WRITTEN), Err(JobError::NoMotion));
+    }
+}
+
+/// A step as any dialect would write it, in absolute millimetres.
+fn written(step: &Step) -> String {
+    let mm = |metres: f64| 1e3 * metres;
+    let mut text = String::new();
+    let _ = writeln!(text, "{}", if step.pen_down { "M3" } else { "M5" });
+    let _ = match step.action {
+        Action::Line { to, feed: None } => writeln!(text, "G0 X{:.6} Y{:.6}", mm(to[0]), mm(to[1])),
+        Action::Line {
+            to,
+            feed: Some(feed),
+        } => writeln!(
+            text,
+            "G1 X{:.6} Y{:.6} F{:.6}",
+            mm(to[0]),
+            mm(to[1]),
+            mm(feed) * 60.0
+        ),
+        Action::Dwell { duration } => writeln!(text, "G4 P{:.6}", mm(duration)),
+        Action::Arc { .. } => unreachable!("arcs are written by their own test"),
+    };
+    text
+}
+
+fn any_step() -> impl Strategy<Value = Step> {
+    let point = [-0.5..0.5, -0.5..0.5_f64];
+    let line = (point, proptest::option::of(1e-3..2.0_f64))
+        .prop_map(|(to, feed)| Action::Line { to, feed });
+    let dwell = (1e-3..5.0).prop_map(|duration| Action::Dwell { duration });
+    (prop_oneof![4 => line, 1 => dwell], any::<bool>()).prop_map(|(action, pen_down)| Step {
+        line: 0,
+        pen_down,
+        action,
+    })
+}
+
+proptest! {
+    #[test]
+    fn reads_back_what_it_is_told(told in proptest::collection::vec(any_step(), 1..20)) {
+        let text: String = told.iter().map(written).collect();
+        let moving = |step: &Step| !matches!(step.action, Action::Dwell { .. });
+        prop_assume!(told.iter().any(moving));
+        let read = steps(&text);
+        prop_assert_eq!(read.len(), told.len());
+        for (index, (read, told)) in read.iter().zip(&told).enumerate() {
+            prop_assert_eq!(read.line as usize, 2 * index + 2);
+            prop_assert_eq!(read.pen_down, told.pen_down);
+            match (read.action, told.action) {
+                (Action::Line { to: a, feed: f }, Action::Line { to: b, feed: g }) => {
+                    prop_assert!((a[0] - b[0]).hypot(a[1] - b[1]) < 1e-9);
+                    prop_assert_eq!(f.is_some(), g.is_some());
+                    prop_assert!((f.unwrap_or(0.0) - g.unwrap_or(0.0)).abs() < 1e-9);
+                }
+                (Action::Dwell { duration: a }, Action::Dwell { duration: b }) => {
+                    prop_assert!((a - b).abs() < 1e-9);
+                }
+                other => prop_assert!(false, "{:?}", other),
+            }
+        }
+    }
+
+    #[test]
+    fn an_arc_by_radius_passes_both_ends_on_the_side_its_sign_says(
+        start in [-200.0..200.0, -200.0..200.0_f64],
+        chord in [-50.0..50.0, -50.0..50.0_f64],
+        excess in 1.0..3.0_f64,
+        clockwise: bool,
+        major: bool,
+    ) {
+        let length = chord[0].hypot(chord[1]);
+        prop_assume!(length > 0.1);
+        let radius = 0.5 * length * excess * if major { -1.0 } else { 1.0 };
+        let text = format!(
+            "G0 X{} Y{}\nG{} X{} Y{} R{radius} F100",
+            start[0], start[1], if clockwise { 2 } else { 3 }, start[0] + chord[0], start[1] + chord[1],
+        );
+        let (to, center, _) = only_arc(&text);
+        let from = [1e-3 * start[0], 1e-3 * start[1]];
+        let arm = |point: [f64; 2]| [point[0] - center[0], point[1] - center[1]];
+        let (a, b) = (arm(from), arm(to));
+        prop_assert!((a[0].hypot(a[1]) - 1e-3 * radius.abs()).abs() < 1e-9);
+        prop_assert!((b[0].hypot(b[1]) - 1e-3 * radius.abs()).abs() < 1e-9);
+        // The angle swept in the sense of the arc, against half a turn.
+        let turned = (a[0] * b[1] - a[1] * b[0]).atan2(a[0] * b[0] + a[1] * b[1]);
+        let swept = (if clockwise { -turned } else { turned }).rem_euclid(std::f64::consts::TAU);
+        if excess > 1.001 {
+            prop_assert_eq!(swept > std::f64::consts::PI, major);
+        }
+    }
+
+    #[test]
+    fn never_panics_on_any_text(text in "\\PC{0,200}") {
+        let _ = Job::parse(&text, &AS_WRITTEN);
+    }
+
+    #[test]
+    fn never_panics_on_what_looks_like_g_code(
+        text in "([GMTNXYZIJRFPSgx%/;()#+\\- .\n][-+0-9.]{0,12}){0,40}"
+    ) {
+        if let Ok(job) = Job::parse(&text, &AS_WRITTEN) {
+            for step in job.moves(1.0) {
+                let shown = format!("{step:?}");
+                prop_assert!(!shown.contains("NaN") && !shown.contains("inf"));
+            }
+        }
+    }
+}

@@ -1,0 +1,188 @@
+//! Robot files: what is accepted, and how the rest is refused.
+
+use fivebar::robot::{BUILT_IN, BuiltIn, Robot};
+
+/// A small file with every key that has no default.
+const PLAIN: &str = r#"name = "asymmetric"
+gravity = [0.0, -9.81]
+base = 0.118
+payload = 0.15
+[[link]]
+length = 0.09
+mass = 0.12
+com = [0.04, 0.003]
+inertia = 1.2e-4
+[[link]]
+length = 0.16
+mass = 0.1
+com = [0.07, 0.0]
+inertia = 3e-4
+[[link]]
+length = 0.15
+mass = 0.1
+com = [0.06, -0.002]
+inertia = 2e-4
+[[link]]
+length = 0.1
+mass = 0.12
+com = [0.05, 0.0]
+inertia = 1.2e-4
+"#;
+
+#[track_caller]
+fn assert_refused(text: &str, line: usize, words: &[&str]) {
+    let error = Robot::parse("arm.toml", text).expect_err("the file makes no sense");
+    let message = error.to_string();
+    assert!(
+        message.starts_with(&format!("arm.toml, line {line}: ")),
+        "{message}"
+    );
+    for word in words {
+        assert!(message.contains(word), "`{word}` is missing in: {message}");
+    }
+}
+
+#[test]
+fn every_built_in_robot_reads_under_its_own_name() {
+    assert_eq!(BUILT_IN[0].name, BuiltIn::DEFAULT);
+    for built_in in BUILT_IN {
+        let robot = built_in.robot().unwrap();
+        assert_eq!(robot.name, built_in.name);
+        assert!(!built_in.summary().is_empty());
+    }
+}
+
+#[test]
+fn a_file_without_optional_sections_is_an_arm_of_ideal_torque_sources() {
+    let robot = Robot::parse("arm.toml", PLAIN).unwrap();
+    let arm = robot.arm().unwrap();
+    assert_eq!(arm.payload(), 0.15);
+    assert_eq!(arm.links()[2].com.y, -0.002);
+    assert_eq!(arm.rotor_inertia(), [0.0; 2]);
+    let settings = robot.settings().unwrap();
+    assert_eq!(settings.lengths, [0.09, 0.16, 0.15, 0.1, 0.118]);
+    assert_eq!(settings.axes[0].coulomb_friction, 0.0);
+    // Gravity torque of the whole mass at full reach is well within the ideal drive's.
+    let axis = &settings.axes[0];
+    assert!(axis.peak_current * axis.torque_constant > 2.0 * 9.81 * 0.59 * 0.25);
+}
+
+#[test]
+fn the_payload_is_zero_unless_given() {
+    let robot = Robot::parse("arm.toml", &PLAIN.replace("payload = 0.15\n", "")).unwrap();
+    assert_eq!(robot.arm().unwrap().payload(), 0.0);
+}
+
+#[test]
+fn missing_keys_are_refused_by_name() {
+    for key in ["name", "gravity", "base"] {
+        let text: String = PLAIN
+            .lines()
+            .filter(|line| !line.starts_with(&format!("{key} =")))
+            .map(|line| format!("{line}\n"))
+            .collect();
+        assert_refused(&text, 1, &[&format!("missing field `{key}`")]);
+    }
+    assert_refused(
+        &PLAIN.replacen("length = 0.16\n", "", 1),
+        10,
+        &["missing field `length`"],
+    );
+    let cases = [("mass = 0.12\n", "mass"), ("com = [0.04, 0.003]\n", "com")];
+    for (line, key) in cases.into_iter().chain([("inertia = 1.2e-4\n", "inertia")]) {
+        assert_refused(
+            &PLAIN.replacen(line, "", 1),
+            5,
+            &[key, "[[link]] 1", "missing"],
+        );
+    }
+}
+
+#[test]
+fn unknown_keys_are_refused_by_name() {
+    let top = PLAIN.replace("payload =", "paylod =");
+    assert_refused(&top, 4, &["unknown field `paylod`"]);
+    let link = PLAIN.replacen("mass =", "weight =", 1);
+    assert_refused(&link, 7, &["unknown field `weight`"]);
+    let section = format!("{PLAIN}[motion]\nmax_sped = 1.0\n");
+    assert_refused(&section, 26, &["unknown field `max_sped`"]);
+    let table = format!("{PLAIN}[montion]\nmax_speed = 1.0\n");
+    assert_refused(&table, 25, &["unknown field `montion`"]);
+}
+
+#[test]
+fn numbers_that_make_no_sense_are_refused_with_their_line() {
+    for bad in ["-0.09", "0.0", "nan", "inf"] {
+        let text = PLAIN.replace("length = 0.09", &format!("length = {bad}"));
+        assert_refused(&text, 6, &["`length`", "[[link]] 1", "positive"]);
+    }
+    for bad in ["-0.12", "0.0", "nan"] {
+        let text = PLAIN.replacen("mass = 0.12", &format!("mass = {bad}"), 1);
+        assert_refused(&text, 7, &["`mass`", "[[link]] 1", "positive"]);
+    }
+    let text = PLAIN.replace("inertia = 3e-4", "inertia = -3e-4");
+    assert_refused(&text, 14, &["`inertia`", "[[link]] 2"]);
+    let text = PLAIN.replace("com = [0.07, 0.0]", "com = [nan, 0.0]");
+    assert_refused(&text, 13, &["`com`", "[[link]] 2"]);
+    let text = PLAIN.replace("gravity = [0.0, -9.81]", "gravity = [0.0, -inf]");
+    assert_refused(&text, 2, &["`gravity`"]);
+    assert_refused(
+        &PLAIN.replace("base = 0.118", "base = -0.1"),
+        3,
+        &["`base`"],
+    );
+    assert_refused(
+        &PLAIN.replace("payload = 0.15", "payload = -1"),
+        4,
+        &["`payload`"],
+    );
+    assert_refused(
+        &PLAIN.replace("base = 0.118", "base = 'wide'"),
+        3,
+        &["invalid type"],
+    );
+    let text = format!("{PLAIN}[tolerance]\nlength_sd = [1e-5, 1e-5]\n");
+    assert_refused(&text, 26, &["`length_sd`", "one number or 5"]);
+    let text = format!("{PLAIN}[limits]\nangle = [[1.0, 0.0], [0.0, 1.0]]\n");
+    assert_refused(&text, 26, &["`angle`", "[least, greatest]"]);
+}
+
+#[test]
+fn an_arm_that_cannot_be_assembled_is_refused_with_its_lengths() {
+    let text = PLAIN.replace("base = 0.118", "base = 5.0");
+    assert_refused(&text, 3, &["cannot be assembled", "5 m"]);
+}
+
+#[test]
+fn three_links_or_one_actuator_are_not_an_arm() {
+    let (three, _) = PLAIN.rsplit_once("[[link]]").unwrap();
+    assert_refused(three, 5, &["four times, not 3"]);
+    let actuator = BUILT_IN[0].text.split("[[actuator]]").nth(1).unwrap();
+    let text = format!("{PLAIN}[[actuator]]\n{actuator}");
+    assert_refused(&text, 25, &["given twice, not 1"]);
+}
+
+#[test]
+fn a_home_that_is_no_pose_is_refused() {
+    let text = format!("home = [0.0, 0.0]\n{PLAIN}");
+    assert_refused(&text, 1, &["`home`", "working mode"]);
+}
+
+#[test]
+fn a_robot_known_by_its_lengths_alone_says_so_when_masses_are_needed() {
+    let duet = Robot::load("duet").unwrap();
+    let message = duet.settings().unwrap_err().to_string();
+    assert!(
+        message.contains("duet") && message.contains("lengths alone"),
+        "{message}"
+    );
+}
+
+#[test]
+fn a_name_that_is_neither_built_in_nor_a_file_lists_the_built_in_ones() {
+    let message = Robot::load("nosuch.toml").unwrap_err().to_string();
+    assert!(
+        message.contains("nosuch.toml") && message.contains("benchtop"),
+        "{message}"
+    );
+}
