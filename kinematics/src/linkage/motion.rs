@@ -91,6 +91,26 @@ impl<S: Scalar> LinkMotion<S> {
         }
     }
 
+    /// A slider on this guide, displaced by `along` from the guide's origin:
+    /// v = v_G + ṡ u, a = a_G + 2 ω ṡ n + s̈ u, G being the guide's point now there.
+    #[inline]
+    pub fn slid(&self, along: &Coordinate<S>) -> Self {
+        let here = self.carrying(self.origin.position + self.axis * along.value);
+        self.translated_to(self.sliding(&here, along))
+    }
+
+    /// The motion of what slides along this guide with `slide`'s rates, where the guide's
+    /// own point moves as `here`.
+    #[inline]
+    pub(super) fn sliding(&self, here: &PointMotion<S>, slide: &Coordinate<S>) -> PointMotion<S> {
+        let coriolis = self.axis.perp() * (S::TWO * self.omega * slide.rate);
+        PointMotion {
+            position: here.position,
+            velocity: here.velocity + self.axis * slide.rate,
+            acceleration: here.acceleration + coriolis + self.axis * slide.acceleration,
+        }
+    }
+
     /// A link that keeps this one's direction, its origin moving as `origin`.
     #[inline]
     pub(super) fn translated_to(&self, origin: PointMotion<S>) -> Self {

@@ -120,19 +120,3 @@ fn finite<S: Scalar>(points: &[Vec2<S>]) -> Result<(), DyadError> {
 fn beside<S: Scalar>(guide: &LinkMotion<S>, offset: S) -> Vec2<S> {
     guide.origin.position + guide.axis.perp() * offset
 }
-
-/// The motion of a slider at `place` on a guide, moving along it by `rate` and
-/// `acceleration`: v = v_G + ṡ u, a = a_G + 2 ω ṡ n + s̈ u.
-#[inline]
-fn sliding<S: Scalar>(
-    place: &PointMotion<S>,
-    guide: &LinkMotion<S>,
-    slide: &Coordinate<S>,
-) -> PointMotion<S> {
-    let coriolis = guide.axis.perp() * (S::TWO * guide.omega * slide.rate);
-    PointMotion {
-        position: place.position,
-        velocity: place.velocity + guide.axis * slide.rate,
-        acceleration: place.acceleration + coriolis + guide.axis * slide.acceleration,
-    }
-}

@@ -6,7 +6,7 @@
 //! The rates solve the same equations with d = v_G2 − v_G1, and with
 //! d = a_G2 + 2 ω2 ṡ2 n2 − a_G1 − 2 ω1 ṡ1 n1, of the guides' points now at P3.
 
-use super::{DyadError, DyadMotion, Singular, beside, finite, regular, sliding};
+use super::{DyadError, DyadMotion, Singular, beside, finite, regular};
 use crate::linkage::motion::{Coordinate, LinkMotion};
 use crate::linkage::statics::Joint;
 use crate::{Scalar, Vec2};
@@ -69,7 +69,7 @@ impl<S: Scalar> Prp<S> {
         };
         let slide1 = slide(s1, rate1, acceleration1);
         let slide2 = slide(s2, rate2, acceleration2);
-        let joint = sliding(&g1, guide1, &slide1);
+        let joint = guide1.sliding(&g1, &slide1);
         Ok(DyadMotion {
             links: [guide1.translated_to(joint), guide2.translated_to(joint)],
             joint,

@@ -9,7 +9,7 @@
 //! Neither link turns against the guide. An offset beside either slide would only shift
 //! the zeros of s and t.
 
-use super::{DyadError, DyadMotion, Singular, finite, regular, sliding};
+use super::{DyadError, DyadMotion, Singular, finite, regular};
 use crate::linkage::motion::{Coordinate, LinkMotion, PointMotion};
 use crate::linkage::statics::Joint;
 use crate::{Scalar, Vec2};
@@ -69,7 +69,7 @@ impl<S: Scalar> Rpp<S> {
         let slide_s = slide(s, s_rate, s_acceleration);
         let slide_t = slide(t, t_rate, t_acceleration);
         let q = guide.origin.position + u * s;
-        let slider = guide.translated_to(sliding(&guide.carrying(q), guide, &slide_s));
+        let slider = guide.slid(&slide_s);
         let bar = LinkMotion {
             origin: *end,
             axis: w,

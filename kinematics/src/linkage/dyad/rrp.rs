@@ -10,7 +10,7 @@
 //! Ṗ1 + ω1 r⊥ = v_G + ṡ u: ω1 = (v_G − Ṗ1)·n / (r·u), ṡ = (Ṗ1 − v_G)·r / (r·u);
 //! P̈1 + α1 r⊥ − ω1² r = a_G + 2 ω ṡ n + s̈ u, alike.
 
-use super::{DyadError, DyadMotion, Singular, Unreachable, Way, beside, finite, regular, sliding};
+use super::{DyadError, DyadMotion, Singular, Unreachable, Way, beside, finite, regular};
 use crate::linkage::motion::{Coordinate, LinkMotion, PointMotion};
 use crate::linkage::statics::Joint;
 use crate::{Scalar, Vec2};
@@ -77,7 +77,7 @@ impl<S: Scalar> Rrp<S> {
             rate: s_rate,
             acceleration: -a.dot(r) * per_ru,
         };
-        let joint = sliding(&g, guide, &slide);
+        let joint = guide.sliding(&g, &slide);
         let bar = LinkMotion {
             origin: *end,
             axis,

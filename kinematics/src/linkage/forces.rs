@@ -1,0 +1,128 @@
+//! Back up the chain: joint reactions and driving forces, dyad by dyad.
+//!
+//! Each link bears its weight, its inertia forces (d'Alembert) and what acts at its
+//! points. A dyad is solved for its three reactions; the opposites of the two outer ones
+//! then load the links that carry it, which are solved later. Last comes the frame.
+
+use super::model::{Group, LinkId, Linkage};
+use super::solve::{Motion, SolveError};
+use super::statics::{Joint, Wrench, reactions};
+use crate::Scalar;
+use std::vec::Vec;
+
+/// What a joint passes on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reaction<S> {
+    /// The element whose joint it is, its place in [`Linkage::elements`].
+    pub element: usize,
+    /// The link that exerts it.
+    pub from: LinkId,
+    /// The link on which it acts.
+    pub on: LinkId,
+    /// The joint. A driven joint also passes on its driving torque or force.
+    pub joint: Joint<S>,
+    /// The force, and the moment about the plane's origin.
+    pub wrench: Wrench<S>,
+}
+
+/// The forces in a linkage, at one instant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Forces<S> {
+    /// The torque [N·m] of each crank or force [N] of each slider, in order.
+    pub driving: Vec<S>,
+    /// The joints' reactions, in the order of the elements; of a dyad: carrier on first
+    /// link, first link on second, carrier on second.
+    pub reactions: Vec<Reaction<S>>,
+    /// What the linkage exerts on its frame: shaking force and moment, weight included.
+    pub frame: Wrench<S>,
+}
+
+impl<S: Scalar> Linkage<S> {
+    /// The forces that the motion needs, with gravity, the inertia of links and point
+    /// masses, and the external forces on points. Joints without friction.
+    ///
+    /// # Errors
+    /// None for a motion that [`Linkage::solve`] gave.
+    pub fn forces(&self, motion: &Motion<S>) -> Result<Forces<S>, SolveError> {
+        let mut loads = self.loads(motion);
+        let mut driving = Vec::new();
+        let mut backwards = Vec::new();
+        for (element, definition) in self.elements.iter().enumerate().rev() {
+            let first = definition.first_link;
+            let [carrier1, carrier2] = self.carriers(&definition.group);
+            let reaction = |from, on, joint, wrench| Reaction {
+                element,
+                from,
+                on,
+                joint,
+                wrench,
+            };
+            let mut pass = |reaction: Reaction<S>, loads: &mut [Wrench<S>]| {
+                let LinkId(carrier) = reaction.from;
+                loads[carrier] = loads[carrier] + -reaction.wrench;
+                backwards.push(reaction);
+            };
+            if let Some(dyad) = &motion.dyads[element] {
+                let second = LinkId(first.0 + 1);
+                let on_links = [loads[first.0], loads[second.0]];
+                let [r1, r12, r2] = reactions(&dyad.joints, &on_links)
+                    .map_err(|reason| SolveError { element, reason })?;
+                let [joint1, joint12, joint2] = dyad.joints;
+                pass(reaction(carrier2, second, joint2, r2), &mut loads);
+                pass(reaction(first, second, joint12, r12), &mut loads);
+                pass(reaction(carrier1, first, joint1, r1), &mut loads);
+            } else {
+                let link = &motion.links[first.0];
+                let (at, axis) = (link.origin.position, link.axis);
+                let wrench = -loads[first.0];
+                let (joint, drive) = match definition.group {
+                    Group::Slider { .. } => (Joint::Prismatic { at, axis }, wrench.force.dot(axis)),
+                    _ => (Joint::Revolute { at }, wrench.moment_about(at)),
+                };
+                driving.push(drive);
+                pass(reaction(carrier1, first, joint, wrench), &mut loads);
+            }
+        }
+        driving.reverse();
+        backwards.reverse();
+        Ok(Forces {
+            driving,
+            reactions: backwards,
+            frame: loads[LinkId::GROUND.0],
+        })
+    }
+
+    /// Weight, inertia force and external forces on each link.
+    fn loads(&self, motion: &Motion<S>) -> Vec<Wrench<S>> {
+        let mut loads: Vec<_> = self
+            .links
+            .iter()
+            .zip(&motion.links)
+            .map(|(link, motion)| {
+                let inertia = &link.inertia;
+                let com = motion.point(inertia.com);
+                let force = (self.gravity - com.acceleration) * inertia.mass;
+                Wrench::at(com.position, force) + Wrench::couple(-inertia.inertia * motion.alpha)
+            })
+            .collect();
+        for (point, motion) in self.points.iter().zip(&motion.points) {
+            let force = point.force + (self.gravity - motion.acceleration) * point.mass;
+            let LinkId(link) = point.link;
+            loads[link] = loads[link] + Wrench::at(motion.position, force);
+        }
+        loads
+    }
+
+    /// The links that carry a group's first and second outer joint; of a driven link,
+    /// its carrier twice.
+    fn carriers(&self, group: &Group<S>) -> [LinkId; 2] {
+        let points = match group {
+            Group::Crank { pivot } => [*pivot; 2],
+            Group::Slider { guide } => [guide.through; 2],
+            Group::Rrr { ends, .. } | Group::Rpr { ends, .. } => *ends,
+            Group::Rrp { end, guide, .. } | Group::Rpp { end, guide, .. } => [*end, guide.through],
+            Group::Prp { guides, .. } => guides.map(|guide| guide.through),
+        };
+        points.map(|point| self.points[point.0].link)
+    }
+}

@@ -1,0 +1,316 @@
+//! The linkage: what carries what, put together piece by piece.
+//!
+//! Each piece may only stand on pieces added before it, so that every linkage built this
+//! way can be solved in the order of its building, without search.
+
+use super::check::{Invalid, finite, not_negative};
+use super::dyad::{Prp, Rpp, Rpr, Rrp, Rrr};
+use crate::dynamics::Link;
+use crate::{Scalar, Vec2};
+use std::string::String;
+use std::vec::Vec;
+
+/// A link of a linkage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct LinkId(pub(super) usize);
+
+impl LinkId {
+    /// The frame, at rest.
+    pub const GROUND: Self = Self(0);
+
+    /// Its place in [`Linkage::links`] and in a motion's `links`.
+    pub fn index(self) -> usize {
+        self.0
+    }
+}
+
+/// A point of a linkage, fixed in one of its links.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct PointId(pub(super) usize);
+
+impl PointId {
+    /// Its place in [`Linkage::points`] and in a motion's `points`.
+    pub fn index(self) -> usize {
+        self.0
+    }
+}
+
+/// A straight guide, fixed in the link that `through` belongs to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Guide<S> {
+    /// A point of the guide.
+    pub through: PointId,
+    /// Its direction in that link's frame. Any length: [`Linkage::add`] makes it 1.
+    pub direction: Vec2<S>,
+}
+
+/// A driven link or a dyad, with what carries it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Group<S> {
+    /// A driven link that turns about a point. Its coordinate is its angle against the
+    /// link that the pivot belongs to [rad].
+    Crank {
+        /// The pivot, the origin of the crank's frame.
+        pivot: PointId,
+    },
+    /// A driven link that slides along a guide. Its coordinate is its displacement from
+    /// the guide's point [m].
+    Slider {
+        /// The guide, whose direction the slider's frame keeps.
+        guide: Guide<S>,
+    },
+    /// Two bars that meet in a pin.
+    Rrr {
+        /// Lengths and branch.
+        dyad: Rrr<S>,
+        /// The two points that carry it.
+        ends: [PointId; 2],
+    },
+    /// A bar and a slider pinned to its end.
+    Rrp {
+        /// Length, offset and branch.
+        dyad: Rrp<S>,
+        /// The point that carries the bar.
+        end: PointId,
+        /// The guide that carries the slider.
+        guide: Guide<S>,
+    },
+    /// A bar that is a guide, and a slider on it.
+    Rpr {
+        /// Offset and branch.
+        dyad: Rpr<S>,
+        /// The points that carry the bar and the slider.
+        ends: [PointId; 2],
+    },
+    /// Two sliders pinned together.
+    Prp {
+        /// Offsets.
+        dyad: Prp<S>,
+        /// The guides that carry them.
+        guides: [Guide<S>; 2],
+    },
+    /// A bar that slides in a slider.
+    Rpp {
+        /// The direction of the bar against the guide; made a unit vector.
+        dyad: Rpp<S>,
+        /// The point that carries the bar.
+        end: PointId,
+        /// The guide that carries the slider.
+        guide: Guide<S>,
+    },
+}
+
+impl<S> Group<S> {
+    /// Whether it is a driven link: one link and one joint, where a dyad has two and three.
+    pub fn is_driven(&self) -> bool {
+        matches!(self, Self::Crank { .. } | Self::Slider { .. })
+    }
+}
+
+/// A group in its place in the linkage.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Element<S> {
+    /// What it is.
+    pub group: Group<S>,
+    pub(super) first_link: LinkId,
+    pub(super) joint: Option<PointId>,
+}
+
+impl<S> Element<S> {
+    /// The driven link, or the dyad's two in its order.
+    pub fn links(&self) -> impl Iterator<Item = LinkId> + Clone + use<S> {
+        let first = self.first_link.0;
+        let count = if self.group.is_driven() { 1 } else { 2 };
+        (first..first + count).map(LinkId)
+    }
+
+    /// The inner pin of RRR, RRP and PRP, a point of the dyad's first link.
+    pub fn joint(&self) -> Option<PointId> {
+        self.joint
+    }
+}
+
+/// A named point of a link.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Point<S> {
+    /// Its name.
+    pub name: String,
+    /// The link it belongs to, which takes up the forces that act at it.
+    pub link: LinkId,
+    /// Its coordinates in that link's frame [m]; none for a dyad's inner pin.
+    pub local: Option<Vec2<S>>,
+    /// A point mass carried there [kg].
+    pub mass: S,
+    /// An external force on it [N], in the plane's frame.
+    pub force: Vec2<S>,
+}
+
+/// A named link with its inertia.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedLink<S> {
+    /// Its name.
+    pub name: String,
+    /// Its mass, centre of mass in its own frame, and moment of inertia.
+    pub inertia: Link<S>,
+}
+
+/// What is solved when: in the order of building.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Step {
+    Element(usize),
+    Point(usize),
+}
+
+/// Driven links, dyads and points, each standing on earlier ones.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Linkage<S> {
+    pub(super) gravity: Vec2<S>,
+    pub(super) links: Vec<NamedLink<S>>,
+    pub(super) points: Vec<Point<S>>,
+    pub(super) elements: Vec<Element<S>>,
+    pub(super) steps: Vec<Step>,
+}
+
+impl<S: Scalar> Linkage<S> {
+    /// A frame alone, with `gravity` [m/s²] in the plane.
+    ///
+    /// # Errors
+    /// `NotFinite`.
+    pub fn new(gravity: Vec2<S>) -> Result<Self, Invalid> {
+        finite(gravity)?;
+        let mut linkage = Self {
+            gravity,
+            links: Vec::new(),
+            points: Vec::new(),
+            elements: Vec::new(),
+            steps: Vec::new(),
+        };
+        linkage.push_link("ground");
+        Ok(linkage)
+    }
+
+    /// Adds a point to a link, at `local` [m] in the link's frame.
+    ///
+    /// # Errors
+    /// `NotFinite`.
+    ///
+    /// # Panics
+    /// If the link is of another linkage and not of this one.
+    pub fn point(&mut self, name: &str, link: LinkId, local: Vec2<S>) -> Result<PointId, Invalid> {
+        assert!(link.0 < self.links.len(), "a link of another linkage");
+        finite(local)?;
+        Ok(self.push_point(name, link, Some(local)))
+    }
+
+    /// Adds a driven link or a dyad. A dyad with an inner pin gets a point there, called
+    /// as the element.
+    ///
+    /// The new links are massless and called after the element; see [`Linkage::name_link`].
+    ///
+    /// # Errors
+    /// A length or direction that makes no sense.
+    pub fn add(&mut self, name: &str, group: Group<S>) -> Result<Element<S>, Invalid> {
+        let group = group.checked()?;
+        let first_link = self.push_link(name);
+        if !group.is_driven() {
+            self.push_link(name);
+        }
+        self.steps.push(Step::Element(self.elements.len()));
+        let has_pin = matches!(
+            group,
+            Group::Rrr { .. } | Group::Rrp { .. } | Group::Prp { .. }
+        );
+        let joint = has_pin.then(|| self.push_point(name, first_link, None));
+        let element = Element {
+            group,
+            first_link,
+            joint,
+        };
+        self.elements.push(element.clone());
+        Ok(element)
+    }
+
+    /// Names a link and gives it mass.
+    ///
+    /// # Errors
+    /// `Inertia`, `NotFinite`.
+    ///
+    /// # Panics
+    /// If the link is of another linkage and not of this one.
+    pub fn name_link(&mut self, link: LinkId, name: &str, inertia: Link<S>) -> Result<(), Invalid> {
+        not_negative(inertia.mass)?;
+        not_negative(inertia.inertia)?;
+        finite(inertia.com)?;
+        self.links[link.0] = NamedLink {
+            name: name.into(),
+            inertia,
+        };
+        Ok(())
+    }
+
+    /// Puts a point mass [kg] and an external force [N] on a point.
+    ///
+    /// # Errors
+    /// `Inertia`, `NotFinite`.
+    ///
+    /// # Panics
+    /// If the point is of another linkage and not of this one.
+    pub fn load(&mut self, point: PointId, mass: S, force: Vec2<S>) -> Result<(), Invalid> {
+        not_negative(mass)?;
+        finite(force)?;
+        let point = &mut self.points[point.0];
+        point.mass = mass;
+        point.force = force;
+        Ok(())
+    }
+
+    fn push_link(&mut self, name: &str) -> LinkId {
+        let inertia = Link {
+            mass: S::ZERO,
+            com: Vec2::zero(),
+            inertia: S::ZERO,
+        };
+        self.links.push(NamedLink {
+            name: name.into(),
+            inertia,
+        });
+        LinkId(self.links.len() - 1)
+    }
+
+    fn push_point(&mut self, name: &str, link: LinkId, local: Option<Vec2<S>>) -> PointId {
+        let id = PointId(self.points.len());
+        if local.is_some() {
+            self.steps.push(Step::Point(id.0));
+        }
+        self.points.push(Point {
+            name: name.into(),
+            link,
+            local,
+            mass: S::ZERO,
+            force: Vec2::zero(),
+        });
+        id
+    }
+
+    /// Gravity in the plane [m/s²].
+    pub fn gravity(&self) -> Vec2<S> {
+        self.gravity
+    }
+    /// The links, the ground first.
+    pub fn links(&self) -> &[NamedLink<S>] {
+        &self.links
+    }
+    /// The points.
+    pub fn points(&self) -> &[Point<S>] {
+        &self.points
+    }
+    /// The driven links and dyads, in the order of solution.
+    pub fn elements(&self) -> &[Element<S>] {
+        &self.elements
+    }
+    /// How many coordinates drive it: its degrees of freedom.
+    pub fn freedoms(&self) -> usize {
+        let driven = |element: &&Element<S>| element.group.is_driven();
+        self.elements.iter().filter(driven).count()
+    }
+}
