@@ -136,6 +136,10 @@ fn geometry(
                  the longest exceeds the sum of the others"
             ),
         ),
+        // Lengths alone do not raise it; the tool is checked with its own section.
+        GeometryError::ToolOffset => {
+            source.refuse(Key::In("tool", "offset"), "puts the tool on B".into())
+        }
     })
 }
 
