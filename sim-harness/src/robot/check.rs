@@ -137,9 +137,7 @@ fn geometry(
             ),
         ),
         // Lengths alone do not raise it; the tool is checked with its own section.
-        GeometryError::ToolOffset => {
-            source.refuse(Key::In("tool", "offset"), "puts the tool on B".into())
-        }
+        GeometryError::ToolOffset => source.refuse(Key::In("tool", "offset"), "puts the tool on B"),
     })
 }
 
