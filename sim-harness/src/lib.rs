@@ -3,6 +3,7 @@
 pub mod cli;
 pub mod job;
 pub mod mobility;
+pub mod plant;
 pub mod report;
 pub mod robot;
 pub mod run;

@@ -1,0 +1,177 @@
+//! Motion of the chain under its motors: the state and its integration.
+
+use super::chain::{Chain, PerJoint};
+use super::motor::Motor;
+use super::planar::{Body, Planar, perp, turn};
+use nalgebra::Vector2;
+
+/// What moves the bodies, besides the joints that hold them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Model {
+    /// The bodies. Links 1 and 4 turn with their rotors, link 2 carries the payload.
+    pub chain: Chain,
+    /// The drives at A and E.
+    pub motors: [Motor; 2],
+    /// In-plane gravity [m/s²].
+    pub gravity: Vector2<f64>,
+    /// The tool on link 2, from its centre of mass in its frame [m].
+    pub tool: Vector2<f64>,
+}
+
+/// Places, speeds and currents.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct State {
+    /// Centres of mass [m] and angles θ1…θ4 of the links [rad].
+    pub q: [Planar; 4],
+    /// Their rates.
+    pub v: [Planar; 4],
+    /// Motor currents [A].
+    pub current: [f64; 2],
+}
+
+/// What acts on the arm from outside during a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Loads {
+    /// Voltage at each motor's terminals [V]; none where they float.
+    pub voltage: [Option<f64>; 2],
+    /// Force on the tool [N].
+    pub tool_force: Vector2<f64>,
+}
+
+/// The links that the motors turn.
+pub(super) const DRIVEN: [usize; 2] = [0, 3];
+/// The link that carries the tool.
+const CARRIER: usize = 1;
+
+/// Rates of change of a [`State`].
+#[derive(Clone, Copy)]
+struct Rates {
+    v: [Planar; 4],
+    a: [Planar; 4],
+    current: [f64; 2],
+}
+
+impl State {
+    fn after(&self, rates: &Rates, time: f64) -> Self {
+        let mut next = *self;
+        for i in 0..4 {
+            next.q[i] = self.q[i] + rates.v[i] * time;
+            next.v[i] = self.v[i] + rates.a[i] * time;
+        }
+        for j in 0..2 {
+            next.current[j] = self.current[j] + rates.current[j] * time;
+        }
+        next
+    }
+}
+
+impl Model {
+    /// Torque of each drive at its joint [N·m], friction included.
+    pub fn drive_torque(&self, state: &State) -> [f64; 2] {
+        [0, 1].map(|j| {
+            let omega = state.v[DRIVEN[j]].angular;
+            self.motors[j].torque(state.current[j]) + self.motors[j].friction(omega)
+        })
+    }
+
+    /// Accelerations of the bodies and the force that each joint passes on, from body
+    /// k−1 to body k [N].
+    pub fn accelerations(
+        &self,
+        state: &State,
+        torque: [f64; 2],
+        tool_force: Vector2<f64>,
+    ) -> ([Planar; 4], PerJoint) {
+        let mut free = [Planar {
+            linear: self.gravity,
+            angular: 0.0,
+        }; 4];
+        for (link, torque) in DRIVEN.into_iter().zip(torque) {
+            free[link].angular += torque / self.chain.bodies[link].inertia;
+        }
+        if tool_force != Vector2::zeros() {
+            let arm = self.tool_arm(state);
+            free[CARRIER] = free[CARRIER] + self.chain.bodies[CARRIER].pushed(arm, tool_force);
+        }
+        self.chain.accelerations(&state.q, &state.v, &free)
+    }
+
+    /// The tool, from the centre of mass of its link.
+    fn tool_arm(&self, state: &State) -> Vector2<f64> {
+        turn(state.q[CARRIER].angular) * self.tool
+    }
+
+    /// The tool [m].
+    pub fn tool(&self, state: &State) -> Vector2<f64> {
+        state.q[CARRIER].linear + self.tool_arm(state)
+    }
+
+    /// Its velocity [m/s].
+    pub fn tool_velocity(&self, state: &State) -> Vector2<f64> {
+        let v = state.v[CARRIER];
+        v.linear + perp(self.tool_arm(state)) * v.angular
+    }
+
+    /// Kinetic energy [J], the rotors' included.
+    pub fn kinetic_energy(&self, state: &State) -> f64 {
+        let of = |(body, v): (&Body, &Planar)| {
+            0.5 * (body.mass * v.linear.norm_squared() + body.inertia * v.angular * v.angular)
+        };
+        self.chain.bodies.iter().zip(&state.v).map(of).sum()
+    }
+
+    /// Kinetic energy and that in gravity [J].
+    pub fn energy(&self, state: &State) -> f64 {
+        let height = |(body, q): (&Body, &Planar)| body.mass * self.gravity.dot(&q.linear);
+        let fallen: f64 = self.chain.bodies.iter().zip(&state.q).map(height).sum();
+        self.kinetic_energy(state) - fallen
+    }
+
+    /// The longest integration step that resolves motors and friction [s].
+    pub fn longest_step(&self) -> f64 {
+        let [link1, _, _, link4] = &self.chain.bodies;
+        let about_pivot = [
+            link1.inertia + link1.mass * link1.near.norm_squared(),
+            link4.inertia + link4.mass * link4.far.norm_squared(),
+        ];
+        let rates = [0, 1].map(|j| self.motors[j].fastest_rate(about_pivot[j]));
+        1.0 / rates[0].max(rates[1])
+    }
+
+    fn rates(&self, state: &State, loads: &Loads) -> Rates {
+        let torque = self.drive_torque(state);
+        let (a, _) = self.accelerations(state, torque, loads.tool_force);
+        let current = [0, 1].map(|j| {
+            let omega = state.v[DRIVEN[j]].angular;
+            loads.voltage[j].map_or(0.0, |voltage| {
+                self.motors[j].current_rate(voltage, state.current[j], omega)
+            })
+        });
+        Rates {
+            v: state.v,
+            a,
+            current,
+        }
+    }
+
+    /// The state after `time` [s]: one step of the classic fourth-order Runge–Kutta
+    /// method, then the joints are brought together again.
+    pub fn step(&self, state: &mut State, loads: &Loads, time: f64) {
+        for (current, voltage) in state.current.iter_mut().zip(loads.voltage) {
+            // Floating terminals carry no current: the diodes end it within microseconds.
+            if voltage.is_none() {
+                *current = 0.0;
+            }
+        }
+        let k1 = self.rates(state, loads);
+        let k2 = self.rates(&state.after(&k1, 0.5 * time), loads);
+        let k3 = self.rates(&state.after(&k2, 0.5 * time), loads);
+        let k4 = self.rates(&state.after(&k3, time), loads);
+        let mut next = state.after(&k1, time / 6.0);
+        next = next.after(&k2, time / 3.0);
+        next = next.after(&k3, time / 3.0);
+        next = next.after(&k4, time / 6.0);
+        self.chain.close(&mut next.q, &mut next.v);
+        *state = next;
+    }
+}

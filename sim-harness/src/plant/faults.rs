@@ -1,0 +1,73 @@
+//! Things that go wrong on a real arm, at a chosen time.
+
+/// What goes wrong. `joint` is an index, 0 for joint 1 (at A) and 1 for joint 4 (at E).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FaultKind {
+    /// The encoder's counts stop.
+    EncoderDead {
+        /// 0 or 1.
+        joint: usize,
+    },
+    /// The encoder's counts jump once.
+    EncoderJump {
+        /// 0 or 1.
+        joint: usize,
+        /// By how much.
+        counts: i32,
+    },
+    /// The home switch no longer follows the joint.
+    SwitchStuck {
+        /// 0 or 1.
+        joint: usize,
+        /// What it says.
+        pressed: bool,
+    },
+    /// The motor's lead breaks.
+    MotorDisconnected {
+        /// 0 or 1.
+        joint: usize,
+    },
+    /// The joint jams.
+    MotorStalled {
+        /// 0 or 1.
+        joint: usize,
+    },
+    /// The current sensor's zero shifts.
+    CurrentOffset {
+        /// 0 or 1.
+        joint: usize,
+        /// By how much [A].
+        amperes: f64,
+    },
+    /// The bus voltage changes: sags, or is pumped up.
+    BusVoltage {
+        /// To this [V].
+        volts: f64,
+    },
+    /// A bridge raises its fault output and turns itself off.
+    DriverFault {
+        /// 0 or 1.
+        joint: usize,
+    },
+    /// Somebody presses the emergency stop.
+    EmergencyStop,
+}
+
+/// A fault and its time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlantFault {
+    /// When [s], from the start of the run.
+    pub at: f64,
+    /// What.
+    pub kind: FaultKind,
+}
+
+/// The faults that have come to pass.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Broken {
+    pub(super) frozen_counts: [Option<i32>; 2],
+    pub(super) stuck_switch: [Option<bool>; 2],
+    pub(super) disconnected: [bool; 2],
+    pub(super) driver_fault: [bool; 2],
+    pub(super) emergency_stop: bool,
+}

@@ -1,0 +1,57 @@
+//! One driven joint: a brushed motor behind a gear, and friction.
+//!
+//! L di/dt = u − R i − k n ω; torque at the joint: n k i − b ω − c s(ω/ω₀), with
+//! s(x) = x/√(1 + x²) for the sign. The rotor's inertia, n² J at the joint, is part of
+//! the link's.
+
+/// A motor, its gear and the friction at its joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motor {
+    /// Motor turns per joint turn, n.
+    pub gear_ratio: f64,
+    /// Rotor inertia J at the motor shaft [kg·m²].
+    pub rotor_inertia: f64,
+    /// Torque constant k [N·m/A], equal to the back-EMF constant [V·s/rad].
+    pub torque_constant: f64,
+    /// Winding resistance R [Ω].
+    pub resistance: f64,
+    /// Winding inductance L [H].
+    pub inductance: f64,
+    /// Viscous friction b at the joint [N·m·s/rad].
+    pub viscous_friction: f64,
+    /// Coulomb friction c at the joint [N·m].
+    pub coulomb_friction: f64,
+}
+
+/// Joint speed ω₀ over which Coulomb friction turns round [rad/s]: far below any speed of
+/// work, wide enough for an integration step.
+const SIGN_WIDTH: f64 = 0.02;
+
+impl Motor {
+    /// Torque at the joint from the current [N·m], without friction.
+    #[inline]
+    pub fn torque(&self, current: f64) -> f64 {
+        self.gear_ratio * self.torque_constant * current
+    }
+
+    /// Friction torque at the joint [N·m], against its speed `omega` [rad/s].
+    #[inline]
+    pub fn friction(&self, omega: f64) -> f64 {
+        let x = omega / SIGN_WIDTH;
+        -self.viscous_friction * omega - self.coulomb_friction * x / (1.0 + x * x).sqrt()
+    }
+
+    /// di/dt [A/s] under `voltage` at the terminals [V].
+    #[inline]
+    pub fn current_rate(&self, voltage: f64, current: f64, omega: f64) -> f64 {
+        let back_emf = self.gear_ratio * self.torque_constant * omega;
+        (voltage - self.resistance * current - back_emf) / self.inductance
+    }
+
+    /// The fastest rate at which the motor and the friction on a link of `inertia`
+    /// [kg·m²] settle [1/s]; an integration step must not be much longer.
+    pub(super) fn fastest_rate(&self, inertia: f64) -> f64 {
+        let friction = self.viscous_friction + self.coulomb_friction / SIGN_WIDTH;
+        (self.resistance / self.inductance).max(friction / inertia)
+    }
+}

@@ -1,0 +1,43 @@
+//! Random numbers from a seed, the same on every platform.
+
+use oorandom::Rand64;
+use std::f64::consts::TAU;
+
+/// A stream of random numbers.
+#[derive(Clone, Debug)]
+pub struct Noise {
+    uniform: Rand64,
+    spare: Option<f64>,
+}
+
+impl Noise {
+    /// The stream of a seed.
+    pub fn new(seed: u64) -> Self {
+        Self {
+            uniform: Rand64::new(seed.into()),
+            spare: None,
+        }
+    }
+
+    /// Any of the 32-bit integers, equally likely.
+    pub fn integer(&mut self) -> i32 {
+        self.uniform.rand_u64() as u32 as i32
+    }
+
+    /// Uniform in 0…1.
+    pub fn uniform(&mut self) -> f64 {
+        self.uniform.rand_float()
+    }
+
+    /// Normal with mean 0 and standard deviation 1, by Box and Muller's pairs.
+    pub fn normal(&mut self) -> f64 {
+        if let Some(spare) = self.spare.take() {
+            return spare;
+        }
+        // 1 − u lies in (0, 1], where the logarithm is finite.
+        let radius = (-2.0 * libm::log(1.0 - self.uniform())).sqrt();
+        let (sin, cos) = libm::sincos(TAU * self.uniform());
+        self.spare = Some(radius * sin);
+        radius * cos
+    }
+}

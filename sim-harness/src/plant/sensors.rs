@@ -1,0 +1,59 @@
+//! What the controller can know: counts, codes and switches.
+
+use super::noise::Noise;
+use std::f64::consts::TAU;
+
+/// The sensors of one driven joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointSensors {
+    /// Encoder counts per joint turn.
+    pub counts_per_turn: f64,
+    /// Joint angle at the home switch [rad].
+    pub home: f64,
+    /// Whether the switch lies at the greater end of the joint's range: it is pressed
+    /// from `home` outwards.
+    pub home_at_upper_end: bool,
+    /// Motor current per ADC code [A].
+    pub current_per_code: f64,
+    /// ADC code at zero current.
+    pub current_zero_code: f64,
+    /// Error of that zero [codes].
+    pub current_offset: f64,
+    /// Standard deviation of the current samples [codes].
+    pub current_noise: f64,
+}
+
+/// Full scale of the 12-bit converters.
+const ADC_FULL_SCALE: f64 = 4095.0;
+
+/// The nearest code within the converter's range.
+pub(super) fn adc_code(value: f64) -> u16 {
+    value.round().clamp(0.0, ADC_FULL_SCALE) as u16
+}
+
+impl JointSensors {
+    /// Counts at a joint angle [rad], wrapping like the hardware's, from `origin`.
+    #[inline]
+    pub(super) fn counts(&self, angle: f64, origin: i32) -> i32 {
+        let turns = (angle / TAU * self.counts_per_turn).floor();
+        // Keeps the low 32 bits, as a counter does.
+        origin.wrapping_add(turns as i64 as i32)
+    }
+
+    /// ADC code of a current [A].
+    #[inline]
+    pub(super) fn current_code(&self, current: f64, noise: &mut Noise) -> u16 {
+        let exact = current / self.current_per_code + self.current_zero_code;
+        adc_code(exact + self.current_offset + self.current_noise * noise.normal())
+    }
+
+    /// Whether the home switch is pressed at a joint angle [rad].
+    #[inline]
+    pub(super) fn at_home(&self, angle: f64) -> bool {
+        if self.home_at_upper_end {
+            angle >= self.home
+        } else {
+            angle <= self.home
+        }
+    }
+}

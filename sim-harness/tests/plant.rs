@@ -1,0 +1,285 @@
+//! The simulated arm obeys mechanics, and the same seed gives the same run.
+
+use fivebar::plant::{FaultKind, Loads, Mismatch, Model, Plant, PlantFault, State};
+use fivebar::robot::Robot;
+use fivebar_firmware::Command;
+use nalgebra::{Matrix, Vector2};
+
+const TICK: f64 = 1e-4;
+
+fn benchtop() -> Robot {
+    Robot::load("benchtop").unwrap()
+}
+
+fn plant(seed: u64) -> Plant {
+    let robot = benchtop();
+    Plant::new(
+        &robot,
+        &Mismatch::default(),
+        &robot.home_pose().unwrap(),
+        seed,
+    )
+    .unwrap()
+}
+
+fn driven_by(duty: [f32; 2]) -> Command {
+    Command {
+        duty,
+        enable: [true; 2],
+        brake: false,
+    }
+}
+
+fn largest_gap(model: &Model, state: &State) -> f64 {
+    model
+        .chain
+        .gaps(&state.q)
+        .iter()
+        .map(Matrix::amax)
+        .fold(0.0, f64::max)
+}
+
+/// Frictionless, its terminals floating, hanging in gravity, thrown from home.
+fn free() -> (Model, State) {
+    let robot = benchtop();
+    let mut model = Model::new(&robot, &Mismatch::default()).unwrap();
+    model.gravity = Vector2::new(0.0, -9.81);
+    for motor in &mut model.motors {
+        motor.viscous_friction = 0.0;
+        motor.coulomb_friction = 0.0;
+    }
+    let pose = robot.home_pose().unwrap();
+    let rates = robot.geometry.forward_velocities(&pose, -4.0, 2.0).unwrap();
+    let state = model.state_at(&pose, rates.omega);
+    (model, state)
+}
+
+const FREE: Loads = Loads {
+    voltage: [None; 2],
+    tool_force: Vector2::new(0.0, 0.0),
+};
+
+#[test]
+fn a_free_frictionless_arm_keeps_its_energy() {
+    let (model, mut state) = free();
+    let start = model.energy(&state);
+    let (mut kinetic_most, mut kinetic_least) = (0.0_f64, f64::INFINITY);
+    for _ in 0..20_000 {
+        model.step(&mut state, &FREE, TICK);
+        let kinetic = model.kinetic_energy(&state);
+        kinetic_most = kinetic_most.max(kinetic);
+        kinetic_least = kinetic_least.min(kinetic);
+    }
+    let drift = (model.energy(&state) - start).abs() / kinetic_most;
+    // It did move: energy went back and forth between its kinds.
+    assert!(kinetic_most > 5.0 * kinetic_least);
+    assert!(drift < 1e-6, "relative drift {drift:e}");
+}
+
+/// Every power, integrated by the trapezium rule with its error of h², makes the energy.
+#[test]
+fn power_in_is_energy_gained() {
+    let robot = benchtop();
+    let model = Model::new(&robot, &Mismatch::default()).unwrap();
+    let mut state = model.state_at(&robot.home_pose().unwrap(), [0.0; 4]);
+    let h = 1e-5;
+    let winding = |state: &State| -> f64 {
+        let stored = |j: usize| 0.5 * model.motors[j].inductance * state.current[j].powi(2);
+        stored(0) + stored(1)
+    };
+    let start = model.energy(&state) + winding(&state);
+    let (mut gained, mut lost) = (0.0, 0.0);
+    for step in 0..20_000 {
+        let phase = 40.0 * h * f64::from(step);
+        let loads = Loads {
+            voltage: [Some(-3.0 * phase.sin()), Some(2.0 * phase.cos())],
+            tool_force: Vector2::new(0.5, -0.3),
+        };
+        let powers = |state: &State| {
+            let v = model.tool_velocity(state);
+            let mut given = loads.tool_force.dot(&v);
+            let mut dissipated = 0.0;
+            for (j, link) in [0, 3].into_iter().enumerate() {
+                let (motor, current) = (&model.motors[j], state.current[j]);
+                let omega = state.v[link].angular;
+                given += loads.voltage[j].unwrap() * current;
+                dissipated += motor.resistance * current * current - motor.friction(omega) * omega;
+            }
+            (given, dissipated)
+        };
+        let before = powers(&state);
+        model.step(&mut state, &loads, h);
+        let after = powers(&state);
+        gained += 0.5 * h * (before.0 + after.0);
+        lost += 0.5 * h * (before.1 + after.1);
+    }
+    let energy = model.energy(&state) + winding(&state) - start;
+    assert!(gained > 0.1 && lost > 0.01, "{gained} J in, {lost} J lost");
+    assert!(
+        (gained - lost - energy).abs() < 1e-5 * gained,
+        "{gained} − {lost} ≠ {energy} J"
+    );
+}
+
+#[test]
+fn the_loop_stays_closed_to_1e_10_m_however_hard_it_is_driven() {
+    let mut plant = plant(1);
+    let mut fastest = 0.0_f64;
+    for tick in 0..20_000 {
+        let sign = if tick / 700 % 2 == 0 { 1.0 } else { -1.0 };
+        plant.step(&driven_by([sign, 0.6 * sign]), TICK);
+        assert!(largest_gap(plant.model(), plant.state()) <= 1e-10);
+        fastest = fastest.max(plant.state().v[0].angular.abs());
+    }
+    assert!(fastest > 10.0, "the arm hardly moved: {fastest} rad/s");
+}
+
+#[test]
+fn halving_the_step_changes_the_motion_by_less_than_ten_nanometres() {
+    let robot = benchtop();
+    let model = Model::new(&robot, &Mismatch::default()).unwrap();
+    let start = model.state_at(&robot.home_pose().unwrap(), [0.0; 4]);
+    let loads = Loads {
+        voltage: [Some(-2.0), Some(1.5)],
+        tool_force: Vector2::zeros(),
+    };
+    let run = |steps: u32, h: f64| {
+        let mut state = start;
+        for _ in 0..steps {
+            model.step(&mut state, &loads, h);
+        }
+        model.tool(&state)
+    };
+    let (coarse, fine) = (run(1000, TICK), run(2000, TICK / 2.0));
+    assert!((coarse - model.tool(&start)).norm() > 0.01);
+    assert!(
+        (coarse - fine).norm() < 1e-8,
+        "{:e} m",
+        (coarse - fine).norm()
+    );
+}
+
+#[test]
+fn the_same_seed_gives_the_same_run_and_another_seed_another() {
+    let run = |seed| {
+        let mut plant = plant(seed);
+        let mut samples = Vec::new();
+        for _ in 0..200 {
+            samples.push(plant.sense());
+            plant.step(&driven_by([0.1, -0.1]), TICK);
+        }
+        (samples, plant.tool())
+    };
+    assert_eq!(run(7), run(7));
+    assert_ne!(run(7).0, run(8).0);
+}
+
+#[test]
+fn a_command_takes_effect_one_tick_later() {
+    let mut plant = plant(1);
+    plant.step(&driven_by([0.5, 0.5]), TICK);
+    assert_eq!(plant.state().current, [0.0; 2]);
+    plant.step(&Command::default(), TICK);
+    assert!(plant.state().current[0] > 1.0);
+    plant.step(&Command::default(), TICK);
+    assert_eq!(
+        plant.state().current,
+        [0.0; 2],
+        "floating terminals carry no current"
+    );
+}
+
+#[test]
+fn a_stalled_motor_settles_at_its_resistive_current() {
+    let mut plant = plant(1);
+    plant.inject(FaultKind::MotorStalled { joint: 0 });
+    let angle = plant.angle(0);
+    for _ in 0..100 {
+        plant.step(&driven_by([0.25, 0.0]), TICK);
+    }
+    // 24 V · ¼ / 2.3 Ω.
+    assert!((plant.state().current[0] - 6.0 / 2.3).abs() < 1e-3);
+    assert!((plant.angle(0) - angle).abs() < 1e-9);
+}
+
+#[test]
+fn counts_follow_the_joint_to_the_count() {
+    let mut plant = plant(3);
+    let (first, angle) = (plant.sense().counts[0], plant.angle(0));
+    for _ in 0..500 {
+        plant.step(&driven_by([-0.1, 0.0]), TICK);
+    }
+    let counted = plant.sense().counts[0].wrapping_sub(first);
+    let turned = (plant.angle(0) - angle) / std::f64::consts::TAU * 65_536.0;
+    assert!(turned < -1000.0);
+    assert!(
+        (f64::from(counted) - turned).abs() <= 1.0,
+        "{counted} for {turned}"
+    );
+}
+
+#[test]
+fn codes_tell_current_and_bus_voltage() {
+    let robot = benchtop();
+    let mismatch = Mismatch::NONE;
+    let mut plant = Plant::new(&robot, &mismatch, &robot.home_pose().unwrap(), 1).unwrap();
+    for _ in 0..100 {
+        plant.step(&driven_by([0.2, -0.2]), TICK);
+    }
+    let settings = robot.settings().unwrap();
+    let sensed = plant.sense();
+    for j in 0..2 {
+        let axis = &settings.axes[j];
+        let codes = f64::from(sensed.current[j]) - f64::from(axis.current_zero_code);
+        let current = codes * f64::from(axis.current_per_code);
+        let half_code = 0.5001 * f64::from(axis.current_per_code);
+        assert!((current - plant.state().current[j]).abs() <= half_code);
+        assert!(current.abs() > 0.5);
+    }
+    let volts = f64::from(sensed.bus_voltage) * f64::from(settings.protection.bus_voltage_per_code);
+    assert!((volts - 24.0).abs() < 0.01);
+}
+
+#[test]
+fn faults_come_to_pass_at_their_time() {
+    let at = |kind| PlantFault { at: 0.01, kind };
+    let mut plant = plant(5).with_faults(&[
+        at(FaultKind::EncoderDead { joint: 0 }),
+        at(FaultKind::EncoderJump {
+            joint: 1,
+            counts: 5000,
+        }),
+        at(FaultKind::SwitchStuck {
+            joint: 0,
+            pressed: true,
+        }),
+        at(FaultKind::CurrentOffset {
+            joint: 1,
+            amperes: 0.5,
+        }),
+        at(FaultKind::BusVoltage { volts: 12.0 }),
+        at(FaultKind::EmergencyStop),
+    ]);
+    let run = |plant: &mut Plant, ticks| {
+        for _ in 0..ticks {
+            plant.step(&driven_by([-0.1, 0.1]), TICK);
+        }
+        plant.sense()
+    };
+    let before = run(&mut plant, 99);
+    assert_eq!((before.home, before.emergency_stop), ([false; 2], false));
+    let angle = plant.angle(0);
+    let after = run(&mut plant, 3);
+    let later = run(&mut plant, 50);
+    assert_eq!(after.counts[0], later.counts[0]);
+    assert_ne!(plant.angle(0), angle);
+    assert!(after.counts[1].wrapping_sub(before.counts[1]) > 4900);
+    assert!(after.home[0] && after.emergency_stop);
+    assert!((f64::from(after.bus_voltage) / f64::from(before.bus_voltage) - 0.5).abs() < 0.01);
+    assert!(f64::from(later.current[1]) > 2048.0 + 0.4 / (16.0 / 4096.0));
+    assert_eq!(
+        plant.state().current,
+        [0.0; 2],
+        "the emergency stop cuts the bridges"
+    );
+}

@@ -1,0 +1,189 @@
+//! The simulated arm, in full coordinates with constraint forces, against the controller's
+//! model by Kane's method and against reference numbers made by a third program.
+
+use fivebar::plant::{Mismatch, Model, State};
+use fivebar::robot::Robot;
+use fivebar_kinematics::Vec2;
+use fivebar_kinematics::five_bar::{Pose, Side, Velocities};
+use nalgebra::Vector2;
+use proptest::prelude::*;
+use serde::Deserialize;
+use std::fmt::Write as _;
+
+#[derive(Deserialize)]
+struct Vectors {
+    robots: Vec<Arm>,
+    cases: Vec<Case>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+struct Arm {
+    link_lengths: [f64; 5],
+    mass: [f64; 4],
+    inertia_about_com: [f64; 4],
+    com: [[f64; 2]; 4],
+    payload: f64,
+    gravity: [f64; 2],
+}
+
+#[derive(Deserialize)]
+struct Case {
+    robot: usize,
+    theta1: f64,
+    theta4: f64,
+    omega1: f64,
+    omega4: f64,
+    alpha1: f64,
+    alpha4: f64,
+    assembly: String,
+    external_force: [f64; 2],
+    torque: [f64; 2],
+    reaction: Reaction,
+}
+
+#[derive(Deserialize)]
+struct Reaction {
+    a: [f64; 2],
+    b: [f64; 2],
+    c: [f64; 2],
+    d: [f64; 2],
+    e: [f64; 2],
+}
+
+impl Arm {
+    /// The arm as a robot file, so that the file's way in is tested too.
+    fn robot(&self) -> Robot {
+        let mut text = format!(
+            "name = 'arm'\ngravity = {:?}\nbase = {:?}\npayload = {:?}\n",
+            self.gravity, self.link_lengths[4], self.payload
+        );
+        for i in 0..4 {
+            writeln!(
+                text,
+                "[[link]]\nlength = {:?}\nmass = {:?}\ncom = {:?}\ninertia = {:?}",
+                self.link_lengths[i], self.mass[i], self.com[i], self.inertia_about_com[i]
+            )
+            .unwrap();
+        }
+        Robot::parse("arm", &text).unwrap()
+    }
+}
+
+fn moving(model: &Model, robot: &Robot, pose: &Pose<f64>, omega: [f64; 2]) -> (State, Velocities<f64>) {
+    let rates = robot
+        .geometry
+        .forward_velocities(pose, omega[0], omega[1])
+        .unwrap();
+    (model.state_at(pose, rates.omega), rates)
+}
+
+#[track_caller]
+fn assert_close<const N: usize>(what: &str, actual: [f64; N], expected: [f64; N], scale: f64) {
+    for (a, e) in actual.iter().zip(expected) {
+        assert!((a - e).abs() <= scale, "{what}: {actual:?} for {expected:?}");
+    }
+}
+
+#[test]
+fn the_plant_accelerates_and_bears_as_the_180_reference_states_say() {
+    let vectors: Vectors =
+        serde_json::from_str(include_str!("../data/five_bar_vectors.json")).unwrap();
+    for case in &vectors.cases {
+        let robot = vectors.robots[case.robot].robot();
+        let model = Model::new(&robot, &Mismatch::NONE).unwrap();
+        let assembly = match case.assembly.as_str() {
+            "left" => Side::Left,
+            _ => Side::Right,
+        };
+        let pose = robot
+            .geometry
+            .forward(case.theta1, case.theta4, assembly)
+            .unwrap();
+        let (state, _) = moving(&model, &robot, &pose, [case.omega1, case.omega4]);
+        let force = Vector2::from(case.external_force);
+        let (a, forces) = model.accelerations(&state, case.torque, force);
+        let scale = 1e-8 * case.alpha1.abs().max(case.alpha4.abs()).max(1.0);
+        assert_close("α", [a[0].angular, a[3].angular], [case.alpha1, case.alpha4], scale);
+        let r = &case.reaction;
+        let expected = [r.a, r.b, r.c, r.d, r.e];
+        // The plant gives the force on the body that is farther along A–B–C–D–E.
+        let signs = [1.0, 1.0, 1.0, -1.0, -1.0];
+        let largest = expected.iter().flatten().fold(1e-2, |m: f64, x| m.max(x.abs()));
+        for k in 0..5 {
+            let force = forces[k] * signs[k];
+            assert_close("reaction", [force.x, force.y], expected[k], 1e-8 * largest);
+        }
+    }
+}
+
+prop_compose! {
+    fn arms()(
+        lengths in prop::array::uniform5(0.05..0.3_f64),
+        mass in prop::array::uniform4(0.01..1.0_f64),
+        radius in prop::array::uniform4(0.01..0.1_f64),
+        com in prop::array::uniform4(prop::array::uniform2(-0.1..0.3_f64)),
+        payload in 0.0..0.5_f64,
+        gravity in prop::array::uniform2(-10.0..10.0_f64),
+    ) -> Arm {
+        let inertia_about_com = [0, 1, 2, 3].map(|i| mass[i] * radius[i] * radius[i]);
+        Arm { link_lengths: lengths, mass, inertia_about_com, com, payload, gravity }
+    }
+}
+
+/// Forward dynamics by Kane's method: M(q) α = τ − h, both taken from inverse dynamics.
+fn kane(robot: &Robot, pose: &Pose<f64>, rates: &Velocities<f64>, torque: [f64; 2], force: Vec2<f64>) -> [f64; 2] {
+    let arm = robot.arm().unwrap();
+    let inverse = |alpha1, alpha4| {
+        let a = robot.geometry.forward_accelerations(pose, rates, alpha1, alpha4).unwrap();
+        arm.inverse_dynamics(pose, rates, &a, force).unwrap()
+    };
+    let h = inverse(0.0, 0.0);
+    let (one, four) = (inverse(1.0, 0.0), inverse(0.0, 1.0));
+    let m = [[one[0] - h[0], four[0] - h[0]], [one[1] - h[1], four[1] - h[1]]];
+    let r = [torque[0] - h[0], torque[1] - h[1]];
+    let determinant = m[0][0] * m[1][1] - m[0][1] * m[1][0];
+    [
+        (r[0] * m[1][1] - r[1] * m[0][1]) / determinant,
+        (r[1] * m[0][0] - r[0] * m[1][0]) / determinant,
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig {
+        cases: 2000,
+        max_global_rejects: 50_000,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
+
+    /// Where the arm is near a type 2 singularity its velocities grow without bound, and
+    /// with them the rounding of either method; so they are compared at |sin| ≥ 0.05.
+    #[test]
+    fn plant_and_kane_agree_on_accelerations_to_1e_8(
+        arm in arms(),
+        theta1 in -3.1..3.1_f64,
+        theta4 in -3.1..3.1_f64,
+        left in any::<bool>(),
+        omega in prop::array::uniform2(-10.0..10.0_f64),
+        torque in prop::array::uniform2(-2.0..2.0_f64),
+        force in prop::array::uniform2(-5.0..5.0_f64),
+    ) {
+        let [l1, l2, l3, l4, base] = arm.link_lengths;
+        let longest = l1.max(l2).max(l3).max(l4).max(base);
+        prop_assume!(2.0 * longest < l1 + l2 + l3 + l4 + base);
+        let robot = arm.robot();
+        let assembly = if left { Side::Left } else { Side::Right };
+        let Ok(pose) = robot.geometry.forward(theta1, theta4, assembly) else {
+            return Err(TestCaseError::reject("cannot close"));
+        };
+        prop_assume!(pose.sin32().abs() > 0.05);
+        let model = Model::new(&robot, &Mismatch::NONE).unwrap();
+        let (state, rates) = moving(&model, &robot, &pose, omega);
+        let (a, _) = model.accelerations(&state, torque, Vector2::from(force));
+        let expected = kane(&robot, &pose, &rates, torque, Vec2::new(force[0], force[1]));
+        let scale = expected.iter().fold(1.0, |m: f64, x| m.max(x.abs()));
+        for (a, e) in [a[0].angular, a[3].angular].into_iter().zip(expected) {
+            prop_assert!((a - e).abs() <= 1e-8 * scale, "{a} for {e}");
+        }
+    }
+}
