@@ -125,12 +125,10 @@ impl JointSensors {
     /// The sensors that the controller's settings describe.
     pub fn new(settings: &Settings, mismatch: &Mismatch, joint: usize) -> Self {
         let axis = &settings.axes[joint];
-        let [least, greatest] = axis.angle_limits.map(f64::from);
-        let home = f64::from(axis.home_angle);
         Self {
             counts_per_turn: f64::from(axis.encoder_counts) * f64::from(axis.gear_ratio),
-            home,
-            home_at_upper_end: home > 0.5 * (least + greatest),
+            home: f64::from(axis.home_angle),
+            home_forward: axis.home_forward,
             current_per_code: f64::from(axis.current_per_code),
             current_zero_code: f64::from(axis.current_zero_code),
             current_offset: mismatch.current_offset,

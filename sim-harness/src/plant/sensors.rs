@@ -10,9 +10,8 @@ pub struct JointSensors {
     pub counts_per_turn: f64,
     /// Joint angle at the home switch [rad].
     pub home: f64,
-    /// Whether the switch lies at the greater end of the joint's range: it is pressed
-    /// from `home` outwards.
-    pub home_at_upper_end: bool,
+    /// Whether the joint's angle grows towards its switch, which stays pressed beyond.
+    pub home_forward: bool,
     /// Motor current per ADC code [A].
     pub current_per_code: f64,
     /// ADC code at zero current.
@@ -50,7 +49,7 @@ impl JointSensors {
     /// Whether the home switch is pressed at a joint angle [rad].
     #[inline]
     pub(super) fn at_home(&self, angle: f64) -> bool {
-        if self.home_at_upper_end {
+        if self.home_forward {
             angle >= self.home
         } else {
             angle <= self.home

@@ -4,7 +4,7 @@ use super::file::{LinkFile, OneOrEach, RobotFile};
 use super::{Actuator, FileError, Key, Limits, Robot, Source, Tolerance};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::dynamics::{Arm, Link};
-use fivebar_kinematics::five_bar::{Geometry, GeometryError, Side, WorkingMode};
+use fivebar_kinematics::five_bar::{self, Geometry, GeometryError, Side, WorkingMode};
 
 const POSITIVE: &str = "must be a positive finite number";
 const NOT_NEGATIVE: &str = "must be finite and not negative";
@@ -129,6 +129,7 @@ fn geometry(
             Key::Top("base"),
             format!("{POSITIVE} of metres, not {base}"),
         ),
+        GeometryError::ToolOffset => source.refuse(Key::In("tool", "offset"), error),
         GeometryError::CannotAssemble => source.refuse(
             Key::Top("base"),
             format!(
@@ -193,7 +194,7 @@ fn actuators(
     for (index, a) in actuators.iter().enumerate() {
         let key = |name| Key::Of("actuator", index, name);
         for (name, value) in [
-            ("gear_ratio", a.gear_ratio),
+            ("gear_ratio", a.gear_ratio.abs()),
             ("torque_constant", a.torque_constant),
             ("resistance", a.resistance),
             ("inductance", a.inductance),
@@ -226,7 +227,9 @@ fn sections(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
         tool,
         ..
     } = robot;
-    finite(source, Key::In("tool", "offset"), tool.offset)?;
+    let offset = finite(source, Key::In("tool", "offset"), tool.offset)?;
+    five_bar::Tool::new(robot.geometry, offset)
+        .map_err(|error| source.refuse(Key::In("tool", "offset"), error))?;
     for range in limits.angle {
         increasing(source, Key::In("limits", "angle"), range)?;
     }

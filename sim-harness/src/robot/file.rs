@@ -54,7 +54,7 @@ pub(super) struct LinkFile {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Actuator {
-    /// Motor turns per joint turn.
+    /// Motor turns per joint turn, below zero where the motor turns against its joint.
     pub gear_ratio: f64,
     /// Rotor inertia at the motor shaft [kg·m²].
     pub rotor_inertia: f64,

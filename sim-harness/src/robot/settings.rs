@@ -42,7 +42,9 @@ impl Robot {
             tool_offset: self.tool.offset.map(single),
             elbows_left: [self.working_mode.elbow1, self.working_mode.elbow4]
                 .map(|side| side == Side::Left),
-            assembly_left: self.assembly() == Side::Left,
+            assembly_left: self
+                .home_pose()
+                .is_ok_and(|home| home.assembly() == Side::Left),
             axes: [0, 1].map(|joint| self.axis(joint, &actuators[joint])),
             control: ControlSettings {
                 tick_rate: single(control.tick_rate),
@@ -102,29 +104,12 @@ impl Robot {
         };
         Ok([0, 1].map(|joint| {
             let drive = drives[joint];
-            let current = torque[joint] / (drive.torque_constant * drive.gear_ratio);
+            let current = torque[joint] / (drive.torque_constant * drive.gear_ratio.abs());
             Actuator {
                 peak_current: drive.peak_current.min(current),
                 ..drive
             }
         }))
-    }
-
-    /// The assembly branch: the one that has the working mode in the middle of the joints'
-    /// ranges, `Left` where both have.
-    fn assembly(&self) -> Side {
-        let [theta1, theta4] = self.limits.angle.map(|[low, high]| 0.5 * (low + high));
-        let right = self.geometry.forward(theta1, theta4, Side::Right);
-        let left = self.geometry.forward(theta1, theta4, Side::Left);
-        match (left, right) {
-            (Ok(left), Ok(right))
-                if left.working_mode() != self.working_mode
-                    && right.working_mode() == self.working_mode =>
-            {
-                Side::Right
-            }
-            _ => Side::Left,
-        }
     }
 
     /// Bus voltage per ADC code [V].
