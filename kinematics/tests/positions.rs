@@ -190,7 +190,7 @@ fn half_angle_formulas_fail_beside_a_root_at_pi_where_the_arm_does_not() {
     let geometry = Geometry::new([0.25, 0.625, 0.625, 0.25, 0.25]).unwrap();
     let c = Vec2::new(0.125, 0.5);
     let [at_pi, beside] = [Side::Right, Side::Left].map(|side| WorkingMode::new(side, side));
-    let [theta1, ..] = geometry.inverse(c, at_pi).unwrap().angles();
+    let [theta1, ..]: [f64; 4] = geometry.inverse(c, at_pi).unwrap().angles();
     assert_close("θ1", theta1.abs(), PI, 1e-15);
     let pose = geometry.inverse(c, beside).unwrap();
     assert!(pose.nearest_singularity().1 > 0.1);

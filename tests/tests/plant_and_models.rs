@@ -69,7 +69,12 @@ impl Arm {
     }
 }
 
-fn moving(model: &Model, robot: &Robot, pose: &Pose<f64>, omega: [f64; 2]) -> (State, Velocities<f64>) {
+fn moving(
+    model: &Model,
+    robot: &Robot,
+    pose: &Pose<f64>,
+    omega: [f64; 2],
+) -> (State, Velocities<f64>) {
     let rates = robot
         .geometry
         .forward_velocities(pose, omega[0], omega[1])
@@ -80,7 +85,10 @@ fn moving(model: &Model, robot: &Robot, pose: &Pose<f64>, omega: [f64; 2]) -> (S
 #[track_caller]
 fn assert_close<const N: usize>(what: &str, actual: [f64; N], expected: [f64; N], scale: f64) {
     for (a, e) in actual.iter().zip(expected) {
-        assert!((a - e).abs() <= scale, "{what}: {actual:?} for {expected:?}");
+        assert!(
+            (a - e).abs() <= scale,
+            "{what}: {actual:?} for {expected:?}"
+        );
     }
 }
 
@@ -103,12 +111,20 @@ fn the_plant_accelerates_and_bears_as_the_180_reference_states_say() {
         let force = Vector2::from(case.external_force);
         let (a, forces) = model.accelerations(&state, case.torque, force);
         let scale = 1e-8 * case.alpha1.abs().max(case.alpha4.abs()).max(1.0);
-        assert_close("α", [a[0].angular, a[3].angular], [case.alpha1, case.alpha4], scale);
+        assert_close(
+            "α",
+            [a[0].angular, a[3].angular],
+            [case.alpha1, case.alpha4],
+            scale,
+        );
         let r = &case.reaction;
         let expected = [r.a, r.b, r.c, r.d, r.e];
         // The plant gives the force on the body that is farther along A–B–C–D–E.
         let signs = [1.0, 1.0, 1.0, -1.0, -1.0];
-        let largest = expected.iter().flatten().fold(1e-2, |m: f64, x| m.max(x.abs()));
+        let largest = expected
+            .iter()
+            .flatten()
+            .fold(1e-2, |m: f64, x| m.max(x.abs()));
         for k in 0..5 {
             let force = forces[k] * signs[k];
             assert_close("reaction", [force.x, force.y], expected[k], 1e-8 * largest);
@@ -131,15 +147,27 @@ prop_compose! {
 }
 
 /// Forward dynamics by Kane's method: M(q) α = τ − h, both taken from inverse dynamics.
-fn kane(robot: &Robot, pose: &Pose<f64>, rates: &Velocities<f64>, torque: [f64; 2], force: Vec2<f64>) -> [f64; 2] {
+fn kane(
+    robot: &Robot,
+    pose: &Pose<f64>,
+    rates: &Velocities<f64>,
+    torque: [f64; 2],
+    force: Vec2<f64>,
+) -> [f64; 2] {
     let arm = robot.arm().unwrap();
     let inverse = |alpha1, alpha4| {
-        let a = robot.geometry.forward_accelerations(pose, rates, alpha1, alpha4).unwrap();
+        let a = robot
+            .geometry
+            .forward_accelerations(pose, rates, alpha1, alpha4)
+            .unwrap();
         arm.inverse_dynamics(pose, rates, &a, force).unwrap()
     };
     let h = inverse(0.0, 0.0);
     let (one, four) = (inverse(1.0, 0.0), inverse(0.0, 1.0));
-    let m = [[one[0] - h[0], four[0] - h[0]], [one[1] - h[1], four[1] - h[1]]];
+    let m = [
+        [one[0] - h[0], four[0] - h[0]],
+        [one[1] - h[1], four[1] - h[1]],
+    ];
     let r = [torque[0] - h[0], torque[1] - h[1]];
     let determinant = m[0][0] * m[1][1] - m[0][1] * m[1][0];
     [

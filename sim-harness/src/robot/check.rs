@@ -138,7 +138,6 @@ fn geometry(
             ),
         ),
         // Lengths alone do not raise it; the tool is checked with its own section.
-        GeometryError::ToolOffset => source.refuse(Key::In("tool", "offset"), "puts the tool on B"),
     })
 }
 
