@@ -6,9 +6,7 @@ use std::path::PathBuf;
 fn main() {
     println!("cargo:rerun-if-changed=memory.x");
     println!("cargo:rerun-if-changed=build.rs");
-    let production = env::var_os("CARGO_FEATURE_STM32F405").is_some();
-    let emulated = env::var_os("CARGO_FEATURE_QEMU").is_some();
-    if !production && !emulated {
+    if env::var_os("CARGO_FEATURE_BOARD").is_none() {
         return;
     }
     let Some(folder) = env::var_os("CARGO_MANIFEST_DIR").map(PathBuf::from) else {
@@ -18,7 +16,5 @@ fn main() {
     println!("cargo:rustc-link-arg-bins=-Tlink.x");
     // cortex-m-rt's section starts are 4-byte aligned; a page-aligned image wastes flash.
     println!("cargo:rustc-link-arg-bins=--nmagic");
-    if production {
-        println!("cargo:rustc-link-arg-bins=-Tdefmt.x");
-    }
+    println!("cargo:rustc-link-arg-bins=-Tdefmt.x");
 }

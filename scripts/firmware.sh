@@ -5,8 +5,5 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 source scripts/toolchain.sh
 
-build() {
-    cargo build --package fivebar-firmware --profile firmware --target "$target" \
-        --target-dir target/firmware "${cargo_flags[@]}" "$@"
-}
-build --features qemu
+cargo build --package fivebar-firmware --bins --features board --profile firmware \
+    --target "$target" --target-dir target/firmware "${cargo_flags[@]}"

@@ -4,8 +4,9 @@
 //! Cortex-M4F from the same source and gives the same bits on both.
 #![no_std]
 
-#[cfg(any(feature = "qemu", feature = "stm32f405"))]
+#[cfg(feature = "board")]
 pub mod board;
+pub mod drivers;
 pub mod io;
 pub mod motion;
 pub mod protocol;

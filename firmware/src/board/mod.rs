@@ -1,4 +1,15 @@
-//! The boards: all that touches registers. Nothing above knows which one it runs on.
+//! The STM32F405RG: all that touches registers. Nothing above knows which board it is on.
+//!
+//! One driver a file; `docs/wiring.md` has the pins. No driver waits without a bound, and
+//! none has run on silicon yet: `docs/bring-up.md` says what an emulator could show.
 
-#[cfg(feature = "qemu")]
-pub mod emulated;
+pub mod analog;
+pub mod clocks;
+pub mod cycles;
+pub mod encoders;
+pub mod instructions;
+pub mod post_mortem;
+pub mod pwm;
+pub mod serial;
+pub mod storage;
+pub mod watchdog;

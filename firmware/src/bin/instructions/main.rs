@@ -17,7 +17,7 @@ use core::hint::black_box;
 use core::panic::PanicInfo;
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
-use fivebar_firmware::board::emulated::InstructionCounter;
+use fivebar_firmware::board::instructions::InstructionCounter;
 
 /// Repetitions of a call, so that the counter's step of 6 instructions divides away.
 const REPETITIONS: u32 = 84;

@@ -1,0 +1,88 @@
+//! Why the chip started: the reset flags, and a note that a dying program leaves in RAM.
+
+use core::cell::UnsafeCell;
+use core::mem::MaybeUninit;
+use stm32f4xx_hal::pac::RCC;
+
+use crate::protocol::Reset;
+
+/// A note that survives a reset but not a loss of power: the start-up code leaves
+/// `.uninit` alone.
+#[repr(C)]
+struct Note {
+    /// One of the two marks below, or whatever the RAM held at power-up.
+    mark: UnsafeCell<MaybeUninit<u32>>,
+}
+
+// SAFETY: it is read once at start-up and written once by a handler that never returns.
+#[allow(unsafe_code)]
+unsafe impl Sync for Note {}
+
+#[allow(unsafe_code)]
+#[unsafe(link_section = ".uninit.post_mortem")]
+static NOTE: Note = Note {
+    mark: UnsafeCell::new(MaybeUninit::uninit()),
+};
+
+/// Marks that RAM holds by chance once in 2³¹ power-ups, and then harmlessly.
+const PANICKED: u32 = 0x5041_4e21;
+const FAULTED: u32 = 0x4641_5521;
+const NOTHING: u32 = 0;
+
+/// How the program ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Death {
+    /// By a panic.
+    Panic,
+    /// By a hard fault.
+    HardFault,
+}
+
+/// Leaves a note and resets the chip. Unpower the bridges first.
+pub fn die(death: Death) -> ! {
+    write(match death {
+        Death::Panic => PANICKED,
+        Death::HardFault => FAULTED,
+    });
+    cortex_m::asm::dsb();
+    cortex_m::peripheral::SCB::sys_reset();
+}
+
+/// Why the chip started; takes the note and clears the flags, so ask once.
+pub fn reset_reason(rcc: &RCC) -> Reset {
+    let note = read();
+    write(NOTHING);
+    let flags = rcc.csr().read();
+    let reason = if flags.wdgrstf().bit_is_set() || flags.wwdgrstf().bit_is_set() {
+        Reset::Watchdog
+    } else if flags.sftrstf().bit_is_set() {
+        match note {
+            PANICKED => Reset::Panic,
+            FAULTED => Reset::HardFault,
+            _ => Reset::Software,
+        }
+    } else if flags.borrstf().bit_is_set() && !flags.porrstf().bit_is_set() {
+        Reset::BrownOut
+    } else {
+        Reset::Power
+    };
+    rcc.csr().modify(|_, w| w.rmvf().set_bit());
+    reason
+}
+
+fn read() -> u32 {
+    // SAFETY: the word is valid whatever it holds; the volatile read keeps the compiler
+    // from knowing that nothing initialised it.
+    #[allow(unsafe_code)]
+    unsafe {
+        NOTE.mark.get().cast::<u32>().read_volatile()
+    }
+}
+
+fn write(mark: u32) {
+    // SAFETY: nothing else accesses the word meanwhile, see `Sync`.
+    #[allow(unsafe_code)]
+    unsafe {
+        NOTE.mark.get().cast::<u32>().write_volatile(mark);
+    }
+}

@@ -1,0 +1,161 @@
+//! TIM1: four PWM channels for two bridges, the break input, the beat of the tick.
+//!
+//! The break input (emergency stop, wired so that a broken wire trips it) and the clock
+//! security system force all four outputs low within nanoseconds, without the processor.
+//! They stay low until [`PwmTimer::power`] is called again.
+
+use core::convert::Infallible;
+use embedded_hal::pwm::{ErrorType, SetDutyCycle};
+use stm32f4xx_hal::gpio::{Alternate, PA8, PA9, PA10, PA11, PB12};
+use stm32f4xx_hal::pac::{GPIOB, RCC, TIM1};
+use stm32f4xx_hal::rcc::{Enable, Reset};
+
+/// Half a PWM period in TIM1's clock: 168 MHz / (2 · 4200) = 20 kHz.
+const HALF_PERIOD: u16 = 4200;
+/// Half periods from one tick to the next, less one: two PWM periods make 10 kHz.
+const HALF_PERIODS_PER_TICK: u8 = 3;
+/// PB14 and PB15, the bridges' sleep inputs: low is asleep, outputs floating.
+const SLEEP_PINS: u32 = 1 << 14 | 1 << 15;
+
+/// IN1 and IN2 of bridge 1, IN1 and IN2 of bridge 4, the emergency stop.
+pub type Pins = (
+    PA8<Alternate<1>>,
+    PA9<Alternate<1>>,
+    PA10<Alternate<1>>,
+    PA11<Alternate<1>>,
+    PB12<Alternate<1>>,
+);
+
+/// Unpowers both bridges by two register writes, from any context and in any state: for
+/// the handlers of panics and faults, which own nothing.
+#[allow(unsafe_code)]
+pub fn unpower() {
+    // SAFETY: both writes only switch off, and whoever calls this does not return to
+    // code that would switch on again.
+    unsafe {
+        (*TIM1::ptr()).bdtr().modify(|_, w| w.moe().clear_bit());
+        (*GPIOB::ptr()).bsrr().write(|w| w.bits(SLEEP_PINS << 16));
+    }
+}
+
+/// The timer: its start, its main output switch, its break flag.
+pub struct PwmTimer {
+    timer: TIM1,
+    powered: bool,
+}
+
+/// Channel `N` + 1 of the timer.
+pub struct Channel<const N: usize>(());
+
+impl PwmTimer {
+    /// Programs the timer with all outputs low, and hands out its channels.
+    pub fn new(
+        timer: TIM1,
+        _pins: Pins,
+        rcc: &mut RCC,
+    ) -> (Self, (Channel<0>, Channel<1>, Channel<2>, Channel<3>)) {
+        TIM1::enable(rcc);
+        TIM1::reset(rcc);
+        timer.arr().write(|w| w.arr().set(HALF_PERIOD));
+        timer.ccmr1_output().write(|w| {
+            w.oc1m().pwm_mode1().oc1pe().enabled();
+            w.oc2m().pwm_mode1().oc2pe().enabled()
+        });
+        timer.ccmr2_output().write(|w| {
+            w.oc3m().pwm_mode1().oc3pe().enabled();
+            w.oc4m().pwm_mode1().oc4pe().enabled()
+        });
+        timer.ccer().write(|w| {
+            w.cc1e().set_bit().cc2e().set_bit();
+            w.cc3e().set_bit().cc4e().set_bit()
+        });
+        // Idle states low; the update event starts the converter.
+        timer.cr2().write(|w| {
+            w.ois1()
+                .reset()
+                .ois2()
+                .reset()
+                .ois3()
+                .reset()
+                .ois4()
+                .reset();
+            w.mms().update()
+        });
+        // Break on a high level, idle states driven, no return by itself; then locked.
+        timer.bdtr().write(|w| {
+            w.bke().enabled().bkp().active_high().aoe().manual();
+            w.ossi().idle_level().ossr().idle_level();
+            w.lock().level1()
+        });
+        timer.dier().write(|w| w.bie().set_bit());
+        let timer = Self {
+            timer,
+            powered: false,
+        };
+        (timer, (Channel(()), Channel(()), Channel(()), Channel(())))
+    }
+
+    /// Lets the timer run: PWM at 20 kHz, the converter and so the tick at 10 kHz.
+    ///
+    /// The repetition counter is written after the start: so the update comes when the
+    /// counter is at its bottom, in the middle of the bridges' braking phase, rather than
+    /// at its top.
+    pub fn start(&mut self) {
+        self.timer
+            .cr1()
+            .write(|w| w.cms().center_aligned1().arpe().enabled().cen().enabled());
+        self.timer
+            .rcr()
+            .write(|w| w.rep().set(HALF_PERIODS_PER_TICK));
+    }
+
+    /// Connects the outputs when `on` turns true, disconnects them when it is false.
+    ///
+    /// Outputs that the break input disconnected stay so while `on` stays true.
+    #[inline]
+    pub fn power(&mut self, on: bool) {
+        if on != self.powered {
+            self.timer.bdtr().modify(|_, w| w.moe().bit(on));
+            self.powered = on;
+        }
+    }
+
+    /// Takes the break interrupt's flag: true if the break input tripped.
+    pub fn take_break() -> bool {
+        // SAFETY: the flag is cleared by writing 0 to it alone; writing 1 to the others
+        // leaves them.
+        #[allow(unsafe_code)]
+        let timer = unsafe { &*TIM1::ptr() };
+        let tripped = timer.sr().read().bif().bit_is_set();
+        timer.sr().write(|w| {
+            #[allow(unsafe_code)]
+            unsafe { w.bits(!0) }.bif().clear_bit()
+        });
+        tripped
+    }
+}
+
+impl<const N: usize> ErrorType for Channel<N> {
+    type Error = Infallible;
+}
+
+impl<const N: usize> SetDutyCycle for Channel<N> {
+    fn max_duty_cycle(&self) -> u16 {
+        HALF_PERIOD
+    }
+
+    #[inline]
+    fn set_duty_cycle(&mut self, duty: u16) -> Result<(), Infallible> {
+        // SAFETY: channel N's compare register is written through this value alone.
+        #[allow(unsafe_code)]
+        let timer = unsafe { &*TIM1::ptr() };
+        // Only a compare value beyond the counter's top is high throughout.
+        let compare = if duty < HALF_PERIOD {
+            duty
+        } else {
+            HALF_PERIOD + 1
+        };
+        timer.ccr(N).write(|w| w.ccr().set(compare));
+        Ok(())
+    }
+}

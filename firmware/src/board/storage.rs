@@ -1,0 +1,163 @@
+//! The last two sectors of the flash, 128 KiB each, as a place for the settings.
+//!
+//! A program or an erase stalls the core where it fetches from flash: a word for 16 µs,
+//! a sector for up to 2.6 s. So settings are written only while the arm is disarmed.
+
+use core::sync::atomic::{Ordering, fence};
+use embedded_storage::nor_flash::{
+    ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash, check_erase, check_read,
+    check_write,
+};
+use stm32f4xx_hal::pac::FLASH;
+
+/// Start of sector 10.
+const START: u32 = 0x080c_0000;
+/// One sector.
+const SECTOR: usize = 128 * 1024;
+/// The number of the first sector.
+const FIRST: u8 = 10;
+/// Sectors.
+const SECTORS: usize = 2;
+/// What the key register wants to see.
+const KEYS: [u32; 2] = [0x4567_0123, 0xcdef_89ab];
+/// How often the busy flag is looked at before an operation is given up: over 5 s.
+const PATIENCE: u32 = 200_000_000;
+
+/// The sectors.
+pub struct SettingsFlash {
+    flash: FLASH,
+}
+
+/// Why a sector was not read or written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FlashError {
+    /// Outside the sectors, or not on the border of a word or sector.
+    Address(NorFlashErrorKind),
+    /// The flash did not finish in time.
+    Timeout,
+    /// The flash reports an error of protection, alignment or sequence.
+    Refused,
+}
+
+impl From<NorFlashErrorKind> for FlashError {
+    fn from(kind: NorFlashErrorKind) -> Self {
+        Self::Address(kind)
+    }
+}
+
+impl NorFlashError for FlashError {
+    fn kind(&self) -> NorFlashErrorKind {
+        match self {
+            Self::Address(kind) => *kind,
+            Self::Timeout | Self::Refused => NorFlashErrorKind::Other,
+        }
+    }
+}
+
+impl SettingsFlash {
+    /// Takes the flash controller.
+    pub fn new(flash: FLASH) -> Self {
+        Self { flash }
+    }
+
+    /// Runs `operation` with the control register unlocked, waits for it, and looks how
+    /// it went.
+    fn unlocked(&mut self, operation: impl FnOnce(&FLASH)) -> Result<(), FlashError> {
+        // SAFETY: the keys in this order unlock, whatever else locks again.
+        #[allow(unsafe_code)]
+        for key in KEYS {
+            self.flash.keyr().write(|w| unsafe { w.key().bits(key) });
+        }
+        self.flash.sr().write(|w| {
+            w.operr().clear_bit_by_one().wrperr().clear_bit_by_one();
+            w.pgaerr().clear_bit_by_one().pgperr().clear_bit_by_one();
+            w.pgserr().clear_bit_by_one()
+        });
+        operation(&self.flash);
+        let finished = (0..PATIENCE).any(|_| self.flash.sr().read().bsy().bit_is_clear());
+        self.flash
+            .cr()
+            .write(|w| w.psize().psize32().lock().set_bit());
+        let status = self.flash.sr().read();
+        if !finished {
+            Err(FlashError::Timeout)
+        } else if status.wrperr().bit_is_set()
+            || status.pgaerr().bit_is_set()
+            || status.pgperr().bit_is_set()
+            || status.pgserr().bit_is_set()
+        {
+            Err(FlashError::Refused)
+        } else {
+            Ok(())
+        }
+    }
+}
+
+impl ErrorType for SettingsFlash {
+    type Error = FlashError;
+}
+
+impl ReadNorFlash for SettingsFlash {
+    const READ_SIZE: usize = 1;
+
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), FlashError> {
+        check_read(self, offset, bytes.len())?;
+        for (index, byte) in (0..).zip(bytes) {
+            let address = (START + offset + index) as *const u8;
+            // SAFETY: within the sectors, which are memory for ever.
+            #[allow(unsafe_code)]
+            unsafe {
+                *byte = address.read_volatile();
+            }
+        }
+        Ok(())
+    }
+
+    fn capacity(&self) -> usize {
+        SECTORS * SECTOR
+    }
+}
+
+impl NorFlash for SettingsFlash {
+    const WRITE_SIZE: usize = 4;
+    const ERASE_SIZE: usize = SECTOR;
+
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), FlashError> {
+        check_erase(self, from, to)?;
+        let sector_of = |offset: u32| (offset / SECTOR as u32) as u8;
+        for sector in sector_of(from)..sector_of(to) {
+            // SAFETY: a sector of this chip, holding settings and no code.
+            #[allow(unsafe_code)]
+            self.unlocked(|flash| {
+                flash.cr().write(|w| unsafe {
+                    w.psize()
+                        .psize32()
+                        .ser()
+                        .set_bit()
+                        .snb()
+                        .bits(FIRST + sector)
+                });
+                flash.cr().modify(|_, w| w.strt().set_bit());
+            })?;
+        }
+        Ok(())
+    }
+
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), FlashError> {
+        check_write(self, offset, bytes.len())?;
+        for (index, word) in (0..).zip(bytes.as_chunks::<4>().0) {
+            let address = (START + offset + 4 * index) as *mut u32;
+            let word = u32::from_le_bytes(*word);
+            self.unlocked(|flash| {
+                flash.cr().write(|w| w.psize().psize32().pg().set_bit());
+                fence(Ordering::SeqCst);
+                // SAFETY: within the sectors, on a word's border.
+                #[allow(unsafe_code)]
+                unsafe {
+                    address.write_volatile(word);
+                }
+            })?;
+        }
+        Ok(())
+    }
+}

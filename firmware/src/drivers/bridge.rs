@@ -1,0 +1,131 @@
+//! An H-bridge with two PWM inputs and a sleep pin: DRV8874 and its kin in PWM mode.
+
+use embedded_hal::digital::OutputPin;
+use embedded_hal::pwm::SetDutyCycle;
+
+/// One bridge.
+///
+/// | IN1 | IN2 | the motor |
+/// |---|---|---|
+/// | low | low | floats |
+/// | high | low | is driven forwards |
+/// | low | high | is driven backwards |
+/// | high | high | is braked |
+///
+/// Forwards, IN1 is high throughout and IN2 for the share 1 − duty: the motor is driven
+/// and braked in turn (slow decay), and its mean voltage is duty times the bus voltage.
+pub struct Bridge<In1, In2, Sleep> {
+    in1: In1,
+    in2: In2,
+    sleep: Sleep,
+}
+
+impl<In1: SetDutyCycle, In2: SetDutyCycle, Sleep: OutputPin> Bridge<In1, In2, Sleep> {
+    /// The bridge on these pins; `sleep` is low when it sleeps. Unpowered.
+    pub fn new(in1: In1, in2: In2, sleep: Sleep) -> Self {
+        let mut bridge = Self { in1, in2, sleep };
+        bridge.float();
+        bridge
+    }
+
+    /// Drives with `duty` in −1…1, clipped. Not a number lets the motor float.
+    #[inline]
+    pub fn drive(&mut self, duty: f32) {
+        if duty.is_nan() {
+            self.float();
+            return;
+        }
+        if self.sleep.set_high().is_err() {
+            self.float();
+            return;
+        }
+        let full = self.in1.max_duty_cycle();
+        // `as` saturates; the share is at most 1.
+        let driven = (duty.abs().min(1.0) * f32::from(full) + 0.5) as u16;
+        let braked = full.saturating_sub(driven);
+        let (in1, in2) = if duty < 0.0 {
+            (braked, full)
+        } else {
+            (full, braked)
+        };
+        if self.in1.set_duty_cycle(in1).is_err() || self.in2.set_duty_cycle(in2).is_err() {
+            self.float();
+        }
+    }
+
+    /// Unpowers the motor: both inputs low, asleep.
+    #[inline]
+    pub fn float(&mut self) {
+        // Each of the three suffices; one that fails leaves the other two.
+        let _ = self.in1.set_duty_cycle(0);
+        let _ = self.in2.set_duty_cycle(0);
+        let _ = self.sleep.set_low();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Bridge;
+    use core::convert::Infallible;
+    use embedded_hal::digital::{ErrorType as PinType, OutputPin};
+    use embedded_hal::pwm::{ErrorType as PwmType, SetDutyCycle};
+
+    #[derive(Default)]
+    struct Channel(u16);
+
+    impl PwmType for Channel {
+        type Error = Infallible;
+    }
+    impl SetDutyCycle for Channel {
+        fn max_duty_cycle(&self) -> u16 {
+            4200
+        }
+        fn set_duty_cycle(&mut self, duty: u16) -> Result<(), Infallible> {
+            self.0 = duty;
+            Ok(())
+        }
+    }
+
+    #[derive(Default)]
+    struct Pin(bool);
+
+    impl PinType for Pin {
+        type Error = Infallible;
+    }
+    impl OutputPin for Pin {
+        fn set_low(&mut self) -> Result<(), Infallible> {
+            self.0 = false;
+            Ok(())
+        }
+        fn set_high(&mut self) -> Result<(), Infallible> {
+            self.0 = true;
+            Ok(())
+        }
+    }
+
+    fn driven(duty: f32) -> (u16, u16, bool) {
+        let mut bridge = Bridge::new(Channel(7), Channel(7), Pin(true));
+        assert_eq!((bridge.in1.0, bridge.in2.0, bridge.sleep.0), (0, 0, false));
+        bridge.drive(duty);
+        (bridge.in1.0, bridge.in2.0, bridge.sleep.0)
+    }
+
+    #[test]
+    fn the_inputs_differ_by_the_duty() {
+        assert_eq!(driven(0.0), (4200, 4200, true));
+        assert_eq!(driven(0.25), (4200, 3150, true));
+        assert_eq!(driven(-0.25), (3150, 4200, true));
+        assert_eq!(driven(1.0), (4200, 0, true));
+    }
+
+    #[test]
+    fn a_duty_beyond_one_is_clipped() {
+        assert_eq!(driven(1.5), driven(1.0));
+        assert_eq!(driven(f32::NEG_INFINITY), driven(-1.0));
+    }
+
+    #[test]
+    fn not_a_number_unpowers_the_motor() {
+        assert_eq!(driven(f32::NAN), (0, 0, false));
+    }
+}

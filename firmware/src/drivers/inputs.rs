@@ -1,0 +1,49 @@
+//! The switches and the bridges' fault outputs.
+//!
+//! Every one is wired so that a broken wire reads as the unsafe case: normally closed
+//! contacts to ground with a pull-up, open meaning pressed; fault outputs low meaning
+//! fault; see `docs/wiring.md`.
+
+use embedded_hal::digital::InputPin;
+
+/// Reads the two home switches, the emergency stop and both fault outputs.
+pub struct Inputs<H1, H4, S, F1, F4> {
+    /// Home switch of joint 1: high is pressed.
+    pub home1: H1,
+    /// Home switch of joint 4: high is pressed.
+    pub home4: H4,
+    /// Emergency stop, also the timers' break input: high is pressed.
+    pub emergency_stop: S,
+    /// Bridge 1's fault output: low is a fault.
+    pub fault1: F1,
+    /// Bridge 4's fault output: low is a fault.
+    pub fault4: F4,
+}
+
+impl<H1: InputPin, H4: InputPin, S: InputPin, F1: InputPin, F4: InputPin>
+    Inputs<H1, H4, S, F1, F4>
+{
+    /// Home switches, pressed; one that cannot be read counts as pressed.
+    #[inline]
+    pub fn home(&mut self) -> [bool; 2] {
+        [
+            self.home1.is_high().unwrap_or(true),
+            self.home4.is_high().unwrap_or(true),
+        ]
+    }
+
+    /// Emergency stop, pressed; one that cannot be read counts as pressed.
+    #[inline]
+    pub fn emergency_stop(&mut self) -> bool {
+        self.emergency_stop.is_high().unwrap_or(true)
+    }
+
+    /// Bridge faults, raised; one that cannot be read counts as raised.
+    #[inline]
+    pub fn driver_fault(&mut self) -> [bool; 2] {
+        [
+            self.fault1.is_low().unwrap_or(true),
+            self.fault4.is_low().unwrap_or(true),
+        ]
+    }
+}
