@@ -197,7 +197,7 @@ fn half_angle_formulas_fail_beside_a_root_at_pi_where_the_arm_does_not() {
     assert_eq!(geometry.half_angle_inverse(c, beside), None);
 
     // Dyad B–C–D with θ2 = π on one assembly: |rD − rB + l2 x̂| = l3.
-    let geometry = Geometry::new([0.25, 0.25, 0.625, 0.5, 0.375]).unwrap();
+    let geometry = Geometry::new([0.5, 0.25, 0.625, 0.5, 0.625]).unwrap();
     let [_, theta2, ..]: [f64; 4] = geometry
         .forward(0.0, FRAC_PI_2, Side::Left)
         .unwrap()
