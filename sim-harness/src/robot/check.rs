@@ -137,7 +137,6 @@ fn geometry(
                  the longest exceeds the sum of the others"
             ),
         ),
-        // Lengths alone do not raise it; the tool is checked with its own section.
     })
 }
 
