@@ -9,11 +9,9 @@ pub enum GeometryError {
     NotPositive(usize),
     /// The longest length exceeds the sum of the others: the loop cannot close.
     CannotAssemble,
+    /// The tool's offset from C is not finite, or puts the tool on B.
+    ToolOffset,
 }
-
-/// The tool's offset from C is not finite, or puts the tool on B.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ToolOffsetError;
 
 /// Why no pose exists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,13 +65,10 @@ impl fmt::Display for GeometryError {
             Self::CannotAssemble => {
                 f.write_str("the longest length exceeds the sum of the other four")
             }
+            Self::ToolOffset => {
+                f.write_str("the tool's offset must be finite and not put the tool on B")
+            }
         }
-    }
-}
-
-impl fmt::Display for ToolOffsetError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("the tool's offset must be finite and not put the tool on B")
     }
 }
 
@@ -111,5 +106,4 @@ impl fmt::Display for PoseError {
 }
 
 impl core::error::Error for GeometryError {}
-impl core::error::Error for ToolOffsetError {}
 impl core::error::Error for PoseError {}

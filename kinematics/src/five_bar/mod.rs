@@ -18,7 +18,7 @@ mod tool;
 mod workspace;
 
 pub use branch::{Side, WorkingMode};
-pub use error::{GeometryError, PoseError, Singularity, ToolOffsetError, Unreachable};
+pub use error::{GeometryError, PoseError, Singularity, Unreachable};
 pub use geometry::Geometry;
 pub use jacobian::{InverseJacobian, Jacobian};
 pub use limits::{Joint, JointLimits};

@@ -9,7 +9,7 @@ use super::circles::intersect;
 use super::inverse::{Leg4, refusal1};
 use super::motion::per_sine;
 use super::{
-    Accelerations, Geometry, Pose, PoseError, Side, Singularity, ToolOffsetError, Velocities,
+    Accelerations, Geometry, GeometryError, Pose, PoseError, Side, Singularity, Velocities,
     WorkingMode,
 };
 use crate::{Scalar, Vec2};
@@ -32,13 +32,13 @@ impl<S: Scalar> Tool<S> {
     /// The tool at `offset` [m] from C, along link 2 and to its left; zero is C itself.
     ///
     /// # Errors
-    /// If it is not finite or puts T on B.
-    pub fn new(geometry: Geometry<S>, offset: Vec2<S>) -> Result<Self, ToolOffsetError> {
+    /// `ToolOffset` if it is not finite or puts T on B.
+    pub fn new(geometry: Geometry<S>, offset: Vec2<S>) -> Result<Self, GeometryError> {
         let bt = Vec2::new(geometry.l2(), S::ZERO) + offset;
         let reach = bt.norm();
         let per_reach = S::ONE / reach;
         if !(reach.is_finite() && per_reach.is_finite()) {
-            return Err(ToolOffsetError);
+            return Err(GeometryError::ToolOffset);
         }
         Ok(Self {
             geometry,
