@@ -11,6 +11,7 @@ pub mod io;
 pub mod motion;
 pub mod protocol;
 pub mod settings;
+pub mod storage;
 
 pub use io::{Command, Sensed};
 pub use motion::{Move, MoveKind};

@@ -1,0 +1,154 @@
+//! Settings in flash survive whatever the power does.
+
+mod nor;
+
+use fivebar_firmware::Settings;
+use fivebar_firmware::storage::{SettingsStorage, StorageError};
+use nor::{Cut, Nor, SECTOR};
+use proptest::prelude::*;
+
+/// Settings that differ from those of another number at their beginning, middle and end.
+fn settings(number: u16) -> Settings {
+    let (mut settings, _) = postcard::take_from_bytes::<Settings>(&[0; 1024]).expect("all zero");
+    let value = f32::from(number);
+    settings.lengths = [value; 5];
+    settings.axes[0].resistance = -value;
+    settings.protection.command_timeout = value + 0.5;
+    settings
+}
+
+fn storage(flash: &mut Nor) -> SettingsStorage<&mut Nor> {
+    let end = u32::try_from(nor::SECTORS * SECTOR).expect("small");
+    SettingsStorage::new(flash, 0..end).expect("four sectors")
+}
+
+fn load(flash: &mut Nor) -> Result<Settings, StorageError> {
+    storage(flash).load()
+}
+
+fn save(flash: &mut Nor, number: u16) -> Result<(), StorageError> {
+    storage(flash).save(&settings(number))
+}
+
+/// Every way in which the last operation may be torn.
+const CUTS: [Cut; 5] = [
+    Cut::Before,
+    Cut::Torn(0x0000_ffff),
+    Cut::Torn(0xffff_0000),
+    Cut::Torn(0x5a5a_a5a5),
+    Cut::After(SECTOR / nor::WORD / 2),
+];
+
+/// The flash after each of so many saves, oldest first; the first is blank.
+fn history(saves: u16) -> Vec<Nor> {
+    let mut flash = Nor::blank();
+    let mut history = vec![flash.clone()];
+    for number in 1..=saves {
+        flash.operations = 0;
+        save(&mut flash, number).expect("power is on");
+        history.push(flash.clone());
+    }
+    history
+}
+
+/// The flash after save `number` lost power during operation `at`.
+fn cut_save(before: &Nor, number: u16, at: usize, cut: Cut) -> Nor {
+    let mut flash = before.clone();
+    flash.operations = 0;
+    flash.cut = Some((at, cut));
+    let _ = save(&mut flash, number);
+    flash
+}
+
+/// Whether the flash holds what save `number` stored or what was there before.
+fn is_old_or_new(flash: &mut Nor, number: u16) -> bool {
+    match load(flash) {
+        Ok(found) => found == settings(number) || (number > 1 && found == settings(number - 1)),
+        Err(StorageError::Blank | StorageError::Corrupt) => number == 1,
+        Err(StorageError::Flash | StorageError::Range) => false,
+    }
+}
+
+#[test]
+fn settings_are_old_or_new_after_a_power_cut_at_every_operation() {
+    // Enough to fill all sectors and come round again.
+    let history = history(200);
+    // A save that changes sectors copies the settings and writes them.
+    let changes_sector = |flash: &Nor| flash.operations > history[4].operations * 2;
+    let changes = history.iter().filter(|flash| changes_sector(flash)).count();
+    assert!(changes >= 4, "each half changes sectors twice: {changes}");
+
+    for (number, pair) in (1u16..).zip(history.windows(2)) {
+        let (before, operations) = (&pair[0], pair[1].operations);
+        // The first save of each half, those that change sectors, and those after them.
+        if number > 2 && !changes_sector(&pair[1]) && !changes_sector(before) {
+            continue;
+        }
+        for (at, cut) in (0..operations).flat_map(|at| CUTS.map(|cut| (at, cut))) {
+            let mut flash = cut_save(before, number, at, cut);
+            flash.cut = None;
+            flash.operations = 0;
+            let torn = flash.clone();
+            let what = format!("save {number} cut at {at} of {operations} by {cut:?}");
+            assert!(is_old_or_new(&mut flash, number), "{what}");
+
+            // Power fails again while the first load repairs.
+            for again in 0..flash.operations {
+                let mut flash = torn.clone();
+                flash.cut = Some((again, cut));
+                let _ = load(&mut flash);
+                flash.cut = None;
+                assert!(
+                    is_old_or_new(&mut flash, number),
+                    "{what}, again at {again}"
+                );
+            }
+
+            save(&mut flash, 1000).expect("the storage works again");
+            assert_eq!(load(&mut flash), Ok(settings(1000)), "{what}");
+        }
+    }
+}
+
+#[test]
+fn blank_flash_and_flash_full_of_zeros_hold_no_settings() {
+    assert_eq!(load(&mut Nor::blank()), Err(StorageError::Blank));
+    let mut zeros = Nor::blank();
+    zeros.bytes.fill(0);
+    assert_eq!(load(&mut zeros), Err(StorageError::Corrupt));
+    save(&mut zeros, 5).expect("a save makes it good");
+    assert_eq!(load(&mut zeros), Ok(settings(5)));
+}
+
+#[test]
+fn a_range_of_less_than_four_sectors_is_refused() {
+    for end in [0, 1, SECTOR, 3 * SECTOR, 4 * SECTOR - 4] {
+        let end = u32::try_from(end).expect("small");
+        let refused = SettingsStorage::new(Nor::blank(), 0..end).err();
+        assert_eq!(refused, Some(StorageError::Range), "{end}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn damage_never_makes_settings_that_were_not_saved(
+        saves in 1u16..60,
+        damage in prop::collection::vec((0..nor::SECTORS * SECTOR, 1usize..2000, any::<u8>()), 1..8),
+    ) {
+        let mut flash = Nor::blank();
+        for number in 1..=saves {
+            save(&mut flash, number).expect("power is on");
+        }
+        for (at, length, value) in damage {
+            flash.bytes.iter_mut().skip(at).take(length).for_each(|byte| *byte ^= value);
+        }
+        match load(&mut flash) {
+            Ok(found) => prop_assert!((1..=saves).any(|number| found == settings(number))),
+            Err(error) => prop_assert_eq!(error, StorageError::Corrupt),
+        }
+        save(&mut flash, 1000).expect("the storage works again");
+        prop_assert_eq!(load(&mut flash), Ok(settings(1000)));
+    }
+}
