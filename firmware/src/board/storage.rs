@@ -1,4 +1,4 @@
-//! The last two sectors of the flash, 128 KiB each, as a place for the settings.
+//! The last four sectors of the flash, 128 KiB each, as a place for the settings.
 //!
 //! A program or an erase stalls the core where it fetches from flash: a word for 16 µs,
 //! a sector for up to 2.6 s. So settings are written only while the arm is disarmed.
@@ -10,14 +10,14 @@ use embedded_storage::nor_flash::{
 };
 use stm32f4xx_hal::pac::FLASH;
 
-/// Start of sector 10.
-const START: u32 = 0x080c_0000;
+/// Start of sector 8.
+const START: u32 = 0x0808_0000;
 /// One sector.
 const SECTOR: usize = 128 * 1024;
 /// The number of the first sector.
-const FIRST: u8 = 10;
-/// Sectors.
-const SECTORS: usize = 2;
+const FIRST: u8 = 8;
+/// Sectors: two for each half of the settings storage.
+const SECTORS: usize = 4;
 /// What the key register wants to see.
 const KEYS: [u32; 2] = [0x4567_0123, 0xcdef_89ab];
 /// How often the busy flag is looked at before an operation is given up: over 5 s.
