@@ -7,6 +7,8 @@
 //! | dual numbers | sensitivities (feature `design`) | derivatives carried along |
 
 mod double;
+#[cfg(feature = "design")]
+mod dual;
 mod single;
 
 use core::fmt::Debug;
