@@ -6,13 +6,17 @@
 
 #[cfg(feature = "board")]
 pub mod board;
+pub mod controller;
 pub mod drivers;
+mod homing;
 pub mod io;
 pub mod motion;
 pub mod protocol;
+pub mod safety;
 pub mod settings;
 pub mod storage;
 
+pub use controller::{Controller, Request, Status};
 pub use io::{Command, Sensed};
 pub use motion::{Move, MoveKind};
 pub use settings::Settings;

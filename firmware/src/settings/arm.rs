@@ -3,7 +3,7 @@
 use super::{Settings, SettingsError};
 use fivebar_kinematics::control::effective_inertia;
 use fivebar_kinematics::dynamics::{Arm, Link};
-use fivebar_kinematics::five_bar::{Geometry, Pose, Side, WorkingMode};
+use fivebar_kinematics::five_bar::{Geometry, Pose, Side, Tool, WorkingMode};
 use fivebar_kinematics::{Scalar, Vec2};
 
 /// Poses looked at across the range of each joint.
@@ -30,6 +30,14 @@ impl Settings {
             .map(|axis| axis.gear_ratio * axis.gear_ratio * axis.rotor_inertia);
         Arm::new(geometry, links, self.payload, vec2(self.gravity), rotors)
             .map_err(SettingsError::Inertia)
+    }
+
+    /// The arm with its tool.
+    ///
+    /// # Errors
+    /// A tool offset that leaves link 2 no length.
+    pub fn tool(&self, arm: &Arm<f32>) -> Result<Tool<f32>, SettingsError> {
+        Tool::new(*arm.geometry(), vec2(self.tool_offset)).map_err(SettingsError::Geometry)
     }
 
     /// The branch of the inverse solution.

@@ -87,6 +87,7 @@ impl Settings {
             return Err(SettingsError::Field(field));
         }
         let arm = self.arm()?;
+        self.tool(&arm)?;
         self.nominal_inertia(&arm).map(|_| ())
     }
 

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! counts → VelocityObserver → θ̂, ω̂ ┐
-//!                 θd, ωd, αd ───────┴→ Feedback → α → computed torque → friction
+//!                 θd, ωd, αd ───────┴→ PositionLoop → α → computed torque → friction
 //!        → TorqueLimit → current set-point → CurrentLoop → duty
 //! ```
 //!
@@ -13,20 +13,23 @@
 //! With the tick's period T: samples are taken at kT and the duty worked out from them
 //! acts from (k+1)T on. [`CurrentLoop`] is designed in discrete time with that tick of
 //! delay in its loop and turns it into the lag 1/ωc, ωc being its bandwidth;
-//! [`FeedbackGains`] places the poles of the position loop with this lag in the loop.
+//! [`PositionLoop`] predicts the joint to the end of this lag and places its poles with
+//! the lag in the loop.
 //! The observer adds none of first order: the phase it loses grows with frequency cubed.
 
 mod computed_torque;
 mod current;
 mod discrete;
-mod feedback;
+
 mod friction;
 mod observer;
+mod position;
 mod thermal;
 
 pub use computed_torque::{TorqueLimit, computed_torque, effective_inertia};
 pub use current::{CurrentLoop, CurrentState, Drive};
-pub use feedback::{FeedbackGains, Integral};
+
 pub use friction::FrictionCompensation;
 pub use observer::{ObserverState, VelocityObserver};
+pub use position::{Integral, PositionLoop};
 pub use thermal::{MotorHeat, MotorHeating};

@@ -1,11 +1,16 @@
 //! The position loop of one joint: α = αd + Kd ė + Kp e + ∫ Ki e dt.
 //!
-//! Inverse dynamics turns α into torque, so to this law each joint is 1/s² behind the lag
-//! d of the current loop, and its characteristic equation is
-//! s² + (Kd s + Kp) e^(−sd) = 0. With e^(−sd) ≈ 1 − sd this is of second order and its
-//! roots are those of s² + 2ζω s + ω² when
+//! A torque asked for now acts the lag d of the current loop later. So the reference leads
+//! by d, and is compared with the joint where it will be by then:
 //!
-//! m = 1 / (1 + 2ζωd + ω²d²), Kp = m ω², Kd = m (2ζω + ω²d).
+//! θ⁺ = θ̂ + d ω̂ + ½ d² αd, ω⁺ = ω̂ + d αd, e = θd − θ⁺, ė = ωd − ω⁺.
+//!
+//! Then αd arrives on time, and the prediction adds d Kp to the gain on the velocity. To
+//! this law a joint is 1/s² behind the lag, as inverse dynamics turns α into torque; the
+//! characteristic equation is s² + ((Kd + d Kp) s + Kp) e^(−sd) = 0. With e^(−sd) ≈ 1 − sd
+//! it is of second order and its roots are those of s² + 2ζω s + ω² when
+//!
+//! m = 1 / (1 + 2ζωd + ω²d²), Kp = m ω², Kd = m 2ζω.
 //!
 //! d = 0 gives the textbook's ω² and 2ζω. The error of the true roots is of the order of
 //! (ωd)².
@@ -15,21 +20,23 @@
 
 use crate::Scalar;
 
-/// Gains of the position loop.
+/// The position loop's constants.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FeedbackGains<S> {
+pub struct PositionLoop<S> {
     kp: S,
     kd: S,
     ki_period: S,
+    lag: S,
+    half_lag_squared: S,
 }
 
 /// The integral's share of the acceleration demand [rad/s²].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Integral<S>(pub S);
 
-impl<S: Scalar> FeedbackGains<S> {
-    /// Gains for the bandwidth ω [rad/s] and damping ratio ζ behind a lag [s], with the
-    /// integral rate ωi [rad/s] at the tick period T [s].
+impl<S: Scalar> PositionLoop<S> {
+    /// A loop of the bandwidth ω [rad/s] and damping ratio ζ behind the lag d [s], with
+    /// the integral rate ωi [rad/s] at the tick period T [s].
     pub fn new(bandwidth: S, damping: S, lag: S, integral_rate: S, period: S) -> Self {
         let square = bandwidth * bandwidth;
         let twice = S::TWO * damping * bandwidth;
@@ -37,8 +44,10 @@ impl<S: Scalar> FeedbackGains<S> {
         let kp = m * square;
         Self {
             kp,
-            kd: m * (twice + square * lag),
+            kd: m * twice,
             ki_period: kp * integral_rate * period,
+            lag,
+            half_lag_squared: S::HALF * lag * lag,
         }
     }
 
@@ -54,8 +63,24 @@ impl<S: Scalar> FeedbackGains<S> {
         self.kd
     }
 
+    /// d, by which the reference leads [s].
+    #[inline]
+    pub fn lag(&self) -> S {
+        self.lag
+    }
+
+    /// θ⁺ [rad] and ω⁺ [rad/s]: the joint when the torque acts, while it accelerates by
+    /// `alpha` [rad/s²].
+    #[inline]
+    pub fn predict(&self, theta: S, omega: S, alpha: S) -> (S, S) {
+        (
+            theta + self.lag * omega + self.half_lag_squared * alpha,
+            omega + self.lag * alpha,
+        )
+    }
+
     /// The demanded acceleration [rad/s²] for the desired one `alpha` [rad/s²], the error
-    /// e = θd − θ [rad] and its rate ė = ωd − ω [rad/s].
+    /// e [rad] and its rate ė [rad/s].
     #[inline]
     pub fn acceleration(&self, integral: Integral<S>, alpha: S, error: S, error_rate: S) -> S {
         alpha + self.kd * error_rate + self.kp * error + integral.0
@@ -79,11 +104,12 @@ mod tests {
     const T: f64 = 1e-4;
 
     /// A unit double integrator whose acceleration acts `lag` ticks late.
-    fn run(gains: &FeedbackGains<f64>, lag: usize, disturbance: f64, limit: f64) -> [f64; 4000] {
+    fn run(gains: &PositionLoop<f64>, lag: usize, disturbance: f64, limit: f64) -> [f64; 4000] {
         let (mut x, mut v, mut integral) = (1.0, 0.0, Integral(0.0));
         let mut line = [0.0_f64; 64];
         core::array::from_fn(|k| {
-            let demand = gains.acceleration(integral, 0.0, -x, -v);
+            let (x_then, v_then) = gains.predict(x, v, 0.0);
+            let demand = gains.acceleration(integral, 0.0, -x_then, -v_then);
             let cut = demand.clamp(-limit, limit);
             gains.integrate(&mut integral, -x, cut != demand);
             line[k % 64] = cut;
@@ -96,7 +122,7 @@ mod tests {
 
     #[test]
     fn without_lag_the_gains_are_the_textbooks() {
-        let gains = FeedbackGains::new(200.0, 0.7, 0.0, 0.0, T);
+        let gains = PositionLoop::new(200.0, 0.7, 0.0, 0.0, T);
         assert_eq!(gains.kp(), 200.0 * 200.0);
         assert_eq!(gains.kd(), 2.0 * 0.7 * 200.0);
     }
@@ -109,7 +135,7 @@ mod tests {
             product in 0.0..0.15_f64,
         ) {
             let lag = product / bandwidth;
-            let gains = FeedbackGains::new(bandwidth, damping, lag, 0.0, T);
+            let gains = PositionLoop::new(bandwidth, damping, lag, 0.0, T);
             // Newton's method on s² + (Kd s + Kp) e^(−sd) from the wanted pole.
             let wanted = [
                 -damping * bandwidth,
@@ -122,10 +148,11 @@ mod tests {
             for _ in 0..30 {
                 let scale = libm::exp(-s[0] * lag);
                 let delay = [scale * libm::cos(s[1] * lag), -scale * libm::sin(s[1] * lag)];
-                let pd = [gains.kd() * s[0] + gains.kp(), gains.kd() * s[1]];
+                let kd = gains.kd() + lag * gains.kp();
+                let pd = [kd * s[0] + gains.kp(), kd * s[1]];
                 let (ss, late) = (mul(s, s), mul(pd, delay));
                 let f = [ss[0] + late[0], ss[1] + late[1]];
-                let inner = [gains.kd() - lag * pd[0], -lag * pd[1]];
+                let inner = [kd - lag * pd[0], -lag * pd[1]];
                 let slope = mul(inner, delay);
                 let df = [2.0 * s[0] + slope[0], 2.0 * s[1] + slope[1]];
                 let norm = df[0] * df[0] + df[1] * df[1];
@@ -141,7 +168,7 @@ mod tests {
     fn a_loop_designed_with_its_lag_overshoots_as_damping_says() {
         let damping = 0.6;
         let overshoot = |lag: f64| {
-            let gains = FeedbackGains::new(200.0, damping, lag, 0.0, T);
+            let gains = PositionLoop::new(200.0, damping, lag, 0.0, T);
             -run(&gains, 10, 0.0, f64::MAX)
                 .iter()
                 .fold(0.0_f64, |m, &x| m.min(x))
@@ -161,13 +188,13 @@ mod tests {
     #[test]
     fn integral_action_removes_a_constant_disturbance() {
         let with = run(
-            &FeedbackGains::new(200.0, 1.0, 0.0, 50.0, T),
+            &PositionLoop::new(200.0, 1.0, 0.0, 50.0, T),
             0,
             50.0,
             f64::MAX,
         );
         let without = run(
-            &FeedbackGains::new(200.0, 1.0, 0.0, 0.0, T),
+            &PositionLoop::new(200.0, 1.0, 0.0, 0.0, T),
             0,
             50.0,
             f64::MAX,
@@ -179,7 +206,7 @@ mod tests {
     #[test]
     fn integral_does_not_wind_up_while_limited() {
         // A demand far beyond the limit for a long time, then release: no large overshoot.
-        let gains = FeedbackGains::new(200.0, 1.0, 0.0, 40.0, T);
+        let gains = PositionLoop::new(200.0, 1.0, 0.0, 40.0, T);
         let mut integral = Integral(0.0);
         for _ in 0..10_000 {
             gains.integrate(&mut integral, 0.1, true);
@@ -191,5 +218,18 @@ mod tests {
         integral = Integral(3.0);
         gains.integrate(&mut integral, 0.1, true);
         assert_eq!(integral.0, 3.0);
+    }
+
+    #[test]
+    fn a_leading_reference_is_followed_without_lag() {
+        // A joint that accelerates as its reference did one lag ago follows it exactly.
+        let gains = PositionLoop::new(200.0, 1.0, 5.0 * T, 0.0, T);
+        let (theta, omega) = (|t: f64| t * t * t, |t: f64| 3.0 * t * t);
+        let t = 0.3;
+        let lead = t + gains.lag();
+        let (then, rate) = gains.predict(theta(t), omega(t), 6.0 * lead);
+        // What the prediction misses is the change of α over the lag: ½ d² · 6d.
+        assert!((theta(lead) - then).abs() < 4.0 * libm::pow(gains.lag(), 3.0));
+        assert!((omega(lead) - rate).abs() < 4.0 * libm::pow(gains.lag(), 2.0));
     }
 }

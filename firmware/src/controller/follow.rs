@@ -1,0 +1,174 @@
+//! The powered part of the tick: from the reference to the torques.
+
+use super::Controller;
+use super::setpoint::Setpoint;
+use crate::safety::{Event, Fault, Limits, State};
+use fivebar_kinematics::Vec2;
+use fivebar_kinematics::control::computed_torque;
+use fivebar_kinematics::five_bar::{Pose, PoseError, Velocities};
+
+impl Controller {
+    /// One tick of holding or following the path: the torques [N·m], or `None` after a
+    /// fault.
+    #[inline]
+    pub(super) fn follow(&mut self) -> Option<[f32; 2]> {
+        match self.track() {
+            Ok(torque) => Some(torque),
+            Err(fault) => {
+                self.latch(fault);
+                None
+            }
+        }
+    }
+
+    #[inline]
+    fn track(&mut self) -> Result<[f32; 2], Fault> {
+        // The arm as it will be when the torque acts.
+        let [joint1, joint4] = &self.joints;
+        let [alpha1, alpha4] = self.setpoint.alpha;
+        let position_loop = &self.model.position_loop;
+        let (theta1, omega1) = position_loop.predict(joint1.angle, joint1.velocity(), alpha1);
+        let (theta4, omega4) = position_loop.predict(joint4.angle, joint4.velocity(), alpha4);
+        let (u1, u4) = (Vec2::unit(theta1), Vec2::unit(theta4));
+        let (pose, velocities) = self.measured([u1, u4], [omega1, omega4])?;
+
+        self.advance()?;
+        let Setpoint {
+            direction: [d1, d4],
+            omega: [omega1d, omega4d],
+            alpha: [alpha1d, alpha4d],
+            ..
+        } = self.setpoint;
+        // e = sin(θd − θ), the error itself for all that is not a fault.
+        let (error1, error4) = (u1.cross(d1), u4.cross(d4));
+        self.error = [error1, error4];
+        if self.model.monitor.lost_its_path(self.error) || u1.dot(d1) < 0.0 || u4.dot(d4) < 0.0 {
+            return Err(Fault::FollowingError);
+        }
+
+        let (rate1, rate4) = (omega1d - omega1, omega4d - omega4);
+        let position_loop = &self.model.position_loop;
+        let [joint1, joint4] = &mut self.joints;
+        let [axis1, axis4] = &self.model.axes;
+        let demanded = if self.model.computed_torque {
+            let alpha1 = position_loop.acceleration(joint1.integral, alpha1d, error1, rate1);
+            let alpha4 = position_loop.acceleration(joint4.integral, alpha4d, error4, rate4);
+            let [torque1, torque4] =
+                computed_torque(&self.model.arm, &pose, &velocities, [alpha1, alpha4])
+                    .map_err(|_| Fault::Envelope)?;
+            [
+                torque1 + axis1.friction.torque(omega1d),
+                torque4 + axis4.friction.torque(omega4d),
+            ]
+        } else {
+            // Each joint for itself, its inertia taken for constant: plain PD.
+            let [inertia1, inertia4] = self.model.nominal_inertia;
+            [
+                inertia1 * position_loop.acceleration(joint1.integral, 0.0, error1, rate1),
+                inertia4 * position_loop.acceleration(joint4.integral, 0.0, error4, rate4),
+            ]
+        };
+        let (torque, limited) = self.model.torque_limit.apply(demanded);
+        self.limits = self.limits.with(Limits::TORQUE, limited);
+        if self.model.computed_torque {
+            position_loop.integrate(&mut joint1.integral, error1, limited);
+            position_loop.integrate(&mut joint4.integral, error4, limited);
+        }
+        Ok(torque)
+    }
+
+    /// The measured arm, if it closes and stands inside its envelope.
+    #[inline]
+    fn measured(
+        &self,
+        [u1, u4]: [Vec2<f32>; 2],
+        [omega1, omega4]: [f32; 2],
+    ) -> Result<(Pose<f32>, Velocities<f32>), Fault> {
+        let monitor = &self.model.monitor;
+        let geometry = self.model.arm.geometry();
+        let pose = geometry
+            .forward_from_directions(u1, u4, self.model.assembly)
+            .map_err(|error| match error {
+                PoseError::Unreachable(_) => Fault::EncoderDisagreement,
+                PoseError::Singular(_) => Fault::Envelope,
+                PoseError::NotFinite => Fault::NotANumber,
+            })?;
+        if monitor.outside(self.angles()) || monitor.near_singularity(&pose) {
+            return Err(Fault::Envelope);
+        }
+        let velocities = geometry
+            .forward_velocities(&pose, omega1, omega4)
+            .map_err(|_| Fault::Envelope)?;
+        Ok((pose, velocities))
+    }
+
+    /// Moves the set-point on by one tick, and the state with it.
+    #[inline]
+    fn advance(&mut self) -> Result<(), Fault> {
+        if self.state == State::Armed && !self.path.is_empty() {
+            self.happen(Event::Begin);
+        }
+        if self.path.is_open() && !self.path.is_braking() && self.runs_short() {
+            self.latch(Fault::QueueUnderrun);
+        }
+        let Some(step) = self.path.step(self.model.period) else {
+            self.setpoint = Setpoint::hold(self.setpoint.direction);
+            return Ok(());
+        };
+        self.setpoint =
+            Setpoint::of(&step.reference, &self.model).map_err(|error| match error {
+                PoseError::Unreachable(_) | PoseError::Singular(_) => Fault::Envelope,
+                PoseError::NotFinite => Fault::NotANumber,
+            })?;
+        if step.at_rest {
+            self.setpoint = Setpoint::hold(self.setpoint.direction);
+            self.come_to_rest();
+        }
+        Ok(())
+    }
+
+    /// The path breaks off in motion, and there is just enough of it left to stop on.
+    #[inline]
+    fn runs_short(&self) -> bool {
+        let left = self.path.left() - 2.0 * self.model.period;
+        left <= 0.5 * self.braking_time()
+    }
+
+    /// How long a stop takes from here [s].
+    fn braking_time(&self) -> f32 {
+        self.model
+            .brake_limits
+            .duration(self.setpoint.speed_squared, self.setpoint.omega)
+    }
+
+    /// Begins to come to rest on the path.
+    pub(super) fn brake(&mut self) {
+        let duration = self.braking_time();
+        self.path.brake(duration);
+    }
+
+    #[cold]
+    fn come_to_rest(&mut self) {
+        match self.state {
+            State::Running => {
+                self.path.clear();
+                self.happen(Event::Finish);
+            }
+            State::Stopping => self.happen(Event::Rest),
+            State::Fault => self.drop_path(),
+            State::Stopped | State::Homing | State::Armed => {}
+        }
+    }
+
+    /// An event of the tick itself: where it means nothing, nothing happens.
+    pub(super) fn happen(&mut self, event: Event) {
+        if let Some(next) = self.state.after(event) {
+            self.enter(next);
+        }
+    }
+
+    /// Whether the arm still comes to rest under a latched fault.
+    pub(super) fn moves_under_fault(&self) -> bool {
+        self.held && !self.path.is_empty()
+    }
+}

@@ -1,0 +1,313 @@
+//! The controller: one tick from samples to bridge commands, and what it is asked for
+//! from below.
+
+mod follow;
+mod joint;
+mod model;
+mod path;
+mod report;
+mod request;
+mod search;
+mod setpoint;
+mod status;
+
+use crate::homing::Search;
+use crate::io::{Command, Sensed};
+use crate::safety::{Event, Fault, Limits, Response, State};
+use crate::settings::{Settings, SettingsError};
+use fivebar_kinematics::Vec2;
+use fivebar_kinematics::trajectory::Piece;
+use joint::Joint;
+use model::Model;
+pub use path::PIECES;
+use path::Path;
+pub use request::{Refusal, Request};
+use setpoint::Setpoint;
+pub use status::{Snapshot, Status};
+
+/// The whole controller of an arm.
+pub struct Controller {
+    model: Model,
+    joints: [Joint; 2],
+    state: State,
+    homed: bool,
+    /// The latched fault, as it was raised.
+    latched: Option<Snapshot>,
+    /// The latched fault lets the arm be held.
+    held: bool,
+    /// A fault found outside the tick.
+    pending: Option<Fault>,
+    path: Path,
+    setpoint: Setpoint,
+    searches: [Search; 2],
+    /// Position errors [rad] and torques [N·m] as last worked out.
+    error: [f32; 2],
+    torque: [f32; 2],
+    limits: Limits,
+    bus_voltage: f32,
+    ticks: u32,
+    missed_ticks: u32,
+    /// Ticks since the host was heard.
+    silence: u32,
+    /// How often a path has been forgotten before its end.
+    dropped_paths: u32,
+}
+
+/// What one tick's samples say besides what the joints keep of them.
+struct Samples {
+    innovation: [f32; 2],
+    too_hot: bool,
+}
+
+impl Controller {
+    /// A controller for the arm of these settings, Stopped and not homed.
+    ///
+    /// # Errors
+    /// The first setting that is not sound.
+    pub fn new(settings: &Settings) -> Result<Self, SettingsError> {
+        Ok(Self {
+            model: Model::new(settings)?,
+            joints: [Joint::new(), Joint::new()],
+            state: State::Stopped,
+            homed: false,
+            latched: None,
+            held: false,
+            pending: None,
+            path: Path::new(),
+            setpoint: Setpoint::hold([Vec2::zero(); 2]),
+            searches: [Search::new(0.0); 2],
+            error: [0.0; 2],
+            torque: [0.0; 2],
+            limits: Limits::NONE,
+            bus_voltage: 0.0,
+            ticks: 0,
+            missed_ticks: 0,
+            silence: 0,
+            dropped_paths: 0,
+        })
+    }
+
+    /// The settings in use.
+    pub fn settings(&self) -> &Settings {
+        &self.model.settings
+    }
+
+    /// One tick: what the bridges are told until the next.
+    ///
+    /// Bounded: no loop but over the two joints and at most four pieces of path. The
+    /// outputs act from the next tick on.
+    pub fn tick(&mut self, sensed: &Sensed) -> Command {
+        self.ticks = self.ticks.wrapping_add(1);
+        self.silence = self.silence.saturating_add(1);
+        self.limits = Limits::NONE;
+        self.bus_voltage = f32::from(sensed.bus_voltage) * self.model.bus_voltage_per_code;
+        let samples = self.measure(sensed);
+        if let Some(fault) = self.sampled_fault(sensed, &samples) {
+            self.latch(fault);
+        }
+        let torque = match self.state {
+            State::Stopped => None,
+            State::Homing => self.search(sensed),
+            State::Armed | State::Running | State::Stopping => self.follow(),
+            State::Fault => {
+                if self.held {
+                    self.follow()
+                } else {
+                    None
+                }
+            }
+        };
+        match torque {
+            Some(torque) => self.drive(torque),
+            None => self.off(),
+        }
+    }
+
+    #[inline]
+    fn measure(&mut self, sensed: &Sensed) -> Samples {
+        let [joint1, joint4] = &mut self.joints;
+        let [model1, model4] = &self.model.axes;
+        let [alpha1, alpha4] = self.setpoint.alpha;
+        let [counts1, counts4] = sensed.counts;
+        let [current1, current4] = sensed.current;
+        let sample1 = joint1.measure(model1, counts1, current1, alpha1);
+        let sample4 = joint4.measure(model4, counts4, current4, alpha4);
+        Samples {
+            innovation: [sample1.innovation, sample4.innovation],
+            too_hot: sample1.too_hot || sample4.too_hot,
+        }
+    }
+
+    /// The gravest fault that the samples alone show. Unpowered, only what makes the
+    /// angles or the stop button untrue counts.
+    #[inline]
+    fn sampled_fault(&mut self, sensed: &Sensed, samples: &Samples) -> Option<Fault> {
+        let monitor = &self.model.monitor;
+        if sensed.emergency_stop {
+            return Some(Fault::EmergencyStop);
+        }
+        if let Some(fault) = self.pending.take() {
+            return Some(fault);
+        }
+        if monitor.jumped(samples.innovation) {
+            return Some(Fault::EncoderJump);
+        }
+        if !self.is_powered() {
+            return None;
+        }
+        let [driver1, driver4] = sensed.driver_fault;
+        if driver1 || driver4 {
+            return Some(Fault::DriverFault);
+        }
+        if monitor.over_current(self.joints.each_ref().map(|joint| joint.current)) {
+            return Some(Fault::OverCurrent);
+        }
+        if monitor.over_speed(self.velocities()) {
+            return Some(Fault::OverSpeed);
+        }
+        if let Some(fault) = monitor.bus(self.bus_voltage) {
+            return Some(fault);
+        }
+        if samples.too_hot {
+            return Some(Fault::OverTemperature);
+        }
+        let moving = matches!(self.state, State::Running | State::Stopping | State::Homing);
+        (moving && monitor.silent(self.silence)).then_some(Fault::CommandTimeout)
+    }
+
+    /// Whether the bridges are on.
+    fn is_powered(&self) -> bool {
+        match self.state {
+            State::Stopped => false,
+            State::Homing | State::Armed | State::Running | State::Stopping => true,
+            State::Fault => self.held,
+        }
+    }
+
+    /// Latches a fault with a snapshot of this tick. The first one stays, unless it left
+    /// the arm powered and the new one does not.
+    fn latch(&mut self, fault: Fault) {
+        let hold = match fault.response() {
+            Response::PowerOff => false,
+            // What stops under control needs a path or a place to hold.
+            Response::ControlledStop => match self.state {
+                State::Armed | State::Running | State::Stopping => true,
+                State::Fault => self.held,
+                State::Stopped | State::Homing => false,
+            },
+        };
+        if self.latched.is_none() || (self.held && !hold) {
+            self.latched = Some(Snapshot {
+                fault,
+                tick: self.ticks,
+                state: self.state,
+                angle: self.angles(),
+                velocity: self.velocities(),
+                error: self.error,
+                current: self.joints.each_ref().map(|joint| joint.current),
+                torque: self.torque,
+                bus_voltage: self.bus_voltage,
+            });
+            self.held = hold;
+        }
+        if fault.loses_angles() {
+            self.homed = false;
+        }
+        if let Some(next) = self.state.after(Event::Fault) {
+            self.enter(next);
+        }
+        if self.held {
+            self.brake();
+        }
+    }
+
+    /// Enters a state: what each needs at entry, besides what its request prepared.
+    fn enter(&mut self, next: State) {
+        let before = self.state;
+        self.state = next;
+        match next {
+            State::Stopped => {
+                self.latched = None;
+                self.held = false;
+                self.drop_path();
+                for joint in &mut self.joints {
+                    joint.settle();
+                }
+                self.setpoint = Setpoint::hold(self.setpoint.direction);
+            }
+            State::Armed => {
+                if before == State::Stopping {
+                    self.drop_path();
+                }
+            }
+            State::Stopping => self.brake(),
+            State::Homing | State::Running | State::Fault => {}
+        }
+    }
+
+    /// Forgets the path, and lets the planner know where it was not finished.
+    fn drop_path(&mut self) {
+        if !self.path.is_empty() {
+            self.dropped_paths = self.dropped_paths.wrapping_add(1);
+        }
+        self.path.clear();
+    }
+
+    /// Sets the current loops to work. The last check before the bridges: nothing that is
+    /// not a number gets past it.
+    #[inline]
+    fn drive(&mut self, torque: [f32; 2]) -> Command {
+        self.torque = torque;
+        let per_bus = 1.0 / self.bus_voltage;
+        let [joint1, joint4] = &mut self.joints;
+        let [model1, model4] = &self.model.axes;
+        let [torque1, torque4] = torque;
+        let limited1 = joint1.drive(model1, torque1, self.bus_voltage, per_bus);
+        let limited4 = joint4.drive(model4, torque4, self.bus_voltage, per_bus);
+        self.limits = self.limits.with(Limits::VOLTAGE, limited1 || limited4);
+        let duty = [joint1.duty, joint4.duty];
+        if !duty.iter().all(|duty| duty.is_finite()) {
+            self.latch(Fault::NotANumber);
+            return self.off();
+        }
+        Command {
+            duty,
+            enable: [true; 2],
+            brake: false,
+        }
+    }
+
+    /// Bridges off, brake on.
+    fn off(&mut self) -> Command {
+        self.torque = [0.0; 2];
+        for joint in &mut self.joints {
+            joint.release();
+        }
+        Command {
+            duty: [0.0; 2],
+            enable: [false; 2],
+            brake: true,
+        }
+    }
+
+    /// Adds a piece to the path, which begins where the path ends so far, or where the arm
+    /// is held; `open` tells that it ends in motion and must be followed by another in
+    /// time. Only an armed arm takes pieces.
+    ///
+    /// # Errors
+    /// The piece, if there is no room or the state does not allow it.
+    pub fn push_piece(&mut self, piece: Piece<f32>, open: bool) -> Result<(), Piece<f32>> {
+        match self.state {
+            State::Armed | State::Running => self.path.push(piece, open),
+            State::Stopped | State::Homing | State::Stopping | State::Fault => Err(piece),
+        }
+    }
+
+    fn angles(&self) -> [f32; 2] {
+        self.joints.each_ref().map(|joint| joint.angle)
+    }
+
+    fn velocities(&self) -> [f32; 2] {
+        self.joints.each_ref().map(Joint::velocity)
+    }
+}

@@ -1,0 +1,129 @@
+//! Everything the tick needs to know, worked out from the settings once.
+
+use super::path::BrakeLimits;
+use crate::homing::SearchPlan;
+use crate::safety::Monitor;
+use crate::settings::{AxisSettings, Settings, SettingsError};
+use core::f32::consts::TAU;
+use fivebar_kinematics::Scalar;
+use fivebar_kinematics::control::{
+    CurrentLoop, FrictionCompensation, MotorHeating, PositionLoop, TorqueLimit, VelocityObserver,
+};
+use fivebar_kinematics::dynamics::Arm;
+use fivebar_kinematics::five_bar::{Side, Tool, WorkingMode};
+
+/// Share of the bus voltage that the bridges are asked for at most: their high sides and
+/// the sampling of the currents need the rest of each PWM period.
+const DUTY_LIMIT: f32 = 0.95;
+
+/// The constants of the tick.
+pub(crate) struct Model {
+    pub(crate) arm: Arm<f32>,
+    pub(crate) tool: Tool<f32>,
+    pub(crate) mode: WorkingMode,
+    pub(crate) assembly: Side,
+    pub(crate) axes: [AxisModel; 2],
+    pub(crate) position_loop: PositionLoop<f32>,
+    pub(crate) torque_limit: TorqueLimit<f32>,
+    /// Each joint's inertia for the loops that take it for constant [kg·m²].
+    pub(crate) nominal_inertia: [f32; 2],
+    pub(crate) computed_torque: bool,
+    /// T [s].
+    pub(crate) period: f32,
+    pub(crate) bus_voltage_per_code: f32,
+    pub(crate) monitor: Monitor,
+    pub(crate) brake_limits: BrakeLimits,
+    pub(crate) search_plans: [SearchPlan; 2],
+    pub(crate) settings: Settings,
+}
+
+/// The constants of one joint.
+pub(crate) struct AxisModel {
+    pub(crate) observer: VelocityObserver<f32>,
+    pub(crate) current_loop: CurrentLoop<f32>,
+    pub(crate) heating: MotorHeating<f32>,
+    pub(crate) friction: FrictionCompensation<f32>,
+    /// Of the joint [rad].
+    pub(crate) radians_per_count: f32,
+    /// [A].
+    pub(crate) current_per_code: f32,
+    /// [A], at code 0.
+    pub(crate) current_offset: f32,
+    /// Motor current per joint torque, 1/(N k) [A/(N·m)].
+    pub(crate) current_per_torque: f32,
+    /// Greatest torque while homing [N·m].
+    pub(crate) homing_torque: f32,
+    /// What one tick lets through of a change of acceleration: T/lag.
+    pub(crate) passing: f32,
+}
+
+impl Model {
+    /// Checks the settings and derives the constants.
+    pub(crate) fn new(settings: &Settings) -> Result<Self, SettingsError> {
+        settings.validate()?;
+        let arm = settings.arm()?;
+        let nominal_inertia = settings.nominal_inertia(&arm)?;
+        let control = &settings.control;
+        let period = 1.0 / control.tick_rate;
+        Ok(Self {
+            arm,
+            tool: settings.tool(&arm)?,
+            mode: settings.working_mode(),
+            assembly: settings.assembly(),
+            axes: settings.axes.map(|axis| AxisModel::new(&axis, settings)),
+            position_loop: PositionLoop::new(
+                control.bandwidth,
+                control.damping,
+                1.0 / control.current_bandwidth,
+                control.integral_rate,
+                period,
+            ),
+            torque_limit: TorqueLimit(settings.axes.map(|axis| {
+                Scalar::abs(axis.gear_ratio) * axis.torque_constant * axis.peak_current
+            })),
+            nominal_inertia,
+            computed_torque: control.computed_torque,
+            period,
+            bus_voltage_per_code: settings.protection.bus_voltage_per_code,
+            monitor: Monitor::new(settings),
+            brake_limits: BrakeLimits::new(settings),
+            search_plans: settings
+                .axes
+                .map(|axis| SearchPlan::new(&axis, &settings.homing)),
+            settings: *settings,
+        })
+    }
+}
+
+impl AxisModel {
+    fn new(axis: &AxisSettings, settings: &Settings) -> Self {
+        let control = &settings.control;
+        let period = 1.0 / control.tick_rate;
+        let counts_per_turn = axis.encoder_counts as f32 * axis.gear_ratio;
+        let radians_per_count = TAU / counts_per_turn;
+        let torque_per_current = axis.gear_ratio * axis.torque_constant;
+        Self {
+            observer: VelocityObserver::new(control.observer_bandwidth, period, radians_per_count),
+            current_loop: CurrentLoop::new(
+                control.current_bandwidth,
+                period,
+                axis.resistance,
+                axis.inductance,
+                torque_per_current,
+                DUTY_LIMIT,
+            ),
+            heating: MotorHeating::new(axis.continuous_current, axis.thermal_time_constant, period),
+            friction: FrictionCompensation::new(
+                axis.viscous_friction,
+                axis.coulomb_friction,
+                control.friction_smoothing,
+            ),
+            radians_per_count,
+            current_per_code: axis.current_per_code,
+            current_offset: -axis.current_per_code * f32::from(axis.current_zero_code),
+            current_per_torque: 1.0 / torque_per_current,
+            homing_torque: Scalar::abs(torque_per_current) * settings.homing.current,
+            passing: control.current_bandwidth * period,
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! What the controller tells about itself; worked out when asked, not in the tick.
+
+use super::{Controller, Snapshot, Status};
+use crate::safety::Fault;
+use fivebar_kinematics::Vec2;
+
+impl Controller {
+    /// The controller after the last tick.
+    pub fn status(&self) -> Status {
+        Status {
+            tick: self.ticks,
+            missed_ticks: self.missed_ticks,
+            state: self.state,
+            fault: self.latched.as_ref().map(|snapshot| snapshot.fault),
+            limits: self.limits,
+            homed: self.homed,
+            angle: self.angles(),
+            velocity: self.velocities(),
+            tool: self
+                .homed
+                .then(|| self.tool_at(self.angles().map(Vec2::unit)))
+                .flatten(),
+            reference: self
+                .is_powered()
+                .then(|| self.tool_at(self.reference_now()))
+                .flatten(),
+            torque: self.torque,
+            current_demand: self.joints.each_ref().map(|joint| joint.demand),
+            current: self.joints.each_ref().map(|joint| joint.current),
+            duty: self.joints.each_ref().map(|joint| joint.duty),
+            bus_voltage: self.bus_voltage,
+            tag: self.path.tag(),
+        }
+    }
+
+    /// The latched fault, with the tick that raised it.
+    pub fn fault(&self) -> Option<&Snapshot> {
+        self.latched.as_ref()
+    }
+
+    /// Ticks were missed. So many at once that the loops no longer know the arm are a
+    /// fault while the bridges are on; all are counted.
+    pub fn tick_overrun(&mut self, missed: u32) {
+        self.missed_ticks = self.missed_ticks.saturating_add(missed);
+        if missed > crate::safety::TOLERATED_TICKS && self.is_powered() {
+            self.raise(Fault::TickOverrun);
+        }
+    }
+
+    /// The set-point leads by the loop's lag d: turned back by ω d − ½ α d² it is where
+    /// the joints should be now.
+    fn reference_now(&self) -> [Vec2<f32>; 2] {
+        let lag = self.model.position_loop.lag();
+        let [d1, d4] = self.setpoint.direction;
+        let [omega1, omega4] = self.setpoint.omega;
+        let [alpha1, alpha4] = self.setpoint.alpha;
+        let back = |direction: Vec2<f32>, omega: f32, alpha: f32| {
+            direction.rotated_to(Vec2::unit(-lag * (omega - 0.5 * lag * alpha)))
+        };
+        [back(d1, omega1, alpha1), back(d4, omega4, alpha4)]
+    }
+
+    /// The tool [m] with the driven links in these directions.
+    fn tool_at(&self, [u1, u4]: [Vec2<f32>; 2]) -> Option<[f32; 2]> {
+        let geometry = self.model.arm.geometry();
+        let pose = geometry
+            .forward_from_directions(u1, u4, self.model.assembly)
+            .ok()?;
+        let point = self.model.tool.point(&pose);
+        Some([point.x, point.y])
+    }
+}

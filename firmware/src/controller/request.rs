@@ -1,0 +1,147 @@
+//! Requests from below the tick, and why they are refused.
+
+use super::{Controller, Setpoint};
+use crate::safety::{Event, Fault, State};
+use fivebar_kinematics::Vec2;
+use fivebar_kinematics::five_bar::Pose;
+use serde::{Deserialize, Serialize};
+
+/// What the controller can be asked for, besides moves.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Request {
+    /// Power the bridges and hold.
+    Arm,
+    /// Unpower the bridges.
+    Disarm,
+    /// Find the joint angles by driving to the home switches.
+    Home,
+    /// Take the joint angles to be θ1, θ4 [rad], here and now.
+    SetAngles([f32; 2]),
+    /// Come to rest on the path, forget the rest of it and hold.
+    Stop,
+    /// Unpower the bridges at once and latch the fault.
+    EmergencyStop,
+    /// Leave the fault.
+    ClearFault,
+}
+
+/// Why a request was refused. Nothing has changed then.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Refusal {
+    /// The state does not allow it.
+    State(State),
+    /// The joint angles are not known: home first.
+    NotHomed,
+    /// A joint is outside its limits.
+    OutsideLimits,
+    /// The arm is too near a singularity.
+    NearSingularity,
+    /// The angles close no arm on the branch of the settings.
+    NotOnBranch,
+    /// The arm still moves.
+    Moving,
+}
+
+impl Controller {
+    /// Does what is asked, or says why not. Counts as a sign of life of the host.
+    ///
+    /// # Errors
+    /// The reason, nothing having changed.
+    pub fn request(&mut self, request: Request) -> Result<(), Refusal> {
+        self.heard();
+        match request {
+            Request::Arm => self.arm(),
+            Request::Disarm => self.apply(Event::Disarm),
+            Request::Home => self.home(),
+            Request::SetAngles(angles) => self.set_angles(angles),
+            Request::Stop => self.apply(Event::Stop),
+            Request::EmergencyStop => {
+                self.raise(Fault::EmergencyStop);
+                Ok(())
+            }
+            Request::ClearFault => self.clear(),
+        }
+    }
+
+    /// The host has been heard: its silence begins anew.
+    pub fn heard(&mut self) {
+        self.silence = 0;
+    }
+
+    /// Raises a fault that something other than the tick has found. The next tick acts
+    /// on it.
+    pub fn raise(&mut self, fault: Fault) {
+        let graver = self
+            .pending
+            .is_none_or(|pending| pending.response() == crate::safety::Response::ControlledStop);
+        if graver {
+            self.pending = Some(fault);
+        }
+    }
+
+    pub(super) fn apply(&mut self, event: Event) -> Result<(), Refusal> {
+        let next = self.state.after(event).ok_or(Refusal::State(self.state))?;
+        self.enter(next);
+        Ok(())
+    }
+
+    fn arm(&mut self) -> Result<(), Refusal> {
+        if self.state != State::Stopped {
+            return self.apply(Event::Arm);
+        }
+        if !self.homed {
+            return Err(Refusal::NotHomed);
+        }
+        let pose = self.standing(self.angles())?;
+        self.setpoint = Setpoint::hold([pose.u1, pose.u4]);
+        self.apply(Event::Arm)
+    }
+
+    fn set_angles(&mut self, angles: [f32; 2]) -> Result<(), Refusal> {
+        if self.state != State::Stopped {
+            return Err(Refusal::State(self.state));
+        }
+        self.standing(angles)?;
+        for ((joint, axis), angle) in self.joints.iter_mut().zip(&self.model.axes).zip(angles) {
+            joint.set_origin(axis, joint.counts(), angle);
+        }
+        self.homed = true;
+        Ok(())
+    }
+
+    fn clear(&mut self) -> Result<(), Refusal> {
+        if self.state == State::Fault && self.moves_under_fault() {
+            return Err(Refusal::Moving);
+        }
+        self.apply(Event::Clear)
+    }
+
+    /// The pose at these joint angles [rad], if the arm may be armed there.
+    pub(crate) fn standing(&self, [theta1, theta4]: [f32; 2]) -> Result<Pose<f32>, Refusal> {
+        let settings = &self.model.settings;
+        let within = settings
+            .axes
+            .iter()
+            .zip([theta1, theta4])
+            .all(|(axis, theta)| {
+                let [low, high] = axis.angle_limits;
+                low <= theta && theta <= high
+            });
+        if !within {
+            return Err(Refusal::OutsideLimits);
+        }
+        let pose = self
+            .model
+            .arm
+            .geometry()
+            .forward_from_directions(Vec2::unit(theta1), Vec2::unit(theta4), self.model.assembly)
+            .map_err(|_| Refusal::NotOnBranch)?;
+        if pose.working_mode() != self.model.mode {
+            return Err(Refusal::NotOnBranch);
+        }
+        if !settings.stands_clear(&pose, settings.motion.singularity_margin) {
+            return Err(Refusal::NearSingularity);
+        }
+        Ok(pose)
+    }
+}

@@ -1,0 +1,64 @@
+//! What the controller tells about itself.
+
+use crate::safety::{Fault, Limits, State};
+use serde::{Deserialize, Serialize};
+
+/// The controller at one tick. Index 0 of a pair is joint 1, index 1 joint 4.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Status {
+    /// Ticks since the reset.
+    pub tick: u32,
+    /// Ticks missed since the reset.
+    pub missed_ticks: u32,
+    /// What it is doing.
+    pub state: State,
+    /// The latched fault.
+    pub fault: Option<Fault>,
+    /// The limits that clipped in this tick.
+    pub limits: Limits,
+    /// Whether the joint angles are absolute.
+    pub homed: bool,
+    /// θ̂1, θ̂4 [rad]; from an unknown origin until homed.
+    pub angle: [f32; 2],
+    /// ω̂1, ω̂4 [rad/s].
+    pub velocity: [f32; 2],
+    /// The tool [m]; none until homed, or where the angles close no arm.
+    pub tool: Option<[f32; 2]>,
+    /// Where the tool should be now [m]; none while the bridges are off.
+    pub reference: Option<[f32; 2]>,
+    /// The demanded torques τ1, τ4 [N·m].
+    pub torque: [f32; 2],
+    /// Current set-points [A].
+    pub current_demand: [f32; 2],
+    /// Measured currents [A].
+    pub current: [f32; 2],
+    /// Duties in −1…1.
+    pub duty: [f32; 2],
+    /// Bus voltage [V].
+    pub bus_voltage: f32,
+    /// Tag of the move in progress.
+    pub tag: Option<u32>,
+}
+
+/// The tick that raised a fault.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Snapshot {
+    /// The fault.
+    pub fault: Fault,
+    /// Ticks since the reset.
+    pub tick: u32,
+    /// The state in which it was raised.
+    pub state: State,
+    /// θ̂1, θ̂4 [rad].
+    pub angle: [f32; 2],
+    /// ω̂1, ω̂4 [rad/s].
+    pub velocity: [f32; 2],
+    /// Position errors [rad] as last worked out.
+    pub error: [f32; 2],
+    /// Measured currents [A].
+    pub current: [f32; 2],
+    /// The demanded torques [N·m] as last worked out.
+    pub torque: [f32; 2],
+    /// Bus voltage [V].
+    pub bus_voltage: f32,
+}

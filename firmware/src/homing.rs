@@ -1,0 +1,132 @@
+//! Homing to switches: each joint looks for its own, both at the same time.
+//!
+//! Approach until the switch closes, back off until it is open and `back_off` further,
+//! creep back at an eighth of the speed; the counts at which it closes then are the home
+//! angle. A joint that starts on its switch begins by backing off. A joint that goes
+//! through its whole range without finding the switch, or cannot leave it, gives up.
+
+use crate::settings::{AxisSettings, HomingSettings};
+use fivebar_kinematics::Scalar;
+
+/// How the search goes for one joint.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SearchPlan {
+    /// Towards the switch, signed [rad/s].
+    speed: f32,
+    /// [rad].
+    back_off: f32,
+    /// The whole range and what the search may overrun it [rad].
+    range: f32,
+    /// Greatest change of the reference's speed [rad/s²].
+    acceleration: f32,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Phase {
+    Approach { from: f32 },
+    BackOff { from: f32 },
+    Creep { from: f32 },
+    Found { counts: i32 },
+}
+
+/// The search of one joint.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Search {
+    phase: Phase,
+    /// Where the joint should be [rad] and how fast [rad/s], from an unknown origin.
+    pub(crate) angle: f32,
+    pub(crate) rate: f32,
+}
+
+/// The joint went as far as it may and found nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Exhausted;
+
+impl SearchPlan {
+    pub(crate) fn new(axis: &AxisSettings, homing: &HomingSettings) -> Self {
+        let [low, high] = axis.angle_limits;
+        let speed = if axis.home_forward {
+            homing.speed
+        } else {
+            -homing.speed
+        };
+        Self {
+            speed,
+            back_off: homing.back_off,
+            range: high - low + 2.0 * homing.back_off,
+            // The first approach is up to speed in a tenth of a second.
+            acceleration: 10.0 * homing.speed,
+        }
+    }
+}
+
+impl Search {
+    /// A search that begins at `angle` [rad]. On a switch that is closed already it turns
+    /// to backing off with its first step.
+    pub(crate) fn new(angle: f32) -> Self {
+        Self {
+            phase: Phase::Approach { from: angle },
+            angle,
+            rate: 0.0,
+        }
+    }
+
+    /// The counts at which the switch closed, once found.
+    pub(crate) fn found(&self) -> Option<i32> {
+        match self.phase {
+            Phase::Found { counts } => Some(counts),
+            Phase::Approach { .. } | Phase::BackOff { .. } | Phase::Creep { .. } => None,
+        }
+    }
+
+    /// One tick of `period` [s]: the switch, the measured angle [rad] and its counts.
+    pub(crate) fn step(
+        &mut self,
+        plan: &SearchPlan,
+        closed: bool,
+        angle: f32,
+        counts: i32,
+        period: f32,
+    ) -> Result<(), Exhausted> {
+        let gone = |from: f32| Scalar::abs(angle - from);
+        let wanted = match self.phase {
+            Phase::Approach { from } => {
+                if closed {
+                    self.phase = Phase::BackOff { from: angle };
+                } else if gone(from) > plan.range {
+                    return Err(Exhausted);
+                }
+                plan.speed
+            }
+            Phase::BackOff { from } => {
+                if closed && gone(from) > 4.0 * plan.back_off {
+                    return Err(Exhausted);
+                }
+                if !closed && gone(from) >= plan.back_off {
+                    self.phase = Phase::Creep { from: angle };
+                }
+                -plan.speed
+            }
+            Phase::Creep { from } => {
+                if closed {
+                    self.phase = Phase::Found { counts };
+                } else if gone(from) > 6.0 * plan.back_off {
+                    return Err(Exhausted);
+                }
+                0.125 * plan.speed
+            }
+            Phase::Found { .. } => 0.0,
+        };
+        let most = plan.acceleration * period;
+        let change = wanted - self.rate;
+        self.rate += if change > most {
+            most
+        } else if change < -most {
+            -most
+        } else {
+            change
+        };
+        self.angle += self.rate * period;
+        Ok(())
+    }
+}

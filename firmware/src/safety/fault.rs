@@ -1,0 +1,149 @@
+//! Faults and limits: what happened, by stable numbers.
+
+use serde::{Deserialize, Serialize};
+
+/// A fault. It latches and is left only by an explicit clear. The numbers are stable:
+/// they are sent, logged and looked up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[repr(u8)]
+pub enum Fault {
+    /// An encoder's counts left the observer's prediction by more than the joint can turn
+    /// in a tick. The joint angles are lost: home again.
+    EncoderJump = 1,
+    /// The measured angles cannot belong to a closed arm on its branch. The joint angles
+    /// are lost: home again.
+    EncoderDisagreement = 2,
+    /// A joint is too far from where it should be.
+    FollowingError = 3,
+    /// A joint turns too fast.
+    OverSpeed = 4,
+    /// A motor's current is too high.
+    OverCurrent = 5,
+    /// A motor is too hot by the I²t model.
+    OverTemperature = 6,
+    /// The bus voltage is too low.
+    UnderVoltage = 7,
+    /// The bus voltage is too high.
+    OverVoltage = 8,
+    /// A bridge reports a fault.
+    DriverFault = 9,
+    /// The emergency stop was pressed or ordered.
+    EmergencyStop = 10,
+    /// The arm left its envelope: joint limits, or too near a singularity; or a joint
+    /// searched its whole range without finding its switch.
+    Envelope = 11,
+    /// The host fell silent while the arm moved.
+    CommandTimeout = 12,
+    /// The path ran out while the arm moved along it.
+    QueueUnderrun = 13,
+    /// Ticks were missed.
+    TickOverrun = 14,
+    /// A number in the loop is infinite or not a number.
+    NotANumber = 15,
+    /// The clock did not start or failed.
+    ClockFailure = 16,
+    /// The watchdog had to reset the controller.
+    WatchdogReset = 17,
+    /// The stored settings are corrupt.
+    SettingsCorrupt = 18,
+}
+
+/// What a fault does to the arm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Response {
+    /// Both bridges off in the same tick, brake engaged.
+    PowerOff,
+    /// The arm comes to rest on its path and is held there.
+    ControlledStop,
+}
+
+impl Fault {
+    /// Every fault, in the order of the numbers.
+    pub const ALL: [Self; 18] = [
+        Self::EncoderJump,
+        Self::EncoderDisagreement,
+        Self::FollowingError,
+        Self::OverSpeed,
+        Self::OverCurrent,
+        Self::OverTemperature,
+        Self::UnderVoltage,
+        Self::OverVoltage,
+        Self::DriverFault,
+        Self::EmergencyStop,
+        Self::Envelope,
+        Self::CommandTimeout,
+        Self::QueueUnderrun,
+        Self::TickOverrun,
+        Self::NotANumber,
+        Self::ClockFailure,
+        Self::WatchdogReset,
+        Self::SettingsCorrupt,
+    ];
+
+    /// The fault's number.
+    pub const fn number(self) -> u8 {
+        self as u8
+    }
+
+    /// What it does to the arm. Only two faults leave the loops sound enough to stop
+    /// under control: a silent host and a path that ran out. Outside the envelope the
+    /// branch, and with it the sign of the model, is no longer certain: power off.
+    pub const fn response(self) -> Response {
+        match self {
+            Self::CommandTimeout | Self::QueueUnderrun => Response::ControlledStop,
+            Self::EncoderJump
+            | Self::EncoderDisagreement
+            | Self::FollowingError
+            | Self::OverSpeed
+            | Self::OverCurrent
+            | Self::OverTemperature
+            | Self::UnderVoltage
+            | Self::OverVoltage
+            | Self::DriverFault
+            | Self::EmergencyStop
+            | Self::Envelope
+            | Self::TickOverrun
+            | Self::NotANumber
+            | Self::ClockFailure
+            | Self::WatchdogReset
+            | Self::SettingsCorrupt => Response::PowerOff,
+        }
+    }
+
+    /// Whether the joint angles can no longer be trusted after it.
+    pub(crate) const fn loses_angles(self) -> bool {
+        matches!(self, Self::EncoderJump | Self::EncoderDisagreement)
+    }
+}
+
+/// The limits that clip in a tick without being faults, one stable bit each.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Limits(u8);
+
+impl Limits {
+    /// Nothing is limited.
+    pub const NONE: Self = Self(0);
+    /// The demanded torque exceeded what the motors may give.
+    pub const TORQUE: Self = Self(1);
+    /// The bus voltage did not suffice for the demanded current.
+    pub const VOLTAGE: Self = Self(2);
+    /// The move goes slower than asked: a joint's limit or a singularity is near.
+    pub const SPEED: Self = Self(4);
+
+    /// The bits.
+    pub const fn bits(self) -> u8 {
+        self.0
+    }
+
+    /// Whether all of `other` is limited here.
+    pub const fn contains(self, other: Self) -> bool {
+        self.0 & other.0 == other.0
+    }
+
+    /// Adds `limit` if `active`.
+    #[inline]
+    #[must_use]
+    pub(crate) const fn with(self, limit: Self, active: bool) -> Self {
+        if active { Self(self.0 | limit.0) } else { self }
+    }
+}

@@ -1,0 +1,128 @@
+//! The detectors: measured numbers against trip points.
+//!
+//! Each looks at one thing and names one fault; the tick asks them in the order of
+//! gravity. A NaN passes every comparison here and is caught by the tick itself, in what
+//! it is about to tell the bridges.
+
+use super::Fault;
+use crate::settings::Settings;
+use core::f32::consts::TAU;
+use fivebar_kinematics::Scalar;
+use fivebar_kinematics::five_bar::{Pose, WorkingMode};
+
+/// An innovation of so many counts is noise of the encoder's edges, whatever the speed.
+const JUMP_COUNTS: f32 = 4.0;
+
+/// Missed ticks at once that are only counted.
+pub(crate) const TOLERATED_TICKS: u32 = 2;
+
+/// The trip points.
+pub(crate) struct Monitor {
+    /// [rad], each joint's.
+    jump: [f32; 2],
+    /// [rad/s].
+    over_speed: f32,
+    /// [A].
+    over_current: f32,
+    /// [rad].
+    following_error: f32,
+    /// [V].
+    bus: [f32; 2],
+    /// [rad], each joint's limits and what a following error may add.
+    angles: [[f32; 2]; 2],
+    mode: WorkingMode,
+    /// Least |sin| at elbows and C.
+    margin: f32,
+    /// Ticks.
+    silence: u32,
+}
+
+impl Monitor {
+    pub(crate) fn new(settings: &Settings) -> Self {
+        let protection = &settings.protection;
+        let rate = settings.control.tick_rate;
+        let slack = protection.following_error;
+        Self {
+            // What the joint turns in a tick at the over-speed, or a few counts.
+            jump: settings.axes.map(|axis| {
+                let count = TAU / (Scalar::abs(axis.gear_ratio) * axis.encoder_counts as f32);
+                (JUMP_COUNTS * count).max(protection.over_speed / rate)
+            }),
+            over_speed: protection.over_speed,
+            over_current: protection.over_current,
+            following_error: protection.following_error,
+            bus: protection.bus_voltage,
+            angles: settings.axes.map(|axis| {
+                let [low, high] = axis.angle_limits;
+                [low - slack, high + slack]
+            }),
+            mode: settings.working_mode(),
+            margin: 0.5 * settings.motion.singularity_margin,
+            silence: (protection.command_timeout * rate) as u32,
+        }
+    }
+
+    /// A count that no joint can have turned.
+    #[inline]
+    pub(crate) fn jumped(&self, innovation: [f32; 2]) -> bool {
+        exceeds(innovation, self.jump)
+    }
+
+    /// Bus voltage [V].
+    #[inline]
+    pub(crate) fn bus(&self, voltage: f32) -> Option<Fault> {
+        let [low, high] = self.bus;
+        if voltage < low {
+            Some(Fault::UnderVoltage)
+        } else if voltage > high {
+            Some(Fault::OverVoltage)
+        } else {
+            None
+        }
+    }
+
+    /// Motor currents [A].
+    #[inline]
+    pub(crate) fn over_current(&self, current: [f32; 2]) -> bool {
+        exceeds(current, [self.over_current; 2])
+    }
+
+    /// Joint speeds [rad/s].
+    #[inline]
+    pub(crate) fn over_speed(&self, velocity: [f32; 2]) -> bool {
+        exceeds(velocity, [self.over_speed; 2])
+    }
+
+    /// Position errors [rad].
+    #[inline]
+    pub(crate) fn lost_its_path(&self, error: [f32; 2]) -> bool {
+        exceeds(error, [self.following_error; 2])
+    }
+
+    /// Joint angles [rad] outside their limits.
+    #[inline]
+    pub(crate) fn outside(&self, angle: [f32; 2]) -> bool {
+        let [[low1, high1], [low4, high4]] = self.angles;
+        let [angle1, angle4] = angle;
+        angle1 < low1 || angle1 > high1 || angle4 < low4 || angle4 > high4
+    }
+
+    /// A pose too near a singularity, or past one.
+    #[inline]
+    pub(crate) fn near_singularity(&self, pose: &Pose<f32>) -> bool {
+        self.mode.elbow1.sign(pose.sin21()) < self.margin
+            || self.mode.elbow4.sign(pose.sin34()) < self.margin
+            || Scalar::abs(pose.sin32()) < self.margin
+    }
+
+    /// Ticks since the host was heard.
+    #[inline]
+    pub(crate) fn silent(&self, ticks: u32) -> bool {
+        ticks > self.silence
+    }
+}
+
+#[inline]
+fn exceeds([value1, value4]: [f32; 2], [limit1, limit4]: [f32; 2]) -> bool {
+    Scalar::abs(value1) > limit1 || Scalar::abs(value4) > limit4
+}

@@ -1,0 +1,221 @@
+//! The states of the controller and every way between them.
+
+use serde::{Deserialize, Serialize};
+
+/// What the controller is doing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum State {
+    /// Bridges off, brake on.
+    ///
+    /// Entry: after power-up, a disarm, a completed homing or a cleared fault.
+    /// Exit: to Armed when the arm is homed and stands inside its envelope; to Homing.
+    Stopped,
+    /// Driving both joints to their switches at limited current.
+    ///
+    /// Entry: by request from Stopped.
+    /// Exit: to Stopped when both switches are found, or by a stop or disarm on the way.
+    Homing,
+    /// Holding where the arm was when the state was entered.
+    ///
+    /// Entry: from Stopped by request, from Running at the end of the path, from Stopping
+    /// at rest. Exit: to Running as soon as there is a path; to Stopped by a disarm.
+    Armed,
+    /// Following the path.
+    ///
+    /// Entry: from Armed when a piece of path is queued. Exit: to Armed at the path's end;
+    /// to Stopping by a stop; to Stopped, bridges off, by a disarm.
+    Running,
+    /// Coming to rest on the path.
+    ///
+    /// Entry: from Running by a stop. Exit: to Armed at rest, the rest of the path
+    /// forgotten; to Stopped, bridges off, by a disarm.
+    Stopping,
+    /// A fault is latched: bridges off, or at rest and held, by the fault's response.
+    ///
+    /// Entry: from everywhere by a fault, with a snapshot of the tick that raised it.
+    /// Exit: to Stopped by an explicit clear.
+    Fault,
+}
+
+/// What can happen to a state. Whether an arm may be armed, and whether a fault may be
+/// cleared, is settled before the event is given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Event {
+    /// Power the bridges and hold.
+    Arm,
+    /// Unpower the bridges.
+    Disarm,
+    /// Look for the home switches.
+    Home,
+    /// Both switches were found.
+    Homed,
+    /// There is a path to follow.
+    Begin,
+    /// The path has been followed to its end.
+    Finish,
+    /// Come to rest on the path.
+    Stop,
+    /// The arm has come to rest.
+    Rest,
+    /// A fault was raised.
+    Fault,
+    /// Leave the fault.
+    Clear,
+}
+
+impl State {
+    /// All states.
+    pub const ALL: [Self; 6] = [
+        Self::Stopped,
+        Self::Homing,
+        Self::Armed,
+        Self::Running,
+        Self::Stopping,
+        Self::Fault,
+    ];
+
+    /// The state after `event`; `None` where it is refused or means nothing, and the
+    /// state stays.
+    #[inline]
+    pub const fn after(self, event: Event) -> Option<Self> {
+        match (self, event) {
+            (Self::Stopped, Event::Arm) => Some(Self::Armed),
+            (Self::Stopped, Event::Home) => Some(Self::Homing),
+            (Self::Stopped, Event::Disarm | Event::Stop | Event::Clear) => Some(Self::Stopped),
+            (Self::Stopped, Event::Homed | Event::Begin | Event::Finish | Event::Rest) => None,
+
+            (Self::Homing, Event::Homed | Event::Stop | Event::Disarm) => Some(Self::Stopped),
+            (
+                Self::Homing,
+                Event::Arm
+                | Event::Home
+                | Event::Begin
+                | Event::Finish
+                | Event::Rest
+                | Event::Clear,
+            ) => None,
+
+            (Self::Armed, Event::Begin) => Some(Self::Running),
+            (Self::Armed, Event::Disarm) => Some(Self::Stopped),
+            (Self::Armed, Event::Arm | Event::Stop) => Some(Self::Armed),
+            (
+                Self::Armed,
+                Event::Home | Event::Homed | Event::Finish | Event::Rest | Event::Clear,
+            ) => None,
+
+            (Self::Running, Event::Finish) => Some(Self::Armed),
+            (Self::Running, Event::Stop) => Some(Self::Stopping),
+            (Self::Running, Event::Disarm) => Some(Self::Stopped),
+            (Self::Running, Event::Arm | Event::Begin) => Some(Self::Running),
+            (Self::Running, Event::Home | Event::Homed | Event::Rest | Event::Clear) => None,
+
+            (Self::Stopping, Event::Rest) => Some(Self::Armed),
+            (Self::Stopping, Event::Disarm) => Some(Self::Stopped),
+            (Self::Stopping, Event::Stop) => Some(Self::Stopping),
+            (
+                Self::Stopping,
+                Event::Arm
+                | Event::Home
+                | Event::Homed
+                | Event::Begin
+                | Event::Finish
+                | Event::Clear,
+            ) => None,
+
+            (Self::Fault, Event::Clear) => Some(Self::Stopped),
+            (
+                Self::Fault,
+                Event::Arm
+                | Event::Disarm
+                | Event::Home
+                | Event::Homed
+                | Event::Begin
+                | Event::Finish
+                | Event::Stop
+                | Event::Rest,
+            ) => None,
+
+            (
+                Self::Stopped
+                | Self::Homing
+                | Self::Armed
+                | Self::Running
+                | Self::Stopping
+                | Self::Fault,
+                Event::Fault,
+            ) => Some(Self::Fault),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Event::{Arm, Begin, Clear, Disarm, Finish, Home, Homed, Rest, Stop};
+    use super::State::{Armed, Fault, Homing, Running, Stopped, Stopping};
+    use super::{Event, State};
+
+    const EVENTS: [Event; 10] = [
+        Arm,
+        Disarm,
+        Home,
+        Homed,
+        Begin,
+        Finish,
+        Stop,
+        Rest,
+        Event::Fault,
+        Clear,
+    ];
+
+    /// Row by state, column by event; `None` for a refusal.
+    const TABLE: [[Option<State>; 10]; 6] = {
+        const S: Option<State> = Some(Stopped);
+        const H: Option<State> = Some(Homing);
+        const A: Option<State> = Some(Armed);
+        const R: Option<State> = Some(Running);
+        const P: Option<State> = Some(Stopping);
+        const F: Option<State> = Some(Fault);
+        const N: Option<State> = None;
+        [
+            //  Arm Disarm Home Homed Begin Finish Stop Rest Fault Clear
+            [A, S, H, N, N, N, S, N, F, S], // Stopped
+            [N, S, N, S, N, N, S, N, F, N], // Homing
+            [A, S, N, N, R, N, A, N, F, N], // Armed
+            [R, S, N, N, R, A, P, N, F, N], // Running
+            [N, S, N, N, N, N, P, A, F, N], // Stopping
+            [N, N, N, N, N, N, N, N, F, S], // Fault
+        ]
+    };
+
+    #[test]
+    fn every_state_answers_every_event_as_the_table_says() {
+        for (state, row) in State::ALL.into_iter().zip(TABLE) {
+            for (event, expected) in EVENTS.into_iter().zip(row) {
+                assert_eq!(state.after(event), expected, "{state:?} after {event:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_fault_is_left_only_to_stopped_and_only_by_a_clear() {
+        for event in EVENTS {
+            match Fault.after(event) {
+                Some(Stopped) => assert_eq!(event, Clear),
+                Some(Fault) => assert_eq!(event, Event::Fault),
+                Some(other) => panic!("{event:?} leads from Fault to {other:?}"),
+                None => {}
+            }
+        }
+    }
+
+    #[test]
+    fn motion_begins_only_from_armed() {
+        for state in State::ALL {
+            for event in EVENTS {
+                if state.after(event) == Some(Running) {
+                    assert!(matches!(state, Armed | Running));
+                }
+            }
+        }
+    }
+}

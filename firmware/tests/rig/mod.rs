@@ -1,0 +1,272 @@
+//! A bench for the controller alone: the benchtop arm's settings and a small plant of its
+//! own in f64, so that the firmware is tested without the simulator.
+
+#![allow(dead_code, reason = "each test file uses its own part")]
+
+use fivebar_firmware::controller::{Controller, Request};
+use fivebar_firmware::settings::{
+    AxisSettings, ControlSettings, HomingSettings, LinkSettings, MotionSettings,
+    ProtectionSettings, Settings,
+};
+use fivebar_firmware::{Command, Sensed};
+use fivebar_kinematics::Vec2;
+use fivebar_kinematics::control::computed_torque;
+use fivebar_kinematics::dynamics::{Arm, Link};
+use fivebar_kinematics::five_bar::{Geometry, Side};
+use std::f64::consts::TAU;
+
+/// Where the bench arm starts: crank angles of an upright pose [rad].
+pub(crate) const START: [f32; 2] = [2.2, 0.9];
+
+fn axis(home_angle: f32, angle_limits: [f32; 2], home_forward: bool) -> AxisSettings {
+    AxisSettings {
+        gear_ratio: 8.0,
+        rotor_inertia: 1.0e-6,
+        torque_constant: 0.0234,
+        resistance: 2.3,
+        inductance: 0.24e-3,
+        viscous_friction: 1.5e-3,
+        coulomb_friction: 9e-3,
+        encoder_counts: 8192,
+        home_angle,
+        home_forward,
+        angle_limits,
+        max_speed: 35.0,
+        max_acceleration: 1000.0,
+        peak_current: 4.0,
+        continuous_current: 1.3,
+        thermal_time_constant: 12.0,
+        current_per_code: 16.0 / 4096.0,
+        current_zero_code: 2048,
+    }
+}
+
+/// The benchtop arm.
+pub(crate) fn settings() -> Settings {
+    let crank = LinkSettings {
+        mass: 0.07,
+        com: [0.0414, 0.0],
+        inertia: 1.33e-4,
+    };
+    let coupler = |mass, com, inertia| LinkSettings {
+        mass,
+        com: [com, 0.0],
+        inertia,
+    };
+    Settings {
+        lengths: [0.10, 0.16, 0.16, 0.10, 0.08],
+        links: [
+            crank,
+            coupler(0.05, 0.08, 2.94e-4),
+            coupler(0.04, 0.06, 2.14e-4),
+            crank,
+        ],
+        payload: 0.03,
+        gravity: [0.0, 0.0],
+        tool_offset: [0.0, 0.0],
+        elbows_left: [false, true],
+        assembly_left: true,
+        axes: [
+            axis(2.792_526_8, [0.6, 3.6], true),
+            axis(0.349_065_9, [-0.46, 2.54], false),
+        ],
+        control: ControlSettings {
+            tick_rate: 10_000.0,
+            bandwidth: 250.0,
+            damping: 1.0,
+            integral_rate: 30.0,
+            observer_bandwidth: 1500.0,
+            current_bandwidth: 3000.0,
+            friction_smoothing: 0.02,
+            computed_torque: true,
+        },
+        homing: HomingSettings {
+            speed: 0.7,
+            back_off: 0.05,
+            current: 1.2,
+        },
+        motion: MotionSettings {
+            max_speed: 0.3,
+            max_acceleration: 4.0,
+            max_jerk: 200.0,
+            corner_tolerance: 5e-5,
+            singularity_margin: 0.15,
+        },
+        protection: ProtectionSettings {
+            following_error: 0.05,
+            over_speed: 50.0,
+            over_current: 6.0,
+            bus_voltage: [18.0, 30.0],
+            bus_voltage_per_code: 0.01,
+            command_timeout: 0.1,
+        },
+    }
+}
+
+/// An arm with its motors, one tick at a time.
+pub(crate) struct Bench {
+    arm: Arm<f64>,
+    settings: Settings,
+    /// θ1, θ4 [rad].
+    pub(crate) theta: [f64; 2],
+    /// ω1, ω4 [rad/s].
+    pub(crate) omega: [f64; 2],
+    /// Motor currents [A].
+    pub(crate) current: [f64; 2],
+    /// Torque from outside on each joint [N·m].
+    pub(crate) push: [f64; 2],
+    /// Bus voltage [V].
+    pub(crate) bus: f64,
+    /// What the sensors would say besides.
+    pub(crate) overlay: Sensed,
+    /// Added to the counts.
+    pub(crate) extra_counts: [i32; 2],
+    command: Command,
+}
+
+impl Bench {
+    pub(crate) fn new(settings: &Settings) -> Self {
+        let single = |value: f32| f64::from(value);
+        let arm = Arm::new(
+            Geometry::new(settings.lengths.map(single)).unwrap(),
+            settings.links.map(|link| Link {
+                mass: single(link.mass),
+                com: Vec2::new(single(link.com[0]), single(link.com[1])),
+                inertia: single(link.inertia),
+            }),
+            single(settings.payload),
+            Vec2::new(single(settings.gravity[0]), single(settings.gravity[1])),
+            settings
+                .axes
+                .map(|axis| single(axis.gear_ratio * axis.gear_ratio * axis.rotor_inertia)),
+        )
+        .unwrap();
+        Self {
+            arm,
+            settings: *settings,
+            theta: START.map(single),
+            omega: [0.0; 2],
+            current: [0.0; 2],
+            push: [0.0; 2],
+            bus: 24.0,
+            overlay: Sensed::default(),
+            extra_counts: [0; 2],
+            command: Command::default(),
+        }
+    }
+
+    /// The samples of this instant.
+    pub(crate) fn sense(&self) -> Sensed {
+        let axes = &self.settings.axes;
+        let counts = |joint: usize| {
+            let turns = self.theta[joint] / TAU * f64::from(axes[joint].gear_ratio);
+            let counts = (turns * f64::from(axes[joint].encoder_counts)).round() as i32;
+            counts.wrapping_add(self.extra_counts[joint])
+        };
+        let code = |joint: usize| {
+            let codes = self.current[joint] / f64::from(axes[joint].current_per_code);
+            (codes + f64::from(axes[joint].current_zero_code)).round() as u16
+        };
+        Sensed {
+            counts: [counts(0), counts(1)],
+            current: [code(0), code(1)],
+            bus_voltage: (self.bus * 100.0).round() as u16,
+            ..self.overlay
+        }
+    }
+
+    /// Lets a tick pass; `command` acts from the next one on.
+    pub(crate) fn step(&mut self, command: &Command) {
+        const STEPS: u32 = 5;
+        let acting = std::mem::replace(&mut self.command, *command);
+        let dt = 1.0 / f64::from(self.settings.control.tick_rate) / f64::from(STEPS);
+        for _ in 0..STEPS {
+            let mut torque = self.push;
+            for joint in 0..2 {
+                let axis = &self.settings.axes[joint];
+                let ratio = f64::from(axis.gear_ratio);
+                let k = f64::from(axis.torque_constant) * ratio;
+                if acting.enable[joint] {
+                    let v = f64::from(acting.duty[joint]) * self.bus - k * self.omega[joint];
+                    let (r, l) = (f64::from(axis.resistance), f64::from(axis.inductance));
+                    let a = (-r * dt / l).exp();
+                    self.current[joint] = a * self.current[joint] + (1.0 - a) * v / r;
+                } else {
+                    self.current[joint] = 0.0;
+                }
+                let omega = self.omega[joint];
+                torque[joint] += k * self.current[joint]
+                    - f64::from(axis.viscous_friction) * omega
+                    - f64::from(axis.coulomb_friction) * (omega / 0.005).tanh();
+            }
+            let alpha = self.accelerations(torque);
+            for joint in 0..2 {
+                self.omega[joint] += dt * alpha[joint];
+                self.theta[joint] += dt * self.omega[joint];
+            }
+        }
+    }
+
+    /// M α = τ − h by three calls of inverse dynamics.
+    fn accelerations(&self, torque: [f64; 2]) -> [f64; 2] {
+        let geometry = self.arm.geometry();
+        let [theta1, theta4] = self.theta;
+        let pose = geometry.forward(theta1, theta4, Side::Left).unwrap();
+        let rates = geometry
+            .forward_velocities(&pose, self.omega[0], self.omega[1])
+            .unwrap();
+        let at = |alpha| computed_torque(&self.arm, &pose, &rates, alpha).unwrap();
+        let h = at([0.0, 0.0]);
+        let (c1, c4) = (at([1.0, 0.0]), at([0.0, 1.0]));
+        let [m11, m41] = [c1[0] - h[0], c1[1] - h[1]];
+        let [m14, m44] = [c4[0] - h[0], c4[1] - h[1]];
+        let [f1, f4] = [torque[0] - h[0], torque[1] - h[1]];
+        let det = m11 * m44 - m14 * m41;
+        [(f1 * m44 - f4 * m14) / det, (m11 * f4 - m41 * f1) / det]
+    }
+
+    /// The tool [m].
+    pub(crate) fn tool(&self) -> [f64; 2] {
+        let [theta1, theta4] = self.theta;
+        let pose = self.arm.geometry().forward(theta1, theta4, Side::Left);
+        let c = pose.unwrap().c;
+        [c.x, c.y]
+    }
+}
+
+/// A controller and its bench, tick by tick in step.
+pub(crate) struct Rig {
+    pub(crate) controller: Controller,
+    pub(crate) bench: Bench,
+}
+
+impl Rig {
+    /// Stopped, not homed.
+    pub(crate) fn new(settings: &Settings) -> Self {
+        let mut rig = Self {
+            controller: Controller::new(settings).unwrap(),
+            bench: Bench::new(settings),
+        };
+        rig.run(1);
+        rig
+    }
+
+    /// Homed by declaring the angles, and armed.
+    pub(crate) fn armed(settings: &Settings) -> Self {
+        let mut rig = Self::new(settings);
+        rig.controller.request(Request::SetAngles(START)).unwrap();
+        rig.controller.request(Request::Arm).unwrap();
+        rig.run(1);
+        rig
+    }
+
+    /// Runs so many ticks and gives the last command.
+    pub(crate) fn run(&mut self, ticks: u32) -> Command {
+        let mut last = Command::default();
+        for _ in 0..ticks {
+            last = self.controller.tick(&self.bench.sense());
+            self.bench.step(&last);
+        }
+        last
+    }
+}
