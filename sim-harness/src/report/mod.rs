@@ -9,12 +9,14 @@ mod chart;
 mod decimate;
 mod page;
 mod quantity;
+mod run;
 mod write;
 
 pub use animation::{Animation, Body, Trace};
 pub use chart::{Chart, Series, Stroke};
 pub use page::Page;
 pub use quantity::quantity;
+pub use run::RunReport;
 pub use write::{WriteError, write_whole};
 
 /// A point of a chart or of a drawing; a coordinate that is not finite breaks the curve.

@@ -1,5 +1,6 @@
 //! A run: what happened in it, and what it comes to.
 
+mod csv;
 mod summary;
 mod trace;
 

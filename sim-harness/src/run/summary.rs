@@ -35,3 +35,10 @@ pub struct Summary {
     /// The folder with the report.
     pub out_dir: String,
 }
+
+impl Summary {
+    /// Simulated time per time taken.
+    pub fn speed(&self) -> f64 {
+        self.simulated_s / self.wall_s
+    }
+}

@@ -1,0 +1,173 @@
+//! The report of a made-up run of the default arm on a circle.
+
+use super::RunReport;
+use super::shares::ShareModel;
+use crate::job::{Job, Placement};
+use crate::robot::{BuiltIn, Robot};
+use crate::run::{Sample, Summary, TipError, Trace};
+use fivebar_kinematics::Vec2;
+use std::f64::consts::TAU;
+
+const CENTER: [f64; 2] = [0.04, 0.17];
+const RADIUS: f64 = 0.03;
+/// Angular speed on the circle [rad/s].
+const OMEGA: f64 = 8.0;
+
+fn robot() -> Robot {
+    BuiltIn::find(BuiltIn::DEFAULT).unwrap().robot().unwrap()
+}
+
+/// The sample of a tool that circles, with the joint motion that belongs to it, and with an
+/// error of `error` [m] outwards.
+fn circling(robot: &Robot, time: f64, error: f64) -> Sample {
+    let u = Vec2::unit(OMEGA * time);
+    let c = Vec2::new(CENTER[0], CENTER[1]) + u * RADIUS;
+    let geometry = &robot.geometry;
+    let pose = geometry.inverse(c, robot.working_mode).unwrap();
+    let rates = geometry
+        .inverse_velocities(&pose, u.perp() * (RADIUS * OMEGA))
+        .unwrap();
+    let inward = u * (-RADIUS * OMEGA * OMEGA);
+    let accelerations = geometry
+        .inverse_accelerations(&pose, &rates, inward)
+        .unwrap();
+    let [theta1, .., theta4] = pose.angles();
+    let tool = c + u * error;
+    Sample {
+        time,
+        line: 4,
+        reference: [c.x, c.y],
+        tool: [tool.x, tool.y],
+        angle: [theta1, theta4],
+        reference_angle: [theta1, theta4],
+        reference_velocity: [rates.omega[0], rates.omega[3]],
+        reference_acceleration: [accelerations.alpha[0], accelerations.alpha[3]],
+        torque: [0.1 * u.x, 0.1 * u.y],
+        current: [u.x, u.y],
+        ..Sample::default()
+    }
+}
+
+fn trace(robot: &Robot, error: f64) -> Trace {
+    let mut trace = Trace::default();
+    for tick in 0..20_000 {
+        trace.push(circling(robot, f64::from(tick) * 1e-4, error));
+    }
+    trace
+}
+
+fn summary(rms_m: f64) -> Summary {
+    Summary {
+        robot: "benchtop".into(),
+        scenario: "circle".into(),
+        simulated_s: 2.0,
+        wall_s: 0.05,
+        tip_error: TipError {
+            rms_m,
+            max_m: rms_m,
+        },
+        ..Summary::default()
+    }
+}
+
+#[test]
+fn shows_the_whole_run_in_one_small_offline_page() {
+    let robot = robot();
+    let text = "M18\nF100\nM3\nG3 X10 I5";
+    let placement = Placement {
+        origin: CENTER,
+        scale: 1.0,
+        home: CENTER,
+    };
+    let job = Job::parse(text, &placement).unwrap();
+    let (own, pd) = (trace(&robot, 20e-6), trace(&robot, 200e-6));
+    let report = RunReport {
+        robot: &robot,
+        job: Some(&job),
+        summary: &summary(20e-6),
+        trace: &own,
+        pd: Some((&summary(200e-6), &pd)),
+        conditions: &[("link masses".into(), "+10 %".into())],
+    };
+    let html = report.page().render();
+    assert!(html.len() < 2_000_000, "{} bytes", html.len());
+    for part in [
+        "benchtop draws circle",
+        "20.0 µm",
+        "10.0 times as large",
+        "40× real time",
+        "its error drawn 50×",
+        "Torque of joint 4 by cause",
+        "velocity products",
+        "motor current [A]",
+        "line 1: M18 is not understood",
+        "link masses",
+    ] {
+        assert!(html.contains(part), "{part}");
+    }
+}
+
+#[test]
+fn a_run_cut_short_still_makes_a_page() {
+    let robot = robot();
+    let empty = Summary {
+        faults: vec!["over-current".into()],
+        ..Summary::default()
+    };
+    let report = RunReport {
+        robot: &robot,
+        job: None,
+        summary: &empty,
+        trace: &Trace::default(),
+        pd: None,
+        conditions: &[],
+    };
+    assert!(
+        report
+            .page()
+            .render()
+            .contains("ended in a fault: over-current")
+    );
+}
+
+#[test]
+fn shares_add_up_to_inverse_dynamics_and_each_is_what_its_name_says() {
+    let robot = robot();
+    let model = ShareModel::new(&robot).unwrap();
+    let arm = robot.arm().unwrap();
+    let geometry = &robot.geometry;
+    for step in 0..20 {
+        let sample = circling(&robot, f64::from(step) / 20.0 * TAU / OMEGA, 0.0);
+        let shares = model.shares(&sample).unwrap();
+        let c = Vec2::new(sample.reference[0], sample.reference[1]);
+        let pose = geometry.inverse(c, robot.working_mode).unwrap();
+        let [omega1, omega4] = sample.reference_velocity;
+        let [alpha1, alpha4] = sample.reference_acceleration;
+        let rates = geometry.forward_velocities(&pose, omega1, omega4).unwrap();
+        let acc = geometry
+            .forward_accelerations(&pose, &rates, alpha1, alpha4)
+            .unwrap();
+        let total = arm
+            .inverse_dynamics(&pose, &rates, &acc, Vec2::zero())
+            .unwrap();
+        for joint in 0..2 {
+            let sum =
+                shares.inertia[joint] + shares.velocity_products[joint] + shares.gravity[joint];
+            assert!((sum - total[joint]).abs() < 1e-12);
+            assert_eq!(shares.gravity[joint], 0.0);
+            assert!(shares.friction[joint] * sample.reference_velocity[joint] >= 0.0);
+        }
+        // Twice as fast, everything but friction is four times as large.
+        let twice = Sample {
+            reference_velocity: sample.reference_velocity.map(|omega| 2.0 * omega),
+            reference_acceleration: sample.reference_acceleration.map(|alpha| 4.0 * alpha),
+            ..sample
+        };
+        let faster = model.shares(&twice).unwrap();
+        for joint in 0..2 {
+            let grown = faster.velocity_products[joint] - 4.0 * shares.velocity_products[joint];
+            assert!(grown.abs() < 1e-12);
+            assert!((faster.inertia[joint] - 4.0 * shares.inertia[joint]).abs() < 1e-12);
+        }
+    }
+}
