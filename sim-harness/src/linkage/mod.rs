@@ -1,0 +1,73 @@
+//! Linkages: read from TOML, driven through a sweep, shown in tables and reports.
+
+mod build;
+mod builtin;
+mod file;
+mod limits;
+
+pub use builtin::{EXAMPLES, Example};
+
+use crate::robot::{FileError, Source};
+use fivebar_kinematics::linkage::{Law, Linkage, Sweep};
+use std::io::Read as _;
+
+/// A linkage and how its file drives it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DrivenLinkage {
+    /// Its name.
+    pub name: String,
+    /// What is solved.
+    pub linkage: Linkage<f64>,
+    /// One law of motion for each driven link.
+    pub laws: Vec<Law>,
+    /// How long it is driven [s].
+    pub duration: f64,
+    /// In how many steps.
+    pub steps: usize,
+}
+
+/// No sound linkage file comes near this [bytes].
+const LARGEST_FILE: u64 = 1 << 20;
+
+impl DrivenLinkage {
+    /// The linkage that a command line names: a shipped example, or else a file.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or that [`DrivenLinkage::parse`] refuses.
+    pub fn load(name_or_path: &str) -> Result<Self, FileError> {
+        if let Some(example) = Example::find(name_or_path) {
+            return example.linkage();
+        }
+        let refuse = |reason| FileError {
+            file: name_or_path.into(),
+            line: None,
+            reason,
+        };
+        let mut text = String::new();
+        let file = std::fs::File::open(name_or_path)
+            .map_err(|error| refuse(format!("neither a shipped example nor a file: {error}")))?;
+        file.take(LARGEST_FILE + 1)
+            .read_to_string(&mut text)
+            .map_err(|error| refuse(format!("cannot be read as text: {error}")))?;
+        if text.len() as u64 > LARGEST_FILE {
+            return Err(refuse(
+                "is larger than 1 MiB, which no linkage needs".into(),
+            ));
+        }
+        Self::parse(name_or_path, &text)
+    }
+
+    /// The linkage described by the text of a file called `file`.
+    ///
+    /// # Errors
+    /// An unknown or missing key, a name that stands for nothing yet, or a number that
+    /// makes no sense, with its line.
+    pub fn parse(file: &str, text: &str) -> Result<Self, FileError> {
+        build::linkage(Source { file, text })
+    }
+
+    /// Drives it as its file says.
+    pub fn sweep(&self) -> Sweep {
+        Sweep::new(&self.linkage, &self.laws, self.duration, self.steps)
+    }
+}

@@ -1,0 +1,233 @@
+//! Every shipped linkage on every assembly: rates against finite differences, forces
+//! against energy and momentum; and figures a textbook gives.
+
+use fivebar::linkage::{DrivenLinkage, EXAMPLES};
+use fivebar_kinematics::Vec2;
+use fivebar_kinematics::linkage::{Coordinate, Law, Linkage, Motion};
+
+fn inputs(laws: &[Law], t: f64) -> Vec<Coordinate<f64>> {
+    laws.iter().map(|law| law.at(t)).collect()
+}
+
+/// All positions, then their velocities, then their accelerations.
+fn coordinates(motion: &Motion<f64>) -> [Vec<f64>; 3] {
+    let mut all = [vec![], vec![], vec![]];
+    let mut add = |place: [Vec2<f64>; 3]| {
+        for (list, vector) in all.iter_mut().zip(place) {
+            list.extend([vector.x, vector.y]);
+        }
+    };
+    for point in &motion.points {
+        add([point.position, point.velocity, point.acceleration]);
+    }
+    for link in &motion.links {
+        let (u, n) = (link.axis, link.axis.perp());
+        add([
+            u,
+            n * link.omega,
+            n * link.alpha - u * (link.omega * link.omega),
+        ]);
+    }
+    all
+}
+
+/// Kinetic and gravitational energy [J], momentum [N·s] and angular momentum about the
+/// plane's origin [N·m·s].
+fn energy_and_momentum(linkage: &Linkage<f64>, motion: &Motion<f64>) -> [f64; 4] {
+    let mut sum = [0.0; 4];
+    let mut add = |mass: f64, place: Vec2<f64>, velocity: Vec2<f64>| {
+        let energy = 0.5 * velocity.norm_squared() - linkage.gravity().dot(place);
+        let parts = [energy, velocity.x, velocity.y, place.cross(velocity)];
+        for (total, part) in sum.iter_mut().zip(parts) {
+            *total += mass * part;
+        }
+    };
+    for (link, motion) in linkage.links().iter().zip(&motion.links) {
+        let com = motion.point(link.inertia.com);
+        add(link.inertia.mass, com.position, com.velocity);
+    }
+    for (point, motion) in linkage.points().iter().zip(&motion.points) {
+        add(point.mass, motion.position, motion.velocity);
+    }
+    for (link, motion) in linkage.links().iter().zip(&motion.links) {
+        sum[0] += 0.5 * link.inertia.inertia * motion.omega * motion.omega;
+        sum[3] += link.inertia.inertia * motion.omega;
+    }
+    sum
+}
+
+/// Runs `check` on every assembly of every example, at instants at which it is well away
+/// from singularities, and makes sure that each example's own assembly was among them.
+fn on_every_assembly(check: impl Fn(&str, &Linkage<f64>, &[Law], f64, &Motion<f64>)) {
+    for example in EXAMPLES {
+        let driven = example.linkage().unwrap();
+        for (assembly, linkage) in driven.linkage.assemblies().enumerate() {
+            let mut checked = 0;
+            for i in 0..37 {
+                let t = driven.duration * (f64::from(i) + 0.3) / 37.0;
+                let Ok(motion) = linkage.motion(&inputs(&driven.laws, t)) else {
+                    continue;
+                };
+                let dyads = motion.dyads.iter().flatten();
+                if dyads.into_iter().all(|dyad| dyad.sine.abs() > 0.2) {
+                    check(example.name, &linkage, &driven.laws, t, &motion);
+                    checked += 1;
+                }
+            }
+            assert!(assembly > 0 || checked > 20, "{}: {checked}", example.name);
+        }
+    }
+}
+
+/// Short against the fastest example, a tenth of a second a turn.
+const STEP: f64 = 1e-6;
+
+#[test]
+fn rates_are_the_finite_differences_of_what_they_are_rates_of() {
+    on_every_assembly(|name, linkage, laws, t, motion| {
+        let beside = |dt: f64| coordinates(&linkage.motion(&inputs(laws, t + dt)).unwrap());
+        let (before, now, after) = (beside(-STEP), coordinates(motion), beside(STEP));
+        for order in 0..2 {
+            let scale = now[order + 1].iter().fold(1.0_f64, |m, x| m.max(x.abs()));
+            for (i, &rate) in now[order + 1].iter().enumerate() {
+                let difference = (after[order][i] - before[order][i]) / (2.0 * STEP);
+                assert!(
+                    (difference - rate).abs() <= 1e-6 * scale,
+                    "{name} at {t} s, coordinate {i}, order {order}: {rate} for {difference}"
+                );
+            }
+        }
+        assert!(now[1].iter().any(|v| v.abs() > 1e-3), "{name} stands still");
+    });
+}
+
+#[test]
+fn forces_balance_energy_and_momentum() {
+    on_every_assembly(|name, linkage, laws, t, motion| {
+        let beside = |dt: f64| {
+            let motion = linkage.motion(&inputs(laws, t + dt)).unwrap();
+            energy_and_momentum(linkage, &motion)
+        };
+        let (before, after) = (beside(-STEP), beside(STEP));
+        let [energy, px, py, spin] = [0, 1, 2, 3].map(|i| (after[i] - before[i]) / (2.0 * STEP));
+
+        let forces = linkage.forces(motion).unwrap();
+        let drives = forces.driving.iter().zip(inputs(laws, t));
+        let mut power: f64 = drives.map(|(drive, input)| drive * input.rate).sum();
+        // The frame pushes back with −frame; weights and loads act besides.
+        let mut force = -forces.frame.force;
+        let mut moment = -forces.frame.moment;
+        let mut weigh = |mass: f64, place: Vec2<f64>| {
+            force = force + linkage.gravity() * mass;
+            moment += place.cross(linkage.gravity() * mass);
+        };
+        for (link, motion) in linkage.links().iter().zip(&motion.links) {
+            weigh(link.inertia.mass, motion.point(link.inertia.com).position);
+        }
+        for (point, motion) in linkage.points().iter().zip(&motion.points) {
+            weigh(point.mass, motion.position);
+        }
+        for (point, motion) in linkage.points().iter().zip(&motion.points) {
+            power += point.force.dot(motion.velocity);
+            force = force + point.force;
+            moment += motion.position.cross(point.force);
+        }
+        let reactions = forces.reactions.iter().map(|r| r.wrench.force.norm());
+        let largest = reactions.fold(1.0_f64, f64::max);
+        let speeds = motion.points.iter().map(|p| p.velocity.norm());
+        let fastest = speeds.fold(1.0_f64, f64::max);
+        assert!(
+            (power - energy).abs() <= 1e-5 * largest * fastest,
+            "{name} at {t} s: {power} W for {energy} W"
+        );
+        for (found, expected) in [(force.x, px), (force.y, py), (moment, spin)] {
+            assert!(
+                (found - expected).abs() <= 1e-5 * largest,
+                "{name} at {t} s: {found} for {expected}"
+            );
+        }
+        assert!(largest > 1.0, "{name} bears nothing");
+    });
+}
+
+#[test]
+fn reactions_at_rest_are_those_of_statics() {
+    // A slider-crank at rest with the piston pushed by F: the torque is F·dx/dθ.
+    let text = EXAMPLES[1].text.replace("3600.0", "0.0");
+    let driven = DrivenLinkage::parse("slider_crank", &text).unwrap();
+    let at = |angle: f64, rate: f64| {
+        let input = Coordinate {
+            value: angle,
+            rate,
+            acceleration: 0.0,
+        };
+        driven.linkage.motion(&[input]).unwrap()
+    };
+    for angle in [0.4, 1.3, 2.9, 4.4] {
+        let piston = driven.linkage.points().iter().position(|p| p.name == "C");
+        let slope = at(angle, 1.0).points[piston.unwrap()].velocity.x;
+        let torque = driven.linkage.forces(&at(angle, 0.0)).unwrap().driving[0];
+        assert!((torque - 50.0 * slope).abs() < 1e-11, "{torque}");
+    }
+}
+
+#[test]
+fn the_whitworth_quick_return_keeps_its_textbook_ratio() {
+    // The ram turns where the slotted arm is level: crank at 180° + 2β against 180° − 2β,
+    // sin β = frame / crank.
+    let driven = DrivenLinkage::load("shaper").unwrap();
+    let ram = driven.linkage.points().iter().position(|p| p.name == "F");
+    let sweep = driven.sweep();
+    let forward = sweep
+        .solved()
+        .skip(1)
+        .filter(|(_, solved)| solved.motion.points[ram.unwrap()].velocity.x < 0.0)
+        .count();
+    let steps = sweep.samples.len() - 1;
+    let slow = forward.max(steps - forward) as f64;
+    let beta = (0.05_f64 / 0.15).asin();
+    let expected = (std::f64::consts::PI + 2.0 * beta) / (std::f64::consts::PI - 2.0 * beta);
+    let ratio = slow / (steps as f64 - slow);
+    assert!((ratio - expected).abs() < 0.01, "{ratio} for {expected}");
+    // The stroke is twice the arm that drives the rod.
+    let places = sweep
+        .solved()
+        .map(|(_, s)| s.motion.points[ram.unwrap()].position.x);
+    let [least, greatest] = places.fold([f64::MAX, f64::MIN], |[l, g], x| [l.min(x), g.max(x)]);
+    assert!((greatest - least - 0.24).abs() < 1e-4);
+}
+
+#[test]
+fn the_scotch_yoke_moves_as_a_sine_and_the_tangent_mechanism_as_a_tangent() {
+    let point = |name: &str, point: &str, laws: usize| {
+        let driven = DrivenLinkage::load(name).unwrap();
+        assert_eq!(driven.laws.len(), laws);
+        let index = driven.linkage.points().iter().position(|p| p.name == point);
+        let sweep = driven.sweep();
+        let of = |(sample, solved): (&fivebar_kinematics::linkage::Sample, _)| {
+            let solved: &fivebar_kinematics::linkage::Solved = solved;
+            (
+                sample.inputs[0].value,
+                solved.motion.points[index.unwrap()].position,
+            )
+        };
+        sweep.solved().map(of).collect::<Vec<_>>()
+    };
+    for (angle, yoke) in point("scotch_yoke", "Y", 1) {
+        assert!((yoke.x - 0.06 * angle.cos()).abs() < 1e-14);
+    }
+    for (angle, pin) in point("tangent", "P", 1) {
+        assert!((pin.y - 0.20 * angle.tan()).abs() < 1e-14);
+    }
+}
+
+#[test]
+fn every_example_turns_through_its_whole_sweep_on_one_branch() {
+    for example in EXAMPLES {
+        let driven = example.linkage().unwrap();
+        let sweep = driven.sweep();
+        assert_eq!(sweep.solved().count(), driven.steps + 1, "{}", example.name);
+        assert!(sweep.limits.is_empty() && sweep.branch_changes.is_empty());
+        assert!(example.summary().len() > 30 && !driven.name.is_empty());
+    }
+}
