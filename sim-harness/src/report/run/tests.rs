@@ -150,10 +150,10 @@ fn shares_add_up_to_inverse_dynamics_and_each_is_what_its_name_says() {
         let total = arm
             .inverse_dynamics(&pose, &rates, &acc, Vec2::zero())
             .unwrap();
-        for joint in 0..2 {
+        for (joint, total) in total.into_iter().enumerate() {
             let sum =
                 shares.inertia[joint] + shares.velocity_products[joint] + shares.gravity[joint];
-            assert!((sum - total[joint]).abs() < 1e-12);
+            assert!((sum - total).abs() < 1e-12);
             assert_eq!(shares.gravity[joint], 0.0);
             assert!(shares.friction[joint] * sample.reference_velocity[joint] >= 0.0);
         }
