@@ -9,15 +9,16 @@ exec </dev/null
 export CARGO_TERM_COLOR=${CARGO_TERM_COLOR:-never}
 
 format() { cargo fmt --all --check; }
-lint() { cargo clippy --workspace --all-targets --quiet -- -D warnings; }
+lint() { cargo clippy --workspace --all-targets --features fivebar-tests/emulator --quiet -- -D warnings; }
 docs() { scripts/docs.sh; }
 licences() { scripts/licences.sh; }
 file_lengths() { scripts/file-lengths.sh; }
 tests() { cargo test --workspace; }
 setup() { scripts/toolchain.sh; }
 firmware() { scripts/firmware.sh; }
+emulated() { cargo test --package fivebar-tests --features emulator --test instructions; }
 
-all=(format file_lengths lint docs licences tests setup firmware)
+all=(format file_lengths lint docs licences tests setup firmware emulated)
 steps=("$@")
 [ $# -gt 0 ] || steps=("${all[@]}")
 

@@ -2,6 +2,7 @@
 
 pub mod cli;
 pub mod job;
+pub mod link;
 pub mod linkage;
 pub mod mobility;
 pub mod plant;

@@ -1,0 +1,165 @@
+//! Asking a controller: one order at a time, asked again while the line is silent.
+
+use fivebar_firmware::protocol::{
+    ControllerMessage, Decoder, HostMessage, Identity, Order, Refusal, Reply, Sequence, Telemetry,
+    VERSION, encode,
+};
+use std::collections::VecDeque;
+use std::io::{self, ErrorKind, Read, Write};
+use std::time::{Duration, Instant};
+
+/// How long to wait for a reply before asking again.
+const REPLY: Duration = Duration::from_millis(500);
+/// How often to ask before the controller counts as silent.
+const ATTEMPTS: u32 = 10;
+
+/// A conversation with a controller over a line whose reads give up in time
+/// ([`ErrorKind::TimedOut`]).
+#[derive(Debug)]
+pub struct Conversation<L> {
+    line: L,
+    decoder: Decoder<ControllerMessage>,
+    last: Sequence,
+    telemetry: VecDeque<Telemetry>,
+    unread: VecDeque<u8>,
+    repeats: u32,
+}
+
+/// Why there is no answer.
+#[derive(Debug, thiserror::Error)]
+pub enum LinkError {
+    /// Nothing came.
+    #[error(
+        "the controller is silent: asked {ATTEMPTS} times in {:.0} s; is it powered and the \
+         right port, and does it run this firmware?",
+        (REPLY * ATTEMPTS).as_secs_f64()
+    )]
+    Silent,
+    /// The controller speaks another version.
+    #[error(
+        "the controller speaks protocol version {0}, this program {VERSION}; flash the firmware of this release"
+    )]
+    Version(u16),
+    /// The line broke.
+    #[error("the line to the controller broke: {0}")]
+    Line(#[from] io::Error),
+    /// The controller said something that does not answer the question.
+    #[error("the controller answered {order} with {reply}")]
+    Confused {
+        /// The order, as it was put.
+        order: String,
+        /// The reply, as it came.
+        reply: String,
+    },
+}
+
+impl<L: Read + Write> Conversation<L> {
+    /// Begins a conversation: says hello until the controller answers.
+    ///
+    /// # Errors
+    /// A silent or broken line, or another version of the protocol.
+    pub fn open(line: L) -> Result<(Self, Identity), LinkError> {
+        let mut conversation = Self {
+            line,
+            decoder: Decoder::new(),
+            last: Sequence(0),
+            telemetry: VecDeque::new(),
+            unread: VecDeque::new(),
+            repeats: 0,
+        };
+        let hello = Order::Hello {
+            version: VERSION,
+            session: std::process::id(),
+        };
+        match conversation.ask(hello)? {
+            Reply::Hello(identity) if identity.version == VERSION => Ok((conversation, identity)),
+            Reply::Hello(identity) => Err(LinkError::Version(identity.version)),
+            Reply::Refused(Refusal::Version(version)) => Err(LinkError::Version(version)),
+            other => Err(confused(&hello, &other)),
+        }
+    }
+
+    /// Asks and waits for the reply, refusals included.
+    ///
+    /// # Errors
+    /// A silent or broken line.
+    pub fn ask(&mut self, order: Order) -> Result<Reply, LinkError> {
+        let sequence = self.last.next();
+        let message = HostMessage { sequence, order };
+        let frame = encode(&message).ok_or_else(|| {
+            io::Error::new(ErrorKind::InvalidInput, "an order is longer than a frame")
+        })?;
+        for attempt in 0..ATTEMPTS {
+            self.repeats += u32::from(attempt > 0);
+            self.line.write_all(&frame)?;
+            self.line.flush()?;
+            if let Some(reply) = self.reply_to(sequence)? {
+                self.last = sequence;
+                return Ok(reply);
+            }
+        }
+        Err(LinkError::Silent)
+    }
+
+    /// Asks for something that is either done or refused.
+    ///
+    /// # Errors
+    /// A silent or broken line, or a reply that is neither; a refusal is the inner error.
+    pub fn order(&mut self, order: Order) -> Result<Result<(), Refusal>, LinkError> {
+        match self.ask(order)? {
+            Reply::Done | Reply::Taken { .. } => Ok(Ok(())),
+            Reply::Refused(refusal) => Ok(Err(refusal)),
+            other => Err(confused(&order, &other)),
+        }
+    }
+
+    /// The oldest sample that came meanwhile.
+    pub fn take_telemetry(&mut self) -> Option<Telemetry> {
+        self.telemetry.pop_front()
+    }
+
+    /// How often an order had to be sent again.
+    pub fn repeats(&self) -> u32 {
+        self.repeats
+    }
+
+    /// The reply with this number, if it comes in time.
+    fn reply_to(&mut self, sequence: Sequence) -> Result<Option<Reply>, LinkError> {
+        let deadline = Instant::now() + REPLY;
+        while Instant::now() < deadline {
+            match self.next_message()? {
+                Some(ControllerMessage::Reply { sequence: s, reply }) if s == sequence => {
+                    return Ok(Some(reply));
+                }
+                Some(ControllerMessage::Telemetry(sample)) => self.telemetry.push_back(sample),
+                // A late reply to an order asked twice, or nothing yet.
+                Some(ControllerMessage::Reply { .. }) | None => {}
+            }
+        }
+        Ok(None)
+    }
+
+    /// The next whole message of the line; nothing if none comes before a read gives up.
+    fn next_message(&mut self) -> Result<Option<ControllerMessage>, LinkError> {
+        while let Some(byte) = self.unread.pop_front() {
+            if let Some(Ok(message)) = self.decoder.feed(byte) {
+                return Ok(Some(message));
+            }
+        }
+        let mut bytes = [0; 512];
+        match self.line.read(&mut bytes) {
+            Ok(count) => self.unread.extend(bytes.iter().take(count)),
+            Err(error) if error.kind() == ErrorKind::TimedOut => {}
+            Err(error) if error.kind() == ErrorKind::Interrupted => {}
+            Err(error) => return Err(error.into()),
+        }
+        Ok(None)
+    }
+}
+
+fn confused(order: &Order, reply: &Reply) -> LinkError {
+    LinkError::Confused {
+        order: format!("{order:?}"),
+        reply: format!("{reply:?}"),
+    }
+}
