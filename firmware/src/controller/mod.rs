@@ -23,7 +23,7 @@ pub use path::PIECES;
 use path::Path;
 pub use request::{Refusal, Request};
 use setpoint::Setpoint;
-pub use status::{Snapshot, Status};
+pub use status::{JointReference, Snapshot, Status};
 
 /// The whole controller of an arm.
 pub struct Controller {

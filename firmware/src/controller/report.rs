@@ -1,12 +1,13 @@
 //! What the controller tells about itself; worked out when asked, not in the tick.
 
-use super::{Controller, Snapshot, Status};
+use super::{Controller, JointReference, Snapshot, Status};
 use crate::safety::Fault;
 use fivebar_kinematics::Vec2;
 
 impl Controller {
     /// The controller after the last tick.
     pub fn status(&self) -> Status {
+        let reference = self.is_powered().then(|| self.reference_now());
         Status {
             tick: self.ticks,
             missed_ticks: self.missed_ticks,
@@ -20,10 +21,12 @@ impl Controller {
                 .homed
                 .then(|| self.tool_at(self.angles().map(Vec2::unit)))
                 .flatten(),
-            reference: self
-                .is_powered()
-                .then(|| self.tool_at(self.reference_now()))
-                .flatten(),
+            reference: reference.and_then(|directions| self.tool_at(directions)),
+            joint_reference: reference.map(|directions| JointReference {
+                angle: directions.map(Vec2::angle),
+                velocity: self.setpoint.omega,
+                acceleration: self.setpoint.alpha,
+            }),
             torque: self.torque,
             current_demand: self.joints.each_ref().map(|joint| joint.demand),
             current: self.joints.each_ref().map(|joint| joint.current),

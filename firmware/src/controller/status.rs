@@ -26,6 +26,8 @@ pub struct Status {
     pub tool: Option<[f32; 2]>,
     /// Where the tool should be now [m]; none while the bridges are off.
     pub reference: Option<[f32; 2]>,
+    /// What that asks of the joints.
+    pub joint_reference: Option<JointReference>,
     /// The demanded torques τ1, τ4 [N·m].
     pub torque: [f32; 2],
     /// Current set-points [A].
@@ -38,6 +40,17 @@ pub struct Status {
     pub bus_voltage: f32,
     /// Tag of the move in progress.
     pub tag: Option<u32>,
+}
+
+/// What both driven joints should be doing.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct JointReference {
+    /// θ1, θ4 [rad], in (−π, π].
+    pub angle: [f32; 2],
+    /// ω1, ω4 [rad/s].
+    pub velocity: [f32; 2],
+    /// α1, α4 [rad/s²].
+    pub acceleration: [f32; 2],
 }
 
 /// The tick that raised a fault.
