@@ -2,6 +2,7 @@
 
 mod loads;
 mod motion;
+mod picture;
 mod shares;
 #[cfg(test)]
 mod tests;

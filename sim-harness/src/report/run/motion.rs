@@ -15,19 +15,8 @@ const BREAK: Point = [f64::NAN; 2];
 impl RunReport<'_> {
     pub(super) fn add_motion(&self, page: &mut Page) {
         let samples = self.trace.samples();
-        let path: Vec<&Sample> = spaced(samples, PATH_SAMPLES).collect();
-        let drawn = |point: fn(&Sample) -> Point| -> Vec<Point> {
-            let pen = |sample: &&Sample| {
-                if self.draws(sample) {
-                    point(sample)
-                } else {
-                    BREAK
-                }
-            };
-            path.iter().map(pen).collect()
-        };
-        let reference = drawn(|sample| sample.reference);
-        let tool = drawn(|sample| sample.tool);
+        let reference = self.drawn_path(|sample| sample.reference);
+        let tool = self.drawn_path(|sample| sample.tool);
 
         let frames: Vec<&Sample> = spaced(samples, FRAMES).collect();
         let times = frames.iter().map(|sample| sample.time).collect();
@@ -41,13 +30,13 @@ impl RunReport<'_> {
         });
         animation.traces.push(Drawn {
             name: "drawn".into(),
-            times: path.iter().map(|sample| sample.time).collect(),
+            times: path_samples(samples).map(|sample| sample.time).collect(),
             points: tool.clone(),
         });
         page.animation(&animation);
 
-        let factor = magnification(&path);
-        let magnified = path.iter().zip(&tool).map(|(sample, &point)| {
+        let factor = magnification(samples);
+        let magnified = path_samples(samples).zip(&tool).map(|(sample, &point)| {
             [0, 1].map(|axis| {
                 1e3 * (sample.reference[axis] + factor * (point[axis] - sample.reference[axis]))
             })
@@ -68,8 +57,21 @@ impl RunReport<'_> {
         page.heading("Path").chart(&chart);
     }
 
+    /// A point of every sample looked at, with breaks where the pen is up.
+    pub(super) fn drawn_path(&self, point: fn(&Sample) -> Point) -> Vec<Point> {
+        path_samples(self.trace.samples())
+            .map(|sample| {
+                if self.draws(sample) {
+                    point(sample)
+                } else {
+                    BREAK
+                }
+            })
+            .collect()
+    }
+
     /// The arm as one chain: A, B, C, to the tool and back, D, E.
-    fn arm_at(&self, sample: &Sample) -> Vec<Point> {
+    pub(super) fn arm_at(&self, sample: &Sample) -> Vec<Point> {
         let geometry = &self.robot.geometry;
         let b = Vec2::unit(sample.angle[0]) * geometry.l1();
         let d = geometry.e() + Vec2::unit(sample.angle[1]) * geometry.l4();
@@ -85,12 +87,13 @@ impl RunReport<'_> {
     }
 }
 
+fn path_samples(samples: &[Sample]) -> impl Iterator<Item = &Sample> {
+    spaced(samples, PATH_SAMPLES)
+}
+
 /// A round factor that makes the greatest error about a fiftieth of the drawing.
-fn magnification(path: &[&Sample]) -> f64 {
-    let greatest = path
-        .iter()
-        .map(|sample| sample.tip_error())
-        .fold(0.0, f64::max);
+fn magnification(path: &[Sample]) -> f64 {
+    let greatest = path.iter().map(Sample::tip_error).fold(0.0, f64::max);
     let spread = |axis: usize| {
         let values = || path.iter().map(|sample| sample.reference[axis]);
         values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min)

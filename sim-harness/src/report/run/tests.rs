@@ -108,6 +108,43 @@ fn shows_the_whole_run_in_one_small_offline_page() {
 }
 
 #[test]
+fn the_picture_shows_the_ink_the_arm_and_its_way() {
+    let robot = robot();
+    let (own, summary) = (trace(&robot, 0.0), summary(0.0));
+    let job = Job::parse(
+        "F100\nG1 X1\nG1 X2\nM3 G1 X3",
+        &Placement {
+            origin: CENTER,
+            scale: 1.0,
+            home: CENTER,
+        },
+    )
+    .unwrap();
+    let report = |job| RunReport {
+        robot: &robot,
+        job,
+        summary: &summary,
+        trace: &own,
+        pd: None,
+        conditions: &[],
+    };
+    let ink = |svg: &str| svg.matches("class=\"ink\"").count();
+    let all = report(None).picture().unwrap();
+    assert_eq!((ink(&all), all.matches("class=\"arm\"").count()), (1, 1));
+    assert_eq!(all.matches("class=\"ghost\"").count(), 7);
+    assert_eq!(ink(&report(Some(&job)).picture().unwrap()), 1);
+    let pen_up = Job::parse(
+        "F100\nG1 X1",
+        &Placement {
+            origin: CENTER,
+            scale: 1.0,
+            home: CENTER,
+        },
+    );
+    assert_eq!(ink(&report(Some(&pen_up.unwrap())).picture().unwrap()), 0);
+}
+
+#[test]
 fn a_run_cut_short_still_makes_a_page() {
     let robot = robot();
     let empty = Summary {
