@@ -19,6 +19,8 @@ pub mod linkage;
 #[cfg(feature = "design")]
 pub mod mobility;
 pub mod scalar;
+#[cfg(feature = "design")]
+pub mod slider;
 pub mod trajectory;
 mod vector;
 

@@ -48,7 +48,7 @@ impl Way {
 
     /// `value` ahead, −`value` behind.
     #[inline]
-    fn sign<S: Scalar>(self, value: S) -> S {
+    pub fn sign<S: Scalar>(self, value: S) -> S {
         match self {
             Self::Ahead => value,
             Self::Behind => -value,
@@ -94,11 +94,17 @@ impl<S: Scalar> DyadMotion<S> {
 /// comes from √x with x rounded at 1e-16, hence is itself rounded at 1e-8.
 const SMALLEST_SINE: f64 = 1e-8;
 
+/// Whether rates divided by this sine can be trusted.
+#[inline]
+pub(crate) fn is_regular<S: Scalar>(sine: S) -> bool {
+    let value = sine.to_f64();
+    value.is_finite() && libm::fabs(value) > SMALLEST_SINE
+}
+
 /// `sine` where the rates can be trusted, else the singularity.
 #[inline]
 fn regular<S: Scalar>(sine: S, singular: Singular) -> Result<S, DyadError> {
-    let value = sine.to_f64();
-    if value.is_finite() && libm::fabs(value) > SMALLEST_SINE {
+    if is_regular(sine) {
         Ok(sine)
     } else {
         Err(DyadError::Singular(singular))

@@ -1,0 +1,32 @@
+//! The slider-driven sibling of the five-bar: two sliders on one guide, two degrees of
+//! freedom (Tu 2005; the print's figure is lost and is reconstructed here).
+//!
+//! ```text
+//!            P
+//!        ●───┼───●        platform 5, width l5, P at its middle; it only translates
+//!       ╱         ╲
+//!   l3 ╱           ╲ l7   limbs, each a parallelogram: links 3, 4 and 6, 7
+//!     ╱ α3       α7 ╲
+//! ───■───────────────■─── guide, the x axis
+//!    x2              x8   sliders 2 and 8, driven
+//! ```
+//!
+//! xP = x2 + l3 cos α3 + l5/2 = x8 + l7 cos α7 − l5/2, yP = l3 sin α3 = l7 sin α7.
+//!
+//! The parallelograms carry the platform parallel to the guide; two more links, and a
+//! constraint said twice: a planar Grübler count gives one freedom where there are two.
+//! With l5 = 0 this is PRRRP, the plain form without parallelograms.
+
+mod error;
+mod geometry;
+mod motion;
+mod position;
+mod transfer;
+mod workspace;
+
+pub use error::{GeometryError, Limb, PoseError};
+pub use geometry::Geometry;
+pub use motion::{Accelerations, Velocities};
+pub use position::{Pose, WorkingMode};
+pub use transfer::ErrorTransfer;
+pub use workspace::Travel;
