@@ -61,6 +61,12 @@ impl<S: Scalar> Tool<S> {
         self.offset
     }
 
+    /// |BT| [m]: the second length of leg 1's dyad.
+    #[inline]
+    pub fn reach(&self) -> S {
+        self.reach
+    }
+
     /// T [m].
     #[inline]
     pub fn point(&self, pose: &Pose<S>) -> Vec2<S> {

@@ -152,5 +152,6 @@ pub(super) fn bounds<S: Scalar>(coefficients: &[Vec2<S>; 6], inverse_length: S) 
         second: m2 * (per * per),
         third: m3 * (per * per * per),
         lean: lean * (per * per * per),
+        apart: c2 == Vec2::zero() && second(S::ONE).norm() <= m2 * c(1e-3),
     }
 }

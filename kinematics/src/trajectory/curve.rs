@@ -35,6 +35,8 @@ pub(super) struct CurveBounds<S> {
     pub(super) third: S,
     /// |r′·r″| [1/m]: how far r″ leans along the path.
     pub(super) lean: S,
+    /// Whether |r″| is 0 where |r‴| is greatest, as in a corner between lines.
+    pub(super) apart: bool,
 }
 
 /// A shape by its length.
@@ -171,12 +173,14 @@ impl<S: Scalar> Curve<S> {
                 second: S::ZERO,
                 third: S::ZERO,
                 lean: S::ZERO,
+                apart: false,
             },
             Self::Arc { curvature, .. } => CurveBounds {
                 first: S::ONE,
                 second: curvature.abs(),
                 third: curvature * curvature,
                 lean: S::ZERO,
+                apart: false,
             },
             Self::Blend {
                 coefficients,

@@ -14,7 +14,7 @@ use super::number::{max, min};
 use super::piece::{Piece, Shape, TimeLaw};
 use super::plan::{Motion, Plan, time_to_cover};
 use super::queue::{Queue, Span};
-use super::ramp::Caps;
+use super::ramp::{Caps, distance, greatest_entry_speed, ramp};
 use super::segment::Segment;
 use crate::{Scalar, Vec2};
 
@@ -196,6 +196,10 @@ impl<S: Scalar, const N: usize> LookAhead<S, N> {
             return false;
         };
         let half = corner.length() * S::HALF;
+        let middle = S::HALF * min(before.length(), segment.length());
+        if !saves_time(&corner_caps, half, middle, &last.caps.tightest(&caps)) {
+            return false;
+        }
         let saved = self.queue;
         self.queue.shorten_last(half);
         self.queue.push(Span {
@@ -305,7 +309,8 @@ impl<S: Scalar, const N: usize> LookAhead<S, N> {
                 plan.spans -= 1;
             }
         }
-        (duration > S::ZERO).then_some(Piece {
+        // In a nanosecond nothing moves, and a handover can be as short as that.
+        (duration > S::from_f64(1e-9)).then_some(Piece {
             shape: head.shape,
             law,
             duration,
@@ -326,4 +331,20 @@ impl<S: Scalar, const N: usize> LookAhead<S, N> {
         self.place = S::ZERO;
         self.stale = true;
     }
+}
+
+/// Whether passing a corner at its cap is faster than stopping at it: the time from
+/// `middle` [m] before the corner, half of the corner's blend being passed at its cap.
+///
+/// Under a low jerk a tight corner's cap can be so low, and hold for so long, that
+/// slowing to rest and setting off again takes less time.
+fn saves_time<S: Scalar>(corner: &Caps<S>, half: S, middle: S, straight: &Caps<S>) -> bool {
+    let time = |speed: S, way: S| {
+        let fast = min(greatest_entry_speed(speed, way, straight), straight.speed);
+        let slowing = ramp(fast, S::ZERO, speed, straight);
+        let rest = max(way - distance(&slowing), S::ZERO) / fast;
+        slowing.iter().fold(rest, |sum, phase| sum + phase.duration)
+    };
+    let rounded = half / corner.speed + time(corner.speed, middle - half);
+    rounded < time(S::ZERO, middle)
 }

@@ -29,11 +29,12 @@ mod ramp;
 mod refusal;
 mod segment;
 mod speed_cap;
+mod walk;
 
 pub use curve::{Curve, CurvePoint};
-pub use envelope::{Envelope, JointLimits, TorqueLimits};
+pub use envelope::{Envelope, TorqueLimits};
 pub use look_ahead::{LookAhead, PushError};
 pub use piece::{Piece, Reference, TimeLaw};
 pub use ramp::Caps;
-pub use refusal::{Joint, Obstacle, Refusal};
+pub use refusal::{Obstacle, Refusal};
 pub use segment::{Segment, SegmentError, Sense};

@@ -1,74 +1,247 @@
 //! How fast a stretch of path may be passed.
 //!
-//! Along a path r̈ = r″ ṡ² + r′ s̈ and r⃛ = r‴ ṡ³ + 3 r″ ṡ s̈ + r′ s⃛. Where a path is
-//! straight all of the tool's acceleration and jerk is for s̈ and s⃛. Where it bends they
-//! are shared out beforehand, so that s(t) has constant limits on a segment:
+//! Along a path r̈ = r″ ṡ² + r′ s̈ and r⃛ = r‴ ṡ³ + 3 r″ ṡ s̈ + r′ s⃛. Where it is straight
+//! all of the tool's acceleration and jerk is for s̈ and s⃛. Where it bends they are
+//! shared out beforehand, so that s(t) has constant limits on a segment:
 //!
-//! - s̈ gets 0.8 of the acceleration, r″ṡ² what that leaves: 0.6 at right angles to it,
+//! - s̈ gets 0.6 of the acceleration, r″ṡ² what that leaves: 0.8 at right angles to it,
 //!   less as r″ leans along the path;
-//! - r‴ṡ³ gets half of the jerk, s⃛ 0.3 and 3 r″ṡs̈ 0.2.
+//! - s⃛ gets 0.3 of the jerk, r‴ṡ³ and 3 r″ṡs̈ together 0.7. On an arc they add up and get
+//!   0.5 and 0.2. In a corner between lines, with |r‴| ∝ |1−2u| and |r″| ∝ 4u(1−u), the
+//!   sum A|1−2u| + 4Bu(1−u) is no more than A while B ≤ ½A: 0.7 and 0.35.
+//!
+//! The driven joints follow with θ̇ = θ′ ṡ, θ̈ = θ″ ṡ² + θ′ s̈, and their torques with
+//! τ = τ_g + τ_v ṡ² + τ_a s̈: gravity's, that of passing at unit speed, that of unit
+//! acceleration from rest. Of the acceleration, and of the torque that gravity leaves,
+//! ṡ² and s̈ get half each. θ′, θ″ and τ are sampled on the walk that proves the path,
+//! which steps closely near singularities; a twentieth is kept back for what lies
+//! between the samples.
 
-use super::curve::CurveBounds;
+use super::curve::{CurveBounds, CurvePoint};
 use super::envelope::Envelope;
 use super::number::{cube_root, max, min};
 use super::ramp::Caps;
-use super::refusal::{Obstacle, Refusal};
+use super::refusal::Obstacle;
 use super::segment::Segment;
-use crate::Scalar;
+use crate::five_bar::{Accelerations, Joint, Outside, Pose, PoseError, Velocities};
+use crate::{Scalar, Vec2};
 
-impl<S: Scalar> Envelope<S> {
-    /// The caps that keep the tool's own limits on a segment, moved along at no more than
-    /// `speed` [m/s].
-    fn tool_caps(&self, segment: &Segment<S>, speed: S) -> Caps<S> {
-        let bounds = segment.curve().bounds();
-        let tool = &self.tool;
-        let first = max(bounds.first, S::ONE);
-        let straight = Caps {
-            speed: min(speed, tool.speed) / first,
-            acceleration: tool.acceleration / first,
-            jerk: tool.jerk / first,
-        };
-        if bounds.second == S::ZERO {
-            return straight;
-        }
-        share_out(&straight, &bounds)
+/// What the limits allow once a twentieth is kept back.
+const USABLE: f64 = 0.95;
+
+/// The caps that keep the tool's own limits on a segment, moved along at no more than
+/// `speed` [m/s].
+pub(super) fn tool_caps<S: Scalar>(segment: &Segment<S>, speed: S, tool: &Caps<S>) -> Caps<S> {
+    let bounds = segment.curve().bounds();
+    let first = max(bounds.first, S::ONE);
+    let straight = Caps {
+        speed: min(speed, tool.speed) / first,
+        acceleration: tool.acceleration / first,
+        jerk: tool.jerk / first,
+    };
+    if bounds.second == S::ZERO {
+        return straight;
     }
+    share_out(&straight, &bounds)
 }
 
 fn share_out<S: Scalar>(straight: &Caps<S>, bounds: &CurveBounds<S>) -> Caps<S> {
     let c = S::from_f64;
     let (a, j) = (straight.acceleration, straight.jerk);
-    let along = c(0.8);
-    // |r″ṡ² + r′s̈|² = aₙ² + aₜ² + 2 aₙ aₜ cos; with aₜ = 0.8 a, aₙ = (√(1 − 0.64 sin²) − 0.8 cos) a.
+    let (bending, turning) = if bounds.apart {
+        (c(0.7), c(0.35))
+    } else {
+        (c(0.5), c(0.2))
+    };
+    let along = c(0.6);
+    // |r″ṡ² + r′s̈|² = aₙ² + aₜ² + 2 aₙ aₜ cos; with aₜ = 0.6 a, aₙ = (√(1 − 0.36 sin²) − 0.6 cos) a.
     let cos = min(bounds.lean / bounds.second, S::ONE);
     let across = (S::ONE - along * along * (S::ONE - cos * cos)).sqrt() - along * cos;
     let by_acceleration = (across * a / bounds.second).sqrt();
-    let by_jerk = cube_root(c(0.5) * j / bounds.third);
+    let by_jerk = cube_root(bending * j / bounds.third);
     let speed = min(straight.speed, min(by_acceleration, by_jerk));
-    // 3 |r″| ṡ s̈ within its share of the jerk: first less s̈, below a tenth less ṡ.
-    let turning = c(0.2) * j / (c(3.0) * bounds.second);
-    let acceleration = max(min(along * a, turning / speed), c(0.1) * a);
+    // 3 |r″| ṡ s̈ within its share: first less s̈, below a twentieth less ṡ.
+    let product = turning * j / (c(3.0) * bounds.second);
+    let acceleration = max(min(along * a, product / speed), c(0.05) * a);
     Caps {
-        speed: min(speed, turning / acceleration),
+        speed: min(speed, product / acceleration),
         acceleration,
         jerk: c(0.3) * j,
     }
 }
-impl<S: Scalar> Envelope<S> {
-    /// Hold the whole of a segment against the envelope, and say how fast it may be moved
-    /// along, `speed` [m/s] at most.
-    ///
-    /// # Errors
-    /// The first place that cannot be passed, and why.
-    pub fn admit(&self, segment: &Segment<S>, speed: S) -> Result<Caps<S>, Refusal<S>> {
-        let caps = self.tool_caps(segment, speed);
-        if !caps.are_sound() {
-            return Err(Refusal {
-                fraction: S::ZERO,
-                point: segment.start(),
-                obstacle: Obstacle::Limits,
-            });
+
+/// The greatest demands that passing a path makes on the driven joints.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct JointLoad<S> {
+    /// |θ′| of each joint [rad/m].
+    rate: [S; 2],
+    /// |θ″| [rad/m²].
+    bend: [S; 2],
+    /// |τ_v| over the torque that gravity leaves [s²/m²].
+    passing: S,
+    /// |τ_a| over it [s²/m].
+    starting: S,
+}
+
+impl<S: Scalar> JointLoad<S> {
+    pub(super) fn none() -> Self {
+        Self {
+            rate: [S::ZERO; 2],
+            bend: [S::ZERO; 2],
+            passing: S::ZERO,
+            starting: S::ZERO,
         }
-        Ok(caps)
+    }
+
+    /// Take a place on a path of the tool into account.
+    pub(super) fn add_path(
+        &mut self,
+        envelope: &Envelope<S>,
+        point: &CurvePoint<S>,
+        pose: &Pose<S>,
+    ) -> Result<(), Obstacle> {
+        let tool = &envelope.workspace.tool;
+        let solve = || {
+            let rest = tool.inverse_velocities(pose, Vec2::zero())?;
+            let passing = tool.inverse_velocities(pose, point.tangent)?;
+            Ok((
+                rest,
+                tool.inverse_accelerations(pose, &rest, point.tangent)?,
+                passing,
+                tool.inverse_accelerations(pose, &passing, point.curvature)?,
+            ))
+        };
+        let (rest, starting, passing, bending) = solve().map_err(no_pose)?;
+        self.add(envelope, pose, (&rest, &starting), (&passing, &bending))
+    }
+
+    /// Take a place on a joint move into account, each joint turning `direction` of it.
+    pub(super) fn add_joint_path(
+        &mut self,
+        envelope: &Envelope<S>,
+        [d1, d4]: [S; 2],
+        pose: &Pose<S>,
+    ) -> Result<(), Obstacle> {
+        let geometry = envelope.workspace.tool.geometry();
+        let solve = || {
+            let rest = geometry.forward_velocities(pose, S::ZERO, S::ZERO)?;
+            let passing = geometry.forward_velocities(pose, d1, d4)?;
+            Ok((
+                rest,
+                geometry.forward_accelerations(pose, &rest, d1, d4)?,
+                passing,
+                geometry.forward_accelerations(pose, &passing, S::ZERO, S::ZERO)?,
+            ))
+        };
+        let (rest, starting, passing, bending) = solve().map_err(no_pose)?;
+        self.add(envelope, pose, (&rest, &starting), (&passing, &bending))
+    }
+
+    fn add(
+        &mut self,
+        envelope: &Envelope<S>,
+        pose: &Pose<S>,
+        (rest, starting): (&Velocities<S>, &Accelerations<S>),
+        (passing, bending): (&Velocities<S>, &Accelerations<S>),
+    ) -> Result<(), Obstacle> {
+        let [w1, _, _, w4] = passing.omega;
+        let [a1, _, _, a4] = bending.alpha;
+        self.rate = greater(self.rate, [w1, w4]);
+        self.bend = greater(self.bend, [a1, a4]);
+        let Some(limits) = &envelope.torque else {
+            return Ok(());
+        };
+        let nothing = Accelerations {
+            alpha: [S::ZERO; 4],
+            c: Vec2::zero(),
+        };
+        let torque = |velocities, accelerations| {
+            limits
+                .arm
+                .inverse_dynamics(pose, velocities, accelerations, Vec2::zero())
+                .map_err(no_pose)
+        };
+        let gravity = torque(rest, &nothing)?;
+        let start = torque(rest, starting)?;
+        let pass = torque(passing, bending)?;
+        let joints = [Joint::Joint1, Joint::Joint4].into_iter();
+        for ((((joint, limit), gravity), start), pass) in
+            joints.zip(limits.torque).zip(gravity).zip(start).zip(pass)
+        {
+            let room = limit * S::from_f64(USABLE) - gravity.abs();
+            if room <= S::ZERO {
+                return Err(Obstacle::Torque(joint));
+            }
+            self.starting = max(self.starting, (start - gravity).abs() / room);
+            self.passing = max(self.passing, (pass - gravity).abs() / room);
+        }
+        Ok(())
+    }
+
+    /// `caps` tightened until the joints are within their limits too; `None` where a
+    /// limit is not a positive finite number.
+    pub(super) fn within(&self, caps: &Caps<S>, envelope: &Envelope<S>) -> Option<Caps<S>> {
+        let mut caps = *caps;
+        let usable = S::from_f64(USABLE);
+        let half = S::HALF * usable;
+        for (((rate, bend), speed), acceleration) in self
+            .rate
+            .into_iter()
+            .zip(self.bend)
+            .zip(envelope.joint_speed)
+            .zip(envelope.joint_acceleration)
+        {
+            caps.speed = cap(caps.speed, speed * usable, rate);
+            caps.speed = cap_root(caps.speed, acceleration * half, bend);
+            caps.acceleration = cap(caps.acceleration, acceleration * half, rate);
+        }
+        caps.speed = cap_root(caps.speed, S::HALF, self.passing);
+        caps.acceleration = cap(caps.acceleration, S::HALF, self.starting);
+        caps.are_sound().then_some(caps)
+    }
+
+    /// The caps of a joint move, at `share` of the greatest joint speeds; the jerk is
+    /// `ratio` [1/s] times the acceleration.
+    pub(super) fn joint_caps(&self, share: S, ratio: S, envelope: &Envelope<S>) -> Option<Caps<S>> {
+        let fastest = |[first, second]: [S; 2]| max(first, second);
+        let acceleration = fastest(envelope.joint_acceleration);
+        // The joint that turns further turns at ṡ, so no cap is above the greater limit.
+        let mut caps = self.within(
+            &Caps {
+                speed: fastest(envelope.joint_speed),
+                acceleration,
+                jerk: acceleration * ratio,
+            },
+            envelope,
+        )?;
+        let valid = S::ZERO < share && share <= S::ONE;
+        caps.speed = caps.speed * share;
+        (valid && caps.are_sound()).then_some(caps)
+    }
+}
+
+fn no_pose(error: PoseError) -> Obstacle {
+    Obstacle::Outside(Outside::Pose(error))
+}
+
+fn greater<S: Scalar>([a1, a4]: [S; 2], [b1, b4]: [S; 2]) -> [S; 2] {
+    [max(a1, b1.abs()), max(a4, b4.abs())]
+}
+
+/// The lesser of `value` and `limit`/`per`, where that is a limit at all.
+fn cap<S: Scalar>(value: S, limit: S, per: S) -> S {
+    if value * per > limit {
+        limit / per
+    } else {
+        value
+    }
+}
+
+/// The lesser of `value` and √(`limit`/`per`), where that is a limit at all.
+fn cap_root<S: Scalar>(value: S, limit: S, per: S) -> S {
+    if value * value * per > limit {
+        (limit / per).sqrt()
+    } else {
+        value
     }
 }

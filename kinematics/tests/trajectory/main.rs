@@ -1,0 +1,5 @@
+//! Trajectories as a whole: what is accepted, how fast it may go, and the motion that
+//! comes of it.
+
+mod common;
+mod look_ahead;
