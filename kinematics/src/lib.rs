@@ -11,6 +11,8 @@
 #[cfg(feature = "design")]
 extern crate std;
 
+#[cfg(feature = "design")]
+pub mod accuracy;
 pub mod control;
 pub mod dynamics;
 pub mod five_bar;

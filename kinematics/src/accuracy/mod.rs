@@ -1,0 +1,15 @@
+//! Accuracy: how far real lengths, inputs and joint clearances take a mechanism from its
+//! ideal, in position, motion and force (Shi 2005, Tu 2005; sections 6 and 4).
+//!
+//! Two unlike ways to every sensitivity: the analytic matrices of [`loops`], and dual
+//! numbers through any model that implements [`Response`].
+
+mod differentiate;
+mod error;
+pub mod five_bar;
+pub mod loops;
+mod propagation;
+
+pub use differentiate::{Response, sensitivities};
+pub use error::AccuracyError;
+pub use propagation::{Primitive, Scatter};
