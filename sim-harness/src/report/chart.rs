@@ -50,8 +50,8 @@ const FINE: u32 = 4;
 const WIDTH: u32 = 720;
 const HEIGHT: u32 = 280;
 const MARGIN: u32 = 8;
-const X_LABELS: u32 = 36;
-const Y_LABELS: u32 = 64;
+const X_LABELS: u32 = 40;
+const Y_LABELS: u32 = 68;
 
 /// Stand-ins in plotters' output for the colours the style sheet sets, so that a chart
 /// follows the reader's light or dark mode.
@@ -172,7 +172,7 @@ impl Chart {
             .x_label_area_size(X_LABELS * FINE)
             .y_label_area_size(Y_LABELS * FINE)
             .build_cartesian_2d(range.low[0]..range.high[0], range.low[1]..range.high[1])?;
-        let text = ("sans-serif", 12 * FINE).into_font().color(&INK);
+        let text = ("sans-serif", 14 * FINE).into_font().color(&INK);
         chart
             .configure_mesh()
             .x_desc(&self.x_label)
@@ -292,8 +292,8 @@ mod tests {
                 low: [0.0, 0.0],
                 high,
             });
-            let across = range.width() / f64::from(super::WIDTH - 16 - 64);
-            let up = range.height() / f64::from(height - 16 - 36);
+            let across = range.width() / f64::from(super::WIDTH - 16 - 68);
+            let up = range.height() / f64::from(height - 16 - 40);
             assert!((across / up - 1.0).abs() < 1e-9);
             assert!(range.low[0] <= 0.0 && range.high[1] >= high[1]);
         }
