@@ -49,7 +49,7 @@ pub struct Trace {
 }
 
 /// Samples kept at most.
-const MOST: usize = 200_000;
+const MOST: usize = 50_000;
 
 impl Default for Trace {
     fn default() -> Self {
