@@ -42,7 +42,21 @@ struct Case {
     omega3: f64,
     alpha2: f64,
     alpha3: f64,
+    theta2: f64,
+    theta3: f64,
     torque: [f64; 2],
+    mass_matrix: [[f64; 2]; 2],
+    bias_torque: [f64; 2],
+    reaction: Reaction,
+}
+
+#[derive(Deserialize)]
+struct Reaction {
+    a: [f64; 2],
+    b: [f64; 2],
+    c: [f64; 2],
+    d: [f64; 2],
+    e: [f64; 2],
 }
 
 fn side(name: &str) -> Side {
@@ -97,6 +111,8 @@ fn all_180_states_agree_to_1e_9() {
             .forward(case.theta1, case.theta4, side(&case.assembly))
             .unwrap();
         assert_close("c", [pose.c.x, pose.c.y], case.c);
+        let [_, theta2, theta3, _] = pose.angles();
+        assert_close("θ2, θ3", [theta2, theta3], [case.theta2, case.theta3]);
         let mode = WorkingMode::new(side(&case.elbow1), side(&case.elbow4));
         assert_eq!(pose.working_mode(), mode);
         let back = g.inverse(vec2(case.c), mode).unwrap();
@@ -128,9 +144,32 @@ fn all_180_states_agree_to_1e_9() {
             .unwrap();
         assert_close("inverse α", back.alpha, acc.alpha);
 
-        let torque = arm
-            .inverse_dynamics(&pose, &rates, &acc, vec2(case.external_force))
-            .unwrap();
+        let force = vec2(case.external_force);
+        let torque = arm.inverse_dynamics(&pose, &rates, &acc, force).unwrap();
         assert_close("torque", torque, case.torque);
+        let mass = arm.mass_matrix(&pose).unwrap();
+        let [[m11, m14], [m41, m44]] = case.mass_matrix;
+        assert_close(
+            "M",
+            [mass.m11, mass.m14, mass.m14, mass.m44],
+            [m11, m14, m41, m44],
+        );
+        let bias = arm.bias(&pose, &rates, force).unwrap();
+        assert_close("h", bias, case.bias_torque);
+        let alpha = arm
+            .forward_dynamics(&pose, &rates, case.torque, force)
+            .unwrap();
+        assert_close("forward dynamics", alpha, [case.alpha1, case.alpha4]);
+        let reactions = arm.reactions(&pose, &rates, &acc, force).unwrap();
+        for (name, actual, expected) in [
+            ("a", reactions.a, case.reaction.a),
+            ("b", reactions.b, case.reaction.b),
+            ("c", reactions.c, case.reaction.c),
+            ("d", reactions.d, case.reaction.d),
+            ("e", reactions.e, case.reaction.e),
+        ] {
+            assert_close(name, [actual.x, actual.y], expected);
+        }
+        assert_close("torque by reactions", reactions.torque, case.torque);
     }
 }

@@ -36,6 +36,8 @@ pub enum ModelError {
     Gravity,
     /// A rotor's inertia must be finite and not negative.
     RotorInertia,
+    /// Link 1 or 4 has neither mass, inertia nor rotor: no torque could be in balance.
+    NoInertia(usize),
 }
 
 impl fmt::Display for ModelError {
@@ -48,6 +50,10 @@ impl fmt::Display for ModelError {
             Self::Payload => f.write_str("payload must be finite and not negative"),
             Self::Gravity => f.write_str("gravity must be finite"),
             Self::RotorInertia => f.write_str("rotor inertia must be finite and not negative"),
+            Self::NoInertia(number) => write!(
+                f,
+                "link {number} needs some inertia about its driven joint: its own or the rotor's"
+            ),
         }
     }
 }
@@ -87,6 +93,13 @@ impl<S: Scalar> Arm<S> {
         if !rotor_inertia.iter().all(|&inertia| sound(inertia)) {
             return Err(ModelError::RotorInertia);
         }
+        let [link1, .., link4] = links;
+        for (number, link, rotor) in [(1, link1, rotor_inertia[0]), (4, link4, rotor_inertia[1])] {
+            let about_joint = link.mass * link.com.norm_squared() + link.inertia + rotor;
+            if about_joint == S::ZERO {
+                return Err(ModelError::NoInertia(number));
+            }
+        }
         Ok(Self {
             geometry,
             links,
@@ -94,6 +107,14 @@ impl<S: Scalar> Arm<S> {
             gravity,
             rotor_inertia,
         })
+    }
+
+    /// The same arm where nothing weighs anything.
+    pub(super) fn weightless(&self) -> Self {
+        Self {
+            gravity: Vec2::zero(),
+            ..*self
+        }
     }
 
     /// The lengths.

@@ -13,7 +13,7 @@
 //! velocity-product terms, which the accelerations must hold.
 
 use super::Arm;
-use crate::five_bar::{Accelerations, Pose, PoseError, Singularity, Velocities};
+use crate::five_bar::{Accelerations, Pose, PoseError, Singularity, Velocities, per_sine};
 use crate::{Scalar, Vec2};
 
 /// Partial angular velocities of links 2 and 3 in the generalised speeds ω1 and ω4.
@@ -37,12 +37,9 @@ impl<S: Scalar> Arm<S> {
     #[inline]
     pub fn partial_velocities(&self, pose: &Pose<S>) -> Result<PartialVelocities<S>, PoseError> {
         let geometry = self.geometry();
-        let sin32 = pose.sin32();
-        if sin32 == S::ZERO {
-            return Err(PoseError::Singular(Singularity::Parallel));
-        }
-        let per2 = S::ONE / (geometry.l2() * sin32);
-        let per3 = S::ONE / (geometry.l3() * sin32);
+        let per_sin32 = per_sine(pose.sin32(), Singularity::Parallel)?;
+        let [_, per_l2, per_l3, _] = geometry.per_length();
+        let (per2, per3) = (per_l2 * per_sin32, per_l3 * per_sin32);
         Ok(PartialVelocities {
             omega21: geometry.l1() * pose.u3.cross(pose.u1) * per2,
             omega24: -geometry.l4() * pose.u3.cross(pose.u4) * per2,
@@ -66,6 +63,40 @@ impl<S: Scalar> Arm<S> {
     ) -> Result<[S; 2], PoseError> {
         let partial = self.partial_velocities(pose)?;
         let geometry = self.geometry();
+        let LinkForces {
+            f2,
+            f3,
+            fc,
+            k1,
+            k2,
+            k3,
+            k4,
+            ..
+        } = self.link_forces(pose, velocities, accelerations, external_force);
+        let [alpha1, _, _, alpha4] = accelerations.alpha;
+        let [rotor1, rotor4] = self.rotor_inertia();
+        Ok([
+            k1 + (pose.u1 * geometry.l1()).cross(f2 + fc)
+                + partial.omega21 * k2
+                + partial.omega31 * k3
+                + rotor1 * alpha1,
+            k4 + (pose.u4 * geometry.l4()).cross(f3)
+                + partial.omega24 * k2
+                + partial.omega34 * k3
+                + rotor4 * alpha4,
+        ])
+    }
+
+    /// What each link needs to be accelerated so against gravity.
+    #[inline]
+    pub(super) fn link_forces(
+        &self,
+        pose: &Pose<S>,
+        velocities: &Velocities<S>,
+        accelerations: &Accelerations<S>,
+        external_force: Vec2<S>,
+    ) -> LinkForces<S> {
+        let geometry = self.geometry();
         let g = self.gravity();
         let [omega1, omega2, omega3, omega4] = velocities.omega;
         let [alpha1, alpha2, alpha3, alpha4] = accelerations.alpha;
@@ -84,25 +115,33 @@ impl<S: Scalar> Arm<S> {
         let f3 = (ad + turning(r3, omega3, alpha3) - g) * link3.mass;
         let f4 = (turning(r4, omega4, alpha4) - g) * link4.mass;
         let fc = (accelerations.c - g) * self.payload() - external_force;
-
-        // Moments about each link's proximal joint.
-        let k1 = r1.cross(f1) + link1.inertia * alpha1;
-        let k2 = r2.cross(f2) + link2.inertia * alpha2 + (pose.u2 * geometry.l2()).cross(fc);
-        let k3 = r3.cross(f3) + link3.inertia * alpha3;
-        let k4 = r4.cross(f4) + link4.inertia * alpha4;
-
-        let [rotor1, rotor4] = self.rotor_inertia();
-        Ok([
-            k1 + (pose.u1 * geometry.l1()).cross(f2 + fc)
-                + partial.omega21 * k2
-                + partial.omega31 * k3
-                + rotor1 * alpha1,
-            k4 + (pose.u4 * geometry.l4()).cross(f3)
-                + partial.omega24 * k2
-                + partial.omega34 * k3
-                + rotor4 * alpha4,
-        ])
+        LinkForces {
+            f1,
+            f2,
+            f3,
+            f4,
+            fc,
+            k1: r1.cross(f1) + link1.inertia * alpha1,
+            k2: r2.cross(f2) + link2.inertia * alpha2 + (pose.u2 * geometry.l2()).cross(fc),
+            k3: r3.cross(f3) + link3.inertia * alpha3,
+            k4: r4.cross(f4) + link4.inertia * alpha4,
+        }
     }
+}
+
+/// Forces fj = mj (aj − g) [N] that the links need, fc that the payload needs beyond the
+/// external force, and their moments kj about each link's proximal joint [N·m], fc's
+/// being part of k2.
+pub(super) struct LinkForces<S> {
+    pub(super) f1: Vec2<S>,
+    pub(super) f2: Vec2<S>,
+    pub(super) f3: Vec2<S>,
+    pub(super) f4: Vec2<S>,
+    pub(super) fc: Vec2<S>,
+    pub(super) k1: S,
+    pub(super) k2: S,
+    pub(super) k3: S,
+    pub(super) k4: S,
 }
 
 /// Acceleration of a point at r from a fixed point of a turning body: α r⊥ − ω² r.

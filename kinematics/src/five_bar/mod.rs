@@ -22,6 +22,7 @@ pub use error::{GeometryError, PoseError, Singularity, Unreachable};
 pub use geometry::Geometry;
 pub use jacobian::{InverseJacobian, Jacobian};
 pub use limits::{Joint, JointLimits};
+pub(crate) use motion::per_sine;
 pub use motion::{Accelerations, Velocities};
 pub use pose::Pose;
 pub use reach::Arc;

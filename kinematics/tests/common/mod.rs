@@ -1,7 +1,7 @@
 //! Random arms and poses, and numbers compared to a scale.
 #![allow(dead_code, unreachable_pub)] // each test file compiles it anew and uses its part
 
-use fivebar_kinematics::five_bar::{Geometry, Pose, Side, WorkingMode};
+use fivebar_kinematics::five_bar::{Accelerations, Geometry, Pose, Side, Velocities, WorkingMode};
 use fivebar_kinematics::{Scalar, Vec2};
 use proptest::prelude::*;
 
@@ -66,4 +66,77 @@ pub fn distance<S: Scalar>(a: Vec2<S>, b: Vec2<S>) -> f64 {
 pub fn turned(a: f64, b: f64) -> f64 {
     let (sin, cos) = (a - b).sin_cos();
     sin.atan2(cos)
+}
+
+/// Rates and accelerations of the driven joints, a few per second.
+pub fn driven() -> impl Strategy<Value = [f64; 2]> {
+    prop::array::uniform2(-5.0..5.0_f64)
+}
+
+/// A pose with a smooth motion through it: θ(t) = θ + ω t + ½ α t² of both driven joints.
+#[derive(Clone, Copy, Debug)]
+pub struct Moving {
+    pub case: Case,
+    pub omega: [f64; 2],
+    pub alpha: [f64; 2],
+}
+
+pub fn moving(margin: f64) -> impl Strategy<Value = Moving> {
+    (pose(margin), driven(), driven()).prop_map(|(case, omega, alpha)| Moving {
+        case,
+        omega,
+        alpha,
+    })
+}
+
+impl Moving {
+    /// θ1, θ4 and ω1, ω4 at a time near 0.
+    pub fn driven_at(&self, t: f64) -> ([f64; 2], [f64; 2]) {
+        let start = [self.case.theta1, self.case.theta4];
+        let at = |i: usize| start[i] + self.omega[i] * t + 0.5 * self.alpha[i] * t * t;
+        let rate = |i: usize| self.omega[i] + self.alpha[i] * t;
+        ([at(0), at(1)], [rate(0), rate(1)])
+    }
+
+    /// The pose at a time near 0.
+    pub fn pose_at(&self, t: f64) -> Pose<f64> {
+        let ([theta1, theta4], _) = self.driven_at(t);
+        let Case {
+            geometry, assembly, ..
+        } = self.case;
+        geometry.forward(theta1, theta4, assembly).unwrap()
+    }
+
+    /// The pose, velocities and accelerations at time 0.
+    pub fn now(&self) -> (Pose<f64>, Velocities<f64>, Accelerations<f64>) {
+        let (pose, velocities) = self.rates_at(0.0);
+        let accelerations = self
+            .case
+            .geometry
+            .forward_accelerations(&pose, &velocities, self.alpha[0], self.alpha[1])
+            .unwrap();
+        (pose, velocities, accelerations)
+    }
+
+    /// The pose and velocities at a time near 0.
+    pub fn rates_at(&self, t: f64) -> (Pose<f64>, Velocities<f64>) {
+        let (_, [omega1, omega4]) = self.driven_at(t);
+        let pose = self.pose_at(t);
+        let geometry = self.case.geometry;
+        let velocities = geometry.forward_velocities(&pose, omega1, omega4).unwrap();
+        (pose, velocities)
+    }
+
+    /// d/dt at time 0 by the five-point rule, in steps that turn no link by more than 1e-4
+    /// rad: its truncation is of fourth order in that.
+    pub fn rate(&self, f: impl Fn(f64) -> f64) -> f64 {
+        let (_, velocities, accelerations) = self.now();
+        let fastest = velocities.omega.iter().fold(1.0_f64, |m, w| m.max(w.abs()));
+        let hastiest = accelerations
+            .alpha
+            .iter()
+            .fold(1.0_f64, |m, a| m.max(a.abs()));
+        let h = 1e-4 / fastest.max(hastiest.sqrt());
+        (8.0 * (f(h) - f(-h)) - (f(2.0 * h) - f(-2.0 * h))) / (12.0 * h)
+    }
 }

@@ -1,0 +1,74 @@
+//! Forces in the five joints, and the torques that follow from them (Newton–Euler).
+//!
+//! Link 3 balanced about D and link 2 about B leave the force at C:
+//! l3 u3×c = k3, l2 u2×c = −k2, so that
+//! c = −k3/(l3 sin(θ3−θ2)) u2 − k2/(l2 sin(θ3−θ2)) u3.
+//! The others follow link by link: b = f2 + fc + c, d = f3 − c, a = f1 + b, e = f4 + d.
+
+use super::Arm;
+use super::kane::LinkForces;
+use crate::five_bar::{Accelerations, Pose, PoseError, Singularity, Velocities, per_sine};
+use crate::{Scalar, Vec2};
+
+/// The forces that act in the joints [N].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reactions<S> {
+    /// Of the ground on link 1, at A.
+    pub a: Vec2<S>,
+    /// Of link 1 on link 2, at B.
+    pub b: Vec2<S>,
+    /// Of link 2, which carries the payload and the external force, on link 3, at C.
+    pub c: Vec2<S>,
+    /// Of link 4 on link 3, at D.
+    pub d: Vec2<S>,
+    /// Of the ground on link 4, at E.
+    pub e: Vec2<S>,
+    /// The driving torques in balance with them [N·m], on link 1 at A and link 4 at E:
+    /// Kane's, by the other way.
+    pub torque: [S; 2],
+}
+
+impl<S: Scalar> Arm<S> {
+    /// The joint forces of a motion, with `external_force` [N] on C.
+    ///
+    /// # Errors
+    /// `Singular` at type 2.
+    pub fn reactions(
+        &self,
+        pose: &Pose<S>,
+        velocities: &Velocities<S>,
+        accelerations: &Accelerations<S>,
+        external_force: Vec2<S>,
+    ) -> Result<Reactions<S>, PoseError> {
+        let geometry = self.geometry();
+        let per_sin32 = per_sine(pose.sin32(), Singularity::Parallel)?;
+        let [_, per_l2, per_l3, _] = geometry.per_length();
+        let LinkForces {
+            f1,
+            f2,
+            f3,
+            f4,
+            fc,
+            k1,
+            k2,
+            k3,
+            k4,
+        } = self.link_forces(pose, velocities, accelerations, external_force);
+        let c = -pose.u2 * (k3 * per_l3 * per_sin32) - pose.u3 * (k2 * per_l2 * per_sin32);
+        let b = f2 + fc + c;
+        let d = f3 - c;
+        let [rotor1, rotor4] = self.rotor_inertia();
+        let [alpha1, _, _, alpha4] = accelerations.alpha;
+        Ok(Reactions {
+            a: f1 + b,
+            b,
+            c,
+            d,
+            e: f4 + d,
+            torque: [
+                k1 + pose.b.cross(b) + rotor1 * alpha1,
+                k4 + (pose.d - geometry.e()).cross(d) + rotor4 * alpha4,
+            ],
+        })
+    }
+}

@@ -1,0 +1,219 @@
+//! Kane's equations against what else they must equal: energy, Newton–Euler, statics.
+
+mod common;
+
+use common::{Moving, assert_close, moving};
+use fivebar_kinematics::Vec2;
+use fivebar_kinematics::dynamics::{Arm, Link, ModelError, ShareTotals, TorqueShares};
+use fivebar_kinematics::five_bar::{Geometry, PoseError, Side, Singularity};
+use proptest::prelude::*;
+
+fn vec2(size: f64) -> impl Strategy<Value = Vec2<f64>> {
+    (-size..size, -size..size).prop_map(|(x, y)| Vec2::new(x, y))
+}
+
+fn link() -> impl Strategy<Value = Link<f64>> {
+    (0.01..1.0_f64, vec2(0.3), 1e-5..1e-2_f64).prop_map(|(mass, com, inertia)| Link {
+        mass,
+        com,
+        inertia,
+    })
+}
+
+/// A moving arm with any masses, centres anywhere, gravity, rotors, and a force on C.
+fn loaded() -> impl Strategy<Value = (Moving, Arm<f64>, Vec2<f64>)> {
+    (
+        moving(0.1),
+        prop::array::uniform4(link()),
+        0.0..0.5_f64,
+        vec2(10.0),
+        prop::array::uniform2(0.0..1e-3_f64),
+        vec2(10.0),
+    )
+        .prop_map(|(moving, links, payload, gravity, rotors, force)| {
+            let arm = Arm::new(moving.case.geometry, links, payload, gravity, rotors).unwrap();
+            (moving, arm, force)
+        })
+}
+
+/// Asserts that two torques are equal to `tolerance` of the larger.
+#[track_caller]
+fn assert_torque(what: &str, a: [f64; 2], b: [f64; 2], tolerance: f64) {
+    let scale = a.iter().chain(&b).fold(1.0_f64, |m, x| m.max(x.abs()));
+    for (a, b) in a.into_iter().zip(b) {
+        assert!((a - b).abs() <= tolerance * scale, "{what}: {a} for {b}");
+    }
+}
+
+proptest! {
+    #[test]
+    fn mass_matrix_and_bias_make_inverse_dynamics((moving, arm, force) in loaded()) {
+        let (pose, velocities, accelerations) = moving.now();
+        let torque = arm.inverse_dynamics(&pose, &velocities, &accelerations, force).unwrap();
+        let mass = arm.mass_matrix(&pose).unwrap();
+        let inertia = mass.times(moving.alpha);
+        let bias = arm.bias(&pose, &velocities, force).unwrap();
+        assert_torque("τ", [inertia[0] + bias[0], inertia[1] + bias[1]], torque, 1e-9);
+        prop_assert!(mass.m11 > 0.0 && mass.m11 * mass.m44 > mass.m14 * mass.m14);
+    }
+
+    #[test]
+    fn forward_dynamics_undoes_inverse_dynamics((moving, arm, force) in loaded()) {
+        let (pose, velocities, accelerations) = moving.now();
+        let torque = arm.inverse_dynamics(&pose, &velocities, &accelerations, force).unwrap();
+        let alpha = arm.forward_dynamics(&pose, &velocities, torque, force).unwrap();
+        // What cancels is as large as the torque that the bias and the inertia share.
+        let mass = arm.mass_matrix(&pose).unwrap();
+        let determinant = mass.m11 * mass.m44 - mass.m14 * mass.m14;
+        let amplification = (mass.m11 + mass.m44) / determinant
+            * torque.iter().fold(0.0_f64, |m, t| m.max(t.abs()));
+        let bound = 1e-9 * moving.alpha.iter().fold(1.0_f64, |m, a| m.max(a.abs()))
+            + 1e-13 * amplification;
+        for (a, b) in alpha.into_iter().zip(moving.alpha) {
+            prop_assert!((a - b).abs() <= bound, "{} for {}", a, b);
+        }
+    }
+
+    #[test]
+    fn kinetic_energy_is_half_q_m_q((moving, arm, _) in loaded()) {
+        let (pose, velocities, _) = moving.now();
+        let [momentum1, momentum4] = arm.mass_matrix(&pose).unwrap().times(moving.omega);
+        let energy = 0.5 * (momentum1 * moving.omega[0] + momentum4 * moving.omega[1]);
+        assert_close("T", arm.kinetic_energy(&pose, &velocities), energy, 1e-10);
+    }
+
+    #[test]
+    fn energy_grows_by_the_power_put_in((moving, arm, force) in loaded()) {
+        let (pose, velocities, accelerations) = moving.now();
+        let [torque1, torque4] =
+            arm.inverse_dynamics(&pose, &velocities, &accelerations, force).unwrap();
+        let power =
+            torque1 * moving.omega[0] + torque4 * moving.omega[1] + force.dot(velocities.c);
+        let energy = |t| {
+            let (pose, velocities) = moving.rates_at(t);
+            arm.kinetic_energy(&pose, &velocities) + arm.potential_energy(&pose)
+        };
+        // Differences of an energy are as exact as the energy is large per time of the motion.
+        let speed = velocities.omega.iter().fold(1.0_f64, |m, w| m.max(w.abs()));
+        let size = power.abs() + arm.kinetic_energy(&pose, &velocities) * speed;
+        let gained = moving.rate(energy);
+        prop_assert!((gained - power).abs() <= 1e-7 * size.max(1.0), "{} for {}", gained, power);
+    }
+
+    #[test]
+    fn joint_forces_ask_for_the_same_torques((moving, arm, force) in loaded()) {
+        let (pose, velocities, accelerations) = moving.now();
+        let torque = arm.inverse_dynamics(&pose, &velocities, &accelerations, force).unwrap();
+        let reactions = arm.reactions(&pose, &velocities, &accelerations, force).unwrap();
+        assert_torque("τ", reactions.torque, torque, 1e-9);
+    }
+
+    #[test]
+    fn gravity_torque_is_inverse_dynamics_at_rest_and_the_slope_of_the_potential(
+        (moving, arm, _) in loaded()
+    ) {
+        let still = Moving { omega: [0.0; 2], alpha: [0.0; 2], ..moving };
+        let (pose, velocities, accelerations) = still.now();
+        let torque = arm.gravity_torque(&pose).unwrap();
+        let at_rest = arm
+            .inverse_dynamics(&pose, &velocities, &accelerations, Vec2::zero())
+            .unwrap();
+        assert_torque("at rest", torque, at_rest, 1e-10);
+        for joint in 0..2 {
+            let mut omega = [0.0; 2];
+            omega[joint] = 1.0;
+            let turning = Moving { omega, ..still };
+            let slope = turning.rate(|t| arm.potential_energy(&turning.pose_at(t)));
+            assert_close("∂V/∂θ", torque[joint], slope, 1e-6);
+        }
+    }
+
+    #[test]
+    fn shares_add_up_to_the_torque((moving, arm, force) in loaded()) {
+        let (pose, velocities, accelerations) = moving.now();
+        let torque = arm.inverse_dynamics(&pose, &velocities, &accelerations, force).unwrap();
+        let friction = [0.02, -0.03];
+        let shares = arm
+            .torque_shares(&pose, &velocities, &accelerations, force, friction)
+            .unwrap();
+        let whole = [torque[0] + friction[0], torque[1] + friction[1]];
+        assert_torque("sum of shares", shares.total(), whole, 1e-9);
+    }
+}
+
+/// An ordinary arm.
+fn arm() -> Arm<f64> {
+    let geometry = Geometry::new([0.1, 0.16, 0.16, 0.1, 0.08]).unwrap();
+    let link = Link {
+        mass: 0.1,
+        com: Vec2::new(0.05, 0.002),
+        inertia: 1e-4,
+    };
+    Arm::new(geometry, [link; 4], 0.05, Vec2::new(0.0, -9.81), [1e-5; 2]).unwrap()
+}
+
+#[test]
+fn shares_of_a_motion_are_time_weighted_portions() {
+    let shares = |inertia: f64, gravity: f64| TorqueShares {
+        inertia: [inertia, 0.0],
+        velocity: [0.0; 2],
+        gravity: [gravity, 0.0],
+        external: [0.0; 2],
+        friction: [0.0; 2],
+    };
+    let mut totals = ShareTotals::default();
+    totals.add(&shares(2.0, -1.0), 0.5);
+    totals.add(&shares(-4.0, 1.0), 0.25);
+    let fractions = totals.fractions();
+    // ∫|inertia| = 1 + 1, ∫|gravity| = 0.5 + 0.25.
+    assert_close("inertia", fractions[0][0], 2.0 / 2.75, 1e-15);
+    assert_close("gravity", fractions[2][0], 0.75 / 2.75, 1e-15);
+    assert_eq!(fractions.map(|part| part[1]), [0.0; 5]);
+    assert_eq!(totals.peaks()[0], [4.0, 0.0]);
+}
+
+#[test]
+fn dynamics_are_refused_where_b_c_d_are_in_line() {
+    let arm = arm();
+    let geometry = *arm.geometry();
+    // Elbows 2·0.16 m apart, symmetric: cos θ1 = (0.04 − 0.16)/0.1 has no answer, so pull
+    // the elbows together instead: B = D at cos θ1 = 0.04/0.1, and just beside it.
+    let theta1 = 0.4_f64.acos() + 1e-9;
+    let pose = geometry
+        .forward(theta1, std::f64::consts::PI - theta1, Side::Left)
+        .unwrap();
+    let singular = PoseError::Singular(Singularity::Parallel);
+    assert_eq!(arm.mass_matrix(&pose), Err(singular));
+    assert_eq!(arm.gravity_torque(&pose), Err(singular));
+    assert_eq!(geometry.forward_velocities(&pose, 1.0, 1.0), Err(singular));
+}
+
+#[test]
+fn unsound_masses_are_refused_by_name() {
+    let good = arm();
+    let geometry = *good.geometry();
+    let gravity = Vec2::new(0.0, -9.81);
+    let links = *good.links();
+    let with = |index: usize, change: fn(&mut Link<f64>)| {
+        let mut changed = links;
+        change(&mut changed[index]);
+        Arm::new(geometry, changed, 0.0, gravity, [0.0; 2]).unwrap_err()
+    };
+    assert_eq!(with(1, |link| link.mass = -0.1), ModelError::Link(2));
+    assert_eq!(with(2, |link| link.inertia = f64::NAN), ModelError::Link(3));
+    assert_eq!(
+        with(3, |link| link.com.x = f64::INFINITY),
+        ModelError::Link(4)
+    );
+    let massless = |link: &mut Link<f64>| (link.mass, link.inertia) = (0.0, 0.0);
+    assert_eq!(with(0, massless), ModelError::NoInertia(1));
+    assert_eq!(with(3, massless), ModelError::NoInertia(4));
+    let refuse = |payload, gravity, rotors| Arm::new(geometry, links, payload, gravity, rotors);
+    assert_eq!(refuse(-1.0, gravity, [0.0; 2]), Err(ModelError::Payload));
+    let nowhere = Vec2::new(f64::NAN, 0.0);
+    assert_eq!(refuse(0.0, nowhere, [0.0; 2]), Err(ModelError::Gravity));
+    assert_eq!(
+        refuse(0.0, gravity, [0.0, -1.0]),
+        Err(ModelError::RotorInertia)
+    );
+}
