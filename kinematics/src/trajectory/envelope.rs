@@ -21,7 +21,8 @@ pub struct TorqueLimits<S> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Envelope<S> {
     /// Where the tool may be: arm, tool, working mode, joint limits, singularity margin.
-    /// Leg 1's singularity is the tool's: A, B and the tool in line.
+    /// Leg 1's singularity is the tool's: A, B and the tool in line. Where joint limits
+    /// leave more than a turn, a path starts on the turn that `JointLimits::admit` gives.
     pub workspace: Workspace<S>,
     /// Greatest speed of joints 1 and 4 [rad/s].
     pub joint_speed: [S; 2],

@@ -3,3 +3,4 @@
 
 mod common;
 mod look_ahead;
+mod validation;
