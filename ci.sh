@@ -16,7 +16,7 @@ file_lengths() { scripts/file-lengths.sh; }
 tests() { cargo test --workspace; }
 setup() { scripts/toolchain.sh; }
 firmware() { scripts/firmware.sh; }
-emulated() { cargo test --package fivebar-tests --features emulator --test instructions; }
+emulated() { cargo test --package fivebar-tests --features emulator --test instructions --test images; }
 
 all=(format file_lengths lint docs licences tests setup firmware emulated)
 steps=("$@")

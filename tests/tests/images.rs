@@ -1,0 +1,123 @@
+//! What is in the firmware images, and what is not.
+
+use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, SymbolKind, elf};
+
+use fivebar::link::Emulator;
+
+/// Flash and static RAM of the production image [bytes].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
+struct Size {
+    flash: u64,
+    static_ram: u64,
+}
+
+/// As last committed.
+const COMMITTED: &str = include_str!("../data/image_size.json");
+/// What the image may take at most [bytes].
+const BUDGET: Size = Size {
+    flash: 96 * 1024,
+    static_ram: 24 * 1024,
+};
+/// How far another compiler's image may be from the committed one.
+const TOLERANCE: f64 = 0.1;
+
+fn image(name: &str) -> Vec<u8> {
+    let path = Emulator::built_image(name);
+    std::fs::read(&path).unwrap_or_else(|error| {
+        panic!("{}: {error}; run scripts/firmware.sh", path.display());
+    })
+}
+
+fn size(image: &[u8]) -> Size {
+    let file = object::File::parse(image).expect("an ELF image");
+    let mut size = Size {
+        flash: 0,
+        static_ram: 0,
+    };
+    for section in file.sections() {
+        let SectionFlags::Elf { sh_flags } = section.flags() else {
+            panic!("an ELF image has ELF sections");
+        };
+        if sh_flags & u64::from(elf::SHF_ALLOC) == 0 {
+            continue;
+        }
+        let stored = section.file_range().map_or(0, |(_, bytes)| bytes);
+        size.flash += stored;
+        if section.address() >= 0x2000_0000 {
+            size.static_ram += section.size();
+        }
+    }
+    size
+}
+
+#[test]
+fn the_production_image_is_as_small_as_committed_and_within_budget() {
+    let now = size(&image("stm32f405"));
+    let committed: Size = serde_json::from_str(COMMITTED).expect("the committed sizes");
+    println!("{now:?}");
+    assert!(now.flash <= BUDGET.flash, "{now:?}");
+    assert!(now.static_ram <= BUDGET.static_ram, "{now:?}");
+    let pairs = [
+        (now.flash, committed.flash),
+        (now.static_ram, committed.static_ram),
+    ];
+    for (now, then) in pairs {
+        let (now, then) = (now as f64, then as f64);
+        assert!(
+            (now - then).abs() <= TOLERANCE * then,
+            "{now} bytes, committed {then}; if that is right, write it into tests/data/image_size.json"
+        );
+    }
+}
+
+/// Functions of the tick's image that are not the project's own.
+fn foreign_functions(image: &[u8]) -> Vec<String> {
+    /// The start-up code, and copies of memory.
+    const KNOWN: [&str; 7] = [
+        "Reset",
+        "main",
+        "cortex_m_rt_main",
+        "HardFault",
+        "DefaultPreInit",
+        "__pre_init",
+        "__aeabi_mem",
+    ];
+    let file = object::File::parse(image).expect("an ELF image");
+    // Interrupts that nothing handles are other names of one handler.
+    let unhandled = file
+        .symbols()
+        .find(|symbol| symbol.name() == Ok("DefaultHandler_"))
+        .map(|symbol| symbol.address());
+    file.symbols()
+        .filter(|symbol| symbol.kind() == SymbolKind::Text)
+        .filter(|symbol| Some(symbol.address()) != unhandled)
+        .filter_map(|symbol| symbol.name().ok())
+        .filter(|name| !name.starts_with('$') && !name.contains("fivebar_"))
+        .filter(|name| !KNOWN.iter().any(|known| name.contains(known)))
+        .map(str::to_owned)
+        .collect()
+}
+
+/// That the tick has no way to panic and does not allocate is proven by the image being
+/// there at all, see `firmware/src/bin/tick.rs`.
+#[test]
+fn the_tick_calls_no_library_arithmetic() {
+    let image = image("tick");
+    let file = object::File::parse(&*image).expect("an ELF image");
+    let symbols = || file.symbols().filter_map(|symbol| symbol.name().ok());
+    assert!(symbols().any(|name| name.contains("computed_torque")));
+    assert!(size(&image).flash > 4096, "the tick is in the image");
+    let foreign = foreign_functions(&image);
+    assert!(foreign.is_empty(), "{foreign:?}");
+}
+
+/// The same search finds what it looks for where it is: the benchmark calls `libm`.
+#[test]
+fn library_arithmetic_is_found_where_it_is() {
+    let foreign = foreign_functions(&image("instructions"));
+    assert!(foreign.iter().any(|name| name == "__aeabi_dmul"));
+    assert!(
+        foreign.iter().any(|name| name.contains("acosf")),
+        "{foreign:?}"
+    );
+}
