@@ -3,9 +3,10 @@
 use super::Controller;
 use super::setpoint::Setpoint;
 use crate::safety::{Event, Fault, Limits, State};
-use fivebar_kinematics::Vec2;
 use fivebar_kinematics::control::computed_torque;
 use fivebar_kinematics::five_bar::{Pose, PoseError, Velocities};
+use fivebar_kinematics::trajectory::Reference;
+use fivebar_kinematics::{Scalar, Vec2};
 
 impl Controller {
     /// One tick of holding or following the path: the torques [N·m], or `None` after a
@@ -32,7 +33,7 @@ impl Controller {
         let (u1, u4) = (Vec2::unit(theta1), Vec2::unit(theta4));
         let (pose, velocities) = self.measured([u1, u4], [omega1, omega4])?;
 
-        self.advance()?;
+        self.advance(&pose)?;
         let Setpoint {
             direction: [d1, d4],
             omega: [omega1d, omega4d],
@@ -93,7 +94,11 @@ impl Controller {
                 PoseError::Singular(_) => Fault::Envelope,
                 PoseError::NotFinite => Fault::NotANumber,
             })?;
-        if monitor.outside(self.angles()) || monitor.near_singularity(&pose) {
+        if monitor.outside(self.angles()) || monitor.near_parallel(&pose) {
+            return Err(Fault::Envelope);
+        }
+        let elbows = self.model.tool.elbow_sines(&pose);
+        if self.setpoint.speed_squared.is_some() && monitor.leaves_mode(elbows, self.mode) {
             return Err(Fault::Envelope);
         }
         let velocities = geometry
@@ -102,21 +107,25 @@ impl Controller {
         Ok((pose, velocities))
     }
 
-    /// Moves the set-point on by one tick, and the state with it.
+    /// Moves the set-point on by one tick, and the state with it. A move of the joints may
+    /// change the working mode: the `pose` tells.
     #[inline]
-    fn advance(&mut self) -> Result<(), Fault> {
+    fn advance(&mut self, pose: &Pose<f32>) -> Result<(), Fault> {
         if self.state == State::Armed && !self.path.is_empty() {
             self.happen(Event::Begin);
         }
-        if self.path.is_open() && !self.path.is_braking() && self.runs_short() {
+        if self.path.waits_for_more() && self.runs_short() {
             self.latch(Fault::QueueUnderrun);
         }
         let Some(step) = self.path.step(self.model.period) else {
             self.setpoint = Setpoint::hold(self.setpoint.direction);
             return Ok(());
         };
+        if let Reference::Joint { .. } = step.reference {
+            self.mode = self.model.tool.working_mode(pose);
+        }
         self.setpoint =
-            Setpoint::of(&step.reference, &self.model).map_err(|error| match error {
+            Setpoint::of(&step.reference, &self.model, self.mode).map_err(|error| match error {
                 PoseError::Unreachable(_) | PoseError::Singular(_) => Fault::Envelope,
                 PoseError::NotFinite => Fault::NotANumber,
             })?;
@@ -136,15 +145,14 @@ impl Controller {
 
     /// How long a stop takes from here [s].
     fn braking_time(&self) -> f32 {
-        self.model
-            .brake_limits
-            .duration(self.setpoint.speed_squared, self.setpoint.omega)
+        let speed = Scalar::sqrt(self.setpoint.speed_squared.unwrap_or(0.0));
+        self.model.brake_limits.duration(speed, self.setpoint.omega)
     }
 
     /// Begins to come to rest on the path.
     pub(super) fn brake(&mut self) {
         let duration = self.braking_time();
-        self.path.brake(duration);
+        self.path.brake(duration, self.model.period);
     }
 
     #[cold]
@@ -155,7 +163,7 @@ impl Controller {
                 self.happen(Event::Finish);
             }
             State::Stopping => self.happen(Event::Rest),
-            State::Fault => self.drop_path(),
+            State::Fault => self.forget_path(),
             State::Stopped | State::Homing | State::Armed => {}
         }
     }

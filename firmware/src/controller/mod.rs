@@ -16,11 +16,13 @@ use crate::io::{Command, Sensed};
 use crate::safety::{Event, Fault, Limits, Response, State};
 use crate::settings::{Settings, SettingsError};
 use fivebar_kinematics::Vec2;
+use fivebar_kinematics::five_bar::WorkingMode;
 use fivebar_kinematics::trajectory::Piece;
 use joint::Joint;
 use model::Model;
 pub use path::PIECES;
 use path::Path;
+pub(crate) use path::longest_stop;
 pub use request::{Refusal, Request};
 use setpoint::Setpoint;
 pub use status::{JointReference, Snapshot, Status};
@@ -31,6 +33,8 @@ pub struct Controller {
     joints: [Joint; 2],
     state: State,
     homed: bool,
+    /// The working mode that the arm is in.
+    mode: WorkingMode,
     /// The latched fault, as it was raised.
     latched: Option<Snapshot>,
     /// The latched fault lets the arm be held.
@@ -50,7 +54,7 @@ pub struct Controller {
     /// Ticks since the host was heard.
     silence: u32,
     /// How often a path has been forgotten before its end.
-    dropped_paths: u32,
+    forgotten_paths: u32,
 }
 
 /// What one tick's samples say besides what the joints keep of them.
@@ -70,6 +74,7 @@ impl Controller {
             joints: [Joint::new(), Joint::new()],
             state: State::Stopped,
             homed: false,
+            mode: settings.working_mode(),
             latched: None,
             held: false,
             pending: None,
@@ -83,7 +88,7 @@ impl Controller {
             ticks: 0,
             missed_ticks: 0,
             silence: 0,
-            dropped_paths: 0,
+            forgotten_paths: 0,
         })
     }
 
@@ -229,15 +234,15 @@ impl Controller {
             State::Stopped => {
                 self.latched = None;
                 self.held = false;
-                self.drop_path();
+                self.forget_path();
                 for joint in &mut self.joints {
                     joint.settle();
                 }
                 self.setpoint = Setpoint::hold(self.setpoint.direction);
             }
             State::Armed => {
-                if before == State::Stopping {
-                    self.drop_path();
+                if before != State::Running {
+                    self.forget_path();
                 }
             }
             State::Stopping => self.brake(),
@@ -245,11 +250,9 @@ impl Controller {
         }
     }
 
-    /// Forgets the path, and lets the planner know where it was not finished.
-    fn drop_path(&mut self) {
-        if !self.path.is_empty() {
-            self.dropped_paths = self.dropped_paths.wrapping_add(1);
-        }
+    /// Forgets the path, and lets the planner know that its end does not hold any more.
+    fn forget_path(&mut self) {
+        self.forgotten_paths = self.forgotten_paths.wrapping_add(1);
         self.path.clear();
     }
 

@@ -10,7 +10,7 @@ use fivebar_kinematics::control::{
     CurrentLoop, FrictionCompensation, MotorHeating, PositionLoop, TorqueLimit, VelocityObserver,
 };
 use fivebar_kinematics::dynamics::Arm;
-use fivebar_kinematics::five_bar::{Side, Tool, WorkingMode};
+use fivebar_kinematics::five_bar::{Side, Tool};
 
 /// Share of the bus voltage that the bridges are asked for at most: their high sides and
 /// the sampling of the currents need the rest of each PWM period.
@@ -20,7 +20,6 @@ const DUTY_LIMIT: f32 = 0.95;
 pub(crate) struct Model {
     pub(crate) arm: Arm<f32>,
     pub(crate) tool: Tool<f32>,
-    pub(crate) mode: WorkingMode,
     pub(crate) assembly: Side,
     pub(crate) axes: [AxisModel; 2],
     pub(crate) position_loop: PositionLoop<f32>,
@@ -68,7 +67,6 @@ impl Model {
         Ok(Self {
             arm,
             tool: settings.tool(&arm)?,
-            mode: settings.working_mode(),
             assembly: settings.assembly(),
             axes: settings.axes.map(|axis| AxisModel::new(&axis, settings)),
             position_loop: PositionLoop::new(
@@ -78,9 +76,7 @@ impl Model {
                 control.integral_rate,
                 period,
             ),
-            torque_limit: TorqueLimit(settings.axes.map(|axis| {
-                Scalar::abs(axis.gear_ratio) * axis.torque_constant * axis.peak_current
-            })),
+            torque_limit: TorqueLimit(settings.peak_torque()),
             nominal_inertia,
             computed_torque: control.computed_torque,
             period,

@@ -52,11 +52,10 @@ impl BrakeLimits {
         }
     }
 
-    /// T for a stop from this speed of the tool, squared [m²/s²], and of the joints
-    /// [rad/s]: never shorter than 10 ms.
+    /// T for a stop from this speed of the tool [m/s] and of the joints [rad/s]: never
+    /// shorter than 10 ms.
     #[inline]
-    pub(crate) fn duration(&self, speed_squared: f32, omega: [f32; 2]) -> f32 {
-        let speed = Scalar::sqrt(speed_squared);
+    pub(crate) fn duration(&self, speed: f32, omega: [f32; 2]) -> f32 {
         let [omega1, omega4] = omega;
         let [alpha1, alpha4] = self.joint_acceleration;
         (1.5 * speed / self.acceleration)
@@ -65,6 +64,12 @@ impl BrakeLimits {
             .max(1.5 * Scalar::abs(omega4) / alpha4)
             .max(0.01)
     }
+}
+
+/// The longest stop [s]: from full speed.
+pub(crate) fn longest_stop(settings: &Settings) -> f32 {
+    let omega = settings.axes.map(|axis| axis.max_speed);
+    BrakeLimits::new(settings).duration(settings.motion.max_speed, omega)
 }
 
 /// One tick's step along the path.
@@ -91,6 +96,11 @@ impl Path {
         *self = Self::new();
     }
 
+    /// Whether there is room for another piece, and less than `horizon` [s] of path.
+    pub(crate) fn wants(&self, horizon: f32) -> bool {
+        self.left < horizon && !self.pieces.is_full()
+    }
+
     pub(crate) fn is_empty(&self) -> bool {
         self.pieces.is_empty()
     }
@@ -101,15 +111,11 @@ impl Path {
         self.left
     }
 
-    /// Whether the path breaks off in motion.
+    /// Whether the path breaks off in motion, nothing has been done about it and there is
+    /// room for more: the planner is behind.
     #[inline]
-    pub(crate) fn is_open(&self) -> bool {
-        self.open
-    }
-
-    #[inline]
-    pub(crate) fn is_braking(&self) -> bool {
-        self.brake.is_some()
+    pub(crate) fn waits_for_more(&self) -> bool {
+        self.open && self.brake.is_none() && !self.pieces.is_full()
     }
 
     /// Tag of the piece in progress.
@@ -125,10 +131,17 @@ impl Path {
         Ok(())
     }
 
-    /// Begins to come to rest within `duration` [s].
+    /// Begins to come to rest within `duration` [s], or sooner where a path that breaks
+    /// off leaves no room for that.
     #[inline]
-    pub(crate) fn brake(&mut self, duration: f32) {
+    pub(crate) fn brake(&mut self, duration: f32, period: f32) {
         if self.brake.is_none() {
+            let room = 2.0 * (self.left - 2.0 * period);
+            let duration = if self.open && room < duration {
+                room.max(2.0 * period)
+            } else {
+                duration
+            };
             self.brake = Some(Brake {
                 phase: 0.0,
                 rate: 1.0 / duration,
@@ -139,6 +152,9 @@ impl Path {
     /// One tick of `period` [s] along the path; `None` where there is none.
     #[inline]
     pub(crate) fn step(&mut self, period: f32) -> Option<Step> {
+        if self.pieces.is_empty() {
+            return None;
+        }
         let (rate, slope, braked) = match &mut self.brake {
             None => (1.0, 0.0, false),
             Some(brake) => brake.step(period),

@@ -1,7 +1,8 @@
 //! What the controller tells about itself; worked out when asked, not in the tick.
 
 use super::{Controller, JointReference, Snapshot, Status};
-use crate::safety::Fault;
+use crate::safety::{Fault, State};
+use fivebar_kinematics::five_bar::WorkingMode;
 use fivebar_kinematics::Vec2;
 
 impl Controller {
@@ -34,6 +35,45 @@ impl Controller {
             bus_voltage: self.bus_voltage,
             tag: self.path.tag(),
         }
+    }
+
+    /// What it is doing.
+    pub fn state(&self) -> State {
+        self.state
+    }
+
+    /// The working mode that the arm is in.
+    pub fn working_mode(&self) -> WorkingMode {
+        self.mode
+    }
+
+    /// The tool [m] and θ1, θ4 [rad] where the arm is held; none while it is not.
+    pub fn held(&self) -> Option<(Vec2<f32>, [f32; 2])> {
+        if self.state != State::Armed {
+            return None;
+        }
+        let [d1, d4] = self.setpoint.direction;
+        let [x, y] = self.tool_at([d1, d4])?;
+        let [joint1, joint4] = &self.joints;
+        // The turn is the measured joint's.
+        let at = |direction: Vec2<f32>, measured: f32| {
+            let u = Vec2::unit(measured);
+            measured + Vec2::new(u.dot(direction), u.cross(direction)).angle()
+        };
+        Some((
+            Vec2::new(x, y),
+            [at(d1, joint1.angle), at(d4, joint4.angle)],
+        ))
+    }
+
+    /// How often the path has been forgotten: what was planned to follow it is void then.
+    pub fn forgotten_paths(&self) -> u32 {
+        self.forgotten_paths
+    }
+
+    /// Whether there is room for another piece, and less than `horizon` [s] of path.
+    pub fn wants_path(&self, horizon: f32) -> bool {
+        self.path.wants(horizon)
     }
 
     /// The latched fault, with the tick that raised it.

@@ -2,8 +2,8 @@
 
 use super::{Controller, Setpoint};
 use crate::safety::{Event, Fault, State};
-use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::Pose;
+use fivebar_kinematics::{Scalar, Vec2};
 use serde::{Deserialize, Serialize};
 
 /// What the controller can be asked for, besides moves.
@@ -93,6 +93,7 @@ impl Controller {
             return Err(Refusal::NotHomed);
         }
         let pose = self.standing(self.angles())?;
+        self.mode = self.model.tool.working_mode(&pose);
         self.setpoint = Setpoint::hold([pose.u1, pose.u4]);
         self.apply(Event::Arm)
     }
@@ -101,7 +102,10 @@ impl Controller {
         if self.state != State::Stopped {
             return Err(Refusal::State(self.state));
         }
-        self.standing(angles)?;
+        let pose = self.standing(angles)?;
+        if pose.working_mode() != self.model.settings.working_mode() {
+            return Err(Refusal::NotOnBranch);
+        }
         for ((joint, axis), angle) in self.joints.iter_mut().zip(&self.model.axes).zip(angles) {
             joint.set_origin(axis, joint.counts(), angle);
         }
@@ -136,10 +140,8 @@ impl Controller {
             .geometry()
             .forward_from_directions(Vec2::unit(theta1), Vec2::unit(theta4), self.model.assembly)
             .map_err(|_| Refusal::NotOnBranch)?;
-        if pose.working_mode() != self.model.mode {
-            return Err(Refusal::NotOnBranch);
-        }
-        if !settings.stands_clear(&pose, settings.motion.singularity_margin) {
+        // Type 1 is no danger to an arm that is held or moved by its joints.
+        if Scalar::abs(pose.sin32()) < settings.motion.singularity_margin {
             return Err(Refusal::NearSingularity);
         }
         Ok(pose)

@@ -72,10 +72,10 @@ impl Controller {
         }
         let [u1, u4] = self.angles().map(Vec2::unit);
         let geometry = self.model.arm.geometry();
-        let on_branch = geometry
+        let pose = geometry
             .forward_from_directions(u1, u4, self.model.assembly)
-            .is_ok_and(|pose| self.model.tool.working_mode(&pose) == self.model.mode);
-        if !on_branch {
+            .map_err(|_| Fault::EncoderDisagreement)?;
+        if pose.working_mode() != self.model.settings.working_mode() {
             return Err(Fault::EncoderDisagreement);
         }
         self.homed = true;

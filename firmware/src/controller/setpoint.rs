@@ -2,7 +2,7 @@
 
 use super::model::Model;
 use fivebar_kinematics::Vec2;
-use fivebar_kinematics::five_bar::PoseError;
+use fivebar_kinematics::five_bar::{PoseError, WorkingMode};
 use fivebar_kinematics::trajectory::Reference;
 
 /// What the joints should do when the torque of this tick acts.
@@ -14,8 +14,8 @@ pub(crate) struct Setpoint {
     pub(crate) omega: [f32; 2],
     /// α1d, α4d [rad/s²].
     pub(crate) alpha: [f32; 2],
-    /// |ṙ|² of the tool along its path [m²/s²]; 0 for a move of the joints.
-    pub(crate) speed_squared: f32,
+    /// |ṙ|² of the tool [m²/s²]; none for a hold and for a move of the joints.
+    pub(crate) speed_squared: Option<f32>,
 }
 
 impl Setpoint {
@@ -26,13 +26,17 @@ impl Setpoint {
             direction,
             omega: [0.0; 2],
             alpha: [0.0; 2],
-            speed_squared: 0.0,
+            speed_squared: None,
         }
     }
 
-    /// The joints' part in a reference.
+    /// The joints' part in a reference, a tool's being solved in `mode`.
     #[inline]
-    pub(crate) fn of(reference: &Reference<f32>, model: &Model) -> Result<Self, PoseError> {
+    pub(crate) fn of(
+        reference: &Reference<f32>,
+        model: &Model,
+        mode: WorkingMode,
+    ) -> Result<Self, PoseError> {
         match *reference {
             Reference::Tool {
                 position,
@@ -40,7 +44,7 @@ impl Setpoint {
                 acceleration,
             } => {
                 let tool = &model.tool;
-                let pose = tool.inverse(position, model.mode)?;
+                let pose = tool.inverse(position, mode)?;
                 let velocities = tool.inverse_velocities(&pose, velocity)?;
                 let accelerations = tool.inverse_accelerations(&pose, &velocities, acceleration)?;
                 let [omega1, _, _, omega4] = velocities.omega;
@@ -49,7 +53,7 @@ impl Setpoint {
                     direction: [pose.u1, pose.u4],
                     omega: [omega1, omega4],
                     alpha: [alpha1, alpha4],
-                    speed_squared: velocity.norm_squared(),
+                    speed_squared: Some(velocity.norm_squared()),
                 })
             }
             Reference::Joint {
@@ -60,7 +64,7 @@ impl Setpoint {
                 direction: angles.map(Vec2::unit),
                 omega: rates,
                 alpha: accelerations,
-                speed_squared: 0.0,
+                speed_squared: None,
             }),
         }
     }

@@ -30,7 +30,6 @@ pub(crate) struct Monitor {
     bus: [f32; 2],
     /// [rad], each joint's limits and what a following error may add.
     angles: [[f32; 2]; 2],
-    mode: WorkingMode,
     /// Least |sin| at elbows and C.
     margin: f32,
     /// Ticks.
@@ -56,7 +55,6 @@ impl Monitor {
                 let [low, high] = axis.angle_limits;
                 [low - slack, high + slack]
             }),
-            mode: settings.working_mode(),
             margin: 0.5 * settings.motion.singularity_margin,
             silence: (protection.command_timeout * rate) as u32,
         }
@@ -107,12 +105,17 @@ impl Monitor {
         angle1 < low1 || angle1 > high1 || angle4 < low4 || angle4 > high4
     }
 
-    /// A pose too near a singularity, or past one.
+    /// Links 2 and 3 too nearly in line (type 2): the motors lose the tool.
     #[inline]
-    pub(crate) fn near_singularity(&self, pose: &Pose<f32>) -> bool {
-        self.mode.elbow1.sign(pose.sin21()) < self.margin
-            || self.mode.elbow4.sign(pose.sin34()) < self.margin
-            || Scalar::abs(pose.sin32()) < self.margin
+    pub(crate) fn near_parallel(&self, pose: &Pose<f32>) -> bool {
+        Scalar::abs(pose.sin32()) < self.margin
+    }
+
+    /// A leg too nearly straight or folded (type 1), or past it. That is no danger to the
+    /// joints, only to a path of the tool: it is solved in this working mode.
+    #[inline]
+    pub(crate) fn leaves_mode(&self, [sine1, sine4]: [f32; 2], mode: WorkingMode) -> bool {
+        mode.elbow1.sign(sine1) < self.margin || mode.elbow4.sign(sine4) < self.margin
     }
 
     /// Ticks since the host was heard.

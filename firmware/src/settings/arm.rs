@@ -51,12 +51,16 @@ impl Settings {
         side(self.assembly_left)
     }
 
-    /// Whether a pose is on the branch and keeps `margin` from singularities.
-    pub(crate) fn stands_clear(&self, pose: &Pose<f32>, margin: f32) -> bool {
-        let mode = self.working_mode();
-        mode.elbow1.sign(pose.sin21()) >= margin
-            && mode.elbow4.sign(pose.sin34()) >= margin
-            && Scalar::abs(pose.sin32()) >= margin
+    /// What each motor gives its joint at peak current [N·m].
+    pub fn peak_torque(&self) -> [f32; 2] {
+        self.axes
+            .map(|axis| Scalar::abs(axis.gear_ratio) * axis.torque_constant * axis.peak_current)
+    }
+
+    /// Whether a pose is on the branch and keeps the margin from singularities.
+    fn stands_clear(&self, pose: &Pose<f32>) -> bool {
+        pose.working_mode() == self.working_mode()
+            && pose.nearest_singularity().1 >= self.motion.singularity_margin
     }
 
     /// The inertia [kg·m²] that each joint shows on the average of the poses that the arm
@@ -77,7 +81,7 @@ impl Settings {
                     .geometry()
                     .forward(at(range1, i), at(range4, j), self.assembly());
                 let Ok(pose) = pose else { continue };
-                if !self.stands_clear(&pose, self.motion.singularity_margin) {
+                if !self.stands_clear(&pose) {
                     continue;
                 }
                 if let Ok([inertia1, inertia4]) = effective_inertia(arm, &pose) {

@@ -4,11 +4,12 @@
 #![allow(dead_code, reason = "each test file uses its own part")]
 
 use fivebar_firmware::controller::{Controller, Request};
+use fivebar_firmware::planner::{MoveRefusal, Planner};
 use fivebar_firmware::settings::{
     AxisSettings, ControlSettings, HomingSettings, LinkSettings, MotionSettings,
     ProtectionSettings, Settings,
 };
-use fivebar_firmware::{Command, Sensed};
+use fivebar_firmware::{Command, Move, MoveKind, Sensed};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::control::computed_torque;
 use fivebar_kinematics::dynamics::{Arm, Link};
@@ -237,6 +238,7 @@ impl Bench {
 /// A controller and its bench, tick by tick in step.
 pub(crate) struct Rig {
     pub(crate) controller: Controller,
+    pub(crate) planner: Planner,
     pub(crate) bench: Bench,
 }
 
@@ -245,6 +247,7 @@ impl Rig {
     pub(crate) fn new(settings: &Settings) -> Self {
         let mut rig = Self {
             controller: Controller::new(settings).unwrap(),
+            planner: Planner::new(settings).unwrap(),
             bench: Bench::new(settings),
         };
         rig.run(1);
@@ -262,11 +265,31 @@ impl Rig {
 
     /// Runs so many ticks and gives the last command.
     pub(crate) fn run(&mut self, ticks: u32) -> Command {
-        let mut last = Command::default();
-        for _ in 0..ticks {
-            last = self.controller.tick(&self.bench.sense());
-            self.bench.step(&last);
-        }
-        last
+        (0..ticks).fold(Command::default(), |_, _| self.tick())
+    }
+
+    /// One tick with a planner that keeps up and a host that is heard.
+    pub(crate) fn tick(&mut self) -> Command {
+        self.controller.heard();
+        self.planner.run(&mut self.controller);
+        self.tick_alone()
+    }
+
+    /// One tick without planner and host.
+    pub(crate) fn tick_alone(&mut self) -> Command {
+        let command = self.controller.tick(&self.bench.sense());
+        self.bench.step(&command);
+        command
+    }
+
+    /// Gives the planner a move.
+    pub(crate) fn push(&mut self, tag: u32, kind: MoveKind) -> Result<(), MoveRefusal> {
+        self.planner.push(&self.controller, &Move { tag, kind })
+    }
+
+    /// The measured tool as the controller sees it [m].
+    pub(crate) fn held(&self) -> [f32; 2] {
+        let (tool, _) = self.controller.held().unwrap();
+        [tool.x, tool.y]
     }
 }

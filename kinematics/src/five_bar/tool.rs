@@ -97,8 +97,15 @@ impl<S: Scalar> Tool<S> {
     /// The inverse branch as the tool sees it: leg 1 by AB×BT.
     #[inline]
     pub fn working_mode(&self, pose: &Pose<S>) -> WorkingMode {
-        let sine = pose.u1.cross(self.direction(pose));
-        WorkingMode::new(Side::of(sine), Side::of(pose.sin34()))
+        let [sine1, sine4] = self.elbow_sines(pose);
+        WorkingMode::new(Side::of(sine1), Side::of(sine4))
+    }
+
+    /// Sines of the angles at B, from A–B to B–T, and at D: zero at type 1, positive where
+    /// the elbow turns left.
+    #[inline]
+    pub fn elbow_sines(&self, pose: &Pose<S>) -> [S; 2] {
+        [pose.u1.cross(self.direction(pose)), pose.sin34()]
     }
 
     /// The pose that holds T at `t` [m].

@@ -59,7 +59,12 @@ impl<S: Scalar, const N: usize> LookAhead<S, N> {
 
     /// Whether any move can be pushed now.
     pub fn has_room(&self) -> bool {
-        self.queue.len() + 2 <= N
+        self.room() > 0
+    }
+
+    /// How many moves can be pushed now, whatever they are.
+    pub fn room(&self) -> usize {
+        (N - self.queue.len()) / 2
     }
 
     /// Whether everything pushed has been handed out.

@@ -1,0 +1,144 @@
+//! Why a move is not taken, and where: small enough to be sent.
+
+use crate::safety::State;
+use core::fmt;
+use fivebar_kinematics::five_bar::{Joint, Outside, PoseError, Singularity};
+use fivebar_kinematics::trajectory::{Obstacle, PushError, Refusal, SegmentError};
+use serde::{Deserialize, Serialize};
+
+/// A move that was not taken. Nothing has changed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MoveRefusal {
+    /// The move's tag.
+    pub tag: u32,
+    /// Why.
+    pub reason: Reason,
+    /// The first place on the path that cannot be passed [m], if it is one.
+    pub point: Option<[f32; 2]>,
+}
+
+/// Why a move is not taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Reason {
+    /// The arm must be armed and not stopping.
+    State(State),
+    /// The queue is full: come again.
+    Full,
+    /// A number is infinite, not a number, or no speed.
+    Number,
+    /// The arc starts on its centre, or its ends are not equally far from it.
+    Arc,
+    /// The tool cannot get there.
+    Unreachable,
+    /// Joint 1 or 4 would leave its limits.
+    JointLimit(u8),
+    /// Leg 1 or 4 would be too nearly straight or folded.
+    LegSingularity(u8),
+    /// Links 2 and 3 would be too nearly in line.
+    ParallelSingularity,
+    /// Joint 1 or 4 has not the torque to hold the arm there.
+    Torque(u8),
+}
+
+impl MoveRefusal {
+    pub(super) fn new(tag: u32, reason: Reason) -> Self {
+        Self {
+            tag,
+            reason,
+            point: None,
+        }
+    }
+
+    pub(super) fn on_path(tag: u32, refusal: &Refusal<f32>) -> Self {
+        Self {
+            tag,
+            reason: refusal.obstacle.into(),
+            point: Some([refusal.point.x, refusal.point.y]),
+        }
+    }
+}
+
+fn number(joint: Joint) -> u8 {
+    match joint {
+        Joint::Joint1 => 1,
+        Joint::Joint4 => 4,
+    }
+}
+
+impl From<Singularity> for Reason {
+    fn from(singularity: Singularity) -> Self {
+        match singularity {
+            Singularity::Leg1 => Self::LegSingularity(1),
+            Singularity::Leg4 => Self::LegSingularity(4),
+            Singularity::Parallel => Self::ParallelSingularity,
+        }
+    }
+}
+
+impl From<Obstacle> for Reason {
+    fn from(obstacle: Obstacle) -> Self {
+        match obstacle {
+            Obstacle::Outside(Outside::Pose(PoseError::Unreachable(_))) => Self::Unreachable,
+            Obstacle::Outside(Outside::Pose(PoseError::NotFinite)) | Obstacle::Limits => {
+                Self::Number
+            }
+            Obstacle::Outside(
+                Outside::Pose(PoseError::Singular(singularity)) | Outside::Margin(singularity),
+            ) => singularity.into(),
+            Obstacle::Outside(Outside::Joint(joint)) => Self::JointLimit(number(joint)),
+            Obstacle::Torque(joint) => Self::Torque(number(joint)),
+        }
+    }
+}
+
+impl From<SegmentError> for Reason {
+    fn from(error: SegmentError) -> Self {
+        match error {
+            SegmentError::NotFinite | SegmentError::ZeroLength => Self::Number,
+            SegmentError::ZeroRadius | SegmentError::RadiusMismatch => Self::Arc,
+        }
+    }
+}
+
+impl From<PushError> for Reason {
+    fn from(error: PushError) -> Self {
+        match error {
+            PushError::Full => Self::Full,
+            PushError::NotFinite => Self::Number,
+        }
+    }
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::State(state) => write!(f, "the arm takes no moves while {state:?}"),
+            Self::Full => f.write_str("the queue is full"),
+            Self::Number => f.write_str("a number is infinite, not a number, or no speed"),
+            Self::Arc => {
+                f.write_str("the arc starts on its centre, or its ends are not equally far from it")
+            }
+            Self::Unreachable => f.write_str("the tool cannot get there"),
+            Self::JointLimit(joint) => write!(f, "joint {joint} would leave its limits"),
+            Self::LegSingularity(leg) => {
+                write!(f, "leg {leg} would be too nearly straight or folded")
+            }
+            Self::ParallelSingularity => f.write_str("links 2 and 3 would be too nearly in line"),
+            Self::Torque(joint) => {
+                write!(f, "joint {joint} has not the torque to hold the arm there")
+            }
+        }
+    }
+}
+
+impl fmt::Display for MoveRefusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.reason.fmt(f)?;
+        if let Some([x, y]) = self.point {
+            write!(f, " at ({x:.6}, {y:.6}) m")?;
+        }
+        Ok(())
+    }
+}
+
+impl core::error::Error for MoveRefusal {}

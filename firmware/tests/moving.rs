@@ -1,0 +1,71 @@
+//! The arm follows moves, and stops on its path whatever happens.
+
+mod rig;
+
+use fivebar_firmware::MoveKind;
+use fivebar_firmware::controller::Request;
+use fivebar_firmware::safety::State;
+use rig::{Rig, settings};
+
+fn line(to: [f32; 2], feed: f32) -> MoveKind {
+    MoveKind::Line { to, feed }
+}
+
+#[test]
+fn follows_a_line_within_tens_of_micrometres_and_ends_at_rest() {
+    let mut rig = Rig::armed(&settings());
+    let [x, y] = rig.held();
+    let to = [x - 0.03, y + 0.02];
+    rig.push(7, line(to, 0.1)).unwrap();
+    rig.tick();
+    assert_eq!(rig.controller.status().state, State::Running);
+    assert_eq!(rig.controller.status().tag, Some(7));
+    let mut worst = 0.0_f64;
+    let mut ticks = 0;
+    while rig.controller.status().state == State::Running {
+        rig.tick();
+        let status = rig.controller.status();
+        let (Some([rx, ry]), [tx, ty]) = (status.reference, rig.bench.tool()) else {
+            panic!("{:?}", rig.controller.fault());
+        };
+        worst = worst.max((tx - f64::from(rx)).hypot(ty - f64::from(ry)));
+        ticks += 1;
+        assert!(ticks < 20_000);
+    }
+    assert_eq!(
+        rig.controller.status().state,
+        State::Armed,
+        "{:?}",
+        rig.controller.fault()
+    );
+    rig.run(500);
+    let [tx, ty] = rig.bench.tool();
+    let end = (tx - f64::from(to[0])).hypot(ty - f64::from(to[1]));
+    assert!(end < 3e-5, "{end} m off the end");
+    assert!(worst < 1e-4, "{worst} m off the path");
+}
+
+#[test]
+fn stops_on_the_path_when_told_to() {
+    let mut rig = Rig::armed(&settings());
+    let [x, y] = rig.held();
+    rig.push(1, line([x - 0.06, y], 0.2)).unwrap();
+    rig.run(1500);
+    assert_eq!(rig.controller.state(), State::Running);
+    rig.controller.request(Request::Stop).unwrap();
+    assert_eq!(rig.controller.state(), State::Stopping);
+    rig.run(2000);
+    assert_eq!(rig.controller.state(), State::Armed);
+    let [tx, ty] = rig.bench.tool();
+    assert!(
+        (ty - f64::from(y)).abs() < 2e-5,
+        "left the line: {ty} for {y}"
+    );
+    assert!(tx < f64::from(x) - 0.01 && tx > f64::from(x) - 0.059);
+    // The rest of the path is forgotten; new moves go from here.
+    rig.run(2000);
+    assert!((rig.bench.tool()[0] - tx).abs() < 2e-5);
+    rig.push(2, line([x, y], 0.1)).unwrap();
+    rig.run(12_000);
+    assert!((rig.bench.tool()[0] - f64::from(x)).abs() < 2e-5);
+}
