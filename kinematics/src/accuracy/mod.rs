@@ -4,11 +4,14 @@
 //! Two unlike ways to every sensitivity: the analytic matrices of [`loops`], and dual
 //! numbers through any model that implements [`Response`].
 
+pub mod allocation;
+pub mod arm;
 mod differentiate;
 mod error;
 pub mod five_bar;
 pub mod loops;
 mod propagation;
+pub mod seating;
 
 pub use differentiate::{Response, sensitivities};
 pub use error::AccuracyError;
