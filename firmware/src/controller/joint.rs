@@ -8,7 +8,7 @@ use fivebar_kinematics::control::{CurrentState, Drive, Integral, MotorHeat, Obse
 pub(crate) struct Joint {
     /// Counts at the tick before; none before the first tick.
     counts: Option<i32>,
-    /// The angle `angle_at_origin` belongs to these counts.
+    /// The angle `angle_at_origin` belongs to these counts; the first ones until homed.
     origin: i32,
     angle_at_origin: f32,
     observer: ObserverState<f32>,
@@ -70,7 +70,11 @@ impl Joint {
         current: u16,
         alpha: f32,
     ) -> Sample {
-        let delta = counts.wrapping_sub(self.counts.unwrap_or(counts));
+        let before = self.counts.unwrap_or_else(|| {
+            self.origin = counts;
+            counts
+        });
+        let delta = counts.wrapping_sub(before);
         self.counts = Some(counts);
         self.acting += model.passing * (alpha - self.acting);
         let innovation = model

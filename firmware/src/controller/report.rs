@@ -2,8 +2,8 @@
 
 use super::{Controller, JointReference, Snapshot, Status};
 use crate::safety::{Fault, State};
-use fivebar_kinematics::five_bar::WorkingMode;
 use fivebar_kinematics::Vec2;
+use fivebar_kinematics::five_bar::WorkingMode;
 
 impl Controller {
     /// The controller after the last tick.

@@ -28,7 +28,7 @@ pub(crate) struct Monitor {
     following_error: f32,
     /// [V].
     bus: [f32; 2],
-    /// [rad], each joint's limits and what a following error may add.
+    /// [rad], each joint's limits and half of what a following error may add.
     angles: [[f32; 2]; 2],
     /// Least |sin| at elbows and C.
     margin: f32,
@@ -40,7 +40,7 @@ impl Monitor {
     pub(crate) fn new(settings: &Settings) -> Self {
         let protection = &settings.protection;
         let rate = settings.control.tick_rate;
-        let slack = protection.following_error;
+        let slack = 0.5 * protection.following_error;
         Self {
             // What the joint turns in a tick at the over-speed, or a few counts.
             jump: settings.axes.map(|axis| {

@@ -1,7 +1,6 @@
 //! The arm that the settings describe.
 
 use super::{Settings, SettingsError};
-use fivebar_kinematics::control::effective_inertia;
 use fivebar_kinematics::dynamics::{Arm, Link};
 use fivebar_kinematics::five_bar::{Geometry, Pose, Side, Tool, WorkingMode};
 use fivebar_kinematics::{Scalar, Vec2};
@@ -63,8 +62,8 @@ impl Settings {
             && pose.nearest_singularity().1 >= self.motion.singularity_margin
     }
 
-    /// The inertia [kg·m²] that each joint shows on the average of the poses that the arm
-    /// can take: the constant of independent-joint control.
+    /// The inertia [kg·m²] that each joint shows, the other standing still, on the average
+    /// of the poses that the arm can take: the constant of independent-joint control.
     ///
     /// # Errors
     /// `NoPose` where the arm can take none.
@@ -84,16 +83,20 @@ impl Settings {
                 if !self.stands_clear(&pose) {
                     continue;
                 }
-                if let Ok([inertia1, inertia4]) = effective_inertia(arm, &pose) {
+                if let Ok(matrix) = arm.mass_matrix(&pose) {
                     let [sum1, sum4] = sum;
-                    sum = [sum1 + inertia1, sum4 + inertia4];
+                    sum = [sum1 + matrix.m11, sum4 + matrix.m44];
                     poses += 1.0;
                 }
             }
         }
         let [sum1, sum4] = sum;
         let average = [sum1 / poses, sum4 / poses];
-        if poses > 0.0 && average.iter().all(|&inertia| inertia > 0.0) {
+        if poses > 0.0
+            && average
+                .iter()
+                .all(|&inertia| inertia > 0.0 && inertia.is_finite())
+        {
             Ok(average)
         } else {
             Err(SettingsError::NoPose)

@@ -11,7 +11,6 @@ use fivebar_firmware::settings::{
 };
 use fivebar_firmware::{Command, Move, MoveKind, Sensed};
 use fivebar_kinematics::Vec2;
-use fivebar_kinematics::control::computed_torque;
 use fivebar_kinematics::dynamics::{Arm, Link};
 use fivebar_kinematics::five_bar::{Geometry, Side};
 use std::f64::consts::TAU;
@@ -120,6 +119,8 @@ pub(crate) struct Bench {
     pub(crate) bus: f64,
     /// What the sensors would say besides.
     pub(crate) overlay: Sensed,
+    /// What both switches say whatever the arm does.
+    pub(crate) stuck: Option<[bool; 2]>,
     /// Added to the counts.
     pub(crate) extra_counts: [i32; 2],
     command: Command,
@@ -151,6 +152,7 @@ impl Bench {
             push: [0.0; 2],
             bus: 24.0,
             overlay: Sensed::default(),
+            stuck: None,
             extra_counts: [0; 2],
             command: Command::default(),
         }
@@ -168,7 +170,13 @@ impl Bench {
             let codes = self.current[joint] / f64::from(axes[joint].current_per_code);
             (codes + f64::from(axes[joint].current_zero_code)).round() as u16
         };
+        let switch = |joint: usize| {
+            let axis = &self.settings.axes[joint];
+            let beyond = self.theta[joint] - f64::from(axis.home_angle);
+            (beyond >= 0.0) == axis.home_forward
+        };
         Sensed {
+            home: self.stuck.unwrap_or([switch(0), switch(1)]),
             counts: [counts(0), counts(1)],
             current: [code(0), code(1)],
             bus_voltage: (self.bus * 100.0).round() as u16,
@@ -208,22 +216,15 @@ impl Bench {
         }
     }
 
-    /// M α = τ − h by three calls of inverse dynamics.
     fn accelerations(&self, torque: [f64; 2]) -> [f64; 2] {
         let geometry = self.arm.geometry();
         let [theta1, theta4] = self.theta;
+        let [omega1, omega4] = self.omega;
         let pose = geometry.forward(theta1, theta4, Side::Left).unwrap();
-        let rates = geometry
-            .forward_velocities(&pose, self.omega[0], self.omega[1])
-            .unwrap();
-        let at = |alpha| computed_torque(&self.arm, &pose, &rates, alpha).unwrap();
-        let h = at([0.0, 0.0]);
-        let (c1, c4) = (at([1.0, 0.0]), at([0.0, 1.0]));
-        let [m11, m41] = [c1[0] - h[0], c1[1] - h[1]];
-        let [m14, m44] = [c4[0] - h[0], c4[1] - h[1]];
-        let [f1, f4] = [torque[0] - h[0], torque[1] - h[1]];
-        let det = m11 * m44 - m14 * m41;
-        [(f1 * m44 - f4 * m14) / det, (m11 * f4 - m41 * f1) / det]
+        let rates = geometry.forward_velocities(&pose, omega1, omega4).unwrap();
+        self.arm
+            .forward_dynamics(&pose, &rates, torque, Vec2::zero())
+            .unwrap()
     }
 
     /// The tool [m].

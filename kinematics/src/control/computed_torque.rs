@@ -24,19 +24,6 @@ pub fn computed_torque<S: Scalar>(
     arm.inverse_dynamics(pose, velocities, &accelerations, Vec2::zero())
 }
 
-/// M11 and M44 [kg·m²] at a pose: the inertia a joint shows when the other stands still,
-/// as independent-joint control takes for constant.
-///
-/// # Errors
-/// `Singular` at type 2.
-pub fn effective_inertia<S: Scalar>(arm: &Arm<S>, pose: &Pose<S>) -> Result<[S; 2], PoseError> {
-    let rest = arm.geometry().forward_velocities(pose, S::ZERO, S::ZERO)?;
-    let [bias1, bias4] = computed_torque(arm, pose, &rest, [S::ZERO, S::ZERO])?;
-    let [torque1, _] = computed_torque(arm, pose, &rest, [S::ONE, S::ZERO])?;
-    let [_, torque4] = computed_torque(arm, pose, &rest, [S::ZERO, S::ONE])?;
-    Ok([torque1 - bias1, torque4 - bias4])
-}
-
 /// The greatest torques of the two joints [N·m].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TorqueLimit<S>(pub [S; 2]);

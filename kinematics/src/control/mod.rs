@@ -26,7 +26,7 @@ mod observer;
 mod position;
 mod thermal;
 
-pub use computed_torque::{TorqueLimit, computed_torque, effective_inertia};
+pub use computed_torque::{TorqueLimit, computed_torque};
 pub use current::{CurrentLoop, CurrentState, Drive};
 
 pub use friction::FrictionCompensation;

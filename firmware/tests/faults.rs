@@ -1,0 +1,352 @@
+//! Every fault, raised by its own cause: its number, bridges off in the tick that finds
+//! it (or a stop on the path, where that is its response), and nothing moves until cleared.
+
+mod rig;
+
+use fivebar_firmware::controller::{Controller, Refusal, Request};
+use fivebar_firmware::safety::{Fault, Response, State};
+use fivebar_firmware::{Command, MoveKind, Settings};
+use rig::{Rig, START, settings};
+
+/// Runs until a fault is latched, at most `within` ticks, and holds it against what every
+/// fault that powers off must do.
+#[track_caller]
+fn powers_off(rig: &mut Rig, fault: Fault, number: u8, within: u32) {
+    assert_eq!(fault.number(), number);
+    assert_eq!(fault.response(), Response::PowerOff);
+    let mut command = Command::default();
+    for _ in 0..within {
+        command = rig.tick();
+        if rig.controller.state() == State::Fault {
+            break;
+        }
+    }
+    assert_eq!(rig.controller.state(), State::Fault);
+    stays_off(rig, command, fault);
+}
+
+#[track_caller]
+fn stays_off(rig: &mut Rig, mut command: Command, fault: Fault) {
+    let snapshot = *rig.controller.fault().unwrap();
+    assert_eq!(snapshot.fault, fault);
+    assert_eq!(snapshot.tick, rig.controller.status().tick);
+    for _ in 0..200 {
+        assert_eq!(command.duty, [0.0; 2]);
+        assert_eq!(command.enable, [false; 2]);
+        assert!(command.brake);
+        command = rig.tick();
+    }
+    let state = Refusal::State(State::Fault);
+    for request in [Request::Arm, Request::Home, Request::Stop, Request::Disarm] {
+        assert_eq!(rig.controller.request(request), Err(state));
+    }
+    let refusal = rig.push(1, MoveKind::Dwell { duration: 1.0 }).unwrap_err();
+    assert_eq!(refusal.tag, 1);
+    assert_eq!(
+        *rig.controller.fault().unwrap(),
+        snapshot,
+        "the first stays"
+    );
+}
+
+#[track_caller]
+fn clears(rig: &mut Rig) {
+    rig.controller.request(Request::ClearFault).unwrap();
+    assert_eq!(rig.run(1).enable, [false; 2]);
+    assert_eq!(rig.controller.state(), State::Stopped);
+    assert!(rig.controller.fault().is_none());
+}
+
+fn with(change: impl FnOnce(&mut Settings)) -> Settings {
+    let mut settings = settings();
+    change(&mut settings);
+    settings
+}
+
+/// On its way along a line of 60 mm at 0.2 m/s.
+fn running() -> Rig {
+    let mut rig = Rig::armed(&settings());
+    let [x, y] = rig.held();
+    rig.push(
+        3,
+        MoveKind::Line {
+            to: [x - 0.06, y],
+            feed: 0.2,
+        },
+    )
+    .unwrap();
+    rig.run(1500);
+    assert_eq!(rig.controller.state(), State::Running);
+    rig
+}
+
+#[test]
+fn a_jumping_encoder() {
+    let mut rig = Rig::armed(&settings());
+    rig.bench.extra_counts = [0, 200];
+    powers_off(&mut rig, Fault::EncoderJump, 1, 1);
+    clears(&mut rig);
+    // Where the joint is, is not known any more.
+    assert_eq!(rig.controller.request(Request::Arm), Err(Refusal::NotHomed));
+}
+
+#[test]
+fn a_following_error() {
+    let mut rig = Rig::armed(&settings());
+    // A little more than the motor's 0.75 N·m.
+    rig.bench.push = [0.85, 0.0];
+    powers_off(&mut rig, Fault::FollowingError, 3, 2000);
+    clears(&mut rig);
+    assert!(
+        rig.controller.status().homed,
+        "the angles are as good as before"
+    );
+}
+
+#[test]
+fn a_dead_encoder_in_motion_is_a_following_error() {
+    let mut rig = running();
+    let frozen = rig.bench.sense();
+    let mut command = Command::default();
+    for _ in 0..3000 {
+        rig.controller.heard();
+        rig.planner.run(&mut rig.controller);
+        let mut sensed = rig.bench.sense();
+        sensed.counts[0] = frozen.counts[0];
+        command = rig.controller.tick(&sensed);
+        rig.bench.step(&command);
+        if rig.controller.state() == State::Fault {
+            break;
+        }
+    }
+    assert_eq!(rig.controller.status().fault, Some(Fault::FollowingError));
+    assert_eq!(command.enable, [false; 2]);
+}
+
+#[test]
+fn over_speed() {
+    let mut rig = Rig::armed(&with(|s| s.protection.following_error = 0.9));
+    rig.bench.push = [-8.0, 0.0];
+    powers_off(&mut rig, Fault::OverSpeed, 4, 2000);
+}
+
+#[test]
+fn over_current() {
+    let mut rig = Rig::armed(&settings());
+    rig.bench.current = [0.0, -6.5];
+    powers_off(&mut rig, Fault::OverCurrent, 5, 1);
+}
+
+#[test]
+fn over_temperature() {
+    let mut rig = Rig::armed(&with(|s| {
+        s.axes[1].continuous_current = 0.3;
+        s.axes[1].thermal_time_constant = 0.5;
+    }));
+    // 0.53 A to hold against: hot after 0.5 ln(0.28/(0.28 − 0.09)) s = 0.19 s.
+    rig.bench.push = [0.0, 0.1];
+    rig.run(1500);
+    assert_eq!(rig.controller.state(), State::Armed);
+    powers_off(&mut rig, Fault::OverTemperature, 6, 1000);
+}
+
+#[test]
+fn a_sagging_and_a_rising_bus() {
+    for (bus, fault, number) in [
+        (17.9, Fault::UnderVoltage, 7),
+        (30.1, Fault::OverVoltage, 8),
+    ] {
+        let mut rig = Rig::armed(&settings());
+        rig.bench.bus = bus;
+        powers_off(&mut rig, fault, number, 1);
+    }
+}
+
+#[test]
+fn a_driver_that_reports_a_fault() {
+    let mut rig = Rig::armed(&settings());
+    rig.bench.overlay.driver_fault = [false, true];
+    powers_off(&mut rig, Fault::DriverFault, 9, 1);
+}
+
+#[test]
+fn the_emergency_stop_as_a_button_and_as_a_request() {
+    let mut rig = running();
+    rig.bench.overlay.emergency_stop = true;
+    powers_off(&mut rig, Fault::EmergencyStop, 10, 1);
+    // Cleared while still pressed, it comes back.
+    rig.controller.request(Request::ClearFault).unwrap();
+    powers_off(&mut rig, Fault::EmergencyStop, 10, 1);
+    rig.bench.overlay.emergency_stop = false;
+    clears(&mut rig);
+
+    let mut rig = running();
+    rig.controller.request(Request::EmergencyStop).unwrap();
+    powers_off(&mut rig, Fault::EmergencyStop, 10, 1);
+}
+
+#[test]
+fn a_joint_pushed_out_of_its_limits_leaves_the_envelope() {
+    let mut rig = Rig::armed(&with(|s| s.axes[0].angle_limits = [0.6, START[0] + 0.001]));
+    rig.bench.push = [0.85, 0.0];
+    powers_off(&mut rig, Fault::Envelope, 11, 2000);
+}
+
+#[test]
+fn an_arm_pushed_towards_a_singularity_leaves_the_envelope() {
+    let mut rig = Rig::armed(&with(|s| {
+        s.motion.singularity_margin = 0.6;
+        s.protection.following_error = 0.99;
+    }));
+    // Towards B = D.
+    rig.bench.push = [-0.82, 0.82];
+    powers_off(&mut rig, Fault::Envelope, 11, 5000);
+}
+
+#[test]
+fn ticks_missed_while_powered() {
+    let mut rig = Rig::armed(&settings());
+    rig.controller.tick_overrun(1);
+    rig.run(10);
+    assert_eq!(rig.controller.state(), State::Armed);
+    assert_eq!(rig.controller.status().missed_ticks, 1);
+    rig.controller.tick_overrun(5);
+    powers_off(&mut rig, Fault::TickOverrun, 14, 1);
+    assert_eq!(rig.controller.status().missed_ticks, 6);
+    clears(&mut rig);
+    // Unpowered, as when the flash is erased, they are only counted.
+    rig.controller.tick_overrun(10_000);
+    rig.run(1);
+    assert_eq!(rig.controller.state(), State::Stopped);
+}
+
+#[test]
+fn a_number_that_overflows() {
+    // Finite settings whose torques are not.
+    let mut rig = Rig::new(&settings());
+    let heavy = with(|s| {
+        s.gravity = [0.0, -3e38];
+        s.payload = 30.0;
+    });
+    rig.controller = Controller::new(&heavy).unwrap();
+    rig.run(1);
+    rig.controller.request(Request::SetAngles(START)).unwrap();
+    rig.controller.request(Request::Arm).unwrap();
+    powers_off(&mut rig, Fault::NotANumber, 15, 1);
+    clears(&mut rig);
+}
+
+#[test]
+fn what_the_board_finds() {
+    for (fault, number) in [
+        (Fault::ClockFailure, 16),
+        (Fault::WatchdogReset, 17),
+        (Fault::SettingsCorrupt, 18),
+    ] {
+        let mut rig = Rig::new(&settings());
+        rig.controller.raise(fault);
+        powers_off(&mut rig, fault, number, 1);
+        clears(&mut rig);
+    }
+}
+
+/// Runs until the arm rests under a held fault; gives the greatest distance off the line
+/// and how long it took.
+fn comes_to_rest(rig: &mut Rig, mut tick: impl FnMut(&mut Rig) -> Command) -> (f64, u32) {
+    let y = rig.bench.tool()[1];
+    let mut off = 0.0_f64;
+    for ticks in 0..5000 {
+        let before = rig.bench.tool()[0];
+        let command = tick(rig);
+        assert_eq!(command.enable, [true; 2], "{:?}", rig.controller.fault());
+        off = off.max((rig.bench.tool()[1] - y).abs());
+        let moved = (rig.bench.tool()[0] - before).abs();
+        let clearable = rig.controller.status().tag.is_none();
+        if clearable && moved < 1e-8 {
+            return (off, ticks);
+        }
+    }
+    panic!("still moving");
+}
+
+#[test]
+fn a_silent_host_stops_the_arm_on_its_path_and_holds_it() {
+    let mut rig = running();
+    // The planner keeps up; nobody is heard.
+    let alone = |rig: &mut Rig| {
+        rig.planner.run(&mut rig.controller);
+        rig.tick_alone()
+    };
+    let silence = (0..2000)
+        .take_while(|_| {
+            alone(&mut rig);
+            rig.controller.state() != State::Fault
+        })
+        .count();
+    assert_eq!(silence, 999, "0.1 s, the tick of the fault included");
+    assert_eq!(rig.controller.status().fault, Some(Fault::CommandTimeout));
+    assert_eq!(Fault::CommandTimeout.number(), 12);
+    assert_eq!(
+        rig.controller.request(Request::ClearFault),
+        Err(Refusal::Moving)
+    );
+    let (off, ticks) = comes_to_rest(&mut rig, alone);
+    assert!(off < 3e-5, "{off} m off the line");
+    assert!(ticks < 1500, "{ticks} ticks");
+    let held = rig.bench.theta;
+    rig.bench.push = [0.05, 0.05];
+    for _ in 0..5000 {
+        alone(&mut rig);
+    }
+    for (theta, held) in rig.bench.theta.into_iter().zip(held) {
+        assert!((theta - held).abs() < 3e-4, "held");
+    }
+    assert!(rig.push(9, MoveKind::Dwell { duration: 1.0 }).is_err());
+    clears(&mut rig);
+}
+
+#[test]
+fn a_planner_that_falls_behind_stops_the_arm_on_its_path() {
+    let mut rig = running();
+    let starved = |rig: &mut Rig| {
+        rig.controller.heard();
+        rig.tick_alone()
+    };
+    let (off, _) = comes_to_rest(&mut rig, starved);
+    assert_eq!(rig.controller.status().fault, Some(Fault::QueueUnderrun));
+    assert_eq!(Fault::QueueUnderrun.number(), 13);
+    assert!(off < 3e-5, "{off} m off the line");
+    clears(&mut rig);
+}
+
+#[test]
+fn a_graver_fault_takes_over_from_one_that_holds() {
+    let mut rig = running();
+    for _ in 0..1200 {
+        rig.planner.run(&mut rig.controller);
+        rig.tick_alone();
+    }
+    assert_eq!(rig.controller.status().fault, Some(Fault::CommandTimeout));
+    rig.bench.overlay.driver_fault = [true, false];
+    let command = rig.tick();
+    stays_off(&mut rig, command, Fault::DriverFault);
+}
+
+#[test]
+fn numbers_are_stable_and_complete() {
+    for (fault, number) in Fault::ALL.into_iter().zip(1..) {
+        assert_eq!(fault.number(), number);
+    }
+    assert_eq!(Fault::ALL.len(), 18);
+}
+
+#[test]
+fn the_same_samples_give_the_same_bits() {
+    let run = || {
+        let mut rig = running();
+        (0..2000)
+            .map(|_| rig.tick().duty.map(f32::to_bits))
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(run(), run());
+}

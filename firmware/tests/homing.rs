@@ -1,0 +1,158 @@
+//! The arm finds out where it is, or says that it cannot.
+
+mod rig;
+
+use fivebar_firmware::controller::{Refusal, Request};
+use fivebar_firmware::safety::{Fault, State};
+use rig::{Rig, START, settings};
+use std::f64::consts::TAU;
+
+const COUNT: f64 = TAU / (8.0 * 8192.0);
+
+/// Runs until the homing has ended, and gives the ticks it took.
+fn home(rig: &mut Rig) -> u32 {
+    rig.controller.request(Request::Home).unwrap();
+    for ticks in 0..60_000 {
+        if rig.controller.state() != State::Homing {
+            return ticks;
+        }
+        let command = rig.tick();
+        // At limited current: no more than its voltage, and what the back-EMF adds.
+        for duty in command.duty {
+            assert!(duty.abs() < (1.2 * 2.3 + 0.3) / 24.0 * 2.5, "{duty}");
+        }
+    }
+    panic!("still homing");
+}
+
+#[test]
+fn finds_both_switches_from_any_encoder_origin() {
+    for extra in [
+        [0, 0],
+        [123_456, -98_765],
+        [i32::MAX - 20_000, i32::MIN + 20_000],
+    ] {
+        let mut rig = Rig::new(&settings());
+        rig.bench.extra_counts = extra;
+        rig.controller = fivebar_firmware::Controller::new(&settings()).unwrap();
+        rig.run(1);
+        home(&mut rig);
+        let status = rig.controller.status();
+        assert_eq!(status.state, State::Stopped, "{:?}", rig.controller.fault());
+        assert!(status.homed);
+        rig.run(2000);
+        let status = rig.controller.status();
+        for (angle, theta) in status.angle.into_iter().zip(rig.bench.theta) {
+            // The tick in which the switch closes, creeping at 0.09 rad/s: a fifth of a count.
+            let off = (f64::from(angle) - theta).abs();
+            assert!(off < 1.5 * COUNT, "{off} rad");
+        }
+    }
+}
+
+#[test]
+fn begins_by_backing_off_where_a_switch_is_closed_already() {
+    let mut rig = Rig::new(&settings());
+    rig.bench.theta = [2.80, 0.34];
+    rig.controller = fivebar_firmware::Controller::new(&settings()).unwrap();
+    rig.run(1);
+    home(&mut rig);
+    assert!(rig.controller.status().homed);
+    let off = f64::from(rig.controller.status().angle[0]) - rig.bench.theta[0];
+    assert!(off.abs() < 1.5 * COUNT, "{off} rad");
+}
+
+#[test]
+fn a_switch_that_stays_closed_ends_in_an_envelope_fault() {
+    let mut rig = Rig::new(&settings());
+    rig.bench.stuck = Some([true, true]);
+    home(&mut rig);
+    assert_eq!(rig.controller.status().fault, Some(Fault::Envelope));
+    assert!(!rig.controller.status().homed);
+    // It had gone no further than it takes to be sure.
+    assert!((rig.bench.theta[0] - f64::from(START[0])).abs() < 0.3);
+}
+
+#[test]
+fn a_switch_that_never_closes_ends_in_an_envelope_fault() {
+    let mut narrow = settings();
+    narrow.axes[0].angle_limits = [2.0, 2.4];
+    narrow.axes[1].angle_limits = [0.7, 1.1];
+    let mut rig = Rig::new(&narrow);
+    rig.bench.stuck = Some([false, false]);
+    home(&mut rig);
+    assert_eq!(rig.controller.status().fault, Some(Fault::Envelope));
+}
+
+#[test]
+fn a_blocked_joint_ends_in_a_following_error() {
+    let mut rig = Rig::new(&settings());
+    // More than the limited torque of homing, 0.22 N·m, can push against.
+    rig.bench.push = [-0.3, 0.0];
+    home(&mut rig);
+    assert_eq!(rig.controller.status().fault, Some(Fault::FollowingError));
+}
+
+#[test]
+fn home_angles_that_close_no_arm_are_an_encoder_disagreement() {
+    let mut short = settings();
+    // Couplers that reach each other upright, but not with both cranks swung outwards.
+    short.lengths = [0.10, 0.13, 0.13, 0.10, 0.08];
+    let mut rig = Rig::new(&short);
+    // What the switches mark is not what the settings say.
+    rig.bench.stuck = Some([false, false]);
+    rig.controller.request(Request::Home).unwrap();
+    let mut switches = [false, true, false, true].into_iter();
+    for phase in 0..4 {
+        rig.bench.stuck = switches.next().map(|closed| [closed; 2]);
+        for _ in 0..if phase == 2 { 9000 } else { 300 } {
+            rig.tick();
+        }
+    }
+    assert_eq!(
+        rig.controller.status().fault,
+        Some(Fault::EncoderDisagreement)
+    );
+    assert!(!rig.controller.status().homed);
+}
+
+#[test]
+fn stops_searching_when_told_to() {
+    let mut rig = Rig::new(&settings());
+    rig.controller.request(Request::Home).unwrap();
+    rig.run(500);
+    rig.controller.request(Request::Stop).unwrap();
+    let command = rig.run(1);
+    assert_eq!(rig.controller.state(), State::Stopped);
+    assert_eq!(command.enable, [false; 2]);
+    assert!(!rig.controller.status().homed);
+}
+
+#[test]
+fn arming_is_refused_until_homed_and_where_the_arm_may_not_be() {
+    let arm = |rig: &mut Rig| rig.controller.request(Request::Arm);
+    let mut rig = Rig::new(&settings());
+    assert_eq!(arm(&mut rig), Err(Refusal::NotHomed));
+    let mut set = |angles| rig.controller.request(Request::SetAngles(angles));
+    assert_eq!(set([f32::NAN, 0.9]), Err(Refusal::OutsideLimits));
+    assert_eq!(set([0.5, 0.9]), Err(Refusal::OutsideLimits));
+    // B meets D: cos θ1 = 0.04/0.1, θ4 = π − θ1.
+    assert_eq!(set([1.160, 1.982]), Err(Refusal::NearSingularity));
+    assert_eq!(set(START), Ok(()));
+    assert_eq!(arm(&mut rig), Ok(()));
+    let mut set = |angles| rig.controller.request(Request::SetAngles(angles));
+    assert_eq!(set(START), Err(Refusal::State(State::Armed)));
+    // Moved out by hand.
+    rig.controller.request(Request::Disarm).unwrap();
+    rig.bench.theta[0] = 3.61;
+    let mut rig2 = Rig::new(&settings());
+    rig2.controller
+        .request(Request::SetAngles([3.59, 0.9]))
+        .unwrap();
+    rig2.bench.push = [0.05, 0.0];
+    rig2.run(800);
+    assert_eq!(
+        rig2.controller.request(Request::Arm),
+        Err(Refusal::OutsideLimits)
+    );
+}
