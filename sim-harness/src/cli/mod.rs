@@ -1,6 +1,7 @@
 //! The command line: one module per subcommand, each with its arguments and a `run`.
 
 mod failure;
+mod linkage;
 mod mobility;
 mod robots;
 
@@ -19,6 +20,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Linkage(linkage::Args),
     Mobility(mobility::Args),
     Robots(robots::Args),
 }
@@ -29,6 +31,7 @@ pub fn main() -> ExitCode {
     let outcome: Result<(), Failure> = match cli.command {
         None => Ok(()),
         Some(command) => match command {
+            Command::Linkage(args) => linkage::run(&args),
             Command::Mobility(args) => mobility::run(&args),
             Command::Robots(args) => robots::run(&args),
         },
