@@ -3,6 +3,7 @@
 mod failure;
 mod linkage;
 mod mobility;
+mod query;
 mod robots;
 
 use clap::{Parser, Subcommand};
@@ -22,6 +23,7 @@ struct Cli {
 enum Command {
     Linkage(linkage::Args),
     Mobility(mobility::Args),
+    Query(query::Args),
     Robots(robots::Args),
 }
 
@@ -33,6 +35,7 @@ pub fn main() -> ExitCode {
         Some(command) => match command {
             Command::Linkage(args) => linkage::run(&args),
             Command::Mobility(args) => mobility::run(&args),
+            Command::Query(args) => query::run(&args),
             Command::Robots(args) => robots::run(&args),
         },
     };
