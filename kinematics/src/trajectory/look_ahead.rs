@@ -205,7 +205,7 @@ impl<S: Scalar, const N: usize> LookAhead<S, N> {
         if !saves_time(&corner_caps, half, middle, &last.caps.tightest(&caps)) {
             return false;
         }
-        let saved = self.queue;
+        let unshortened = *last;
         self.queue.shorten_last(half);
         self.queue.push(Span {
             shape: Shape::Path(*corner.curve()),
@@ -230,7 +230,8 @@ impl<S: Scalar, const N: usize> LookAhead<S, N> {
         match self.horizon().best_plan(kept) {
             Some(plan) => self.plan = Some(plan),
             None if moving => {
-                self.queue = saved;
+                self.queue.drop_last(3);
+                self.queue.push(unshortened);
                 return false;
             }
             None => self.plan = None,
