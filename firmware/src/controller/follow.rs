@@ -129,6 +129,7 @@ impl Controller {
                 PoseError::Unreachable(_) | PoseError::Singular(_) => Fault::Envelope,
                 PoseError::NotFinite => Fault::NotANumber,
             })?;
+        self.limits = self.limits.with(Limits::SPEED, step.slowed);
         if step.at_rest {
             self.setpoint = Setpoint::hold(self.setpoint.direction);
             self.come_to_rest();

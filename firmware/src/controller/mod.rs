@@ -17,12 +17,11 @@ use crate::safety::{Event, Fault, Limits, Response, State};
 use crate::settings::{Settings, SettingsError};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::WorkingMode;
-use fivebar_kinematics::trajectory::Piece;
 use joint::Joint;
 use model::Model;
-pub use path::PIECES;
 use path::Path;
 pub(crate) use path::longest_stop;
+pub use path::{PIECES, Stretch};
 pub use request::{Refusal, Request};
 use setpoint::Setpoint;
 pub use status::{JointReference, Snapshot, Status};
@@ -238,7 +237,6 @@ impl Controller {
                 for joint in &mut self.joints {
                     joint.settle();
                 }
-                self.setpoint = Setpoint::hold(self.setpoint.direction);
             }
             State::Armed => {
                 if before != State::Running {
@@ -283,6 +281,7 @@ impl Controller {
     /// Bridges off, brake on.
     fn off(&mut self) -> Command {
         self.torque = [0.0; 2];
+        self.setpoint = Setpoint::hold(self.setpoint.direction);
         for joint in &mut self.joints {
             joint.release();
         }
@@ -293,16 +292,15 @@ impl Controller {
         }
     }
 
-    /// Adds a piece to the path, which begins where the path ends so far, or where the arm
-    /// is held; `open` tells that it ends in motion and must be followed by another in
-    /// time. Only an armed arm takes pieces.
+    /// Adds to the path, from where it ends so far, or from where the arm is held. Only an
+    /// armed arm takes it.
     ///
     /// # Errors
-    /// The piece, if there is no room or the state does not allow it.
-    pub fn push_piece(&mut self, piece: Piece<f32>, open: bool) -> Result<(), Piece<f32>> {
+    /// The stretch itself, if there is no room or the state does not allow it.
+    pub fn push(&mut self, stretch: Stretch) -> Result<(), Stretch> {
         match self.state {
-            State::Armed | State::Running => self.path.push(piece, open),
-            State::Stopped | State::Homing | State::Stopping | State::Fault => Err(piece),
+            State::Armed | State::Running => self.path.push(stretch),
+            State::Stopped | State::Homing | State::Stopping | State::Fault => Err(stretch),
         }
     }
 

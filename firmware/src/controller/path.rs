@@ -16,11 +16,20 @@ pub const PIECES: usize = 32;
 /// Pieces that one tick may leave behind; more make the path wait for the next tick.
 const PIECES_PER_TICK: u32 = 4;
 
+/// A piece of path and what the tick must know about it.
+#[derive(Clone, Copy, Debug)]
+pub struct Stretch {
+    /// The piece.
+    pub piece: Piece<f32>,
+    /// It ends in motion: another must follow in time.
+    pub open: bool,
+    /// Its move goes slower than was asked for, to keep a limit.
+    pub slowed: bool,
+}
+
 /// The queue and the place in it.
 pub(crate) struct Path {
-    pieces: Deque<Piece<f32>, PIECES>,
-    /// Whether the last piece in the queue ends in motion.
-    open: bool,
+    stretches: Deque<Stretch, PIECES>,
     /// Time into the first piece [s].
     time: f32,
     /// Time left in the queue [s].
@@ -76,6 +85,8 @@ pub(crate) fn longest_stop(settings: &Settings) -> f32 {
 pub(crate) struct Step {
     /// Where the arm should be.
     pub(crate) reference: Reference<f32>,
+    /// Its move goes slower than was asked for.
+    pub(crate) slowed: bool,
     /// The arm has come to rest, at the path's end or braked.
     pub(crate) at_rest: bool,
 }
@@ -83,8 +94,7 @@ pub(crate) struct Step {
 impl Path {
     pub(crate) fn new() -> Self {
         Self {
-            pieces: Deque::new(),
-            open: false,
+            stretches: Deque::new(),
             time: 0.0,
             left: 0.0,
             brake: None,
@@ -98,11 +108,11 @@ impl Path {
 
     /// Whether there is room for another piece, and less than `horizon` [s] of path.
     pub(crate) fn wants(&self, horizon: f32) -> bool {
-        self.left < horizon && !self.pieces.is_full()
+        self.left < horizon && !self.stretches.is_full()
     }
 
     pub(crate) fn is_empty(&self) -> bool {
-        self.pieces.is_empty()
+        self.stretches.is_empty()
     }
 
     /// Time left in the queue [s].
@@ -115,20 +125,25 @@ impl Path {
     /// room for more: the planner is behind.
     #[inline]
     pub(crate) fn waits_for_more(&self) -> bool {
-        self.open && self.brake.is_none() && !self.pieces.is_full()
+        self.is_open() && self.brake.is_none() && !self.stretches.is_full()
     }
 
     /// Tag of the piece in progress.
     pub(crate) fn tag(&self) -> Option<u32> {
-        self.pieces.front().map(Piece::tag)
+        self.stretches.front().map(|stretch| stretch.piece.tag())
     }
 
-    /// Appends a piece, `open` if it ends in motion; gives it back where there is no room.
-    pub(crate) fn push(&mut self, piece: Piece<f32>, open: bool) -> Result<(), Piece<f32>> {
-        self.pieces.push_back(piece)?;
-        self.open = open;
-        self.left += piece.duration();
+    /// Appends a stretch; gives it back where there is no room.
+    pub(crate) fn push(&mut self, stretch: Stretch) -> Result<(), Stretch> {
+        self.stretches.push_back(stretch)?;
+        self.left += stretch.piece.duration();
         Ok(())
+    }
+
+    /// Whether the path breaks off in motion.
+    #[inline]
+    fn is_open(&self) -> bool {
+        self.stretches.back().is_some_and(|stretch| stretch.open)
     }
 
     /// Begins to come to rest within `duration` [s], or sooner where a path that breaks
@@ -137,7 +152,7 @@ impl Path {
     pub(crate) fn brake(&mut self, duration: f32, period: f32) {
         if self.brake.is_none() {
             let room = 2.0 * (self.left - 2.0 * period);
-            let duration = if self.open && room < duration {
+            let duration = if self.is_open() && room < duration {
                 room.max(2.0 * period)
             } else {
                 duration
@@ -152,7 +167,7 @@ impl Path {
     /// One tick of `period` [s] along the path; `None` where there is none.
     #[inline]
     pub(crate) fn step(&mut self, period: f32) -> Option<Step> {
-        if self.pieces.is_empty() {
+        if self.stretches.is_empty() {
             return None;
         }
         let (rate, slope, braked) = match &mut self.brake {
@@ -163,15 +178,15 @@ impl Path {
         self.time += passed;
         self.left -= passed;
         for _ in 0..PIECES_PER_TICK {
-            let duration = self.pieces.front()?.duration();
-            if self.time < duration || self.pieces.len() == 1 {
+            let duration = self.stretches.front()?.piece.duration();
+            if self.time < duration || self.stretches.len() == 1 {
                 break;
             }
             self.time -= duration;
-            self.pieces.pop_front();
+            self.stretches.pop_front();
         }
-        let piece = self.pieces.front()?;
-        let ended = self.time >= piece.duration() && self.pieces.len() == 1;
+        let Stretch { piece, slowed, .. } = self.stretches.front()?;
+        let ended = self.time >= piece.duration() && self.stretches.len() == 1;
         let time = self.time.min(piece.duration());
         let reference = piece.evaluate(time);
         Some(Step {
@@ -181,6 +196,7 @@ impl Path {
                 reference
             },
             at_rest: ended || braked,
+            slowed: *slowed,
         })
     }
 }

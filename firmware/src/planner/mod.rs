@@ -10,7 +10,7 @@
 
 mod refusal;
 
-use crate::controller::Controller;
+use crate::controller::{Controller, PIECES, Stretch};
 use crate::motion::{Move, MoveKind};
 use crate::safety::State;
 use crate::settings::{Settings, SettingsError};
@@ -20,6 +20,7 @@ use fivebar_kinematics::trajectory::{
 };
 use fivebar_kinematics::{Scalar, Vec2};
 
+use heapless::HistoryBuf;
 pub use refusal::{MoveRefusal, Reason};
 
 /// Spans of path that are planned together; a move takes one, and one more for a rounded
@@ -31,6 +32,12 @@ pub const PIECES_PER_RUN: u32 = 4;
 
 /// Path that the controller is given beyond what a stop needs [s].
 const RESERVE: f32 = 0.03;
+
+/// Share of the asked speed below which a move counts as slowed: rounding is not.
+const SLOWED_BELOW: f32 = 0.999;
+
+/// Slowed moves that are remembered: as many as can be on their way.
+const SLOWED: usize = SPANS + PIECES;
 
 /// How far an arc's centre may be off by the rounding of its file [m].
 const ARC_TOLERANCE: f32 = 1e-4;
@@ -51,6 +58,8 @@ pub struct Planner {
     epoch: u32,
     /// Time of path that the controller should have [s].
     horizon: f32,
+    /// Tags of the latest moves that go slower than they were asked to.
+    slowed: HistoryBuf<u32, SLOWED>,
 }
 
 /// An end of a move.
@@ -97,6 +106,7 @@ impl Planner {
             look_ahead: LookAhead::new(),
             end: None,
             epoch: 0,
+            slowed: HistoryBuf::new(),
             horizon: RESERVE + 0.5 * crate::controller::longest_stop(settings),
         })
     }
@@ -162,10 +172,16 @@ impl Planner {
             Err(SegmentError::ZeroLength) => return Ok(start),
             Err(error) => return Err(MoveRefusal::new(tag, error.into())),
         };
+        if !(feed > 0.0 && feed.is_finite()) {
+            return Err(MoveRefusal::new(tag, Reason::Number));
+        }
         let caps = self
             .envelope
             .admit(&segment, feed)
             .map_err(|refusal| MoveRefusal::on_path(tag, &refusal))?;
+        if caps.speed < SLOWED_BELOW * feed {
+            self.slowed.write(tag);
+        }
         self.look_ahead
             .push(&segment, caps, tag, &self.envelope)
             .map_err(|error| MoveRefusal::new(tag, error.into()))?;
@@ -182,6 +198,9 @@ impl Planner {
         to: [f32; 2],
         share: f32,
     ) -> Result<End, MoveRefusal> {
+        if !(share > 0.0 && share <= 1.0) {
+            return Err(MoveRefusal::new(tag, Reason::Number));
+        }
         let from = match start.joints {
             Some(joints) => joints,
             None => self
@@ -223,9 +242,13 @@ impl Planner {
             let Some(piece) = self.look_ahead.next_piece() else {
                 break;
             };
-            let open = ends_in_motion(&piece);
+            let stretch = Stretch {
+                piece,
+                open: ends_in_motion(&piece),
+                slowed: self.slowed.oldest_ordered().any(|&tag| tag == piece.tag()),
+            };
             // There is room, and the state accepts pieces: it was asked for.
-            if controller.push_piece(piece, open).is_err() {
+            if controller.push(stretch).is_err() {
                 break;
             }
         }

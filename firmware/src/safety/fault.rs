@@ -127,7 +127,8 @@ impl Limits {
     pub const TORQUE: Self = Self(1);
     /// The bus voltage did not suffice for the demanded current.
     pub const VOLTAGE: Self = Self(2);
-    /// The move goes slower than asked: a joint's limit or a singularity is near.
+    /// The move goes slower than it was asked to: a limit of the tool or of a joint, or a
+    /// singularity, is near.
     pub const SPEED: Self = Self(4);
 
     /// The bits.

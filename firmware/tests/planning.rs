@@ -1,0 +1,274 @@
+//! Moves are followed whole or refused whole, with the reason and the place.
+
+mod rig;
+
+use fivebar_firmware::MoveKind;
+use fivebar_firmware::controller::Request;
+use fivebar_firmware::planner::Reason;
+use fivebar_firmware::safety::{Limits, State};
+use fivebar_kinematics::five_bar::{Side, WorkingMode};
+use rig::{Rig, settings};
+use std::f32::consts::TAU;
+
+/// Runs to the end of the path; gives the worst distance of the tool from where it should
+/// be at that moment [m].
+#[track_caller]
+fn finish(rig: &mut Rig) -> f64 {
+    let mut worst = 0.0_f64;
+    for _ in 0..200_000 {
+        rig.tick();
+        let status = rig.controller.status();
+        match (status.state, status.reference) {
+            (State::Running, Some([x, y])) => {
+                let [tx, ty] = rig.bench.tool();
+                worst = worst.max((tx - f64::from(x)).hypot(ty - f64::from(y)));
+            }
+            (State::Armed, _) if rig.planner.is_empty() => return worst,
+            (State::Armed, _) => {}
+            _ => panic!("{:?}", rig.controller.fault()),
+        }
+    }
+    panic!("never ends");
+}
+
+#[test]
+fn a_polygon_of_many_short_lines_flows_through_the_queue() {
+    let mut rig = Rig::armed(&settings());
+    let [x, y] = rig.held();
+    let (radius, corners) = (0.02_f32, 120_u32);
+    let started = rig.controller.status().tick;
+    let mut corner = 1;
+    while corner <= corners {
+        let (sin, cos) = (TAU * corner as f32 / corners as f32).sin_cos();
+        let to = [x - radius + radius * cos, y + radius * sin];
+        match rig.push(corner, MoveKind::Line { to, feed: 0.1 }) {
+            Ok(()) => corner += 1,
+            Err(refusal) => {
+                assert_eq!(refusal.reason, Reason::Full);
+                rig.tick();
+                let state = rig.controller.state();
+                assert_eq!(state, State::Running, "{:?}", rig.controller.fault());
+            }
+        }
+    }
+    let worst = finish(&mut rig);
+    assert!(worst < 1e-4, "{worst} m");
+    let [tx, ty] = rig.bench.tool();
+    assert!((tx - f64::from(x)).hypot(ty - f64::from(y)) < 5e-5);
+    // 126 mm at 0.1 m/s: the corners are rounded, not stopped at.
+    let taken = f64::from(rig.controller.status().tick - started) * 1e-4;
+    assert!(taken < 2.0, "{taken} s");
+}
+
+#[test]
+fn lines_arcs_dwells_and_joint_moves_follow_each_other() {
+    let mut rig = Rig::armed(&settings());
+    let [x, y] = rig.held();
+    let home = rig.controller.status().angle;
+    let moves = [
+        MoveKind::Line {
+            to: [x - 0.02, y],
+            feed: 0.1,
+        },
+        MoveKind::Arc {
+            to: [x, y],
+            center: [x - 0.01, y],
+            clockwise: true,
+            feed: 0.1,
+        },
+        MoveKind::Dwell { duration: 0.05 },
+        MoveKind::Arc {
+            to: [x, y],
+            center: [x, y + 0.01],
+            clockwise: false,
+            feed: 0.1,
+        },
+        MoveKind::Joint {
+            to: [2.0, 1.0],
+            speed: 0.1,
+        },
+        MoveKind::Joint {
+            to: home,
+            speed: 0.2,
+        },
+        MoveKind::Line {
+            to: [x, y + 0.01],
+            feed: 0.05,
+        },
+    ];
+    for (tag, kind) in (1..).zip(moves) {
+        rig.push(tag, kind).unwrap();
+    }
+    let worst = finish(&mut rig);
+    assert!(worst < 1e-4, "{worst} m");
+    let [tx, ty] = rig.bench.tool();
+    assert!((tx - f64::from(x)).hypot(ty - f64::from(y + 0.01)) < 5e-5);
+}
+
+#[test]
+fn what_cannot_be_done_is_refused_with_reason_and_place() {
+    let mut rig = Rig::armed(&settings());
+    let [x, y] = rig.held();
+    let refusal = rig
+        .push(
+            11,
+            MoveKind::Line {
+                to: [x, y + 1.0],
+                feed: 0.1,
+            },
+        )
+        .unwrap_err();
+    assert_eq!(refusal.tag, 11);
+    let [px, py] = refusal.point.unwrap();
+    assert!((px - x).abs() < 1e-4 && py > y && py < 0.27, "({px}, {py})");
+    assert!(
+        matches!(
+            refusal.reason,
+            Reason::LegSingularity(_) | Reason::Unreachable | Reason::JointLimit(_)
+        ),
+        "{refusal}"
+    );
+    let reason = |rig: &mut Rig, kind| rig.push(1, kind).unwrap_err().reason;
+    let to = [x, y + 0.01];
+    for feed in [0.0, -0.1, f32::NAN, f32::INFINITY] {
+        assert_eq!(
+            reason(&mut rig, MoveKind::Line { to, feed }),
+            Reason::Number,
+            "{feed}"
+        );
+    }
+    let to = [f32::NAN, y];
+    assert_eq!(
+        reason(&mut rig, MoveKind::Line { to, feed: 0.1 }),
+        Reason::Number
+    );
+    let arc = MoveKind::Arc {
+        to: [x + 0.01, y],
+        center: [x, y + 0.02],
+        clockwise: true,
+        feed: 0.1,
+    };
+    assert_eq!(reason(&mut rig, arc), Reason::Arc);
+    let joint = |to| MoveKind::Joint { to, speed: 0.1 };
+    assert_eq!(reason(&mut rig, joint([4.0, 0.9])), Reason::JointLimit(1));
+    assert_eq!(reason(&mut rig, joint([f32::NAN, 0.9])), Reason::Number);
+    for speed in [0.0, -0.1, 1.1, f32::NAN] {
+        let kind = MoveKind::Joint {
+            to: [2.1, 0.9],
+            speed,
+        };
+        assert_eq!(reason(&mut rig, kind), Reason::Number, "{speed}");
+    }
+    for duration in [f32::NAN, f32::INFINITY] {
+        assert_eq!(
+            reason(&mut rig, MoveKind::Dwell { duration }),
+            Reason::Number
+        );
+    }
+    // Nothing of all that has moved the arm or the end of the queue.
+    rig.run(100);
+    assert_eq!(rig.controller.state(), State::Armed);
+    rig.push(
+        2,
+        MoveKind::Line {
+            to: [x, y + 0.01],
+            feed: 0.1,
+        },
+    )
+    .unwrap();
+    finish(&mut rig);
+    assert!((rig.bench.tool()[1] - f64::from(y + 0.01)).abs() < 5e-5);
+}
+
+#[test]
+fn a_move_that_asks_for_too_much_speed_is_slowed_and_says_so() {
+    let mut rig = Rig::armed(&settings());
+    let [x, y] = rig.held();
+    rig.push(
+        1,
+        MoveKind::Line {
+            to: [x - 0.02, y],
+            feed: 0.1,
+        },
+    )
+    .unwrap();
+    rig.push(
+        2,
+        MoveKind::Line {
+            to: [x, y],
+            feed: 5.0,
+        },
+    )
+    .unwrap();
+    let mut limited = [false; 2];
+    while rig.controller.state() != State::Armed || !rig.planner.is_empty() {
+        rig.tick();
+        let status = rig.controller.status();
+        match status.tag {
+            Some(1) => limited[0] |= status.limits.contains(Limits::SPEED),
+            Some(2) => limited[1] |= status.limits.contains(Limits::SPEED),
+            _ => {}
+        }
+    }
+    assert_eq!(limited, [false, true]);
+}
+
+#[test]
+fn a_joint_move_through_a_straight_leg_changes_the_working_mode() {
+    let mut rig = Rig::armed(&settings());
+    let before = rig.controller.working_mode();
+    assert_eq!(before, WorkingMode::new(Side::Right, Side::Left));
+    // Joint 1 swings link 1 over until leg 1's elbow turns the other way.
+    let to = [0.65, 0.9];
+    rig.push(1, MoveKind::Joint { to, speed: 0.1 }).unwrap();
+    finish(&mut rig);
+    let after = rig.controller.working_mode();
+    assert_eq!(after, WorkingMode::new(Side::Left, Side::Left));
+    // The tool is moved in the new mode.
+    let [x, y] = rig.held();
+    rig.push(
+        2,
+        MoveKind::Line {
+            to: [x + 0.005, y + 0.005],
+            feed: 0.05,
+        },
+    )
+    .unwrap();
+    let worst = finish(&mut rig);
+    assert!(worst < 1e-4, "{worst} m");
+    assert_eq!(rig.controller.working_mode(), after);
+}
+
+#[test]
+fn moves_are_taken_only_by_an_armed_arm() {
+    let mut rig = Rig::new(&settings());
+    let dwell = MoveKind::Dwell { duration: 0.1 };
+    let reason = |rig: &mut Rig| rig.push(5, dwell).unwrap_err().reason;
+    assert_eq!(reason(&mut rig), Reason::State(State::Stopped));
+    rig.controller.request(Request::Home).unwrap();
+    assert_eq!(reason(&mut rig), Reason::State(State::Homing));
+}
+
+#[test]
+fn a_disarmed_arm_forgets_its_queue() {
+    let mut rig = Rig::armed(&settings());
+    let [x, y] = rig.held();
+    rig.push(
+        1,
+        MoveKind::Line {
+            to: [x - 0.05, y],
+            feed: 0.1,
+        },
+    )
+    .unwrap();
+    rig.run(1000);
+    rig.controller.request(Request::Disarm).unwrap();
+    assert_eq!(rig.run(1).enable, [false; 2]);
+    rig.run(3000);
+    rig.controller.request(Request::Arm).unwrap();
+    let held = rig.bench.tool();
+    rig.run(3000);
+    assert_eq!(rig.controller.state(), State::Armed);
+    assert!((rig.bench.tool()[0] - held[0]).abs() < 1e-4);
+    assert!(rig.planner.is_empty());
+}

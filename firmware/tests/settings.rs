@@ -1,0 +1,213 @@
+//! Settings are refused by the name of the field that is wrong.
+
+mod rig;
+
+use fivebar_firmware::settings::{AxisField, Field, SettingsError};
+use fivebar_firmware::{Controller, Planner, Settings};
+use fivebar_kinematics::dynamics::ModelError;
+use fivebar_kinematics::five_bar::GeometryError;
+use rig::settings;
+
+type Change = fn(&mut Settings);
+
+#[track_caller]
+fn refused(change: Change, error: SettingsError) {
+    let mut settings = settings();
+    change(&mut settings);
+    assert_eq!(settings.validate(), Err(error));
+    assert_eq!(Controller::new(&settings).err(), Some(error));
+    assert_eq!(Planner::new(&settings).err(), Some(error));
+}
+
+#[test]
+fn the_benchtop_arm_is_accepted() {
+    assert_eq!(settings().validate(), Ok(()));
+}
+
+#[test]
+fn a_stored_copy_fits_half_a_kilobyte() {
+    let mut buffer = [0; 512];
+    let stored = postcard::to_slice(&settings(), &mut buffer).unwrap();
+    assert_eq!(
+        postcard::from_bytes::<Settings>(stored).unwrap(),
+        settings()
+    );
+}
+
+#[test]
+fn each_field_of_an_axis_is_checked() {
+    let cases: [(Change, AxisField); 26] = [
+        (|s| s.axes[1].gear_ratio = 0.0, AxisField::GearRatio),
+        (|s| s.axes[1].gear_ratio = f32::NAN, AxisField::GearRatio),
+        (|s| s.axes[1].rotor_inertia = -1e-9, AxisField::RotorInertia),
+        (
+            |s| s.axes[1].torque_constant = 0.0,
+            AxisField::TorqueConstant,
+        ),
+        (|s| s.axes[1].resistance = -1.0, AxisField::Resistance),
+        (|s| s.axes[1].inductance = 0.0, AxisField::Inductance),
+        (
+            |s| s.axes[1].viscous_friction = -1e-3,
+            AxisField::ViscousFriction,
+        ),
+        (
+            |s| s.axes[1].coulomb_friction = f32::INFINITY,
+            AxisField::CoulombFriction,
+        ),
+        (|s| s.axes[1].encoder_counts = 0, AxisField::EncoderCounts),
+        (
+            |s| s.axes[1].encoder_counts = 1 << 20,
+            AxisField::EncoderCounts,
+        ),
+        (|s| s.axes[1].home_angle = 7.0, AxisField::HomeAngle),
+        (|s| s.axes[1].home_angle = f32::NAN, AxisField::HomeAngle),
+        (
+            |s| s.axes[1].angle_limits = [1.0, 1.0],
+            AxisField::AngleLimits,
+        ),
+        (
+            |s| s.axes[1].angle_limits = [-7.0, 1.0],
+            AxisField::AngleLimits,
+        ),
+        (
+            |s| s.axes[1].angle_limits = [f32::NAN, 1.0],
+            AxisField::AngleLimits,
+        ),
+        (|s| s.axes[1].max_speed = 0.0, AxisField::MaxSpeed),
+        (
+            |s| s.axes[1].max_acceleration = f32::INFINITY,
+            AxisField::MaxAcceleration,
+        ),
+        (|s| s.axes[1].peak_current = 0.0, AxisField::PeakCurrent),
+        (
+            |s| s.axes[1].continuous_current = 4.1,
+            AxisField::ContinuousCurrent,
+        ),
+        (
+            |s| s.axes[1].continuous_current = 0.0,
+            AxisField::ContinuousCurrent,
+        ),
+        (
+            |s| s.axes[1].thermal_time_constant = 0.0,
+            AxisField::ThermalTimeConstant,
+        ),
+        (
+            |s| s.axes[1].thermal_time_constant = f32::NAN,
+            AxisField::ThermalTimeConstant,
+        ),
+        (
+            |s| s.axes[1].current_per_code = 0.0,
+            AxisField::CurrentPerCode,
+        ),
+        (
+            |s| s.axes[1].current_per_code = -0.1,
+            AxisField::CurrentPerCode,
+        ),
+        (|s| s.axes[1].max_speed = f32::NAN, AxisField::MaxSpeed),
+        (
+            |s| s.axes[1].peak_current = f32::NAN,
+            AxisField::PeakCurrent,
+        ),
+    ];
+    for (change, field) in cases {
+        refused(change, SettingsError::Axis(4, field));
+    }
+}
+
+#[test]
+fn each_other_field_is_checked() {
+    let cases: [(Change, Field); 25] = [
+        (|s| s.tool_offset = [f32::NAN, 0.0], Field::ToolOffset),
+        (|s| s.control.tick_rate = 0.0, Field::TickRate),
+        (|s| s.control.tick_rate = f32::NAN, Field::TickRate),
+        (
+            |s| s.control.current_bandwidth = 3600.0,
+            Field::CurrentBandwidth,
+        ),
+        (|s| s.control.bandwidth = 800.0, Field::Bandwidth),
+        (|s| s.control.damping = 0.0, Field::Damping),
+        (|s| s.control.integral_rate = 100.0, Field::IntegralRate),
+        (|s| s.control.integral_rate = -1.0, Field::IntegralRate),
+        (
+            |s| s.control.observer_bandwidth = 400.0,
+            Field::ObserverBandwidth,
+        ),
+        (
+            |s| s.control.friction_smoothing = 0.0,
+            Field::FrictionSmoothing,
+        ),
+        (|s| s.homing.speed = 36.0, Field::HomingSpeed),
+        (|s| s.homing.back_off = 0.0, Field::HomingBackOff),
+        (|s| s.homing.current = 5.0, Field::HomingCurrent),
+        (|s| s.motion.max_speed = f32::NAN, Field::MaxSpeed),
+        (|s| s.motion.max_acceleration = 0.0, Field::MaxAcceleration),
+        (|s| s.motion.max_jerk = -1.0, Field::MaxJerk),
+        (
+            |s| s.motion.corner_tolerance = -1e-6,
+            Field::CornerTolerance,
+        ),
+        (
+            |s| s.motion.singularity_margin = 1.0,
+            Field::SingularityMargin,
+        ),
+        (
+            |s| s.motion.singularity_margin = 0.0,
+            Field::SingularityMargin,
+        ),
+        (
+            |s| s.protection.following_error = 1.0,
+            Field::FollowingError,
+        ),
+        (|s| s.protection.over_speed = 34.0, Field::OverSpeed),
+        (|s| s.protection.over_current = 3.9, Field::OverCurrent),
+        (
+            |s| s.protection.bus_voltage = [30.0, 18.0],
+            Field::BusVoltage,
+        ),
+        (
+            |s| s.protection.bus_voltage_per_code = 0.0,
+            Field::BusVoltagePerCode,
+        ),
+        (
+            |s| s.protection.command_timeout = 0.0,
+            Field::CommandTimeout,
+        ),
+    ];
+    for (change, field) in cases {
+        refused(change, SettingsError::Field(field));
+    }
+}
+
+#[test]
+fn an_arm_that_cannot_be_is_refused() {
+    refused(
+        |s| s.lengths[3] = -0.1,
+        SettingsError::Geometry(GeometryError::NotPositive(3)),
+    );
+    refused(
+        |s| s.lengths[4] = 1.0,
+        SettingsError::Geometry(GeometryError::CannotAssemble),
+    );
+    refused(
+        |s| s.tool_offset = [-0.16, 0.0],
+        SettingsError::Geometry(GeometryError::ToolOffset),
+    );
+    refused(
+        |s| s.links[2].mass = f32::NAN,
+        SettingsError::Inertia(ModelError::Link(3)),
+    );
+    // The other branch of the crossed elbows is never reached within the joints' limits.
+    refused(|s| s.elbows_left = [true, false], SettingsError::NoPose);
+}
+
+#[test]
+fn every_refusal_reads_as_a_sentence_that_names_the_field() {
+    let mut bad = settings();
+    bad.axes[0].resistance = 0.0;
+    let text = bad.validate().unwrap_err().to_string();
+    assert_eq!(text, "joint 1: resistance must be positive [Ω]");
+    let mut bad = settings();
+    bad.control.damping = 9.0;
+    let text = bad.validate().unwrap_err().to_string();
+    assert_eq!(text, "control.damping must lie in 0.2 to 2");
+}
