@@ -71,6 +71,8 @@ impl Joint {
         alpha: f32,
     ) -> Sample {
         let before = self.counts.unwrap_or_else(|| {
+            // A counter may stand anywhere at first. Angles are told from there until
+            // homed, so that `f32` has its digits left for the motion.
             self.origin = counts;
             counts
         });

@@ -71,6 +71,9 @@ struct End {
     joints: Option<[f32; 2]>,
 }
 
+/// A segment that keeps the envelope, and how fast it may go.
+type Admitted = (Segment<f32>, Caps<f32>);
+
 impl Planner {
     /// A planner for the arm of these settings.
     ///
@@ -131,7 +134,7 @@ impl Planner {
         let end = match order.kind {
             MoveKind::Line { to, feed } => {
                 let segment = Segment::line(start.tool, vec2(to));
-                self.push_segment(order.tag, segment, start, feed)
+                self.push_segment(order, segment, start, vec2(to), feed)
             }
             MoveKind::Arc {
                 to,
@@ -139,14 +142,8 @@ impl Planner {
                 clockwise,
                 feed,
             } => {
-                let sense = if clockwise {
-                    Sense::Clockwise
-                } else {
-                    Sense::CounterClockwise
-                };
-                let segment =
-                    Segment::arc(start.tool, vec2(to), vec2(center), sense, ARC_TOLERANCE);
-                self.push_segment(order.tag, segment, start, feed)
+                let segment = arc(start.tool, to, center, clockwise);
+                self.push_segment(order, segment, start, vec2(to), feed)
             }
             MoveKind::Dwell { duration } => self
                 .look_ahead
@@ -159,17 +156,78 @@ impl Planner {
         Ok(())
     }
 
+    /// Holds a move against the envelope as [`Planner::push`] would if the tool stood at
+    /// `from` [m] in the working mode, without taking it. Tells where the tool is after
+    /// it [m]: so a whole job is checked before anything moves.
+    ///
+    /// # Errors
+    /// Why the move would be refused, and where.
+    pub fn check(&self, from: [f32; 2], order: &Move) -> Result<[f32; 2], MoveRefusal> {
+        let tool = vec2(from);
+        match order.kind {
+            MoveKind::Line { to, feed } => {
+                self.admit(order.tag, Segment::line(tool, vec2(to)), feed)?;
+                Ok(to)
+            }
+            MoveKind::Arc {
+                to,
+                center,
+                clockwise,
+                feed,
+            } => {
+                self.admit(order.tag, arc(tool, to, center, clockwise), feed)?;
+                Ok(to)
+            }
+            MoveKind::Dwell { .. } => Ok(from),
+            MoveKind::Joint { to, speed } => {
+                let from = self
+                    .joints_at(tool)
+                    .ok_or(MoveRefusal::new(order.tag, Reason::Unreachable))?;
+                let (_, pose) = self
+                    .envelope
+                    .admit_joint_move(from, to, self.assembly, speed)
+                    .map_err(|refusal| MoveRefusal::on_path(order.tag, &refusal))?;
+                let end = self.envelope.workspace.tool.point(&pose);
+                Ok([end.x, end.y])
+            }
+        }
+    }
+
     fn push_segment(
         &mut self,
-        tag: u32,
+        &Move { tag, .. }: &Move,
         segment: Result<Segment<f32>, SegmentError>,
         start: End,
+        to: Vec2<f32>,
         feed: f32,
     ) -> Result<End, MoveRefusal> {
+        let Some((segment, caps)) = self.admit(tag, segment, feed)? else {
+            return Ok(start);
+        };
+        if caps.speed < SLOWED_BELOW * feed {
+            self.slowed.write(tag);
+        }
+        self.look_ahead
+            .push(&segment, caps, tag, &self.envelope)
+            .map_err(|error| MoveRefusal::new(tag, error.into()))?;
+        // The end as ordered: the segment's own is rounded, and a full circle is told by
+        // its end being its start to the bit.
+        Ok(End {
+            tool: to,
+            joints: None,
+        })
+    }
+
+    /// The segment, if it keeps the envelope; none if it goes nowhere.
+    fn admit(
+        &self,
+        tag: u32,
+        segment: Result<Segment<f32>, SegmentError>,
+        feed: f32,
+    ) -> Result<Option<Admitted>, MoveRefusal> {
         let segment = match segment {
             Ok(segment) => segment,
-            // There is nowhere to go.
-            Err(SegmentError::ZeroLength) => return Ok(start),
+            Err(SegmentError::ZeroLength) => return Ok(None),
             Err(error) => return Err(MoveRefusal::new(tag, error.into())),
         };
         if !(feed > 0.0 && feed.is_finite()) {
@@ -179,16 +237,7 @@ impl Planner {
             .envelope
             .admit(&segment, feed)
             .map_err(|refusal| MoveRefusal::on_path(tag, &refusal))?;
-        if caps.speed < SLOWED_BELOW * feed {
-            self.slowed.write(tag);
-        }
-        self.look_ahead
-            .push(&segment, caps, tag, &self.envelope)
-            .map_err(|error| MoveRefusal::new(tag, error.into()))?;
-        Ok(End {
-            tool: segment.end(),
-            joints: None,
-        })
+        Ok(Some((segment, caps)))
     }
 
     fn push_joint(
@@ -275,6 +324,20 @@ impl Planner {
             self.envelope.workspace.mode = controller.working_mode();
         }
     }
+}
+
+fn arc(
+    from: Vec2<f32>,
+    to: [f32; 2],
+    center: [f32; 2],
+    clockwise: bool,
+) -> Result<Segment<f32>, SegmentError> {
+    let sense = if clockwise {
+        Sense::Clockwise
+    } else {
+        Sense::CounterClockwise
+    };
+    Segment::arc(from, vec2(to), vec2(center), sense, ARC_TOLERANCE)
 }
 
 /// Whether the arm follows paths in this state.
