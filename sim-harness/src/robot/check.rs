@@ -1,7 +1,8 @@
 //! From the file as written to a robot that makes sense, or the key that does not.
 
 use super::file::{LinkFile, OneOrEach, RobotFile};
-use super::{Actuator, FileError, Key, Limits, Robot, Source, Tolerance};
+use super::home::best_conditioned;
+use super::{Actuator, FileError, Key, Robot, Source, Tolerance};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::dynamics::{Arm, Link};
 use fivebar_kinematics::five_bar::{self, Geometry, GeometryError, Side, WorkingMode};
@@ -41,7 +42,8 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
         side(&source, &file.working_mode[1])?,
     );
     let home = match file.home {
-        None => best_conditioned_home(&geometry, working_mode, &file.limits),
+        None => best_conditioned(&geometry, working_mode, &file.limits)
+            .map_or([0.0; 2], |pose| [pose.u1.angle(), pose.u4.angle()]),
         Some(angles) => {
             finite(&source, Key::Top("home"), angles)?;
             angles
@@ -328,27 +330,6 @@ fn each<const N: usize>(
         not_negative(source, key, value)?;
     }
     Ok(values)
-}
-
-/// Where the arm holds its tool in front of the middle of its base, as far as it can from
-/// every singularity: the home of a robot that states none. Zero if there is none; then
-/// whatever needs a home finds no pose there.
-fn best_conditioned_home(geometry: &Geometry<f64>, mode: WorkingMode, limits: &Limits) -> [f64; 2] {
-    let [l1, l2, l3, l4, base] = geometry.lengths();
-    let reach = (l1 + l2).max(l3 + l4);
-    let candidates = (1..400).filter_map(|step| {
-        let c = Vec2::new(0.5 * base, reach * f64::from(step) / 400.0);
-        let pose = geometry.inverse(c, mode).ok()?;
-        let [theta1, _, _, theta4] = pose.angles();
-        let sines = [pose.sin21(), pose.sin34(), pose.sin32()];
-        let margin = sines.into_iter().map(f64::abs).fold(1.0, f64::min);
-        limits
-            .contain([theta1, theta4])
-            .then_some((margin, [theta1, theta4]))
-    });
-    candidates
-        .max_by(|(a, _), (b, _)| a.total_cmp(b))
-        .map_or([0.0; 2], |(_, angles)| angles)
 }
 
 /// Home must be a pose in the working mode and within the joints' limits.

@@ -5,15 +5,17 @@ mod builtin;
 mod check;
 mod error;
 mod file;
+mod home;
 mod settings;
 
 pub use builtin::{BUILT_IN, BuiltIn};
 pub use error::FileError;
 pub(crate) use error::{Key, Source};
 pub use file::{Actuator, Control, Limits, Motion, Protection, Supply, Tool};
+pub use home::NoHome;
 
 use fivebar_kinematics::dynamics::Arm;
-use fivebar_kinematics::five_bar::{Geometry, Pose, Side, WorkingMode};
+use fivebar_kinematics::five_bar::{Geometry, WorkingMode};
 use std::path::Path;
 
 /// A robot as its file describes it, checked.
@@ -68,14 +70,6 @@ pub struct Tolerance {
 )]
 pub struct KinematicsOnly(pub String);
 
-/// The home of a robot is not a pose of its working mode.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "robot `{0}` has no home pose in its working mode: state `home = [θ1, θ4]` in radians, \
-     and `working_mode` if its elbows do not point outwards"
-)]
-pub struct NoHome(pub String);
-
 impl Robot {
     /// The robot that `--robot` names: a built-in one, or else a file.
     ///
@@ -105,19 +99,6 @@ impl Robot {
     /// An unknown or missing key, or a value that makes no sense, with its line.
     pub fn parse(file: &str, text: &str) -> Result<Self, FileError> {
         check::robot(Source { file, text })
-    }
-
-    /// The pose at home, in the robot's working mode.
-    ///
-    /// # Errors
-    /// None of the assembly branches is in that mode there.
-    pub fn home_pose(&self) -> Result<Pose<f64>, NoHome> {
-        let [theta1, theta4] = self.home;
-        Side::BOTH
-            .into_iter()
-            .filter_map(|assembly| self.geometry.forward(theta1, theta4, assembly).ok())
-            .find(|pose| pose.working_mode() == self.working_mode)
-            .ok_or_else(|| NoHome(self.name.clone()))
     }
 
     /// The arm's equations of motion, rotors included.
