@@ -204,13 +204,15 @@ fn a_stalled_motor_settles_at_its_resistive_current() {
 
 #[test]
 fn counts_follow_the_joint_to_the_count() {
+    let axis = benchtop().settings().unwrap().axes[0];
+    let counts_per_turn = f64::from(axis.encoder_counts) * f64::from(axis.gear_ratio);
     let mut plant = plant(3);
     let (first, angle) = (plant.sense().counts[0], plant.angle(0));
     for _ in 0..500 {
         plant.step(&driven_by([-0.1, 0.0]), TICK);
     }
     let counted = plant.sense().counts[0].wrapping_sub(first);
-    let turned = (plant.angle(0) - angle) / std::f64::consts::TAU * 65_536.0;
+    let turned = (plant.angle(0) - angle) / std::f64::consts::TAU * counts_per_turn;
     assert!(turned < -1000.0);
     assert!(
         (f64::from(counted) - turned).abs() <= 1.0,
@@ -243,7 +245,8 @@ fn codes_tell_current_and_bus_voltage() {
 #[test]
 fn faults_come_to_pass_at_their_time() {
     let at = |kind| PlantFault { at: 0.01, kind };
-    let mut plant = plant(5).with_faults(&[
+    let mut plant = plant(5);
+    plant.break_later(&[
         at(FaultKind::EncoderDead { joint: 0 }),
         at(FaultKind::EncoderJump {
             joint: 1,

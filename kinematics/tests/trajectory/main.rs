@@ -2,6 +2,5 @@
 //! comes of it.
 
 mod common;
-mod loads;
 mod look_ahead;
 mod validation;

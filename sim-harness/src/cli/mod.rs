@@ -1,10 +1,10 @@
 //! The command line: one module per subcommand, each with its arguments and a `run`.
 
 mod failure;
-mod linkage;
 mod mobility;
-mod query;
 mod robots;
+mod run_args;
+mod sim;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -21,10 +21,9 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    Linkage(linkage::Args),
     Mobility(mobility::Args),
-    Query(query::Args),
     Robots(robots::Args),
+    Sim(sim::Args),
 }
 
 /// Parses the arguments, runs the command and reports what went wrong.
@@ -33,10 +32,9 @@ pub fn main() -> ExitCode {
     let outcome: Result<(), Failure> = match cli.command {
         None => Ok(()),
         Some(command) => match command {
-            Command::Linkage(args) => linkage::run(&args),
             Command::Mobility(args) => mobility::run(&args),
-            Command::Query(args) => query::run(&args),
             Command::Robots(args) => robots::run(&args),
+            Command::Sim(args) => sim::run(&args),
         },
     };
     match outcome {

@@ -75,6 +75,16 @@ pub enum Action {
     },
 }
 
+impl Action {
+    /// Where the tool is afterwards [m]; none where it stays.
+    pub fn end(&self) -> Option<[f64; 2]> {
+        match *self {
+            Self::Line { to, .. } | Self::Arc { to, .. } => Some(to),
+            Self::Dwell { .. } => None,
+        }
+    }
+}
+
 impl Job {
     /// Reads G-code.
     ///

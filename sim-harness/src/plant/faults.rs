@@ -56,7 +56,7 @@ pub enum FaultKind {
 /// A fault and its time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlantFault {
-    /// When [s], from the start of the run.
+    /// When [s].
     pub at: f64,
     /// What.
     pub kind: FaultKind,

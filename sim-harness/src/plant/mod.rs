@@ -93,12 +93,13 @@ impl Plant {
         })
     }
 
-    /// The same arm, in which these faults will come to pass.
-    #[must_use]
-    pub fn with_faults(mut self, faults: &[PlantFault]) -> Self {
-        self.pending = faults.to_vec();
+    /// Lets these faults come to pass, each so long from now.
+    pub fn break_later(&mut self, faults: &[PlantFault]) {
+        self.pending.extend(faults.iter().map(|fault| PlantFault {
+            at: self.time + fault.at,
+            ..*fault
+        }));
         self.pending.sort_by(|a, b| b.at.total_cmp(&a.at));
-        self
     }
 
     /// Samples all sensors at once.

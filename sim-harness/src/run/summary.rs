@@ -1,5 +1,6 @@
 //! What a run comes to, in the words of its JSON.
 
+use fivebar_firmware::safety::Fault;
 use serde::Serialize;
 
 /// How far the tool was from its reference, over all ticks of the job.
@@ -26,6 +27,9 @@ pub struct Summary {
     pub ticks: u64,
     /// How far the tool was from its reference.
     pub tip_error: TipError,
+    /// The same for the same run under PD alone, where it was made.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pd_tip_error: Option<TipError>,
     /// Greatest torque of each motor, at its joint [N·m].
     pub peak_torque_nm: [f64; 2],
     /// Ticks in which a torque was limited.
@@ -34,6 +38,18 @@ pub struct Summary {
     pub faults: Vec<String>,
     /// The folder with the report.
     pub out_dir: String,
+}
+
+/// A fault's name in words: "encoder jump".
+pub fn fault_name(fault: Fault) -> String {
+    let mut name = String::new();
+    for letter in format!("{fault:?}").chars() {
+        if letter.is_uppercase() && !name.is_empty() {
+            name.push(' ');
+        }
+        name.extend(letter.to_lowercase());
+    }
+    name
 }
 
 impl Summary {

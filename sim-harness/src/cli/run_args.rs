@@ -1,0 +1,74 @@
+//! What `sim`, `pil` and `hil` are told of a run.
+
+use super::Failure;
+use crate::robot::{BuiltIn, Robot};
+use crate::run::Scenario;
+use std::path::{Path, PathBuf};
+
+/// Which job is done, by which arm, and where the report goes.
+#[derive(clap::Args)]
+pub(super) struct RunArgs {
+    /// A scenario in TOML, or a job in G-code.
+    #[arg(value_name = "SCENARIO.toml|JOB.gcode")]
+    file: String,
+    /// A built-in robot (see `fivebar robots`) or a robot file; the scenario's, or else
+    /// the benchtop arm, when left out.
+    #[arg(long)]
+    robot: Option<String>,
+    /// Where the job's (0, 0) lies in the frame of the base [m]; when left out, the middle
+    /// of the drawing goes where the arm moves best.
+    #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
+    origin: Option<[f64; 2]>,
+    /// Metres in the plane per metre in the job.
+    #[arg(long, value_parser = scale, allow_hyphen_values = true)]
+    scale: Option<f64>,
+    /// The folder for report.html, trace.csv and summary.json.
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    pub(super) out: PathBuf,
+    /// Print the figures as one JSON object.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+impl RunArgs {
+    /// The scenario, with what the command line says instead.
+    pub(super) fn scenario(&self) -> Result<Scenario, Failure> {
+        let refused = |error: &dyn std::fmt::Display| Failure::Refused(error.to_string());
+        let robot = self.robot.as_deref().map(Robot::load).transpose();
+        let robot = robot.map_err(|error| refused(&error))?;
+        let is_scenario = Path::new(&self.file)
+            .extension()
+            .is_some_and(|e| e == "toml");
+        let mut scenario = if is_scenario {
+            Scenario::load(&self.file).map_err(|error| refused(&error))?
+        } else {
+            let default = || Robot::load(BuiltIn::DEFAULT);
+            let robot = robot.clone().map_or_else(default, Ok);
+            let robot = robot.map_err(|error| refused(&error))?;
+            Scenario::of_job(&self.file, robot).map_err(|error| refused(&error))?
+        };
+        if let Some(robot) = robot {
+            scenario.robot = robot;
+        }
+        scenario.origin = self.origin.or(scenario.origin);
+        scenario.scale = self.scale.unwrap_or(scenario.scale);
+        Ok(scenario)
+    }
+}
+
+fn point(text: &str) -> Result<[f64; 2], String> {
+    let parse = || {
+        let (x, y) = text.split_once(',')?;
+        let point = [x.trim().parse().ok()?, y.trim().parse().ok()?];
+        point.iter().all(|x: &f64| x.is_finite()).then_some(point)
+    };
+    parse().ok_or_else(|| "give two numbers of metres, such as 0.02,0.14".into())
+}
+
+fn scale(text: &str) -> Result<f64, String> {
+    let scale = text
+        .parse()
+        .ok()
+        .filter(|s: &f64| *s > 0.0 && s.is_finite());
+    scale.ok_or_else(|| "give a positive number".into())
+}

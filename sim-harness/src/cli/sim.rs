@@ -1,0 +1,138 @@
+//! `fivebar sim`: a job done by the simulated arm under the production control loop.
+
+use super::Failure;
+use super::run_args::RunArgs;
+use crate::link::TargetError;
+use crate::report::{RunReport, quantity};
+use crate::run::{OutputFolder, Record, RunError, Scenario, Summary, fault_name};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::path::Path;
+
+/// Simulates a job from power-up to its end and leaves a report.
+#[derive(clap::Args)]
+pub(super) struct Args {
+    #[command(flatten)]
+    run: RunArgs,
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    simulate(&args.run.scenario()?, &args.run.out, args.run.json)
+}
+
+/// Runs a scenario, and once more by PD alone for comparison; writes and prints what came
+/// of it.
+pub(super) fn simulate(scenario: &Scenario, out: &Path, json: bool) -> Result<(), Failure> {
+    let folder = OutputFolder::prepare(out).map_err(refused)?;
+    let job = scenario.job().map_err(refused)?;
+    for warning in &job.warnings {
+        eprintln!("{}, {warning}", scenario.job_file);
+    }
+    scenario
+        .check(&job)
+        .map_err(|error| refusal(scenario, &error))?;
+    let bar = progress_bar(scenario.moves(&job).len());
+    let (ours, pd) = rayon::join(
+        || {
+            let tell = &mut |done| bar.set_position(done as u64);
+            scenario.simulate(&job, scenario.computed_torque, tell)
+        },
+        || scenario.simulate(&job, false, &mut |_| ()),
+    );
+    bar.finish_and_clear();
+    let (mut summary, record) = ours.map_err(|error| refusal(scenario, &error))?;
+    // The other controller may fail where ours does not; then there is nothing to compare.
+    let pd = pd.ok().filter(|_| scenario.computed_torque);
+    summary.out_dir = folder.path().display().to_string();
+    summary.pd_tip_error = pd.as_ref().map(|(pd, _)| pd.tip_error);
+    let report = RunReport {
+        robot: &scenario.robot,
+        job: Some(&job),
+        summary: &summary,
+        trace: &record.trace,
+        pd: pd
+            .as_ref()
+            .map(|(summary, record)| (summary, &record.trace)),
+        conditions: &scenario.conditions(),
+    };
+    let text = serde_json::to_string_pretty(&summary).map_err(refused)?;
+    folder
+        .write(&[
+            ("report.html", &report.page().render()),
+            ("trace.csv", &record.trace.to_csv()),
+            ("summary.json", &text),
+        ])
+        .map_err(refused)?;
+    if json {
+        println!("{}", serde_json::to_string(&summary).map_err(refused)?);
+    } else {
+        print(&summary);
+    }
+    outcome(&record)
+}
+
+fn refused(error: impl std::fmt::Display) -> Failure {
+    Failure::Refused(error.to_string())
+}
+
+/// A refused move is one of the job's: its line is a line of that file.
+fn refusal(scenario: &Scenario, error: &RunError) -> Failure {
+    match error {
+        RunError::Target(error @ TargetError::Move(_)) => {
+            refused(format_args!("{}, {error}", scenario.job_file))
+        }
+        other => refused(other),
+    }
+}
+
+fn outcome(record: &Record) -> Result<(), Failure> {
+    match record.faults.first() {
+        None => Ok(()),
+        Some((time, fault)) => Err(Failure::Refused(format!(
+            "the arm stopped by fault {}, {}, {time:.4} s after power-up",
+            fault.number(),
+            fault_name(*fault),
+        ))),
+    }
+}
+
+fn progress_bar(moves: usize) -> ProgressBar {
+    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} moves  {elapsed}");
+    // The bar shows on a terminal only.
+    ProgressBar::new(moves as u64)
+        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
+fn print(summary: &Summary) {
+    let Summary {
+        robot,
+        scenario,
+        tip_error,
+        ..
+    } = summary;
+    println!("{robot} draws {scenario}");
+    println!(
+        "  simulated   {:.3} s in {} ({:.0} times real time)",
+        summary.simulated_s,
+        quantity(summary.wall_s, "s"),
+        summary.speed(),
+    );
+    println!(
+        "  tip error   {} RMS, {} at most",
+        quantity(tip_error.rms_m, "m"),
+        quantity(tip_error.max_m, "m"),
+    );
+    if let Some(pd) = summary.pd_tip_error {
+        println!(
+            "  PD alone    {} RMS, {} at most: {:.1} times as much",
+            quantity(pd.rms_m, "m"),
+            quantity(pd.max_m, "m"),
+            pd.rms_m / tip_error.rms_m,
+        );
+    }
+    let [torque1, torque4] = summary.peak_torque_nm.map(|torque| quantity(torque, "N·m"));
+    println!(
+        "  torque      {torque1} and {torque4} at most, limited in {} ticks",
+        summary.saturated_ticks
+    );
+    println!("  report      {}/report.html", summary.out_dir);
+}

@@ -1,0 +1,54 @@
+//! The controller in this process.
+
+use super::{Target, TargetError};
+use fivebar_firmware::controller::{Controller, Request};
+use fivebar_firmware::planner::{Planner, Reason};
+use fivebar_firmware::safety::State;
+use fivebar_firmware::settings::SettingsError;
+use fivebar_firmware::{Command, Move, Sensed, Settings, Status};
+
+/// The firmware's controller and planner, called directly.
+pub struct InProcess {
+    controller: Controller,
+    planner: Planner,
+}
+
+impl InProcess {
+    /// A controller with these settings, just reset.
+    ///
+    /// # Errors
+    /// The first setting that is not sound.
+    pub fn new(settings: &Settings) -> Result<Self, SettingsError> {
+        Ok(Self {
+            controller: Controller::new(settings)?,
+            planner: Planner::new(settings)?,
+        })
+    }
+}
+
+impl Target for InProcess {
+    fn tick(&mut self, sensed: &Sensed) -> Result<(Command, Status), TargetError> {
+        // The host is the one that is calling: it cannot be silent.
+        self.controller.heard();
+        self.planner.run(&mut self.controller);
+        let command = self.controller.tick(sensed);
+        Ok((command, self.controller.status()))
+    }
+
+    fn request(&mut self, request: Request) -> Result<(), TargetError> {
+        let refused = |refusal| TargetError::Request { request, refusal };
+        self.controller.request(request).map_err(refused)
+    }
+
+    fn offer(&mut self, next: &Move) -> Result<bool, TargetError> {
+        match self.planner.push(&self.controller, next) {
+            Ok(()) => Ok(true),
+            Err(refusal) if refusal.reason == Reason::Full => Ok(false),
+            Err(refusal) => Err(TargetError::Move(refusal)),
+        }
+    }
+
+    fn is_idle(&self) -> bool {
+        self.planner.is_empty() && self.controller.state() == State::Armed
+    }
+}
