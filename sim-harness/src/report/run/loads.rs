@@ -1,12 +1,21 @@
 //! What the motion took: torques by share, currents, duties.
 
-use super::shares::{ShareModel, Shares};
+use super::shares::ShareModel;
 use super::{RunReport, spaced};
-use crate::report::{Chart, Page, Point};
+use crate::report::{Chart, Page, Point, quantity};
 use crate::run::Sample;
+use fivebar_kinematics::dynamics::{ShareTotals, TorqueShares};
 
 /// Samples looked at for the shares of the torques.
 const SHARE_SAMPLES: usize = 20_000;
+/// The parts of a torque, in the order of [`TorqueShares::parts`].
+const CAUSES: [&str; 5] = [
+    "inertia",
+    "velocity products",
+    "gravity",
+    "external force",
+    "friction",
+];
 /// The joints by the number of their link.
 const JOINTS: [&str; 2] = ["joint 1", "joint 4"];
 
@@ -30,8 +39,17 @@ impl RunReport<'_> {
         let Ok(model) = ShareModel::new(self.robot) else {
             return;
         };
-        let shares: Vec<(f64, Shares)> = spaced(self.trace.samples(), SHARE_SAMPLES)
+        let shares: Vec<(f64, TorqueShares<f64>)> = spaced(self.trace.samples(), SHARE_SAMPLES)
             .filter_map(|sample| Some((sample.time, model.shares(sample).ok()?)))
+            .collect();
+        let mut totals = ShareTotals::default();
+        for pair in shares.windows(2) {
+            totals.add(&pair[0].1, pair[1].0 - pair[0].0);
+        }
+        let (fractions, peaks) = (totals.fractions(), totals.peaks());
+        // What is nowhere asked for, such as gravity on a level table, is not drawn.
+        let causes: Vec<usize> = (0..peaks.len())
+            .filter(|&cause| peaks[cause].iter().any(|&peak| peak > 0.0))
             .collect();
         page.paragraph(
             "What the reference motion asks of the motors by the controller's model, told \
@@ -43,15 +61,27 @@ impl RunReport<'_> {
                 "time [s]",
                 "torque [N·m]",
             );
-            for (cause, (label, _)) in Shares::default().named().into_iter().enumerate() {
-                let point =
-                    |(time, shares): &(f64, Shares)| [*time, shares.named()[cause].1[joint]];
-                chart = chart.line(label, shares.iter().map(point).collect());
+            for &cause in &causes {
+                let points = shares
+                    .iter()
+                    .map(|(time, shares)| [*time, shares.parts()[cause][joint]]);
+                chart = chart.line(CAUSES[cause], points.collect());
             }
             page.chart(&chart);
         }
-        page.table(&["cause", "joint 1", "joint 4"], &mean_shares(&shares));
-        page.paragraph("The table has each cause's mean size, as a share of all four.");
+        let rows = CAUSES.into_iter().zip(fractions.into_iter().zip(peaks));
+        let rows = rows.map(|(cause, ([part1, part4], [peak1, peak4]))| {
+            vec![
+                cause.to_owned(),
+                format!("{:.1} %", 100.0 * part1),
+                quantity(peak1, "N·m"),
+                format!("{:.1} %", 100.0 * part4),
+                quantity(peak4, "N·m"),
+            ]
+        });
+        let header = ["cause", "joint 1", "at most", "joint 4", "at most"];
+        page.table(&header, &rows.collect::<Vec<_>>());
+        page.paragraph("Percentages are of ∫|τ| dt, summed over all causes.");
     }
 
     fn add_currents(&self, page: &mut Page) {
@@ -101,29 +131,4 @@ impl RunReport<'_> {
             page.paragraph("No torque was limited in any of the samples shown.");
         }
     }
-}
-
-/// Each cause's mean magnitude as a share of the sum of all, for either joint.
-fn mean_shares(shares: &[(f64, Shares)]) -> Vec<Vec<String>> {
-    let sums = Shares::default().named().map(|(label, _)| label);
-    let sums = sums.into_iter().enumerate().map(|(cause, label)| {
-        let size = |joint: usize| -> f64 {
-            let sizes = shares
-                .iter()
-                .map(|(_, shares)| shares.named()[cause].1[joint].abs());
-            sizes.sum()
-        };
-        (label, [size(0), size(1)])
-    });
-    let sums: Vec<_> = sums.collect();
-    let total = [0, 1].map(|joint| sums.iter().map(|(_, sum)| sum[joint]).sum::<f64>());
-    sums.iter()
-        .map(|(label, sum)| {
-            let percent = |joint: usize| match total[joint] {
-                0.0 => "–".to_owned(),
-                total => format!("{:.1} %", 100.0 * sum[joint] / total),
-            };
-            vec![(*label).to_owned(), percent(0), percent(1)]
-        })
-        .collect()
 }
