@@ -3,13 +3,14 @@
 #![cfg(feature = "design")]
 
 use core::f64::consts::{PI, TAU};
-use fivebar_kinematics::Vec2;
 use fivebar_kinematics::dynamics::{Arm, Link};
 use fivebar_kinematics::five_bar::{Geometry, Side};
-use fivebar_kinematics::linkage::dyad::{DyadError, Rrr, Unreachable};
+use fivebar_kinematics::linkage::dyad::{DyadError, Rrp, Rrr, Unreachable, Way};
 use fivebar_kinematics::linkage::{
-    Coordinate, FourBarType, Group, Law, LinkId, Linkage, Quantity, Sweep,
+    Coordinate, FourBarType, Group, Guide, Law, LinkId, Linkage, Quantity, Sweep,
 };
+use fivebar_kinematics::{Scalar, Vec2};
+use num_dual::Dual64;
 use proptest::prelude::*;
 
 const MASSLESS: Link<f64> = Link {
@@ -241,4 +242,122 @@ fn every_parameter_can_be_perturbed_by_name() {
     let angle = |linkage: &Linkage<f64>| linkage.motion(&at).unwrap().links[3].axis.angle();
     assert!((angle(&longer) - angle(&linkage)).abs() > 1e-3);
     assert_eq!(linkage.map(|_, value| value), linkage);
+}
+
+/// A four-bar whose output drives a heavy slider, everything loaded.
+fn heavy_slider() -> Linkage<f64> {
+    let mut linkage = four_bar([0.35, 0.10, 0.30, 0.25], Side::Left).map(|parameter, value| {
+        match parameter.quantity {
+            Quantity::Gravity(1) => -9.81,
+            Quantity::Mass if parameter.of != "ground" => 0.4,
+            Quantity::Inertia => 1e-3,
+            Quantity::CentreOfMass(axis) => 0.1 - 0.07 * axis as f64,
+            _ => value,
+        }
+    });
+    let id = |name: &str| {
+        linkage.elements()[1]
+            .links()
+            .find(|link| linkage.links()[link.index()].name == name)
+    };
+    let output = id("output").unwrap();
+    let end = linkage.point("E", output, vec2([0.2, 0.05])).unwrap();
+    let through = linkage
+        .point("G", LinkId::GROUND, vec2([0.0, 0.4]))
+        .unwrap();
+    let guide = Guide {
+        through,
+        direction: vec2([1.0, 0.1]),
+    };
+    let dyad = Rrp {
+        length: 0.5,
+        offset: 0.03,
+        way: Way::Ahead,
+    };
+    let added = linkage.add("F", Group::Rrp { dyad, end, guide }).unwrap();
+    for (link, name) in added.links().zip(["rod", "ram"]) {
+        let inertia = Link {
+            mass: 0.8,
+            com: vec2([0.2, 0.01]),
+            inertia: 2e-3,
+        };
+        linkage.name_link(link, name, inertia).unwrap();
+    }
+    linkage
+        .load(added.joint().unwrap(), 0.3, vec2([-40.0, 5.0]))
+        .unwrap();
+    linkage
+}
+
+/// Where the ram is, its acceleration, the driving torque and the reaction at its guide.
+fn outcome<S: Scalar>(linkage: &Linkage<S>, angle: S) -> [S; 4] {
+    let input = Coordinate {
+        value: angle,
+        rate: S::from_f64(12.0),
+        acceleration: S::from_f64(-30.0),
+    };
+    let motion = linkage.motion(&[input]).unwrap();
+    let forces = linkage.forces(&motion).unwrap();
+    let ram = motion.points.last().unwrap();
+    let guide = forces.reactions.last().unwrap();
+    [
+        ram.position.x,
+        ram.acceleration.x,
+        forces.driving[0],
+        guide.wrench.force.norm(),
+    ]
+}
+
+#[test]
+fn dual_numbers_give_the_sensitivity_to_every_parameter() {
+    let linkage = heavy_slider();
+    let mut count = 0;
+    linkage.map(|_, value: f64| {
+        count += 1;
+        value
+    });
+    assert!(count > 40);
+    let mut felt = 0;
+    for chosen in 0..count {
+        let mut index = 0;
+        let seeded = linkage.map(|_, value| {
+            index += 1;
+            let seed = if index - 1 == chosen { 1.0 } else { 0.0 };
+            Dual64::new(value, seed)
+        });
+        let exact = outcome(&seeded, Dual64::from_re(0.9)).map(|dual| dual.eps);
+        let step = 1e-6;
+        let beside = |by: f64| {
+            let mut index = 0;
+            let moved = linkage.map(|_, value| {
+                index += 1;
+                if index - 1 == chosen {
+                    value + by
+                } else {
+                    value
+                }
+            });
+            outcome(&moved, 0.9)
+        };
+        let (before, after) = (beside(-step), beside(step));
+        for i in 0..4 {
+            let difference = (after[i] - before[i]) / (2.0 * step);
+            let tolerance = 1e-5 * (1.0 + exact[i].abs());
+            assert!(
+                (exact[i] - difference).abs() < tolerance,
+                "parameter {chosen}, outcome {i}: {} for {difference}",
+                exact[i]
+            );
+            felt += usize::from(exact[i].abs() > 1e-3);
+        }
+    }
+    assert!(
+        felt > count,
+        "only {felt} sensitivities of {count} parameters are felt"
+    );
+    let to_angle = outcome(
+        &linkage.map(|_, v| Dual64::from_re(v)),
+        Dual64::new(0.9, 1.0),
+    );
+    assert!(to_angle[0].eps.abs() > 1e-2);
 }

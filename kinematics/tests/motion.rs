@@ -30,8 +30,8 @@ proptest! {
     fn velocities_are_the_rates_of_positions(moving in moving(0.1)) {
         let (pose, velocities, _) = moving.now();
         let now = pose.angles();
-        for link in 0..4 {
-            let angle = |t: f64| turned(moving.pose_at(t).angles()[link], now[link]);
+        for (link, now) in now.into_iter().enumerate() {
+            let angle = |t: f64| turned(moving.pose_at(t).angles()[link], now);
             let size = largest(velocities.omega);
             assert_rate("ω", velocities.omega[link], moving.rate(angle), size);
         }

@@ -6,6 +6,7 @@ pub mod link;
 pub mod linkage;
 pub mod mobility;
 pub mod plant;
+pub mod query;
 pub mod report;
 pub mod robot;
 pub mod run;

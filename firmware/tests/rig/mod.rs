@@ -2,6 +2,10 @@
 //! own in f64, so that the firmware is tested without the simulator.
 
 #![allow(dead_code, reason = "each test file uses its own part")]
+#![allow(
+    clippy::needless_range_loop,
+    reason = "a joint's number names it in every array"
+)]
 
 use fivebar_firmware::controller::{Controller, Request};
 use fivebar_firmware::planner::{MoveRefusal, Planner};

@@ -2,6 +2,11 @@
 
 /// Left or right of a directed line, seen with the plane's normal towards the viewer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "design",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum Side {
     /// To the left: the cross product is positive.
     Left,

@@ -92,6 +92,18 @@ impl<S: Scalar> Linkage<S> {
         })
     }
 
+    /// Which link acts on which in each joint, in the order of [`Forces::reactions`].
+    pub fn joints(&self) -> impl Iterator<Item = (LinkId, LinkId)> + '_ {
+        self.elements.iter().flat_map(|element| {
+            let first = element.first_link;
+            let [carrier1, carrier2] = self.carriers(&element.group);
+            let second = LinkId(first.0 + 1);
+            let count = if element.group.is_driven() { 1 } else { 3 };
+            let joints = [(carrier1, first), (first, second), (carrier2, second)];
+            joints.into_iter().take(count)
+        })
+    }
+
     /// Weight, inertia force and external forces on each link.
     fn loads(&self, motion: &Motion<S>) -> Vec<Wrench<S>> {
         let mut loads: Vec<_> = self

@@ -40,6 +40,7 @@ impl<S: Scalar, const N: usize> Horizon<'_, S, N> {
             *slot = (way, caps);
         }
         let mut best: Option<(Plan<S>, S, S)> = None;
+        let on_time = S::from_f64(0.99);
         // The time from the boundary to the end of the run, at the boundaries' speeds: what
         // a plan that arrives with that speed can count on, and too little for one that is
         // still gathering speed, which must therefore be the faster one to be preferred.
@@ -52,16 +53,20 @@ impl<S: Scalar, const N: usize> Horizon<'_, S, N> {
                 rest = rest + S::TWO * (beyond - way) / sum;
             }
             beyond = way;
-            let fresh = Plan::over(way, self.motion, speed_at(boundary), &caps, boundary);
+            // A plan slower than both its boundary and the best would not be chosen.
+            let least = best.as_ref().map_or(S::ZERO, |&(_, best_peak, _)| {
+                min(best_peak, speed_at(boundary) * on_time)
+            });
+            let exit = speed_at(boundary);
+            let fresh = Plan::over(way, self.motion, exit, least, &caps, boundary);
             let kept = kept.filter(|plan| {
-                plan.spans == boundary && plan.exit <= speed_at(boundary) * S::from_f64(1.0 + 1e-5)
+                plan.spans == boundary && plan.exit <= exit * S::from_f64(1.0 + 1e-5)
             });
             for plan in [fresh, kept].into_iter().flatten() {
                 let (time, peak) = plan.outlook();
                 let total = time + rest;
-                let on_time = plan.exit >= speed_at(boundary) * S::from_f64(0.99);
                 let better = best.as_ref().is_none_or(|&(_, best_peak, best_total)| {
-                    total < best_total && (on_time || peak > best_peak)
+                    total < best_total && (plan.exit >= exit * on_time || peak > best_peak)
                 });
                 if better {
                     best = Some((plan, peak, total));

@@ -23,7 +23,8 @@ use crate::{Scalar, Vec2};
 pub enum PushError {
     /// No room: take pieces out first.
     Full,
-    /// A cap is not a positive finite number, or a length or duration not a finite one.
+    /// A cap is not a positive finite number, or a length or duration not a finite one, or
+    /// negative.
     NotFinite,
 }
 
@@ -116,7 +117,7 @@ impl<S: Scalar, const N: usize> LookAhead<S, N> {
         let [to1, to4] = to;
         let (d1, d4) = (to1 - from1, to4 - from4);
         let length = max(d1.abs(), d4.abs());
-        self.check(&caps, length + d1 + d4)?;
+        self.check(&caps, d1.abs() + d4.abs())?;
         if length > S::ZERO {
             self.queue.push(Span {
                 shape: Shape::Joint {
@@ -164,7 +165,7 @@ impl<S: Scalar, const N: usize> LookAhead<S, N> {
         if !self.has_room() {
             return Err(PushError::Full);
         }
-        if !(caps.are_sound() && length.is_finite()) {
+        if !(caps.are_sound() && length.is_finite() && length >= S::ZERO) {
             return Err(PushError::NotFinite);
         }
         Ok(())
@@ -201,11 +202,12 @@ impl<S: Scalar, const N: usize> LookAhead<S, N> {
             return false;
         };
         let half = corner.length() * S::HALF;
+        let in_hand = self.queue.run() == self.queue.len();
         let middle = S::HALF * min(before.length(), segment.length());
         if !saves_time(&corner_caps, half, middle, &last.caps.tightest(&caps)) {
             return false;
         }
-        let saved = self.queue;
+        let unshortened = *last;
         self.queue.shorten_last(half);
         self.queue.push(Span {
             shape: Shape::Path(*corner.curve()),
@@ -224,17 +226,20 @@ impl<S: Scalar, const N: usize> LookAhead<S, N> {
             tag,
             from_rest: false,
         });
-        let moving = self.motion.speed > S::ZERO;
+        if !in_hand {
+            // There is a rest before it, and it will be planned from there.
+            return true;
+        }
         // The plan in hand may end where the corner was.
         let kept = self.plan.filter(|plan| plan.spans + 2 < self.queue.run());
-        match self.horizon().best_plan(kept) {
-            Some(plan) => self.plan = Some(plan),
-            None if moving => {
-                self.queue = saved;
+        self.plan = match self.horizon().best_plan(kept) {
+            None if self.motion != Motion::at_rest() => {
+                self.queue.drop_last(3);
+                self.queue.push(unshortened);
                 return false;
             }
-            None => self.plan = None,
-        }
+            plan => plan,
+        };
         true
     }
 
@@ -246,6 +251,9 @@ impl<S: Scalar, const N: usize> LookAhead<S, N> {
             let head = *self.queue.first()?;
             if let Shape::Rest(_) = head.shape {
                 self.leave_span();
+                if head.length <= S::ZERO {
+                    continue;
+                }
                 return Some(Piece {
                     shape: head.shape,
                     law: TimeLaw::new(S::ZERO, S::ZERO, S::ZERO, S::ZERO),
@@ -278,10 +286,6 @@ impl<S: Scalar, const N: usize> LookAhead<S, N> {
             return None;
         };
         let Some(phase) = plan.phase() else {
-            self.motion = Motion {
-                speed: plan.exit,
-                acceleration: S::ZERO,
-            };
             self.plan = None;
             // Rounding may end a plan on the last hair of the span before its last.
             if plan.spans <= 1 || left <= head.length * S::from_f64(1e-6) {
@@ -302,10 +306,15 @@ impl<S: Scalar, const N: usize> LookAhead<S, N> {
             plan.pass(t);
             t
         };
-        let t = duration;
-        self.motion = Motion {
-            speed: phase.speed + (phase.acceleration + phase.jerk * S::HALF * t) * t,
-            acceleration: phase.acceleration + phase.jerk * t,
+        self.motion = match plan.phase() {
+            Some(next) => Motion {
+                speed: next.speed,
+                acceleration: next.acceleration,
+            },
+            None => Motion {
+                speed: plan.exit,
+                acceleration: S::ZERO,
+            },
         };
         self.plan = Some(plan);
         if !whole {

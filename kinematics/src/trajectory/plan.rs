@@ -39,7 +39,8 @@ pub(super) struct Plan<S> {
 impl<S: Scalar> Plan<S> {
     /// The fastest plan of this form over `length` [m], ending at `exit` [m/s] or, where
     /// that cannot be reached, as fast as can be. `None` where `length` is too short to
-    /// slow down in, or the motion is already past the caps.
+    /// slow down in or for a plan that holds `least` [m/s], or the motion is already past
+    /// the caps.
     ///
     /// The way needed grows with the speed held, so that speed is found by bisection, and
     /// what rounding leaves over lengthens the time it is held.
@@ -47,18 +48,20 @@ impl<S: Scalar> Plan<S> {
         length: S,
         start: Motion<S>,
         exit: S,
+        least: S,
         caps: &Caps<S>,
         spans: usize,
     ) -> Option<Self> {
         let slack = S::from_f64(1.0 + 1e-5);
         let released = speed_after_release(start.speed, start.acceleration, caps.jerk);
-        let lowest = max(released, S::ZERO);
-        let fastest = max(caps.speed, lowest);
-        let within = max(start.speed, lowest) <= caps.speed * slack
-            && start.acceleration.abs() <= caps.acceleration * slack;
+        let within = max(start.speed, released) <= caps.speed * slack
+            && start.acceleration.abs() <= caps.acceleration * slack
+            && least <= caps.speed;
         if !within {
             return None;
         }
+        let lowest = max(max(released, S::ZERO), least);
+        let fastest = max(caps.speed, lowest);
         let ramps = |held: S| {
             let up = ramp(start.speed, start.acceleration, held, caps);
             let down = ramp(held, S::ZERO, min(held, exit), caps);
@@ -74,6 +77,9 @@ impl<S: Scalar> Plan<S> {
             let (mut low, mut high) = (lowest, fastest);
             for _ in 0..40 {
                 let middle = (low + high) * S::HALF;
+                if middle <= low || middle >= high {
+                    break;
+                }
                 if needed(middle) <= length {
                     low = middle;
                 } else {

@@ -81,6 +81,11 @@ impl<S: Scalar, const N: usize> Queue<S, N> {
         }
     }
 
+    /// Drop the last `count`.
+    pub(super) fn drop_last(&mut self, count: usize) {
+        self.len = self.len.saturating_sub(count);
+    }
+
     /// Take `length` off the end of the last.
     pub(super) fn shorten_last(&mut self, length: S) {
         if self.len > 0

@@ -14,7 +14,7 @@
 //! and l1, |ṙB| ≤ 1/sin φ1 and |ω2| ≤ 1/(|BT| sin φ1); |ṙC| ≤ 1 + |CT| |ω2|;
 //! |ṙD| ≤ |ṙC|/sin φ4; |BD|˙ ≤ |ṙB| + |ṙD|; |ω1| = |ṙB|/l1, |ω4| = |ṙD|/l4.
 
-use super::curve::CurvePoint;
+use super::curve::{Curve, CurvePoint};
 use super::envelope::{Envelope, is_finite};
 use super::number::{max, min};
 use super::refusal::{Obstacle, Refusal};
@@ -156,6 +156,11 @@ impl<S: Scalar> Envelope<S> {
         let length = segment.length();
         let pace = max(segment.curve().bounds().first, S::ONE);
         let quarter = S::from_f64(0.25);
+        // A blend bends most in its middle, however short it is.
+        let longest = match segment.curve() {
+            Curve::Blend { .. } => length * quarter,
+            _ => length,
+        };
         let mut s = S::ZERO;
         let mut point = segment.at(s);
         let refuse = |s: S, point: Vec2<S>, obstacle| Refusal {
@@ -197,7 +202,8 @@ impl<S: Scalar> Envelope<S> {
             let turn4 = d / l4 + d / l3;
             let turn23 = b / reach + d / l3;
             let sampled = min(min(sine1 / turn1, sine4 / turn4), sine23 / turn23);
-            s = min(s + min(step, quarter * sampled), length);
+            let step = min(min(step, quarter * sampled), longest);
+            s = min(s + step, length);
             point = segment.at(s);
         }
         let pose = tool

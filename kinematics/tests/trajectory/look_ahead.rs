@@ -2,26 +2,33 @@
 //! tolerance, ending where it should.
 
 use crate::common::{MIDDLE, Rounding, V, assert_sound, distance_to, envelope, run, tool};
-use fivebar_kinematics::trajectory::{Caps, LookAhead, Segment, Sense};
+use fivebar_kinematics::Vec2;
+use fivebar_kinematics::trajectory::{Caps, Curve, LookAhead, Piece, Reference, Segment, Sense};
 use proptest::prelude::*;
 
 const DOUBLE: Rounding = Rounding {
     position: 1e-9,
-    velocity: 1e-9,
+    velocity: 1e-8,
     acceleration: 1e-6,
 };
 
-/// Lines and arcs from corner to corner, from micrometres to decimetres, all within 60 mm
+const SINGLE: Rounding = Rounding {
+    position: 1e-6,
+    velocity: 1e-4,
+    acceleration: 0.1,
+};
+
+/// Lines and arcs from corner to corner, from 10^`finest` m to decimetres, all within 60 mm
 /// of the middle.
-fn paths() -> impl Strategy<Value = Vec<Segment<f64>>> {
+fn paths(finest: f64) -> impl Strategy<Value = Vec<Segment<f64>>> {
     let step = (
         -1.0..1.0_f64,
         -1.0..1.0_f64,
-        -5.0..-1.0_f64,
+        finest..-1.0,
         -3.0..3.0_f64,
         any::<bool>(),
     );
-    prop::collection::vec(step, 1..60).prop_map(|steps| {
+    prop::collection::vec(step, 1..30).prop_map(|steps| {
         let middle = V::new(MIDDLE[0], MIDDLE[1]);
         let mut from = middle;
         let mut segments = Vec::new();
@@ -51,7 +58,7 @@ fn paths() -> impl Strategy<Value = Vec<Segment<f64>>> {
 proptest! {
     #[test]
     fn paths_are_followed_within_all_limits_and_the_tolerance(
-        segments in paths(),
+        segments in paths(-5.0),
         tolerance in prop::sample::select(vec![0.0, 1e-5, 1e-4]),
         feed in 0.01..0.3_f64,
     ) {
@@ -78,6 +85,107 @@ proptest! {
             }
         }
         prop_assert!(reached.iter().all(|&reached| reached));
+    }
+
+    /// The queue may run dry, be topped up or be left alone at any moment.
+    #[test]
+    fn moves_that_come_late_are_joined_to_the_motion_at_hand(
+        segments in paths(-5.0),
+        // Pieces taken before each push.
+        haste in prop::collection::vec(0..9_usize, 30),
+        feed in 0.01..0.3_f64,
+    ) {
+        prop_assume!(!segments.is_empty());
+        let envelope = envelope(1e-4);
+        let mut look_ahead = LookAhead::<f64, 16>::new();
+        let mut pieces = Vec::new();
+        for ((tag, segment), haste) in segments.iter().enumerate().zip(haste) {
+            let before = pieces.len() + haste;
+            while pieces.len() < before || look_ahead.room() == 0 {
+                let Some(piece) = look_ahead.next_piece() else { break };
+                pieces.push(piece);
+            }
+            let caps = envelope.admit(segment, feed).unwrap();
+            look_ahead.push(segment, caps, tag as u32, &envelope).unwrap();
+        }
+        while let Some(piece) = look_ahead.next_piece() {
+            pieces.push(piece);
+        }
+        let limits = Caps { speed: feed, ..envelope.tool_motion };
+        let ends = [segments[0].start(), segments.last().unwrap().end()];
+        assert_sound(&pieces, ends, &limits, &DOUBLE);
+    }
+
+    /// In single precision the same path is followed, to a micrometre.
+    #[test]
+    fn single_precision_follows_the_same_path(
+        segments in paths(-4.0),
+        feed in 0.01..0.3_f64,
+    ) {
+        const TOLERANCE: f64 = 5e-5;
+        prop_assume!(!segments.is_empty());
+        let single: Vec<Segment<f32>> = segments.iter().filter_map(narrow).collect();
+        prop_assume!(single.len() == segments.len());
+        let envelope = envelope::<f32>(TOLERANCE);
+        let pieces = run(&single, feed as f32, &envelope);
+        let limits = Caps { speed: feed, acceleration: 5.0, jerk: 500.0 };
+        let ends = [segments[0].start(), segments.last().unwrap().end()];
+        let single_time = assert_sound(&pieces, ends, &limits, &SINGLE);
+        for piece in &pieces {
+            let tag = piece.tag() as usize;
+            for step in 0..=4_u8 {
+                let position = tool(piece, piece.duration() * f32::from(step) / 4.0).0;
+                let mut distance = distance_to(&segments[tag], position);
+                if tag > 0 {
+                    distance = distance.min(distance_to(&segments[tag - 1], position));
+                }
+                prop_assert!(distance <= TOLERANCE + 1e-6, "{distance} m off segment {tag}");
+            }
+        }
+        let double = run(&segments, feed, &crate::common::envelope(TOLERANCE));
+        let double_time: f64 = double.iter().map(Piece::duration).sum();
+        prop_assert!((single_time / double_time - 1.0).abs() < 0.05, "{single_time} s, {double_time} s");
+    }
+
+    /// v = σ p′ and a = σ² p″ + σ̇ p′ are the derivatives of p(τ(t)) with τ̇ = σ.
+    #[test]
+    fn a_slowed_clock_gives_the_derivatives_of_the_slowed_motion(
+        segments in paths(-5.0), at in 0.1..0.9_f64, rate in 0.0..1.0_f64, slope in -30.0..30.0_f64,
+    ) {
+        prop_assume!(!segments.is_empty());
+        let pieces = run(&segments, 0.2, &envelope(1e-4));
+        let piece = pieces[((pieces.len() - 1) as f64 * at) as usize];
+        let tau = piece.duration() * at;
+        let dt = 1e-6;
+        let place = |t: f64| tool(&piece, tau + (rate + 0.5 * slope * t) * t).0;
+        let (before, now, after) = (place(-dt), place(0.0), place(dt));
+        let Reference::Tool { position, velocity, acceleration } =
+            piece.evaluate(tau).clocked(rate, slope) else { panic!() };
+        prop_assert_eq!(position, now);
+        prop_assert!(((after - before) * (0.5 / dt) - velocity).norm() < 1e-8);
+        let second = (after - now - (now - before)) * (1.0 / (dt * dt));
+        prop_assert!((second - acceleration).norm() < 1e-3, "{second:?} {acceleration:?}");
+    }
+}
+
+fn narrow(segment: &Segment<f64>) -> Option<Segment<f32>> {
+    let narrow = |v: V| Vec2::new(v.x as f32, v.y as f32);
+    let [from, to] = [narrow(segment.start()), narrow(segment.end())];
+    match *segment.curve() {
+        Curve::Arc {
+            start,
+            tangent,
+            curvature,
+        } => {
+            let centre = narrow(start + tangent.perp() * (1.0 / curvature));
+            let sense = if curvature > 0.0 {
+                Sense::CounterClockwise
+            } else {
+                Sense::Clockwise
+            };
+            Segment::arc(from, to, centre, sense, 1e-5).ok()
+        }
+        _ => Segment::line(from, to).ok(),
     }
 }
 

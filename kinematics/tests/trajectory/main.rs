@@ -2,5 +2,6 @@
 //! comes of it.
 
 mod common;
+mod loads;
 mod look_ahead;
 mod validation;

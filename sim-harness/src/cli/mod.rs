@@ -1,7 +1,9 @@
 //! The command line: one module per subcommand, each with its arguments and a `run`.
 
 mod failure;
+mod linkage;
 mod mobility;
+mod query;
 mod robots;
 mod run_args;
 mod sim;
@@ -21,7 +23,9 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Linkage(linkage::Args),
     Mobility(mobility::Args),
+    Query(query::Args),
     Robots(robots::Args),
     Sim(sim::Args),
 }
@@ -32,7 +36,9 @@ pub fn main() -> ExitCode {
     let outcome: Result<(), Failure> = match cli.command {
         None => Ok(()),
         Some(command) => match command {
+            Command::Linkage(args) => linkage::run(&args),
             Command::Mobility(args) => mobility::run(&args),
+            Command::Query(args) => query::run(&args),
             Command::Robots(args) => robots::run(&args),
             Command::Sim(args) => sim::run(&args),
         },

@@ -2,10 +2,18 @@
 
 mod build;
 mod builtin;
+mod explain;
 mod file;
 mod limits;
+mod picture;
+mod report;
+mod summary;
+mod table;
 
 pub use builtin::{EXAMPLES, Example};
+pub use report::page;
+pub use summary::{Assembly, BranchChangeFound, LimitFound, Peak, Range, Summary};
+pub use table::csv;
 
 use crate::robot::{FileError, Source};
 use fivebar_kinematics::linkage::{Law, Linkage, Sweep};

@@ -1,0 +1,216 @@
+//! What a motion asks of the joints: speed, acceleration and torque within their limits
+//! wherever it passes, close to singularities too.
+
+use crate::common::{MIDDLE, V, envelope, run, tool};
+use fivebar_kinematics::Vec2;
+use fivebar_kinematics::dynamics::{Arm, Link};
+use fivebar_kinematics::five_bar::{Joint, Side, Singularity};
+use fivebar_kinematics::trajectory::{
+    Caps, Envelope, LookAhead, Obstacle, Reference, Segment, Sense, TorqueLimits,
+};
+use proptest::prelude::*;
+
+/// Links of a tenth of a kilogram and heavy rotors, gravity in the plane.
+fn arm(envelope: &Envelope<f64>) -> Arm<f64> {
+    let link = Link {
+        mass: 0.1,
+        com: V::new(0.11, 0.005),
+        inertia: 4e-4,
+    };
+    let geometry = *envelope.workspace.tool.geometry();
+    Arm::new(geometry, [link; 4], 0.1, V::new(0.0, -9.81), [2e-3; 2]).unwrap()
+}
+
+/// Joint speeds, accelerations and torques at a reference of the tool.
+fn joints(envelope: &Envelope<f64>, arm: &Arm<f64>, (p, v, a): (V, V, V)) -> [[f64; 2]; 3] {
+    let workspace = &envelope.workspace;
+    let pose = workspace.tool.inverse(p, workspace.mode).unwrap();
+    let velocities = workspace.tool.inverse_velocities(&pose, v).unwrap();
+    let accelerations = workspace
+        .tool
+        .inverse_accelerations(&pose, &velocities, a)
+        .unwrap();
+    let torque = arm
+        .inverse_dynamics(&pose, &velocities, &accelerations, Vec2::zero())
+        .unwrap();
+    let [w1, _, _, w4] = velocities.omega;
+    let [a1, _, _, a4] = accelerations.alpha;
+    [[w1, w4], [a1, a4], torque]
+}
+
+/// A path from the middle towards any side, to just short of where it is refused.
+fn to_the_brink(envelope: &Envelope<f64>, direction: f64, bend: Option<f64>) -> Segment<f64> {
+    let from = V::new(MIDDLE[0], MIDDLE[1]);
+    let reach = |length: f64| {
+        let to = from + V::unit(direction) * length;
+        match bend {
+            None => Segment::line(from, to),
+            Some(bend) => {
+                let chord = to - from;
+                let centre = from + chord * 0.5 + chord.perp() * bend;
+                Segment::arc(from, to, centre, Sense::CounterClockwise, 1e-9)
+            }
+        }
+        .unwrap()
+    };
+    let (mut good, mut bad) = (1e-3, 0.5);
+    for _ in 0..30 {
+        let middle = (good + bad) / 2.0;
+        match envelope.admit(&reach(middle), 1.0) {
+            Ok(_) => good = middle,
+            Err(_) => bad = middle,
+        }
+    }
+    reach(good)
+}
+
+proptest! {
+    #[test]
+    fn joint_limits_hold_along_every_motion(
+        direction in -3.2..3.2_f64,
+        bend in prop::option::of(0.3..2.0_f64),
+        joint_speed in prop::array::uniform2(0.3..6.0_f64),
+        joint_acceleration in prop::array::uniform2(5.0..100.0_f64),
+        torque in prop::option::of(prop::array::uniform2(1.5..4.0_f64)),
+    ) {
+        let mut envelope = envelope(1e-4);
+        let arm = arm(&envelope);
+        envelope.workspace.margin = 0.1;
+        // The tool's own limits are wide, so that the joints' are what binds.
+        envelope.tool_motion = Caps {
+            speed: 1.0,
+            acceleration: 50.0,
+            jerk: 5e4,
+        };
+        envelope.joint_speed = joint_speed;
+        envelope.joint_acceleration = joint_acceleration;
+        envelope.torque = torque.map(|torque| TorqueLimits { arm, torque });
+        let out = to_the_brink(&envelope, direction, bend);
+        // Out to the brink and back, by a line if out was one.
+        let back = Segment::line(out.end(), out.start());
+        let mut path = vec![out];
+        path.extend(back.ok().filter(|back| envelope.admit(back, 1.0).is_ok()));
+        let mut closest = [0.0_f64; 3];
+        for piece in run(&path, 1.0, &envelope) {
+            for step in 0..=20 {
+                let reference = tool(&piece, piece.duration() * f64::from(step) / 20.0);
+                let [speed, acceleration, load] = joints(&envelope, &arm, reference);
+                for joint in 0..2 {
+                    let shares = [
+                        speed[joint].abs() / joint_speed[joint],
+                        acceleration[joint].abs() / joint_acceleration[joint],
+                        torque.map_or(0.0, |torque| load[joint].abs() / torque[joint]),
+                    ];
+                    for (share, closest) in shares.iter().zip(&mut closest) {
+                        prop_assert!(*share <= 1.0, "{shares:?} of the limits of joint {joint}");
+                        *closest = closest.max(*share);
+                    }
+                }
+            }
+        }
+        // And the limits are made use of.
+        prop_assert!(closest.iter().any(|&share| share > 0.3), "{closest:?}");
+    }
+
+    #[test]
+    fn joint_moves_run_from_rest_to_rest_and_arrive_together(
+        from in prop::array::uniform2(1.15..1.5_f64),
+        turn in prop::array::uniform2(-0.4..0.4_f64),
+        share in 0.05..1.0_f64,
+    ) {
+        let mut envelope = envelope(0.0);
+        envelope.joint_speed = [3.0, 5.0];
+        envelope.joint_acceleration = [40.0, 20.0];
+        let from = [std::f64::consts::PI - from[0], from[1]];
+        let to = [from[0] + turn[0], from[1] + turn[1]];
+        let Ok((caps, _)) = envelope.admit_joint_move(from, to, Side::Left, share) else {
+            return Err(TestCaseError::reject("not assembled"));
+        };
+        let mut look_ahead = LookAhead::<f64, 8>::new();
+        look_ahead.push_joint(from, to, caps, 7).unwrap();
+        let mut last = (from, [0.0; 2], [0.0; 2]);
+        while let Some(piece) = look_ahead.next_piece() {
+            prop_assert_eq!(piece.tag(), 7);
+            for step in 0..=20 {
+                let t = piece.duration() * f64::from(step) / 20.0;
+                let Reference::Joint { angles, rates, accelerations } = piece.evaluate(t) else {
+                    panic!("a joint move moves the joints");
+                };
+                for joint in 0..2 {
+                    if step == 0 {
+                        prop_assert!((angles[joint] - last.0[joint]).abs() < 1e-8);
+                        prop_assert!((rates[joint] - last.1[joint]).abs() < 1e-7);
+                        prop_assert!((accelerations[joint] - last.2[joint]).abs() < 1e-5);
+                    }
+                    prop_assert!(rates[joint].abs() <= share * envelope.joint_speed[joint]);
+                    prop_assert!(accelerations[joint].abs() <= envelope.joint_acceleration[joint]);
+                    // On the straight line between the ends: together.
+                    let gone = [angles[0] - from[0], angles[1] - from[1]];
+                    prop_assert!((gone[0] * turn[1] - gone[1] * turn[0]).abs() < 1e-12);
+                }
+                last = (angles, rates, accelerations);
+            }
+        }
+        for joint in 0..2 {
+            prop_assert!((last.0[joint] - to[joint]).abs() < 1e-8);
+            prop_assert!(last.1[joint].abs() < 1e-9);
+        }
+    }
+}
+
+#[test]
+fn near_a_singularity_the_path_slows_down() {
+    let mut envelope = envelope::<f64>(0.0);
+    envelope.workspace.margin = 0.02;
+    envelope.joint_speed = [2.0; 2];
+    // Two lines as long as each other, one in the open, one out to the straight leg.
+    let cap = |from: [f64; 2], to: [f64; 2]| {
+        let line = Segment::line(V::new(from[0], from[1]), V::new(to[0], to[1])).unwrap();
+        envelope.admit(&line, 1.0).unwrap().speed
+    };
+    let open = cap([MIDDLE[0], 0.30], [MIDDLE[0], 0.32]);
+    let far = cap([MIDDLE[0], 0.4185], [MIDDLE[0], 0.4385]);
+    assert!(open > 0.2 && far < 0.25 * open, "{open} m/s and {far} m/s");
+}
+
+#[test]
+fn a_torque_too_small_to_hold_the_arm_is_refused() {
+    let mut envelope = envelope::<f64>(0.0);
+    let arm = arm(&envelope);
+    envelope.torque = Some(TorqueLimits {
+        arm,
+        torque: [1.0, 0.01],
+    });
+    let from = V::new(MIDDLE[0], MIDDLE[1]);
+    let line = Segment::line(from, from + V::new(0.01, 0.0)).unwrap();
+    assert_eq!(
+        envelope.admit(&line, 0.1).unwrap_err().obstacle,
+        Obstacle::Torque(Joint::Joint4)
+    );
+}
+
+#[test]
+fn a_joint_move_may_change_the_working_mode_but_not_the_assembly() {
+    let envelope = envelope::<f64>(0.0);
+    let workspace = &envelope.workspace;
+    // Leg 1 swings through A–B–C straight, leg 4 keeps still.
+    let start = workspace
+        .tool
+        .inverse(V::new(0.02, 0.38), workspace.mode)
+        .unwrap();
+    let [theta1, .., theta4] = start.angles();
+    let to = [theta1 - 0.9, theta4];
+    let side = start.assembly();
+    let (_, end) = envelope
+        .admit_joint_move([theta1, theta4], to, side, 1.0)
+        .unwrap();
+    assert_ne!(end.working_mode(), start.working_mode());
+    assert_eq!(end.assembly(), side);
+    // On through type 2 it is refused.
+    let refusal = envelope
+        .admit_joint_move([theta1, theta4], [theta1 + 2.5, theta4], side, 1.0)
+        .unwrap_err();
+    let parallel = fivebar_kinematics::five_bar::Outside::Margin(Singularity::Parallel);
+    assert_eq!(refusal.obstacle, Obstacle::Outside(parallel));
+    assert!(refusal.fraction > 0.0 && refusal.fraction < 1.0);
+}

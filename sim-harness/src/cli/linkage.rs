@@ -1,0 +1,99 @@
+//! `fivebar linkage`: a planar linkage through its motion.
+
+use super::Failure;
+use crate::linkage::{DrivenLinkage, EXAMPLES, Summary, csv, page};
+use crate::report::write_whole;
+use std::path::{Path, PathBuf};
+
+/// Positions, velocities, accelerations and forces of a planar linkage, dyad by dyad.
+///
+/// Without FILE, lists the examples that come with the program.
+#[derive(clap::Args)]
+pub(super) struct Args {
+    /// A linkage in TOML, or the name of an example.
+    file: Option<String>,
+    /// Where to write report.html, table.csv and summary.json.
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    out: PathBuf,
+    /// Print the findings as one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    let Some(file) = &args.file else {
+        for example in EXAMPLES {
+            println!("{:<22} {}", example.name, example.summary());
+        }
+        return Ok(());
+    };
+    let refused = |error: &dyn std::error::Error| Failure::Refused(error.to_string());
+    let driven = DrivenLinkage::load(file).map_err(|error| refused(&error))?;
+    let sweep = driven.sweep();
+    let summary = driven.summary(&sweep);
+    let json = serde_json::json!(summary);
+    let write = |name: &str, text: String| {
+        write_whole(&args.out.join(name), text).map_err(|error| refused(&error))
+    };
+    write("table.csv", csv(&driven, &sweep))?;
+    write("summary.json", format!("{json:#}\n"))?;
+    write("report.html", page(&driven, &sweep, &summary).render())?;
+    if args.json {
+        println!("{json}");
+    } else {
+        print(&summary, &args.out);
+    }
+    Ok(())
+}
+
+fn print(summary: &Summary, out: &Path) {
+    let Summary {
+        linkage,
+        samples,
+        closed,
+        ..
+    } = summary;
+    println!("{linkage}: closes at {closed} of {samples} samples");
+    if let Some(grashof) = &summary.grashof {
+        println!("  Grashof     {grashof}");
+    }
+    for range in &summary.transmission {
+        let (least, greatest) = (range.min, range.max);
+        println!(
+            "  {}: transmission angle {least:.2}° to {greatest:.2}°",
+            range.of
+        );
+    }
+    for range in &summary.driving {
+        let (least, greatest, unit) = (range.min, range.max, range.unit);
+        println!(
+            "  {}: drive {least:.4} {unit} to {greatest:.4} {unit}",
+            range.of
+        );
+    }
+    for peak in &summary.peak_reactions {
+        println!(
+            "  {}: at most {:.4} N, at {:.4} s, and {:.4} N·m",
+            peak.joint, peak.force_n, peak.time_s, peak.moment_nm
+        );
+    }
+    for limit in &summary.limits {
+        let what = if limit.ends { "ends" } else { "begins" };
+        println!(
+            "  motion {what} at {:.6} s, inputs {:?} (rad or m): beyond, {}",
+            limit.time_s, limit.inputs, limit.reason
+        );
+    }
+    for change in &summary.branch_changes {
+        println!(
+            "  before {:.6} s {} passes a dead point onto its other branch",
+            change.time_s, change.dyad
+        );
+    }
+    let several = summary.assemblies.len() > 1;
+    for assembly in summary.assemblies.iter().filter(|_| several) {
+        let share = 100.0 * assembly.closes;
+        println!("  assembly {}: closes over {share:.0} %", assembly.branches);
+    }
+    println!("  report      {}", out.join("report.html").display());
+}

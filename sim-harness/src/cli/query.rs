@@ -1,0 +1,27 @@
+//! `fivebar query`: answers about an arm for scripts, line by line.
+
+use super::Failure;
+use crate::query::{five_bar, serve};
+use crate::robot::{BuiltIn, Robot};
+use std::io;
+
+/// Answers questions about an arm: JSON lines in, JSON lines out.
+///
+/// Each line of the standard input is an object with an "op": "forward", "inverse",
+/// "motion", "inverse_dynamics" or "forward_dynamics". Each is answered by one line in
+/// the same order; what cannot be answered by {"error": "unreachable" | "singular" |
+/// "invalid", "message": …}.
+#[derive(clap::Args)]
+pub(super) struct Args {
+    /// A built-in robot or a robot file.
+    #[arg(long, value_name = "FILE", default_value = BuiltIn::DEFAULT)]
+    robot: String,
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    let robot = Robot::load(&args.robot).map_err(|error| Failure::Refused(error.to_string()))?;
+    serve(io::stdin().lock(), io::stdout().lock(), |request| {
+        five_bar::answer(&robot, request)
+    })
+    .map_err(|error| Failure::Refused(format!("the conversation broke off: {error}")))
+}

@@ -1,0 +1,145 @@
+//! Questions about a mechanism, one JSON object a line, each answered by one line.
+//!
+//! A mechanism brings its own operations ([`five_bar`]); this module brings the lines,
+//! the refusals and the checks that hold for all of them.
+
+pub mod five_bar;
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+use std::fmt;
+use std::io::{self, BufRead, Write};
+
+/// The kind of a refusal, as scripts tell them apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// No pose exists there.
+    Unreachable,
+    /// The answer is not unique or not finite there.
+    Singular,
+    /// The question makes no sense.
+    Invalid,
+}
+
+/// A question that cannot be answered.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Refusal {
+    /// Its kind.
+    pub error: Kind,
+    /// The reason, in a sentence.
+    pub message: String,
+}
+
+impl Refusal {
+    /// A question that makes no sense.
+    pub fn invalid(reason: impl fmt::Display) -> Self {
+        Self {
+            error: Kind::Invalid,
+            message: reason.to_string(),
+        }
+    }
+}
+
+/// Answers every line of `input` on `output`, each as soon as it is read, to the end of
+/// either. What cannot be answered is refused on its line and the next one read.
+///
+/// # Errors
+/// Reading or writing fails for another reason than that nobody reads any more.
+pub fn serve<Request: DeserializeOwned>(
+    mut input: impl BufRead,
+    mut output: impl Write,
+    answer: impl Fn(Request) -> Result<Value, Refusal>,
+) -> io::Result<()> {
+    let mut line = Vec::new();
+    while input.read_until(b'\n', &mut line)? > 0 {
+        let reply = serde_json::from_slice(&line)
+            .map_err(|error| Refusal::invalid(sentence(&error)))
+            .and_then(&answer)
+            .and_then(finite)
+            .unwrap_or_else(|refusal| serde_json::json!(refusal));
+        let written = writeln!(output, "{reply}").and_then(|()| output.flush());
+        match written {
+            Err(error) if error.kind() == io::ErrorKind::BrokenPipe => return Ok(()),
+            other => other?,
+        }
+        line.clear();
+    }
+    Ok(())
+}
+
+/// Why a line is not a question; its line number is always 1 and says nothing.
+fn sentence(error: &serde_json::Error) -> String {
+    let text = error.to_string();
+    let reason = text.split(" at line ").next().unwrap_or(&text);
+    if error.is_eof() {
+        format!("not one whole JSON object on the line: {reason}")
+    } else {
+        reason.to_owned()
+    }
+}
+
+/// The answer, unless a number in it is too large to write: JSON has only null for it.
+fn finite(answer: Value) -> Result<Value, Refusal> {
+    fn holds_null(value: &Value) -> bool {
+        match value {
+            Value::Null => true,
+            Value::Array(items) => items.iter().any(holds_null),
+            Value::Object(fields) => fields.values().any(holds_null),
+            Value::Bool(_) | Value::Number(_) | Value::String(_) => false,
+        }
+    }
+    if holds_null(&answer) {
+        Err(Refusal::invalid(
+            "the numbers given are so large that the answer is not finite",
+        ))
+    } else {
+        Ok(answer)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lines(input: &[u8]) -> Vec<Value> {
+        let mut output = Vec::new();
+        serve(input, &mut output, |number: f64| {
+            Ok(serde_json::json!({ "twice": 2.0 * number }))
+        })
+        .unwrap();
+        output
+            .split(|&byte| byte == b'\n')
+            .filter(|line| !line.is_empty())
+            .map(|line| serde_json::from_slice(line).unwrap())
+            .collect()
+    }
+
+    #[test]
+    fn every_line_gets_one_answer_in_order_whatever_it_holds() {
+        let answers = lines(b"1\n\nnot json\n\xff\xfe\n1e400\n1e308\nNaN\n{}\n2");
+        assert_eq!(answers.len(), 9);
+        assert_eq!(answers[0]["twice"], 2.0);
+        for refused in &answers[1..8] {
+            assert_eq!(refused["error"], "invalid", "{refused}");
+            assert!(!refused["message"].as_str().unwrap().is_empty());
+        }
+        assert_eq!(answers[8]["twice"], 4.0);
+    }
+
+    #[test]
+    fn a_reader_that_has_left_ends_the_run_quietly() {
+        struct Gone;
+        impl Write for Gone {
+            fn write(&mut self, _: &[u8]) -> io::Result<usize> {
+                Err(io::ErrorKind::BrokenPipe.into())
+            }
+            fn flush(&mut self) -> io::Result<()> {
+                Ok(())
+            }
+        }
+        let answer = |number: f64| Ok(serde_json::json!(number));
+        assert!(serve(&b"1\n2\n"[..], Gone, answer).is_ok());
+    }
+}
