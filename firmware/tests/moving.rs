@@ -22,10 +22,10 @@ fn follows_a_line_within_tens_of_micrometres_and_ends_at_rest() {
     assert_eq!(rig.controller.status().tag, Some(7));
     let mut worst = 0.0_f64;
     let mut ticks = 0;
-    while rig.controller.status().state == State::Running {
+    while rig.controller.state() == State::Running {
+        let [tx, ty] = rig.bench.tool();
         rig.tick();
-        let status = rig.controller.status();
-        let (Some([rx, ry]), [tx, ty]) = (status.reference, rig.bench.tool()) else {
+        let Some([rx, ry]) = rig.controller.status().reference else {
             panic!("{:?}", rig.controller.fault());
         };
         worst = worst.max((tx - f64::from(rx)).hypot(ty - f64::from(ry)));
@@ -42,7 +42,7 @@ fn follows_a_line_within_tens_of_micrometres_and_ends_at_rest() {
     let [tx, ty] = rig.bench.tool();
     let end = (tx - f64::from(to[0])).hypot(ty - f64::from(to[1]));
     assert!(end < 3e-5, "{end} m off the end");
-    assert!(worst < 1e-4, "{worst} m off the path");
+    assert!(worst < 3e-5, "{worst} m off the path");
 }
 
 #[test]

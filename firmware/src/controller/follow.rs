@@ -111,7 +111,11 @@ impl Controller {
     /// change the working mode: the `pose` tells.
     #[inline]
     fn advance(&mut self, pose: &Pose<f32>) -> Result<(), Fault> {
-        if self.state == State::Armed && !self.path.is_empty() {
+        if self.state == State::Armed {
+            if !self.path.is_ready() {
+                self.setpoint = Setpoint::hold(self.setpoint.direction);
+                return Ok(());
+            }
             self.happen(Event::Begin);
         }
         if self.path.waits_for_more() && self.runs_short() {

@@ -13,6 +13,9 @@ use heapless::Deque;
 /// Pieces that wait for the tick: the committed future of the arm.
 pub const PIECES: usize = 32;
 
+/// A path that breaks off in motion is begun with so much in hand [s].
+const READY: f32 = 0.02;
+
 /// Pieces that one tick may leave behind; more make the path wait for the next tick.
 const PIECES_PER_TICK: u32 = 4;
 
@@ -119,6 +122,12 @@ impl Path {
     #[inline]
     pub(crate) fn left(&self) -> f32 {
         self.left
+    }
+
+    /// Whether there is enough of a path to begin with.
+    #[inline]
+    pub(crate) fn is_ready(&self) -> bool {
+        !self.is_empty() && (self.left >= READY || !self.waits_for_more())
     }
 
     /// Whether the path breaks off in motion, nothing has been done about it and there is

@@ -87,7 +87,13 @@ impl Controller {
 
     fn arm(&mut self) -> Result<(), Refusal> {
         if self.state != State::Stopped {
-            return self.apply(Event::Arm);
+            // Armed already, or not to be armed from here.
+            let unchanged = self.state.after(Event::Arm) == Some(self.state);
+            return if unchanged {
+                Ok(())
+            } else {
+                Err(Refusal::State(self.state))
+            };
         }
         if !self.homed {
             return Err(Refusal::NotHomed);

@@ -3,7 +3,8 @@
 use crate::safety::{Fault, Limits, State};
 use serde::{Deserialize, Serialize};
 
-/// The controller at one tick. Index 0 of a pair is joint 1, index 1 joint 4.
+/// The controller at one tick, in which all angles and places are those of the moment when
+/// its samples were taken: `reference` is where the tool should have been then. Index 0 of a pair is joint 1, index 1 joint 4.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Status {
     /// Ticks since the reset.
