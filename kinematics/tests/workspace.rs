@@ -1,0 +1,123 @@
+//! Reach and workspace against areas and points known otherwise.
+
+mod common;
+
+use common::{assert_close, geometry, pose};
+use fivebar_kinematics::Vec2;
+use fivebar_kinematics::five_bar::{
+    Geometry, Joint, JointLimits, Outside, PoseError, Tool, Unreachable, WorkingMode, Workspace,
+};
+use proptest::prelude::*;
+use std::f64::consts::PI;
+
+/// ½∮(x dy − y dx) along the boundary arcs: outer ones with the region to their left,
+/// inner ones with it to their right.
+fn area_within_boundary(geometry: &Geometry<f64>) -> f64 {
+    geometry
+        .reach_boundary()
+        .map(|arc| {
+            let (from, to) = (Vec2::unit(arc.from), Vec2::unit(arc.to));
+            let swept = arc.radius * arc.radius * (arc.to - arc.from)
+                + arc.radius * arc.center.cross(to - from);
+            if arc.outer { 0.5 * swept } else { -0.5 * swept }
+        })
+        .sum()
+}
+
+#[test]
+fn the_textbook_lens_has_its_known_area() {
+    let geometry = Geometry::new([0.23, 0.23, 0.23, 0.23, 0.275]).unwrap();
+    assert_close("area", geometry.reachable_area(), 0.415_580_73, 1e-8);
+    // Links of equal length reach down to their pivot: two outer circles, mirrored arcs.
+    assert_eq!(geometry.reach_boundary().count(), 4);
+    // By counting: the region is 0.645 m wide and 0.878 m high.
+    let cells = 1500;
+    let (mut hits, size) = (0_u32, 1.0 / f64::from(cells));
+    for i in 0..cells {
+        for j in 0..cells {
+            let c = Vec2::new(
+                0.1375 + (f64::from(i) + 0.5) * size - 0.5,
+                (f64::from(j) + 0.5) * size - 0.5,
+            );
+            hits += u32::from(geometry.reach(c).is_ok());
+        }
+    }
+    let counted = f64::from(hits) * size * size;
+    // The boundary is 2.4 m long; cells that it cuts are counted or not by chance.
+    assert_close("counted", counted, 0.415_580_73, 1e-4);
+}
+
+proptest! {
+    #[test]
+    fn the_boundary_encloses_the_area(geometry in geometry()) {
+        let area = geometry.reachable_area();
+        prop_assert!(area > 0.0);
+        prop_assert!((area_within_boundary(&geometry) - area).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_boundary_parts_what_is_reached_from_what_is_not(
+        geometry in geometry(), at in 0.01..0.99_f64
+    ) {
+        for arc in geometry.reach_boundary() {
+            let direction = Vec2::unit(arc.from + at * (arc.to - arc.from));
+            // Far enough from the arc's ends that the other leg does not object.
+            let step = 1e-4 * (arc.to - arc.from).min(1.0) * arc.radius;
+            let outwards = if arc.outer { step } else { -step };
+            let beyond = arc.center + direction * (arc.radius + outwards);
+            let within = arc.center + direction * (arc.radius - outwards);
+            prop_assert!(geometry.reach(beyond).is_err());
+            prop_assert!(geometry.reach(within).is_ok());
+        }
+    }
+
+    #[test]
+    fn clearances_vanish_with_their_sines(case in pose(1e-3)) {
+        let clearances = case.geometry.clearances(&case.pose);
+        let sines = [case.pose.sin21(), case.pose.sin34(), case.pose.sin32()];
+        let [l1, l2, l3, l4, _] = case.geometry.lengths();
+        let dyads = [(l1, l2), (l4, l3), (l2, l3)];
+        for ((clearance, sine), (first, second)) in
+            [clearances.leg1, clearances.leg4, clearances.parallel].into_iter().zip(sines).zip(dyads)
+        {
+            prop_assert_eq!(clearance.sine, sine.abs());
+            prop_assert!(clearance.length > 0.0);
+            // With the dyad's ends d apart, 4 l l' − … = ((l+l')² − d²)(d² − (l−l')²)
+            // = (2 l l' sin)², so that a length left bounds the sine from below.
+            let least = clearance.length.powi(2) / (2.0 * first * second);
+            prop_assert!(clearance.sine >= least * (1.0 - 1e-9));
+        }
+    }
+}
+
+#[test]
+fn a_workspace_says_what_stands_in_the_way() {
+    let geometry = Geometry::new([0.1, 0.16, 0.16, 0.1, 0.08]).unwrap();
+    let tool = Tool::new(geometry, Vec2::new(0.02, 0.01)).unwrap();
+    let workspace = Workspace {
+        tool,
+        mode: WorkingMode::ALL[2],
+        limits: Some(JointLimits::new([0.5 * PI, 1.4 * PI], [-0.4 * PI, 0.5 * PI]).unwrap()),
+        margin: 0.2,
+    };
+    let t = Vec2::new(0.06, 0.18);
+    let pose = workspace.admit(t).unwrap();
+    assert!((tool.point(&pose) - t).norm() < 1e-15);
+
+    let far = workspace.admit(Vec2::new(0.5, 0.5));
+    let too_far = PoseError::Unreachable(Unreachable::Leg1TooFar);
+    assert_eq!(far, Err(Outside::Pose(too_far)));
+
+    let narrow = Workspace {
+        limits: Some(JointLimits::new([0.5 * PI, 1.4 * PI], [-0.4 * PI, -0.1]).unwrap()),
+        ..workspace
+    };
+    assert_eq!(narrow.admit(t), Err(Outside::Joint(Joint::Joint4)));
+
+    let (nearest, sine) = pose.nearest_singularity();
+    let cautious = Workspace {
+        margin: sine + 1e-3,
+        ..workspace
+    };
+    assert_eq!(cautious.admit(t), Err(Outside::Margin(nearest)));
+}
