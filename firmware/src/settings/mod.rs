@@ -2,6 +2,7 @@
 //! is stored, sent and validated whole.
 
 mod arm;
+mod benchtop;
 mod error;
 mod validate;
 
