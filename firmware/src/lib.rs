@@ -14,6 +14,7 @@ pub mod motion;
 pub mod planner;
 pub mod protocol;
 pub mod safety;
+pub mod session;
 pub mod settings;
 pub mod storage;
 

@@ -96,10 +96,10 @@ proptest! {
     }
 }
 
-fn stop() -> HostMessage {
+fn question() -> HostMessage {
     HostMessage {
         sequence: Sequence(7),
-        order: Order::Stop,
+        order: Order::Status,
     }
 }
 
@@ -107,8 +107,8 @@ fn stop() -> HostMessage {
 fn dropped_frames_are_counted_by_their_kind() {
     let mut decoder = Decoder::<HostMessage>::new();
     let mut feed = |bytes: &[u8]| decode(&mut decoder, bytes);
-    let whole = frame(&stop());
-    assert_eq!(feed(&whole), [Ok(stop())]);
+    let whole = frame(&question());
+    assert_eq!(feed(&whole), [Ok(question())]);
 
     let mut wrong = whole.clone();
     wrong[3] ^= 0x40;
@@ -123,7 +123,7 @@ fn dropped_frames_are_counted_by_their_kind() {
     });
     assert_eq!(feed(&echo), [Err(FrameError::Sender)]);
     assert_eq!(feed(&[0, 0, 0]), []);
-    assert_eq!(feed(&whole), [Ok(stop())]);
+    assert_eq!(feed(&whole), [Ok(question())]);
 
     let counts = decoder.counts();
     assert_eq!((counts.received, counts.corrupt, counts.foreign), (2, 4, 1));
@@ -143,10 +143,13 @@ fn framed(content: &[u8]) -> Vec<u8> {
 #[test]
 fn whole_frames_that_are_no_message_are_refused() {
     let mut decoder = Decoder::<HostMessage>::new();
-    assert_eq!(decode(&mut decoder, &framed(b"H\x07\x07")), [Ok(stop())]);
+    assert_eq!(
+        decode(&mut decoder, &framed(b"H\x07\x01")),
+        [Ok(question())]
+    );
     for (content, error) in [
         (&b"H\x07\x63"[..], FrameError::Malformed), // no such order
-        (&b"H\x07\x07\x00"[..], FrameError::Malformed), // bytes too many
+        (&b"H\x07\x01\x00"[..], FrameError::Malformed), // bytes too many
         (&b"H\x07"[..], FrameError::Malformed),     // bytes too few
         (&b"X\x07\x07"[..], FrameError::Sender),
         (&b""[..], FrameError::TooShort),

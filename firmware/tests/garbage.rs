@@ -144,7 +144,7 @@ proptest! {
                     let _ = controller.request(request);
                 }
                 Step::Order(kind) => {
-                    let _ = planner.push(&controller, &Move { tag: 0, kind });
+                    let _ = planner.push(&mut controller, &Move { tag: 0, kind });
                 }
                 Step::Missed(ticks) => controller.tick_overrun(ticks),
             }

@@ -1,11 +1,16 @@
 //! `docs/protocol.md` says what the library does, byte for byte.
 
+mod common;
+
+use fivebar_firmware::controller;
 use fivebar_firmware::protocol::{
-    Board, ControllerMessage, Decoder, HostMessage, Identity, Message, Mode, Order, Refusal, Reply,
+    Board, ControllerMessage, Decoder, HostMessage, Identity, Message, Order, Refusal, Reply,
     Reset, SectionKey, Sequence, encode,
 };
-use fivebar_firmware::{Move, MoveKind, Sensed};
-use std::collections::BTreeMap;
+use fivebar_firmware::{Move, MoveKind, Request, Sensed};
+use proptest::strategy::{Strategy, ValueTree};
+use proptest::test_runner::TestRunner;
+use std::collections::{BTreeMap, BTreeSet};
 
 const DOCUMENT: &str = include_str!("../../docs/protocol.md");
 
@@ -71,6 +76,7 @@ fn every_example_is_what_the_library_writes_and_reads() {
                 },
             ),
         ),
+        ("arm", order(301, Order::Request(Request::Arm))),
         (
             "line",
             order(
@@ -86,12 +92,12 @@ fn every_example_is_what_the_library_writes_and_reads() {
         ),
         (
             "get-section",
-            order(301, Order::GetSection(SectionKey::Axis(1))),
+            order(302, Order::GetSection(SectionKey::Axis(1))),
         ),
         (
             "tick",
             order(
-                302,
+                303,
                 Order::Tick(Sensed {
                     counts: [-1, 1000],
                     current: [2048, 2050],
@@ -119,7 +125,10 @@ fn every_example_is_what_the_library_writes_and_reads() {
         ("taken", reply(300, Reply::Taken { room: 15 })),
         (
             "refused",
-            reply(300, Reply::Refused(Refusal::Mode(Mode::Fault))),
+            reply(
+                301,
+                Reply::Refused(Refusal::Request(controller::Refusal::NotHomed)),
+            ),
         ),
     ];
 
@@ -132,4 +141,59 @@ fn every_example_is_what_the_library_writes_and_reads() {
         check(&bytes(name), message);
     }
     assert!(examples.is_empty(), "examples unchecked: {examples:?}");
+}
+
+/// The number that an enum's value begins with on the wire, and its variant's name.
+fn variant<T: serde::Serialize + core::fmt::Debug>(value: &T) -> (u8, String) {
+    let mut bytes = [0; 256];
+    let bytes = postcard::to_slice(value, &mut bytes).expect("it fits");
+    let name = format!("{value:?}");
+    let end = name.find(|c: char| !c.is_alphanumeric());
+    (bytes[0], name[..end.unwrap_or(name.len())].to_owned())
+}
+
+#[test]
+fn every_number_in_the_tables_is_the_one_on_the_wire() {
+    // Enough random messages to meet every variant.
+    let mut runner = TestRunner::deterministic();
+    let mut numbers = BTreeSet::new();
+    for message in draw(&common::host_message().boxed(), &mut runner) {
+        numbers.insert(variant(&message.order));
+        match message.order {
+            Order::Request(request) => numbers.insert(variant(&request)),
+            Order::Move(Move { kind, .. }) => numbers.insert(variant(&kind)),
+            Order::GetSection(key) => numbers.insert(variant(&key)),
+            Order::SetSection(section) => numbers.insert(variant(&section)),
+            _ => false,
+        };
+    }
+    for message in draw(&common::controller_message().boxed(), &mut runner) {
+        let ControllerMessage::Reply { reply, .. } = message else {
+            continue;
+        };
+        numbers.insert(variant(&reply));
+        if let Reply::Refused(refusal) = reply {
+            numbers.insert(variant(&refusal));
+        }
+    }
+
+    let documented: BTreeSet<_> = DOCUMENT
+        .lines()
+        .filter_map(|line| {
+            let mut cells = line.strip_prefix("| ")?.split(" | ");
+            let number = cells.next()?.parse().ok()?;
+            let name = cells.next()?.strip_prefix('`')?.strip_suffix('`')?;
+            Some((number, name.to_owned()))
+        })
+        .collect();
+    assert_eq!(documented, numbers);
+}
+
+fn draw<T: core::fmt::Debug>(
+    strategy: &proptest::strategy::BoxedStrategy<T>,
+    runner: &mut TestRunner,
+) -> Vec<T> {
+    (0..5000)
+        .map(|_| strategy.new_tree(runner).expect("a value").current())
+        .collect()
 }

@@ -11,12 +11,36 @@ use core::panic::PanicInfo;
 use cortex_m_rt::{ExceptionFrame, exception};
 use cortex_m_semihosting::debug;
 
+use fivebar_firmware::board::instructions::InstructionCounter;
+use fivebar_firmware::session::Board;
+use fivebar_firmware::storage::StorageError;
+use fivebar_firmware::{Command, Controller, Sensed, Settings};
+
+/// The emulated chip: no sensors, no bridges, no flash that keeps anything.
+struct Emulated {
+    counter: InstructionCounter,
+}
+
+impl Board for Emulated {
+    fn save(&mut self, _: &Settings) -> Result<(), StorageError> {
+        Err(StorageError::Flash)
+    }
+
+    fn tick(&mut self, controller: &mut Controller, sensed: &Sensed) -> Option<(Command, u32)> {
+        let start = self.counter.now();
+        let command = controller.tick(sensed);
+        Some((command, self.counter.since(start)))
+    }
+}
+
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
 mod app {
+    use super::Emulated;
     use fivebar_firmware::board::instructions::InstructionCounter;
     use fivebar_firmware::board::{clocks, serial};
-    use fivebar_firmware::protocol::*;
-    use fivebar_firmware::{Command, Sensed};
+    use fivebar_firmware::protocol::{Board, Decoder, HostMessage, Identity, Reset};
+    use fivebar_firmware::session::Session;
+    use fivebar_firmware::{Controller, Planner, Settings};
     use heapless::spsc::{Consumer, Producer, Queue};
     use stm32f4xx_hal::prelude::*;
 
@@ -30,7 +54,10 @@ mod app {
         arrived: Producer<'static, HostMessage>,
         orders: Consumer<'static, HostMessage>,
         sender: serial::Sender,
-        counter: InstructionCounter,
+        controller: Controller,
+        planner: Planner,
+        session: Session,
+        board: Emulated,
     }
 
     #[init(local = [buffers: serial::Buffers = serial::Buffers::new(), queue: Queue<HostMessage, 4> = Queue::new()])]
@@ -47,13 +74,25 @@ mod app {
             &mut rcc,
         );
         let (arrived, orders) = cx.local.queue.split();
+        // Nothing is stored here: the session wants settings before it moves anything.
+        let settings = Settings::BENCHTOP;
+        let (Ok(controller), Ok(planner)) = (Controller::new(&settings), Planner::new(&settings))
+        else {
+            panic!("the benchtop arm's settings are sound");
+        };
+        let identity = Identity::new(Board::Emulated, Reset::Power);
         let local = Local {
             receiver,
             decoder: Decoder::new(),
             arrived,
             orders,
             sender,
-            counter: InstructionCounter::new(cx.core.SYST),
+            controller,
+            planner,
+            session: Session::new(identity, &settings, false),
+            board: Emulated {
+                counter: InstructionCounter::new(cx.core.SYST),
+            },
         };
         (Shared {}, local)
     }
@@ -68,49 +107,31 @@ mod app {
         } = cx.local;
         receiver.drain(|byte| {
             if let Some(Ok(message)) = decoder.feed(byte) {
+                // With no room the order is lost, and the host asks again.
                 let _ = arrived.enqueue(message);
             }
         });
     }
 
-    #[idle(local = [orders, sender, counter, ticks: u32 = 0])]
-    fn session(cx: session::Context) -> ! {
-        let session::LocalResources {
+    #[idle(local = [orders, sender, controller, planner, session, board])]
+    fn talk(cx: talk::Context) -> ! {
+        let talk::LocalResources {
             orders,
             sender,
-            counter,
-            ticks,
+            controller,
+            planner,
+            session,
+            board,
             ..
         } = cx.local;
         loop {
-            if let Some(message) = orders.dequeue() {
-                let start = counter.now();
-                let reply = match message.order {
-                    Order::Hello { .. } => {
-                        Reply::Hello(Identity::new(Board::Emulated, Reset::Power))
-                    }
-                    Order::Tick(sensed) => {
-                        *ticks += 1;
-                        Reply::Ticked(Ticked {
-                            command: Command::default(),
-                            tick: *ticks,
-                            mode: Mode::Stopped,
-                            fault: 0,
-                            angle: [0.0; 2],
-                            velocity: [0.0; 2],
-                            tool: [0.0; 2],
-                            current: [0.0; 2],
-                            instructions: counter.since(start),
-                        })
-                    }
-                    _ => Reply::Refused(Refusal::Unsupported),
-                };
-                if let Some(frame) = encode(&ControllerMessage::Reply {
-                    sequence: message.sequence,
-                    reply,
-                }) {
-                    sender.send(&frame);
-                }
+            if let Some(message) = orders.dequeue()
+                && let Some(frame) = session.answer(&message, controller, planner, board)
+            {
+                sender.send(&frame);
+            }
+            if let Some(frame) = session.telemetry(controller) {
+                sender.send(&frame);
             }
         }
     }

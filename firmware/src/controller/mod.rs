@@ -312,3 +312,12 @@ impl Controller {
         self.joints.each_ref().map(Joint::velocity)
     }
 }
+
+/// A controller that nobody else shares needs no lock.
+impl rtic_core::Mutex for Controller {
+    type T = Self;
+
+    fn lock<R>(&mut self, work: impl FnOnce(&mut Self) -> R) -> R {
+        work(self)
+    }
+}

@@ -6,6 +6,11 @@ use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::WorkingMode;
 
 impl Controller {
+    /// Ticks since the reset.
+    pub fn ticks(&self) -> u32 {
+        self.ticks
+    }
+
     /// The controller after the last tick.
     pub fn status(&self) -> Status {
         let reference = self.is_powered().then(|| self.reference_now());

@@ -19,6 +19,7 @@ use fivebar_kinematics::trajectory::{
     Caps, Envelope, LookAhead, Piece, Reference, Segment, SegmentError, Sense, TorqueLimits,
 };
 use fivebar_kinematics::{Scalar, Vec2};
+use rtic_core::Mutex;
 
 use heapless::HistoryBuf;
 pub use refusal::{MoveRefusal, Reason};
@@ -114,15 +115,22 @@ impl Planner {
         })
     }
 
-    /// Takes a move behind those taken before, or refuses it whole.
+    /// Takes a move behind those taken before, or refuses it whole. The controller is
+    /// locked only to be looked at, not while the move is checked.
     ///
     /// # Errors
     /// Why and where. Nothing has changed then; `Full` passes with time.
-    pub fn push(&mut self, controller: &Controller, order: &Move) -> Result<(), MoveRefusal> {
-        self.follow(controller);
+    pub fn push(
+        &mut self,
+        controller: &mut impl Mutex<T = Controller>,
+        order: &Move,
+    ) -> Result<(), MoveRefusal> {
+        let (state, held) = controller.lock(|controller| {
+            self.follow(controller);
+            (controller.state(), held(controller))
+        });
         let refuse = |reason| MoveRefusal::new(order.tag, reason);
-        let state = controller.state();
-        let Some(start) = self.end.or_else(|| held(controller)) else {
+        let Some(start) = self.end.or(held) else {
             return Err(refuse(Reason::State(state)));
         };
         if !accepts(state) {
@@ -281,11 +289,15 @@ impl Planner {
     }
 
     /// Hands the controller as much path as it should have. To be called at least every
-    /// few milliseconds while the arm moves.
-    pub fn run(&mut self, controller: &mut Controller) {
-        self.follow(controller);
+    /// few milliseconds while the arm moves. The controller is not locked while a piece is
+    /// planned.
+    pub fn run(&mut self, controller: &mut impl Mutex<T = Controller>) {
         for _ in 0..PIECES_PER_RUN {
-            if !controller.wants_path(self.horizon) {
+            let wants_path = controller.lock(|controller| {
+                self.follow(controller);
+                controller.wants_path(self.horizon)
+            });
+            if !wants_path {
                 break;
             }
             let Some(piece) = self.look_ahead.next_piece() else {
@@ -296,10 +308,13 @@ impl Planner {
                 open: ends_in_motion(&piece),
                 slowed: self.slowed.oldest_ordered().any(|&tag| tag == piece.tag()),
             };
-            // There is room, and the state accepts pieces: it was asked for.
-            if controller.push(stretch).is_err() {
-                break;
-            }
+            controller.lock(|controller| {
+                if self.epoch == controller.forgotten_paths() {
+                    // There is room. Only a state that takes no path refuses, and then the
+                    // queue is forgotten at the next look.
+                    let _ = controller.push(stretch);
+                }
+            });
         }
     }
 

@@ -3,7 +3,7 @@
 use super::frame::{Message, Sender};
 use super::section::{Section, SectionKey};
 use super::sequence::Sequence;
-use crate::{Move, Sensed};
+use crate::{Move, Request, Sensed};
 use serde::{Deserialize, Serialize};
 
 /// One order, numbered.
@@ -30,25 +30,15 @@ pub enum Order {
         /// Any number the host did not use lately: tells a repeated hello from a new one.
         session: u32,
     },
-    /// Tell the state.
-    State,
-    /// Power the bridges and hold still.
-    Arm,
-    /// Unpower the bridges.
-    Disarm,
-    /// Find the joint angles by driving to the home switches.
-    HomeToSwitches,
-    /// Take the joint angles to be θ1, θ4 [rad], here and now.
-    HomeAt([f32; 2]),
+    /// Tell the status.
+    Status,
+    /// Tell what the tick that raised the latched fault saw.
+    Snapshot,
+    /// Arm, home, stop and the like. An emergency stop is obeyed whatever its number and
+    /// without a hello.
+    Request(Request),
     /// Add a move to the queue.
     Move(Move),
-    /// Come to rest on the path, forget the queue and hold.
-    Stop,
-    /// Unpower the bridges at once and latch the fault. The only order that is obeyed
-    /// whatever its number, and without a hello.
-    EmergencyStop,
-    /// Leave the fault state.
-    ClearFault,
     /// Tell a section of the settings in use.
     GetSection(SectionKey),
     /// Put a section into the draft, which starts as the settings in use.

@@ -10,20 +10,22 @@
 mod decoder;
 mod encode;
 mod frame;
+mod identity;
 mod message;
 mod reply;
 mod section;
 mod sequence;
+mod ticked;
 
 pub use decoder::{Decoder, LinkCounts};
 pub use encode::encode;
 pub use frame::{Frame, FrameError, MAX_CONTENT, MAX_FRAME, Message, Sender};
+pub use identity::{Board, Identity, Reset};
 pub use message::{HostMessage, Order};
-pub use reply::{
-    Board, ControllerMessage, Identity, Mode, Refusal, Reply, Reset, State, Telemetry, Ticked,
-};
+pub use reply::{ControllerMessage, Refusal, Reply, Telemetry};
 pub use section::{Section, SectionKey};
 pub use sequence::{Sequence, Turn};
+pub use ticked::Ticked;
 
 /// Version of everything in this module. Both ends must have the same; [`Order::Hello`]
 /// and [`Refusal::Version`] keep their bytes in every version, so that two ends that

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 /// A fault. It latches and is left only by an explicit clear. The numbers are stable:
 /// they are sent, logged and looked up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(into = "u8", try_from = "u8")]
 #[repr(u8)]
 pub enum Fault {
     /// An encoder's counts left the observer's prediction by more than the joint can turn
@@ -113,6 +114,33 @@ impl Fault {
     /// Whether the joint angles can no longer be trusted after it.
     pub(crate) const fn loses_angles(self) -> bool {
         matches!(self, Self::EncoderJump | Self::EncoderDisagreement)
+    }
+}
+
+impl From<Fault> for u8 {
+    fn from(fault: Fault) -> Self {
+        fault.number()
+    }
+}
+
+/// No fault has this number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct UnknownFault(pub u8);
+
+impl core::fmt::Display for UnknownFault {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "no fault has the number {}", self.0)
+    }
+}
+
+impl core::error::Error for UnknownFault {}
+
+impl TryFrom<u8> for Fault {
+    type Error = UnknownFault;
+
+    fn try_from(number: u8) -> Result<Self, UnknownFault> {
+        let known = Self::ALL.into_iter().find(|fault| fault.number() == number);
+        known.ok_or(UnknownFault(number))
     }
 }
 

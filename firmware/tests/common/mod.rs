@@ -1,13 +1,17 @@
 //! Any message at all, for property tests.
 
+use fivebar_firmware::controller::{self, JointReference, Snapshot};
+use fivebar_firmware::planner::{MoveRefusal, Reason};
 use fivebar_firmware::protocol::{
-    Board, ControllerMessage, HostMessage, Identity, Mode, Order, Refusal, Reply, Reset, Section,
-    SectionKey, Sequence, State, Telemetry, Ticked, VERSION,
+    Board, ControllerMessage, HostMessage, Identity, Order, Refusal, Reply, Reset, Section,
+    SectionKey, Sequence, Telemetry, Ticked, VERSION,
 };
+use fivebar_firmware::safety::{Fault, Limits, State};
 use fivebar_firmware::settings::{
     AxisSettings, ControlSettings, HomingSettings, LinkSettings, MotionSettings, ProtectionSettings,
 };
-use fivebar_firmware::{Command, Move, MoveKind, Sensed};
+use fivebar_firmware::storage::StorageError;
+use fivebar_firmware::{Command, Move, MoveKind, Request, Sensed, Status};
 use proptest::prelude::*;
 
 /// Every bit pattern of an `f32`, those that are no number included.
@@ -156,17 +160,12 @@ pub(crate) fn host_message() -> impl Strategy<Value = HostMessage> {
         (any::<u16>(), any::<u32>())
             .prop_map(|(version, session)| Order::Hello { version, session }),
         prop::sample::select(vec![
-            Order::State,
-            Order::Arm,
-            Order::Disarm,
-            Order::HomeToSwitches,
-            Order::Stop,
-            Order::EmergencyStop,
-            Order::ClearFault,
+            Order::Status,
+            Order::Snapshot,
             Order::ApplySettings,
             Order::SaveSettings,
         ]),
-        pair().prop_map(Order::HomeAt),
+        request().prop_map(Order::Request),
         a_move().prop_map(Order::Move),
         section_key().prop_map(Order::GetSection),
         section().prop_map(Order::SetSection),
@@ -179,87 +178,142 @@ pub(crate) fn host_message() -> impl Strategy<Value = HostMessage> {
     })
 }
 
-fn mode() -> impl Strategy<Value = Mode> {
-    prop::sample::select(vec![
-        Mode::Stopped,
-        Mode::Homing,
-        Mode::Armed,
-        Mode::Running,
-        Mode::Stopping,
-        Mode::Fault,
-    ])
+fn request() -> impl Strategy<Value = Request> {
+    prop_oneof![
+        prop::sample::select(vec![
+            Request::Arm,
+            Request::Disarm,
+            Request::Home,
+            Request::Stop,
+            Request::EmergencyStop,
+            Request::ClearFault,
+        ]),
+        pair().prop_map(Request::SetAngles),
+    ]
 }
 
 fn state() -> impl Strategy<Value = State> {
-    (
-        (
-            any::<u32>(),
-            mode(),
-            any::<u8>(),
-            any::<u16>(),
-            any::<bool>(),
-        ),
-        prop::array::uniform6(pair()),
-        (number(), any::<Option<u32>>(), any::<u8>()),
+    prop::sample::select(State::ALL.to_vec())
+}
+
+fn fault() -> impl Strategy<Value = Fault> {
+    prop::sample::select(Fault::ALL.to_vec())
+}
+
+fn limits() -> impl Strategy<Value = Limits> {
+    prop::sample::select(vec![
+        Limits::NONE,
+        Limits::TORQUE,
+        Limits::VOLTAGE,
+        Limits::SPEED,
+    ])
+}
+
+fn status() -> impl Strategy<Value = Status> {
+    let discrete = (
+        any::<[u32; 2]>(),
+        state(),
+        prop::option::of(fault()),
+        limits(),
+        any::<bool>(),
+    );
+    let joints =
+        [pair(), pair(), pair()].prop_map(|[angle, velocity, acceleration]| JointReference {
+            angle,
+            velocity,
+            acceleration,
+        });
+    let places = (
+        [prop::option::of(pair()), prop::option::of(pair())],
+        prop::option::of(joints),
+    );
+    let rest = (number(), any::<Option<u32>>());
+    (discrete, prop::array::uniform6(pair()), places, rest).prop_map(
+        |(
+            ([tick, missed_ticks], state, fault, limits, homed),
+            [angle, velocity, torque, current_demand, current, duty],
+            ([tool, reference], joint_reference),
+            (bus_voltage, tag),
+        )| Status {
+            tick,
+            missed_ticks,
+            state,
+            fault,
+            limits,
+            homed,
+            angle,
+            velocity,
+            tool,
+            reference,
+            joint_reference,
+            torque,
+            current_demand,
+            current,
+            duty,
+            bus_voltage,
+            tag,
+        },
     )
-        .prop_map(
-            |((tick, mode, fault, limits, homed), v, (bus_voltage, tag, room))| State {
-                tick,
-                mode,
-                fault,
-                limits,
-                homed,
-                angle: v[0],
-                velocity: v[1],
-                tool: v[2],
-                reference: v[3],
-                torque: v[4],
-                current: v[5],
-                bus_voltage,
-                tag,
-                room,
-            },
-        )
+}
+
+fn snapshot() -> impl Strategy<Value = Snapshot> {
+    let pairs = prop::array::uniform5(pair());
+    (fault(), any::<u32>(), state(), pairs, number()).prop_map(
+        |(fault, tick, state, [angle, velocity, error, current, torque], bus_voltage)| Snapshot {
+            fault,
+            tick,
+            state,
+            angle,
+            velocity,
+            error,
+            current,
+            torque,
+            bus_voltage,
+        },
+    )
 }
 
 fn ticked() -> impl Strategy<Value = Ticked> {
-    (
-        prop::array::uniform5(pair()),
-        any::<[bool; 3]>(),
-        any::<[u32; 2]>(),
-        mode(),
-        any::<u8>(),
-    )
-        .prop_map(|(v, on, [tick, instructions], mode, fault)| Ticked {
-            command: Command {
-                duty: v[0],
-                enable: [on[0], on[1]],
-                brake: on[2],
-            },
-            tick,
-            mode,
-            fault,
-            angle: v[1],
-            velocity: v[2],
-            tool: v[3],
-            current: v[4],
-            instructions,
-        })
+    (status(), any::<[bool; 3]>(), any::<u32>()).prop_map(|(status, on, instructions)| {
+        let [enable1, enable4, brake] = on;
+        let command = Command {
+            duty: status.duty,
+            enable: [enable1, enable4],
+            brake,
+        };
+        Ticked::new(command, &status, instructions)
+    })
+}
+
+fn move_refusal() -> impl Strategy<Value = MoveRefusal> {
+    let reason = prop_oneof![
+        state().prop_map(Reason::State),
+        Just(Reason::Full),
+        any::<u8>().prop_map(Reason::Torque),
+    ];
+    (any::<u32>(), reason, prop::option::of(pair())).prop_map(|(tag, reason, point)| MoveRefusal {
+        tag,
+        reason,
+        point,
+    })
 }
 
 fn refusal() -> impl Strategy<Value = Refusal> {
     prop_oneof![
         any::<u16>().prop_map(Refusal::Version),
         any::<u16>().prop_map(|next| Refusal::OutOfSequence(Sequence(next))),
-        mode().prop_map(Refusal::Mode),
+        state().prop_map(|state| Refusal::Request(controller::Refusal::State(state))),
+        move_refusal().prop_map(Refusal::Move),
         prop::sample::select(vec![
             Refusal::NoSession,
             Refusal::Unsupported,
-            Refusal::NotHomed,
-            Refusal::QueueFull,
+            Refusal::Request(controller::Refusal::NotHomed),
+            Refusal::Request(controller::Refusal::Moving),
+            Refusal::NoSettings,
             Refusal::NoSection,
             Refusal::Settings,
-            Refusal::Storage,
+            Refusal::Storage(StorageError::Blank),
+            Refusal::Storage(StorageError::Range),
         ]),
     ]
 }
@@ -288,7 +342,8 @@ pub(crate) fn controller_message() -> impl Strategy<Value = ControllerMessage> {
         refusal().prop_map(Reply::Refused),
         Just(Reply::Done),
         identity.prop_map(Reply::Hello),
-        state().prop_map(Reply::State),
+        (status(), any::<u8>()).prop_map(|(status, room)| Reply::Status { status, room }),
+        prop::option::of(snapshot()).prop_map(Reply::Snapshot),
         any::<u8>().prop_map(|room| Reply::Taken { room }),
         section().prop_map(Reply::Section),
         ticked().prop_map(Reply::Ticked),
@@ -298,7 +353,8 @@ pub(crate) fn controller_message() -> impl Strategy<Value = ControllerMessage> {
             sequence: Sequence(sequence),
             reply,
         }),
-        (any::<u32>(), state())
-            .prop_map(|(number, state)| ControllerMessage::Telemetry(Telemetry { number, state })),
+        (any::<u32>(), status()).prop_map(|(number, status)| {
+            ControllerMessage::Telemetry(Telemetry { number, status })
+        }),
     ]
 }

@@ -5,8 +5,8 @@ use embedded_storage::nor_flash::{
     check_write,
 };
 
-/// Bytes of a sector: the small sectors of an STM32F405.
-pub(crate) const SECTOR: usize = 16 * 1024;
+/// Bytes of a sector: smaller than those of an STM32F405, so that the log comes round soon.
+pub(crate) const SECTOR: usize = 4 * 1024;
 /// Two for each half.
 pub(crate) const SECTORS: usize = 4;
 /// Bytes programmed at once.

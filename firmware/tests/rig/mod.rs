@@ -289,7 +289,7 @@ impl Rig {
 
     /// Gives the planner a move.
     pub(crate) fn push(&mut self, tag: u32, kind: MoveKind) -> Result<(), MoveRefusal> {
-        self.planner.push(&self.controller, &Move { tag, kind })
+        self.planner.push(&mut self.controller, &Move { tag, kind })
     }
 
     /// The measured tool as the controller sees it [m].

@@ -41,7 +41,7 @@ impl Target for InProcess {
     }
 
     fn offer(&mut self, next: &Move) -> Result<bool, TargetError> {
-        match self.planner.push(&self.controller, next) {
+        match self.planner.push(&mut self.controller, next) {
             Ok(()) => Ok(true),
             Err(refusal) if refusal.reason == Reason::Full => Ok(false),
             Err(refusal) => Err(TargetError::Move(refusal)),

@@ -1,0 +1,72 @@
+//! Who answers a hello.
+
+use super::VERSION;
+use serde::{Deserialize, Serialize};
+
+/// Who answers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Identity {
+    /// The controller's [`VERSION`].
+    pub version: u16,
+    /// What it runs on.
+    pub board: Board,
+    /// The firmware's version: major, minor, patch.
+    pub firmware: [u8; 3],
+    /// Why it started last.
+    pub reset: Reset,
+}
+
+/// What a controller runs on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Board {
+    /// In the host's own process.
+    Desktop,
+    /// An emulated Cortex-M4F whose sensors and bridges are frames.
+    Emulated,
+    /// An STM32F405 that drives motors.
+    Stm32f405,
+}
+
+/// Why a controller started.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Reset {
+    /// Power came on, or the reset pin was pulled.
+    Power,
+    /// A debugger or the program itself asked for it.
+    Software,
+    /// The watchdog was not fed in time.
+    Watchdog,
+    /// The program panicked.
+    Panic,
+    /// The processor met an instruction or address it could not bear.
+    HardFault,
+    /// The supply sagged.
+    BrownOut,
+}
+
+impl Identity {
+    /// A controller of this library's version.
+    pub const fn new(board: Board, reset: Reset) -> Self {
+        Self {
+            version: VERSION,
+            board,
+            firmware: FIRMWARE,
+            reset,
+        }
+    }
+}
+
+/// This library's version: major, minor, patch.
+const FIRMWARE: [u8; 3] = [
+    number(env!("CARGO_PKG_VERSION_MAJOR")),
+    number(env!("CARGO_PKG_VERSION_MINOR")),
+    number(env!("CARGO_PKG_VERSION_PATCH")),
+];
+
+/// The number these digits write.
+const fn number(digits: &str) -> u8 {
+    match u8::from_str_radix(digits, 10) {
+        Ok(number) => number,
+        Err(_) => panic!("a part of the version is not below 256"),
+    }
+}

@@ -1,0 +1,134 @@
+//! A session with its controller, talked to in frames.
+
+use crate::rig;
+use fivebar_firmware::controller::Controller;
+use fivebar_firmware::protocol::{Board as Kind, Reset};
+use fivebar_firmware::protocol::{
+    ControllerMessage, Decoder, Frame, HostMessage, Identity, Order, Reply, Sequence, VERSION,
+};
+use fivebar_firmware::session::{Board, Session};
+use fivebar_firmware::storage::StorageError;
+use fivebar_firmware::{Command, Planner, Request, Sensed, Settings};
+
+/// A board in memory, whose plant is frames.
+pub(crate) struct Memory {
+    pub(crate) saved: Vec<Settings>,
+    pub(crate) flash: Result<(), StorageError>,
+}
+
+impl Board for Memory {
+    fn save(&mut self, settings: &Settings) -> Result<(), StorageError> {
+        self.flash?;
+        self.saved.push(*settings);
+        Ok(())
+    }
+
+    fn tick(&mut self, controller: &mut Controller, sensed: &Sensed) -> Option<(Command, u32)> {
+        Some((controller.tick(sensed), 0))
+    }
+}
+
+/// Both ends of a perfect line.
+pub(crate) struct Desk {
+    pub(crate) session: Session,
+    pub(crate) controller: Controller,
+    pub(crate) planner: Planner,
+    pub(crate) board: Memory,
+    pub(crate) bench: rig::Bench,
+    pub(crate) last: Sequence,
+    /// The tool when it was armed [m].
+    pub(crate) start: [f32; 2],
+}
+
+pub(crate) const HELLO: Order = Order::Hello {
+    version: VERSION,
+    session: 1,
+};
+
+impl Desk {
+    /// Before the hello.
+    pub(crate) fn new() -> Self {
+        let settings = rig::settings();
+        let identity = Identity::new(Kind::Desktop, Reset::Power);
+        Self {
+            session: Session::new(identity, &settings, true),
+            controller: Controller::new(&settings).unwrap(),
+            planner: Planner::new(&settings).unwrap(),
+            board: Memory {
+                saved: Vec::new(),
+                flash: Ok(()),
+            },
+            bench: rig::Bench::new(&settings),
+            last: Sequence(0xfffe),
+            start: [0.0; 2],
+        }
+    }
+
+    /// After the hello.
+    pub(crate) fn greeted() -> Self {
+        let mut desk = Self::new();
+        assert!(matches!(desk.ask(HELLO), Reply::Hello(_)));
+        desk
+    }
+
+    /// Homed by declaring the angles, and armed.
+    pub(crate) fn armed() -> Self {
+        let mut desk = Self::greeted();
+        desk.tick();
+        assert_eq!(
+            desk.ask(Order::Request(Request::SetAngles(rig::START))),
+            Reply::Done
+        );
+        assert_eq!(desk.ask(Order::Request(Request::Arm)), Reply::Done);
+        let (tool, _) = desk.controller.held().expect("held");
+        desk.start = [tool.x, tool.y];
+        desk
+    }
+
+    /// The frame that answers an order of this number.
+    pub(crate) fn send(&mut self, sequence: Sequence, order: Order) -> Option<Frame> {
+        self.session.answer(
+            &HostMessage { sequence, order },
+            &mut self.controller,
+            &mut self.planner,
+            &mut self.board,
+        )
+    }
+
+    /// The reply to an order of this number.
+    pub(crate) fn reply_to(&mut self, sequence: Sequence, order: Order) -> Option<Reply> {
+        let frame = self.send(sequence, order)?;
+        match read(&frame) {
+            ControllerMessage::Reply {
+                sequence: of,
+                reply,
+            } => {
+                assert_eq!(of, sequence);
+                Some(reply)
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+
+    /// The reply to the next order.
+    pub(crate) fn ask(&mut self, order: Order) -> Reply {
+        self.last = self.last.next();
+        self.reply_to(self.last, order).expect("an answer")
+    }
+
+    /// One tick in lockstep.
+    pub(crate) fn tick(&mut self) {
+        let sensed = self.bench.sense();
+        match self.ask(Order::Tick(sensed)) {
+            Reply::Ticked(ticked) => self.bench.step(&ticked.command),
+            other => panic!("{other:?}"),
+        }
+    }
+}
+
+/// The message in a frame.
+pub(crate) fn read(frame: &Frame) -> ControllerMessage {
+    let mut decoder = Decoder::new();
+    let mut heard = frame.iter().filter_map(|&byte| decoder.feed(byte));
+    heard.next().expect("a whole frame").expect("a message")
+}

@@ -1,0 +1,308 @@
+//! A session obeys each order once, whatever the line does to it.
+
+mod desk;
+mod rig;
+
+use desk::{Desk, HELLO, read};
+use fivebar_firmware::controller;
+use fivebar_firmware::planner::Reason;
+use fivebar_firmware::protocol::{
+    ControllerMessage, Identity, Order, Refusal, Reply, Section, SectionKey, Sequence, VERSION,
+};
+use fivebar_firmware::safety::{Fault, State};
+use fivebar_firmware::session::Session;
+use fivebar_firmware::storage::StorageError;
+use fivebar_firmware::{Move, MoveKind, Request};
+
+fn dwell(tag: u32) -> Order {
+    Order::Move(Move {
+        tag,
+        kind: MoveKind::Dwell { duration: 0.5 },
+    })
+}
+
+fn refused(reply: &Reply) -> Option<Refusal> {
+    match *reply {
+        Reply::Refused(refusal) => Some(refusal),
+        _ => None,
+    }
+}
+
+#[test]
+fn before_a_hello_only_an_emergency_stop_is_obeyed() {
+    let mut desk = Desk::new();
+    for order in [Order::Status, dwell(1), Order::Request(Request::Arm)] {
+        let reply = desk.ask(order);
+        assert_eq!(refused(&reply), Some(Refusal::NoSession));
+    }
+    desk.ask(Order::Request(Request::EmergencyStop));
+    desk.controller.tick(&desk.bench.sense());
+    assert_eq!(desk.controller.status().fault, Some(Fault::EmergencyStop));
+}
+
+#[test]
+fn another_version_is_told_ours_and_disturbs_nothing() {
+    let mut desk = Desk::greeted();
+    let stranger = Order::Hello {
+        version: VERSION + 1,
+        session: 9,
+    };
+    let reply = desk.reply_to(Sequence(77), stranger).expect("an answer");
+    assert_eq!(refused(&reply), Some(Refusal::Version(VERSION)));
+    assert!(matches!(desk.ask(Order::Status), Reply::Status { .. }));
+}
+
+#[test]
+fn an_order_sent_again_is_answered_alike_and_obeyed_once() {
+    let mut desk = Desk::armed();
+    let room = desk.planner.room();
+    let next = desk.last.next();
+    let first = desk.send(next, dwell(1));
+    let again = desk.send(next, dwell(1));
+    assert_eq!(first, again);
+    assert_eq!(desk.planner.room(), room - 1);
+
+    // Even a tick is made once.
+    desk.last = next;
+    let before = desk.controller.ticks();
+    let next = desk.last.next();
+    let tick = Order::Tick(desk.bench.sense());
+    assert_eq!(desk.send(next, tick), desk.send(next, tick));
+    assert_eq!(desk.controller.ticks(), before + 1);
+}
+
+#[test]
+fn late_orders_are_dropped_and_early_ones_told_what_is_next() {
+    let mut desk = Desk::armed();
+    let room = desk.planner.room();
+    for behind in 1..20 {
+        let late = Sequence(desk.last.0.wrapping_sub(behind));
+        assert_eq!(desk.send(late, dwell(1)), None);
+    }
+    let early = desk.last.next().next();
+    let reply = desk.reply_to(early, dwell(1)).expect("an answer");
+    assert_eq!(
+        refused(&reply),
+        Some(Refusal::OutOfSequence(desk.last.next()))
+    );
+    assert_eq!(desk.planner.room(), room);
+}
+
+#[test]
+fn an_emergency_stop_is_obeyed_whatever_its_number() {
+    for offset in [0u16, 1, 2, 100, 0x8000, 0xffff] {
+        let mut desk = Desk::armed();
+        let number = Sequence(desk.last.0.wrapping_add(offset));
+        desk.send(number, Order::Request(Request::EmergencyStop));
+        let command = desk.controller.tick(&desk.bench.sense());
+        assert_eq!(desk.controller.status().fault, Some(Fault::EmergencyStop));
+        assert_eq!((command.duty, command.enable), ([0.0; 2], [false; 2]));
+    }
+}
+
+#[test]
+fn a_hello_sent_again_disturbs_nothing_and_a_new_one_begins_anew() {
+    let mut desk = Desk::new();
+    let first = desk.ask(HELLO);
+    assert_eq!(desk.reply_to(desk.last, HELLO), Some(first));
+    desk.ask(Order::Telemetry { every: 1 });
+    let late = Sequence(desk.last.0.wrapping_sub(1));
+    assert_eq!(desk.send(late, HELLO), None, "one that took its time");
+    desk.tick();
+    assert!(desk.session.telemetry(&mut desk.controller).is_some());
+
+    desk.last = Sequence(500);
+    let other = Order::Hello {
+        version: VERSION,
+        session: 2,
+    };
+    assert!(matches!(desk.ask(other), Reply::Hello(Identity { .. })));
+    desk.tick();
+    assert!(desk.session.telemetry(&mut desk.controller).is_none());
+}
+
+#[test]
+fn telemetry_comes_at_its_rate_and_skipped_samples_leave_a_gap() {
+    let mut desk = Desk::greeted();
+    assert_eq!(desk.ask(Order::Telemetry { every: 10 }), Reply::Done);
+    let mut numbers = Vec::new();
+    for tick in 1..=100 {
+        desk.tick();
+        // From tick 41 to 70 the line is busy.
+        if (41..=70).contains(&tick) {
+            continue;
+        }
+        let Some(frame) = desk.session.telemetry(&mut desk.controller) else {
+            continue;
+        };
+        match read(&frame) {
+            ControllerMessage::Telemetry(sample) => {
+                numbers.push((tick, sample.number, sample.status.tick));
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+    let expected = [10, 20, 30, 40].map(|tick| (tick, tick / 10 - 1, tick));
+    assert_eq!(numbers[..4], expected);
+    assert_eq!(
+        numbers[4..],
+        [(71, 6, 71), (80, 7, 80), (90, 8, 90), (100, 9, 100)]
+    );
+}
+
+#[test]
+fn settings_travel_whole_by_their_sections() {
+    let mut desk = Desk::greeted();
+    let mut copy = rig::settings();
+    copy.payload = 7.0;
+    copy.axes[1].resistance = 7.0;
+    for key in SectionKey::ALL {
+        match desk.ask(Order::GetSection(key)) {
+            Reply::Section(section) => section.put(&mut copy).expect("a known section"),
+            other => panic!("{key:?}: {other:?}"),
+        }
+    }
+    assert_eq!(copy, rig::settings());
+
+    for key in [
+        SectionKey::Link(4),
+        SectionKey::Axis(2),
+        SectionKey::Axis(255),
+    ] {
+        let reply = desk.ask(Order::GetSection(key));
+        assert_eq!(refused(&reply), Some(Refusal::NoSection));
+    }
+}
+
+#[test]
+fn settings_are_used_when_applied_and_kept_when_saved() {
+    let mut desk = Desk::greeted();
+    desk.tick();
+    desk.ask(Order::SetSection(Section::Payload(0.02)));
+    assert_eq!(*desk.controller.settings(), rig::settings());
+    assert_eq!(desk.ask(Order::ApplySettings), Reply::Done);
+    assert_eq!(desk.controller.settings().payload, 0.02);
+    assert!(!desk.controller.status().homed);
+    assert!(desk.board.saved.is_empty());
+    assert_eq!(desk.ask(Order::SaveSettings), Reply::Done);
+    assert_eq!(desk.board.saved, [*desk.controller.settings()]);
+
+    desk.board.flash = Err(StorageError::Flash);
+    let reply = desk.ask(Order::SaveSettings);
+    assert_eq!(refused(&reply), Some(Refusal::Storage(StorageError::Flash)));
+}
+
+#[test]
+fn settings_that_make_no_sense_are_refused_whole() {
+    let mut desk = Desk::greeted();
+    desk.ask(Order::SetSection(Section::Payload(0.02)));
+    desk.ask(Order::SetSection(Section::Lengths([f32::NAN; 5])));
+    let reply = desk.ask(Order::ApplySettings);
+    assert_eq!(refused(&reply), Some(Refusal::Settings));
+    assert_eq!(*desk.controller.settings(), rig::settings());
+}
+
+#[test]
+fn settings_are_neither_applied_nor_saved_while_the_bridges_are_on() {
+    let mut desk = Desk::armed();
+    let armed = Refusal::Request(controller::Refusal::State(State::Armed));
+    for order in [Order::ApplySettings, Order::SaveSettings] {
+        let reply = desk.ask(order);
+        assert_eq!(refused(&reply), Some(armed));
+    }
+    assert!(desk.board.saved.is_empty());
+    assert_eq!(desk.controller.state(), State::Armed);
+}
+
+#[test]
+fn nothing_moves_on_settings_that_nobody_gave() {
+    let mut desk = Desk::new();
+    let Reply::Hello(identity) = desk.ask(HELLO) else {
+        panic!("no hello");
+    };
+    desk.session = Session::new(identity, &rig::settings(), false);
+    desk.ask(HELLO);
+    desk.tick();
+    desk.ask(Order::Request(Request::SetAngles(rig::START)));
+    for request in [Request::Arm, Request::Home] {
+        let reply = desk.ask(Order::Request(request));
+        assert_eq!(refused(&reply), Some(Refusal::NoSettings));
+        assert_eq!(desk.controller.state(), State::Stopped);
+    }
+    let reply = desk.ask(Order::SaveSettings);
+    assert_eq!(refused(&reply), Some(Refusal::NoSettings));
+
+    assert_eq!(desk.ask(Order::ApplySettings), Reply::Done);
+    desk.tick();
+    desk.ask(Order::Request(Request::SetAngles(rig::START)));
+    assert_eq!(desk.ask(Order::Request(Request::Arm)), Reply::Done);
+}
+
+/// A square of four lines around where the arm stands, over and over.
+fn line(desk: &Desk, tag: u32) -> Order {
+    let [x, y] = desk.start;
+    let to = match tag % 4 {
+        0 => [x, y],
+        1 => [x + 0.01, y],
+        2 => [x + 0.01, y + 0.01],
+        _ => [x, y + 0.01],
+    };
+    Order::Move(Move {
+        tag,
+        kind: MoveKind::Line { to, feed: 0.1 },
+    })
+}
+
+#[test]
+fn moves_flow_as_room_allows_and_all_are_followed() {
+    let mut desk = Desk::armed();
+    let mut tag = 1;
+    let mut waited = 0;
+    while tag <= 60 {
+        match desk.ask(line(&desk, tag)) {
+            Reply::Taken { .. } => tag += 1,
+            Reply::Refused(Refusal::Move(refusal)) => {
+                assert_eq!((refusal.reason, refusal.tag), (Reason::Full, tag));
+                (0..100).for_each(|_| desk.tick());
+                waited += 1;
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+    assert!(waited > 10, "the queue was never full");
+    let mut tags = Vec::new();
+    while desk.controller.state() != State::Armed {
+        desk.ask(Order::Status);
+        (0..100).for_each(|_| desk.tick());
+        tags.extend(desk.controller.status().tag);
+    }
+    tags.dedup();
+    assert!(tags.is_sorted() && tags.last() == Some(&60), "{tags:?}");
+    for (tool, start) in desk.bench.tool().into_iter().zip(desk.start) {
+        assert!((tool - f64::from(start)).abs() < 2e-4, "{tool} for {start}");
+    }
+}
+
+#[test]
+fn a_host_that_falls_silent_stops_the_arm_on_its_path() {
+    let mut desk = Desk::armed();
+    for tag in 1..8 {
+        assert!(matches!(desk.ask(line(&desk, tag)), Reply::Taken { .. }));
+    }
+    (0..990).for_each(|_| desk.tick());
+    assert_eq!(desk.controller.state(), State::Running);
+    (0..2000).for_each(|_| desk.tick());
+    assert_eq!(desk.controller.status().fault, Some(Fault::CommandTimeout));
+    let rest = desk.bench.theta;
+    (0..2000).for_each(|_| desk.tick());
+    for (theta, rest) in desk.bench.theta.into_iter().zip(rest) {
+        assert!(
+            (theta - rest).abs() < 1e-4,
+            "still turns: {theta} after {rest}"
+        );
+    }
+    assert_eq!(
+        refused(&desk.ask(line(&desk, 8))).map(|refusal| matches!(refusal, Refusal::Move(_))),
+        Some(true)
+    );
+}
