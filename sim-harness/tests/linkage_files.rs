@@ -210,3 +210,18 @@ fn files_that_cannot_be_read_say_so() {
     let error = DrivenLinkage::load(huge.to_str().unwrap()).unwrap_err();
     assert!(error.to_string().contains("larger than 1 MiB"));
 }
+
+#[test]
+fn the_file_in_the_documentation_is_one() {
+    let text = include_str!("../../docs/linkages.md");
+    let blocks = text.split("```toml\n").skip(1);
+    let blocks: Vec<&str> = blocks
+        .filter_map(|block| block.split("```").next())
+        .collect();
+    let [linkage, slider] = blocks[..] else {
+        panic!("{} blocks", blocks.len());
+    };
+    let driven = DrivenLinkage::parse("linkages.md", linkage).unwrap();
+    assert_eq!(driven.sweep().solved().count(), 361);
+    fivebar::robot::SliderRobot::parse("linkages.md", slider).unwrap();
+}

@@ -40,13 +40,6 @@ pub enum PoseError {
     NotFinite,
 }
 
-impl PoseError {
-    /// Whether a pose exists of which something cannot be told, rather than none.
-    pub fn is_singular(&self) -> bool {
-        matches!(self, Self::Square(_) | Self::Parallel)
-    }
-}
-
 impl fmt::Display for Limb {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {

@@ -1,8 +1,8 @@
 //! `fivebar query`: answers about an arm for scripts, line by line.
 
 use super::Failure;
-use crate::query::{five_bar, serve};
-use crate::robot::{BuiltIn, Robot};
+use crate::query::{five_bar, serve, slider};
+use crate::robot::{BuiltIn, Mechanism};
 use std::io;
 
 /// Answers questions about an arm: JSON lines in, JSON lines out.
@@ -10,7 +10,8 @@ use std::io;
 /// Each line of the standard input is an object with an "op": "forward", "inverse",
 /// "motion", "inverse_dynamics" or "forward_dynamics". Each is answered by one line in
 /// the same order; what cannot be answered by {"error": "unreachable" | "singular" |
-/// "invalid", "message": …}.
+/// "invalid", "message": …}. A file with mechanism = "slider" is asked "forward",
+/// "inverse", "motion", "inverse_motion", "error_transfer" or "reach".
 #[derive(clap::Args)]
 pub(super) struct Args {
     /// A built-in robot or a robot file.
@@ -19,9 +20,14 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    let robot = Robot::load(&args.robot).map_err(|error| Failure::Refused(error.to_string()))?;
-    serve(io::stdin().lock(), io::stdout().lock(), |request| {
-        five_bar::answer(&robot, request)
-    })
+    let mechanism =
+        Mechanism::load(&args.robot).map_err(|error| Failure::Refused(error.to_string()))?;
+    let (input, output) = (io::stdin().lock(), io::stdout().lock());
+    match mechanism {
+        Mechanism::FiveBar(robot) => {
+            serve(input, output, |request| five_bar::answer(&robot, request))
+        }
+        Mechanism::Slider(robot) => serve(input, output, |request| slider::answer(&robot, request)),
+    }
     .map_err(|error| Failure::Refused(format!("the conversation broke off: {error}")))
 }

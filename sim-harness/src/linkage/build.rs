@@ -105,7 +105,7 @@ impl<'a> Builder<'a> {
             } => Group::Rrr {
                 dyad: Rrr {
                     lengths: *lengths,
-                    side: (*branch).into(),
+                    side: *branch,
                 },
                 ends: self.ends(key("ends"), ends)?,
             },
@@ -120,7 +120,7 @@ impl<'a> Builder<'a> {
                 dyad: Rrp {
                     length: *length,
                     offset: *offset,
-                    way: (*branch).into(),
+                    way: *branch,
                 },
                 end: self.find(key("end"), end)?,
                 guide: self.guide(key("guide"), guide)?,
@@ -133,7 +133,7 @@ impl<'a> Builder<'a> {
             } => Group::Rpr {
                 dyad: Rpr {
                     offset: *offset,
-                    way: (*branch).into(),
+                    way: *branch,
                 },
                 ends: self.ends(key("ends"), ends)?,
             },

@@ -64,7 +64,7 @@ pub(super) enum ElementFile {
         ends: [String; 2],
         lengths: [f64; 2],
         joint: String,
-        branch: SideName,
+        branch: Side,
         links: [LinkFile; 2],
     },
     #[serde(rename = "RRP")]
@@ -75,7 +75,7 @@ pub(super) enum ElementFile {
         #[serde(default)]
         offset: f64,
         joint: String,
-        branch: WayName,
+        branch: Way,
         links: [LinkFile; 2],
     },
     #[serde(rename = "RPR")]
@@ -83,7 +83,7 @@ pub(super) enum ElementFile {
         ends: [String; 2],
         #[serde(default)]
         offset: f64,
-        branch: WayName,
+        branch: Way,
         links: [LinkFile; 2],
     },
     #[serde(rename = "PRP")]
@@ -170,40 +170,6 @@ pub(super) struct LoadFile {
     /// In the plane's frame [N].
     #[serde(default)]
     pub(super) force: [f64; 2],
-}
-
-/// `branch` of an RRR.
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum SideName {
-    Left,
-    Right,
-}
-
-impl From<SideName> for Side {
-    fn from(name: SideName) -> Self {
-        match name {
-            SideName::Left => Self::Left,
-            SideName::Right => Self::Right,
-        }
-    }
-}
-
-/// `branch` of a dyad with a slider.
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum WayName {
-    Ahead,
-    Behind,
-}
-
-impl From<WayName> for Way {
-    fn from(name: WayName) -> Self {
-        match name {
-            WayName::Ahead => Self::Ahead,
-            WayName::Behind => Self::Behind,
-        }
-    }
 }
 
 impl ElementFile {

@@ -1,9 +1,10 @@
 //! Questions about a mechanism, one JSON object a line, each answered by one line.
 //!
-//! A mechanism brings its own operations ([`five_bar`]); this module brings the lines,
+//! A mechanism brings its own operations ([`five_bar`], [`slider`]); this module brings the lines,
 //! the refusals and the checks that hold for all of them.
 
 pub mod five_bar;
+pub mod slider;
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;

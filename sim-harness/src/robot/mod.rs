@@ -7,16 +7,17 @@ mod error;
 mod file;
 mod home;
 mod settings;
+mod slider;
 
 pub use builtin::{BUILT_IN, BuiltIn};
 pub use error::FileError;
 pub(crate) use error::{Key, Source};
 pub use file::{Actuator, Control, Limits, Motion, Protection, Supply, Tool};
 pub use home::NoHome;
+pub use slider::{Mechanism, SliderRobot};
 
 use fivebar_kinematics::dynamics::Arm;
 use fivebar_kinematics::five_bar::{Geometry, WorkingMode};
-use std::path::Path;
 
 /// A robot as its file describes it, checked.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,21 +77,10 @@ impl Robot {
     /// # Errors
     /// A file that cannot be read, or that [`Robot::parse`] refuses.
     pub fn load(name_or_path: &str) -> Result<Self, FileError> {
-        if let Some(built_in) = BuiltIn::find(name_or_path) {
-            return built_in.robot();
+        match BuiltIn::find(name_or_path) {
+            Some(built_in) => built_in.robot(),
+            None => Self::parse(name_or_path, &read(name_or_path)?),
         }
-        let text = std::fs::read_to_string(Path::new(name_or_path)).map_err(|error| {
-            let names: Vec<_> = BUILT_IN.iter().map(|robot| robot.name).collect();
-            FileError {
-                file: name_or_path.into(),
-                line: None,
-                reason: format!(
-                    "no such robot: not a built-in one ({}), and as a file: {error}",
-                    names.join(", ")
-                ),
-            }
-        })?;
-        Self::parse(name_or_path, &text)
     }
 
     /// The robot described by the text of a file called `file`.
@@ -98,7 +88,12 @@ impl Robot {
     /// # Errors
     /// An unknown or missing key, or a value that makes no sense, with its line.
     pub fn parse(file: &str, text: &str) -> Result<Self, FileError> {
-        check::robot(Source { file, text })
+        let source = Source { file, text };
+        if slider::is_one(source) {
+            let reason = "is \"slider\", and this takes a five-bar; `fivebar query` takes either";
+            return Err(source.refuse(Key::Top("mechanism"), reason));
+        }
+        check::robot(source)
     }
 
     /// The arm's equations of motion, rotors included.
@@ -109,4 +104,19 @@ impl Robot {
         let unknown = || KinematicsOnly(self.name.clone());
         self.arm.as_ref().ok_or_else(unknown)
     }
+}
+
+/// The text of a robot file.
+fn read(path: &str) -> Result<String, FileError> {
+    std::fs::read_to_string(path).map_err(|error| {
+        let names: Vec<_> = BUILT_IN.iter().map(|robot| robot.name).collect();
+        FileError {
+            file: path.into(),
+            line: None,
+            reason: format!(
+                "no such robot: not a built-in one ({}), and as a file: {error}",
+                names.join(", ")
+            ),
+        }
+    })
 }

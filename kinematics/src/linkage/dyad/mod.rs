@@ -34,7 +34,8 @@ use super::statics::Joint;
 use crate::{Scalar, Vec2};
 
 /// Where along a guide: the assembly branch of a dyad with a slider.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Way {
     /// The solution farther along the guide's direction.
     Ahead,
