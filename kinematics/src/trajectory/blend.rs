@@ -13,10 +13,10 @@
 //! In general the blend is the Hermite interpolant of the cornered path p(s), linear in
 //! p. Write p as the first segment carried on plus, from the corner on, the difference
 //! Δt x + ½Δκ x² + O(x³), x = s − ½ℓ, whose third derivative is below κ₀² + κ₁². The
-//! interpolant of x₊ errs by 3/32, that of ½x₊² by less than 0.002, that of x₊³/6 by
+//! interpolant of x₊ errs by 3/32, that of ½x₊² by less than 0.0028, that of x₊³/6 by
 //! less than 0.0014, and what remains is less than half as much again while ℓκ ≤ 1. So
 //!
-//! |r − p| ≤ ℓ (3/32 |Δt| + 0.002 ℓ|Δκ| + 0.0022 ℓ² (κ₀² + κ₁²)).
+//! |r − p| ≤ ℓ (3/32 |Δt| + 0.0028 ℓ|Δκ| + 0.0022 ℓ² (κ₀² + κ₁²)).
 
 use super::curve::{Curve, CurveBounds};
 use super::number::{max, min};
@@ -33,7 +33,7 @@ struct Deviation<S> {
 impl<S: Scalar> Deviation<S> {
     fn over(&self, length: S) -> S {
         let by_turn = S::from_f64(3.0 / 32.0) * self.turn;
-        let by_step = S::from_f64(0.002) * self.curvature_step;
+        let by_step = S::from_f64(0.0028) * self.curvature_step;
         let by_curve = S::from_f64(0.0022) * self.curvature_squared;
         length * (by_turn + length * (by_step + length * by_curve))
     }
@@ -153,5 +153,148 @@ pub(super) fn bounds<S: Scalar>(coefficients: &[Vec2<S>; 6], inverse_length: S) 
         third: m3 * (per * per * per),
         lean: lean * (per * per * per),
         apart: c2 == Vec2::zero() && second(S::ONE).norm() <= m2 * c(1e-3),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trajectory::Sense;
+    use proptest::prelude::*;
+
+    type V = Vec2<f64>;
+
+    /// The greatest |interpolant − f| of a function of x = u − ½ that is 0 before the
+    /// corner, from its value, slope and second derivative at u = 1.
+    fn interpolation_error(f: fn(f64) -> f64, [value, slope, second]: [f64; 3]) -> f64 {
+        let c3 = 10.0 * value - 4.0 * slope + 0.5 * second;
+        let c4 = -15.0 * value + 7.0 * slope - second;
+        let c5 = 6.0 * value - 3.0 * slope + 0.5 * second;
+        (0..=1000)
+            .map(|i| {
+                let u = f64::from(i) / 1000.0;
+                let x = if u > 0.5 { u - 0.5 } else { 0.0 };
+                (((c5 * u + c4) * u + c3) * u * u * u - f(x)).abs()
+            })
+            .fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn the_interpolants_err_by_no_more_than_stated() {
+        let ramp = interpolation_error(|x| x, [0.5, 1.0, 0.0]);
+        assert!((ramp - 3.0 / 32.0).abs() < 1e-9, "{ramp}");
+        let square = interpolation_error(|x| 0.5 * x * x, [0.125, 0.5, 1.0]);
+        assert!(square < 0.0028 && square > 0.0026, "{square}");
+        let cube = interpolation_error(|x| x * x * x / 6.0, [1.0 / 48.0, 0.125, 0.5]);
+        assert!(cube < 0.0014 && cube > 0.0010, "{cube}");
+    }
+
+    /// A line or an arc of 0.1 m, ending or starting at the origin.
+    fn segment(direction: f64, curvature: f64, ends: bool) -> Segment<f64> {
+        let tangent = V::unit(direction);
+        let curve = if curvature.abs() < 2.0 {
+            Curve::Line {
+                start: V::zero(),
+                tangent,
+            }
+        } else {
+            Curve::Arc {
+                start: V::zero(),
+                tangent,
+                curvature,
+            }
+        };
+        let length = 0.1;
+        if ends {
+            // Backwards from the origin: the same curve in the other direction.
+            let back = Segment::new(curve, length);
+            let from = back.at(length);
+            let start = from.position;
+            let tangent = -from.tangent;
+            let curve = match curve {
+                Curve::Arc { .. } => Curve::Arc {
+                    start,
+                    tangent,
+                    curvature: -curvature,
+                },
+                _ => Curve::Line { start, tangent },
+            };
+            Segment::new(curve, length)
+        } else {
+            Segment::new(curve, length)
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn a_blend_joins_smoothly_and_stays_within_its_tolerance(
+            directions in prop::array::uniform2(-3.1..3.1_f64),
+            curvatures in prop::array::uniform2(-60.0..60.0_f64),
+            exponent in -6.0..-2.0_f64,
+        ) {
+            let tolerance = 10_f64.powf(exponent);
+            let first = segment(directions[0], curvatures[0], true);
+            let second = segment(directions[1], curvatures[1], false);
+            let Some(corner) = blend(&first, &second, tolerance, [0.05, 0.05]) else {
+                return Err(TestCaseError::reject("too short"));
+            };
+            let length = corner.length();
+            let path = |s: f64| if s < 0.5 * length {
+                first.at(first.length() - 0.5 * length + s)
+            } else {
+                second.at(s - 0.5 * length)
+            };
+            for s in [0.0, length] {
+                let (here, there) = (corner.at(s), path(s));
+                prop_assert!((here.position - there.position).norm() < 1e-12);
+                prop_assert!((here.tangent - there.tangent).norm() < 1e-10);
+                let scale = 1.0 / length;
+                prop_assert!((here.curvature - there.curvature).norm() < 1e-9 * scale);
+            }
+            let bounds = corner.curve().bounds();
+            let mut greatest = [0.0_f64; 4];
+            for i in 0..=500 {
+                let s = length * f64::from(i) / 500.0;
+                let (here, there) = (corner.at(s), path(s));
+                prop_assert!((here.position - there.position).norm() <= tolerance * (1.0 + 1e-9));
+                let ahead = corner.at(s + 1e-6 * length).curvature;
+                let third = (ahead - here.curvature) * (1e6 / length);
+                let found = [
+                    here.tangent.norm(),
+                    here.curvature.norm(),
+                    third.norm(),
+                    here.tangent.dot(here.curvature).abs(),
+                ];
+                for (greatest, found) in greatest.iter_mut().zip(found) {
+                    *greatest = greatest.max(found);
+                }
+            }
+            // The bounds hold, and are not far above what they bound.
+            let stated = [bounds.first, bounds.second, bounds.third, bounds.lean];
+            for (stated, found) in stated.iter().zip(greatest) {
+                prop_assert!(found <= stated * (1.0 + 1e-4));
+            }
+            prop_assert!(bounds.second <= 1.1 * greatest[1] + 1e-3);
+        }
+    }
+
+    #[test]
+    fn tolerance_is_used_up_where_there_is_room() {
+        let first = Segment::line(V::new(-0.1, 0.0), V::zero()).unwrap();
+        let second = Segment::line(V::zero(), V::new(0.0, 0.1)).unwrap();
+        let corner = blend(&first, &second, 1e-3, [0.05, 0.05]).unwrap();
+        let missed = corner.at(0.5 * corner.length()).position.norm();
+        assert!((missed / 1e-3 - 1.0).abs() < 1e-6, "{missed}");
+        // From a line onto its tangent arc there is nothing to turn, only to bend.
+        let centre = V::new(0.0, 0.02);
+        let onto = Segment::arc(
+            V::zero(),
+            centre,
+            V::new(0.0, 0.01),
+            Sense::CounterClockwise,
+            1e-9,
+        );
+        let eased = blend(&first, &onto.unwrap(), 1e-4, [0.05, 0.015]).unwrap();
+        assert!(eased.length() > 5e-3, "{}", eased.length());
     }
 }

@@ -151,9 +151,8 @@ proptest! {
                 last = (angles, rates, accelerations);
             }
         }
-        for joint in 0..2 {
-            prop_assert!((last.0[joint] - to[joint]).abs() < 1e-8);
-            prop_assert!(last.1[joint].abs() < 1e-9);
+        for ((angle, rate), to) in last.0.iter().zip(last.1).zip(to) {
+            prop_assert!((angle - to).abs() < 1e-8 && rate.abs() < 1e-9);
         }
     }
 }
