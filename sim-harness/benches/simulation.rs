@@ -3,6 +3,7 @@
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use fivebar::plant::{Mismatch, Plant};
 use fivebar::robot::Robot;
+use fivebar::run::Scenario;
 use fivebar_firmware::Command;
 use std::hint::black_box;
 
@@ -37,5 +38,20 @@ fn plant(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, plant);
+/// The whole loop: homing and a short job under the production controller, traced.
+fn drawing(c: &mut Criterion) {
+    let robot = Robot::load("benchtop").unwrap();
+    let text = include_str!("../jobs/petal.gcode");
+    let scenario = Scenario::new("petal", robot, "petal.gcode", text.into());
+    let job = scenario.job().unwrap();
+    let run = || scenario.simulate(&job, true, &mut |_| ()).unwrap();
+    let (summary, _) = run();
+    let mut group = c.benchmark_group("simulation");
+    group.throughput(Throughput::Elements(summary.ticks));
+    group.sample_size(20);
+    group.bench_function("drawing", |b| b.iter(run));
+    group.finish();
+}
+
+criterion_group!(benches, plant, drawing);
 criterion_main!(benches);

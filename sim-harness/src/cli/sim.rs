@@ -85,14 +85,17 @@ fn refusal(scenario: &Scenario, error: &RunError) -> Failure {
 }
 
 fn outcome(record: &Record) -> Result<(), Failure> {
-    match record.faults.first() {
-        None => Ok(()),
-        Some((time, fault)) => Err(Failure::Refused(format!(
-            "the arm stopped by fault {}, {}, {time:.4} s after power-up",
-            fault.number(),
-            fault_name(*fault),
-        ))),
-    }
+    let Some((time, fault)) = record.faults.first() else {
+        return Ok(());
+    };
+    let when = match record.begun {
+        Some(begun) => format!("{:.4} s into the job", time - begun),
+        None => format!("{time:.4} s after power-up, while homing"),
+    };
+    let (number, name) = (fault.number(), fault_name(*fault));
+    Err(refused(format_args!(
+        "the arm stopped {when} by fault {number}, {name}"
+    )))
 }
 
 fn progress_bar(moves: usize) -> ProgressBar {

@@ -21,8 +21,10 @@ pub struct Record {
     pub trace: Trace,
     /// Ticks from power-up to the end.
     pub ticks: u64,
-    /// All of it in seconds [s].
+    /// All of it [s].
     pub simulated: f64,
+    /// When the job began, the arm being homed [s]; never, if it was not.
+    pub begun: Option<f64>,
     /// How far the tool was from its reference during the job.
     pub tip_error: TipError,
     /// Greatest torque of each motor, at its joint [N·m].
@@ -41,8 +43,6 @@ pub struct Simulation<'a, T> {
     period: f64,
     record: Record,
     job: Tally,
-    /// Plant time at which the job began [s].
-    begun: Option<f64>,
     /// The job has come to its end, one way or another.
     ended: bool,
 }
@@ -63,7 +63,6 @@ impl<'a, T: Target> Simulation<'a, T> {
             period: 1.0 / tick_rate,
             record: Record::default(),
             job: Tally::default(),
-            begun: None,
             ended: false,
         }
     }
@@ -84,7 +83,7 @@ impl<'a, T: Target> Simulation<'a, T> {
         self.target.request(Request::Home)?;
         if self.wait_for_home()? {
             self.target.request(Request::Arm)?;
-            self.begun = Some(self.plant.time());
+            self.record.begun = Some(self.now());
             self.plant.break_later(faults);
             self.follow(moves, progress)?;
         }
@@ -95,8 +94,7 @@ impl<'a, T: Target> Simulation<'a, T> {
 
     /// Whether the arm was homed; else a fault is on record.
     fn wait_for_home(&mut self) -> Result<bool, TargetError> {
-        let last = self.plant.time() + LONGEST_HOMING;
-        while self.plant.time() < last {
+        while self.now() < LONGEST_HOMING {
             let status = self.tick()?;
             if !self.record.faults.is_empty() {
                 return Ok(false);
@@ -138,6 +136,11 @@ impl<'a, T: Target> Simulation<'a, T> {
         Ok(())
     }
 
+    /// Time since power-up [s].
+    fn now(&self) -> f64 {
+        self.record.ticks as f64 * self.period
+    }
+
     fn tick(&mut self) -> Result<Status, TargetError> {
         let sensed = self.plant.sense();
         let (command, status) = self.target.tick(&sensed)?;
@@ -149,11 +152,12 @@ impl<'a, T: Target> Simulation<'a, T> {
 
     /// Notes the instant of the samples that the tick has answered.
     fn observe(&mut self, status: &Status) {
+        let now = self.now();
         let record = &mut self.record;
         if let Some(fault) = status.fault
             && record.faults.last().is_none_or(|&(_, last)| last != fault)
         {
-            record.faults.push((self.plant.time(), fault));
+            record.faults.push((now, fault));
         }
         let state = self.plant.state();
         let torque = [0, 1].map(|j| self.plant.model().motors[j].torque(state.current[j]));
@@ -161,7 +165,7 @@ impl<'a, T: Target> Simulation<'a, T> {
             *peak = peak.max(torque.abs());
         }
         let (Some(begun), Some(reference), Some(joints)) =
-            (self.begun, status.reference, status.joint_reference)
+            (record.begun, status.reference, status.joint_reference)
         else {
             return;
         };
@@ -169,7 +173,7 @@ impl<'a, T: Target> Simulation<'a, T> {
         let saturated =
             status.limits.contains(Limits::TORQUE) || status.limits.contains(Limits::VOLTAGE);
         let sample = Sample {
-            time: self.plant.time() - begun,
+            time: now - begun,
             line: status.tag.unwrap_or_default(),
             reference: double(reference),
             tool: self.plant.tool().into(),
@@ -194,8 +198,9 @@ impl<'a, T: Target> Simulation<'a, T> {
     }
 
     fn finished(self) -> Record {
+        let simulated = self.now();
         let mut record = self.record;
-        record.simulated = self.plant.time();
+        record.simulated = simulated;
         if self.job.ticks > 0 {
             record.tip_error.rms_m = (self.job.squares / self.job.ticks as f64).sqrt();
         }

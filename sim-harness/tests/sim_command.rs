@@ -1,0 +1,261 @@
+//! `fivebar sim` as its users meet it: what it draws, prints, writes and refuses.
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+const PETAL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/jobs/petal.gcode");
+const SCENARIOS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios");
+
+/// A folder of its own for one test.
+struct Bench(tempfile::TempDir);
+
+impl Bench {
+    fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    /// Writes a file and gives its path.
+    fn file(&self, name: &str, text: &str) -> String {
+        let path = self.path(name);
+        std::fs::write(&path, text).unwrap();
+        path.to_str().unwrap().into()
+    }
+
+    /// Runs `fivebar sim` in the folder.
+    fn sim(&self, arguments: &[&str]) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_fivebar"))
+            .arg("sim")
+            .args(arguments)
+            .current_dir(self.0.path())
+            .output()
+            .unwrap()
+    }
+
+    /// Runs what must be refused with `status`, in a sentence with these words, and
+    /// without leaving anything behind.
+    #[track_caller]
+    fn assert_refused(&self, arguments: &[&str], status: i32, words: &[&str]) {
+        let output = self.sim(arguments);
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(status), "{message}");
+        for word in words {
+            assert!(message.contains(word), "`{word}` is missing in: {message}");
+        }
+        assert!(output.stdout.is_empty());
+        assert!(!self.path("out").exists(), "half-written output");
+    }
+}
+
+fn json(output: &Output) -> Value {
+    let stdout = std::str::from_utf8(&output.stdout).unwrap();
+    serde_json::from_str(stdout.lines().last().unwrap()).unwrap()
+}
+
+#[test]
+fn draws_within_50_micrometres_and_5_times_better_than_pd() {
+    let bench = Bench::new();
+    let output = bench.sim(&[PETAL, "--out", "deep/out", "--json"]);
+    assert!(output.status.success(), "{output:?}");
+    let summary = json(&output);
+    let rms = summary["tip_error"]["rms_m"].as_f64().unwrap();
+    let pd = summary["pd_tip_error"]["rms_m"].as_f64().unwrap();
+    assert!(rms <= 50e-6, "{rms} m");
+    assert!(pd >= 5.0 * rms, "PD {pd} m, computed torque {rms} m");
+    assert!(summary["tip_error"]["max_m"].as_f64().unwrap() >= rms);
+    assert_eq!(summary["robot"], "benchtop");
+    assert_eq!(summary["scenario"], "petal");
+    assert_eq!(summary["faults"], serde_json::json!([]));
+    assert_eq!(summary["out_dir"], "deep/out");
+    let ticks = summary["ticks"].as_u64().unwrap();
+    let simulated = summary["simulated_s"].as_f64().unwrap();
+    assert!((simulated - 1e-4 * ticks as f64).abs() < 1e-9);
+    assert!(summary["wall_s"].as_f64().unwrap() > 0.0);
+    assert!(summary["saturated_ticks"].is_u64());
+    for torque in summary["peak_torque_nm"].as_array().unwrap() {
+        assert!((0.01..0.75).contains(&torque.as_f64().unwrap()));
+    }
+    let written = |name: &str| std::fs::read_to_string(bench.path("deep/out").join(name)).unwrap();
+    let saved: Value = serde_json::from_str(&written("summary.json")).unwrap();
+    assert_eq!(saved, summary);
+    assert!(written("report.html").contains("PD of equal bandwidth"));
+    assert!(written("trace.csv").lines().count() > 1000);
+}
+
+#[test]
+fn a_seed_gives_the_same_run_again() {
+    let bench = Bench::new();
+    let run = |out| {
+        assert!(bench.sim(&[PETAL, "--out", out]).status.success());
+        std::fs::read(bench.path(out).join("trace.csv")).unwrap()
+    };
+    assert_eq!(run("one"), run("two"));
+}
+
+#[test]
+fn a_job_out_of_reach_is_refused_with_line_and_point() {
+    let bench = Bench::new();
+    let words = ["petal.gcode, line 3", "at ("];
+    bench.assert_refused(&[PETAL, "--scale", "20"], 1, &words);
+    bench.assert_refused(&[PETAL, "--origin", "0.04,0.30"], 1, &words);
+}
+
+#[test]
+fn a_refused_job_leaves_an_older_report_alone() {
+    let bench = Bench::new();
+    std::fs::create_dir(bench.path("kept")).unwrap();
+    std::fs::write(bench.path("kept/report.html"), "older").unwrap();
+    bench.assert_refused(&[PETAL, "--scale", "20", "--out", "kept"], 1, &["line"]);
+    let files: Vec<_> = std::fs::read_dir(bench.path("kept")).unwrap().collect();
+    assert_eq!(files.len(), 1);
+    assert_eq!(
+        std::fs::read_to_string(bench.path("kept/report.html")).unwrap(),
+        "older"
+    );
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_is_refused_before_the_run() {
+    let bench = Bench::new();
+    bench.file("taken", "");
+    bench.assert_refused(&[PETAL, "--out", "taken/out"], 1, &["taken/out", "--out"]);
+}
+
+#[test]
+fn jobs_that_make_no_sense_are_refused_with_their_line() {
+    let bench = Bench::new();
+    for (text, words) in [
+        ("", ["job.gcode", "no motion"]),
+        ("G21\nM3\nM5\n", ["job.gcode", "no motion"]),
+        ("G21\nG1 X10 F600\nG38.2 X0\n", ["line 3", "G38.2"]),
+        ("G21\nG1 Xnan Y0 F600\n", ["line 2", "job.gcode"]),
+        ("G21\nG1 X1e999 Y0 F600\n", ["line 2", "job.gcode"]),
+        ("G21\nG1 X10 Y0\n", ["line 2", "feed"]),
+        ("\u{0}\u{1}\u{2}", ["job.gcode", "line 1"]),
+    ] {
+        let job = bench.file("job.gcode", text);
+        bench.assert_refused(&[&job, "--origin", "0.04,0.16"], 1, &words);
+    }
+    bench.assert_refused(&["missing.gcode"], 1, &["missing.gcode"]);
+}
+
+#[test]
+fn a_line_across_a_singularity_is_refused_with_the_place() {
+    let bench = Bench::new();
+    // Behind the base the elbows would have to turn the other way on the path there.
+    let job = bench.file("job.gcode", "G21 G90 F3000\nG0 X40 Y160\nG1 X40 Y-160\n");
+    bench.assert_refused(&[&job, "--origin", "0,0"], 1, &["line 3", "at ("]);
+}
+
+#[test]
+fn robots_that_cannot_be_simulated_are_refused() {
+    let bench = Bench::new();
+    bench.assert_refused(&[PETAL, "--robot", "haply"], 1, &["haply", "lengths alone"]);
+    bench.assert_refused(&[PETAL, "--robot", "nosuch"], 1, &["nosuch", "benchtop"]);
+    let benchtop = include_str!("../robots/benchtop.toml");
+    let long = bench.file("long.toml", &benchtop.replace("base = 0.08", "base = 8.0"));
+    bench.assert_refused(
+        &[PETAL, "--robot", &long],
+        1,
+        &["long.toml, line", "assembled"],
+    );
+    let wrong = bench.file("wrong.toml", &benchtop.replace("payload =", "paylod ="));
+    bench.assert_refused(
+        &[PETAL, "--robot", &wrong],
+        1,
+        &["wrong.toml, line", "paylod"],
+    );
+    let fast = bench.file(
+        "fast.toml",
+        &benchtop.replace("bandwidth = 250.0", "bandwidth = 9e9"),
+    );
+    bench.assert_refused(&[PETAL, "--robot", &fast], 1, &["bandwidth"]);
+}
+
+#[test]
+fn command_lines_that_make_no_sense_exit_with_2() {
+    let bench = Bench::new();
+    for arguments in [
+        &[PETAL, "--origin", "0.1"][..],
+        &[PETAL, "--origin", "nan,0"],
+        &[PETAL, "--scale", "-1"],
+        &[PETAL, "--scale", "inf"],
+        &[PETAL, "--sclae", "2"],
+    ] {
+        bench.assert_refused(arguments, 2, &["error"]);
+    }
+}
+
+#[test]
+fn scenario_files_that_make_no_sense_are_refused_with_their_line() {
+    let bench = Bench::new();
+    let job = format!("job = '{PETAL}'\n");
+    for (text, words) in [
+        ("seed = 3\n".to_owned(), ["line 1", "missing field `job`"]),
+        (
+            format!("{job}speed = 3\n"),
+            ["line 2", "unknown field `speed`"],
+        ),
+        (format!("{job}scale = nan\n"), ["line 2", "`scale`"]),
+        (format!("{job}seed = -1\n"), ["line 2", "invalid value"]),
+        (
+            format!("{job}[mismatch]\nfriction = -2\n"),
+            ["line 3", "`friction`"],
+        ),
+        (
+            format!("{job}[mismatch]\nfiction = 0.1\n"),
+            ["line 3", "unknown field `fiction`"],
+        ),
+        (
+            format!("{job}[[fault]]\nkind = 'sabotage'\n"),
+            ["line 3", "sabotage"],
+        ),
+        (
+            format!("{job}[[fault]]\nkind = 'encoder_dead'\n"),
+            ["line 2", "`joint`"],
+        ),
+        (
+            format!("{job}[[fault]]\nkind = 'encoder_dead'\njoint = 2\n"),
+            ["line 4", "1 or 4, not 2"],
+        ),
+        (
+            format!("job = '{PETAL}.nosuch'\n"),
+            ["petal.gcode.nosuch", "cannot read"],
+        ),
+    ] {
+        let file = bench.file("run.toml", &text);
+        bench.assert_refused(&[&file], 1, &words);
+    }
+}
+
+#[test]
+fn every_scenario_that_comes_along_ends_as_it_says() {
+    let bench = Bench::new();
+    for (name, fault) in [
+        ("as_believed", None),
+        ("bus_sags", Some("under voltage")),
+        ("emergency_stop", Some("emergency stop")),
+        ("encoder_dies", Some("following error")),
+        ("motor_stalls", Some("following error")),
+        ("switch_missing", Some("envelope")),
+    ] {
+        let file = Path::new(SCENARIOS).join(name).with_extension("toml");
+        let output = bench.sim(&[file.to_str().unwrap(), "--out", name, "--json"]);
+        let summary = json(&output);
+        let expected: Vec<_> = fault.into_iter().collect();
+        assert_eq!(summary["faults"], serde_json::json!(expected), "{name}");
+        assert_eq!(summary["scenario"], name);
+        assert_eq!(
+            output.status.code(),
+            Some(i32::from(fault.is_some())),
+            "{name}"
+        );
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert!(message.contains(fault.unwrap_or_default()), "{message}");
+        assert!(bench.path(name).join("report.html").exists());
+    }
+}
