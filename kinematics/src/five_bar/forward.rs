@@ -4,7 +4,7 @@
 //! ([`Geometry::half_angle_forward`]); the same two roots by intersecting the circles
 //! about B and D need one square root, one division and no trigonometry:
 //!
-//! p = rD − rB, a = ½(1 + (l2² − l3²)/|p|²), h = √(l2²/|p|² − a²), rC = rB + a p ± h p⊥,
+//! p = rD − rB, a = ½(1 + (l2² − l3²)/|p|²), h² = l2²/|p|² − a², rC = rB + a p ± h p⊥,
 //! the upper sign on the `Left` assembly.
 
 use super::circles::{Miss, intersect};

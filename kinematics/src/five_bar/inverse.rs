@@ -1,7 +1,7 @@
 //! Inverse position: from the tool to the driven angles.
 //!
 //! Each leg is a dyad: with r = rC − rA, a = ½(1 + (l1² − l2²)/|r|²) and
-//! h = √(l1²/|r|² − a²), rB = rA + a r ∓ h r⊥, the upper sign where the elbow turns
+//! h² = l1²/|r|² − a², rB = rA + a r ∓ h r⊥, the upper sign where the elbow turns
 //! `Left` (then B lies right of the ray A→C). Leg 4 alike about E.
 
 use super::circles::{Miss, intersect};
