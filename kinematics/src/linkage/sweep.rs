@@ -227,13 +227,12 @@ impl<S: Scalar> Linkage<S> {
     /// The same linkage with one dyad on its other branch; none where it has but one.
     pub fn with_other_branch(&self, element: usize) -> Option<Self> {
         let mut other = self.clone();
-        match &mut other.elements.get_mut(element)?.group {
-            Group::Rrr { dyad, .. } => dyad.side = dyad.side.opposite(),
-            Group::Rrp { dyad, .. } => dyad.way = dyad.way.opposite(),
-            Group::Rpr { dyad, .. } => dyad.way = dyad.way.opposite(),
-            _ => return None,
-        }
-        Some(other)
+        other
+            .elements
+            .get_mut(element)?
+            .group
+            .flip()
+            .then_some(other)
     }
 
     /// The linkage on every assembly, this one's own first: 2ᵏ for k dyads with branches.
@@ -241,18 +240,33 @@ impl<S: Scalar> Linkage<S> {
     /// # Panics
     /// Beyond 16 such dyads: there would be too many to go through.
     pub fn assemblies(&self) -> impl Iterator<Item = Self> + '_ {
-        let with_branches: Vec<usize> = (0..self.elements.len())
-            .filter(|&element| self.with_other_branch(element).is_some())
+        let branching: Vec<usize> = (0..self.elements.len())
+            .filter(|&element| self.elements[element].group.clone().flip())
             .collect();
-        assert!(with_branches.len() <= 16, "too many assemblies");
-        (0..1_usize << with_branches.len()).map(move |mask| {
-            let flipped = with_branches
-                .iter()
-                .enumerate()
-                .filter(|(bit, _)| mask >> bit & 1 == 1);
-            flipped.fold(self.clone(), |linkage, (_, &element)| {
-                linkage.with_other_branch(element).unwrap_or(linkage)
-            })
+        assert!(branching.len() <= 16, "too many assemblies");
+        (0..1_usize << branching.len()).map(move |mask| {
+            let mut assembly = self.clone();
+            for (bit, &element) in branching.iter().enumerate() {
+                if mask >> bit & 1 == 1 {
+                    assembly.elements[element].group.flip();
+                }
+            }
+            assembly
         })
+    }
+}
+
+impl<S> Group<S> {
+    /// Takes the other branch; false where there is none.
+    fn flip(&mut self) -> bool {
+        match self {
+            Self::Rrr { dyad, .. } => dyad.side = dyad.side.opposite(),
+            Self::Rrp { dyad, .. } => dyad.way = dyad.way.opposite(),
+            Self::Rpr { dyad, .. } => dyad.way = dyad.way.opposite(),
+            Self::Crank { .. } | Self::Slider { .. } | Self::Prp { .. } | Self::Rpp { .. } => {
+                return false;
+            }
+        }
+        true
     }
 }

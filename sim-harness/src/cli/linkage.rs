@@ -1,7 +1,7 @@
 //! `fivebar linkage`: a planar linkage through its motion.
 
 use super::Failure;
-use crate::linkage::{DrivenLinkage, EXAMPLES, Summary, csv, page};
+use crate::linkage::{DrivenLinkage, EXAMPLES, SHOWN_ASSEMBLIES, Summary, csv, page};
 use crate::report::write_whole;
 use std::path::{Path, PathBuf};
 
@@ -90,10 +90,11 @@ fn print(summary: &Summary, out: &Path) {
             change.time_s, change.dyad
         );
     }
-    let several = summary.assemblies.len() > 1;
-    for assembly in summary.assemblies.iter().filter(|_| several) {
-        let share = 100.0 * assembly.closes;
-        println!("  assembly {}: closes over {share:.0} %", assembly.branches);
+    if summary.assemblies.len() > 1 {
+        for assembly in summary.assemblies.iter().take(SHOWN_ASSEMBLIES) {
+            let share = 100.0 * assembly.closes;
+            println!("  assembly {}: closes over {share:.0} %", assembly.branches);
+        }
     }
     println!("  report      {}", out.join("report.html").display());
 }

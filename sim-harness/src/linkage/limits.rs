@@ -11,7 +11,7 @@ const MOST_POINTS: usize = 1_000;
 /// Samples times elements that a sweep may keep: some hundred megabytes.
 const MOST_SOLUTIONS: usize = 200_000;
 /// Assemblies double with each dyad that has two branches.
-const MOST_BRANCHES: usize = 12;
+const MOST_BRANCHES: usize = 10;
 /// Numbers beyond this, in SI units, are slips; their squares would still be finite.
 pub(super) const LARGEST: f64 = 1e9;
 const LONGEST_NAME: usize = 60;

@@ -12,7 +12,9 @@ mod table;
 
 pub use builtin::{EXAMPLES, Example};
 pub use report::page;
-pub use summary::{Assembly, BranchChangeFound, LimitFound, Peak, Range, Summary};
+pub use summary::{
+    Assembly, BranchChangeFound, LimitFound, Peak, Range, SHOWN_ASSEMBLIES, Summary,
+};
 pub use table::csv;
 
 use crate::robot::{FileError, Source};

@@ -94,26 +94,16 @@ fn outline(
         .collect();
     let is_slider = match element.group {
         Group::Crank { .. } | Group::Rrr { .. } => false,
-        Group::Slider { .. } | Group::Prp { .. } => true,
-        // The block of an RPP is the bar's pivot end; the slider carries the slot.
         Group::Rrp { .. } | Group::Rpr { .. } => position == 1,
-        Group::Rpp { .. } => true,
+        Group::Slider { .. } | Group::Prp { .. } | Group::Rpp { .. } => true,
     };
+    let pin = || Some(solved.motion.points[element.joint()?.index()].position);
+    let other = |link: usize| Some(solved.motion.links[link].origin.position);
     let far_end = match element.group {
-        Group::Rrr { .. } => element
-            .joint()
-            .map(|pin| solved.motion.points[pin.index()].position),
-        Group::Rrp { .. } if position == 0 => element
-            .joint()
-            .map(|pin| solved.motion.points[pin.index()].position),
-        Group::Rpr { .. } if position == 0 => {
-            let slider = LinkId::index(link) + 1;
-            Some(solved.motion.links[slider].origin.position)
-        }
-        Group::Rpp { .. } if position == 1 => {
-            let bar = LinkId::index(link) - 1;
-            Some(solved.motion.links[bar].origin.position)
-        }
+        Group::Rrr { .. } => pin(),
+        Group::Rrp { .. } if position == 0 => pin(),
+        Group::Rpr { .. } if position == 0 => other(link.index() + 1),
+        Group::Rpp { .. } if position == 1 => other(link.index() - 1),
         _ => None,
     };
     places.extend(far_end);

@@ -1,5 +1,6 @@
 //! The report of a sweep: how the linkage is solved, moving picture, curves, forces.
 
+use super::summary::SHOWN_ASSEMBLIES;
 use super::table::{driven_links, dyads, reaction_names};
 use super::{DrivenLinkage, Summary, explain, picture};
 use crate::report::{Chart, Page, Point, quantity};
@@ -77,50 +78,49 @@ fn motion(page: &mut Page, driven: &DrivenLinkage, sweep: &Sweep) {
         "Rates and accelerations are solved exactly, not by differences; that they are the \
          derivatives of the curves above them is tested.",
     );
-    let moving = |points: bool| -> Vec<(usize, &str)> {
-        let links = linkage.links().iter().enumerate().skip(1);
-        let turning = |i: &usize| sweep.solved().any(|(_, s)| s.motion.links[*i].omega != 0.0);
-        if points {
-            let all = linkage.points().iter().enumerate();
-            let moving = all.filter(|(_, point)| point.link != LinkId::GROUND);
-            moving.map(|(i, point)| (i, point.name.as_str())).collect()
-        } else {
-            let turning = links.filter(|(i, _)| turning(i));
-            turning.map(|(i, link)| (i, link.name.as_str())).collect()
+    let points = linkage.points().iter().enumerate();
+    let points: Vec<_> = points
+        .filter(|(_, point)| point.link != LinkId::GROUND)
+        .map(|(i, point)| (i, &point.name))
+        .collect();
+    let turns = |i: usize| sweep.solved().any(|(_, s)| s.motion.links[i].omega != 0.0);
+    let links = linkage.links().iter().enumerate().skip(1);
+    let links: Vec<_> = links
+        .filter(|&(i, _)| turns(i))
+        .map(|(i, link)| (i, &link.name))
+        .collect();
+    let axis = Axis::of(driven);
+    let mut angles = Chart::new("Angles of the links", axis.label(), "angle [°]");
+    for &(i, name) in &links {
+        let mut line = axis.line(sweep, |s| s.motion.links[i].axis.angle().to_degrees());
+        unwrap(&mut line);
+        angles = angles.line(name, line);
+    }
+    if !links.is_empty() {
+        page.chart(&angles);
+    }
+    let mut plot = |title, label, of: &[(usize, &String)], value: fn(&Solved, usize) -> f64| {
+        let mut chart = Chart::new(title, axis.label(), label);
+        for &(i, name) in of {
+            chart = chart.line(name, axis.line(sweep, |solved| value(solved, i)));
         }
-    };
-    let mut plot = |title: &str, unit: &str, points, value: fn(&Solved, usize) -> f64| {
-        let axis = Axis::of(driven);
-        let mut chart = Chart::new(title, axis.label(), unit);
-        for (i, name) in moving(points) {
-            let mut line = axis.line(sweep, |solved| value(solved, i));
-            if unit.starts_with("angle") {
-                unwrap(&mut line);
-            }
-            chart = chart.line(name, line);
-        }
-        if !chart.series.is_empty() {
+        if !of.is_empty() {
             page.chart(&chart);
         }
     };
-    plot("Angles of the links", "angle [°]", false, |s, i| {
-        s.motion.links[i].axis.angle().to_degrees()
-    });
-    plot("Angular velocities", "ω [rad/s]", false, |s, i| {
+    plot("Angular velocities", "ω [rad/s]", &links, |s, i| {
         s.motion.links[i].omega
     });
-    plot("Angular accelerations", "α [rad/s²]", false, |s, i| {
+    plot("Angular accelerations", "α [rad/s²]", &links, |s, i| {
         s.motion.links[i].alpha
     });
-    plot("Speeds of the points", "speed [m/s]", true, |s, i| {
+    plot("Speeds of the points", "speed [m/s]", &points, |s, i| {
         s.motion.points[i].velocity.norm()
     });
-    plot(
-        "Accelerations of the points",
-        "acceleration [m/s²]",
-        true,
-        |s, i| s.motion.points[i].acceleration.norm(),
-    );
+    let label = "acceleration [m/s²]";
+    plot("Accelerations of the points", label, &points, |s, i| {
+        s.motion.points[i].acceleration.norm()
+    });
     slides(page, driven, sweep);
     transmission(page, driven, sweep);
 }
@@ -199,7 +199,8 @@ fn limits(page: &mut Page, summary: &Summary) {
             "The same links can be put together in these ways; each dyad with two branches \
              doubles them. The first is the one shown.",
         );
-        let rows = summary.assemblies.iter().map(|assembly| {
+        let shown = summary.assemblies.iter().take(SHOWN_ASSEMBLIES);
+        let rows = shown.map(|assembly| {
             let share = format!("{:.0} %", 100.0 * assembly.closes);
             vec![assembly.branches.clone(), share]
         });
@@ -302,13 +303,9 @@ impl Axis {
 
 /// Takes out the jumps of whole turns [°].
 fn unwrap(line: &mut [Point]) {
-    let mut turns = 0.0;
-    let mut last = f64::NAN;
-    for [_, angle] in line {
-        if angle.is_nan() {
-            continue;
-        }
-        let jump = *angle - last;
+    let (mut turns, mut last) = (0.0, f64::NAN);
+    for [_, angle] in line.iter_mut().filter(|[_, angle]| angle.is_finite()) {
+        let jump: f64 = *angle - last;
         if jump.abs() > 180.0 {
             turns -= 360.0 * jump.signum();
         }

@@ -7,6 +7,9 @@ use fivebar_kinematics::linkage::dyad::Way;
 use fivebar_kinematics::linkage::{Group, Linkage, Sample, SolveError, Sweep};
 use serde::Serialize;
 
+/// Assemblies that people are shown; programs get all.
+pub const SHOWN_ASSEMBLIES: usize = 16;
+
 /// The findings of a sweep.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
