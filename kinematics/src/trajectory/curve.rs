@@ -98,15 +98,16 @@ impl<S: Scalar> Curve<S> {
                 inverse_length,
             } => {
                 let u = s * inverse_length;
-                let [two, three, four, six, twelve] = [2.0, 3.0, 4.0, 6.0, 12.0].map(S::from_f64);
-                let (five, twenty) = (S::from_f64(5.0), S::from_f64(20.0));
-                let first =
-                    c1 + (c2 * two + (c3 * three + (c4 * four + c5 * (five * u)) * u) * u) * u;
-                let second = c2 * two + (c3 * six + (c4 * twelve + c5 * (twenty * u)) * u) * u;
+                // Horner's scheme thrice over: r, dr/du and ½ d²r/du² in twelve steps.
+                let (p, d) = (c5 * u + c4, c5);
+                let (p, d, e) = (p * u + c3, d * u + p, c5);
+                let (p, d, e) = (p * u + c2, d * u + p, e * u + d);
+                let (p, d, e) = (p * u + c1, d * u + p, e * u + d);
+                let (p, d, e) = (p * u + c0, d * u + p, e * u + d);
                 CurvePoint {
-                    position: c0 + (c1 + (c2 + (c3 + (c4 + c5 * u) * u) * u) * u) * u,
-                    tangent: first * inverse_length,
-                    curvature: second * (inverse_length * inverse_length),
+                    position: p,
+                    tangent: d * inverse_length,
+                    curvature: e * (S::TWO * inverse_length * inverse_length),
                 }
             }
         }

@@ -131,6 +131,14 @@ impl<S: Scalar> Piece<S> {
         self.tag
     }
 
+    /// The curve that it moves the tool along, if it does.
+    pub fn curve(&self) -> Option<&Curve<S>> {
+        match &self.shape {
+            Shape::Path(curve) => Some(curve),
+            Shape::Rest(_) | Shape::Joint { .. } => None,
+        }
+    }
+
     /// The reference at time `t` [s] into the piece, 0 ≤ t ≤ duration.
     #[inline]
     pub fn evaluate(&self, t: S) -> Reference<S> {

@@ -11,6 +11,7 @@
 #![allow(unsafe_code, reason = "the entry point's attribute exports a symbol")]
 
 mod ours;
+mod paths;
 mod plain;
 
 use core::hint::black_box;
@@ -116,6 +117,15 @@ fn report(counter: &InstructionCounter) {
         &cases,
         ours::inverse_dynamics,
     );
+    if let Some([line, corner, arc]) = paths::pieces() {
+        for (name, piece) in [
+            ("reference on a line", line),
+            ("reference on a rounded corner", corner),
+            ("reference on an arc", arc),
+        ] {
+            count(counter, name, &[piece], paths::reference);
+        }
+    }
 }
 
 #[panic_handler]
