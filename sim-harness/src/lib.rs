@@ -1,5 +1,6 @@
 //! Simulate, check and drive a planar five-bar arm: the library behind `fivebar`.
 
+pub mod accuracy;
 pub mod cli;
 pub mod job;
 pub mod link;

@@ -1,5 +1,6 @@
 //! The command line: one module per subcommand, each with its arguments and a `run`.
 
+mod accuracy;
 mod failure;
 mod linkage;
 mod mobility;
@@ -23,6 +24,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Accuracy(Box<accuracy::Args>),
     Linkage(linkage::Args),
     Mobility(mobility::Args),
     Query(query::Args),
@@ -36,6 +38,7 @@ pub fn main() -> ExitCode {
     let outcome: Result<(), Failure> = match cli.command {
         None => Ok(()),
         Some(command) => match command {
+            Command::Accuracy(args) => accuracy::run(&args),
             Command::Linkage(args) => linkage::run(&args),
             Command::Mobility(args) => mobility::run(&args),
             Command::Query(args) => query::run(&args),

@@ -1,0 +1,36 @@
+//! Monte Carlo throughput on all cores: positions and full force samples a second.
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use fivebar::accuracy::{Sampling, State, analyse, sample_forces, sample_positions};
+use fivebar::robot::Robot;
+use fivebar_kinematics::Vec2;
+use indicatif::ProgressBar;
+
+fn throughput(criterion: &mut Criterion) {
+    let robot = Robot::load("benchtop").unwrap();
+    let state = State {
+        position: Vec2::new(0.04, 0.2),
+        velocity: Vec2::new(0.1, 0.0),
+        acceleration: Vec2::new(0.0, 1.0),
+        force: Vec2::zero(),
+    };
+    let analysis = analyse(&robot, &state).unwrap();
+    let sampling = Sampling {
+        samples: 100_000,
+        seed: 1,
+    };
+    let progress = ProgressBar::hidden();
+    let mut group = criterion.benchmark_group("monte_carlo");
+    group.sample_size(10);
+    group.throughput(Throughput::Elements(sampling.samples as u64));
+    group.bench_function("positions", |bencher| {
+        bencher.iter(|| sample_positions(&robot, &state, &analysis, sampling, &progress));
+    });
+    group.bench_function("forces", |bencher| {
+        bencher.iter(|| sample_forces(&robot, &state, &analysis, sampling, &progress));
+    });
+    group.finish();
+}
+
+criterion_group!(benches, throughput);
+criterion_main!(benches);

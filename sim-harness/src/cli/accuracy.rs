@@ -1,0 +1,189 @@
+//! `fivebar accuracy`: what tolerances and clearances do to position and force.
+
+use super::Failure;
+use crate::accuracy::{
+    Classes, Sampling, State, along, along_answer, along_page, analyse, answer, at_page, cheapest,
+    draws, map, map_answer, map_page, monte_carlo,
+};
+use crate::job::{Job, Placement};
+use crate::report::{Page, quantity, write_whole};
+use crate::robot::Robot;
+use clap::ArgGroup;
+use fivebar_kinematics::Vec2;
+use indicatif::ProgressBar;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+
+/// Position and force under tolerance and clearance, analytic beside sampled.
+#[derive(clap::Args)]
+#[command(group = ArgGroup::new("where").args(["at", "path", "map"]).required(true))]
+pub(super) struct Args {
+    /// A robot file with [tolerance], or the name of a built-in robot.
+    file: String,
+    /// At one point X,Y of C, the far joint [m].
+    #[arg(long, value_name = "X,Y", value_parser = numbers::<2>, allow_hyphen_values = true)]
+    at: Option<[f64; 2]>,
+    /// Along a G-code job, at its feed rates.
+    #[arg(long, value_name = "JOB.gcode")]
+    path: Option<PathBuf>,
+    /// Over the whole workspace.
+    #[arg(long)]
+    map: bool,
+    /// With --at: velocity of C [m/s].
+    #[arg(long, value_name = "X,Y", value_parser = numbers::<2>, allow_hyphen_values = true, default_value = "0,0")]
+    velocity: [f64; 2],
+    /// With --at: acceleration of C [m/s²].
+    #[arg(long, value_name = "X,Y", value_parser = numbers::<2>, allow_hyphen_values = true, default_value = "0,0")]
+    acceleration: [f64; 2],
+    /// A force on C [N].
+    #[arg(long, value_name = "X,Y", value_parser = numbers::<2>, allow_hyphen_values = true, default_value = "0,0")]
+    force: [f64; 2],
+    /// With --path: where the job's (0,0) is [m].
+    #[arg(long, value_name = "X,Y", value_parser = numbers::<2>, allow_hyphen_values = true, default_value = "0,0")]
+    origin: [f64; 2],
+    /// With --path: metres in the plane per metre in the job.
+    #[arg(long, default_value_t = 1.0)]
+    scale: f64,
+    /// With --map: only within this rectangle [m].
+    #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = numbers::<4>, allow_hyphen_values = true)]
+    region: Option<[f64; 4]>,
+    /// With --map: find the cheapest tolerances that keep the radial standard deviation
+    /// within this everywhere [m].
+    #[arg(long, value_name = "METRES", requires_all = ["map", "classes"])]
+    wanted: Option<f64>,
+    /// With --wanted: what each class of tolerance gives and costs (TOML).
+    #[arg(long, value_name = "CLASSES.toml", requires = "wanted")]
+    classes: Option<PathBuf>,
+    /// With --at: samples of each Monte Carlo figure.
+    #[arg(long, default_value_t = 100_000, value_parser = clap::value_parser!(u32).range(2..=100_000_000))]
+    samples: u32,
+    /// With --at: seed of the samples.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Print the answer as one JSON object.
+    #[arg(long)]
+    json: bool,
+    /// Write the report as DIR/report.html.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
+    let parsed: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
+    let wrong = || format!("expected {N} finite numbers with commas between");
+    let numbers: [f64; N] = parsed
+        .map_err(|_| wrong())?
+        .try_into()
+        .map_err(|_| wrong())?;
+    if numbers.iter().all(|x| x.is_finite()) {
+        Ok(numbers)
+    } else {
+        Err(wrong())
+    }
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    let robot = Robot::load(&args.file).map_err(|error| Failure::Refused(error.to_string()))?;
+    let (answer, page) = study(args, &robot).map_err(Failure::Refused)?;
+    if let Some(folder) = &args.out {
+        write_whole(&folder.join("report.html"), page.render())
+            .map_err(|error| Failure::Refused(error.to_string()))?;
+    }
+    if args.json {
+        println!("{answer}");
+    } else {
+        print(&answer);
+    }
+    Ok(())
+}
+
+fn vector([x, y]: [f64; 2]) -> Vec2<f64> {
+    Vec2::new(x, y)
+}
+
+fn study(args: &Args, robot: &Robot) -> Result<(Value, Page), String> {
+    let force = vector(args.force);
+    if let Some(path) = &args.path {
+        let placement = Placement {
+            origin: args.origin,
+            scale: args.scale,
+            home: robot
+                .home_pose()
+                .map_or(args.origin, |pose| [pose.c.x, pose.c.y]),
+        };
+        let shown = path.display();
+        let text = std::fs::read_to_string(path).map_err(|error| format!("{shown}: {error}"))?;
+        let job = Job::parse(&text, &placement).map_err(|error| format!("{shown}: {error}"))?;
+        let along = along(robot, &job, force).map_err(|error| format!("{shown}: {error}"))?;
+        return Ok((
+            along_answer(&robot.name, &along),
+            along_page(&robot.name, &along),
+        ));
+    }
+    if let Some(at) = args.at {
+        let state = State {
+            position: vector(at),
+            velocity: vector(args.velocity),
+            acceleration: vector(args.acceleration),
+            force,
+        };
+        let analysis = analyse(robot, &state)?;
+        let sampling = Sampling {
+            samples: args.samples as usize,
+            seed: args.seed,
+        };
+        let progress = ProgressBar::new(draws(&analysis, sampling));
+        let sampled = monte_carlo(robot, &state, &analysis, sampling, &progress);
+        progress.finish_and_clear();
+        let page = at_page(&robot.name, &analysis, &sampled);
+        return Ok((answer(&robot.name, &state, &analysis, &sampled), page));
+    }
+    let map = map(robot, force, args.region)?;
+    let mut answer = map_answer(&robot.name, &map);
+    let mut page = map_page(&robot.name, &map);
+    if let (Some(wanted), Some(path)) = (args.wanted, &args.classes) {
+        let classes = Classes::read(path)?;
+        let allocation = cheapest(&map, wanted, &classes.inputs(), &classes.lengths())
+            .ok_or_else(|| {
+                let wanted = quantity(wanted, "m");
+                format!("even the finest classes leave more than {wanted} somewhere: narrow the region with --region, or add finer classes")
+            })?;
+        let names = classes.names(&allocation.choice);
+        page.heading("The cheapest tolerances");
+        page.table(
+            &["dimension", "class"],
+            &names
+                .iter()
+                .map(|(d, c)| vec![(*d).into(), c.clone()])
+                .collect::<Vec<_>>(),
+        );
+        let worst = allocation.worst_variance.sqrt();
+        page.paragraph(&format!(
+            "They cost {} in all and leave a radial standard deviation of {} at worst.",
+            allocation.cost,
+            quantity(worst, "m")
+        ));
+        answer["allocation"] = json!({
+            "cost": allocation.cost,
+            "worst_radial_sd_m": worst,
+            "classes": names.into_iter().map(|(d, c)| (d.to_string(), json!(c))).collect::<Value>(),
+        });
+    }
+    Ok((answer, page))
+}
+
+/// The figures of an answer, without its long lists, a line each.
+fn print(answer: &Value) {
+    for (key, value) in answer.as_object().into_iter().flatten() {
+        match value {
+            Value::Object(inner) if key != "monte_carlo" => {
+                println!("{key}:");
+                for (key, value) in inner {
+                    println!("  {key}: {value}");
+                }
+            }
+            Value::Array(list) if list.len() > 5 => println!("{key}: {} entries", list.len()),
+            _ => println!("{key}: {value}"),
+        }
+    }
+}
