@@ -46,8 +46,7 @@ fn a_polygon_of_many_short_lines_flows_through_the_queue() {
             Err(refusal) => {
                 assert_eq!(refusal.reason, Reason::Full);
                 rig.tick();
-                let state = rig.controller.state();
-                assert_eq!(state, State::Running, "{:?}", rig.controller.fault());
+                assert!(rig.controller.fault().is_none());
             }
         }
     }

@@ -3,10 +3,10 @@
 use super::Controller;
 use super::setpoint::Setpoint;
 use crate::safety::{Event, Fault, Limits, State};
+use fivebar_kinematics::Vec2;
 use fivebar_kinematics::control::computed_torque;
 use fivebar_kinematics::five_bar::{Pose, PoseError, Velocities};
 use fivebar_kinematics::trajectory::Reference;
-use fivebar_kinematics::{Scalar, Vec2};
 
 impl Controller {
     /// One tick of holding or following the path: the torques [N·m], or `None` after a
@@ -40,10 +40,10 @@ impl Controller {
             alpha: [alpha1d, alpha4d],
             ..
         } = self.setpoint;
-        // e = sin(θd − θ), the error itself for all that is not a fault.
+        // e = sin(θd − θ): the error itself, for all that is not a fault.
         let (error1, error4) = (u1.cross(d1), u4.cross(d4));
         self.error = [error1, error4];
-        if self.model.monitor.lost_its_path(self.error) || u1.dot(d1) < 0.0 || u4.dot(d4) < 0.0 {
+        if self.model.monitor.lost_its_path(self.error) {
             return Err(Fault::FollowingError);
         }
 
@@ -97,10 +97,6 @@ impl Controller {
         if monitor.outside(self.angles()) || monitor.near_parallel(&pose) {
             return Err(Fault::Envelope);
         }
-        let elbows = self.model.tool.elbow_sines(&pose);
-        if self.setpoint.speed_squared.is_some() && monitor.leaves_mode(elbows, self.mode) {
-            return Err(Fault::Envelope);
-        }
         let velocities = geometry
             .forward_velocities(&pose, omega1, omega4)
             .map_err(|_| Fault::Envelope)?;
@@ -118,7 +114,7 @@ impl Controller {
             }
             self.happen(Event::Begin);
         }
-        if self.path.waits_for_more() && self.runs_short() {
+        if self.path.runs_short(2.0 * self.model.period) {
             self.latch(Fault::QueueUnderrun);
         }
         let Some(step) = self.path.step(self.model.period) else {
@@ -141,23 +137,9 @@ impl Controller {
         Ok(())
     }
 
-    /// The path breaks off in motion, and there is just enough of it left to stop on.
-    #[inline]
-    fn runs_short(&self) -> bool {
-        let left = self.path.left() - 2.0 * self.model.period;
-        left <= 0.5 * self.braking_time()
-    }
-
-    /// How long a stop takes from here [s].
-    fn braking_time(&self) -> f32 {
-        let speed = Scalar::sqrt(self.setpoint.speed_squared.unwrap_or(0.0));
-        self.model.brake_limits.duration(speed, self.setpoint.omega)
-    }
-
     /// Begins to come to rest on the path.
     pub(super) fn brake(&mut self) {
-        let duration = self.braking_time();
-        self.path.brake(duration, self.model.period);
+        self.path.brake(self.model.period);
     }
 
     #[cold]

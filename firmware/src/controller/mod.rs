@@ -20,7 +20,7 @@ use fivebar_kinematics::five_bar::WorkingMode;
 use joint::Joint;
 use model::Model;
 use path::Path;
-pub(crate) use path::longest_stop;
+pub(crate) use path::stopping_time;
 pub use path::{PIECES, Stretch};
 pub use request::{Refusal, Request};
 use setpoint::Setpoint;
@@ -77,7 +77,7 @@ impl Controller {
             latched: None,
             held: false,
             pending: None,
-            path: Path::new(),
+            path: Path::new(stopping_time(settings)),
             setpoint: Setpoint::hold([Vec2::zero(); 2]),
             searches: [Search::new(0.0); 2],
             error: [0.0; 2],

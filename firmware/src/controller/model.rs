@@ -1,6 +1,5 @@
 //! Everything the tick needs to know, worked out from the settings once.
 
-use super::path::BrakeLimits;
 use crate::homing::SearchPlan;
 use crate::safety::Monitor;
 use crate::settings::{AxisSettings, Settings, SettingsError};
@@ -31,7 +30,6 @@ pub(crate) struct Model {
     pub(crate) period: f32,
     pub(crate) bus_voltage_per_code: f32,
     pub(crate) monitor: Monitor,
-    pub(crate) brake_limits: BrakeLimits,
     pub(crate) search_plans: [SearchPlan; 2],
     pub(crate) settings: Settings,
 }
@@ -82,7 +80,6 @@ impl Model {
             period,
             bus_voltage_per_code: settings.protection.bus_voltage_per_code,
             monitor: Monitor::new(settings),
-            brake_limits: BrakeLimits::new(settings),
             search_plans: settings
                 .axes
                 .map(|axis| SearchPlan::new(&axis, &settings.homing)),

@@ -2,8 +2,8 @@
 //!
 //! The clock can be slowed to a stand at any moment, which stops the arm on its path: with
 //! the rate σ(x) = 1 − 3x² + 2x³, x = t/T, and σ̇ = −6x(1 − x)/T, the place p moves at
-//! σ p′ and accelerates by σ² p″ + σ̇ p′. At a steady speed v the braking takes 1.5 v/T at
-//! most and its jerk is 6 v/T² at most, and the path gets T/2 further.
+//! σ p′ and accelerates by σ² p″ + σ̇ p′. From a steady speed v the braking takes 1.5 v/T
+//! at most and its jerk is 6 v/T² at most, and the path gets T/2 further.
 
 use crate::settings::Settings;
 use fivebar_kinematics::Scalar;
@@ -13,7 +13,7 @@ use heapless::Deque;
 /// Pieces that wait for the tick: the committed future of the arm.
 pub const PIECES: usize = 32;
 
-/// A path that breaks off in motion is begun with so much in hand [s].
+/// A path that breaks off in motion is begun with so much in hand beyond a stop [s].
 const READY: f32 = 0.02;
 
 /// Pieces that one tick may leave behind; more make the path wait for the next tick.
@@ -38,6 +38,10 @@ pub(crate) struct Path {
     /// Time left in the queue [s].
     left: f32,
     brake: Option<Brake>,
+    /// T [s].
+    stopping_time: f32,
+    /// What a stop takes of the path, T/2 [s].
+    least: f32,
 }
 
 /// A stop in progress.
@@ -48,40 +52,19 @@ struct Brake {
     rate: f32,
 }
 
-/// The limits that brakes keep.
-pub(crate) struct BrakeLimits {
-    acceleration: f32,
-    jerk: f32,
-    joint_acceleration: [f32; 2],
-}
-
-impl BrakeLimits {
-    pub(crate) fn new(settings: &Settings) -> Self {
-        Self {
-            acceleration: settings.motion.max_acceleration,
-            jerk: settings.motion.max_jerk,
-            joint_acceleration: settings.axes.map(|axis| axis.max_acceleration),
-        }
+/// T [s] of every stop: so long that even from full speed no limit of the tool's or the
+/// joints' acceleration, or of the tool's jerk, is passed on a straight path.
+pub(crate) fn stopping_time(settings: &Settings) -> f32 {
+    let motion = &settings.motion;
+    let mut time = Scalar::sqrt(6.0 * motion.max_speed / motion.max_jerk);
+    let acceleration = (motion.max_speed, motion.max_acceleration);
+    let joints = settings
+        .axes
+        .map(|axis| (axis.max_speed, axis.max_acceleration));
+    for (speed, acceleration) in joints.into_iter().chain([acceleration]) {
+        time = time.max(1.5 * speed / acceleration);
     }
-
-    /// T for a stop from this speed of the tool [m/s] and of the joints [rad/s]: never
-    /// shorter than 10 ms.
-    #[inline]
-    pub(crate) fn duration(&self, speed: f32, omega: [f32; 2]) -> f32 {
-        let [omega1, omega4] = omega;
-        let [alpha1, alpha4] = self.joint_acceleration;
-        (1.5 * speed / self.acceleration)
-            .max(Scalar::sqrt(6.0 * speed / self.jerk))
-            .max(1.5 * Scalar::abs(omega1) / alpha1)
-            .max(1.5 * Scalar::abs(omega4) / alpha4)
-            .max(0.01)
-    }
-}
-
-/// The longest stop [s]: from full speed.
-pub(crate) fn longest_stop(settings: &Settings) -> f32 {
-    let omega = settings.axes.map(|axis| axis.max_speed);
-    BrakeLimits::new(settings).duration(settings.motion.max_speed, omega)
+    time
 }
 
 /// One tick's step along the path.
@@ -95,8 +78,11 @@ pub(crate) struct Step {
 }
 
 impl Path {
-    pub(crate) fn new() -> Self {
+    /// No path; stops will take `stopping_time` [s].
+    pub(crate) fn new(stopping_time: f32) -> Self {
         Self {
+            stopping_time,
+            least: 0.5 * stopping_time,
             stretches: Deque::new(),
             time: 0.0,
             left: 0.0,
@@ -106,7 +92,7 @@ impl Path {
 
     /// Forgets everything.
     pub(crate) fn clear(&mut self) {
-        *self = Self::new();
+        *self = Self::new(self.stopping_time);
     }
 
     /// Whether there is room for another piece, and less than `horizon` [s] of path.
@@ -118,23 +104,21 @@ impl Path {
         self.stretches.is_empty()
     }
 
-    /// Time left in the queue [s].
-    #[inline]
-    pub(crate) fn left(&self) -> f32 {
-        self.left
-    }
-
     /// Whether there is enough of a path to begin with.
     #[inline]
     pub(crate) fn is_ready(&self) -> bool {
-        !self.is_empty() && (self.left >= READY || !self.waits_for_more())
+        !self.is_empty() && !self.runs_short(READY)
     }
 
-    /// Whether the path breaks off in motion, nothing has been done about it and there is
-    /// room for more: the planner is behind.
+    /// Whether the path breaks off in motion, the planner could have added to it and has
+    /// not, and all that is left besides `reserve` [s] is needed to stop on.
     #[inline]
-    pub(crate) fn waits_for_more(&self) -> bool {
-        self.is_open() && self.brake.is_none() && !self.stretches.is_full()
+    pub(crate) fn runs_short(&self, reserve: f32) -> bool {
+        // The first comparison is the one that mostly decides.
+        self.left < self.least + reserve
+            && self.brake.is_none()
+            && self.is_open()
+            && !self.stretches.is_full()
     }
 
     /// Tag of the piece in progress.
@@ -155,26 +139,26 @@ impl Path {
         self.stretches.back().is_some_and(|stretch| stretch.open)
     }
 
-    /// Begins to come to rest within `duration` [s], or sooner where a path that breaks
-    /// off leaves no room for that.
-    #[inline]
-    pub(crate) fn brake(&mut self, duration: f32, period: f32) {
+    /// Begins to come to rest; sooner than usual where a path that breaks off leaves no
+    /// room for that.
+    #[cold]
+    pub(crate) fn brake(&mut self, period: f32) {
         if self.brake.is_none() {
-            let room = 2.0 * (self.left - 2.0 * period);
-            let duration = if self.is_open() && room < duration {
-                room.max(2.0 * period)
+            let room = (2.0 * (self.left - 2.0 * period)).max(2.0 * period);
+            let time = if self.is_open() && room < self.stopping_time {
+                room
             } else {
-                duration
+                self.stopping_time
             };
             self.brake = Some(Brake {
                 phase: 0.0,
-                rate: 1.0 / duration,
+                rate: 1.0 / time,
             });
         }
     }
 
     /// One tick of `period` [s] along the path; `None` where there is none.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn step(&mut self, period: f32) -> Option<Step> {
         if self.stretches.is_empty() {
             return None;
@@ -186,18 +170,22 @@ impl Path {
         let passed = period * rate;
         self.time += passed;
         self.left -= passed;
+        let mut ended = false;
         for _ in 0..PIECES_PER_TICK {
             let duration = self.stretches.front()?.piece.duration();
-            if self.time < duration || self.stretches.len() == 1 {
+            if self.time < duration {
+                break;
+            }
+            if self.stretches.len() == 1 {
+                self.time = duration;
+                ended = true;
                 break;
             }
             self.time -= duration;
             self.stretches.pop_front();
         }
         let Stretch { piece, slowed, .. } = self.stretches.front()?;
-        let ended = self.time >= piece.duration() && self.stretches.len() == 1;
-        let time = self.time.min(piece.duration());
-        let reference = piece.evaluate(time);
+        let reference = piece.evaluate(self.time);
         Some(Step {
             reference: if self.brake.is_some() {
                 reference.clocked(rate, slope)
@@ -212,7 +200,7 @@ impl Path {
 
 impl Brake {
     /// σ, σ̇ [1/s] and whether the clock stands.
-    #[inline]
+    #[inline(always)]
     fn step(&mut self, period: f32) -> (f32, f32, bool) {
         self.phase += period * self.rate;
         if self.phase >= 1.0 {

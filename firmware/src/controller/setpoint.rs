@@ -14,8 +14,6 @@ pub(crate) struct Setpoint {
     pub(crate) omega: [f32; 2],
     /// α1d, α4d [rad/s²].
     pub(crate) alpha: [f32; 2],
-    /// |ṙ|² of the tool [m²/s²]; none for a hold and for a move of the joints.
-    pub(crate) speed_squared: Option<f32>,
 }
 
 impl Setpoint {
@@ -26,12 +24,11 @@ impl Setpoint {
             direction,
             omega: [0.0; 2],
             alpha: [0.0; 2],
-            speed_squared: None,
         }
     }
 
     /// The joints' part in a reference, a tool's being solved in `mode`.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn of(
         reference: &Reference<f32>,
         model: &Model,
@@ -53,7 +50,6 @@ impl Setpoint {
                     direction: [pose.u1, pose.u4],
                     omega: [omega1, omega4],
                     alpha: [alpha1, alpha4],
-                    speed_squared: Some(velocity.norm_squared()),
                 })
             }
             Reference::Joint {
@@ -64,7 +60,6 @@ impl Setpoint {
                 direction: angles.map(Vec2::unit),
                 omega: rates,
                 alpha: accelerations,
-                speed_squared: None,
             }),
         }
     }

@@ -10,7 +10,7 @@
 
 mod refusal;
 
-use crate::controller::{Controller, PIECES, Stretch};
+use crate::controller::{Controller, PIECES, Stretch, stopping_time};
 use crate::motion::{Move, MoveKind};
 use crate::safety::State;
 use crate::settings::{Settings, SettingsError};
@@ -111,7 +111,7 @@ impl Planner {
             end: None,
             epoch: 0,
             slowed: HistoryBuf::new(),
-            horizon: RESERVE + 0.5 * crate::controller::longest_stop(settings),
+            horizon: RESERVE + 0.5 * stopping_time(settings),
         })
     }
 

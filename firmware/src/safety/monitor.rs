@@ -8,7 +8,7 @@ use super::Fault;
 use crate::settings::Settings;
 use core::f32::consts::TAU;
 use fivebar_kinematics::Scalar;
-use fivebar_kinematics::five_bar::{Pose, WorkingMode};
+use fivebar_kinematics::five_bar::Pose;
 
 /// An innovation of so many counts is noise of the encoder's edges, whatever the speed.
 const JUMP_COUNTS: f32 = 4.0;
@@ -30,7 +30,7 @@ pub(crate) struct Monitor {
     bus: [f32; 2],
     /// [rad], each joint's limits and half of what a following error may add.
     angles: [[f32; 2]; 2],
-    /// Least |sin| at elbows and C.
+    /// Least |sin| at C.
     margin: f32,
     /// Ticks.
     silence: u32,
@@ -105,17 +105,12 @@ impl Monitor {
         angle1 < low1 || angle1 > high1 || angle4 < low4 || angle4 > high4
     }
 
-    /// Links 2 and 3 too nearly in line (type 2): the motors lose the tool.
+    /// Links 2 and 3 too nearly in line (type 2): the motors lose the tool. A leg straight
+    /// or folded (type 1) is no danger to the joints; paths of the tool are planned clear
+    /// of it, and the following error bounds how far the arm is from its path.
     #[inline]
     pub(crate) fn near_parallel(&self, pose: &Pose<f32>) -> bool {
         Scalar::abs(pose.sin32()) < self.margin
-    }
-
-    /// A leg too nearly straight or folded (type 1), or past it. That is no danger to the
-    /// joints, only to a path of the tool: it is solved in this working mode.
-    #[inline]
-    pub(crate) fn leaves_mode(&self, [sine1, sine4]: [f32; 2], mode: WorkingMode) -> bool {
-        mode.elbow1.sign(sine1) < self.margin || mode.elbow4.sign(sine4) < self.margin
     }
 
     /// Ticks since the host was heard.

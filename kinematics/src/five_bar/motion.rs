@@ -38,7 +38,7 @@ pub struct Accelerations<S> {
 /// A position is known to about ε of its size, a direction near a singularity only to
 /// √ε: a sine below 8 √ε (1.2e-7 for `f64`, 2.8e-3 for `f32`) is rounding, and dividing
 /// by it would give large numbers that mean nothing.
-#[inline]
+#[inline(always)]
 pub(crate) fn per_sine<S: Scalar>(sine: S, singularity: Singularity) -> Result<S, PoseError> {
     if sine * sine > S::from_f64(64.0) * S::EPSILON {
         Ok(S::ONE / sine)
@@ -159,7 +159,7 @@ impl<S: Scalar> Geometry<S> {
     }
 
     /// ω3, ω4 from ṙC.
-    #[inline]
+    #[inline(always)]
     pub(super) fn leg4_velocities(
         &self,
         pose: &Pose<S>,
@@ -174,7 +174,7 @@ impl<S: Scalar> Geometry<S> {
     }
 
     /// α3, α4 from r̈C.
-    #[inline]
+    #[inline(always)]
     pub(super) fn leg4_accelerations(
         &self,
         pose: &Pose<S>,

@@ -103,7 +103,7 @@ impl<S: Scalar> Tool<S> {
 
     /// Sines of the angles at B, from A–B to B–T, and at D: zero at type 1, positive where
     /// the elbow turns left.
-    #[inline]
+    #[inline(always)]
     pub fn elbow_sines(&self, pose: &Pose<S>) -> [S; 2] {
         [pose.u1.cross(self.direction(pose)), pose.sin34()]
     }
@@ -112,7 +112,7 @@ impl<S: Scalar> Tool<S> {
     ///
     /// # Errors
     /// As [`Geometry::inverse`], leg 1 being A–B–T.
-    #[inline]
+    #[inline(always)]
     pub fn inverse(&self, t: Vec2<S>, mode: WorkingMode) -> Result<Pose<S>, PoseError> {
         let geometry = &self.geometry;
         let [per_l1, ..] = geometry.per_length();
@@ -138,7 +138,7 @@ impl<S: Scalar> Tool<S> {
     ///
     /// # Errors
     /// `Singular` at type 1, naming the leg.
-    #[inline]
+    #[inline(always)]
     pub fn inverse_velocities(
         &self,
         pose: &Pose<S>,
@@ -161,7 +161,7 @@ impl<S: Scalar> Tool<S> {
     ///
     /// # Errors
     /// `Singular` at type 1, naming the leg.
-    #[inline]
+    #[inline(always)]
     pub fn inverse_accelerations(
         &self,
         pose: &Pose<S>,
@@ -188,7 +188,7 @@ impl<S: Scalar> Tool<S> {
     }
 
     /// Unit vector from B to T.
-    #[inline]
+    #[inline(always)]
     fn direction(&self, pose: &Pose<S>) -> Vec2<S> {
         self.lean.rotated_to(pose.u2)
     }

@@ -69,7 +69,7 @@ pub enum Curve<S> {
 
 impl<S: Scalar> Curve<S> {
     /// Position, tangent and curvature at length `s` [m] from the start.
-    #[inline]
+    #[inline(always)]
     pub fn at(&self, s: S) -> CurvePoint<S> {
         match *self {
             Self::Line { start, tangent } => CurvePoint {
@@ -115,7 +115,7 @@ impl<S: Scalar> Curve<S> {
 
     /// The tool's motion at s, moving with ṡ [m/s] and s̈ [m/s²]:
     /// v = r′ ṡ, a = r″ ṡ² + r′ s̈.
-    #[inline]
+    #[inline(always)]
     pub(super) fn follow(&self, s: S, rate: S, acceleration: S) -> Reference<S> {
         let point = self.at(s);
         let along = point.tangent * acceleration;

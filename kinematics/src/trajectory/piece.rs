@@ -29,7 +29,7 @@ pub enum Reference<S> {
 impl<S: Scalar> Reference<S> {
     /// The same place passed with the piece's clock running at `rate` σ and changing by
     /// `slope` σ̇ [1/s]: v = σ p′, a = σ² p″ + σ̇ p′.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn clocked(self, rate: S, slope: S) -> Self {
         let squared = rate * rate;
@@ -81,7 +81,7 @@ impl<S: Scalar> TimeLaw<S> {
     }
 
     /// s, ṡ and s̈ at time `t` [s].
-    #[inline]
+    #[inline(always)]
     pub fn at(&self, t: S) -> (S, S, S) {
         let [c0, c1, c2, c3] = self.coefficients;
         let c3t = c3 * t;
@@ -140,7 +140,7 @@ impl<S: Scalar> Piece<S> {
     }
 
     /// The reference at time `t` [s] into the piece, 0 ≤ t ≤ duration.
-    #[inline]
+    #[inline(always)]
     pub fn evaluate(&self, t: S) -> Reference<S> {
         let (s, rate, acceleration) = self.law.at(t);
         match &self.shape {
