@@ -1,4 +1,5 @@
-//! Dynamics of the five-bar by Kane's method (Yu 2007, section 2).
+//! Dynamics of the five-bar by Kane's method (Yu 2007, section 2). Letters, frames and
+//! signs are drawn in `docs/notation.md`.
 
 mod body;
 mod energy;

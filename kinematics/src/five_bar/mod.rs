@@ -1,5 +1,6 @@
 //! The planar five-bar: positions, velocities and accelerations both ways, on all
-//! eight branches (Yu 2007, section 1; corrected where its print errs).
+//! eight branches (Yu 2007, section 1; corrected where its print errs). Letters, frames
+//! and signs are drawn in `docs/notation.md`.
 
 mod branch;
 mod circles;
