@@ -1,17 +1,23 @@
 //! Asking a controller: one order at a time, asked again while the line is silent.
 
 use fivebar_firmware::protocol::{
-    ControllerMessage, Decoder, HostMessage, Identity, Order, Refusal, Reply, Sequence, Telemetry,
-    VERSION, encode,
+    ControllerMessage, Decoder, HostMessage, Identity, Order, Refusal, Reply, SectionKey, Sequence,
+    Telemetry, VERSION, encode,
 };
+use fivebar_firmware::{Settings, Status};
 use std::collections::VecDeque;
 use std::io::{self, ErrorKind, Read, Write};
-use std::time::{Duration, Instant};
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-/// How long to wait for a reply before asking again.
-const REPLY: Duration = Duration::from_millis(500);
-/// How often to ask before the controller counts as silent.
-const ATTEMPTS: u32 = 10;
+/// How long to wait for a reply before asking again. Well under the silence at which a
+/// moving arm stops, so that a lost frame does not stop it.
+const REPLY: Duration = Duration::from_millis(40);
+/// Reads in vain that amount to the same: on a line in this process they take no time.
+const IDLE_READS: u32 = 4;
+/// How often to ask before the controller counts as silent: over 6 s, in which the
+/// controller may be erasing flash.
+const ATTEMPTS: u32 = 160;
 
 /// A conversation with a controller over a line whose reads give up in time
 /// ([`ErrorKind::TimedOut`]).
@@ -30,7 +36,7 @@ pub struct Conversation<L> {
 pub enum LinkError {
     /// Nothing came.
     #[error(
-        "the controller is silent: asked {ATTEMPTS} times in {:.0} s; is it powered and the \
+        "the controller is silent: asked {ATTEMPTS} times in {:.0} s; is it powered, is it the \
          right port, and does it run this firmware?",
         (REPLY * ATTEMPTS).as_secs_f64()
     )]
@@ -69,7 +75,7 @@ impl<L: Read + Write> Conversation<L> {
         };
         let hello = Order::Hello {
             version: VERSION,
-            session: std::process::id(),
+            session: new_session(),
         };
         match conversation.ask(hello)? {
             Reply::Hello(identity) if identity.version == VERSION => Ok((conversation, identity)),
@@ -113,9 +119,67 @@ impl<L: Read + Write> Conversation<L> {
         }
     }
 
+    /// The controller's status, and how many moves it can take.
+    ///
+    /// # Errors
+    /// A silent or broken line.
+    pub fn status(&mut self) -> Result<(Status, u8), LinkError> {
+        match self.ask(Order::Status)? {
+            Reply::Status { status, room } => Ok((status, room)),
+            other => Err(confused(&Order::Status, &other)),
+        }
+    }
+
+    /// The settings in use, section by section into `settings`.
+    ///
+    /// # Errors
+    /// A silent or broken line.
+    pub fn read_settings(&mut self, settings: &mut Settings) -> Result<(), LinkError> {
+        for key in SectionKey::ALL {
+            let order = Order::GetSection(key);
+            match self.ask(order)? {
+                Reply::Section(section) if section.put(settings).is_some() => {}
+                other => return Err(confused(&order, &other)),
+            }
+        }
+        Ok(())
+    }
+
+    /// Puts settings to use, whole or not at all.
+    ///
+    /// # Errors
+    /// A silent or broken line; a refusal is the inner error.
+    pub fn write_settings(
+        &mut self,
+        settings: &Settings,
+    ) -> Result<Result<(), Refusal>, LinkError> {
+        for section in SectionKey::ALL.iter().filter_map(|key| key.of(settings)) {
+            if let Err(refusal) = self.order(Order::SetSection(section))? {
+                return Ok(Err(refusal));
+            }
+        }
+        self.order(Order::ApplySettings)
+    }
+
+    /// Lets one read's time pass and keeps the samples that come.
+    ///
+    /// # Errors
+    /// A broken line.
+    pub fn listen(&mut self) -> Result<(), LinkError> {
+        if let Some(ControllerMessage::Telemetry(sample)) = self.next_message()? {
+            self.telemetry.push_back(sample);
+        }
+        Ok(())
+    }
+
     /// The oldest sample that came meanwhile.
     pub fn take_telemetry(&mut self) -> Option<Telemetry> {
         self.telemetry.pop_front()
+    }
+
+    /// The line itself.
+    pub fn line(&mut self) -> &mut L {
+        &mut self.line
     }
 
     /// How often an order had to be sent again.
@@ -126,14 +190,16 @@ impl<L: Read + Write> Conversation<L> {
     /// The reply with this number, if it comes in time.
     fn reply_to(&mut self, sequence: Sequence) -> Result<Option<Reply>, LinkError> {
         let deadline = Instant::now() + REPLY;
-        while Instant::now() < deadline {
+        let mut idle_reads = 0;
+        while Instant::now() < deadline && idle_reads < IDLE_READS {
             match self.next_message()? {
                 Some(ControllerMessage::Reply { sequence: s, reply }) if s == sequence => {
                     return Ok(Some(reply));
                 }
                 Some(ControllerMessage::Telemetry(sample)) => self.telemetry.push_back(sample),
-                // A late reply to an order asked twice, or nothing yet.
-                Some(ControllerMessage::Reply { .. }) | None => {}
+                // A late reply to an order asked twice.
+                Some(ControllerMessage::Reply { .. }) => {}
+                None => idle_reads += u32::from(self.unread.is_empty()),
             }
         }
         Ok(None)
@@ -155,6 +221,16 @@ impl<L: Read + Write> Conversation<L> {
         }
         Ok(None)
     }
+}
+
+/// A number that no conversation has had lately.
+fn new_session() -> u32 {
+    static OPENED: AtomicU32 = AtomicU32::new(0);
+    let opened = OPENED.fetch_add(1, Ordering::Relaxed);
+    let now = SystemTime::now().duration_since(UNIX_EPOCH);
+    let now = now.map_or(0, |now| now.as_micros() as u32);
+    now.wrapping_add(opened)
+        .wrapping_add(std::process::id() << 16)
 }
 
 fn confused(order: &Order, reply: &Reply) -> LinkError {

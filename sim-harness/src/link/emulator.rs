@@ -1,5 +1,6 @@
 //! An emulated STM32F405 in a process of its own, its serial line a local TCP connection.
 
+use super::READ;
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
@@ -10,8 +11,6 @@ use std::time::{Duration, Instant};
 const QEMU: &str = "qemu-system-arm";
 /// How long the emulator may take to start.
 const START: Duration = Duration::from_secs(10);
-/// How long a read waits for a byte.
-const READ: Duration = Duration::from_millis(200);
 
 /// A running emulated board; it ends with this value.
 #[derive(Debug)]

@@ -1,5 +1,6 @@
 //! What a run needs of a controller.
 
+use super::LinkError;
 use fivebar_firmware::controller::{Refusal, Request};
 use fivebar_firmware::planner::MoveRefusal;
 use fivebar_firmware::{Command, Move, Sensed, Status};
@@ -45,6 +46,12 @@ pub enum TargetError {
     /// The controller refused a move.
     #[error("line {}: {_0}", _0.tag)]
     Move(MoveRefusal),
+    /// There is no answer.
+    #[error(transparent)]
+    Link(#[from] LinkError),
+    /// The answer is not one to the question.
+    #[error("the controller answers a question of the run with {0}")]
+    Unexpected(String),
     /// A joint did not find its home switch in time.
     #[error("the joints did not find their home switches within {0} s")]
     NeverHomed(f64),

@@ -1,0 +1,245 @@
+//! A controller at the other end of a line, its plant at this end, and a twin of it in this
+//! process that is told the same and must answer with the same bits.
+
+use super::{Conversation, InProcess, LinkError, Target, TargetError};
+use fivebar_firmware::controller::Request;
+use fivebar_firmware::planner::Reason;
+use fivebar_firmware::protocol::{Identity, Order, Refusal, Reply, Ticked};
+use fivebar_firmware::settings::SettingsError;
+use fivebar_firmware::{Command, Move, Sensed, Settings, Status};
+use std::io::{Read, Write};
+
+/// Ticks without another order after which the status is asked for, as a sign of life.
+const LONGEST_SILENCE: u32 = 400;
+
+/// A [`Target`] that makes its ticks elsewhere and checks each.
+pub struct Lockstep<L> {
+    conversation: Conversation<L>,
+    twin: InProcess,
+    silence: u32,
+    instructions: Instructions,
+    ticks: u64,
+    first_difference: Option<Difference>,
+}
+
+/// Instructions per tick, as counted at the other end.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Instructions {
+    /// Fewest in a tick.
+    pub min: u32,
+    /// Most in a tick.
+    pub max: u32,
+    /// In all ticks together.
+    pub total: u64,
+}
+
+/// The first bits that differ.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Difference {
+    /// The tick, counted from 1.
+    pub tick: u64,
+    /// What differs.
+    pub field: &'static str,
+    /// In this process.
+    pub here: String,
+    /// At the other end.
+    pub there: String,
+}
+
+/// Why a run in lockstep cannot begin.
+#[derive(Debug, thiserror::Error)]
+pub enum LockstepError {
+    /// The line is silent or broken.
+    #[error(transparent)]
+    Link(#[from] LinkError),
+    /// The twin's settings are not sound.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+    /// The other end does not take the settings.
+    #[error("the controller refuses the settings: {0:?}")]
+    Refused(Refusal),
+}
+
+impl<L: Read + Write> Lockstep<L> {
+    /// Gives the other end `settings` and the twin `twin`'s, which are the same except
+    /// where a difference is wanted.
+    ///
+    /// # Errors
+    /// No conversation, or refused settings.
+    pub fn begin(
+        line: L,
+        settings: &Settings,
+        twin: &Settings,
+    ) -> Result<(Self, Identity), LockstepError> {
+        let twin = InProcess::new(twin)?;
+        let (mut conversation, identity) = Conversation::open(line)?;
+        conversation
+            .write_settings(settings)?
+            .map_err(LockstepError::Refused)?;
+        let lockstep = Self {
+            conversation,
+            twin,
+            silence: 0,
+            instructions: Instructions::default(),
+            ticks: 0,
+            first_difference: None,
+        };
+        Ok((lockstep, identity))
+    }
+
+    /// Ticks made.
+    pub fn ticks(&self) -> u64 {
+        self.ticks
+    }
+
+    /// Instructions per tick so far.
+    pub fn instructions(&self) -> Instructions {
+        self.instructions
+    }
+
+    /// The first bits that were not the twin's.
+    pub fn first_difference(&self) -> Option<&Difference> {
+        self.first_difference.as_ref()
+    }
+
+    /// The conversation with the other end.
+    pub fn conversation(&mut self) -> &mut Conversation<L> {
+        &mut self.conversation
+    }
+
+    fn ask(&mut self, order: Order) -> Result<Reply, TargetError> {
+        self.silence = 0;
+        Ok(self.conversation.ask(order)?)
+    }
+
+    fn note(&mut self, difference: Option<(&'static str, String, String)>) {
+        if let (None, Some((field, here, there))) = (&self.first_difference, difference) {
+            self.first_difference = Some(Difference {
+                tick: self.ticks,
+                field,
+                here,
+                there,
+            });
+        }
+    }
+
+    fn count(&mut self, instructions: u32) {
+        let Instructions { min, max, total } = &mut self.instructions;
+        *min = if self.ticks == 1 {
+            instructions
+        } else {
+            instructions.min(*min)
+        };
+        *max = instructions.max(*max);
+        *total += u64::from(instructions);
+    }
+}
+
+impl<L: Read + Write> Target for Lockstep<L> {
+    fn tick(&mut self, sensed: &Sensed) -> Result<(Command, Status), TargetError> {
+        self.silence += 1;
+        if self.silence >= LONGEST_SILENCE {
+            self.ask(Order::Status)?;
+        }
+        let there = match self.conversation.ask(Order::Tick(*sensed))? {
+            Reply::Ticked(ticked) => ticked,
+            reply => return Err(unexpected(&reply)),
+        };
+        let (command, status) = self.twin.tick(sensed)?;
+        let here = Ticked::new(command, &status, there.instructions);
+        self.ticks += 1;
+        self.count(there.instructions);
+        self.note(difference(&here, &there));
+        let status = Status {
+            state: there.state,
+            fault: there.fault,
+            angle: there.angle,
+            velocity: there.velocity,
+            tool: there.tool,
+            current_demand: there.current_demand,
+            ..status
+        };
+        Ok((there.command, status))
+    }
+
+    fn request(&mut self, request: Request) -> Result<(), TargetError> {
+        let here = self.twin.request(request);
+        let there = match self.ask(Order::Request(request))? {
+            Reply::Done => Ok(()),
+            Reply::Refused(Refusal::Request(refusal)) => {
+                Err(TargetError::Request { request, refusal })
+            }
+            reply => Err(unexpected(&reply)),
+        };
+        if here.is_ok() != there.is_ok() {
+            self.note(Some(("request", words(&here), words(&there))));
+        }
+        there
+    }
+
+    fn offer(&mut self, next: &Move) -> Result<bool, TargetError> {
+        let here = self.twin.offer(next);
+        let there = match self.ask(Order::Move(*next))? {
+            Reply::Taken { .. } => Ok(true),
+            Reply::Refused(Refusal::Move(refusal)) if refusal.reason == Reason::Full => Ok(false),
+            Reply::Refused(Refusal::Move(refusal)) => Err(TargetError::Move(refusal)),
+            reply => Err(unexpected(&reply)),
+        };
+        if words(&here) != words(&there) {
+            self.note(Some(("move", words(&here), words(&there))));
+        }
+        there
+    }
+
+    fn is_idle(&self) -> bool {
+        self.twin.is_idle()
+    }
+}
+
+fn unexpected(reply: &Reply) -> TargetError {
+    TargetError::Unexpected(format!("{reply:?}"))
+}
+
+fn words<T: std::fmt::Debug>(outcome: &Result<T, TargetError>) -> String {
+    match outcome {
+        Ok(value) => format!("{value:?}"),
+        Err(error) => error.to_string(),
+    }
+}
+
+/// The first field whose bits differ, as it is here and there.
+fn difference(here: &Ticked, there: &Ticked) -> Option<(&'static str, String, String)> {
+    let bits = |pair: [f32; 2]| pair.map(f32::to_bits);
+    let tool = |ticked: &Ticked| ticked.tool.map(bits);
+    let pairs = [
+        ("duty", here.command.duty, there.command.duty),
+        ("angle", here.angle, there.angle),
+        ("velocity", here.velocity, there.velocity),
+        ("current_demand", here.current_demand, there.current_demand),
+    ];
+    let discrete = |ticked: &Ticked| {
+        let Ticked {
+            command,
+            tick,
+            state,
+            fault,
+            ..
+        } = *ticked;
+        (command.enable, command.brake, tick, state, fault)
+    };
+    if discrete(here) != discrete(there) {
+        let show = |ticked| format!("{:?}", discrete(ticked));
+        return Some(("enable, brake, tick, state, fault", show(here), show(there)));
+    }
+    if tool(here) != tool(there) {
+        return Some((
+            "tool",
+            format!("{:?}", here.tool),
+            format!("{:?}", there.tool),
+        ));
+    }
+    pairs
+        .into_iter()
+        .find(|&(_, here, there)| bits(here) != bits(there))
+        .map(|(field, here, there)| (field, format!("{here:?}"), format!("{there:?}")))
+}

@@ -1,0 +1,135 @@
+//! A controller in this process behind a line of bytes, as if it were a board.
+
+use fivebar_firmware::protocol::{Board as Kind, Decoder, HostMessage, Identity, Reset};
+use fivebar_firmware::session::{Board, Session};
+use fivebar_firmware::settings::SettingsError;
+use fivebar_firmware::storage::StorageError;
+use fivebar_firmware::{Command, Controller, Planner, Sensed, Settings};
+use std::collections::VecDeque;
+use std::io::{self, ErrorKind, Read, Write};
+
+/// Ticks that pass while a read waits in vain: 10 ms at 10 kHz.
+const TICKS_PER_READ: u32 = 100;
+
+/// What moves between two ticks of a controller that has its own clock.
+pub type Plant = Box<dyn FnMut(&Command) -> Sensed + Send>;
+
+/// Both ends of a perfect line, and the firmware's session behind it. Time passes only
+/// while the host waits, so what happens does not depend on how fast this machine is.
+pub struct Loopback {
+    session: Session,
+    controller: Controller,
+    planner: Planner,
+    board: Desktop,
+    decoder: Decoder<HostMessage>,
+    /// Bytes on their way to the host.
+    out: VecDeque<u8>,
+}
+
+/// The board: settings are kept as long as it lives.
+struct Desktop {
+    saved: Option<Settings>,
+    /// Its own plant and its last command; none in lockstep with the host.
+    plant: Option<(Plant, Command)>,
+}
+
+impl Board for Desktop {
+    fn save(&mut self, settings: &Settings) -> Result<(), StorageError> {
+        self.saved = Some(*settings);
+        Ok(())
+    }
+
+    fn tick(&mut self, controller: &mut Controller, sensed: &Sensed) -> Option<(Command, u32)> {
+        match self.plant {
+            Some(_) => None,
+            None => Some((controller.tick(sensed), 0)),
+        }
+    }
+}
+
+impl Loopback {
+    /// A board whose sensors and bridges are the host's frames.
+    ///
+    /// # Errors
+    /// The first setting that is not sound.
+    pub fn lockstep(settings: &Settings) -> Result<Self, SettingsError> {
+        Self::new(settings, None)
+    }
+
+    /// A board that ticks by itself and moves `plant`.
+    ///
+    /// # Errors
+    /// The first setting that is not sound.
+    pub fn driving(settings: &Settings, plant: Plant) -> Result<Self, SettingsError> {
+        Self::new(settings, Some((plant, Command::default())))
+    }
+
+    fn new(settings: &Settings, plant: Option<(Plant, Command)>) -> Result<Self, SettingsError> {
+        let identity = Identity::new(Kind::Desktop, Reset::Power);
+        Ok(Self {
+            session: Session::new(identity, settings, true),
+            controller: Controller::new(settings)?,
+            planner: Planner::new(settings)?,
+            board: Desktop { saved: None, plant },
+            decoder: Decoder::new(),
+            out: VecDeque::new(),
+        })
+    }
+
+    /// The settings saved last.
+    pub fn saved(&self) -> Option<&Settings> {
+        self.board.saved.as_ref()
+    }
+
+    /// Lets a board with its own clock go on.
+    fn pass_time(&mut self) {
+        let Some((plant, command)) = &mut self.board.plant else {
+            return;
+        };
+        for _ in 0..TICKS_PER_READ {
+            self.planner.run(&mut self.controller);
+            *command = self.controller.tick(&plant(command));
+        }
+        self.send_telemetry();
+    }
+
+    fn send_telemetry(&mut self) {
+        if let Some(frame) = self.session.telemetry(&mut self.controller) {
+            self.out.extend(&frame);
+        }
+    }
+}
+
+impl Read for Loopback {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        if self.out.is_empty() {
+            self.pass_time();
+        }
+        if self.out.is_empty() {
+            return Err(ErrorKind::TimedOut.into());
+        }
+        self.out.read(bytes)
+    }
+}
+
+impl Write for Loopback {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        for &byte in bytes {
+            if let Some(Ok(message)) = self.decoder.feed(byte) {
+                let answer = self.session.answer(
+                    &message,
+                    &mut self.controller,
+                    &mut self.planner,
+                    &mut self.board,
+                );
+                self.out.extend(answer.iter().flatten());
+                self.send_telemetry();
+            }
+        }
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}

@@ -1,0 +1,56 @@
+//! The benchtop arm, simulated, and a small drawing for it.
+
+#![allow(dead_code, reason = "each test file uses its own part")]
+
+use fivebar::link::Target;
+use fivebar::plant::{Mismatch, Plant};
+use fivebar::robot::{BuiltIn, Robot};
+use fivebar::run::{Record, Simulation};
+use fivebar_firmware::{Move, MoveKind};
+
+pub(crate) fn robot() -> Robot {
+    Robot::load(BuiltIn::DEFAULT).expect("the default robot")
+}
+
+/// The arm, somewhat before its home switches.
+pub(crate) fn plant() -> Plant {
+    let robot = robot();
+    let before = |joint: usize| match robot.settings().expect("masses").axes[joint].home_forward {
+        true => -0.03,
+        false => 0.03,
+    };
+    let pose = robot
+        .pose_near_home([before(0), before(1)])
+        .expect("a pose");
+    Plant::new(&robot, &Mismatch::default(), &pose, 7).expect("masses")
+}
+
+/// A line, a half circle, a dwell and back, from wherever the tool is at home.
+pub(crate) fn moves() -> Vec<Move> {
+    let robot = robot();
+    let [x, y] = robot.best_point().expect("a point").map(|x| x as f32);
+    let feed = 0.3;
+    let kinds = [
+        MoveKind::Line { to: [x, y], feed },
+        MoveKind::Arc {
+            to: [x + 0.02, y],
+            center: [x + 0.01, y],
+            clockwise: true,
+            feed,
+        },
+        MoveKind::Dwell { duration: 0.02 },
+        MoveKind::Line { to: [x, y], feed },
+    ];
+    (1..)
+        .zip(kinds)
+        .map(|(tag, kind)| Move { tag, kind })
+        .collect()
+}
+
+/// The drawing under a controller.
+pub(crate) fn run(target: &mut impl Target) -> Record {
+    let rate = robot().control.tick_rate;
+    Simulation::new(target, plant(), rate)
+        .run(&moves(), &[], &mut |_| ())
+        .expect("nothing is refused")
+}

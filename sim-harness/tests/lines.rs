@@ -1,0 +1,146 @@
+//! Controllers behind good, bad and dead lines.
+
+mod arm;
+
+use fivebar::link::{
+    Conversation, Faulty, InProcess, LinkError, Lockstep, Loopback, Mishaps, Tracer,
+};
+use fivebar_firmware::protocol::{Order, Reply};
+use fivebar_firmware::safety::{Fault, State};
+use fivebar_firmware::{Command, Move, MoveKind, Request, Sensed, Settings};
+
+fn settings() -> Settings {
+    arm::robot().settings().expect("masses")
+}
+
+fn lockstep() -> Loopback {
+    Loopback::lockstep(&settings()).expect("sound settings")
+}
+
+/// The benchtop arm on a board with its own clock.
+fn driving() -> Loopback {
+    let mut plant = arm::plant();
+    let period = 1.0 / arm::robot().control.tick_rate;
+    let step = move |command: &Command| -> Sensed {
+        plant.step(command, period);
+        plant.sense()
+    };
+    Loopback::driving(&settings(), Box::new(step)).expect("sound settings")
+}
+
+#[test]
+fn a_run_over_a_line_is_the_run_in_this_process_bit_by_bit() {
+    let here = arm::run(&mut InProcess::new(&settings()).expect("sound settings"));
+    assert!(here.faults.is_empty(), "{:?}", here.faults);
+    assert!(here.ticks > 5000);
+
+    let (mut there, _) = Lockstep::begin(lockstep(), &settings(), &settings()).expect("a line");
+    let record = arm::run(&mut there);
+    assert_eq!(there.first_difference(), None);
+    assert_eq!(there.ticks(), here.ticks);
+    assert_eq!(record.tip_error, here.tip_error);
+    assert_eq!(record.peak_torque, here.peak_torque);
+}
+
+#[test]
+fn one_other_gain_is_told_by_its_first_bits() {
+    let mut other = settings();
+    other.control.bandwidth *= 1.0001;
+    let (mut there, _) = Lockstep::begin(lockstep(), &settings(), &other).expect("a line");
+    arm::run(&mut there);
+    let difference = there.first_difference().expect("a difference");
+    assert_eq!(difference.field, "duty", "{difference:?}");
+    assert_ne!(difference.here, difference.there);
+}
+
+#[test]
+fn no_mishap_of_a_line_changes_a_bit_of_the_run() {
+    let one = |change: fn(&mut Mishaps)| {
+        let mut mishaps = Mishaps::default();
+        change(&mut mishaps);
+        mishaps
+    };
+    let all = Mishaps {
+        dropped: 0.01,
+        repeated: 0.01,
+        overtaken: 0.01,
+        corrupt: 0.01,
+        garbage: 0.01,
+    };
+    let cases = [
+        ("dropped", one(|m| m.dropped = 0.02)),
+        ("repeated", one(|m| m.repeated = 0.05)),
+        ("overtaken", one(|m| m.overtaken = 0.02)),
+        ("corrupt", one(|m| m.corrupt = 0.02)),
+        ("garbage", one(|m| m.garbage = 0.05)),
+        ("all", all),
+    ];
+    for (seed, (name, mishaps)) in (1..).zip(cases) {
+        let line = Faulty::new(lockstep(), mishaps, seed);
+        let (mut there, _) = Lockstep::begin(line, &settings(), &settings()).expect("a line");
+        let record = arm::run(&mut there);
+        assert_eq!(there.first_difference(), None, "{name}");
+        assert!(record.faults.is_empty(), "{name}: {:?}", record.faults);
+        let mishaps = there.conversation().line().mishaps();
+        assert!(mishaps > 50, "{name}: {mishaps} mishaps prove little");
+    }
+}
+
+#[test]
+fn a_silent_controller_is_told_in_words() {
+    let mut line = Faulty::new(lockstep(), Mishaps::default(), 1);
+    line.fall_silent_after(0);
+    let error = Conversation::open(line).err().expect("nobody is there");
+    assert!(matches!(error, LinkError::Silent));
+    assert!(error.to_string().contains("is it powered"), "{error}");
+}
+
+#[test]
+fn a_host_that_falls_silent_lets_the_arm_stop_on_its_path() {
+    let line = Faulty::new(driving(), Mishaps::default(), 1);
+    let (mut conversation, _) = Conversation::open(line).expect("a line");
+    let mut order = |order| conversation.order(order).expect("a line").expect("obeyed");
+    let theta = arm::plant();
+    let angles = [theta.angle(0), theta.angle(1)].map(|angle| angle as f32);
+    order(Order::Request(Request::SetAngles(angles)));
+    order(Order::Request(Request::Arm));
+    let [x, y] = arm::robot()
+        .best_point()
+        .expect("a point")
+        .map(|x| x as f32);
+    order(Order::Move(Move {
+        tag: 1,
+        kind: MoveKind::Line {
+            to: [x, y],
+            feed: 0.05,
+        },
+    }));
+    // The arm moves, and nothing is said for 0.3 s.
+    for _ in 0..30 {
+        conversation.listen().expect("a line");
+    }
+    let (status, _) = conversation.status().expect("a line");
+    assert_eq!(status.state, State::Fault);
+    assert_eq!(status.fault, Some(Fault::CommandTimeout));
+    assert_eq!(status.missed_ticks, 0);
+    let reply = conversation
+        .ask(Order::Request(Request::Arm))
+        .expect("a line");
+    assert!(matches!(reply, Reply::Refused(_)), "{reply:?}");
+}
+
+#[test]
+fn a_tracer_writes_down_both_sides() {
+    let mut log = Vec::new();
+    let line = Tracer::new(lockstep(), &mut log);
+    let (mut conversation, _) = Conversation::open(line).expect("a line");
+    conversation.status().expect("a line");
+    drop(conversation);
+    let log = String::from_utf8(log).expect("text");
+    let lines: Vec<_> = log.lines().collect();
+    assert_eq!(lines.len(), 4, "{log}");
+    assert!(lines[0].starts_with("> HostMessage") && lines[0].contains("Hello"));
+    assert!(lines[1].starts_with("< Reply") && lines[1].contains("Desktop"));
+    assert!(lines[2].contains("order: Status"));
+    assert!(lines[3].contains("state: Stopped"));
+}
