@@ -70,7 +70,11 @@ pub(super) fn masses(driven: &DrivenLinkage) -> Vec<Vec<String>> {
             link.name.clone(),
             format!("{} kg", body.mass),
             format!("({}, {}) m", body.com.x, body.com.y),
-            format!("{:e} kg·m²", body.inertia),
+            if body.inertia == 0.0 {
+                "–".into()
+            } else {
+                format!("{:e} kg·m²", body.inertia)
+            },
         ]
     });
     let points = driven.linkage.points().iter();

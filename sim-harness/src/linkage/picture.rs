@@ -3,7 +3,7 @@
 use super::DrivenLinkage;
 use crate::report::{Animation, Body, Point, Trace};
 use fivebar_kinematics::Vec2;
-use fivebar_kinematics::linkage::{Element, Group, LinkId, Solved, Sweep};
+use fivebar_kinematics::linkage::{Element, Group, LinkId, LinkMotion, Sample, Solved, Sweep};
 
 /// A sweep takes at least so long to watch [s].
 const SHORTEST: f64 = 5.0;
@@ -14,7 +14,8 @@ const SLIDER: f64 = 0.04;
 pub(super) fn animation(driven: &DrivenLinkage, sweep: &Sweep) -> Animation {
     let slowing = (SHORTEST / driven.duration).max(1.0);
     let caption = if slowing > 1.0 {
-        format!("{} in motion, {slowing:.3} times slowed", driven.name)
+        let slowing = (slowing * 100.0).round() / 100.0;
+        format!("{} in motion, {slowing} times slowed", driven.name)
     } else {
         format!("{} in motion", driven.name)
     };
@@ -23,11 +24,12 @@ pub(super) fn animation(driven: &DrivenLinkage, sweep: &Sweep) -> Animation {
     let size = SLIDER * extent(sweep);
     for element in driven.linkage.elements() {
         for (position, link) in element.links().enumerate() {
-            let outline = |solved: &Solved| outline(driven, element, position, link, solved, size);
-            animation.bodies.push(Body {
-                name: String::new(),
-                frames: frames(sweep, outline),
-            });
+            let chain = |solved: &Solved| chain(driven, element, position, link, solved);
+            animation.bodies.push(body(sweep, chain));
+            if is_slider(&element.group, position) {
+                let block = |solved: &Solved| block(&solved.motion.links[link.index()], size);
+                animation.bodies.push(body(sweep, block));
+            }
         }
     }
     for (name, points) in curves(driven, sweep) {
@@ -63,70 +65,72 @@ pub(super) fn curves(driven: &DrivenLinkage, sweep: &Sweep) -> Vec<(String, Vec<
         .collect()
 }
 
-/// The frames of one outline, as many points in each.
-fn frames(sweep: &Sweep, outline: impl Fn(&Solved) -> Vec<Point>) -> Vec<Vec<Point>> {
-    let solved = |i: usize| sweep.samples[i].solved.as_ref().ok();
-    let count = (0..sweep.samples.len())
+/// What one outline looks like at each instant: nowhere while the linkage does not close.
+fn body(sweep: &Sweep, outline: impl Fn(&Solved) -> Vec<Point>) -> Body {
+    let solved = |sample: &Sample| sample.solved.as_ref().ok().map(&outline);
+    let count = sweep
+        .samples
+        .iter()
         .find_map(solved)
-        .map_or(0, |solved| outline(solved).len());
+        .map_or(0, |outline| outline.len());
     let nowhere = vec![[f64::NAN; 2]; count];
-    (0..sweep.samples.len())
-        .map(|i| solved(i).map_or_else(|| nowhere.clone(), &outline))
-        .collect()
+    let frames = sweep.samples.iter();
+    Body {
+        name: String::new(),
+        frames: frames
+            .map(|sample| solved(sample).unwrap_or_else(|| nowhere.clone()))
+            .collect(),
+    }
 }
 
-/// A bar as the chain of its points, closed if there are more than two; a slider as a box
-/// about its origin with whatever is fixed to it.
-fn outline(
+/// Whether a link is drawn as a block.
+fn is_slider(group: &Group<f64>, position: usize) -> bool {
+    match group {
+        Group::Crank { .. } | Group::Rrr { .. } => false,
+        Group::Rrp { .. } | Group::Rpr { .. } => position == 1,
+        Group::Slider { .. } | Group::Prp { .. } | Group::Rpp { .. } => true,
+    }
+}
+
+/// A link as the chain of its points from its origin to its far end; that of a bar is
+/// closed if it has more than two.
+fn chain(
     driven: &DrivenLinkage,
     element: &Element<f64>,
     position: usize,
     link: LinkId,
     solved: &Solved,
-    size: f64,
 ) -> Vec<Point> {
-    let motion = &solved.motion.links[link.index()];
-    let origin = motion.origin.position;
-    let own = driven.linkage.points().iter().enumerate();
-    let mut places: Vec<Vec2<f64>> = own
-        .filter(|(_, point)| point.link == link && point.local.is_some())
-        .map(|(i, _)| solved.motion.points[i].position)
-        .collect();
-    let is_slider = match element.group {
-        Group::Crank { .. } | Group::Rrr { .. } => false,
-        Group::Rrp { .. } | Group::Rpr { .. } => position == 1,
-        Group::Slider { .. } | Group::Prp { .. } | Group::Rpp { .. } => true,
-    };
-    let pin = || Some(solved.motion.points[element.joint()?.index()].position);
-    let other = |link: usize| Some(solved.motion.links[link].origin.position);
-    let far_end = match element.group {
+    let motion = &solved.motion;
+    let origin = motion.links[link.index()].origin.position;
+    let mut chain = vec![origin];
+    for (point, moving) in driven.linkage.points().iter().zip(&motion.points) {
+        if point.link == link && point.local.is_some() {
+            chain.push(moving.position);
+        }
+    }
+    let pin = || Some(motion.points[element.joint()?.index()].position);
+    let other = |link: usize| Some(motion.links[link].origin.position);
+    chain.extend(match element.group {
         Group::Rrr { .. } => pin(),
         Group::Rrp { .. } if position == 0 => pin(),
         Group::Rpr { .. } if position == 0 => other(link.index() + 1),
         Group::Rpp { .. } if position == 1 => other(link.index() - 1),
         _ => None,
-    };
-    places.extend(far_end);
-    let mut outline = vec![origin];
-    if is_slider {
-        let (u, n) = (motion.axis * size, motion.axis.perp() * (0.5 * size));
-        outline = vec![
-            origin + u + n,
-            origin - u + n,
-            origin - u - n,
-            origin + u - n,
-            origin + u + n,
-        ];
-        if !places.is_empty() {
-            outline.push(origin);
-        }
+    });
+    if chain.len() > 2 && !is_slider(&element.group, position) {
+        chain.push(origin);
     }
-    let closes = !is_slider && places.len() > 1;
-    outline.extend(places);
-    if closes {
-        outline.push(origin);
-    }
-    outline.into_iter().map(pair).collect()
+    chain.into_iter().map(pair).collect()
+}
+
+/// A slider as a block about its origin.
+fn block(slider: &LinkMotion<f64>, size: f64) -> Vec<Point> {
+    let (u, n) = (slider.axis * size, slider.axis.perp() * (0.5 * size));
+    let corners = [u + n, n - u, -u - n, u - n, u + n];
+    corners
+        .map(|corner| pair(slider.origin.position + corner))
+        .into()
 }
 
 /// The triangle under a fixed pivot.

@@ -25,17 +25,23 @@ fn key_figures(page: &mut Page, summary: &Summary) {
     if angle.is_finite() {
         figures.push(("least transmission angle", format!("{angle:.1}°")));
     }
-    for range in &summary.driving {
-        let peak = range.max.abs().max(range.min.abs());
-        figures.push(("peak drive", quantity(peak, range.unit)));
-    }
+    let drives = summary.driving.iter();
+    let drives: Vec<_> = drives
+        .map(|range| {
+            let peak = range.max.abs().max(range.min.abs());
+            let name = format!("peak drive, {}", range.of);
+            (name, quantity(peak, range.unit))
+        })
+        .collect();
+    figures.extend(
+        drives
+            .iter()
+            .map(|(name, peak)| (name.as_str(), peak.clone())),
+    );
     let peak = summary.peak_reactions.iter().map(|peak| peak.force_n);
     figures.push(("peak joint force", quantity(peak.fold(0.0, f64::max), "N")));
     let share = summary.closed as f64 / summary.samples as f64;
-    figures.push((
-        "closes over",
-        format!("{:.0} % of the sweep", 100.0 * share),
-    ));
+    figures.push(("closes over", format!("{:.0} %", 100.0 * share)));
     page.key_figures(&figures);
 }
 
