@@ -1,6 +1,7 @@
 //! The command line: one module per subcommand, each with its arguments and a `run`.
 
 mod accuracy;
+mod demo;
 mod failure;
 mod linkage;
 mod mobility;
@@ -14,12 +15,15 @@ use std::process::ExitCode;
 
 pub use failure::Failure;
 
-/// Simulate, check and drive a planar five-bar arm.
+/// Simulate, check and drive a planar five-bar arm. Without a command: the demonstration, a
+/// drawing job done by the simulated default arm.
 #[derive(Parser)]
-#[command(version, about)]
+#[command(version, about, args_conflicts_with_subcommands = true)]
 struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
+    #[command(flatten)]
+    demo: demo::Args,
 }
 
 #[derive(Subcommand)]
@@ -36,7 +40,7 @@ enum Command {
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let outcome: Result<(), Failure> = match cli.command {
-        None => Ok(()),
+        None => demo::run(&cli.demo),
         Some(command) => match command {
             Command::Accuracy(args) => accuracy::run(&args),
             Command::Linkage(args) => linkage::run(&args),

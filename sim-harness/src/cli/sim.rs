@@ -58,6 +58,7 @@ pub(super) fn simulate(scenario: &Scenario, out: &Path, json: bool) -> Result<()
     folder
         .write(&[
             ("report.html", &report.page().render()),
+            ("picture.svg", &report.picture().unwrap_or_default()),
             ("trace.csv", &record.trace.to_csv()),
             ("summary.json", &text),
         ])
