@@ -12,7 +12,7 @@
 
 use super::number::{max, min};
 use super::plan::{Motion, Plan};
-use super::queue::Queue;
+use super::queue::{Queue, Span};
 use super::ramp::{Caps, greatest_entry_speed};
 use crate::Scalar;
 
@@ -41,18 +41,16 @@ impl<S: Scalar, const N: usize> Horizon<'_, S, N> {
         }
         let mut best: Option<(Plan<S>, S, S)> = None;
         let on_time = S::from_f64(0.99);
-        // The time from the boundary to the end of the run, at the boundaries' speeds: what
-        // a plan that arrives with that speed can count on, and too little for one that is
-        // still gathering speed, which must therefore be the faster one to be preferred.
+        // The time from the boundary to the end of the run, passing each boundary at its
+        // speed: what a plan that arrives with that speed can count on, and too little for
+        // one that is still gathering speed, which must therefore be the faster one to be
+        // preferred.
         let mut rest = S::ZERO;
-        let mut beyond = way;
         for boundary in (1..=spans).rev() {
             let &(way, caps) = ahead.get(boundary - 1)?;
-            let sum = speed_at(boundary) + speed_at(boundary + 1);
-            if beyond > way && sum > S::ZERO {
-                rest = rest + S::TWO * (beyond - way) / sum;
+            if let Some(span) = self.queue.get(boundary).filter(|_| boundary < spans) {
+                rest = rest + passing_time(span, speed_at(boundary), speed_at(boundary + 1));
             }
-            beyond = way;
             // A plan slower than both its boundary and the best would not be chosen.
             let least = best.as_ref().map_or(S::ZERO, |&(_, best_peak, _)| {
                 min(best_peak, speed_at(boundary) * on_time)
@@ -102,6 +100,33 @@ impl<S: Scalar, const N: usize> Horizon<'_, S, N> {
             }
         }
         entry
+    }
+}
+
+/// The time [s] to pass a span from one speed to another: as if by constant acceleration,
+/// or by a plan of its own where that is less.
+///
+/// A long span between two slow corners spends most of its time far above either speed.
+/// Most spans are not such, and making a plan takes a while: one is made where the
+/// acceleration's cap alone, v² = ½(v₀² + v₁²) + aℓ, lets the speed double.
+fn passing_time<S: Scalar>(span: &Span<S>, from: S, to: S) -> S {
+    let (sum, caps) = (from + to, &span.caps);
+    let plain = (sum > S::ZERO).then(|| S::TWO * span.length / sum);
+    let peak_squared = (from * from + to * to) * S::HALF + caps.acceleration * span.length;
+    let planned = if caps.speed > sum && peak_squared > sum * sum {
+        let start = Motion {
+            speed: from,
+            acceleration: S::ZERO,
+        };
+        Plan::over(span.length, start, to, S::ZERO, caps, 1)
+            .filter(|plan| plan.exit >= to * S::from_f64(0.99))
+            .map(|plan| plan.outlook().0)
+    } else {
+        None
+    };
+    match (plain, planned) {
+        (Some(plain), Some(planned)) => min(plain, planned),
+        (one, other) => one.or(other).unwrap_or(S::ZERO),
     }
 }
 

@@ -209,6 +209,22 @@ fn a_fine_polyline_is_passed_at_full_speed() {
     assert!(time < ideal * 1.02, "{time} s instead of {ideal} s");
 }
 
+/// Six full circles through one point: long stretches with a slow corner after each.
+#[test]
+fn slow_corners_do_not_slow_what_lies_between() {
+    let point = V::new(MIDDLE[0], MIDDLE[1]);
+    let circles: Vec<_> = (0..6)
+        .map(|turn| point + V::unit(f64::from(turn)) * 0.016)
+        .map(|centre| Segment::arc(point, point, centre, Sense::Clockwise, 1e-5).unwrap())
+        .collect();
+    let time = |corner_tolerance| -> f64 {
+        let pieces = run(&circles, 0.25, &envelope(corner_tolerance));
+        pieces.iter().map(Piece::duration).sum()
+    };
+    let (rounded, stopped) = (time(5e-5), time(0.0));
+    assert!(rounded < stopped, "{rounded} s against {stopped} s");
+}
+
 #[test]
 fn corners_without_tolerance_are_stopped_at() {
     let envelope = envelope(0.0);
