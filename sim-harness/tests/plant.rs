@@ -56,6 +56,7 @@ fn free() -> (Model, State) {
 
 const FREE: Loads = Loads {
     voltage: [None; 2],
+    joint_torque: [0.0; 2],
     tool_force: Vector2::new(0.0, 0.0),
 };
 
@@ -93,6 +94,7 @@ fn power_in_is_energy_gained() {
         let phase = 40.0 * h * f64::from(step);
         let loads = Loads {
             voltage: [Some(-3.0 * phase.sin()), Some(2.0 * phase.cos())],
+            joint_torque: [0.0; 2],
             tool_force: Vector2::new(0.5, -0.3),
         };
         let powers = |state: &State| {
@@ -141,6 +143,7 @@ fn halving_the_step_changes_the_motion_by_less_than_ten_nanometres() {
     let start = model.state_at(&robot.home_pose().unwrap(), [0.0; 4]);
     let loads = Loads {
         voltage: [Some(-2.0), Some(1.5)],
+        joint_torque: [0.0; 2],
         tool_force: Vector2::zeros(),
     };
     let run = |steps: u32, h: f64| {
@@ -285,4 +288,34 @@ fn faults_come_to_pass_at_their_time() {
         [0.0; 2],
         "the emergency stop cuts the bridges"
     );
+}
+
+#[test]
+fn brakes_hold_the_unpowered_arm_against_gravity_and_its_motion() {
+    let text =
+        include_str!("../robots/usp_2dof.toml").replace("[0.0, 0.0]\nbase", "[0.0, -9.81]\nbase");
+    let robot = Robot::parse("hanging", &text).unwrap();
+    let home = robot.home_pose().unwrap();
+    let mut plant = Plant::new(&robot, &Mismatch::NONE, &home, 1).unwrap();
+    let engaged = Command {
+        brake: true,
+        ..Command::default()
+    };
+    let start = plant.tool();
+    let run = |plant: &mut Plant, command: &Command, ticks| {
+        for _ in 0..ticks {
+            plant.step(command, TICK);
+        }
+    };
+    run(&mut plant, &engaged, 1000);
+    assert!((plant.tool() - start).norm() < 1e-7, "it sags");
+    run(&mut plant, &Command::default(), 400);
+    let speed = plant.state().v[0].angular;
+    assert!(speed.abs() > 1.0, "released, it falls");
+    // 2 N·m on some 3e-3 kg·m² stop this speed within milliseconds.
+    run(&mut plant, &engaged, 300);
+    let caught = plant.tool();
+    run(&mut plant, &engaged, 1000);
+    assert!((plant.tool() - caught).norm() < 1e-7, "caught, it stays");
+    assert!(largest_gap(plant.model(), plant.state()) <= 1e-10);
 }

@@ -146,36 +146,6 @@ prop_compose! {
     }
 }
 
-/// Forward dynamics by Kane's method: M(q) α = τ − h, both taken from inverse dynamics.
-fn kane(
-    robot: &Robot,
-    pose: &Pose<f64>,
-    rates: &Velocities<f64>,
-    torque: [f64; 2],
-    force: Vec2<f64>,
-) -> [f64; 2] {
-    let arm = robot.arm().unwrap();
-    let inverse = |alpha1, alpha4| {
-        let a = robot
-            .geometry
-            .forward_accelerations(pose, rates, alpha1, alpha4)
-            .unwrap();
-        arm.inverse_dynamics(pose, rates, &a, force).unwrap()
-    };
-    let h = inverse(0.0, 0.0);
-    let (one, four) = (inverse(1.0, 0.0), inverse(0.0, 1.0));
-    let m = [
-        [one[0] - h[0], four[0] - h[0]],
-        [one[1] - h[1], four[1] - h[1]],
-    ];
-    let r = [torque[0] - h[0], torque[1] - h[1]];
-    let determinant = m[0][0] * m[1][1] - m[0][1] * m[1][0];
-    [
-        (r[0] * m[1][1] - r[1] * m[0][1]) / determinant,
-        (r[1] * m[0][0] - r[0] * m[1][0]) / determinant,
-    ]
-}
-
 proptest! {
     #![proptest_config(ProptestConfig {
         cases: 2000,
@@ -208,7 +178,8 @@ proptest! {
         let model = Model::new(&robot, &Mismatch::NONE).unwrap();
         let (state, rates) = moving(&model, &robot, &pose, omega);
         let (a, _) = model.accelerations(&state, torque, Vector2::from(force));
-        let expected = kane(&robot, &pose, &rates, torque, Vec2::new(force[0], force[1]));
+        let force = Vec2::new(force[0], force[1]);
+        let expected = robot.arm().unwrap().forward_dynamics(&pose, &rates, torque, force).unwrap();
         let scale = expected.iter().fold(1.0, |m: f64, x| m.max(x.abs()));
         for (a, e) in [a[0].angular, a[3].angular].into_iter().zip(expected) {
             prop_assert!((a - e).abs() <= 1e-8 * scale, "{a} for {e}");

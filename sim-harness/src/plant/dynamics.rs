@@ -34,6 +34,8 @@ pub struct State {
 pub struct Loads {
     /// Voltage at each motor's terminals [V]; none where they float.
     pub voltage: [Option<f64>; 2],
+    /// Torque on each driven joint besides its motor's and its friction [N·m].
+    pub joint_torque: [f64; 2],
     /// Force on the tool [N].
     pub tool_force: Vector2<f64>,
 }
@@ -139,7 +141,9 @@ impl Model {
     }
 
     fn rates(&self, state: &State, loads: &Loads) -> Rates {
-        let torque = self.drive_torque(state);
+        let [torque1, torque4] = self.drive_torque(state);
+        let [extra1, extra4] = loads.joint_torque;
+        let torque = [torque1 + extra1, torque4 + extra4];
         let (a, _) = self.accelerations(state, torque, loads.tool_force);
         let current = [0, 1].map(|j| {
             let omega = state.v[DRIVEN[j]].angular;

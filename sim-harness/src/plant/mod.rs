@@ -6,12 +6,13 @@
 //! |---|---|
 //! | `planar` | bodies and their motion in the plane |
 //! | `chain` | the joints A to E and the forces in them |
-//! | `motor` | windings, gears, friction |
+//! | `motor`, `brake` | windings, gears, friction; what holds an unpowered joint |
 //! | `dynamics` | the state and its integration |
 //! | `sensors`, `noise` | what the controller gets to know |
 //! | `mismatch`, `faults` | how the arm differs from what is believed, and breaks |
 //! | `build` | all this from a robot file |
 
+mod brake;
 mod build;
 mod chain;
 mod dynamics;
@@ -32,6 +33,7 @@ pub use planar::{Body, Planar};
 pub use sensors::JointSensors;
 
 use crate::robot::{KinematicsOnly, Robot};
+use brake::Brake;
 use dynamics::DRIVEN;
 use faults::Broken;
 use fivebar_firmware::{Command, Sensed};
@@ -40,8 +42,8 @@ use nalgebra::Vector2;
 
 /// Steps of the timer that makes the PWM: 168 MHz for 20 kHz, counting up and down.
 const PWM_STEPS: f64 = 4200.0;
-/// A jammed joint is one whose rotor is too heavy to move [kg·m²].
-const JAMMED: f64 = 1e6;
+/// A joint that is held or jammed is one whose link is too heavy to turn [kg·m²].
+const HELD: f64 = 1e6;
 
 /// An arm with its motors, bridges and sensors, and the wear of its seed.
 #[derive(Clone, Debug)]
@@ -49,6 +51,9 @@ pub struct Plant {
     model: Model,
     state: State,
     sensors: [JointSensors; 2],
+    brakes: [Brake; 2],
+    /// Inertia of the driven links when they are free to turn [kg·m²].
+    free_inertia: [f64; 2],
     bus_voltage: f64,
     volts_per_code: f64,
     count_origin: [i32; 2],
@@ -75,8 +80,11 @@ impl Plant {
     ) -> Result<Self, KinematicsOnly> {
         let model = Model::new(robot, mismatch)?;
         let settings = robot.settings()?;
+        let drives = robot.drives()?;
         let mut noise = Noise::new(seed);
         Ok(Self {
+            brakes: drives.map(|drive| Brake::new(drive.brake_torque)),
+            free_inertia: DRIVEN.map(|link| model.chain.bodies[link].inertia),
             state: model.state_at(pose, [0.0; 4]),
             model,
             sensors: [0, 1].map(|joint| JointSensors::new(&settings, mismatch, joint)),
@@ -85,7 +93,10 @@ impl Plant {
             // Incremental counters start anywhere.
             count_origin: [noise.integer(), noise.integer()],
             noise,
-            active: Command::default(),
+            active: Command {
+                brake: true,
+                ..Command::default()
+            },
             time: 0.0,
             pending: Vec::new(),
             broken: Broken::default(),
@@ -130,6 +141,7 @@ impl Plant {
         let applied = std::mem::replace(&mut self.active, *command);
         let loads = Loads {
             voltage: [0, 1].map(|j| self.terminal_voltage(&applied, j)),
+            joint_torque: [0, 1].map(|j| self.brake(j, applied.brake)),
             tool_force: self.tool_force,
         };
         let steps = (period / self.model.longest_step()).ceil().max(1.0);
@@ -150,6 +162,31 @@ impl Plant {
         let duty = f64::from(command.duty[joint]).clamp(-1.0, 1.0);
         let register = (duty * PWM_STEPS).round() as i32;
         Some(f64::from(register) / PWM_STEPS * self.bus_voltage)
+    }
+
+    /// Engages or releases a brake; its torque while it slows its joint down [N·m].
+    fn brake(&mut self, joint: usize, engaged: bool) -> f64 {
+        let omega = self.state.v[DRIVEN[joint]].angular;
+        let brake = &mut self.brakes[joint];
+        let held = brake.holding;
+        brake.set(engaged, omega);
+        let slowing = brake.slowing(engaged, omega);
+        if brake.holding != held {
+            self.hold(joint, !held);
+        }
+        slowing
+    }
+
+    /// Stops a joint from turning, or lets it turn again if nothing else stops it.
+    fn hold(&mut self, joint: usize, hold: bool) {
+        let link = DRIVEN[joint];
+        if hold {
+            self.model.chain.bodies[link].inertia = HELD;
+            self.state.v[link] = Planar::ZERO;
+            self.model.chain.close(&mut self.state.q, &mut self.state.v);
+        } else if !self.broken.stalled[joint] {
+            self.model.chain.bodies[link].inertia = self.free_inertia[joint];
+        }
     }
 
     fn break_what_is_due(&mut self) {
@@ -175,10 +212,8 @@ impl Plant {
             FaultKind::SwitchStuck { joint, pressed } => broken.stuck_switch[joint] = Some(pressed),
             FaultKind::MotorDisconnected { joint } => broken.disconnected[joint] = true,
             FaultKind::MotorStalled { joint } => {
-                let link = DRIVEN[joint];
-                self.model.chain.bodies[link].inertia = JAMMED;
-                self.state.v[link] = Planar::ZERO;
-                self.model.chain.close(&mut self.state.q, &mut self.state.v);
+                broken.stalled[joint] = true;
+                self.hold(joint, true);
             }
             FaultKind::CurrentOffset { joint, amperes } => {
                 let sensor = &mut self.sensors[joint];

@@ -210,6 +210,7 @@ fn actuators(
             ("rotor_inertia", a.rotor_inertia),
             ("viscous_friction", a.viscous_friction),
             ("coulomb_friction", a.coulomb_friction),
+            ("brake_torque", a.brake_torque),
         ] {
             not_negative(source, key(name), value)?;
         }

@@ -70,6 +70,10 @@ pub struct Actuator {
     /// Coulomb friction at the joint [N·m].
     #[serde(default)]
     pub coulomb_friction: f64,
+    /// Torque of the holding brake at the joint [N·m]; zero where none is fitted. An arm
+    /// that gravity pulls needs one: it falls while unpowered else.
+    #[serde(default)]
+    pub brake_torque: f64,
     /// Encoder counts per motor turn, after quadrature.
     pub encoder_counts: u32,
     /// Peak motor current [A].

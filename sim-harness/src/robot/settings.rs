@@ -147,7 +147,8 @@ impl Robot {
 /// As good as an ideal torque source: a frictionless direct drive without inertia whose
 /// voltage never runs short. Of the bus voltage V, a quarter meets the back-EMF at full
 /// speed, k ω = V/4; a quarter drives the peak current, R i = V/4; the rest makes the
-/// current follow, with L/R of 1 ms. The encoder has 2²⁰ counts a turn.
+/// current follow, with L/R of 1 ms. The encoder has 2²⁰ counts a turn, the brake holds as
+/// much as the motor.
 fn ideal_torque_source(torque: f64, max_speed: f64, voltage: f64) -> Actuator {
     let torque_constant = 0.25 * voltage / max_speed;
     let peak_current = torque / torque_constant;
@@ -160,6 +161,7 @@ fn ideal_torque_source(torque: f64, max_speed: f64, voltage: f64) -> Actuator {
         inductance: 1e-3 * resistance,
         viscous_friction: 0.0,
         coulomb_friction: 0.0,
+        brake_torque: torque,
         encoder_counts: 1 << 20,
         peak_current,
         continuous_current: peak_current,
