@@ -13,6 +13,7 @@
 mod ours;
 mod paths;
 mod plain;
+mod tick;
 
 use core::hint::black_box;
 use core::panic::PanicInfo;
@@ -39,6 +40,10 @@ fn count<I: Copy, O>(
         most = per_call.max(most);
     }
     let mean = sum / inputs.len() as u32;
+    print(name, mean, most);
+}
+
+fn print(name: &str, mean: u32, most: u32) {
     hprintln!("{:<58} {:>6} {:>6}", name, mean, most);
 }
 
@@ -126,6 +131,25 @@ fn report(counter: &InstructionCounter) {
             count(counter, name, &[piece], paths::reference);
         }
     }
+    count_ticks(counter);
+}
+
+/// Counts every tick of a move, one call each.
+fn count_ticks(counter: &InstructionCounter) {
+    let Some(mut run) = tick::Run::new() else {
+        hprintln!("the move was refused");
+        return;
+    };
+    let (mut ticks, mut sum, mut most) = (0, 0, 0);
+    while let Some(sensed) = run.next() {
+        let start = counter.now();
+        black_box(run.tick(black_box(&sensed)));
+        let instructions = counter.since(start);
+        ticks += 1;
+        sum += instructions;
+        most = instructions.max(most);
+    }
+    print("the whole tick along a line", sum / ticks.max(1), most);
 }
 
 #[panic_handler]
