@@ -4,7 +4,7 @@ mod common;
 
 use common::{Moving, assert_close, moving};
 use fivebar_kinematics::Vec2;
-use fivebar_kinematics::dynamics::{Arm, Link, ModelError, ShareTotals, TorqueShares};
+use fivebar_kinematics::dynamics::{Arm, Link, ModelError, Regrouped, ShareTotals, TorqueShares};
 use fivebar_kinematics::five_bar::{Geometry, PoseError, Side, Singularity};
 use proptest::prelude::*;
 
@@ -46,6 +46,18 @@ fn assert_torque(what: &str, a: [f64; 2], b: [f64; 2], tolerance: f64) {
 }
 
 proptest! {
+    #[test]
+    fn regrouped_equations_are_kanes((moving, arm, _) in loaded()) {
+        let (pose, velocities, accelerations) = moving.now();
+        let [omega1, _, _, omega4] = velocities.omega;
+        let kane = arm
+            .inverse_dynamics(&pose, &velocities, &accelerations, Vec2::new(0.0, 0.0))
+            .unwrap();
+        let regrouped = Regrouped::new(&arm);
+        let torque = regrouped.torques(&pose, [omega1, omega4], moving.alpha).unwrap();
+        assert_torque("τ", torque, kane, 1e-9);
+    }
+
     #[test]
     fn mass_matrix_and_bias_make_inverse_dynamics((moving, arm, force) in loaded()) {
         let (pose, velocities, accelerations) = moving.now();

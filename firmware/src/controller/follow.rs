@@ -4,8 +4,7 @@ use super::Controller;
 use super::setpoint::Setpoint;
 use crate::safety::{Event, Fault, Limits, State};
 use fivebar_kinematics::Vec2;
-use fivebar_kinematics::control::computed_torque;
-use fivebar_kinematics::five_bar::{Pose, PoseError, Velocities};
+use fivebar_kinematics::five_bar::{Pose, PoseError};
 use fivebar_kinematics::trajectory::Reference;
 
 impl Controller {
@@ -31,7 +30,7 @@ impl Controller {
         let (theta1, omega1) = position_loop.predict(joint1.angle, joint1.velocity(), alpha1);
         let (theta4, omega4) = position_loop.predict(joint4.angle, joint4.velocity(), alpha4);
         let (u1, u4) = (Vec2::unit(theta1), Vec2::unit(theta4));
-        let (pose, velocities) = self.measured([u1, u4], [omega1, omega4])?;
+        let pose = self.measured([u1, u4])?;
 
         self.advance(&pose)?;
         let Setpoint {
@@ -54,9 +53,11 @@ impl Controller {
         let demanded = if self.model.computed_torque {
             let alpha1 = position_loop.acceleration(joint1.integral, alpha1d, error1, rate1);
             let alpha4 = position_loop.acceleration(joint4.integral, alpha4d, error4, rate4);
-            let [torque1, torque4] =
-                computed_torque(&self.model.arm, &pose, &velocities, [alpha1, alpha4])
-                    .map_err(|_| Fault::Envelope)?;
+            let [torque1, torque4] = self
+                .model
+                .equations
+                .torques(&pose, [omega1, omega4], [alpha1, alpha4])
+                .map_err(|_| Fault::Envelope)?;
             [
                 torque1 + axis1.friction.torque(omega1d),
                 torque4 + axis4.friction.torque(omega4d),
@@ -80,11 +81,7 @@ impl Controller {
 
     /// The measured arm, if it closes and stands inside its envelope.
     #[inline]
-    fn measured(
-        &self,
-        [u1, u4]: [Vec2<f32>; 2],
-        [omega1, omega4]: [f32; 2],
-    ) -> Result<(Pose<f32>, Velocities<f32>), Fault> {
+    fn measured(&self, [u1, u4]: [Vec2<f32>; 2]) -> Result<Pose<f32>, Fault> {
         let monitor = &self.model.monitor;
         let geometry = self.model.arm.geometry();
         let pose = geometry
@@ -97,10 +94,7 @@ impl Controller {
         if monitor.outside(self.angles()) || monitor.near_parallel(&pose) {
             return Err(Fault::Envelope);
         }
-        let velocities = geometry
-            .forward_velocities(&pose, omega1, omega4)
-            .map_err(|_| Fault::Envelope)?;
-        Ok((pose, velocities))
+        Ok(pose)
     }
 
     /// Moves the set-point on by one tick, and the state with it. A move of the joints may

@@ -8,7 +8,7 @@ use fivebar_kinematics::Scalar;
 use fivebar_kinematics::control::{
     CurrentLoop, FrictionCompensation, MotorHeating, PositionLoop, TorqueLimit, VelocityObserver,
 };
-use fivebar_kinematics::dynamics::Arm;
+use fivebar_kinematics::dynamics::{Arm, Regrouped};
 use fivebar_kinematics::five_bar::{Side, Tool};
 
 /// Share of the bus voltage that the bridges are asked for at most: their high sides and
@@ -18,6 +18,7 @@ const DUTY_LIMIT: f32 = 0.95;
 /// The constants of the tick.
 pub(crate) struct Model {
     pub(crate) arm: Arm<f32>,
+    pub(crate) equations: Regrouped<f32>,
     pub(crate) tool: Tool<f32>,
     pub(crate) assembly: Side,
     pub(crate) axes: [AxisModel; 2],
@@ -64,6 +65,7 @@ impl Model {
         let period = 1.0 / control.tick_rate;
         Ok(Self {
             arm,
+            equations: Regrouped::new(&arm),
             tool: settings.tool(&arm)?,
             assembly: settings.assembly(),
             axes: settings.axes.map(|axis| AxisModel::new(&axis, settings)),

@@ -6,10 +6,12 @@ mod energy;
 mod kane;
 mod mass;
 mod reactions;
+mod regrouped;
 mod shares;
 
 pub use body::{Arm, Link, ModelError};
 pub use kane::PartialVelocities;
 pub use mass::MassMatrix;
 pub use reactions::Reactions;
+pub use regrouped::Regrouped;
 pub use shares::{ShareTotals, TorqueShares};

@@ -48,6 +48,17 @@ pub(crate) fn per_sine<S: Scalar>(sine: S, singularity: Singularity) -> Result<S
 }
 
 impl<S: Scalar> Geometry<S> {
+    /// 1/(l2 sin(θ3−θ2)) and 1/(l3 sin(θ3−θ2)) [1/m].
+    ///
+    /// # Errors
+    /// `Singular` at type 2.
+    #[inline]
+    pub(crate) fn per_sine32(&self, pose: &Pose<S>) -> Result<[S; 2], PoseError> {
+        let per_sin32 = per_sine(pose.sin32(), Singularity::Parallel)?;
+        let [_, per_l2, per_l3, _] = self.per_length();
+        Ok([per_l2 * per_sin32, per_l3 * per_sin32])
+    }
+
     /// All velocities from the driven ones, ω1 and ω4 [rad/s].
     ///
     /// # Errors

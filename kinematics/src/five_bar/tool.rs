@@ -138,6 +138,7 @@ impl<S: Scalar> Tool<S> {
     ///
     /// # Errors
     /// `Singular` at type 1, naming the leg.
+    // In the tick half of the results is not used: inlined, it is not worked out.
     #[inline(always)]
     pub fn inverse_velocities(
         &self,
@@ -161,6 +162,7 @@ impl<S: Scalar> Tool<S> {
     ///
     /// # Errors
     /// `Singular` at type 1, naming the leg.
+    // In the tick half of the results is not used: inlined, it is not worked out.
     #[inline(always)]
     pub fn inverse_accelerations(
         &self,
