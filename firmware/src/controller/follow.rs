@@ -5,7 +5,6 @@ use super::setpoint::Setpoint;
 use crate::safety::{Event, Fault, Limits, State};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::{Pose, PoseError};
-use fivebar_kinematics::trajectory::Reference;
 
 impl Controller {
     /// One tick of holding or following the path: the torques [N·m], or `None` after a
@@ -23,22 +22,24 @@ impl Controller {
 
     #[inline]
     fn track(&mut self) -> Result<[f32; 2], Fault> {
-        // The arm as it will be when the torque acts.
-        let [joint1, joint4] = &self.joints;
-        let [alpha1, alpha4] = self.setpoint.alpha;
-        let position_loop = &self.model.position_loop;
-        let (theta1, omega1) = position_loop.predict(joint1.angle, joint1.velocity(), alpha1);
-        let (theta4, omega4) = position_loop.predict(joint4.angle, joint4.velocity(), alpha4);
-        let (u1, u4) = (Vec2::unit(theta1), Vec2::unit(theta4));
-        let pose = self.measured([u1, u4])?;
-
-        self.advance(&pose)?;
+        // Where it should be, and where it will be, when the torque acts.
+        self.advance()?;
         let Setpoint {
             direction: [d1, d4],
             omega: [omega1d, omega4d],
             alpha: [alpha1d, alpha4d],
-            ..
+            of_joints,
         } = self.setpoint;
+        let [joint1, joint4] = &self.joints;
+        let position_loop = &self.model.position_loop;
+        let (theta1, omega1) = position_loop.predict(joint1.angle, joint1.velocity(), alpha1d);
+        let (theta4, omega4) = position_loop.predict(joint4.angle, joint4.velocity(), alpha4d);
+        let (u1, u4) = (Vec2::unit(theta1), Vec2::unit(theta4));
+        let pose = self.measured([u1, u4])?;
+        if of_joints {
+            // They may change the working mode.
+            self.mode = self.model.tool.working_mode(&pose);
+        }
         // e = sin(θd − θ): the error itself, for all that is not a fault.
         let (error1, error4) = (u1.cross(d1), u4.cross(d4));
         self.error = [error1, error4];
@@ -97,10 +98,9 @@ impl Controller {
         Ok(pose)
     }
 
-    /// Moves the set-point on by one tick, and the state with it. A move of the joints may
-    /// change the working mode: the `pose` tells.
-    #[inline]
-    fn advance(&mut self, pose: &Pose<f32>) -> Result<(), Fault> {
+    /// Moves the set-point on by one tick, and the state with it.
+    #[inline(always)]
+    fn advance(&mut self) -> Result<(), Fault> {
         if self.state == State::Armed {
             if !self.path.is_ready() {
                 self.setpoint = Setpoint::hold(self.setpoint.direction);
@@ -115,9 +115,6 @@ impl Controller {
             self.setpoint = Setpoint::hold(self.setpoint.direction);
             return Ok(());
         };
-        if let Reference::Joint { .. } = step.reference {
-            self.mode = self.model.tool.working_mode(pose);
-        }
         self.setpoint =
             Setpoint::of(&step.reference, &self.model, self.mode).map_err(|error| match error {
                 PoseError::Unreachable(_) | PoseError::Singular(_) => Fault::Envelope,

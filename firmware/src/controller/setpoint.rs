@@ -14,6 +14,8 @@ pub(crate) struct Setpoint {
     pub(crate) omega: [f32; 2],
     /// α1d, α4d [rad/s²].
     pub(crate) alpha: [f32; 2],
+    /// It comes from a move of the joints.
+    pub(crate) of_joints: bool,
 }
 
 impl Setpoint {
@@ -24,6 +26,7 @@ impl Setpoint {
             direction,
             omega: [0.0; 2],
             alpha: [0.0; 2],
+            of_joints: false,
         }
     }
 
@@ -50,6 +53,7 @@ impl Setpoint {
                     direction: [pose.u1, pose.u4],
                     omega: [omega1, omega4],
                     alpha: [alpha1, alpha4],
+                    of_joints: false,
                 })
             }
             Reference::Joint {
@@ -60,6 +64,7 @@ impl Setpoint {
                 direction: angles.map(Vec2::unit),
                 omega: rates,
                 alpha: accelerations,
+                of_joints: true,
             }),
         }
     }
