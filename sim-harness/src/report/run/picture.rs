@@ -56,7 +56,7 @@ impl RunReport<'_> {
         for ghost in &ghosts {
             polyline("ghost", ghost);
         }
-        let drawn = thin(&drawn, 2.0 * WIDTH);
+        let drawn = thin(&drawn, WIDTH);
         let strokes = drawn.split(|point| !is_finite(point));
         for stroke in strokes.filter(|stroke| !stroke.is_empty()) {
             polyline("ink", stroke);
