@@ -46,7 +46,10 @@ impl RunReport<'_> {
                 ),
             ),
             ("simulated", format!("{:.2} s", summary.simulated_s)),
-            ("speed", format!("{:.0}× real time", summary.speed())),
+            (
+                "speed against real time",
+                format!("{:.0}×", summary.speed()),
+            ),
         ]);
         self.add_motion(&mut page);
         self.add_errors(&mut page);

@@ -95,7 +95,7 @@ fn shows_the_whole_run_in_one_small_offline_page() {
         "benchtop draws circle",
         "20.0 µm",
         "10.0 times as large",
-        "40× real time",
+        "40×",
         "its error drawn 50×",
         "Torque of joint 4 by cause",
         "velocity products",
