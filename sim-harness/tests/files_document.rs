@@ -1,0 +1,65 @@
+//! `docs/robot-file.md` is true: its examples are read, and its defaults are the defaults.
+
+use fivebar::robot::Robot;
+use fivebar::run::Scenario;
+
+const DOCUMENT: &str = include_str!("../../docs/robot-file.md");
+
+/// The TOML examples, in order: robot, drives, other sections, scenario.
+fn examples() -> [&'static str; 4] {
+    let blocks = DOCUMENT.split("```toml\n").skip(1);
+    let examples: Vec<_> = blocks
+        .map(|block| block.split("```").next().unwrap())
+        .collect();
+    examples.try_into().unwrap()
+}
+
+#[test]
+fn the_robot_of_the_document_is_read_with_every_section() {
+    let [robot, drives, sections, _] = examples();
+    let bare = Robot::parse("bare", robot).unwrap();
+    let whole = Robot::parse("whole", &format!("{robot}{drives}{sections}")).unwrap();
+    whole.settings().unwrap().validate().unwrap();
+    bare.settings().unwrap().validate().unwrap();
+    assert!(bare.actuators.is_none() && whole.actuators.is_some());
+    // What the document gives as defaults is what a file without them has.
+    assert_eq!(bare.tool, whole.tool);
+    assert_eq!(bare.motion, whole.motion);
+    assert_eq!(bare.control, whole.control);
+    assert_eq!(bare.protection, whole.protection);
+    assert_eq!(bare.supply.voltage, whole.supply.voltage);
+    assert_eq!(bare.limits.max_speed, whole.limits.max_speed);
+    assert_eq!(
+        bare.limits.singularity_margin,
+        whole.limits.singularity_margin
+    );
+    let range = |robot: &Robot| robot.settings().unwrap().protection.bus_voltage;
+    assert_eq!(range(&bare), range(&whole));
+    // The built-in range holds 4096 codes.
+    let per_code = |robot: &Robot| (robot.voltage_per_code() * 1e5).round();
+    assert_eq!(per_code(&bare), per_code(&whole));
+}
+
+#[test]
+fn the_scenario_of_the_document_is_read_with_its_defaults() {
+    let [.., scenario] = examples();
+    let folder = tempfile::tempdir().unwrap();
+    let petal = include_str!("../jobs/petal.gcode");
+    std::fs::write(folder.path().join("petal.gcode"), petal).unwrap();
+    let load = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        Scenario::load(path.to_str().unwrap()).unwrap()
+    };
+    let whole = load("whole.toml", scenario);
+    let bare = load("bare.toml", "job = 'petal.gcode'\n");
+    assert_eq!(bare.mismatch, whole.mismatch);
+    assert_eq!((bare.seed, bare.scale), (whole.seed, whole.scale));
+    assert_eq!(bare.computed_torque, whole.computed_torque);
+    assert_eq!(bare.robot, whole.robot);
+    assert_eq!((bare.faults.len(), whole.faults.len()), (0, 1));
+    assert_eq!(
+        (bare.name.as_str(), whole.name.as_str()),
+        ("bare", "worn supply")
+    );
+}
