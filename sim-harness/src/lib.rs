@@ -2,6 +2,7 @@
 
 pub mod accuracy;
 pub mod cli;
+pub mod drive;
 pub mod job;
 pub mod link;
 pub mod linkage;

@@ -2,30 +2,16 @@
 
 mod arm;
 
+use arm::{driving, settings};
 use fivebar::link::{
     Conversation, Faulty, InProcess, LinkError, Lockstep, Loopback, Mishaps, Tracer,
 };
 use fivebar_firmware::protocol::{Order, Reply};
 use fivebar_firmware::safety::{Fault, State};
-use fivebar_firmware::{Command, Move, MoveKind, Request, Sensed, Settings};
-
-fn settings() -> Settings {
-    arm::robot().settings().expect("masses")
-}
+use fivebar_firmware::{Move, MoveKind, Request};
 
 fn lockstep() -> Loopback {
     Loopback::lockstep(&settings()).expect("sound settings")
-}
-
-/// The benchtop arm on a board with its own clock.
-fn driving() -> Loopback {
-    let mut plant = arm::plant();
-    let period = 1.0 / arm::robot().control.tick_rate;
-    let step = move |command: &Command| -> Sensed {
-        plant.step(command, period);
-        plant.sense()
-    };
-    Loopback::driving(&settings(), Box::new(step)).expect("sound settings")
 }
 
 #[test]

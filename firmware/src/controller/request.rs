@@ -42,6 +42,21 @@ pub enum Refusal {
     Moving,
 }
 
+impl core::fmt::Display for Refusal {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::State(state) => return write!(f, "it is not possible while {state:?}"),
+            Self::NotHomed => "the joint angles are not known: home first",
+            Self::OutsideLimits => "a joint is outside its limits",
+            Self::NearSingularity => "the arm is too near a singularity",
+            Self::NotOnBranch => "the angles close no arm on the branch of the settings",
+            Self::Moving => "the arm still moves",
+        })
+    }
+}
+
+impl core::error::Error for Refusal {}
+
 impl Controller {
     /// Does what is asked, or says why not. Counts as a sign of life of the host.
     ///

@@ -91,3 +91,22 @@ pub struct Telemetry {
     /// The sample.
     pub status: Status,
 }
+
+impl core::fmt::Display for Refusal {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Version(version) => write!(f, "it speaks protocol version {version}"),
+            Self::NoSession => f.write_str("it has heard no hello since its reset"),
+            Self::OutOfSequence(Sequence(next)) => write!(f, "it expects order number {next}"),
+            Self::Unsupported => f.write_str("this board cannot do that"),
+            Self::Request(refusal) => refusal.fmt(f),
+            Self::Move(refusal) => refusal.fmt(f),
+            Self::NoSettings => f.write_str("it has no settings: upload the arm's"),
+            Self::NoSection => f.write_str("it knows no such section of the settings"),
+            Self::Settings => f.write_str("the settings make no sense as a whole"),
+            Self::Storage(error) => write!(f, "the settings were not stored: {error}"),
+        }
+    }
+}
+
+impl core::error::Error for Refusal {}

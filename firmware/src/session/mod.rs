@@ -26,6 +26,11 @@ pub trait Board {
     /// Why they are not stored.
     fn save(&mut self, settings: &Settings) -> Result<(), StorageError>;
 
+    /// The only tick rate that the board has [Hz]; `None` where the host makes the ticks.
+    fn tick_rate(&self) -> Option<f32> {
+        None
+    }
+
     /// Makes one tick with samples from the host, and counts its instructions where that
     /// is possible. `None` on a board whose sensors are its own.
     fn tick(&mut self, controller: &mut Controller, sensed: &Sensed) -> Option<(Command, u32)>;
@@ -170,7 +175,7 @@ impl Session {
                 .put(&mut self.draft)
                 .map(|()| Reply::Done)
                 .ok_or(Refusal::NoSection),
-            Order::ApplySettings => self.apply(controller, planner),
+            Order::ApplySettings => self.apply(controller, planner, board),
             Order::SaveSettings => self.save(controller, board),
             Order::Telemetry { every } => {
                 let tick = controller.lock(|controller| controller.ticks());
@@ -211,7 +216,12 @@ impl Session {
         &mut self,
         controller: &mut impl Mutex<T = Controller>,
         planner: &mut Planner,
+        board: &mut impl Board,
     ) -> Result<Reply, Refusal> {
+        let rate = board.tick_rate();
+        if rate.is_some_and(|rate| rate != self.draft.control.tick_rate) {
+            return Err(Refusal::Settings);
+        }
         let new_planner = Planner::new(&self.draft).map_err(|_| Refusal::Settings)?;
         let new_controller = Controller::new(&self.draft).map_err(|_| Refusal::Settings)?;
         controller.lock(|controller| {

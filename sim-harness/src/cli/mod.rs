@@ -2,9 +2,12 @@
 
 mod accuracy;
 mod demo;
+mod drive;
 mod failure;
 mod linkage;
 mod mobility;
+mod monitor;
+mod port;
 mod query;
 mod robots;
 mod run_args;
@@ -29,8 +32,10 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Accuracy(Box<accuracy::Args>),
+    Drive(drive::Args),
     Linkage(linkage::Args),
     Mobility(mobility::Args),
+    Monitor(monitor::Args),
     Query(query::Args),
     Robots(robots::Args),
     Sim(sim::Args),
@@ -43,8 +48,10 @@ pub fn main() -> ExitCode {
         None => demo::run(&cli.demo),
         Some(command) => match command {
             Command::Accuracy(args) => accuracy::run(&args),
+            Command::Drive(args) => drive::run(&args),
             Command::Linkage(args) => linkage::run(&args),
             Command::Mobility(args) => mobility::run(&args),
+            Command::Monitor(args) => monitor::run(&args),
             Command::Query(args) => query::run(&args),
             Command::Robots(args) => robots::run(&args),
             Command::Sim(args) => sim::run(&args),

@@ -1,13 +1,13 @@
-//! What `sim`, `pil` and `hil` are told of a run.
+//! What the commands that do a job are told of it.
 
 use super::Failure;
 use crate::robot::{BuiltIn, Robot};
 use crate::run::Scenario;
 use std::path::{Path, PathBuf};
 
-/// Which job is done, by which arm, and where the report goes.
+/// Which job is done, and by which arm.
 #[derive(clap::Args)]
-pub(super) struct RunArgs {
+pub(super) struct JobArgs {
     /// A scenario in TOML, or a job in G-code.
     #[arg(value_name = "SCENARIO.toml|JOB.gcode")]
     file: String,
@@ -22,6 +22,13 @@ pub(super) struct RunArgs {
     /// Metres in the plane per metre in the job.
     #[arg(long, value_parser = scale, allow_hyphen_values = true)]
     scale: Option<f64>,
+}
+
+/// Which job is done, by which arm, and where the report goes.
+#[derive(clap::Args)]
+pub(super) struct RunArgs {
+    #[command(flatten)]
+    job: JobArgs,
     /// The folder for report.html, trace.csv and summary.json.
     #[arg(long, value_name = "DIR", default_value = "out")]
     pub(super) out: PathBuf,
@@ -31,6 +38,13 @@ pub(super) struct RunArgs {
 }
 
 impl RunArgs {
+    /// The scenario, with what the command line says instead.
+    pub(super) fn scenario(&self) -> Result<Scenario, Failure> {
+        self.job.scenario()
+    }
+}
+
+impl JobArgs {
     /// The scenario, with what the command line says instead.
     pub(super) fn scenario(&self) -> Result<Scenario, Failure> {
         let refused = |error: &dyn std::fmt::Display| Failure::Refused(error.to_string());
@@ -56,13 +70,13 @@ impl RunArgs {
     }
 }
 
-fn point(text: &str) -> Result<[f64; 2], String> {
+pub(super) fn point(text: &str) -> Result<[f64; 2], String> {
     let parse = || {
         let (x, y) = text.split_once(',')?;
         let point = [x.trim().parse().ok()?, y.trim().parse().ok()?];
         point.iter().all(|x: &f64| x.is_finite()).then_some(point)
     };
-    parse().ok_or_else(|| "give two numbers of metres, such as 0.02,0.14".into())
+    parse().ok_or_else(|| "give two numbers, such as 0.02,0.14".into())
 }
 
 fn scale(text: &str) -> Result<f64, String> {

@@ -2,11 +2,11 @@
 
 #![allow(dead_code, reason = "each test file uses its own part")]
 
-use fivebar::link::Target;
+use fivebar::link::{Loopback, Target};
 use fivebar::plant::{Mismatch, Plant};
 use fivebar::robot::{BuiltIn, Robot};
 use fivebar::run::{Record, Simulation};
-use fivebar_firmware::{Move, MoveKind};
+use fivebar_firmware::{Command, Move, MoveKind, Sensed, Settings};
 
 pub(crate) fn robot() -> Robot {
     Robot::load(BuiltIn::DEFAULT).expect("the default robot")
@@ -53,4 +53,19 @@ pub(crate) fn run(target: &mut impl Target) -> Record {
     Simulation::new(target, plant(), rate)
         .run(&moves(), &[], &mut |_| ())
         .expect("nothing is refused")
+}
+
+/// The benchtop arm on a board with its own clock.
+pub(crate) fn driving() -> Loopback {
+    let mut plant = plant();
+    let period = 1.0 / robot().control.tick_rate;
+    let step = move |command: &Command| -> Sensed {
+        plant.step(command, period);
+        plant.sense()
+    };
+    Loopback::driving(&settings(), Box::new(step)).expect("sound settings")
+}
+
+pub(crate) fn settings() -> Settings {
+    robot().settings().expect("masses")
 }

@@ -1,0 +1,84 @@
+//! `fivebar drive`: a job done by a controller that drives motors.
+
+use super::Failure;
+use super::port::{PortArgs, interrupted};
+use super::run_args::JobArgs;
+use crate::drive::{Drive, DriveError, Homing};
+use fivebar_firmware::protocol::Board;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::sync::atomic::Ordering;
+
+/// Streams a job to a controller that drives motors; Ctrl-C stops the arm on its path.
+#[derive(clap::Args)]
+pub(super) struct Args {
+    #[command(flatten)]
+    job: JobArgs,
+    #[command(flatten)]
+    port: PortArgs,
+    /// Give the robot's settings to the controller and store them there.
+    #[arg(long)]
+    upload: bool,
+    /// Clear a latched fault first.
+    #[arg(long)]
+    clear: bool,
+    /// The arm has been put to these joint angles by hand [rad]; without it, an arm that
+    /// is not homed looks for its switches.
+    #[arg(long, value_name = "θ1,θ4", value_parser = super::run_args::point, allow_hyphen_values = true)]
+    at: Option<[f64; 2]>,
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    let refused = |error: &dyn std::fmt::Display| Failure::Refused(error.to_string());
+    let scenario = args.job.scenario()?;
+    let job = scenario.job().map_err(|error| refused(&error))?;
+    for warning in &job.warnings {
+        eprintln!("{}, {warning}", scenario.job_file);
+    }
+    let settings = scenario.robot.settings().map_err(|error| refused(&error))?;
+    let moves = scenario.moves(&job);
+
+    let interrupted = interrupted()?;
+    let (mut conversation, identity) = args.port.open()?;
+    if identity.board == Board::Emulated {
+        return Err(Failure::Refused(
+            "an emulated board has no motors; run the job on it with `fivebar pil`".into(),
+        ));
+    }
+    let wants_stop = || interrupted.load(Ordering::Relaxed);
+    let mut drive = Drive::new(&mut conversation, &wants_stop);
+    let bar = ProgressBar::new(moves.len() as u64).with_style(
+        ProgressStyle::with_template("{bar:40} {pos}/{len} moves  {elapsed}  {msg}")
+            .unwrap_or_else(|_| ProgressStyle::default_bar()),
+    );
+    let homing = args.at.map_or(Homing::Switches, |angles| {
+        Homing::At(angles.map(|angle| angle as f32))
+    });
+    let mut go = || {
+        if args.clear {
+            drive.clear_fault()?;
+        }
+        drive.agree_on(&settings, args.upload)?;
+        bar.set_message("homing");
+        drive.home(homing)?;
+        bar.set_message("");
+        drive.follow(&moves, &settings, &mut |taken| {
+            bar.set_position(taken as u64);
+        })
+    };
+    let outcome = go();
+    bar.finish_and_clear();
+    match outcome {
+        Ok(()) => {
+            println!(
+                "{}: {} moves done, bridges off",
+                scenario.job_file,
+                moves.len()
+            );
+            Ok(())
+        }
+        Err(error @ DriveError::Move(_)) => {
+            Err(Failure::Refused(format!("{}, {error}", scenario.job_file)))
+        }
+        Err(error) => Err(refused(&error)),
+    }
+}

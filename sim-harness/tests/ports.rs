@@ -1,0 +1,215 @@
+//! `fivebar monitor` and `fivebar drive` on a serial port, real but for the board.
+#![cfg(unix)]
+
+mod arm;
+
+use serialport::{SerialPort, TTYPort};
+use std::io::{Read, Write};
+use std::process::{Child, Command, Output, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+/// Turns of a silent host for which the board's time goes on: 50 ms, so that a busy
+/// machine does not look like a silent host.
+const PATIENCE: u32 = 5;
+
+/// A board at the far end of a pseudo-terminal.
+struct Board {
+    port: String,
+    ends: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Board {
+    fn start(answers: bool) -> Self {
+        let (mut far, near) = TTYPort::pair().expect("a pseudo-terminal");
+        far.set_timeout(Duration::from_millis(5))
+            .expect("a timeout");
+        let port = near.name().expect("a name");
+        let ends = Arc::new(AtomicBool::new(false));
+        let ended = Arc::clone(&ends);
+        let thread = std::thread::spawn(move || {
+            // The near end stays open, or the far one would fail before the program comes.
+            let _near = near;
+            let mut board = arm::driving();
+            let mut silence = 0;
+            while !ended.load(Ordering::Relaxed) {
+                let mut bytes = [0; 512];
+                let count = far.read(&mut bytes).unwrap_or(0);
+                if !answers {
+                    continue;
+                }
+                silence = if count > 0 { 0 } else { silence + 1 };
+                board.write_all(&bytes[..count]).expect("a perfect line");
+                if silence < PATIENCE
+                    && let Ok(count) = board.read(&mut bytes)
+                {
+                    // A program that has ended reads no more.
+                    let _ = far.write_all(&bytes[..count]);
+                }
+            }
+        });
+        Self {
+            port,
+            ends,
+            thread: Some(thread),
+        }
+    }
+
+    fn fivebar(&self, arguments: &[&str]) -> Child {
+        fivebar(&[arguments, &["--port", &self.port]].concat())
+    }
+}
+
+impl Drop for Board {
+    fn drop(&mut self) {
+        self.ends.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            thread.join().expect("the board did not panic");
+        }
+    }
+}
+
+fn fivebar(arguments: &[&str]) -> Child {
+    Command::new(env!("CARGO_BIN_EXE_fivebar"))
+        .args(arguments)
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program")
+}
+
+/// Its status, what it said and what it complained of.
+fn end(child: Child) -> (Option<i32>, String, String) {
+    let Output {
+        status,
+        stdout,
+        stderr,
+    } = child.wait_with_output().expect("an end");
+    let text = |bytes| String::from_utf8(bytes).expect("text");
+    (status.code(), text(stdout), text(stderr))
+}
+
+/// A job of two seconds or so.
+fn job() -> tempfile::NamedTempFile {
+    let mut file = tempfile::Builder::new()
+        .suffix(".gcode")
+        .tempfile()
+        .expect("a file");
+    writeln!(file, "G21 G90 F9000\nG0 X0 Y0").expect("room");
+    for _ in 0..10 {
+        writeln!(file, "G1 X20 Y0\nG1 X20 Y10\nG1 X0 Y10\nG1 X0 Y0").expect("room");
+    }
+    file
+}
+
+fn drive(job: &tempfile::NamedTempFile) -> [&str; 2] {
+    ["drive", job.path().to_str().expect("text")]
+}
+
+#[test]
+fn a_monitor_shows_samples_and_counts_losses() {
+    let board = Board::start(true);
+    let child = board.fivebar(&["monitor", "--rate", "100", "--samples", "5"]);
+    let (status, out, err) = end(child);
+    assert_eq!(status, Some(0), "{err}");
+    let lines: Vec<_> = out.lines().collect();
+    assert_eq!(lines.len(), 6, "{out}");
+    assert!(
+        lines[0].contains("Stopped") && lines[0].contains("tool unknown"),
+        "{out}"
+    );
+    assert_eq!(lines[5], "5 samples, 0 lost");
+    assert!(err.contains("firmware 0."), "{err}");
+}
+
+#[test]
+fn a_job_is_driven_over_a_port_to_its_end() {
+    let board = Board::start(true);
+    let job = job();
+    let log = tempfile::NamedTempFile::new().expect("a file");
+    let trace = ["--trace", log.path().to_str().expect("text")];
+    let (status, out, err) = end(board.fivebar(&[&drive(&job)[..], &trace].concat()));
+    assert_eq!(status, Some(0), "{out}{err}");
+    assert!(out.contains("41 moves done, bridges off"), "{out}");
+    let log = std::fs::read_to_string(log.path()).expect("a log");
+    assert!(
+        log.contains("> HostMessage") && log.contains("Taken"),
+        "{log}"
+    );
+}
+
+#[test]
+fn ctrl_c_stops_the_arm_and_says_on_which_line() {
+    let board = Board::start(true);
+    let job = job();
+    let log = tempfile::NamedTempFile::new().expect("a file");
+    let trace = ["--trace", log.path().to_str().expect("text")];
+    let child = board.fivebar(&[&drive(&job)[..], &trace].concat());
+    // Homing is over and the arm moves when there are moves in the log.
+    let moves = || {
+        let log = std::fs::read_to_string(log.path()).unwrap_or_default();
+        log.matches("state: Running").count()
+    };
+    let moving = (0..2000).any(|_| {
+        std::thread::sleep(Duration::from_millis(5));
+        moves() > 5
+    });
+    assert!(moving, "the arm never moved");
+    let killed = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status();
+    assert!(killed.expect("kill").success());
+    let (status, _, err) = end(child);
+    assert_eq!(status, Some(1), "{err}");
+    assert!(err.contains("stopped as asked on line"), "{err}");
+    let log = std::fs::read_to_string(log.path()).expect("a log");
+    assert!(log.contains("Request(Stop)") && log.contains("Request(Disarm)"));
+}
+
+#[test]
+fn an_absent_port_is_told_with_those_there_are() {
+    let (status, _, err) = end(fivebar(&["monitor", "--port", "/dev/nothing"]));
+    assert_eq!(status, Some(1));
+    assert!(
+        err.contains("there is no port /dev/nothing; this machine has"),
+        "{err}"
+    );
+}
+
+#[test]
+fn a_busy_port_is_told() {
+    let board = Board::start(true);
+    let _ours = serialport::new(&board.port, 1_000_000)
+        .open()
+        .expect("the port");
+    let (status, _, err) = end(board.fivebar(&["monitor"]));
+    assert_eq!(status, Some(1));
+    assert!(
+        err.contains("is busy: close the program that uses it"),
+        "{err}"
+    );
+}
+
+#[test]
+fn a_file_is_no_port() {
+    let file = tempfile::NamedTempFile::new().expect("a file");
+    let path = file.path().to_str().expect("text");
+    let (status, _, err) = end(fivebar(&["monitor", "--port", path]));
+    assert_eq!(status, Some(1));
+    assert!(err.contains("does not work as a serial port"), "{err}");
+}
+
+#[test]
+fn a_silent_controller_is_given_up_in_seconds() {
+    let board = Board::start(false);
+    let (status, _, err) = end(board.fivebar(&["monitor"]));
+    assert_eq!(status, Some(1));
+    assert!(
+        err.contains(&board.port) && err.contains("is silent"),
+        "{err}"
+    );
+}
