@@ -12,7 +12,7 @@ use stm32f4xx_hal::rcc::{Enable, Reset};
 const CHANNELS: [u8; 3] = [10, 11, 12];
 
 /// The converter.
-pub struct Analog3 {
+pub struct CurrentsAndBus {
     adc: ADC1,
 }
 
@@ -25,7 +25,7 @@ pub struct Samples {
     pub bus_voltage: u16,
 }
 
-impl Analog3 {
+impl CurrentsAndBus {
     /// Sets the sequence up; it runs when TIM1 does.
     ///
     /// The ADC's clock is 84 MHz / 4 = 21 MHz (36 at most). A conversion takes 15 cycles

@@ -66,3 +66,13 @@ fn crystal_runs(rcc: &pac::RCC) -> bool {
 fn within_patience(ready: impl Fn() -> bool) -> bool {
     (0..PATIENCE).any(|_| ready())
 }
+
+/// Takes the clock security system's interrupt: the crystal has died.
+#[allow(unsafe_code)]
+pub fn acknowledge_failure() {
+    // SAFETY: writing 1 to this flag clears it and touches nothing else; the handler of
+    // the interrupt that nothing can mask owns nothing.
+    unsafe {
+        (*pac::RCC::ptr()).cir().modify(|_, w| w.cssc().set_bit());
+    }
+}

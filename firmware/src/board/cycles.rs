@@ -4,6 +4,8 @@ use cortex_m::peripheral::{DCB, DWT};
 
 /// Measures spans and remembers the last and the longest.
 pub struct CycleMeter {
+    /// When the last span began.
+    began: Option<u32>,
     last: u32,
     most: u32,
 }
@@ -13,13 +15,26 @@ impl CycleMeter {
     pub fn new(dcb: &mut DCB, dwt: &mut DWT) -> Self {
         dcb.enable_trace();
         dwt.enable_cycle_counter();
-        Self { last: 0, most: 0 }
+        Self {
+            began: None,
+            last: 0,
+            most: 0,
+        }
+    }
+
+    /// How many periods of so many cycles went by unseen since the last span began.
+    #[inline]
+    pub fn missed(&self, period: u32) -> u32 {
+        let Some(began) = self.began else { return 0 };
+        let elapsed = DWT::cycle_count().wrapping_sub(began);
+        ((elapsed + period / 2) / period).saturating_sub(1)
     }
 
     /// Runs `work` and counts its cycles.
     #[inline]
     pub fn measure<R>(&mut self, work: impl FnOnce() -> R) -> R {
         let start = DWT::cycle_count();
+        self.began = Some(start);
         let result = work();
         self.last = DWT::cycle_count().wrapping_sub(start);
         self.most = self.most.max(self.last);

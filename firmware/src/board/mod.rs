@@ -8,6 +8,7 @@ pub mod clocks;
 pub mod cycles;
 pub mod encoders;
 pub mod instructions;
+pub mod outputs;
 pub mod post_mortem;
 pub mod pwm;
 pub mod serial;

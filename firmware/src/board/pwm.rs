@@ -6,7 +6,7 @@
 
 use core::convert::Infallible;
 use embedded_hal::pwm::{ErrorType, SetDutyCycle};
-use stm32f4xx_hal::gpio::{Alternate, PA8, PA9, PA10, PA11, PB12};
+use stm32f4xx_hal::gpio::{Alternate, PA8, PA9, PA10, PA11};
 use stm32f4xx_hal::pac::{GPIOB, RCC, TIM1};
 use stm32f4xx_hal::rcc::{Enable, Reset};
 
@@ -17,13 +17,12 @@ const HALF_PERIODS_PER_TICK: u8 = 3;
 /// PB14 and PB15, the bridges' sleep inputs: low is asleep, outputs floating.
 const SLEEP_PINS: u32 = 1 << 14 | 1 << 15;
 
-/// IN1 and IN2 of bridge 1, IN1 and IN2 of bridge 4, the emergency stop.
+/// IN1 and IN2 of bridge 1, IN1 and IN2 of bridge 4.
 pub type Pins = (
     PA8<Alternate<1>>,
     PA9<Alternate<1>>,
     PA10<Alternate<1>>,
     PA11<Alternate<1>>,
-    PB12<Alternate<1>>,
 );
 
 /// Unpowers both bridges by two register writes, from any context and in any state: for

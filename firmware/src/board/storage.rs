@@ -55,6 +55,9 @@ impl NorFlashError for FlashError {
 }
 
 impl SettingsFlash {
+    /// All of it.
+    pub const RANGE: core::ops::Range<u32> = 0..(SECTORS * SECTOR) as u32;
+
     /// Takes the flash controller.
     pub fn new(flash: FLASH) -> Self {
         Self { flash }

@@ -39,7 +39,7 @@ impl Run {
                 feed: 0.2,
             },
         };
-        planner.push(&controller, &line).ok()?;
+        planner.push(&mut controller, &line).ok()?;
         Some(Self {
             controller,
             planner,

@@ -1,0 +1,41 @@
+//! Everything a command reaches: both bridges, their timer and the brake.
+
+use super::pwm::{Channel, PwmTimer};
+use crate::Command;
+use crate::drivers::Bridge;
+use embedded_hal::digital::OutputPin;
+
+/// The outputs. `Sleep1` and `Sleep4` are the bridges' sleep pins, low asleep; `Brake`
+/// releases the holding brake when high.
+pub struct Outputs<Sleep1, Sleep4, Brake> {
+    /// The timer behind both bridges.
+    pub timer: PwmTimer,
+    /// Joint 1's bridge.
+    pub bridge1: Bridge<Channel<0>, Channel<1>, Sleep1>,
+    /// Joint 4's bridge.
+    pub bridge4: Bridge<Channel<2>, Channel<3>, Sleep4>,
+    /// The holding brake.
+    pub brake: Brake,
+}
+
+impl<Sleep1: OutputPin, Sleep4: OutputPin, Brake: OutputPin> Outputs<Sleep1, Sleep4, Brake> {
+    /// Does what the controller says, from the timer's next update on.
+    #[inline]
+    pub fn obey(&mut self, command: &Command) {
+        let [enable1, enable4] = command.enable;
+        let [duty1, duty4] = command.duty;
+        if enable1 {
+            self.bridge1.drive(duty1);
+        } else {
+            self.bridge1.float();
+        }
+        if enable4 {
+            self.bridge4.drive(duty4);
+        } else {
+            self.bridge4.float();
+        }
+        self.timer.power(enable1 || enable4);
+        // A pin of this chip cannot fail to be written.
+        let _ = self.brake.set_state((!command.brake).into());
+    }
+}
