@@ -14,11 +14,12 @@ docs() { scripts/docs.sh; }
 licences() { scripts/licences.sh; }
 file_lengths() { scripts/file-lengths.sh; }
 tests() { cargo test --workspace; }
+mujoco() { scripts/mujoco.sh; }
 setup() { scripts/toolchain.sh; }
 firmware() { scripts/firmware.sh; }
 emulated() { cargo test --package fivebar-tests --features emulator --test instructions --test images; }
 
-all=(format file_lengths lint docs licences tests setup firmware emulated)
+all=(format file_lengths lint docs licences tests mujoco setup firmware emulated)
 steps=("$@")
 [ $# -gt 0 ] || steps=("${all[@]}")
 

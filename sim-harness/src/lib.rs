@@ -3,6 +3,7 @@
 pub mod accuracy;
 pub mod cli;
 pub mod drive;
+pub mod export;
 pub mod job;
 pub mod link;
 pub mod linkage;

@@ -3,6 +3,7 @@
 mod accuracy;
 mod demo;
 mod drive;
+mod export;
 mod failure;
 mod linkage;
 mod mobility;
@@ -33,6 +34,7 @@ struct Cli {
 enum Command {
     Accuracy(Box<accuracy::Args>),
     Drive(drive::Args),
+    Export(export::Args),
     Linkage(linkage::Args),
     Mobility(mobility::Args),
     Monitor(monitor::Args),
@@ -49,6 +51,7 @@ pub fn main() -> ExitCode {
         Some(command) => match command {
             Command::Accuracy(args) => accuracy::run(&args),
             Command::Drive(args) => drive::run(&args),
+            Command::Export(args) => export::run(&args),
             Command::Linkage(args) => linkage::run(&args),
             Command::Mobility(args) => mobility::run(&args),
             Command::Monitor(args) => monitor::run(&args),

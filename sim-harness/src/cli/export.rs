@@ -1,0 +1,46 @@
+//! `fivebar export`: a robot for other tools.
+
+use super::Failure;
+use crate::export::{dot, mjcf, urdf};
+use crate::report::write_whole;
+use crate::robot::Robot;
+use std::path::PathBuf;
+
+/// Writes a robot for MuJoCo (mjcf), for URDF readers, or as a Graphviz drawing (dot).
+#[derive(clap::Args)]
+pub(super) struct Args {
+    /// The format.
+    format: Format,
+    /// A robot file, or the name of a built-in robot.
+    #[arg(default_value = "benchtop")]
+    robot: String,
+    /// The file to write; printed when left out.
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Format {
+    /// MuJoCo, the loop closed by an equality constraint.
+    Mjcf,
+    /// URDF, the loop cut at C.
+    Urdf,
+    /// Links and joints as a graph.
+    Dot,
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    let robot = Robot::load(&args.robot).map_err(|error| Failure::Refused(error.to_string()))?;
+    let text = match args.format {
+        Format::Mjcf => mjcf(&robot).map_err(Failure::Refused)?,
+        Format::Urdf => urdf(&robot).map_err(Failure::Refused)?,
+        Format::Dot => dot(&robot),
+    };
+    match &args.out {
+        Some(path) => write_whole(path, text).map_err(|error| Failure::Refused(error.to_string())),
+        None => {
+            print!("{text}");
+            Ok(())
+        }
+    }
+}
