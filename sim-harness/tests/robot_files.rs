@@ -1,6 +1,8 @@
 //! Robot files: what is accepted, and how the rest is refused.
 
+use fivebar::plant::{Mismatch, Plant};
 use fivebar::robot::{BUILT_IN, BuiltIn, Robot};
+use fivebar_firmware::Command;
 
 /// A small file with every key that has no default.
 const PLAIN: &str = r#"name = "asymmetric"
@@ -185,4 +187,49 @@ fn a_name_that_is_neither_built_in_nor_a_file_lists_the_built_in_ones() {
         message.contains("nosuch.toml") && message.contains("benchtop"),
         "{message}"
     );
+}
+
+/// Every number of the default arm's file, one at a time, replaced by every odd one: the
+/// file is refused, or the arm it describes survives a few powered ticks.
+#[test]
+fn no_number_in_a_robot_file_makes_the_program_panic_or_hang() {
+    const ODD: [&str; 12] = [
+        "nan", "inf", "-1", "0", "1e-300", "1e300", "-1e300", "1e-12", "1e12", "'x'", "[]", "true",
+    ];
+    let text = BUILT_IN[0].text;
+    let mut refused = 0;
+    for (number, line) in text.lines().enumerate() {
+        let Some((key, _)) = line.split_once(" = ") else {
+            continue;
+        };
+        for odd in ODD {
+            let mut lines: Vec<_> = text.lines().map(str::to_owned).collect();
+            lines[number] = format!("{key} = {odd}");
+            let Ok(robot) = Robot::parse("arm.toml", &lines.join("\n")) else {
+                refused += 1;
+                continue;
+            };
+            let (Ok(settings), Ok(home)) = (robot.settings(), robot.home_pose()) else {
+                refused += 1;
+                continue;
+            };
+            if settings.validate().is_err() {
+                refused += 1;
+                continue;
+            }
+            let mut plant = Plant::new(&robot, &Mismatch::default(), &home, 1).unwrap();
+            for _ in 0..10 {
+                plant.sense();
+                plant.step(
+                    &Command {
+                        duty: [0.5, -0.5],
+                        enable: [true; 2],
+                        brake: false,
+                    },
+                    1e-4,
+                );
+            }
+        }
+    }
+    assert!(refused > 200, "only {refused} of the files were refused");
 }

@@ -36,12 +36,15 @@ pub(super) fn simulate(scenario: &Scenario, out: &Path, json: bool) -> Result<()
             let tell = &mut |done| bar.set_position(done as u64);
             scenario.simulate(&job, scenario.computed_torque, tell)
         },
-        || scenario.simulate(&job, false, &mut |_| ()),
+        || {
+            let compared = scenario.computed_torque;
+            compared.then(|| scenario.simulate(&job, false, &mut |_| ()))
+        },
     );
     bar.finish_and_clear();
     let (mut summary, record) = ours.map_err(|error| refusal(scenario, &error))?;
-    // The other controller may fail where ours does not; then there is nothing to compare.
-    let pd = pd.ok().filter(|_| scenario.computed_torque);
+    // PD may fail where the model does not; then there is nothing to compare.
+    let pd = pd.and_then(Result::ok);
     summary.out_dir = folder.path().display().to_string();
     summary.pd_tip_error = pd.as_ref().map(|(pd, _)| pd.tip_error);
     let report = RunReport {

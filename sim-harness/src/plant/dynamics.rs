@@ -45,6 +45,10 @@ pub(super) const DRIVEN: [usize; 2] = [0, 3];
 /// The link that carries the tool.
 const CARRIER: usize = 1;
 
+/// No integration step is shorter [s]: it resolves the fastest winding that a robot file
+/// may have, and friction that turns round faster has done so within a step.
+const SHORTEST_STEP: f64 = 1e-6;
+
 /// Rates of change of a [`State`].
 #[derive(Clone, Copy)]
 struct Rates {
@@ -137,7 +141,7 @@ impl Model {
             link4.inertia + link4.mass * link4.far.norm_squared(),
         ];
         let rates = [0, 1].map(|j| self.motors[j].fastest_rate(about_pivot[j]));
-        1.0 / rates[0].max(rates[1])
+        (1.0 / rates[0].max(rates[1])).max(SHORTEST_STEP)
     }
 
     fn rates(&self, state: &State, loads: &Loads) -> Rates {

@@ -7,6 +7,9 @@ use fivebar_kinematics::Vec2;
 use fivebar_kinematics::dynamics::{Arm, Link};
 use fivebar_kinematics::five_bar::{self, Geometry, GeometryError, Side, WorkingMode};
 
+/// Shortest time constant of a winding [s]; real ones have 20 µs and more.
+const SHORTEST_WINDING: f64 = 1e-6;
+
 const POSITIVE: &str = "must be a positive finite number";
 const NOT_NEGATIVE: &str = "must be finite and not negative";
 const FINITE: &str = "must be finite";
@@ -205,6 +208,13 @@ fn actuators(
             ("current_per_code", a.current_per_code.unwrap_or(1.0)),
         ] {
             positive(source, key(name), value)?;
+        }
+        if a.inductance < SHORTEST_WINDING * a.resistance {
+            let reason = format!(
+                "is too small: inductance / resistance, the winding's time constant, must be at \
+                 least {SHORTEST_WINDING:e} s"
+            );
+            return Err(source.refuse(key("inductance"), reason));
         }
         for (name, value) in [
             ("rotor_inertia", a.rotor_inertia),
