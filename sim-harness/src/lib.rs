@@ -2,6 +2,7 @@
 
 pub mod accuracy;
 pub mod cli;
+pub mod contact;
 pub mod drive;
 pub mod export;
 pub mod job;

@@ -1,7 +1,7 @@
 //! From a robot file, and what is wrong with it, to the simulated arm.
 
 use super::Mismatch;
-use super::chain::Chain;
+use super::chain::{Chain, JOINTS};
 use super::dynamics::{Model, State};
 use super::motor::Motor;
 use super::planar::{Body, Planar, perp, turn};
@@ -59,6 +59,7 @@ impl Model {
             chain: Chain {
                 bodies,
                 pivots: [Vector2::zeros(), Vector2::new(base, 0.0)],
+                held: [true; JOINTS],
             },
             motors,
             gravity: vector(arm.gravity()),

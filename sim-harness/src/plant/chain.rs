@@ -30,13 +30,16 @@ pub struct Chain {
     pub bodies: [Body; 4],
     /// The ground pivots A and E [m].
     pub pivots: [Vector2<f64>; 2],
+    /// The joints that are held together by constraint; the others are left to whatever
+    /// forces act in them.
+    pub held: [bool; JOINTS],
 }
 
 /// The bodies' joints, seen from their centres of mass in the plane's directions.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Arms {
-    near: [Vector2<f64>; 4],
-    far: [Vector2<f64>; 4],
+    pub(super) near: [Vector2<f64>; 4],
+    pub(super) far: [Vector2<f64>; 4],
 }
 
 impl Arms {
@@ -54,7 +57,7 @@ impl Arms {
     /// Of each joint, the relative velocity of the bodies that move so, or their relative
     /// acceleration without the centripetal terms: J a.
     #[inline]
-    fn opening(&self, motion: &[Planar; 4]) -> PerJoint {
+    pub(super) fn opening(&self, motion: &[Planar; 4]) -> PerJoint {
         let at = |i: usize, r: Vector2<f64>| motion[i].linear + perp(r) * motion[i].angular;
         [
             at(0, self.near[0]),
@@ -83,7 +86,7 @@ impl Chain {
     }
 
     #[inline]
-    fn gaps_with(&self, arms: &Arms, q: &[Planar; 4]) -> PerJoint {
+    pub(super) fn gaps_with(&self, arms: &Arms, q: &[Planar; 4]) -> PerJoint {
         let near = |i: usize| q[i].linear + arms.near[i];
         let far = |i: usize| q[i].linear + arms.far[i];
         [
@@ -109,7 +112,21 @@ impl Chain {
             matrix.diagonal[i + 1] += body[i].mobility(far[i], far[i]);
             matrix.upper[i] = -body[i].mobility(near[i], far[i]);
         }
+        for k in (0..JOINTS).filter(|&k| !self.held[k]) {
+            matrix.leave_out(k);
+        }
         matrix
+    }
+
+    /// What the joint forces are made from, for the joints that are held.
+    #[inline]
+    fn of_held(&self, mut each: PerJoint) -> PerJoint {
+        for (each, held) in each.iter_mut().zip(self.held) {
+            if !held {
+                *each = Vector2::zeros();
+            }
+        }
+        each
     }
 
     /// Accelerations of the bodies, and the joint forces, when the applied forces alone
@@ -117,11 +134,10 @@ impl Chain {
     #[inline]
     pub(super) fn accelerations(
         &self,
-        q: &[Planar; 4],
+        arms: &Arms,
         v: &[Planar; 4],
         free: &[Planar; 4],
     ) -> ([Planar; 4], PerJoint) {
-        let arms = self.arms(q);
         let mut opening = arms.opening(free);
         for i in 0..4 {
             // A point at r from the centre also accelerates by −ω² r.
@@ -129,23 +145,25 @@ impl Chain {
             opening[i] -= arms.near[i] * omega_squared;
             opening[i + 1] += arms.far[i] * omega_squared;
         }
-        let forces = self.schur(&arms).factored().solve(&opening).map(|f| -f);
+        let opening = self.of_held(opening);
+        let forces = self.schur(arms).factored().solve(&opening).map(|f| -f);
         let mut accelerations = *free;
         arms.push(self, &forces, &mut accelerations);
         (accelerations, forces)
     }
 
-    /// Brings the joints together again, places and speeds, by the least change in the
+    /// Brings the joints that are held together again, places and speeds, by the least change in the
     /// sense of the bodies' inertia.
     pub(super) fn close(&self, q: &mut [Planar; 4], v: &mut [Planar; 4]) {
         // Newton's method; what is left after an integration step is so small that the
         // first pass ends it.
         for _ in 0..MAX_PASSES {
             let arms = self.arms(q);
-            let gaps = self.gaps_with(&arms, q);
+            let gaps = self.of_held(self.gaps_with(&arms, q));
             let matrix = self.schur(&arms).factored();
             if gaps.iter().all(|gap| gap.amax() <= CLOSED) {
-                arms.push(self, &matrix.solve(&arms.opening(v)).map(|f| -f), v);
+                let opening = self.of_held(arms.opening(v));
+                arms.push(self, &matrix.solve(&opening).map(|f| -f), v);
                 return;
             }
             arms.push(self, &matrix.solve(&gaps).map(|f| -f), q);
@@ -174,6 +192,16 @@ pub(super) struct Factored {
 }
 
 impl Tridiagonal {
+    /// Parts joint k from the others: with nothing on the right, its force is nothing.
+    fn leave_out(&mut self, k: usize) {
+        self.diagonal[k] = Matrix2::identity();
+        for beside in [k.checked_sub(1), Some(k)].into_iter().flatten() {
+            if let Some(block) = self.upper.get_mut(beside) {
+                *block = Matrix2::zeros();
+            }
+        }
+    }
+
     #[inline]
     pub(super) fn factored(&self) -> Factored {
         let mut inverse = [Matrix2::zeros(); JOINTS];

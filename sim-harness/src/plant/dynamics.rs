@@ -58,6 +58,15 @@ struct Rates {
 }
 
 impl State {
+    /// Floating terminals carry no current: the diodes end it within microseconds.
+    pub(super) fn float(&mut self, loads: &Loads) {
+        for (current, voltage) in self.current.iter_mut().zip(loads.voltage) {
+            if voltage.is_none() {
+                *current = 0.0;
+            }
+        }
+    }
+
     fn after(&self, rates: &Rates, time: f64) -> Self {
         let mut next = *self;
         for i in 0..4 {
@@ -88,6 +97,19 @@ impl Model {
         torque: [f64; 2],
         tool_force: Vector2<f64>,
     ) -> ([Planar; 4], PerJoint) {
+        let free = self.free_accelerations(state, torque, tool_force);
+        let arms = self.chain.arms(&state.q);
+        self.chain.accelerations(&arms, &state.v, &free)
+    }
+
+    /// What the applied forces alone would make of the bodies' motion.
+    #[inline]
+    pub(super) fn free_accelerations(
+        &self,
+        state: &State,
+        torque: [f64; 2],
+        tool_force: Vector2<f64>,
+    ) -> [Planar; 4] {
         let mut free = [Planar {
             linear: self.gravity,
             angular: 0.0,
@@ -99,7 +121,7 @@ impl Model {
             let arm = self.tool_arm(state);
             free[CARRIER] = free[CARRIER] + self.chain.bodies[CARRIER].pushed(arm, tool_force);
         }
-        self.chain.accelerations(&state.q, &state.v, &free)
+        free
     }
 
     /// The tool, from the centre of mass of its link.
@@ -144,33 +166,39 @@ impl Model {
         (1.0 / rates[0].max(rates[1])).max(SHORTEST_STEP)
     }
 
-    fn rates(&self, state: &State, loads: &Loads) -> Rates {
+    /// Torque of each drive and of what else acts at its joint [N·m].
+    #[inline]
+    pub(super) fn joint_torque(&self, state: &State, loads: &Loads) -> [f64; 2] {
         let [torque1, torque4] = self.drive_torque(state);
         let [extra1, extra4] = loads.joint_torque;
-        let torque = [torque1 + extra1, torque4 + extra4];
+        [torque1 + extra1, torque4 + extra4]
+    }
+
+    fn rates(&self, state: &State, loads: &Loads) -> Rates {
+        let torque = self.joint_torque(state, loads);
         let (a, _) = self.accelerations(state, torque, loads.tool_force);
-        let current = [0, 1].map(|j| {
+        Rates {
+            v: state.v,
+            a,
+            current: self.current_rates(state, loads),
+        }
+    }
+
+    /// di/dt of the motors [A/s].
+    #[inline]
+    pub(super) fn current_rates(&self, state: &State, loads: &Loads) -> [f64; 2] {
+        [0, 1].map(|j| {
             let omega = state.v[DRIVEN[j]].angular;
             loads.voltage[j].map_or(0.0, |voltage| {
                 self.motors[j].current_rate(voltage, state.current[j], omega)
             })
-        });
-        Rates {
-            v: state.v,
-            a,
-            current,
-        }
+        })
     }
 
     /// The state after `time` [s]: one step of the classic fourth-order Runge–Kutta
     /// method, then the joints are brought together again.
     pub fn step(&self, state: &mut State, loads: &Loads, time: f64) {
-        for (current, voltage) in state.current.iter_mut().zip(loads.voltage) {
-            // Floating terminals carry no current: the diodes end it within microseconds.
-            if voltage.is_none() {
-                *current = 0.0;
-            }
-        }
+        state.float(loads);
         let k1 = self.rates(state, loads);
         let k2 = self.rates(&state.after(&k1, 0.5 * time), loads);
         let k3 = self.rates(&state.after(&k2, 0.5 * time), loads);

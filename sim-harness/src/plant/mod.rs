@@ -8,6 +8,7 @@
 //! | `chain` | the joints A to E and the forces in them |
 //! | `motor`, `brake` | windings, gears, friction; what holds an unpowered joint |
 //! | `dynamics` | the state and its integration |
+//! | `wear` | worn joints: pins with clearance in their bearings |
 //! | `sensors`, `noise` | what the controller gets to know |
 //! | `mismatch`, `faults` | how the arm differs from what is believed, and breaks |
 //! | `build` | all this from a robot file |
@@ -22,6 +23,7 @@ mod motor;
 mod noise;
 mod planar;
 mod sensors;
+mod wear;
 
 pub use chain::{Chain, JOINTS, PerJoint};
 pub use dynamics::{Loads, Model, State};
@@ -31,6 +33,7 @@ pub use motor::Motor;
 pub use noise::Noise;
 pub use planar::{Body, Planar};
 pub use sensors::JointSensors;
+pub use wear::{JointTally, Wear};
 
 use crate::robot::{KinematicsOnly, Robot};
 use brake::Brake;
@@ -50,6 +53,7 @@ const HELD: f64 = 1e6;
 pub struct Plant {
     model: Model,
     state: State,
+    wear: Option<Wear>,
     sensors: [JointSensors; 2],
     brakes: [Brake; 2],
     /// Inertia of the driven links when they are free to turn [kg·m²].
@@ -87,6 +91,7 @@ impl Plant {
             free_inertia: DRIVEN.map(|link| model.chain.bodies[link].inertia),
             state: model.state_at(pose, [0.0; 4]),
             model,
+            wear: None,
             sensors: [0, 1].map(|joint| JointSensors::new(&settings, mismatch, joint)),
             bus_voltage: robot.supply.voltage,
             volts_per_code: robot.voltage_per_code(),
@@ -102,6 +107,15 @@ impl Plant {
             broken: Broken::default(),
             tool_force: Vector2::zeros(),
         })
+    }
+
+    /// The same arm with worn joints, from now on integrated with a step that suits their
+    /// contacts, and watched joint by joint.
+    #[must_use]
+    pub fn worn(mut self, wear: Wear) -> Self {
+        self.model.chain.held = wear.held();
+        self.wear = Some(wear);
+        self
     }
 
     /// Lets these faults come to pass, each so long from now.
@@ -144,11 +158,15 @@ impl Plant {
             joint_torque: [0, 1].map(|j| self.brake(j, applied.brake)),
             tool_force: self.tool_force,
         };
+        self.time += period;
+        if let Some(wear) = &mut self.wear {
+            wear.step(&self.model, &mut self.state, &loads, period);
+            return;
+        }
         let steps = (period / self.model.longest_step()).ceil().max(1.0);
         for _ in 0..steps as usize {
             self.model.step(&mut self.state, &loads, period / steps);
         }
-        self.time += period;
     }
 
     fn terminal_voltage(&self, command: &Command, joint: usize) -> Option<f64> {
@@ -256,9 +274,17 @@ impl Plant {
     }
     /// The force that each joint passes on, A to E, from the body nearer to A [N].
     pub fn reactions(&self) -> PerJoint {
-        let torque = self.model.drive_torque(&self.state);
-        self.model
-            .accelerations(&self.state, torque, self.tool_force)
-            .1
+        let (model, state) = (&self.model, &self.state);
+        let torque = model.drive_torque(state);
+        let (_, forces) = match &self.wear {
+            Some(wear) => wear.accelerations(model, state, torque, self.tool_force),
+            None => model.accelerations(state, torque, self.tool_force),
+        };
+        forces
+    }
+
+    /// The worn joints, where the arm was given some.
+    pub fn wear(&mut self) -> Option<&mut Wear> {
+        self.wear.as_mut()
     }
 }

@@ -1,0 +1,141 @@
+//! The arm with worn joints obeys mechanics, and is the ideal arm where the wear is not.
+
+use fivebar::contact::Contact;
+use fivebar::plant::{Loads, Mismatch, Model, Plant, State, Wear};
+use fivebar::robot::Robot;
+use fivebar_firmware::Command;
+use nalgebra::Vector2;
+use proptest::prelude::*;
+
+const TICK: f64 = 1e-4;
+const FREE: Loads = Loads {
+    voltage: [None; 2],
+    joint_torque: [0.0; 2],
+    tool_force: Vector2::new(0.0, 0.0),
+};
+
+/// The benchtop arm hanging in gravity, thrown from home at these speeds of its cranks,
+/// with these clearances.
+fn thrown(contact: &Contact, clearance: [f64; 5], omega: [f64; 2]) -> (Model, State, Wear) {
+    let robot = Robot::load("benchtop").unwrap();
+    let mut model = Model::new(&robot, &Mismatch::NONE).unwrap();
+    let wear = Wear::new(contact, clearance).unwrap();
+    model.gravity = Vector2::new(0.0, -9.81);
+    model.chain.held = wear.held();
+    let pose = robot.home_pose().unwrap();
+    let [omega1, omega4] = omega;
+    let rates = robot.geometry.forward_velocities(&pose, omega1, omega4);
+    let state = model.state_at(&pose, rates.unwrap().omega);
+    (model, state, wear)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 12, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Nothing drives the arm: kinetic energy, height and what the contacts store only
+    /// ever grow less, by impacts and friction.
+    #[test]
+    fn energy_never_grows_in_a_passive_run(
+        clearance in prop::array::uniform5(prop_oneof![Just(0.0), 5e-6..2e-4_f64]),
+        restitution in 0.5..1.0_f64,
+        friction in 0.0..0.3_f64,
+        omega in prop::array::uniform2(-8.0..8.0_f64),
+    ) {
+        let contact = Contact { restitution, friction, ..Contact::default() };
+        let (mut model, mut state, mut wear) = thrown(&contact, clearance, omega);
+        for motor in &mut model.motors {
+            motor.viscous_friction = 0.0;
+            motor.coulomb_friction = 0.0;
+        }
+        let energy = |wear: &Wear, state: &State| model.energy(state) + wear.energy(&model, state);
+        let mut before = energy(&wear, &state);
+        let scale = 0.01 + model.kinetic_energy(&state);
+        for _ in 0..300 {
+            wear.step(&model, &mut state, &FREE, TICK);
+            let after = energy(&wear, &state);
+            prop_assert!(after <= before + 1e-7 * scale, "grew by {:e} J", after - before);
+            before = after;
+            let shares = wear.eccentricity(&model, &state);
+            prop_assert!(shares.iter().flatten().all(|&share| share < 1.5), "{shares:?}");
+        }
+        let impacts: u32 = wear.take_tally().iter().map(|tally| tally.impacts).sum();
+        prop_assert_eq!(impacts > 0, clearance.iter().any(|&c| c > 0.0));
+    }
+}
+
+/// How far the tool ever gets from where ideal joints would have it, in 50 ms. Without the
+/// pins' friction, which no smaller clearance takes away.
+fn departure(clearance: [f64; 5]) -> f64 {
+    let contact = Contact {
+        friction: 0.0,
+        ..Contact::default()
+    };
+    let (model, mut worn, mut wear) = thrown(&contact, clearance, [-3.0, 2.0]);
+    let (ideal_model, mut ideal, _) = thrown(&contact, [0.0; 5], [-3.0, 2.0]);
+    let mut most = 0.0_f64;
+    for _ in 0..500 {
+        wear.step(&model, &mut worn, &FREE, TICK);
+        ideal_model.step(&mut ideal, &FREE, TICK);
+        most = most.max((model.tool(&worn) - ideal_model.tool(&ideal)).norm());
+    }
+    most
+}
+
+#[test]
+fn becomes_the_ideal_arm_as_the_clearance_goes_to_zero() {
+    let departures = [1e-4, 1e-5, 1e-6].map(|c| departure([c; 5]));
+    println!("100, 10, 1 µm: {departures:?} m");
+    let [large, middle, small] = departures;
+    assert!(small < 1e-5 && middle < 1e-4 && large < 1e-3);
+    assert!(middle < 0.3 * large && small < 0.3 * middle);
+    // And without wear the adaptive method finds what the fixed steps find.
+    let none = departure([0.0; 5]);
+    assert!(none < 1e-7, "{none:e}");
+}
+
+#[test]
+fn the_same_run_gives_the_same_bits() {
+    let run = || {
+        let (model, mut state, mut wear) = thrown(&Contact::default(), [5e-5; 5], [4.0, -4.0]);
+        for _ in 0..200 {
+            wear.step(&model, &mut state, &FREE, TICK);
+        }
+        (state, wear.take_tally())
+    };
+    assert_eq!(run(), run());
+}
+
+#[test]
+fn a_worn_joint_at_rest_bears_what_an_ideal_one_bears() {
+    // Held by its motors' friction in gravity: after the drop into the bearings the forces
+    // in the joints are those of statics.
+    let robot = Robot::load("benchtop").unwrap();
+    let hanging = |clearance: [f64; 5]| {
+        let mut still = robot.clone();
+        for drive in still.actuators.iter_mut().flatten() {
+            drive.coulomb_friction = 1.0;
+        }
+        let contact = Contact {
+            restitution: 0.5,
+            ..Contact::default()
+        };
+        let pose = still.home_pose().unwrap();
+        let wear = Wear::new(&contact, clearance).unwrap();
+        let mut plant = Plant::new(&still, &Mismatch::NONE, &pose, 1)
+            .unwrap()
+            .worn(wear);
+        plant.push(Vector2::new(0.0, -5.0));
+        for _ in 0..3000 {
+            plant.step(&Command::default(), TICK);
+        }
+        plant.reactions()
+    };
+    let (ideal, worn) = (hanging([0.0; 5]), hanging([1e-5; 5]));
+    for (ideal, worn) in ideal.iter().zip(&worn) {
+        assert!(
+            (ideal - worn).norm() < 0.02 * ideal.norm(),
+            "{worn:?} for {ideal:?}"
+        );
+        assert!(ideal.norm() > 1.0);
+    }
+}
