@@ -48,13 +48,14 @@ proptest! {
             motor.coulomb_friction = 0.0;
         }
         let energy = |wear: &Wear, state: &State| model.energy(state) + wear.energy(&model, state);
-        let mut before = energy(&wear, &state);
-        let scale = 0.01 + model.kinetic_energy(&state);
+        let mut least = energy(&wear, &state);
+        // A step may err by 1 µm/s: so much energy for a momentum of 0.05 kg·m/s or so.
+        let rounding = 5e-8 + 1e-6 * model.kinetic_energy(&state);
         for _ in 0..300 {
             wear.step(&model, &mut state, &FREE, TICK);
             let after = energy(&wear, &state);
-            prop_assert!(after <= before + 1e-7 * scale, "grew by {:e} J", after - before);
-            before = after;
+            prop_assert!(after <= least + rounding, "grew by {:e} J", after - least);
+            least = least.min(after);
             let shares = wear.eccentricity(&model, &state);
             prop_assert!(shares.iter().flatten().all(|&share| share < 1.5), "{shares:?}");
         }
