@@ -186,8 +186,10 @@ impl<const N: usize> Adaptive<N> {
 
 /// How much longer the next step should be.
 fn factor(error: f64) -> f64 {
-    // max and min also take away what is not a number.
-    (0.9 * libm::pow(error, -0.2)).max(0.2).min(5.0)
+    if error.is_nan() {
+        return 1.0;
+    }
+    (0.9 * libm::pow(error, -0.2)).clamp(0.2, 5.0)
 }
 
 #[cfg(test)]

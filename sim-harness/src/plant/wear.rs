@@ -263,9 +263,8 @@ impl Hybrid<NUMBERS> for Rattling<'_> {
 
     fn note(&mut self, x: &Numbers, step: f64) {
         let (_, forces) = self.accelerations(&unpacked(x));
-        for k in 0..JOINTS {
-            let tally = &mut self.tally[k];
-            tally.peak_force = tally.peak_force.max(forces[k].norm());
+        for (k, (tally, force)) in self.tally.iter_mut().zip(forces).enumerate() {
+            tally.peak_force = tally.peak_force.max(force.norm());
             if self.journals[k].is_some() && self.phases[k] == Phase::Flight {
                 tally.flight += step;
             }
