@@ -18,16 +18,20 @@ pub(super) struct Args {
     json: bool,
 }
 
-pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    let robot =
-        Robot::load(BuiltIn::DEFAULT).map_err(|error| Failure::Refused(error.to_string()))?;
-    let scenario = Scenario::new(
+/// The demonstration, done by this arm.
+pub(super) fn scenario(robot: Robot) -> Scenario {
+    Scenario::new(
         "the demonstration",
         robot,
         "the demonstration job",
         JOB.into(),
-    );
-    sim::simulate(&scenario, &args.out, args.json)?;
+    )
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    let robot =
+        Robot::load(BuiltIn::DEFAULT).map_err(|error| Failure::Refused(error.to_string()))?;
+    sim::simulate(&scenario(robot), &args.out, args.json)?;
     if !args.json {
         println!(
             "\nOpen the report in a browser. `fivebar sim JOB.gcode` draws a job of yours, \

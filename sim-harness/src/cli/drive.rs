@@ -29,6 +29,11 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let refused = |error: &dyn std::fmt::Display| Failure::Refused(error.to_string());
+    if !args.job.names_a_job() {
+        return Err(Failure::Usage(
+            "say which job the motors shall do: fivebar drive JOB.gcode --port PORT".into(),
+        ));
+    }
     let scenario = args.job.scenario()?;
     let job = scenario.job().map_err(|error| refused(&error))?;
     for warning in &job.warnings {

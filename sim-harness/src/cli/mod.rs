@@ -5,9 +5,12 @@ mod demo;
 mod drive;
 mod export;
 mod failure;
+mod hil;
 mod linkage;
+mod lockstep;
 mod mobility;
 mod monitor;
+mod pil;
 mod port;
 mod query;
 mod robots;
@@ -35,9 +38,11 @@ enum Command {
     Accuracy(Box<accuracy::Args>),
     Drive(drive::Args),
     Export(export::Args),
+    Hil(hil::Args),
     Linkage(linkage::Args),
     Mobility(mobility::Args),
     Monitor(monitor::Args),
+    Pil(pil::Args),
     Query(query::Args),
     Robots(robots::Args),
     Sim(sim::Args),
@@ -52,9 +57,11 @@ pub fn main() -> ExitCode {
             Command::Accuracy(args) => accuracy::run(&args),
             Command::Drive(args) => drive::run(&args),
             Command::Export(args) => export::run(&args),
+            Command::Hil(args) => hil::run(&args),
             Command::Linkage(args) => linkage::run(&args),
             Command::Mobility(args) => mobility::run(&args),
             Command::Monitor(args) => monitor::run(&args),
+            Command::Pil(args) => pil::run(&args),
             Command::Query(args) => query::run(&args),
             Command::Robots(args) => robots::run(&args),
             Command::Sim(args) => sim::run(&args),

@@ -1,6 +1,6 @@
 //! What the commands that do a job are told of it.
 
-use super::Failure;
+use super::{Failure, demo};
 use crate::robot::{BuiltIn, Robot};
 use crate::run::Scenario;
 use std::path::{Path, PathBuf};
@@ -8,9 +8,9 @@ use std::path::{Path, PathBuf};
 /// Which job is done, and by which arm.
 #[derive(clap::Args)]
 pub(super) struct JobArgs {
-    /// A scenario in TOML, or a job in G-code.
+    /// A scenario in TOML, or a job in G-code; the demonstration when left out.
     #[arg(value_name = "SCENARIO.toml|JOB.gcode")]
-    file: String,
+    file: Option<String>,
     /// A built-in robot (see `fivebar robots`) or a robot file; the scenario's, or else
     /// the benchtop arm, when left out.
     #[arg(long)]
@@ -38,6 +38,11 @@ pub(super) struct RunArgs {
 }
 
 impl RunArgs {
+    /// Whether the job was named.
+    pub(super) fn names_a_job(&self) -> bool {
+        self.job.names_a_job()
+    }
+
     /// The scenario, with what the command line says instead.
     pub(super) fn scenario(&self) -> Result<Scenario, Failure> {
         self.job.scenario()
@@ -45,21 +50,23 @@ impl RunArgs {
 }
 
 impl JobArgs {
+    /// Whether the job was named.
+    pub(super) fn names_a_job(&self) -> bool {
+        self.file.is_some()
+    }
+
     /// The scenario, with what the command line says instead.
     pub(super) fn scenario(&self) -> Result<Scenario, Failure> {
         let refused = |error: &dyn std::fmt::Display| Failure::Refused(error.to_string());
-        let robot = self.robot.as_deref().map(Robot::load).transpose();
-        let robot = robot.map_err(|error| refused(&error))?;
-        let is_scenario = Path::new(&self.file)
-            .extension()
-            .is_some_and(|e| e == "toml");
-        let mut scenario = if is_scenario {
-            Scenario::load(&self.file).map_err(|error| refused(&error))?
-        } else {
-            let default = || Robot::load(BuiltIn::DEFAULT);
-            let robot = robot.clone().map_or_else(default, Ok);
-            let robot = robot.map_err(|error| refused(&error))?;
-            Scenario::of_job(&self.file, robot).map_err(|error| refused(&error))?
+        let load = |name: &str| Robot::load(name).map_err(|error| refused(&error));
+        let robot = self.robot.as_deref().map(load).transpose()?;
+        let arm = || robot.clone().map_or_else(|| load(BuiltIn::DEFAULT), Ok);
+        let mut scenario = match &self.file {
+            None => demo::scenario(arm()?),
+            Some(file) if Path::new(file).extension().is_some_and(|e| e == "toml") => {
+                Scenario::load(file).map_err(|error| refused(&error))?
+            }
+            Some(file) => Scenario::of_job(file, arm()?).map_err(|error| refused(&error))?,
         };
         if let Some(robot) = robot {
             scenario.robot = robot;

@@ -47,6 +47,7 @@ pub(super) fn simulate(scenario: &Scenario, out: &Path, json: bool) -> Result<()
     let pd = pd.and_then(Result::ok);
     summary.out_dir = folder.path().display().to_string();
     summary.pd_tip_error = pd.as_ref().map(|(pd, _)| pd.tip_error);
+    let text = serde_json::to_string_pretty(&summary).map_err(refused)?;
     let report = RunReport {
         robot: &scenario.robot,
         job: Some(&job),
@@ -57,15 +58,7 @@ pub(super) fn simulate(scenario: &Scenario, out: &Path, json: bool) -> Result<()
             .map(|(summary, record)| (summary, &record.trace)),
         conditions: &scenario.conditions(),
     };
-    let text = serde_json::to_string_pretty(&summary).map_err(refused)?;
-    folder
-        .write(&[
-            ("report.html", &report.page().render()),
-            ("picture.svg", &report.picture().unwrap_or_default()),
-            ("trace.csv", &record.trace.to_csv()),
-            ("summary.json", &text),
-        ])
-        .map_err(refused)?;
+    leave(&folder, &report, &text)?;
     if json {
         println!("{}", serde_json::to_string(&summary).map_err(refused)?);
     } else {
@@ -74,12 +67,28 @@ pub(super) fn simulate(scenario: &Scenario, out: &Path, json: bool) -> Result<()
     outcome(&record)
 }
 
-fn refused(error: impl std::fmt::Display) -> Failure {
+/// Leaves the report, its picture, the trace and the figures in the folder.
+pub(super) fn leave(
+    folder: &OutputFolder,
+    report: &RunReport<'_>,
+    summary: &str,
+) -> Result<(), Failure> {
+    folder
+        .write(&[
+            ("report.html", &report.page().render()),
+            ("picture.svg", &report.picture().unwrap_or_default()),
+            ("trace.csv", &report.trace.to_csv()),
+            ("summary.json", summary),
+        ])
+        .map_err(refused)
+}
+
+pub(super) fn refused(error: impl std::fmt::Display) -> Failure {
     Failure::Refused(error.to_string())
 }
 
 /// A refused move is one of the job's: its line is a line of that file.
-fn refusal(scenario: &Scenario, error: &RunError) -> Failure {
+pub(super) fn refusal(scenario: &Scenario, error: &RunError) -> Failure {
     match error {
         RunError::Target(error @ TargetError::Move(_)) => {
             refused(format_args!("{}, {error}", scenario.job_file))
@@ -88,7 +97,7 @@ fn refusal(scenario: &Scenario, error: &RunError) -> Failure {
     }
 }
 
-fn outcome(record: &Record) -> Result<(), Failure> {
+pub(super) fn outcome(record: &Record) -> Result<(), Failure> {
     let Some((time, fault)) = record.faults.first() else {
         return Ok(());
     };
@@ -102,14 +111,14 @@ fn outcome(record: &Record) -> Result<(), Failure> {
     )))
 }
 
-fn progress_bar(moves: usize) -> ProgressBar {
+pub(super) fn progress_bar(moves: usize) -> ProgressBar {
     let style = ProgressStyle::with_template("{bar:40} {pos}/{len} moves  {elapsed}");
     // The bar shows on a terminal only.
     ProgressBar::new(moves as u64)
         .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
-fn print(summary: &Summary) {
+pub(super) fn print(summary: &Summary) {
     let Summary {
         robot,
         scenario,

@@ -7,6 +7,7 @@ use fivebar_firmware::planner::Reason;
 use fivebar_firmware::protocol::{Identity, Order, Refusal, Reply, Ticked};
 use fivebar_firmware::settings::SettingsError;
 use fivebar_firmware::{Command, Move, Sensed, Settings, Status};
+use serde::Serialize;
 use std::io::{Read, Write};
 
 /// Ticks without another order after which the status is asked for, as a sign of life.
@@ -34,7 +35,8 @@ pub struct Instructions {
 }
 
 /// The first bits that differ.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, thiserror::Error)]
+#[error("tick {tick}: {field} is {there} on the board and {here} in this process")]
 pub struct Difference {
     /// The tick, counted from 1.
     pub tick: u64,

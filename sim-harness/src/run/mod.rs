@@ -14,7 +14,7 @@ pub use summary::{Summary, TipError, fault_name};
 pub use trace::{Sample, Trace};
 
 use crate::job::Job;
-use crate::link::{InProcess, TargetError};
+use crate::link::{InProcess, Target, TargetError};
 use crate::plant::{Mismatch, Plant};
 use crate::report::quantity;
 use crate::robot::{KinematicsOnly, NoHome};
@@ -156,12 +156,25 @@ impl Scenario {
         computed_torque: bool,
         progress: &mut dyn FnMut(usize),
     ) -> Result<(Summary, Record), RunError> {
-        let started = Instant::now();
         let mut settings = self.robot.settings()?;
         settings.control.computed_torque = computed_torque;
         let mut target = InProcess::new(&settings).map_err(|e| self.unsound(e))?;
-        let simulation = Simulation::new(&mut target, self.plant()?, self.robot.control.tick_rate);
-        let record = simulation.run(&self.moves(job), &self.faults, progress)?;
+        self.run_on(&mut target, &self.moves(job), progress)
+    }
+
+    /// Runs moves on a controller, wherever it is; else as [`Scenario::simulate`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn run_on(
+        &self,
+        target: &mut impl Target,
+        moves: &[Move],
+        progress: &mut dyn FnMut(usize),
+    ) -> Result<(Summary, Record), RunError> {
+        let started = Instant::now();
+        let simulation = Simulation::new(target, self.plant()?, self.robot.control.tick_rate);
+        let record = simulation.run(moves, &self.faults, progress)?;
         let summary = Summary {
             robot: self.robot.name.clone(),
             scenario: self.name.clone(),

@@ -1,0 +1,26 @@
+//! `fivebar hil`: the firmware on a board, the arm simulated around it.
+
+use super::Failure;
+use super::lockstep::{self, LockstepArgs};
+use super::sim::refused;
+use crate::link::SerialLine;
+
+/// Runs a job on a board over a serial port, in lockstep with the simulated arm, and
+/// compares every bit with the same run in this process. The board carries the image
+/// `qemu`, whose bridges and sensors are frames; no motor moves.
+#[derive(clap::Args)]
+pub(super) struct Args {
+    #[command(flatten)]
+    run: LockstepArgs,
+    /// The board's serial port, such as /dev/ttyACM0 or COM3.
+    #[arg(long)]
+    port: String,
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    lockstep::run(
+        &args.run,
+        || Ok(Box::new(SerialLine::open(&args.port).map_err(refused)?)),
+        "ns",
+    )
+}

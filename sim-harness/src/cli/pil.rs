@@ -1,0 +1,30 @@
+//! `fivebar pil`: the firmware on an emulated Cortex-M4F, the arm simulated around it.
+
+use super::Failure;
+use super::lockstep::{self, LockstepArgs};
+use super::sim::refused;
+use crate::link::Emulator;
+use std::path::PathBuf;
+
+/// Runs a job on the firmware on an emulated board, in lockstep with the simulated arm,
+/// and compares every bit with the same run in this process.
+#[derive(clap::Args)]
+pub(super) struct Args {
+    #[command(flatten)]
+    run: LockstepArgs,
+    /// The image of the emulated board; scripts/firmware.sh builds it.
+    #[arg(long, value_name = "FILE")]
+    image: Option<PathBuf>,
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    let image = args
+        .image
+        .clone()
+        .unwrap_or_else(|| Emulator::built_image("qemu"));
+    lockstep::run(
+        &args.run,
+        || Ok(Box::new(Emulator::start(&image).map_err(refused)?)),
+        "instructions",
+    )
+}
