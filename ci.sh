@@ -17,9 +17,13 @@ tests() { cargo test --workspace; }
 mujoco() { scripts/mujoco.sh; }
 setup() { scripts/toolchain.sh; }
 firmware() { scripts/firmware.sh; }
-emulated() { cargo test --package fivebar-tests --features emulator --test instructions --test images; }
+emulated() {
+    cargo test --package fivebar-tests --features emulator \
+        --test images --test instructions --test emulated_boards
+}
+demo() { cargo run --release --quiet -- --out target/demonstration; }
 
-all=(format file_lengths lint docs licences tests mujoco setup firmware emulated)
+all=(format file_lengths lint docs licences tests demo mujoco setup firmware emulated)
 steps=("$@")
 [ $# -gt 0 ] || steps=("${all[@]}")
 

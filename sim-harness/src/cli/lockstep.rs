@@ -12,13 +12,13 @@ use std::io::{Read, Write};
 
 /// Moves of the demonstration that are run when no job is named: less than a minute's work
 /// for an emulator.
-const MOVES_OF_THE_DEMONSTRATION: usize = 6;
+const MOVES_OF_THE_DEMONSTRATION: usize = 3;
 
 #[derive(clap::Args)]
 pub(super) struct LockstepArgs {
     #[command(flatten)]
     run: RunArgs,
-    /// Run only so many moves from the beginning of the job; of the demonstration 6, of a
+    /// Run only so many moves from the beginning of the job; of the demonstration 3, of a
     /// named job all, when left out.
     #[arg(long, value_name = "COUNT")]
     moves: Option<usize>,

@@ -1,0 +1,99 @@
+//! The firmware images running on QEMU.
+
+use fivebar::link::{Conversation, Emulator, Lockstep};
+use fivebar::robot::Robot;
+use fivebar::run::{Record, Scenario, Summary};
+use fivebar_firmware::protocol::{Board, Order, Reply};
+use fivebar_firmware::safety::{Fault, State};
+use fivebar_firmware::{Request, Settings, Status};
+
+/// Three sides of a square: corners, a stop, 0.3 s of motion and more.
+const JOB: &str = "G21\nG90\nM3\nF12000\nG1 X20 Y0\nG1 X20 Y20\nG1 X0 Y20\n";
+
+fn scenario() -> Scenario {
+    let robot = Robot::load("benchtop").expect("a built-in robot");
+    let mut scenario = Scenario::new("a hook", robot, "hook.gcode", JOB.into());
+    scenario.origin = Some([0.03, 0.17]);
+    scenario
+}
+
+/// The job on the emulated board, compared with a twin of other settings if any.
+fn run(twin: impl FnOnce(&mut Settings)) -> (Lockstep<Emulator>, Summary, Record) {
+    let scenario = scenario();
+    let job = scenario.job().expect("a sound job");
+    let settings = scenario.robot.settings().expect("a robot with motors");
+    let mut other = settings;
+    twin(&mut other);
+    let board = Emulator::start(&Emulator::built_image("qemu")).expect("an emulated board");
+    let (mut lockstep, identity) = Lockstep::begin(board, &settings, &other).expect("a start");
+    assert_eq!(identity.board, Board::Emulated);
+    let (summary, record) = scenario
+        .run_on(&mut lockstep, &scenario.moves(&job), &mut |_| ())
+        .expect("a run");
+    (lockstep, summary, record)
+}
+
+#[test]
+fn the_emulated_board_gives_the_bits_of_this_process() {
+    let (lockstep, summary, record) = run(|_| ());
+    assert_eq!(lockstep.first_difference(), None);
+    assert_eq!(summary.faults, [""; 0]);
+    assert!(lockstep.ticks() >= 3_000, "{} ticks", lockstep.ticks());
+    let begun = record.begun.expect("the job began");
+    assert!(record.simulated - begun > 0.3, "{summary:?}");
+    println!(
+        "{:?} in {} ticks",
+        lockstep.instructions(),
+        lockstep.ticks()
+    );
+    assert!(
+        lockstep.instructions().max <= MOST_INSTRUCTIONS,
+        "{:?}",
+        lockstep.instructions()
+    );
+}
+
+/// The whole tick, whatever it has to do [instructions].
+const MOST_INSTRUCTIONS: u32 = 1_000;
+
+#[test]
+fn a_gain_changed_on_one_side_is_found() {
+    let (lockstep, ..) = run(|twin| twin.control.bandwidth *= 1.001);
+    let difference = lockstep.first_difference().expect("other bits");
+    assert!(
+        ["duty", "current_demand"].contains(&difference.field),
+        "{difference:?}"
+    );
+}
+
+fn status(conversation: &mut Conversation<Emulator>) -> Status {
+    match conversation.ask(Order::Status).expect("an answer") {
+        Reply::Status { status, .. } => status,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// The emulator's crystal never starts.
+#[test]
+fn the_production_image_boots_to_the_clock_fault_and_refuses_to_arm() {
+    let board = Emulator::start(&Emulator::built_image("stm32f405")).expect("an emulated board");
+    let (mut conversation, identity) = Conversation::open(board).expect("an answer");
+    assert_eq!(identity.board, Board::Stm32f405);
+    let before = status(&mut conversation);
+    assert_eq!(before.state, State::Fault);
+    assert_eq!(before.fault, Some(Fault::ClockFailure));
+    for request in [Request::Arm, Request::Home] {
+        let reply = conversation
+            .ask(Order::Request(request))
+            .expect("an answer");
+        assert!(matches!(reply, Reply::Refused(_)), "{request:?}: {reply:?}");
+    }
+    // The clock does not mend, and so the fault comes back however often it is cleared.
+    let cleared = conversation.ask(Order::Request(Request::ClearFault));
+    assert!(cleared.is_ok());
+    std::thread::sleep(std::time::Duration::from_millis(200));
+    let after = status(&mut conversation);
+    assert!(after.tick > before.tick, "the slow tick goes on");
+    assert_eq!(after.fault, Some(Fault::ClockFailure));
+    assert_eq!(after.duty, [0.0; 2]);
+}
