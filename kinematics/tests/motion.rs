@@ -153,6 +153,34 @@ proptest! {
     }
 
     #[test]
+    fn the_driven_joints_in_one_pass_are_those_of_the_inverse_solution(
+        moving in moving(0.1), offset in prop_oneof![Just(Vec2::zero()), offset()]
+    ) {
+        let tool = Tool::new(moving.case.geometry, offset).unwrap();
+        let (pose, velocities, accelerations) = moving.now();
+        let t = tool.point(&pose);
+        prop_assume!(tool.elbow_sines(&pose)[0].abs() > 0.05);
+        let driven = tool
+            .driven(
+                t,
+                tool.velocity(&pose, &velocities),
+                tool.acceleration(&pose, &velocities, &accelerations),
+                tool.working_mode(&pose),
+            )
+            .unwrap();
+        let [omega1, _, _, omega4] = velocities.omega;
+        let [alpha1, _, _, alpha4] = accelerations.alpha;
+        for (direction, expected) in driven.direction.into_iter().zip([pose.u1, pose.u4]) {
+            prop_assert!((direction - expected).norm() < 1e-9);
+        }
+        assert_close("ω1", driven.omega[0], omega1, 1e-9);
+        assert_close("ω4", driven.omega[1], omega4, 1e-9);
+        let scale = accelerations.alpha.iter().fold(1.0_f64, |m, a| m.max(a.abs()));
+        prop_assert!((driven.alpha[0] - alpha1).abs() <= 1e-8 * scale);
+        prop_assert!((driven.alpha[1] - alpha4).abs() <= 1e-8 * scale);
+    }
+
+    #[test]
     fn a_tool_at_c_is_c(moving in moving(0.05)) {
         let Moving { case, .. } = moving;
         let tool = Tool::new(case.geometry, Vec2::zero()).unwrap();

@@ -9,7 +9,7 @@ use fivebar_kinematics::five_bar::{Pose, PoseError};
 impl Controller {
     /// One tick of holding or following the path: the torques [N·m], or `None` after a
     /// fault.
-    #[inline]
+    #[inline(always)]
     pub(super) fn follow(&mut self) -> Option<[f32; 2]> {
         match self.track() {
             Ok(torque) => Some(torque),
@@ -20,7 +20,7 @@ impl Controller {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn track(&mut self) -> Result<[f32; 2], Fault> {
         // Where it should be, and where it will be, when the torque acts.
         self.advance()?;
@@ -32,8 +32,8 @@ impl Controller {
         } = self.setpoint;
         let [joint1, joint4] = &self.joints;
         let position_loop = &self.model.position_loop;
-        let (theta1, omega1) = position_loop.predict(joint1.angle, joint1.velocity(), alpha1d);
-        let (theta4, omega4) = position_loop.predict(joint4.angle, joint4.velocity(), alpha4d);
+        let (theta1, omega1) = position_loop.predict(joint1.angle(), joint1.velocity(), alpha1d);
+        let (theta4, omega4) = position_loop.predict(joint4.angle(), joint4.velocity(), alpha4d);
         let (u1, u4) = (Vec2::unit(theta1), Vec2::unit(theta4));
         let pose = self.measured([u1, u4])?;
         if of_joints {
@@ -108,10 +108,10 @@ impl Controller {
             }
             self.happen(Event::Begin);
         }
-        if self.path.runs_short(2.0 * self.model.period) {
+        if self.path.runs_short() {
             self.latch(Fault::QueueUnderrun);
         }
-        let Some(step) = self.path.step(self.model.period) else {
+        let Some(step) = self.path.step() else {
             self.setpoint = Setpoint::hold(self.setpoint.direction);
             return Ok(());
         };
@@ -126,11 +126,6 @@ impl Controller {
             self.come_to_rest();
         }
         Ok(())
-    }
-
-    /// Begins to come to rest on the path.
-    pub(super) fn brake(&mut self) {
-        self.path.brake(self.model.period);
     }
 
     #[cold]

@@ -2,12 +2,14 @@
 //! torque to its bridge's duty.
 
 use super::model::AxisModel;
-use fivebar_kinematics::control::{CurrentState, Drive, Integral, MotorHeat, ObserverState};
+use fivebar_kinematics::control::{
+    Bus, CurrentState, Drive, Integral, MotorHeat, ObserverState, VelocityObserver,
+};
 
 /// What one joint remembers from tick to tick, and what this tick measured.
 pub(crate) struct Joint {
-    /// Counts at the tick before; none before the first tick.
-    counts: Option<i32>,
+    /// Counts at the last tick.
+    counts: i32,
     /// The angle `angle_at_origin` belongs to these counts; the first ones until homed.
     origin: i32,
     angle_at_origin: f32,
@@ -16,10 +18,6 @@ pub(crate) struct Joint {
     current_state: CurrentState<f32>,
     /// Integral of the position loop.
     pub(crate) integral: Integral<f32>,
-    /// The desired acceleration that gets through the current loop's lag now [rad/s²].
-    acting: f32,
-    /// θ̂ [rad], absolute only when homed.
-    pub(crate) angle: f32,
     /// Motor current [A].
     pub(crate) current: f32,
     /// Current set-point [A].
@@ -28,30 +26,26 @@ pub(crate) struct Joint {
     pub(crate) duty: f32,
 }
 
-/// What a tick's samples say of a joint besides its state.
-pub(crate) struct Sample {
-    /// Measured less predicted angle [rad].
-    pub(crate) innovation: f32,
-    /// The I²t model's verdict.
-    pub(crate) too_hot: bool,
-}
-
 impl Joint {
     pub(crate) fn new() -> Self {
         Self {
-            counts: None,
+            counts: 0,
             origin: 0,
             angle_at_origin: 0.0,
-            observer: ObserverState::at_rest(),
+            observer: ObserverState::at_rest(0.0),
             heat: MotorHeat::cold(),
             current_state: CurrentState(0.0),
             integral: Integral(0.0),
-            acting: 0.0,
-            angle: 0.0,
             current: 0.0,
             demand: 0.0,
             duty: 0.0,
         }
+    }
+
+    /// θ̂ [rad], absolute only when homed.
+    #[inline]
+    pub(crate) fn angle(&self) -> f32 {
+        self.observer.angle
     }
 
     /// ω̂ [rad/s].
@@ -61,39 +55,39 @@ impl Joint {
     }
 
     /// Takes in one tick's samples; `alpha` is the desired acceleration [rad/s²] of the
-    /// tick before.
+    /// tick before. Gives the innovation, measured less predicted angle [rad].
     #[inline]
     pub(crate) fn measure(
         &mut self,
+        observer: &VelocityObserver<f32>,
         model: &AxisModel,
         counts: i32,
         current: u16,
         alpha: f32,
-    ) -> Sample {
-        let before = self.counts.unwrap_or_else(|| {
-            // A counter may stand anywhere at first. Angles are told from there until
-            // homed, so that `f32` has its digits left for the motion.
-            self.origin = counts;
-            counts
-        });
-        let delta = counts.wrapping_sub(before);
-        self.counts = Some(counts);
-        self.acting += model.passing * (alpha - self.acting);
-        let innovation = model
-            .observer
-            .update(&mut self.observer, delta as f32, self.acting);
-        self.angle = self.estimate(model);
+    ) -> f32 {
+        self.counts = counts;
         self.current = model.current_offset + model.current_per_code * f32::from(current);
-        Sample {
-            innovation,
-            too_hot: model.heating.update(&mut self.heat, self.current),
-        }
+        let counted = self.counted(model);
+        observer.update(&mut self.observer, counted, alpha)
+    }
+
+    /// Warms the motor by two ticks at its current; true while it is too hot.
+    #[inline]
+    pub(crate) fn warm(&mut self, model: &AxisModel) -> bool {
+        model.heating.update(&mut self.heat, self.current)
+    }
+
+    /// Takes the first counts ever. A counter may stand anywhere; angles are told from
+    /// there until homed, so that `f32` has its digits left for the motion.
+    #[cold]
+    pub(crate) fn begin(&mut self, counts: i32) {
+        self.origin = counts;
     }
 
     /// The duty that brings the current to what `torque` [N·m] needs; true if the bus
     /// could not.
     #[inline]
-    pub(crate) fn drive(&mut self, model: &AxisModel, torque: f32, bus: f32, per_bus: f32) -> bool {
+    pub(crate) fn drive(&mut self, model: &AxisModel, torque: f32, bus: &Bus<f32>) -> bool {
         self.demand = torque * model.current_per_torque;
         let Drive { duty, limited } = model.current_loop.update(
             &mut self.current_state,
@@ -101,29 +95,34 @@ impl Joint {
             self.current,
             self.observer.velocity,
             bus,
-            per_bus,
         );
         self.duty = duty;
         limited
     }
 
-    /// θ̂ [rad] by the counts and what the observer adds to them.
+    /// The counted angle [rad]. Counts wrap; how far they are from the origin does not.
     #[inline]
-    fn estimate(&self, model: &AxisModel) -> f32 {
-        let turned = self.counts.unwrap_or(0).wrapping_sub(self.origin);
-        self.angle_at_origin + model.radians_per_count * turned as f32 + self.observer.offset
+    fn counted(&self, model: &AxisModel) -> f32 {
+        let turned = self.counts.wrapping_sub(self.origin);
+        self.angle_at_origin + model.radians_per_count * turned as f32
+    }
+
+    /// The demanded torque [N·m].
+    pub(crate) fn torque(&self, model: &AxisModel) -> f32 {
+        self.demand / model.current_per_torque
     }
 
     /// The latched counts.
     pub(crate) fn counts(&self) -> i32 {
-        self.counts.unwrap_or(0)
+        self.counts
     }
 
     /// Declares that the joint's angle is `angle` [rad] where its counts are `counts`.
     pub(crate) fn set_origin(&mut self, model: &AxisModel, counts: i32, angle: f32) {
+        let before = self.counted(model);
         self.origin = counts;
         self.angle_at_origin = angle;
-        self.angle = self.estimate(model);
+        self.observer.angle += self.counted(model) - before;
     }
 
     /// Forgets the loops' integrals and outputs: the bridge is off.
@@ -135,9 +134,8 @@ impl Joint {
     }
 
     /// Forgets all motion, the counts and the origin excepted.
-    pub(crate) fn settle(&mut self) {
+    pub(crate) fn settle(&mut self, model: &AxisModel) {
         self.release();
-        self.observer = ObserverState::at_rest();
-        self.acting = 0.0;
+        self.observer = ObserverState::at_rest(self.counted(model));
     }
 }

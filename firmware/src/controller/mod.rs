@@ -16,9 +16,10 @@ use crate::io::{Command, Sensed};
 use crate::safety::{Event, Fault, Limits, Response, State};
 use crate::settings::{Settings, SettingsError};
 use fivebar_kinematics::Vec2;
+use fivebar_kinematics::control::Bus;
 use fivebar_kinematics::five_bar::WorkingMode;
 use joint::Joint;
-use model::Model;
+use model::{DUTY_LIMIT, Model};
 use path::Path;
 pub(crate) use path::stopping_time;
 pub use path::{PIECES, Stretch};
@@ -30,6 +31,8 @@ pub use status::{JointReference, Snapshot, Status};
 pub struct Controller {
     model: Model,
     joints: [Joint; 2],
+    /// There was a tick before.
+    begun: bool,
     state: State,
     homed: bool,
     /// The working mode that the arm is in.
@@ -43,15 +46,14 @@ pub struct Controller {
     path: Path,
     setpoint: Setpoint,
     searches: [Search; 2],
-    /// Position errors [rad] and torques [N·m] as last worked out.
+    /// Position errors [rad] as last worked out.
     error: [f32; 2],
-    torque: [f32; 2],
     limits: Limits,
     bus_voltage: f32,
     ticks: u32,
     missed_ticks: u32,
-    /// Ticks since the host was heard.
-    silence: u32,
+    /// The tick after which the host was heard last.
+    heard_at: u32,
     /// How often a path has been forgotten before its end.
     forgotten_paths: u32,
 }
@@ -60,6 +62,16 @@ pub struct Controller {
 struct Samples {
     innovation: [f32; 2],
     too_hot: bool,
+}
+
+/// What a tick has to do besides watching.
+enum Work {
+    /// Nothing: the bridges are off.
+    Rest,
+    /// Look for the home switches.
+    Search,
+    /// Hold or follow the path.
+    Follow,
 }
 
 impl Controller {
@@ -71,22 +83,22 @@ impl Controller {
         Ok(Self {
             model: Model::new(settings)?,
             joints: [Joint::new(), Joint::new()],
+            begun: false,
             state: State::Stopped,
             homed: false,
             mode: settings.working_mode(),
             latched: None,
             held: false,
             pending: None,
-            path: Path::new(stopping_time(settings)),
+            path: Path::new(stopping_time(settings), 1.0 / settings.control.tick_rate),
             setpoint: Setpoint::hold([Vec2::zero(); 2]),
             searches: [Search::new(0.0); 2],
             error: [0.0; 2],
-            torque: [0.0; 2],
             limits: Limits::NONE,
             bus_voltage: 0.0,
             ticks: 0,
             missed_ticks: 0,
-            silence: 0,
+            heard_at: 0,
             forgotten_paths: 0,
         })
     }
@@ -102,24 +114,16 @@ impl Controller {
     /// outputs act from the next tick on.
     pub fn tick(&mut self, sensed: &Sensed) -> Command {
         self.ticks = self.ticks.wrapping_add(1);
-        self.silence = self.silence.saturating_add(1);
         self.limits = Limits::NONE;
         self.bus_voltage = f32::from(sensed.bus_voltage) * self.model.bus_voltage_per_code;
         let samples = self.measure(sensed);
         if let Some(fault) = self.sampled_fault(sensed, &samples) {
             self.latch(fault);
         }
-        let torque = match self.state {
-            State::Stopped => None,
-            State::Homing => self.search(sensed),
-            State::Armed | State::Running | State::Stopping => self.follow(),
-            State::Fault => {
-                if self.held {
-                    self.follow()
-                } else {
-                    None
-                }
-            }
+        let torque = match self.work() {
+            Work::Rest => None,
+            Work::Search => self.search(sensed),
+            Work::Follow => self.follow(),
         };
         match torque {
             Some(torque) => self.drive(torque),
@@ -131,14 +135,28 @@ impl Controller {
     fn measure(&mut self, sensed: &Sensed) -> Samples {
         let [joint1, joint4] = &mut self.joints;
         let [model1, model4] = &self.model.axes;
+        let observer = &self.model.observer;
         let [alpha1, alpha4] = self.setpoint.alpha;
         let [counts1, counts4] = sensed.counts;
         let [current1, current4] = sensed.current;
-        let sample1 = joint1.measure(model1, counts1, current1, alpha1);
-        let sample4 = joint4.measure(model4, counts4, current4, alpha4);
+        if !self.begun {
+            self.begun = true;
+            joint1.begin(counts1);
+            joint4.begin(counts4);
+        }
+        let innovation = [
+            joint1.measure(observer, model1, counts1, current1, alpha1),
+            joint4.measure(observer, model4, counts4, current4, alpha4),
+        ];
+        // Motors warm slowly: each is looked at in every other tick.
+        let too_hot = if self.ticks & 1 == 0 {
+            joint1.warm(model1)
+        } else {
+            joint4.warm(model4)
+        };
         Samples {
-            innovation: [sample1.innovation, sample4.innovation],
-            too_hot: sample1.too_hot || sample4.too_hot,
+            innovation,
+            too_hot,
         }
     }
 
@@ -176,15 +194,27 @@ impl Controller {
             return Some(Fault::OverTemperature);
         }
         let moving = matches!(self.state, State::Running | State::Stopping | State::Homing);
-        (moving && monitor.silent(self.silence)).then_some(Fault::CommandTimeout)
+        let silence = self.ticks.wrapping_sub(self.heard_at);
+        (moving && monitor.silent(silence)).then_some(Fault::CommandTimeout)
+    }
+
+    /// What a tick has to do in this state.
+    #[inline]
+    fn work(&self) -> Work {
+        match self.state {
+            State::Stopped => Work::Rest,
+            State::Homing => Work::Search,
+            State::Armed | State::Running | State::Stopping => Work::Follow,
+            State::Fault if self.held => Work::Follow,
+            State::Fault => Work::Rest,
+        }
     }
 
     /// Whether the bridges are on.
     fn is_powered(&self) -> bool {
-        match self.state {
-            State::Stopped => false,
-            State::Homing | State::Armed | State::Running | State::Stopping => true,
-            State::Fault => self.held,
+        match self.work() {
+            Work::Rest => false,
+            Work::Search | Work::Follow => true,
         }
     }
 
@@ -209,7 +239,7 @@ impl Controller {
                 velocity: self.velocities(),
                 error: self.error,
                 current: self.joints.each_ref().map(|joint| joint.current),
-                torque: self.torque,
+                torque: self.torques(),
                 bus_voltage: self.bus_voltage,
             });
             self.held = hold;
@@ -221,7 +251,7 @@ impl Controller {
             self.enter(next);
         }
         if self.held {
-            self.brake();
+            self.path.brake();
         }
     }
 
@@ -234,8 +264,8 @@ impl Controller {
                 self.latched = None;
                 self.held = false;
                 self.forget_path();
-                for joint in &mut self.joints {
-                    joint.settle();
+                for (joint, model) in self.joints.iter_mut().zip(&self.model.axes) {
+                    joint.settle(model);
                 }
             }
             State::Armed => {
@@ -243,7 +273,7 @@ impl Controller {
                     self.forget_path();
                 }
             }
-            State::Stopping => self.brake(),
+            State::Stopping => self.path.brake(),
             State::Homing | State::Running | State::Fault => {}
         }
     }
@@ -258,16 +288,17 @@ impl Controller {
     /// not a number gets past it.
     #[inline]
     fn drive(&mut self, torque: [f32; 2]) -> Command {
-        self.torque = torque;
-        let per_bus = 1.0 / self.bus_voltage;
+        let bus = Bus::new(self.bus_voltage, DUTY_LIMIT);
         let [joint1, joint4] = &mut self.joints;
         let [model1, model4] = &self.model.axes;
         let [torque1, torque4] = torque;
-        let limited1 = joint1.drive(model1, torque1, self.bus_voltage, per_bus);
-        let limited4 = joint4.drive(model4, torque4, self.bus_voltage, per_bus);
+        let limited1 = joint1.drive(model1, torque1, &bus);
+        let limited4 = joint4.drive(model4, torque4, &bus);
         self.limits = self.limits.with(Limits::VOLTAGE, limited1 || limited4);
         let duty = [joint1.duty, joint4.duty];
-        if !duty.iter().all(|duty| duty.is_finite()) {
+        // Both are within ±1 or not numbers, and so is their sum.
+        let [duty1, duty4] = duty;
+        if !(duty1 + duty4).is_finite() {
             self.latch(Fault::NotANumber);
             return self.off();
         }
@@ -280,7 +311,6 @@ impl Controller {
 
     /// Bridges off, brake on.
     fn off(&mut self) -> Command {
-        self.torque = [0.0; 2];
         self.setpoint = Setpoint::hold(self.setpoint.direction);
         for joint in &mut self.joints {
             joint.release();
@@ -305,7 +335,14 @@ impl Controller {
     }
 
     fn angles(&self) -> [f32; 2] {
-        self.joints.each_ref().map(|joint| joint.angle)
+        self.joints.each_ref().map(Joint::angle)
+    }
+
+    /// The demanded torques [N·m].
+    fn torques(&self) -> [f32; 2] {
+        let [joint1, joint4] = &self.joints;
+        let [model1, model4] = &self.model.axes;
+        [joint1.torque(model1), joint4.torque(model4)]
     }
 
     fn velocities(&self) -> [f32; 2] {

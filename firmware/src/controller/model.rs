@@ -13,7 +13,7 @@ use fivebar_kinematics::five_bar::{Side, Tool};
 
 /// Share of the bus voltage that the bridges are asked for at most: their high sides and
 /// the sampling of the currents need the rest of each PWM period.
-const DUTY_LIMIT: f32 = 0.95;
+pub(crate) const DUTY_LIMIT: f32 = 0.95;
 
 /// The constants of the tick.
 pub(crate) struct Model {
@@ -22,6 +22,7 @@ pub(crate) struct Model {
     pub(crate) tool: Tool<f32>,
     pub(crate) assembly: Side,
     pub(crate) axes: [AxisModel; 2],
+    pub(crate) observer: VelocityObserver<f32>,
     pub(crate) position_loop: PositionLoop<f32>,
     pub(crate) torque_limit: TorqueLimit<f32>,
     /// Each joint's inertia for the loops that take it for constant [kg·m²].
@@ -37,7 +38,6 @@ pub(crate) struct Model {
 
 /// The constants of one joint.
 pub(crate) struct AxisModel {
-    pub(crate) observer: VelocityObserver<f32>,
     pub(crate) current_loop: CurrentLoop<f32>,
     pub(crate) heating: MotorHeating<f32>,
     pub(crate) friction: FrictionCompensation<f32>,
@@ -51,8 +51,6 @@ pub(crate) struct AxisModel {
     pub(crate) current_per_torque: f32,
     /// Greatest torque while homing [N·m].
     pub(crate) homing_torque: f32,
-    /// What one tick lets through of a change of acceleration: T/lag.
-    pub(crate) passing: f32,
 }
 
 impl Model {
@@ -69,6 +67,7 @@ impl Model {
             tool: settings.tool(&arm)?,
             assembly: settings.assembly(),
             axes: settings.axes.map(|axis| AxisModel::new(&axis, settings)),
+            observer: VelocityObserver::new(control.observer_bandwidth, period),
             position_loop: PositionLoop::new(
                 control.bandwidth,
                 control.damping,
@@ -98,16 +97,19 @@ impl AxisModel {
         let radians_per_count = TAU / counts_per_turn;
         let torque_per_current = axis.gear_ratio * axis.torque_constant;
         Self {
-            observer: VelocityObserver::new(control.observer_bandwidth, period, radians_per_count),
             current_loop: CurrentLoop::new(
                 control.current_bandwidth,
                 period,
                 axis.resistance,
                 axis.inductance,
                 torque_per_current,
-                DUTY_LIMIT,
             ),
-            heating: MotorHeating::new(axis.continuous_current, axis.thermal_time_constant, period),
+            // The joints take turns.
+            heating: MotorHeating::new(
+                axis.continuous_current,
+                axis.thermal_time_constant,
+                2.0 * period,
+            ),
             friction: FrictionCompensation::new(
                 axis.viscous_friction,
                 axis.coulomb_friction,
@@ -118,7 +120,6 @@ impl AxisModel {
             current_offset: -axis.current_per_code * f32::from(axis.current_zero_code),
             current_per_torque: 1.0 / torque_per_current,
             homing_torque: Scalar::abs(torque_per_current) * settings.homing.current,
-            passing: control.current_bandwidth * period,
         }
     }
 }

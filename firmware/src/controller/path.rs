@@ -40,8 +40,10 @@ pub(crate) struct Path {
     brake: Option<Brake>,
     /// T [s].
     stopping_time: f32,
-    /// What a stop takes of the path, T/2 [s].
+    /// What a stop takes of the path, T/2 and two ticks [s].
     least: f32,
+    /// [s].
+    period: f32,
 }
 
 /// A stop in progress.
@@ -78,11 +80,12 @@ pub(crate) struct Step {
 }
 
 impl Path {
-    /// No path; stops will take `stopping_time` [s].
-    pub(crate) fn new(stopping_time: f32) -> Self {
+    /// No path; stops will take `stopping_time` [s], ticks `period` [s].
+    pub(crate) fn new(stopping_time: f32, period: f32) -> Self {
         Self {
             stopping_time,
-            least: 0.5 * stopping_time,
+            least: 0.5 * stopping_time + 2.0 * period,
+            period,
             stretches: Deque::new(),
             time: 0.0,
             left: 0.0,
@@ -92,7 +95,7 @@ impl Path {
 
     /// Forgets everything.
     pub(crate) fn clear(&mut self) {
-        *self = Self::new(self.stopping_time);
+        *self = Self::new(self.stopping_time, self.period);
     }
 
     /// Whether there is room for another piece, and less than `horizon` [s] of path.
@@ -107,18 +110,20 @@ impl Path {
     /// Whether there is enough of a path to begin with.
     #[inline]
     pub(crate) fn is_ready(&self) -> bool {
-        !self.is_empty() && !self.runs_short(READY)
+        !self.is_empty() && (self.left >= self.least + READY || !self.waits_for_more())
     }
 
-    /// Whether the path breaks off in motion, the planner could have added to it and has
-    /// not, and all that is left besides `reserve` [s] is needed to stop on.
+    /// Whether the path breaks off in motion, and all that is left of it is needed to stop
+    /// on: the planner is behind.
     #[inline]
-    pub(crate) fn runs_short(&self, reserve: f32) -> bool {
+    pub(crate) fn runs_short(&self) -> bool {
         // The first comparison is the one that mostly decides.
-        self.left < self.least + reserve
-            && self.brake.is_none()
-            && self.is_open()
-            && !self.stretches.is_full()
+        self.left < self.least && self.waits_for_more()
+    }
+
+    /// Whether the path breaks off in motion and more of it would find room.
+    fn waits_for_more(&self) -> bool {
+        self.is_open() && self.brake.is_none() && !self.stretches.is_full()
     }
 
     /// Tag of the piece in progress.
@@ -142,9 +147,10 @@ impl Path {
     /// Begins to come to rest; sooner than usual where a path that breaks off leaves no
     /// room for that.
     #[cold]
-    pub(crate) fn brake(&mut self, period: f32) {
+    pub(crate) fn brake(&mut self) {
         if self.brake.is_none() {
-            let room = (2.0 * (self.left - 2.0 * period)).max(2.0 * period);
+            let tick = self.period;
+            let room = (2.0 * (self.left - 2.0 * tick)).max(2.0 * tick);
             let time = if self.is_open() && room < self.stopping_time {
                 room
             } else {
@@ -157,12 +163,11 @@ impl Path {
         }
     }
 
-    /// One tick of `period` [s] along the path; `None` where there is none.
+    /// One tick along the path; `None` where there is none.
     #[inline(always)]
-    pub(crate) fn step(&mut self, period: f32) -> Option<Step> {
-        if self.stretches.is_empty() {
-            return None;
-        }
+    pub(crate) fn step(&mut self) -> Option<Step> {
+        let period = self.period;
+        let mut first = self.stretches.front()?;
         let (rate, slope, braked) = match &mut self.brake {
             None => (1.0, 0.0, false),
             Some(brake) => brake.step(period),
@@ -172,7 +177,7 @@ impl Path {
         self.left -= passed;
         let mut ended = false;
         for _ in 0..PIECES_PER_TICK {
-            let duration = self.stretches.front()?.piece.duration();
+            let duration = first.piece.duration();
             if self.time < duration {
                 break;
             }
@@ -183,8 +188,9 @@ impl Path {
             }
             self.time -= duration;
             self.stretches.pop_front();
+            first = self.stretches.front()?;
         }
-        let Stretch { piece, slowed, .. } = self.stretches.front()?;
+        let Stretch { piece, slowed, .. } = first;
         let reference = piece.evaluate(self.time);
         Some(Step {
             reference: if self.brake.is_some() {

@@ -33,7 +33,7 @@ impl Controller {
                 velocity: self.setpoint.omega,
                 acceleration: self.setpoint.alpha,
             }),
-            torque: self.torque,
+            torque: self.torques(),
             current_demand: self.joints.each_ref().map(|joint| joint.demand),
             current: self.joints.each_ref().map(|joint| joint.current),
             duty: self.joints.each_ref().map(|joint| joint.duty),
@@ -67,7 +67,7 @@ impl Controller {
         };
         Some((
             Vec2::new(x, y),
-            [at(d1, joint1.angle), at(d4, joint4.angle)],
+            [at(d1, joint1.angle()), at(d4, joint4.angle())],
         ))
     }
 

@@ -80,7 +80,7 @@ impl Controller {
 
     /// The host has been heard: its silence begins anew.
     pub fn heard(&mut self) {
-        self.silence = 0;
+        self.heard_at = self.ticks;
     }
 
     /// Raises a fault that something other than the tick has found. The next tick acts

@@ -38,9 +38,9 @@ impl Controller {
             joints.zip(searches).zip(inputs).zip(outputs)
         {
             search
-                .step(plan, closed, joint.angle, joint.counts(), model.period)
+                .step(plan, closed, joint.angle(), joint.counts(), model.period)
                 .map_err(|_| Fault::Envelope)?;
-            *error = search.angle - joint.angle;
+            *error = search.angle - joint.angle();
             let rate = search.rate - joint.velocity();
             let alpha = model
                 .position_loop

@@ -2,7 +2,7 @@
 
 use super::model::Model;
 use fivebar_kinematics::Vec2;
-use fivebar_kinematics::five_bar::{PoseError, WorkingMode};
+use fivebar_kinematics::five_bar::{Driven, PoseError, WorkingMode};
 use fivebar_kinematics::trajectory::Reference;
 
 /// What the joints should do when the torque of this tick acts.
@@ -43,16 +43,15 @@ impl Setpoint {
                 velocity,
                 acceleration,
             } => {
-                let tool = &model.tool;
-                let pose = tool.inverse(position, mode)?;
-                let velocities = tool.inverse_velocities(&pose, velocity)?;
-                let accelerations = tool.inverse_accelerations(&pose, &velocities, acceleration)?;
-                let [omega1, _, _, omega4] = velocities.omega;
-                let [alpha1, _, _, alpha4] = accelerations.alpha;
+                let Driven {
+                    direction,
+                    omega,
+                    alpha,
+                } = model.tool.driven(position, velocity, acceleration, mode)?;
                 Ok(Self {
-                    direction: [pose.u1, pose.u4],
-                    omega: [omega1, omega4],
-                    alpha: [alpha1, alpha4],
+                    direction,
+                    omega,
+                    alpha,
                     of_joints: false,
                 })
             }

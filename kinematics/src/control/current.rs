@@ -12,7 +12,7 @@
 //! Closed, z² − z + g = 0: both poles real for g ≤ ¼, at ½ for g = ¼, and the loop follows
 //! a slow demand with the lag T/g = 1/ωc, the tick of delay included.
 //!
-//! v = Kp e + x + Ke ω is limited to the share `duty_limit` of the bus voltage; while it
+//! v = Kp e + x + Ke ω is limited to a share of the bus voltage; while it
 //! is, x tracks what could be given: x ← x + KiT e + (1 − a)(v_limited − v), which takes
 //! out exactly what Kp e put in beyond the limit. Duty = v / bus voltage.
 
@@ -26,7 +26,26 @@ pub struct CurrentLoop<S> {
     ki_period: S,
     tracking: S,
     back_emf: S,
-    duty_limit: S,
+}
+
+/// The voltage there is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bus<S> {
+    /// Greatest mean voltage that a bridge may give [V].
+    limit: S,
+    /// Duty per volt [1/V].
+    per_volt: S,
+}
+
+impl<S: Scalar> Bus<S> {
+    /// A bus of `voltage` [V], of which bridges may give the share `duty_limit`.
+    #[inline]
+    pub fn new(voltage: S, duty_limit: S) -> Self {
+        Self {
+            limit: duty_limit * voltage,
+            per_volt: S::ONE / voltage,
+        }
+    }
 }
 
 /// The integral x [V].
@@ -45,15 +64,8 @@ pub struct Drive<S> {
 impl<S: Scalar> CurrentLoop<S> {
     /// A loop of the bandwidth ωc [rad/s] at the tick period T [s] for a motor of
     /// `resistance` R [Ω] and `inductance` L [H] whose back-EMF is `back_emf` [V·s/rad]
-    /// times the velocity that [`CurrentLoop::update`] is given; |duty| ≤ `duty_limit`.
-    pub fn new(
-        bandwidth: S,
-        period: S,
-        resistance: S,
-        inductance: S,
-        back_emf: S,
-        duty_limit: S,
-    ) -> Self {
+    /// times the velocity that [`CurrentLoop::update`] is given.
+    pub fn new(bandwidth: S, period: S, resistance: S, inductance: S, back_emf: S) -> Self {
         let g = bandwidth * period;
         let tracking = S::ONE - decay(resistance * period / inductance);
         Self {
@@ -61,12 +73,11 @@ impl<S: Scalar> CurrentLoop<S> {
             ki_period: resistance * g,
             tracking,
             back_emf,
-            duty_limit,
         }
     }
 
     /// One tick: the drive that brings the current [A] to `demand` [A] at `velocity`
-    /// [rad/s]; `bus` is the bus voltage [V] and `per_bus` its reciprocal.
+    /// [rad/s].
     #[inline]
     pub fn update(
         &self,
@@ -74,21 +85,19 @@ impl<S: Scalar> CurrentLoop<S> {
         demand: S,
         current: S,
         velocity: S,
-        bus: S,
-        per_bus: S,
+        bus: &Bus<S>,
     ) -> Drive<S> {
         let error = demand - current;
         let v = self.kp * error + state.0 + self.back_emf * velocity;
-        let limit = self.duty_limit * bus;
-        let limited = v.abs() > limit;
+        let limited = v.abs() > bus.limit;
         state.0 = state.0 + self.ki_period * error;
         let mut given = v;
         if limited {
-            given = if v > S::ZERO { limit } else { -limit };
+            given = if v > S::ZERO { bus.limit } else { -bus.limit };
             state.0 = state.0 + self.tracking * (given - v);
         }
         Drive {
-            duty: given * per_bus,
+            duty: given * bus.per_volt,
             limited,
         }
     }
@@ -121,7 +130,7 @@ mod tests {
 
     fn respond(g: f64, r: f64, l: f64, demand: f64, omega: f64, bus: f64) -> [f64; 200] {
         let ke = 0.05;
-        let current = CurrentLoop::new(g / T, T, r, l, ke, 0.95);
+        let current = CurrentLoop::new(g / T, T, r, l, ke);
         let mut state = CurrentState(0.0);
         let mut motor = Motor {
             r,
@@ -131,7 +140,7 @@ mod tests {
             late: ke * omega / bus,
         };
         core::array::from_fn(|_| {
-            let drive = current.update(&mut state, demand, motor.i, omega, bus, 1.0 / bus);
+            let drive = current.update(&mut state, demand, motor.i, omega, &Bus::new(bus, 0.95));
             assert!(drive.duty.abs() <= 0.95 + 1e-12);
             motor.step(drive.duty, omega, bus);
             motor.i
@@ -162,7 +171,7 @@ mod tests {
     #[test]
     fn current_lags_a_ramp_by_one_over_the_bandwidth() {
         let (g, r, l) = (0.2, 1.0, 1e-3);
-        let current = CurrentLoop::new(g / T, T, r, l, 0.05, 0.95);
+        let current = CurrentLoop::new(g / T, T, r, l, 0.05);
         let mut state = CurrentState(0.0);
         let mut motor = Motor {
             r,
@@ -175,7 +184,7 @@ mod tests {
         for k in 0..400_u32 {
             let demand = f64::from(k) * 1e-3;
             lag = (demand - motor.i) / 1e-3;
-            let drive = current.update(&mut state, demand, motor.i, 0.0, 24.0, 1.0 / 24.0);
+            let drive = current.update(&mut state, demand, motor.i, 0.0, &Bus::new(24.0, 0.95));
             motor.step(drive.duty, 0.0, 24.0);
         }
         assert!((lag - 1.0 / g).abs() < 1e-6, "{lag} ticks");
@@ -184,7 +193,7 @@ mod tests {
     #[test]
     fn a_long_saturation_does_not_wind_up() {
         let (r, l) = (1.0, 1e-3);
-        let current = CurrentLoop::new(2000.0, T, r, l, 0.05, 0.95);
+        let current = CurrentLoop::new(2000.0, T, r, l, 0.05);
         let mut state = CurrentState(0.0);
         let mut motor = Motor {
             r,
@@ -196,7 +205,7 @@ mod tests {
         let mut after = [0.0; 40];
         for k in 0..2040_usize {
             let demand = if k < 2000 { 100.0 } else { 1.0 };
-            let drive = current.update(&mut state, demand, motor.i, 0.0, 12.0, 1.0 / 12.0);
+            let drive = current.update(&mut state, demand, motor.i, 0.0, &Bus::new(12.0, 0.95));
             assert!(drive.limited || k >= 2000, "tick {k}");
             motor.step(drive.duty, 0.0, 12.0);
             if k >= 2000 {

@@ -27,7 +27,7 @@ mod position;
 mod thermal;
 
 pub use computed_torque::{TorqueLimit, computed_torque};
-pub use current::{CurrentLoop, CurrentState, Drive};
+pub use current::{Bus, CurrentLoop, CurrentState, Drive};
 
 pub use friction::FrictionCompensation;
 pub use observer::{ObserverState, VelocityObserver};

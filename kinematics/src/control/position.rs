@@ -90,9 +90,11 @@ impl<S: Scalar> PositionLoop<S> {
     /// was cut; the integral then only takes in what brings it nearer to zero.
     #[inline]
     pub fn integrate(&self, integral: &mut Integral<S>, error: S, limited: bool) {
-        if !limited || integral.0 * error < S::ZERO {
-            integral.0 = integral.0 + self.ki_period * error;
+        let step = self.ki_period * error;
+        if limited && integral.0 * step >= S::ZERO {
+            return;
         }
+        integral.0 = integral.0 + step;
     }
 }
 

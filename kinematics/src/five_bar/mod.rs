@@ -5,6 +5,7 @@
 mod branch;
 mod circles;
 mod closed_form;
+mod driven;
 mod error;
 mod forward;
 mod geometry;
@@ -19,6 +20,7 @@ mod tool;
 mod workspace;
 
 pub use branch::{Side, WorkingMode};
+pub use driven::Driven;
 pub use error::{GeometryError, PoseError, Singularity, Unreachable};
 pub use geometry::Geometry;
 pub use jacobian::{InverseJacobian, Jacobian};

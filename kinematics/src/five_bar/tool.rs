@@ -26,6 +26,8 @@ pub struct Tool<S> {
     per_reach: S,
     /// Direction of B→T in link 2's frame.
     lean: Vec2<S>,
+    /// C from T [m], along B→T and to its left; none where T is C.
+    to_c: Option<Vec2<S>>,
 }
 
 impl<S: Scalar> Tool<S> {
@@ -40,12 +42,15 @@ impl<S: Scalar> Tool<S> {
         if !(reach.is_finite() && per_reach.is_finite()) {
             return Err(GeometryError::ToolOffset);
         }
+        let lean = bt * per_reach;
+        let to_c = -Vec2::new(lean.dot(offset), lean.cross(offset));
         Ok(Self {
             geometry,
             offset,
             reach,
             per_reach,
-            lean: bt * per_reach,
+            lean,
+            to_c: (offset != Vec2::zero()).then_some(to_c),
         })
     }
 
@@ -65,6 +70,18 @@ impl<S: Scalar> Tool<S> {
     #[inline]
     pub fn reach(&self) -> S {
         self.reach
+    }
+
+    /// 1/|BT| [1/m].
+    #[inline]
+    pub(super) fn per_reach(&self) -> S {
+        self.per_reach
+    }
+
+    /// C from T [m], along B→T and to its left; none where T is C.
+    #[inline]
+    pub(super) fn c_from_tool(&self) -> Option<Vec2<S>> {
+        self.to_c
     }
 
     /// T [m].
