@@ -14,7 +14,7 @@ docs() { scripts/docs.sh; }
 licences() { scripts/licences.sh; }
 file_lengths() { scripts/file-lengths.sh; }
 tests() { cargo test --workspace; }
-mujoco() { scripts/mujoco.sh; }
+peers() { scripts/peers.sh; }
 setup() { scripts/toolchain.sh; }
 firmware() { scripts/firmware.sh; }
 emulated() {
@@ -23,7 +23,7 @@ emulated() {
 }
 demo() { cargo run --release --quiet -- --out target/demonstration; }
 
-all=(format file_lengths lint docs licences tests demo mujoco setup firmware emulated)
+all=(format file_lengths lint docs licences tests demo peers setup firmware emulated)
 steps=("$@")
 [ $# -gt 0 ] || steps=("${all[@]}")
 

@@ -3,7 +3,7 @@
 
 use super::Failure;
 use super::run_args::RunArgs;
-use super::sim::{leave, outcome, print, progress_bar, refusal, refused};
+use super::sim::{outcome, print, progress_bar, refusal, refused};
 use crate::link::{Difference, Instructions, Lockstep};
 use crate::report::RunReport;
 use crate::run::{OutputFolder, Summary};
@@ -50,7 +50,7 @@ pub(super) fn run(
     unit: &str,
 ) -> Result<(), Failure> {
     let scenario = args.run.scenario()?;
-    let folder = OutputFolder::prepare(&args.run.out).map_err(refused)?;
+    let folder = OutputFolder::prepare(&args.run.output.out).map_err(refused)?;
     let job = scenario.job().map_err(refused)?;
     scenario
         .check(&job)
@@ -92,8 +92,8 @@ pub(super) fn run(
         conditions: &scenario.conditions(),
     };
     let text = serde_json::to_string_pretty(&figures).map_err(refused)?;
-    leave(&folder, &report, &text)?;
-    if args.run.json {
+    args.run.output.leave(&folder, &report, &text)?;
+    if args.run.output.json {
         println!("{}", serde_json::to_string(&figures).map_err(refused)?);
     } else {
         print(&summary);

@@ -10,6 +10,7 @@ mod linkage;
 mod lockstep;
 mod mobility;
 mod monitor;
+mod output;
 mod pil;
 mod port;
 mod query;

@@ -1,9 +1,10 @@
 //! What the commands that do a job are told of it.
 
+use super::output::OutputArgs;
 use super::{Failure, demo};
 use crate::robot::{BuiltIn, Robot};
 use crate::run::Scenario;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Which job is done, and by which arm.
 #[derive(clap::Args)]
@@ -29,12 +30,8 @@ pub(super) struct JobArgs {
 pub(super) struct RunArgs {
     #[command(flatten)]
     job: JobArgs,
-    /// The folder for report.html, trace.csv and summary.json.
-    #[arg(long, value_name = "DIR", default_value = "out")]
-    pub(super) out: PathBuf,
-    /// Print the figures as one JSON object.
-    #[arg(long)]
-    pub(super) json: bool,
+    #[command(flatten)]
+    pub(super) output: OutputArgs,
 }
 
 impl RunArgs {

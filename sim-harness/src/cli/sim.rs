@@ -1,12 +1,12 @@
 //! `fivebar sim`: a job done by the simulated arm under the production control loop.
 
 use super::Failure;
+use super::output::OutputArgs;
 use super::run_args::RunArgs;
 use crate::link::TargetError;
 use crate::report::{RunReport, quantity};
 use crate::run::{OutputFolder, Record, RunError, Scenario, Summary, fault_name};
 use indicatif::{ProgressBar, ProgressStyle};
-use std::path::Path;
 
 /// Simulates a job from power-up to its end and leaves a report.
 #[derive(clap::Args)]
@@ -16,13 +16,13 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    simulate(&args.run.scenario()?, &args.run.out, args.run.json)
+    simulate(&args.run.scenario()?, &args.run.output)
 }
 
 /// Runs a scenario, and once more by PD alone for comparison; writes and prints what came
 /// of it.
-pub(super) fn simulate(scenario: &Scenario, out: &Path, json: bool) -> Result<(), Failure> {
-    let folder = OutputFolder::prepare(out).map_err(refused)?;
+pub(super) fn simulate(scenario: &Scenario, output: &OutputArgs) -> Result<(), Failure> {
+    let folder = OutputFolder::prepare(&output.out).map_err(refused)?;
     let job = scenario.job().map_err(refused)?;
     for warning in &job.warnings {
         eprintln!("{}, {warning}", scenario.job_file);
@@ -58,29 +58,13 @@ pub(super) fn simulate(scenario: &Scenario, out: &Path, json: bool) -> Result<()
             .map(|(summary, record)| (summary, &record.trace)),
         conditions: &scenario.conditions(),
     };
-    leave(&folder, &report, &text)?;
-    if json {
+    output.leave(&folder, &report, &text)?;
+    if output.json {
         println!("{}", serde_json::to_string(&summary).map_err(refused)?);
     } else {
         print(&summary);
     }
     outcome(&record)
-}
-
-/// Leaves the report, its picture, the trace and the figures in the folder.
-pub(super) fn leave(
-    folder: &OutputFolder,
-    report: &RunReport<'_>,
-    summary: &str,
-) -> Result<(), Failure> {
-    folder
-        .write(&[
-            ("report.html", &report.page().render()),
-            ("picture.svg", &report.picture().unwrap_or_default()),
-            ("trace.csv", &report.trace.to_csv()),
-            ("summary.json", summary),
-        ])
-        .map_err(refused)
 }
 
 pub(super) fn refused(error: impl std::fmt::Display) -> Failure {

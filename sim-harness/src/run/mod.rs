@@ -1,12 +1,14 @@
 //! A run: a scenario simulated from power-up to the end of its job, and what it comes to.
 
 mod csv;
+mod mcap;
 mod output;
 mod scenario;
 mod simulation;
 mod summary;
 mod trace;
 
+pub use mcap::mcap;
 pub use output::{OutputFolder, Unwritable};
 pub use scenario::{Scenario, ScenarioError};
 pub use simulation::{Record, Simulation};

@@ -1,6 +1,6 @@
 """Moves the exported model in MuJoCo by the torques of a run, and compares the motion.
 
-    compare.py MODEL.xml MODEL.urdf TRACE.csv
+    mujoco_motion.py MODEL.xml MODEL.urdf TRACE.csv
 
 The run must be of the same arm without mismatch, its drives ideal torque sources, so that
 each torque holds for a tick. There is no feedback to pull the two motions together: over
