@@ -14,3 +14,4 @@ pub mod query;
 pub mod report;
 pub mod robot;
 pub mod run;
+pub mod serve;

@@ -16,6 +16,7 @@ mod port;
 mod query;
 mod robots;
 mod run_args;
+mod serve;
 mod sim;
 
 use clap::{Parser, Subcommand};
@@ -46,6 +47,7 @@ enum Command {
     Pil(pil::Args),
     Query(query::Args),
     Robots(robots::Args),
+    Serve(serve::Args),
     Sim(sim::Args),
 }
 
@@ -65,6 +67,7 @@ pub fn main() -> ExitCode {
             Command::Pil(args) => pil::run(&args),
             Command::Query(args) => query::run(&args),
             Command::Robots(args) => robots::run(&args),
+            Command::Serve(args) => serve::run(&args),
             Command::Sim(args) => sim::run(&args),
         },
     };

@@ -1,0 +1,52 @@
+//! The arm as pages know it before it moves.
+
+use crate::robot::{NoHome, Robot};
+use serde::Serialize;
+
+/// Places [m], angles [rad].
+#[derive(Debug, Serialize)]
+struct Arm<'a> {
+    name: &'a str,
+    simulated: bool,
+    base: f64,
+    tool_offset: [f64; 2],
+    /// θ1 and θ4: least and greatest.
+    angle_limits: [[f64; 2]; 2],
+    /// B, C, D and the tool at home.
+    home: [[f64; 2]; 4],
+    /// The arcs around what C can reach.
+    boundary: Vec<Arc>,
+}
+
+#[derive(Debug, Serialize)]
+struct Arc {
+    center: [f64; 2],
+    radius: f64,
+    from: f64,
+    to: f64,
+}
+
+/// A robot, as JSON.
+///
+/// # Errors
+/// It has no home.
+pub(super) fn describe(robot: &Robot, simulated: bool) -> Result<String, NoHome> {
+    let pose = robot.home_pose()?;
+    let [b, c, d] = [pose.b, pose.c, pose.d].map(|point| [point.x, point.y]);
+    let boundary = robot.geometry.reach_boundary().map(|arc| Arc {
+        center: [arc.center.x, arc.center.y],
+        radius: arc.radius,
+        from: arc.from,
+        to: arc.to,
+    });
+    let arm = Arm {
+        name: &robot.name,
+        simulated,
+        base: robot.geometry.base(),
+        tool_offset: robot.tool.offset,
+        angle_limits: robot.limits.angle,
+        home: [b, c, d, robot.tool_at(&pose)],
+        boundary: boundary.collect(),
+    };
+    Ok(serde_json::json!(arm).to_string())
+}

@@ -1,0 +1,193 @@
+//! What pages and server say to each other, as JSON.
+
+use super::pilot::Client;
+use axum::extract::ws::Utf8Bytes;
+use fivebar_firmware::Status;
+use fivebar_firmware::controller::{Request, Snapshot};
+use fivebar_kinematics::five_bar::Side;
+use serde::{Deserialize, Serialize};
+use std::sync::mpsc;
+use tokio::sync::broadcast;
+
+/// Messages to pages that may wait for a slow one before it misses the oldest.
+const WAITING: usize = 64;
+
+/// What a page asks. Places are of the tool [m], in the frame of the base.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub(super) enum Wish {
+    /// Nothing: it is alive.
+    Alive,
+    /// To be in control.
+    Control,
+    /// Something of the controller.
+    Request(Wanted),
+    /// To move the tool by this much, straight.
+    Jog([f32; 2]),
+    /// To have the tool follow to this point; a later one takes its place.
+    Follow([f32; 2]),
+    /// To turn joint 0 or 1 to an angle [rad]; a later one takes its place.
+    Turn {
+        /// The joint.
+        joint: usize,
+        /// θ1 or θ4 [rad], whole turns aside.
+        to: f32,
+    },
+    /// To bring the elbows to the working mode, the tool staying where it is.
+    Mode([Side; 2]),
+    /// To load a job and see its path.
+    Load {
+        /// Its name.
+        name: String,
+        /// The G-code.
+        text: String,
+    },
+    /// To do the job that is loaded.
+    Run,
+}
+
+/// The controller's requests, as pages name them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Wanted {
+    Arm,
+    Disarm,
+    Home,
+    Stop,
+    EmergencyStop,
+    ClearFault,
+}
+
+impl Wanted {
+    /// Whether anyone may ask it: it makes the arm safer.
+    pub(super) fn is_open_to_all(self) -> bool {
+        matches!(self, Self::Stop | Self::EmergencyStop)
+    }
+}
+
+impl From<Wanted> for Request {
+    fn from(wanted: Wanted) -> Self {
+        match wanted {
+            Wanted::Arm => Self::Arm,
+            Wanted::Disarm => Self::Disarm,
+            Wanted::Home => Self::Home,
+            Wanted::Stop => Self::Stop,
+            Wanted::EmergencyStop => Self::EmergencyStop,
+            Wanted::ClearFault => Self::ClearFault,
+        }
+    }
+}
+
+/// What happens at a page.
+#[derive(Clone, Debug)]
+pub(super) enum Event {
+    /// It has connected.
+    Joined,
+    /// It asks for something.
+    Wish(Wish),
+    /// It has gone.
+    Left,
+}
+
+/// What the server tells the pages.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum News<'a> {
+    /// The controller, some thirty times a second.
+    State(State<'a>),
+    /// A sentence for one page, or for all.
+    Notice {
+        /// The page it is for.
+        to: Option<Client>,
+        /// Something was not done.
+        refused: bool,
+        /// The sentence.
+        text: String,
+    },
+    /// The tick that raised the fault; none: it is cleared.
+    Fault(Option<FaultNews>),
+    /// The job that is loaded, to be drawn.
+    Job(&'a JobNews),
+}
+
+/// The controller and its job.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(super) struct State<'a> {
+    #[serde(flatten)]
+    pub(super) status: &'a Status,
+    /// Time since its start [s].
+    pub(super) time: f64,
+    /// B, C, D [m]; none until it is homed.
+    pub(super) joints: Option<[[f32; 2]; 3]>,
+    /// The page in control.
+    pub(super) control: Option<Client>,
+    /// Whether that page lives.
+    pub(super) alive: bool,
+    /// Moves of the running job that are handed over, and all of them.
+    pub(super) progress: Option<[usize; 2]>,
+}
+
+/// A fault, named, with what its tick saw.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct FaultNews {
+    pub(super) name: String,
+    #[serde(flatten)]
+    pub(super) snapshot: Snapshot,
+}
+
+/// A job to be drawn before it is done.
+#[derive(Clone, Debug, Default, Serialize)]
+pub(super) struct JobNews {
+    pub(super) name: String,
+    /// How many moves it has.
+    pub(super) moves: usize,
+    /// Its way.
+    pub(super) strokes: Vec<Stroke>,
+    /// Why it cannot be done.
+    pub(super) refusal: Option<String>,
+    /// The place of it that cannot be passed [m].
+    pub(super) at: Option<[f32; 2]>,
+}
+
+/// Part of a way.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(super) struct Stroke {
+    /// Whether the pen is down.
+    pub(super) down: bool,
+    /// Points of it [m].
+    pub(super) points: Vec<[f32; 2]>,
+}
+
+/// The pages' end of both channels.
+#[derive(Clone)]
+pub(super) struct WebSide {
+    pub(super) events: mpsc::Sender<(Client, Event)>,
+    pub(super) news: broadcast::Sender<Utf8Bytes>,
+}
+
+/// The machine's end of both channels.
+pub(super) struct MachineSide {
+    pub(super) events: mpsc::Receiver<(Client, Event)>,
+    news: broadcast::Sender<Utf8Bytes>,
+}
+
+/// The channels between pages and machine.
+pub(super) fn channels() -> (WebSide, MachineSide) {
+    let (event_sender, events) = mpsc::channel();
+    let (news, _) = broadcast::channel(WAITING);
+    let web = WebSide {
+        events: event_sender,
+        news: news.clone(),
+    };
+    (web, MachineSide { events, news })
+}
+
+impl MachineSide {
+    /// Tells all pages.
+    pub(super) fn tell(&self, news: &News<'_>) {
+        if let Ok(text) = serde_json::to_string(news) {
+            // Nobody may be there to hear.
+            let _ = self.news.send(text.into());
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! Which page is in control, and whether it lives.
+
+use std::time::{Duration, Instant};
+
+/// A page's number, given when it connects.
+pub(super) type Client = u64;
+
+/// A page in control that has not been heard for so long is taken to be gone. Pages say
+/// that they are alive every 50 ms.
+const PATIENCE: Duration = Duration::from_millis(250);
+
+/// The page in control, if there is one. Time is told by the caller.
+#[derive(Debug, Default)]
+pub(super) struct Pilot {
+    in_control: Option<(Client, Instant)>,
+}
+
+impl Pilot {
+    /// The page in control.
+    pub(super) fn client(&self) -> Option<Client> {
+        self.in_control.map(|(client, _)| client)
+    }
+
+    /// Whether there is one, and it has been heard lately.
+    pub(super) fn is_alive(&self, now: Instant) -> bool {
+        self.in_control
+            .is_some_and(|(_, heard)| now.saturating_duration_since(heard) < PATIENCE)
+    }
+
+    /// Gives control to a page if no living one has it. Whether it has it now.
+    pub(super) fn take(&mut self, client: Client, now: Instant) -> bool {
+        if self.client() == Some(client) || !self.is_alive(now) {
+            self.in_control = Some((client, now));
+        }
+        self.client() == Some(client)
+    }
+
+    /// Notes that a page has been heard. Whether it is in control.
+    pub(super) fn hear(&mut self, client: Client, now: Instant) -> bool {
+        match &mut self.in_control {
+            Some((pilot, heard)) if *pilot == client => {
+                *heard = now;
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// A page has gone.
+    pub(super) fn leave(&mut self, client: Client) {
+        self.in_control.take_if(|(pilot, _)| *pilot == client);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{PATIENCE, Pilot};
+    use std::time::{Duration, Instant};
+
+    #[test]
+    fn one_page_is_in_control_until_it_leaves_or_falls_silent() {
+        let start = Instant::now();
+        let mut pilot = Pilot::default();
+        assert!(!pilot.is_alive(start));
+        assert!(pilot.take(1, start));
+        assert!(!pilot.take(2, start) && !pilot.hear(2, start));
+        let late = start + PATIENCE;
+        assert!(pilot.hear(1, late - Duration::from_millis(1)));
+        assert!(pilot.is_alive(late) && !pilot.take(2, late));
+        assert!(pilot.take(2, late + PATIENCE));
+        assert!(
+            !pilot.hear(1, late + PATIENCE),
+            "the first page was given up"
+        );
+        pilot.leave(1);
+        assert_eq!(pilot.client(), Some(2));
+        pilot.leave(2);
+        assert_eq!(pilot.client(), None);
+    }
+}

@@ -1,0 +1,39 @@
+//! The controller's refusals in sentences with a way out.
+
+use fivebar_firmware::controller;
+use fivebar_firmware::protocol::Refusal;
+use fivebar_firmware::safety::State;
+
+/// Why an order was not obeyed.
+pub(super) fn sentence(refusal: &Refusal) -> String {
+    match refusal {
+        Refusal::Move(refusal) => format!("The move is refused: {refusal}."),
+        Refusal::Request(refusal) => match refusal {
+            controller::Refusal::State(state) => format!("Not {}.", while_in(*state)),
+            controller::Refusal::NotHomed => "The joint angles are not known: home first.".into(),
+            controller::Refusal::OutsideLimits => {
+                "A joint is outside its limits: turn it back by hand, disarmed.".into()
+            }
+            controller::Refusal::NearSingularity => {
+                "The arm is too near a singularity: turn it out of there by hand, disarmed.".into()
+            }
+            controller::Refusal::NotOnBranch => {
+                "The angles close no arm on the branch of the settings: home again.".into()
+            }
+            controller::Refusal::Moving => "The arm still moves: wait until it rests.".into(),
+        },
+        Refusal::NoSettings => "The controller has no settings yet: store the robot's.".into(),
+        other => format!("The controller refuses: {other:?}."),
+    }
+}
+
+fn while_in(state: State) -> &'static str {
+    match state {
+        State::Stopped => "while the arm is stopped: home it, then arm it",
+        State::Homing => "while the arm is homing: wait, or stop it",
+        State::Armed => "while the arm is armed: disarm it first",
+        State::Running => "while the arm is moving: stop it first",
+        State::Stopping => "while the arm is stopping: wait until it rests",
+        State::Fault => "while a fault is latched: clear it, then arm",
+    }
+}
