@@ -47,6 +47,8 @@ export class Drawing {
   show(state) {
     this.#state = state;
     if (!state.tool) return;
+    // Where a hand, or a test, finds the tool.
+    this.#canvas.dataset.tool = this.pixel(state.tool);
     this.#trail.push(state.tool);
     if (this.#trail.length > TRAIL) this.#trail.shift();
   }

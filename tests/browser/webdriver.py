@@ -1,0 +1,99 @@
+"""Just enough of the WebDriver protocol to look at a page with Debian's Chromium."""
+
+import base64
+import json
+import shutil
+import subprocess
+import time
+import urllib.error
+import urllib.request
+
+ELEMENT = "element-6066-11e4-a52e-4f735466cecf"
+
+
+class Browser:
+    """A headless browser. To be used in a `with`."""
+
+    def __init__(self, width=1280, height=900, dark=False):
+        driver = shutil.which("chromedriver") or "chromedriver"
+        self.driver = subprocess.Popen([driver, "--port=0"], stdout=subprocess.PIPE, text=True)
+        for line in self.driver.stdout:
+            if "started successfully on port" in line:
+                self.url = "http://127.0.0.1:" + line.rstrip(".\n").split()[-1]
+                break
+        else:
+            raise RuntimeError("chromedriver does not start")
+        arguments = ["--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
+                     f"--window-size={width},{height}", "--force-device-scale-factor=1"]
+        if dark:
+            arguments.append("--force-dark-mode")
+        options = {"args": arguments, "binary": shutil.which("chromium")}
+        wanted = {"capabilities": {"alwaysMatch": {"goog:chromeOptions": options}}}
+        session = self.call("POST", "/session", wanted)
+        self.url += "/session/" + session["sessionId"]
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        try:
+            self.call("DELETE", "")
+        finally:
+            self.driver.terminate()
+            self.driver.wait()
+
+    def call(self, method, path, body=None):
+        data = None if body is None else json.dumps(body).encode()
+        request = urllib.request.Request(self.url + path, data, method=method)
+        try:
+            with urllib.request.urlopen(request, timeout=60) as answer:
+                return json.load(answer)["value"]
+        except urllib.error.HTTPError as error:
+            raise RuntimeError(json.load(error)["value"]["message"]) from None
+
+    def open(self, url):
+        self.call("POST", "/url", {"url": url})
+
+    def script(self, text):
+        return self.call("POST", "/execute/sync", {"script": text, "args": []})
+
+    def find(self, selector):
+        found = self.call("POST", "/element", {"using": "css selector", "value": selector})
+        return found[ELEMENT]
+
+    def text(self, selector):
+        return self.call("GET", f"/element/{self.find(selector)}/text")
+
+    def click(self, selector):
+        self.call("POST", f"/element/{self.find(selector)}/click", {})
+
+    def type(self, selector, text):
+        self.call("POST", f"/element/{self.find(selector)}/value", {"text": text})
+
+    def drag(self, selector, start, end, steps=12):
+        """Drags from one place of an element to another [px from its corner]."""
+        box = self.script(f"const b = document.querySelector('{selector}').getBoundingClientRect();"
+                          "return [b.left, b.top];")
+        def move(part):
+            x, y = (s + part * (e - s) + b for s, e, b in zip(start, end, box))
+            return {"type": "pointerMove", "duration": 40, "x": round(x), "y": round(y)}
+        pointer = [move(0), {"type": "pointerDown", "button": 0}]
+        pointer += [move((i + 1) / steps) for i in range(steps)]
+        pointer.append({"type": "pointerUp", "button": 0})
+        self.call("POST", "/actions", {"actions": [
+            {"type": "pointer", "id": "hand", "parameters": {"pointerType": "mouse"},
+             "actions": pointer}]})
+
+    def screenshot(self, path):
+        path.write_bytes(base64.b64decode(self.call("GET", "/screenshot")))
+
+    def wait(self, what, condition, timeout=30):
+        """Waits until a condition holds and returns its value."""
+        deadline = time.monotonic() + timeout
+        while time.monotonic() < deadline:
+            value = condition()
+            if value:
+                return value
+            time.sleep(0.05)
+        seen = self.script("return document.body.innerText;")
+        raise AssertionError(f"waited {timeout} s in vain for {what}; the page says:\n{seen}")
