@@ -76,11 +76,9 @@ impl<L: Read + Write> Machine<L> {
         while let Ok((client, event)) = self.pages.events.try_recv() {
             self.hear(client, event)?;
         }
+        // Where the page in control falls silent, so does the host.
         if self.pilot.is_alive(Instant::now()) {
             self.attend()?;
-        } else {
-            // The host falls silent with its page; what it wanted is no longer wanted.
-            self.feed.clear();
         }
         self.conversation.listen()?;
         while let Some(sample) = self.conversation.take_telemetry() {
@@ -130,7 +128,9 @@ impl<L: Read + Write> Machine<L> {
                 return Ok(());
             }
             Event::Left => {
-                self.pilot.leave(client);
+                if self.pilot.leave(client) {
+                    self.feed.clear();
+                }
                 return Ok(());
             }
             Event::Wish(wish) => wish,
@@ -138,11 +138,9 @@ impl<L: Read + Write> Machine<L> {
         let in_control = self.pilot.hear(client, now);
         match wish {
             Wish::Alive => {}
-            Wish::Control => {
-                if !self.pilot.take(client, now) {
-                    self.refuse(Some(client), "Another page is in control.".into());
-                }
-            }
+            Wish::Control if in_control => {}
+            Wish::Control if self.pilot.take(client, now) => self.feed.clear(),
+            Wish::Control => self.refuse(Some(client), "Another page is in control.".into()),
             Wish::Request(wanted) if in_control || wanted.is_open_to_all() => {
                 self.request(client, wanted)?;
             }
@@ -252,7 +250,10 @@ impl<L: Read + Write> Machine<L> {
             )) => {
                 self.refuse(Some(client), format!("The job cannot be done. {why}"));
             }
-            Some((moves, _)) => self.feed.run(moves.clone()),
+            Some((moves, _)) => {
+                self.feed.run(moves.clone());
+                self.notice("The job begins.");
+            }
         }
     }
 

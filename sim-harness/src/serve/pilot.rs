@@ -7,7 +7,7 @@ pub(super) type Client = u64;
 
 /// A page in control that has not been heard for so long is taken to be gone. Pages say
 /// that they are alive every 50 ms.
-const PATIENCE: Duration = Duration::from_millis(250);
+const PATIENCE: Duration = Duration::from_millis(500);
 
 /// The page in control, if there is one. Time is told by the caller.
 #[derive(Debug, Default)]
@@ -46,9 +46,10 @@ impl Pilot {
         }
     }
 
-    /// A page has gone.
-    pub(super) fn leave(&mut self, client: Client) {
-        self.in_control.take_if(|(pilot, _)| *pilot == client);
+    /// A page has gone. Whether it was in control.
+    pub(super) fn leave(&mut self, client: Client) -> bool {
+        let left = self.in_control.take_if(|(pilot, _)| *pilot == client);
+        left.is_some()
     }
 }
 
@@ -72,9 +73,7 @@ mod tests {
             !pilot.hear(1, late + PATIENCE),
             "the first page was given up"
         );
-        pilot.leave(1);
-        assert_eq!(pilot.client(), Some(2));
-        pilot.leave(2);
-        assert_eq!(pilot.client(), None);
+        assert!(!pilot.leave(1) && pilot.client() == Some(2));
+        assert!(pilot.leave(2) && pilot.client().is_none());
     }
 }

@@ -2,7 +2,7 @@
 import { Drawing } from "./drawing.js";
 import { Plot } from "./plots.js";
 
-const ALIVE = 50; // ms; the server gives up a page after 250 ms
+const ALIVE = 50; // ms; the server gives up a page after 500 ms
 const RETRY = 1000; // ms
 const LIMITS = ["torque", "voltage", "speed"]; // by bit
 
