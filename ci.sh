@@ -15,6 +15,7 @@ licences() { scripts/licences.sh; }
 file_lengths() { scripts/file-lengths.sh; }
 tests() { cargo test --workspace; }
 peers() { scripts/peers.sh; }
+browser() { scripts/browser.sh; }
 setup() { scripts/toolchain.sh; }
 firmware() { scripts/firmware.sh; }
 emulated() {
@@ -23,7 +24,7 @@ emulated() {
 }
 demo() { cargo run --release --quiet -- --out target/demonstration; }
 
-all=(format file_lengths lint docs licences tests demo peers setup firmware emulated)
+all=(format file_lengths lint docs licences tests demo peers browser setup firmware emulated)
 steps=("$@")
 [ $# -gt 0 ] || steps=("${all[@]}")
 
