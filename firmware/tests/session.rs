@@ -1,6 +1,7 @@
 //! A session obeys each order once, whatever the line does to it.
 
 mod desk;
+mod nor;
 mod rig;
 
 use desk::{Desk, HELLO, read};
@@ -10,9 +11,9 @@ use fivebar_firmware::protocol::{
     ControllerMessage, Identity, Order, Refusal, Reply, Section, SectionKey, Sequence, VERSION,
 };
 use fivebar_firmware::safety::{Fault, State};
-use fivebar_firmware::session::Session;
-use fivebar_firmware::storage::StorageError;
+use fivebar_firmware::storage::{SettingsStorage, StorageError};
 use fivebar_firmware::{Move, MoveKind, Request};
+use nor::Nor;
 
 fn dwell(tag: u32) -> Order {
     Order::Move(Move {
@@ -216,12 +217,7 @@ fn settings_are_neither_applied_nor_saved_while_the_bridges_are_on() {
 
 #[test]
 fn nothing_moves_on_settings_that_nobody_gave() {
-    let mut desk = Desk::new();
-    let Reply::Hello(identity) = desk.ask(HELLO) else {
-        panic!("no hello");
-    };
-    desk.session = Session::new(identity, &rig::settings(), false);
-    desk.ask(HELLO);
+    let mut desk = Desk::without_settings();
     desk.tick();
     desk.ask(Order::Request(Request::SetAngles(rig::START)));
     for request in [Request::Arm, Request::Home] {
@@ -305,4 +301,48 @@ fn a_host_that_falls_silent_stops_the_arm_on_its_path() {
         refused(&desk.ask(line(&desk, 8))).map(|refusal| matches!(refusal, Refusal::Move(_))),
         Some(true)
     );
+}
+
+#[test]
+fn a_corrupt_settings_page_is_a_fault_and_nothing_moves_until_settings_are_given() {
+    let mut flash = Nor::blank();
+    let end = u32::try_from(flash.bytes.len()).expect("small");
+    let mut storage = SettingsStorage::new(&mut flash, 0..end).expect("four sectors");
+    storage.save(&rig::settings()).expect("a sound flash");
+    flash.bytes.iter_mut().for_each(|byte| *byte ^= 0x10);
+    let mut storage = SettingsStorage::new(&mut flash, 0..end).expect("four sectors");
+    let loaded = storage.load();
+    assert_eq!(loaded, Err(StorageError::Corrupt));
+
+    // As a board starts on it.
+    let mut desk = Desk::without_settings();
+    desk.controller.raise(Fault::SettingsCorrupt);
+    desk.tick();
+    let status = desk.controller.status();
+    assert_eq!(status.fault.map(Fault::number), Some(18));
+    for _ in 0..100 {
+        desk.tick();
+        assert_eq!(desk.controller.status().duty, [0.0; 2]);
+        for request in [Request::Arm, Request::Home] {
+            assert!(refused(&desk.ask(Order::Request(request))).is_some());
+        }
+    }
+    assert_eq!(desk.ask(Order::Request(Request::ClearFault)), Reply::Done);
+    let reply = desk.ask(Order::Request(Request::Home));
+    assert_eq!(refused(&reply), Some(Refusal::NoSettings));
+    assert_eq!(desk.ask(Order::ApplySettings), Reply::Done);
+    desk.tick();
+    assert_eq!(desk.ask(Order::Request(Request::Home)), Reply::Done);
+}
+
+#[test]
+fn settings_of_a_rate_that_the_board_does_not_tick_at_are_refused() {
+    let mut desk = Desk::greeted();
+    desk.board.tick_rate = Some(rig::settings().control.tick_rate);
+    let mut control = rig::settings().control;
+    control.tick_rate *= 0.5;
+    desk.ask(Order::SetSection(Section::Control(control)));
+    let reply = desk.ask(Order::ApplySettings);
+    assert_eq!(refused(&reply), Some(Refusal::Settings));
+    assert_eq!(*desk.controller.settings(), rig::settings());
 }

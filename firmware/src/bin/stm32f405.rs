@@ -122,6 +122,10 @@ mod app {
             self.watchdog.widened(|| storage.save(settings))
         }
 
+        fn tick_rate(&self) -> Option<f32> {
+            Some(TICK_RATE)
+        }
+
         fn tick(&mut self, _: &mut Controller, _: &Sensed) -> Option<(Command, u32)> {
             None
         }

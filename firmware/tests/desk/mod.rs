@@ -14,6 +14,7 @@ use fivebar_firmware::{Command, Planner, Request, Sensed, Settings};
 pub(crate) struct Memory {
     pub(crate) saved: Vec<Settings>,
     pub(crate) flash: Result<(), StorageError>,
+    pub(crate) tick_rate: Option<f32>,
 }
 
 impl Board for Memory {
@@ -21,6 +22,10 @@ impl Board for Memory {
         self.flash?;
         self.saved.push(*settings);
         Ok(())
+    }
+
+    fn tick_rate(&self) -> Option<f32> {
+        self.tick_rate
     }
 
     fn tick(&mut self, controller: &mut Controller, sensed: &Sensed) -> Option<(Command, u32)> {
@@ -57,6 +62,7 @@ impl Desk {
             board: Memory {
                 saved: Vec::new(),
                 flash: Ok(()),
+                tick_rate: None,
             },
             bench: rig::Bench::new(&settings),
             last: Sequence(0xfffe),
@@ -67,6 +73,15 @@ impl Desk {
     /// After the hello.
     pub(crate) fn greeted() -> Self {
         let mut desk = Self::new();
+        assert!(matches!(desk.ask(HELLO), Reply::Hello(_)));
+        desk
+    }
+
+    /// After the hello, on settings that nobody gave.
+    pub(crate) fn without_settings() -> Self {
+        let mut desk = Self::new();
+        let identity = Identity::new(Kind::Desktop, Reset::Power);
+        desk.session = Session::new(identity, &rig::settings(), false);
         assert!(matches!(desk.ask(HELLO), Reply::Hello(_)));
         desk
     }

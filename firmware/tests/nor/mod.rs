@@ -1,5 +1,7 @@
 //! NOR flash with a power supply that fails when told to.
 
+#![allow(dead_code, reason = "each test file uses its own part")]
+
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash, check_erase, check_read,
     check_write,
