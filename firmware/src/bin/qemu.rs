@@ -125,6 +125,12 @@ mod app {
             if let Some(frame) = local.session.telemetry(&mut cx.shared.controller) {
                 local.sender.send(&frame);
             }
+            // Asleep until the next byte; one that comes in between wakes it at once.
+            cortex_m::interrupt::free(|_| {
+                if !local.orders.ready() {
+                    cortex_m::asm::wfi();
+                }
+            });
         }
     }
 }
