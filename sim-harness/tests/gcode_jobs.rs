@@ -169,6 +169,15 @@ fn follows_the_pen_of_both_dialects() {
 }
 
 #[test]
+fn skips_an_unknown_m_code_with_whatever_text_follows_it() {
+    let text = "M117 Layer 3 (of 7)\nG0 X1\nN30 M486 A\"lid\" X9\nM118 X2 Y2\nm23 file.gco\nG0 X3";
+    assert_eq!(ends(text), [[1.0, 0.0], [3.0, 0.0]]);
+    let skipped = job(text).warnings;
+    assert!(skipped.iter().map(|it| it.line).eq([1, 3, 4, 5]));
+    assert!(matches!(refusal("M3 Sfast"), (1, Reason::Syntax(_))));
+}
+
+#[test]
 fn dwells_in_milliseconds_by_p_and_seconds_by_s() {
     let dwell = |text| match steps(text)[1].action {
         Action::Dwell { duration } => duration,

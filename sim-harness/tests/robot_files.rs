@@ -156,6 +156,21 @@ fn an_arm_that_cannot_be_assembled_is_refused_with_its_lengths() {
 }
 
 #[test]
+fn a_pair_of_three_numbers_is_refused_by_its_key() {
+    for (pair, triple, key) in [
+        ("[0.04, 0.003]", "[0.04, 0.003, 9.0]", "com"),
+        ("[0.0, -9.81]", "[0.0, -9.81, 0.0]", "gravity"),
+    ] {
+        let error = Robot::parse("arm.toml", &PLAIN.replacen(pair, triple, 1)).unwrap_err();
+        let message = error.to_string();
+        assert!(
+            message.contains("length 3") && message.contains(key),
+            "{message}"
+        );
+    }
+}
+
+#[test]
 fn three_links_or_one_actuator_are_not_an_arm() {
     let (three, _) = PLAIN.rsplit_once("[[link]]").unwrap();
     assert_refused(three, 5, &["four times, not 3"]);

@@ -87,6 +87,24 @@ fn draws_within_50_micrometres_and_5_times_better_than_pd() {
 }
 
 #[test]
+fn draws_the_demonstration_when_no_job_is_named() {
+    let bench = Bench::new();
+    let output = bench.sim(&["--robot", "usp_2dof", "--json"]);
+    assert!(output.status.success(), "{output:?}");
+    let summary = json(&output);
+    assert_eq!(summary["robot"], "usp_2dof");
+    assert_eq!(summary["scenario"], "the demonstration");
+    assert!(bench.path("out/report.html").exists());
+}
+
+#[test]
+fn a_job_that_would_take_for_ever_is_refused() {
+    let bench = Bench::new();
+    let job = bench.file("slow.gcode", "G0 X0 Y0\nG1 X6 Y5 F0.0001\n");
+    bench.assert_refused(&[&job], 1, &["slow.gcode, line 2", "longer than 600 s"]);
+}
+
+#[test]
 fn a_seed_gives_the_same_run_again() {
     let bench = Bench::new();
     let run = |out| {

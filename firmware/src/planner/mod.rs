@@ -22,7 +22,7 @@ use fivebar_kinematics::{Scalar, Vec2};
 use rtic_core::Mutex;
 
 use heapless::HistoryBuf;
-pub use refusal::{MoveRefusal, Reason};
+pub use refusal::{LONGEST, MoveRefusal, Reason};
 
 /// Spans of path that are planned together; a move takes one, and one more for a rounded
 /// corner.
@@ -153,11 +153,13 @@ impl Planner {
                 let segment = arc(start.tool, to, center, clockwise);
                 self.push_segment(order, segment, start, vec2(to), feed)
             }
-            MoveKind::Dwell { duration } => self
-                .look_ahead
-                .push_dwell(start.tool, duration, order.tag)
-                .map(|()| start)
-                .map_err(|error| refuse(error.into())),
+            MoveKind::Dwell { duration } => {
+                MoveRefusal::unless_in_time(order.tag, duration, 1.0)?;
+                self.look_ahead
+                    .push_dwell(start.tool, duration, order.tag)
+                    .map(|()| start)
+                    .map_err(|error| refuse(error.into()))
+            }
             MoveKind::Joint { to, speed } => self.push_joint(order.tag, start, to, speed),
         }?;
         self.end = Some(end);
@@ -186,7 +188,9 @@ impl Planner {
                 self.admit(order.tag, arc(tool, to, center, clockwise), feed)?;
                 Ok(to)
             }
-            MoveKind::Dwell { .. } => Ok(from),
+            MoveKind::Dwell { duration } => {
+                MoveRefusal::unless_in_time(order.tag, duration, 1.0).map(|()| from)
+            }
             MoveKind::Joint { to, speed } => {
                 let from = self
                     .joints_at(tool)
@@ -245,6 +249,7 @@ impl Planner {
             .envelope
             .admit(&segment, feed)
             .map_err(|refusal| MoveRefusal::on_path(tag, &refusal))?;
+        MoveRefusal::unless_in_time(tag, segment.length(), caps.speed)?;
         Ok(Some((segment, caps)))
     }
 
@@ -268,6 +273,8 @@ impl Planner {
             .envelope
             .admit_joint_move(from, to, self.assembly, share)
             .map_err(|refusal| MoveRefusal::on_path(tag, &refusal))?;
+        let turn = (to[0] - from[0]).abs().max((to[1] - from[1]).abs());
+        MoveRefusal::unless_in_time(tag, turn, caps.speed)?;
         self.look_ahead
             .push_joint(from, to, caps, tag)
             .map_err(|error| MoveRefusal::new(tag, error.into()))?;

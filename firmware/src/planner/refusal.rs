@@ -6,6 +6,10 @@ use fivebar_kinematics::five_bar::{Joint, Outside, PoseError, Singularity};
 use fivebar_kinematics::trajectory::{Obstacle, PushError, Refusal, SegmentError};
 use serde::{Deserialize, Serialize};
 
+/// The longest that one move may take [s]. The path's clock is a single-precision number:
+/// a tick is less than its last digit from 2048 s on, and the move would never end.
+pub const LONGEST: f32 = 600.0;
+
 /// A move that was not taken. Nothing has changed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MoveRefusal {
@@ -38,6 +42,8 @@ pub enum Reason {
     ParallelSingularity,
     /// Joint 1 or 4 has not the torque to hold the arm there.
     Torque(u8),
+    /// At the speed asked for, or as a dwell, it would take longer than [`LONGEST`].
+    TooLong,
 }
 
 impl MoveRefusal {
@@ -54,6 +60,15 @@ impl MoveRefusal {
             tag,
             reason: refusal.obstacle.into(),
             point: Some([refusal.point.x, refusal.point.y]),
+        }
+    }
+
+    /// Refuses a move that takes longer than [`LONGEST`] for its length at its speed.
+    pub(super) fn unless_in_time(tag: u32, length: f32, speed: f32) -> Result<(), Self> {
+        if length.is_finite() && length > LONGEST * speed {
+            Err(Self::new(tag, Reason::TooLong))
+        } else {
+            Ok(())
         }
     }
 }
@@ -127,6 +142,10 @@ impl fmt::Display for Reason {
             Self::Torque(joint) => {
                 write!(f, "joint {joint} has not the torque to hold the arm there")
             }
+            Self::TooLong => write!(
+                f,
+                "the move would take longer than {LONGEST} s; go faster, or in several moves"
+            ),
         }
     }
 }

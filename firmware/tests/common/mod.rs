@@ -290,6 +290,7 @@ fn move_refusal() -> impl Strategy<Value = MoveRefusal> {
         state().prop_map(Reason::State),
         Just(Reason::Full),
         any::<u8>().prop_map(Reason::Torque),
+        Just(Reason::TooLong),
     ];
     (any::<u32>(), reason, prop::option::of(pair())).prop_map(|(tag, reason, point)| MoveRefusal {
         tag,

@@ -54,7 +54,7 @@ pub enum Reason {
     #[error("the feed rate must be above zero")]
     Feed,
     /// A coordinate too large to mean anything.
-    #[error("{0} m is farther than any arm; are the units right (G20 inch, G21 mm)?")]
+    #[error("{0:?} m is farther than any arm; are the units right (G20 inch, G21 mm)?")]
     TooFar(f64),
     /// Neither P nor S, or one that is negative or very long.
     #[error(

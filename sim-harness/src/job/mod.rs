@@ -3,7 +3,7 @@
 //! Understood: G0 G1 G2 G3 (I J or R) G4 (P in ms, S in s) G20 G21 G28 G90 G91 G92, F in
 //! mm/min or inch/min, M3 M4 M5 and M300 S for the pen, M2 and M30 as the end, comments
 //! in parentheses and after a semicolon, line numbers, and lines of coordinates alone,
-//! which repeat the motion before. Other M codes are skipped with a warning; anything
+//! which repeat the motion before. Other M codes are skipped with a warning, their text too; anything
 //! else is refused with its line. Nothing of a job is dropped: a step of no length is no
 //! motion, and every other one is kept.
 

@@ -25,10 +25,23 @@ impl Line {
     /// Reads a line.
     pub(super) fn read(text: &str) -> Result<Self, Reason> {
         let text = without_comments(text)?;
-        if has_overlong_code(&text) {
+        match (Self::words(&text), unknown_m_code(&text)) {
+            // Whatever follows an unknown M code is its own, and need not be words; after
+            // these it is a message even where it looks like words.
+            (_, Some(number @ (117 | 118))) | (Err(_), Some(number)) => Ok(Self {
+                miscellaneous: vec![(('M', number, 0), None)],
+                ..Self::default()
+            }),
+            (line, _) => line,
+        }
+    }
+
+    /// Reads a line of words.
+    fn words(text: &str) -> Result<Self, Reason> {
+        if has_overlong_code(text) {
             return Err(Reason::Syntax("no code has that many digits".into()));
         }
-        let program = gcode::parse(&text).map_err(|diagnostics| {
+        let program = gcode::parse(text).map_err(|diagnostics| {
             let first = diagnostics.iter().next();
             Reason::Syntax(first.map_or_else(String::new, |found| explain(&found.kind)))
         })?;
@@ -124,6 +137,19 @@ fn without_comments(text: &str) -> Result<String, Reason> {
     }
     kept.push_str(rest);
     Ok(kept)
+}
+
+/// The number of the M code that a line begins with, after its own number, if it is none
+/// of those that mean something here.
+fn unknown_m_code(text: &str) -> Option<u32> {
+    let digits = |text: &str| text.bytes().take_while(u8::is_ascii_digit).count();
+    let mut text = text.trim_start();
+    if let Some(rest) = text.strip_prefix(['N', 'n']) {
+        text = rest.get(digits(rest)..)?.trim_start();
+    }
+    let code = text.strip_prefix(['M', 'm'])?;
+    let number = code.get(..digits(code))?.parse().ok()?;
+    (!matches!(number, 2..=5 | 30 | 300)).then_some(number)
 }
 
 /// Whether a code has more than eight digits: the crate's arithmetic would overflow.

@@ -153,7 +153,10 @@ impl Driven {
 
     fn refuse(&self, error: PoseError) -> Refusal {
         let Self { theta1, theta4, .. } = self;
-        refusal(error, &format!("at θ1 = {theta1} rad, θ4 = {theta4} rad"))
+        refusal(
+            error,
+            &format!("at θ1 = {theta1:?} rad, θ4 = {theta4:?} rad"),
+        )
     }
 
     fn answer(&self, robot: &Robot) -> Result<ForwardAnswer, Refusal> {
@@ -177,7 +180,7 @@ impl Inverse {
         let pose = robot
             .geometry
             .inverse(vec2(self.c), mode)
-            .map_err(|error| refusal(error, &format!("with C at ({x}, {y}) m")))?;
+            .map_err(|error| refusal(error, &format!("with C at ({x:?}, {y:?}) m")))?;
         let [theta1, theta2, theta3, theta4] = pose.angles();
         Ok(InverseAnswer {
             theta1,

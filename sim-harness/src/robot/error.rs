@@ -46,11 +46,24 @@ pub(crate) struct Source<'a> {
 impl<'a> Source<'a> {
     /// Reads the file's keys into `T`.
     pub(crate) fn parse<T: serde::de::DeserializeOwned>(&self) -> Result<T, FileError> {
-        toml::from_str(self.text).map_err(|error| FileError {
+        let refused = |error: toml::de::Error, reason: &str| FileError {
             file: self.file.into(),
             line: error.span().map(|span| self.line(span.start)),
-            reason: error.message().trim_end().replace('\n', ", "),
-        })
+            reason: reason.trim_end().replace('\n', ", "),
+        };
+        let read = toml::from_str(self.text).map_err(|error| {
+            let reason = error.message().to_owned();
+            refused(error, &reason)
+        })?;
+        // That takes the first two of three numbers for a pair and drops the third. A table
+        // of values does not, but it knows keys instead of lines.
+        toml::from_str::<toml::Table>(self.text)
+            .and_then(toml::Table::try_into::<T>)
+            .map_err(|error| {
+                let reason = error.to_string();
+                refused(error, &reason)
+            })?;
+        Ok(read)
     }
 
     /// The refusal of a value that was read well but makes no sense.
