@@ -35,6 +35,7 @@ fn loops() -> VectorLoops {
         sign,
         length,
         angle,
+        turn: 0.0,
     };
     let (unknown, parameter) = (Quantity::Unknown, Quantity::Parameter);
     VectorLoops {

@@ -25,7 +25,7 @@ pub enum Quantity {
     Constant(f64),
 }
 
-/// sign · ρ e^{iφ}.
+/// sign · ρ e^{i(φ + turn)}.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Term {
     /// +1 along the loop, −1 against it.
@@ -34,6 +34,8 @@ pub struct Term {
     pub length: Quantity,
     /// φ [rad].
     pub angle: Quantity,
+    /// A constant angle beside φ [rad].
+    pub turn: f64,
 }
 
 /// A mechanism as loops, with its parameters' values.
@@ -121,6 +123,7 @@ impl VectorLoops {
             for term in terms {
                 let [length, ..] = self.at(term.length, unknowns, inputs);
                 let [angle, ..] = self.at(term.angle, unknowns, inputs);
+                let angle = angle + term.turn;
                 closure[2 * row] += term.sign * length * angle.cos();
                 closure[2 * row + 1] += term.sign * length * angle.sin();
             }
@@ -135,7 +138,7 @@ impl VectorLoops {
             for term in terms {
                 let [rho, rho1, rho2] = self.at(term.length, unknowns, inputs);
                 let [phi, phi1, phi2] = self.at(term.angle, unknowns, inputs);
-                let (sin, cos) = phi.sin_cos();
+                let (sin, cos) = (phi + term.turn).sin_cos();
                 let direction = [term.sign * cos, term.sign * sin];
                 // ∂/∂ρ = e^{iφ}, then its time derivatives.
                 let by_length = [[1.0, 0.0], [0.0, phi1], [-phi1 * phi1, phi2]];

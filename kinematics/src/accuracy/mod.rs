@@ -6,9 +6,11 @@
 
 pub mod allocation;
 pub mod arm;
+pub mod assur;
 mod differentiate;
 mod error;
 pub mod five_bar;
+pub mod linkage;
 pub mod loops;
 mod propagation;
 pub mod seating;

@@ -15,6 +15,12 @@ pub enum Invalid {
     NotFinite,
     /// A mass or moment of inertia is negative or not finite.
     Inertia,
+    /// A clearance is negative or not finite.
+    Clearance,
+    /// A clearance is asked of a joint that is no pin.
+    NotAPin,
+    /// A section is given to a link that is no bar between two places.
+    NotABar,
 }
 
 impl fmt::Display for Invalid {
@@ -24,6 +30,11 @@ impl fmt::Display for Invalid {
             Self::Direction => "a direction must be finite and not zero",
             Self::NotFinite => "every number must be finite",
             Self::Inertia => "mass and inertia must be finite and not negative",
+            Self::Clearance => "a clearance must be finite and not negative",
+            Self::NotAPin => "only a pin has a clearance",
+            Self::NotABar => {
+                "only a crank with a point, or a dyad's bar of given length, has a section"
+            }
         })
     }
 }

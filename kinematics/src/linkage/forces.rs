@@ -7,7 +7,7 @@
 use super::model::{Group, LinkId, Linkage};
 use super::solve::{Motion, SolveError};
 use super::statics::{Joint, Wrench, reactions};
-use crate::Scalar;
+use crate::{Scalar, Vec2};
 use std::vec::Vec;
 
 /// What a joint passes on.
@@ -57,20 +57,25 @@ impl<S: Scalar> Linkage<S> {
                 joint,
                 wrench,
             };
-            let mut pass = |reaction: Reaction<S>, loads: &mut [Wrench<S>]| {
+            let [gap1, gap12, gap2] = definition.gaps();
+            // What a joint exerts on one link acts back on the other at that link's own place.
+            let mut pass = |reaction: Reaction<S>, gap: Vec2<S>, loads: &mut [Wrench<S>]| {
                 let LinkId(carrier) = reaction.from;
-                loads[carrier] = loads[carrier] + -reaction.wrench;
+                loads[carrier] = loads[carrier] + -reaction.wrench.moved(-gap);
                 backwards.push(reaction);
             };
             if let Some(dyad) = &motion.dyads[element] {
                 let second = LinkId(first.0 + 1);
-                let on_links = [loads[first.0], loads[second.0]];
-                let [r1, r12, r2] = reactions(&dyad.joints, &on_links)
-                    .map_err(|reason| SolveError { element, reason })?;
                 let [joint1, joint12, joint2] = dyad.joints;
-                pass(reaction(carrier2, second, joint2, r2), &mut loads);
-                pass(reaction(first, second, joint12, r12), &mut loads);
-                pass(reaction(carrier1, first, joint1, r1), &mut loads);
+                // Link 1 with all its loads is brought to where its inner pin meets link 2's.
+                let joints = [joint1.moved(gap12), joint12, joint2];
+                let on_links = [loads[first.0].moved(gap12), loads[second.0]];
+                let [r1, r12, r2] = reactions(&joints, &on_links)
+                    .map_err(|reason| SolveError { element, reason })?;
+                let r1 = r1.moved(-gap12);
+                pass(reaction(carrier2, second, joint2, r2), gap2, &mut loads);
+                pass(reaction(first, second, joint12, r12), gap12, &mut loads);
+                pass(reaction(carrier1, first, joint1, r1), gap1, &mut loads);
             } else {
                 let link = &motion.links[first.0];
                 let (at, axis) = (link.origin.position, link.axis);
@@ -80,7 +85,7 @@ impl<S: Scalar> Linkage<S> {
                     _ => (Joint::Revolute { at }, wrench.moment_about(at)),
                 };
                 driving.push(drive);
-                pass(reaction(carrier1, first, joint, wrench), &mut loads);
+                pass(reaction(carrier1, first, joint, wrench), gap1, &mut loads);
             }
         }
         driving.reverse();

@@ -5,6 +5,7 @@
 //! come back up it, dyad by dyad.
 
 mod check;
+mod clearance;
 pub mod dyad;
 mod forces;
 mod four_bar;
@@ -16,6 +17,7 @@ mod statics;
 mod sweep;
 
 pub use check::Invalid;
+pub use clearance::{Clearance, Section};
 pub use forces::{Forces, Reaction};
 pub use four_bar::{FourBar, FourBarType};
 pub use model::{Element, Group, Guide, LinkId, Linkage, NamedLink, Point, PointId};

@@ -4,6 +4,7 @@
 //! way can be solved in the order of its building, without search.
 
 use super::check::{Invalid, finite, not_negative};
+use super::clearance::{Clearance, Section};
 use super::dyad::{Prp, Rpp, Rpr, Rrp, Rrr};
 use crate::dynamics::Link;
 use crate::{Scalar, Vec2};
@@ -114,6 +115,8 @@ pub struct Element<S> {
     pub group: Group<S>,
     pub(super) first_link: LinkId,
     pub(super) joint: Option<PointId>,
+    /// Of its pins, in the order of its joints.
+    pub(super) clearances: [Option<Clearance<S>>; 3],
 }
 
 impl<S> Element<S> {
@@ -152,6 +155,8 @@ pub struct NamedLink<S> {
     pub name: String,
     /// Its mass, centre of mass in its own frame, and moment of inertia.
     pub inertia: Link<S>,
+    /// The section that its inertia follows from, if it was given as a slender bar.
+    pub section: Option<Section<S>>,
 }
 
 /// What is solved when: in the order of building.
@@ -225,6 +230,7 @@ impl<S: Scalar> Linkage<S> {
             group,
             first_link,
             joint,
+            clearances: [None; 3],
         };
         self.elements.push(element.clone());
         Ok(element)
@@ -244,6 +250,7 @@ impl<S: Scalar> Linkage<S> {
         self.links[link.0] = NamedLink {
             name: name.into(),
             inertia,
+            section: None,
         };
         Ok(())
     }
@@ -273,6 +280,7 @@ impl<S: Scalar> Linkage<S> {
         self.links.push(NamedLink {
             name: name.into(),
             inertia,
+            section: None,
         });
         LinkId(self.links.len() - 1)
     }

@@ -33,6 +33,15 @@ impl<S: Scalar> PointMotion<S> {
             acceleration: Vec2::zero(),
         }
     }
+
+    /// The same motion, `by` [m] away.
+    #[inline]
+    pub(super) fn moved(&self, by: Vec2<S>) -> Self {
+        Self {
+            position: self.position + by,
+            ..*self
+        }
+    }
 }
 
 /// A rigid link: where its frame is, and how it moves.
@@ -109,6 +118,12 @@ impl<S: Scalar> LinkMotion<S> {
             velocity: here.velocity + self.axis * slide.rate,
             acceleration: here.acceleration + coriolis + self.axis * slide.acceleration,
         }
+    }
+
+    /// The same motion, `by` [m] away.
+    #[inline]
+    pub(super) fn moved(&self, by: Vec2<S>) -> Self {
+        self.translated_to(self.origin.moved(by))
     }
 
     /// A link that keeps this one's direction, its origin moving as `origin`.

@@ -1,5 +1,6 @@
 //! The numbers of a linkage one by one: to list, perturb or differentiate by them.
 
+use super::clearance::{Clearance, Section};
 use super::dyad::{Prp, Rpp, Rpr, Rrp, Rrr};
 use super::model::{Element, Group, Guide, Linkage, NamedLink, Point};
 use crate::dynamics::Link;
@@ -24,12 +25,20 @@ pub enum Quantity {
     Inertia,
     /// Component 0 or 1 of the external force on a point [N].
     Force(usize),
+    /// The area of a bar's section [m²]. The inertia of such a link follows from it and from
+    /// the length.
+    Section,
+    /// r, the clearance of an element's joint 0, 1 or 2 [m].
+    Clearance(usize),
+    /// a, the direction of that clearance [rad].
+    ClearanceAngle(usize),
 }
 
 /// A parameter of a linkage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Parameter<'a> {
-    /// The name of the link or point it belongs to; empty for gravity.
+    /// The name of the link or point it belongs to, of a joint that of the element's first
+    /// link; empty for gravity.
     pub of: &'a str,
     /// What it measures.
     pub quantity: Quantity,
@@ -44,8 +53,17 @@ impl<S: Scalar> Linkage<S> {
     pub fn map<T: Scalar>(&self, mut f: impl FnMut(Parameter<'_>, S) -> T) -> Linkage<T> {
         let gravity = pair(&mut f, "", Quantity::Gravity, self.gravity);
         let mut links = std::vec::Vec::with_capacity(self.links.len());
-        for NamedLink { name, inertia } in &self.links {
+        for NamedLink {
+            name,
+            inertia,
+            section,
+        } in &self.links
+        {
             let mut one = |quantity, value| f(Parameter { of: name, quantity }, value);
+            let section = section.map(|section| Section {
+                area: one(Quantity::Section, section.area),
+                density: constant_number(section.density),
+            });
             let mass = one(Quantity::Mass, inertia.mass);
             let moment = one(Quantity::Inertia, inertia.inertia);
             links.push(NamedLink {
@@ -55,6 +73,7 @@ impl<S: Scalar> Linkage<S> {
                     com: pair(&mut f, name, Quantity::CentreOfMass, inertia.com),
                     inertia: moment,
                 },
+                section,
             });
         }
         let mut points = std::vec::Vec::with_capacity(self.points.len());
@@ -77,23 +96,31 @@ impl<S: Scalar> Linkage<S> {
         let mut elements = std::vec::Vec::with_capacity(self.elements.len());
         for element in &self.elements {
             let links: std::vec::Vec<_> = element.links().collect();
-            let one = |link: usize, quantity, value| {
+            let mut one = |link: usize, quantity, value| {
                 let of = &self.links[links[link].0].name;
                 f(Parameter { of, quantity }, value)
             };
             elements.push(Element {
-                group: map_group(&element.group, one),
+                group: map_group(&element.group, &mut one),
                 first_link: element.first_link,
                 joint: element.joint,
+                clearances: [0, 1, 2].map(|k| {
+                    element.clearances[k].map(|Clearance { radius, angle }| Clearance {
+                        radius: one(0, Quantity::Clearance(k), radius),
+                        angle: one(0, Quantity::ClearanceAngle(k), angle),
+                    })
+                }),
             });
         }
-        Linkage {
+        let mut linkage = Linkage {
             gravity,
             links,
             points,
             elements,
             steps: self.steps.clone(),
-        }
+        };
+        linkage.reshape();
+        linkage
     }
 }
 
@@ -165,11 +192,12 @@ fn map_group<S: Scalar, T: Scalar>(
     }
 }
 
+fn constant_number<S: Scalar, T: Scalar>(value: S) -> T {
+    T::from_f64(value.to_f64())
+}
+
 fn constant<S: Scalar, T: Scalar>(vector: Vec2<S>) -> Vec2<T> {
-    Vec2::new(
-        T::from_f64(vector.x.to_f64()),
-        T::from_f64(vector.y.to_f64()),
-    )
+    Vec2::new(constant_number(vector.x), constant_number(vector.y))
 }
 
 fn constant_guide<S: Scalar, T: Scalar>(guide: Guide<S>) -> Guide<T> {

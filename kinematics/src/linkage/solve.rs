@@ -107,11 +107,15 @@ impl<S: Scalar> Linkage<S> {
         motion: &mut Motion<S>,
     ) -> Result<(), SolveError> {
         let element = &self.elements[index];
+        let [gap1, gap12, gap2] = element.gaps();
+        // Link 1 is solved where its inner pin meets link 2's, then put back.
+        let gap1 = gap1 + gap12;
         let solved = match &element.group {
             Group::Crank { pivot } => {
                 if let Some(input) = inputs.next() {
                     let carrier = &motion.links[self.points[pivot.0].link.0];
-                    let crank = turned(carrier, &motion.points[pivot.0], input);
+                    let pivot = motion.points[pivot.0].moved(gap1);
+                    let crank = turned(carrier, &pivot, input);
                     motion.links[element.first_link.0] = crank;
                 }
                 return Ok(());
@@ -125,31 +129,37 @@ impl<S: Scalar> Linkage<S> {
             }
             Group::Rrr { dyad, ends } => {
                 let [end1, end2] = ends.map(|end| motion.points[end.0]);
-                dyad.motion(&end1, &end2)
+                dyad.motion(&end1.moved(gap1), &end2.moved(gap2))
             }
-            Group::Rrp { dyad, end, guide } => {
-                dyad.motion(&motion.points[end.0], &motion.guide(self, guide))
-            }
+            Group::Rrp { dyad, end, guide } => dyad.motion(
+                &motion.points[end.0].moved(gap1),
+                &motion.guide(self, guide),
+            ),
             Group::Rpr { dyad, ends } => {
                 let [end1, end2] = ends.map(|end| motion.points[end.0]);
-                dyad.motion(&end1, &end2)
+                dyad.motion(&end1.moved(gap1), &end2.moved(gap2))
             }
             Group::Prp { dyad, guides } => {
                 let [guide1, guide2] = guides.map(|guide| motion.guide(self, &guide));
-                dyad.motion(&guide1, &guide2)
+                dyad.motion(&guide1.moved(gap1), &guide2)
             }
-            Group::Rpp { dyad, end, guide } => {
-                dyad.motion(&motion.points[end.0], &motion.guide(self, guide))
-            }
+            Group::Rpp { dyad, end, guide } => dyad.motion(
+                &motion.points[end.0].moved(gap1),
+                &motion.guide(self, guide),
+            ),
         };
-        let dyad = solved.map_err(|reason| SolveError {
+        let mut dyad = solved.map_err(|reason| SolveError {
             element: index,
             reason,
         })?;
+        dyad.links[0] = dyad.links[0].moved(-gap12);
+        dyad.joints[0] = dyad.joints[0].moved(-gap12);
         for (link, solved) in element.links().zip(dyad.links) {
             motion.links[link.0] = solved;
         }
         if let Some(joint) = element.joint {
+            // The inner pin is a point of link 1.
+            dyad.joint = dyad.joint.moved(-gap12);
             motion.points[joint.0] = dyad.joint;
         }
         motion.dyads[index] = Some(dyad);

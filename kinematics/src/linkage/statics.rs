@@ -54,6 +54,15 @@ impl<S: Scalar> Wrench<S> {
         self.force.dot(link.origin.velocity) + self.moment_about(link.origin.position) * link.omega
     }
 
+    /// The same force and couple, acting `by` [m] away.
+    #[inline]
+    pub(super) fn moved(&self, by: Vec2<S>) -> Self {
+        Self {
+            moment: self.moment + by.cross(self.force),
+            ..*self
+        }
+    }
+
     #[inline]
     fn scaled(&self, factor: S) -> Self {
         Self {
@@ -107,6 +116,14 @@ impl<S: Scalar> Joint<S> {
     pub fn place(&self) -> Vec2<S> {
         match *self {
             Self::Revolute { at } | Self::Prismatic { at, .. } => at,
+        }
+    }
+
+    /// The same joint, `by` [m] away.
+    pub(super) fn moved(&self, by: Vec2<S>) -> Self {
+        match *self {
+            Self::Revolute { at } => Self::Revolute { at: at + by },
+            Self::Prismatic { at, axis } => Self::Prismatic { at: at + by, axis },
         }
     }
 

@@ -1,0 +1,253 @@
+//! Linkages with wrong numbers and loose pins: the analytic matrices against dual numbers
+//! against differences, on every linkage that comes with the program.
+
+use fivebar::linkage::{DrivenLinkage, EXAMPLES};
+use fivebar_kinematics::Scalar;
+use fivebar_kinematics::accuracy::assur::{course, unknowns};
+use fivebar_kinematics::accuracy::linkage::{Figure, LinkageResponse, seat};
+use fivebar_kinematics::accuracy::loops::VectorLoops;
+use fivebar_kinematics::accuracy::{Response, sensitivities};
+use fivebar_kinematics::linkage::{Clearance, Coordinate, Law, Linkage, Quantity, SolveError};
+
+/// The example with every pin off its centre, each another way.
+fn loose(driven: &DrivenLinkage) -> Linkage<f64> {
+    let mut linkage = driven.linkage.clone();
+    let pins: Vec<bool> = linkage.pins().collect();
+    for (joint, _) in pins.iter().enumerate().filter(|(_, pin)| **pin) {
+        let clearance = Clearance {
+            radius: 1e-3 * (1.0 + 0.3 * joint as f64),
+            angle: 0.7 - 1.1 * joint as f64,
+        };
+        linkage.set_clearance(joint, clearance).unwrap();
+    }
+    linkage
+}
+
+/// The driving coordinates at some instants of the sweep, none of them special.
+fn instants(driven: &DrivenLinkage) -> Vec<Vec<Coordinate<f64>>> {
+    let at = |share: f64| {
+        driven
+            .laws
+            .iter()
+            .map(|law: &Law| law.at(share * driven.duration))
+            .collect()
+    };
+    [0.03, 0.17, 0.41, 0.68, 0.93].map(at).into()
+}
+
+/// U, U̇ and Ü by the inputs and all parameters.
+struct Unknowns<'a>(&'a Linkage<f64>);
+
+impl Response for Unknowns<'_> {
+    type Error = SolveError;
+
+    fn evaluate<S: Scalar>(&self, primitives: &[S]) -> Result<Vec<S>, SolveError> {
+        let n = self.0.freedoms();
+        let input = |i: usize| Coordinate {
+            value: primitives[i],
+            rate: primitives[n + i],
+            acceleration: primitives[2 * n + i],
+        };
+        let inputs: Vec<_> = (0..n).map(input).collect();
+        let mut parameters = primitives[3 * n..].iter();
+        let linkage = self.0.map(|_, _| *parameters.next().unwrap());
+        let found = unknowns(&linkage, &linkage.motion(&inputs)?);
+        let parts: [fn(&Coordinate<S>) -> S; 3] = [|c| c.value, |c| c.rate, |c| c.acceleration];
+        Ok(parts
+            .iter()
+            .flat_map(|part| found.iter().map(part))
+            .collect())
+    }
+}
+
+fn all_parameters(linkage: &Linkage<f64>) -> Vec<f64> {
+    let mut values = Vec::new();
+    linkage.map(|_, value: f64| {
+        values.push(value);
+        value
+    });
+    values
+}
+
+#[test]
+fn analytic_matrices_equal_dual_numbers_on_every_example() {
+    for example in EXAMPLES {
+        let driven = example.linkage().unwrap();
+        let linkage = loose(&driven);
+        let loops = VectorLoops::of(&linkage).unwrap();
+        assert_eq!(loops.parameters, all_parameters(&linkage));
+        for inputs in instants(&driven) {
+            let motion = linkage.motion(&inputs).unwrap();
+            let guess = course(&unknowns(&linkage, &motion));
+            let driving = course(&inputs);
+            // The loops close where the dyads do, and move as they do.
+            let solved = loops.solve(guess.value.as_slice(), &driving).unwrap();
+            for (a, b, scale) in [
+                (&solved.value, &guess.value, 1.0),
+                (&solved.rate, &guess.rate, 1.0 + guess.rate.amax()),
+                (
+                    &solved.acceleration,
+                    &guess.acceleration,
+                    1.0 + guess.acceleration.amax(),
+                ),
+            ] {
+                assert!((a - b).amax() < 1e-11 * scale, "{}", example.name);
+            }
+
+            let analytic = loops.sensitivities(&solved, &driving).unwrap();
+            let response = Unknowns(&linkage);
+            let mut primitives: Vec<f64> = driving.value.as_slice().to_vec();
+            primitives.extend(&driving.rate);
+            primitives.extend(&driving.acceleration);
+            primitives.extend(&loops.parameters);
+            let dual = sensitivities(&response, &primitives).unwrap();
+            let n = solved.value.len();
+            for (k, matrix) in [analytic.value, analytic.rate, analytic.acceleration]
+                .iter()
+                .enumerate()
+            {
+                let dual = dual.rows(k * n, n);
+                let error = (matrix - dual).amax();
+                assert!(matrix.amax() > 0.0);
+                assert!(
+                    error < 1e-10 * matrix.amax(),
+                    "{} {k}: {error:e} of {}",
+                    example.name,
+                    matrix.amax()
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn every_derivative_of_every_example_meets_its_difference() {
+    for example in EXAMPLES {
+        let driven = example.linkage().unwrap();
+        let linkage = loose(&driven);
+        let mut varied = Vec::new();
+        let mut number = 0;
+        linkage.map(|parameter, value: f64| {
+            // A mass of nothing has no inertia to scale, and no neighbour below zero.
+            let nothing = parameter.quantity == Quantity::Mass && value == 0.0;
+            if !nothing && parameter.quantity != Quantity::Inertia {
+                varied.push(number);
+            }
+            number += 1;
+            value
+        });
+        let response = LinkageResponse {
+            linkage: &linkage,
+            varied,
+        };
+        for inputs in instants(&driven).iter().step_by(2) {
+            let nominal = response.primitives(inputs);
+            let value = response.evaluate(&nominal).unwrap();
+            assert_eq!(value.len(), response.figures().len());
+            let t = sensitivities(&response, &nominal).unwrap();
+            let mut seen = vec![false; value.len()];
+            for column in 0..nominal.len() {
+                let step = 1e-6 * nominal[column].abs().max(0.05);
+                let moved = |by: f64| {
+                    let mut primitives = nominal.clone();
+                    primitives[column] += by;
+                    response.evaluate(&primitives).unwrap()
+                };
+                let (up, down) = (moved(step), moved(-step));
+                for row in 0..value.len() {
+                    let difference = (up[row] - down[row]) / (2.0 * step);
+                    let rounding = 1e-9 * value[row].abs() / step * 1e-4;
+                    let scale = t.column(column).amax().max(t.row(row).amax());
+                    let bound = 2e-5 * scale + rounding + 1e-6;
+                    let derivative = t[(row, column)];
+                    assert!(
+                        (difference - derivative).abs() < bound,
+                        "{}: figure {row} by {column}: {derivative} for {difference}",
+                        example.name
+                    );
+                    seen[row] |= derivative != 0.0;
+                }
+            }
+            for ((figure, seen), value) in response.figures().iter().zip(seen).zip(value) {
+                let force = matches!(figure, Figure::Drive(_) | Figure::Force(..));
+                assert!(
+                    seen || !force || value.abs() < 1e-9,
+                    "{}: {figure:?} answers to nothing",
+                    example.name
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn forces_in_loose_pins_balance_the_power_of_the_drive() {
+    // A massless link is not there for the forces: with no inertia and one load the work of
+    // load and drive differ only by what the offset's moments leave out, second order in r.
+    let driven = EXAMPLES[0].linkage().unwrap();
+    let inputs = &instants(&driven)[1];
+    let drive = |scale: f64| {
+        let mut linkage = driven.linkage.clone();
+        for joint in 0..4 {
+            let clearance = Clearance {
+                radius: scale * 1e-4,
+                angle: 0.4 + joint as f64,
+            };
+            linkage.set_clearance(joint, clearance).unwrap();
+        }
+        let motion = linkage.motion(inputs).unwrap();
+        linkage.forces(&motion).unwrap().driving[0]
+    };
+    let (ideal, one, two) = (drive(0.0), drive(1.0), drive(2.0));
+    assert_eq!(
+        ideal,
+        driven
+            .linkage
+            .forces(&driven.linkage.motion(inputs).unwrap())
+            .unwrap()
+            .driving[0]
+    );
+    assert!((one - ideal).abs() > 1e-6 * ideal.abs());
+    assert!(((two - ideal) / (one - ideal) - 2.0).abs() < 0.02);
+}
+
+#[test]
+fn tension_lengthens_and_compression_shortens_a_limb_by_its_clearances() {
+    let driven = fivebar::linkage::Example::find("prrrp")
+        .unwrap()
+        .linkage()
+        .unwrap();
+    let mut massless = driven
+        .linkage
+        .map(|parameter, value| match parameter.quantity {
+            Quantity::Mass | Quantity::Inertia | Quantity::Gravity(_) => 0.0,
+            _ => value,
+        });
+    let inputs = &instants(&driven)[0];
+    let points = massless.points().iter();
+    let name = |wanted: &str| {
+        points
+            .clone()
+            .position(|point| point.name == wanted)
+            .unwrap()
+    };
+    let (left, right, tip) = (name("L"), name("R"), name("P"));
+    let id = massless.elements()[2].joint().unwrap();
+    // Left pin, middle pin, right pin: the middle one counts for the right bar, as P is the
+    // left bar's.
+    let radii = [0.0, 0.0, 1e-5, 2e-5, 4e-5];
+    for sign in [1.0, -1.0] {
+        let force = fivebar_kinematics::Vec2::new(0.0, 10.0 * sign);
+        massless.load(id, 0.0, force).unwrap();
+        let seated = seat(&massless, inputs, &radii).unwrap();
+        assert!(seated.settled);
+        let at = |point: usize| seated.motion.points[point].position;
+        let longer_left = (at(tip) - at(left)).norm() - 1.2;
+        let longer_right = (at(tip) - at(right)).norm() - 1.1;
+        assert!((longer_left - sign * 1e-5).abs() < 1e-9, "{longer_left:e}");
+        assert!(
+            (longer_right - sign * 6e-5).abs() < 1e-9,
+            "{longer_right:e}"
+        );
+    }
+}
