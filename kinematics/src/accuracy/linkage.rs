@@ -29,6 +29,12 @@ pub enum Figure {
     Velocity(usize, usize),
     /// Of its acceleration [m/s²].
     Acceleration(usize, usize),
+    /// A link's angle [rad]; the link in [`Linkage::links`].
+    Angle(usize),
+    /// Its angular velocity [rad/s].
+    AngularVelocity(usize),
+    /// Its angular acceleration [rad/s²].
+    AngularAcceleration(usize),
     /// The torque [N·m] or force [N] of a driven link, counting those alone.
     Drive(usize),
     /// Component 0 or 1 of a joint's force [N]; the joint in [`Linkage::joints`].
@@ -55,14 +61,21 @@ impl LinkageResponse<'_> {
         values
     }
 
-    /// What the results are, in their order: of every moving point, of every driven link,
-    /// of every joint.
+    /// What the results are, in their order: of every moving point, of every moving link,
+    /// of every driven link, of every joint.
     pub fn figures(&self) -> Vec<Figure> {
         let mut figures = Vec::new();
         for point in moving(self.linkage) {
             for figure in [Figure::Position, Figure::Velocity, Figure::Acceleration] {
                 figures.extend([figure(point, 0), figure(point, 1)]);
             }
+        }
+        for link in 1..self.linkage.links().len() {
+            figures.extend([
+                Figure::Angle(link),
+                Figure::AngularVelocity(link),
+                Figure::AngularAcceleration(link),
+            ]);
         }
         figures.extend((0..self.linkage.freedoms()).map(Figure::Drive));
         for joint in 0..self.linkage.joints().count() {
@@ -128,6 +141,9 @@ impl Response for LinkageResponse<'_> {
             for vector in [point.position, point.velocity, point.acceleration] {
                 results.extend([vector.x, vector.y]);
             }
+        }
+        for link in motion.links.iter().skip(1) {
+            results.extend([link.axis.angle(), link.omega, link.alpha]);
         }
         results.extend(&forces.driving);
         for Reaction { joint, wrench, .. } in &forces.reactions {

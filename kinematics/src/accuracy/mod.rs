@@ -14,6 +14,7 @@ pub mod linkage;
 pub mod loops;
 mod propagation;
 pub mod seating;
+pub mod slider;
 
 pub use differentiate::{Response, sensitivities};
 pub use error::AccuracyError;

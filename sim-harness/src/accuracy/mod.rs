@@ -1,20 +1,29 @@
-//! Accuracy of a robot: what its tolerances and clearances do to position and force, by
+//! Accuracy of a robot or a linkage: what its tolerances and clearances do to position and force, by
 //! analysis and by sampling, side by side.
 
 mod along;
 mod answer;
 mod classes;
+mod linkage;
 mod map;
 mod monte_carlo;
 mod report;
 mod sampling;
+mod slider;
 mod state;
 
 pub use along::{Along, Flip, Station, along};
 pub use answer::{along_answer, answer, map_answer};
 pub use classes::Classes;
+pub use linkage::{
+    LinkageAnalysis, LinkageStudy, Reach, analyse_linkage, linkage_answer, linkage_page,
+    sample_linkage, study_linkage,
+};
 pub use map::{Cell, Map, cheapest, map};
 pub use monte_carlo::{MonteCarlo, draws, monte_carlo, sample_forces, sample_positions};
 pub use report::{along_page, at_page, map_page};
-pub use sampling::{Moments, Sampling, sample};
+pub use sampling::{Moments, Sampling, Spread, Sums, sample};
+pub use slider::{
+    SliderAnalysis, SliderMonteCarlo, analyse_slider, sample_slider, slider_answer, slider_page,
+};
 pub use state::{Analysis, State, analyse};

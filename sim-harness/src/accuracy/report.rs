@@ -5,7 +5,7 @@ use super::answer::JOINTS;
 use super::map::Map;
 use super::monte_carlo::MonteCarlo;
 use super::state::Analysis;
-use crate::report::{Chart, Page, quantity};
+use crate::report::{Chart, Page, escape, quantity};
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
@@ -105,7 +105,7 @@ pub fn at_page(robot: &str, analysis: &Analysis, sampled: &MonteCarlo) -> Page {
     page.table(&["figure", "analytic", "sampled"], &rows);
     page.heading("Who contributes");
     page.figure(
-        &pareto(analysis),
+        &pareto(&position_shares(analysis)),
         "Share of each dimension in the variance of the tool's position.",
     );
     page
@@ -225,28 +225,41 @@ fn ellipse(analysis: &Analysis, factor: f64) -> Vec<[f64; 2]> {
         .collect()
 }
 
-fn pareto(analysis: &Analysis) -> String {
+/// The share of each dimension in the variance of the tool's position, largest first.
+fn position_shares(analysis: &Analysis) -> Vec<(&str, f64)> {
     let total = analysis.position.covariance.trace();
     let share = |i: usize| {
         let part: f64 = analysis.position.contributions.column(i).sum();
         if total > 0.0 { part / total } else { 0.0 }
     };
-    let mut order: Vec<usize> = (0..analysis.primitives.len()).collect();
-    order.sort_by(|&a, &b| share(b).total_cmp(&share(a)));
-    let height = 26 * order.len();
-    let mut svg = format!("<svg viewBox=\"0 0 520 {height}\" width=\"520\" role=\"img\">");
-    for (row, &index) in order.iter().enumerate() {
-        let (y, percent) = (26 * row, 100.0 * share(index));
-        let name = &analysis.primitives[index].name;
+    let primitives = analysis.primitives.iter().enumerate();
+    let mut shares: Vec<_> = primitives
+        .map(|(i, primitive)| (primitive.name.as_str(), share(i)))
+        .collect();
+    shares.sort_by(|(_, a), (_, b)| b.total_cmp(a));
+    shares
+}
+
+/// Bars, one a name with its share, in the order given.
+pub(super) fn pareto(shares: &[(&str, f64)]) -> String {
+    let height = 26 * shares.len();
+    let longest = shares.iter().map(|(name, _)| name.chars().count()).max();
+    let left = 12 + 8 * longest.unwrap_or(0);
+    let width = left + 490;
+    let mut svg = format!("<svg viewBox=\"0 0 {width} {height}\" width=\"{width}\" role=\"img\">");
+    for (row, (name, share)) in shares.iter().enumerate() {
+        let (y, percent) = (26 * row, 100.0 * share);
+        let name = escape(name);
+        let bar = 4.0 * percent;
         let _ = write!(
             svg,
-            "<text x=\"44\" y=\"{}\" text-anchor=\"end\" fill=\"currentColor\" font-size=\"14\">{name}</text>\
-             <rect x=\"52\" y=\"{}\" width=\"{:.1}\" height=\"16\" fill=\"currentColor\" opacity=\"0.6\"/>\
+            "<text x=\"{left}\" y=\"{}\" text-anchor=\"end\" fill=\"currentColor\" font-size=\"14\">{name}</text>\
+             <rect x=\"{}\" y=\"{}\" width=\"{bar:.1}\" height=\"16\" fill=\"currentColor\" opacity=\"0.6\"/>\
              <text x=\"{:.1}\" y=\"{}\" fill=\"currentColor\" font-size=\"14\">{percent:.1} %</text>",
             y + 18,
+            left + 8,
             y + 5,
-            4.0 * percent,
-            58.0 + 4.0 * percent,
+            (left + 14) as f64 + bar,
             y + 18,
         );
     }

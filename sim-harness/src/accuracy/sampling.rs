@@ -19,6 +19,20 @@ pub struct Sampling {
     pub seed: u64,
 }
 
+/// What adds up over samples.
+pub trait Sums: Default + Send {
+    /// What a sample gives.
+    type Values;
+
+    /// Adds a sample.
+    fn add(&mut self, values: &Self::Values);
+    /// Counts a sample that could not be assembled.
+    fn fail(&mut self);
+    /// The sums of both (Chan's update, exact but for rounding).
+    #[must_use]
+    fn join(self, other: &Self) -> Self;
+}
+
 /// Sums over samples of N results.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Moments<const N: usize> {
@@ -46,7 +60,9 @@ impl<const N: usize> Default for Moments<N> {
     }
 }
 
-impl<const N: usize> Moments<N> {
+impl<const N: usize> Sums for Moments<N> {
+    type Values = [f64; N];
+
     fn add(&mut self, values: &[f64; N]) {
         self.count += 1;
         let before: [f64; N] = std::array::from_fn(|i| values[i] - self.mean[i]);
@@ -62,7 +78,10 @@ impl<const N: usize> Moments<N> {
         }
     }
 
-    /// The sums of both (Chan's update, exact but for rounding).
+    fn fail(&mut self) {
+        self.failed += 1;
+    }
+
     fn join(mut self, other: &Self) -> Self {
         self.failed += other.failed;
         if other.count == 0 {
@@ -82,7 +101,9 @@ impl<const N: usize> Moments<N> {
         self.count += other.count;
         self
     }
+}
 
+impl<const N: usize> Moments<N> {
     /// The covariance of results `i` and `j`.
     pub fn covariance(&self, i: usize, j: usize) -> f64 {
         if self.count > 1 {
@@ -106,34 +127,99 @@ impl<const N: usize> Moments<N> {
     /// The sampling error of a standard deviation, as a share of it: 1/√(2n) for normal
     /// results.
     pub fn relative_error(&self) -> f64 {
-        1.0 / (2.0 * self.count.max(1) as f64).sqrt()
+        relative_error(self.count)
+    }
+}
+
+fn relative_error(count: usize) -> f64 {
+    1.0 / (2.0 * count.max(1) as f64).sqrt()
+}
+
+/// Sums over samples of any number of results, without their correlation.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Spread {
+    /// Samples that had an answer.
+    pub count: usize,
+    /// Samples that could not be assembled.
+    pub failed: usize,
+    /// The means.
+    pub mean: Vec<f64>,
+    /// Σ (x − mean)².
+    squares: Vec<f64>,
+}
+
+impl Sums for Spread {
+    type Values = Vec<f64>;
+
+    fn add(&mut self, values: &Vec<f64>) {
+        self.mean.resize(values.len(), 0.0);
+        self.squares.resize(values.len(), 0.0);
+        self.count += 1;
+        let sums = self.mean.iter_mut().zip(&mut self.squares);
+        for ((mean, square), value) in sums.zip(values) {
+            let before = value - *mean;
+            *mean += before / self.count as f64;
+            *square += before * (value - *mean);
+        }
+    }
+
+    fn fail(&mut self) {
+        self.failed += 1;
+    }
+
+    fn join(mut self, other: &Self) -> Self {
+        self.failed += other.failed;
+        self.mean.resize(other.mean.len().max(self.mean.len()), 0.0);
+        self.squares.resize(self.mean.len(), 0.0);
+        let (n, m) = (self.count as f64, other.count as f64);
+        for (i, (mean, square)) in other.mean.iter().zip(&other.squares).enumerate() {
+            let shift = mean - self.mean[i];
+            self.squares[i] += square + shift * shift * n * m / (n + m);
+            self.mean[i] += shift * m / (n + m);
+        }
+        self.count += other.count;
+        self
+    }
+}
+
+impl Spread {
+    /// The standard deviation of result `i`; zero where no sample had an answer.
+    pub fn deviation(&self, i: usize) -> f64 {
+        let degrees = self.count.saturating_sub(1).max(1) as f64;
+        let square = self.squares.get(i).copied().unwrap_or(0.0);
+        (square / degrees).sqrt()
+    }
+
+    /// The sampling error of a standard deviation, as a share of it, for normal results.
+    pub fn relative_error(&self) -> f64 {
+        relative_error(self.count)
     }
 }
 
 /// Draws samples of `draw`, which gives none where a sample cannot be assembled.
-pub fn sample<const N: usize>(
+pub fn sample<M: Sums>(
     sampling: Sampling,
     progress: &ProgressBar,
-    draw: impl Fn(&mut Noise) -> Option<[f64; N]> + Sync,
-) -> Moments<N> {
+    draw: impl Fn(&mut Noise) -> Option<M::Values> + Sync,
+) -> M {
     let blocks = sampling.samples.div_ceil(BLOCK);
-    let moments: Vec<Moments<N>> = (0..blocks)
+    let sums: Vec<M> = (0..blocks)
         .into_par_iter()
         .map(|block| {
             let size = BLOCK.min(sampling.samples - block * BLOCK);
             let mut noise = Noise::new(stream(sampling.seed, block as u64));
-            let mut moments = Moments::default();
+            let mut sums = M::default();
             for _ in 0..size {
                 match draw(&mut noise) {
-                    Some(values) => moments.add(&values),
-                    None => moments.failed += 1,
+                    Some(values) => sums.add(&values),
+                    None => sums.fail(),
                 }
             }
             progress.inc(size as u64);
-            moments
+            sums
         })
         .collect();
-    moments.iter().fold(Moments::default(), Moments::join)
+    sums.iter().fold(M::default(), M::join)
 }
 
 /// A seed for each block, far from its neighbours' (SplitMix64's finaliser).
@@ -162,6 +248,23 @@ mod tests {
     #[test]
     fn the_same_seed_gives_the_same_bits_on_any_number_of_threads() {
         assert_eq!(scatter(20_000, 1), scatter(20_000, 3));
+    }
+
+    #[test]
+    fn a_spread_is_that_of_the_moments_whatever_the_blocks() {
+        let moments = scatter(20_000, 2);
+        let sampling = Sampling {
+            samples: 20_000,
+            seed: 7,
+        };
+        let spread: Spread = sample(sampling, &ProgressBar::hidden(), |noise| {
+            let x = 3.0 + 2.0 * noise.normal();
+            Some(vec![x, 0.5 * x + noise.normal()])
+        });
+        for i in 0..2 {
+            assert!((spread.mean[i] - moments.mean[i]).abs() < 1e-12);
+            assert!((spread.deviation(i) / moments.deviation(i) - 1.0).abs() < 1e-12);
+        }
     }
 
     #[test]

@@ -2,25 +2,27 @@
 
 use super::Failure;
 use crate::accuracy::{
-    Classes, Sampling, State, along, along_answer, along_page, analyse, answer, at_page, cheapest,
-    draws, map, map_answer, map_page, monte_carlo,
+    Classes, Sampling, State, along, along_answer, along_page, analyse, analyse_slider, answer,
+    at_page, cheapest, draws, linkage_answer, linkage_page, map, map_answer, map_page, monte_carlo,
+    sample_slider, slider_answer, slider_page, study_linkage,
 };
 use crate::job::{Job, Placement};
+use crate::linkage::DrivenLinkage;
 use crate::report::{Page, quantity, write_whole};
-use crate::robot::Robot;
+use crate::robot::{Mechanism, Robot, SliderRobot};
 use clap::ArgGroup;
 use fivebar_kinematics::Vec2;
 use indicatif::ProgressBar;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
-/// Position and force under tolerance and clearance, analytic beside sampled.
+/// Position, motion and force under tolerance and clearance, analytic beside sampled.
 #[derive(clap::Args)]
-#[command(group = ArgGroup::new("where").args(["at", "path", "map"]).required(true))]
+#[command(group = ArgGroup::new("where").args(["at", "path", "map", "time"]))]
 pub(super) struct Args {
-    /// A robot file with [tolerance], or the name of a built-in robot.
+    /// A robot or a linkage (a file with [sweep]) with [tolerance], or a built-in one's name.
     file: String,
-    /// At one point X,Y of C, the far joint [m].
+    /// At one point X,Y of C, the far joint [m]; of a slider-driven robot at P.
     #[arg(long, value_name = "X,Y", value_parser = numbers::<2>, allow_hyphen_values = true)]
     at: Option<[f64; 2]>,
     /// Along a G-code job, at its feed rates.
@@ -29,6 +31,9 @@ pub(super) struct Args {
     /// Over the whole workspace.
     #[arg(long)]
     map: bool,
+    /// Of a linkage: the instant of its sweep to sample [s]; left out: its beginning.
+    #[arg(long, value_name = "SECONDS", value_parser = instant)]
+    time: Option<f64>,
     /// With --at: velocity of C [m/s].
     #[arg(long, value_name = "X,Y", value_parser = numbers::<2>, allow_hyphen_values = true, default_value = "0,0")]
     velocity: [f64; 2],
@@ -54,10 +59,10 @@ pub(super) struct Args {
     /// With --wanted: what each class of tolerance gives and costs (TOML).
     #[arg(long, value_name = "CLASSES.toml", requires = "wanted")]
     classes: Option<PathBuf>,
-    /// With --at: samples of each Monte Carlo figure.
+    /// With --at, or of a linkage: samples of each Monte Carlo figure.
     #[arg(long, default_value_t = 100_000, value_parser = clap::value_parser!(u32).range(2..=100_000_000))]
     samples: u32,
-    /// With --at: seed of the samples.
+    /// Seed of the samples.
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Print the answer as one JSON object.
@@ -82,9 +87,12 @@ fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
     }
 }
 
+fn instant(text: &str) -> Result<f64, String> {
+    numbers::<1>(text).map(|[time]| time)
+}
+
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    let robot = Robot::load(&args.file).map_err(|error| Failure::Refused(error.to_string()))?;
-    let (answer, page) = study(args, &robot).map_err(Failure::Refused)?;
+    let (answer, page) = subject(args)?;
     if let Some(folder) = &args.out {
         write_whole(&folder.join("report.html"), page.render())
             .map_err(|error| Failure::Refused(error.to_string()))?;
@@ -95,6 +103,60 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         print(&answer);
     }
     Ok(())
+}
+
+/// What the file is, is told by what it holds.
+fn subject(args: &Args) -> Result<(Value, Page), Failure> {
+    let refused = |error: &dyn std::error::Error| Failure::Refused(error.to_string());
+    if DrivenLinkage::is_named(&args.file) {
+        if args.at.is_some() || args.path.is_some() || args.map {
+            let reason = "a linkage is studied over its sweep, and with --time at an instant; --at, --path and --map are for robots";
+            return Err(Failure::Usage(reason.into()));
+        }
+        let driven = DrivenLinkage::load(&args.file).map_err(|error| refused(&error))?;
+        return linkage(args, &driven).map_err(Failure::Refused);
+    }
+    if args.time.is_some() {
+        let reason = "--time is for linkages; of a robot say --at, --path or --map";
+        return Err(Failure::Usage(reason.into()));
+    }
+    if args.at.is_none() && args.path.is_none() && !args.map {
+        return Err(Failure::Usage("say where: --at, --path or --map".into()));
+    }
+    match Mechanism::load(&args.file).map_err(|error| refused(&error))? {
+        Mechanism::FiveBar(robot) => study(args, &robot).map_err(Failure::Refused),
+        Mechanism::Slider(robot) => {
+            let Some(at) = args.at else {
+                let reason = "of a slider-driven robot only --at is known";
+                return Err(Failure::Usage(reason.into()));
+            };
+            slider(args, &robot, at).map_err(Failure::Refused)
+        }
+    }
+}
+
+fn linkage(args: &Args, driven: &DrivenLinkage) -> Result<(Value, Page), String> {
+    let sampling = sampling(args);
+    let progress = ProgressBar::new(u64::from(args.samples));
+    let study = study_linkage(driven, args.time.unwrap_or(0.0), sampling, &progress)?;
+    progress.finish_and_clear();
+    Ok((linkage_answer(driven, &study), linkage_page(driven, &study)))
+}
+
+fn slider(args: &Args, robot: &SliderRobot, at: [f64; 2]) -> Result<(Value, Page), String> {
+    let analysis = analyse_slider(robot, vector(at), vector(args.force))?;
+    let progress = ProgressBar::new(2 * u64::from(args.samples));
+    let sampled = sample_slider(robot, &analysis, sampling(args), &progress);
+    progress.finish_and_clear();
+    let answer = slider_answer(robot, &analysis, &sampled);
+    Ok((answer, slider_page(robot, &analysis, &sampled)))
+}
+
+fn sampling(args: &Args) -> Sampling {
+    Sampling {
+        samples: args.samples as usize,
+        seed: args.seed,
+    }
 }
 
 fn vector([x, y]: [f64; 2]) -> Vec2<f64> {
@@ -128,10 +190,7 @@ fn study(args: &Args, robot: &Robot) -> Result<(Value, Page), String> {
             force,
         };
         let analysis = analyse(robot, &state)?;
-        let sampling = Sampling {
-            samples: args.samples as usize,
-            seed: args.seed,
-        };
+        let sampling = sampling(args);
         let progress = ProgressBar::new(draws(&analysis, sampling));
         let sampled = monte_carlo(robot, &state, &analysis, sampling, &progress);
         progress.finish_and_clear();

@@ -7,7 +7,7 @@ use crate::robot::{FileError, Key, Source};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::dynamics::Link;
 use fivebar_kinematics::linkage::dyad::{Prp, Rpp, Rpr, Rrp, Rrr};
-use fivebar_kinematics::linkage::{Group, Guide, Law, LinkId, Linkage, PointId};
+use fivebar_kinematics::linkage::{Group, Guide, Law, LinkId, Linkage, PointId, Section};
 use std::collections::HashMap;
 
 /// Reads a linkage from the text of a file.
@@ -27,7 +27,9 @@ pub(super) fn linkage(source: Source<'_>) -> Result<DrivenLinkage, FileError> {
     builder.build()?;
     let Builder { linkage, laws, .. } = builder;
     largest(&source, &linkage)?;
+    let tolerance = file.tolerance.checked(&source, &linkage)?;
     Ok(DrivenLinkage {
+        tolerance,
         linkage,
         laws,
         duration: file.sweep.duration,
@@ -64,9 +66,39 @@ impl<'a> Builder<'a> {
                 .load(point, load.mass, vec2(load.force))
                 .map_err(|error| self.source.refuse(Key::Of("load", index, "mass"), error))?;
         }
+        for (index, element) in file.element.iter().enumerate() {
+            self.sections(index, element)?;
+        }
         if self.laws.is_empty() {
             let reason = "needs a driven link: one of kind \"crank\" or \"slider\"";
             return Err(self.source.refuse(Key::Top("element"), reason));
+        }
+        Ok(())
+    }
+
+    /// Shapes the links that are slender bars, now that their points are there.
+    fn sections(&mut self, index: usize, element: &ElementFile) -> Result<(), FileError> {
+        let key = Key::Of("element", index, "links");
+        for link in element.links() {
+            let Some(section) = link.section else {
+                continue;
+            };
+            let refuse = |reason: String| {
+                let reason = format!("give `{}` a section: {reason}", link.name);
+                self.source.refuse(key, reason)
+            };
+            if link.mass != 0.0 || link.inertia != 0.0 || link.com != [0.0; 2] {
+                let reason = "mass, com and inertia follow from it and are left out beside it";
+                return Err(refuse(reason.into()));
+            }
+            let section = Section {
+                area: section.area,
+                density: section.density,
+            };
+            let shaped = self
+                .linkage
+                .set_section(self.links[link.name.as_str()], section);
+            shaped.map_err(|error| refuse(error.to_string()))?;
         }
         Ok(())
     }

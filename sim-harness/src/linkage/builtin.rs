@@ -24,6 +24,7 @@ macro_rules! examples {
 /// All of them.
 pub const EXAMPLES: &[Example] = examples![
     "four_bar",
+    "loose_four_bar",
     "slider_crank",
     "inverted_slider_crank",
     "shaper",

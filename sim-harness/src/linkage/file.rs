@@ -3,6 +3,7 @@
 //! SI units; angles in degrees where the key says so. Keys that are not named here are
 //! refused.
 
+use super::tolerance::ToleranceFile;
 use fivebar_kinematics::five_bar::Side;
 use fivebar_kinematics::linkage::Law;
 use fivebar_kinematics::linkage::dyad::Way;
@@ -27,6 +28,8 @@ pub(super) struct LinkageFile {
     pub(super) point: Vec<PointFile>,
     #[serde(default)]
     pub(super) load: Vec<LoadFile>,
+    #[serde(default)]
+    pub(super) tolerance: ToleranceFile,
 }
 
 /// `[sweep]`: how long the driven links follow their `drive`, in how many steps.
@@ -125,6 +128,18 @@ pub(super) struct LinkFile {
     /// About the centre of mass [kg·m²].
     #[serde(default)]
     pub(super) inertia: f64,
+    /// Instead of these three: the section of a slender bar.
+    pub(super) section: Option<SectionFile>,
+}
+
+/// `section` of a link.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SectionFile {
+    /// [m²]
+    pub(super) area: f64,
+    /// [kg/m³]
+    pub(super) density: f64,
 }
 
 /// `drive` of a crank: q = start + speed t + swing sin(2π f t + phase).

@@ -9,6 +9,7 @@ mod picture;
 mod report;
 mod summary;
 mod table;
+mod tolerance;
 
 pub use builtin::{EXAMPLES, Example};
 pub use report::page;
@@ -16,6 +17,8 @@ pub use summary::{
     Assembly, BranchChangeFound, LimitFound, Peak, Range, SHOWN_ASSEMBLIES, Summary,
 };
 pub use table::csv;
+pub(crate) use table::{driven_links, reaction_names};
+pub use tolerance::{LinkageTolerance, Pin};
 
 use crate::robot::{FileError, Source};
 use fivebar_kinematics::linkage::{Law, Linkage, Sweep};
@@ -34,6 +37,8 @@ pub struct DrivenLinkage {
     pub duration: f64,
     /// In how many steps.
     pub steps: usize,
+    /// How exact its parts are.
+    pub tolerance: LinkageTolerance,
 }
 
 /// No sound linkage file comes near this [bytes].
@@ -65,6 +70,17 @@ impl DrivenLinkage {
             ));
         }
         Self::parse(name_or_path, &text)
+    }
+
+    /// Whether a command line names a linkage: an example, or a file with a [sweep]. A file
+    /// that cannot be read is none.
+    pub fn is_named(name_or_path: &str) -> bool {
+        let has_sweep = |text: String| {
+            let table = text.parse::<toml::Table>();
+            table.is_ok_and(|table| table.contains_key("sweep"))
+        };
+        Example::find(name_or_path).is_some()
+            || std::fs::read_to_string(name_or_path).is_ok_and(has_sweep)
     }
 
     /// The linkage described by the text of a file called `file`.

@@ -136,7 +136,7 @@ fn columns(linkage: &Linkage<f64>) -> Vec<Column> {
 }
 
 /// The driven links with the unit of their coordinate.
-pub(super) fn driven_links(linkage: &Linkage<f64>) -> impl Iterator<Item = (&str, &'static str)> {
+pub(crate) fn driven_links(linkage: &Linkage<f64>) -> impl Iterator<Item = (&str, &'static str)> {
     linkage.elements().iter().filter_map(|element| {
         let unit = match element.group {
             Group::Crank { .. } => "rad",
@@ -184,7 +184,7 @@ pub(super) fn moment(reaction: &Reaction<f64>) -> f64 {
 }
 
 /// "crank on coupler", in the order of a motion's reactions.
-pub(super) fn reaction_names(linkage: &Linkage<f64>) -> Vec<String> {
+pub(crate) fn reaction_names(linkage: &Linkage<f64>) -> Vec<String> {
     let name = |link: fivebar_kinematics::linkage::LinkId| &linkage.links()[link.index()].name;
     let joints = linkage.joints();
     joints

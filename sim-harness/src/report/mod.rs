@@ -15,6 +15,7 @@ mod write;
 pub use animation::{Animation, Body, Trace};
 pub use chart::{Chart, Series, Stroke};
 pub use page::Page;
+pub(crate) use page::escape;
 pub use quantity::quantity;
 pub use run::RunReport;
 pub use write::{WriteError, write_whole};

@@ -124,7 +124,7 @@ fn starts_like_a_number(cell: &str) -> bool {
 }
 
 /// Plain text made safe in HTML, as content and inside double quotes.
-pub(super) fn escape(text: &str) -> String {
+pub(crate) fn escape(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
     for character in text.chars() {
         match character {

@@ -320,7 +320,7 @@ fn tolerance(
     })
 }
 
-fn each<const N: usize>(
+pub(super) fn each<const N: usize>(
     source: &Source<'_>,
     name: &'static str,
     given: &OneOrEach,

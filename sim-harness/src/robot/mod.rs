@@ -14,7 +14,7 @@ pub use error::FileError;
 pub(crate) use error::{Key, Source};
 pub use file::{Actuator, Control, Limits, Motion, Protection, Supply, Tool};
 pub use home::NoHome;
-pub use slider::{Mechanism, SliderRobot};
+pub use slider::{Mechanism, SliderRobot, SliderTolerance};
 
 use fivebar_kinematics::dynamics::Arm;
 use fivebar_kinematics::five_bar::{Geometry, WorkingMode};

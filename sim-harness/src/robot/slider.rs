@@ -1,5 +1,7 @@
 //! Robot files with `mechanism = "slider"`: the slider-driven sibling of the five-bar.
 
+use super::check::each;
+use super::file::ToleranceFile;
 use super::{BuiltIn, FileError, Key, Robot, Source, read};
 use fivebar_kinematics::linkage::dyad::Way;
 use fivebar_kinematics::slider::{Geometry, GeometryError, Limb, Travel, WorkingMode};
@@ -25,6 +27,21 @@ pub struct SliderRobot {
     pub working_mode: WorkingMode,
     /// How far the sliders go, if the file says so.
     pub travel: Option<Travel<f64>>,
+    /// How exact its parts are.
+    pub tolerance: SliderTolerance,
+}
+
+/// How exact the parts of a slider-driven mechanism are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SliderTolerance {
+    /// Standard deviation of l3, l7 and l5 [m].
+    pub length_sd: [f64; 3],
+    /// Standard deviation of x2 and x8 [m].
+    pub input_sd: [f64; 2],
+    /// Greatest error of x2 and x8 [m].
+    pub input_max: [f64; 2],
+    /// Radial clearance of each limb at its slider and at the platform, left limb first [m].
+    pub clearance_radius: [f64; 4],
 }
 
 /// The whole file. SI units; unknown keys are refused.
@@ -41,6 +58,8 @@ struct SliderFile {
     #[serde(default = "apart")]
     working_mode: [Way; 2],
     travel: Option<TravelFile>,
+    #[serde(default)]
+    tolerance: ToleranceFile,
 }
 
 /// `[travel]`: least and greatest place of each slider [m].
@@ -128,12 +147,22 @@ impl SliderRobot {
                 return Err(source.refuse(Key::In("travel", key), reason));
             }
         }
+        let given = &file.tolerance;
+        let inputs = "x2 and x8";
+        let pins = "each limb's slider and platform, left limb first";
+        let tolerance = SliderTolerance {
+            length_sd: each(&source, "length_sd", &given.length_sd, "l3, l7 and l5")?,
+            input_sd: each(&source, "input_sd", &given.input_sd, inputs)?,
+            input_max: each(&source, "input_max", &given.input_max, inputs)?,
+            clearance_radius: each(&source, "clearance_radius", &given.clearance_radius, pins)?,
+        };
         let [left, right] = file.working_mode;
         Ok(Self {
             name: file.name,
             geometry,
             working_mode: WorkingMode::new(left, right),
             travel,
+            tolerance,
         })
     }
 }
