@@ -69,6 +69,8 @@ fn compare(found: &Value) {
     };
     for key in [
         "position_sd_m",
+        "velocity_sd_m_s",
+        "acceleration_sd_m_s2",
         "torque_sd_nm",
         "reaction_sd_n",
         "clearance_rms_m",

@@ -1,13 +1,19 @@
 //! Linkages with wrong numbers and loose pins: the analytic matrices against dual numbers
 //! against differences, on every linkage that comes with the program.
 
-use fivebar::linkage::{DrivenLinkage, EXAMPLES};
-use fivebar_kinematics::Scalar;
+use fivebar::accuracy::{Sampling, analyse_slider, sample_slider, slider_answer};
+use fivebar::linkage::{DrivenLinkage, EXAMPLES, Example};
+use fivebar::robot::SliderRobot;
 use fivebar_kinematics::accuracy::assur::{course, unknowns};
 use fivebar_kinematics::accuracy::linkage::{Figure, LinkageResponse, seat};
 use fivebar_kinematics::accuracy::loops::VectorLoops;
+use fivebar_kinematics::accuracy::slider;
 use fivebar_kinematics::accuracy::{Response, sensitivities};
 use fivebar_kinematics::linkage::{Clearance, Coordinate, Law, Linkage, Quantity, SolveError};
+use fivebar_kinematics::slider::{Geometry, WorkingMode};
+use fivebar_kinematics::{Scalar, Vec2};
+use indicatif::ProgressBar;
+use serde_json::Value;
 
 /// The example with every pin off its centre, each another way.
 fn loose(driven: &DrivenLinkage) -> Linkage<f64> {
@@ -213,10 +219,7 @@ fn forces_in_loose_pins_balance_the_power_of_the_drive() {
 
 #[test]
 fn tension_lengthens_and_compression_shortens_a_limb_by_its_clearances() {
-    let driven = fivebar::linkage::Example::find("prrrp")
-        .unwrap()
-        .linkage()
-        .unwrap();
+    let driven = Example::find("prrrp").unwrap().linkage().unwrap();
     let mut massless = driven
         .linkage
         .map(|parameter, value| match parameter.quantity {
@@ -237,7 +240,7 @@ fn tension_lengthens_and_compression_shortens_a_limb_by_its_clearances() {
     // left bar's.
     let radii = [0.0, 0.0, 1e-5, 2e-5, 4e-5];
     for sign in [1.0, -1.0] {
-        let force = fivebar_kinematics::Vec2::new(0.0, 10.0 * sign);
+        let force = Vec2::new(0.0, 10.0 * sign);
         massless.load(id, 0.0, force).unwrap();
         let seated = seat(&massless, inputs, &radii).unwrap();
         assert!(seated.settled);
@@ -249,5 +252,99 @@ fn tension_lengthens_and_compression_shortens_a_limb_by_its_clearances() {
             (longer_right - sign * 6e-5).abs() < 1e-9,
             "{longer_right:e}"
         );
+    }
+}
+
+/// l3 1.2, l7 1.1, l5 .6 m.
+const SLIDER: &str = include_str!("../../sim-harness/robots/slider.toml");
+
+fn numbers(value: &Value) -> Vec<f64> {
+    let list = value.as_array().unwrap().iter();
+    list.map(|number| number.as_f64().unwrap()).collect()
+}
+
+#[test]
+fn the_slider_driven_test_case_by_its_corrected_coefficients_and_by_samples() {
+    let robot = SliderRobot::parse("slider.toml", SLIDER).unwrap();
+    let at = Vec2::new(0.1, 0.66);
+    let analysis = analyse_slider(&robot, at, Vec2::new(3.0, -10.0)).unwrap();
+    // Tu's coefficients, corrected: with the sliders as inputs ∂P/∂l3 = (sin α7, −cos α7)/S.
+    let [alpha3, alpha7] = analysis.pose.angles();
+    let s = (alpha7 - alpha3).sin();
+    let by_l3 = Vec2::new(alpha7.sin() / s, -alpha7.cos() / s);
+    assert!((analysis.transfer.l3 - by_l3).norm() < 1e-12);
+    assert!(
+        (analysis.transfer.l3.x - alpha3.cos()).abs() > 0.05,
+        "not as printed"
+    );
+
+    let sampling = Sampling {
+        samples: 40_000,
+        seed: 3,
+    };
+    let sampled = sample_slider(&robot, &analysis, sampling, &ProgressBar::hidden());
+    let found = slider_answer(&robot, &analysis, &sampled);
+    let twins = &found["monte_carlo"];
+    let error = 4.0 * twins["relative_error_of_sd"].as_f64().unwrap();
+    for (a, s) in numbers(&found["position_sd_m"])
+        .into_iter()
+        .zip(numbers(&twins["position_sd_m"]))
+    {
+        assert!(a > 1e-6 && (a - s).abs() < error * a, "{a} and {s}");
+    }
+    let pair = |key: &str| (found[key].as_f64().unwrap(), twins[key].as_f64().unwrap());
+    let (rms, twin) = pair("clearance_rms_m");
+    assert!((rms - twin).abs() < error * rms);
+    for key in ["input_worst_m", "clearance_worst_m"] {
+        let (worst, largest) = pair(key);
+        assert!(
+            largest <= worst * (1.0 + 1e-9) && largest > 0.8 * worst,
+            "{key}"
+        );
+    }
+    let seated = analysis.seating.displacement.norm();
+    assert!(analysis.seating.settled && seated <= analysis.clearance.worst * (1.0 + 1e-9));
+}
+
+#[test]
+fn tension_lengthens_the_sliders_limbs_as_it_does_the_linkages() {
+    // PRRRP both ways: by its transfer and as a linkage of massless bars.
+    let driven = Example::find("prrrp").unwrap().linkage().unwrap();
+    let mut massless = driven
+        .linkage
+        .map(|parameter, value| match parameter.quantity {
+            Quantity::Mass | Quantity::Inertia | Quantity::Gravity(_) => 0.0,
+            _ => value,
+        });
+    let tip = massless.elements()[2].joint().unwrap();
+    let radii = [1e-5, 0.0, 2e-5, 4e-5];
+    let geometry = Geometry::new(1.2, 1.1, 0.0).unwrap();
+    for inputs in instants(&driven) {
+        let pose = geometry
+            .forward(
+                inputs[0].value,
+                inputs[1].value,
+                fivebar_kinematics::five_bar::Side::Left,
+            )
+            .unwrap();
+        assert_eq!(pose.working_mode(), WorkingMode::APART);
+        for force in [[0.0, 10.0], [0.0, -10.0], [10.0, 0.0], [-10.0, 1.0]] {
+            let force = Vec2::new(force[0], force[1]);
+            let by_slider = slider::seat(&geometry, &pose, force, radii).unwrap();
+            let signs = by_slider.tension.map(f64::signum);
+            assert_eq!(by_slider.longer, [signs[0] * 1e-5, signs[1] * 6e-5]);
+            massless.load(tip, 0.0, force).unwrap();
+            // P is the left bar's point: the middle pin counts for the right limb.
+            let seated = seat(&massless, &inputs, &[0.0, 0.0, 1e-5, 4e-5, 2e-5]).unwrap();
+            assert!(by_slider.settled && seated.settled);
+            let displaced = seated.motion.points[tip.index()].position - pose.p;
+            // The linkage keeps the ideal arms, so its directions are those of a bar turned
+            // by 1e-4: a difference of second order.
+            let difference = (displaced - by_slider.displacement).norm();
+            assert!(
+                difference < 1e-3 * by_slider.displacement.norm(),
+                "{difference:e}"
+            );
+        }
     }
 }

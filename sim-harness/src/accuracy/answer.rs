@@ -33,6 +33,7 @@ pub fn answer(robot: &str, state: &State, analysis: &Analysis, sampled: &MonteCa
     let forces = analysis.forces.as_ref();
     let force_deviations = forces.map(|forces| forces.scatter.deviations());
     let seating = forces.map(|forces| &forces.seating);
+    let motion = forces.map(|forces| forces.motion.deviations());
     json!({
         "robot": robot,
         "at_m": [state.position.x, state.position.y],
@@ -44,6 +45,8 @@ pub fn answer(robot: &str, state: &State, analysis: &Analysis, sampled: &MonteCa
         "clearance_rms_m": analysis.clearance.rms,
         "clearance_seated_m": seating.map(|s| [s.displacement.x, s.displacement.y]),
         "clearance_seated_settled": seating.map(|s| s.settled),
+        "velocity_sd_m_s": motion.as_ref().map(|sd| [sd[0], sd[1]]),
+        "acceleration_sd_m_s2": motion.as_ref().map(|sd| [sd[2], sd[3]]),
         "torque_sd_nm": force_deviations.as_ref().map(|sd| [sd[0], sd[1]]),
         "reaction_sd_n": force_deviations.as_ref().map(|sd| joints(|i| sd[i])),
         "contributors": contributors,
@@ -78,6 +81,7 @@ fn twins(analysis: &Analysis, sampled: &MonteCarlo) -> Value {
         })
         .collect();
     let forces = sampled.forces.as_ref();
+    let motion = sampled.motion.as_ref();
     json!({
         "samples": sampled.sampling.samples,
         "seed": sampled.sampling.seed,
@@ -90,6 +94,8 @@ fn twins(analysis: &Analysis, sampled: &MonteCarlo) -> Value {
         "clearance_worst_m": sampled.clearance.largest[0],
         "clearance_worst_linear_m": sampled.clearance.largest[1],
         "clearance_rms_m": sampled.clearance.rms(0),
+        "velocity_sd_m_s": motion.map(|m| [m.deviation(0), m.deviation(1)]),
+        "acceleration_sd_m_s2": motion.map(|m| [m.deviation(2), m.deviation(3)]),
         "torque_sd_nm": forces.map(|m| [m.deviation(0), m.deviation(1)]),
         "reaction_sd_n": forces.map(|m| joints(|i| m.deviation(i))),
         "contributors": contributors,

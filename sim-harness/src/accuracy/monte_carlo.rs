@@ -29,6 +29,8 @@ pub struct MonteCarlo {
     /// Distance of C by pins anywhere in their bearings, on the rim in any direction for the
     /// root mean square: exactly, and to first order [m].
     pub clearance: Moments<2>,
+    /// Ċ [m/s] and C̈ [m/s²]; none without masses.
+    pub motion: Option<Moments<4>>,
     /// Torques [N·m] and joint forces [N]; none without masses.
     pub forces: Option<Moments<12>>,
 }
@@ -58,6 +60,11 @@ pub fn monte_carlo(
         alone: (0..count).map(alone).collect(),
         input: sample(sampling, progress, |noise| arms.input_error(noise)),
         clearance: sample(sampling, progress, |noise| arms.clearance_error(noise)),
+        motion: robot.arm().ok().map(|arm| {
+            sample(sampling, progress, |noise| {
+                arms.results(arm, noise)?.get(2..6)?.try_into().ok()
+            })
+        }),
         forces: sample_forces(robot, state, analysis, sampling, progress),
     }
 }
@@ -94,12 +101,14 @@ pub fn sample_forces(
         analysis,
     };
     let arm = robot.arm().ok()?;
-    Some(sample(sampling, progress, |noise| arms.forces(arm, noise)))
+    Some(sample(sampling, progress, |noise| {
+        arms.results(arm, noise)?.get(6..)?.try_into().ok()
+    }))
 }
 
 /// The number of samples that [`monte_carlo`] draws in all, for its progress.
 pub fn draws(analysis: &Analysis, sampling: Sampling) -> u64 {
-    let kinds = 3 + analysis.primitives.len() + usize::from(analysis.forces.is_some());
+    let kinds = 3 + analysis.primitives.len() + 2 * usize::from(analysis.forces.is_some());
     (kinds * sampling.samples) as u64
 }
 
@@ -152,7 +161,8 @@ impl Arms<'_> {
         Some([exact, linear.norm()])
     }
 
-    fn forces(&self, arm: &Arm<f64>, noise: &mut Noise) -> Option<[f64; 12]> {
+    /// Position, motion, torques and forces of an arm as made, as [`ArmResponse`] has them.
+    fn results(&self, arm: &Arm<f64>, noise: &mut Noise) -> Option<Vec<f64>> {
         let response = ArmResponse {
             arm,
             assembly: self.analysis.pose.assembly(),
@@ -163,7 +173,6 @@ impl Arms<'_> {
         for (index, value) in SCATTERED.into_iter().zip(made) {
             primitives[index] = value;
         }
-        let results = response.evaluate(&primitives).ok()?;
-        results.get(6..)?.try_into().ok()
+        response.evaluate(&primitives).ok()
     }
 }

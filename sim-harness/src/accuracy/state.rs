@@ -65,6 +65,8 @@ impl Analysis {
 /// Scatter of torques and joint forces, and the pins as the forces seat them.
 #[derive(Clone, Debug)]
 pub struct Forces {
+    /// Of Ċ [m/s] and C̈ [m/s²], x and y, the driven joints moving as asked.
+    pub motion: Scatter,
     /// Of τ1, τ4 [N·m] and the forces in A, B, C, D, E, x and y [N].
     pub scatter: Scatter,
     /// The pins pressed where the forces push them.
@@ -113,7 +115,10 @@ pub fn analyse(robot: &Robot, state: &State) -> Result<Analysis, String> {
             };
             let all = sensitivities(&response, &response.primitives(&inputs))
                 .map_err(|error| refuse(&error))?;
-            let scattered = all.select_columns(&SCATTERED).rows(6, 12).into_owned();
+            let scattered = all.select_columns(&SCATTERED);
+            let propagate = |first: usize, count: usize| {
+                Scatter::propagate(&scattered.rows(first, count).into_owned(), &primitives)
+            };
             let seating = seat(
                 arm,
                 pose.assembly(),
@@ -123,7 +128,8 @@ pub fn analyse(robot: &Robot, state: &State) -> Result<Analysis, String> {
             )
             .map_err(|error| refuse(&error))?;
             Some(Forces {
-                scatter: Scatter::propagate(&scattered, &primitives),
+                motion: propagate(2, 4),
+                scatter: propagate(6, 12),
                 seating,
             })
         }

@@ -35,6 +35,10 @@ pub fn linkage_answer(driven: &DrivenLinkage, study: &LinkageStudy) -> Value {
     for (row, figure) in instant.figures.iter().enumerate() {
         let (group, name, rows) = match *figure {
             Figure::Position(point, 0) => {
+                let name = &driven.linkage.points()[point].name;
+                let entry = |i, j| instant.scatter.covariance[(row + i, row + j)];
+                answer["points"][name]["position_covariance"] =
+                    json!([[entry(0, 0), entry(0, 1)], [entry(1, 0), entry(1, 1)]]);
                 ("points", driven.linkage.points()[point].name.clone(), 2)
             }
             Figure::Drive(drive) => ("driving", drive_name(driven, drive).0, 1),

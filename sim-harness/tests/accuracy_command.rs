@@ -1,0 +1,158 @@
+//! `fivebar accuracy` from the outside: what it tells of linkages and sliders, and refuses.
+
+use serde_json::Value;
+use std::process::{Command, Output};
+
+fn accuracy(args: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_fivebar"));
+    command.arg("accuracy").args(args).output().unwrap()
+}
+
+fn answer(args: &[&str]) -> Value {
+    let output = accuracy(&[args, &["--json"]].concat());
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+#[track_caller]
+fn assert_close(found: &Value, expected: f64, relative: f64) {
+    let found = found.as_f64().unwrap();
+    let error = (found - expected).abs() / expected.abs();
+    assert!(error <= relative, "{found} for {expected}: {error:e}");
+}
+
+/// Shi 2005's four-bar as a linkage file: bars whose mass follows from section and length.
+#[test]
+fn the_loose_four_bar_has_the_scatter_of_the_literature() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let found = answer(&["loose_four_bar", "--samples", "20000", "--out", out]);
+    let (links, reactions) = (&found["links"], &found["reactions"]);
+    for (link, angle, rate, acceleration) in [
+        ("coupler", 0.5965247, -5.42868754, 106.8475),
+        ("rocker", 1.7292039, 2.64005585, 204.4018),
+    ] {
+        assert_close(&links[link]["angle_rad"], angle, 1e-7);
+        assert_close(&links[link]["rate_rad_s"], rate, 1e-8);
+        assert_close(&links[link]["acceleration_rad_s2"], acceleration, 1e-6);
+    }
+    for (joint, x, y) in [
+        ("ground on crank", -20.28493, -15.17060),
+        ("crank on coupler", -18.34551, -12.72662),
+        ("coupler on rocker", -5.17420, -5.51100),
+        ("ground on rocker", -3.63341, 3.79434),
+    ] {
+        assert_close(&reactions[joint]["force_n"][0], x, 1e-6);
+        assert_close(&reactions[joint]["force_n"][1], y, 1e-6);
+    }
+    let drive = &found["driving"]["crank"];
+    assert_close(&drive["torque_nm"], 0.645954, 1e-6);
+
+    assert_close(&links["coupler"]["angle_sd_rad"], 5.7481e-4, 1e-4);
+    assert_close(&links["rocker"]["angle_sd_rad"], 7.7263e-4, 1e-4);
+    assert_close(&drive["torque_sd_nm"], 0.028125, 1e-4);
+    assert_close(
+        &reactions["ground on crank"]["force_sd_n"][0],
+        0.83995,
+        1e-4,
+    );
+
+    // Samples within three of their own errors.
+    let twins = &found["monte_carlo"];
+    assert_eq!(twins["failed"], 0);
+    let error = 3.0 * twins["relative_error_of_sd"].as_f64().unwrap();
+    assert_close(&twins["driving"]["crank"]["torque_sd_nm"], 0.028125, error);
+    let sampled = &twins["reactions"]["ground on crank"]["force_sd_n"][0];
+    assert_close(sampled, 0.83995, error);
+    assert_close(&twins["links"]["rocker"]["angle_sd_rad"], 7.7263e-4, error);
+
+    // The whole turn, and who is to blame.
+    assert_eq!(found["sweep"]["stations"].as_array().unwrap().len(), 361);
+    let first = &drive["contributors"][0];
+    assert_eq!(first["name"], "crank rate");
+    let shares = drive["contributors"].as_array().unwrap().iter();
+    let total: f64 = shares.map(|c| c["share"].as_f64().unwrap()).sum();
+    assert!((total - 1.0).abs() < 1e-4);
+    let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
+    assert!(page.contains("driving torque of crank"));
+}
+
+#[test]
+fn pins_without_a_stated_direction_lie_where_their_reactions_press_them() {
+    let text = include_str!("../linkages/four_bar.toml").to_string()
+        + "\n[tolerance]\ninput_max = 1e-3\nclearance_radius = 1e-5\n";
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("worn.toml");
+    std::fs::write(&file, text).unwrap();
+    let file = file.to_str().unwrap();
+    let worn = answer(&[file, "--time", "0.1", "--samples", "100"]);
+    let new = answer(&["four_bar", "--time", "0.1", "--samples", "100"]);
+    assert_eq!(worn["clearances_settled"], true);
+    let place = |found: &Value, i: usize| found["points"]["M"]["position_m"][i].as_f64().unwrap();
+    let moved = (place(&worn, 0) - place(&new, 0)).hypot(place(&worn, 1) - place(&new, 1));
+    let point = &worn["points"]["M"];
+    let worst = point["clearance_worst_linear_m"].as_f64().unwrap();
+    let rms = point["clearance_rms_m"].as_f64().unwrap();
+    assert!(0.0 < rms && rms < worst && worst < 1e-4);
+    assert!(1e-7 < moved && moved <= 1.001 * worst, "{moved} of {worst}");
+    assert!(point["input_worst_m"].as_f64().unwrap() > 1e-5);
+    assert_eq!(new["points"]["M"]["clearance_worst_linear_m"], 0.0);
+}
+
+#[test]
+fn the_same_seed_gives_the_same_answer() {
+    let args = ["loose_four_bar", "--samples", "5000", "--seed", "9"];
+    assert_eq!(answer(&args)["monte_carlo"], answer(&args)["monte_carlo"]);
+}
+
+#[test]
+fn asks_for_what_fits_the_file() {
+    let slider = concat!(env!("CARGO_MANIFEST_DIR"), "/robots/slider.toml");
+    for (args, why) in [
+        (vec!["benchtop"], "--at, --path or --map"),
+        (vec!["benchtop", "--time", "0"], "--time is for linkages"),
+        (vec!["four_bar", "--at", "0,0"], "--time"),
+        (vec![slider, "--map"], "only --at"),
+    ] {
+        let output = accuracy(&args);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{args:?}: {said}");
+        assert!(said.contains(why), "{args:?}: {said}");
+    }
+    let output = accuracy(&[slider, "--at", "0,2"]);
+    assert_eq!(output.status.code(), Some(1));
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(said.contains("at (0, 2) m"), "{said}");
+}
+
+#[test]
+fn refuses_tolerances_that_belong_to_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("wrong.toml");
+    for (tolerance, why) in [
+        (
+            "length_sd = { couplet = 1e-4 }",
+            "names `couplet`; there are",
+        ),
+        ("length_sd = -1e-4", "cannot be -0.0001"),
+        ("point_sd = { M = [1e-4, nan] }", "cannot be NaN"),
+        (
+            "clearance_radius = { \"coupler on crank\" = 1e-5 }",
+            "names `coupler on crank`",
+        ),
+        ("length = 1e-4", "unknown field `length`"),
+    ] {
+        let text = include_str!("../linkages/four_bar.toml").to_string();
+        let text = format!("{text}\n[tolerance]\n{tolerance}\n");
+        let line = text.lines().count();
+        std::fs::write(&file, text).unwrap();
+        let output = accuracy(&[file.to_str().unwrap()]);
+        assert_eq!(output.status.code(), Some(1));
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(
+            said.contains(why) && said.contains(&format!("line {line}")),
+            "{said}"
+        );
+    }
+}
