@@ -29,9 +29,15 @@ impl Scalar for Dual64 {
     fn sin_cos(self) -> (Self, Self) {
         DualNum::sin_cos(&self)
     }
+    /// d atan2(y, x) = (x dy − y dx)/(x² + y²): finite at x = 0, where the quotient y/x that
+    /// num-dual differentiates is not.
     #[inline]
     fn atan2(self, x: Self) -> Self {
-        DualNum::atan2(&self, x)
+        let (y, norm_squared) = (self, self.re * self.re + x.re * x.re);
+        Self {
+            re: y.re.atan2(x.re),
+            eps: (x.re * y.eps - y.re * x.eps) / norm_squared,
+        }
     }
 }
 
@@ -48,6 +54,15 @@ mod tests {
             .unwrap()
             .forward(fixed(2.0), fixed(1.1), Side::Left);
         pose.unwrap().c.x
+    }
+
+    #[test]
+    fn the_angle_of_an_upright_vector_has_a_derivative() {
+        for y in [2.0, -2.0] {
+            let x = Dual64::from_re(0.0).derivative();
+            let angle = crate::Scalar::atan2(Dual64::from_re(y), x);
+            assert_eq!(angle.eps, -1.0 / y);
+        }
     }
 
     #[test]

@@ -24,7 +24,6 @@ macro_rules! examples {
 /// All of them.
 pub const EXAMPLES: &[Example] = examples![
     "four_bar",
-    "loose_four_bar",
     "slider_crank",
     "inverted_slider_crank",
     "shaper",
@@ -33,6 +32,7 @@ pub const EXAMPLES: &[Example] = examples![
     "prrrp",
     "scotch_yoke",
     "tangent",
+    "loose_four_bar",
 ];
 
 impl Example {
