@@ -7,6 +7,9 @@ use crate::linkage::{DrivenLinkage, reaction_names};
 use crate::report::{Chart, Page, quantity};
 use fivebar_kinematics::accuracy::linkage::Figure;
 
+/// Whether a figure belongs on a chart.
+type Belongs = fn(&Figure) -> bool;
+
 /// What the model leaves out, said on every page.
 const LIMITS: &str = "First order: errors are small against lengths and distances from \
     singularities. Clearances are kineto-static, massless links between pin and bearing: \
@@ -61,7 +64,7 @@ pub fn linkage_page(driven: &DrivenLinkage, study: &LinkageStudy) -> Page {
         }
     }
     page.heading("Over the sweep");
-    let groups: [(&str, &str, fn(&Figure) -> bool); 5] = [
+    let groups: [(&str, &str, Belongs); 5] = [
         ("Positions", "m", |f| matches!(f, Figure::Position(..))),
         ("Velocities", "m/s", |f| matches!(f, Figure::Velocity(..))),
         ("Accelerations", "m/s²", |f| {
