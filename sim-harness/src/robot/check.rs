@@ -66,7 +66,11 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
         supply: file.supply,
         protection: file.protection,
         tolerance: tolerance(&source, &file.tolerance)?,
+        contact: file.contact,
     };
+    if let Some((key, value, must)) = robot.contact.unsound() {
+        return Err(source.refuse(Key::In("contact", key), format!("{must}, not {value}")));
+    }
     sections(&source, &robot)?;
     if file.home.is_some() {
         home_fits(&source, &robot)?;

@@ -2,6 +2,7 @@
 //!
 //! SI units and radians throughout. Keys that are not named here are refused.
 
+use crate::contact::Contact;
 use serde::Deserialize;
 use std::f64::consts::TAU;
 
@@ -34,6 +35,8 @@ pub(super) struct RobotFile {
     pub(super) protection: Protection,
     #[serde(default)]
     pub(super) tolerance: ToleranceFile,
+    #[serde(default)]
+    pub(super) contact: Contact,
 }
 
 fn elbows_out() -> [String; 2] {

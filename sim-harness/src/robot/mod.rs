@@ -16,6 +16,7 @@ pub use file::{Actuator, Control, Limits, Motion, Protection, Supply, Tool};
 pub use home::NoHome;
 pub use slider::{Mechanism, SliderRobot, SliderTolerance};
 
+use crate::contact::Contact;
 use fivebar_kinematics::dynamics::Arm;
 use fivebar_kinematics::five_bar::{Geometry, WorkingMode};
 
@@ -48,6 +49,8 @@ pub struct Robot {
     pub protection: Protection,
     /// How exact its parts are.
     pub tolerance: Tolerance,
+    /// What its pins and bearings are made of.
+    pub contact: Contact,
 }
 
 /// `[tolerance]`: how exact the parts are.

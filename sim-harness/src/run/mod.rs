@@ -1,6 +1,7 @@
 //! A run: a scenario simulated from power-up to the end of its job, and what it comes to.
 
 mod csv;
+mod joints;
 mod mcap;
 mod output;
 mod scenario;
@@ -8,6 +9,7 @@ mod simulation;
 mod summary;
 mod trace;
 
+pub use joints::{JointHistory, Peak};
 pub use mcap::mcap;
 pub use output::{OutputFolder, Unwritable};
 pub use scenario::{Scenario, ScenarioError};
@@ -15,9 +17,10 @@ pub use simulation::{Record, Simulation};
 pub use summary::{Summary, TipError, fault_name};
 pub use trace::{Sample, Trace};
 
+use crate::contact::NoJournal;
 use crate::job::Job;
 use crate::link::{InProcess, Target, TargetError};
-use crate::plant::{Mismatch, Plant};
+use crate::plant::{Mismatch, Plant, Wear};
 use crate::report::quantity;
 use crate::robot::{KinematicsOnly, NoHome};
 use fivebar_firmware::settings::SettingsError;
@@ -30,6 +33,9 @@ pub enum RunError {
     /// The scenario or its job makes no sense.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
+    /// A joint is worn out.
+    #[error(transparent)]
+    NoJournal(#[from] NoJournal),
     /// The robot has no masses.
     #[error(transparent)]
     KinematicsOnly(#[from] KinematicsOnly),
@@ -141,6 +147,9 @@ impl Scenario {
         });
         let pose = self.robot.pose_near_home(before)?;
         let mut plant = Plant::new(&self.robot, &self.mismatch, &pose, self.seed)?;
+        if let Some(clearance) = self.clearance {
+            plant = plant.worn(Wear::new(&self.robot.contact, clearance)?);
+        }
         for &fault in &self.broken {
             plant.inject(fault);
         }

@@ -1,8 +1,8 @@
 //! The loop of a run: sense, tick, step; home, arm, moves, done.
 
-use super::{Sample, TipError, Trace};
+use super::{JointHistory, Sample, TipError, Trace};
 use crate::link::{Target, TargetError};
-use crate::plant::{Plant, PlantFault};
+use crate::plant::{Plant, PlantFault, Wear};
 use fivebar_firmware::controller::Request;
 use fivebar_firmware::safety::{Fault, Limits, State};
 use fivebar_firmware::{Move, Status};
@@ -31,6 +31,8 @@ pub struct Record {
     pub peak_torque: [f64; 2],
     /// Ticks of the job in which a torque was limited.
     pub saturated_ticks: u64,
+    /// What the joints went through during the job, where the run watches them.
+    pub joints: JointHistory,
     /// The faults raised, in their order, each with its time from power-up [s].
     pub faults: Vec<(f64, Fault)>,
 }
@@ -147,7 +149,20 @@ impl<'a, T: Target> Simulation<'a, T> {
         self.observe(&status);
         self.plant.step(&command, self.period);
         self.record.ticks += 1;
+        self.watch_joints();
         Ok(status)
+    }
+
+    /// Notes what the joints went through during the tick.
+    fn watch_joints(&mut self) {
+        let Some(tally) = self.plant.wear().map(Wear::take_tally) else {
+            return;
+        };
+        if let Some(begun) = self.record.begun
+            && !self.ended
+        {
+            self.record.joints.note(self.now() - begun, tally);
+        }
     }
 
     /// Notes the instant of the samples that the tick has answered.

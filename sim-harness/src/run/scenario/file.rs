@@ -85,6 +85,7 @@ impl Scenario {
             scale: file.scale,
             seed: file.seed,
             mismatch: file.mismatch,
+            clearance: None,
             broken,
             faults,
             computed_torque: file.computed_torque,

@@ -27,6 +27,9 @@ pub struct Scenario {
     pub seed: u64,
     /// How the arm differs from what the controller believes.
     pub mismatch: Mismatch,
+    /// Radial clearance of the joints A to E [m], 0 for a joint that is not worn, in a run
+    /// that watches what they go through; without it all are ideal and none is watched.
+    pub clearance: Option<[f64; 5]>,
     /// What is broken from power-up.
     pub broken: Vec<FaultKind>,
     /// What breaks later, at its time from the beginning of the job.
@@ -74,6 +77,7 @@ impl Scenario {
             scale: 1.0,
             seed: 1,
             mismatch: Mismatch::default(),
+            clearance: None,
             broken: Vec::new(),
             faults: Vec::new(),
             computed_torque: true,
