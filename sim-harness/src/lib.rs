@@ -1,6 +1,7 @@
 //! Simulate, check and drive a planar five-bar arm: the library behind `fivebar`.
 
 pub mod accuracy;
+pub mod clearance;
 pub mod cli;
 pub mod contact;
 pub mod drive;

@@ -1,6 +1,7 @@
 //! The command line: one module per subcommand, each with its arguments and a `run`.
 
 mod accuracy;
+mod clearance;
 mod demo;
 mod drive;
 mod export;
@@ -38,6 +39,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Accuracy(Box<accuracy::Args>),
+    Clearance(clearance::Args),
     Drive(drive::Args),
     Export(export::Args),
     Hil(hil::Args),
@@ -58,6 +60,7 @@ pub fn main() -> ExitCode {
         None => demo::run(&cli.demo),
         Some(command) => match command {
             Command::Accuracy(args) => accuracy::run(&args),
+            Command::Clearance(args) => clearance::run(&args),
             Command::Drive(args) => drive::run(&args),
             Command::Export(args) => export::run(&args),
             Command::Hil(args) => hil::run(&args),

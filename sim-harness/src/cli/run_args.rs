@@ -83,7 +83,7 @@ pub(super) fn point(text: &str) -> Result<[f64; 2], String> {
     parse().ok_or_else(|| "give two numbers, such as 0.02,0.14".into())
 }
 
-fn scale(text: &str) -> Result<f64, String> {
+pub(super) fn scale(text: &str) -> Result<f64, String> {
     let scale = text
         .parse()
         .ok()

@@ -31,6 +31,8 @@ pub struct JointTally {
     pub impacts: u32,
     /// The fastest of these [m/s].
     pub fastest_impact: f64,
+    /// How often it left it.
+    pub flights: u32,
     /// Time without contact [s].
     pub flight: f64,
 }
@@ -42,6 +44,7 @@ impl JointTally {
             peak_force: self.peak_force.max(later.peak_force),
             impacts: self.impacts + later.impacts,
             fastest_impact: self.fastest_impact.max(later.fastest_impact),
+            flights: self.flights + later.flights,
             flight: self.flight + later.flight,
         }
     }
@@ -252,10 +255,13 @@ impl Hybrid<NUMBERS> for Rattling<'_> {
         let motions = motions(self.model, &arms, &state);
         for (k, journal) in self.due(x).into_iter().enumerate() {
             let Some(journal) = journal else { continue };
-            if self.phases[k] == Phase::Flight {
-                let tally = &mut self.tally[k];
-                tally.impacts += 1;
-                tally.fastest_impact = tally.fastest_impact.max(motions[k].opening_rate());
+            let tally = &mut self.tally[k];
+            match self.phases[k] {
+                Phase::Flight => {
+                    tally.impacts += 1;
+                    tally.fastest_impact = tally.fastest_impact.max(motions[k].opening_rate());
+                }
+                Phase::Touching { .. } => tally.flights += 1,
             }
             self.phases[k] = journal.turned(self.phases[k], &motions[k]);
         }

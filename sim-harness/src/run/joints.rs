@@ -17,6 +17,8 @@ pub struct Peak {
 /// The joints A to E over a job.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct JointHistory {
+    /// For how long they were watched [s].
+    pub watched: f64,
     /// All in all.
     pub total: [JointTally; JOINTS],
     /// The greatest forces, millisecond by millisecond.
@@ -26,6 +28,7 @@ pub struct JointHistory {
 impl JointHistory {
     /// Adds what came to pass in the tick that ended at `time` [s].
     pub(super) fn note(&mut self, time: f64, tally: [JointTally; JOINTS]) {
+        self.watched = time;
         let force = tally.map(|joint| joint.peak_force);
         match self.peaks.last_mut() {
             Some(peak) if time < peak.time + STRETCH => {

@@ -1,0 +1,15 @@
+//! New against worn: one job done by the same arm with ideal joints and with joints of ever
+//! greater clearance, beside what the models without contact foretell.
+
+mod answer;
+mod prediction;
+mod report;
+mod study;
+
+pub use answer::answer;
+pub use prediction::Prediction;
+pub use report::page;
+pub use study::{Outcome, Study, study};
+
+/// The joints by name, in the order of everything here.
+pub const NAMES: [&str; 5] = ["A", "B", "C", "D", "E"];

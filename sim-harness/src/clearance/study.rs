@@ -1,0 +1,127 @@
+//! The runs of a study, side by side.
+
+use super::Prediction;
+use crate::job::Job;
+use crate::run::{Record, RunError, Sample, Scenario, Summary, TipError, Trace};
+use rayon::prelude::*;
+
+/// One arm's run.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// Radial clearance of the joints A to E [m].
+    pub clearance: [f64; 5],
+    /// The run in figures.
+    pub summary: Summary,
+    /// The run sample by sample.
+    pub record: Record,
+    /// What the clearance adds to the tool's error: the distance between this arm's error
+    /// and the new arm's at the same time of the job.
+    pub added: TipError,
+    /// What the models without contact foretell.
+    pub prediction: Prediction,
+}
+
+impl Outcome {
+    /// The largest of the joints' clearances [m].
+    pub fn largest_clearance(&self) -> f64 {
+        self.clearance.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// The share of the job that each joint spends without contact; 0 for one that is not
+    /// worn.
+    pub fn flight_share(&self) -> [f64; 5] {
+        let joints = &self.record.joints;
+        joints
+            .total
+            .map(|joint| joint.flight / joints.watched.max(f64::MIN_POSITIVE))
+    }
+}
+
+/// A study: the new arm first, then the worn ones.
+#[derive(Clone, Debug)]
+pub struct Study {
+    /// The robot's name.
+    pub robot: String,
+    /// What it did.
+    pub scenario: String,
+    /// The runs.
+    pub outcomes: Vec<Outcome>,
+}
+
+/// Runs a scenario with ideal joints and with each of these clearances, on all cores.
+///
+/// # Errors
+/// A sentence: the run that could not be made and why. Faults are part of the outcome.
+pub fn study(
+    scenario: &Scenario,
+    job: &Job,
+    clearances: &[[f64; 5]],
+    done: &(dyn Fn() + Sync),
+) -> Result<Study, String> {
+    let runs: Vec<[f64; 5]> = std::iter::once([0.0; 5])
+        .chain(clearances.iter().copied())
+        .collect();
+    let outcomes: Result<Vec<Outcome>, String> = runs
+        .into_par_iter()
+        .map(|clearance| {
+            let outcome = run(scenario, job, clearance);
+            done();
+            outcome
+        })
+        .collect();
+    let mut outcomes = outcomes?;
+    if let Some((new, worn)) = outcomes.split_first_mut() {
+        for outcome in worn {
+            outcome.added = added(&new.record.trace, &outcome.record.trace);
+        }
+    }
+    Ok(Study {
+        robot: scenario.robot.name.clone(),
+        scenario: scenario.name.clone(),
+        outcomes,
+    })
+}
+
+fn run(scenario: &Scenario, job: &Job, clearance: [f64; 5]) -> Result<Outcome, String> {
+    let worn = Scenario {
+        clearance: Some(clearance),
+        ..scenario.clone()
+    };
+    let refused = |error: RunError| format!("with clearances of {clearance:?} m: {error}");
+    let (summary, record) = worn
+        .simulate(job, scenario.computed_torque, &mut |_| ())
+        .map_err(refused)?;
+    Ok(Outcome {
+        clearance,
+        summary,
+        record,
+        added: TipError::default(),
+        prediction: Prediction::of(&scenario.robot, job, clearance)?,
+    })
+}
+
+/// The tool from where it should be [m].
+fn error(sample: &Sample) -> [f64; 2] {
+    [0, 1].map(|axis| sample.tool[axis] - sample.reference[axis])
+}
+
+/// Between the errors of two runs at the same times.
+fn added(new: &Trace, worn: &Trace) -> TipError {
+    let (mut squares, mut count, mut most) = (0.0, 0_u32, 0.0_f64);
+    for sample in worn.samples() {
+        // Ticks of both runs are counted from the beginning of the job.
+        let after = new.samples().partition_point(|s| s.time < sample.time);
+        let Some(same) = new.samples().get(after) else {
+            break;
+        };
+        let (ours, theirs) = (error(sample), error(same));
+        let distance = (ours[0] - theirs[0]).hypot(ours[1] - theirs[1]);
+        squares += distance * distance;
+        count += 1;
+        most = most.max(distance);
+    }
+    TipError {
+        rms_m: (squares / f64::from(count.max(1))).sqrt(),
+        max_m: most,
+    }
+}
