@@ -4,6 +4,9 @@ use fivebar::contact::Contact;
 use fivebar::plant::{Loads, Mismatch, Model, Plant, State, Wear};
 use fivebar::robot::Robot;
 use fivebar_firmware::Command;
+use fivebar_kinematics::Vec2;
+use fivebar_kinematics::accuracy::arm::Inputs;
+use fivebar_kinematics::accuracy::seating::seat;
 use nalgebra::Vector2;
 use proptest::prelude::*;
 
@@ -106,37 +109,76 @@ fn the_same_run_gives_the_same_bits() {
     assert_eq!(run(), run());
 }
 
+/// The benchtop arm with stiff motors, pushed at its tool for 0.3 s: the unlike models of
+/// statics and of seated pins say where it comes to rest.
+fn pushed(robot: &Robot, clearance: [f64; 5]) -> Plant {
+    let contact = Contact {
+        restitution: 0.5,
+        ..Contact::default()
+    };
+    let pose = robot.home_pose().unwrap();
+    let wear = Wear::new(&contact, clearance).unwrap();
+    let mut plant = Plant::new(robot, &Mismatch::NONE, &pose, 1)
+        .unwrap()
+        .worn(wear);
+    plant.push(Vector2::new(0.0, -5.0));
+    for _ in 0..3000 {
+        plant.step(&Command::default(), TICK);
+    }
+    plant
+}
+
+fn with_stiff_motors() -> Robot {
+    let mut robot = Robot::load("benchtop").unwrap();
+    for drive in robot.actuators.iter_mut().flatten() {
+        drive.coulomb_friction = 1.0;
+    }
+    robot
+}
+
 #[test]
 fn a_worn_joint_at_rest_bears_what_an_ideal_one_bears() {
-    // Held by its motors' friction in gravity: after the drop into the bearings the forces
-    // in the joints are those of statics.
-    let robot = Robot::load("benchtop").unwrap();
-    let hanging = |clearance: [f64; 5]| {
-        let mut still = robot.clone();
-        for drive in still.actuators.iter_mut().flatten() {
-            drive.coulomb_friction = 1.0;
-        }
-        let contact = Contact {
-            restitution: 0.5,
-            ..Contact::default()
-        };
-        let pose = still.home_pose().unwrap();
-        let wear = Wear::new(&contact, clearance).unwrap();
-        let mut plant = Plant::new(&still, &Mismatch::NONE, &pose, 1)
-            .unwrap()
-            .worn(wear);
-        plant.push(Vector2::new(0.0, -5.0));
-        for _ in 0..3000 {
-            plant.step(&Command::default(), TICK);
-        }
-        plant.reactions()
-    };
-    let (ideal, worn) = (hanging([0.0; 5]), hanging([1e-5; 5]));
+    let robot = with_stiff_motors();
+    let ideal = pushed(&robot, [0.0; 5]).reactions();
+    let worn = pushed(&robot, [1e-5; 5]).reactions();
     for (ideal, worn) in ideal.iter().zip(&worn) {
-        assert!(
-            (ideal - worn).norm() < 0.02 * ideal.norm(),
-            "{worn:?} for {ideal:?}"
-        );
         assert!(ideal.norm() > 1.0);
+        let off = (ideal - worn).norm();
+        assert!(off < 0.02 * ideal.norm(), "{worn:?} for {ideal:?}");
+    }
+}
+
+#[test]
+fn a_pushed_arm_rests_where_the_kineto_static_model_seats_its_pins() {
+    let robot = with_stiff_motors();
+    let assembly = robot.home_pose().unwrap().assembly();
+    for clearance in [1e-5, 5e-5] {
+        let plant = pushed(&robot, [clearance; 5]);
+        let theta = [plant.angle(0), plant.angle(1)];
+        let inputs = Inputs {
+            theta,
+            omega: [0.0; 2],
+            alpha: [0.0; 2],
+        };
+        let force = Vec2::new(0.0, -5.0);
+        let seated = seat(
+            robot.arm().unwrap(),
+            assembly,
+            &inputs,
+            force,
+            [clearance; 5],
+        )
+        .unwrap();
+        let ideal = robot
+            .geometry
+            .forward(theta[0], theta[1], assembly)
+            .unwrap();
+        let tool = plant.tool();
+        let simulated = Vec2::new(tool.x, tool.y) - ideal.c;
+        let off = (simulated - seated.displacement).norm();
+        println!("{simulated:?} for {:?}", seated.displacement);
+        // The pins sink into their bearings by a few hundredths of a micrometre.
+        assert!(seated.settled && seated.displacement.norm() > clearance);
+        assert!(off < 0.03 * seated.displacement.norm(), "off by {off:e} m");
     }
 }

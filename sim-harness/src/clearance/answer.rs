@@ -14,6 +14,7 @@ pub fn answer(study: &Study) -> Value {
                 "clearance_m": outcome.clearance,
                 "tip_error": outcome.summary.tip_error,
                 "added_error": outcome.added,
+                "pin_error": outcome.by_pins,
                 "peak_torque_nm": outcome.summary.peak_torque_nm,
                 "peak_reaction_n": joints.map(|joint| joint.peak_force),
                 "impacts": joints.map(|joint| joint.impacts),

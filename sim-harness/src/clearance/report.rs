@@ -28,7 +28,7 @@ pub fn page(study: &Study, conditions: &[(String, String)]) -> Page {
     );
     page.paragraph(
         "Added by clearance is the distance between this arm's error and the new arm's at \
-         the same time of the job.",
+         the same time, on the job's path without the way there from home.",
     );
     add_prediction(&mut page, study);
     add_errors(&mut page, study);
@@ -84,6 +84,7 @@ fn add_prediction(page: &mut Page, study: &Study) {
                 label(outcome),
                 quantity(outcome.prediction.seated, "m"),
                 quantity(outcome.prediction.worst, "m"),
+                quantity(outcome.by_pins.max_m, "m"),
                 quantity(outcome.added.max_m, "m"),
                 quantity(greatest(outcome.prediction.reaction), "N"),
                 quantity(peak_reaction(outcome), "N"),
@@ -95,18 +96,20 @@ fn add_prediction(page: &mut Page, study: &Study) {
             "radial clearance",
             "pins seated",
             "worst case",
-            "simulated: greatest",
-            "reaction without contact",
-            "simulated: greatest",
+            "simulated, by the pins",
+            "simulated, in all",
+            "peak reaction without contact",
+            "simulated",
         ],
         &rows,
     );
     page.paragraph(
         "Pins seated: every pin where its reaction presses it, the greatest displacement of C \
          along the job. Worst case: the pins anywhere, the driven links held to their angles. \
-         Both hold for links that are held; in a run the driven links are moved by the impacts \
-         too, so that the simulated error may exceed the worst case. Neither knows of impacts: \
-         their reactions are those of inertia and load at the feed rates.",
+         By the pins: the tool from where an ideal arm would have it at the angles that the \
+         driven links have. In all: with what the impacts make of those angles, which no \
+         model without contact knows. The reactions without contact are those of inertia at \
+         the feed rates, without ramps at corners.",
     );
 }
 

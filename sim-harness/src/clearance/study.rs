@@ -2,6 +2,7 @@
 
 use super::Prediction;
 use crate::job::Job;
+use crate::robot::Robot;
 use crate::run::{Record, RunError, Sample, Scenario, Summary, TipError, Trace};
 use rayon::prelude::*;
 
@@ -14,9 +15,12 @@ pub struct Outcome {
     pub summary: Summary,
     /// The run sample by sample.
     pub record: Record,
-    /// What the clearance adds to the tool's error: the distance between this arm's error
+    /// What the clearance adds to the tool's error on the job's path: the distance between this arm's error
     /// and the new arm's at the same time of the job.
     pub added: TipError,
+    /// The part of it that the pins make: the distance of the tool from where an ideal arm
+    /// would have it at the same angles of the driven links.
+    pub by_pins: TipError,
     /// What the models without contact foretell.
     pub prediction: Prediction,
 }
@@ -72,7 +76,7 @@ pub fn study(
     let mut outcomes = outcomes?;
     if let Some((new, worn)) = outcomes.split_first_mut() {
         for outcome in worn {
-            outcome.added = added(&new.record.trace, &outcome.record.trace);
+            outcome.added = added(&new.record.trace, on_path(&outcome.record.trace, job));
         }
     }
     Ok(Study {
@@ -94,8 +98,9 @@ fn run(scenario: &Scenario, job: &Job, clearance: [f64; 5]) -> Result<Outcome, S
     Ok(Outcome {
         clearance,
         summary,
-        record,
         added: TipError::default(),
+        by_pins: by_pins(&scenario.robot, on_path(&record.trace, job)),
+        record,
         prediction: Prediction::of(&scenario.robot, job, clearance)?,
     })
 }
@@ -105,17 +110,10 @@ fn error(sample: &Sample) -> [f64; 2] {
     [0, 1].map(|axis| sample.tool[axis] - sample.reference[axis])
 }
 
-/// Between the errors of two runs at the same times.
-fn added(new: &Trace, worn: &Trace) -> TipError {
+/// Root of the mean square and the greatest of these distances [m].
+fn over(distances: impl Iterator<Item = f64>) -> TipError {
     let (mut squares, mut count, mut most) = (0.0, 0_u32, 0.0_f64);
-    for sample in worn.samples() {
-        // Ticks of both runs are counted from the beginning of the job.
-        let after = new.samples().partition_point(|s| s.time < sample.time);
-        let Some(same) = new.samples().get(after) else {
-            break;
-        };
-        let (ours, theirs) = (error(sample), error(same));
-        let distance = (ours[0] - theirs[0]).hypot(ours[1] - theirs[1]);
+    for distance in distances {
         squares += distance * distance;
         count += 1;
         most = most.max(distance);
@@ -124,4 +122,36 @@ fn added(new: &Trace, worn: &Trace) -> TipError {
         rms_m: (squares / f64::from(count.max(1))).sqrt(),
         max_m: most,
     }
+}
+
+/// The samples of the job's path, without the way from home to its beginning: what the
+/// models without contact look at too.
+fn on_path<'a>(trace: &'a Trace, job: &Job) -> impl Iterator<Item = &'a Sample> {
+    let beginning = job.steps.first().map_or(0, |step| step.line);
+    trace
+        .samples()
+        .iter()
+        .filter(move |sample| sample.line > beginning)
+}
+
+/// Between the errors of two runs at the same times.
+fn added<'a>(new: &Trace, worn: impl Iterator<Item = &'a Sample>) -> TipError {
+    over(worn.filter_map(|sample| {
+        let after = new.samples().partition_point(|s| s.time < sample.time);
+        let (ours, theirs) = (error(sample), error(new.samples().get(after)?));
+        Some((ours[0] - theirs[0]).hypot(ours[1] - theirs[1]))
+    }))
+}
+
+/// Of the tool from where the driven links' angles alone would put it.
+fn by_pins<'a>(robot: &Robot, samples: impl Iterator<Item = &'a Sample>) -> TipError {
+    let Ok(home) = robot.home_pose() else {
+        return TipError::default();
+    };
+    over(samples.filter_map(|sample| {
+        let [theta1, theta4] = sample.angle;
+        let pose = robot.geometry.forward(theta1, theta4, home.assembly());
+        let [x, y] = robot.tool_at(&pose.ok()?);
+        Some((sample.tool[0] - x).hypot(sample.tool[1] - y))
+    }))
 }

@@ -23,7 +23,7 @@ pub(super) struct Args {
     job: Option<String>,
     /// Radial clearances to try, a run for each [m]; the robot's `clearance_radius` when
     /// left out.
-    #[arg(long, value_name = "METRES,…", value_delimiter = ',', value_parser = positive)]
+    #[arg(long, value_name = "METRES,…", allow_hyphen_values = true, value_delimiter = ',', value_parser = positive)]
     radius: Vec<f64>,
     /// The joints that wear; the others stay ideal.
     #[arg(long, value_name = "A,B,…", value_delimiter = ',', value_parser = joint, default_value = "A,B,C,D,E")]
@@ -153,7 +153,9 @@ fn print_one(outcome: &Outcome) {
         quantity(outcome.added.max_m, "m"),
     );
     println!(
-        "    foretold    {} with seated pins, {} at worst",
+        "    by the pins {} RMS, {} at most; foretold: {} seated, {} at worst",
+        quantity(outcome.by_pins.rms_m, "m"),
+        quantity(outcome.by_pins.max_m, "m"),
         quantity(outcome.prediction.seated, "m"),
         quantity(outcome.prediction.worst, "m"),
     );
