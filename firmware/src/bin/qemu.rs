@@ -65,12 +65,13 @@ mod app {
         queue: Queue<HostMessage, 4> = Queue::new(),
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
-        // The emulator has no clock control; the internal oscillator is taken for granted.
-        let (mut rcc, _) = clocks::start(cx.device.RCC);
+        // The emulator has no clock control and runs from the internal oscillator.
+        let (mut rcc, source) = clocks::start(cx.device.RCC, &cx.device.FLASH);
         let pins = cx.device.GPIOB.split(&mut rcc);
         let pins = (pins.pb6.into_alternate(), pins.pb7.into_alternate());
         let (usart, dma) = (&cx.device.USART1, &cx.device.DMA2);
-        let (receiver, sender) = serial::new(usart, dma, pins, cx.local.buffers, &mut rcc);
+        let (buffers, bus) = (cx.local.buffers, source.second_bus());
+        let (receiver, sender) = serial::new(usart, dma, pins, buffers, bus, &mut rcc);
         let (arrived, orders) = cx.local.queue.split();
         let settings = Settings::BENCHTOP;
         let identity = Identity::new(Board::Emulated, Reset::Power);

@@ -138,7 +138,7 @@ mod app {
     fn init(cx: init::Context) -> (Shared, Local) {
         let (device, mut core) = (cx.device, cx.core);
         let reset = post_mortem::reset_reason(&device.RCC);
-        let (mut rcc, source) = clocks::start(device.RCC);
+        let (mut rcc, source) = clocks::start(device.RCC, &device.FLASH);
         let (a, b, c) = (
             device.GPIOA.split(&mut rcc),
             device.GPIOB.split(&mut rcc),
@@ -188,6 +188,7 @@ mod app {
             &device.DMA2,
             line,
             cx.local.buffers,
+            source.second_bus(),
             &mut rcc,
         );
         let (arrived, orders) = cx.local.queue.split();

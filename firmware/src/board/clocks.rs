@@ -1,13 +1,7 @@
 //! 168 MHz from the 8 MHz crystal, or 16 MHz from the internal oscillator if that fails.
 
 use stm32f4xx_hal::pac;
-use stm32f4xx_hal::rcc::{Config, Rcc, RccExt};
-use stm32f4xx_hal::time::Hertz;
-
-/// The crystal between PH0 and PH1 [Hz].
-const CRYSTAL: u32 = 8_000_000;
-/// The core's clock when the crystal runs [Hz].
-const CORE: u32 = 168_000_000;
+use stm32f4xx_hal::rcc::{Rcc, RccExt};
 
 /// How often a ready flag is looked at before the oscillator is given up. One look takes
 /// at least 5 cycles of the 16 MHz oscillator, so this is 60 ms or more: a crystal starts
@@ -17,29 +11,56 @@ const PATIENCE: u32 = 200_000;
 /// What the core runs from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Source {
-    /// The crystal, through the PLL.
+    /// The crystal, through the PLL: 168 MHz.
     Crystal,
     /// The internal oscillator, 16 MHz ± 1 %: the crystal or the PLL did not start.
     Internal,
 }
 
+impl Source {
+    /// Clock of the peripherals on the second bus, USART1 among them [Hz].
+    pub fn second_bus(self) -> u32 {
+        match self {
+            Self::Crystal => 84_000_000,
+            Self::Internal => 16_000_000,
+        }
+    }
+}
+
 /// Starts the clocks.
 ///
-/// The crystal and the PLL are brought up here, where waiting has a bound; the HAL, which
-/// waits for ever, then finds both ready. A crystal that dies later is caught by the clock
-/// security system: the core goes on from the internal oscillator, the timers' break
-/// input trips and the NMI is raised.
-pub fn start(rcc: pac::RCC) -> (Rcc, Source) {
-    if crystal_runs(&rcc) {
-        let config = Config::hse(Hertz::from_raw(CRYSTAL)).sysclk(Hertz::from_raw(CORE));
-        let frozen = rcc.freeze(config);
-        frozen.cr().modify(|_, w| w.csson().on());
-        (frozen, Source::Crystal)
+/// The HAL's own start-up waits for ever for a crystal; this has a bound at every step. A
+/// crystal that dies later is caught by the clock security system: the core goes on from
+/// the internal oscillator, the timers' break input trips and the NMI is raised.
+pub fn start(rcc: pac::RCC, flash: &pac::FLASH) -> (Rcc, Source) {
+    let source = if crystal_runs(&rcc) && core_follows(&rcc, flash) {
+        rcc.cr().modify(|_, w| w.csson().on());
+        Source::Crystal
     } else {
         rcc.cr()
             .modify(|_, w| w.pllon().clear_bit().hseon().clear_bit());
-        (rcc.freeze(Config::hsi()), Source::Internal)
+        Source::Internal
+    };
+    (rcc.constrain(), source)
+}
+
+/// Lets the core run from the PLL: five wait states of the flash, the buses at 42 and
+/// 84 MHz. False if it stays with the internal oscillator.
+fn core_follows(rcc: &pac::RCC, flash: &pac::FLASH) -> bool {
+    // SAFETY: 5 wait states are what 168 MHz needs at 2.7 V and more.
+    #[allow(unsafe_code)]
+    flash.acr().modify(|_, w| unsafe {
+        w.latency().bits(5);
+        w.prften().set_bit().icen().set_bit().dcen().set_bit()
+    });
+    rcc.cfgr()
+        .modify(|_, w| w.hpre().div1().ppre1().div4().ppre2().div2());
+    rcc.cfgr().modify(|_, w| w.sw().pll());
+    let follows = within_patience(|| rcc.cfgr().read().sws().is_pll());
+    if !follows {
+        rcc.cfgr().modify(|_, w| w.sw().hsi());
     }
+    follows
 }
 
 /// Starts the crystal and locks the PLL to it; false if either takes too long.
@@ -48,8 +69,7 @@ fn crystal_runs(rcc: &pac::RCC) -> bool {
     if !within_patience(|| rcc.cr().read().hserdy().bit_is_set()) {
         return false;
     }
-    // 8 MHz / 4 · 168 / 2 = 168 MHz. The HAL may find other factors for the same clock;
-    // it cannot change these while the PLL runs.
+    // 8 MHz / 4 · 168 / 2 = 168 MHz.
     rcc.pllcfgr().modify(|_, w| {
         w.pllsrc().hse();
         // SAFETY: 4 and 168 are within the ranges 2..=63 and 50..=432.

@@ -7,8 +7,8 @@
 
 use stm32f4xx_hal::gpio::{Alternate, PB6, PB7};
 use stm32f4xx_hal::pac::dma2::{RegisterBlock as DmaRegisters, ST};
-use stm32f4xx_hal::pac::{DMA2, USART1};
-use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
+use stm32f4xx_hal::pac::{DMA2, RCC, USART1};
+use stm32f4xx_hal::rcc::{Enable, Reset};
 
 use crate::protocol::{Frame, MAX_FRAME};
 
@@ -65,20 +65,21 @@ pub struct Sender {
 #[allow(unsafe_code)]
 unsafe impl Send for Receiver {}
 
-/// Sets the line up on PB6 (out) and PB7 (in).
+/// Sets the line up on PB6 (out) and PB7 (in); `bus` is the clock of the second bus [Hz].
 pub fn new(
     usart: &USART1,
     dma: &DMA2,
     _pins: (PB6<Alternate<7>>, PB7<Alternate<7>>),
     buffers: &'static mut Buffers,
-    rcc: &mut Rcc,
+    bus: u32,
+    rcc: &mut RCC,
 ) -> (Receiver, Sender) {
     USART1::enable(rcc);
     USART1::reset(rcc);
     DMA2::enable(rcc);
     DMA2::reset(rcc);
     // With 16 samples a bit the divider counts sixteenths: the register is clock/baud.
-    let divider = (rcc.clocks.pclk2().raw() + BAUD / 2) / BAUD;
+    let divider = (bus + BAUD / 2) / BAUD;
     // SAFETY: any 16 bits are a divider.
     #[allow(unsafe_code)]
     usart.brr().write(|w| unsafe { w.bits(divider as u16) });
