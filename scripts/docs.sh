@@ -13,7 +13,7 @@ trap 'rm -f "$log"' EXIT
 
 if ! RUSTDOCFLAGS="-D warnings --force-warn rustdoc::broken_intra_doc_links" \
     cargo doc --workspace --no-deps 2>"$log"; then
-    cat "$log" >&2
+    grep -A 8 '^error' "$log" >&2
     exit 1
 fi
 if broken=$(grep -A 1 'unresolved link to' "$log" | grep -vE "^--|unresolved link to \`($units)\`" |

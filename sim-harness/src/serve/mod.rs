@@ -1,6 +1,6 @@
 //! The live page: an arm in a browser, moved by its controller and by nothing else.
 //!
-//! A thread of its own, the [`Machine`], holds the conversation with the controller: a
+//! A thread of its own, the `Machine`, holds the conversation with the controller: a
 //! simulated arm that takes as long as a real one, or a board on a port. Pages reach it by
 //! websocket. What they ask goes to the controller as orders, so every limit and every
 //! refusal is the controller's own. One page is in control, the others watch; anyone may
