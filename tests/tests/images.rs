@@ -105,7 +105,7 @@ fn the_tick_calls_no_library_arithmetic() {
     let image = image("tick");
     let file = object::File::parse(&*image).expect("an ELF image");
     let symbols = || file.symbols().filter_map(|symbol| symbol.name().ok());
-    assert!(symbols().any(|name| name.contains("computed_torque")));
+    assert!(symbols().any(|name| name.contains("Controller")));
     assert!(size(&image).flash > 4096, "the tick is in the image");
     let foreign = foreign_functions(&image);
     assert!(foreign.is_empty(), "{foreign:?}");

@@ -81,7 +81,7 @@ impl Controller {
     }
 
     /// The measured arm, if it closes and stands inside its envelope.
-    #[inline]
+    #[inline(always)]
     fn measured(&self, [u1, u4]: [Vec2<f32>; 2]) -> Result<Pose<f32>, Fault> {
         let monitor = &self.model.monitor;
         let geometry = self.model.arm.geometry();

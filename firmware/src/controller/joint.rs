@@ -43,20 +43,20 @@ impl Joint {
     }
 
     /// θ̂ [rad], absolute only when homed.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn angle(&self) -> f32 {
         self.observer.angle
     }
 
     /// ω̂ [rad/s].
-    #[inline]
+    #[inline(always)]
     pub(crate) fn velocity(&self) -> f32 {
         self.observer.velocity
     }
 
     /// Takes in one tick's samples; `alpha` is the desired acceleration [rad/s²] of the
     /// tick before. Gives the innovation, measured less predicted angle [rad].
-    #[inline]
+    #[inline(always)]
     pub(crate) fn measure(
         &mut self,
         observer: &VelocityObserver<f32>,
@@ -72,7 +72,7 @@ impl Joint {
     }
 
     /// Warms the motor by two ticks at its current; true while it is too hot.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn warm(&mut self, model: &AxisModel) -> bool {
         model.heating.update(&mut self.heat, self.current)
     }
@@ -86,7 +86,7 @@ impl Joint {
 
     /// The duty that brings the current to what `torque` [N·m] needs; true if the bus
     /// could not.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn drive(&mut self, model: &AxisModel, torque: f32, bus: &Bus<f32>) -> bool {
         self.demand = torque * model.current_per_torque;
         let Drive { duty, limited } = model.current_loop.update(
@@ -101,7 +101,7 @@ impl Joint {
     }
 
     /// The counted angle [rad]. Counts wrap; how far they are from the origin does not.
-    #[inline]
+    #[inline(always)]
     fn counted(&self, model: &AxisModel) -> f32 {
         let turned = self.counts.wrapping_sub(self.origin);
         self.angle_at_origin + model.radians_per_count * turned as f32

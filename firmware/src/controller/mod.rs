@@ -131,7 +131,7 @@ impl Controller {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn measure(&mut self, sensed: &Sensed) -> Samples {
         let [joint1, joint4] = &mut self.joints;
         let [model1, model4] = &self.model.axes;
@@ -162,7 +162,7 @@ impl Controller {
 
     /// The gravest fault that the samples alone show. Unpowered, only what makes the
     /// angles or the stop button untrue counts.
-    #[inline]
+    #[inline(always)]
     fn sampled_fault(&mut self, sensed: &Sensed, samples: &Samples) -> Option<Fault> {
         let monitor = &self.model.monitor;
         if sensed.emergency_stop {
@@ -181,7 +181,8 @@ impl Controller {
         if driver1 || driver4 {
             return Some(Fault::DriverFault);
         }
-        if monitor.over_current(self.joints.each_ref().map(|joint| joint.current)) {
+        let [joint1, joint4] = &self.joints;
+        if monitor.over_current([joint1.current, joint4.current]) {
             return Some(Fault::OverCurrent);
         }
         if monitor.over_speed(self.velocities()) {
@@ -199,7 +200,7 @@ impl Controller {
     }
 
     /// What a tick has to do in this state.
-    #[inline]
+    #[inline(always)]
     fn work(&self) -> Work {
         match self.state {
             State::Stopped => Work::Rest,
@@ -211,6 +212,7 @@ impl Controller {
     }
 
     /// Whether the bridges are on.
+    #[inline(always)]
     fn is_powered(&self) -> bool {
         match self.work() {
             Work::Rest => false,
@@ -286,7 +288,7 @@ impl Controller {
 
     /// Sets the current loops to work. The last check before the bridges: nothing that is
     /// not a number gets past it.
-    #[inline]
+    #[inline(always)]
     fn drive(&mut self, torque: [f32; 2]) -> Command {
         let bus = Bus::new(self.bus_voltage, DUTY_LIMIT);
         let [joint1, joint4] = &mut self.joints;
@@ -334,8 +336,10 @@ impl Controller {
         }
     }
 
+    #[inline(always)]
     fn angles(&self) -> [f32; 2] {
-        self.joints.each_ref().map(Joint::angle)
+        let [joint1, joint4] = &self.joints;
+        [joint1.angle(), joint4.angle()]
     }
 
     /// The demanded torques [N·m].
@@ -345,8 +349,10 @@ impl Controller {
         [joint1.torque(model1), joint4.torque(model4)]
     }
 
+    #[inline(always)]
     fn velocities(&self) -> [f32; 2] {
-        self.joints.each_ref().map(Joint::velocity)
+        let [joint1, joint4] = &self.joints;
+        [joint1.velocity(), joint4.velocity()]
     }
 }
 

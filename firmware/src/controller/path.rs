@@ -108,14 +108,14 @@ impl Path {
     }
 
     /// Whether there is enough of a path to begin with.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn is_ready(&self) -> bool {
         !self.is_empty() && (self.left >= self.least + READY || !self.waits_for_more())
     }
 
     /// Whether the path breaks off in motion, and all that is left of it is needed to stop
     /// on: the planner is behind.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn runs_short(&self) -> bool {
         // The first comparison is the one that mostly decides.
         self.left < self.least && self.waits_for_more()
@@ -139,7 +139,7 @@ impl Path {
     }
 
     /// Whether the path breaks off in motion.
-    #[inline]
+    #[inline(always)]
     fn is_open(&self) -> bool {
         self.stretches.back().is_some_and(|stretch| stretch.open)
     }

@@ -61,13 +61,13 @@ impl Monitor {
     }
 
     /// A count that no joint can have turned.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn jumped(&self, innovation: [f32; 2]) -> bool {
         exceeds(innovation, self.jump)
     }
 
     /// Bus voltage [V].
-    #[inline]
+    #[inline(always)]
     pub(crate) fn bus(&self, voltage: f32) -> Option<Fault> {
         let [low, high] = self.bus;
         if voltage < low {
@@ -80,25 +80,25 @@ impl Monitor {
     }
 
     /// Motor currents [A].
-    #[inline]
+    #[inline(always)]
     pub(crate) fn over_current(&self, current: [f32; 2]) -> bool {
         exceeds(current, [self.over_current; 2])
     }
 
     /// Joint speeds [rad/s].
-    #[inline]
+    #[inline(always)]
     pub(crate) fn over_speed(&self, velocity: [f32; 2]) -> bool {
         exceeds(velocity, [self.over_speed; 2])
     }
 
     /// Position errors [rad].
-    #[inline]
+    #[inline(always)]
     pub(crate) fn lost_its_path(&self, error: [f32; 2]) -> bool {
         exceeds(error, [self.following_error; 2])
     }
 
     /// Joint angles [rad] outside their limits.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn outside(&self, angle: [f32; 2]) -> bool {
         let [[low1, high1], [low4, high4]] = self.angles;
         let [angle1, angle4] = angle;
@@ -108,19 +108,19 @@ impl Monitor {
     /// Links 2 and 3 too nearly in line (type 2): the motors lose the tool. A leg straight
     /// or folded (type 1) is no danger to the joints; paths of the tool are planned clear
     /// of it, and the following error bounds how far the arm is from its path.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn near_parallel(&self, pose: &Pose<f32>) -> bool {
         Scalar::abs(pose.sin32()) < self.margin
     }
 
     /// Ticks since the host was heard.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn silent(&self, ticks: u32) -> bool {
         ticks > self.silence
     }
 }
 
-#[inline]
+#[inline(always)]
 fn exceeds([value1, value4]: [f32; 2], [limit1, limit4]: [f32; 2]) -> bool {
     Scalar::abs(value1) > limit1 || Scalar::abs(value4) > limit4
 }

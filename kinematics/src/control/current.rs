@@ -39,7 +39,7 @@ pub struct Bus<S> {
 
 impl<S: Scalar> Bus<S> {
     /// A bus of `voltage` [V], of which bridges may give the share `duty_limit`.
-    #[inline]
+    #[inline(always)]
     pub fn new(voltage: S, duty_limit: S) -> Self {
         Self {
             limit: duty_limit * voltage,
@@ -78,7 +78,7 @@ impl<S: Scalar> CurrentLoop<S> {
 
     /// One tick: the drive that brings the current [A] to `demand` [A] at `velocity`
     /// [rad/s].
-    #[inline]
+    #[inline(always)]
     pub fn update(
         &self,
         state: &mut CurrentState<S>,

@@ -26,7 +26,7 @@ impl<S: Scalar> FrictionCompensation<S> {
     }
 
     /// The torque [N·m] that overcomes friction at this velocity [rad/s].
-    #[inline]
+    #[inline(always)]
     pub fn torque(&self, velocity: S) -> S {
         velocity * (self.viscous + self.coulomb / (velocity.abs() + self.smoothing))
     }

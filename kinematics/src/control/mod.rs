@@ -17,7 +17,6 @@
 //! the lag in the loop.
 //! The observer adds none of first order: the phase it loses grows with frequency cubed.
 
-mod computed_torque;
 mod current;
 mod discrete;
 
@@ -25,11 +24,12 @@ mod friction;
 mod observer;
 mod position;
 mod thermal;
+mod torque_limit;
 
-pub use computed_torque::{TorqueLimit, computed_torque};
 pub use current::{Bus, CurrentLoop, CurrentState, Drive};
 
 pub use friction::FrictionCompensation;
 pub use observer::{ObserverState, VelocityObserver};
 pub use position::{Integral, PositionLoop};
 pub use thermal::{MotorHeat, MotorHeating};
+pub use torque_limit::TorqueLimit;

@@ -58,7 +58,7 @@ impl<S: Scalar> VelocityObserver<S> {
 
     /// One tick: the counted angle is `angle` [rad], and the joint should have accelerated
     /// by `alpha` [rad/s²]. Gives the innovation r, measured less predicted angle [rad].
-    #[inline]
+    #[inline(always)]
     pub fn update(&self, state: &mut ObserverState<S>, angle: S, alpha: S) -> S {
         let predicted = state.angle + self.period * (state.velocity + self.half_period * alpha);
         let innovation = angle - predicted;

@@ -71,7 +71,7 @@ impl<S: Scalar> PositionLoop<S> {
 
     /// θ⁺ [rad] and ω⁺ [rad/s]: the joint when the torque acts, while it accelerates by
     /// `alpha` [rad/s²].
-    #[inline]
+    #[inline(always)]
     pub fn predict(&self, theta: S, omega: S, alpha: S) -> (S, S) {
         (
             theta + self.lag * omega + self.half_lag_squared * alpha,
@@ -81,14 +81,14 @@ impl<S: Scalar> PositionLoop<S> {
 
     /// The demanded acceleration [rad/s²] for the desired one `alpha` [rad/s²], the error
     /// e [rad] and its rate ė [rad/s].
-    #[inline]
+    #[inline(always)]
     pub fn acceleration(&self, integral: Integral<S>, alpha: S, error: S, error_rate: S) -> S {
         alpha + self.kd * error_rate + self.kp * error + integral.0
     }
 
     /// Takes one tick's error [rad] into the integral. `limited` tells that the demand
     /// was cut; the integral then only takes in what brings it nearer to zero.
-    #[inline]
+    #[inline(always)]
     pub fn integrate(&self, integral: &mut Integral<S>, error: S, limited: bool) {
         let step = self.ki_period * error;
         if limited && integral.0 * step >= S::ZERO {

@@ -48,7 +48,7 @@ impl<S: Scalar> MotorHeating<S> {
     }
 
     /// One tick at `current` [A]. True while the motor is too hot.
-    #[inline]
+    #[inline(always)]
     pub fn update(&self, heat: &mut MotorHeat<S>, current: S) -> bool {
         let step = self.rate * (current * current - heat.x) - heat.lost;
         let next = heat.x + step;

@@ -71,7 +71,7 @@ impl<S: Scalar> Regrouped<S> {
     ///
     /// # Errors
     /// `Singular` at type 2.
-    #[inline]
+    #[inline(always)]
     pub fn torques(
         &self,
         pose: &Pose<S>,

@@ -52,7 +52,7 @@ impl<S: Scalar> Geometry<S> {
     ///
     /// # Errors
     /// `Singular` at type 2.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn per_sine32(&self, pose: &Pose<S>) -> Result<[S; 2], PoseError> {
         let per_sin32 = per_sine(pose.sin32(), Singularity::Parallel)?;
         let [_, per_l2, per_l3, _] = self.per_length();
@@ -170,7 +170,7 @@ impl<S: Scalar> Geometry<S> {
     }
 
     /// ω3, ω4 from ṙC.
-    #[inline(always)]
+    #[inline]
     pub(super) fn leg4_velocities(
         &self,
         pose: &Pose<S>,
@@ -185,7 +185,7 @@ impl<S: Scalar> Geometry<S> {
     }
 
     /// α3, α4 from r̈C.
-    #[inline(always)]
+    #[inline]
     pub(super) fn leg4_accelerations(
         &self,
         pose: &Pose<S>,

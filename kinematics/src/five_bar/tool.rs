@@ -129,7 +129,7 @@ impl<S: Scalar> Tool<S> {
     ///
     /// # Errors
     /// As [`Geometry::inverse`], leg 1 being A–B–T.
-    #[inline(always)]
+    #[inline]
     pub fn inverse(&self, t: Vec2<S>, mode: WorkingMode) -> Result<Pose<S>, PoseError> {
         let geometry = &self.geometry;
         let [per_l1, ..] = geometry.per_length();
@@ -155,8 +155,7 @@ impl<S: Scalar> Tool<S> {
     ///
     /// # Errors
     /// `Singular` at type 1, naming the leg.
-    // In the tick half of the results is not used: inlined, it is not worked out.
-    #[inline(always)]
+    #[inline]
     pub fn inverse_velocities(
         &self,
         pose: &Pose<S>,
@@ -179,8 +178,7 @@ impl<S: Scalar> Tool<S> {
     ///
     /// # Errors
     /// `Singular` at type 1, naming the leg.
-    // In the tick half of the results is not used: inlined, it is not worked out.
-    #[inline(always)]
+    #[inline]
     pub fn inverse_accelerations(
         &self,
         pose: &Pose<S>,

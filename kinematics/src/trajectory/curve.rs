@@ -69,8 +69,13 @@ pub enum Curve<S> {
 
 impl<S: Scalar> Curve<S> {
     /// Position, tangent and curvature at length `s` [m] from the start.
-    #[inline(always)]
     pub fn at(&self, s: S) -> CurvePoint<S> {
+        self.point(s)
+    }
+
+    /// As [`Curve::at`], in the caller's own code: for the tick.
+    #[inline(always)]
+    fn point(&self, s: S) -> CurvePoint<S> {
         match *self {
             Self::Line { start, tangent } => CurvePoint {
                 position: start + tangent * s,
@@ -117,7 +122,7 @@ impl<S: Scalar> Curve<S> {
     /// v = r′ ṡ, a = r″ ṡ² + r′ s̈.
     #[inline(always)]
     pub(super) fn follow(&self, s: S, rate: S, acceleration: S) -> Reference<S> {
-        let point = self.at(s);
+        let point = self.point(s);
         let along = point.tangent * acceleration;
         Reference::Tool {
             position: point.position,

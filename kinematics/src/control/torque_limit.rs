@@ -1,28 +1,6 @@
-//! Computed torque: τ = M(q) α + h(q, q̇) at the measured state, α being the demanded
-//! acceleration, which goes straight through inverse dynamics so that M is never formed.
+//! The torque limit: both joints shortened alike.
 
-use crate::dynamics::Arm;
-use crate::five_bar::{Pose, PoseError, Velocities};
-use crate::{Scalar, Vec2};
-
-/// The torques [N·m] that accelerate the driven joints by `alpha` [rad/s²] from the
-/// measured pose and velocities. Without friction.
-///
-/// # Errors
-/// `Singular` at type 2.
-#[inline]
-pub fn computed_torque<S: Scalar>(
-    arm: &Arm<S>,
-    pose: &Pose<S>,
-    velocities: &Velocities<S>,
-    alpha: [S; 2],
-) -> Result<[S; 2], PoseError> {
-    let [alpha1, alpha4] = alpha;
-    let accelerations = arm
-        .geometry()
-        .forward_accelerations(pose, velocities, alpha1, alpha4)?;
-    arm.inverse_dynamics(pose, velocities, &accelerations, Vec2::zero())
-}
+use crate::Scalar;
 
 /// The greatest torques of the two joints [N·m].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,7 +9,7 @@ pub struct TorqueLimit<S>(pub [S; 2]);
 impl<S: Scalar> TorqueLimit<S> {
     /// The torques shortened by one common factor until both are within their limits, so
     /// that their direction is kept; and whether that was needed.
-    #[inline]
+    #[inline(always)]
     pub fn apply(&self, torque: [S; 2]) -> ([S; 2], bool) {
         let [torque1, torque4] = torque;
         let [limit1, limit4] = self.0;
