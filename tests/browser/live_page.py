@@ -117,7 +117,7 @@ def the_arm_follows_the_hand(page):
     page.browser.drag("#arm", start, [start[0] + 40, start[1] + 25])
     def missed():
         return max(abs(e - s - d) for e, s, d in zip(page.pixel(), start, [40, 25]))
-    page.browser.wait("the tool under the hand", lambda: missed() < 2.5)
+    page.browser.wait("the tool under the hand", lambda: page.at_rest() and missed() < 2.5)
     after, moved = page.angles(), page.tool()
     turned = [abs(a - b) for a, b in zip(after, before)]
     assert min(turned) > 1.0, f"the joints turned by {turned} degrees only"
