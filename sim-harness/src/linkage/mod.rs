@@ -72,7 +72,7 @@ impl DrivenLinkage {
         Self::parse(name_or_path, &text)
     }
 
-    /// Whether a command line names a linkage: an example, or a file with a [sweep]. A file
+    /// Whether a command line names a linkage: an example, or a file with a `[sweep]`. A file
     /// that cannot be read is none.
     pub fn is_named(name_or_path: &str) -> bool {
         let has_sweep = |text: String| {
