@@ -27,6 +27,7 @@ fn the_robot_of_the_document_is_read_with_every_section() {
     assert_eq!(bare.motion, whole.motion);
     assert_eq!(bare.control, whole.control);
     assert_eq!(bare.protection, whole.protection);
+    assert_eq!(bare.contact, whole.contact);
     assert_eq!(bare.supply.voltage, whole.supply.voltage);
     assert_eq!(bare.limits.max_speed, whole.limits.max_speed);
     assert_eq!(
