@@ -254,6 +254,6 @@ fn the_worn_slider_crank_strikes_first_as_the_benchmark_says() {
     ] {
         let error = value / wanted(key) - 1.0;
         println!("{what}: {value:e}, {error:+e} from the benchmark");
-        assert!(error.abs() < 1e-3, "{what}: {value:e}, off by {error:e}");
+        assert!(error.abs() < 1e-5, "{what}: {value:e}, off by {error:e}");
     }
 }
