@@ -94,22 +94,32 @@ impl<F: NorFlash> SettingsStorage<F> {
     /// [`StorageError::Flash`], or [`StorageError::Corrupt`] where the flash does not keep
     /// what it is given.
     pub fn save(&mut self, settings: &Settings) -> Result<(), StorageError> {
+        // Damage can hide a newer item until writing repairs it: then number past that one.
+        for _ in 0..2 {
+            let (item, half) = self.next(settings)?;
+            if self.append(&half, &item).is_err() {
+                // Nothing in this half is newest, so it may be made anew.
+                finish(log(&mut self.flash, &half)?.erase_all())?;
+                self.append(&half, &item)?;
+            }
+            let saved = |(newest, at): &(Item, _)| newest.number == item.number && *at == half;
+            if self.newest()?.as_ref().is_some_and(saved) {
+                return Ok(());
+            }
+        }
+        Err(StorageError::Corrupt)
+    }
+
+    /// The item to store next, and the half that does not hold the newest.
+    fn next(&mut self, settings: &Settings) -> Result<(Item, Range<u32>), StorageError> {
         let [first, second] = self.halves.clone();
         let (number, half) = match self.newest()? {
             Some((newest, half)) if half == first => (newest.number.wrapping_add(1), second),
             Some((newest, _)) => (newest.number.wrapping_add(1), first),
             None => (0, first),
         };
-        let item = Item {
-            number,
-            settings: *settings,
-        };
-        if self.append(&half, &item).is_err() {
-            // The half is damaged beyond use, and the newest settings are in the other.
-            finish(log(&mut self.flash, &half)?.erase_all())?;
-            self.append(&half, &item)?;
-        }
-        Ok(())
+        let settings = *settings;
+        Ok((Item { number, settings }, half))
     }
 
     /// Appends an item to a half and reads it back: after damage, what is written need not
