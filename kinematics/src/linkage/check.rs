@@ -1,6 +1,6 @@
 //! What a piece of a linkage must satisfy to make sense.
 
-use super::model::Group;
+use super::group::Group;
 use crate::{Scalar, Vec2};
 use core::fmt;
 

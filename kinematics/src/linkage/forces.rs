@@ -4,9 +4,12 @@
 //! points. A dyad is solved for its three reactions; the opposites of the two outer ones
 //! then load the links that carry it, which are solved later. Last comes the frame.
 
-use super::model::{Group, LinkId, Linkage};
+use super::group::{Group, LinkId};
+use super::joint::Joint;
+use super::model::Linkage;
 use super::solve::{Motion, SolveError};
-use super::statics::{Joint, Wrench, reactions};
+use super::statics::reactions;
+use super::wrench::Wrench;
 use crate::{Scalar, Vec2};
 use std::vec::Vec;
 

@@ -4,7 +4,8 @@
 //! can turn fully against the rest if and only if s + l ≤ p + q, and then it is the
 //! shortest one. Equality leaves dead points that the motion can pass onto another branch.
 
-use super::model::{Group, LinkId, Linkage};
+use super::group::{Group, LinkId};
+use super::model::Linkage;
 use crate::{Scalar, Vec2};
 use core::fmt;
 

@@ -1,8 +1,10 @@
 //! The numbers of a linkage one by one: to list, perturb or differentiate by them.
 
-use super::clearance::{Clearance, Section};
+use super::clearance::Clearance;
 use super::dyad::{Prp, Rpp, Rpr, Rrp, Rrr};
-use super::model::{Element, Group, Guide, Linkage, NamedLink, Point};
+use super::group::{Group, Guide};
+use super::model::{Element, Linkage, NamedLink, Point};
+use super::section::Section;
 use crate::dynamics::Link;
 use crate::{Scalar, Vec2};
 

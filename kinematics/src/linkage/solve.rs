@@ -1,7 +1,8 @@
 //! Down the chain: positions, velocities and accelerations of the whole linkage.
 
 use super::dyad::{DyadError, DyadMotion};
-use super::model::{Group, Guide, LinkId, Linkage, Step};
+use super::group::{Group, Guide, LinkId};
+use super::model::{Linkage, Step};
 use super::motion::{Coordinate, LinkMotion, PointMotion};
 use crate::{Scalar, Vec2};
 use core::fmt;

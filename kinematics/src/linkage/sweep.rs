@@ -3,7 +3,8 @@
 
 use super::dyad::DyadError;
 use super::forces::Forces;
-use super::model::{Group, Linkage};
+use super::group::Group;
+use super::model::Linkage;
 use super::motion::Coordinate;
 use super::solve::{Motion, SolveError};
 use crate::{Scalar, Vec2};

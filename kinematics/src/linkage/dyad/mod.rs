@@ -29,8 +29,8 @@ pub use rpr::Rpr;
 pub use rrp::Rrp;
 pub use rrr::Rrr;
 
+use super::joint::Joint;
 use super::motion::{Coordinate, LinkMotion, PointMotion};
-use super::statics::Joint;
 use crate::{Scalar, Vec2};
 
 /// Where along a guide: the assembly branch of a dyad with a slider.

@@ -7,8 +7,8 @@
 //! d = a_G2 + 2 ω2 ṡ2 n2 − a_G1 − 2 ω1 ṡ1 n1, of the guides' points now at P3.
 
 use super::{DyadError, DyadMotion, Singular, beside, finite, regular};
+use crate::linkage::joint::Joint;
 use crate::linkage::motion::{Coordinate, LinkMotion};
-use crate::linkage::statics::Joint;
 use crate::{Scalar, Vec2};
 
 /// Two sliders pinned together. It has one assembly only.

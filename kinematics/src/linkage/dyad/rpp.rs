@@ -10,8 +10,8 @@
 //! the zeros of s and t.
 
 use super::{DyadError, DyadMotion, Singular, finite, regular};
+use crate::linkage::joint::Joint;
 use crate::linkage::motion::{Coordinate, LinkMotion, PointMotion};
-use crate::linkage::statics::Joint;
 use crate::{Scalar, Vec2};
 
 /// A bar that slides in a slider. It has one assembly only.

@@ -6,8 +6,8 @@
 //! d̈ = s̈ u + 2 ω ṡ n + α d⊥ − ω² d: α = (d̈·n − 2 ω ṡ + e ω²) / s, s̈ = d̈·u + e α + s ω².
 
 use super::{DyadError, DyadMotion, Singular, Unreachable, Way, finite, regular};
+use crate::linkage::joint::Joint;
 use crate::linkage::motion::{Coordinate, LinkMotion, PointMotion};
-use crate::linkage::statics::Joint;
 use crate::{Scalar, Vec2};
 
 /// A bar that is a guide, and a slider on it.

@@ -11,8 +11,8 @@
 //! P̈1 + α1 r⊥ − ω1² r = a_G + 2 ω ṡ n + s̈ u, alike.
 
 use super::{DyadError, DyadMotion, Singular, Unreachable, Way, beside, finite, regular};
+use crate::linkage::joint::Joint;
 use crate::linkage::motion::{Coordinate, LinkMotion, PointMotion};
-use crate::linkage::statics::Joint;
 use crate::{Scalar, Vec2};
 
 /// A bar and a slider pinned to its end.

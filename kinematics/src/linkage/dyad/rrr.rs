@@ -7,8 +7,8 @@
 
 use super::{DyadError, DyadMotion, Singular, Unreachable, finite, regular};
 use crate::five_bar::Side;
+use crate::linkage::joint::Joint;
 use crate::linkage::motion::{LinkMotion, PointMotion};
-use crate::linkage::statics::Joint;
 use crate::{Scalar, Vec2};
 
 /// Two bars that meet in a pin.
