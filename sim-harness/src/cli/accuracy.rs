@@ -1,6 +1,6 @@
 //! `fivebar accuracy`: what tolerances and clearances do to position and force.
 
-use super::Failure;
+use super::failure::{Failure, refused};
 use crate::accuracy::{
     Classes, Sampling, State, along, along_answer, along_page, analyse, analyse_slider, answer,
     at_page, cheapest, draws, linkage_answer, linkage_page, map, map_answer, map_page, monte_carlo,
@@ -94,8 +94,7 @@ fn instant(text: &str) -> Result<f64, String> {
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let (answer, page) = subject(args)?;
     if let Some(folder) = &args.out {
-        write_whole(&folder.join("report.html"), page.render())
-            .map_err(|error| Failure::Refused(error.to_string()))?;
+        write_whole(&folder.join("report.html"), page.render()).map_err(refused)?;
     }
     if args.json {
         println!("{answer}");
@@ -107,14 +106,13 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
 
 /// What the file is, is told by what it holds.
 fn subject(args: &Args) -> Result<(Value, Page), Failure> {
-    let refused = |error: &dyn std::error::Error| Failure::Refused(error.to_string());
     if DrivenLinkage::is_named(&args.file) {
         if args.at.is_some() || args.path.is_some() || args.map {
             let reason = "a linkage is studied over its sweep, and with --time at an instant; --at, --path and --map are for robots";
             return Err(Failure::Usage(reason.into()));
         }
-        let driven = DrivenLinkage::load(&args.file).map_err(|error| refused(&error))?;
-        return linkage(args, &driven).map_err(Failure::Refused);
+        let driven = DrivenLinkage::load(&args.file).map_err(refused)?;
+        return linkage(args, &driven).map_err(refused);
     }
     if args.time.is_some() {
         let reason = "--time is for linkages; of a robot say --at, --path or --map";
@@ -123,14 +121,14 @@ fn subject(args: &Args) -> Result<(Value, Page), Failure> {
     if args.at.is_none() && args.path.is_none() && !args.map {
         return Err(Failure::Usage("say where: --at, --path or --map".into()));
     }
-    match Mechanism::load(&args.file).map_err(|error| refused(&error))? {
-        Mechanism::FiveBar(robot) => study(args, &robot).map_err(Failure::Refused),
+    match Mechanism::load(&args.file).map_err(refused)? {
+        Mechanism::FiveBar(robot) => study(args, &robot).map_err(refused),
         Mechanism::Slider(robot) => {
             let Some(at) = args.at else {
                 let reason = "of a slider-driven robot only --at is known";
                 return Err(Failure::Usage(reason.into()));
             };
-            slider(args, &robot, at).map_err(Failure::Refused)
+            slider(args, &robot, at).map_err(refused)
         }
     }
 }

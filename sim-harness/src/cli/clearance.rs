@@ -1,6 +1,6 @@
 //! `fivebar clearance`: a job done by the arm as new and with worn joints.
 
-use super::Failure;
+use super::failure::{Failure, refused};
 use super::run_args::{point, scale};
 use crate::clearance::{NAMES, Outcome, Study, answer, page, study};
 use crate::report::quantity;
@@ -81,10 +81,6 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         print(&study, folder.path());
     }
     outcome(&study)
-}
-
-fn refused(error: impl std::fmt::Display) -> Failure {
-    Failure::Refused(error.to_string())
 }
 
 fn scenario(args: &Args) -> Result<Scenario, Failure> {

@@ -1,6 +1,6 @@
 //! `fivebar drive`: a job done by a controller that drives motors.
 
-use super::Failure;
+use super::failure::{Failure, refused};
 use super::port::{PortArgs, interrupted};
 use super::run_args::JobArgs;
 use crate::drive::{Drive, DriveError, Homing};
@@ -28,18 +28,17 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    let refused = |error: &dyn std::fmt::Display| Failure::Refused(error.to_string());
     if !args.job.names_a_job() {
         return Err(Failure::Usage(
             "say which job the motors shall do: fivebar drive JOB.gcode --port PORT".into(),
         ));
     }
     let scenario = args.job.scenario()?;
-    let job = scenario.job().map_err(|error| refused(&error))?;
+    let job = scenario.job().map_err(refused)?;
     for warning in &job.warnings {
         eprintln!("{}, {warning}", scenario.job_file);
     }
-    let settings = scenario.robot.settings().map_err(|error| refused(&error))?;
+    let settings = scenario.robot.settings().map_err(refused)?;
     let moves = scenario.moves(&job);
 
     let interrupted = interrupted()?;
@@ -82,8 +81,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             Ok(())
         }
         Err(error @ DriveError::Move(_)) => {
-            Err(Failure::Refused(format!("{}, {error}", scenario.job_file)))
+            Err(refused(format_args!("{}, {error}", scenario.job_file)))
         }
-        Err(error) => Err(refused(&error)),
+        Err(error) => Err(refused(error)),
     }
 }

@@ -1,6 +1,6 @@
 //! `fivebar export`: a robot for other tools.
 
-use super::Failure;
+use super::failure::{Failure, refused};
 use crate::export::{dot, mjcf, urdf};
 use crate::report::write_whole;
 use crate::robot::Robot;
@@ -30,14 +30,14 @@ enum Format {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    let robot = Robot::load(&args.robot).map_err(|error| Failure::Refused(error.to_string()))?;
+    let robot = Robot::load(&args.robot).map_err(refused)?;
     let text = match args.format {
-        Format::Mjcf => mjcf(&robot).map_err(Failure::Refused)?,
-        Format::Urdf => urdf(&robot).map_err(Failure::Refused)?,
+        Format::Mjcf => mjcf(&robot).map_err(refused)?,
+        Format::Urdf => urdf(&robot).map_err(refused)?,
         Format::Dot => dot(&robot),
     };
     match &args.out {
-        Some(path) => write_whole(path, text).map_err(|error| Failure::Refused(error.to_string())),
+        Some(path) => write_whole(path, text).map_err(refused),
         None => {
             print!("{text}");
             Ok(())

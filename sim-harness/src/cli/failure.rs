@@ -22,3 +22,8 @@ impl Failure {
         }
     }
 }
+
+/// A refusal, with the reason that the error gives.
+pub(super) fn refused(reason: impl std::fmt::Display) -> Failure {
+    Failure::Refused(reason.to_string())
+}

@@ -1,8 +1,7 @@
 //! `fivebar hil`: the firmware on a board, the arm simulated around it.
 
-use super::Failure;
+use super::failure::{Failure, refused};
 use super::lockstep::{self, LockstepArgs};
-use super::sim::refused;
 use crate::link::SerialLine;
 
 /// Runs a job on a board over a serial port, in lockstep with the simulated arm, and

@@ -1,6 +1,6 @@
 //! `fivebar linkage`: a planar linkage through its motion.
 
-use super::Failure;
+use super::failure::{Failure, refused};
 use crate::linkage::{DrivenLinkage, EXAMPLES, SHOWN_ASSEMBLIES, Summary, csv, page};
 use crate::report::write_whole;
 use std::path::{Path, PathBuf};
@@ -27,14 +27,11 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         }
         return Ok(());
     };
-    let refused = |error: &dyn std::error::Error| Failure::Refused(error.to_string());
-    let driven = DrivenLinkage::load(file).map_err(|error| refused(&error))?;
+    let driven = DrivenLinkage::load(file).map_err(refused)?;
     let sweep = driven.sweep();
     let summary = driven.summary(&sweep);
     let json = serde_json::json!(summary);
-    let write = |name: &str, text: String| {
-        write_whole(&args.out.join(name), text).map_err(|error| refused(&error))
-    };
+    let write = |name: &str, text: String| write_whole(&args.out.join(name), text).map_err(refused);
     write("table.csv", csv(&driven, &sweep))?;
     write("summary.json", format!("{json:#}\n"))?;
     write("report.html", page(&driven, &sweep, &summary).render())?;

@@ -1,9 +1,9 @@
 //! What `pil` and `hil` share: a run in lockstep with a controller elsewhere, every bit of
 //! it held against the same run in this process.
 
-use super::Failure;
+use super::failure::{Failure, refused};
 use super::run_args::RunArgs;
-use super::sim::{outcome, print, progress_bar, refusal, refused};
+use super::sim::{outcome, print, progress_bar, refusal};
 use crate::link::{Difference, Instructions, Lockstep};
 use crate::report::RunReport;
 use crate::run::{OutputFolder, Summary};

@@ -1,6 +1,6 @@
 //! `fivebar mobility`: what a mechanism can do, and why.
 
-use super::Failure;
+use super::failure::{Failure, refused};
 use crate::mobility::{EXAMPLES, Finding, Study, answer, explain, page, parse, read};
 use crate::report::write_whole;
 use std::path::PathBuf;
@@ -20,7 +20,7 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    let studies = studies(args.file.as_deref()).map_err(Failure::Refused)?;
+    let studies = studies(args.file.as_deref()).map_err(refused)?;
     let studied: Vec<(Study, Finding)> = studies
         .into_iter()
         .map(|study| {
@@ -30,8 +30,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         .collect();
     if let Some(folder) = &args.out {
         let path = folder.join("report.html");
-        write_whole(&path, page(&studied).render())
-            .map_err(|error| Failure::Refused(error.to_string()))?;
+        write_whole(&path, page(&studied).render()).map_err(refused)?;
     }
     for (study, finding) in &studied {
         if args.json {

@@ -1,8 +1,7 @@
 //! `fivebar monitor`: what a controller is doing, live on the terminal.
 
-use super::Failure;
+use super::failure::{Failure, refused};
 use super::port::{PortArgs, interrupted};
-use crate::link::LinkError;
 use crate::run::fault_name;
 use fivebar_firmware::protocol::{Order, Reply, Section, SectionKey, Telemetry};
 use fivebar_firmware::{Status, safety::Limits};
@@ -36,15 +35,14 @@ fn rate(text: &str) -> Result<f32, String> {
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let interrupted = interrupted()?;
     let (mut conversation, _) = args.port.open()?;
-    let failed = |error: LinkError| Failure::Refused(error.to_string());
 
     let tick_rate = match conversation
         .ask(Order::GetSection(SectionKey::Control))
-        .map_err(failed)?
+        .map_err(refused)?
     {
         Reply::Section(Section::Control(control)) => control.tick_rate,
         reply => {
-            return Err(Failure::Refused(format!(
+            return Err(refused(format_args!(
                 "the controller answers a question for its settings with {reply:?}"
             )));
         }
@@ -52,8 +50,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let every = (tick_rate / args.rate).round().clamp(1.0, 65535.0) as u16;
     conversation
         .order(Order::Telemetry { every })
-        .map_err(failed)?
-        .map_err(|refusal| Failure::Refused(format!("it sends no telemetry: {refusal}")))?;
+        .map_err(refused)?
+        .map_err(|refusal| refused(format_args!("it sends no telemetry: {refusal}")))?;
 
     let is_terminal = io::stdout().is_terminal();
     let mut losses = Losses::default();
@@ -64,17 +62,17 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             Some(sample) => {
                 losses.count(&sample);
                 show(&sample.status, losses.lost, is_terminal).map_err(|error| {
-                    Failure::Refused(format!("cannot write to the terminal: {error}"))
+                    refused(format_args!("cannot write to the terminal: {error}"))
                 })?;
                 shown += 1;
                 quiet = 0;
             }
             None => {
-                conversation.listen().map_err(failed)?;
+                conversation.listen().map_err(refused)?;
                 quiet += 1;
                 if quiet % QUIET == 0 {
                     // It may be asked for less than one sample in this time.
-                    conversation.status().map_err(failed)?;
+                    conversation.status().map_err(refused)?;
                 }
             }
         }
@@ -84,8 +82,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     }
     conversation
         .order(Order::Telemetry { every: 0 })
-        .map_err(failed)?
-        .map_err(|refusal| Failure::Refused(refusal.to_string()))?;
+        .map_err(refused)?
+        .map_err(refused)?;
     println!("{shown} samples, {} lost", losses.lost);
     Ok(())
 }

@@ -1,7 +1,6 @@
 //! What a run leaves behind, and where.
 
-use super::Failure;
-use super::sim::refused;
+use super::failure::{Failure, refused};
 use crate::report::{RunReport, write_whole};
 use crate::run::{OutputFolder, mcap};
 use std::path::PathBuf;

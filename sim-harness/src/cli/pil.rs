@@ -1,8 +1,7 @@
 //! `fivebar pil`: the firmware on an emulated Cortex-M4F, the arm simulated around it.
 
-use super::Failure;
+use super::failure::{Failure, refused};
 use super::lockstep::{self, LockstepArgs};
-use super::sim::refused;
 use crate::link::Emulator;
 use std::path::PathBuf;
 

@@ -1,6 +1,6 @@
 //! What the commands that talk to a controller share: its port, a log, Ctrl-C.
 
-use super::Failure;
+use super::failure::{Failure, refused};
 use crate::link::{Conversation, SerialLine, Tracer};
 use fivebar_firmware::protocol::{Board, Identity, Reset};
 use std::fs::File;
@@ -26,16 +26,15 @@ pub(super) type PortConversation = Conversation<Tracer<SerialLine, Box<dyn Write
 impl PortArgs {
     /// Opens the port, says hello and tells who answers.
     pub(super) fn open(&self) -> Result<(PortConversation, Identity), Failure> {
-        let refused = |error: &dyn std::fmt::Display| Failure::Refused(error.to_string());
         let log: Box<dyn Write> = match &self.trace {
             None => Box::new(io::sink()),
             Some(path) => Box::new(BufWriter::new(File::create(path).map_err(|error| {
-                Failure::Refused(format!("cannot write {}: {error}", path.display()))
+                refused(format_args!("cannot write {}: {error}", path.display()))
             })?)),
         };
-        let line = SerialLine::open(&self.port).map_err(|error| refused(&error))?;
+        let line = SerialLine::open(&self.port).map_err(refused)?;
         let (conversation, identity) = Conversation::open(Tracer::new(line, log))
-            .map_err(|error| Failure::Refused(format!("{}: {error}", self.port)))?;
+            .map_err(|error| refused(format_args!("{}: {error}", self.port)))?;
         let [major, minor, patch] = identity.firmware;
         eprintln!(
             "{}: {}, firmware {major}.{minor}.{patch}, last started {}",
@@ -71,6 +70,6 @@ pub(super) fn interrupted() -> Result<Arc<AtomicBool>, Failure> {
     let flag = Arc::new(AtomicBool::new(false));
     let raised = Arc::clone(&flag);
     ctrlc::set_handler(move || raised.store(true, Ordering::Relaxed))
-        .map_err(|error| Failure::Refused(format!("cannot listen for Ctrl-C: {error}")))?;
+        .map_err(|error| refused(format_args!("cannot listen for Ctrl-C: {error}")))?;
     Ok(flag)
 }

@@ -1,6 +1,6 @@
 //! `fivebar query`: answers about an arm for scripts, line by line.
 
-use super::Failure;
+use super::failure::{Failure, refused};
 use crate::query::{five_bar, serve, slider};
 use crate::robot::{BuiltIn, Mechanism};
 use std::io;
@@ -20,8 +20,7 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    let mechanism =
-        Mechanism::load(&args.robot).map_err(|error| Failure::Refused(error.to_string()))?;
+    let mechanism = Mechanism::load(&args.robot).map_err(refused)?;
     let (input, output) = (io::stdin().lock(), io::stdout().lock());
     match mechanism {
         Mechanism::FiveBar(robot) => {
@@ -29,5 +28,5 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         }
         Mechanism::Slider(robot) => serve(input, output, |request| slider::answer(&robot, request)),
     }
-    .map_err(|error| Failure::Refused(format!("the conversation broke off: {error}")))
+    .map_err(|error| refused(format_args!("the conversation broke off: {error}")))
 }

@@ -1,7 +1,7 @@
 //! What the commands that do a job are told of it.
 
+use super::failure::{Failure, refused};
 use super::output::OutputArgs;
-use super::{Failure, demo};
 use crate::robot::{BuiltIn, Robot};
 use crate::run::Scenario;
 use std::path::Path;
@@ -54,16 +54,15 @@ impl JobArgs {
 
     /// The scenario, with what the command line says instead.
     pub(super) fn scenario(&self) -> Result<Scenario, Failure> {
-        let refused = |error: &dyn std::fmt::Display| Failure::Refused(error.to_string());
-        let load = |name: &str| Robot::load(name).map_err(|error| refused(&error));
+        let load = |name: &str| Robot::load(name).map_err(refused);
         let robot = self.robot.as_deref().map(load).transpose()?;
         let arm = || robot.clone().map_or_else(|| load(BuiltIn::DEFAULT), Ok);
         let mut scenario = match &self.file {
-            None => demo::scenario(arm()?),
+            None => Scenario::demonstration(arm()?),
             Some(file) if Path::new(file).extension().is_some_and(|e| e == "toml") => {
-                Scenario::load(file).map_err(|error| refused(&error))?
+                Scenario::load(file).map_err(refused)?
             }
-            Some(file) => Scenario::of_job(file, arm()?).map_err(|error| refused(&error))?,
+            Some(file) => Scenario::of_job(file, arm()?).map_err(refused)?,
         };
         if let Some(robot) = robot {
             scenario.robot = robot;

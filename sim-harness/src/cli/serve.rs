@@ -1,6 +1,6 @@
 //! `fivebar serve`: the live page.
 
-use super::Failure;
+use super::failure::{Failure, refused};
 use crate::robot::{BuiltIn, Robot};
 use crate::serve::{Guard, serve};
 use std::net::SocketAddr;
@@ -31,8 +31,4 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let query = query.unwrap_or_default();
     let ready = |address| println!("{} is at http://{address}/{query}", robot.name);
     serve(&robot, args.port.as_deref(), args.listen, guard, ready).map_err(refused)
-}
-
-fn refused(error: impl std::fmt::Display) -> Failure {
-    Failure::Refused(error.to_string())
 }

@@ -1,6 +1,6 @@
 //! `fivebar sim`: a job done by the simulated arm under the production control loop.
 
-use super::Failure;
+use super::failure::{Failure, refused};
 use super::output::OutputArgs;
 use super::run_args::RunArgs;
 use crate::link::TargetError;
@@ -65,10 +65,6 @@ pub(super) fn simulate(scenario: &Scenario, output: &OutputArgs) -> Result<(), F
         print(&summary);
     }
     outcome(&record)
-}
-
-pub(super) fn refused(error: impl std::fmt::Display) -> Failure {
-    Failure::Refused(error.to_string())
 }
 
 /// A refused move is one of the job's: its line is a line of that file.

@@ -84,6 +84,18 @@ impl Scenario {
         }
     }
 
+    /// The demonstration, done by this arm.
+    pub fn demonstration(robot: Robot) -> Self {
+        /// The job, which comes with the program.
+        const JOB: &str = include_str!("../../../jobs/fivebar.gcode");
+        Self::new(
+            "the demonstration",
+            robot,
+            "the demonstration job",
+            JOB.into(),
+        )
+    }
+
     /// The job, read and placed.
     ///
     /// # Errors
