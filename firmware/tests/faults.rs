@@ -8,12 +8,14 @@ use fivebar_firmware::safety::{Fault, Response, State};
 use fivebar_firmware::{Command, MoveKind, Settings};
 use rig::{Rig, START, settings};
 
-/// Runs until a fault is latched, at most `within` ticks, and holds it against what every
-/// fault that powers off must do.
+/// Runs a tick, and on until a fault is latched, at most `within` ticks, and holds it
+/// against what every fault that powers off must do.
 #[track_caller]
 fn powers_off(rig: &mut Rig, fault: Fault, number: u8, within: u32) {
     assert_eq!(fault.number(), number);
     assert_eq!(fault.response(), Response::PowerOff);
+    // One that is found between ticks is latched at once and powers off in the next tick.
+    let between = rig.controller.fault().is_some();
     let mut command = Command::default();
     for _ in 0..within {
         command = rig.tick();
@@ -22,6 +24,9 @@ fn powers_off(rig: &mut Rig, fault: Fault, number: u8, within: u32) {
         }
     }
     assert_eq!(rig.controller.state(), State::Fault);
+    let snapshot = rig.controller.fault().unwrap();
+    let tick = rig.controller.status().tick;
+    assert_eq!(snapshot.tick, if between { tick - 1 } else { tick });
     stays_off(rig, command, fault);
 }
 
@@ -29,7 +34,6 @@ fn powers_off(rig: &mut Rig, fault: Fault, number: u8, within: u32) {
 fn stays_off(rig: &mut Rig, mut command: Command, fault: Fault) {
     let snapshot = *rig.controller.fault().unwrap();
     assert_eq!(snapshot.fault, fault);
-    assert_eq!(snapshot.tick, rig.controller.status().tick);
     for _ in 0..200 {
         assert_eq!(command.duty, [0.0; 2]);
         assert_eq!(command.enable, [false; 2]);
@@ -326,6 +330,8 @@ fn a_graver_fault_takes_over_from_one_that_holds() {
     assert_eq!(rig.controller.status().fault, Some(Fault::CommandTimeout));
     rig.bench.overlay.driver_fault = [true, false];
     let command = rig.tick();
+    let tick = rig.controller.status().tick;
+    assert_eq!(rig.controller.fault().unwrap().tick, tick);
     stays_off(&mut rig, command, Fault::DriverFault);
 }
 

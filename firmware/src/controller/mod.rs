@@ -41,8 +41,6 @@ pub struct Controller {
     latched: Option<Snapshot>,
     /// The latched fault lets the arm be held.
     held: bool,
-    /// A fault found outside the tick.
-    pending: Option<Fault>,
     path: Path,
     setpoint: Setpoint,
     searches: [Search; 2],
@@ -89,7 +87,6 @@ impl Controller {
             mode: settings.working_mode(),
             latched: None,
             held: false,
-            pending: None,
             path: Path::new(stopping_time(settings), 1.0 / settings.control.tick_rate),
             setpoint: Setpoint::hold([Vec2::zero(); 2]),
             searches: [Search::new(0.0); 2],
@@ -163,13 +160,10 @@ impl Controller {
     /// The gravest fault that the samples alone show. Unpowered, only what makes the
     /// angles or the stop button untrue counts.
     #[inline(always)]
-    fn sampled_fault(&mut self, sensed: &Sensed, samples: &Samples) -> Option<Fault> {
+    fn sampled_fault(&self, sensed: &Sensed, samples: &Samples) -> Option<Fault> {
         let monitor = &self.model.monitor;
         if sensed.emergency_stop {
             return Some(Fault::EmergencyStop);
-        }
-        if let Some(fault) = self.pending.take() {
-            return Some(fault);
         }
         if monitor.jumped(samples.innovation) {
             return Some(Fault::EncoderJump);
@@ -220,8 +214,8 @@ impl Controller {
         }
     }
 
-    /// Latches a fault with a snapshot of this tick. The first one stays, unless it left
-    /// the arm powered and the new one does not.
+    /// Latches a fault with a snapshot of how things stand. The first one stays, unless it
+    /// left the arm powered and the new one does not.
     fn latch(&mut self, fault: Fault) {
         let hold = match fault.response() {
             Response::PowerOff => false,

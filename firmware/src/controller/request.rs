@@ -83,15 +83,10 @@ impl Controller {
         self.heard_at = self.ticks;
     }
 
-    /// Raises a fault that something other than the tick has found. The next tick acts
-    /// on it.
+    /// Raises a fault that something other than the tick has found: latched at once, so
+    /// that no request gets in between. The next tick unpowers the bridges.
     pub fn raise(&mut self, fault: Fault) {
-        let graver = self
-            .pending
-            .is_none_or(|pending| pending.response() == crate::safety::Response::ControlledStop);
-        if graver {
-            self.pending = Some(fault);
-        }
+        self.latch(fault);
     }
 
     pub(super) fn apply(&mut self, event: Event) -> Result<(), Refusal> {
