@@ -25,6 +25,8 @@ pub mod scalar;
 pub mod slider;
 pub mod trajectory;
 mod vector;
+#[cfg(feature = "design")]
+pub mod workspace;
 
 pub use scalar::Scalar;
 pub use vector::Vec2;

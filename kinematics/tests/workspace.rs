@@ -114,7 +114,7 @@ fn a_workspace_says_what_stands_in_the_way() {
     };
     assert_eq!(narrow.admit(t), Err(Outside::Joint(Joint::Joint4)));
 
-    let (nearest, sine) = pose.nearest_singularity();
+    let (nearest, sine) = tool.nearest_singularity(&pose);
     let cautious = Workspace {
         margin: sine + 1e-3,
         ..workspace

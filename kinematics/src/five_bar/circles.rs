@@ -5,7 +5,7 @@ use crate::{Scalar, Vec2};
 
 /// Why two circles have no point in common, or no definite one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Miss {
+pub(crate) enum Miss {
     /// The centres are farther apart than the sum of the radii.
     TooFar,
     /// The centres are nearer than the difference of the radii.
@@ -26,7 +26,7 @@ pub(super) enum Miss {
 /// root, one division, and one test that nothing but a good answer passes, since a
 /// negative product has no root: what is wrong is found out only after it failed.
 #[inline(always)]
-pub(super) fn intersect<S: Scalar>(
+pub(crate) fn intersect<S: Scalar>(
     p: Vec2<S>,
     near: S,
     far: S,

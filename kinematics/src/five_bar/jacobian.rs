@@ -8,10 +8,11 @@
 //! and for the rates, ω1 = u2·ṙC/(l1 sin(θ2−θ1)), ω4 = u3·ṙC/(l4 sin(θ3−θ4)).
 
 use super::motion::per_sine;
-use super::{Geometry, Pose, PoseError, Singularity};
+use super::{Geometry, Pose, PoseError, Singularity, Tool};
 use crate::{Scalar, Vec2};
 
-/// ṙC = J q̇ with q̇ = (ω1, ω4): the partial velocities of C, which are J's columns.
+/// ṙC = J q̇ with q̇ = (ω1, ω4): the partial velocities of C, which are J's columns; of the
+/// tool in C's place where [`Tool::jacobian`] made it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jacobian<S> {
     /// vC1 = ∂ṙC/∂ω1 [m].
@@ -55,6 +56,24 @@ impl<S: Scalar> Geometry<S> {
         Ok(InverseJacobian {
             joint1: pose.u2 * (per_l1 * per_sin21),
             joint4: pose.u3 * (per_l4 * per_sin34),
+        })
+    }
+}
+
+impl<S: Scalar> Tool<S> {
+    /// J of the tool T: ṙT = ṙC + ω2 t⊥ for a unit of each driven rate, t = rT − rC.
+    ///
+    /// # Errors
+    /// `Singular` at type 2.
+    #[inline]
+    pub fn jacobian(&self, pose: &Pose<S>) -> Result<Jacobian<S>, PoseError> {
+        let of = |omega1, omega4| {
+            let velocities = self.geometry().forward_velocities(pose, omega1, omega4)?;
+            Ok(self.velocity(pose, &velocities))
+        };
+        Ok(Jacobian {
+            c1: of(S::ONE, S::ZERO)?,
+            c4: of(S::ZERO, S::ONE)?,
         })
     }
 }

@@ -20,6 +20,8 @@ mod tool;
 mod workspace;
 
 pub use branch::{Side, WorkingMode};
+#[cfg(feature = "design")]
+pub(crate) use circles::intersect;
 pub use driven::Driven;
 pub use error::{GeometryError, PoseError, Singularity, Unreachable};
 pub use geometry::Geometry;
@@ -29,6 +31,8 @@ pub(crate) use motion::per_sine;
 pub use motion::{Accelerations, Velocities};
 pub use pose::Pose;
 pub use reach::Arc;
+#[cfg(feature = "design")]
+pub(crate) use reach::angle_at_distance;
 pub use singularity::{Clearance, Clearances};
 pub use tool::Tool;
 pub use workspace::{Outside, Workspace};

@@ -103,7 +103,7 @@ impl<S: Scalar> Geometry<S> {
 /// The angle φ in 0…π, from the line to a second centre `base` away, at which a circle's
 /// point is `distance` from that centre: cos φ = (radius² + base² − distance²)/(2 radius base).
 /// 0 or π where every point is farther or nearer.
-fn angle_at_distance<S: Scalar>(radius: S, base: S, distance: S) -> S {
+pub(crate) fn angle_at_distance<S: Scalar>(radius: S, base: S, distance: S) -> S {
     let cos = (radius * radius + base * base - distance * distance) / (S::TWO * radius * base);
     if cos >= S::ONE {
         S::ZERO

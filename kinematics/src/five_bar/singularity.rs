@@ -1,6 +1,6 @@
 //! How far a pose is from its singularities, as an angle and as a length.
 
-use super::{Geometry, Pose, Singularity};
+use super::{Geometry, Pose, Singularity, Tool};
 use crate::{Scalar, Vec2};
 
 /// Distance from one singularity.
@@ -54,15 +54,28 @@ impl<S: Scalar> Pose<S> {
     /// The singularity whose sine is smallest, and |sine|.
     #[inline]
     pub fn nearest_singularity(&self) -> (Singularity, S) {
-        let mut nearest = (Singularity::Leg1, self.sin21().abs());
-        let sin34 = self.sin34().abs();
-        if sin34 < nearest.1 {
-            nearest = (Singularity::Leg4, sin34);
-        }
-        let sin32 = self.sin32().abs();
-        if sin32 < nearest.1 {
-            nearest = (Singularity::Parallel, sin32);
-        }
-        nearest
+        nearest([self.sin21(), self.sin34(), self.sin32()])
     }
+}
+
+impl<S: Scalar> Tool<S> {
+    /// The singularity whose sine is smallest, and |sine|, leg 1 being A–B–T.
+    #[inline]
+    pub fn nearest_singularity(&self, pose: &Pose<S>) -> (Singularity, S) {
+        let [sine1, sine4] = self.elbow_sines(pose);
+        nearest([sine1, sine4, pose.sin32()])
+    }
+}
+
+/// The smallest of the sines of leg 1, leg 4 and the parallel dyad, by magnitude.
+#[inline]
+fn nearest<S: Scalar>([sine1, sine4, sine32]: [S; 3]) -> (Singularity, S) {
+    let mut nearest = (Singularity::Leg1, sine1.abs());
+    if sine4.abs() < nearest.1 {
+        nearest = (Singularity::Leg4, sine4.abs());
+    }
+    if sine32.abs() < nearest.1 {
+        nearest = (Singularity::Parallel, sine32.abs());
+    }
+    nearest
 }

@@ -13,7 +13,7 @@ pub struct Workspace<S> {
     pub mode: WorkingMode,
     /// Limits of the driven joints, if they have any.
     pub limits: Option<JointLimits<S>>,
-    /// Least |sin| of the angles at the elbows and at C.
+    /// Least |sin| of the angles at the elbows (leg 1 being A–B–T) and at C.
     pub margin: S,
 }
 
@@ -52,7 +52,7 @@ impl<S: Scalar> Workspace<S> {
                 .admit(pose.u1.angle(), pose.u4.angle())
                 .map_err(Outside::Joint)?;
         }
-        let (singularity, sine) = pose.nearest_singularity();
+        let (singularity, sine) = self.tool.nearest_singularity(&pose);
         if sine < self.margin {
             return Err(Outside::Margin(singularity));
         }

@@ -8,6 +8,7 @@ mod file;
 mod home;
 mod settings;
 mod slider;
+mod workspace;
 
 pub use builtin::{BUILT_IN, BuiltIn};
 pub use error::FileError;
@@ -15,6 +16,7 @@ pub(crate) use error::{Key, Source};
 pub use file::{Actuator, Control, Limits, Motion, Protection, Supply, Tool};
 pub use home::NoHome;
 pub use slider::{Mechanism, SliderRobot, SliderTolerance};
+pub use workspace::NoWorkspace;
 
 use crate::contact::Contact;
 use fivebar_kinematics::dynamics::Arm;
