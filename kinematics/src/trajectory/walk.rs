@@ -209,7 +209,7 @@ impl<S: Scalar> Envelope<S> {
         let pose = tool
             .inverse(point.position, workspace.mode)
             .map_err(|error| refuse(s, point.position, Obstacle::Outside(Outside::Pose(error))))?;
-        let nearest = Outside::Margin(pose.nearest_singularity().0);
+        let nearest = Outside::Margin(tool.nearest_singularity(&pose).0);
         Err(refuse(s, point.position, Obstacle::Outside(nearest)))
     }
 

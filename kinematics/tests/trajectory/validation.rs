@@ -29,6 +29,12 @@ const SPARED: Keep = Keep {
     angle: SPARE_ANGLE + 1e-9,
 };
 
+// And a path of ten nanometres.
+const CLEARLY: Keep = Keep {
+    margin: 1.1 * MARGIN,
+    angle: 2.0 * SPARE_ANGLE,
+};
+
 /// |sin| at leg 1 as the tool sees it, at leg 4 and at C.
 fn sines(tool: &Tool<f64>, pose: &Pose<f64>) -> [f64; 3] {
     let bt = tool.point(pose) - pose.b;
@@ -103,6 +109,32 @@ fn arms() -> impl Strategy<Value = Envelope<f64>> {
                 Some(envelope)
             },
         )
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(500))]
+
+    #[test]
+    fn a_place_is_admitted_as_a_path_through_it_is_with_any_tool(
+        envelope in arms(),
+        points in prop::collection::vec(prop::array::uniform2(-0.6..0.6_f64), 64),
+    ) {
+        let workspace = &envelope.workspace;
+        for [x, y] in points {
+            let point = V::new(x, y);
+            let Ok(pose) = workspace.tool.inverse(point, workspace.mode) else {
+                prop_assert!(matches!(workspace.admit(point), Err(Outside::Pose(_))));
+                continue;
+            };
+            let admitted = workspace.admit(point);
+            prop_assert_eq!(admitted.is_ok(), within(workspace, &pose, &BARELY));
+            // As short as a path can be, and far shorter than what is spared.
+            let speck = Segment::line(point, point + V::new(1e-8, 0.0)).unwrap();
+            let path = envelope.admit(&speck, 0.1);
+            prop_assert!(path.is_err() || admitted.is_ok());
+            prop_assert!(path.is_ok() || !within(workspace, &pose, &CLEARLY));
+        }
+    }
 }
 
 /// A place where the arm may be, if there is one near one of a few guesses.
