@@ -107,6 +107,18 @@ fn the_same_seed_gives_the_same_answer() {
 }
 
 #[test]
+fn a_person_gets_figures_with_units_and_no_json() {
+    let output = accuracy(&["benchtop", "--at", "0.04,0.2", "--samples", "100"]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("clearance worst: 19.7 µm\n"), "{text}");
+    assert!(
+        text.contains("\nmonte carlo:\n  acceleration sd:"),
+        "{text}"
+    );
+    assert!(!text.contains(['{', '[', '_']), "{text}");
+}
+
+#[test]
 fn asks_for_what_fits_the_file() {
     let slider = concat!(env!("CARGO_MANIFEST_DIR"), "/robots/slider.toml");
     for (args, why) in [

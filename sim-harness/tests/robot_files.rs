@@ -152,7 +152,25 @@ fn numbers_that_make_no_sense_are_refused_with_their_line() {
 #[test]
 fn an_arm_that_cannot_be_assembled_is_refused_with_its_lengths() {
     let text = PLAIN.replace("base = 0.118", "base = 5.0");
-    assert_refused(&text, 3, &["cannot be assembled", "5 m"]);
+    assert_refused(&text, 3, &["cannot be assembled", "5.0 m"]);
+}
+
+#[test]
+fn a_gear_may_reverse_but_not_be_zero() {
+    let text = BUILT_IN[0].text;
+    let geared = |ratio| text.replacen("gear_ratio = 8.0", &format!("gear_ratio = {ratio}"), 1);
+    assert!(Robot::parse("arm.toml", &geared("-8.0")).is_ok());
+    let first = text.lines().position(|line| line == "gear_ratio = 8.0");
+    let line = 1 + first.unwrap();
+    for ratio in ["0", "nan"] {
+        assert_refused(&geared(ratio), line, &["`gear_ratio`", "but 0, below zero"]);
+    }
+}
+
+#[test]
+fn a_refused_number_is_printed_as_a_person_would_write_it() {
+    let text = PLAIN.replace("payload = 0.15", "payload = -1e300");
+    assert_refused(&text, 4, &["not -1e300"]);
 }
 
 #[test]

@@ -15,7 +15,7 @@ fn cases() -> Value {
 
 /// Compares every expected key; `cases` may have been moved or scaled.
 fn compare(cases: &Value) -> Result<(), String> {
-    let studies = parse(&cases.to_string(), true)?;
+    let studies = parse("cases.json", &cases.to_string())?;
     let lists = ["parallel", "graph"].map(|kind| cases[kind].as_array().unwrap());
     let mut compared = 0;
     for (case, study) in lists.into_iter().flatten().zip(&studies) {
@@ -90,7 +90,7 @@ proptest! {
 
 fn example(name: &str) -> (Study, Finding) {
     let (_, text) = EXAMPLES.iter().find(|(known, _)| *known == name).unwrap();
-    let study = parse(text, false).unwrap().remove(0);
+    let study = parse(name, text).unwrap().remove(0);
     let finding = study.analyse();
     (study, finding)
 }
@@ -239,28 +239,29 @@ fn constraints_do_no_work_on_freedoms() {
 
 #[test]
 fn unsound_descriptions_are_refused_in_one_sentence() {
-    let refusal = |text: &str, json| match parse(text, json) {
+    let refused = |file: &str, text: &str| match parse(file, text) {
         Ok(_) => panic!("accepted: {text}"),
-        Err(reason) => reason,
+        Err(reason) => {
+            assert!(
+                reason.starts_with(file) && reason.lines().count() == 1,
+                "{reason}"
+            );
+            reason
+        }
     };
+    let refusal = |text: &str| refused("x.toml", text);
     let limb = |joint: &str| format!("name = \"x\"\n[[limb]]\njoints = [{joint}]\n");
-    let zero = refusal(
-        &limb(r#"{ kind = "R", axis = [0, 0, 0], point = [0, 0, 0] }"#),
-        false,
-    );
+    let zero = refusal(&limb(
+        r#"{ kind = "R", axis = [0, 0, 0], point = [0, 0, 0] }"#,
+    ));
     assert_eq!(
         zero,
-        "limb 1, joint 1: an axis must be finite and not zero, and a joint needs a freedom"
+        "x.toml: limb 1, joint 1: an axis must be finite and not zero, and a joint needs a freedom"
     );
-    assert!(refusal(&limb(r#"{ kind = "Q", axis = [0, 0, 1] }"#), false).contains('Q'));
-    assert!(
-        refusal(
-            &limb(r#"{ kind = "P", axis = [0, 0, 1], colour = 1 }"#),
-            false
-        )
-        .contains("colour")
-    );
-    assert!(refusal("name = \"x\"", false).contains("no [[limb]]"));
+    assert!(refusal(&limb(r#"{ kind = "Q", axis = [0, 0, 1] }"#)).contains('Q'));
+    assert!(refusal("name = \"x\"\nlimb = 3\n").starts_with("x.toml, line 2: "));
+    assert!(refusal(&limb(r#"{ kind = "P", axis = [0, 0, 1], colour = 1 }"#)).contains("colour"));
+    assert!(refusal("name = \"x\"").contains("no [[limb]]"));
     let joint = |a: &str, b: &str| {
         format!("[[joint]]\nbetween = [\"{a}\", \"{b}\"]\nkind = \"P\"\naxis = [1, 0, 0]\n")
     };
@@ -270,20 +271,20 @@ fn unsound_descriptions_are_refused_in_one_sentence() {
         joint("b", "c"),
         joint("c", "a")
     );
-    assert!(refusal(&ring, false).contains("nothing holds the mechanism"));
+    assert!(refusal(&ring).contains("nothing holds the mechanism"));
     let odd = format!(
         "name = \"x\"\nplatform = \"a\"\n{}colour = 1\n",
         joint("ground", "a")
     );
-    assert!(refusal(&odd, false).contains("colour"));
+    assert!(refusal(&odd).contains("colour"));
     let apart = format!(
         "name = \"x\"\nplatform = \"a\"\n{}{}",
         joint("ground", "a"),
         joint("b", "c")
     );
-    assert!(refusal(&apart, false).contains("not connected to the ground"));
+    assert!(refusal(&apart).contains("not connected to the ground"));
     let many = format!("[[{}]]", ["[0,0,1,0,0,0]"; 100_000].join(","));
     let many = format!("{{\"parallel\":[{{\"name\":\"x\",\"limbs\":{many}}}]}}");
-    assert!(refusal(&many, true).contains("more than 200"));
-    assert!(refusal("{\"parallel\":[]}", true).contains("no case"));
+    assert!(refused("x.json", &many).contains("more than 200"));
+    assert!(refused("x.json", "{\"parallel\":[]}").contains("no case"));
 }

@@ -1,5 +1,6 @@
 //! Classes of tolerance: what making a dimension so exact costs.
 
+use crate::robot::Source;
 use fivebar_kinematics::accuracy::allocation::Class;
 use serde::Deserialize;
 use std::path::Path;
@@ -29,7 +30,11 @@ impl Classes {
     pub fn read(path: &Path) -> Result<Self, String> {
         let shown = path.display();
         let text = std::fs::read_to_string(path).map_err(|error| format!("{shown}: {error}"))?;
-        let classes: Self = toml::from_str(&text).map_err(|error| format!("{shown}: {error}"))?;
+        let source = Source {
+            file: &shown.to_string(),
+            text: &text,
+        };
+        let classes: Self = source.parse().map_err(|error| error.to_string())?;
         let sound = |entry: &ClassEntry| {
             entry.sd >= 0.0 && entry.sd.is_finite() && entry.cost >= 0.0 && entry.cost.is_finite()
         };

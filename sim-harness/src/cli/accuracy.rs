@@ -1,12 +1,13 @@
 //! `fivebar accuracy`: what tolerances and clearances do to position and force.
 
 use super::failure::{Failure, refused};
+use super::figures::figures;
 use crate::accuracy::{
     Classes, Sampling, State, along, along_answer, along_page, analyse, analyse_slider, answer,
     at_page, cheapest, draws, linkage_answer, linkage_page, map, map_answer, map_page, monte_carlo,
     sample_slider, slider_answer, slider_page, study_linkage,
 };
-use crate::job::{Job, Placement};
+use crate::job::{self, Job, Placement};
 use crate::linkage::DrivenLinkage;
 use crate::report::{Page, quantity, write_whole};
 use crate::robot::{Mechanism, Robot, SliderRobot};
@@ -99,7 +100,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     if args.json {
         println!("{answer}");
     } else {
-        print(&answer);
+        print!("{}", figures(&answer));
     }
     Ok(())
 }
@@ -172,7 +173,7 @@ fn study(args: &Args, robot: &Robot) -> Result<(Value, Page), String> {
                 .map_or(args.origin, |pose| [pose.c.x, pose.c.y]),
         };
         let shown = path.display();
-        let text = std::fs::read_to_string(path).map_err(|error| format!("{shown}: {error}"))?;
+        let text = job::read(path).map_err(|error| format!("{shown}: {error}"))?;
         let job = Job::parse(&text, &placement).map_err(|error| format!("{shown}: {error}"))?;
         let along = along(robot, &job, force).map_err(|error| format!("{shown}: {error}"))?;
         return Ok((
@@ -227,20 +228,4 @@ fn study(args: &Args, robot: &Robot) -> Result<(Value, Page), String> {
         });
     }
     Ok((answer, page))
-}
-
-/// The figures of an answer, without its long lists, a line each.
-fn print(answer: &Value) {
-    for (key, value) in answer.as_object().into_iter().flatten() {
-        match value {
-            Value::Object(inner) if key != "monte_carlo" => {
-                println!("{key}:");
-                for (key, value) in inner {
-                    println!("  {key}: {value}");
-                }
-            }
-            Value::Array(list) if list.len() > 5 => println!("{key}: {} entries", list.len()),
-            _ => println!("{key}: {value}"),
-        }
-    }
 }

@@ -29,6 +29,17 @@ enum Format {
     Dot,
 }
 
+impl Format {
+    /// What reads it.
+    fn reader(self) -> &'static str {
+        match self {
+            Self::Mjcf => "MuJoCo",
+            Self::Urdf => "readers of URDF, its loop cut at C",
+            Self::Dot => "Graphviz",
+        }
+    }
+}
+
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let robot = Robot::load(&args.robot).map_err(refused)?;
     let text = match args.format {
@@ -37,7 +48,16 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         Format::Dot => dot(&robot),
     };
     match &args.out {
-        Some(path) => write_whole(path, text).map_err(refused),
+        Some(path) => {
+            write_whole(path, text).map_err(refused)?;
+            println!(
+                "{}, for {}, is in {}",
+                robot.name,
+                args.format.reader(),
+                path.display()
+            );
+            Ok(())
+        }
         None => {
             print!("{text}");
             Ok(())

@@ -3,6 +3,8 @@
 use super::failure::{Failure, refused};
 use crate::mobility::{EXAMPLES, Finding, Study, answer, explain, page, parse, read};
 use crate::report::write_whole;
+use indicatif::ProgressBar;
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use std::path::PathBuf;
 
 /// Degrees of freedom by screw theory, explained step by step.
@@ -21,13 +23,16 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let studies = studies(args.file.as_deref()).map_err(refused)?;
+    let bar = ProgressBar::new(studies.len() as u64);
     let studied: Vec<(Study, Finding)> = studies
-        .into_iter()
+        .into_par_iter()
         .map(|study| {
             let finding = study.analyse();
+            bar.inc(1);
             (study, finding)
         })
         .collect();
+    bar.finish_and_clear();
     if let Some(folder) = &args.out {
         let path = folder.join("report.html");
         write_whole(&path, page(&studied).render()).map_err(refused)?;
@@ -44,9 +49,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
 
 fn studies(file: Option<&str>) -> Result<Vec<Study>, String> {
     let example = |(name, text): &(&str, &str)| {
-        parse(text, false)
-            .map(|mut studies| studies.remove(0))
-            .map_err(|error| format!("example {name}: {error}"))
+        parse(&format!("example {name}"), text).map(|mut studies| studies.remove(0))
     };
     let Some(file) = file else {
         return EXAMPLES.iter().map(example).collect();

@@ -6,6 +6,7 @@ mod demo;
 mod drive;
 mod export;
 mod failure;
+mod figures;
 mod hil;
 mod linkage;
 mod lockstep;

@@ -29,6 +29,17 @@ pub enum Reason {
     /// A parenthesis without its partner.
     #[error("the comment is not closed; every ( needs its )")]
     OpenComment,
+    /// The line is not the one its checksum was made of.
+    #[error(
+        "the checksum says {stated} and the line has {found}, so it was changed or damaged on \
+         its way; take the * and its number off if that was on purpose"
+    )]
+    Checksum {
+        /// After the star.
+        stated: u8,
+        /// Of the line.
+        found: u8,
+    },
     /// A G code that is not among those understood.
     #[error(
         "{0} is not understood; there are G0 G1 G2 G3 G4 G20 G21 G28 G90 G91 and G92, so \

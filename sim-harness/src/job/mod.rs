@@ -2,10 +2,10 @@
 //!
 //! Understood: G0 G1 G2 G3 (I J or R) G4 (P in ms, S in s) G20 G21 G28 G90 G91 G92, F in
 //! mm/min or inch/min, M3 M4 M5 and M300 S for the pen, M2 and M30 as the end, comments
-//! in parentheses and after a semicolon, line numbers, and lines of coordinates alone,
-//! which repeat the motion before. Other M codes are skipped with a warning, their text too; anything
-//! else is refused with its line. Nothing of a job is dropped: a step of no length is no
-//! motion, and every other one is kept.
+//! in parentheses and after a semicolon, line numbers and their checksums, and lines of
+//! coordinates alone, which repeat the motion before. Other M codes are skipped with a
+//! warning, their text too; anything else is refused with its line. Nothing of a job is
+//! dropped: a step of no length is no motion, and every other one is kept.
 
 mod arc;
 mod error;
@@ -15,6 +15,16 @@ mod words;
 pub use error::{JobError, Reason, Warning, WarningKind};
 
 use fivebar_firmware::{Move, MoveKind};
+use std::path::Path;
+
+/// The text of a job's file. G-code is ASCII, but comments come in any encoding: what is not
+/// UTF-8 becomes U+FFFD, which is refused with its line anywhere but in a comment.
+///
+/// # Errors
+/// The file cannot be read.
+pub fn read(path: &Path) -> std::io::Result<String> {
+    std::fs::read(path).map(|bytes| String::from_utf8_lossy(&bytes).into_owned())
+}
 
 /// Where a job's coordinates lie in the frame of the base.
 #[derive(Clone, Copy, Debug, PartialEq)]

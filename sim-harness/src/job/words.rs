@@ -24,7 +24,7 @@ pub(super) struct Line {
 impl Line {
     /// Reads a line.
     pub(super) fn read(text: &str) -> Result<Self, Reason> {
-        let text = without_comments(text)?;
+        let text = without_comments(without_checksum(text)?)?;
         match (Self::words(&text), unknown_m_code(&text)) {
             // Whatever follows an unknown M code is its own, and need not be words; after
             // these it is a message even where it looks like words.
@@ -119,6 +119,29 @@ pub(super) fn spelled((letter, major, minor): Code) -> String {
     match minor {
         0 => format!("{letter}{major}"),
         _ => format!("{letter}{major}.{minor}"),
+    }
+}
+
+/// A line without its checksum, as hosts add it to the lines they number: `N10 G1 X1*82`
+/// ends with the exclusive or of all bytes before the star.
+fn without_checksum(text: &str) -> Result<&str, Reason> {
+    let line = text.trim_start();
+    let code = line.split(';').next().unwrap_or_default();
+    let Some((summed, checksum)) = code.rsplit_once('*') else {
+        return Ok(text);
+    };
+    let is_comment = summed.rfind('(') > summed.rfind(')');
+    let Ok(stated) = checksum.trim().parse() else {
+        return Ok(text);
+    };
+    if is_comment || !line.starts_with(['N', 'n']) {
+        return Ok(text);
+    }
+    let found = summed.bytes().fold(0, |sum: u8, byte| sum ^ byte);
+    if found == stated {
+        Ok(summed)
+    } else {
+        Err(Reason::Checksum { stated, found })
     }
 }
 

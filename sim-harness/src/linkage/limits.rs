@@ -39,7 +39,7 @@ pub(super) fn sizes(source: &Source<'_>, file: &LinkageFile) -> Result<(), FileE
     }
     let duration = file.sweep.duration;
     if !(duration > 0.0 && duration <= LARGEST) {
-        let reason = format!("must be a positive number of seconds, not {duration}");
+        let reason = format!("must be a positive number of seconds, not {duration:?}");
         return Err(source.refuse(Key::In("sweep", "duration"), reason));
     }
     let most = MOST_SOLUTIONS / elements;
@@ -56,7 +56,7 @@ pub(super) fn largest(source: &Source<'_>, linkage: &Linkage<f64>) -> Result<(),
     let mut too_large = None;
     linkage.map(|parameter, value: f64| {
         if value.abs() > LARGEST && too_large.is_none() {
-            too_large = Some(format!("a number of `{}`, {value},", parameter.of));
+            too_large = Some(format!("a number of `{}`, {value:?},", parameter.of));
         }
         value
     });

@@ -211,7 +211,7 @@ fn check<T>(
     sound: fn(f64) -> bool,
 ) -> Result<(), FileError> {
     let key = Key::In("tolerance", key);
-    let unsound = |value: f64| source.refuse(key, format!("cannot be {value}"));
+    let unsound = |value: f64| source.refuse(key, format!("cannot be {value:?}"));
     let values = match given {
         ForAllOrEach::All(value) if sound(*value) => return Ok(()),
         ForAllOrEach::All(value) => return Err(unsound(*value)),

@@ -1,6 +1,7 @@
 //! One mechanism in TOML, as a person writes it: joints by kind, axis and point.
 
 use super::{Mechanism, Study};
+use crate::robot::{FileError, Source};
 use fivebar_kinematics::mobility::{Freedom, Graph, Joint, Parallel, Screw};
 use nalgebra::Vector3;
 use serde::Deserialize;
@@ -144,19 +145,27 @@ impl JointEntry {
     }
 }
 
-pub(super) fn parse(text: &str) -> Result<Study, String> {
-    let file: File = toml::from_str(text).map_err(|error| error.to_string())?;
-    let mechanism = match (file.limb.is_empty(), file.joint.is_empty()) {
-        (false, true) => parallel(&file.limb, file.platform.as_deref())?,
-        (true, false) => graph(&file.joint, file.platform.as_deref())?,
-        (false, false) => return Err("give either [[limb]] or [[joint]], not both".into()),
-        (true, true) => return Err("there is no [[limb]] and no [[joint]]".into()),
-    };
+pub(super) fn parse(source: Source<'_>) -> Result<Study, FileError> {
+    let file: File = source.parse()?;
+    let mechanism = mechanism(&file).map_err(|reason| FileError {
+        file: source.file.into(),
+        line: None,
+        reason,
+    })?;
     Ok(Study {
         name: file.name,
         description: file.description,
         mechanism,
     })
+}
+
+fn mechanism(file: &File) -> Result<Mechanism, String> {
+    match (file.limb.is_empty(), file.joint.is_empty()) {
+        (false, true) => parallel(&file.limb, file.platform.as_deref()),
+        (true, false) => graph(&file.joint, file.platform.as_deref()),
+        (false, false) => Err("give either [[limb]] or [[joint]], not both".into()),
+        (true, true) => Err("there is no [[limb]] and no [[joint]]".into()),
+    }
 }
 
 fn parallel(limbs: &[LimbEntry], platform: Option<&str>) -> Result<Mechanism, String> {

@@ -10,6 +10,7 @@ pub use answer::answer;
 pub use explain::explain;
 pub use report::page;
 
+use crate::robot::Source;
 use fivebar_kinematics::mobility::{
     Graph, GraphReport, Mobility, Parallel, ParallelReport, analyse_graph, analyse_parallel,
 };
@@ -79,19 +80,21 @@ pub fn read(path: &Path) -> Result<Vec<Study>, String> {
         ));
     }
     let text = std::fs::read_to_string(path).map_err(|error| format!("{shown}: {error}"))?;
-    parse(&text, path.extension().is_some_and(|e| e == "json"))
-        .map_err(|reason| format!("{shown}: {reason}"))
+    parse(&shown.to_string(), &text)
 }
 
-/// The studies in a text, JSON or TOML.
+/// The studies in the text of a file called `file`: cases in JSON if its name ends so, else
+/// a mechanism in TOML.
 ///
 /// # Errors
-/// A sentence naming the place and what is wrong.
-pub fn parse(text: &str, json: bool) -> Result<Vec<Study>, String> {
-    if json {
-        cases::parse(text)
+/// A sentence naming the file, the place and what is wrong.
+pub fn parse(file: &str, text: &str) -> Result<Vec<Study>, String> {
+    if Path::new(file).extension().is_some_and(|e| e == "json") {
+        cases::parse(text).map_err(|reason| format!("{file}: {reason}"))
     } else {
-        described::parse(text).map(|study| vec![study])
+        described::parse(Source { file, text })
+            .map(|study| vec![study])
+            .map_err(|error| error.to_string())
     }
 }
 

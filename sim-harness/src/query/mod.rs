@@ -56,7 +56,7 @@ pub fn serve<Request: DeserializeOwned>(
     let mut line = Vec::new();
     while input.read_until(b'\n', &mut line)? > 0 {
         let reply = serde_json::from_slice(&line)
-            .map_err(|error| Refusal::invalid(sentence(&error)))
+            .map_err(|error| Refusal::invalid(sentence(&line, &error)))
             .and_then(&answer)
             .and_then(finite)
             .unwrap_or_else(|refusal| serde_json::json!(refusal));
@@ -71,7 +71,18 @@ pub fn serve<Request: DeserializeOwned>(
 }
 
 /// Why a line is not a question; its line number is always 1 and says nothing.
-fn sentence(error: &serde_json::Error) -> String {
+fn sentence(line: &[u8], error: &serde_json::Error) -> String {
+    let given = match serde_json::from_slice(line) {
+        Ok(Value::Null) => Some("null"),
+        Ok(Value::Bool(_)) => Some("true or false"),
+        Ok(Value::Number(_)) => Some("a number"),
+        Ok(Value::String(_)) => Some("a string"),
+        Ok(Value::Array(_)) => Some("a list"),
+        Ok(Value::Object(_)) | Err(_) => None,
+    };
+    if let Some(given) = given {
+        return format!("a question is a JSON object with an \"op\", not {given}");
+    }
     let text = error.to_string();
     let reason = text.split(" at line ").next().unwrap_or(&text);
     if error.is_eof() {
@@ -127,6 +138,18 @@ mod tests {
             assert!(!refused["message"].as_str().unwrap().is_empty());
         }
         assert_eq!(answers[8]["twice"], 4.0);
+    }
+
+    #[test]
+    fn json_that_is_no_object_is_refused_as_what_it_is() {
+        let mut output = Vec::new();
+        let answer = |_: std::collections::BTreeMap<String, f64>| Ok(Value::Bool(true));
+        serve(&b"[1]\n\"forward\"\n7\nnull\n{}\n"[..], &mut output, answer).unwrap();
+        let text = String::from_utf8(output).unwrap();
+        for (line, given) in text.lines().zip(["a list", "a string", "a number", "null"]) {
+            assert!(line.contains("a question is a JSON object") && line.contains(given));
+        }
+        assert_eq!(text.lines().last(), Some("true"));
     }
 
     #[test]

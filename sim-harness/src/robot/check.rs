@@ -69,7 +69,7 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
         contact: file.contact,
     };
     if let Some((key, value, must)) = robot.contact.unsound() {
-        return Err(source.refuse(Key::In("contact", key), format!("{must}, not {value}")));
+        return Err(source.refuse(Key::In("contact", key), format!("{must}, not {value:?}")));
     }
     sections(&source, &robot)?;
     if file.home.is_some() {
@@ -82,7 +82,7 @@ fn positive(source: &Source<'_>, key: Key, value: f64) -> Result<f64, FileError>
     if value > 0.0 && value.is_finite() {
         Ok(value)
     } else {
-        Err(source.refuse(key, format!("{POSITIVE}, not {value}")))
+        Err(source.refuse(key, format!("{POSITIVE}, not {value:?}")))
     }
 }
 
@@ -90,7 +90,7 @@ fn not_negative(source: &Source<'_>, key: Key, value: f64) -> Result<f64, FileEr
     if value >= 0.0 && value.is_finite() {
         Ok(value)
     } else {
-        Err(source.refuse(key, format!("{NOT_NEGATIVE}, not {value}")))
+        Err(source.refuse(key, format!("{NOT_NEGATIVE}, not {value:?}")))
     }
 }
 
@@ -99,7 +99,7 @@ fn finite(source: &Source<'_>, key: Key, value: [f64; 2]) -> Result<Vec2<f64>, F
     if x.is_finite() && y.is_finite() {
         Ok(Vec2::new(x, y))
     } else {
-        Err(source.refuse(key, format!("{FINITE}, not [{x}, {y}]")))
+        Err(source.refuse(key, format!("{FINITE}, not [{x:?}, {y:?}]")))
     }
 }
 
@@ -107,7 +107,7 @@ fn increasing(source: &Source<'_>, key: Key, [least, greatest]: [f64; 2]) -> Res
     if least < greatest && least.is_finite() && greatest.is_finite() {
         Ok(())
     } else {
-        let reason = format!("must be [least, greatest], not [{least}, {greatest}]");
+        let reason = format!("must be [least, greatest], not [{least:?}, {greatest:?}]");
         Err(source.refuse(key, reason))
     }
 }
@@ -132,17 +132,17 @@ fn geometry(
     Geometry::new([l1, l2, l3, l4, base]).map_err(|error| match error {
         GeometryError::NotPositive(index @ 0..4) => source.refuse(
             Key::Of("link", index, "length"),
-            format!("{POSITIVE} of metres, not {}", links[index].length),
+            format!("{POSITIVE} of metres, not {:?}", links[index].length),
         ),
         GeometryError::NotPositive(_) => source.refuse(
             Key::Top("base"),
-            format!("{POSITIVE} of metres, not {base}"),
+            format!("{POSITIVE} of metres, not {base:?}"),
         ),
         GeometryError::ToolOffset => source.refuse(Key::In("tool", "offset"), error),
         GeometryError::CannotAssemble => source.refuse(
             Key::Top("base"),
             format!(
-                "and the links cannot be assembled: of {l1}, {l2}, {l3}, {l4} and {base} m \
+                "and the links cannot be assembled: of {l1:?}, {l2:?}, {l3:?}, {l4:?} and {base:?} m \
                  the longest exceeds the sum of the others"
             ),
         ),
@@ -200,8 +200,15 @@ fn actuators(
     })?;
     for (index, a) in actuators.iter().enumerate() {
         let key = |name| Key::Of("actuator", index, name);
+        if a.gear_ratio == 0.0 || !a.gear_ratio.is_finite() {
+            let reason = format!(
+                "must be a finite number but 0, below zero where the motor turns against its \
+                 joint, not {:?}",
+                a.gear_ratio
+            );
+            return Err(source.refuse(key("gear_ratio"), reason));
+        }
         for (name, value) in [
-            ("gear_ratio", a.gear_ratio.abs()),
             ("torque_constant", a.torque_constant),
             ("resistance", a.resistance),
             ("inductance", a.inductance),
@@ -301,7 +308,7 @@ fn sections(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
         control.integral_rate,
     )?;
     if !(0.0..1.0).contains(&limits.singularity_margin) {
-        let reason = format!("is a sine: in 0…1, not {}", limits.singularity_margin);
+        let reason = format!("is a sine: in 0…1, not {:?}", limits.singularity_margin);
         return Err(source.refuse(Key::In("limits", "singularity_margin"), reason));
     }
     Ok(())
@@ -353,12 +360,13 @@ fn home_fits(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
     if !robot.limits.contain(robot.home) {
         let [limits1, limits4] = robot.limits.angle;
         let reason = format!(
-            "[{theta1}, {theta4}] rad is outside the joints' limits {limits1:?} and {limits4:?} rad"
+            "[{theta1:?}, {theta4:?}] rad is outside the joints' limits {limits1:?} and {limits4:?} rad"
         );
         return Err(source.refuse(Key::Top("home"), reason));
     }
     robot.home_pose().map(|_| ()).map_err(|_| {
-        let reason = format!("[{theta1}, {theta4}] rad is no pose of this arm in its working mode");
+        let reason =
+            format!("[{theta1:?}, {theta4:?}] rad is no pose of this arm in its working mode");
         source.refuse(Key::Top("home"), reason)
     })
 }

@@ -43,7 +43,7 @@ impl FaultEntry {
         if let Some(at) = self.at
             && !(at >= 0.0 && at.is_finite())
         {
-            let reason = format!("must be a time in seconds from the job's beginning, not {at}");
+            let reason = format!("must be a time in seconds from the job's beginning, not {at:?}");
             return Err(source.refuse(key("at"), reason));
         }
         let missing = |name, what: &str| source.refuse(key(name), format!("is missing: {what}"));
@@ -55,7 +55,7 @@ impl FaultEntry {
         };
         let finite = |name, value: Option<f64>, what: &str| match value {
             Some(value) if value.is_finite() => Ok(value),
-            Some(value) => Err(source.refuse(key(name), format!("must be finite, not {value}"))),
+            Some(value) => Err(source.refuse(key(name), format!("must be finite, not {value:?}"))),
             None => Err(missing(name, what)),
         };
         let kind = match self.kind {

@@ -2,9 +2,11 @@
 
 use super::faults::FaultEntry;
 use super::{Scenario, ScenarioError};
+use crate::job;
 use crate::plant::{Mismatch, PlantFault};
 use crate::robot::{BuiltIn, FileError, Key, Robot, Source};
 use serde::Deserialize;
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// The whole file.
@@ -75,7 +77,7 @@ impl Scenario {
             None => Robot::load(&beside(path, &file.robot))?,
         };
         let job_file = beside(path, &file.job);
-        let job_text = read(&job_file)?;
+        let job_text = read_job(&job_file)?;
         Ok(Self {
             name: file.name.unwrap_or_else(|| stem(path)),
             robot,
@@ -97,19 +99,19 @@ impl Scenario {
     /// # Errors
     /// A file that cannot be read.
     pub fn of_job(path: &str, robot: Robot) -> Result<Self, ScenarioError> {
-        Ok(Self::new(&stem(path), robot, path, read(path)?))
+        Ok(Self::new(&stem(path), robot, path, read_job(path)?))
     }
 }
 
 fn check(source: &Source<'_>, file: &ScenarioFile) -> Result<(), FileError> {
     if !(file.scale > 0.0 && file.scale.is_finite()) {
-        let reason = format!("must be a positive finite number, not {}", file.scale);
+        let reason = format!("must be a positive finite number, not {:?}", file.scale);
         return Err(source.refuse(Key::Top("scale"), reason));
     }
     if let Some([x, y]) = file.origin
         && !(x.is_finite() && y.is_finite())
     {
-        let reason = format!("must be finite, not [{x}, {y}]");
+        let reason = format!("must be finite, not [{x:?}, {y:?}]");
         return Err(source.refuse(Key::Top("origin"), reason));
     }
     let Mismatch {
@@ -128,7 +130,7 @@ fn check(source: &Source<'_>, file: &ScenarioFile) -> Result<(), FileError> {
         ("current_offset", current_offset, -2048.0),
     ] {
         if !(value >= least && value.is_finite()) {
-            let reason = format!("must be finite and at least {least}, not {value}");
+            let reason = format!("must be finite and at least {least}, not {value:?}");
             return Err(source.refuse(Key::In("mismatch", name), reason));
         }
     }
@@ -149,8 +151,16 @@ fn stem(path: &str) -> String {
 }
 
 fn read(path: &str) -> Result<String, ScenarioError> {
-    std::fs::read_to_string(path).map_err(|source| ScenarioError::Read {
-        file: path.into(),
+    std::fs::read_to_string(path).map_err(|source| unread(path, source))
+}
+
+fn read_job(path: &str) -> Result<String, ScenarioError> {
+    job::read(Path::new(path)).map_err(|source| unread(path, source))
+}
+
+fn unread(file: &str, source: io::Error) -> ScenarioError {
+    ScenarioError::Read {
+        file: file.into(),
         source,
-    })
+    }
 }
