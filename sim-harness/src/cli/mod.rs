@@ -2,14 +2,17 @@
 
 mod accuracy;
 mod clearance;
+mod completions;
 mod demo;
 mod drive;
+mod examples;
 mod export;
 mod failure;
 mod figures;
 mod hil;
 mod linkage;
 mod lockstep;
+mod man;
 mod mobility;
 mod monitor;
 mod output;
@@ -21,7 +24,7 @@ mod run_args;
 mod serve;
 mod sim;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::process::ExitCode;
 
 pub use failure::Failure;
@@ -41,10 +44,12 @@ struct Cli {
 enum Command {
     Accuracy(Box<accuracy::Args>),
     Clearance(clearance::Args),
+    Completions(completions::Args),
     Drive(drive::Args),
     Export(export::Args),
     Hil(hil::Args),
     Linkage(linkage::Args),
+    Man(man::Args),
     Mobility(mobility::Args),
     Monitor(monitor::Args),
     Pil(pil::Args),
@@ -54,18 +59,26 @@ enum Command {
     Sim(sim::Args),
 }
 
+/// The command line: what is parsed, completed and printed as a manual.
+fn command() -> clap::Command {
+    examples::with_examples(Cli::command())
+}
+
 /// Parses the arguments, runs the command and reports what went wrong.
 pub fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let parsed = Cli::from_arg_matches(&command().get_matches());
+    let cli = parsed.unwrap_or_else(|error| error.exit());
     let outcome: Result<(), Failure> = match cli.command {
         None => demo::run(&cli.demo),
         Some(command) => match command {
             Command::Accuracy(args) => accuracy::run(&args),
             Command::Clearance(args) => clearance::run(&args),
+            Command::Completions(args) => completions::run(&args),
             Command::Drive(args) => drive::run(&args),
             Command::Export(args) => export::run(&args),
             Command::Hil(args) => hil::run(&args),
             Command::Linkage(args) => linkage::run(&args),
+            Command::Man(args) => man::run(&args),
             Command::Mobility(args) => mobility::run(&args),
             Command::Monitor(args) => monitor::run(&args),
             Command::Pil(args) => pil::run(&args),
