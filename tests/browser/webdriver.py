@@ -11,10 +11,15 @@ import urllib.request
 ELEMENT = "element-6066-11e4-a52e-4f735466cecf"
 
 
+# What the driver switches off for its own comfort: tests want hidden tabs as slow as users have.
+COMFORTS = ["disable-background-timer-throttling", "disable-backgrounding-occluded-windows",
+            "disable-renderer-backgrounding"]
+
+
 class Browser:
     """A headless browser. To be used in a `with`."""
 
-    def __init__(self, width=1280, height=900, dark=False):
+    def __init__(self):
         driver = shutil.which("chromedriver") or "chromedriver"
         self.driver = subprocess.Popen([driver, "--port=0"], stdout=subprocess.PIPE, text=True)
         for line in self.driver.stdout:
@@ -24,10 +29,9 @@ class Browser:
         else:
             raise RuntimeError("chromedriver does not start")
         arguments = ["--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
-                     f"--window-size={width},{height}", "--force-device-scale-factor=1"]
-        if dark:
-            arguments.append("--force-dark-mode")
-        options = {"args": arguments, "binary": shutil.which("chromium")}
+                     "--force-device-scale-factor=1"]
+        options = {"args": arguments, "binary": shutil.which("chromium"),
+                   "excludeSwitches": COMFORTS}
         wanted = {"capabilities": {"alwaysMatch": {"goog:chromeOptions": options}}}
         session = self.call("POST", "/session", wanted)
         self.url += "/session/" + session["sessionId"]
@@ -51,6 +55,32 @@ class Browser:
         except urllib.error.HTTPError as error:
             raise RuntimeError(json.load(error)["value"]["message"]) from None
 
+    def chromium(self, command, **parameters):
+        """A command of Chromium's own protocol."""
+        self.call("POST", "/goog/cdp/execute", {"cmd": command, "params": parameters})
+
+    def resize(self, width, height, mobile=False):
+        self.chromium("Emulation.setDeviceMetricsOverride", width=width, height=height,
+                      deviceScaleFactor=1, mobile=mobile)
+
+    def dark(self, on):
+        scheme = {"name": "prefers-color-scheme", "value": "dark" if on else "light"}
+        self.chromium("Emulation.setEmulatedMedia", features=[scheme])
+
+    def tab(self):
+        """The tab that is driven now."""
+        return self.call("GET", "/window")
+
+    def new_tab(self):
+        """Opens a tab and drives it; the one before is hidden."""
+        self.switch(self.call("POST", "/window/new", {"type": "tab"})["handle"])
+
+    def switch(self, tab):
+        self.call("POST", "/window", {"handle": tab})
+
+    def close_tab(self):
+        self.call("DELETE", "/window")
+
     def open(self, url):
         self.call("POST", "/url", {"url": url})
 
@@ -66,6 +96,13 @@ class Browser:
 
     def click(self, selector):
         self.call("POST", f"/element/{self.find(selector)}/click", {})
+
+    def press(self, *keys):
+        """Presses keys together, wherever the focus is."""
+        actions = [{"type": "keyDown", "value": key} for key in keys]
+        actions += [{"type": "keyUp", "value": key} for key in reversed(keys)]
+        self.call("POST", "/actions", {"actions": [
+            {"type": "key", "id": "keyboard", "actions": actions}]})
 
     def type(self, selector, text):
         self.call("POST", f"/element/{self.find(selector)}/value", {"text": text})

@@ -2,9 +2,9 @@
 
 use fivebar_firmware::protocol::{
     ControllerMessage, Decoder, HostMessage, Identity, Order, Refusal, Reply, SectionKey, Sequence,
-    Telemetry, VERSION, encode,
+    Telemetry, Ticked, VERSION, encode,
 };
-use fivebar_firmware::{Settings, Status};
+use fivebar_firmware::{Sensed, Settings, Status};
 use std::collections::VecDeque;
 use std::io::{self, ErrorKind, Read, Write};
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -127,6 +127,18 @@ impl<L: Read + Write> Conversation<L> {
         match self.ask(Order::Status)? {
             Reply::Status { status, room } => Ok((status, room)),
             other => Err(confused(&Order::Status, &other)),
+        }
+    }
+
+    /// Has a board that is stepped make one tick.
+    ///
+    /// # Errors
+    /// A silent or broken line, or a board that ticks by itself.
+    pub fn tick(&mut self, sensed: Sensed) -> Result<Ticked, LinkError> {
+        let order = Order::Tick(sensed);
+        match self.ask(order)? {
+            Reply::Ticked(ticked) => Ok(ticked),
+            other => Err(confused(&order, &other)),
         }
     }
 

@@ -7,7 +7,8 @@ use serde::Serialize;
 #[derive(Debug, Serialize)]
 struct Arm<'a> {
     name: &'a str,
-    simulated: bool,
+    /// Where its controller is.
+    place: &'a str,
     base: f64,
     tool_offset: [f64; 2],
     /// θ1 and θ4: least and greatest.
@@ -30,7 +31,7 @@ struct Arc {
 ///
 /// # Errors
 /// It has no home.
-pub(super) fn describe(robot: &Robot, simulated: bool) -> Result<String, NoHome> {
+pub(super) fn describe(robot: &Robot, place: &str) -> Result<String, NoHome> {
     let pose = robot.home_pose()?;
     let [b, c, d] = [pose.b, pose.c, pose.d].map(|point| [point.x, point.y]);
     let boundary = robot.geometry.reach_boundary().map(|arc| Arc {
@@ -41,7 +42,7 @@ pub(super) fn describe(robot: &Robot, simulated: bool) -> Result<String, NoHome>
     });
     let arm = Arm {
         name: &robot.name,
-        simulated,
+        place,
         base: robot.geometry.base(),
         tool_offset: robot.tool.offset,
         angle_limits: robot.limits.angle,

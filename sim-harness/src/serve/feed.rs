@@ -10,10 +10,32 @@ pub(super) struct Feed {
     job: Option<(Vec<Move>, usize)>,
     /// Where to go as soon as the queue is nearly empty.
     aim: Option<MoveKind>,
-    /// Where the queue ends [m]; none: where the arm is held.
-    end: Option<[f32; 2]>,
+    /// Where the queue ends; none: where the arm is held.
+    end: Option<End>,
     /// Room of the controller's empty queue.
     empty: u8,
+    /// The tick since which the controller has had nothing to do.
+    idle_since: Option<u32>,
+}
+
+/// Where a move ends, as it was asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum End {
+    /// The tool [m].
+    Tool([f32; 2]),
+    /// θ1, θ4 [rad].
+    Joints([f32; 2]),
+}
+
+impl End {
+    /// The end of a move; none for one that goes nowhere.
+    fn of(kind: &MoveKind) -> Option<Self> {
+        match *kind {
+            MoveKind::Line { to, .. } | MoveKind::Arc { to, .. } => Some(Self::Tool(to)),
+            MoveKind::Joint { to, .. } => Some(Self::Joints(to)),
+            MoveKind::Dwell { .. } => None,
+        }
+    }
 }
 
 /// What a look at the controller has brought.
@@ -49,13 +71,9 @@ impl Feed {
         self.aim = Some(aim);
     }
 
-    /// Where the next move begins [m].
-    pub(super) fn end(&self, status: &Status) -> Option<[f32; 2]> {
-        let waiting = match self.aim {
-            Some(MoveKind::Line { to, .. }) => Some(to),
-            _ => None,
-        };
-        waiting.or(self.end).or(status.reference)
+    /// Where the next move begins; none: where the arm is held.
+    pub(super) fn end(&self) -> Option<End> {
+        self.aim.as_ref().and_then(End::of).or(self.end)
     }
 
     /// Forgets everything.
@@ -68,12 +86,7 @@ impl Feed {
     /// Looks at the controller, which has room for so many moves.
     pub(super) fn look(&mut self, status: &Status, room: u8) -> Turn {
         self.empty = self.empty.max(room);
-        let idle = status.state == State::Armed && room == self.empty;
-        if idle {
-            self.end = None;
-        }
-        let takes = matches!(status.state, State::Armed | State::Running);
-        if !takes {
+        if !takes_moves(status.state) {
             let abandoned = self.is_running();
             self.clear();
             return if abandoned {
@@ -82,13 +95,27 @@ impl Feed {
                 Turn::Quiet
             };
         }
+        if !self.is_idle(status, room) {
+            return Turn::Quiet;
+        }
+        self.end = None;
         match &self.job {
-            Some((moves, taken)) if idle && *taken == moves.len() => {
+            Some((moves, taken)) if *taken == moves.len() => {
                 self.job = None;
                 Turn::Finished
             }
             _ => Turn::Quiet,
         }
+    }
+
+    /// Whether all moves are done. Between two ticks a queue may be empty and its last
+    /// piece not begun, so that takes two looks.
+    fn is_idle(&mut self, status: &Status, room: u8) -> bool {
+        if status.state != State::Armed || room != self.empty {
+            self.idle_since = None;
+            return false;
+        }
+        *self.idle_since.get_or_insert(status.tick) != status.tick
     }
 
     /// The move to be given now, if there is one.
@@ -107,11 +134,8 @@ impl Feed {
             Some((_, taken)) => *taken += 1,
             None => self.aim = None,
         }
-        self.end = match order.kind {
-            MoveKind::Line { to, .. } | MoveKind::Arc { to, .. } => Some(to),
-            MoveKind::Dwell { .. } => self.end,
-            MoveKind::Joint { .. } => None,
-        };
+        self.end = End::of(&order.kind).or(self.end);
+        self.idle_since = None;
     }
 
     /// The controller has refused it.
@@ -119,4 +143,9 @@ impl Feed {
         self.job = None;
         self.aim = None;
     }
+}
+
+/// Whether a controller in this state takes moves.
+pub(super) fn takes_moves(state: State) -> bool {
+    matches!(state, State::Armed | State::Running)
 }

@@ -9,13 +9,25 @@ pub struct Guard {
     token: Option<String>,
 }
 
+/// What is to be done with a request that may come in.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Admission {
+    /// It is served.
+    Serve,
+    /// It has shown the token for the first time: it is given this cookie and sent to `/`.
+    Welcome {
+        /// The value of `Set-Cookie`.
+        cookie: String,
+    },
+}
+
 impl Guard {
     /// No token: for the loopback address, which only this machine reaches.
     pub fn of_loopback() -> Self {
         Self { token: None }
     }
 
-    /// A token of 128 random bits, to be shown as `?token=` by every request.
+    /// A token of 128 random bits, to be shown as `?token=` by who comes first.
     ///
     /// # Errors
     /// The system has no random numbers.
@@ -32,7 +44,9 @@ impl Guard {
     /// Whether a request may be served.
     ///
     /// A page of another site that reaches for this server gives itself away by its
-    /// `Origin`; one that has its own name lead here (DNS rebinding), by its `Host`.
+    /// `Origin`; one that has its own name lead here (DNS rebinding), by its `Host`. The
+    /// token comes once in the address that was printed and from then on in a cookie, so
+    /// that it stands in no history and in no address that is passed on.
     ///
     /// # Errors
     /// The status to answer with, and why.
@@ -40,7 +54,7 @@ impl Guard {
         &self,
         uri: &Uri,
         headers: &HeaderMap,
-    ) -> Result<(), (StatusCode, &'static str)> {
+    ) -> Result<Admission, (StatusCode, &'static str)> {
         let text = |name| headers.get(name).map(|value| value.to_str().unwrap_or(""));
         let host = text(header::HOST).unwrap_or("");
         if !is_address_or_localhost(host) {
@@ -58,19 +72,39 @@ impl Guard {
             ));
         }
         let Some(token) = &self.token else {
-            return Ok(());
+            return Ok(Admission::Serve);
         };
-        let shown = uri.query().unwrap_or("").split('&');
-        let mut shown = shown.filter_map(|pair| pair.strip_prefix("token="));
-        if shown.any(|shown| same(shown.as_bytes(), token.as_bytes())) {
-            Ok(())
-        } else {
-            Err((
-                StatusCode::UNAUTHORIZED,
-                "refused: open the address with ?token= that `fivebar serve` printed\n",
-            ))
+        let name = cookie_name(host);
+        let cookies = headers.get_all(header::COOKIE).iter();
+        let mut cookies = cookies.flat_map(|line| line.to_str().unwrap_or("").split("; "));
+        if cookies.any(|cookie| is_value(cookie, &name, token)) {
+            return Ok(Admission::Serve);
         }
+        let mut shown = uri.query().unwrap_or("").split('&');
+        if uri.path() == "/" && shown.any(|pair| is_value(pair, "token", token)) {
+            let cookie = format!("{name}={token}; HttpOnly; SameSite=Lax; Path=/");
+            return Ok(Admission::Welcome { cookie });
+        }
+        Err((
+            StatusCode::UNAUTHORIZED,
+            "refused: open the address with ?token= that `fivebar serve` printed\n",
+        ))
     }
+}
+
+/// Cookies are shared by the ports of a host; servers at several ports are not.
+fn cookie_name(host: &str) -> String {
+    let port = host.rsplit(':').next().filter(|port| is_number(port));
+    format!("fivebar{}", port.unwrap_or("80"))
+}
+
+/// Whether `pair` is `name=value`, found in a time that does not tell how much of the
+/// value is right.
+fn is_value(pair: &str, name: &str, value: &str) -> bool {
+    let shown = pair
+        .strip_prefix(name)
+        .and_then(|rest| rest.strip_prefix('='));
+    shown.is_some_and(|shown| same(shown.as_bytes(), value.as_bytes()))
 }
 
 fn is_address_or_localhost(host: &str) -> bool {
@@ -100,7 +134,7 @@ fn same(shown: &[u8], token: &[u8]) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::Guard;
+    use super::{Admission, Guard};
     use axum::http::{HeaderMap, HeaderValue, StatusCode, Uri, header};
 
     fn status(guard: &Guard, uri: &str, host: &str, origin: Option<&str>) -> Option<StatusCode> {
@@ -146,17 +180,47 @@ mod tests {
         let guard = Guard::with_new_token().unwrap();
         let token = guard.token().unwrap();
         assert_eq!(token.len(), 32);
-        let at = |uri: &str| status(&guard, uri, "192.168.0.7:8080", None);
-        assert_eq!(at(&format!("/?token={token}")), None);
-        assert_eq!(at(&format!("/?mode=x&token={token}")), None);
+        let host = "192.168.0.7:8080";
         let prefix = token.split_at(31).0;
         for wrong in [
             "/",
             "/?token=",
             &format!("/?token={prefix}"),
             &format!("/?token={token}0"),
+            &format!("/?nottoken={token}"),
+            &format!("/live?token={token}"),
         ] {
-            assert_eq!(at(wrong), Some(StatusCode::UNAUTHORIZED), "{wrong}");
+            let refusal = status(&guard, wrong, host, None);
+            assert_eq!(refusal, Some(StatusCode::UNAUTHORIZED), "{wrong}");
         }
+        assert_eq!(
+            status(&guard, &format!("/?a=b&token={token}"), host, None),
+            None
+        );
+    }
+
+    #[test]
+    fn the_token_is_changed_into_a_cookie_that_opens_everything_at_this_port() {
+        let guard = Guard::with_new_token().unwrap();
+        let token = guard.token().unwrap();
+        let admit = |uri: &str, host: &str, cookie: &str| {
+            let mut headers = HeaderMap::new();
+            headers.insert(header::HOST, HeaderValue::from_str(host).unwrap());
+            headers.insert(header::COOKIE, HeaderValue::from_str(cookie).unwrap());
+            guard.admit(&uri.parse().unwrap(), &headers)
+        };
+        let (here, there) = ("192.168.0.7:8080", "192.168.0.7:8081");
+        let Ok(Admission::Welcome { cookie }) = admit(&format!("/?token={token}"), here, "") else {
+            panic!("the token is right");
+        };
+        let (pair, attributes) = cookie.split_once("; ").unwrap();
+        assert!(attributes.contains("HttpOnly") && attributes.contains("SameSite=Lax"));
+        let among_others = format!("a=b; {pair}");
+        assert_eq!(admit("/live", here, &among_others), Ok(Admission::Serve));
+        assert!(
+            admit("/live", there, pair).is_err(),
+            "another server's cookie"
+        );
+        assert!(admit("/live", here, &pair[..pair.len() - 1]).is_err());
     }
 }

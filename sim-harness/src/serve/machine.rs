@@ -2,74 +2,100 @@
 
 use super::ServeError;
 use super::feed::{Feed, Turn};
-use super::message::{Event, FaultNews, JobNews, MachineSide, News, State, Wanted, Wish};
+use super::message::{FaultNews, JobNews, MachineSide, News, State};
+use super::pace::Speed;
 use super::pilot::{Client, Pilot};
 use super::refusal::sentence;
-use super::sketch::{Sketch, nearest};
+use super::simulated::SteppedArm;
+use super::sketch::Sketch;
+use crate::job::Job;
 use crate::link::{Conversation, LinkError};
 use crate::robot::Robot;
-use crate::run::{RunError, Scenario, fault_name};
+use crate::run::fault_name;
 use fivebar_firmware::planner::Reason;
 use fivebar_firmware::protocol::{Order, Refusal, Reply};
-use fivebar_firmware::safety::Fault;
-use fivebar_firmware::{Move, MoveKind, Settings, Status};
-use fivebar_kinematics::five_bar::Side;
+use fivebar_firmware::safety::{self, Fault};
+use fivebar_firmware::{Move, Request, Settings, Status};
 use std::io::{Read, Write};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Samples that pages are shown in a second.
 const SAMPLES: f32 = 30.0;
-/// Share of the joints' greatest speed at which a joint is dragged and the mode changed.
-const JOINT_SPEED: f32 = 0.4;
+/// The same of a board that is stepped, whose seconds are long ones.
+const SAMPLES_STEPPED: f32 = 200.0;
+/// How long the arm may take to come to rest when the program ends.
+const LONGEST_STOP: Duration = Duration::from_secs(5);
+
+/// A stream of bytes to a controller.
+pub(super) trait Line: Read + Write + Send {}
+impl<L: Read + Write + Send> Line for L {}
 
 /// One controller and all who look at it.
-pub(super) struct Machine<L> {
-    conversation: Conversation<L>,
-    pages: MachineSide,
-    robot: Robot,
-    settings: Settings,
-    sketch: Sketch,
-    pilot: Pilot,
-    feed: Feed,
-    status: Status,
-    /// The fault that pages have been told of.
-    told: Option<Fault>,
-    loaded: Option<(Vec<Move>, JobNews)>,
+pub(super) struct Machine {
+    pub(super) conversation: Conversation<Box<dyn Line>>,
+    /// The arm of a board that makes no ticks by itself.
+    stepped: Option<SteppedArm>,
+    pub(super) pages: MachineSide,
+    pub(super) robot: Robot,
+    pub(super) settings: Settings,
+    pub(super) sketch: Sketch,
+    pub(super) pilot: Pilot,
+    pub(super) feed: Feed,
+    pub(super) status: Status,
+    /// The fault, or its absence, that all pages have been told of.
+    pub(super) told: Option<Option<Fault>>,
+    pub(super) loaded: Option<Loaded>,
+    speed: Speed,
 }
 
-impl<L: Read + Write> Machine<L> {
-    /// Asks the controller for its settings and has it send samples.
+/// A job that waits to be done.
+pub(super) struct Loaded {
+    pub(super) job: Job,
+    pub(super) moves: Vec<Move>,
+    /// What pages have been told of it.
+    pub(super) news: JobNews,
+}
+
+impl Machine {
+    /// Has the controller send samples.
     pub(super) fn new(
-        mut conversation: Conversation<L>,
+        mut conversation: Conversation<Box<dyn Line>>,
+        stepped: Option<SteppedArm>,
         robot: Robot,
+        settings: Settings,
         pages: MachineSide,
     ) -> Result<Self, ServeError> {
-        let mut settings = robot.settings().map_err(RunError::from)?;
-        conversation.read_settings(&mut settings)?;
-        let every = (settings.control.tick_rate / SAMPLES) as u16;
+        let samples = if stepped.is_some() {
+            SAMPLES_STEPPED
+        } else {
+            SAMPLES
+        };
+        let every = (settings.control.tick_rate / samples) as u16;
         conversation.ask(Order::Telemetry { every })?;
         let (status, _) = conversation.status()?;
         Ok(Self {
-            sketch: Sketch::new(&settings)?,
             conversation,
+            stepped,
             pages,
             robot,
             settings,
+            sketch: Sketch::new(&settings)?,
             pilot: Pilot::default(),
             feed: Feed::default(),
             status,
             told: None,
             loaded: None,
+            speed: Speed::from(0.0, Instant::now()),
         })
     }
 
-    /// Goes on until the line breaks.
-    pub(super) fn run(mut self) -> ServeError {
-        loop {
-            if let Err(error) = self.turn() {
-                return error.into();
-            }
+    /// Goes on until the line breaks or `ends` says so; then the arm is brought to rest
+    /// and its bridges are off.
+    pub(super) fn run(mut self, ends: &dyn Fn() -> bool) -> Result<(), ServeError> {
+        while !ends() {
+            self.turn()?;
         }
+        Ok(self.leave()?)
     }
 
     fn turn(&mut self) -> Result<(), LinkError> {
@@ -80,18 +106,28 @@ impl<L: Read + Write> Machine<L> {
         if self.pilot.is_alive(Instant::now()) {
             self.attend()?;
         }
-        self.conversation.listen()?;
+        self.pass_time()?;
         while let Some(sample) = self.conversation.take_telemetry() {
+            let homed = sample.status.homed && !self.status.homed;
             self.status = sample.status;
+            if homed {
+                self.preview();
+            }
             self.tell_state()?;
         }
         Ok(())
     }
 
+    fn pass_time(&mut self) -> Result<(), LinkError> {
+        match &mut self.stepped {
+            Some(arm) => arm.step(&mut self.conversation),
+            None => self.conversation.listen(),
+        }
+    }
+
     /// Shows the controller that its host lives, and gives it moves.
     fn attend(&mut self) -> Result<(), LinkError> {
         let (status, mut room) = self.conversation.status()?;
-        self.status = status;
         match self.feed.look(&status, room) {
             Turn::Quiet => {}
             Turn::Finished => self.notice("The job is done."),
@@ -108,182 +144,73 @@ impl<L: Read + Write> Machine<L> {
                     self.feed.taken(&order);
                     room = left;
                 }
-                other => self.refuse(None, format!("The controller answers a move by {other:?}.")),
+                other => {
+                    self.feed.refused();
+                    self.refuse(None, format!("The controller answers a move by {other:?}."));
+                }
             }
         }
         Ok(())
     }
 
-    fn hear(&mut self, client: Client, event: Event) -> Result<(), LinkError> {
-        let now = Instant::now();
-        let wish = match event {
-            Event::Joined => {
-                if self.pilot.client().is_none() {
-                    self.pilot.take(client, now);
-                }
-                self.told = None;
-                if let Some((_, job)) = &self.loaded {
-                    self.pages.tell(&News::Job(job));
-                }
-                return Ok(());
-            }
-            Event::Left => {
-                if self.pilot.leave(client) {
-                    self.feed.clear();
-                }
-                return Ok(());
-            }
-            Event::Wish(wish) => wish,
-        };
-        let in_control = self.pilot.hear(client, now);
-        match wish {
-            Wish::Alive => {}
-            Wish::Control if in_control => {}
-            Wish::Control if self.pilot.take(client, now) => self.feed.clear(),
-            Wish::Control => self.refuse(Some(client), "Another page is in control.".into()),
-            Wish::Request(wanted) if in_control || wanted.is_open_to_all() => {
-                self.request(client, wanted)?;
-            }
-            _ if !in_control => {
-                self.refuse(
-                    Some(client),
-                    "This page watches: take control first.".into(),
-                );
-            }
-            Wish::Load { name, text } => self.load(&name, text),
-            Wish::Run => self.begin(client),
-            _ if self.feed.is_running() => {
-                self.refuse(Some(client), "A job is running: stop it first.".into());
-            }
-            Wish::Jog([dx, dy]) => {
-                if let Some([x, y]) = self.feed.end(&self.status) {
-                    self.aim([x + dx, y + dy]);
-                } else {
-                    self.refuse(
-                        Some(client),
-                        "The arm is not armed: home it, then arm it.".into(),
-                    );
-                }
-            }
-            Wish::Follow(to) => self.aim(to),
-            Wish::Turn { joint, to } => self.turn_joint(joint, to),
-            Wish::Mode(elbows) => self.change_mode(client, elbows),
-            Wish::Request(_) => {}
+    /// Whether the arm rests, powered or not.
+    pub(super) fn rests(&self) -> bool {
+        use safety::State::{Armed, Fault, Homing, Running, Stopped, Stopping};
+        match self.status.state {
+            Stopped | Armed | Fault => true,
+            Homing | Running | Stopping => false,
         }
+    }
+
+    fn leave(&mut self) -> Result<(), LinkError> {
+        let deadline = Instant::now() + LONGEST_STOP;
+        // Either is refused where a fault is latched: then the arm rests by itself.
+        let _ = self.conversation.order(Order::Request(Request::Stop))?;
+        loop {
+            (self.status, _) = self.conversation.status()?;
+            if self.rests() || Instant::now() > deadline {
+                break;
+            }
+            self.pass_time()?;
+        }
+        let _ = self.conversation.order(Order::Request(Request::Disarm))?;
         Ok(())
-    }
-
-    fn request(&mut self, client: Client, wanted: Wanted) -> Result<(), LinkError> {
-        if matches!(wanted, Wanted::Stop | Wanted::EmergencyStop) {
-            self.feed.clear();
-        }
-        if let Err(refusal) = self.conversation.order(Order::Request(wanted.into()))? {
-            self.refuse(Some(client), sentence(&refusal));
-        }
-        Ok(())
-    }
-
-    fn aim(&mut self, to: [f32; 2]) {
-        let feed = self.settings.motion.max_speed;
-        self.feed.aim_at(MoveKind::Line { to, feed });
-    }
-
-    fn turn_joint(&mut self, joint: usize, to: f32) {
-        let mut angles = self
-            .status
-            .joint_reference
-            .map_or(self.status.angle, |r| r.angle);
-        for ((index, angle), now) in angles.iter_mut().enumerate().zip(self.status.angle) {
-            *angle = nearest(if index == joint { to } else { *angle }, now);
-        }
-        self.aim_joints(angles);
-    }
-
-    fn change_mode(&mut self, client: Client, elbows: [Side; 2]) {
-        let tool = self.feed.end(&self.status);
-        match tool.and_then(|tool| self.sketch.joints(tool, elbows, &self.status)) {
-            Some(angles) => self.aim_joints(angles),
-            None => self.refuse(
-                Some(client),
-                "These elbows hold the tool there only beyond links 2 and 3 in line, or not at \
-                 all: move the tool first."
-                    .into(),
-            ),
-        }
-    }
-
-    fn aim_joints(&mut self, to: [f32; 2]) {
-        let speed = JOINT_SPEED;
-        self.feed.aim_at(MoveKind::Joint { to, speed });
-    }
-
-    fn load(&mut self, name: &str, text: String) {
-        let scenario = Scenario::new(name, self.robot.clone(), name, text);
-        let job = match scenario.job() {
-            Ok(job) => job,
-            Err(error) => {
-                self.loaded = None;
-                let refusal = Some(error.to_string());
-                let name = name.into();
-                self.pages.tell(&News::Job(&JobNews {
-                    name,
-                    refusal,
-                    ..JobNews::default()
-                }));
-                return;
-            }
-        };
-        let moves = scenario.moves(&job);
-        let news = self.sketch.job(name, &job, &moves, &self.status);
-        self.pages.tell(&News::Job(&news));
-        self.loaded = Some((moves, news));
-    }
-
-    fn begin(&mut self, client: Client) {
-        match &self.loaded {
-            None => self.refuse(Some(client), "There is no job: load one.".into()),
-            Some((
-                _,
-                JobNews {
-                    refusal: Some(why), ..
-                },
-            )) => {
-                self.refuse(Some(client), format!("The job cannot be done. {why}"));
-            }
-            Some((moves, _)) => {
-                self.feed.run(moves.clone());
-                self.notice("The job begins.");
-            }
-        }
     }
 
     fn tell_state(&mut self) -> Result<(), LinkError> {
-        if self.status.fault != self.told {
-            let snapshot = match self.conversation.ask(Order::Snapshot)? {
-                Reply::Snapshot(snapshot) => snapshot,
-                _ => None,
+        if self.told != Some(self.status.fault) {
+            self.told = Some(self.status.fault);
+            let snapshot = match self.status.fault {
+                Some(_) => self.conversation.ask(Order::Snapshot)?,
+                None => Reply::Snapshot(None),
             };
-            let news = snapshot.map(|snapshot| FaultNews {
-                name: fault_name(snapshot.fault),
-                snapshot,
-            });
-            self.pages.tell(&News::Fault(news));
-            self.told = self.status.fault;
+            if let Reply::Snapshot(snapshot) = snapshot {
+                self.pages
+                    .tell(&News::Fault(snapshot.map(|snapshot| FaultNews {
+                        name: fault_name(snapshot.fault),
+                        snapshot,
+                    })));
+            }
         }
         let status = &self.status;
+        let time = f64::from(status.tick) / f64::from(self.settings.control.tick_rate);
+        let now = Instant::now();
         let pose = self.sketch.pose(status);
         self.pages.tell(&News::State(State {
             status,
-            time: f64::from(status.tick) / f64::from(self.settings.control.tick_rate),
+            time,
+            speed: self.speed.at(time, now),
             joints: pose.map(|pose| [pose.b, pose.c, pose.d].map(|point| [point.x, point.y])),
+            elbows: pose.map(|pose| self.sketch.elbows(&pose)),
             control: self.pilot.client(),
-            alive: self.pilot.is_alive(Instant::now()),
+            alive: self.pilot.is_alive(now),
             progress: self.feed.progress(),
         }));
         Ok(())
     }
 
-    fn notice(&self, text: &str) {
+    /// Tells all pages of something that was done.
+    pub(super) fn notice(&self, text: &str) {
         self.pages.tell(&News::Notice {
             to: None,
             refused: false,
@@ -291,7 +218,8 @@ impl<L: Read + Write> Machine<L> {
         });
     }
 
-    fn refuse(&self, to: Option<Client>, text: String) {
+    /// Tells a page, or all, of something that was not done.
+    pub(super) fn refuse(&self, to: Option<Client>, text: String) {
         self.pages.tell(&News::Notice {
             to,
             refused: true,

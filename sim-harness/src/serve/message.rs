@@ -1,4 +1,4 @@
-//! What pages and server say to each other, as JSON.
+//! What pages and server say to each other, as JSON; docs/live-page.md tells it to others.
 
 use super::pilot::Client;
 use axum::extract::ws::Utf8Bytes;
@@ -18,7 +18,8 @@ const WAITING: usize = 64;
 pub(super) enum Wish {
     /// Nothing: it is alive.
     Alive,
-    /// To be in control.
+    /// To be in control: given to any page while the arm rests, and while it moves where
+    /// the page in control is lost.
     Control,
     /// Something of the controller.
     Request(Wanted),
@@ -26,10 +27,17 @@ pub(super) enum Wish {
     Jog([f32; 2]),
     /// To have the tool follow to this point; a later one takes its place.
     Follow([f32; 2]),
-    /// To turn joint 0 or 1 to an angle [rad]; a later one takes its place.
+    /// To turn a joint by so much [rad].
+    JogJoint {
+        /// The joint.
+        joint: Joint,
+        /// The change of θ1 or θ4 [rad].
+        by: f32,
+    },
+    /// To turn a joint to an angle; a later one takes its place.
     Turn {
         /// The joint.
-        joint: usize,
+        joint: Joint,
         /// θ1 or θ4 [rad], whole turns aside.
         to: f32,
     },
@@ -44,6 +52,14 @@ pub(super) enum Wish {
     },
     /// To do the job that is loaded.
     Run,
+}
+
+/// A driven joint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Joint {
+    Theta1,
+    Theta4,
 }
 
 /// The controller's requests, as pages name them.
@@ -85,6 +101,10 @@ pub(super) enum Event {
     Joined,
     /// It asks for something.
     Wish(Wish),
+    /// It asks for something that there is not: what the reader says.
+    Strange(String),
+    /// It has missed some news.
+    Missed,
     /// It has gone.
     Left,
 }
@@ -115,10 +135,14 @@ pub(super) enum News<'a> {
 pub(super) struct State<'a> {
     #[serde(flatten)]
     pub(super) status: &'a Status,
-    /// Time since its start [s].
+    /// Its time since its start [s].
     pub(super) time: f64,
+    /// Its seconds per second of the clock; none in the first second.
+    pub(super) speed: Option<f32>,
     /// B, C, D [m]; none until it is homed.
     pub(super) joints: Option<[[f32; 2]; 3]>,
+    /// The working mode that the arm stands in; none until it is homed.
+    pub(super) elbows: Option<[Side; 2]>,
     /// The page in control.
     pub(super) control: Option<Client>,
     /// Whether that page lives.
@@ -136,7 +160,7 @@ pub(super) struct FaultNews {
 }
 
 /// A job to be drawn before it is done.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub(super) struct JobNews {
     pub(super) name: String,
     /// How many moves it has.

@@ -10,10 +10,10 @@
 //!
 //! | module | what it holds |
 //! |---|---|
-//! | `simulated` | the simulated arm in real time |
+//! | `simulated`, `pace` | the simulated arm in real time, or beside a board that is stepped |
 //! | `arm` | the arm as pages know it before it moves |
-//! | `machine`, `feed` | the conversation, the job in hand |
-//! | `refusal` | the controller's refusals in sentences |
+//! | `machine`, `feed` | the conversation, the moves in hand |
+//! | `wishes`, `refusal` | what pages wish, and why not in sentences |
 //! | `sketch` | the arm and its jobs as lines to draw |
 //! | `pilot` | which page is in control, and whether it lives |
 //! | `message` | what pages and server say to each other |
@@ -25,20 +25,43 @@ mod feed;
 mod guard;
 mod machine;
 mod message;
+mod pace;
 mod pilot;
 mod refusal;
 mod simulated;
 mod sketch;
 mod web;
+mod wishes;
 
 pub use guard::Guard;
 
-use crate::link::{Conversation, LinkError, PortError, SerialLine};
+use crate::drive::{Drive, DriveError};
+use crate::link::{Conversation, Emulator, EmulatorError, LinkError, PortError, SerialLine};
 use crate::robot::{NoHome, Robot};
-use crate::run::{RunError, Scenario};
-use machine::Machine;
+use crate::run::RunError;
+use fivebar_firmware::protocol::{Board, Refusal};
+use machine::{Line, Machine};
+use simulated::SteppedArm;
 use std::io;
 use std::net::{SocketAddr, TcpListener};
+use std::path::Path;
+
+/// The controller that pages look at.
+#[derive(Clone, Copy, Debug)]
+pub enum Source<'a> {
+    /// In this process, moving the simulated arm in real time.
+    Simulated,
+    /// The firmware's image on an emulated board, moving the simulated arm.
+    Emulated(&'a Path),
+    /// On a serial port, moving its own arm; a board with the image `qemu` moves the
+    /// simulated one.
+    Port {
+        /// The port.
+        name: &'a str,
+        /// Whether the robot's settings are given to it and stored there.
+        upload: bool,
+    },
+}
 
 /// Why the page is not, or no longer, served.
 #[derive(Debug, thiserror::Error)]
@@ -63,6 +86,15 @@ pub enum ServeError {
     /// The port cannot be had.
     #[error(transparent)]
     Port(#[from] PortError),
+    /// No emulated board runs.
+    #[error(transparent)]
+    Emulator(#[from] EmulatorError),
+    /// The controller believes in another arm.
+    #[error(transparent)]
+    OtherArm(#[from] DriveError),
+    /// An emulated board does not take the robot's settings.
+    #[error("the emulated board refuses the robot's settings: {0}")]
+    Refused(Refusal),
     /// The controller does not answer, or no longer.
     #[error(transparent)]
     Link(#[from] LinkError),
@@ -71,36 +103,51 @@ pub enum ServeError {
     Settings(#[from] fivebar_firmware::settings::SettingsError),
 }
 
-/// Serves the page at `address` until the controller's line breaks. The arm is simulated,
-/// or moved by the controller on `port`. `ready` is told the address once pages are served.
+/// Serves the page at `address` until `ends` says so or the controller's line breaks.
+/// `ready` is told the address once pages are served.
 ///
 /// # Errors
 /// An address or a port that cannot be had, a robot that cannot be simulated, a controller
-/// that does not answer or no longer does.
+/// of another arm, or one that does not answer or no longer does.
 pub fn serve(
     robot: &Robot,
-    port: Option<&str>,
+    source: Source<'_>,
     address: SocketAddr,
     guard: Guard,
     ready: impl FnOnce(SocketAddr),
+    ends: impl Fn() -> bool + Send + 'static,
 ) -> Result<(), ServeError> {
     let listener = TcpListener::bind(address);
     let listener = listener.map_err(|source| ServeError::Listen { address, source })?;
-    let (web_side, machine_side) = message::channels();
-    let machine: Box<dyn FnOnce() -> ServeError + Send> = match port {
-        None => {
-            let scenario = Scenario::new("page", robot.clone(), "page", String::new());
-            let (conversation, _) = Conversation::open(simulated::line(&scenario)?)?;
-            let machine = Machine::new(conversation, robot.clone(), machine_side)?;
-            Box::new(move || machine.run())
+    let line: Box<dyn Line> = match source {
+        Source::Simulated => Box::new(simulated::line(robot)?),
+        Source::Emulated(image) => Box::new(Emulator::start(image)?),
+        Source::Port { name, .. } => Box::new(SerialLine::open(name)?),
+    };
+    let (mut conversation, identity) = Conversation::open(line)?;
+    let settings = robot.settings().map_err(RunError::from)?;
+    let (place, stepped) = match identity.board {
+        Board::Emulated => {
+            let answer = conversation.write_settings(&settings)?;
+            answer.map_err(ServeError::Refused)?;
+            (
+                "emulated controller, simulated arm",
+                Some(SteppedArm::new(robot)?),
+            )
         }
-        Some(port) => {
-            let (conversation, _) = Conversation::open(SerialLine::open(port)?)?;
-            let machine = Machine::new(conversation, robot.clone(), machine_side)?;
-            Box::new(move || machine.run())
+        Board::Desktop | Board::Stm32f405 => {
+            let upload = matches!(source, Source::Port { upload: true, .. });
+            Drive::new(&mut conversation, &|| false).agree_on(&settings, upload)?;
+            match source {
+                Source::Port { name, .. } => (name, None),
+                Source::Simulated | Source::Emulated(_) => ("simulated", None),
+            }
         }
     };
+    let arm = arm::describe(robot, place)?;
+    let (pages, machine_side) = message::channels();
+    let machine = Machine::new(conversation, stepped, robot.clone(), settings, machine_side)?;
     ready(listener.local_addr()?);
-    let arm = arm::describe(robot, port.is_none())?;
-    web::run(listener, guard, web_side, arm, machine)
+    let site = web::Site { guard, pages, arm };
+    web::run(listener, site, Box::new(move || machine.run(&ends)))
 }

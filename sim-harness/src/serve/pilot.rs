@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 /// A page's number, given when it connects.
 pub(super) type Client = u64;
 
-/// A page in control that has not been heard for so long is taken to be gone. Pages say
-/// that they are alive every 50 ms.
+/// A page in control that has not been heard for so long is taken to be lost. Pages say
+/// that they are alive every 50 ms, hidden ones too.
 const PATIENCE: Duration = Duration::from_millis(500);
 
 /// The page in control, if there is one. Time is told by the caller.
@@ -27,9 +27,10 @@ impl Pilot {
             .is_some_and(|(_, heard)| now.saturating_duration_since(heard) < PATIENCE)
     }
 
-    /// Gives control to a page if no living one has it. Whether it has it now.
-    pub(super) fn take(&mut self, client: Client, now: Instant) -> bool {
-        if self.client() == Some(client) || !self.is_alive(now) {
+    /// Gives control to a page: while the arm rests to any, else only where no living page
+    /// has it. Whether it has it now.
+    pub(super) fn take(&mut self, client: Client, now: Instant, rests: bool) -> bool {
+        if rests || self.client() == Some(client) || !self.is_alive(now) {
             self.in_control = Some((client, now));
         }
         self.client() == Some(client)
@@ -59,21 +60,29 @@ mod tests {
     use std::time::{Duration, Instant};
 
     #[test]
-    fn one_page_is_in_control_until_it_leaves_or_falls_silent() {
+    fn one_page_is_in_control_of_a_moving_arm_until_it_leaves_or_falls_silent() {
         let start = Instant::now();
         let mut pilot = Pilot::default();
         assert!(!pilot.is_alive(start));
-        assert!(pilot.take(1, start));
-        assert!(!pilot.take(2, start) && !pilot.hear(2, start));
+        assert!(pilot.take(1, start, false));
+        assert!(!pilot.take(2, start, false) && !pilot.hear(2, start));
         let late = start + PATIENCE;
         assert!(pilot.hear(1, late - Duration::from_millis(1)));
-        assert!(pilot.is_alive(late) && !pilot.take(2, late));
-        assert!(pilot.take(2, late + PATIENCE));
+        assert!(pilot.is_alive(late) && !pilot.take(2, late, false));
+        assert!(pilot.take(2, late + PATIENCE, false));
         assert!(
             !pilot.hear(1, late + PATIENCE),
             "the first page was given up"
         );
         assert!(!pilot.leave(1) && pilot.client() == Some(2));
         assert!(pilot.leave(2) && pilot.client().is_none());
+    }
+
+    #[test]
+    fn another_page_takes_over_while_the_arm_rests() {
+        let now = Instant::now();
+        let mut pilot = Pilot::default();
+        assert!(pilot.take(1, now, true) && pilot.take(2, now, true));
+        assert!(!pilot.hear(1, now) && pilot.hear(2, now));
     }
 }

@@ -7,7 +7,8 @@ use fivebar_firmware::safety::State;
 /// Why an order was not obeyed.
 pub(super) fn sentence(refusal: &Refusal) -> String {
     match refusal {
-        Refusal::Move(refusal) => format!("The move is refused: {refusal}."),
+        Refusal::Move(refusal) if refusal.tag == 0 => format!("The move is refused: {refusal}."),
+        Refusal::Move(refusal) => format!("Line {} is refused: {refusal}.", refusal.tag),
         Refusal::Request(refusal) => match refusal {
             controller::Refusal::State(state) => format!("Not {}.", while_in(*state)),
             controller::Refusal::NotHomed => "The joint angles are not known: home first.".into(),

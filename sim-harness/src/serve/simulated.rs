@@ -1,63 +1,66 @@
-//! The simulated arm in real time.
+//! The simulated arm: moved by a controller in this process in real time, or by one that
+//! is stepped.
 
-use crate::link::Loopback;
+use super::pace::Pace;
+use crate::link::{Conversation, LinkError, Loopback};
+use crate::plant::Plant;
 use crate::robot::Robot;
 use crate::run::{RunError, Scenario};
 use fivebar_firmware::Command;
-use std::thread;
-use std::time::{Duration, Instant};
+use std::io::{Read, Write};
 
-/// Time that passes between two looks at the clock.
-const PACE: Duration = Duration::from_millis(1);
-/// A simulation this late goes on from where it is, slower than time, instead of racing.
-const TOO_LATE: Duration = Duration::from_millis(100);
+/// Ticks between two looks at the pages: few against the controller's command timeout.
+const TICKS_PER_STEP: u32 = 20;
 
-/// A board that moves the scenario's arm and takes as long as a real one.
-pub(super) fn line(scenario: &Scenario) -> Result<Loopback, RunError> {
-    let settings = scenario.robot.settings()?;
-    let mut plant = scenario.plant()?;
-    let period = 1.0 / scenario.robot.control.tick_rate;
-    let mut pace = Pace::new(&scenario.robot);
+fn scenario(robot: &Robot) -> Scenario {
+    Scenario::new("page", robot.clone(), "page", String::new())
+}
+
+/// A board that moves the robot's arm and takes as long as a real one.
+pub(super) fn line(robot: &Robot) -> Result<Loopback, RunError> {
+    let mut plant = scenario(robot).plant()?;
+    let settings = robot.settings()?;
+    let rate = robot.control.tick_rate;
+    let mut pace = Pace::new(rate);
     let arm = move |command: &Command| {
         pace.tick();
-        plant.step(command, period);
+        plant.step(command, 1.0 / rate);
         plant.sense()
     };
     Loopback::driving(&settings, Box::new(arm)).map_err(|error| RunError::Settings {
-        robot: scenario.robot.name.clone(),
+        robot: robot.name.clone(),
         error,
     })
 }
 
-/// Holds ticks back to the clock on the wall.
-struct Pace {
-    ticks_per_look: u32,
-    ticks: u32,
-    /// When the next look is due.
-    due: Instant,
+/// The arm of a board whose sensors and bridges are frames: no faster than time, and as
+/// much slower as the board is.
+pub(super) struct SteppedArm {
+    plant: Plant,
+    period: f64,
+    pace: Pace,
 }
 
-impl Pace {
-    fn new(robot: &Robot) -> Self {
-        Self {
-            ticks_per_look: ((PACE.as_secs_f64() * robot.control.tick_rate) as u32).max(1),
-            ticks: 0,
-            due: Instant::now(),
-        }
+impl SteppedArm {
+    pub(super) fn new(robot: &Robot) -> Result<Self, RunError> {
+        let rate = robot.control.tick_rate;
+        Ok(Self {
+            plant: scenario(robot).plant()?,
+            period: 1.0 / rate,
+            pace: Pace::new(rate),
+        })
     }
 
-    fn tick(&mut self) {
-        self.ticks += 1;
-        if self.ticks < self.ticks_per_look {
-            return;
+    /// Makes some ticks, and moves as they command.
+    pub(super) fn step<L: Read + Write>(
+        &mut self,
+        board: &mut Conversation<L>,
+    ) -> Result<(), LinkError> {
+        for _ in 0..TICKS_PER_STEP {
+            let ticked = board.tick(self.plant.sense())?;
+            self.plant.step(&ticked.command, self.period);
+            self.pace.tick();
         }
-        self.ticks = 0;
-        self.due += PACE;
-        let now = Instant::now();
-        match self.due.checked_duration_since(now) {
-            Some(early) => thread::sleep(early),
-            None if now - self.due > TOO_LATE => self.due = now,
-            None => {}
-        }
+        Ok(())
     }
 }

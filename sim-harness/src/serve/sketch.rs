@@ -6,7 +6,7 @@ use fivebar_firmware::planner::{MoveRefusal, Planner};
 use fivebar_firmware::settings::SettingsError;
 use fivebar_firmware::{Move, MoveKind, Settings, Status};
 use fivebar_kinematics::Vec2;
-use fivebar_kinematics::five_bar::{Pose, Side, Tool};
+use fivebar_kinematics::five_bar::{Pose, Side, Tool, WorkingMode};
 use fivebar_kinematics::trajectory::{Segment, Sense};
 
 /// Longest straight piece of a drawn arc [m].
@@ -38,20 +38,28 @@ impl Sketch {
         status.homed.then_some(pose)
     }
 
-    /// θ1, θ4 [rad] that hold the tool at `point` [m] with these elbows, each on the turn
-    /// nearest to where the joint is. None out of reach, or where only another assembly
-    /// branch has it, which no motion that keeps clear of type 2 leads to.
-    pub(super) fn joints(
-        &self,
-        point: [f32; 2],
-        [elbow1, elbow4]: [Side; 2],
-        status: &Status,
-    ) -> Option<[f32; 2]> {
-        let mode = fivebar_kinematics::five_bar::WorkingMode::new(elbow1, elbow4);
+    /// The working mode of a pose, by its elbows.
+    pub(super) fn elbows(&self, pose: &Pose<f32>) -> [Side; 2] {
+        let mode = self.tool.working_mode(pose);
+        [mode.elbow1, mode.elbow4]
+    }
+
+    /// The tool at θ1, θ4 [rad], in metres; none where they close no arm.
+    pub(super) fn tool_at(&self, [theta1, theta4]: [f32; 2]) -> Option<[f32; 2]> {
+        let geometry = self.tool.geometry();
+        let pose = geometry.forward(theta1, theta4, self.assembly).ok()?;
+        let tool = self.tool.point(&pose);
+        Some([tool.x, tool.y])
+    }
+
+    /// θ1, θ4 [rad] that hold the tool at `point` [m] with these elbows. None out of reach,
+    /// or where only another assembly branch has it, which no motion that keeps clear of
+    /// type 2 leads to.
+    pub(super) fn joints(&self, point: [f32; 2], [elbow1, elbow4]: [Side; 2]) -> Option<[f32; 2]> {
+        let mode = WorkingMode::new(elbow1, elbow4);
         let pose = self.tool.inverse(vec2(point), mode).ok()?;
         let [theta1, _, _, theta4] = pose.angles();
-        let [now1, now4] = status.angle;
-        (pose.assembly() == self.assembly).then(|| [nearest(theta1, now1), nearest(theta4, now4)])
+        (pose.assembly() == self.assembly).then_some([theta1, theta4])
     }
 
     /// A job to be drawn, held as a whole against what the controller would take from where
@@ -78,17 +86,14 @@ impl Sketch {
             Err(error) => news.refusal = Some(format!("The settings: {error}.")),
         }
         for (step, order) in job.steps.iter().zip(moves) {
-            let points = points(from, &order.kind);
+            let (start, points) = (from, points(from, &order.kind));
             from = *points.last().unwrap_or(&from);
             match news.strokes.last_mut() {
                 Some(stroke) if stroke.down == step.pen_down => stroke.points.extend(points),
-                last => {
-                    let start = last.and_then(|stroke| stroke.points.last().copied());
-                    news.strokes.push(Stroke {
-                        down: step.pen_down,
-                        points: start.into_iter().chain(points).collect(),
-                    });
-                }
+                _ => news.strokes.push(Stroke {
+                    down: step.pen_down,
+                    points: std::iter::once(start).chain(points).collect(),
+                }),
             }
         }
         news
@@ -98,8 +103,7 @@ impl Sketch {
     fn planner(&self, status: &Status) -> Result<Planner, SettingsError> {
         let mut settings = self.settings;
         if let Some(pose) = self.pose(status) {
-            let mode = self.tool.working_mode(&pose);
-            settings.elbows_left = [mode.elbow1, mode.elbow4].map(|side| side == Side::Left);
+            settings.elbows_left = self.elbows(&pose).map(|side| side == Side::Left);
         }
         Planner::new(&settings)
     }

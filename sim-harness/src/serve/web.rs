@@ -1,13 +1,13 @@
 //! The pages and their websockets.
 
 use super::ServeError;
-use super::guard::Guard;
+use super::guard::{Admission, Guard};
 use super::message::{Event, WebSide, Wish};
 use super::pilot::Client;
 use axum::Router;
 use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
 use axum::extract::{Request, State};
-use axum::http::{HeaderValue, header};
+use axum::http::{HeaderValue, StatusCode, header};
 use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
@@ -24,10 +24,12 @@ const LONGEST: usize = 16 << 20;
 /// Nothing but what this server sends is loaded, and no other page frames it.
 const POLICY: &str = "default-src 'self'; frame-ancestors 'none'; base-uri 'none'";
 
-/// A file of the page.
+/// A file of the page: its path, what it is, its text.
 type Asset = (&'static str, &'static str, &'static str);
 
-const ASSETS: [Asset; 5] = [
+const SCRIPT: &str = "text/javascript; charset=utf-8";
+
+const ASSETS: [Asset; 11] = [
     (
         "/",
         "text/html; charset=utf-8",
@@ -38,30 +40,34 @@ const ASSETS: [Asset; 5] = [
         "text/css; charset=utf-8",
         include_str!("page/style.css"),
     ),
+    ("/app.js", SCRIPT, include_str!("page/app.js")),
+    ("/clock.js", SCRIPT, include_str!("page/clock.js")),
+    ("/colour.js", SCRIPT, include_str!("page/colour.js")),
+    ("/connection.js", SCRIPT, include_str!("page/connection.js")),
+    ("/drawing.js", SCRIPT, include_str!("page/drawing.js")),
+    ("/hand.js", SCRIPT, include_str!("page/hand.js")),
+    ("/panel.js", SCRIPT, include_str!("page/panel.js")),
+    ("/plots.js", SCRIPT, include_str!("page/plots.js")),
     (
-        "/app.js",
-        "text/javascript; charset=utf-8",
-        include_str!("page/app.js"),
-    ),
-    (
-        "/drawing.js",
-        "text/javascript; charset=utf-8",
-        include_str!("page/drawing.js"),
-    ),
-    (
-        "/plots.js",
-        "text/javascript; charset=utf-8",
-        include_str!("page/plots.js"),
+        "/demonstration.gcode",
+        "text/plain; charset=utf-8",
+        include_str!("../../jobs/fivebar.gcode"),
     ),
 ];
+
+/// What is served: the files of the page, the arm, and the way to the machine.
+pub(super) struct Site {
+    pub(super) guard: Guard,
+    pub(super) pages: WebSide,
+    /// The arm as pages know it before it moves, in JSON.
+    pub(super) arm: String,
+}
 
 /// Serves until `machine`, which is given a thread of its own, returns.
 pub(super) fn run(
     listener: TcpListener,
-    guard: Guard,
-    pages: WebSide,
-    arm: String,
-    machine: Box<dyn FnOnce() -> ServeError + Send>,
+    site: Site,
+    machine: Box<dyn FnOnce() -> Result<(), ServeError> + Send>,
 ) -> Result<(), ServeError> {
     let mut runtime = tokio::runtime::Builder::new_current_thread();
     runtime.enable_all().build()?.block_on(async {
@@ -70,45 +76,47 @@ pub(super) fn run(
         let (ended, end) = oneshot::channel();
         thread::spawn(move || ended.send(machine()));
         tokio::select! {
-            served = axum::serve(listener, router(guard, pages, arm)) => Ok(served?),
-            error = end => match error {
-                Ok(error) => Err(error),
-                Err(_) => Err(std::io::Error::other("the machine's thread panicked").into()),
-            },
+            served = axum::serve(listener, router(site)) => Ok(served?),
+            outcome = end => outcome.unwrap_or_else(|_| {
+                Err(std::io::Error::other("the machine's thread panicked").into())
+            }),
         }
     })
 }
 
-fn router(guard: Guard, pages: WebSide, arm: String) -> Router {
+fn router(site: Site) -> Router {
+    let Site { guard, pages, arm } = site;
     let mut router = Router::new();
     for (path, kind, text) in ASSETS {
         let answer = move || async move { ([(header::CONTENT_TYPE, kind)], text) };
         router = router.route(path, get(answer));
     }
     let arm = move || async move { ([(header::CONTENT_TYPE, "application/json")], arm) };
-    let guard = Arc::new(guard);
     router
         .route("/arm.json", get(arm))
         .route("/live", get(live))
         .with_state(pages)
-        .layer(middleware::from_fn_with_state(guard, admit))
+        .layer(middleware::from_fn_with_state(Arc::new(guard), admit))
 }
 
 async fn admit(State(guard): State<Arc<Guard>>, request: Request, next: Next) -> Response {
-    if let Err(refusal) = guard.admit(request.uri(), request.headers()) {
-        return refusal.into_response();
-    }
-    let mut response = next.run(request).await;
+    let mut response = match guard.admit(request.uri(), request.headers()) {
+        Ok(Admission::Serve) => next.run(request).await,
+        Ok(Admission::Welcome { cookie }) => {
+            let headers = [(header::LOCATION, "/".into()), (header::SET_COOKIE, cookie)];
+            (StatusCode::SEE_OTHER, headers).into_response()
+        }
+        Err(refusal) => refusal.into_response(),
+    };
     let headers = response.headers_mut();
-    headers.insert(
-        header::CONTENT_SECURITY_POLICY,
-        HeaderValue::from_static(POLICY),
-    );
-    headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
-    headers.insert(
-        header::REFERRER_POLICY,
-        HeaderValue::from_static("no-referrer"),
-    );
+    for (name, value) in [
+        (header::CONTENT_SECURITY_POLICY, POLICY),
+        (header::CACHE_CONTROL, "no-store"),
+        (header::REFERRER_POLICY, "no-referrer"),
+        (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
+    ] {
+        headers.insert(name, HeaderValue::from_static(value));
+    }
     response
 }
 
@@ -130,21 +138,26 @@ async fn attend(mut socket: WebSocket, client: Client, pages: WebSide) {
     let tell = |event| pages.events.send((client, event));
     let _ = tell(Event::Joined);
     loop {
-        tokio::select! {
+        let event = tokio::select! {
             heard = socket.recv() => match heard {
                 Some(Ok(Message::Text(text))) => match serde_json::from_str::<Wish>(&text) {
-                    Ok(wish) => if tell(Event::Wish(wish)).is_err() { break },
-                    // A page of another version, or not a page at all.
-                    Err(_) => break,
+                    Ok(wish) => Event::Wish(wish),
+                    Err(error) => Event::Strange(error.to_string()),
                 },
-                Some(Ok(Message::Ping(_) | Message::Pong(_))) => {}
+                Some(Ok(Message::Ping(_) | Message::Pong(_))) => continue,
                 Some(Ok(Message::Binary(_) | Message::Close(_)) | Err(_)) | None => break,
             },
             told = news.recv() => match told {
-                Ok(text) => if socket.send(Message::Text(text)).await.is_err() { break },
-                Err(RecvError::Lagged(_)) => {}
+                Ok(text) => match socket.send(Message::Text(text)).await {
+                    Ok(()) => continue,
+                    Err(_) => break,
+                },
+                Err(RecvError::Lagged(_)) => Event::Missed,
                 Err(RecvError::Closed) => break,
             },
+        };
+        if tell(event).is_err() {
+            break;
         }
     }
     let _ = tell(Event::Left);

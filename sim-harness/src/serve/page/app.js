@@ -1,148 +1,139 @@
 // The page: what the server tells becomes text and pictures, what hands do becomes wishes.
+import { Connection } from "./connection.js";
 import { Drawing } from "./drawing.js";
+import { Hand } from "./hand.js";
+import { doing, showFault, showJob, showNotice, showNumbers } from "./panel.js";
 import { Plot } from "./plots.js";
 
-const ALIVE = 50; // ms; the server gives up a page after 500 ms
-const RETRY = 1000; // ms
-const LIMITS = ["torque", "voltage", "speed"]; // by bit
+const DEGREE = Math.PI / 180;
 
 const at = (id) => document.getElementById(id);
+const connection = new Connection();
 const drawing = new Drawing(at("arm"));
+const hand = new Hand(at("arm"), drawing);
 const plots = {
   error: new Plot(at("error"), ["--one"]),
   torque: new Plot(at("torque"), ["--one", "--four"]),
   current: new Plot(at("current"), ["--one", "--four"]),
 };
+let me = null; // this page's number
+let elbows = null; // where the arm's are
 
-let socket = null;
-let me = null;
-let state = null;
+// What the server tells.
 
-function send(wish) {
-  if (socket?.readyState === WebSocket.OPEN) socket.send(JSON.stringify(wish));
-}
-
-function connect() {
-  socket = new WebSocket(`ws://${location.host}/live${location.search}`);
-  socket.onmessage = (event) => hear(JSON.parse(event.data));
-  socket.onclose = () => {
-    state = null;
-    document.body.dataset.state = "offline";
-    at("state").textContent = "no connection; a moving arm comes to rest by itself";
-    setTimeout(connect, RETRY);
-  };
-}
-
-function hear(news) {
+connection.onNews = (news) => {
   if (news.hello) me = news.hello;
-  if (news.state) show(news.state);
-  if (news.notice && (news.notice.to ?? me) === me) notice(news.notice.text, news.notice.refused);
+  if (news.state) showState(news.state);
+  if (news.notice && (news.notice.to ?? me) === me) showNotice(news.notice.text, news.notice.refused);
   if ("fault" in news) showFault(news.fault);
-  if (news.job) showJob(news.job);
+  if (news.job) {
+    drawing.job = news.job;
+    showJob(news.job);
+  }
+};
+
+connection.onLost = () => showDoing("offline", "No connection: an arm that moves comes to rest by itself");
+
+function showDoing(state, words) {
+  document.body.dataset.state = state;
+  if (at("state").textContent !== words) at("state").textContent = words;
+  document.title = `${state} · ${at("name").textContent}`;
 }
 
-function notice(text, refused) {
-  at("notice").textContent = text;
-  at("notice").classList.toggle("refused", refused);
+function showState(state) {
+  const watching = state.control !== me;
+  showDoing(state.state, doing(state, watching));
+  document.body.classList.toggle("watching", watching);
+  showNumbers(state);
+  if (state.elbows && String(state.elbows) !== elbows) at("mode").value = elbows = String(state.elbows);
+  const error = state.tool && state.reference
+    ? 1e6 * Math.hypot(state.tool[0] - state.reference[0], state.tool[1] - state.reference[1]) : null;
+  plots.error.add(state.time, [error]);
+  plots.torque.add(state.time, state.torque);
+  plots.current.add(state.time, state.current);
+  drawing.show(state);
 }
 
-const degrees = (angle) => `${((angle * 180) / Math.PI).toFixed(2)}°`;
-const millimetres = (length) => (1000 * length).toFixed(2);
-
-function show(news) {
-  state = news;
-  const watching = news.control !== me;
-  document.body.dataset.state = news.state;
-  const doing = news.homed ? news.state : `${news.state}, not homed`;
-  at("state").textContent = watching ? `${doing} · watching` : doing;
-  at("control").hidden = !watching;
-  at("theta1").textContent = news.homed ? degrees(news.angle[0]) : "–";
-  at("theta4").textContent = news.homed ? degrees(news.angle[1]) : "–";
-  at("tool").textContent = news.tool ? `${news.tool.map(millimetres).join(", ")} mm` : "–";
-  at("limits").textContent = LIMITS.filter((_, bit) => news.limits & (1 << bit)).join(", ") || "nothing";
-  at("bus").textContent = `${news.bus_voltage.toFixed(1)} V`;
-  at("line").textContent = news.tag || "–";
-  const [done, all] = news.progress ?? [0, 1];
-  at("progress").value = done / all;
-  const error = news.tool && news.reference
-    ? 1e6 * Math.hypot(news.tool[0] - news.reference[0], news.tool[1] - news.reference[1]) : null;
-  plots.error.add(news.time, [error]);
-  plots.torque.add(news.time, news.torque);
-  plots.current.add(news.time, news.current);
-  drawing.show(news);
+function draw() {
+  drawing.draw();
+  for (const plot of Object.values(plots)) plot.draw();
+  requestAnimationFrame(draw);
 }
 
-function showFault(fault) {
-  at("fault").hidden = !fault;
-  if (!fault) return;
-  at("fault-name").textContent = `${fault.name} (${fault.fault})`;
-  const pair = (values, unit, digits) => values.map((v) => v.toFixed(digits)).join(", ") + ` ${unit}`;
-  const rows = [
-    ["while", fault.state],
-    ["tick", fault.tick],
-    ["θ1, θ4", fault.angle.map(degrees).join(", ")],
-    ["ω1, ω4", pair(fault.velocity, "rad/s", 3)],
-    ["position errors", pair(fault.error, "rad", 5)],
-    ["currents", pair(fault.current, "A", 3)],
-    ["torques", pair(fault.torque, "N·m", 4)],
-    ["bus", `${fault.bus_voltage.toFixed(1)} V`],
-  ];
-  at("snapshot").replaceChildren(...rows.map(([name, value]) => {
-    const row = document.createElement("tr");
-    const head = document.createElement("th");
-    const cell = document.createElement("td");
-    head.textContent = name;
-    cell.textContent = value;
-    row.append(head, cell);
-    return row;
-  }));
+// What hands do.
+
+function wish(what) {
+  showNotice("");
+  if (!connection.send(what)) showNotice("Not sent: there is no connection.", true);
 }
 
-function showJob(job) {
-  drawing.job = job;
-  at("run").disabled = job.refusal !== null;
-  at("job").textContent = job.refusal
-    ? `${job.name} is refused. ${job.refusal}`
-    : `${job.name}: ${job.moves} moves, all within the arm's limits.`;
-  at("job").dataset.ready = job.refusal === null;
+function emergencyStop() {
+  if (!connection.emergencyStop()) {
+    showNotice("No connection: an arm that moves comes to rest by itself. The emergency stop "
+      + "is sent as soon as there is one.", true);
+  }
 }
-
-const request = (name) => send({ request: name });
 
 function jog(x, y) {
   const step = Number(at("step").value);
-  send({ jog: [x * step, y * step] });
+  wish({ jog: [x * step, y * step] });
 }
 
-document.addEventListener("click", (event) => {
-  const button = event.target.closest("button");
-  if (button?.dataset.request) request(button.dataset.request);
-  if (button?.dataset.jog) jog(...button.dataset.jog.split(",").map(Number));
+function jogJoint(joint, sign) {
+  wish({ jog_joint: { joint, by: sign * Number(at("turn").value) * DEGREE } });
+}
+
+const load = (name, text) => wish({ load: { name, text } });
+
+document.addEventListener("click", ({ target }) => {
+  const { request, jog: direction, turn } = target.closest("button")?.dataset ?? {};
+  if (request) wish({ request });
+  if (direction) jog(...direction.split(",").map(Number));
+  if (turn) jogJoint(turn.slice(0, -1), turn.endsWith("+") ? 1 : -1);
 });
-at("control").onclick = () => send("control");
-at("run").onclick = () => send("run");
-at("change").onclick = () => send({ mode: at("mode").value.split(",") });
+at("emergency").onclick = emergencyStop;
+at("control").onclick = () => wish("control");
+at("run").onclick = () => wish("run");
+at("change").onclick = () => wish({ mode: at("mode").value.split(",") });
+at("demonstration").onclick = async () => {
+  const answer = await fetch("demonstration.gcode");
+  load("the demonstration", await answer.text());
+};
 at("file").onchange = async () => {
   const [file] = at("file").files;
-  if (file) send({ load: { name: file.name, text: await file.text() } });
+  if (file) load(file.name, await file.text());
 };
 
-const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+const KEYS = {
+  ArrowLeft: () => jog(-1, 0),
+  ArrowRight: () => jog(1, 0),
+  ArrowUp: () => jog(0, 1),
+  ArrowDown: () => jog(0, -1),
+};
+const SHIFTED = {
+  ArrowLeft: () => jogJoint("theta1", 1),
+  ArrowRight: () => jogJoint("theta1", -1),
+  ArrowUp: () => jogJoint("theta4", 1),
+  ArrowDown: () => jogJoint("theta4", -1),
+};
 document.addEventListener("keydown", (event) => {
-  if (event.key === "Escape") return request("emergency_stop");
-  const typing = event.target.closest("select, input");
-  if (typing || event.ctrlKey || event.altKey || event.metaKey) return;
-  if (event.key === " " && !event.target.closest("button")) request("stop");
-  else if (event.key in ARROWS) jog(...ARROWS[event.key]);
+  const { key, target } = event;
+  if (key === "Escape") return emergencyStop();
+  if (target.closest("select, input") || event.ctrlKey || event.altKey || event.metaKey) return;
+  const act = (event.shiftKey ? SHIFTED : KEYS)[key];
+  if (key === " " && !target.closest("button")) wish({ request: "stop" });
+  else if (act) act();
   else return;
   event.preventDefault();
 });
 
-drawing.onFollow = (point) => send({ follow: point });
-drawing.onTurn = (joint, angle) => send({ turn: { joint, to: angle } });
+hand.onTake = () => showNotice("");
+hand.onFollow = (point) => connection.send({ follow: point });
+hand.onTurn = (joint, angle) => connection.send({ turn: { joint, to: angle } });
 
-setInterval(() => send("alive"), ALIVE);
-const arm = await (await fetch(`arm.json${location.search}`)).json();
+const arm = await (await fetch("arm.json")).json();
 drawing.arm = arm;
-at("name").textContent = arm.simulated ? `${arm.name}, simulated` : arm.name;
-connect();
+at("name").textContent = arm.name;
+at("place").textContent = arm.place;
+connection.open();
+requestAnimationFrame(draw);

@@ -1,62 +1,61 @@
-// The arm on its canvas, and the hand on the arm.
+// The arm on its canvas, with its trail and the path of the job.
+import { colour } from "./colour.js";
 
-const GRASP = 28; // px around the tool or an elbow
-const OFTEN = 40; // ms between two targets of a drag
 const TRAIL = 600; // samples
-
-const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+const BARS = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1]; // m
 
 export class Drawing {
   #canvas;
-  #state = null;
+  #context;
   #arm = null;
-  #held = null; // what the hand has: "tool", 0 or 1
-  #target = null;
-  #sent = 0;
+  #box = null; // of all that is drawn [m]
+  #state = null;
   #trail = [];
   job = null;
-  onFollow = () => {};
-  onTurn = () => {};
+  target = null; // where a hand pulls [m]
 
   constructor(canvas) {
     this.#canvas = canvas;
-    canvas.addEventListener("pointerdown", (event) => this.#take(event));
-    canvas.addEventListener("pointermove", (event) => this.#pull(event));
-    canvas.addEventListener("pointerup", (event) => this.#release(event));
-    canvas.addEventListener("pointercancel", () => { this.#held = null; });
-    const draw = () => {
-      this.#draw();
-      requestAnimationFrame(draw);
-    };
-    requestAnimationFrame(draw);
+    this.#context = canvas.getContext("2d");
   }
 
   set arm(arm) {
     this.#arm = arm;
-    const xs = [], ys = [];
-    for (const { center, radius, from, to } of arm.boundary) {
-      for (let i = 0; i <= 32; i += 1) {
-        const angle = from + ((to - from) * i) / 32;
-        xs.push(center[0] + radius * Math.cos(angle));
-        ys.push(center[1] + radius * Math.sin(angle));
-      }
-    }
-    this.box = [Math.min(...xs), Math.min(...ys), Math.max(...xs), Math.max(...ys)];
+    const points = arm.boundary.flatMap(({ center, radius, from, to }) => {
+      const at = (share) => from + share * (to - from);
+      return Array.from({ length: 33 }, (_, i) => [
+        center[0] + radius * Math.cos(at(i / 32)), center[1] + radius * Math.sin(at(i / 32))]);
+    });
+    const [xs, ys] = [0, 1].map((axis) => points.map((point) => point[axis]));
+    this.#box = [Math.min(...xs), Math.min(...ys), Math.max(...xs), Math.max(...ys)];
+  }
+
+  get base() {
+    return this.#arm.base;
+  }
+
+  // What a hand can take, by name; none until the arm is homed.
+  get handles() {
+    const state = this.#state;
+    if (!state?.joints || !state.tool) return null;
+    return { tool: state.tool, theta1: state.joints[0], theta4: state.joints[2] };
   }
 
   show(state) {
     this.#state = state;
+    // Where a hand, or a test, finds them.
+    for (const [name, point] of Object.entries(this.handles ?? {})) {
+      this.#canvas.dataset[name] = this.pixel(point);
+    }
     if (!state.tool) return;
-    // Where a hand, or a test, finds the tool.
-    this.#canvas.dataset.tool = this.pixel(state.tool);
     this.#trail.push(state.tool);
     if (this.#trail.length > TRAIL) this.#trail.shift();
   }
 
-  // Pixels of the canvas per metre, and the pixel of the origin.
+  // Pixels per metre, and the pixel of the origin.
   #scale() {
     const { clientWidth: width, clientHeight: height } = this.#canvas;
-    const [x0, y0, x1, y1] = this.box;
+    const [x0, y0, x1, y1] = this.#box;
     const scale = 0.94 * Math.min(width / (x1 - x0), height / (y1 - y0));
     return [scale, width / 2 - (scale * (x0 + x1)) / 2, height / 2 + (scale * (y0 + y1)) / 2];
   }
@@ -67,112 +66,105 @@ export class Drawing {
     return [left + scale * x, top - scale * y];
   }
 
-  #place(event) {
+  // The place under a pointer [m].
+  place({ clientX, clientY }) {
     const [scale, left, top] = this.#scale();
-    const box = this.#canvas.getBoundingClientRect();
-    return [(event.clientX - box.left - left) / scale, (top - (event.clientY - box.top)) / scale];
+    const corner = this.#canvas.getBoundingClientRect();
+    return [(clientX - corner.left - left) / scale, (top - (clientY - corner.top)) / scale];
   }
 
-  #take(event) {
-    if (!this.#state?.joints) return;
-    const place = this.#place(event);
-    const [scale] = this.#scale();
-    const [b, , d] = this.#state.joints;
-    const distance = (point) => scale * Math.hypot(point[0] - place[0], point[1] - place[1]);
-    const things = [["tool", this.#state.tool], [0, b], [1, d]];
-    things.sort((one, other) => distance(one[1]) - distance(other[1]));
-    const [what, point] = things[0];
-    if (distance(point) > GRASP) return;
-    this.#held = what;
-    this.#canvas.setPointerCapture(event.pointerId);
+  // Between two places, in pixels.
+  distance([x0, y0], [x1, y1]) {
+    return this.#scale()[0] * Math.hypot(x1 - x0, y1 - y0);
   }
 
-  #pull(event) {
-    if (this.#held === null) return;
-    this.#target = this.#place(event);
-    if (event.timeStamp - this.#sent >= OFTEN) this.#send(event);
-  }
-
-  #release(event) {
-    if (this.#held === null) return;
-    this.#target = this.#place(event);
-    this.#send(event);
-    this.#held = null;
-    this.#target = null;
-  }
-
-  #send(event) {
-    this.#sent = event.timeStamp;
-    const [x, y] = this.#target;
-    if (this.#held === "tool") this.onFollow([x, y]);
-    else this.onTurn(this.#held, Math.atan2(y, x - (this.#held === 0 ? 0 : this.#arm.base)));
-  }
-
-  #draw() {
-    const canvas = this.#canvas;
+  draw() {
+    const canvas = this.#canvas, context = this.#context;
     if (!this.#arm || !canvas.clientWidth) return;
     const ratio = window.devicePixelRatio || 1;
-    const [width, height] = [canvas.clientWidth * ratio, canvas.clientHeight * ratio].map(Math.round);
-    if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
-    const context = canvas.getContext("2d");
+    const [width, height] = [canvas.clientWidth, canvas.clientHeight];
+    const [wide, high] = [Math.round(width * ratio), Math.round(height * ratio)];
+    if (canvas.width !== wide || canvas.height !== high) Object.assign(canvas, { width: wide, height: high });
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
-    context.clearRect(0, 0, canvas.clientWidth, canvas.clientHeight);
+    context.clearRect(0, 0, width, height);
     context.lineCap = context.lineJoin = "round";
-    this.#drawReach(context);
-    this.#drawJob(context);
-    this.#drawLine(context, this.#trail, "--good", 1.5);
-    this.#drawArm(context);
+    this.#drawReach();
+    this.#drawJob();
+    this.#line(this.#trail, "--good", 2);
+    if (this.#state?.joints) this.#drawArm(this.#state);
+    else this.#drawHome();
+    this.#drawBar(height);
   }
 
-  #drawReach(context) {
-    const [scale] = this.#scale();
+  #drawReach() {
+    const context = this.#context;
     context.strokeStyle = colour("--quiet");
     context.lineWidth = 1;
     context.setLineDash([4, 4]);
     for (const { center, radius, from, to } of this.#arm.boundary) {
       context.beginPath();
-      context.arc(...this.pixel(center), scale * radius, -to, -from);
+      context.arc(...this.pixel(center), this.#scale()[0] * radius, -to, -from);
       context.stroke();
     }
     context.setLineDash([]);
   }
 
-  #drawJob(context) {
+  #drawJob() {
     for (const { down, points } of this.job?.strokes ?? []) {
-      if (!down) context.setLineDash([2, 5]);
-      this.#drawLine(context, points, down ? "--one" : "--quiet", down ? 1.5 : 1);
-      context.setLineDash([]);
+      if (down) {
+        this.#line(points, "--path", 1.5);
+      } else {
+        this.#context.setLineDash([2, 5]);
+        this.#line(points, "--quiet", 1);
+        this.#context.setLineDash([]);
+      }
     }
-    if (this.job?.at) this.#dot(context, this.job.at, "--bad", 6);
+    if (this.job?.at) this.#cross(this.job.at);
   }
 
-  #drawArm(context) {
-    const state = this.#state;
-    const a = [0, 0], e = [this.#arm.base, 0];
-    if (!state?.joints) {
-      const [b, c, d, tool] = this.#arm.home;
-      context.globalAlpha = 0.3;
-      this.#drawLine(context, [a, b, c, d, e], "--quiet", 6);
-      this.#drawLine(context, [c, tool], "--quiet", 6);
-      context.globalAlpha = 1;
-      return;
-    }
-    const [b, c, d] = state.joints;
-    if (state.reference) this.#dot(context, state.reference, "--good", 7);
-    this.#drawLine(context, [a, b], "--one", 7);
-    this.#drawLine(context, [b, c], "--ink", 4);
-    this.#drawLine(context, [e, d], "--four", 7);
-    this.#drawLine(context, [d, c], "--ink", 4);
-    if (state.tool) this.#drawLine(context, [c, state.tool], "--ink", 4);
-    for (const point of [a, e]) this.#dot(context, point, "--quiet", 7);
-    this.#dot(context, b, "--one", 8);
-    this.#dot(context, d, "--four", 8);
-    if (state.tool) this.#dot(context, state.tool, "--ink", 8);
-    if (this.#target) this.#dot(context, this.#target, "--quiet", 4);
+  // Pale, because nobody knows yet where the arm really is.
+  #drawHome() {
+    const [b, c, d, tool] = this.#arm.home;
+    this.#context.globalAlpha = 0.3;
+    this.#line([[0, 0], b, c, d, [this.base, 0]], "--quiet", 6);
+    this.#line([c, tool], "--quiet", 6);
+    this.#context.globalAlpha = 1;
   }
 
-  #drawLine(context, points, name, width) {
+  #drawArm({ joints: [b, c, d], tool, reference }) {
+    const [a, e] = [[0, 0], [this.base, 0]];
+    if (reference) this.#dot(reference, "--good", 8);
+    this.#line([b, c, d], "--ink", 4);
+    if (tool) this.#line([c, tool], "--ink", 4);
+    this.#line([a, b], "--one", 7);
+    this.#line([e, d], "--four", 7);
+    for (const point of [a, e]) this.#dot(point, "--quiet", 7);
+    this.#dot(b, "--one", 10, "1");
+    this.#dot(d, "--four", 10, "4");
+    if (tool) this.#dot(tool, "--ink", 8);
+    if (this.target) this.#dot(this.target, "--quiet", 4);
+  }
+
+  // A length to compare with.
+  #drawBar(height) {
+    const context = this.#context;
+    const length = BARS.findLast((bar) => this.#scale()[0] * bar < 120) ?? BARS[0];
+    const [left, low] = [14, height - 14];
+    context.strokeStyle = context.fillStyle = colour("--quiet");
+    context.lineWidth = 2;
+    context.beginPath();
+    context.moveTo(left, low);
+    context.lineTo(left + this.#scale()[0] * length, low);
+    context.stroke();
+    context.font = "12px system-ui, sans-serif";
+    context.textAlign = "left";
+    context.textBaseline = "alphabetic";
+    context.fillText(`${1000 * length} mm`, left, low - 6);
+  }
+
+  #line(points, name, width) {
     if (points.length < 2) return;
+    const context = this.#context;
     context.strokeStyle = colour(name);
     context.lineWidth = width;
     context.beginPath();
@@ -180,10 +172,31 @@ export class Drawing {
     context.stroke();
   }
 
-  #dot(context, point, name, radius) {
+  #dot(point, name, radius, label = "") {
+    const context = this.#context;
+    const [x, y] = this.pixel(point);
     context.fillStyle = colour(name);
     context.beginPath();
-    context.arc(...this.pixel(point), radius, 0, 2 * Math.PI);
+    context.arc(x, y, radius, 0, 2 * Math.PI);
     context.fill();
+    if (!label) return;
+    context.fillStyle = colour("--paper");
+    context.font = "bold 12px system-ui, sans-serif";
+    context.textAlign = "center";
+    context.textBaseline = "middle";
+    context.fillText(label, x, y + 0.5);
+  }
+
+  #cross(point) {
+    const context = this.#context;
+    const [x, y] = this.pixel(point);
+    context.strokeStyle = colour("--bad");
+    context.lineWidth = 3;
+    context.beginPath();
+    for (const [dx, dy] of [[7, 7], [7, -7]]) {
+      context.moveTo(x - dx, y - dy);
+      context.lineTo(x + dx, y + dy);
+    }
+    context.stroke();
   }
 }

@@ -1,16 +1,18 @@
 // A curve or two over the last seconds.
+import { colour } from "./colour.js";
 
 const SPAN = 10; // s
-
-const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+const MARGIN = 44; // px left of the curves, for the levels
 
 export class Plot {
   #canvas;
+  #context;
   #colours;
   #samples = [];
 
   constructor(canvas, colours) {
     this.#canvas = canvas;
+    this.#context = canvas.getContext("2d");
     this.#colours = colours;
   }
 
@@ -19,47 +21,51 @@ export class Plot {
     if (this.#samples.length && time < this.#samples.at(-1).time) this.#samples = [];
     this.#samples.push({ time, values });
     while (this.#samples[0].time < time - SPAN) this.#samples.shift();
-    this.#draw(time);
   }
 
-  #draw(now) {
-    const canvas = this.#canvas;
+  draw() {
+    const canvas = this.#canvas, context = this.#context;
     const { clientWidth: width, clientHeight: height } = canvas;
+    if (!width || !this.#samples.length) return;
     const ratio = window.devicePixelRatio || 1;
     Object.assign(canvas, { width: Math.round(width * ratio), height: Math.round(height * ratio) });
-    const context = canvas.getContext("2d");
     context.scale(ratio, ratio);
+    const now = this.#samples.at(-1).time;
     const values = this.#samples.flatMap((sample) => sample.values).filter((v) => v !== null);
     const high = niceAbove(Math.max(0, ...values)), low = -niceAbove(Math.max(0, ...values.map((v) => -v)));
     const range = high - low || 1;
-    const x = (time) => width * (1 + (time - now) / SPAN);
-    const y = (value) => 6 + ((high - value) / range) * (height - 12);
-    context.fillStyle = colour("--quiet");
-    context.strokeStyle = colour("--grid");
-    context.font = "12px system-ui, sans-serif";
-    for (const level of new Set([low, 0, high])) {
-      context.beginPath();
-      context.moveTo(0, y(level));
-      context.lineTo(width, y(level));
-      context.stroke();
-      context.fillText(String(level), 4, Math.max(12, y(level) - 3));
-    }
+    const x = (time) => width - ((width - MARGIN) * (now - time)) / SPAN;
+    const y = (value) => 10 + ((high - value) / range) * (height - 20);
+    this.#drawLevels([...new Set([low, 0, high])], y, width);
     context.lineWidth = 1.5;
+    context.lineJoin = "round";
     this.#colours.forEach((name, index) => {
       context.strokeStyle = colour(name);
       context.beginPath();
       let pen = "moveTo";
       for (const sample of this.#samples) {
         const value = sample.values[index];
-        if (value === null) {
-          pen = "moveTo";
-        } else {
-          context[pen](x(sample.time), y(value));
-          pen = "lineTo";
-        }
+        if (value !== null) context[pen](x(sample.time), y(value));
+        pen = value === null ? "moveTo" : "lineTo";
       }
       context.stroke();
     });
+  }
+
+  #drawLevels(levels, y, width) {
+    const context = this.#context;
+    context.fillStyle = colour("--quiet");
+    context.strokeStyle = colour("--grid");
+    context.font = "12px system-ui, sans-serif";
+    context.textAlign = "right";
+    context.textBaseline = "middle";
+    for (const level of levels) {
+      context.beginPath();
+      context.moveTo(MARGIN, y(level));
+      context.lineTo(width, y(level));
+      context.stroke();
+      context.fillText(String(level).replace("-", "−"), MARGIN - 6, y(level));
+    }
   }
 }
 

@@ -1,0 +1,157 @@
+"""`fivebar serve` and its page, for tests."""
+
+import contextlib
+import http.client
+import pathlib
+import signal
+import socket
+import subprocess
+import tempfile
+import threading
+import time
+
+UPGRADE = {"Connection": "Upgrade", "Upgrade": "websocket", "Sec-WebSocket-Version": "13",
+           "Sec-WebSocket-Key": "dGhlIHNhbXBsZSBub25jZQ=="}
+SQUARE = "G21 G90 F3000\nM3\n" + 3 * "G1 X20 Y0\nG1 X20 Y20\nG1 X0 Y20\nG1 X0 Y0\n"
+TOO_LARGE = "G21 G90 F3000\nG1 X20 Y0\nG1 X500 Y0\n"
+
+
+class Server:
+    """`fivebar serve` at a free port. To be used in a `with`."""
+
+    def __init__(self, program, listen="127.0.0.1:0"):
+        self.log = tempfile.NamedTemporaryFile("r")
+        with open(self.log.name, "w") as output:
+            self.process = subprocess.Popen([program, "serve", "--listen", listen],
+                                            stdout=output, stderr=subprocess.STDOUT)
+        while not self.said().endswith("\n"):
+            assert self.process.poll() is None, self.said()
+            time.sleep(0.02)
+        self.url = self.said().split()[-1]
+        self.host = self.url.split("/")[2]
+        self.port = int(self.host.split(":")[1])
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.send_signal(signal.SIGINT)
+        assert self.process.wait(timeout=20) == 0, "Ctrl-C ends it in order"
+
+    def said(self):
+        """All that it wrote."""
+        self.log.seek(0)
+        return self.log.read()
+
+    def answer(self, path, **headers):
+        """Status and headers of a request's answer."""
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=10)
+        with contextlib.closing(connection):
+            connection.request("GET", path, headers={"Host": self.host, **headers})
+            answer = connection.getresponse()
+            return answer.status, dict(answer.getheaders())
+
+    def status(self, path, **headers):
+        return self.answer(path, **headers)[0]
+
+
+class Wire:
+    """Carries connections to a server until it is cut: then it stays open and silent."""
+
+    def __init__(self, port):
+        self.port = port
+        self.whole = threading.Event()
+        self.whole.set()
+        self.listener = socket.create_server(("127.0.0.1", 0))
+        self.url = f"http://127.0.0.1:{self.listener.getsockname()[1]}/"
+        threading.Thread(target=self.accept, daemon=True).start()
+
+    def accept(self):
+        with contextlib.suppress(OSError):
+            while True:
+                near, _ = self.listener.accept()
+                far = socket.create_connection(("127.0.0.1", self.port))
+                for ends in ((near, far), (far, near)):
+                    threading.Thread(target=self.carry, args=ends, daemon=True).start()
+
+    def carry(self, source, sink):
+        with contextlib.suppress(OSError):
+            while data := source.recv(65536):
+                self.whole.wait()
+                sink.sendall(data)
+            sink.shutdown(socket.SHUT_WR)
+
+
+class Page:
+    """The page in the tab that the browser drives now."""
+
+    def __init__(self, browser, url):
+        self.browser = browser
+        browser.open(url)
+        self.tab = browser.tab()
+        browser.wait("the connection", lambda: self.state() not in ("", "offline"))
+
+    def show(self):
+        """Drives this page again."""
+        self.browser.switch(self.tab)
+
+    def state(self):
+        return self.browser.script("return document.body.dataset.state ?? '';")
+
+    def numbers(self, selector):
+        """The numbers of a text such as `-12.3, 45.6 mm`; none where it shows none."""
+        words = self.browser.text(selector).replace("−", "-").replace(",", " ").split()
+        digits = [word.rstrip("°") for word in words]
+        return [float(word) for word in digits if word.lstrip("-")[:1].isdigit()]
+
+    def angles(self):
+        return self.numbers("#theta1") + self.numbers("#theta4")
+
+    def tool(self):
+        return self.numbers("#tool")
+
+    def pixel(self, what):
+        """Where on the canvas the tool or an elbow (theta1, theta4) is."""
+        pixel = self.browser.script(f"return document.getElementById('arm').dataset.{what};")
+        return [float(part) for part in pixel.split(",")]
+
+    def at_rest(self):
+        before = self.tool()
+        time.sleep(0.2)
+        return self.state() == "Armed" and self.tool() == before
+
+    def wait_for_rest(self):
+        self.browser.wait("rest", self.at_rest)
+
+    def request(self, name):
+        self.browser.click(f'[data-request="{name}"]')
+
+    def wait_for(self, state, timeout=30):
+        self.browser.wait(state, lambda: self.state() == state, timeout)
+
+    def wait_for_notice(self, words):
+        self.browser.wait(words, lambda: words in self.browser.text("#notice"))
+
+    def home_and_arm(self):
+        self.request("home")
+        self.browser.wait("home", lambda: self.state() == "Stopped" and len(self.angles()) == 2)
+        self.request("arm")
+        self.wait_for("Armed")
+
+    def load_job(self, text, words):
+        """Loads a job and waits for what is said of it."""
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder, "test.gcode")
+            path.write_text(text)
+            self.browser.type("#file", str(path))
+            self.browser.wait(words, lambda: words in self.browser.text("#job"))
+
+    def run_job(self):
+        self.browser.click("#run")
+        self.wait_for("Running")
+
+    def recover(self):
+        self.request("clear_fault")
+        self.wait_for("Stopped")
+        self.request("arm")
+        self.wait_for("Armed")

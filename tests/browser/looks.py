@@ -1,0 +1,62 @@
+"""What the page looks like, and pictures of it."""
+
+import pathlib
+import subprocess
+import tempfile
+import time
+
+
+def a_phone_has_all_of_it_and_the_emergency_stop_in_view(page):
+    browser = page.browser
+    browser.resize(390, 844, mobile=True)
+    wide = browser.script("return [innerWidth, document.documentElement.scrollWidth];")
+    assert wide == [390, 390], f"the page is {wide[1]} px wide on {wide[0]} px"
+    for end in ("0", "document.body.scrollHeight"):
+        browser.script(f"scrollTo(0, {end});")
+        box = browser.script("""
+            const box = document.getElementById('emergency').getBoundingClientRect();
+            const hit = document.elementFromPoint(box.left + box.width / 2, box.top + box.height / 2);
+            return [box.left, box.top, box.right, box.bottom, hit.closest('#emergency') !== null];""")
+        left, top, right, bottom, reachable = box
+        assert reachable and left >= 0 and top >= 0 and right <= 390 and bottom <= 844, box
+        assert bottom - top >= 44, "large enough for a thumb"
+    browser.script("scrollTo(0, 0);")
+
+
+def dark_is_dark_and_light_is_light(page):
+    browser = page.browser
+
+    def brightness(selector, property):
+        colour = browser.script(f"return getComputedStyle(document.querySelector('{selector}')).{property};")
+        red, green, blue = (int(part) for part in colour.removeprefix("rgb(").rstrip(")").split(","))
+        return (0.299 * red + 0.587 * green + 0.114 * blue) / 255
+
+    for dark in (True, False):
+        browser.dark(dark)
+        paper, ink = brightness("body", "backgroundColor"), brightness("body", "color")
+        assert (paper < 0.2) == dark and abs(ink - paper) > 0.6, (dark, paper, ink)
+
+
+def check(page):
+    a_phone_has_all_of_it_and_the_emergency_stop_in_view(page)
+    dark_is_dark_and_light_is_light(page)
+    page.browser.resize(1280, 900)
+
+
+def take(program, page, folder):
+    """Pictures of the page at work, of a run's report and of a workspace map."""
+    browser = page.browser
+    folder.mkdir(parents=True, exist_ok=True)
+    browser.resize(1280, 860)
+    browser.click("#demonstration")
+    browser.wait("the job", lambda: "60 moves" in browser.text("#job"))
+    page.run_job()
+    time.sleep(7)
+    browser.screenshot(folder / "live-page.png")
+    with tempfile.TemporaryDirectory() as out:
+        out = pathlib.Path(out)
+        subprocess.run([program, "--out", out / "run"], check=True, stdout=subprocess.DEVNULL)
+        browser.open(f"file://{out}/run/report.html")
+        browser.resize(1280, 1000)
+        time.sleep(4)
+        browser.screenshot(folder / "report.png")

@@ -1,0 +1,151 @@
+"""The arm follows the page: by hand, by key, by job, and stops."""
+
+import cmath
+import math
+
+from live import SQUARE, TOO_LARGE
+
+TAB, ENTER, ESCAPE, SPACE = "\ue004", "\ue007", "\ue00c", " "
+LEFT, UP, SHIFT = "\ue012", "\ue013", "\ue008"
+
+
+def the_arm_follows_the_hand(page):
+    before, tool = page.angles(), page.tool()
+    start = page.pixel("tool")
+    page.browser.drag("#arm", start, [start[0] + 40, start[1] + 25])
+    def missed():
+        return max(abs(e - s - d) for e, s, d in zip(page.pixel("tool"), start, [40, 25]))
+    page.browser.wait("the tool under the hand", lambda: page.at_rest() and missed() < 2.5)
+    after, moved = page.angles(), page.tool()
+    turned = [abs(a - b) for a, b in zip(after, before)]
+    assert min(turned) > 1.0, f"the joints turned by {turned} degrees only"
+    assert moved[0] > tool[0] and moved[1] < tool[1], f"from {tool} to {moved} mm"
+
+
+def an_elbow_follows_the_hand_and_the_other_stays(page):
+    before, start = page.angles(), page.pixel("theta1")
+    hand = [start[0] - 8, start[1] - 25]
+    page.browser.drag("#arm", start, hand)
+    page.browser.wait("joint 1 to turn", lambda: page.at_rest() and
+                      abs(page.angles()[0] - before[0]) > 5.0)
+    after, end = page.angles(), page.pixel("theta1")
+    assert abs(after[1] - before[1]) < 0.02, f"joint 4 went from {before[1]} to {after[1]} degrees"
+    # The elbow went along its circle to where it is nearest to the hand.
+    old, new = (cmath.exp(-1j * math.radians(angle)) for angle in (before[0], after[0]))
+    radius = (complex(*end) - complex(*start)) / (new - old)
+    assert abs(radius.imag) < 0.02 * radius.real, f"no circle about joint 1: {radius}"
+    pivot = complex(*start) - radius.real * old
+    missed = math.degrees(cmath.phase((complex(*hand) - pivot) / new))
+    assert abs(missed) < 0.5, f"{missed} degrees beside the hand"
+
+
+def keys_alone_home_arm_jog_and_stop(page):
+    browser = page.browser
+    browser.script("document.getElementById('emergency').focus();")
+
+    def go_to(selector):
+        browser.script("window.steps = 0;")
+        for _ in range(40):
+            browser.press(TAB)
+            if browser.script(f"return document.activeElement.matches('{selector}');"):
+                return
+        raise AssertionError(f"the Tab key never comes to {selector}")
+
+    go_to('[data-request="home"]')
+    browser.press(ENTER)
+    browser.wait("home", lambda: page.state() == "Stopped" and len(page.angles()) == 2)
+    go_to('[data-request="arm"]')
+    browser.press(SPACE)
+    page.wait_for("Armed")
+    tool = page.tool()
+    browser.press(UP)  # by 1 mm
+    browser.wait("the jog", lambda: abs(page.tool()[1] - tool[1] - 1.0) < 0.05)
+    page.wait_for_rest()
+    before = page.angles()
+    browser.press(SHIFT, LEFT)  # joint 1 by +1 degree
+    browser.wait("the turn", lambda: abs(page.angles()[0] - before[0] - 1.0) < 0.05)
+    assert abs(page.angles()[1] - before[1]) < 0.02
+    page.load_job(SQUARE, "within the arm's limits")
+    go_to("#run")
+    browser.press(ENTER)
+    page.wait_for("Running")
+    browser.script("document.activeElement.blur();")
+    browser.press(SPACE)
+    page.wait_for("Armed")
+    browser.wait("the end of the job", lambda: "forgotten" in browser.text("#notice") or page.at_rest())
+
+
+def what_is_out_of_reach_is_refused_with_the_reason(page):
+    start = page.pixel("tool")
+    page.browser.drag("#arm", start, [5, 5], steps=2)
+    page.wait_for_notice("refused")
+    # What of the drag can be done is done first.
+    page.wait_for_rest()
+
+
+def the_branch_changes_and_the_tool_returns(page):
+    browser = page.browser
+    # About here both joints have room for either elbow of leg 1.
+    browser.script("document.getElementById('step').value = '0.02';")
+    x, y = page.tool()
+    for _ in range(round((x + 40) / 20)):
+        browser.press(LEFT)
+    for _ in range(round((200 - y) / 20)):
+        browser.press(UP)
+    browser.wait("the jogs", lambda: page.at_rest() and abs(page.tool()[0] + 40) < 11)
+    tool, elbows = page.tool(), browser.text("#elbows")
+    assert elbows == "1 right, 4 left", elbows
+    for chosen, shown in (("left,left", "1 left, 4 left"), ("right,left", "1 right, 4 left")):
+        browser.script(f"document.getElementById('mode').value = '{chosen}';")
+        browser.click("#change")
+        browser.wait(shown, lambda: page.at_rest() and browser.text("#elbows") == shown)
+        assert max(abs(a - b) for a, b in zip(page.tool(), tool)) < 0.1, page.tool()
+    # Elbow 4 on the other side: joint 4 has no room for that.
+    browser.script("document.getElementById('mode').value = 'right,right';")
+    browser.click("#change")
+    page.wait_for_notice("refused")
+    page.wait_for_rest()
+    assert browser.text("#elbows") == "1 right, 4 left", browser.text("#elbows")
+
+
+def a_job_is_looked_through_before_anything_moves(page):
+    tool = page.tool()
+    page.load_job(TOO_LARGE, "is refused")
+    assert "Line 2: " in page.browser.text("#job"), page.browser.text("#job")
+    page.browser.click("#run")
+    page.wait_for_notice("The job cannot be done")
+    page.wait_for_rest()
+    assert max(abs(a - b) for a, b in zip(page.tool(), tool)) < 0.02, page.tool()
+
+
+def a_job_runs_to_its_end(page):
+    page.load_job(SQUARE, "12 moves, all within the arm's limits")
+    page.run_job()
+    page.wait_for_notice("The job is done.")
+    assert page.state() == "Armed"
+    assert page.browser.script("return document.getElementById('progress').value;") in (0, 1)
+
+
+def the_emergency_stop_shows_the_fault(page):
+    page.run_job()
+    page.browser.press(ESCAPE)
+    page.wait_for("Fault", timeout=5)
+    page.browser.wait("the fault", lambda: "emergency stop (10)" in page.browser.text("#fault"))
+    assert "Running" in page.browser.text("#snapshot"), "the snapshot tells what it was doing"
+    page.recover()
+    # The button does the same.
+    page.run_job()
+    page.browser.click("#emergency")
+    page.wait_for("Fault", timeout=5)
+    page.recover()
+
+
+def check(page):
+    keys_alone_home_arm_jog_and_stop(page)
+    the_arm_follows_the_hand(page)
+    an_elbow_follows_the_hand_and_the_other_stays(page)
+    what_is_out_of_reach_is_refused_with_the_reason(page)
+    the_branch_changes_and_the_tool_returns(page)
+    a_job_is_looked_through_before_anything_moves(page)
+    a_job_runs_to_its_end(page)
+    the_emergency_stop_shows_the_fault(page)

@@ -1,0 +1,106 @@
+"""Several pages, and pages that are lost."""
+
+import time
+
+from live import SQUARE, Page, Wire
+
+ESCAPE = "\ue00c"
+
+
+def watch(browser, url):
+    """Opens another page beside the one that is driven."""
+    browser.new_tab()
+    return Page(browser, url)
+
+
+def rests(page):
+    seen = page.angles()
+    time.sleep(0.4)
+    moved = max(abs(a - b) for a, b in zip(page.angles(), seen))
+    assert moved <= 0.02, f"still moving: {moved} degrees in 0.4 s"
+
+
+def wait_for_lost_page(watcher):
+    watcher.wait_for("Fault")
+    words = watcher.browser.text
+    watcher.browser.wait("the fault", lambda: "command timeout (12)" in words("#fault"))
+    assert "fell silent" in words("#cause") and "Running" in words("#snapshot")
+    rests(watcher)
+
+
+def a_hidden_page_keeps_control_and_a_second_one_watches(pilot, url):
+    browser = pilot.browser
+    pilot.load_job(4 * SQUARE, "within the arm's limits")
+    pilot.run_job()
+    watcher = watch(browser, url)
+    assert "this page watches" in browser.text("#state")
+    for act in (lambda: browser.click('[data-jog="1,0"]'), lambda: browser.click("#run"),
+                lambda: pilot.request("disarm")):
+        act()
+        watcher.wait_for_notice("take control first")
+    browser.click("#control")
+    watcher.wait_for_notice("stop the arm, then take control")
+    time.sleep(2)
+    assert watcher.state() == "Running", "the job goes on though its page is hidden"
+    browser.press(ESCAPE)
+    watcher.wait_for("Fault", timeout=5)
+    # At rest anyone may take over.
+    browser.click("#control")
+    browser.wait("control", lambda: "watches" not in browser.text("#state"))
+    watcher.recover()
+    pilot.show()
+    assert "Another page has taken control" in browser.text("#notice")
+    browser.click("#control")
+    browser.wait("control", lambda: "watches" not in browser.text("#state"))
+    return watcher
+
+
+def a_closed_page_brings_the_arm_to_rest(pilot, watcher):
+    pilot.load_job(4 * SQUARE, "within the arm's limits")
+    pilot.run_job()
+    pilot.browser.close_tab()
+    watcher.show()
+    wait_for_lost_page(watcher)
+
+
+def a_page_put_to_sleep_brings_the_arm_to_rest(pilot, url):
+    browser = pilot.browser
+    browser.click("#control")
+    browser.wait("control", lambda: "watches" not in browser.text("#state"))
+    pilot.recover()
+    pilot.load_job(4 * SQUARE, "within the arm's limits")
+    pilot.run_job()
+    browser.chromium("Page.setWebLifecycleState", state="frozen")
+    watcher = watch(browser, url)
+    wait_for_lost_page(watcher)
+    return watcher
+
+
+def a_page_cut_off_keeps_its_emergency_stop(watcher, server):
+    """The line falls silent without being closed, as when a radio link is lost."""
+    browser = watcher.browser
+    if "watches" in browser.text("#state"):
+        browser.click("#control")
+    watcher.recover()
+    browser.click("#control") if "watches" in browser.text("#state") else None
+    wire = Wire(server.port)
+    pilot = watch(browser, wire.url)
+    browser.click("#control")
+    browser.wait("control", lambda: "watches" not in browser.text("#state"))
+    pilot.load_job(4 * SQUARE, "within the arm's limits")
+    pilot.run_job()
+    wire.whole.clear()
+    pilot.wait_for("offline")
+    browser.press(ESCAPE)
+    pilot.wait_for_notice("sent as soon as there is one")
+    watcher.show()
+    wait_for_lost_page(watcher)
+    wire.whole.set()
+    browser.wait("the emergency stop", lambda: "emergency stop (10)" in browser.text("#fault"))
+
+
+def check(pilot, server):
+    watcher = a_hidden_page_keeps_control_and_a_second_one_watches(pilot, server.url)
+    a_closed_page_brings_the_arm_to_rest(pilot, watcher)
+    watcher = a_page_put_to_sleep_brings_the_arm_to_rest(watcher, server.url)
+    a_page_cut_off_keeps_its_emergency_stop(watcher, server)
