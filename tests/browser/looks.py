@@ -37,7 +37,48 @@ def dark_is_dark_and_light_is_light(page):
         assert (paper < 0.2) == dark and abs(ink - paper) > 0.6, (dark, paper, ink)
 
 
+def colours(page):
+    """Of the canvas: how many differ, and what is at the corner."""
+    return page.browser.script("""
+        const canvas = document.getElementById('arm');
+        const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+        const pixels = new Uint32Array(data.buffer), counts = new Map();
+        for (const pixel of pixels) counts.set(pixel, (counts.get(pixel) ?? 0) + 1);
+        const many = [...counts].filter(([, count]) => count > 200).map(([pixel]) => pixel);
+        return [many.sort(), pixels[0]];""")
+
+
+def the_map_is_of_the_chosen_branch(page):
+    browser = page.browser
+
+    def drawn(what):
+        browser.script(what)
+        # Two frames later it is on the canvas.
+        browser.script("await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));")
+        return colours(page)
+
+    choose = """
+        const mode = document.getElementById('mode');
+        mode.value = '{}';
+        mode.dispatchEvent(new Event('change'));"""
+    own, corner = drawn(choose.format("right,left"))
+    assert len(own) >= 15, f"{len(own)} colours: ten steps, whole and pale"
+    assert corner == 0, "nothing beyond the reach"
+    other, _ = drawn(choose.format("left,right"))
+    assert other != own, "another branch, another map"
+    toggle = "document.getElementById('map').click();"
+    bare, _ = drawn(toggle)
+    assert len(bare) < 10, f"{len(bare)} colours without the map"
+    drawn(toggle)
+    browser.dark(True)
+    dark, _ = drawn(choose.format("right,left"))
+    assert not set(dark) & set(own) - {0}, "colours of its own in the dark"
+    browser.dark(False)
+    assert drawn("")[0] == own
+
+
 def check(page):
+    the_map_is_of_the_chosen_branch(page)
     a_phone_has_all_of_it_and_the_emergency_stop_in_view(page)
     dark_is_dark_and_light_is_light(page)
     page.browser.resize(1280, 900)
@@ -52,6 +93,8 @@ def take(program, page, folder):
     browser.wait("the job", lambda: "60 moves" in browser.text("#job"))
     page.run_job()
     time.sleep(7)
+    browser.resize(1280, browser.script("return document.documentElement.scrollHeight;"))
+    time.sleep(0.3)
     browser.screenshot(folder / "live-page.png")
     with tempfile.TemporaryDirectory() as out:
         out = pathlib.Path(out)

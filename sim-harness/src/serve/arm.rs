@@ -15,16 +15,6 @@ struct Arm<'a> {
     angle_limits: [[f64; 2]; 2],
     /// B, C, D and the tool at home.
     home: [[f64; 2]; 4],
-    /// The arcs around what C can reach.
-    boundary: Vec<Arc>,
-}
-
-#[derive(Debug, Serialize)]
-struct Arc {
-    center: [f64; 2],
-    radius: f64,
-    from: f64,
-    to: f64,
 }
 
 /// A robot, as JSON.
@@ -34,12 +24,6 @@ struct Arc {
 pub(super) fn describe(robot: &Robot, place: &str) -> Result<String, NoHome> {
     let pose = robot.home_pose()?;
     let [b, c, d] = [pose.b, pose.c, pose.d].map(|point| [point.x, point.y]);
-    let boundary = robot.geometry.reach_boundary().map(|arc| Arc {
-        center: [arc.center.x, arc.center.y],
-        radius: arc.radius,
-        from: arc.from,
-        to: arc.to,
-    });
     let arm = Arm {
         name: &robot.name,
         place,
@@ -47,7 +31,6 @@ pub(super) fn describe(robot: &Robot, place: &str) -> Result<String, NoHome> {
         tool_offset: robot.tool.offset,
         angle_limits: robot.limits.angle,
         home: [b, c, d, robot.tool_at(&pose)],
-        boundary: boundary.collect(),
     };
     Ok(serde_json::json!(arm).to_string())
 }

@@ -11,7 +11,7 @@
 //! | module | what it holds |
 //! |---|---|
 //! | `simulated`, `pace` | the simulated arm in real time, or beside a board that is stepped |
-//! | `arm` | the arm as pages know it before it moves |
+//! | `arm`, `maps` | the arm and its workspace as pages know them before it moves |
 //! | `machine`, `feed` | the conversation, the moves in hand |
 //! | `wishes`, `refusal` | what pages wish, and why not in sentences |
 //! | `sketch` | the arm and its jobs as lines to draw |
@@ -24,6 +24,7 @@ mod arm;
 mod feed;
 mod guard;
 mod machine;
+mod maps;
 mod message;
 mod pace;
 mod pilot;
@@ -37,9 +38,10 @@ pub use guard::Guard;
 
 use crate::drive::{Drive, DriveError};
 use crate::link::{Conversation, Emulator, EmulatorError, LinkError, PortError, SerialLine};
-use crate::robot::{NoHome, Robot};
+use crate::robot::{NoHome, NoWorkspace, Robot};
 use crate::run::RunError;
 use fivebar_firmware::protocol::{Board, Refusal};
+use fivebar_kinematics::workspace::GridError;
 use machine::{Line, Machine};
 use simulated::SteppedArm;
 use std::io;
@@ -83,6 +85,12 @@ pub enum ServeError {
     /// The robot has no place to start from.
     #[error(transparent)]
     NoHome(#[from] NoHome),
+    /// The robot's workspace cannot be mapped.
+    #[error(transparent)]
+    NoWorkspace(#[from] NoWorkspace),
+    /// Nor can it with these links.
+    #[error("the robot's workspace: {0}")]
+    Grid(#[from] GridError),
     /// The port cannot be had.
     #[error(transparent)]
     Port(#[from] PortError),
@@ -145,9 +153,15 @@ pub fn serve(
         }
     };
     let arm = arm::describe(robot, place)?;
+    let maps = maps::describe(robot, settings.assembly())?;
     let (pages, machine_side) = message::channels();
     let machine = Machine::new(conversation, stepped, robot.clone(), settings, machine_side)?;
     ready(listener.local_addr()?);
-    let site = web::Site { guard, pages, arm };
+    let site = web::Site {
+        guard,
+        pages,
+        arm,
+        maps,
+    };
     web::run(listener, site, Box::new(move || machine.run(&ends)))
 }

@@ -29,7 +29,7 @@ type Asset = (&'static str, &'static str, &'static str);
 
 const SCRIPT: &str = "text/javascript; charset=utf-8";
 
-const ASSETS: [Asset; 11] = [
+const ASSETS: [Asset; 12] = [
     (
         "/",
         "text/html; charset=utf-8",
@@ -46,6 +46,7 @@ const ASSETS: [Asset; 11] = [
     ("/connection.js", SCRIPT, include_str!("page/connection.js")),
     ("/drawing.js", SCRIPT, include_str!("page/drawing.js")),
     ("/hand.js", SCRIPT, include_str!("page/hand.js")),
+    ("/map.js", SCRIPT, include_str!("page/map.js")),
     ("/panel.js", SCRIPT, include_str!("page/panel.js")),
     ("/plots.js", SCRIPT, include_str!("page/plots.js")),
     (
@@ -61,6 +62,8 @@ pub(super) struct Site {
     pub(super) pages: WebSide,
     /// The arm as pages know it before it moves, in JSON.
     pub(super) arm: String,
+    /// The maps of its workspace, in JSON.
+    pub(super) maps: String,
 }
 
 /// Serves until `machine`, which is given a thread of its own, returns.
@@ -85,15 +88,22 @@ pub(super) fn run(
 }
 
 fn router(site: Site) -> Router {
-    let Site { guard, pages, arm } = site;
+    let Site {
+        guard,
+        pages,
+        arm,
+        maps,
+    } = site;
     let mut router = Router::new();
     for (path, kind, text) in ASSETS {
         let answer = move || async move { ([(header::CONTENT_TYPE, kind)], text) };
         router = router.route(path, get(answer));
     }
-    let arm = move || async move { ([(header::CONTENT_TYPE, "application/json")], arm) };
+    for (path, text) in [("/arm.json", arm), ("/maps.json", maps)] {
+        let answer = move || async move { ([(header::CONTENT_TYPE, "application/json")], text) };
+        router = router.route(path, get(answer));
+    }
     router
-        .route("/arm.json", get(arm))
         .route("/live", get(live))
         .with_state(pages)
         .layer(middleware::from_fn_with_state(Arc::new(guard), admit))

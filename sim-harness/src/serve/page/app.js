@@ -2,14 +2,23 @@
 import { Connection } from "./connection.js";
 import { Drawing } from "./drawing.js";
 import { Hand } from "./hand.js";
+import { WorkspaceMap } from "./map.js";
 import { doing, showFault, showJob, showNotice, showNumbers } from "./panel.js";
 import { Plot } from "./plots.js";
 
 const DEGREE = Math.PI / 180;
 
+// A page that fails must not look like one that works.
+const fail = (reason) => showNotice(`This page failed: ${reason}. Load it again.`, true);
+addEventListener("error", (event) => fail(event.message));
+addEventListener("unhandledrejection", (event) => fail(event.reason));
+
 const at = (id) => document.getElementById(id);
+const json = async (path) => (await fetch(path)).json();
+const arm = await json("arm.json");
+const map = new WorkspaceMap(await json("maps.json"));
 const connection = new Connection();
-const drawing = new Drawing(at("arm"));
+const drawing = new Drawing(at("arm"), arm, map);
 const hand = new Hand(at("arm"), drawing);
 const plots = {
   error: new Plot(at("error"), ["--one"]),
@@ -29,6 +38,7 @@ connection.onNews = (news) => {
   if (news.job) {
     drawing.job = news.job;
     showJob(news.job);
+    redraw();
   }
 };
 
@@ -45,19 +55,44 @@ function showState(state) {
   showDoing(state.state, doing(state, watching));
   document.body.classList.toggle("watching", watching);
   showNumbers(state);
-  if (state.elbows && String(state.elbows) !== elbows) at("mode").value = elbows = String(state.elbows);
+  if (state.elbows && String(state.elbows) !== elbows) {
+    elbows = String(state.elbows);
+    chooseBranch(elbows);
+  }
   const error = state.tool && state.reference
     ? 1e6 * Math.hypot(state.tool[0] - state.reference[0], state.tool[1] - state.reference[1]) : null;
   plots.error.add(state.time, [error]);
   plots.torque.add(state.time, state.torque);
   plots.current.add(state.time, state.current);
   drawing.show(state);
+  redraw();
 }
 
-function draw() {
-  drawing.draw();
-  for (const plot of Object.values(plots)) plot.draw();
-  requestAnimationFrame(draw);
+// Whose map is shown, and where "Change branch" goes.
+function chooseBranch(branch) {
+  at("mode").value = branch;
+  map.choose(branch);
+  redraw();
+}
+
+function showLegend() {
+  at("ramp").replaceChildren(...map.legend.map((background) => {
+    const step = document.createElement("i");
+    step.style.background = background;
+    return step;
+  }));
+}
+
+// Draws at the next frame, once for all that changes before it.
+let willDraw = false;
+function redraw() {
+  if (willDraw) return;
+  willDraw = true;
+  requestAnimationFrame(() => {
+    willDraw = false;
+    drawing.draw();
+    for (const plot of Object.values(plots)) plot.draw();
+  });
 }
 
 // What hands do.
@@ -95,6 +130,11 @@ at("emergency").onclick = emergencyStop;
 at("control").onclick = () => wish("control");
 at("run").onclick = () => wish("run");
 at("change").onclick = () => wish({ mode: at("mode").value.split(",") });
+at("mode").onchange = () => chooseBranch(at("mode").value);
+at("map").onchange = () => {
+  map.shown = at("map").checked;
+  redraw();
+};
 at("demonstration").onclick = async () => {
   const answer = await fetch("demonstration.gcode");
   load("the demonstration", await answer.text());
@@ -131,9 +171,14 @@ hand.onTake = () => showNotice("");
 hand.onFollow = (point) => connection.send({ follow: point });
 hand.onTurn = (joint, angle) => connection.send({ turn: { joint, to: angle } });
 
-const arm = await (await fetch("arm.json")).json();
-drawing.arm = arm;
 at("name").textContent = arm.name;
 at("place").textContent = arm.place;
+chooseBranch(at("mode").value);
+showLegend();
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+  map.paint();
+  showLegend();
+  redraw();
+});
+addEventListener("resize", redraw);
 connection.open();
-requestAnimationFrame(draw);

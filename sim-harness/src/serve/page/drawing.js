@@ -7,27 +7,18 @@ const BARS = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1]; // m
 export class Drawing {
   #canvas;
   #context;
-  #arm = null;
-  #box = null; // of all that is drawn [m]
+  #arm;
+  #map;
   #state = null;
   #trail = [];
   job = null;
   target = null; // where a hand pulls [m]
 
-  constructor(canvas) {
+  constructor(canvas, arm, map) {
     this.#canvas = canvas;
-    this.#context = canvas.getContext("2d");
-  }
-
-  set arm(arm) {
     this.#arm = arm;
-    const points = arm.boundary.flatMap(({ center, radius, from, to }) => {
-      const at = (share) => from + share * (to - from);
-      return Array.from({ length: 33 }, (_, i) => [
-        center[0] + radius * Math.cos(at(i / 32)), center[1] + radius * Math.sin(at(i / 32))]);
-    });
-    const [xs, ys] = [0, 1].map((axis) => points.map((point) => point[axis]));
-    this.#box = [Math.min(...xs), Math.min(...ys), Math.max(...xs), Math.max(...ys)];
+    this.#map = map;
+    this.#context = canvas.getContext("2d");
   }
 
   get base() {
@@ -55,7 +46,7 @@ export class Drawing {
   // Pixels per metre, and the pixel of the origin.
   #scale() {
     const { clientWidth: width, clientHeight: height } = this.#canvas;
-    const [x0, y0, x1, y1] = this.#box;
+    const [x0, y0, x1, y1] = this.#map.box;
     const scale = 0.94 * Math.min(width / (x1 - x0), height / (y1 - y0));
     return [scale, width / 2 - (scale * (x0 + x1)) / 2, height / 2 + (scale * (y0 + y1)) / 2];
   }
@@ -80,7 +71,7 @@ export class Drawing {
 
   draw() {
     const canvas = this.#canvas, context = this.#context;
-    if (!this.#arm || !canvas.clientWidth) return;
+    if (!canvas.clientWidth) return;
     const ratio = window.devicePixelRatio || 1;
     const [width, height] = [canvas.clientWidth, canvas.clientHeight];
     const [wide, high] = [Math.round(width * ratio), Math.round(height * ratio)];
@@ -88,25 +79,12 @@ export class Drawing {
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     context.clearRect(0, 0, width, height);
     context.lineCap = context.lineJoin = "round";
-    this.#drawReach();
+    this.#map.draw(context, (place) => this.pixel(place), (...line) => this.#line(...line));
     this.#drawJob();
     this.#line(this.#trail, "--good", 2);
     if (this.#state?.joints) this.#drawArm(this.#state);
     else this.#drawHome();
     this.#drawBar(height);
-  }
-
-  #drawReach() {
-    const context = this.#context;
-    context.strokeStyle = colour("--quiet");
-    context.lineWidth = 1;
-    context.setLineDash([4, 4]);
-    for (const { center, radius, from, to } of this.#arm.boundary) {
-      context.beginPath();
-      context.arc(...this.pixel(center), this.#scale()[0] * radius, -to, -from);
-      context.stroke();
-    }
-    context.setLineDash([]);
   }
 
   #drawJob() {

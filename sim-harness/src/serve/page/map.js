@@ -1,0 +1,85 @@
+// The workspace under the arm: how well the tool moves where, and where it is singular.
+import { colour } from "./colour.js";
+
+// As the server writes its cells.
+const OUTSIDE = -1;
+const FORBIDDEN = 200;
+
+const STEPS = 10;
+const PALE = 0.35; // where the arm may not go
+
+export class WorkspaceMap {
+  #maps;
+  #map = null; // of the chosen branch
+  #picture = document.createElement("canvas");
+  shown = true;
+
+  constructor(maps) {
+    this.#maps = maps;
+  }
+
+  // Lower left and upper right corner of all that can be reached [m].
+  get box() {
+    const { low, high } = this.#maps[0];
+    return [...low, ...high];
+  }
+
+  // The branch by its elbows, such as "right,left".
+  choose(elbows) {
+    this.#map = this.#maps.find((map) => String(map.elbows) === elbows) ?? null;
+    this.paint();
+  }
+
+  // The colours of the steps, from the worst to the best.
+  get #ramp() {
+    const stops = ["--worst", "--middling", "--best"].map((name) => channels(colour(name)));
+    return Array.from({ length: STEPS }, (_, step) => {
+      const along = (2 * step) / (STEPS - 1);
+      const [from, to] = along < 1 ? stops : stops.slice(1);
+      const share = along < 1 ? along : along - 1;
+      return from.map((channel, i) => Math.round(channel + share * (to[i] - channel)));
+    });
+  }
+
+  // Colours for a legend.
+  get legend() {
+    return this.#ramp.map((channels) => `rgb(${channels})`);
+  }
+
+  // To be done again when the style sheet's colours change.
+  paint() {
+    if (!this.#map) return;
+    const { cells, columns } = this.#map;
+    const rows = cells.length / columns;
+    Object.assign(this.#picture, { width: columns, height: rows });
+    const context = this.#picture.getContext("2d");
+    const image = context.createImageData(columns, rows);
+    const ramp = this.#ramp;
+    cells.forEach((cell, index) => {
+      if (cell === OUTSIDE) return;
+      const forbidden = cell >= FORBIDDEN;
+      const condition = forbidden ? cell - FORBIDDEN : cell;
+      const step = Math.min(STEPS - 1, Math.floor((condition * STEPS) / 100));
+      // A picture's rows go down.
+      const pixel = (rows - 1 - Math.floor(index / columns)) * columns + (index % columns);
+      image.data.set([...ramp[step], forbidden ? 255 * PALE : 255], 4 * pixel);
+    });
+    context.putImageData(image, 0, 0);
+  }
+
+  // Draws it where `pixel` says that places are, lines by `line`.
+  draw(context, pixel, line) {
+    if (!this.#map || !this.shown) return;
+    const { low, high, type1, type2 } = this.#map;
+    const [left, bottom] = pixel(low), [right, top] = pixel(high);
+    context.imageSmoothingEnabled = false;
+    context.drawImage(this.#picture, left, top, right - left, bottom - top);
+    for (const curve of type1) line(curve, "--quiet", 1.5);
+    context.setLineDash([6, 4]);
+    for (const curve of type2) line(curve, "--bad", 1.5);
+    context.setLineDash([]);
+  }
+}
+
+// Of a colour such as #1d2430.
+const channels = (hex) => [1, 3, 5].map((start) => parseInt(hex.slice(start, start + 2), 16));
