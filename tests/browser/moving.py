@@ -83,16 +83,23 @@ def what_is_out_of_reach_is_refused_with_the_reason(page):
     page.wait_for_rest()
 
 
+def take_the_tool_to(page, place):
+    """Drags the tool to a place [mm], having seen by a drag how long a millimetre is."""
+    tool, start = page.tool(), page.pixel("tool")
+    page.browser.drag("#arm", start, [start[0] - 30, start[1] - 30])
+    page.browser.wait("a drag", lambda: page.at_rest() and page.tool()[0] < tool[0] - 1)
+    pixel, now = page.pixel("tool"), page.tool()
+    scale = (pixel[0] - start[0]) / (now[0] - tool[0])
+    away = [scale * (place[0] - now[0]), -scale * (place[1] - now[1])]
+    page.browser.drag("#arm", pixel, [p + d for p, d in zip(pixel, away)])
+    page.browser.wait("the tool in place", lambda: page.at_rest() and
+                      max(abs(a - b) for a, b in zip(page.tool(), place)) < 2)
+
+
 def the_branch_changes_and_the_tool_returns(page):
     browser = page.browser
-    # About here both joints have room for either elbow of leg 1.
-    browser.script("document.getElementById('step').value = '0.02';")
-    x, y = page.tool()
-    for _ in range(round((x + 40) / 20)):
-        browser.press(LEFT)
-    for _ in range(round((200 - y) / 20)):
-        browser.press(UP)
-    browser.wait("the jogs", lambda: page.at_rest() and abs(page.tool()[0] + 40) < 11)
+    # There both joints have room for either elbow of leg 1.
+    take_the_tool_to(page, [-40, 200])
     tool, elbows = page.tool(), browser.text("#elbows")
     assert elbows == "1 right, 4 left", elbows
     for chosen, shown in (("left,left", "1 left, 4 left"), ("right,left", "1 right, 4 left")):

@@ -71,6 +71,7 @@ def a_page_put_to_sleep_brings_the_arm_to_rest(pilot, url):
     pilot.load_job(4 * SQUARE, "within the arm's limits")
     pilot.run_job()
     browser.chromium("Page.setWebLifecycleState", state="frozen")
+    time.sleep(1)  # another tab would wake it
     watcher = watch(browser, url)
     wait_for_lost_page(watcher)
     return watcher
