@@ -2,96 +2,12 @@
 #![cfg(unix)]
 
 mod arm;
+mod board;
 
-use serialport::{SerialPort, TTYPort};
-use std::io::{Read, Write};
-use std::process::{Child, Command, Output, Stdio};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread::JoinHandle;
+use board::{Board, end, fivebar};
+use std::io::Write;
+use std::process::Command;
 use std::time::Duration;
-
-/// Turns of a silent host for which the board's time goes on: 50 ms, so that a busy
-/// machine does not look like a silent host.
-const PATIENCE: u32 = 5;
-
-/// A board at the far end of a pseudo-terminal.
-struct Board {
-    port: String,
-    ends: Arc<AtomicBool>,
-    thread: Option<JoinHandle<()>>,
-}
-
-impl Board {
-    fn start(answers: bool) -> Self {
-        let (mut far, near) = TTYPort::pair().expect("a pseudo-terminal");
-        far.set_timeout(Duration::from_millis(5))
-            .expect("a timeout");
-        let port = near.name().expect("a name");
-        let ends = Arc::new(AtomicBool::new(false));
-        let ended = Arc::clone(&ends);
-        let thread = std::thread::spawn(move || {
-            // The near end stays open, or the far one would fail before the program comes.
-            let _near = near;
-            let mut board = arm::driving();
-            let mut silence = 0;
-            while !ended.load(Ordering::Relaxed) {
-                let mut bytes = [0; 512];
-                let count = far.read(&mut bytes).unwrap_or(0);
-                if !answers {
-                    continue;
-                }
-                silence = if count > 0 { 0 } else { silence + 1 };
-                board.write_all(&bytes[..count]).expect("a perfect line");
-                if silence < PATIENCE
-                    && let Ok(count) = board.read(&mut bytes)
-                {
-                    // A program that has ended reads no more.
-                    let _ = far.write_all(&bytes[..count]);
-                }
-            }
-        });
-        Self {
-            port,
-            ends,
-            thread: Some(thread),
-        }
-    }
-
-    fn fivebar(&self, arguments: &[&str]) -> Child {
-        fivebar(&[arguments, &["--port", &self.port]].concat())
-    }
-}
-
-impl Drop for Board {
-    fn drop(&mut self) {
-        self.ends.store(true, Ordering::Relaxed);
-        if let Some(thread) = self.thread.take() {
-            thread.join().expect("the board did not panic");
-        }
-    }
-}
-
-fn fivebar(arguments: &[&str]) -> Child {
-    Command::new(env!("CARGO_BIN_EXE_fivebar"))
-        .args(arguments)
-        .stdin(Stdio::null())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("the program")
-}
-
-/// Its status, what it said and what it complained of.
-fn end(child: Child) -> (Option<i32>, String, String) {
-    let Output {
-        status,
-        stdout,
-        stderr,
-    } = child.wait_with_output().expect("an end");
-    let text = |bytes| String::from_utf8(bytes).expect("text");
-    (status.code(), text(stdout), text(stderr))
-}
 
 /// A job of two seconds or so.
 fn job() -> tempfile::NamedTempFile {
@@ -112,7 +28,7 @@ fn drive(job: &tempfile::NamedTempFile) -> [&str; 2] {
 
 #[test]
 fn a_monitor_shows_samples_and_counts_losses() {
-    let board = Board::start(true);
+    let board = Board::start(Some(arm::driving()));
     let child = board.fivebar(&["monitor", "--rate", "100", "--samples", "5"]);
     let (status, out, err) = end(child);
     assert_eq!(status, Some(0), "{err}");
@@ -128,7 +44,7 @@ fn a_monitor_shows_samples_and_counts_losses() {
 
 #[test]
 fn a_job_is_driven_over_a_port_to_its_end() {
-    let board = Board::start(true);
+    let board = Board::start(Some(arm::driving()));
     let job = job();
     let log = tempfile::NamedTempFile::new().expect("a file");
     let trace = ["--trace", log.path().to_str().expect("text")];
@@ -144,7 +60,7 @@ fn a_job_is_driven_over_a_port_to_its_end() {
 
 #[test]
 fn ctrl_c_stops_the_arm_and_says_on_which_line() {
-    let board = Board::start(true);
+    let board = Board::start(Some(arm::driving()));
     let job = job();
     let log = tempfile::NamedTempFile::new().expect("a file");
     let trace = ["--trace", log.path().to_str().expect("text")];
@@ -182,7 +98,7 @@ fn an_absent_port_is_told_with_those_there_are() {
 
 #[test]
 fn a_busy_port_is_told() {
-    let board = Board::start(true);
+    let board = Board::start(Some(arm::driving()));
     let _ours = serialport::new(&board.port, 1_000_000)
         .open()
         .expect("the port");
@@ -205,7 +121,7 @@ fn a_file_is_no_port() {
 
 #[test]
 fn a_silent_controller_is_given_up_in_seconds() {
-    let board = Board::start(false);
+    let board = Board::start(None);
     let (status, _, err) = end(board.fivebar(&["monitor"]));
     assert_eq!(status, Some(1));
     assert!(

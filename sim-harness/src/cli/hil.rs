@@ -19,6 +19,7 @@ pub(super) struct Args {
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     lockstep::run(
         &args.run,
+        &args.port,
         || Ok(Box::new(SerialLine::open(&args.port).map_err(refused)?)),
         "ns",
     )

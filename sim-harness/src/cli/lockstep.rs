@@ -43,9 +43,11 @@ struct PerTick {
     max: u32,
 }
 
-/// Runs the job on the controller at the other end of `line`; `unit` is what that counts.
+/// Runs the job on the controller at the other end of `line`, which is called `name`;
+/// `unit` is what that counts.
 pub(super) fn run(
     args: &LockstepArgs,
+    name: &str,
     line: impl FnOnce() -> Result<Box<dyn Line>, Failure>,
     unit: &str,
 ) -> Result<(), Failure> {
@@ -63,7 +65,8 @@ pub(super) fn run(
     moves.truncate(count.unwrap_or(usize::MAX));
 
     let settings = scenario.robot.settings().map_err(refused)?;
-    let (mut lockstep, _) = Lockstep::begin(line()?, &settings, &settings).map_err(refused)?;
+    let (mut lockstep, _) = Lockstep::begin(line()?, &settings, &settings)
+        .map_err(|error| refused(format!("{name}: {error}")))?;
     let bar = progress_bar(moves.len());
     let ran = scenario.run_on(&mut lockstep, &moves, &mut |done| {
         bar.set_position(done as u64);

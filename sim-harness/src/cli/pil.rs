@@ -23,6 +23,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         .unwrap_or_else(|| Emulator::built_image("qemu"));
     lockstep::run(
         &args.run,
+        "the emulated board",
         || Ok(Box::new(Emulator::start(&image).map_err(refused)?)),
         "instructions",
     )

@@ -1,5 +1,6 @@
 //! Asking a controller: one order at a time, asked again while the line is silent.
 
+use super::READ;
 use fivebar_firmware::protocol::{
     ControllerMessage, Decoder, HostMessage, Identity, Order, Refusal, Reply, SectionKey, Sequence,
     Telemetry, Ticked, VERSION, encode,
@@ -10,14 +11,22 @@ use std::io::{self, ErrorKind, Read, Write};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-/// How long to wait for a reply before asking again. Well under the silence at which a
-/// moving arm stops, so that a lost frame does not stop it.
-const REPLY: Duration = Duration::from_millis(40);
-/// Reads in vain that amount to the same: on a line in this process they take no time.
-const IDLE_READS: u32 = 4;
+/// How long to wait for a reply before asking again. Two such waits, the second twice as
+/// long, stay under the 0.1 s of silence at which a moving arm stops: two lost frames in a
+/// row do not stop it.
+const FIRST_WAIT: Duration = Duration::from_millis(30);
+/// Each wait is twice the one before, up to this: a controller that is only slow, such as
+/// an emulated one on a busy machine, is not flooded with repetitions.
+const LONGEST_WAIT: Duration = Duration::from_millis(480);
 /// How often to ask before the controller counts as silent: over 6 s, in which the
 /// controller may be erasing flash.
-const ATTEMPTS: u32 = 160;
+const ATTEMPTS: u32 = 16;
+
+/// How long to wait after each time of asking.
+fn waits() -> impl Iterator<Item = Duration> {
+    let doubled = |wait: &Duration| Some((2 * *wait).min(LONGEST_WAIT));
+    std::iter::successors(Some(FIRST_WAIT), doubled).take(ATTEMPTS as usize)
+}
 
 /// A conversation with a controller over a line whose reads give up in time
 /// ([`ErrorKind::TimedOut`]).
@@ -38,7 +47,7 @@ pub enum LinkError {
     #[error(
         "the controller is silent: asked {ATTEMPTS} times in {:.0} s; is it powered, is it the \
          right port, and does it run this firmware?",
-        (REPLY * ATTEMPTS).as_secs_f64()
+        waits().sum::<Duration>().as_secs_f64()
     )]
     Silent,
     /// The controller speaks another version.
@@ -95,11 +104,11 @@ impl<L: Read + Write> Conversation<L> {
         let frame = encode(&message).ok_or_else(|| {
             io::Error::new(ErrorKind::InvalidInput, "an order is longer than a frame")
         })?;
-        for attempt in 0..ATTEMPTS {
+        for (attempt, wait) in waits().enumerate() {
             self.repeats += u32::from(attempt > 0);
             self.line.write_all(&frame)?;
             self.line.flush()?;
-            if let Some(reply) = self.reply_to(sequence)? {
+            if let Some(reply) = self.reply_to(sequence, wait)? {
                 self.last = sequence;
                 return Ok(reply);
             }
@@ -200,10 +209,13 @@ impl<L: Read + Write> Conversation<L> {
     }
 
     /// The reply with this number, if it comes in time.
-    fn reply_to(&mut self, sequence: Sequence) -> Result<Option<Reply>, LinkError> {
-        let deadline = Instant::now() + REPLY;
+    fn reply_to(&mut self, sequence: Sequence, wait: Duration) -> Result<Option<Reply>, LinkError> {
+        let deadline = Instant::now() + wait;
+        // Reads in vain that amount to the same: on a line in this process they take no
+        // time.
+        let most = wait.as_millis() / READ.as_millis();
         let mut idle_reads = 0;
-        while Instant::now() < deadline && idle_reads < IDLE_READS {
+        while Instant::now() < deadline && idle_reads < most {
             match self.next_message()? {
                 Some(ControllerMessage::Reply { sequence: s, reply }) if s == sequence => {
                     return Ok(Some(reply));
@@ -211,7 +223,7 @@ impl<L: Read + Write> Conversation<L> {
                 Some(ControllerMessage::Telemetry(sample)) => self.telemetry.push_back(sample),
                 // A late reply to an order asked twice.
                 Some(ControllerMessage::Reply { .. }) => {}
-                None => idle_reads += u32::from(self.unread.is_empty()),
+                None => idle_reads += u128::from(self.unread.is_empty()),
             }
         }
         Ok(None)
@@ -249,5 +261,20 @@ fn confused(order: &Order, reply: &Reply) -> LinkError {
     LinkError::Confused {
         order: format!("{order:?}"),
         reply: format!("{reply:?}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::waits;
+    use std::time::Duration;
+
+    #[test]
+    fn two_lost_frames_do_not_stop_an_arm_and_a_slow_controller_is_not_flooded() {
+        let until = |count| waits().take(count).sum::<Duration>();
+        assert!(until(2) < Duration::from_millis(100), "{:?}", until(2));
+        // Asked five times in all by the end of a second's stall.
+        assert!(until(5) > Duration::from_millis(900), "{:?}", until(5));
+        assert!(until(usize::MAX) > Duration::from_secs(6));
     }
 }

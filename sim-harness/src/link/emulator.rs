@@ -1,22 +1,34 @@
 //! An emulated STM32F405 in a process of its own, its serial line a local TCP connection.
 
 use super::READ;
+use super::kept_child::KeptChild;
+use std::ffi::OsString;
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// The emulator's program.
 const QEMU: &str = "qemu-system-arm";
+/// What is emulated: one instruction takes one nanosecond.
+const BOARD: [&str; 6] = [
+    "-machine",
+    "netduinoplus2",
+    "-icount",
+    "shift=0",
+    "-display",
+    "none",
+];
 /// How long the emulator may take to start.
 const START: Duration = Duration::from_secs(10);
 
-/// A running emulated board; it ends with this value.
+/// A running emulated board; it ends with this value, and with this process.
 #[derive(Debug)]
 pub struct Emulator {
-    process: Child,
+    _process: KeptChild,
     line: TcpStream,
+    /// The emulator's own command line.
+    monitor: TcpStream,
 }
 
 /// Why no emulated board runs.
@@ -55,56 +67,71 @@ impl Emulator {
     /// # Errors
     /// No image, no emulator, or an emulator that does not start.
     pub fn start(image: &Path) -> Result<Self, EmulatorError> {
+        Self::start_with(image, &[])
+    }
+
+    /// Starts a board whose memory holds these files from these addresses on, after the
+    /// image has been loaded; at each reset they are there anew.
+    ///
+    /// # Errors
+    /// As [`Emulator::start`].
+    pub fn start_with(image: &Path, memory: &[(u32, &Path)]) -> Result<Self, EmulatorError> {
         if !image.is_file() {
             return Err(EmulatorError::NoImage(image.to_owned()));
         }
-        let listener = TcpListener::bind("127.0.0.1:0")?;
-        listener.set_nonblocking(true)?;
-        let address = listener.local_addr()?;
-        let mut process = Command::new(QEMU)
-            .args(["-machine", "netduinoplus2", "-icount", "shift=0"])
-            .args(["-display", "none", "-monitor", "none"])
-            .args(["-serial", &format!("tcp:{address},nodelay=on")])
-            .arg("-kernel")
-            .arg(image)
-            .stdin(Stdio::null())
-            .stdout(Stdio::null())
-            .stderr(Stdio::piped())
-            .spawn()
-            .map_err(|error| match error.kind() {
-                ErrorKind::NotFound => EmulatorError::NoQemu,
-                _ => EmulatorError::Io(error),
-            })?;
-        match connection(&listener, &mut process) {
-            Ok(line) => Ok(Self { process, line }),
-            Err(error) => {
-                end(&mut process);
-                Err(error)
-            }
+        let serial = TcpListener::bind("127.0.0.1:0")?;
+        let monitor = TcpListener::bind("127.0.0.1:0")?;
+        let mut arguments: Vec<OsString> = BOARD.iter().map(OsString::from).collect();
+        for (option, listener) in [("-serial", &serial), ("-monitor", &monitor)] {
+            let address = listener.local_addr()?;
+            arguments.push(option.into());
+            arguments.push(format!("tcp:{address},nodelay=on").into());
         }
+        arguments.extend(["-kernel".into(), image.into()]);
+        for (address, file) in memory {
+            let mut loader = OsString::from(format!("loader,addr={address:#x},force-raw=on,file="));
+            loader.push(file);
+            arguments.extend(["-device".into(), loader]);
+        }
+        let mut process = KeptChild::start(QEMU, &arguments).map_err(not_started)?;
+        let line = connection(&serial, &mut process)?;
+        line.set_read_timeout(Some(READ))?;
+        let monitor = connection(&monitor, &mut process)?;
+        Ok(Self {
+            _process: process,
+            line,
+            monitor,
+        })
+    }
+
+    /// Presses the board's reset button. It starts again soon after; what it was told
+    /// before may or may not have been heard.
+    ///
+    /// # Errors
+    /// The emulator has ended.
+    pub fn reset(&mut self) -> io::Result<()> {
+        self.monitor.write_all(b"system_reset\n")
     }
 }
 
 /// Waits for the emulator's connection, its end or its time to run out.
-fn connection(listener: &TcpListener, process: &mut Child) -> Result<TcpStream, EmulatorError> {
+fn connection(listener: &TcpListener, process: &mut KeptChild) -> Result<TcpStream, EmulatorError> {
+    listener.set_nonblocking(true)?;
     let deadline = Instant::now() + START;
     loop {
         match listener.accept() {
             Ok((line, _)) => {
                 line.set_nonblocking(false)?;
                 line.set_nodelay(true)?;
-                line.set_read_timeout(Some(READ))?;
                 return Ok(line);
             }
             Err(error) if error.kind() == ErrorKind::WouldBlock => {}
             Err(error) => return Err(error.into()),
         }
-        if process.try_wait()?.is_some() {
-            let mut words = String::new();
-            if let Some(stderr) = &mut process.stderr {
-                stderr.read_to_string(&mut words)?;
-            }
-            return Err(EmulatorError::Ended(words.trim().to_owned()));
+        match process.end() {
+            Ok(None) => {}
+            Ok(Some((_, words))) => return Err(EmulatorError::Ended(words.trim().to_owned())),
+            Err(error) => return Err(not_started(error)),
         }
         if Instant::now() > deadline {
             return Err(EmulatorError::NoConnection);
@@ -113,15 +140,10 @@ fn connection(listener: &TcpListener, process: &mut Child) -> Result<TcpStream, 
     }
 }
 
-fn end(process: &mut Child) {
-    // Either fails only if the process is gone already, which is what is wanted.
-    let _ = process.kill();
-    let _ = process.wait();
-}
-
-impl Drop for Emulator {
-    fn drop(&mut self) {
-        end(&mut self.process);
+fn not_started(error: io::Error) -> EmulatorError {
+    match error.kind() {
+        ErrorKind::NotFound => EmulatorError::NoQemu,
+        _ => EmulatorError::Io(error),
     }
 }
 

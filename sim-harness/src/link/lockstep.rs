@@ -57,6 +57,12 @@ pub enum LockstepError {
     /// The twin's settings are not sound.
     #[error(transparent)]
     Settings(#[from] SettingsError),
+    /// The other end has a clock of its own.
+    #[error(
+        "this controller makes its own ticks, as one that drives motors does; a run in \
+         lockstep needs a board with the image `qemu`"
+    )]
+    OwnClock,
     /// The other end does not take the settings.
     #[error("the controller refuses the settings: {0:?}")]
     Refused(Refusal),
@@ -67,7 +73,7 @@ impl<L: Read + Write> Lockstep<L> {
     /// where a difference is wanted.
     ///
     /// # Errors
-    /// No conversation, or refused settings.
+    /// No conversation, no lockstep, or refused settings.
     pub fn begin(
         line: L,
         settings: &Settings,
@@ -75,6 +81,11 @@ impl<L: Read + Write> Lockstep<L> {
     ) -> Result<(Self, Identity), LockstepError> {
         let twin = InProcess::new(twin)?;
         let (mut conversation, identity) = Conversation::open(line)?;
+        // Asked before its settings are changed; the tick is forgotten with the old ones.
+        let tick = conversation.ask(Order::Tick(Sensed::default()))?;
+        if tick == Reply::Refused(Refusal::Unsupported) {
+            return Err(LockstepError::OwnClock);
+        }
         conversation
             .write_settings(settings)?
             .map_err(LockstepError::Refused)?;

@@ -8,6 +8,7 @@ mod emulator;
 mod faulty;
 mod frames;
 mod in_process;
+mod kept_child;
 mod lockstep;
 mod loopback;
 mod serial;

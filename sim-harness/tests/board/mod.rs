@@ -1,0 +1,99 @@
+//! Boards at the far end of a serial port, and the program at the near one.
+
+#![allow(dead_code, reason = "each test file uses its own part")]
+
+use fivebar::link::Loopback;
+use serialport::{SerialPort, TTYPort};
+use std::io::{Read, Write};
+use std::process::{Child, Command, Output, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+/// Turns of a silent host for which the board's time goes on: 50 ms, so that a busy
+/// machine does not look like a silent host.
+const PATIENCE: u32 = 5;
+
+/// A board at the far end of a pseudo-terminal.
+pub(crate) struct Board {
+    pub(crate) port: String,
+    ends: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Board {
+    /// A board that runs this controller, or one that never says anything.
+    pub(crate) fn start(controller: Option<Loopback>) -> Self {
+        let (mut far, near) = TTYPort::pair().expect("a pseudo-terminal");
+        far.set_timeout(Duration::from_millis(5))
+            .expect("a timeout");
+        let port = near.name().expect("a name");
+        let ends = Arc::new(AtomicBool::new(false));
+        let ended = Arc::clone(&ends);
+        let thread = std::thread::spawn(move || {
+            // The near end stays open, or the far one would fail before the program comes.
+            let _near = near;
+            let mut controller = controller;
+            let mut silence = 0;
+            while !ended.load(Ordering::Relaxed) {
+                let mut bytes = [0; 512];
+                let count = far.read(&mut bytes).unwrap_or(0);
+                let Some(controller) = &mut controller else {
+                    continue;
+                };
+                silence = if count > 0 { 0 } else { silence + 1 };
+                controller
+                    .write_all(&bytes[..count])
+                    .expect("a perfect line");
+                if silence < PATIENCE
+                    && let Ok(count) = controller.read(&mut bytes)
+                {
+                    // A program that has ended reads no more.
+                    let _ = far.write_all(&bytes[..count]);
+                }
+            }
+        });
+        Self {
+            port,
+            ends,
+            thread: Some(thread),
+        }
+    }
+
+    /// Starts `fivebar` on the board's port.
+    pub(crate) fn fivebar(&self, arguments: &[&str]) -> Child {
+        fivebar(&[arguments, &["--port", &self.port]].concat())
+    }
+}
+
+impl Drop for Board {
+    fn drop(&mut self) {
+        self.ends.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            thread.join().expect("the board did not panic");
+        }
+    }
+}
+
+/// Starts `fivebar`.
+pub(crate) fn fivebar(arguments: &[&str]) -> Child {
+    Command::new(env!("CARGO_BIN_EXE_fivebar"))
+        .args(arguments)
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program")
+}
+
+/// Its status, what it said and what it complained of.
+pub(crate) fn end(child: Child) -> (Option<i32>, String, String) {
+    let Output {
+        status,
+        stdout,
+        stderr,
+    } = child.wait_with_output().expect("an end");
+    let text = |bytes| String::from_utf8(bytes).expect("text");
+    (status.code(), text(stdout), text(stderr))
+}
