@@ -18,6 +18,8 @@ pub struct Sensed {
     pub emergency_stop: bool,
     /// Fault outputs of the bridges, true when raised.
     pub driver_fault: [bool; 2],
+    /// Ticks that should have come since the last one and did not.
+    pub missed_ticks: u32,
 }
 
 /// What the bridges are told until the next tick.

@@ -207,17 +207,23 @@ fn an_arm_pushed_towards_a_singularity_leaves_the_envelope() {
 #[test]
 fn ticks_missed_while_powered() {
     let mut rig = Rig::armed(&settings());
-    rig.controller.tick_overrun(1);
+    let miss = |rig: &mut Rig, ticks| {
+        rig.bench.overlay.missed_ticks = ticks;
+        let command = rig.tick();
+        rig.bench.overlay.missed_ticks = 0;
+        command
+    };
+    miss(&mut rig, 2);
     rig.run(10);
     assert_eq!(rig.controller.state(), State::Armed);
-    assert_eq!(rig.controller.status().missed_ticks, 1);
-    rig.controller.tick_overrun(5);
-    powers_off(&mut rig, Fault::TickOverrun, 14, 1);
-    assert_eq!(rig.controller.status().missed_ticks, 6);
+    assert_eq!(rig.controller.status().missed_ticks, 2);
+    let command = miss(&mut rig, 3);
+    assert_eq!(Fault::TickOverrun.number(), 14);
+    stays_off(&mut rig, command, Fault::TickOverrun);
+    assert_eq!(rig.controller.status().missed_ticks, 5);
     clears(&mut rig);
     // Unpowered, as when the flash is erased, they are only counted.
-    rig.controller.tick_overrun(10_000);
-    rig.run(1);
+    miss(&mut rig, 10_000);
     assert_eq!(rig.controller.state(), State::Stopped);
 }
 

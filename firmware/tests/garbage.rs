@@ -49,7 +49,7 @@ fn sensed() -> impl Strategy<Value = Sensed> {
                 bus_voltage,
                 home,
                 emergency_stop,
-                driver_fault: [false; 2],
+                ..Sensed::default()
             },
         )
 }
@@ -146,7 +146,13 @@ proptest! {
                 Step::Order(kind) => {
                     let _ = planner.push(&mut controller, &Move { tag: 0, kind });
                 }
-                Step::Missed(ticks) => controller.tick_overrun(ticks),
+                Step::Missed(missed_ticks) => {
+                    let sensed = Sensed {
+                        missed_ticks,
+                        ..bench.sense()
+                    };
+                    tick(&mut controller, &sensed);
+                }
             }
         }
     }

@@ -18,9 +18,9 @@ use cortex_m_rt::{ExceptionFrame, exception};
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
 mod app {
     use fivebar_firmware::board::instructions::InstructionCounter;
-    use fivebar_firmware::board::{clocks, serial};
+    use fivebar_firmware::board::{clocks, serial, stack};
     use fivebar_firmware::planner::Planner;
-    use fivebar_firmware::protocol::{Board, Decoder, HostMessage, Identity, Reset};
+    use fivebar_firmware::protocol::{Board, Decoder, HostMessage, Identity, Reset, StackUse};
     use fivebar_firmware::session::{self, Session};
     use fivebar_firmware::storage::StorageError;
     use fivebar_firmware::{Command, Controller, Sensed, Settings};
@@ -57,6 +57,10 @@ mod app {
             let start = self.counter.now();
             let command = controller.tick(sensed);
             Some((command, self.counter.since(start)))
+        }
+
+        fn stack(&self) -> Option<StackUse> {
+            Some(stack::used())
         }
     }
 

@@ -36,12 +36,12 @@ mod app {
     use fivebar_firmware::board::pwm::PwmTimer;
     use fivebar_firmware::board::storage::SettingsFlash;
     use fivebar_firmware::board::watchdog::{Task, Watchdog};
-    use fivebar_firmware::board::{post_mortem, serial};
+    use fivebar_firmware::board::{post_mortem, serial, stack};
     use fivebar_firmware::drivers::{Bridge, Inputs};
     use fivebar_firmware::planner::Planner;
-    use fivebar_firmware::protocol::{Board, Decoder, HostMessage, Identity, Order, Reset};
+    use fivebar_firmware::protocol::{Board, Decoder, HostMessage, Identity, Order, StackUse};
     use fivebar_firmware::safety::Fault;
-    use fivebar_firmware::session::{self, Session};
+    use fivebar_firmware::session::{self, Session, fault_at_start};
     use fivebar_firmware::storage::{SettingsStorage, StorageError};
     use fivebar_firmware::{Command, Controller, Request, Sensed, Settings};
     use heapless::spsc::{Consumer, Producer, Queue};
@@ -95,7 +95,7 @@ mod app {
     }
 
     impl Sensors {
-        fn sense(&mut self) -> Sensed {
+        fn sense(&mut self, missed_ticks: u32) -> Sensed {
             let counts = self.encoders.latch();
             let samples = self.analog.take();
             let stopped = STOP.swap(false, Ordering::Relaxed);
@@ -106,6 +106,7 @@ mod app {
                 home: self.switches.home(),
                 emergency_stop: self.switches.emergency_stop() || stopped,
                 driver_fault: self.switches.driver_fault(),
+                missed_ticks,
             }
         }
     }
@@ -128,6 +129,10 @@ mod app {
 
         fn tick(&mut self, _: &mut Controller, _: &Sensed) -> Option<(Command, u32)> {
             None
+        }
+
+        fn stack(&self) -> Option<StackUse> {
+            Some(stack::used())
         }
     }
 
@@ -200,13 +205,10 @@ mod app {
         else {
             panic!("settings are checked when they are loaded");
         };
-        if source == Source::Internal {
-            CLOCK_FAILED.store(true, Ordering::Relaxed);
-            controller.raise(Fault::ClockFailure);
-        } else if reset == Reset::Watchdog {
-            controller.raise(Fault::WatchdogReset);
-        } else if loaded == Err(StorageError::Corrupt) {
-            controller.raise(Fault::SettingsCorrupt);
+        let crystal_runs = source == Source::Crystal;
+        CLOCK_FAILED.store(!crystal_runs, Ordering::Relaxed);
+        if let Some(fault) = fault_at_start(crystal_runs, reset, loaded.err()) {
+            controller.raise(fault);
         }
         defmt::info!("started from reset {}", reset as u8);
 
@@ -283,11 +285,8 @@ mod app {
         let (sensors, outputs, meter) = (cx.local.sensors, cx.local.outputs, cx.local.meter);
         let missed = meter.missed(TICK_CYCLES);
         let ticks = meter.measure(|| {
-            let sensed = sensors.sense();
+            let sensed = sensors.sense(missed);
             cx.shared.controller.lock(|controller| {
-                if missed > 0 {
-                    controller.tick_overrun(missed);
-                }
                 if CLOCK_FAILED.load(Ordering::Relaxed) {
                     controller.raise(Fault::ClockFailure);
                 }

@@ -12,5 +12,6 @@ pub mod outputs;
 pub mod post_mortem;
 pub mod pwm;
 pub mod serial;
+pub mod stack;
 pub mod storage;
 pub mod watchdog;

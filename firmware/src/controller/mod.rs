@@ -13,7 +13,7 @@ mod status;
 
 use crate::homing::Search;
 use crate::io::{Command, Sensed};
-use crate::safety::{Event, Fault, Limits, Response, State};
+use crate::safety::{Event, Fault, Limits, Response, State, TOLERATED_TICKS};
 use crate::settings::{Settings, SettingsError};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::control::Bus;
@@ -114,6 +114,9 @@ impl Controller {
         self.limits = Limits::NONE;
         self.bus_voltage = f32::from(sensed.bus_voltage) * self.model.bus_voltage_per_code;
         let samples = self.measure(sensed);
+        if sensed.missed_ticks > 0 {
+            self.overrun(sensed.missed_ticks);
+        }
         if let Some(fault) = self.sampled_fault(sensed, &samples) {
             self.latch(fault);
         }
@@ -191,6 +194,16 @@ impl Controller {
         let moving = matches!(self.state, State::Running | State::Stopping | State::Homing);
         let silence = self.ticks.wrapping_sub(self.heard_at);
         (moving && monitor.silent(silence)).then_some(Fault::CommandTimeout)
+    }
+
+    /// Ticks were missed. So many at once that the loops no longer know the arm are a
+    /// fault while the bridges are on; all are counted.
+    #[cold]
+    fn overrun(&mut self, missed: u32) {
+        self.missed_ticks = self.missed_ticks.saturating_add(missed);
+        if missed > TOLERATED_TICKS && self.is_powered() {
+            self.latch(Fault::TickOverrun);
+        }
     }
 
     /// What a tick has to do in this state.

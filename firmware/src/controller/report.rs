@@ -1,7 +1,7 @@
 //! What the controller tells about itself; worked out when asked, not in the tick.
 
 use super::{Controller, JointReference, Snapshot, Status};
-use crate::safety::{Fault, State};
+use crate::safety::State;
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::WorkingMode;
 
@@ -84,15 +84,6 @@ impl Controller {
     /// The latched fault, with the tick that raised it.
     pub fn fault(&self) -> Option<&Snapshot> {
         self.latched.as_ref()
-    }
-
-    /// Ticks were missed. So many at once that the loops no longer know the arm are a
-    /// fault while the bridges are on; all are counted.
-    pub fn tick_overrun(&mut self, missed: u32) {
-        self.missed_ticks = self.missed_ticks.saturating_add(missed);
-        if missed > crate::safety::TOLERATED_TICKS && self.is_powered() {
-            self.raise(Fault::TickOverrun);
-        }
     }
 
     /// The set-point leads by the loop's lag d: turned back by ω d − ½ α d² it is where

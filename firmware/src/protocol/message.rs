@@ -54,4 +54,6 @@ pub enum Order {
     },
     /// Emulated boards only: these are the samples of the next tick, make it.
     Tick(Sensed),
+    /// Tell how much of the stack has been used since the reset.
+    Stack,
 }

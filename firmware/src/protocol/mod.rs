@@ -22,7 +22,7 @@ pub use encode::encode;
 pub use frame::{Frame, FrameError, MAX_CONTENT, MAX_FRAME, Message, Sender};
 pub use identity::{Board, Identity, Reset};
 pub use message::{HostMessage, Order};
-pub use reply::{ControllerMessage, Refusal, Reply, Telemetry};
+pub use reply::{ControllerMessage, Refusal, Reply, StackUse, Telemetry};
 pub use section::{Section, SectionKey};
 pub use sequence::{Sequence, Turn};
 pub use ticked::Ticked;

@@ -55,6 +55,17 @@ pub enum Reply {
     Section(Section),
     /// To [`Order::Tick`](super::Order::Tick).
     Ticked(Ticked),
+    /// To [`Order::Stack`](super::Order::Stack).
+    Stack(StackUse),
+}
+
+/// How much of the stack has been in use since the reset.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StackUse {
+    /// At most [bytes].
+    pub most: u32,
+    /// Its size [bytes].
+    pub size: u32,
 }
 
 /// Why an order was not obeyed.

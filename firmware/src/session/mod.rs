@@ -5,18 +5,20 @@
 //! waits for it a few microseconds at most.
 
 mod sampler;
+mod start;
 
 use crate::controller::{self, Controller};
 use crate::planner::Planner;
 use crate::protocol::{
-    ControllerMessage, Frame, HostMessage, Identity, Order, Refusal, Reply, Sequence, Telemetry,
-    Ticked, Turn, VERSION, encode,
+    ControllerMessage, Frame, HostMessage, Identity, Order, Refusal, Reply, Sequence, StackUse,
+    Telemetry, Ticked, Turn, VERSION, encode,
 };
 use crate::safety::State;
 use crate::storage::StorageError;
 use crate::{Command, Request, Sensed, Settings};
 use rtic_core::Mutex;
 use sampler::Sampler;
+pub use start::fault_at_start;
 
 /// What the session needs of the board it runs on.
 pub trait Board {
@@ -34,6 +36,11 @@ pub trait Board {
     /// Makes one tick with samples from the host, and counts its instructions where that
     /// is possible. `None` on a board whose sensors are its own.
     fn tick(&mut self, controller: &mut Controller, sensed: &Sensed) -> Option<(Command, u32)>;
+
+    /// How much of the stack has been used; `None` where that is not measured.
+    fn stack(&self) -> Option<StackUse> {
+        None
+    }
 }
 
 /// What a session knows of its host.
@@ -192,6 +199,7 @@ impl Session {
                     .map(Reply::Ticked)
                     .ok_or(Refusal::Unsupported)
             }
+            Order::Stack => board.stack().map(Reply::Stack).ok_or(Refusal::Unsupported),
         };
         outcome.unwrap_or_else(Reply::Refused)
     }

@@ -4,7 +4,7 @@ use fivebar_firmware::controller::{self, JointReference, Snapshot};
 use fivebar_firmware::planner::{MoveRefusal, Reason};
 use fivebar_firmware::protocol::{
     Board, ControllerMessage, HostMessage, Identity, Order, Refusal, Reply, Reset, Section,
-    SectionKey, Sequence, Telemetry, Ticked, VERSION,
+    SectionKey, Sequence, StackUse, Telemetry, Ticked, VERSION,
 };
 use fivebar_firmware::safety::{Fault, Limits, State};
 use fivebar_firmware::settings::{
@@ -48,15 +48,19 @@ fn sensed() -> impl Strategy<Value = Sensed> {
         any::<[bool; 2]>(),
         any::<bool>(),
         any::<[bool; 2]>(),
+        any::<u32>(),
     )
         .prop_map(
-            |(counts, current, bus_voltage, home, emergency_stop, driver_fault)| Sensed {
-                counts,
-                current,
-                bus_voltage,
-                home,
-                emergency_stop,
-                driver_fault,
+            |(counts, current, bus_voltage, home, emergency_stop, driver_fault, missed_ticks)| {
+                Sensed {
+                    counts,
+                    current,
+                    bus_voltage,
+                    home,
+                    emergency_stop,
+                    driver_fault,
+                    missed_ticks,
+                }
             },
         )
 }
@@ -164,6 +168,7 @@ pub(crate) fn host_message() -> impl Strategy<Value = HostMessage> {
             Order::Snapshot,
             Order::ApplySettings,
             Order::SaveSettings,
+            Order::Stack,
         ]),
         request().prop_map(Order::Request),
         a_move().prop_map(Order::Move),
@@ -348,6 +353,7 @@ pub(crate) fn controller_message() -> impl Strategy<Value = ControllerMessage> {
         any::<u8>().prop_map(|room| Reply::Taken { room }),
         section().prop_map(Reply::Section),
         ticked().prop_map(Reply::Ticked),
+        any::<[u32; 2]>().prop_map(|[most, size]| Reply::Stack(StackUse { most, size })),
     ];
     prop_oneof![
         (any::<u16>(), reply).prop_map(|(sequence, reply)| ControllerMessage::Reply {

@@ -3,7 +3,7 @@
 use super::failure::{Failure, refused};
 use super::port::{PortArgs, interrupted};
 use crate::run::fault_name;
-use fivebar_firmware::protocol::{Order, Reply, Section, SectionKey, Telemetry};
+use fivebar_firmware::protocol::{Order, Reply, Section, SectionKey, StackUse, Telemetry};
 use fivebar_firmware::{Status, safety::Limits};
 use std::io::{self, IsTerminal, Write};
 use std::sync::atomic::Ordering;
@@ -85,6 +85,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         .map_err(refused)?
         .map_err(refused)?;
     println!("{shown} samples, {} lost", losses.lost);
+    if let Some(StackUse { most, size }) = conversation.stack().map_err(refused)? {
+        println!("stack: {most} of {size} bytes used at most");
+    }
     Ok(())
 }
 

@@ -3,7 +3,7 @@
 use super::READ;
 use fivebar_firmware::protocol::{
     ControllerMessage, Decoder, HostMessage, Identity, Order, Refusal, Reply, SectionKey, Sequence,
-    Telemetry, Ticked, VERSION, encode,
+    StackUse, Telemetry, Ticked, VERSION, encode,
 };
 use fivebar_firmware::{Sensed, Settings, Status};
 use std::collections::VecDeque;
@@ -148,6 +148,18 @@ impl<L: Read + Write> Conversation<L> {
         match self.ask(order)? {
             Reply::Ticked(ticked) => Ok(ticked),
             other => Err(confused(&order, &other)),
+        }
+    }
+
+    /// How much of its stack the controller has used; none where it does not know.
+    ///
+    /// # Errors
+    /// A silent or broken line.
+    pub fn stack(&mut self) -> Result<Option<StackUse>, LinkError> {
+        match self.ask(Order::Stack)? {
+            Reply::Stack(used) => Ok(Some(used)),
+            Reply::Refused(Refusal::Unsupported) => Ok(None),
+            other => Err(confused(&Order::Stack, &other)),
         }
     }
 

@@ -1,7 +1,7 @@
 //! A controller in this process behind a line of bytes, as if it were a board.
 
 use fivebar_firmware::protocol::{Board as Kind, Decoder, HostMessage, Identity, Reset};
-use fivebar_firmware::session::{Board, Session};
+use fivebar_firmware::session::{Board, Session, fault_at_start};
 use fivebar_firmware::settings::SettingsError;
 use fivebar_firmware::storage::StorageError;
 use fivebar_firmware::{Command, Controller, Planner, Sensed, Settings};
@@ -74,6 +74,24 @@ impl Loopback {
             decoder: Decoder::new(),
             out: VecDeque::new(),
         })
+    }
+
+    /// The board starts again, for this reason, on the settings it had.
+    ///
+    /// # Errors
+    /// The first of them that is not sound.
+    pub fn restart(&mut self, reset: Reset) -> Result<(), SettingsError> {
+        let settings = *self.controller.settings();
+        let identity = Identity::new(Kind::Desktop, reset);
+        self.session = Session::new(identity, &settings, true);
+        self.controller = Controller::new(&settings)?;
+        self.planner = Planner::new(&settings)?;
+        self.decoder = Decoder::new();
+        self.out.clear();
+        if let Some(fault) = fault_at_start(true, reset, None) {
+            self.controller.raise(fault);
+        }
+        Ok(())
     }
 
     /// The settings saved last.

@@ -51,6 +51,11 @@ pub enum FaultKind {
     },
     /// Somebody presses the emergency stop.
     EmergencyStop,
+    /// The controller is late once: the arm goes on with its last command meanwhile.
+    TicksMissed {
+        /// By how many ticks.
+        ticks: u32,
+    },
 }
 
 /// A fault and its time.

@@ -68,6 +68,10 @@ pub struct Plant {
     /// Faults yet to come, the last one first.
     pending: Vec<PlantFault>,
     broken: Broken,
+    /// Ticks that the controller is about to miss.
+    late_by: u32,
+    /// Ticks that it missed last.
+    missed_ticks: u32,
     tool_force: Vector2<f64>,
 }
 
@@ -105,6 +109,8 @@ impl Plant {
             time: 0.0,
             pending: Vec::new(),
             broken: Broken::default(),
+            late_by: 0,
+            missed_ticks: 0,
             tool_force: Vector2::zeros(),
         })
     }
@@ -145,13 +151,22 @@ impl Plant {
             home,
             emergency_stop: self.broken.emergency_stop,
             driver_fault: self.broken.driver_fault,
+            missed_ticks: self.missed_ticks,
         }
     }
 
-    /// Moves on by one tick of `period` [s]. The bridges carry out the command of the tick
-    /// before, as PWM registers load at the end of their period.
+    /// Moves on by one tick of `period` [s], and by those that the controller misses. The
+    /// bridges carry out the command of the tick before, as PWM registers load at the end of
+    /// their period.
     pub fn step(&mut self, command: &Command, period: f64) {
         self.break_what_is_due();
+        self.missed_ticks = std::mem::take(&mut self.late_by);
+        for _ in 0..=self.missed_ticks {
+            self.pass(command, period);
+        }
+    }
+
+    fn pass(&mut self, command: &Command, period: f64) {
         let applied = std::mem::replace(&mut self.active, *command);
         let loads = Loads {
             voltage: [0, 1].map(|j| self.terminal_voltage(&applied, j)),
@@ -240,6 +255,7 @@ impl Plant {
             FaultKind::BusVoltage { volts } => self.bus_voltage = volts,
             FaultKind::DriverFault { joint } => broken.driver_fault[joint] = true,
             FaultKind::EmergencyStop => broken.emergency_stop = true,
+            FaultKind::TicksMissed { ticks } => self.late_by = ticks,
         }
     }
 

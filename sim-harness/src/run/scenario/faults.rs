@@ -17,6 +17,7 @@ pub(super) struct FaultEntry {
     pressed: Option<bool>,
     amperes: Option<f64>,
     volts: Option<f64>,
+    ticks: Option<u32>,
 }
 
 #[derive(Clone, Copy, Debug, Deserialize)]
@@ -31,6 +32,7 @@ enum Kind {
     BusVoltage,
     DriverFault,
     EmergencyStop,
+    TicksMissed,
 }
 
 impl FaultEntry {
@@ -83,6 +85,12 @@ impl FaultEntry {
             },
             Kind::DriverFault => FaultKind::DriverFault { joint: joint()? },
             Kind::EmergencyStop => FaultKind::EmergencyStop,
+            Kind::TicksMissed => FaultKind::TicksMissed {
+                ticks: self
+                    .ticks
+                    .filter(|ticks| (1..=10_000).contains(ticks))
+                    .ok_or_else(|| missing("ticks", "by how many, 1 to 10000"))?,
+            },
         };
         Ok((self.at, kind))
     }
