@@ -20,7 +20,8 @@ setup() { scripts/toolchain.sh; }
 firmware() { scripts/firmware.sh; }
 emulated() {
     cargo test --package fivebar-tests --features emulator \
-        --test images --test instructions --test emulated_boards
+        --test images --test instructions --test emulated_boards --test emulated_faults \
+        --test emulated_port --test production_image --test stack
 }
 demo() { cargo run --release --quiet -- --out target/demonstration; }
 

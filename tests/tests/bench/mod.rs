@@ -1,0 +1,293 @@
+//! The simulated arm, a controller at the other end of a line, and a twin of that
+//! controller in this process. Both are told the same, and every answer, every tick's
+//! duties, state and estimates included, must have the same bits.
+
+#![allow(dead_code, reason = "each test file uses its own part")]
+
+use fivebar::link::{Conversation, Faulty, Loopback, Mishaps};
+use fivebar::plant::{FaultKind, Mismatch, Plant};
+use fivebar::robot::Robot;
+use fivebar_firmware::protocol::{
+    ControllerMessage, Order, Refusal, Reply, Sequence, Ticked, encode,
+};
+use fivebar_firmware::safety::{Fault, Response, State};
+use fivebar_firmware::{Move, MoveKind, Request, Settings, Status};
+use fivebar_kinematics::Vec2;
+use std::io::{Read, Write};
+
+/// What `docs/faults.md` says of a mishap.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stated {
+    /// The fault that it raises.
+    pub(crate) fault: Fault,
+    /// The tick after the mishap in which that is latched at the latest.
+    pub(crate) within: u32,
+    /// Ticks after that in which the arm has come to rest, where it is stopped and held.
+    pub(crate) at_rest: Option<u32>,
+}
+
+/// The page that states what is tested.
+pub(crate) const DOCUMENT: &str = include_str!("../../../docs/faults.md");
+
+/// The row of the table of mishaps that names this test.
+#[track_caller]
+pub(crate) fn stated(test: &str) -> Stated {
+    let name = format!("`{test}`");
+    let (_, mishaps) = DOCUMENT.split_once("## The mishaps").expect("the table");
+    let row = mishaps
+        .lines()
+        .map(|line| line.split('|').map(str::trim).collect::<Vec<_>>())
+        .find(|cells| cells.len() == 7 && cells[5] == name)
+        .unwrap_or_else(|| panic!("docs/faults.md has no row of {test}"));
+    let number = |cell: &str| cell.split(' ').find_map(|word| word.parse::<u32>().ok());
+    let fault = number(row[2]).expect("the number of a fault");
+    Stated {
+        fault: Fault::try_from(fault as u8).expect("a known fault"),
+        within: number(row[3]).expect("a count of ticks"),
+        at_rest: number(row[4]),
+    }
+}
+
+/// The requests that would make a stopped arm move, or change what it takes for true.
+const REQUESTS: [Request; 5] = [
+    Request::Arm,
+    Request::Home,
+    Request::SetAngles([2.2, 0.9]),
+    Request::Stop,
+    Request::Disarm,
+];
+/// The host says something after so many ticks.
+const TALK_EVERY: u32 = 400;
+
+pub(crate) struct Bench<L> {
+    pub(crate) board: Conversation<Faulty<L>>,
+    twin: Conversation<Loopback>,
+    pub(crate) plant: Plant,
+    pub(crate) settings: Settings,
+    /// The host says something now and then.
+    pub(crate) host_talks: bool,
+    ticks: u32,
+}
+
+pub(crate) fn robot() -> Robot {
+    Robot::load("benchtop").expect("a built-in robot")
+}
+
+/// The ends of a line of 60 mm in the middle of the workspace [m].
+pub(crate) fn ends() -> [[f32; 2]; 2] {
+    let [x, y] = robot().best_point().expect("a point").map(|x| x as f32);
+    [[x + 0.03, y], [x - 0.03, y]]
+}
+
+impl<L: Read + Write> Bench<L> {
+    /// Both controllers have the benchtop arm's settings; nothing is homed.
+    pub(crate) fn new(line: L) -> Self {
+        Self::with(line, Mishaps::default(), |_| ())
+    }
+
+    /// A bad line, and settings that differ from the benchtop arm's.
+    pub(crate) fn with(line: L, mishaps: Mishaps, change: impl FnOnce(&mut Settings)) -> Self {
+        let robot = robot();
+        let mut settings = robot.settings().expect("masses");
+        change(&mut settings);
+        let [[x, y], _] = ends().map(|end| end.map(f64::from));
+        let pose = robot
+            .geometry
+            .inverse(Vec2::new(x, y), robot.working_mode)
+            .expect("within reach");
+        let twin = Loopback::lockstep(&settings).expect("sound settings");
+        let (mut board, _) = Conversation::open(Faulty::new(line, mishaps, 1)).expect("a board");
+        let (twin, _) = Conversation::open(twin).expect("a twin");
+        board
+            .write_settings(&settings)
+            .expect("a line")
+            .expect("sound settings");
+        let mut bench = Self {
+            board,
+            twin,
+            plant: Plant::new(&robot, &Mismatch::default(), &pose, 7).expect("masses"),
+            settings,
+            host_talks: true,
+            ticks: 0,
+        };
+        bench.tick();
+        bench
+    }
+
+    /// On its way along a line at 0.1 m/s.
+    pub(crate) fn moving(line: L) -> Self {
+        Self::moving_on(line, Mishaps::default())
+    }
+
+    /// The same on a bad line.
+    pub(crate) fn moving_on(line: L, mishaps: Mishaps) -> Self {
+        let mut bench = Self::with(line, mishaps, |_| ());
+        let angles = [0, 1].map(|joint| bench.plant.angle(joint) as f32);
+        bench.is_done(Order::Request(Request::SetAngles(angles)));
+        bench.is_done(Order::Request(Request::Arm));
+        let reply = bench.ask(bench.a_move());
+        assert!(matches!(reply, Reply::Taken { .. }), "{reply:?}");
+        for _ in 0..480 {
+            bench.tick();
+        }
+        bench.is_moving();
+        bench
+    }
+
+    #[track_caller]
+    pub(crate) fn is_moving(&mut self) {
+        assert_eq!(self.status().state, State::Running);
+        let speed = self.plant.model().tool_velocity(self.plant.state()).norm();
+        assert!(speed > 0.09, "{speed} m/s");
+    }
+
+    /// A line to the other side.
+    fn a_move(&self) -> Order {
+        let [_, to] = ends();
+        let kind = MoveKind::Line { to, feed: 0.1 };
+        Order::Move(Move { tag: 1, kind })
+    }
+
+    /// Lets something go wrong now.
+    pub(crate) fn inject(&mut self, fault: FaultKind) {
+        self.plant.inject(fault);
+    }
+
+    /// What both answer.
+    #[track_caller]
+    pub(crate) fn ask(&mut self, order: Order) -> Reply {
+        let there = self.board.ask(order).expect("an answer");
+        let here = self.twin.ask(order).expect("an answer");
+        assert_eq!(
+            bits(there),
+            bits(here),
+            "{order:?}: {there:?} on the board, {here:?} in this process"
+        );
+        there
+    }
+
+    #[track_caller]
+    pub(crate) fn is_done(&mut self, order: Order) {
+        assert_eq!(self.ask(order), Reply::Done, "{order:?}");
+    }
+
+    #[track_caller]
+    pub(crate) fn is_refused(&mut self, order: Order) -> Refusal {
+        match self.ask(order) {
+            Reply::Refused(refusal) => refusal,
+            other => panic!("{order:?}: {other:?}"),
+        }
+    }
+
+    #[track_caller]
+    pub(crate) fn status(&mut self) -> Status {
+        match self.ask(Order::Status) {
+            Reply::Status { status, .. } => status,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    /// One tick of arm and controllers.
+    #[track_caller]
+    pub(crate) fn tick(&mut self) -> Ticked {
+        self.ticks += 1;
+        if self.host_talks && self.ticks.is_multiple_of(TALK_EVERY) {
+            self.status();
+        }
+        let sensed = self.plant.sense();
+        match self.ask(Order::Tick(sensed)) {
+            Reply::Ticked(ticked) => {
+                let period = 1.0 / f64::from(self.settings.control.tick_rate);
+                self.plant.step(&ticked.command, period);
+                ticked
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+
+    /// Ticks until the stated fault is latched, in time; the tick that latched it.
+    #[track_caller]
+    pub(crate) fn faults(&mut self, stated: Stated) -> Ticked {
+        for count in 1..=stated.within {
+            let ticked = self.tick();
+            if ticked.state == State::Fault {
+                println!("{:?} in tick {count} of {}", ticked.fault, stated.within);
+                assert_eq!(ticked.fault, Some(stated.fault));
+                return ticked;
+            }
+            assert_eq!(ticked.fault, None);
+        }
+        panic!("no fault within {} ticks", stated.within);
+    }
+
+    /// The stated fault comes in time and unpowers the arm in the same tick; nothing powers
+    /// it again until the fault is cleared.
+    #[track_caller]
+    pub(crate) fn powers_off(&mut self, stated: Stated) {
+        assert_eq!(stated.fault.response(), Response::PowerOff);
+        let ticked = self.faults(stated);
+        self.stays_off(ticked);
+        self.is_cleared();
+    }
+
+    #[track_caller]
+    pub(crate) fn stays_off(&mut self, mut ticked: Ticked) {
+        let fault = ticked.fault;
+        for request in REQUESTS {
+            for _ in 0..8 {
+                assert_eq!((ticked.state, ticked.fault), (State::Fault, fault));
+                is_off(&ticked);
+                ticked = self.tick();
+            }
+            self.is_refused(Order::Request(request));
+            self.is_refused(self.a_move());
+        }
+    }
+
+    /// The arm that stands still under a fault goes on standing still, powered, whatever
+    /// it is asked for.
+    #[track_caller]
+    pub(crate) fn stays_held(&mut self) {
+        let angles = |plant: &Plant| [plant.angle(0), plant.angle(1)];
+        let held = angles(&self.plant);
+        for request in REQUESTS {
+            for _ in 0..20 {
+                let ticked = self.tick();
+                assert_eq!(ticked.state, State::Fault);
+                assert_eq!(ticked.command.enable, [true; 2]);
+                for (angle, held) in angles(&self.plant).into_iter().zip(held) {
+                    assert!((angle - held).abs() < 1e-4, "{angle} after {held} rad");
+                }
+            }
+            self.is_refused(Order::Request(request));
+            self.is_refused(self.a_move());
+        }
+    }
+
+    /// Clearing the fault leads to Stopped.
+    #[track_caller]
+    pub(crate) fn is_cleared(&mut self) {
+        self.is_done(Order::Request(Request::ClearFault));
+        let ticked = self.tick();
+        assert_eq!((ticked.state, ticked.fault), (State::Stopped, None));
+        is_off(&ticked);
+    }
+}
+
+/// Duties exactly zero, bridges off, brake on.
+#[track_caller]
+pub(crate) fn is_off(ticked: &Ticked) {
+    assert_eq!(ticked.command.duty.map(f32::to_bits), [0; 2], "{ticked:?}");
+    assert_eq!(ticked.command.enable, [false; 2]);
+    assert!(ticked.command.brake);
+}
+
+/// An answer byte by byte, except for what only one end counts.
+fn bits(mut reply: Reply) -> Vec<u8> {
+    if let Reply::Ticked(ticked) = &mut reply {
+        ticked.instructions = 0;
+    }
+    let sequence = Sequence(0);
+    let message = ControllerMessage::Reply { sequence, reply };
+    encode(&message).expect("it came in a frame").to_vec()
+}

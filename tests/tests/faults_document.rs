@@ -1,0 +1,82 @@
+//! `docs/faults.md` says what the controller does, and the tests it names are there.
+
+use fivebar_firmware::safety::{Fault, Response};
+
+const DOCUMENT: &str = include_str!("../../docs/faults.md");
+/// Where the tests are that it names.
+const TESTS: [&str; 9] = [
+    include_str!("../../firmware/tests/faults.rs"),
+    include_str!("../../firmware/tests/homing.rs"),
+    include_str!("../../firmware/tests/session.rs"),
+    include_str!("../../firmware/tests/storage.rs"),
+    include_str!("faults_in_process.rs"),
+    include_str!("emulated_faults.rs"),
+    include_str!("emulated_boards.rs"),
+    include_str!("production_image.rs"),
+    include_str!("mishaps/mod.rs"),
+];
+
+/// The cells of every row of the tables, their headings included.
+fn rows(part: &str) -> Vec<Vec<&str>> {
+    let cells = |line: &'static str| line.split('|').map(str::trim).collect::<Vec<_>>();
+    let (_, from) = DOCUMENT.split_once(part).expect("the part");
+    let lines = from.lines().take_while(|line| !line.starts_with("## "));
+    lines
+        .filter(|line| line.starts_with("| "))
+        .map(|line| cells(line.trim_matches('|')))
+        .collect()
+}
+
+/// "encoder jump" of `EncoderJump`.
+fn words(fault: Fault) -> String {
+    fivebar::run::fault_name(fault)
+}
+
+#[test]
+fn every_fault_has_its_row_with_its_number_and_response() {
+    let rows = rows("## The numbers");
+    let faults: Vec<_> = rows
+        .iter()
+        .filter(|row| row[0].parse::<u8>().is_ok())
+        .collect();
+    assert_eq!(faults.len(), Fault::ALL.len());
+    for (row, fault) in faults.into_iter().zip(Fault::ALL) {
+        assert_eq!(row[0], fault.number().to_string());
+        assert_eq!(row[1], words(fault));
+        let response = match fault.response() {
+            Response::PowerOff => "off",
+            Response::ControlledStop => "held",
+        };
+        assert_eq!(row[2].split(';').next(), Some(response), "{fault:?}");
+    }
+}
+
+#[test]
+fn every_mishap_names_its_fault_by_number_and_name() {
+    let rows = rows("## The mishaps");
+    let named: Vec<_> = rows.iter().filter(|row| row.len() == 5).skip(1).collect();
+    assert!(named.len() >= 14, "{named:?}");
+    for row in named {
+        let (number, name) = row[1].split_once(' ').expect("a number and a name");
+        let number = number.parse::<u8>().expect("a number");
+        let fault = Fault::try_from(number).expect("a known fault");
+        assert_eq!(name, words(fault));
+        let held = row[3].contains("held");
+        assert_eq!(held, fault.response() == Response::ControlledStop, "{name}");
+    }
+}
+
+#[test]
+fn every_test_it_names_is_there() {
+    let names: Vec<_> = ["## The numbers", "## The mishaps"]
+        .into_iter()
+        .flat_map(rows)
+        .filter_map(|row| row.last()?.strip_prefix('`')?.strip_suffix('`'))
+        .collect();
+    assert!(names.len() > 40, "{names:?}");
+    for name in names {
+        let function = format!("fn {name}(");
+        let found = TESTS.iter().any(|file| file.contains(&function));
+        assert!(found, "there is no test {name}");
+    }
+}

@@ -1,0 +1,247 @@
+//! What goes wrong with an arm and its line, told of a controller wherever it is. Each
+//! function is a test by its name, once with a controller in this process and once on the
+//! emulated board; `docs/faults.md` states what it must lead to, and within how many ticks.
+
+use crate::bench::{Bench, Stated, stated};
+use fivebar::link::Mishaps;
+use fivebar::plant::FaultKind;
+use fivebar_firmware::Request;
+use fivebar_firmware::controller::Refusal as Denied;
+use fivebar_firmware::protocol::{Order, Refusal};
+use fivebar_firmware::safety::{Response, State};
+use std::io::{Read, Write};
+
+/// Makes tests of the functions below, each with the line that `$line` starts.
+macro_rules! test_every_mishap {
+    ($line:path: $($name:ident),* $(,)?) => {
+        $(
+            #[test]
+            fn $name() {
+                crate::mishaps::$name($line());
+            }
+        )*
+    };
+    ($line:path) => {
+        $crate::mishaps::test_every_mishap!(
+            $line:
+            dropped_frames,
+            repeated_frames,
+            reordered_frames,
+            corrupt_frames,
+            garbage_between_frames,
+            a_dead_encoder,
+            a_jumping_encoder,
+            a_switch_stuck_closed,
+            a_switch_stuck_open,
+            a_stalled_motor,
+            a_disconnected_motor,
+            a_current_sensor_somewhat_off,
+            a_current_sensor_far_off,
+            a_sagging_bus,
+            a_pumped_up_bus,
+            a_bridge_that_gives_up,
+            a_pressed_emergency_stop,
+            a_silent_host,
+            a_few_late_ticks,
+            late_ticks,
+        );
+    };
+}
+pub(crate) use test_every_mishap;
+
+/// In motion something breaks; the arm is off in time, stays off, and can be cleared.
+#[track_caller]
+fn powers_off<L: Read + Write>(line: L, test: &str, fault: FaultKind) -> Bench<L> {
+    let mut bench = Bench::moving(line);
+    bench.inject(fault);
+    bench.powers_off(stated(test));
+    bench
+}
+
+pub(crate) fn a_dead_encoder(line: impl Read + Write) {
+    powers_off(line, "a_dead_encoder", FaultKind::EncoderDead { joint: 0 });
+}
+
+pub(crate) fn a_jumping_encoder(line: impl Read + Write) {
+    let jump = FaultKind::EncoderJump {
+        joint: 1,
+        counts: 400,
+    };
+    let mut bench = powers_off(line, "a_jumping_encoder", jump);
+    // Where the joint is, is not known any more.
+    let refusal = bench.is_refused(Order::Request(Request::Arm));
+    assert_eq!(refusal, Refusal::Request(Denied::NotHomed));
+}
+
+pub(crate) fn a_stalled_motor(line: impl Read + Write) {
+    powers_off(
+        line,
+        "a_stalled_motor",
+        FaultKind::MotorStalled { joint: 1 },
+    );
+}
+
+pub(crate) fn a_disconnected_motor(line: impl Read + Write) {
+    let lead = FaultKind::MotorDisconnected { joint: 0 };
+    powers_off(line, "a_disconnected_motor", lead);
+}
+
+/// The loops make up for it.
+pub(crate) fn a_current_sensor_somewhat_off(line: impl Read + Write) {
+    let mut bench = Bench::moving(line);
+    bench.inject(FaultKind::CurrentOffset {
+        joint: 0,
+        amperes: 0.1,
+    });
+    for _ in 0..500 {
+        let ticked = bench.tick();
+        assert_eq!((ticked.state, ticked.fault), (State::Running, None));
+    }
+    bench.is_moving();
+}
+
+pub(crate) fn a_current_sensor_far_off(line: impl Read + Write) {
+    let offset = FaultKind::CurrentOffset {
+        joint: 0,
+        amperes: 7.0,
+    };
+    powers_off(line, "a_current_sensor_far_off", offset);
+}
+
+pub(crate) fn a_sagging_bus(line: impl Read + Write) {
+    let sag = FaultKind::BusVoltage { volts: 12.0 };
+    let mut bench = powers_off(line, "a_sagging_bus", sag);
+    // Armed on the same bus, it is back at once.
+    bench.is_done(Order::Request(Request::Arm));
+    bench.powers_off(stated("a_sagging_bus"));
+}
+
+pub(crate) fn a_pumped_up_bus(line: impl Read + Write) {
+    let pumped = FaultKind::BusVoltage { volts: 34.0 };
+    powers_off(line, "a_pumped_up_bus", pumped);
+}
+
+pub(crate) fn a_bridge_that_gives_up(line: impl Read + Write) {
+    let driver = FaultKind::DriverFault { joint: 1 };
+    powers_off(line, "a_bridge_that_gives_up", driver);
+}
+
+pub(crate) fn a_pressed_emergency_stop(line: impl Read + Write) {
+    let stated = stated("a_pressed_emergency_stop");
+    let mut bench = Bench::moving(line);
+    bench.inject(FaultKind::EmergencyStop);
+    let ticked = bench.faults(stated);
+    bench.stays_off(ticked);
+    // Cleared while still pressed, it is back in the next tick.
+    bench.is_done(Order::Request(Request::ClearFault));
+    let ticked = bench.faults(stated);
+    bench.stays_off(ticked);
+}
+
+/// Homing where a switch never changes. Faster than usual, and within a narrow range, so
+/// that an emulator need not search for long.
+fn searches<L: Read + Write>(line: L, pressed: bool, stated: Stated) -> Bench<L> {
+    let mut bench = Bench::with(line, Mishaps::default(), |settings| {
+        settings.homing.speed = 3.0;
+        settings.homing.back_off = 0.02;
+        settings.axes[0].angle_limits = [2.1, 2.3];
+    });
+    bench.inject(FaultKind::SwitchStuck { joint: 0, pressed });
+    bench.is_done(Order::Request(Request::Home));
+    bench.powers_off(stated);
+    bench
+}
+
+pub(crate) fn a_switch_stuck_closed(line: impl Read + Write) {
+    let mut bench = searches(line, true, stated("a_switch_stuck_closed"));
+    let refusal = bench.is_refused(Order::Request(Request::Arm));
+    assert_eq!(refusal, Refusal::Request(Denied::NotHomed));
+}
+
+pub(crate) fn a_switch_stuck_open(line: impl Read + Write) {
+    let mut bench = searches(line, false, stated("a_switch_stuck_open"));
+    let refusal = bench.is_refused(Order::Request(Request::Arm));
+    assert_eq!(refusal, Refusal::Request(Denied::NotHomed));
+}
+
+/// The arm stops on its path and is held there.
+pub(crate) fn a_silent_host(line: impl Read + Write) {
+    let stated = stated("a_silent_host");
+    assert_eq!(stated.fault.response(), Response::ControlledStop);
+    let mut bench = Bench::moving(line);
+    let path = bench.plant.tool().y;
+    bench.status();
+    bench.host_talks = false;
+    bench.faults(stated);
+    let still_moves = bench.is_refused(Order::Request(Request::ClearFault));
+    assert_eq!(still_moves, Refusal::Request(Denied::Moving));
+    for _ in 0..stated.at_rest.expect("a controlled stop") {
+        let ticked = bench.tick();
+        assert_eq!(ticked.command.enable, [true; 2]);
+        let off = (bench.plant.tool().y - path).abs();
+        assert!(off < 3e-5, "{off} m off the line");
+    }
+    bench.stays_held();
+    bench.is_cleared();
+}
+
+/// Two in a row are only counted.
+pub(crate) fn a_few_late_ticks(line: impl Read + Write) {
+    let mut bench = Bench::moving(line);
+    for _ in 0..3 {
+        bench.inject(FaultKind::TicksMissed { ticks: 2 });
+        for _ in 0..10 {
+            assert_eq!(bench.tick().fault, None);
+        }
+    }
+    for _ in 0..100 {
+        assert_eq!(bench.tick().fault, None);
+    }
+    assert_eq!(bench.status().missed_ticks, 6);
+    bench.is_moving();
+}
+
+pub(crate) fn late_ticks(line: impl Read + Write) {
+    let stated = stated("late_ticks");
+    let mut bench = Bench::moving(line);
+    bench.inject(FaultKind::TicksMissed { ticks: 3 });
+    // The ticks after this one; the arm goes on meanwhile.
+    assert_eq!(bench.tick().fault, None);
+    bench.powers_off(stated);
+    assert_eq!(bench.status().missed_ticks, 3);
+}
+
+/// The protocol repairs what befalls the frames: no bit of any answer changes, and the
+/// arm does not stop.
+#[track_caller]
+fn is_repaired(line: impl Read + Write, repeats: bool, mishap: fn(&mut Mishaps)) {
+    let mut mishaps = Mishaps::default();
+    mishap(&mut mishaps);
+    let mut bench = Bench::moving_on(line, mishaps);
+    bench.is_moving();
+    let befallen = bench.board.line().mishaps();
+    assert!(befallen > 10, "{befallen} mishaps prove little");
+    // An order whose frame or reply is lost is sent again, and that is counted.
+    assert!(bench.board.repeats() > 0 || !repeats);
+    println!("{befallen} mishaps, {} repeats", bench.board.repeats());
+}
+
+pub(crate) fn dropped_frames(line: impl Read + Write) {
+    is_repaired(line, true, |mishaps| mishaps.dropped = 0.03);
+}
+
+pub(crate) fn repeated_frames(line: impl Read + Write) {
+    is_repaired(line, false, |mishaps| mishaps.repeated = 0.1);
+}
+
+pub(crate) fn reordered_frames(line: impl Read + Write) {
+    is_repaired(line, true, |mishaps| mishaps.overtaken = 0.03);
+}
+
+pub(crate) fn corrupt_frames(line: impl Read + Write) {
+    is_repaired(line, true, |mishaps| mishaps.corrupt = 0.03);
+}
+
+pub(crate) fn garbage_between_frames(line: impl Read + Write) {
+    is_repaired(line, false, |mishaps| mishaps.garbage = 0.1);
+}

@@ -1,0 +1,88 @@
+//! The production image on QEMU, as far as that emulates its board: what it reads at the
+//! start, and what it makes of it.
+
+mod flash;
+
+use fivebar::link::{Conversation, Emulator};
+use fivebar_firmware::Request;
+use fivebar_firmware::Settings;
+use fivebar_firmware::protocol::{Board, Identity, Order, Refusal, Reply};
+use fivebar_firmware::safety::{Fault, State};
+use fivebar_firmware::storage::SettingsStorage;
+use flash::Flash;
+use std::io::Write;
+
+/// Where the image keeps its settings: flash sector 8.
+const SETTINGS: u32 = 0x0808_0000;
+
+/// Boots the image with these bytes in its memory.
+fn boot(address: u32, bytes: &[u8]) -> (Conversation<Emulator>, Identity) {
+    let mut file = tempfile::NamedTempFile::new().expect("a file");
+    file.write_all(bytes).expect("room");
+    let image = Emulator::built_image("stm32f405");
+    let board = Emulator::start_with(&image, &[(address, file.path())]).expect("a board");
+    let (conversation, identity) = Conversation::open(board).expect("an answer");
+    assert_eq!(identity.board, Board::Stm32f405);
+    (conversation, identity)
+}
+
+/// The flash of a board that has stored these settings.
+fn stored(settings: &Settings) -> Flash {
+    let mut flash = Flash::blank();
+    let mut storage = SettingsStorage::new(&mut flash, Flash::RANGE).expect("four sectors");
+    storage.save(settings).expect("a sound flash");
+    flash
+}
+
+fn other_settings() -> Settings {
+    Settings {
+        payload: 0.0123,
+        ..Settings::BENCHTOP
+    }
+}
+
+/// The settings in use, and why nothing can be armed.
+fn in_use(conversation: &mut Conversation<Emulator>) -> (Settings, Refusal) {
+    let mut settings = Settings::BENCHTOP;
+    conversation.read_settings(&mut settings).expect("answers");
+    let arm = conversation.order(Order::Request(Request::Arm));
+    let refusal = arm.expect("an answer").expect_err("its clock has failed");
+    let (status, _) = conversation.status().expect("an answer");
+    assert_eq!(
+        (status.state, status.fault),
+        (State::Fault, Some(Fault::ClockFailure))
+    );
+    assert_eq!(status.duty, [0.0; 2]);
+    (settings, refusal)
+}
+
+#[test]
+fn stored_settings_are_used() {
+    let flash = stored(&other_settings());
+    let (mut conversation, _) = boot(SETTINGS, &flash.bytes);
+    let (settings, refusal) = in_use(&mut conversation);
+    assert_eq!(settings, other_settings());
+    let fault = fivebar_firmware::controller::Refusal::State(State::Fault);
+    assert_eq!(
+        refusal,
+        Refusal::Request(fault),
+        "the clock, not the settings"
+    );
+}
+
+#[test]
+fn a_damaged_page_of_settings_is_not_used() {
+    let mut flash = stored(&other_settings());
+    // Every item of the log, the newest included.
+    flash.bytes.iter_mut().for_each(|byte| *byte ^= 0x10);
+    let (mut conversation, _) = boot(SETTINGS, &flash.bytes);
+    let (settings, refusal) = in_use(&mut conversation);
+    assert_eq!(settings, Settings::BENCHTOP);
+    assert_eq!(refusal, Refusal::NoSettings);
+    assert_eq!(
+        conversation.ask(Order::SaveSettings).expect("an answer"),
+        Reply::Refused(Refusal::Request(
+            fivebar_firmware::controller::Refusal::State(State::Fault)
+        ))
+    );
+}
