@@ -20,7 +20,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         page.render(&mut text).map_err(refused)?;
         match &args.dir {
             Some(folder) => {
-                write_whole(&folder.join(page.get_filename()), text).map_err(refused)?
+                write_whole(&folder.join(page.get_filename()), text).map_err(refused)?;
             }
             None => io::stdout().write_all(&text).map_err(refused)?,
         }
