@@ -1,5 +1,7 @@
 //! The branches: which of the mirrored solutions an arm is in.
 
+use core::fmt;
+
 /// Left or right of a directed line, seen with the plane's normal towards the viewer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(
@@ -45,6 +47,15 @@ impl Side {
             Self::Left => Self::Right,
             Self::Right => Self::Left,
         }
+    }
+}
+
+impl fmt::Display for Side {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Left => "left",
+            Self::Right => "right",
+        })
     }
 }
 

@@ -100,7 +100,7 @@ impl Grid {
 
 /// Lower left and upper right corner of a box around the reach [m]: T is no farther from A
 /// than l1 + |BT|, nor from E than l4 + l3 + |CT|.
-fn bounds(tool: &Tool<f64>) -> [Vec2<f64>; 2] {
+pub fn bounds(tool: &Tool<f64>) -> [Vec2<f64>; 2] {
     let geometry = tool.geometry();
     let far1 = geometry.l1() + tool.reach();
     let [_, far4] = geometry.leg4_radii();

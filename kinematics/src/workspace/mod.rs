@@ -34,7 +34,7 @@ mod loci;
 mod map;
 mod rectangle;
 
-pub use grid::{Grid, GridError};
+pub use grid::{Grid, GridError, bounds};
 pub use loci::{Locus, loci};
 pub use map::{Areas, Cell, Map};
 pub use rectangle::Rectangle;

@@ -111,6 +111,14 @@ const EXAMPLES: &[(&str, &[&str])] = &[
             "fivebar sim scenario.toml --json",
         ],
     ),
+    (
+        "workspace",
+        &[
+            "fivebar workspace",
+            "fivebar workspace my-arm.toml --out out/reach --resolution 1",
+            "fivebar workspace haply --branch left,left --json",
+        ],
+    ),
 ];
 
 /// The command line with examples after each command's help.

@@ -23,6 +23,7 @@ mod robots;
 mod run_args;
 mod serve;
 mod sim;
+mod workspace;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::process::ExitCode;
@@ -57,6 +58,7 @@ enum Command {
     Robots(robots::Args),
     Serve(serve::Args),
     Sim(sim::Args),
+    Workspace(workspace::Args),
 }
 
 /// The command line: what is parsed, completed and printed as a manual.
@@ -86,6 +88,7 @@ pub fn main() -> ExitCode {
             Command::Robots(args) => robots::run(&args),
             Command::Serve(args) => serve::run(&args),
             Command::Sim(args) => sim::run(&args),
+            Command::Workspace(args) => workspace::run(&args),
         },
     };
     match outcome {

@@ -32,7 +32,7 @@ impl OutputArgs {
                 ("report.html", &report.page().render()),
                 ("picture.svg", &report.picture().unwrap_or_default()),
                 ("trace.csv", &report.trace.to_csv()),
-                ("summary.json", summary),
+                ("summary.json", &summary),
             ])
             .map_err(refused)?;
         if let Some(path) = &self.log {

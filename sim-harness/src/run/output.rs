@@ -54,9 +54,9 @@ impl OutputFolder {
     ///
     /// # Errors
     /// The first that could not be written.
-    pub fn write(&self, files: &[(&str, &str)]) -> Result<(), WriteError> {
-        for (name, text) in files {
-            write_whole(&self.path.join(name), text)?;
+    pub fn write(&self, files: &[(&str, &dyn AsRef<[u8]>)]) -> Result<(), WriteError> {
+        for (name, bytes) in files {
+            write_whole(&self.path.join(name), bytes.as_ref())?;
         }
         Ok(())
     }

@@ -1,0 +1,43 @@
+//! The places of a study as a table.
+
+use super::Study;
+use fivebar_kinematics::workspace::Cell;
+use std::fmt::Write as _;
+
+/// The columns: sines and the condition number have no unit, flags are 0 or 1.
+const HEADER: &str = "x_m,y_m,elbow1,elbow4,assembly,within_limits,clear,\
+                      abs_sin_leg1,abs_sin_leg4,abs_sin_parallel,condition_number\n";
+
+impl Study<'_> {
+    /// A line for every place in every working mode that reaches it.
+    pub fn csv(&self) -> String {
+        let mut csv = String::from(HEADER);
+        for map in &self.maps {
+            let mode = map.workspace().mode;
+            for (place, cell) in map.reached() {
+                let Cell {
+                    assembly,
+                    elbow_sines: [sine1, sine4],
+                    sin32,
+                    inverse_condition,
+                    within_limits,
+                    admitted,
+                } = cell;
+                let [within_limits, clear] = [within_limits, admitted].map(|&flag| u8::from(flag));
+                let _ = writeln!(
+                    csv,
+                    "{:.6},{:.6},{},{},{assembly},{within_limits},{clear},{:.4},{:.4},{:.4},{:.4e}",
+                    place.x,
+                    place.y,
+                    mode.elbow1,
+                    mode.elbow4,
+                    sine1.abs(),
+                    sine4.abs(),
+                    sin32.abs(),
+                    1.0 / inverse_condition,
+                );
+            }
+        }
+        csv
+    }
+}
