@@ -23,9 +23,10 @@ emulated() {
         --test images --test instructions --test emulated_boards --test emulated_faults \
         --test emulated_port --test production_image --test stack
 }
+commands() { scripts/commands.sh; }
 demo() { cargo run --release --quiet -- --out target/demonstration; }
 
-all=(format file_lengths lint docs licences tests demo peers browser setup firmware emulated)
+all=(format file_lengths lint docs licences tests demo peers browser setup firmware emulated commands)
 steps=("$@")
 [ $# -gt 0 ] || steps=("${all[@]}")
 

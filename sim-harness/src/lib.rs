@@ -4,6 +4,7 @@ pub mod accuracy;
 pub mod clearance;
 pub mod cli;
 pub mod contact;
+pub mod doctor;
 pub mod drive;
 pub mod export;
 pub mod job;

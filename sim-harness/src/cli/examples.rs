@@ -28,6 +28,14 @@ const EXAMPLES: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "doctor",
+        &[
+            "fivebar doctor",
+            "fivebar doctor pil flash",
+            "fivebar doctor port --json",
+        ],
+    ),
+    (
         "drive",
         &[
             "fivebar drive my.gcode --robot my-arm.toml --port /dev/ttyUSB0 --upload",
@@ -76,6 +84,14 @@ const EXAMPLES: &[(&str, &[&str])] = &[
         &[
             "fivebar monitor --port /dev/ttyUSB0",
             "fivebar monitor --port /dev/ttyUSB0 --rate 100 --samples 1000",
+        ],
+    ),
+    (
+        "new",
+        &[
+            "fivebar new my-arm.toml",
+            "fivebar new my-arm.toml --defaults",
+            "printf 'my arm\\n\\n0.1\\n0.15\\n0.22\\n\\n\\n\\n\\n\\n' | fivebar new my-arm.toml",
         ],
     ),
     (

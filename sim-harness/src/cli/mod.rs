@@ -4,6 +4,7 @@ mod accuracy;
 mod clearance;
 mod completions;
 mod demo;
+mod doctor;
 mod drive;
 mod examples;
 mod export;
@@ -15,10 +16,12 @@ mod lockstep;
 mod man;
 mod mobility;
 mod monitor;
+mod new;
 mod output;
 mod pil;
 mod port;
 mod query;
+mod questions;
 mod robots;
 mod run_args;
 mod serve;
@@ -46,6 +49,7 @@ enum Command {
     Accuracy(Box<accuracy::Args>),
     Clearance(clearance::Args),
     Completions(completions::Args),
+    Doctor(doctor::Args),
     Drive(drive::Args),
     Export(export::Args),
     Hil(hil::Args),
@@ -53,6 +57,7 @@ enum Command {
     Man(man::Args),
     Mobility(mobility::Args),
     Monitor(monitor::Args),
+    New(new::Args),
     Pil(pil::Args),
     Query(query::Args),
     Robots(robots::Args),
@@ -76,6 +81,7 @@ pub fn main() -> ExitCode {
             Command::Accuracy(args) => accuracy::run(&args),
             Command::Clearance(args) => clearance::run(&args),
             Command::Completions(args) => completions::run(&args),
+            Command::Doctor(args) => doctor::run(&args),
             Command::Drive(args) => drive::run(&args),
             Command::Export(args) => export::run(&args),
             Command::Hil(args) => hil::run(&args),
@@ -83,6 +89,7 @@ pub fn main() -> ExitCode {
             Command::Man(args) => man::run(&args),
             Command::Mobility(args) => mobility::run(&args),
             Command::Monitor(args) => monitor::run(&args),
+            Command::New(args) => new::run(&args),
             Command::Pil(args) => pil::run(&args),
             Command::Query(args) => query::run(&args),
             Command::Robots(args) => robots::run(&args),

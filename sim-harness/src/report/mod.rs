@@ -18,7 +18,7 @@ pub use page::Page;
 pub(crate) use page::escape;
 pub use quantity::quantity;
 pub use run::RunReport;
-pub use write::{WriteError, write_whole};
+pub use write::{WriteError, write_new, write_whole};
 
 /// A point of a chart or of a drawing; a coordinate that is not finite breaks the curve.
 pub type Point = [f64; 2];

@@ -2,6 +2,7 @@
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
 
 /// A file could not be written; nothing is left behind in its place.
 #[derive(Debug, thiserror::Error)]
@@ -17,13 +18,30 @@ pub struct WriteError {
 /// # Errors
 /// Whatever the file system refuses, with the path.
 pub fn write_whole(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), WriteError> {
-    try_write(path, bytes.as_ref()).map_err(|source| WriteError {
-        path: path.to_owned(),
-        source,
-    })
+    written(path, bytes.as_ref())
+        .and_then(|file| Ok(file.persist(path).map(drop)?))
+        .map_err(|source| refusal(path, source))
 }
 
-fn try_write(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+/// As [`write_whole`], but leaves a file alone that is there already.
+///
+/// # Errors
+/// As [`write_whole`], and a file of that name.
+pub fn write_new(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), WriteError> {
+    written(path, bytes.as_ref())
+        .and_then(|file| Ok(file.persist_noclobber(path).map(drop)?))
+        .map_err(|source| refusal(path, source))
+}
+
+fn refusal(path: &Path, source: std::io::Error) -> WriteError {
+    WriteError {
+        path: path.to_owned(),
+        source,
+    }
+}
+
+/// A temporary file beside `path` with its content.
+fn written(path: &Path, bytes: &[u8]) -> std::io::Result<NamedTempFile> {
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
@@ -35,13 +53,12 @@ fn try_write(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let mut file = builder.tempfile_in(folder)?;
     file.write_all(bytes)?;
-    file.persist(path).map_err(|refused| refused.error)?;
-    Ok(())
+    Ok(file)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::write_whole;
+    use super::{write_new, write_whole};
 
     #[test]
     fn replaces_a_file_and_leaves_nothing_beside_it() {
@@ -52,6 +69,17 @@ mod tests {
         assert_eq!(std::fs::read_to_string(&path).unwrap(), "new");
         let beside = std::fs::read_dir(path.parent().unwrap()).unwrap().count();
         assert_eq!(beside, 1);
+    }
+
+    #[test]
+    fn a_new_file_takes_no_others_place() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("arm.toml");
+        write_new(&path, "first").unwrap();
+        let refusal = write_new(&path, "second").unwrap_err().to_string();
+        assert!(refusal.contains("arm.toml"), "{refusal}");
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "first");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 
     #[test]

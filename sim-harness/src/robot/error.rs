@@ -16,7 +16,7 @@ pub struct FileError {
 }
 
 /// The place of a value in a file.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Key {
     /// A key of the file itself.
     Top(&'static str),

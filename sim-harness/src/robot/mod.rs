@@ -3,14 +3,17 @@
 
 mod builtin;
 mod check;
+mod draft;
 mod error;
 mod file;
 mod home;
 mod settings;
 mod slider;
+mod template;
 mod workspace;
 
 pub use builtin::{BUILT_IN, BuiltIn};
+pub use draft::{Draft, Motor, Unfit};
 pub use error::FileError;
 pub(crate) use error::{Key, Source};
 pub use file::{Actuator, Control, Limits, Motion, Protection, Supply, Tool};

@@ -1,0 +1,136 @@
+#!/usr/bin/env bash
+# Runs every command that the documents show (their fenced sh blocks), in order, as a reader
+# of README.md would: in a folder of its own, with the release binary for `cargo run`.
+#
+# A command whose comment says "on purpose" must end with status 1, every other with 0, and
+# what it is told to write must be there. What cannot be run here is listed in
+# `reason_not_to_run`; what is neither run nor listed there fails.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+root=$PWD
+program=$root/target/release/fivebar
+scratch=$root/target/commands
+
+# Commands that are not run here, and why.
+reason_not_to_run() {
+    case "$1" in
+    'cargo test') echo "ci.sh's step tests is this" ;;
+    './ci.sh'*) names_steps ${1#./ci.sh} && echo "ci.sh is running" ;;
+    'scripts/firmware.sh') names_steps firmware && echo "ci.sh's step firmware is this" ;;
+    'cargo install '*) echo "it installs a program for the user" ;;
+    'probe-rs '*) echo "it needs a board on a debug probe" ;;
+    *) return 1 ;;
+    esac
+}
+
+# Whether ci.sh has these steps.
+names_steps() {
+    local step
+    for step in "$@"; do
+        grep -q "^$step() {" ci.sh || { echo "ci.sh has no step $step" >&2; return 1; }
+    done
+}
+
+# A line for every command: its place, the command, its comment, with tabs between.
+commands() {
+    git ls-files '*.md' | while read -r file; do
+        awk '
+            /^ *```/ {
+                fence = $0
+                sub(/^ *```/, "", fence)
+                inside = inside ? "" : (fence == "" ? "text" : fence)
+                if (inside ~ /^(bash|shell|console|zsh)$/) inside = "sh"
+                next
+            }
+            inside == "sh" {
+                sub(/^ +/, "")
+                if (whole == "") line = FNR
+                whole = whole $0
+                if (sub(/\\$/, "", whole)) next
+                comment = match(whole, /(^| +)#.*/) ? substr(whole, RSTART, RLENGTH) : ""
+                sub(/(^| +)#.*/, "", whole)
+                if (whole != "") printf "%s:%d\t%s\t%s\n", FILENAME, line, whole, comment
+                whole = ""
+            }' "$file"
+    done
+}
+
+fail() {
+    echo "commands: $1" >&2
+    exit 1
+}
+
+# The server runs until it is told to stop: its page must come meanwhile.
+serve() {
+    local place=$1 address reply
+    $2 --listen 127.0.0.1:0 >serve.log 2>&1 </dev/null &
+    server=$!
+    trap 'kill "$server" 2>/dev/null || true' EXIT
+    for _ in $(seq 100); do
+        grep -q 'is at http' serve.log && break
+        sleep 0.1
+    done
+    address=$(sed -n 's|.* is at http://\([^/]*\)/.*|\1|p' serve.log)
+    [ -n "$address" ] || fail "$place: no page within 10 s: $(cat serve.log)"
+    exec 3<>"/dev/tcp/${address%:*}/${address#*:}"
+    printf 'GET / HTTP/1.1\r\nHost: %s\r\nConnection: close\r\n\r\n' "$address" >&3
+    read -r reply <&3
+    exec 3>&-
+    kill "$server"
+    trap - EXIT
+    [[ $reply == *' 200 '* ]] || fail "$place: the page answers $reply"
+}
+
+# Runs a command that talks to a board with a port that is not there: it must have read all
+# else and refuse the port.
+without_port() {
+    local place=$1 command=$2 said
+    command=$(sed -E 's| --port [^ ]+| --port /dev/no-such-port|' <<<"$command")
+    if said=$(bash -c "$command" 2>&1 </dev/null) || [[ $said != *'no port /dev/no-such-port'* ]]; then
+        fail "$place: does not get as far as the port: $said"
+    fi
+}
+
+run() {
+    local place=$1 command=$2 wanted=0 status=0
+    [[ $3 == *'on purpose'* ]] && wanted=1
+    # Who makes a new robot file answers with the Enter key.
+    bash -o pipefail -c "$command" >run.log 2>&1 < <(yes '' | head -n 50) || status=$?
+    [ "$status" -eq "$wanted" ] || fail "$place: $command: status $status for $wanted: $(tail -n 5 run.log)"
+    while read -r _ file; do
+        [ -e "$file" ] || fail "$place: $command: $file is not there afterwards"
+    done < <(grep -oE -- '(--out|--log) [^ ]+' <<<"$command")
+}
+
+cargo build --release --quiet --package fivebar
+rm -rf "$scratch"
+mkdir -p "$scratch"
+ln -s "$root/sim-harness" "$scratch/sim-harness"
+
+count=0
+skipped=0
+while IFS=$'\t' read -r place shown comment; do
+    command=$(sed -E "s#cargo run --release( --( |\$)|\$)#$program\2#" <<<"$shown")
+    started=$SECONDS
+    if why=$(reason_not_to_run "$shown"); then
+        skipped=$((skipped + 1))
+        echo "commands: $place: not run, $why: $shown"
+        continue
+    fi
+    cd "$scratch"
+    if [[ $command == "$program"*' --port '* ]]; then
+        without_port "$place" "$command"
+    elif [[ $command == "$program serve"* ]]; then
+        serve "$place" "$command"
+    elif [[ $command =~ ^(echo\ \'[^\']*\'\ \|\ )?"$program"( |$) || $command == 'cp '* ]]; then
+        run "$place" "$command" "$comment"
+    else
+        fail "$place: neither run here nor listed in scripts/commands.sh: $shown"
+    fi
+    cd "$root"
+    count=$((count + 1))
+    echo "commands: $place: $((SECONDS - started)) s: $shown"
+done < <(commands)
+[ "$count" -gt 20 ] || fail "only $count commands were found"
+echo "commands: $count run, $skipped not"

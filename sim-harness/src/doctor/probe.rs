@@ -1,0 +1,25 @@
+//! Asking other programs.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+/// Where Debian's package rust-web-src keeps the library's source.
+const DEBIAN_SOURCE: &str = "/usr/lib/rustlib/src/rust/library/core/src/lib.rs";
+
+/// The first line that a program prints; none where there is no such program or it fails.
+pub(super) fn first_line(program: &str, arguments: &[&str]) -> Option<String> {
+    let mut command = Command::new(program);
+    let output = command.args(arguments).stdin(Stdio::null()).output().ok()?;
+    let text = String::from_utf8_lossy(&output.stdout);
+    let line = text.lines().find(|line| !line.trim().is_empty())?;
+    output.status.success().then(|| line.trim().to_owned())
+}
+
+/// Where the library for a target is, compiled or as Debian's source.
+pub(super) fn has_rust_target(target: &str) -> Option<String> {
+    let compiled = first_line("rustc", &["--print", "sysroot"])
+        .map(|sysroot| Path::new(&sysroot).join("lib/rustlib").join(target));
+    let debian = || Some(Path::new(DEBIAN_SOURCE).to_owned());
+    let found = compiled.filter(|path| path.is_dir()).or_else(debian)?;
+    found.exists().then(|| found.display().to_string())
+}
