@@ -18,6 +18,9 @@ reason_not_to_run() {
     'cargo test') echo "ci.sh's step tests is this" ;;
     './ci.sh'*) names_steps ${1#./ci.sh} && echo "ci.sh is running" ;;
     'scripts/firmware.sh') names_steps firmware && echo "ci.sh's step firmware is this" ;;
+    'pip install ./python' | 'python python/'*)
+        names_steps python && echo "ci.sh's step python does it in an environment of its own"
+        ;;
     'cargo install '*) echo "it installs a program for the user" ;;
     'probe-rs '*) echo "it needs a board on a debug probe" ;;
     *) return 1 ;;
@@ -108,6 +111,7 @@ rm -rf "$scratch"
 mkdir -p "$scratch"
 ln -s "$root/sim-harness" "$scratch/sim-harness"
 
+declare -A seen
 count=0
 skipped=0
 while IFS=$'\t' read -r place shown comment; do
@@ -118,6 +122,11 @@ while IFS=$'\t' read -r place shown comment; do
         echo "commands: $place: not run, $why: $shown"
         continue
     fi
+    if [ -n "${seen[$shown]:-}" ]; then
+        echo "commands: $place: run already: $shown"
+        continue
+    fi
+    seen[$shown]=yes
     cd "$scratch"
     if [[ $command == "$program"*' --port '* ]]; then
         without_port "$place" "$command"

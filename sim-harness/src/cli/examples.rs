@@ -16,7 +16,7 @@ const EXAMPLES: &[(&str, &[&str])] = &[
         "clearance",
         &[
             "fivebar clearance benchtop --radius 20e-6,50e-6",
-            "fivebar clearance my-arm.toml my.gcode --joints B,D --out out/worn",
+            "fivebar clearance my-arm.toml my.gcode --joints B,D --radius 50e-6 --out out/worn",
         ],
     ),
     (
