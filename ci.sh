@@ -16,6 +16,7 @@ file_lengths() { scripts/file-lengths.sh; }
 tests() { cargo test --workspace; }
 peers() { scripts/peers.sh; }
 browser() { scripts/browser.sh; }
+python() { scripts/python.sh; }
 setup() { scripts/toolchain.sh; }
 firmware() { scripts/firmware.sh; }
 emulated() {
@@ -26,7 +27,7 @@ emulated() {
 commands() { scripts/commands.sh; }
 demo() { cargo run --release --quiet -- --out target/demonstration; }
 
-all=(format file_lengths lint docs licences tests demo peers browser setup firmware emulated commands)
+all=(format file_lengths lint docs licences tests demo peers python browser setup firmware emulated commands)
 steps=("$@")
 [ $# -gt 0 ] || steps=("${all[@]}")
 

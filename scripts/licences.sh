@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
-# Checks the licence of every dependency against the list in deny.toml, offline.
+# Checks the licence of every dependency against the list in deny.toml, those of the fuzz
+# targets and of the Python package included.
 #
 # Known vulnerabilities need cargo-deny and its advisory database; where they are at hand
 # the whole of deny.toml is checked, where not this says so.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-allowed=$(sed -n '/^allow = \[/,/^\]/s/^ *"\(.*\)",$/\1/p' deny.toml)
+allowed=$(sed -n '/^allow = \[/,/^\]/s/^ *"\(.*\)",.*$/\1/p' deny.toml)
 
 # An SPDX expression passes if one alternative of every part joined by AND is allowed.
 passes() {
@@ -20,7 +21,7 @@ passes() {
     done < <(sed 's/ AND /\n/g' <<<"$1")
 }
 
-list() { cargo tree --workspace --all-features --edges normal,build,dev --prefix none --format '{p}|{l}' --target "$1"; }
+list() { cargo tree --workspace --all-features --edges normal,build,dev --prefix none --format '{p}|{l}' "$@"; }
 count=0
 refused=0
 while IFS='|' read -r package licence; do
@@ -29,7 +30,12 @@ while IFS='|' read -r package licence; do
         echo "licences: $package is under '$licence', which deny.toml does not allow" >&2
         refused=1
     fi
-done < <({ list x86_64-unknown-linux-gnu; list thumbv7em-none-eabihf; } | sed '/^$/d; s/ (\*)$//; s/ (.*)|/|/' | sort -u)
+done < <({
+    list --target x86_64-unknown-linux-gnu
+    list --target thumbv7em-none-eabihf
+    list --manifest-path fuzz/Cargo.toml
+    list --manifest-path python/Cargo.toml
+} | sed '/^$/d; s/ (\*)$//; s/ (.*)|/|/' | sort -u)
 [ "$refused" -eq 0 ]
 [ "$count" -gt 20 ] || { echo "licences: cargo tree listed only $count packages" >&2; exit 1; }
 echo "licences: $count packages, all under licences that deny.toml allows"

@@ -2,6 +2,7 @@
 
 pub mod accuracy;
 pub mod clearance;
+#[cfg(feature = "program")]
 pub mod cli;
 pub mod contact;
 pub mod doctor;
@@ -16,5 +17,7 @@ pub mod query;
 pub mod report;
 pub mod robot;
 pub mod run;
+#[cfg(feature = "program")]
 pub mod serve;
+#[cfg(feature = "program")]
 pub mod workspace;

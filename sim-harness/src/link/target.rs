@@ -55,4 +55,7 @@ pub enum TargetError {
     /// A joint did not find its home switch in time.
     #[error("the joints did not find their home switches within {0} s")]
     NeverHomed(f64),
+    /// Whoever began the run wants it no longer.
+    #[error("the run was interrupted")]
+    Interrupted,
 }

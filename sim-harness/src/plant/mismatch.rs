@@ -28,6 +28,38 @@ impl Mismatch {
         current_noise: 0.0,
         current_offset: 0.0,
     };
+
+    /// Whether such an arm can be.
+    ///
+    /// # Errors
+    /// The first figure that makes no sense.
+    pub fn check(&self) -> Result<(), UnsoundMismatch> {
+        for (name, value, least) in [
+            // All of a link's mass gone is no link.
+            ("link_mass", self.link_mass, -0.99),
+            ("friction", self.friction, -1.0),
+            ("payload", self.payload, 0.0),
+            ("current_noise", self.current_noise, 0.0),
+            ("current_offset", self.current_offset, -2048.0),
+        ] {
+            if !(value >= least && value.is_finite()) {
+                return Err(UnsoundMismatch { name, value, least });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A figure of a mismatch that makes no sense.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("must be finite and at least {least}, not {value:?}")]
+pub struct UnsoundMismatch {
+    /// Which one.
+    pub name: &'static str,
+    /// What it is.
+    pub value: f64,
+    /// The least it can be.
+    pub least: f64,
 }
 
 impl Default for Mismatch {

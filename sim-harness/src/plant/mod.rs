@@ -28,7 +28,7 @@ mod wear;
 pub use chain::{Chain, JOINTS, PerJoint};
 pub use dynamics::{Loads, Model, State};
 pub use faults::{FaultKind, PlantFault};
-pub use mismatch::Mismatch;
+pub use mismatch::{Mismatch, UnsoundMismatch};
 pub use motor::Motor;
 pub use noise::Noise;
 pub use planar::{Body, Planar};

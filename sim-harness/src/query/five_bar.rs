@@ -289,13 +289,19 @@ fn masses(robot: &Robot) -> Result<&Arm<f64>, Refusal> {
     robot.arm().map_err(Refusal::invalid)
 }
 
+impl From<PoseError> for Kind {
+    fn from(error: PoseError) -> Self {
+        match error {
+            PoseError::Unreachable(_) => Self::Unreachable,
+            PoseError::Singular(_) => Self::Singular,
+            PoseError::NotFinite => Self::Invalid,
+        }
+    }
+}
+
 fn refusal(error: PoseError, place: &str) -> Refusal {
     Refusal {
-        error: match error {
-            PoseError::Unreachable(_) => Kind::Unreachable,
-            PoseError::Singular(_) => Kind::Singular,
-            PoseError::NotFinite => Kind::Invalid,
-        },
+        error: error.into(),
         message: format!("{error}, {place}"),
     }
 }

@@ -167,10 +167,18 @@ impl Scenario {
         computed_torque: bool,
         progress: &mut dyn FnMut(usize),
     ) -> Result<(Summary, Record), RunError> {
+        let mut target = self.controller(computed_torque)?;
+        self.run_on(&mut target, &self.moves(job), progress)
+    }
+
+    /// The controller in this process, by the arm's model or by PD alone, just reset.
+    ///
+    /// # Errors
+    /// A robot without masses, or settings that the controller refuses.
+    pub fn controller(&self, computed_torque: bool) -> Result<InProcess, RunError> {
         let mut settings = self.robot.settings()?;
         settings.control.computed_torque = computed_torque;
-        let mut target = InProcess::new(&settings).map_err(|e| self.unsound(e))?;
-        self.run_on(&mut target, &self.moves(job), progress)
+        InProcess::new(&settings).map_err(|e| self.unsound(e))
     }
 
     /// Runs moves on a controller, wherever it is; else as [`Scenario::simulate`].

@@ -114,27 +114,9 @@ fn check(source: &Source<'_>, file: &ScenarioFile) -> Result<(), FileError> {
         let reason = format!("must be finite, not [{x:?}, {y:?}]");
         return Err(source.refuse(Key::Top("origin"), reason));
     }
-    let Mismatch {
-        link_mass,
-        friction,
-        payload,
-        current_noise,
-        current_offset,
-    } = file.mismatch;
-    for (name, value, least) in [
-        // All of a link's mass gone is no link.
-        ("link_mass", link_mass, -0.99),
-        ("friction", friction, -1.0),
-        ("payload", payload, 0.0),
-        ("current_noise", current_noise, 0.0),
-        ("current_offset", current_offset, -2048.0),
-    ] {
-        if !(value >= least && value.is_finite()) {
-            let reason = format!("must be finite and at least {least}, not {value:?}");
-            return Err(source.refuse(Key::In("mismatch", name), reason));
-        }
-    }
-    Ok(())
+    file.mismatch
+        .check()
+        .map_err(|unsound| source.refuse(Key::In("mismatch", unsound.name), unsound))
 }
 
 /// A file named in another one, from where that lies.

@@ -1,0 +1,66 @@
+"""Kinematics, dynamics and simulation of a planar five-bar arm over NumPy arrays.
+
+>>> import fivebar
+>>> arm = fivebar.Arm.load("benchtop")
+>>> arm
+<fivebar.Arm 'benchtop', l1…l4 and base 0.1, 0.16, 0.16, 0.1, 0.08 m>
+
+Two driven base joints A and E, a closed loop A–B–C–D–E, the tool at C. Link 1 is A→B and
+driven, link 2 B→C, link 3 D→C, link 4 E→D and driven. SI units; angles [rad] absolute,
+counter-clockwise from +x; points [m] in the frame of the base, A at the origin, E on +x.
+Keys, names and errors are those of ``fivebar query``.
+"""
+
+from ._arm import Arm, built_in
+from ._errors import (
+    FivebarError,
+    InvalidError,
+    JobError,
+    PoseError,
+    RobotError,
+    RunError,
+    SingularError,
+    UnreachableError,
+)
+from ._results import (
+    Forward,
+    ForwardDynamics,
+    Inverse,
+    InverseDynamics,
+    InverseMotion,
+    Motion,
+    Reaction,
+)
+from ._simulation import NO_MISMATCH, Run, Trace, simulate
+from ._status import Side, Status
+
+__all__ = [
+    "Arm",
+    "FivebarError",
+    "Forward",
+    "ForwardDynamics",
+    "InvalidError",
+    "Inverse",
+    "InverseDynamics",
+    "InverseMotion",
+    "JobError",
+    "Motion",
+    "NO_MISMATCH",
+    "PoseError",
+    "Reaction",
+    "RobotError",
+    "Run",
+    "RunError",
+    "Side",
+    "SingularError",
+    "Status",
+    "Trace",
+    "UnreachableError",
+    "built_in",
+    "simulate",
+]
+
+# Tracebacks and help name the package, not the room behind it.
+for _name in __all__:
+    if hasattr(globals()[_name], "__module__"):
+        globals()[_name].__module__ = __name__

@@ -1,0 +1,375 @@
+"""The arm and what it can be asked."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Union
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import _native
+from ._errors import RobotError
+from ._results import (
+    Forward,
+    ForwardDynamics,
+    Inverse,
+    InverseDynamics,
+    InverseMotion,
+    Motion,
+    Reaction,
+)
+from ._shapes import Floats, SideLike, Statuses, broadcast, pairs, refuse, sides, signs
+from ._simulation import Run, run
+from ._status import Side
+
+
+class Arm:
+    """A planar five-bar arm, made by :meth:`load`, :meth:`from_file` or :meth:`from_toml`.
+
+    >>> import fivebar
+    >>> arm = fivebar.Arm.load("benchtop")
+    >>> there = arm.inverse([0.04, 0.2])
+    >>> there.theta.round(6).tolist()
+    [2.253107, 0.888486]
+    >>> arm.forward(there.theta, there.assembly).c.round(6).tolist()
+    [0.04, 0.2]
+
+    Questions are asked in batches. Arguments are pairs along the last axis, (x, y) or
+    (joint 1, joint 4), in front of which any shape S may stand; the arguments' shapes
+    broadcast as NumPy's do, so that a single pair goes with a batch. A large batch is
+    answered on all cores, without the interpreter's lock; Ctrl-C breaks it off.
+
+    A row without an answer is NaN throughout, and its ``status`` says why
+    (:class:`fivebar.Status`). With ``strict=True`` the first such row is raised instead:
+    :class:`fivebar.UnreachableError`, :class:`fivebar.SingularError` or
+    :class:`fivebar.InvalidError`, which knows its ``index``.
+
+    Branches are ``"left"`` or ``"right"``, a :class:`fivebar.Side`, or arrays of names or
+    signs (+1 left, −1 right). Left out, they are the robot's own.
+
+    SI units; angles [rad] absolute, counter-clockwise from +x; points [m] in the frame of
+    the base, A at the origin, E on +x. All questions are about C, where links 2 and 3
+    meet; a tool that is offset from it counts in :meth:`simulate` alone.
+    """
+
+    def __init__(self, robot: _native.Robot) -> None:
+        """Use :meth:`load`, :meth:`from_file` or :meth:`from_toml`."""
+        self._robot = robot
+
+    @classmethod
+    def load(cls, name_or_path: str = "benchtop") -> Arm:
+        """The arm that ``fivebar --robot`` would take: a built-in one, or else a file.
+
+        Raises :class:`fivebar.RobotError` with file, line and reason.
+
+        >>> Arm.load("usp_2dof").lengths
+        (0.12, 0.16, 0.16, 0.12, 0.1)
+        """
+        return cls(_native.Robot.load(name_or_path))
+
+    @classmethod
+    def from_file(cls, path: Union[str, os.PathLike[str]]) -> Arm:
+        """The arm of a robot file.
+
+        Raises :class:`fivebar.RobotError` with file, line and reason, or ``OSError``.
+        """
+        with open(path, encoding="utf-8") as file:
+            return cls.from_toml(file.read(), os.fspath(path))
+
+    @classmethod
+    def from_toml(cls, text: str, name: str = "robot") -> Arm:
+        """The arm that the text of a robot file describes; errors call the file ``name``.
+
+        Raises :class:`fivebar.RobotError` with file, line and reason.
+
+        >>> Arm.from_toml('name = "nothing"')
+        Traceback (most recent call last):
+        ...
+        fivebar.RobotError: robot, line 1: missing field `gravity`
+        """
+        return cls(_native.Robot.parse(name, text))
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+        return self._robot.name
+
+    @property
+    def lengths(self) -> Tuple[float, ...]:
+        """l1, l2, l3, l4 and the base AE [m]."""
+        return tuple(self._robot.lengths)
+
+    @property
+    def elbow1(self) -> Side:
+        """Which way elbow 1 turns in the robot's working mode."""
+        return Side(self._robot.elbows[0])
+
+    @property
+    def elbow4(self) -> Side:
+        """Which way elbow 4 turns in the robot's working mode."""
+        return Side(self._robot.elbows[1])
+
+    @property
+    def assembly(self) -> Side:
+        """The assembly branch that the robot is in at home.
+
+        Raises :class:`fivebar.RobotError` where it has no home pose.
+        """
+        sign = self._robot.assembly
+        if sign is None:
+            raise RobotError(
+                f"robot `{self.name}` has no home pose in its working mode: "
+                "say assembly='left' or 'right'"
+            )
+        return Side(sign)
+
+    @property
+    def home(self) -> Tuple[float, ...]:
+        """θ1, θ4 at the home switches [rad]."""
+        return tuple(self._robot.home)
+
+    @property
+    def joint_limits(self) -> Tuple[Tuple[float, ...], ...]:
+        """Least and greatest θ1, then θ4 [rad]. Questions ignore them; a run does not."""
+        return tuple(tuple(limits) for limits in self._robot.joint_limits)
+
+    @property
+    def tool_offset(self) -> Tuple[float, ...]:
+        """The tool from C, along link 2 and to its left [m]."""
+        return tuple(self._robot.tool_offset)
+
+    @property
+    def has_masses(self) -> bool:
+        """Whether its masses are known: without them there are no torques and no runs."""
+        return self._robot.has_masses
+
+    def __repr__(self) -> str:
+        lengths = ", ".join(f"{length:g}" for length in self.lengths)
+        return f"<fivebar.Arm {self.name!r}, l1…l4 and base {lengths} m>"
+
+    def forward(
+        self, theta: ArrayLike, assembly: Optional[SideLike] = None, *, strict: bool = False
+    ) -> Forward:
+        """Where C is when the driven links stand at θ1, θ4.
+
+        theta: θ1, θ4 [rad], shape S + (2,). assembly: ``left`` where C lies left of the
+        ray B→D.
+        """
+        numbers = {"theta": pairs("theta", theta)}
+        fields, status = self._ask(
+            _native.forward, numbers, self._assembly(assembly), [(2,), (), (), (), ()], strict
+        )
+        c, theta2, theta3, elbow1, elbow4 = fields
+        return Forward(status, c, theta2, theta3, signs(elbow1), signs(elbow4))
+
+    def inverse(
+        self,
+        points: ArrayLike,
+        elbow1: Optional[SideLike] = None,
+        elbow4: Optional[SideLike] = None,
+        *,
+        strict: bool = False,
+    ) -> Inverse:
+        """How to bring C somewhere.
+
+        points: C [m], shape S + (2,). elbow1, elbow4: which way each elbow turns.
+
+        >>> arm = Arm.load("benchtop")
+        >>> answer = arm.inverse([[0.04, 0.2], [0.5, 0.0]])
+        >>> answer.ok.tolist()
+        [True, False]
+        >>> arm.inverse([[0.04, 0.2], [0.5, 0.0]], strict=True)
+        Traceback (most recent call last):
+        ...
+        fivebar.UnreachableError: row 1: the point is farther from A than l1 + l2; points = [0.5, 0.0]
+        """
+        numbers = {"points": pairs("points", points)}
+        fields, status = self._ask(
+            _native.inverse, numbers, self._elbows(elbow1, elbow4), [()] * 5, strict
+        )
+        theta1, theta4, theta2, theta3, assembly = fields
+        return Inverse(status, theta1, theta4, theta2, theta3, signs(assembly))
+
+    def motion(
+        self,
+        theta: ArrayLike,
+        omega: ArrayLike,
+        alpha: ArrayLike = (0.0, 0.0),
+        assembly: Optional[SideLike] = None,
+        *,
+        strict: bool = False,
+    ) -> Motion:
+        """Velocities and accelerations of C and of links 2 and 3.
+
+        theta [rad], omega [rad/s], alpha [rad/s²]: of joints 1 and 4, each S + (2,).
+        """
+        numbers = self._moving(theta, omega, alpha)
+        shapes: List[Tuple[int, ...]] = [(2,), (2,), (2,), (), (), (), ()]
+        fields, status = self._ask(
+            _native.motion, numbers, self._assembly(assembly), shapes, strict
+        )
+        return Motion(status, *fields)
+
+    def inverse_motion(
+        self,
+        points: ArrayLike,
+        velocity: ArrayLike,
+        acceleration: ArrayLike = (0.0, 0.0),
+        elbow1: Optional[SideLike] = None,
+        elbow4: Optional[SideLike] = None,
+        *,
+        strict: bool = False,
+    ) -> InverseMotion:
+        """The motion of the links that moves C so.
+
+        points [m], velocity [m/s], acceleration [m/s²]: of C, each S + (2,). A leg that is
+        straight or folded is singular here (type 1).
+        """
+        numbers = {
+            "points": pairs("points", points),
+            "velocity": pairs("velocity", velocity),
+            "acceleration": pairs("acceleration", acceleration),
+        }
+        fields, status = self._ask(
+            _native.inverse_motion, numbers, self._elbows(elbow1, elbow4), [()] * 13, strict
+        )
+        names = [f"{letter}{n}" for letter in ("theta", "omega", "alpha") for n in (1, 2, 3, 4)]
+        angles = dict(zip(names, fields))
+        return InverseMotion(status=status, assembly=signs(fields[-1]), **angles)
+
+    def inverse_dynamics(
+        self,
+        theta: ArrayLike,
+        omega: ArrayLike = (0.0, 0.0),
+        alpha: ArrayLike = (0.0, 0.0),
+        assembly: Optional[SideLike] = None,
+        external_force: ArrayLike = (0.0, 0.0),
+        *,
+        strict: bool = False,
+    ) -> InverseDynamics:
+        """The torques of a motion, rotors included, friction not; what the joints bear.
+
+        theta [rad], omega [rad/s], alpha [rad/s²]: of joints 1 and 4, each S + (2,).
+        external_force: on C [N], S + (2,). Singular where B, C, D are in line (type 2).
+        Raises :class:`fivebar.RobotError` where the robot's masses are not known.
+
+        At rest these are the torques that hold the arm:
+
+        >>> arm = Arm.load("benchtop")      # it lies flat: nothing to hold
+        >>> arm.inverse_dynamics(arm.home).torque.tolist()
+        [0.0, 0.0]
+        """
+        numbers = self._moving(theta, omega, alpha)
+        numbers["external_force"] = pairs("external_force", external_force)
+        shapes: List[Tuple[int, ...]] = [(2,), (2, 2), (2,), *[(2,)] * 5]
+        fields, status = self._ask(
+            _native.inverse_dynamics, numbers, self._assembly(assembly), shapes, strict
+        )
+        torque, mass_matrix, bias_torque, *reaction = fields
+        return InverseDynamics(status, torque, mass_matrix, bias_torque, Reaction(*reaction))
+
+    def forward_dynamics(
+        self,
+        theta: ArrayLike,
+        omega: ArrayLike,
+        torque: ArrayLike,
+        assembly: Optional[SideLike] = None,
+        external_force: ArrayLike = (0.0, 0.0),
+        *,
+        strict: bool = False,
+    ) -> ForwardDynamics:
+        """The accelerations of the driven joints under torques, friction left out.
+
+        theta [rad], omega [rad/s], torque [N·m]: of joints 1 and 4, each S + (2,).
+        external_force: on C [N], S + (2,). Singular and refused as
+        :meth:`inverse_dynamics`.
+        """
+        numbers = {
+            "theta": pairs("theta", theta),
+            "omega": pairs("omega", omega),
+            "torque": pairs("torque", torque),
+            "external_force": pairs("external_force", external_force),
+        }
+        fields, status = self._ask(
+            _native.forward_dynamics, numbers, self._assembly(assembly), [(), ()], strict
+        )
+        return ForwardDynamics(status, *fields)
+
+    def simulate(
+        self,
+        job: Union[str, os.PathLike[str]],
+        *,
+        origin: Optional[Sequence[float]] = None,
+        scale: Optional[float] = None,
+        seed: Optional[int] = None,
+        computed_torque: Optional[bool] = None,
+        mismatch: Optional[Mapping[str, float]] = None,
+    ) -> Run:
+        """Does a job with the simulated arm under the production control loop.
+
+        job: G-code as text, or the path of a file of G-code or of a scenario in TOML, whose
+        robot this arm then stands in for. Paths are ``pathlib.Path``; a ``str`` is text.
+        What is left out of the rest is the scenario's own, or the default:
+
+        origin: where the job's (0, 0) lies in the frame of the base [m]; else the middle of
+        the drawing goes where the arm moves best. scale: metres in the plane per metre in
+        the job; 1. seed: of every random number; 1. computed_torque: control by the arm's
+        model, else by PD alone; True. mismatch: how the arm differs from what the controller
+        believes, ``link_mass`` and ``friction`` as shares more, ``payload`` [kg],
+        ``current_noise`` and ``current_offset`` [ADC codes]; ``fivebar.NO_MISMATCH`` for an
+        arm that is as believed.
+
+        A fault of the arm ends the run and is part of its result. Raises
+        :class:`fivebar.JobError` with the line where the arm cannot do the job,
+        :class:`fivebar.RobotError` where the robot cannot be simulated,
+        :class:`fivebar.RunError`, or ``OSError``. Ctrl-C breaks it off.
+
+        >>> run = Arm.load("benchtop").simulate("G1 X10 F1200", origin=(0.03, 0.2))
+        >>> run.faults
+        []
+        >>> run.summary["tip_error"]["max_m"] < 1e-4
+        True
+        """
+        return run(self._robot, job, origin, scale, seed, computed_torque, mismatch)
+
+    def _ask(
+        self,
+        question: Callable[..., Tuple[List[Floats], Statuses]],
+        numbers: Dict[str, Floats],
+        branches: Dict[str, Any],
+        shapes: Sequence[Tuple[int, ...]],
+        strict: bool,
+    ) -> Tuple[List[Floats], Statuses]:
+        shape, given, chosen = broadcast(numbers, branches)
+        order = dict(zip(numbers, given))
+        force = [order.pop("external_force")] if "external_force" in order else []
+        fields, status = question(self._robot, *order.values(), *chosen, *force)
+        status = status.reshape(shape)
+        if strict:
+            refuse(status, dict(zip(numbers, given)))
+        return [f.reshape(shape + tail) for f, tail in zip(fields, shapes)], status
+
+    def _moving(self, theta: ArrayLike, omega: ArrayLike, alpha: ArrayLike) -> Dict[str, Floats]:
+        given = {"theta": theta, "omega": omega, "alpha": alpha}
+        return {name: pairs(name, value) for name, value in given.items()}
+
+    def _assembly(self, assembly: Optional[SideLike]) -> Dict[str, Any]:
+        own = self.assembly if assembly is None else assembly
+        return {"assembly": sides("assembly", own)}
+
+    def _elbows(self, elbow1: Optional[SideLike], elbow4: Optional[SideLike]) -> Dict[str, Any]:
+        given = {
+            "elbow1": self.elbow1 if elbow1 is None else elbow1,
+            "elbow4": self.elbow4 if elbow4 is None else elbow4,
+        }
+        return {name: sides(name, value) for name, value in given.items()}
+
+
+def built_in() -> List[str]:
+    """The names of the robots that come with the package; the first is the default.
+
+    >>> "benchtop" in built_in()
+    True
+    """
+    return _native.built_in()

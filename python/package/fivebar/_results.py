@@ -1,0 +1,157 @@
+"""What the questions are answered with.
+
+Shapes: S is the shape of the batch, that of the arguments without their last axis; () for
+a single question. Where a row has no answer its numbers are NaN, its sides 0, and
+``status`` says why. Units SI; angles [rad] absolute, counter-clockwise from +x; points in
+the frame of the base, A at the origin, E on +x.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._shapes import Floats, Signs, Statuses
+from ._status import Status
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """What all answers have."""
+
+    #: Codes of :class:`Status`, shape S.
+    status: Statuses
+
+    @property
+    def ok(self) -> NDArray[np.bool_]:
+        """Which rows have an answer, shape S."""
+        ok: NDArray[np.bool_] = self.status == Status.OK
+        return ok
+
+
+@dataclass(frozen=True, eq=False)
+class Forward(Answer):
+    """Where C is."""
+
+    #: C [m], shape S + (2,).
+    c: Floats
+    #: Angle of link 2, B to C [rad].
+    theta2: Floats
+    #: Angle of link 3, D to C [rad].
+    theta3: Floats
+    #: Which way elbow 1 turns: +1 left, −1 right.
+    elbow1: Signs
+    #: Which way elbow 4 turns.
+    elbow4: Signs
+
+
+@dataclass(frozen=True, eq=False)
+class Inverse(Answer):
+    """The angles that bring C somewhere [rad], each of shape S and in (−π, π]."""
+
+    #: Driven link 1, A to B.
+    theta1: Floats
+    #: Driven link 4, E to D.
+    theta4: Floats
+    #: Link 2, B to C.
+    theta2: Floats
+    #: Link 3, D to C.
+    theta3: Floats
+    #: The forward branch: +1 where C lies left of the ray B→D, −1 right.
+    assembly: Signs
+
+    @property
+    def theta(self) -> Floats:
+        """θ1, θ4 as the other questions take them, shape S + (2,)."""
+        return np.stack((self.theta1, self.theta4), axis=-1)
+
+
+@dataclass(frozen=True, eq=False)
+class Motion(Answer):
+    """The motion of the tool point and of the links that are not driven."""
+
+    #: C [m], shape S + (2,).
+    c: Floats
+    #: Its velocity [m/s], shape S + (2,).
+    c_velocity: Floats
+    #: Its acceleration [m/s²], shape S + (2,).
+    c_acceleration: Floats
+    #: Angular velocity of link 2 [rad/s].
+    omega2: Floats
+    #: Angular velocity of link 3 [rad/s].
+    omega3: Floats
+    #: Angular acceleration of link 2 [rad/s²].
+    alpha2: Floats
+    #: Angular acceleration of link 3 [rad/s²].
+    alpha3: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class InverseMotion(Inverse):
+    """The motion of the links that moves C so; [rad/s] and [rad/s²], each of shape S."""
+
+    omega1: Floats
+    omega4: Floats
+    omega2: Floats
+    omega3: Floats
+    alpha1: Floats
+    alpha4: Floats
+    alpha2: Floats
+    alpha3: Floats
+
+    @property
+    def omega(self) -> Floats:
+        """ω1, ω4 as the other questions take them [rad/s], shape S + (2,)."""
+        return np.stack((self.omega1, self.omega4), axis=-1)
+
+    @property
+    def alpha(self) -> Floats:
+        """α1, α4 as the other questions take them [rad/s²], shape S + (2,)."""
+        return np.stack((self.alpha1, self.alpha4), axis=-1)
+
+
+@dataclass(frozen=True, eq=False)
+class Reaction:
+    """Forces in the joints [N], each of shape S + (2,)."""
+
+    #: In A, of the ground on link 1.
+    a: Floats
+    #: In B, of link 1 on link 2.
+    b: Floats
+    #: In C, of link 2 on link 3.
+    c: Floats
+    #: In D, of link 4 on link 3.
+    d: Floats
+    #: In E, of the ground on link 4.
+    e: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class InverseDynamics(Answer):
+    """What a motion takes. torque = mass_matrix · (α1, α4) + bias_torque."""
+
+    #: τ1, τ4 on links 1 and 4 [N·m], shape S + (2,).
+    torque: Floats
+    #: M(q) [kg·m²], shape S + (2, 2).
+    mass_matrix: Floats
+    #: h(q, q̇) of velocities, gravity and external force [N·m], shape S + (2,).
+    bias_torque: Floats
+    #: What the joints bear.
+    reaction: Reaction
+
+
+@dataclass(frozen=True, eq=False)
+class ForwardDynamics(Answer):
+    """What torques bring about [rad/s²], each of shape S."""
+
+    #: Of link 1.
+    alpha1: Floats
+    #: Of link 4.
+    alpha4: Floats
+
+    @property
+    def alpha(self) -> Floats:
+        """α1, α4 as the other questions take them, shape S + (2,)."""
+        return np.stack((self.alpha1, self.alpha4), axis=-1)

@@ -1,0 +1,147 @@
+"""Runs of the simulated arm and what they leave."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from dataclasses import dataclass
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _native
+from ._errors import FivebarError
+from ._shapes import Floats
+
+#: The figures of an arm that is exactly as the controller believes it to be.
+NO_MISMATCH: Dict[str, float] = {
+    "link_mass": 0.0,
+    "friction": 0.0,
+    "payload": 0.0,
+    "current_noise": 0.0,
+    "current_offset": 0.0,
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """A job sample by sample, evenly spaced; N samples, at most 50,000.
+
+    Pairs, of shape (N, 2), are (x, y) in the frame of the base, or joint 1 and joint 4.
+    """
+
+    #: Since the beginning of the job, after homing [s], shape (N,).
+    time: Floats
+    #: The line of the job that is being done, shape (N,).
+    line: NDArray[np.uint32]
+    #: Where the tool should be [m].
+    reference: Floats
+    #: Where it truly is [m].
+    tool: Floats
+    #: The joints' angles as they truly are [rad].
+    angle: Floats
+    #: What the reference asks of the joints [rad].
+    reference_angle: Floats
+    #: The same [rad/s].
+    reference_velocity: Floats
+    #: The same [rad/s²].
+    reference_acceleration: Floats
+    #: Of the motors, at the joints [N·m].
+    torque: Floats
+    #: Set-points of the motors' currents [A].
+    current_set_point: Floats
+    #: Currents in the motors [A].
+    current: Floats
+    #: Of the bridges, −1…1.
+    duty: Floats
+    #: Whether the torques were limited, shape (N,).
+    saturated: NDArray[np.bool_]
+
+    @property
+    def tip_error(self) -> Floats:
+        """Distance of the tool from where it should be [m], shape (N,)."""
+        difference = self.tool - self.reference
+        return np.hypot(difference[:, 0], difference[:, 1])
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """What a run came to."""
+
+    #: The figures of ``fivebar sim --json``: robot, scenario, simulated_s, wall_s, ticks,
+    #: tip_error {rms_m, max_m}, peak_torque_nm [2], saturated_ticks, faults.
+    summary: Dict[str, Any]
+    #: The job sample by sample.
+    trace: Trace
+    #: Ticks from one sample of the trace to the next: more than 1 in a long run.
+    stride: int
+    #: The faults raised, each with its time from power-up [s]; the first ended the run.
+    faults: List[Tuple[float, str]]
+    #: When the job began, the arm being homed [s] from power-up; None if it never did.
+    begun: Optional[float]
+    #: What of the job was skipped, and on which line.
+    warnings: List[str]
+
+
+def simulate(
+    file: Union[str, os.PathLike[str]],
+    *,
+    origin: Optional[Sequence[float]] = None,
+    scale: Optional[float] = None,
+    seed: Optional[int] = None,
+    computed_torque: Optional[bool] = None,
+    mismatch: Optional[Mapping[str, float]] = None,
+) -> Run:
+    """Runs a scenario file with the robot that it names, as ``fivebar sim FILE`` does.
+
+    The rest, and what is raised, is as for :meth:`fivebar.Arm.simulate`.
+    """
+    scenario = _native.Scenario.of_file(os.fspath(file), None)
+    return _run(scenario, origin, scale, seed, computed_torque, mismatch)
+
+
+def run(
+    robot: _native.Robot,
+    job: Union[str, os.PathLike[str]],
+    origin: Optional[Sequence[float]],
+    scale: Optional[float],
+    seed: Optional[int],
+    computed_torque: Optional[bool],
+    mismatch: Optional[Mapping[str, float]],
+) -> Run:
+    """Runs a job or a scenario with a robot; see :meth:`fivebar.Arm.simulate`."""
+    if not isinstance(job, str):
+        scenario = _native.Scenario.of_file(os.fspath(job), robot)
+    elif job.endswith((".gcode", ".nc", ".toml")) and "\n" not in job:
+        raise FivebarError(f"a str is taken for G-code; for a file give pathlib.Path({job!r})")
+    else:
+        scenario = _native.Scenario.of_text(robot, job)
+    return _run(scenario, origin, scale, seed, computed_torque, mismatch)
+
+
+def _run(
+    scenario: _native.Scenario,
+    origin: Optional[Sequence[float]],
+    scale: Optional[float],
+    seed: Optional[int],
+    computed_torque: Optional[bool],
+    mismatch: Optional[Mapping[str, float]],
+) -> Run:
+    if origin is not None and not (len(origin) == 2 and all(map(math.isfinite, origin))):
+        raise FivebarError(f"origin must be two finite numbers [m], not {origin!r}")
+    if scale is not None and not (scale > 0 and math.isfinite(scale)):
+        raise FivebarError(f"scale must be a positive finite number, not {scale!r}")
+    summary, columns, stride, faults, begun, warnings = scenario.run(
+        origin=None if origin is None else [float(x) for x in origin],
+        scale=scale,
+        seed=seed,
+        computed_torque=computed_torque,
+        mismatch=dict(mismatch or {}),
+    )
+    alone = ("time", "line", "saturated")
+    trace = {n: c if n in alone else c.reshape(-1, 2) for n, c in columns.items()}
+    figures = json.loads(summary)
+    del figures["out_dir"]  # nothing is written
+    return Run(figures, Trace(**trace), stride, faults, begun, warnings)

@@ -1,0 +1,60 @@
+//! Refusals as the exceptions of `fivebar._errors`, with what scripts ask of them.
+
+use fivebar::job::JobError;
+use fivebar::link::TargetError;
+use fivebar::robot::FileError;
+use fivebar::run::{RunError, ScenarioError};
+use pyo3::call::PyCallArgs;
+use pyo3::prelude::*;
+use std::fmt::Display;
+use std::io;
+
+/// The exception of that name, made from its arguments.
+fn raise<'py>(py: Python<'py>, name: &str, arguments: impl PyCallArgs<'py>) -> PyErr {
+    py.import("fivebar._errors")
+        .and_then(|module| module.getattr(name))
+        .and_then(|class| class.call1(arguments))
+        .map_or_else(|error| error, PyErr::from_value)
+}
+
+/// A refused robot or scenario file, with its line.
+pub(crate) fn file(py: Python<'_>, error: &FileError) -> PyErr {
+    let FileError { file, line, .. } = error;
+    raise(py, "RobotError", (error.to_string(), file, line))
+}
+
+/// A robot that lacks what is asked of it.
+pub(crate) fn robot(py: Python<'_>, error: impl Display) -> PyErr {
+    raise(py, "RobotError", (error.to_string(),))
+}
+
+/// A scenario that cannot be run.
+pub(crate) fn scenario(py: Python<'_>, error: ScenarioError) -> PyErr {
+    let message = error.to_string();
+    match error {
+        // Told by its kind, Python says FileNotFoundError where there is no such file.
+        ScenarioError::Read { source, .. } => io::Error::new(source.kind(), message).into(),
+        ScenarioError::File(error) => file(py, &error),
+        ScenarioError::Job { error, .. } => match error {
+            JobError::Line { line, .. } => raise(py, "JobError", (message, line)),
+            JobError::NoMotion => raise(py, "JobError", (message,)),
+        },
+        ScenarioError::NoHome(error) => robot(py, error),
+    }
+}
+
+/// A run that was refused or broken off.
+pub(crate) fn run(py: Python<'_>, job_file: &str, error: RunError) -> PyErr {
+    match error {
+        RunError::Scenario(error) => scenario(py, error),
+        RunError::Target(error @ TargetError::Move(refusal)) => {
+            let message = format!("{job_file}, {error}");
+            raise(py, "JobError", (message, refusal.tag, refusal.point))
+        }
+        RunError::Target(error) => raise(py, "RunError", (error.to_string(),)),
+        RunError::KinematicsOnly(_)
+        | RunError::NoHome(_)
+        | RunError::NoJournal(_)
+        | RunError::Settings { .. } => robot(py, error),
+    }
+}

@@ -1,0 +1,31 @@
+//! The Python package's compiled half, `fivebar._native`.
+//!
+//! It takes and gives flat arrays of `f64`, one row a question, and knows nothing of
+//! shapes, defaults or words: those are the Python half's (`package/fivebar`), which is
+//! also where the interface is documented.
+
+mod batch;
+mod dynamics;
+mod error;
+mod motion;
+mod positions;
+mod robot;
+mod simulation;
+mod status;
+
+/// The module, as Python imports it.
+#[pyo3::pymodule]
+mod _native {
+    #[pymodule_export]
+    use super::dynamics::{forward_dynamics, inverse_dynamics};
+    #[pymodule_export]
+    use super::motion::{inverse_motion, motion};
+    #[pymodule_export]
+    use super::positions::{forward, inverse};
+    #[pymodule_export]
+    use super::robot::{Robot, built_in};
+    #[pymodule_export]
+    use super::simulation::Scenario;
+    #[pymodule_export]
+    use super::status::statuses;
+}

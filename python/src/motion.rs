@@ -1,0 +1,99 @@
+//! Velocities and accelerations both ways, a row a state.
+
+use crate::batch::{Answer, common, rows, solve};
+use crate::positions::{Numbers, Signs, number};
+use crate::robot::Robot;
+use crate::status::Problem;
+use fivebar_kinematics::Vec2;
+use fivebar_kinematics::five_bar::{Accelerations, Pose, Velocities};
+use pyo3::prelude::*;
+
+/// A motion in full.
+pub(crate) struct Motion {
+    pub(crate) pose: Pose<f64>,
+    pub(crate) velocities: Velocities<f64>,
+    pub(crate) accelerations: Accelerations<f64>,
+}
+
+/// θ, ω, α of the driven joints to C, ṙC, r̈C, ω2, ω3, α2, α3.
+#[pyfunction]
+pub(crate) fn motion<'py>(
+    py: Python<'py>,
+    robot: &Robot,
+    theta: Numbers<'py>,
+    omega: Numbers<'py>,
+    alpha: Numbers<'py>,
+    assembly: Signs<'py>,
+) -> PyResult<Answer<'py>> {
+    let (theta, assembly) = (rows(&theta)?, rows(&assembly)?);
+    let (omega, alpha) = (rows(&omega)?, rows(&alpha)?);
+    let count = common([theta.len(), omega.len(), alpha.len(), assembly.len()])?;
+    solve(py, count, &[2, 2, 2, 1, 1, 1, 1], |row| {
+        let Motion {
+            pose,
+            velocities,
+            accelerations,
+        } = robot.move_joints(theta[row], omega[row], alpha[row], assembly[row])?;
+        let [_, omega2, omega3, _] = velocities.omega;
+        let [_, alpha2, alpha3, _] = accelerations.alpha;
+        let (c, v, a) = (pose.c, velocities.c, accelerations.c);
+        Ok([c.x, c.y, v.x, v.y, a.x, a.y, omega2, omega3, alpha2, alpha3])
+    })
+}
+
+/// C, ṙC, r̈C and the elbows' signs to the angles, velocities and accelerations of
+/// links 1 to 4, and the assembly.
+#[pyfunction]
+pub(crate) fn inverse_motion<'py>(
+    py: Python<'py>,
+    robot: &Robot,
+    points: Numbers<'py>,
+    velocity: Numbers<'py>,
+    acceleration: Numbers<'py>,
+    elbow1: Signs<'py>,
+    elbow4: Signs<'py>,
+) -> PyResult<Answer<'py>> {
+    let (points, elbow1, elbow4) = (rows(&points)?, rows(&elbow1)?, rows(&elbow4)?);
+    let (velocity, acceleration) = (rows(&velocity)?, rows(&acceleration)?);
+    let count = common([
+        points.len(),
+        velocity.len(),
+        acceleration.len(),
+        elbow1.len(),
+        elbow4.len(),
+    ])?;
+    solve(py, count, &[1; 13], |row| {
+        let geometry = robot.geometry();
+        let pose = robot.place(points[row], elbow1[row], elbow4[row])?;
+        let [x, y] = velocity[row];
+        let velocities = geometry.inverse_velocities(&pose, Vec2::new(x, y))?;
+        let [x, y] = acceleration[row];
+        let accelerations = geometry.inverse_accelerations(&pose, &velocities, Vec2::new(x, y))?;
+        let [t1, t2, t3, t4] = pose.angles();
+        let [w1, w2, w3, w4] = velocities.omega;
+        let [a1, a2, a3, a4] = accelerations.alpha;
+        let assembly = number(pose.assembly());
+        Ok([t1, t2, t3, t4, w1, w2, w3, w4, a1, a2, a3, a4, assembly])
+    })
+}
+
+impl Robot {
+    /// The motion of the driven joints, solved.
+    pub(crate) fn move_joints(
+        &self,
+        theta: [f64; 2],
+        [omega1, omega4]: [f64; 2],
+        [alpha1, alpha4]: [f64; 2],
+        assembly: [i8; 1],
+    ) -> Result<Motion, Problem> {
+        let geometry = self.geometry();
+        let pose = self.pose(theta, assembly)?;
+        let velocities = geometry.forward_velocities(&pose, omega1, omega4)?;
+        let accelerations = geometry.forward_accelerations(&pose, &velocities, alpha1, alpha4)?;
+        Ok(Motion {
+            pose,
+            velocities,
+            accelerations,
+        })
+    }
+}

@@ -1,0 +1,84 @@
+//! Positions both ways, a row a point.
+
+use crate::batch::{Answer, common, rows, solve};
+use crate::robot::{Robot, sign};
+use crate::status::Problem;
+use fivebar_kinematics::Vec2;
+use fivebar_kinematics::five_bar::{Pose, Side, WorkingMode};
+use numpy::PyReadonlyArrayDyn;
+use pyo3::prelude::*;
+
+pub(crate) type Numbers<'py> = PyReadonlyArrayDyn<'py, f64>;
+pub(crate) type Signs<'py> = PyReadonlyArrayDyn<'py, i8>;
+
+/// C and the elbows' signs to θ1, θ4, θ2, θ3, assembly.
+#[pyfunction]
+pub(crate) fn inverse<'py>(
+    py: Python<'py>,
+    robot: &Robot,
+    points: Numbers<'py>,
+    elbow1: Signs<'py>,
+    elbow4: Signs<'py>,
+) -> PyResult<Answer<'py>> {
+    let (points, elbow1, elbow4) = (rows(&points)?, rows(&elbow1)?, rows(&elbow4)?);
+    let count = common([points.len(), elbow1.len(), elbow4.len()])?;
+    solve(py, count, &[1; 5], |row| {
+        let pose = robot.place(points[row], elbow1[row], elbow4[row])?;
+        let [theta1, theta2, theta3, theta4] = pose.angles();
+        Ok([theta1, theta4, theta2, theta3, number(pose.assembly())])
+    })
+}
+
+/// θ1, θ4 and the assembly's sign to C, θ2, θ3, elbow 1, elbow 4.
+#[pyfunction]
+pub(crate) fn forward<'py>(
+    py: Python<'py>,
+    robot: &Robot,
+    theta: Numbers<'py>,
+    assembly: Signs<'py>,
+) -> PyResult<Answer<'py>> {
+    let (theta, assembly) = (rows(&theta)?, rows(&assembly)?);
+    let count = common([theta.len(), assembly.len()])?;
+    solve(py, count, &[2, 1, 1, 1, 1], |row| {
+        let pose = robot.pose(theta[row], assembly[row])?;
+        let [_, theta2, theta3, _] = pose.angles();
+        let WorkingMode { elbow1, elbow4 } = pose.working_mode();
+        let Vec2 { x, y } = pose.c;
+        Ok([x, y, theta2, theta3, number(elbow1), number(elbow4)])
+    })
+}
+
+impl Robot {
+    /// The pose with C at a point.
+    pub(crate) fn place(
+        &self,
+        [x, y]: [f64; 2],
+        [elbow1]: [i8; 1],
+        [elbow4]: [i8; 1],
+    ) -> Result<Pose<f64>, Problem> {
+        let mode = WorkingMode::new(side(elbow1)?, side(elbow4)?);
+        Ok(self.geometry().inverse(Vec2::new(x, y), mode)?)
+    }
+
+    /// The pose with the driven joints at their angles.
+    pub(crate) fn pose(
+        &self,
+        [theta1, theta4]: [f64; 2],
+        [assembly]: [i8; 1],
+    ) -> Result<Pose<f64>, Problem> {
+        Ok(self.geometry().forward(theta1, theta4, side(assembly)?)?)
+    }
+}
+
+fn side(sign: i8) -> Result<Side, Problem> {
+    match sign {
+        1 => Ok(Side::Left),
+        -1 => Ok(Side::Right),
+        _ => Err(Problem::NoSide),
+    }
+}
+
+/// A side's sign among numbers.
+pub(crate) fn number(side: Side) -> f64 {
+    sign(side).into()
+}

@@ -1,0 +1,207 @@
+//! Runs: a job done by the simulated arm.
+
+use crate::error;
+use crate::robot::Robot;
+use fivebar::link::{InProcess, Target, TargetError};
+use fivebar::plant::Mismatch;
+use fivebar::robot::BuiltIn;
+use fivebar::run::{Sample, Scenario as Described, fault_name};
+use fivebar_firmware::controller::Request;
+use fivebar_firmware::{Command, Move, Sensed, Status};
+use numpy::{Element, IntoPyArray};
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// A run, ready to be done.
+#[pyclass(frozen, module = "fivebar._native")]
+pub(crate) struct Scenario {
+    described: Described,
+}
+
+#[pymethods]
+impl Scenario {
+    /// A scenario in TOML, done by the robot it names unless another is given, or a job in
+    /// G-code, done by the robot given or else by the default one.
+    #[staticmethod]
+    fn of_file(py: Python<'_>, path: &str, robot: Option<&Robot>) -> PyResult<Self> {
+        let refused = |refusal| error::scenario(py, refusal);
+        let robot = robot.map(|robot| robot.described.clone());
+        let is_scenario = Path::new(path).extension().is_some_and(|e| e == "toml");
+        let described = if is_scenario {
+            let scenario = Described::load(path).map_err(refused)?;
+            let robot = robot.unwrap_or_else(|| scenario.robot.clone());
+            Described { robot, ..scenario }
+        } else {
+            let robot = match robot {
+                Some(robot) => robot,
+                None => Robot::load(py, BuiltIn::DEFAULT)?.described,
+            };
+            Described::of_job(path, robot).map_err(refused)?
+        };
+        Ok(Self { described })
+    }
+
+    /// A job in G-code.
+    #[staticmethod]
+    fn of_text(robot: &Robot, text: String) -> Self {
+        let described = Described::new("job", robot.described.clone(), "job", text);
+        Self { described }
+    }
+
+    /// Runs it, with what is given instead of the scenario's own: the figures as JSON, the
+    /// trace's columns by name, the ticks between two samples, the faults with their times
+    /// from power-up, when the job began, and what of the job was skipped.
+    #[pyo3(signature = (*, origin, scale, seed, computed_torque, mismatch))]
+    fn run<'py>(
+        &self,
+        py: Python<'py>,
+        origin: Option<[f64; 2]>,
+        scale: Option<f64>,
+        seed: Option<u64>,
+        computed_torque: Option<bool>,
+        mismatch: BTreeMap<String, f64>,
+    ) -> PyResult<Outcome<'py>> {
+        let mut scenario = self.described.clone();
+        scenario.origin = origin.or(scenario.origin);
+        scenario.scale = scale.unwrap_or(scenario.scale);
+        scenario.seed = seed.unwrap_or(scenario.seed);
+        scenario.computed_torque = computed_torque.unwrap_or(scenario.computed_torque);
+        change(&mut scenario.mismatch, mismatch)?;
+        let mut interrupt = None;
+        let done = py.detach(|| {
+            let job = scenario.job()?;
+            scenario.check(&job)?;
+            let mut target = Interruptible {
+                controller: scenario.controller(scenario.computed_torque)?,
+                ticks: 0,
+                interrupt: &mut interrupt,
+            };
+            let moves = scenario.moves(&job);
+            let (summary, record) = scenario.run_on(&mut target, &moves, &mut |_| ())?;
+            Ok((job, summary, record))
+        });
+        if let Some(interrupt) = interrupt {
+            return Err(interrupt);
+        }
+        let (job, summary, record) =
+            done.map_err(|refusal| error::run(py, &scenario.job_file, refusal))?;
+        let summary = serde_json::to_string(&summary)
+            .map_err(|refusal| PyRuntimeError::new_err(refusal.to_string()))?;
+        let faults = record.faults.iter();
+        Ok((
+            summary,
+            columns(py, record.trace.samples())?,
+            record.trace.stride(),
+            faults.map(|&(at, fault)| (at, fault_name(fault))).collect(),
+            record.begun,
+            job.warnings.iter().map(ToString::to_string).collect(),
+        ))
+    }
+}
+
+type Outcome<'py> = (
+    String,
+    Bound<'py, PyDict>,
+    u64,
+    Vec<(f64, String)>,
+    Option<f64>,
+    Vec<String>,
+);
+
+/// Puts the figures given, by name, in place of a mismatch's own.
+fn change(mismatch: &mut Mismatch, figures: BTreeMap<String, f64>) -> PyResult<()> {
+    for (name, value) in figures {
+        *match name.as_str() {
+            "link_mass" => &mut mismatch.link_mass,
+            "friction" => &mut mismatch.friction,
+            "payload" => &mut mismatch.payload,
+            "current_noise" => &mut mismatch.current_noise,
+            "current_offset" => &mut mismatch.current_offset,
+            _ => {
+                let reason = format!(
+                    "no such figure of a mismatch: `{name}`; there are link_mass, friction, \
+                     payload, current_noise and current_offset"
+                );
+                return Err(PyValueError::new_err(reason));
+            }
+        } = value;
+    }
+    mismatch.check().map_err(|unsound| {
+        let name = unsound.name;
+        PyValueError::new_err(format!("`{name}` of the mismatch {unsound}"))
+    })
+}
+
+/// A quantity of joint 1 and joint 4, or of x and y.
+type Pair = fn(&Sample) -> [f64; 2];
+
+/// The samples column by column, pairs flat.
+fn columns<'py>(py: Python<'py>, samples: &[Sample]) -> PyResult<Bound<'py, PyDict>> {
+    let columns = PyDict::new(py);
+    fn column<'py, T: Element>(
+        columns: &Bound<'py, PyDict>,
+        name: &str,
+        values: impl Iterator<Item = T>,
+    ) -> PyResult<()> {
+        let values: Vec<T> = values.collect();
+        columns.set_item(name, values.into_pyarray(columns.py()))
+    }
+    column(&columns, "time", samples.iter().map(|s| s.time))?;
+    column(&columns, "line", samples.iter().map(|s| s.line))?;
+    column(&columns, "saturated", samples.iter().map(|s| s.saturated))?;
+    let pairs: [(&str, Pair); 10] = [
+        ("reference", |s| s.reference),
+        ("tool", |s| s.tool),
+        ("angle", |s| s.angle),
+        ("reference_angle", |s| s.reference_angle),
+        ("reference_velocity", |s| s.reference_velocity),
+        ("reference_acceleration", |s| s.reference_acceleration),
+        ("torque", |s| s.torque),
+        ("current_set_point", |s| s.current_set_point),
+        ("current", |s| s.current),
+        ("duty", |s| s.duty),
+    ];
+    for (name, pair) in pairs {
+        column(&columns, name, samples.iter().flat_map(pair))?;
+    }
+    Ok(columns)
+}
+
+/// The controller in this process, which looks for Ctrl-C now and then.
+struct Interruptible<'a> {
+    controller: InProcess,
+    ticks: u32,
+    interrupt: &'a mut Option<PyErr>,
+}
+
+/// Ticks between two looks: some milliseconds of work.
+const BETWEEN_LOOKS: u32 = 5_000;
+
+impl Target for Interruptible<'_> {
+    fn tick(&mut self, sensed: &Sensed) -> Result<(Command, Status), TargetError> {
+        self.ticks += 1;
+        if self.ticks == BETWEEN_LOOKS {
+            self.ticks = 0;
+            if let Err(interrupt) = Python::attach(|py| py.check_signals()) {
+                *self.interrupt = Some(interrupt);
+                return Err(TargetError::Interrupted);
+            }
+        }
+        self.controller.tick(sensed)
+    }
+
+    fn request(&mut self, request: Request) -> Result<(), TargetError> {
+        self.controller.request(request)
+    }
+
+    fn offer(&mut self, next: &Move) -> Result<bool, TargetError> {
+        self.controller.offer(next)
+    }
+
+    fn is_idle(&self) -> bool {
+        self.controller.is_idle()
+    }
+}

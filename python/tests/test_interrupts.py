@@ -1,0 +1,48 @@
+"""Long calls look for signals as they go, so that Ctrl-C breaks them off.
+
+A call that does not look answers any number of signals with one call of the handler, after
+it has returned. So a handler that was called several times was called within.
+"""
+
+import signal
+
+import numpy as np
+import pytest
+
+from fivebar import _native
+
+pytestmark = pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="needs POSIX timers")
+ENOUGH = 3
+
+
+@pytest.fixture
+def alarms():
+    """Signals every few milliseconds; the third raises what Ctrl-C does."""
+    seen = []
+
+    def handle(number, frame):
+        seen.append(number)
+        if len(seen) == ENOUGH:
+            raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGALRM, handle)
+    yield lambda: signal.setitimer(signal.ITIMER_REAL, 0.005, 0.005)
+    signal.setitimer(signal.ITIMER_REAL, 0)
+    signal.signal(signal.SIGALRM, before)
+
+
+def test_a_long_batch_is_broken_off(arm, alarms):
+    rows = 3_000_000
+    points = np.ascontiguousarray(np.broadcast_to((0.04, 0.2), (rows, 2)))
+    right, left = -np.ones(rows, np.int8), np.ones(rows, np.int8)
+    alarms()
+    with pytest.raises(KeyboardInterrupt):
+        _native.inverse(arm._robot, points, right, left)
+
+
+def test_a_long_run_is_broken_off(arm, alarms):
+    scenario = _native.Scenario.of_text(arm._robot, "G1 X10 F1200\nG4 S100")
+    alarms()
+    with pytest.raises(KeyboardInterrupt):
+        scenario.run(origin=[0.03, 0.2], scale=None, seed=None, computed_torque=None,
+                     mismatch={})

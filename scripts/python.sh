@@ -1,0 +1,29 @@
+#!/usr/bin/env bash
+# The Python package as its users get it: a fresh virtual environment, `pip install` from the
+# checkout, then its tests, types, example and benchmark.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+(
+    cd python
+    cargo fmt --check
+    cargo clippy --quiet --release --locked -- -D warnings
+)
+cargo build --quiet --release --package fivebar # the tests compare with the program
+
+venv=target/python-venv
+rm -rf "$venv"
+if ! python3 -m venv "$venv"; then
+    echo "python: python3 with its venv module is needed (Debian: apt-get install python3-venv)" >&2
+    exit 1
+fi
+"$venv/bin/pip" install --quiet --disable-pip-version-check './python[test]'
+python=$PWD/$venv/bin/python
+out=target/python-example
+mkdir -p "$out"
+
+(cd python && "$python" -m pytest --quiet)
+(cd python && "$python" -m mypy --cache-dir ../target/mypy package/fivebar examples/tour.py)
+(cd "$out" && "$python" -m mypy.stubtest --concise --ignore-disjoint-bases fivebar._native)
+(cd "$out" && "$python" ../../python/examples/tour.py)
+"$python" python/benches/inverse.py
