@@ -1,13 +1,18 @@
 """Batches of any shape, type and size, against the same questions one by one."""
 
 import multiprocessing
+import pickle
 import sys
 import threading
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import fivebar
+from fivebar import _native
+
+ROOT = Path(__file__).resolve().parents[2]
 
 
 def test_a_batch_has_the_bits_of_single_answers(arm, poses):
@@ -140,6 +145,34 @@ def test_threads_ask_at_once(arm, poses):
     for thread in threads:
         thread.join()
     assert all(np.array_equal(answer, expected) for answer in answers)
+
+
+def test_other_threads_run_during_a_large_batch(arm):
+    points = np.ascontiguousarray(np.broadcast_to((0.04, 0.2), (3_000_000, 2)))
+    right, left = -np.ones(len(points), np.int8), np.ones(len(points), np.int8)
+    turns, done = [0], threading.Event()
+
+    def count():
+        while not done.wait(1e-4):
+            turns[0] += 1
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    before = turns[0]
+    _native.inverse(arm._robot, points, right, left)
+    during = turns[0] - before
+    done.set()
+    thread.join()
+    # Were the lock held, the other thread would have a turn at either end at most.
+    assert during > 2
+
+
+def test_arms_can_be_sent_to_other_processes(arm, poses):
+    file = (ROOT / "sim-harness/robots/usp_2dof.toml").read_text(encoding="utf-8")
+    for original in (arm, fivebar.Arm.from_toml(file)):
+        copy = pickle.loads(pickle.dumps(original))
+        assert copy.name == original.name
+        assert np.array_equal(copy.inverse(poses).theta, original.inverse(poses).theta)
 
 
 def large_batch_in_child(points, answers):

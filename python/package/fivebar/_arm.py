@@ -53,9 +53,13 @@ class Arm:
     meet; a tool that is offset from it counts in :meth:`simulate` alone.
     """
 
-    def __init__(self, robot: _native.Robot) -> None:
+    def __init__(self, robot: _native.Robot, made: Tuple[Any, ...]) -> None:
         """Use :meth:`load`, :meth:`from_file` or :meth:`from_toml`."""
         self._robot = robot
+        self._made = made
+
+    def __reduce__(self) -> Tuple[Any, ...]:
+        return self._made
 
     @classmethod
     def load(cls, name_or_path: str = "benchtop") -> Arm:
@@ -66,7 +70,7 @@ class Arm:
         >>> Arm.load("usp_2dof").lengths
         (0.12, 0.16, 0.16, 0.12, 0.1)
         """
-        return cls(_native.Robot.load(name_or_path))
+        return cls(_native.Robot.load(name_or_path), (cls.load, (name_or_path,)))
 
     @classmethod
     def from_file(cls, path: Union[str, os.PathLike[str]]) -> Arm:
@@ -88,7 +92,7 @@ class Arm:
         ...
         fivebar.RobotError: robot, line 1: missing field `gravity`
         """
-        return cls(_native.Robot.parse(name, text))
+        return cls(_native.Robot.parse(name, text), (cls.from_toml, (text, name)))
 
     @property
     def name(self) -> str:
