@@ -22,7 +22,7 @@ firmware() { scripts/firmware.sh; }
 emulated() {
     cargo test --package fivebar-tests --features emulator \
         --test images --test instructions --test emulated_boards --test emulated_faults \
-        --test emulated_port --test production_image --test stack
+        --test emulated_port --test production_image --test stack --test live_page
 }
 commands() { scripts/commands.sh; }
 demo() { cargo run --release --quiet -- --out target/demonstration; }

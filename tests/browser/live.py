@@ -12,7 +12,9 @@ import time
 
 UPGRADE = {"Connection": "Upgrade", "Upgrade": "websocket", "Sec-WebSocket-Version": "13",
            "Sec-WebSocket-Key": "dGhlIHNhbXBsZSBub25jZQ=="}
-SQUARE = "G21 G90 F3000\nM3\n" + 3 * "G1 X20 Y0\nG1 X20 Y20\nG1 X0 Y20\nG1 X0 Y0\n"
+SIDES = "G1 X20 Y0\nG1 X20 Y20\nG1 X0 Y20\nG1 X0 Y0\n"
+SHORT_JOB = "G21 G90 F3000\nM3\n" + SIDES
+LONG_JOB = "G21 G90 F3000\nM3\n" + 12 * SIDES  # half a minute
 TOO_LARGE = "G21 G90 F3000\nG1 X20 Y0\nG1 X500 Y0\n"
 
 

@@ -3,19 +3,35 @@
 import cmath
 import math
 
-from live import SQUARE, TOO_LARGE
+from live import SHORT_JOB, TOO_LARGE
 
 TAB, ENTER, ESCAPE, SPACE = "\ue004", "\ue007", "\ue00c", " "
 LEFT, UP, SHIFT = "\ue012", "\ue013", "\ue008"
 
 
+# The benchtop arm: cranks of 100 mm, their axes 80 mm apart.
+CRANK, BASE = 100, 80
+
+
+def pixel_of(page, place):
+    """Where on the canvas a place [mm] is, as the elbows tell: x + iy, y going down."""
+    conjugates = [cmath.exp(-1j * math.radians(angle)) * CRANK for angle in page.angles()]
+    elbow1, elbow4 = (complex(*page.pixel(name)) for name in ("theta1", "theta4"))
+    scale = abs(elbow4 - elbow1) / abs(BASE + conjugates[1] - conjugates[0])
+    return elbow1 + scale * (complex(*place).conjugate() - conjugates[0])
+
+
+def drag_the_tool(page, end):
+    """Drags the tool to a pixel, as pixel_of has it, and waits until it rests there."""
+    page.browser.drag("#arm", page.pixel("tool"), [end.real, end.imag])
+    def missed():
+        return abs(complex(*page.pixel("tool")) - end)
+    page.browser.wait("the tool under the hand", lambda: missed() < 2 and page.at_rest())
+
+
 def the_arm_follows_the_hand(page):
     before, tool = page.angles(), page.tool()
-    start = page.pixel("tool")
-    page.browser.drag("#arm", start, [start[0] + 40, start[1] + 25])
-    def missed():
-        return max(abs(e - s - d) for e, s, d in zip(page.pixel("tool"), start, [40, 25]))
-    page.browser.wait("the tool under the hand", lambda: page.at_rest() and missed() < 2.5)
+    drag_the_tool(page, complex(*page.pixel("tool")) + 40 + 25j)
     after, moved = page.angles(), page.tool()
     turned = [abs(a - b) for a, b in zip(after, before)]
     assert min(turned) > 1.0, f"the joints turned by {turned} degrees only"
@@ -23,20 +39,15 @@ def the_arm_follows_the_hand(page):
 
 
 def an_elbow_follows_the_hand_and_the_other_stays(page):
-    before, start = page.angles(), page.pixel("theta1")
-    hand = [start[0] - 8, start[1] - 25]
-    page.browser.drag("#arm", start, hand)
-    page.browser.wait("joint 1 to turn", lambda: page.at_rest() and
-                      abs(page.angles()[0] - before[0]) > 5.0)
-    after, end = page.angles(), page.pixel("theta1")
-    assert abs(after[1] - before[1]) < 0.02, f"joint 4 went from {before[1]} to {after[1]} degrees"
-    # The elbow went along its circle to where it is nearest to the hand.
-    old, new = (cmath.exp(-1j * math.radians(angle)) for angle in (before[0], after[0]))
-    radius = (complex(*end) - complex(*start)) / (new - old)
-    assert abs(radius.imag) < 0.02 * radius.real, f"no circle about joint 1: {radius}"
-    pivot = complex(*start) - radius.real * old
-    missed = math.degrees(cmath.phase((complex(*hand) - pivot) / new))
-    assert abs(missed) < 0.5, f"{missed} degrees beside the hand"
+    axis, before = pixel_of(page, [0, 0]), page.angles()
+    crank = complex(*page.pixel("theta1")) - axis
+    # 15 degrees clockwise, and somewhat off the elbow's circle.
+    hand = axis + 1.1 * crank * cmath.exp(1j * math.radians(15))
+    page.browser.drag("#arm", page.pixel("theta1"), [hand.real, hand.imag])
+    page.browser.wait("joint 1 under the hand", lambda: page.at_rest() and
+                      abs(page.angles()[0] - before[0] + 15) < 1)
+    other = page.angles()[1]
+    assert abs(other - before[1]) < 0.02, f"joint 4 went from {before[1]} to {other} degrees"
 
 
 def keys_alone_home_arm_jog_and_stop(page):
@@ -65,7 +76,7 @@ def keys_alone_home_arm_jog_and_stop(page):
     browser.press(SHIFT, LEFT)  # joint 1 by +1 degree
     browser.wait("the turn", lambda: abs(page.angles()[0] - before[0] - 1.0) < 0.05)
     assert abs(page.angles()[1] - before[1]) < 0.02
-    page.load_job(SQUARE, "within the arm's limits")
+    page.load_job(SHORT_JOB, "within the arm's limits")
     go_to("#run")
     browser.press(ENTER)
     page.wait_for("Running")
@@ -83,23 +94,10 @@ def what_is_out_of_reach_is_refused_with_the_reason(page):
     page.wait_for_rest()
 
 
-def take_the_tool_to(page, place):
-    """Drags the tool to a place [mm], having seen by a drag how long a millimetre is."""
-    tool, start = page.tool(), page.pixel("tool")
-    page.browser.drag("#arm", start, [start[0] - 30, start[1] - 30])
-    page.browser.wait("a drag", lambda: page.at_rest() and page.tool()[0] < tool[0] - 1)
-    pixel, now = page.pixel("tool"), page.tool()
-    scale = (pixel[0] - start[0]) / (now[0] - tool[0])
-    away = [scale * (place[0] - now[0]), -scale * (place[1] - now[1])]
-    page.browser.drag("#arm", pixel, [p + d for p, d in zip(pixel, away)])
-    page.browser.wait("the tool in place", lambda: page.at_rest() and
-                      max(abs(a - b) for a, b in zip(page.tool(), place)) < 2)
-
-
 def the_branch_changes_and_the_tool_returns(page):
     browser = page.browser
     # There both joints have room for either elbow of leg 1.
-    take_the_tool_to(page, [-40, 200])
+    drag_the_tool(page, pixel_of(page, [-40, 200]))
     tool, elbows = page.tool(), browser.text("#elbows")
     assert elbows == "1 right, 4 left", elbows
     for chosen, shown in (("left,left", "1 left, 4 left"), ("right,left", "1 right, 4 left")):
@@ -126,7 +124,7 @@ def a_job_is_looked_through_before_anything_moves(page):
 
 
 def a_job_runs_to_its_end(page):
-    page.load_job(SQUARE, "12 moves, all within the arm's limits")
+    page.load_job(SHORT_JOB, "4 moves, all within the arm's limits")
     page.run_job()
     page.wait_for_notice("The job is done.")
     assert page.state() == "Armed"

@@ -2,7 +2,7 @@
 
 import time
 
-from live import SQUARE, Page, Wire
+from live import LONG_JOB, Page, Wire
 
 ESCAPE = "\ue00c"
 
@@ -11,6 +11,14 @@ def watch(browser, url):
     """Opens another page beside the one that is driven."""
     browser.new_tab()
     return Page(browser, url)
+
+
+def take_control(browser):
+    def watches():
+        return "watches" in browser.text("#state")
+    if watches():
+        browser.click("#control")
+        browser.wait("control", lambda: not watches())
 
 
 def rests(page):
@@ -30,7 +38,7 @@ def wait_for_lost_page(watcher):
 
 def a_hidden_page_keeps_control_and_a_second_one_watches(pilot, url):
     browser = pilot.browser
-    pilot.load_job(4 * SQUARE, "within the arm's limits")
+    pilot.load_job(LONG_JOB, "within the arm's limits")
     pilot.run_job()
     watcher = watch(browser, url)
     assert "this page watches" in browser.text("#state")
@@ -45,18 +53,16 @@ def a_hidden_page_keeps_control_and_a_second_one_watches(pilot, url):
     browser.press(ESCAPE)
     watcher.wait_for("Fault", timeout=5)
     # At rest anyone may take over.
-    browser.click("#control")
-    browser.wait("control", lambda: "watches" not in browser.text("#state"))
+    take_control(browser)
     watcher.recover()
     pilot.show()
     assert "Another page has taken control" in browser.text("#notice")
-    browser.click("#control")
-    browser.wait("control", lambda: "watches" not in browser.text("#state"))
+    take_control(browser)
     return watcher
 
 
 def a_closed_page_brings_the_arm_to_rest(pilot, watcher):
-    pilot.load_job(4 * SQUARE, "within the arm's limits")
+    pilot.load_job(LONG_JOB, "within the arm's limits")
     pilot.run_job()
     pilot.browser.close_tab()
     watcher.show()
@@ -65,10 +71,9 @@ def a_closed_page_brings_the_arm_to_rest(pilot, watcher):
 
 def a_page_put_to_sleep_brings_the_arm_to_rest(pilot, url):
     browser = pilot.browser
-    browser.click("#control")
-    browser.wait("control", lambda: "watches" not in browser.text("#state"))
+    take_control(browser)
     pilot.recover()
-    pilot.load_job(4 * SQUARE, "within the arm's limits")
+    pilot.load_job(LONG_JOB, "within the arm's limits")
     pilot.run_job()
     browser.chromium("Page.setWebLifecycleState", state="frozen")
     time.sleep(1)  # another tab would wake it
@@ -80,15 +85,12 @@ def a_page_put_to_sleep_brings_the_arm_to_rest(pilot, url):
 def a_page_cut_off_keeps_its_emergency_stop(watcher, server):
     """The line falls silent without being closed, as when a radio link is lost."""
     browser = watcher.browser
-    if "watches" in browser.text("#state"):
-        browser.click("#control")
+    take_control(browser)
     watcher.recover()
-    browser.click("#control") if "watches" in browser.text("#state") else None
     wire = Wire(server.port)
     pilot = watch(browser, wire.url)
-    browser.click("#control")
-    browser.wait("control", lambda: "watches" not in browser.text("#state"))
-    pilot.load_job(4 * SQUARE, "within the arm's limits")
+    take_control(browser)
+    pilot.load_job(LONG_JOB, "within the arm's limits")
     pilot.run_job()
     wire.whole.clear()
     pilot.wait_for("offline")

@@ -25,7 +25,8 @@ impl Machine {
         let now = Instant::now();
         match event {
             Event::Joined => {
-                if !self.pilot.is_alive(now) {
+                // A moving arm whose page is lost comes to rest before another one gets it.
+                if self.rests() && !self.pilot.is_alive(now) {
                     self.pilot.take(client, now, false);
                     self.feed.clear();
                 }

@@ -1,0 +1,314 @@
+//! The live page's server with controllers that are not in its process: pages are
+//! websockets here, the browser's part being tested in a browser.
+#![cfg(unix)]
+
+use fivebar::link::{Conversation, Loopback, SerialLine};
+use fivebar::robot::Robot;
+use fivebar::run::Scenario;
+use fivebar::serve::{Guard, ServeError, Source, serve};
+use fivebar_firmware::safety::State;
+use serde_json::{Value, json};
+use serialport::{SerialPort, TTYPort};
+use std::io::{ErrorKind, Read, Write};
+use std::net::{SocketAddr, TcpStream};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc;
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+use tungstenite::{Error, Message, WebSocket};
+
+/// Something done in a thread until this value is dropped.
+struct Until<T> {
+    ends: Arc<AtomicBool>,
+    thread: Option<JoinHandle<T>>,
+}
+
+impl<T: Send + 'static> Until<T> {
+    fn start(body: impl FnOnce(Arc<AtomicBool>) -> T + Send + 'static) -> Self {
+        let ends = Arc::new(AtomicBool::new(false));
+        let told = Arc::clone(&ends);
+        let thread = Some(std::thread::spawn(move || body(told)));
+        Self { ends, thread }
+    }
+
+    fn end(&mut self) -> Option<T> {
+        self.ends.store(true, Ordering::Relaxed);
+        Some(self.thread.take()?.join().expect("no panic"))
+    }
+}
+
+impl<T> Drop for Until<T> {
+    fn drop(&mut self) {
+        self.ends.store(true, Ordering::Relaxed);
+    }
+}
+
+fn benchtop() -> Robot {
+    Robot::load("benchtop").expect("a built-in robot")
+}
+
+/// A server of the benchtop arm, and where it is.
+fn server(
+    source: impl FnOnce() -> Source<'static> + Send + 'static,
+) -> (Until<Result<(), ServeError>>, SocketAddr) {
+    let (ready, at) = mpsc::channel();
+    let server = Until::start(move |ends| {
+        serve(
+            &benchtop(),
+            source(),
+            "127.0.0.1:0".parse().expect("an address"),
+            Guard::of_loopback(),
+            |address| ready.send(address).expect("a test that waits"),
+            move || ends.load(Ordering::Relaxed),
+        )
+    });
+    let address = at
+        .recv_timeout(Duration::from_secs(20))
+        .expect("a server in time");
+    (server, address)
+}
+
+/// A page that keeps saying that it lives.
+struct Page {
+    socket: WebSocket<TcpStream>,
+    spoke: Instant,
+}
+
+impl Page {
+    fn open(address: SocketAddr) -> Self {
+        let stream = TcpStream::connect(address).expect("a server");
+        let uri = format!("ws://{address}/live");
+        let (socket, _) = tungstenite::client(uri, stream).expect("a websocket");
+        socket
+            .get_ref()
+            .set_read_timeout(Some(Duration::from_millis(20)))
+            .expect("a timeout");
+        let spoke = Instant::now();
+        Self { socket, spoke }
+    }
+
+    fn wish(&mut self, wish: &Value) {
+        self.spoke = Instant::now();
+        let message = Message::text(wish.to_string());
+        self.socket.send(message).expect("the server listens");
+    }
+
+    fn request(&mut self, name: &str) {
+        self.wish(&json!({ "request": name }));
+    }
+
+    /// The next news for which `wanted` gives something.
+    fn wait<T>(&mut self, what: &str, mut wanted: impl FnMut(&Value) -> Option<T>) -> T {
+        let deadline = Instant::now() + Duration::from_secs(60);
+        let mut last = String::new();
+        while Instant::now() < deadline {
+            if self.spoke.elapsed() > Duration::from_millis(50) {
+                self.wish(&json!("alive"));
+            }
+            match self.socket.read() {
+                Ok(Message::Text(text)) => {
+                    let news = serde_json::from_str(&text).expect("JSON");
+                    if let Some(found) = wanted(&news) {
+                        return found;
+                    }
+                    last = text.to_string();
+                }
+                Ok(_) => {}
+                Err(Error::Io(error))
+                    if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {}
+                Err(error) => panic!("waiting for {what}: {error}"),
+            }
+        }
+        panic!("waited in vain for {what}; the last news was {last}");
+    }
+
+    /// The next state for which `wanted` holds.
+    fn state(&mut self, what: &str, wanted: impl Fn(&Value) -> bool) -> Value {
+        self.wait(what, |news| {
+            let state = news.get("state")?;
+            wanted(state).then(|| state.clone())
+        })
+    }
+
+    fn state_named(&mut self, name: &str) -> Value {
+        self.state(name, |state| state["state"] == name)
+    }
+
+    /// The latched fault's name, and the state in which it was raised.
+    fn fault(&mut self) -> (String, String) {
+        self.wait("a fault", |news| {
+            let fault = news.get("fault")?;
+            let text = |key: &str| Some(fault.get(key)?.as_str()?.to_owned());
+            Some((text("name")?, text("state")?))
+        })
+    }
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().expect("a number")
+}
+
+/// A controller that moves the simulated benchtop arm, at the far end of a serial port
+/// whose name is returned. Its time goes on whether its host speaks or not, and slower than
+/// ours: a busy machine does not look like a silent host.
+fn board() -> (Until<()>, String) {
+    let (mut far, near) = TTYPort::pair().expect("a pseudo-terminal");
+    far.set_timeout(Duration::from_millis(5))
+        .expect("a timeout");
+    let name = near.name().expect("a name");
+    let robot = benchtop();
+    let settings = robot.settings().expect("masses");
+    let mut plant = Scenario::new("port", robot, "port", String::new())
+        .plant()
+        .expect("masses");
+    let period = 1.0 / f64::from(settings.control.tick_rate);
+    let arm = move |command: &_| {
+        plant.step(command, period);
+        plant.sense()
+    };
+    let mut controller = Loopback::driving(&settings, Box::new(arm)).expect("sound settings");
+    let board = Until::start(move |ends| {
+        // The near end stays open, or the far one would fail before the server comes.
+        let _near = near;
+        let mut bytes = [0; 512];
+        while !ends.load(Ordering::Relaxed) {
+            let heard = far.read(&mut bytes).unwrap_or(0);
+            if heard == 0 {
+                std::thread::sleep(Duration::from_millis(10));
+            }
+            controller
+                .write_all(&bytes[..heard])
+                .expect("a perfect line");
+            if let Ok(said) = controller.read(&mut bytes) {
+                // A server that has ended reads no more.
+                let _ = far.write_all(&bytes[..said]);
+            }
+        }
+    });
+    (board, name)
+}
+
+fn at_port(name: &str) -> impl FnOnce() -> Source<'static> + Send + use<> {
+    let name: &'static str = name.to_owned().leak();
+    let upload = false;
+    move || Source::Port { name, upload }
+}
+
+#[test]
+fn an_arm_on_a_port_is_homed_jogged_and_stopped_from_a_page() {
+    let (_board, port) = board();
+    let (mut server, address) = server(at_port(&port));
+    let mut page = Page::open(address);
+    page.request("home");
+    page.state("home", |state| {
+        state["homed"] == true && state["state"] == "Stopped"
+    });
+    page.request("arm");
+    let before = page.state_named("Armed");
+    page.wish(&json!({ "jog": [0.0, 0.002] }));
+    page.state("the jog", |state| {
+        let moved = number(&state["tool"][1]) - number(&before["tool"][1]);
+        state["state"] == "Armed" && (moved - 0.002).abs() < 5e-5
+    });
+    // A watcher may not move the arm, but stop it.
+    let mut watcher = Page::open(address);
+    watcher.wish(&json!({ "jog": [0.0, 0.002] }));
+    let refused = watcher.wait("a refusal", |news| {
+        Some(news.get("notice")?["text"].as_str()?.to_owned())
+    });
+    assert!(refused.contains("take control first"), "{refused}");
+    watcher.request("emergency_stop");
+    assert_eq!(watcher.fault(), ("emergency stop".into(), "Armed".into()));
+    server.end().expect("it was running").expect("no error");
+}
+
+#[test]
+fn an_arm_on_a_port_comes_to_rest_when_its_page_is_lost() {
+    let (_board, port) = board();
+    let (_server, address) = server(at_port(&port));
+    let mut page = Page::open(address);
+    page.request("home");
+    page.state("home", |state| {
+        state["homed"] == true && state["state"] == "Stopped"
+    });
+    page.request("arm");
+    page.state_named("Armed");
+    page.wish(&json!({ "jog_joint": { "joint": "theta1", "by": -0.1 } }));
+    page.state_named("Armed");
+    page.wish(&json!({ "load": { "name": "lines", "text": "G21 F600\nG1 X20\nG1 X0\nG1 X20\n" } }));
+    page.wish(&json!("run"));
+    page.state_named("Running");
+    // It is there still, and says nothing.
+    let mut watcher = Page::open(address);
+    assert_eq!(
+        watcher.fault(),
+        ("command timeout".into(), "Running".into())
+    );
+    let speed = |state: &Value| number(&state["velocity"][0]).hypot(number(&state["velocity"][1]));
+    watcher.state("rest", |state| {
+        state["state"] == "Fault" && speed(state) < 1e-2
+    });
+    drop(page);
+}
+
+#[test]
+fn an_arm_is_disarmed_when_the_server_ends() {
+    let (_board, port) = board();
+    let (mut server, address) = server(at_port(&port));
+    let mut page = Page::open(address);
+    page.request("home");
+    page.state("home", |state| {
+        state["homed"] == true && state["state"] == "Stopped"
+    });
+    page.request("arm");
+    page.state_named("Armed");
+    page.wish(&json!({ "jog": [0.0, 0.02] }));
+    page.state_named("Running");
+    server.end().expect("it was running").expect("no error");
+    let line = SerialLine::open(&port).expect("a port that is free again");
+    let (mut conversation, _) = Conversation::open(line).expect("a controller");
+    let (status, _) = conversation.status().expect("an answer");
+    assert_eq!((status.state, status.fault), (State::Stopped, None));
+}
+
+#[test]
+fn a_controller_of_another_arm_is_refused() {
+    let (_board, port) = board();
+    let outcome = serve(
+        &Robot::load("usp_2dof").expect("a built-in robot"),
+        at_port(&port)(),
+        "127.0.0.1:0".parse().expect("an address"),
+        Guard::of_loopback(),
+        |_| panic!("nothing is to be served"),
+        || false,
+    );
+    let error = outcome.expect_err("a refusal").to_string();
+    assert!(error.contains("--upload"), "{error}");
+}
+
+/// The real firmware, slower than time and said to be.
+#[cfg(feature = "emulator")]
+#[test]
+fn an_emulated_controller_homes_its_arm_and_stops_it_when_the_page_is_lost() {
+    use fivebar::link::Emulator;
+    let image: &'static std::path::Path = Emulator::built_image("qemu").leak();
+    let (mut server, address) = server(move || Source::Emulated(image));
+    let mut page = Page::open(address);
+    let start = page.state_named("Stopped");
+    page.request("home");
+    let far = |state: &Value| (number(&state["angle"][0]) - number(&start["angle"][0])).abs();
+    let state = page.state("the arm to move", |state| far(state) > 1e-3);
+    assert_eq!(state["state"], "Homing");
+    let state = page.state("its speed", |state| !state["speed"].is_null());
+    let speed = number(&state["speed"]);
+    assert!(speed > 0.0 && speed < 1.1, "{speed} × real time");
+    drop(page);
+    // A page that comes now does not take the place of the lost one.
+    let mut page = Page::open(address);
+    assert_eq!(page.fault(), ("command timeout".into(), "Homing".into()));
+    page.wish(&json!("control"));
+    page.request("clear_fault");
+    page.state_named("Stopped");
+    server.end().expect("it was running").expect("no error");
+}
