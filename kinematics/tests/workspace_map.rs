@@ -9,7 +9,7 @@ use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::{
     Geometry, JointLimits, Pose, Side, Singularity, Tool, WorkingMode, Workspace,
 };
-use fivebar_kinematics::workspace::{Grid, GridError, Locus, Map, Rectangle, loci};
+use fivebar_kinematics::workspace::{Grid, GridError, Locus, Map, Rectangle, bounds, loci};
 use proptest::prelude::*;
 
 /// Any arm, its tool at C or a few centimetres beside it.
@@ -112,6 +112,22 @@ proptest! {
             let counted: f64 = Side::BOTH.map(|side| map.areas(side).reached).iter().sum();
             let bound = (0.2 * boundary + 10.0 * grid.pitch()) * grid.pitch();
             prop_assert!((counted - exact).abs() < bound, "{counted} for {exact} m² in {mode:?}");
+        }
+    }
+
+    #[test]
+    fn the_bounds_hold_all_that_is_reached_and_no_more_than_they_must(tool in tool(), mode in mode()) {
+        let [low, high] = bounds(&tool);
+        let curves = loci(&tool, mode);
+        let points = || curves.iter().flat_map(|curve| &curve.points);
+        for point in points() {
+            prop_assert!(low.x - 1e-12 <= point.x && point.x <= high.x + 1e-12, "{point:?}");
+            prop_assert!(low.y - 1e-12 <= point.y && point.y <= high.y + 1e-12, "{point:?}");
+        }
+        // With the tool at C the outer circles themselves bound the reach, and touch them.
+        if tool.offset() == Vec2::zero() {
+            let top = points().map(|point| point.y).fold(0.0, f64::max);
+            prop_assert!((top - high.y).abs() < 1e-3, "{top} m of {} m", high.y);
         }
     }
 
@@ -291,18 +307,16 @@ fn limits_and_margin_take_their_share_of_the_benchtop() {
 }
 
 #[test]
-fn an_arm_that_reaches_one_point_has_an_empty_map() {
+fn an_arm_that_reaches_one_point_has_a_map_of_one_cell_at_most() {
     // The base is as long as all the links together.
     let geometry = Geometry::new([0.1, 0.1, 0.1, 0.1, 0.4]).unwrap();
     let tool = Tool::new(geometry, Vec2::zero()).unwrap();
-    let map = Map::new(
-        unbounded(tool, WorkingMode::ALL[0]),
-        Grid::over(&tool, 1e-3).unwrap(),
-    );
-    for branch in Side::BOTH {
-        assert_eq!(map.areas(branch).reached, 0.0);
-        assert_eq!(map.best(branch), None);
-        assert_eq!(map.largest_rectangle(branch), None);
+    for mode in WorkingMode::ALL {
+        let map = Map::new(unbounded(tool, mode), Grid::over(&tool, 1e-3).unwrap());
+        assert!(map.reached().count() <= 1);
+        for branch in Side::BOTH {
+            assert_eq!(map.largest_rectangle(branch), None);
+        }
     }
 }
 

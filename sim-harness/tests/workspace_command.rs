@@ -234,11 +234,22 @@ fn what_cannot_be_mapped_is_refused_with_the_reason() {
     );
     let said = refusal(&["--resolution", "0.001"], 1);
     assert!(
-        said.contains("sixteen million cells") && said.contains("--resolution"),
+        said.contains("two million cells") && said.contains("--resolution"),
         "{said}"
     );
     let said = refusal(&["--resolution", "1000"], 1);
-    assert!(said.contains("reaches the middle of no cell"), "{said}");
+    assert!(
+        said.contains("reaches no place that a map could show"),
+        "{said}"
+    );
+    // A base as long as all the links together leaves the legs one point.
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("stretched.toml");
+    let links = "[[link]]\nlength = 0.1\n".repeat(4);
+    let text = format!("name = \"stretched\"\ngravity = [0.0, 0.0]\nbase = 0.4\n{links}");
+    std::fs::write(&file, text).unwrap();
+    let said = refusal(&[file.to_str().unwrap()], 1);
+    assert!(said.contains("`stretched` reaches no place"), "{said}");
     for (option, value) in [
         ("--resolution", "-1"),
         ("--resolution", "fine"),

@@ -5,7 +5,7 @@ use crate::five_bar::Tool;
 use core::fmt;
 
 /// Most cells that a grid may have: more are no picture and fill the memory.
-const MOST: f64 = 16e6;
+const MOST: f64 = 2e6;
 
 /// Square cells, row by row from the lower left; a cell stands for what is at its middle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,7 +21,7 @@ pub struct Grid {
 pub enum GridError {
     /// The pitch is not a positive finite number.
     Pitch,
-    /// There would be more than sixteen million cells.
+    /// There would be more than two million cells.
     TooFine,
 }
 
@@ -29,7 +29,7 @@ impl fmt::Display for GridError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Pitch => "the pitch must be a positive finite number of metres",
-            Self::TooFine => "there would be more than sixteen million cells",
+            Self::TooFine => "there would be more than two million cells",
         })
     }
 }
@@ -99,14 +99,22 @@ impl Grid {
 }
 
 /// Lower left and upper right corner of a box around the reach [m]: T is no farther from A
-/// than l1 + |BT|, nor from E than l4 + l3 + |CT|.
+/// than R1 = l1 + |BT|, nor from E than R4 = l4 + l3 + |CT|.
+///
+/// The two circles meet at x = (l5² + R1² − R4²)/(2 l5). Between the pivots that is the
+/// highest point of what they share; else one of them has its own within the other.
 pub fn bounds(tool: &Tool<f64>) -> [Vec2<f64>; 2] {
     let geometry = tool.geometry();
     let far1 = geometry.l1() + tool.reach();
     let [_, far4] = geometry.leg4_radii();
     let far4 = far4 + tool.offset().norm();
     let base = geometry.base();
-    let height = far1.min(far4);
+    let meet = (base * base + far1 * far1 - far4 * far4) / (2.0 * base);
+    let height = if (0.0..=base).contains(&meet) {
+        (far1 * far1 - meet * meet).max(0.0).sqrt()
+    } else {
+        far1.min(far4)
+    };
     [
         Vec2::new((-far1).max(base - far4), -height),
         Vec2::new(far1.min(base + far4), height),

@@ -34,6 +34,10 @@ impl Rectangle {
         self.size().x * self.size().y
     }
 
+    fn has_extent(&self) -> bool {
+        self.size().x > 0.0 && self.size().y > 0.0
+    }
+
     /// A side as the ends of a line [m]: left, right, bottom, top.
     fn side(&self, side: usize) -> [Vec2<f64>; 2] {
         let Self { low, high } = *self;
@@ -87,8 +91,7 @@ impl Map {
         let free = |rectangle: &Rectangle, side| self.is_free(rectangle.side(side), assembly);
         while let Some(side) = (0..4).find(|&side| !free(&rectangle, side)) {
             rectangle = rectangle.moved(side, -step);
-            let size = rectangle.size();
-            if size.x <= 0.0 || size.y <= 0.0 {
+            if !rectangle.has_extent() {
                 return None;
             }
         }
@@ -102,7 +105,7 @@ impl Map {
                 rectangle = larger;
             }
         }
-        Some(rectangle)
+        rectangle.has_extent().then_some(rectangle)
     }
 
     /// Whether every place along a line is admitted on an assembly branch.

@@ -1,6 +1,7 @@
 //! The figures of a study, for people and for programs.
 
 use super::{Branch, Study};
+use crate::report::quantity;
 use fivebar_kinematics::Vec2;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -22,11 +23,11 @@ impl Study<'_> {
     /// A table of the branches, a line each.
     pub fn table(&self) -> String {
         let mut text = format!(
-            "{}: cells of {:.3} mm; singularity margin {}\n\n\
+            "{}: cells of {}; singularity margin {}\n\n\
              elbows 1, 4   assembly   reached  in limits      clear  largest clear rectangle                      best 1/κ\n\
              \u{20}                          [cm²]      [cm²]      [cm²]  [mm]\n",
             self.robot.name,
-            1e3 * self.resolution(),
+            quantity(self.resolution(), "m"),
             self.robot.limits.singularity_margin,
         );
         for branch in &self.branches {

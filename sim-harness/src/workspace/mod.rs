@@ -20,6 +20,9 @@ use rayon::prelude::*;
 /// Unless told otherwise, the longer side of the reach has at least so many cells.
 const CELLS: f64 = 160.0;
 
+/// A reach of less than this share of the base is rounding.
+const LEAST: f64 = 1e-6;
+
 /// Why a workspace cannot be studied.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum StudyError {
@@ -36,15 +39,10 @@ pub enum StudyError {
     },
     /// No cell is reached.
     #[error(
-        "robot `{name}` reaches the middle of no cell of {mm} mm: its legs hardly meet; check \
-         the lengths, or give a finer --resolution"
+        "robot `{0}` reaches no place that a map could show: its legs hardly meet, or the cells \
+         are too large; check the lengths, or give a finer --resolution"
     )]
-    NothingReached {
-        /// The robot.
-        name: String,
-        /// Side of a cell [mm].
-        mm: f64,
-    },
+    NothingReached(String),
 }
 
 /// A working mode with an assembly mode.
@@ -84,13 +82,13 @@ impl<'a> Study<'a> {
             robot.workspace(mode).map_err(named)
         };
         let tool = workspace(robot.working_mode)?.tool;
-        let pitch = match resolution {
-            Some(pitch) => pitch,
-            None => {
-                let [low, high] = bounds(&tool);
-                round_down((high.x - low.x).max(high.y - low.y) / CELLS)
-            }
-        };
+        let [low, high] = bounds(&tool);
+        let size = (high.x - low.x).max(high.y - low.y);
+        let nothing = || StudyError::NothingReached(robot.name.clone());
+        if size < LEAST * tool.geometry().base() {
+            return Err(nothing());
+        }
+        let pitch = resolution.unwrap_or_else(|| round_down(size / CELLS));
         let mm = 1e3 * pitch;
         let grid = Grid::over(&tool, pitch).map_err(|error| StudyError::Grid { mm, error })?;
         let maps = WorkingMode::ALL.into_par_iter();
@@ -98,10 +96,7 @@ impl<'a> Study<'a> {
             .map(|mode| Ok(Map::new(workspace(mode)?, grid)))
             .collect::<Result<_, _>>()?;
         if maps.iter().all(|map| map.reached().next().is_none()) {
-            return Err(StudyError::NothingReached {
-                name: robot.name.clone(),
-                mm,
-            });
+            return Err(nothing());
         }
         let branches = maps
             .iter()
