@@ -241,6 +241,10 @@ fn scenario_files_that_make_no_sense_are_refused_with_their_line() {
             ["line 4", "1 or 4, not 2"],
         ),
         (
+            format!("{job}[[fault]]\nkind = 'ticks_missed'\nticks = 0\n"),
+            ["line 4", "1 to 10000, not 0"],
+        ),
+        (
             format!("job = '{PETAL}.nosuch'\n"),
             ["petal.gcode.nosuch", "cannot read"],
         ),
@@ -258,7 +262,9 @@ fn every_scenario_that_comes_along_ends_as_it_says() {
         ("bus_sags", Some("under voltage")),
         ("emergency_stop", Some("emergency stop")),
         ("encoder_dies", Some("following error")),
+        ("late_ticks", Some("tick overrun")),
         ("motor_stalls", Some("following error")),
+        ("sensor_drifts", None),
         ("switch_missing", Some("envelope")),
     ] {
         let file = Path::new(SCENARIOS).join(name).with_extension("toml");

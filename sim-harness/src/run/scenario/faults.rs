@@ -86,10 +86,14 @@ impl FaultEntry {
             Kind::DriverFault => FaultKind::DriverFault { joint: joint()? },
             Kind::EmergencyStop => FaultKind::EmergencyStop,
             Kind::TicksMissed => FaultKind::TicksMissed {
-                ticks: self
-                    .ticks
-                    .filter(|ticks| (1..=10_000).contains(ticks))
-                    .ok_or_else(|| missing("ticks", "by how many, 1 to 10000"))?,
+                ticks: match self.ticks {
+                    Some(ticks @ 1..=10_000) => ticks,
+                    Some(other) => {
+                        let reason = format!("is 1 to 10000, not {other}");
+                        return Err(source.refuse(key("ticks"), reason));
+                    }
+                    None => return Err(missing("ticks", "by how many, 1 to 10000")),
+                },
             },
         };
         Ok((self.at, kind))
