@@ -70,6 +70,25 @@ fn the_production_image_is_as_small_as_committed_and_within_budget() {
     }
 }
 
+/// One that outgrows its place leaves the RAM and does not run into the variables.
+#[test]
+fn the_stack_lies_below_everything_else_in_ram() {
+    for name in ["stm32f405", "qemu"] {
+        let image = image(name);
+        let file = object::File::parse(&*image).expect("an ELF image");
+        let address = |name| {
+            let symbol = file.symbols().find(|symbol| symbol.name() == Ok(name));
+            symbol.expect("the linker script defines it").address()
+        };
+        let (end, start) = (address("_stack_end"), address("_stack_start"));
+        assert_eq!(end, 0x2000_0000, "{name}: the RAM's beginning");
+        assert!(start >= end + 32 * 1024, "{name}: {start:#x}");
+        let variables = file.sections().filter(|section| section.address() >= end);
+        let lowest = variables.map(|section| section.address()).min();
+        assert!(lowest >= Some(start), "{name}: {lowest:x?}");
+    }
+}
+
 /// Functions of the tick's image that are not the project's own.
 fn foreign_functions(image: &[u8]) -> Vec<String> {
     /// The start-up code, and copies and fills of memory.
