@@ -36,7 +36,7 @@ pub fn svg(study: &Study<'_>, mode: WorkingMode) -> Result<String, StudyError> {
     let [width, height] = frame.picture_size();
     let title = format!("Workspace of {}", escape(&robot.name));
     let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" \
          viewBox=\"0 0 {width} {height}\" font-family=\"DejaVu Sans, sans-serif\" \
          font-size=\"13\" fill=\"{INK}\">\n<title>{title}</title>\n\
          <rect width=\"{width}\" height=\"{height}\" fill=\"{PAPER}\"/>\n"
