@@ -11,7 +11,7 @@ impl LinkId {
     /// The frame, at rest.
     pub const GROUND: Self = Self(0);
 
-    /// Its place in [`Linkage::links`] and in a motion's `links`.
+    /// Its place in [`Linkage::links`](super::Linkage::links) and in a motion's `links`.
     pub fn index(self) -> usize {
         self.0
     }
@@ -22,7 +22,7 @@ impl LinkId {
 pub struct PointId(pub(super) usize);
 
 impl PointId {
-    /// Its place in [`Linkage::points`] and in a motion's `points`.
+    /// Its place in [`Linkage::points`](super::Linkage::points) and in a motion's `points`.
     pub fn index(self) -> usize {
         self.0
     }
@@ -33,7 +33,8 @@ impl PointId {
 pub struct Guide<S> {
     /// A point of the guide.
     pub through: PointId,
-    /// Its direction in that link's frame. Any length: [`Linkage::add`] makes it 1.
+    /// Its direction in that link's frame. Any length: [`Linkage::add`](super::Linkage::add)
+    /// makes it 1.
     pub direction: Vec2<S>,
 }
 
