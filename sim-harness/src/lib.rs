@@ -5,6 +5,7 @@ pub mod clearance;
 #[cfg(feature = "program")]
 pub mod cli;
 pub mod contact;
+#[cfg(feature = "program")]
 pub mod doctor;
 pub mod drive;
 pub mod export;
