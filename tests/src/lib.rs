@@ -1,1 +1,3 @@
 //! Truths that cross the crates of Fivebar; see `tests/`.
+
+pub mod vectors;

@@ -5,68 +5,26 @@ use fivebar::plant::{Mismatch, Model, State};
 use fivebar::robot::Robot;
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::{Pose, Side, Velocities};
+use fivebar_tests::vectors::{ReferenceArm, Vectors};
 use nalgebra::Vector2;
 use proptest::prelude::*;
-use serde::Deserialize;
 use std::fmt::Write as _;
 
-#[derive(Deserialize)]
-struct Vectors {
-    robots: Vec<Arm>,
-    cases: Vec<Case>,
-}
-
-#[derive(Clone, Debug, Deserialize)]
-struct Arm {
-    link_lengths: [f64; 5],
-    mass: [f64; 4],
-    inertia_about_com: [f64; 4],
-    com: [[f64; 2]; 4],
-    payload: f64,
-    gravity: [f64; 2],
-}
-
-#[derive(Deserialize)]
-struct Case {
-    robot: usize,
-    theta1: f64,
-    theta4: f64,
-    omega1: f64,
-    omega4: f64,
-    alpha1: f64,
-    alpha4: f64,
-    assembly: String,
-    external_force: [f64; 2],
-    torque: [f64; 2],
-    reaction: Reaction,
-}
-
-#[derive(Deserialize)]
-struct Reaction {
-    a: [f64; 2],
-    b: [f64; 2],
-    c: [f64; 2],
-    d: [f64; 2],
-    e: [f64; 2],
-}
-
-impl Arm {
-    /// The arm as a robot file, so that the file's way in is tested too.
-    fn robot(&self) -> Robot {
-        let mut text = format!(
-            "name = 'arm'\ngravity = {:?}\nbase = {:?}\npayload = {:?}\n",
-            self.gravity, self.link_lengths[4], self.payload
-        );
-        for i in 0..4 {
-            writeln!(
-                text,
-                "[[link]]\nlength = {:?}\nmass = {:?}\ncom = {:?}\ninertia = {:?}",
-                self.link_lengths[i], self.mass[i], self.com[i], self.inertia_about_com[i]
-            )
-            .unwrap();
-        }
-        Robot::parse("arm", &text).unwrap()
+/// The arm as a robot file, so that the file's way in is tested too.
+fn robot(arm: &ReferenceArm) -> Robot {
+    let mut text = format!(
+        "name = 'arm'\ngravity = {:?}\nbase = {:?}\npayload = {:?}\n",
+        arm.gravity, arm.link_lengths[4], arm.payload
+    );
+    for i in 0..4 {
+        writeln!(
+            text,
+            "[[link]]\nlength = {:?}\nmass = {:?}\ncom = {:?}\ninertia = {:?}",
+            arm.link_lengths[i], arm.mass[i], arm.com[i], arm.inertia_about_com[i]
+        )
+        .unwrap();
     }
+    Robot::parse("arm", &text).unwrap()
 }
 
 fn moving(
@@ -94,18 +52,13 @@ fn assert_close<const N: usize>(what: &str, actual: [f64; N], expected: [f64; N]
 
 #[test]
 fn the_plant_accelerates_and_bears_as_the_180_reference_states_say() {
-    let vectors: Vectors =
-        serde_json::from_str(include_str!("../data/five_bar_vectors.json")).unwrap();
+    let vectors = Vectors::read();
     for case in &vectors.cases {
-        let robot = vectors.robots[case.robot].robot();
+        let robot = robot(&vectors.robots[case.robot]);
         let model = Model::new(&robot, &Mismatch::NONE).unwrap();
-        let assembly = match case.assembly.as_str() {
-            "left" => Side::Left,
-            _ => Side::Right,
-        };
         let pose = robot
             .geometry
-            .forward(case.theta1, case.theta4, assembly)
+            .forward(case.theta1, case.theta4, case.assembly)
             .unwrap();
         let (state, _) = moving(&model, &robot, &pose, [case.omega1, case.omega4]);
         let force = Vector2::from(case.external_force);
@@ -140,9 +93,9 @@ prop_compose! {
         com in prop::array::uniform4(prop::array::uniform2(-0.1..0.3_f64)),
         payload in 0.0..0.5_f64,
         gravity in prop::array::uniform2(-10.0..10.0_f64),
-    ) -> Arm {
+    ) -> ReferenceArm {
         let inertia_about_com = [0, 1, 2, 3].map(|i| mass[i] * radius[i] * radius[i]);
-        Arm { link_lengths: lengths, mass, inertia_about_com, com, payload, gravity }
+        ReferenceArm { link_lengths: lengths, mass, inertia_about_com, com, payload, gravity }
     }
 }
 
@@ -169,7 +122,7 @@ proptest! {
         let [l1, l2, l3, l4, base] = arm.link_lengths;
         let longest = l1.max(l2).max(l3).max(l4).max(base);
         prop_assume!(2.0 * longest < l1 + l2 + l3 + l4 + base);
-        let robot = arm.robot();
+        let robot = robot(&arm);
         let assembly = if left { Side::Left } else { Side::Right };
         let Ok(pose) = robot.geometry.forward(theta1, theta4, assembly) else {
             return Err(TestCaseError::reject("cannot close"));

@@ -3,75 +3,14 @@
 
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::dynamics::{Arm, Link};
-use fivebar_kinematics::five_bar::{Geometry, Side, WorkingMode};
-use serde::Deserialize;
-
-#[derive(Deserialize)]
-struct Vectors {
-    robots: Vec<Robot>,
-    cases: Vec<Case>,
-}
-
-#[derive(Deserialize)]
-struct Robot {
-    link_lengths: [f64; 5],
-    mass: [f64; 4],
-    inertia_about_com: [f64; 4],
-    com: [[f64; 2]; 4],
-    payload: f64,
-    gravity: [f64; 2],
-}
-
-#[derive(Deserialize)]
-struct Case {
-    robot: usize,
-    theta1: f64,
-    theta4: f64,
-    omega1: f64,
-    omega4: f64,
-    alpha1: f64,
-    alpha4: f64,
-    assembly: String,
-    elbow1: String,
-    elbow4: String,
-    external_force: [f64; 2],
-    c: [f64; 2],
-    c_velocity: [f64; 2],
-    c_acceleration: [f64; 2],
-    omega2: f64,
-    omega3: f64,
-    alpha2: f64,
-    alpha3: f64,
-    theta2: f64,
-    theta3: f64,
-    torque: [f64; 2],
-    mass_matrix: [[f64; 2]; 2],
-    bias_torque: [f64; 2],
-    reaction: Reaction,
-}
-
-#[derive(Deserialize)]
-struct Reaction {
-    a: [f64; 2],
-    b: [f64; 2],
-    c: [f64; 2],
-    d: [f64; 2],
-    e: [f64; 2],
-}
-
-fn side(name: &str) -> Side {
-    match name {
-        "left" => Side::Left,
-        "right" => Side::Right,
-        other => panic!("no such side: {other}"),
-    }
-}
+use fivebar_kinematics::five_bar::{Geometry, WorkingMode};
+use fivebar_tests::vectors::{ReferenceArm, Vectors};
 
 fn vec2([x, y]: [f64; 2]) -> Vec2<f64> {
     Vec2::new(x, y)
 }
 
-fn arm(robot: &Robot) -> Arm<f64> {
+fn arm(robot: &ReferenceArm) -> Arm<f64> {
     let links = [0, 1, 2, 3].map(|i| Link {
         mass: robot.mass[i],
         com: vec2(robot.com[i]),
@@ -101,19 +40,16 @@ fn assert_close<const N: usize>(what: &str, actual: [f64; N], expected: [f64; N]
 
 #[test]
 fn all_180_states_agree_to_1e_9() {
-    let vectors: Vectors =
-        serde_json::from_str(include_str!("../data/five_bar_vectors.json")).unwrap();
+    let vectors = Vectors::read();
     assert_eq!(vectors.cases.len(), 180);
     for case in &vectors.cases {
         let arm = arm(&vectors.robots[case.robot]);
         let g = arm.geometry();
-        let pose = g
-            .forward(case.theta1, case.theta4, side(&case.assembly))
-            .unwrap();
+        let pose = g.forward(case.theta1, case.theta4, case.assembly).unwrap();
         assert_close("c", [pose.c.x, pose.c.y], case.c);
         let [_, theta2, theta3, _] = pose.angles();
         assert_close("θ2, θ3", [theta2, theta3], [case.theta2, case.theta3]);
-        let mode = WorkingMode::new(side(&case.elbow1), side(&case.elbow4));
+        let mode = WorkingMode::new(case.elbow1, case.elbow4);
         assert_eq!(pose.working_mode(), mode);
         let back = g.inverse(vec2(case.c), mode).unwrap();
         let [theta1, _, _, theta4] = back.angles();

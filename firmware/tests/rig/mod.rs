@@ -9,10 +9,7 @@
 
 use fivebar_firmware::controller::{Controller, Request};
 use fivebar_firmware::planner::{MoveRefusal, Planner};
-use fivebar_firmware::settings::{
-    AxisSettings, ControlSettings, HomingSettings, LinkSettings, MotionSettings,
-    ProtectionSettings, Settings,
-};
+use fivebar_firmware::settings::{AxisSettings, ControlSettings, ProtectionSettings, Settings};
 use fivebar_firmware::{Command, Move, MoveKind, Sensed};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::dynamics::{Arm, Link};
@@ -22,79 +19,17 @@ use std::f64::consts::TAU;
 /// Where the bench arm starts: crank angles of an upright pose [rad].
 pub(crate) const START: [f32; 2] = [2.2, 0.9];
 
-fn axis(home_angle: f32, angle_limits: [f32; 2], home_forward: bool) -> AxisSettings {
-    AxisSettings {
-        gear_ratio: 8.0,
-        rotor_inertia: 1.0e-6,
-        torque_constant: 0.0234,
-        resistance: 2.3,
-        inductance: 0.24e-3,
-        viscous_friction: 1.5e-3,
-        coulomb_friction: 9e-3,
-        encoder_counts: 8192,
-        home_angle,
-        home_forward,
-        angle_limits,
-        max_speed: 35.0,
-        max_acceleration: 1000.0,
-        peak_current: 4.0,
-        continuous_current: 1.3,
-        thermal_time_constant: 12.0,
-        current_per_code: 16.0 / 4096.0,
-        current_zero_code: 2048,
-    }
-}
-
-/// The benchtop arm.
+/// The benchtop arm with coarser encoders and looser protection.
 pub(crate) fn settings() -> Settings {
-    let crank = LinkSettings {
-        mass: 0.07,
-        com: [0.0414, 0.0],
-        inertia: 1.33e-4,
-    };
-    let coupler = |mass, com, inertia| LinkSettings {
-        mass,
-        com: [com, 0.0],
-        inertia,
-    };
+    const BENCHTOP: Settings = Settings::BENCHTOP;
     Settings {
-        lengths: [0.10, 0.16, 0.16, 0.10, 0.08],
-        links: [
-            crank,
-            coupler(0.05, 0.08, 2.94e-4),
-            coupler(0.04, 0.06, 2.14e-4),
-            crank,
-        ],
-        payload: 0.03,
-        gravity: [0.0, 0.0],
-        tool_offset: [0.0, 0.0],
-        elbows_left: [false, true],
-        assembly_left: true,
-        axes: [
-            axis(2.792_526_8, [0.6, 3.6], true),
-            axis(0.349_065_9, [-0.46, 2.54], false),
-        ],
+        axes: BENCHTOP.axes.map(|axis| AxisSettings {
+            encoder_counts: 8192,
+            ..axis
+        }),
         control: ControlSettings {
-            tick_rate: 10_000.0,
-            bandwidth: 250.0,
-            damping: 1.0,
             integral_rate: 30.0,
-            observer_bandwidth: 1500.0,
-            current_bandwidth: 3000.0,
-            friction_smoothing: 0.02,
-            computed_torque: true,
-        },
-        homing: HomingSettings {
-            speed: 0.7,
-            back_off: 0.05,
-            current: 1.2,
-        },
-        motion: MotionSettings {
-            max_speed: 0.3,
-            max_acceleration: 4.0,
-            max_jerk: 200.0,
-            corner_tolerance: 5e-5,
-            singularity_margin: 0.15,
+            ..BENCHTOP.control
         },
         protection: ProtectionSettings {
             following_error: 0.05,
@@ -104,6 +39,7 @@ pub(crate) fn settings() -> Settings {
             bus_voltage_per_code: 0.01,
             command_timeout: 0.1,
         },
+        ..BENCHTOP
     }
 }
 
