@@ -7,7 +7,7 @@ cd "$(dirname "$0")/.."
 (
     cd python
     cargo fmt --check
-    cargo clippy --quiet --release --locked -- -D warnings
+    cargo clippy --quiet --locked -- -D warnings
 )
 cargo build --quiet --release --package fivebar # the tests compare with the program
 
