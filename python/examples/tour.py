@@ -29,9 +29,10 @@ for code, count in zip(*np.unique(reach.status, return_counts=True)):
     if status:
         print(f"  {count:8,} not, for {status.reason}")
 
-# Of those, the ones within the joints' limits and with the tool in front of the base:
+# Of those, the ones within the joints' limits; angles come in (−π, π], limits may go beyond.
 low, high = np.transpose(arm.joint_limits)
-allowed = reach.ok & np.all((low <= reach.theta) & (reach.theta <= high), axis=-1)
+turned = low + np.mod(reach.theta - low, 2 * np.pi)
+allowed = reach.ok & np.all(turned <= high, axis=-1)
 print(f"within the joints' limits: {allowed.sum() * cell:.4f} m²")
 
 # %% [markdown]

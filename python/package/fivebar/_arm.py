@@ -135,7 +135,10 @@ class Arm:
 
     @property
     def joint_limits(self) -> Tuple[Tuple[float, ...], ...]:
-        """Least and greatest θ1, then θ4 [rad]. Questions ignore them; a run does not."""
+        """Least and greatest θ1, then θ4 [rad]. Questions ignore them; a run does not.
+
+        They may go beyond (−π, π], in which answers lie: a whole turn may have to be added.
+        """
         return tuple(tuple(limits) for limits in self._robot.joint_limits)
 
     @property
