@@ -39,7 +39,8 @@ def main():
         looks.check(page)
         passed("phone, light and dark")
         if arguments.screenshots:
-            looks.take(arguments.program, page, arguments.screenshots.resolve())
+            looks.take(arguments.program, server.url, browser, arguments.screenshots)
+            passed(f"pictures in {arguments.screenshots}")
             page = Page(browser, server.url)
         watching.check(page, server)
         passed("watchers, hidden, closed, sleeping and cut-off pages")

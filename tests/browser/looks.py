@@ -1,9 +1,10 @@
 """What the page looks like, and pictures of it."""
 
-import pathlib
 import subprocess
 import tempfile
 import time
+
+from live import Page
 
 
 def a_phone_has_all_of_it_and_the_emergency_stop_in_view(page):
@@ -84,22 +85,29 @@ def check(page):
     page.browser.resize(1280, 900)
 
 
-def take(program, page, folder):
+def take(program, url, browser, folder):
     """Pictures of the page at work, of a run's report and of a workspace map."""
-    browser = page.browser
     folder.mkdir(parents=True, exist_ok=True)
-    browser.resize(1280, 860)
+    browser.chromium("Emulation.setScrollbarsHidden", hidden=True)
+
+    def picture(name, width, height):
+        browser.resize(width, height)
+        time.sleep(0.3)
+        browser.screenshot(folder / f"{name}.png")
+
+    page = Page(browser, url)
     browser.click("#demonstration")
     browser.wait("the job", lambda: "60 moves" in browser.text("#job"))
     page.run_job()
-    time.sleep(7)
-    browser.resize(1280, browser.script("return document.documentElement.scrollHeight;"))
-    time.sleep(0.3)
-    browser.screenshot(folder / "live-page.png")
+    time.sleep(7.5)
+    picture("live-page", 1200, 820)
+    page.wait_for("Armed")
     with tempfile.TemporaryDirectory() as out:
-        out = pathlib.Path(out)
-        subprocess.run([program, "--out", out / "run"], check=True, stdout=subprocess.DEVNULL)
-        browser.open(f"file://{out}/run/report.html")
-        browser.resize(1280, 1000)
-        time.sleep(4)
-        browser.screenshot(folder / "report.png")
+        subprocess.run([program, "--out", out], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run([program, "workspace", "--out", out], check=True, stdout=subprocess.DEVNULL)
+        browser.open(f"file://{out}/report.html")
+        time.sleep(5)
+        picture("report", 1200, 1000)
+        browser.open(f"file://{out}/workspace.svg")
+        picture("workspace", 1000, 800)
+    browser.chromium("Emulation.setScrollbarsHidden", hidden=False)

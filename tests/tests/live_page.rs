@@ -145,6 +145,11 @@ impl Page {
     }
 }
 
+/// The sentence of a notice.
+fn refusal(news: &Value) -> Option<String> {
+    Some(news.get("notice")?["text"].as_str()?.to_owned())
+}
+
 fn number(value: &Value) -> f64 {
     value.as_f64().expect("a number")
 }
@@ -211,12 +216,14 @@ fn an_arm_on_a_port_is_homed_jogged_and_stopped_from_a_page() {
         let moved = number(&state["tool"][1]) - number(&before["tool"][1]);
         state["state"] == "Armed" && (moved - 0.002).abs() < 5e-5
     });
+    // A number that no single can hold is a place that no arm can reach.
+    page.wish(&json!({ "jog": [1e39, 0.0] }));
+    let refused = page.wait("a refusal", refusal);
+    assert!(refused.contains("refused"), "{refused}");
     // A watcher may not move the arm, but stop it.
     let mut watcher = Page::open(address);
     watcher.wish(&json!({ "jog": [0.0, 0.002] }));
-    let refused = watcher.wait("a refusal", |news| {
-        Some(news.get("notice")?["text"].as_str()?.to_owned())
-    });
+    let refused = watcher.wait("a refusal", refusal);
     assert!(refused.contains("take control first"), "{refused}");
     watcher.request("emergency_stop");
     assert_eq!(watcher.fault(), ("emergency stop".into(), "Armed".into()));

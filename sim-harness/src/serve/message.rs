@@ -215,3 +215,68 @@ impl MachineSide {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{State, Wish};
+    use fivebar_firmware::{Controller, Settings};
+
+    const DOCUMENT: &str = include_str!("../../../docs/live-page.md");
+
+    #[test]
+    fn every_wish_of_the_document_is_understood_and_every_kind_is_there() {
+        let (_, rest) = DOCUMENT.split_once("```json\n").unwrap();
+        let (examples, _) = rest.split_once("```").unwrap();
+        let mut seen = [false; 9];
+        for example in examples.lines() {
+            let kind = match serde_json::from_str(example).expect(example) {
+                Wish::Alive => 0,
+                Wish::Control => 1,
+                Wish::Request(_) => 2,
+                Wish::Jog(_) => 3,
+                Wish::Follow(_) => 4,
+                Wish::JogJoint { .. } | Wish::Turn { .. } => 5,
+                Wish::Mode(_) => 6,
+                Wish::Load { .. } => 7,
+                Wish::Run => 8,
+            };
+            seen[kind] = true;
+        }
+        assert_eq!(seen, [true; 9]);
+    }
+
+    #[test]
+    fn every_key_of_a_state_is_in_the_document() {
+        let controller = Controller::new(&Settings::BENCHTOP).expect("sound settings");
+        let status = &controller.status();
+        let state = State {
+            status,
+            time: 0.0,
+            speed: None,
+            joints: None,
+            elbows: None,
+            control: None,
+            alive: false,
+            progress: None,
+        };
+        let (_, section) = DOCUMENT.split_once("The keys of `state`").unwrap();
+        let state = serde_json::to_value(state).unwrap();
+        for key in state.as_object().unwrap().keys() {
+            assert!(section.contains(&format!("`{key}`")), "{key}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_wish_is_not_understood() {
+        for text in [
+            r#"{"request": "set_angles"}"#,
+            r#"{"turn": {"joint": "theta2", "to": 0.5}}"#,
+            r#"{"turn": {"joint": "theta1", "to": 0.5, "by": 1}}"#,
+            r#"{"jog": [0.001]}"#,
+            r#""emergency""#,
+            "",
+        ] {
+            assert!(serde_json::from_str::<Wish>(text).is_err(), "{text}");
+        }
+    }
+}
