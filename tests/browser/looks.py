@@ -100,7 +100,7 @@ def take(program, url, browser, folder):
     browser.wait("the job", lambda: "60 moves" in browser.text("#job"))
     page.run_job()
     time.sleep(7.5)
-    picture("live-page", 1200, 820)
+    picture("live-page", 1200, 880)
     page.wait_for("Armed")
     with tempfile.TemporaryDirectory() as out:
         subprocess.run([program, "--out", out], check=True, stdout=subprocess.DEVNULL)
@@ -109,5 +109,5 @@ def take(program, url, browser, folder):
         time.sleep(5)
         picture("report", 1200, 1000)
         browser.open(f"file://{out}/workspace.svg")
-        picture("workspace", 1000, 800)
+        picture("workspace", 1000, 850)
     browser.chromium("Emulation.setScrollbarsHidden", hidden=False)
