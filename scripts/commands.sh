@@ -22,6 +22,7 @@ reason_not_to_run() {
         names_steps python && echo "ci.sh's step python does it in an environment of its own"
         ;;
     'cargo install '*) echo "it installs a program for the user" ;;
+    'mkdir -p fuzz/'* | 'cargo +nightly fuzz '*) echo "fuzzing has no end, and needs a nightly compiler" ;;
     'probe-rs '*) echo "it needs a board on a debug probe" ;;
     *) return 1 ;;
     esac
