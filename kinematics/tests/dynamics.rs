@@ -5,7 +5,7 @@ mod common;
 use common::{Moving, assert_close, moving};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::dynamics::{Arm, Link, ModelError, Regrouped, ShareTotals, TorqueShares};
-use fivebar_kinematics::five_bar::{Geometry, PoseError, Side, Singularity};
+use fivebar_kinematics::five_bar::{Geometry, Links, PoseError, Side, Singularity};
 use proptest::prelude::*;
 
 fn vec2(size: f64) -> impl Strategy<Value = Vec2<f64>> {
@@ -54,7 +54,8 @@ proptest! {
             .inverse_dynamics(&pose, &velocities, &accelerations, Vec2::new(0.0, 0.0))
             .unwrap();
         let regrouped = Regrouped::new(&arm);
-        let torque = regrouped.torques(&pose, [omega1, omega4], moving.alpha).unwrap();
+        let links = Links::of(&pose, arm.geometry());
+        let torque = regrouped.torques(&links, [omega1, omega4], moving.alpha);
         assert_torque("τ", torque, kane, 1e-9);
     }
 

@@ -54,9 +54,12 @@ mod app {
         }
 
         fn tick(&mut self, controller: &mut Controller, sensed: &Sensed) -> Option<(Command, u32)> {
-            let start = self.counter.now();
-            let command = controller.tick(sensed);
-            Some((command, self.counter.since(start)))
+            // As on a board, where nothing but an emergency stop interrupts a tick.
+            Some(cortex_m::interrupt::free(|_| {
+                let start = self.counter.now();
+                let command = controller.tick(sensed);
+                (command, self.counter.since(start))
+            }))
         }
 
         fn stack(&self) -> Option<StackUse> {

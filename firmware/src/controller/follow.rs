@@ -4,7 +4,7 @@ use super::Controller;
 use super::setpoint::Setpoint;
 use crate::safety::{Event, Fault, Limits, State};
 use fivebar_kinematics::Vec2;
-use fivebar_kinematics::five_bar::{Pose, PoseError};
+use fivebar_kinematics::five_bar::{Links, PoseError};
 
 impl Controller {
     /// One tick of holding or following the path: the torques [N·m], or `None` after a
@@ -35,9 +35,10 @@ impl Controller {
         let (theta1, omega1) = position_loop.predict(joint1.angle(), joint1.velocity(), alpha1d);
         let (theta4, omega4) = position_loop.predict(joint4.angle(), joint4.velocity(), alpha4d);
         let (u1, u4) = (Vec2::unit(theta1), Vec2::unit(theta4));
-        let pose = self.measured([u1, u4])?;
+        let links = self.measured([u1, u4])?;
         if of_joints {
             // They may change the working mode.
+            let pose = self.model.arm.geometry().pose(&links);
             self.mode = self.model.tool.working_mode(&pose);
         }
         // e = sin(θd − θ): the error itself, for all that is not a fault.
@@ -54,11 +55,8 @@ impl Controller {
         let demanded = if self.model.computed_torque {
             let alpha1 = position_loop.acceleration(joint1.integral, alpha1d, error1, rate1);
             let alpha4 = position_loop.acceleration(joint4.integral, alpha4d, error4, rate4);
-            let [torque1, torque4] = self
-                .model
-                .equations
-                .torques(&pose, [omega1, omega4], [alpha1, alpha4])
-                .map_err(|_| Fault::Envelope)?;
+            let equations = &self.model.equations;
+            let [torque1, torque4] = equations.torques(&links, [omega1, omega4], [alpha1, alpha4]);
             [
                 torque1 + axis1.friction.torque(omega1d),
                 torque4 + axis4.friction.torque(omega4d),
@@ -82,20 +80,20 @@ impl Controller {
 
     /// The measured arm, if it closes and stands inside its envelope.
     #[inline(always)]
-    fn measured(&self, [u1, u4]: [Vec2<f32>; 2]) -> Result<Pose<f32>, Fault> {
+    fn measured(&self, [u1, u4]: [Vec2<f32>; 2]) -> Result<Links<f32>, Fault> {
         let monitor = &self.model.monitor;
         let geometry = self.model.arm.geometry();
-        let pose = geometry
-            .forward_from_directions(u1, u4, self.model.assembly)
+        let links = geometry
+            .links(u1, u4, self.model.assembly)
             .map_err(|error| match error {
                 PoseError::Unreachable(_) => Fault::EncoderDisagreement,
                 PoseError::Singular(_) => Fault::Envelope,
                 PoseError::NotFinite => Fault::NotANumber,
             })?;
-        if monitor.outside(self.angles()) || monitor.near_parallel(&pose) {
+        if monitor.outside(self.angles()) || monitor.near_parallel(&links) {
             return Err(Fault::Envelope);
         }
-        Ok(pose)
+        Ok(links)
     }
 
     /// Moves the set-point on by one tick, and the state with it.

@@ -8,7 +8,7 @@ use super::Fault;
 use crate::settings::Settings;
 use core::f32::consts::TAU;
 use fivebar_kinematics::Scalar;
-use fivebar_kinematics::five_bar::Pose;
+use fivebar_kinematics::five_bar::Links;
 
 /// An innovation of so many counts is noise of the encoder's edges, whatever the speed.
 const JUMP_COUNTS: f32 = 4.0;
@@ -30,7 +30,7 @@ pub(crate) struct Monitor {
     bus: [f32; 2],
     /// [rad], each joint's limits and half of what a following error may add.
     angles: [[f32; 2]; 2],
-    /// Least |sin| at C.
+    /// Least |r2 × r3|: l2 l3 times the least |sin| at C [m²].
     margin: f32,
     /// Ticks.
     silence: u32,
@@ -40,6 +40,7 @@ impl Monitor {
     pub(crate) fn new(settings: &Settings) -> Self {
         let protection = &settings.protection;
         let rate = settings.control.tick_rate;
+        let [_, l2, l3, ..] = settings.lengths;
         let slack = 0.5 * protection.following_error;
         Self {
             // What the joint turns in a tick at the over-speed, or a few counts.
@@ -55,7 +56,7 @@ impl Monitor {
                 let [low, high] = axis.angle_limits;
                 [low - slack, high + slack]
             }),
-            margin: 0.5 * settings.motion.singularity_margin,
+            margin: 0.5 * settings.motion.singularity_margin * l2 * l3,
             silence: (protection.command_timeout * rate) as u32,
         }
     }
@@ -109,8 +110,8 @@ impl Monitor {
     /// or folded (type 1) is no danger to the joints; paths of the tool are planned clear
     /// of it, and the following error bounds how far the arm is from its path.
     #[inline(always)]
-    pub(crate) fn near_parallel(&self, pose: &Pose<f32>) -> bool {
-        Scalar::abs(pose.sin32()) < self.margin
+    pub(crate) fn near_parallel(&self, links: &Links<f32>) -> bool {
+        Scalar::abs(links.cross) < self.margin
     }
 
     /// Ticks since the host was heard.

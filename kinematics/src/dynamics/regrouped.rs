@@ -13,108 +13,106 @@
 //! | 3 | m3 c3 | I3 + m3 |c3|² |
 //! | 4 | m4 c4 + m3 (l4, 0) | I4 + m4 |c4|² + m3 l4² + Jr4 |
 //!
-//! With sj = Sj turned to uj, c12 = l1 u1·s2, x12 = l1 u1×s2, c43 = l4 u4·s3,
-//! x43 = l4 u4×s3, and the partial angular velocities of links 2 and 3:
+//! Everything else is products of the links rj themselves ([`Links`]), X = r2×r3. With
+//! (pj, qj) = Sj/lj, so that Sj turned into the plane is pj rj + qj rj⊥, gravity's moment
+//! on link j is rj·Gj with the constant Gj = (Sj×g, −Sj·g)/lj, and
 //!
-//! k2 = c12 α1 + x12 ω1² + J2 α2 − s2×g,
-//! k3 = c43 α4 + x43 ω4² + J3 α3 − s3×g,
-//! τ1 = J1 α1 + c12 α2 − x12 ω2² − s1×g + ω21 k2 + ω31 k3,
-//! τ4 = J4 α4 + c43 α3 − x43 ω3² − s4×g + ω24 k2 + ω34 k3.
+//! ω21 = r3×r1/X, ω24 = −r3×r4/X, ω31 = r2×r1/X, ω34 = −r2×r4/X,
+//! ω2 = ω21 ω1 + ω24 ω4, ω3 = ω31 ω1 + ω34 ω4,
+//! w = ω1² r1 + ω2² r2 − ω3² r3 − ω4² r4,
+//! α2 = ω21 α1 + ω24 α4 + w·r3/X, α3 = ω31 α1 + ω34 α4 + w·r2/X,
+//! c12 = p2 r1·r2 + q2 r2×r1, x12 = q2 r1·r2 − p2 r2×r1,
+//! c43 = p3 r4·r3 + q3 r3×r4, x43 = q3 r4·r3 − p3 r3×r4,
+//! k2 = c12 α1 + x12 ω1² + J2 α2 − r2·G2,
+//! k3 = c43 α4 + x43 ω4² + J3 α3 − r3·G3,
+//! τ1 = J1 α1 + c12 α2 − x12 ω2² − r1·G1 + ω21 k2 + ω31 k3,
+//! τ4 = J4 α4 + c43 α3 − x43 ω3² − r4·G4 + ω24 k2 + ω34 k3.
 
 use super::Arm;
-use crate::five_bar::{Geometry, Pose, PoseError};
+use crate::five_bar::Links;
 use crate::{Scalar, Vec2};
 
 /// An arm's equations of motion, its masses summed up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Regrouped<S> {
-    geometry: Geometry<S>,
-    gravity: Vec2<S>,
-    /// S1…S4 [kg·m].
-    first: [Vec2<S>; 4],
+    /// (p2, q2), (p3, q3) [kg].
+    first: [Vec2<S>; 2],
     /// J1…J4 [kg·m²].
     second: [S; 4],
+    /// G1…G4 [N].
+    weight: [Vec2<S>; 4],
 }
 
 impl<S: Scalar> Regrouped<S> {
     /// The equations of an arm.
     pub fn new(arm: &Arm<S>) -> Self {
-        let geometry = *arm.geometry();
-        let (l1, l2, l4) = (geometry.l1(), geometry.l2(), geometry.l4());
+        let geometry = arm.geometry();
+        let (l1, l2, l3, l4) = (geometry.l1(), geometry.l2(), geometry.l3(), geometry.l4());
         let [link1, link2, link3, link4] = arm.links();
         let [rotor1, rotor4] = arm.rotor_inertia();
         let payload = arm.payload();
         let beyond1 = link2.mass + payload;
-        let along = |moment: S| Vec2::new(moment, S::ZERO);
+        let along = |mass: S| Vec2::new(mass, S::ZERO);
+        let per_length = |link: &super::Link<S>, length: S| link.com * (link.mass / length);
         let own = |link: &super::Link<S>| link.inertia + link.mass * link.com.norm_squared();
+        let first1 = per_length(link1, l1) + along(beyond1);
+        let first2 = per_length(link2, l2) + along(payload);
+        let first3 = per_length(link3, l3);
+        let first4 = per_length(link4, l4) + along(link3.mass);
+        let g = arm.gravity();
         Self {
-            geometry,
-            gravity: arm.gravity(),
-            first: [
-                link1.com * link1.mass + along(beyond1 * l1),
-                link2.com * link2.mass + along(payload * l2),
-                link3.com * link3.mass,
-                link4.com * link4.mass + along(link3.mass * l4),
-            ],
+            first: [first2, first3],
             second: [
                 own(link1) + beyond1 * l1 * l1 + rotor1,
                 own(link2) + payload * l2 * l2,
                 own(link3),
                 own(link4) + link3.mass * l4 * l4 + rotor4,
             ],
+            weight: [first1, first2, first3, first4]
+                .map(|first| Vec2::new(first.cross(g), -first.dot(g))),
         }
     }
 
     /// The driving torques [τ1, τ4] [N·m] that accelerate the driven joints by `alpha`
-    /// [rad/s²] at a pose and their velocities `omega` [rad/s]: what
+    /// [rad/s²] where the links are and at their velocities `omega` [rad/s]: what
     /// [`Arm::inverse_dynamics`] gives without an external force.
-    ///
-    /// # Errors
-    /// `Singular` at type 2.
     #[inline(always)]
-    pub fn torques(
-        &self,
-        pose: &Pose<S>,
-        omega: [S; 2],
-        alpha: [S; 2],
-    ) -> Result<[S; 2], PoseError> {
-        let geometry = &self.geometry;
-        let (l1, l2, l3, l4) = (geometry.l1(), geometry.l2(), geometry.l3(), geometry.l4());
-        let Pose { u1, u2, u3, u4, .. } = *pose;
+    pub fn torques(&self, links: &Links<S>, omega: [S; 2], alpha: [S; 2]) -> [S; 2] {
+        let Links {
+            ab: r1,
+            bc: r2,
+            dc: r3,
+            ed: r4,
+            cross,
+        } = *links;
         let ([omega1, omega4], [alpha1, alpha4]) = (omega, alpha);
-        let g = self.gravity;
+        let per_cross = S::ONE / cross;
 
-        let [per2, per3] = geometry.per_sine32(pose)?;
-        let omega21 = l1 * u3.cross(u1) * per2;
-        let omega24 = -l4 * u3.cross(u4) * per2;
-        let omega31 = l1 * u2.cross(u1) * per3;
-        let omega34 = -l4 * u2.cross(u4) * per3;
+        let (cross21, cross34) = (r2.cross(r1), r3.cross(r4));
+        let omega21 = r3.cross(r1) * per_cross;
+        let omega24 = -cross34 * per_cross;
+        let omega31 = cross21 * per_cross;
+        let omega34 = r4.cross(r2) * per_cross;
         let omega2 = omega21 * omega1 + omega24 * omega4;
         let omega3 = omega31 * omega1 + omega34 * omega4;
 
-        // α2 and α3: the driven joints' share and the centripetal one.
         let (square1, square2) = (omega1 * omega1, omega2 * omega2);
         let (square3, square4) = (omega3 * omega3, omega4 * omega4);
-        let [e1, e2, e3, e4] = [l1 * square1, l2 * square2, l3 * square3, l4 * square4];
-        let cos32 = u2.dot(u3);
-        let alpha2 = omega21 * alpha1
-            + omega24 * alpha4
-            + (e1 * u1.dot(u3) - e4 * u4.dot(u3) + e2 * cos32 - e3) * per2;
-        let alpha3 = omega31 * alpha1
-            + omega34 * alpha4
-            + (e1 * u1.dot(u2) - e4 * u4.dot(u2) - e3 * cos32 + e2) * per3;
+        let w = r1 * square1 + r2 * square2 - r3 * square3 - r4 * square4;
+        let alpha2 = omega21 * alpha1 + omega24 * alpha4 + w.dot(r3) * per_cross;
+        let alpha3 = omega31 * alpha1 + omega34 * alpha4 + w.dot(r2) * per_cross;
 
-        let [s1, s2, s3, s4] = self.first;
-        let (s1, s2) = (s1.rotated_to(u1), s2.rotated_to(u2));
-        let (s3, s4) = (s3.rotated_to(u3), s4.rotated_to(u4));
+        let [Vec2 { x: p2, y: q2 }, Vec2 { x: p3, y: q3 }] = self.first;
+        let (dot12, dot43) = (r1.dot(r2), r4.dot(r3));
+        let (c12, x12) = (p2 * dot12 + q2 * cross21, q2 * dot12 - p2 * cross21);
+        let (c43, x43) = (p3 * dot43 + q3 * cross34, q3 * dot43 - p3 * cross34);
         let [j1, j2, j3, j4] = self.second;
-        let (c12, x12) = (l1 * u1.dot(s2), l1 * u1.cross(s2));
-        let (c43, x43) = (l4 * u4.dot(s3), l4 * u4.cross(s3));
-        let k2 = c12 * alpha1 + x12 * square1 + j2 * alpha2 - s2.cross(g);
-        let k3 = c43 * alpha4 + x43 * square4 + j3 * alpha3 - s3.cross(g);
-        Ok([
-            j1 * alpha1 + c12 * alpha2 - x12 * square2 - s1.cross(g) + omega21 * k2 + omega31 * k3,
-            j4 * alpha4 + c43 * alpha3 - x43 * square3 - s4.cross(g) + omega24 * k2 + omega34 * k3,
-        ])
+        let [g1, g2, g3, g4] = self.weight;
+        let k2 = c12 * alpha1 + x12 * square1 + j2 * alpha2 - r2.dot(g2);
+        let k3 = c43 * alpha4 + x43 * square4 + j3 * alpha3 - r3.dot(g3);
+        [
+            j1 * alpha1 + c12 * alpha2 - x12 * square2 - r1.dot(g1) + omega21 * k2 + omega31 * k3,
+            j4 * alpha4 + c43 * alpha3 - x43 * square3 - r4.dot(g4) + omega24 * k2 + omega34 * k3,
+        ]
     }
 }

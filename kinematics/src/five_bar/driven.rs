@@ -1,19 +1,18 @@
 //! What the tick needs of the inverse solution and no more: the driven joints.
 //!
-//! [`Tool::inverse`] and its velocities and accelerations in one pass. With t the unit
-//! vector from B to the tool T, p1 = 1/(l1 u1×t), pT = 1/(|BT| u1×t), v and a the tool's
-//! velocity and acceleration (Yu 2007, its α1 over T in place of C):
+//! [`Tool::inverse`] and its velocities and accelerations in one pass. Leg 1 is the dyad
+//! A–B–T: with b = AB, q = BT, X = b×q = l1 |BT| sin, v and a the tool's velocity and
+//! acceleration (Yu 2007, its α1 over T in place of C, multiplied out):
 //!
-//! ω1 = v·t p1, ω2 = −v·u1 pT,
-//! α1 = (a·t + l1 ω1² u1·t + |BT| ω2²) p1, α2 = −(a·u1 + l1 ω1² + |BT| ω2² u1·t) pT.
+//! ω1 = v·q/X, ω2 = −v·b/X,
+//! α1 = (a·q + ω1² b·q + ω2² |BT|²)/X, α2 = −(a·b + ω1² l1² + ω2² b·q)/X.
 //!
 //! C follows on link 2: rC = rT + w, ṙC = v + ω2 w⊥, r̈C = a + α2 w⊥ − ω2² w. Leg 4 alike
 //! from there, driven from E.
 
-use super::circles::intersect;
+use super::dyad::{Closed, Dyad, Miss};
 use super::inverse::{refusal1, refusal4};
-use super::motion::per_sine;
-use super::{PoseError, Singularity, Tool, WorkingMode};
+use super::{PoseError, Side, Tool, WorkingMode};
 use crate::{Scalar, Vec2};
 
 /// The motion of the driven joints; index 0 is joint 1, index 1 joint 4.
@@ -27,71 +26,52 @@ pub struct Driven<S> {
     pub alpha: [S; 2],
 }
 
-/// A leg that reaches a given point: driven link near its base, distal link to the point.
+/// A leg that reaches a moving point.
 struct Leg<S> {
-    /// Unit vectors of the driven and of the distal link.
+    /// b, the driven link [m].
     driven: Vec2<S>,
+    /// q, from its elbow to the point [m].
     distal: Vec2<S>,
-    /// Lengths of both [m].
-    near: S,
-    far: S,
-    /// 1/(length · sine of the angle between the links), the sine from the driven link to
-    /// the distal one [1/m].
-    per_near: S,
-    per_far: S,
+    /// 1/X [1/m²].
+    per_cross: S,
+    /// Velocity of the driven link [rad/s].
+    near_velocity: S,
+    /// Velocity of the distal link [rad/s].
+    far_velocity: S,
 }
 
 impl<S: Scalar> Leg<S> {
-    /// `elbow` is the elbow relative to the base, `point` what is reached [m].
+    /// The leg that reaches `point` [m] from its pivot, while that moves with `v` [m/s].
     #[inline(always)]
-    fn new(
-        elbow: Vec2<S>,
-        point: Vec2<S>,
-        [near, far]: [S; 2],
-        [per_near, per_far]: [S; 2],
-        singularity: Singularity,
-    ) -> Result<Self, PoseError> {
-        let driven = elbow * per_near;
-        let distal = (point - elbow) * per_far;
-        let per_sin = per_sine(driven.cross(distal), singularity)?;
+    fn new(dyad: &Dyad<S>, point: Vec2<S>, v: Vec2<S>, elbow: Side) -> Result<Self, Miss<S>> {
+        // b×p = b×q is −p×b.
+        let Closed { joint, cross } = dyad.close_precisely(point, elbow.opposite())?;
+        let (driven, distal, per_cross) = (joint, point - joint, -S::ONE / cross);
         Ok(Self {
             driven,
             distal,
-            near,
-            far,
-            per_near: per_near * per_sin,
-            per_far: per_far * per_sin,
+            per_cross,
+            near_velocity: v.dot(distal) * per_cross,
+            far_velocity: -v.dot(driven) * per_cross,
         })
     }
 
-    /// The driven link's velocity.
+    /// The driven link's acceleration, the point's being `a`.
     #[inline(always)]
-    fn near_velocity(&self, v: Vec2<S>) -> S {
-        v.dot(self.distal) * self.per_near
-    }
-
-    /// The distal link's velocity.
-    #[inline(always)]
-    fn far_velocity(&self, v: Vec2<S>) -> S {
-        -v.dot(self.driven) * self.per_far
-    }
-
-    /// The driven link's acceleration.
-    #[inline(always)]
-    fn near_acceleration(&self, a: Vec2<S>, near_velocity: S, far_velocity: S) -> S {
+    fn near_acceleration(&self, dyad: &Dyad<S>, a: Vec2<S>) -> S {
         (a.dot(self.distal)
-            + self.near * near_velocity * near_velocity * self.driven.dot(self.distal)
-            + self.far * far_velocity * far_velocity)
-            * self.per_near
+            + self.near_velocity * self.near_velocity * self.driven.dot(self.distal)
+            + self.far_velocity * self.far_velocity * dyad.far_squared())
+            * self.per_cross
     }
 
-    /// The distal link's acceleration.
+    /// The distal link's acceleration, the point's being `a`.
     #[inline(always)]
-    fn far_acceleration(&self, a: Vec2<S>, near_velocity: S, far_velocity: S) -> S {
+    fn far_acceleration(&self, dyad: &Dyad<S>, a: Vec2<S>) -> S {
         -(a.dot(self.driven)
-            + self.near * near_velocity * near_velocity
-            + self.far * far_velocity * far_velocity * self.driven.dot(self.distal))
-            * self.per_far
+            + self.near_velocity * self.near_velocity * (dyad.near() * dyad.near())
+            + self.far_velocity * self.far_velocity * self.driven.dot(self.distal))
+            * self.per_cross
     }
 }
 
@@ -110,21 +90,17 @@ impl<S: Scalar> Tool<S> {
         mode: WorkingMode,
     ) -> Result<Driven<S>, PoseError> {
         let geometry = self.geometry();
-        let [per_l1, _, per_l3, per_l4] = geometry.per_length();
-        let (l1, l3, l4) = (geometry.l1(), geometry.l3(), geometry.l4());
+        let [per_l1, _, _, per_l4] = geometry.per_length();
 
-        let ab = intersect(t, l1, self.reach(), mode.elbow1.opposite()).map_err(refusal1)?;
-        let lengths = ([l1, self.reach()], [per_l1, self.per_reach()]);
-        let leg1 = Leg::new(ab, t, lengths.0, lengths.1, Singularity::Leg1)?;
-        let omega1 = leg1.near_velocity(v);
-        let omega2 = leg1.far_velocity(v);
-        let alpha1 = leg1.near_acceleration(a, omega1, omega2);
+        let dyad = self.leg1();
+        let leg1 = Leg::new(dyad, t, v, mode.elbow1).map_err(refusal1)?;
+        let alpha1 = leg1.near_acceleration(dyad, a);
 
         let (c, v, a) = match self.c_from_tool() {
             None => (t, v, a),
             Some(to_c) => {
-                let w = to_c.rotated_to(leg1.distal);
-                let alpha2 = leg1.far_acceleration(a, omega1, omega2);
+                let w = to_c.rotated_to(leg1.distal * self.per_reach());
+                let (omega2, alpha2) = (leg1.far_velocity, leg1.far_acceleration(dyad, a));
                 (
                     t + w,
                     v + w.perp() * omega2,
@@ -133,15 +109,12 @@ impl<S: Scalar> Tool<S> {
             }
         };
 
-        let ec = c - geometry.e();
-        let ed = intersect(ec, l4, l3, mode.elbow4.opposite()).map_err(refusal4)?;
-        let leg4 = Leg::new(ed, ec, [l4, l3], [per_l4, per_l3], Singularity::Leg4)?;
-        let omega4 = leg4.near_velocity(v);
-        let omega3 = leg4.far_velocity(v);
+        let dyad = geometry.leg4();
+        let leg4 = Leg::new(dyad, c - geometry.e(), v, mode.elbow4).map_err(refusal4)?;
         Ok(Driven {
-            direction: [leg1.driven, leg4.driven],
-            omega: [omega1, omega4],
-            alpha: [alpha1, leg4.near_acceleration(a, omega4, omega3)],
+            direction: [leg1.driven * per_l1, leg4.driven * per_l4],
+            omega: [leg1.near_velocity, leg4.near_velocity],
+            alpha: [alpha1, leg4.near_acceleration(dyad, a)],
         })
     }
 }

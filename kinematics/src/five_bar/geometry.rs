@@ -1,6 +1,7 @@
 //! The five lengths, validated once.
 
 use super::GeometryError;
+use super::dyad::Dyad;
 use crate::{Scalar, Vec2};
 
 /// The lengths of a five-bar [m], proven positive and able to close.
@@ -9,6 +10,12 @@ pub struct Geometry<S> {
     lengths: [S; 5],
     /// 1/l1…1/l4 [1/m]: a multiplication costs a fourteenth of a division on the target.
     per_length: [S; 4],
+    /// A–B–C.
+    leg1: Dyad<S>,
+    /// E–D–C.
+    leg4: Dyad<S>,
+    /// B–C–D.
+    tip: Dyad<S>,
 }
 
 impl<S: Scalar> Geometry<S> {
@@ -36,6 +43,9 @@ impl<S: Scalar> Geometry<S> {
         Ok(Self {
             lengths,
             per_length: [l1, l2, l3, l4].map(|length| S::ONE / length),
+            leg1: Dyad::new(l1, l2),
+            leg4: Dyad::new(l4, l3),
+            tip: Dyad::new(l2, l3),
         })
     }
 
@@ -73,6 +83,21 @@ impl<S: Scalar> Geometry<S> {
     #[inline]
     pub(crate) fn per_length(&self) -> [S; 4] {
         self.per_length
+    }
+    /// A–B–C.
+    #[inline]
+    pub(super) fn leg1(&self) -> &Dyad<S> {
+        &self.leg1
+    }
+    /// E–D–C.
+    #[inline]
+    pub(super) fn leg4(&self) -> &Dyad<S> {
+        &self.leg4
+    }
+    /// B–C–D.
+    #[inline]
+    pub(super) fn tip(&self) -> &Dyad<S> {
+        &self.tip
     }
     /// The ground pivot E = (l5, 0) [m]; A is the origin.
     #[inline]

@@ -2,9 +2,11 @@
 //!
 //! Each leg is a dyad: with r = rC − rA, a = ½(1 + (l1² − l2²)/|r|²) and
 //! h² = l1²/|r|² − a², rB = rA + a r ∓ h r⊥, the upper sign where the elbow turns
-//! `Left` (then B lies right of the ray A→C). Leg 4 alike about E.
+//! `Left` (then B lies right of the ray A→C). Leg 4 alike about E. Close to a stretched leg
+//! h² is a small rest, and in `f32` it is taken from the exact square of C: see
+//! [`Scalar::square_less`].
 
-use super::circles::{Miss, intersect};
+use super::dyad::{Dyad, Miss};
 use super::{Geometry, Pose, PoseError, Side, Singularity, Unreachable, WorkingMode};
 use crate::{Scalar, Vec2};
 
@@ -25,8 +27,9 @@ impl<S: Scalar> Geometry<S> {
     #[inline(always)]
     pub fn inverse(&self, c: Vec2<S>, mode: WorkingMode) -> Result<Pose<S>, PoseError> {
         let [per_l1, per_l2, ..] = self.per_length();
-        let b = intersect(c, self.l1(), self.l2(), mode.elbow1.opposite()).map_err(refusal1)?;
-        let Leg4 { d, u3, u4 } = self.leg4(c, mode.elbow4)?;
+        let leg1 = self.leg1().close_precisely(c, mode.elbow1.opposite());
+        let b = Dyad::joint(leg1).map_err(refusal1)?;
+        let Leg4 { d, u3, u4 } = self.leg4_to(c, mode.elbow4)?;
         Ok(Pose {
             u1: b * per_l1,
             u2: (c - b) * per_l2,
@@ -40,10 +43,11 @@ impl<S: Scalar> Geometry<S> {
 
     /// Leg 4 when C is at `c`.
     #[inline(always)]
-    pub(super) fn leg4(&self, c: Vec2<S>, elbow4: Side) -> Result<Leg4<S>, PoseError> {
+    pub(super) fn leg4_to(&self, c: Vec2<S>, elbow4: Side) -> Result<Leg4<S>, PoseError> {
         let [_, _, per_l3, per_l4] = self.per_length();
         let ec = c - self.e();
-        let ed = intersect(ec, self.l4(), self.l3(), elbow4.opposite()).map_err(refusal4)?;
+        let leg4 = self.leg4().close_precisely(ec, elbow4.opposite());
+        let ed = Dyad::joint(leg4).map_err(refusal4)?;
         Ok(Leg4 {
             d: self.e() + ed,
             u3: (ec - ed) * per_l3,
@@ -52,20 +56,20 @@ impl<S: Scalar> Geometry<S> {
     }
 }
 
-pub(super) fn refusal1(miss: Miss) -> PoseError {
+pub(super) fn refusal1<S>(miss: Miss<S>) -> PoseError {
     match miss {
         Miss::TooFar => PoseError::Unreachable(Unreachable::Leg1TooFar),
         Miss::TooNear => PoseError::Unreachable(Unreachable::Leg1TooNear),
-        Miss::Coincident => PoseError::Singular(Singularity::Leg1),
+        Miss::InLine(_) | Miss::Coincident => PoseError::Singular(Singularity::Leg1),
         Miss::NotFinite => PoseError::NotFinite,
     }
 }
 
-pub(super) fn refusal4(miss: Miss) -> PoseError {
+pub(super) fn refusal4<S>(miss: Miss<S>) -> PoseError {
     match miss {
         Miss::TooFar => PoseError::Unreachable(Unreachable::Leg4TooFar),
         Miss::TooNear => PoseError::Unreachable(Unreachable::Leg4TooNear),
-        Miss::Coincident => PoseError::Singular(Singularity::Leg4),
+        Miss::InLine(_) | Miss::Coincident => PoseError::Singular(Singularity::Leg4),
         Miss::NotFinite => PoseError::NotFinite,
     }
 }

@@ -3,15 +3,16 @@
 //! and signs are drawn in `docs/notation.md`.
 
 mod branch;
-mod circles;
 mod closed_form;
 mod driven;
+mod dyad;
 mod error;
 mod forward;
 mod geometry;
 mod inverse;
 mod jacobian;
 mod limits;
+mod links;
 mod motion;
 mod pose;
 mod reach;
@@ -20,13 +21,14 @@ mod tool;
 mod workspace;
 
 pub use branch::{Side, WorkingMode};
-#[cfg(feature = "design")]
-pub(crate) use circles::intersect;
 pub use driven::Driven;
+#[cfg(feature = "design")]
+pub(crate) use dyad::Dyad;
 pub use error::{GeometryError, PoseError, Singularity, Unreachable};
 pub use geometry::Geometry;
 pub use jacobian::{InverseJacobian, Jacobian};
 pub use limits::{Joint, JointLimits};
+pub use links::Links;
 pub(crate) use motion::per_sine;
 pub use motion::{Accelerations, Velocities};
 pub use pose::Pose;

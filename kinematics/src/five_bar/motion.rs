@@ -12,6 +12,7 @@
 //! Each function divides once per sine, by [`per_sine`]; the lengths' reciprocals are the
 //! geometry's.
 
+use super::dyad::least_sine_squared;
 use super::{Geometry, Pose, PoseError, Singularity};
 use crate::{Scalar, Vec2};
 
@@ -33,14 +34,10 @@ pub struct Accelerations<S> {
     pub c: Vec2<S>,
 }
 
-/// 1/sin θ, or the singularity that sin θ ≈ 0 is.
-///
-/// A position is known to about ε of its size, a direction near a singularity only to
-/// √ε: a sine below 8 √ε (1.2e-7 for `f64`, 2.8e-3 for `f32`) is rounding, and dividing
-/// by it would give large numbers that mean nothing.
+/// 1/sin θ, or the singularity that sin θ ≈ 0 is: see [`least_sine_squared`].
 #[inline(always)]
 pub(crate) fn per_sine<S: Scalar>(sine: S, singularity: Singularity) -> Result<S, PoseError> {
-    if sine * sine > S::from_f64(64.0) * S::EPSILON {
+    if sine * sine > least_sine_squared() {
         Ok(S::ONE / sine)
     } else {
         Err(PoseError::Singular(singularity))
@@ -48,17 +45,6 @@ pub(crate) fn per_sine<S: Scalar>(sine: S, singularity: Singularity) -> Result<S
 }
 
 impl<S: Scalar> Geometry<S> {
-    /// 1/(l2 sin(θ3−θ2)) and 1/(l3 sin(θ3−θ2)) [1/m].
-    ///
-    /// # Errors
-    /// `Singular` at type 2.
-    #[inline(always)]
-    pub(crate) fn per_sine32(&self, pose: &Pose<S>) -> Result<[S; 2], PoseError> {
-        let per_sin32 = per_sine(pose.sin32(), Singularity::Parallel)?;
-        let [_, per_l2, per_l3, _] = self.per_length();
-        Ok([per_l2 * per_sin32, per_l3 * per_sin32])
-    }
-
     /// All velocities from the driven ones, ω1 and ω4 [rad/s].
     ///
     /// # Errors

@@ -4,7 +4,7 @@
 //! The area of their common part by inclusion and exclusion of circular lenses,
 //! L(R1,R4) − L(r1,R4) − L(R1,r4) + L(r1,r4), and its boundary as arcs.
 
-use super::circles::intersect;
+use super::dyad::Dyad;
 use super::inverse::{refusal1, refusal4};
 use super::{Geometry, PoseError, Side};
 use crate::{Scalar, Vec2};
@@ -33,8 +33,8 @@ impl<S: Scalar> Geometry<S> {
     /// `Unreachable` with the leg and the side of its annulus that `c` is beyond,
     /// `NotFinite`.
     pub fn reach(&self, c: Vec2<S>) -> Result<(), PoseError> {
-        let leg1 = intersect(c, self.l1(), self.l2(), Side::Left).map_err(refusal1);
-        let leg4 = intersect(c - self.e(), self.l4(), self.l3(), Side::Left).map_err(refusal4);
+        let leg1 = Dyad::joint(self.leg1().close(c, Side::Left)).map_err(refusal1);
+        let leg4 = Dyad::joint(self.leg4().close(c - self.e(), Side::Left)).map_err(refusal4);
         for leg in [leg1, leg4] {
             match leg {
                 Ok(_) | Err(PoseError::Singular(_)) => {}

@@ -5,7 +5,7 @@
 //! by the C that follows. Its branch and its singularity are the dyad's: `elbow1` is
 //! `Left` where AB×BT > 0, and type 1 is where A, B, T are in line.
 
-use super::circles::intersect;
+use super::dyad::Dyad;
 use super::inverse::{Leg4, refusal1};
 use super::motion::per_sine;
 use super::{
@@ -20,8 +20,8 @@ pub struct Tool<S> {
     geometry: Geometry<S>,
     /// T from C in link 2's frame [m].
     offset: Vec2<S>,
-    /// |BT| [m].
-    reach: S,
+    /// A–B–T.
+    leg1: Dyad<S>,
     /// 1/|BT| [1/m].
     per_reach: S,
     /// Direction of B→T in link 2's frame.
@@ -47,7 +47,7 @@ impl<S: Scalar> Tool<S> {
         Ok(Self {
             geometry,
             offset,
-            reach,
+            leg1: Dyad::new(geometry.l1(), reach),
             per_reach,
             lean,
             to_c: (offset != Vec2::zero()).then_some(to_c),
@@ -69,13 +69,19 @@ impl<S: Scalar> Tool<S> {
     /// |BT| [m]: the second length of leg 1's dyad.
     #[inline]
     pub fn reach(&self) -> S {
-        self.reach
+        self.leg1.far()
     }
 
     /// 1/|BT| [1/m].
     #[inline]
     pub(super) fn per_reach(&self) -> S {
         self.per_reach
+    }
+
+    /// A–B–T.
+    #[inline]
+    pub(super) fn leg1(&self) -> &Dyad<S> {
+        &self.leg1
     }
 
     /// C from T [m], along B→T and to its left; none where T is C.
@@ -133,13 +139,13 @@ impl<S: Scalar> Tool<S> {
     pub fn inverse(&self, t: Vec2<S>, mode: WorkingMode) -> Result<Pose<S>, PoseError> {
         let geometry = &self.geometry;
         let [per_l1, ..] = geometry.per_length();
-        let b =
-            intersect(t, geometry.l1(), self.reach, mode.elbow1.opposite()).map_err(refusal1)?;
+        let leg1 = self.leg1.close_precisely(t, mode.elbow1.opposite());
+        let b = Dyad::joint(leg1).map_err(refusal1)?;
         // B→T turned back by the lean is link 2's own direction.
         let back = Vec2::new(self.lean.x, -self.lean.y);
         let u2 = back.rotated_to((t - b) * self.per_reach);
         let c = b + u2 * geometry.l2();
-        let Leg4 { d, u3, u4 } = geometry.leg4(c, mode.elbow4)?;
+        let Leg4 { d, u3, u4 } = geometry.leg4_to(c, mode.elbow4)?;
         Ok(Pose {
             u1: b * per_l1,
             u2,
@@ -192,7 +198,7 @@ impl<S: Scalar> Tool<S> {
         let per_sin = per_sine(pose.u1.cross(ut), Singularity::Leg1)?;
         let a = t_acceleration
             + pose.u1 * (geometry.l1() * omega1 * omega1)
-            + ut * (self.reach * omega2 * omega2);
+            + ut * (self.reach() * omega2 * omega2);
         let alpha1 = a.dot(ut) * (per_l1 * per_sin);
         let alpha2 = -a.dot(pose.u1) * (self.per_reach * per_sin);
         let t = self.offset.rotated_to(pose.u2);

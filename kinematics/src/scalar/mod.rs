@@ -9,7 +9,10 @@
 mod double;
 #[cfg(feature = "design")]
 mod dual;
+mod fixed;
 mod single;
+
+pub use fixed::FixedSquare;
 
 use core::fmt::Debug;
 use core::ops::{Add, Div, Mul, Neg, Sub};
@@ -52,6 +55,13 @@ pub trait Scalar:
     fn sin_cos(self) -> (Self, Self);
     /// The angle of (x, y) in (−π, π], `self` being y.
     fn atan2(self, x: Self) -> Self;
+
+    /// `square` − x² − y², where `square` and `fixed` are the same: for a small rest of
+    /// large squares. `f32` takes it in integers.
+    #[inline(always)]
+    fn square_less(square: Self, _fixed: &FixedSquare, x: Self, y: Self) -> Self {
+        square - (x * x + y * y)
+    }
 
     /// |x|.
     #[inline]

@@ -4,7 +4,7 @@
 //! that a desktop and a Cortex-M4F give the same bits. The polynomials are minimax fits
 //! (Remez); every stated bound is asserted by the tests below.
 
-use super::Scalar;
+use super::{FixedSquare, Scalar};
 
 impl Scalar for f32 {
     const ZERO: Self = 0.0;
@@ -32,6 +32,10 @@ impl Scalar for f32 {
     #[inline]
     fn atan2(self, x: Self) -> Self {
         atan2(self, x)
+    }
+    #[inline(always)]
+    fn square_less(_: Self, fixed: &FixedSquare, x: Self, y: Self) -> Self {
+        fixed.less(x, y)
     }
     #[inline]
     fn abs(self) -> Self {
@@ -95,12 +99,12 @@ fn sin_cos(x: f32) -> (f32, f32) {
 
 /// The angle of the finite vector (x, y) in (−π, π]; 0 for the zero vector.
 ///
-/// Within 45° of the x axis t = y/x, else t = −x/y, so that |t| ≤ 1; then the angle is
-/// kπ/2 + atan t with k = 0 or ±2 about the x axis, ±1 about the y axis, and
-/// atan t = t + t³ P(t²).
+/// It has the sign of y. Of (x, |y|) it is atan t with t = |y|/x about the positive x axis,
+/// π/2 + atan t with t = −x/|y| about the y axis, and π + atan t with t = |y|/x about the
+/// negative x axis, each within 45°, so that |t| ≤ 1 and atan t = t + t³ P(t²).
 ///
 /// Errors: the fit 5e-8; rounding t ≤ 2.4e-8, the terms ≤ 3.9e-8, their sum ≤ 3e-8;
-/// rounding the correction by the low part of kπ/2 ≤ 3e-8 and the last sum ≤ 1.2e-7
+/// rounding the correction by the low part of π/2 or π ≤ 3e-8 and the last sum ≤ 1.2e-7
 /// (half the distance of neighbours beyond 2 rad): together below 3e-7 rad.
 #[inline]
 fn atan2(y: f32, x: f32) -> f32 {
@@ -108,16 +112,16 @@ fn atan2(y: f32, x: f32) -> f32 {
     const HI: f32 = core::f32::consts::FRAC_PI_2;
     const LO: f32 = -4.371_139e-8;
 
-    let (t, quarters) = if y.abs() > x.abs() {
-        (-x / y, 1.0)
+    let size = y.abs();
+    let (t, high, low) = if size > x.abs() {
+        (-x / size, HI, LO)
     } else if x > 0.0 {
-        (y / x, 0.0)
+        (size / x, 0.0, 0.0)
     } else if x < 0.0 {
-        (y / x, 2.0)
+        (size / x, 2.0 * HI, 2.0 * LO)
     } else {
         return 0.0;
     };
-    let k = if y < 0.0 { -quarters } else { quarters };
     let z = t * t;
     let p = -4.355_393_5e-3;
     let p = p * z + 2.304_008_8e-2;
@@ -126,8 +130,8 @@ fn atan2(y: f32, x: f32) -> f32 {
     let p = p * z - 0.139_765_8;
     let p = p * z + 0.199_627_04;
     let p = p * z - 0.333_316_6;
-    let r = t + t * z * p;
-    k * HI + (k * LO + r)
+    let angle = high + (low + (t + t * z * p));
+    if y < 0.0 { -angle } else { angle }
 }
 
 /// √x by the FPU's own instruction, which no stable intrinsic of `core` reaches.

@@ -21,7 +21,7 @@
 //! has B = D, and its curve is circles about where the elbows meet.
 
 use crate::Vec2;
-use crate::five_bar::{Side, Singularity, Tool, WorkingMode, angle_at_distance, intersect};
+use crate::five_bar::{Dyad, Side, Singularity, Tool, WorkingMode, angle_at_distance};
 use std::f64::consts::{PI, TAU};
 use std::vec;
 use std::vec::Vec;
@@ -162,7 +162,8 @@ impl<'a> Family<'a> {
         let [l1, l2, l3, l4, _] = geometry.lengths();
         let e = geometry.e();
         let u = Vec2::unit(chi - self.lead);
-        let close = |p| intersect(p, self.near, self.far, side).ok();
+        let dyad = Dyad::new(self.near, self.far);
+        let close = |p| Dyad::joint(dyad.close(p, side)).ok();
         let (b, u2, d) = match self.singularity {
             Singularity::Leg1 => {
                 let c = in_line(tool, self.sign, u);

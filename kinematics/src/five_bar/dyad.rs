@@ -1,0 +1,267 @@
+//! Two links in a row from a pivot to a given point: the one construction behind every
+//! position solution.
+//!
+//! The joint between them is where two circles meet. With the lengths n of the near and f
+//! of the far link, s = n + f, d = n − f, and p the point from the pivot:
+//!
+//! a = ½(1 + s d/|p|²), h = √((s² − |p|²)(|p|² − d²))/(2 |p|²), joint = a p ± h p⊥.
+//!
+//! Heron's product in place of n²/|p|² − a² loses a third less to rounding. p × joint =
+//! ±h |p|² is twice the triangle's area, n f times the sine of the angle between the links:
+//! what all their velocities are divided by.
+
+use super::Side;
+use crate::scalar::FixedSquare;
+use crate::{Scalar, Vec2};
+
+/// Why two links have no definite joint between pivot and point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Miss<S> {
+    /// They are in line to rounding: this is their joint [m], but their velocities are not
+    /// to be had.
+    InLine(Vec2<S>),
+    /// The point is farther than both links reach.
+    TooFar,
+    /// The point is nearer than the difference of the links.
+    TooNear,
+    /// Equal links folded back to the pivot: any joint will do.
+    Coincident,
+    /// An input is infinite or not a number.
+    NotFinite,
+}
+
+/// Two links of given lengths, and what their solution needs of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Dyad<S> {
+    near: S,
+    far: S,
+    /// f² [m²].
+    far_squared: S,
+    /// s² [m²].
+    sum_squared: S,
+    /// s² once more, for [`Dyad::close_precisely`].
+    fixed: FixedSquare,
+    /// d² [m²].
+    difference_squared: S,
+    /// s d [m²].
+    sum_difference: S,
+    /// Heron's product where the links are in line to rounding [m⁴].
+    least: S,
+}
+
+/// A dyad between its pivot and a point.
+pub(crate) struct Closed<S> {
+    /// The joint between the links, from the pivot [m].
+    pub(super) joint: Vec2<S>,
+    /// p × joint [m²], not zero.
+    pub(super) cross: S,
+}
+
+impl<S: Scalar> Dyad<S> {
+    /// Links of these lengths [m], the first one's at the pivot.
+    pub(crate) fn new(near: S, far: S) -> Self {
+        let (sum, difference) = (near + far, near - far);
+        let (sine, product) = (least_sine_squared(), near * far);
+        Self {
+            near,
+            far,
+            far_squared: far * far,
+            sum_squared: sum * sum,
+            fixed: FixedSquare::of_sum(near, far),
+            difference_squared: difference * difference,
+            sum_difference: sum * difference,
+            // (2 n f sin)².
+            least: (product + product) * (product + product) * sine,
+        }
+    }
+
+    /// Length of the link at the pivot [m].
+    #[inline(always)]
+    pub(super) fn near(&self) -> S {
+        self.near
+    }
+
+    /// Length of the other link [m].
+    #[inline(always)]
+    pub(super) fn far(&self) -> S {
+        self.far
+    }
+
+    /// f² [m²].
+    #[inline(always)]
+    pub(super) fn far_squared(&self) -> S {
+        self.far_squared
+    }
+
+    /// The dyad with its end at `p` from the pivot [m] and its joint on that side of the
+    /// ray to `p`.
+    #[inline(always)]
+    pub(crate) fn close(&self, p: Vec2<S>, side: Side) -> Result<Closed<S>, Miss<S>> {
+        self.closed(p, self.sum_squared - p.norm_squared(), side)
+    }
+
+    /// As [`Dyad::close`], with s² − |p|² by [`Scalar::square_less`]: for a point that is
+    /// known to its last bit, which would be wasted near a stretched dyad otherwise.
+    #[inline(always)]
+    pub(super) fn close_precisely(&self, p: Vec2<S>, side: Side) -> Result<Closed<S>, Miss<S>> {
+        let gap = S::square_less(self.sum_squared, &self.fixed, p.x, p.y);
+        self.closed(p, gap, side)
+    }
+
+    /// One square root, one division, and one test that nothing but a good answer passes,
+    /// as a comparison with NaN is false: what is wrong is found out only after it failed.
+    #[inline(always)]
+    fn closed(&self, p: Vec2<S>, gap: S, side: Side) -> Result<Closed<S>, Miss<S>> {
+        let p_squared = p.norm_squared();
+        let product = gap * (p_squared - self.difference_squared);
+        if product > self.least {
+            let half_per_p_squared = S::HALF / p_squared;
+            let a = S::HALF + self.sum_difference * half_per_p_squared;
+            let h = side.sign(product.sqrt() * half_per_p_squared);
+            Ok(Closed {
+                joint: p * a + p.perp() * h,
+                cross: h * p_squared,
+            })
+        } else {
+            Err(self.miss(p, product, side))
+        }
+    }
+
+    /// The joint alone, in line or not.
+    #[inline(always)]
+    pub(crate) fn joint(closed: Result<Closed<S>, Miss<S>>) -> Result<Vec2<S>, Miss<S>> {
+        match closed {
+            Ok(closed) => Ok(closed.joint),
+            Err(Miss::InLine(joint)) => Ok(joint),
+            Err(miss) => Err(miss),
+        }
+    }
+
+    /// The joint of links in line, allowing for rounding of 8 ulp of the lengths, or the
+    /// reason why they do not meet.
+    #[cold]
+    #[inline(never)]
+    fn miss(&self, p: Vec2<S>, product: S, side: Side) -> Miss<S> {
+        if !(p.x.is_finite() && p.y.is_finite()) {
+            return Miss::NotFinite;
+        }
+        let half_per_p_squared = S::HALF / p.norm_squared();
+        let along = p * (S::HALF + self.sum_difference * half_per_p_squared);
+        let h = product.sqrt() * half_per_p_squared;
+        if h <= coincidence() {
+            return Miss::InLine(along + p.perp() * side.sign(h));
+        }
+        let distance = p.norm();
+        let slack = S::from_f64(8.0) * S::EPSILON * (self.near + self.far);
+        let least = (self.near - self.far).abs();
+        if distance > self.near + self.far + slack {
+            Miss::TooFar
+        } else if distance < least - slack {
+            Miss::TooNear
+        } else if least <= slack && distance <= slack + slack {
+            Miss::Coincident
+        } else {
+            Miss::InLine(along)
+        }
+    }
+}
+
+/// sin² of the angle between links that are in line to rounding.
+///
+/// A position is known to about ε of its size, a direction near a singularity only to
+/// √ε: a sine below 8 √ε (1.2e-7 for `f64`, 2.8e-3 for `f32`) is rounding, and dividing
+/// by it would give large numbers that mean nothing.
+#[inline(always)]
+pub(super) fn least_sine_squared<S: Scalar>() -> S {
+    S::from_f64(64.0) * S::EPSILON
+}
+
+/// h at which |p| is 16 roundings of the lengths: the direction of p is then lost.
+#[inline]
+fn coincidence<S: Scalar>() -> S {
+    S::ONE / (S::from_f64(16.0) * S::EPSILON)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn joint(p: Vec2<f64>, near: f64, far: f64, side: Side) -> Result<Vec2<f64>, Miss<f64>> {
+        Dyad::joint(Dyad::new(near, far).close(p, side))
+    }
+
+    fn at(distance: f64, near: f64, far: f64) -> Result<Vec2<f64>, Miss<f64>> {
+        joint(Vec2::new(0.6, 0.8) * distance, near, far, Side::Left)
+    }
+
+    #[test]
+    fn the_joint_is_at_both_distances_and_on_its_side() {
+        for side in Side::BOTH {
+            let p = Vec2::new(0.3, -0.1);
+            let Ok(closed) = Dyad::new(0.2, 0.25).close(p, side) else {
+                panic!("the point is within reach");
+            };
+            assert!((closed.joint.norm() - 0.2).abs() < 1e-15);
+            assert!(((closed.joint - p).norm() - 0.25).abs() < 1e-15);
+            assert_eq!(Side::of(p.cross(closed.joint)), side);
+            assert!((p.cross(closed.joint) - closed.cross).abs() < 1e-16);
+        }
+    }
+
+    #[test]
+    fn links_in_line_but_for_rounding_meet() {
+        for ulps in -4_i32..=4 {
+            let nearly = 1.0 + f64::from(ulps) * f64::EPSILON;
+            let outside = at(0.5 * nearly, 0.2, 0.3).unwrap();
+            assert!((outside.norm() - 0.2).abs() < 1e-8);
+            let inside = at(0.1 * nearly, 0.2, 0.3).unwrap();
+            assert!((inside.norm() - 0.2).abs() < 1e-8);
+        }
+    }
+
+    #[test]
+    fn links_in_line_to_rounding_are_told_from_bent_ones() {
+        let (near, far) = (0.2_f64, 0.3_f64);
+        for (sine, bent) in [(1e-7, false), (1.4e-7, true)] {
+            let joint = Vec2::new(near, 0.0);
+            let p = joint + Vec2::new(libm::sqrt(1.0 - sine * sine), -sine) * far;
+            let closed = Dyad::new(near, far).close(p, Side::Left);
+            assert_eq!(closed.is_ok(), bent, "sine {sine}");
+            assert!((Dyad::joint(closed).unwrap() - joint).norm() < 1e-7);
+        }
+    }
+
+    #[test]
+    fn every_miss_says_why() {
+        assert_eq!(at(0.5 + 1e-12, 0.2, 0.3), Err(Miss::TooFar));
+        assert_eq!(at(1e200, 0.2, 0.3), Err(Miss::TooFar));
+        assert_eq!(at(0.1 - 1e-12, 0.2, 0.3), Err(Miss::TooNear));
+        assert_eq!(at(0.0, 0.2, 0.3), Err(Miss::TooNear));
+        assert_eq!(at(0.0, 0.2, 0.2), Err(Miss::Coincident));
+        assert_eq!(at(1e-17, 0.2, 0.2), Err(Miss::Coincident));
+        assert!(at(1e-12, 0.2, 0.2).is_ok());
+        assert_eq!(at(f64::NAN, 0.2, 0.2), Err(Miss::NotFinite));
+        assert_eq!(at(f64::INFINITY, 0.2, 0.2), Err(Miss::NotFinite));
+    }
+
+    #[test]
+    fn single_precision_says_the_same_of_every_miss_by_either_way() {
+        let dyad = Dyad::new(0.2_f32, 0.3);
+        for [x, y] in [
+            [0.5_f32 * (1.0 + 2e-6), 0.0],
+            [-0.6, 0.3],
+            [1e30, -1e30],
+            [-1e20, -1e20],
+            [0.0, 0.0],
+            [0.099_999, 0.0],
+            [f32::NAN, 0.1],
+            [0.1, f32::NEG_INFINITY],
+        ] {
+            let p = Vec2::new(x, y);
+            let plainly = dyad.close(p, Side::Left).err();
+            let precisely = dyad.close_precisely(p, Side::Left).err();
+            assert!(plainly.is_some(), "at {p:?}");
+            assert_eq!(plainly, precisely, "at {p:?}");
+        }
+    }
+}

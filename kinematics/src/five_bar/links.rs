@@ -1,0 +1,77 @@
+//! The closed arm as four vectors: what the tick makes of the measured angles.
+//!
+//! With r1 = AB, r2 = BC, r3 = DC, r4 = ED and X = r2 × r3 = l2 l3 sin(θ3−θ2), rates and
+//! torques follow without a unit vector, a length or a sine: ω2 = v·r3/X for Yu 2007's
+//! ω2 = v·u3/(l2 sin(θ3−θ2)), v being the velocity of D relative to B, and so on.
+
+use super::dyad::Closed;
+use super::forward::refusal;
+use super::{Geometry, Pose, PoseError, Side};
+use crate::{Scalar, Vec2};
+
+/// The links of a closed arm, away from the parallel singularity [m].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Links<S> {
+    /// r1, A to B.
+    pub ab: Vec2<S>,
+    /// r2, B to C.
+    pub bc: Vec2<S>,
+    /// r3, D to C.
+    pub dc: Vec2<S>,
+    /// r4, E to D.
+    pub ed: Vec2<S>,
+    /// r2 × r3 [m²], not zero: positive on the `Left` assembly.
+    pub cross: S,
+}
+
+impl<S: Scalar> Geometry<S> {
+    /// The links with the driven ones along the unit vectors `u1` and `u4`, on the given
+    /// assembly branch.
+    ///
+    /// # Errors
+    /// `Unreachable` where links 2 and 3 cannot meet, `Singular` at type 2, `NotFinite`.
+    #[inline(always)]
+    pub fn links(&self, u1: Vec2<S>, u4: Vec2<S>, assembly: Side) -> Result<Links<S>, PoseError> {
+        let ab = u1 * self.l1();
+        let ed = u4 * self.l4();
+        let bd = self.e() + ed - ab;
+        let Closed { joint: bc, cross } = self.tip().close(bd, assembly).map_err(refusal)?;
+        Ok(Links {
+            ab,
+            bc,
+            dc: bc - bd,
+            ed,
+            cross,
+        })
+    }
+
+    /// The pose of these links.
+    #[inline]
+    pub fn pose(&self, links: &Links<S>) -> Pose<S> {
+        let Links { ab, bc, dc, ed, .. } = *links;
+        let [per_l1, per_l2, per_l3, per_l4] = self.per_length();
+        Pose {
+            u1: ab * per_l1,
+            u2: bc * per_l2,
+            u3: dc * per_l3,
+            u4: ed * per_l4,
+            b: ab,
+            c: ab + bc,
+            d: self.e() + ed,
+        }
+    }
+}
+
+impl<S: Scalar> Links<S> {
+    /// The links of a pose.
+    pub fn of(pose: &Pose<S>, geometry: &Geometry<S>) -> Self {
+        let (bc, dc) = (pose.c - pose.b, pose.c - pose.d);
+        Self {
+            ab: pose.b,
+            bc,
+            dc,
+            ed: pose.d - geometry.e(),
+            cross: bc.cross(dc),
+        }
+    }
+}
