@@ -1,18 +1,17 @@
 //! The powered part of the tick: from the reference to the torques.
 
-use super::Controller;
 use super::setpoint::Setpoint;
+use super::{Controller, Demand};
 use crate::safety::{Event, Fault, Limits, State};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::{Links, PoseError};
 
 impl Controller {
-    /// One tick of holding or following the path: the torques [N·m], or `None` after a
-    /// fault.
+    /// One tick of holding or following the path: the torques, or `None` after a fault.
     #[inline(always)]
-    pub(super) fn follow(&mut self) -> Option<[f32; 2]> {
+    pub(super) fn follow(&mut self) -> Option<Demand> {
         match self.track() {
-            Ok(torque) => Some(torque),
+            Ok(demand) => Some(demand),
             Err(fault) => {
                 self.latch(fault);
                 None
@@ -21,9 +20,9 @@ impl Controller {
     }
 
     #[inline(always)]
-    fn track(&mut self) -> Result<[f32; 2], Fault> {
+    fn track(&mut self) -> Result<Demand, Fault> {
         // Where it should be, and where it will be, when the torque acts.
-        self.advance()?;
+        let limits = self.advance()?;
         let Setpoint {
             direction: [d1, d4],
             omega: [omega1d, omega4d],
@@ -38,7 +37,7 @@ impl Controller {
         let links = self.measured([u1, u4])?;
         if of_joints {
             // They may change the working mode.
-            let pose = self.model.arm.geometry().pose(&links);
+            let pose = self.model.tool.geometry().pose(&links);
             self.mode = self.model.tool.working_mode(&pose);
         }
         // e = sin(θd − θ): the error itself, for all that is not a fault.
@@ -70,19 +69,21 @@ impl Controller {
             ]
         };
         let (torque, limited) = self.model.torque_limit.apply(demanded);
-        self.limits = self.limits.with(Limits::TORQUE, limited);
         if self.model.computed_torque {
             position_loop.integrate(&mut joint1.integral, error1, limited);
             position_loop.integrate(&mut joint4.integral, error4, limited);
         }
-        Ok(torque)
+        Ok(Demand {
+            torque,
+            limits: limits.with(Limits::TORQUE, limited),
+        })
     }
 
     /// The measured arm, if it closes and stands inside its envelope.
     #[inline(always)]
     fn measured(&self, [u1, u4]: [Vec2<f32>; 2]) -> Result<Links<f32>, Fault> {
         let monitor = &self.model.monitor;
-        let geometry = self.model.arm.geometry();
+        let geometry = self.model.tool.geometry();
         let links = geometry
             .links(u1, u4, self.model.assembly)
             .map_err(|error| match error {
@@ -96,13 +97,14 @@ impl Controller {
         Ok(links)
     }
 
-    /// Moves the set-point on by one tick, and the state with it.
+    /// Moves the set-point on by one tick, and the state with it; gives the limits that
+    /// the reference keeps.
     #[inline(always)]
-    fn advance(&mut self) -> Result<(), Fault> {
+    fn advance(&mut self) -> Result<Limits, Fault> {
         if self.state == State::Armed {
             if !self.path.is_ready() {
-                self.setpoint = Setpoint::hold(self.setpoint.direction);
-                return Ok(());
+                self.setpoint.rest();
+                return Ok(Limits::NONE);
             }
             self.happen(Event::Begin);
         }
@@ -110,20 +112,19 @@ impl Controller {
             self.latch(Fault::QueueUnderrun);
         }
         let Some(step) = self.path.step() else {
-            self.setpoint = Setpoint::hold(self.setpoint.direction);
-            return Ok(());
+            self.setpoint.rest();
+            return Ok(Limits::NONE);
         };
         self.setpoint =
             Setpoint::of(&step.reference, &self.model, self.mode).map_err(|error| match error {
                 PoseError::Unreachable(_) | PoseError::Singular(_) => Fault::Envelope,
                 PoseError::NotFinite => Fault::NotANumber,
             })?;
-        self.limits = self.limits.with(Limits::SPEED, step.slowed);
         if step.at_rest {
-            self.setpoint = Setpoint::hold(self.setpoint.direction);
+            self.setpoint.rest();
             self.come_to_rest();
         }
-        Ok(())
+        Ok(Limits::NONE.with(Limits::SPEED, step.slowed))
     }
 
     #[cold]

@@ -8,30 +8,33 @@ use fivebar_kinematics::Scalar;
 use fivebar_kinematics::control::{
     CurrentLoop, FrictionCompensation, MotorHeating, PositionLoop, TorqueLimit, VelocityObserver,
 };
-use fivebar_kinematics::dynamics::{Arm, Regrouped};
+use fivebar_kinematics::dynamics::Regrouped;
 use fivebar_kinematics::five_bar::{Side, Tool};
 
 /// Share of the bus voltage that the bridges are asked for at most: their high sides and
 /// the sampling of the currents need the rest of each PWM period.
 pub(crate) const DUTY_LIMIT: f32 = 0.95;
 
-/// The constants of the tick.
+/// The constants of the tick; what every tick needs in front, see [`Controller`].
+///
+/// [`Controller`]: super::Controller
+#[repr(C)]
 pub(crate) struct Model {
-    pub(crate) arm: Arm<f32>,
-    pub(crate) equations: Regrouped<f32>,
-    pub(crate) tool: Tool<f32>,
-    pub(crate) assembly: Side,
     pub(crate) axes: [AxisModel; 2],
     pub(crate) observer: VelocityObserver<f32>,
     pub(crate) position_loop: PositionLoop<f32>,
     pub(crate) torque_limit: TorqueLimit<f32>,
+    pub(crate) monitor: Monitor,
+    pub(crate) equations: Regrouped<f32>,
+    /// The arm's lengths, and where the tool is.
+    pub(crate) tool: Tool<f32>,
+    pub(crate) bus_voltage_per_code: f32,
+    pub(crate) assembly: Side,
+    pub(crate) computed_torque: bool,
     /// Each joint's inertia for the loops that take it for constant [kg·m²].
     pub(crate) nominal_inertia: [f32; 2],
-    pub(crate) computed_torque: bool,
     /// T [s].
     pub(crate) period: f32,
-    pub(crate) bus_voltage_per_code: f32,
-    pub(crate) monitor: Monitor,
     pub(crate) search_plans: [SearchPlan; 2],
     pub(crate) settings: Settings,
 }
@@ -62,7 +65,6 @@ impl Model {
         let control = &settings.control;
         let period = 1.0 / control.tick_rate;
         Ok(Self {
-            arm,
             equations: Regrouped::new(&arm),
             tool: settings.tool(&arm)?,
             assembly: settings.assembly(),

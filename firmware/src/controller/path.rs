@@ -1,9 +1,12 @@
 //! The pieces of path that the tick follows, and the clock by which it does.
 //!
-//! The clock can be slowed to a stand at any moment, which stops the arm on its path: with
-//! the rate σ(x) = 1 − 3x² + 2x³, x = t/T, and σ̇ = −6x(1 − x)/T, the place p moves at
-//! σ p′ and accelerates by σ² p″ + σ̇ p′. From a steady speed v the braking takes 1.5 v/T
-//! at most and its jerk is 6 v/T² at most, and the path gets T/2 further.
+//! The clock counts ticks from the beginning of a piece, so that it stays true however long
+//! the piece: a sum of `f32` periods would lose minutes in an hour.
+//!
+//! It can be slowed to a stand at any moment, which stops the arm on its path: with the
+//! rate σ(x) = 1 − 3x² + 2x³, x = t/T, and σ̇ = −6x(1 − x)/T, the place p moves at σ p′ and
+//! accelerates by σ² p″ + σ̇ p′. From a steady speed v the braking takes 1.5 v/T at most
+//! and its jerk is 6 v/T² at most. The path gets ∫σ dt = T(x − x³ + ½x⁴) further, T/2 in all.
 
 use crate::settings::Settings;
 use fivebar_kinematics::Scalar;
@@ -30,13 +33,21 @@ pub struct Stretch {
     pub slowed: bool,
 }
 
-/// The queue and the place in it.
+/// The queue and the place in it; what every tick needs in front, see [`Controller`].
+///
+/// [`Controller`]: super::Controller
+#[repr(C)]
 pub(crate) struct Path {
-    stretches: Deque<Stretch, PIECES>,
-    /// Time into the first piece [s].
-    time: f32,
-    /// Time left in the queue [s].
+    /// Ticks at full rate in the first piece.
+    ticks: u32,
+    /// Time into the first piece before those ticks [s].
+    offset: f32,
+    /// Time left in the queue, as of the last tick [s].
     left: f32,
+    /// Of that, the time behind the first piece [s].
+    behind: f32,
+    /// The same, counted so that what comes and goes leaves nothing behind [µs].
+    behind_us: u32,
     brake: Option<Brake>,
     /// T [s].
     stopping_time: f32,
@@ -44,14 +55,29 @@ pub(crate) struct Path {
     least: f32,
     /// [s].
     period: f32,
+    stretches: Deque<Stretch, PIECES>,
 }
 
 /// A stop in progress.
 struct Brake {
     /// x, 0…1.
     phase: f32,
+    /// T [s].
+    time: f32,
     /// 1/T [1/s].
     rate: f32,
+}
+
+/// The clock while it is slowed.
+struct Slowed {
+    /// ∫σ dt, by which it has advanced since [s].
+    advance: f32,
+    /// σ.
+    rate: f32,
+    /// σ̇ [1/s].
+    slope: f32,
+    /// It stands.
+    stands: bool,
 }
 
 /// T [s] of every stop: so long that even from full speed no limit of the tool's or the
@@ -86,16 +112,24 @@ impl Path {
             stopping_time,
             least: 0.5 * stopping_time + 2.0 * period,
             period,
-            stretches: Deque::new(),
-            time: 0.0,
+            ticks: 0,
+            offset: 0.0,
             left: 0.0,
+            behind: 0.0,
+            behind_us: 0,
             brake: None,
+            stretches: Deque::new(),
         }
     }
 
     /// Forgets everything.
     pub(crate) fn clear(&mut self) {
-        *self = Self::new(self.stopping_time, self.period);
+        self.ticks = 0;
+        self.offset = 0.0;
+        self.left = 0.0;
+        self.set_behind(0);
+        self.brake = None;
+        self.stretches.clear();
     }
 
     /// Whether there is room for another piece, and less than `horizon` [s] of path.
@@ -133,9 +167,23 @@ impl Path {
 
     /// Appends a stretch; gives it back where there is no room.
     pub(crate) fn push(&mut self, stretch: Stretch) -> Result<(), Stretch> {
+        let duration = stretch.piece.duration();
+        let first = self.stretches.is_empty();
         self.stretches.push_back(stretch)?;
-        self.left += stretch.piece.duration();
+        if first {
+            self.left = duration;
+        } else {
+            let before = self.behind;
+            self.set_behind(self.behind_us + microseconds(duration));
+            self.left += self.behind - before;
+        }
         Ok(())
+    }
+
+    #[inline(always)]
+    fn set_behind(&mut self, microseconds: u32) {
+        self.behind_us = microseconds;
+        self.behind = microseconds as f32 * 1e-6;
     }
 
     /// Whether the path breaks off in motion.
@@ -158,6 +206,7 @@ impl Path {
             };
             self.brake = Some(Brake {
                 phase: 0.0,
+                time,
                 rate: 1.0 / time,
             });
         }
@@ -166,57 +215,76 @@ impl Path {
     /// One tick along the path; `None` where there is none.
     #[inline(always)]
     pub(crate) fn step(&mut self) -> Option<Step> {
-        let period = self.period;
         let mut first = self.stretches.front()?;
-        let (rate, slope, braked) = match &mut self.brake {
-            None => (1.0, 0.0, false),
-            Some(brake) => brake.step(period),
+        let slowed = match &mut self.brake {
+            None => {
+                self.ticks = self.ticks.wrapping_add(1);
+                None
+            }
+            Some(brake) => Some(brake.step(self.period)),
         };
-        let passed = period * rate;
-        self.time += passed;
-        self.left -= passed;
+        let advance = slowed.as_ref().map_or(0.0, |slowed| slowed.advance);
+        let mut time = self.offset + self.period * self.ticks as f32 + advance;
+        let mut duration = first.piece.duration();
         let mut ended = false;
         for _ in 0..PIECES_PER_TICK {
-            let duration = first.piece.duration();
-            if self.time < duration {
+            if time < duration {
                 break;
             }
             if self.stretches.len() == 1 {
-                self.time = duration;
+                time = duration;
                 ended = true;
                 break;
             }
-            self.time -= duration;
+            time -= duration;
             self.stretches.pop_front();
             first = self.stretches.front()?;
+            duration = first.piece.duration();
+            self.ticks = 0;
+            self.offset = time - advance;
+            self.behind_us = self.behind_us.wrapping_sub(microseconds(duration));
+            self.behind = self.behind_us as f32 * 1e-6;
         }
-        let Stretch { piece, slowed, .. } = first;
-        let reference = piece.evaluate(self.time);
+        self.left = duration - time + self.behind;
+        let reference = first.piece.evaluate(time);
         Some(Step {
-            reference: if self.brake.is_some() {
-                reference.clocked(rate, slope)
-            } else {
-                reference
+            at_rest: ended || slowed.as_ref().is_some_and(|slowed| slowed.stands),
+            reference: match slowed {
+                None => reference,
+                Some(Slowed { rate, slope, .. }) => reference.clocked(rate, slope),
             },
-            at_rest: ended || braked,
-            slowed: *slowed,
+            slowed: first.slowed,
         })
     }
 }
 
+/// A piece's share of the time behind [µs]. One of more than a minute counts as one of a
+/// minute: nobody asks how much more there is, and the sum of all is far from overflow.
+#[inline(always)]
+fn microseconds(duration: f32) -> u32 {
+    ((duration * 1e6) as u32).min(60_000_000)
+}
+
 impl Brake {
-    /// σ, σ̇ [1/s] and whether the clock stands.
+    /// One tick of the slowing clock.
     #[inline(always)]
-    fn step(&mut self, period: f32) -> (f32, f32, bool) {
+    fn step(&mut self, period: f32) -> Slowed {
         self.phase += period * self.rate;
         if self.phase >= 1.0 {
-            return (0.0, 0.0, true);
+            return Slowed {
+                advance: 0.5 * self.time,
+                rate: 0.0,
+                slope: 0.0,
+                stands: true,
+            };
         }
         let x = self.phase;
-        (
-            1.0 + x * x * (x + x - 3.0),
-            6.0 * x * (x - 1.0) * self.rate,
-            false,
-        )
+        let square = x * x;
+        Slowed {
+            advance: self.time * (x + x * square * (0.5 * x - 1.0)),
+            rate: 1.0 + square * (x + x - 3.0),
+            slope: 6.0 * x * (x - 1.0) * self.rate,
+            stands: false,
+        }
     }
 }

@@ -101,7 +101,7 @@ impl Controller {
 
     /// The tool [m] with the driven links in these directions.
     fn tool_at(&self, [u1, u4]: [Vec2<f32>; 2]) -> Option<[f32; 2]> {
-        let geometry = self.model.arm.geometry();
+        let geometry = self.model.tool.geometry();
         let pose = geometry
             .forward_from_directions(u1, u4, self.model.assembly)
             .ok()?;

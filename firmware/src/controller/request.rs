@@ -152,7 +152,7 @@ impl Controller {
         }
         let pose = self
             .model
-            .arm
+            .tool
             .geometry()
             .forward_from_directions(Vec2::unit(theta1), Vec2::unit(theta4), self.model.assembly)
             .map_err(|_| Refusal::NotOnBranch)?;

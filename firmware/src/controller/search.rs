@@ -1,10 +1,10 @@
 //! The tick while homing: each joint by itself follows its search at limited torque.
 
-use super::Controller;
 use super::request::Refusal;
+use super::{Controller, Demand};
 use crate::homing::Search;
 use crate::io::Sensed;
-use crate::safety::{Event, Fault};
+use crate::safety::{Event, Fault, Limits};
 use fivebar_kinematics::Vec2;
 
 impl Controller {
@@ -16,10 +16,13 @@ impl Controller {
         Ok(())
     }
 
-    /// One tick of the search: the torques [N·m], or `None` when it has ended.
-    pub(super) fn search(&mut self, sensed: &Sensed) -> Option<[f32; 2]> {
+    /// One tick of the search: the torques, or `None` when it has ended.
+    pub(super) fn search(&mut self, sensed: &Sensed) -> Option<Demand> {
         match self.seek(sensed) {
-            Ok(torque) => Some(torque),
+            Ok(torque) => Some(Demand {
+                torque,
+                limits: Limits::NONE,
+            }),
             Err(fault) => {
                 self.latch(fault);
                 None
@@ -71,7 +74,7 @@ impl Controller {
             joint.set_origin(axis, counts, settings.home_angle);
         }
         let [u1, u4] = self.angles().map(Vec2::unit);
-        let geometry = self.model.arm.geometry();
+        let geometry = self.model.tool.geometry();
         let pose = geometry
             .forward_from_directions(u1, u4, self.model.assembly)
             .map_err(|_| Fault::EncoderDisagreement)?;

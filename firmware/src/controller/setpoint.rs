@@ -30,6 +30,14 @@ impl Setpoint {
         }
     }
 
+    /// Stand still where it is.
+    #[inline(always)]
+    pub(crate) fn rest(&mut self) {
+        self.omega = [0.0; 2];
+        self.alpha = [0.0; 2];
+        self.of_joints = false;
+    }
+
     /// The joints' part in a reference, a tool's being solved in `mode`.
     #[inline(always)]
     pub(crate) fn of(

@@ -6,9 +6,9 @@ use fivebar_kinematics::five_bar::{Joint, Outside, PoseError, Singularity};
 use fivebar_kinematics::trajectory::{Obstacle, PushError, Refusal, SegmentError};
 use serde::{Deserialize, Serialize};
 
-/// The longest that one move may take [s]. The path's clock is a single-precision number:
-/// a tick is less than its last digit from 2048 s on, and the move would never end.
-pub const LONGEST: f32 = 600.0;
+/// The longest that one move may take [s]: a day. The path's clock would count the ticks of
+/// four, but a time of `f32` is told to a part in 10⁷, and a day's end to 8 ms.
+pub const LONGEST: f32 = 86_400.0;
 
 /// A move that was not taken. Nothing has changed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -4,6 +4,8 @@ use super::frame::{BORDER, CRC, CRC_BYTES, Frame, MAX_CONTENT, MAX_FRAME, Messag
 
 /// The frame of `message`; `None` if it were longer than [`MAX_FRAME`], which the tests
 /// show no message to be.
+// Large, and asked for wherever something is said.
+#[inline(never)]
 pub fn encode<M: Message>(message: &M) -> Option<Frame> {
     let mut content = [0; MAX_CONTENT];
     let (sender, rest) = content.split_first_mut()?;

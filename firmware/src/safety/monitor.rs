@@ -64,38 +64,39 @@ impl Monitor {
     /// A count that no joint can have turned.
     #[inline(always)]
     pub(crate) fn jumped(&self, innovation: [f32; 2]) -> bool {
-        exceeds(innovation, self.jump)
+        let ([innovation1, innovation4], [jump1, jump4]) = (innovation, self.jump);
+        Scalar::abs(innovation1) > jump1 || Scalar::abs(innovation4) > jump4
     }
 
     /// Bus voltage [V].
     #[inline(always)]
     pub(crate) fn bus(&self, voltage: f32) -> Option<Fault> {
         let [low, high] = self.bus;
-        if voltage < low {
-            Some(Fault::UnderVoltage)
-        } else if voltage > high {
-            Some(Fault::OverVoltage)
-        } else {
+        if low <= voltage && voltage <= high {
             None
+        } else if voltage < low {
+            Some(Fault::UnderVoltage)
+        } else {
+            Some(Fault::OverVoltage)
         }
     }
 
     /// Motor currents [A].
     #[inline(always)]
     pub(crate) fn over_current(&self, current: [f32; 2]) -> bool {
-        exceeds(current, [self.over_current; 2])
+        either_exceeds(current, self.over_current)
     }
 
     /// Joint speeds [rad/s].
     #[inline(always)]
     pub(crate) fn over_speed(&self, velocity: [f32; 2]) -> bool {
-        exceeds(velocity, [self.over_speed; 2])
+        either_exceeds(velocity, self.over_speed)
     }
 
     /// Position errors [rad].
     #[inline(always)]
     pub(crate) fn lost_its_path(&self, error: [f32; 2]) -> bool {
-        exceeds(error, [self.following_error; 2])
+        either_exceeds(error, self.following_error)
     }
 
     /// Joint angles [rad] outside their limits.
@@ -122,6 +123,6 @@ impl Monitor {
 }
 
 #[inline(always)]
-fn exceeds([value1, value4]: [f32; 2], [limit1, limit4]: [f32; 2]) -> bool {
-    Scalar::abs(value1) > limit1 || Scalar::abs(value4) > limit4
+fn either_exceeds([value1, value4]: [f32; 2], limit: f32) -> bool {
+    Scalar::abs(value1) > limit || Scalar::abs(value4) > limit
 }

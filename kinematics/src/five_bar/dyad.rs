@@ -59,6 +59,8 @@ pub(crate) struct Closed<S> {
 
 impl<S: Scalar> Dyad<S> {
     /// Links of these lengths [m], the first one's at the pivot.
+    // Asked for once in an arm's life, but in many places.
+    #[inline(never)]
     pub(crate) fn new(near: S, far: S) -> Self {
         let (sum, difference) = (near + far, near - far);
         let (sine, product) = (least_sine_squared(), near * far);

@@ -50,7 +50,7 @@ impl<S: Scalar> Geometry<S> {
     }
 }
 
-pub(super) fn refusal<S>(miss: Miss<S>) -> PoseError {
+pub(super) fn refusal<S: Scalar>(miss: Miss<S>) -> PoseError {
     match miss {
         Miss::TooFar => PoseError::Unreachable(Unreachable::ElbowsTooFar),
         Miss::TooNear => PoseError::Unreachable(Unreachable::ElbowsTooNear),

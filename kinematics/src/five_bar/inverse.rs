@@ -56,7 +56,7 @@ impl<S: Scalar> Geometry<S> {
     }
 }
 
-pub(super) fn refusal1<S>(miss: Miss<S>) -> PoseError {
+pub(super) fn refusal1<S: Scalar>(miss: Miss<S>) -> PoseError {
     match miss {
         Miss::TooFar => PoseError::Unreachable(Unreachable::Leg1TooFar),
         Miss::TooNear => PoseError::Unreachable(Unreachable::Leg1TooNear),
@@ -65,7 +65,7 @@ pub(super) fn refusal1<S>(miss: Miss<S>) -> PoseError {
     }
 }
 
-pub(super) fn refusal4<S>(miss: Miss<S>) -> PoseError {
+pub(super) fn refusal4<S: Scalar>(miss: Miss<S>) -> PoseError {
     match miss {
         Miss::TooFar => PoseError::Unreachable(Unreachable::Leg4TooFar),
         Miss::TooNear => PoseError::Unreachable(Unreachable::Leg4TooNear),

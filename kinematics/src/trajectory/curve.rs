@@ -69,6 +69,8 @@ pub enum Curve<S> {
 
 impl<S: Scalar> Curve<S> {
     /// Position, tangent and curvature at length `s` [m] from the start.
+    // Large, and asked for in many places.
+    #[inline(never)]
     pub fn at(&self, s: S) -> CurvePoint<S> {
         self.point(s)
     }

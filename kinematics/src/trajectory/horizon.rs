@@ -26,6 +26,8 @@ pub(super) struct Horizon<'a, S, const N: usize> {
 
 impl<S: Scalar, const N: usize> Horizon<'_, S, N> {
     /// The best plan from the motion at hand, `kept` being what is left of the one before.
+    // Large, and asked for in two places.
+    #[inline(never)]
     pub(super) fn best_plan(&self, kept: Option<Plan<S>>) -> Option<Plan<S>> {
         let spans = self.queue.run();
         let entry = self.entry_speeds(spans);
