@@ -158,16 +158,16 @@ fn what_cannot_be_done_is_refused_with_reason_and_place() {
         };
         assert_eq!(reason(&mut rig, kind), Reason::Number, "{speed}");
     }
-    // On a clock of single precision these would never end.
+    // These would take more than a day.
     for kind in [
         MoveKind::Line {
             to: [x, y + 0.01],
-            feed: 1e-5,
+            feed: 1e-7,
         },
-        MoveKind::Dwell { duration: 2048.0 },
+        MoveKind::Dwell { duration: 86_500.0 },
         MoveKind::Joint {
             to: [2.1, 0.9],
-            speed: 1e-6,
+            speed: 1e-8,
         },
     ] {
         assert_eq!(reason(&mut rig, kind), Reason::TooLong, "{kind:?}");

@@ -288,3 +288,6 @@ impl Brake {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

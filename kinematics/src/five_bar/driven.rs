@@ -10,9 +10,9 @@
 //! C follows on link 2: rC = rT + w, ṙC = v + ω2 w⊥, r̈C = a + α2 w⊥ − ω2² w. Leg 4 alike
 //! from there, driven from E.
 
-use super::dyad::{Closed, Dyad, Miss};
+use super::dyad::{Closed, Dyad};
 use super::inverse::{refusal1, refusal4};
-use super::{PoseError, Side, Tool, WorkingMode};
+use super::{PoseError, Tool, WorkingMode};
 use crate::{Scalar, Vec2};
 
 /// The motion of the driven joints; index 0 is joint 1, index 1 joint 4.
@@ -41,19 +41,19 @@ struct Leg<S> {
 }
 
 impl<S: Scalar> Leg<S> {
-    /// The leg that reaches `point` [m] from its pivot, while that moves with `v` [m/s].
+    /// The leg that closes to `point` [m] from its pivot, while that moves with `v` [m/s].
     #[inline(always)]
-    fn new(dyad: &Dyad<S>, point: Vec2<S>, v: Vec2<S>, elbow: Side) -> Result<Self, Miss<S>> {
+    fn new(closed: &Closed<S>, point: Vec2<S>, v: Vec2<S>) -> Self {
         // b×p = b×q is −p×b.
-        let Closed { joint, cross } = dyad.close_precisely(point, elbow.opposite())?;
-        let (driven, distal, per_cross) = (joint, point - joint, -S::ONE / cross);
-        Ok(Self {
+        let (driven, per_cross) = (closed.joint, -S::ONE / closed.cross);
+        let distal = point - driven;
+        Self {
             driven,
             distal,
             per_cross,
             near_velocity: v.dot(distal) * per_cross,
             far_velocity: -v.dot(driven) * per_cross,
-        })
+        }
     }
 
     /// The driven link's acceleration, the point's being `a`.
@@ -93,7 +93,8 @@ impl<S: Scalar> Tool<S> {
         let [per_l1, _, _, per_l4] = geometry.per_length();
 
         let dyad = self.leg1();
-        let leg1 = Leg::new(dyad, t, v, mode.elbow1).map_err(refusal1)?;
+        let closed = dyad.close_precisely(t, mode.elbow1.opposite());
+        let leg1 = Leg::new(&closed.map_err(refusal1)?, t, v);
         let alpha1 = leg1.near_acceleration(dyad, a);
 
         let (c, v, a) = match self.c_from_tool() {
@@ -110,7 +111,8 @@ impl<S: Scalar> Tool<S> {
         };
 
         let dyad = geometry.leg4();
-        let leg4 = Leg::new(dyad, c - geometry.e(), v, mode.elbow4).map_err(refusal4)?;
+        let closed = dyad.close_precisely_to(c, mode.elbow4.opposite());
+        let leg4 = Leg::new(&closed.map_err(refusal4)?, c - geometry.e(), v);
         Ok(Driven {
             direction: [leg1.driven * per_l1, leg4.driven * per_l4],
             omega: [leg1.near_velocity, leg4.near_velocity],

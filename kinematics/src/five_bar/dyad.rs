@@ -39,6 +39,8 @@ pub(crate) struct Dyad<S> {
     far_squared: S,
     /// s² [m²].
     sum_squared: S,
+    /// x of the pivot [m].
+    pivot: S,
     /// s² once more, for [`Dyad::close_precisely`].
     fixed: FixedSquare,
     /// d² [m²].
@@ -59,17 +61,23 @@ pub(crate) struct Closed<S> {
 
 impl<S: Scalar> Dyad<S> {
     /// Links of these lengths [m], the first one's at the pivot.
+    pub(crate) fn new(near: S, far: S) -> Self {
+        Self::at(S::ZERO, near, far)
+    }
+
+    /// As [`Dyad::new`], with the pivot at (`pivot`, 0).
     // Asked for once in an arm's life, but in many places.
     #[inline(never)]
-    pub(crate) fn new(near: S, far: S) -> Self {
+    pub(crate) fn at(pivot: S, near: S, far: S) -> Self {
         let (sum, difference) = (near + far, near - far);
         let (sine, product) = (least_sine_squared(), near * far);
         Self {
             near,
             far,
+            pivot,
             far_squared: far * far,
             sum_squared: sum * sum,
-            fixed: FixedSquare::of_sum(near, far),
+            fixed: FixedSquare::of_sum(near, far, pivot),
             difference_squared: difference * difference,
             sum_difference: sum * difference,
             // (2 n f sin)².
@@ -108,6 +116,19 @@ impl<S: Scalar> Dyad<S> {
     pub(super) fn close_precisely(&self, p: Vec2<S>, side: Side) -> Result<Closed<S>, Miss<S>> {
         let gap = S::square_less(self.sum_squared, &self.fixed, p.x, p.y);
         self.closed(p, gap, side)
+    }
+
+    /// As [`Dyad::close_precisely`], with `point` not from the pivot but from the origin: its
+    /// difference to the pivot is rounded where that does not matter, and exact where it does.
+    #[inline(always)]
+    pub(crate) fn close_precisely_to(
+        &self,
+        point: Vec2<S>,
+        side: Side,
+    ) -> Result<Closed<S>, Miss<S>> {
+        let (square, pivot) = (self.sum_squared, self.pivot);
+        let gap = S::square_less_from_pivot(square, &self.fixed, pivot, point.x, point.y);
+        self.closed(Vec2::new(point.x - pivot, point.y), gap, side)
     }
 
     /// One square root, one division, and one test that nothing but a good answer passes,

@@ -39,12 +39,12 @@ impl<S: Scalar> Geometry<S> {
         if longest > sum - longest {
             return Err(GeometryError::CannotAssemble);
         }
-        let [l1, l2, l3, l4, _] = lengths;
+        let [l1, l2, l3, l4, base] = lengths;
         Ok(Self {
             lengths,
             per_length: [l1, l2, l3, l4].map(|length| S::ONE / length),
             leg1: Dyad::new(l1, l2),
-            leg4: Dyad::new(l4, l3),
+            leg4: Dyad::at(base, l4, l3),
             tip: Dyad::new(l2, l3),
         })
     }

@@ -46,7 +46,7 @@ impl<S: Scalar> Geometry<S> {
     pub(super) fn leg4_to(&self, c: Vec2<S>, elbow4: Side) -> Result<Leg4<S>, PoseError> {
         let [_, _, per_l3, per_l4] = self.per_length();
         let ec = c - self.e();
-        let leg4 = self.leg4().close_precisely(ec, elbow4.opposite());
+        let leg4 = self.leg4().close_precisely_to(c, elbow4.opposite());
         let ed = Dyad::joint(leg4).map_err(refusal4)?;
         Ok(Leg4 {
             d: self.e() + ed,

@@ -63,6 +63,18 @@ pub trait Scalar:
         square - (x * x + y * y)
     }
 
+    /// As [`Scalar::square_less`] with x − `pivot` for x; `pivot` is that of `fixed`.
+    #[inline(always)]
+    fn square_less_from_pivot(
+        square: Self,
+        fixed: &FixedSquare,
+        pivot: Self,
+        x: Self,
+        y: Self,
+    ) -> Self {
+        Self::square_less(square, fixed, x - pivot, y)
+    }
+
     /// |x|.
     #[inline]
     fn abs(self) -> Self {

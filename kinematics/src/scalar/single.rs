@@ -37,6 +37,10 @@ impl Scalar for f32 {
     fn square_less(_: Self, fixed: &FixedSquare, x: Self, y: Self) -> Self {
         fixed.less(x, y)
     }
+    #[inline(always)]
+    fn square_less_from_pivot(_: Self, fixed: &FixedSquare, _: Self, x: Self, y: Self) -> Self {
+        fixed.less_from_pivot(x, y)
+    }
     #[inline]
     fn abs(self) -> Self {
         self.abs()

@@ -70,7 +70,7 @@ pub enum Reason {
     /// Neither P nor S, or one that is negative or very long.
     #[error(
         "a dwell takes P in ms or S in s, from 0 to {} s",
-        super::interpreter::LONGEST_DWELL
+        fivebar_firmware::planner::LONGEST
     )]
     Dwell,
     /// Both ways of giving a circle, or neither.

@@ -3,9 +3,8 @@
 use super::error::quoted;
 use super::words::{Code, Line, spelled};
 use super::{Action, Job, JobError, Placement, Reason, Step, Warning, WarningKind, arc};
+use fivebar_firmware::planner::LONGEST;
 
-/// The longest dwell taken at its word [s].
-pub(super) const LONGEST_DWELL: f64 = 600.0;
 /// Coordinates beyond this [m] are a mistake in the units.
 const FARTHEST: f64 = 1e3;
 /// Motions shorter than this [m] are none: `f32` metres cannot tell their ends apart.
@@ -175,7 +174,7 @@ impl<'a> Interpreter<'a> {
         let duration = milliseconds
             .or_else(|| line.take('S'))
             .ok_or(Reason::Dwell)?;
-        if !(0.0..=LONGEST_DWELL).contains(&duration) {
+        if !(0.0..=f64::from(LONGEST)).contains(&duration) {
             return Err(Reason::Dwell);
         }
         if duration > 0.0 {

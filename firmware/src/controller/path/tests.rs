@@ -1,0 +1,132 @@
+//! The path's clock over hours, stops and thousands of pieces.
+
+use super::*;
+use fivebar_kinematics::Vec2;
+use fivebar_kinematics::trajectory::{Caps, LookAhead};
+
+const PERIOD: f32 = 1e-4;
+const STOPPING_TIME: f32 = 0.1;
+
+fn path_of(look_ahead: &mut LookAhead<f32, 4>) -> Path {
+    let mut path = Path::new(STOPPING_TIME, PERIOD);
+    while let Some(piece) = look_ahead.next_piece() {
+        path.push(stretch(piece)).expect("room");
+    }
+    path
+}
+
+fn stretch(piece: Piece<f32>) -> Stretch {
+    Stretch {
+        piece,
+        open: false,
+        slowed: false,
+    }
+}
+
+fn dwell(duration: f32) -> Path {
+    let mut look_ahead = LookAhead::new();
+    look_ahead.push_dwell(Vec2::zero(), duration, 0).unwrap();
+    path_of(&mut look_ahead)
+}
+
+/// Joint 1 by 1 rad at `speed` [rad/s]; lasts 1/speed and what speeding up takes.
+fn turn(speed: f32) -> Path {
+    let caps = Caps {
+        speed,
+        acceleration: 10.0,
+        jerk: 1e4,
+    };
+    let mut look_ahead = LookAhead::new();
+    look_ahead
+        .push_joint([0.0; 2], [1.0, 0.0], caps, 0)
+        .unwrap();
+    path_of(&mut look_ahead)
+}
+
+/// θ1 [rad] and ω1 [rad/s].
+fn joint1(step: &Step) -> (f64, f64) {
+    match step.reference {
+        Reference::Joint { angles, rates, .. } => (angles[0].into(), rates[0].into()),
+        Reference::Tool { .. } => panic!("a move of the joints"),
+    }
+}
+
+fn ticks_to_rest(path: &mut Path) -> u64 {
+    (1..)
+        .find(|_| path.step().expect("a path").at_rest)
+        .expect("an end")
+}
+
+/// Single precision tells a time to a part in 10⁷, and the end falls between two ticks.
+fn assert_lasts(path: &mut Path, duration: f64) {
+    let ticks = ticks_to_rest(path) as f64;
+    let late = ticks * 1e-4 - duration;
+    let bound = 1e-4 + 1.5e-7 * duration;
+    assert!(late.abs() <= bound, "{late} s late after {duration} s");
+}
+
+#[test]
+fn a_dwell_ends_on_its_tick_however_long() {
+    for duration in [0.02, 1.0, 100.0, 1800.0] {
+        assert_lasts(&mut dwell(duration), duration.into());
+    }
+}
+
+#[test]
+fn a_slow_move_takes_its_time() {
+    let mut path = turn(2e-3);
+    let pieces = path.stretches.iter();
+    let duration: f64 = pieces.map(|it| f64::from(it.piece.duration())).sum();
+    assert!(duration > 500.0 && path.stretches.len() > 1);
+    assert_lasts(&mut path, duration);
+}
+
+/// From the steady speed v at θ₀: θ = θ₀ + v T(x − x³ + ½x⁴), ω = v(1 − 3x² + 2x³).
+#[test]
+fn a_stop_is_as_smooth_late_in_a_long_piece_as_early() {
+    for late in [100, 9_000_000] {
+        let speed = 1e-3;
+        let mut path = turn(speed as f32);
+        let mut before = (0.0, 0.0);
+        for _ in 0..late {
+            before = joint1(&path.step().expect("a path"));
+        }
+        path.brake();
+        for tick in 1.. {
+            let step = path.step().expect("a path");
+            let x: f64 = (f64::from(tick) * 1e-3).min(1.0);
+            let (angle, rate) = joint1(&step);
+            let way = speed * 0.1 * (x - x.powi(3) + 0.5 * x.powi(4));
+            // The time of minutes is told to 6e-5 s.
+            assert!((angle - before.0 - way).abs() < 1.5e-7, "{angle} at {x}");
+            let expected = speed * (1.0 + x * x * (2.0 * x - 3.0));
+            assert!((rate - expected).abs() < 1e-3 * speed, "{rate} at {x}");
+            if step.at_rest {
+                assert!((tick - 1000_i32).abs() <= 1, "{tick} ticks");
+                break;
+            }
+        }
+    }
+}
+
+#[test]
+fn the_time_left_is_that_of_the_pieces_after_any_number_of_them() {
+    let mut path = dwell(0.01);
+    let mut pieces = [0.000_31_f32, 0.0117, 0.0008, 0.0042].into_iter().cycle();
+    for _ in 0..200_000 {
+        while path.wants(0.05) {
+            let piece = dwell(pieces.next().expect("endless"))
+                .stretches
+                .front()
+                .copied()
+                .expect("a piece");
+            path.push(piece).expect("room");
+        }
+        path.step().expect("a path");
+    }
+    let all = path.stretches.iter();
+    let all: f64 = all.map(|it| f64::from(it.piece.duration())).sum();
+    let passed = f64::from(path.offset) + 1e-4 * f64::from(path.ticks);
+    // Each of at most 32 pieces was cut to whole microseconds.
+    assert!((f64::from(path.left) - (all - passed)).abs() < 4e-5);
+}
