@@ -129,6 +129,20 @@ fn a_range_of_less_than_four_sectors_is_refused() {
     }
 }
 
+#[test]
+fn an_item_that_a_save_brings_to_light_does_not_pass_for_the_one_saved() {
+    // Hides item 16, and damages the half of item 15 behind it; saving after that is number
+    // 16 once more.
+    let mut flash = history(16).pop().expect("16 saves");
+    for (at, length, value) in [(10924, 2, 1), (7274, 919, 55)] {
+        let damaged = flash.bytes.iter_mut().skip(at).take(length);
+        damaged.for_each(|byte: &mut u8| *byte ^= value);
+    }
+    assert_eq!(load(&mut flash), Ok(settings(15)));
+    save(&mut flash, 1000).expect("the storage works again");
+    assert_eq!(load(&mut flash), Ok(settings(1000)));
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 

@@ -40,7 +40,7 @@ pub enum StorageError {
 }
 
 /// Settings with the number of their save.
-#[derive(Clone, Copy, Serialize, Deserialize)]
+#[derive(Clone, Copy, PartialEq, Serialize, Deserialize)]
 struct Item {
     number: u32,
     settings: Settings,
@@ -102,8 +102,7 @@ impl<F: NorFlash> SettingsStorage<F> {
                 finish(log(&mut self.flash, &half)?.erase_all())?;
                 self.append(&half, &item)?;
             }
-            let saved = |(newest, at): &(Item, _)| newest.number == item.number && *at == half;
-            if self.newest()?.as_ref().is_some_and(saved) {
+            if self.newest()? == Some((item, half)) {
                 return Ok(());
             }
         }
@@ -123,13 +122,13 @@ impl<F: NorFlash> SettingsStorage<F> {
     }
 
     /// Appends an item to a half and reads it back: after damage, what is written need not
-    /// be what is found.
+    /// be what is found, and what was hidden can come to light with the same number.
     fn append(&mut self, half: &Range<u32>, item: &Item) -> Result<(), StorageError> {
         let mut buffer = Buffer([0; BUFFER]);
         let mut log = log(&mut self.flash, half)?;
         finish(log.store_item(&mut buffer.0, &LAYOUT, item))?;
         match finish(log.fetch_item::<Item>(&mut buffer.0, &LAYOUT))? {
-            Some(found) if found.number == item.number => Ok(()),
+            Some(found) if found == *item => Ok(()),
             _ => Err(StorageError::Corrupt),
         }
     }
