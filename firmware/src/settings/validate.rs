@@ -7,10 +7,13 @@ use fivebar_kinematics::Scalar;
 /// Counts of a whole turn that `f32` still tells apart, with two bits to spare.
 const MAX_COUNTS_PER_TURN: f32 = 4_194_304.0;
 
+// Asked for dozens of times, and never in a hurry.
+#[inline(never)]
 fn positive(value: f32) -> bool {
     value > 0.0 && value.is_finite()
 }
 
+#[inline(never)]
 fn not_negative(value: f32) -> bool {
     value >= 0.0 && value.is_finite()
 }

@@ -18,7 +18,7 @@
 //!
 //! |r − p| ≤ ℓ (3/32 |Δt| + 0.0028 ℓ|Δκ| + 0.0022 ℓ² (κ₀² + κ₁²)).
 
-use super::curve::{Curve, CurveBounds};
+use super::curve::Curve;
 use super::number::{max, min};
 use super::segment::Segment;
 use crate::{Scalar, Vec2};
@@ -114,50 +114,9 @@ fn hermite<S: Scalar>(first: &Segment<S>, second: &Segment<S>, length: S) -> Seg
     )
 }
 
-/// Bounds on a quintic's derivatives by length.
-///
-/// Between samples a distance h apart a function exceeds the greater of them by at most
-/// h²/8 times its greatest second derivative, and the fourth derivative of a quintic is
-/// linear, so its greatest is at an end: samples and that remainder bound the rest.
-pub(super) fn bounds<S: Scalar>(coefficients: &[Vec2<S>; 6], inverse_length: S) -> CurveBounds<S> {
-    const SAMPLES: f64 = 8.0;
-    let [_, c1, c2, c3, c4, c5] = *coefficients;
-    let c = S::from_f64;
-    let fifth = c5 * c(120.0);
-    let fourth = |u: S| c4 * c(24.0) + fifth * u;
-    let third = |u: S| c3 * c(6.0) + (c4 * c(24.0) + c5 * (c(60.0) * u)) * u;
-    let second = |u: S| c2 * c(2.0) + (c3 * c(6.0) + (c4 * c(12.0) + c5 * (c(20.0) * u)) * u) * u;
-    let first =
-        |u: S| c1 + (c2 * c(2.0) + (c3 * c(3.0) + (c4 * c(4.0) + c5 * (c(5.0) * u)) * u) * u) * u;
-
-    let m4 = max(fourth(S::ZERO).norm(), fourth(S::ONE).norm());
-    let m5 = fifth.norm();
-    let (mut m1, mut m2, mut m3, mut lean) = (S::ZERO, S::ZERO, S::ZERO, S::ZERO);
-    for sample in 0..=8_u8 {
-        let u = c(f64::from(sample) / SAMPLES);
-        m1 = max(m1, first(u).norm());
-        m2 = max(m2, second(u).norm());
-        m3 = max(m3, third(u).norm());
-        lean = max(lean, first(u).dot(second(u)).abs());
-    }
-    // h²/8.
-    let between = c(1.0 / (8.0 * SAMPLES * SAMPLES));
-    m3 = m3 + between * m5;
-    m2 = m2 + between * m4;
-    lean = lean + between * (c(3.0) * m2 * m3 + (m1 + between * m3) * m4);
-    m1 = m1 + between * m3;
-    let per = inverse_length;
-    CurveBounds {
-        first: m1 * per,
-        second: m2 * (per * per),
-        third: m3 * (per * per * per),
-        lean: lean * (per * per * per),
-        apart: c2 == Vec2::zero() && second(S::ONE).norm() <= m2 * c(1e-3),
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::bounds::CurveBounds;
     use super::*;
     use crate::trajectory::Sense;
     use proptest::prelude::*;
@@ -251,7 +210,7 @@ mod tests {
                 let scale = 1.0 / length;
                 prop_assert!((here.curvature - there.curvature).norm() < 1e-9 * scale);
             }
-            let bounds = corner.curve().bounds();
+            let bounds = CurveBounds::of(corner.curve());
             let mut greatest = [0.0_f64; 4];
             for i in 0..=500 {
                 let s = length * f64::from(i) / 500.0;

@@ -10,7 +10,7 @@
 //! however flat the arc, where a centre far away would swallow the last bits. For a blend
 //! s is the length of the corner it replaces, so its own length is a little shorter.
 
-use super::Reference;
+use super::reference::Reference;
 use crate::{Scalar, Vec2};
 
 /// Position and its first two derivatives by path length.
@@ -22,21 +22,6 @@ pub struct CurvePoint<S> {
     pub tangent: Vec2<S>,
     /// r″ [1/m]: on lines and arcs, the curvature towards the centre.
     pub curvature: Vec2<S>,
-}
-
-/// The greatest values along a curve of what bounds the speed on it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct CurveBounds<S> {
-    /// |r′|.
-    pub(super) first: S,
-    /// |r″| [1/m].
-    pub(super) second: S,
-    /// |r‴| [1/m²].
-    pub(super) third: S,
-    /// |r′·r″| [1/m]: how far r″ leans along the path.
-    pub(super) lean: S,
-    /// Whether |r″| is 0 where |r‴| is greatest, as in a corner between lines.
-    pub(super) apart: bool,
 }
 
 /// A shape by its length.
@@ -170,30 +155,6 @@ impl<S: Scalar> Curve<S> {
                 curvature,
             },
             Self::Blend { .. } => self,
-        }
-    }
-
-    /// Bounds on the derivatives along the whole of the curve.
-    pub(super) fn bounds(&self) -> CurveBounds<S> {
-        match *self {
-            Self::Line { .. } => CurveBounds {
-                first: S::ONE,
-                second: S::ZERO,
-                third: S::ZERO,
-                lean: S::ZERO,
-                apart: false,
-            },
-            Self::Arc { curvature, .. } => CurveBounds {
-                first: S::ONE,
-                second: curvature.abs(),
-                third: curvature * curvature,
-                lean: S::ZERO,
-                apart: false,
-            },
-            Self::Blend {
-                coefficients,
-                inverse_length,
-            } => super::blend::bounds(&coefficients, inverse_length),
         }
     }
 }

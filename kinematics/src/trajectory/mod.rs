@@ -16,7 +16,9 @@
 //! corners and all. A [`Piece`] is one curve and one cubic, so that the tick evaluates
 //! polynomials, and one sine and cosine on an arc.
 
+mod admission;
 mod blend;
+mod bounds;
 mod curve;
 mod envelope;
 mod horizon;
@@ -26,6 +28,7 @@ mod piece;
 mod plan;
 mod queue;
 mod ramp;
+mod reference;
 mod refusal;
 mod segment;
 mod speed_cap;
@@ -34,7 +37,8 @@ mod walk;
 pub use curve::{Curve, CurvePoint};
 pub use envelope::{Envelope, TorqueLimits};
 pub use look_ahead::{LookAhead, PushError};
-pub use piece::{Piece, Reference, TimeLaw};
+pub use piece::{Piece, TimeLaw};
 pub use ramp::Caps;
+pub use reference::Reference;
 pub use refusal::{Obstacle, Refusal};
 pub use segment::{Segment, SegmentError, Sense};

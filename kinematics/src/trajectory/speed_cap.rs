@@ -17,7 +17,8 @@
 //! which steps closely near singularities; a twentieth is kept back for what lies
 //! between the samples.
 
-use super::curve::{CurveBounds, CurvePoint};
+use super::bounds::CurveBounds;
+use super::curve::CurvePoint;
 use super::envelope::Envelope;
 use super::number::{cube_root, max, min};
 use super::ramp::Caps;
@@ -32,7 +33,7 @@ const USABLE: f64 = 0.95;
 /// The caps that keep the tool's own limits on a segment, moved along at no more than
 /// `speed` [m/s].
 pub(super) fn tool_caps<S: Scalar>(segment: &Segment<S>, speed: S, tool: &Caps<S>) -> Caps<S> {
-    let bounds = segment.curve().bounds();
+    let bounds = CurveBounds::of(segment.curve());
     let first = max(bounds.first, S::ONE);
     let straight = Caps {
         speed: min(speed, tool.speed) / first,

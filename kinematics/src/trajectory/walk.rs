@@ -14,8 +14,9 @@
 //! and l1, |ṙB| ≤ 1/sin φ1 and |ω2| ≤ 1/(|BT| sin φ1); |ṙC| ≤ 1 + |CT| |ω2|;
 //! |ṙD| ≤ |ṙC|/sin φ4; |BD|˙ ≤ |ṙB| + |ṙD|; |ω1| = |ṙB|/l1, |ω4| = |ṙD|/l4.
 
+use super::bounds::CurveBounds;
 use super::curve::{Curve, CurvePoint};
-use super::envelope::{Envelope, is_finite};
+use super::envelope::Envelope;
 use super::number::{max, min};
 use super::refusal::{Obstacle, Refusal};
 use super::segment::Segment;
@@ -154,7 +155,7 @@ impl<S: Scalar> Envelope<S> {
         let mut joints = JointWalk { angles: None };
 
         let length = segment.length();
-        let pace = max(segment.curve().bounds().first, S::ONE);
+        let pace = max(CurveBounds::of(segment.curve()).first, S::ONE);
         let quarter = S::from_f64(0.25);
         // A blend bends most in its middle, however short it is.
         let longest = match segment.curve() {
@@ -312,4 +313,9 @@ impl<S: Scalar> Envelope<S> {
 
 fn pair<S: Scalar>([x, y]: [S; 2]) -> Vec2<S> {
     Vec2::new(x, y)
+}
+
+/// A vector with nothing in it that is infinite or not a number.
+fn is_finite<S: Scalar>(v: Vec2<S>) -> bool {
+    v.x.is_finite() && v.y.is_finite()
 }
