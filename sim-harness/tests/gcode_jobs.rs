@@ -184,8 +184,7 @@ fn dwells_in_milliseconds_by_p_and_seconds_by_s() {
         other => panic!("{other:?}"),
     };
     assert_eq!(dwell("G0 X1\nG4 P160 (wait 160ms)"), 0.16);
-    assert_eq!(dwell("G0 X1\nG4 S1.5"), 1.5);
-    assert_eq!(dwell("G0 X1\nG4 S3600"), 3600.0);
+    assert_eq!(dwell("G0 X1\nG4 S3600.5"), 3600.5);
     for bad in ["G4", "G4 P-1", "G4 S86401", "G4 X1"] {
         assert_eq!(refusal(bad), (1, Reason::Dwell), "{bad}");
     }

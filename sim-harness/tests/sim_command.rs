@@ -101,7 +101,7 @@ fn draws_the_demonstration_when_no_job_is_named() {
 fn a_job_that_would_take_for_ever_is_refused() {
     let bench = Bench::new();
     let job = bench.file("slow.gcode", "G0 X0 Y0\nG1 X6 Y5 F0.0001\n");
-    bench.assert_refused(&[&job], 1, &["slow.gcode, line 2", "longer than 600 s"]);
+    bench.assert_refused(&[&job], 1, &["slow.gcode, line 2", "longer than 86400 s"]);
 }
 
 #[test]
