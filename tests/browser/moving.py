@@ -102,12 +102,12 @@ def the_branch_changes_and_the_tool_returns(page):
     assert elbows == "1 right, 4 left", elbows
     for chosen, shown in (("left,left", "1 left, 4 left"), ("right,left", "1 right, 4 left")):
         browser.script(f"document.getElementById('mode').value = '{chosen}';")
-        browser.click("#change")
+        page.ask("#change")
         browser.wait(shown, lambda: page.at_rest() and browser.text("#elbows") == shown)
         assert max(abs(a - b) for a, b in zip(page.tool(), tool)) < 0.1, page.tool()
     # Elbow 4 on the other side: joint 4 has no room for that.
     browser.script("document.getElementById('mode').value = 'right,right';")
-    browser.click("#change")
+    page.ask("#change")
     page.wait_for_notice("refused")
     page.wait_for_rest()
     assert browser.text("#elbows") == "1 right, 4 left", browser.text("#elbows")
@@ -117,7 +117,7 @@ def a_job_is_looked_through_before_anything_moves(page):
     tool = page.tool()
     page.load_job(TOO_LARGE, "is refused")
     assert "Line 2: " in page.browser.text("#job"), page.browser.text("#job")
-    page.browser.click("#run")
+    page.ask("#run")
     page.wait_for_notice("The job cannot be done")
     page.wait_for_rest()
     assert max(abs(a - b) for a, b in zip(page.tool(), tool)) < 0.02, page.tool()
