@@ -2,6 +2,7 @@
 
 use super::failure::{Failure, refused};
 use super::figures::figures;
+use super::say::{print, say};
 use crate::accuracy::{
     Classes, Sampling, State, along, along_answer, along_page, analyse, analyse_slider, answer,
     at_page, cheapest, draws, linkage_answer, linkage_page, map, map_answer, map_page, monte_carlo,
@@ -98,9 +99,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         write_whole(&folder.join("report.html"), page.render()).map_err(refused)?;
     }
     if args.json {
-        println!("{answer}");
+        say(&answer)?;
     } else {
-        print!("{}", figures(&answer));
+        print(figures(&answer))?;
     }
     Ok(())
 }

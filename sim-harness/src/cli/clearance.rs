@@ -2,6 +2,7 @@
 
 use super::failure::{Failure, refused};
 use super::run_args::{point, scale};
+use super::say::{say, warn};
 use crate::clearance::{NAMES, Outcome, Study, answer, page, study};
 use crate::report::quantity;
 use crate::robot::Robot;
@@ -62,7 +63,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let folder = OutputFolder::prepare(&args.out).map_err(refused)?;
     let job = scenario.job().map_err(refused)?;
     for warning in &job.warnings {
-        eprintln!("{}, {warning}", scenario.job_file);
+        warn(format_args!("{}, {warning}", scenario.job_file));
     }
     scenario.check(&job).map_err(refused)?;
     let bar = ProgressBar::new(clearances.len() as u64 + 1);
@@ -76,9 +77,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         .write(&[("report.html", &page.render()), ("summary.json", &text)])
         .map_err(refused)?;
     if args.json {
-        println!("{figures}");
+        say(&figures)?;
     } else {
-        print(&study, folder.path());
+        print(&study, folder.path())?;
     }
     outcome(&study)
 }
@@ -123,15 +124,19 @@ fn clearances(args: &Args, robot: &Robot) -> Result<Vec<[f64; 5]>, Failure> {
     Ok(vec![clearance])
 }
 
-fn print(study: &Study, folder: &Path) {
-    println!("{} does {}", study.robot, study.scenario);
+fn print(study: &Study, folder: &Path) -> Result<(), Failure> {
+    say(format_args!("{} does {}", study.robot, study.scenario))?;
     for outcome in &study.outcomes {
-        print_one(outcome);
+        print_one(outcome)?;
     }
-    println!("  report      {}/report.html", folder.display());
+    say(format_args!(
+        "  report      {}/report.html",
+        folder.display()
+    ))?;
+    Ok(())
 }
 
-fn print_one(outcome: &Outcome) {
+fn print_one(outcome: &Outcome) -> Result<(), Failure> {
     let joints = &outcome.record.joints.total;
     let clearance = outcome.largest_clearance();
     let name = if clearance > 0.0 {
@@ -139,40 +144,44 @@ fn print_one(outcome: &Outcome) {
     } else {
         "new".into()
     };
-    println!("  {name}");
+    say(format_args!("  {name}"))?;
     let error = outcome.summary.tip_error;
-    println!(
+    say(format_args!(
         "    tip error   {} RMS, {} at most; clearance adds {} RMS, {} at most",
         quantity(error.rms_m, "m"),
         quantity(error.max_m, "m"),
         quantity(outcome.added.rms_m, "m"),
-        quantity(outcome.added.max_m, "m"),
-    );
-    println!(
+        quantity(outcome.added.max_m, "m")
+    ))?;
+    say(format_args!(
         "    by the pins {} RMS, {} at most; foretold: {} seated, {} at worst",
         quantity(outcome.by_pins.rms_m, "m"),
         quantity(outcome.by_pins.max_m, "m"),
         quantity(outcome.prediction.seated, "m"),
-        quantity(outcome.prediction.worst, "m"),
-    );
+        quantity(outcome.prediction.worst, "m")
+    ))?;
     let [torque1, torque4] = outcome.summary.peak_torque_nm;
-    println!(
+    say(format_args!(
         "    torque      {} and {} at most",
         quantity(torque1, "N·m"),
-        quantity(torque4, "N·m"),
-    );
+        quantity(torque4, "N·m")
+    ))?;
     let forces = joints.map(|joint| quantity(joint.peak_force, "N"));
-    println!("    reactions   {} at most, A to E", forces.join(", "));
+    say(format_args!(
+        "    reactions   {} at most, A to E",
+        forces.join(", ")
+    ))?;
     if clearance > 0.0 {
         let flight = outcome
             .flight_share()
             .map(|share| format!("{:.0} %", 100.0 * share));
-        println!(
+        say(format_args!(
             "    impacts     {}, in flight {} of the time, A to E",
             joints.map(|joint| joint.impacts.to_string()).join(", "),
-            flight.join(", "),
-        );
+            flight.join(", ")
+        ))?;
     }
+    Ok(())
 }
 
 /// A run that a fault ended is no success, though its report is there.

@@ -1,9 +1,9 @@
 //! `fivebar completions`: what a shell completes.
 
+use super::Failure;
 use super::command;
-use super::failure::{Failure, refused};
+use super::say::print;
 use clap_complete::{Shell, generate};
-use std::io::{self, Write};
 
 /// Prints what a shell needs to complete commands and options.
 #[derive(clap::Args)]
@@ -15,5 +15,5 @@ pub(super) struct Args {
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let mut script = Vec::new();
     generate(args.shell, &mut command(), "fivebar", &mut script);
-    io::stdout().write_all(&script).map_err(refused)
+    print(String::from_utf8_lossy(&script))
 }

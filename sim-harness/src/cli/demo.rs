@@ -2,6 +2,7 @@
 
 use super::failure::{Failure, refused};
 use super::output::OutputArgs;
+use super::say::say;
 use super::sim;
 use crate::robot::{BuiltIn, Robot};
 use crate::run::Scenario;
@@ -16,10 +17,10 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let robot = Robot::load(BuiltIn::DEFAULT).map_err(refused)?;
     sim::simulate(&Scenario::demonstration(robot), &args.output)?;
     if !args.output.json {
-        println!(
+        say(format_args!(
             "\nOpen the report in a browser. `fivebar sim JOB.gcode` draws a job of yours, \
              `fivebar help` tells what else there is."
-        );
+        ))?;
     }
     Ok(())
 }

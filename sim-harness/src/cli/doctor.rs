@@ -1,6 +1,7 @@
 //! `fivebar doctor`: what is installed, what is missing, how to get it.
 
 use super::failure::{Failure, refused};
+use super::say::say;
 use crate::doctor::{Check, State, Task, examine};
 use clap::ValueEnum;
 use serde_json::json;
@@ -31,10 +32,10 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             "ready": in_the_way.is_empty(),
             "checks": checks,
         });
-        println!("{answer}");
+        say(&answer)?;
     } else {
         for check in &checks {
-            println!("{}", told(check));
+            say(told(check))?;
         }
     }
     if in_the_way.is_empty() {

@@ -3,6 +3,7 @@
 use super::failure::{Failure, refused};
 use super::port::{PortArgs, interrupted};
 use super::run_args::JobArgs;
+use super::say::{say, warn};
 use crate::drive::{Drive, DriveError, Homing};
 use fivebar_firmware::protocol::Board;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -36,7 +37,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let scenario = args.job.scenario()?;
     let job = scenario.job().map_err(refused)?;
     for warning in &job.warnings {
-        eprintln!("{}, {warning}", scenario.job_file);
+        warn(format_args!("{}, {warning}", scenario.job_file));
     }
     let settings = scenario.robot.settings().map_err(refused)?;
     let moves = scenario.moves(&job);
@@ -73,11 +74,11 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     bar.finish_and_clear();
     match outcome {
         Ok(()) => {
-            println!(
+            say(format_args!(
                 "{}: {} moves done, bridges off",
                 scenario.job_file,
                 moves.len()
-            );
+            ))?;
             Ok(())
         }
         Err(error @ DriveError::Move(_)) => {

@@ -1,6 +1,7 @@
 //! `fivebar export`: a robot for other tools.
 
 use super::failure::{Failure, refused};
+use super::say::{print, say};
 use crate::export::{dot, mjcf, urdf};
 use crate::report::write_whole;
 use crate::robot::Robot;
@@ -50,16 +51,16 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     match &args.out {
         Some(path) => {
             write_whole(path, text).map_err(refused)?;
-            println!(
+            say(format_args!(
                 "{}, for {}, is in {}",
                 robot.name,
                 args.format.reader(),
                 path.display()
-            );
+            ))?;
             Ok(())
         }
         None => {
-            print!("{text}");
+            print(&text)?;
             Ok(())
         }
     }

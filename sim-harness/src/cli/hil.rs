@@ -1,7 +1,7 @@
 //! `fivebar hil`: the firmware on a board, the arm simulated around it.
 
 use super::failure::{Failure, refused};
-use super::lockstep::{self, LockstepArgs};
+use super::lockstep::{self, LockstepArgs, Other};
 use crate::link::SerialLine;
 
 /// Runs a job on a board over a serial port, in lockstep with the simulated arm, and
@@ -17,10 +17,13 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    lockstep::run(
-        &args.run,
-        &args.port,
-        || Ok(Box::new(SerialLine::open(&args.port).map_err(refused)?)),
-        "ns",
-    )
+    let board = Other {
+        name: &args.port,
+        unit: "ns",
+        suspicion: "if its image `qemu` is older than this program, build it anew with \
+                    scripts/firmware.sh and flash it",
+    };
+    lockstep::run(&args.run, &board, || {
+        Ok(Box::new(SerialLine::open(&args.port).map_err(refused)?))
+    })
 }

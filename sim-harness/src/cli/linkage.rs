@@ -1,6 +1,7 @@
 //! `fivebar linkage`: a planar linkage through its motion.
 
 use super::failure::{Failure, refused};
+use super::say::say;
 use crate::linkage::{DrivenLinkage, EXAMPLES, SHOWN_ASSEMBLIES, Summary, csv, page};
 use crate::report::write_whole;
 use std::path::{Path, PathBuf};
@@ -23,7 +24,7 @@ pub(super) struct Args {
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let Some(file) = &args.file else {
         for example in EXAMPLES {
-            println!("{:<22} {}", example.name, example.summary());
+            say(format_args!("{:<22} {}", example.name, example.summary()))?;
         }
         return Ok(());
     };
@@ -36,62 +37,71 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     write("summary.json", format!("{json:#}\n"))?;
     write("report.html", page(&driven, &sweep, &summary).render())?;
     if args.json {
-        println!("{json}");
+        say(&json)?;
     } else {
-        print(&summary, &args.out);
+        print(&summary, &args.out)?;
     }
     Ok(())
 }
 
-fn print(summary: &Summary, out: &Path) {
+fn print(summary: &Summary, out: &Path) -> Result<(), Failure> {
     let Summary {
         linkage,
         samples,
         closed,
         ..
     } = summary;
-    println!("{linkage}: closes at {closed} of {samples} samples");
+    say(format_args!(
+        "{linkage}: closes at {closed} of {samples} samples"
+    ))?;
     if let Some(grashof) = &summary.grashof {
-        println!("  Grashof     {grashof}");
+        say(format_args!("  Grashof     {grashof}"))?;
     }
     for range in &summary.transmission {
         let (least, greatest) = (range.min, range.max);
-        println!(
+        say(format_args!(
             "  {}: transmission angle {least:.2}° to {greatest:.2}°",
             range.of
-        );
+        ))?;
     }
     for range in &summary.driving {
         let (least, greatest, unit) = (range.min, range.max, range.unit);
-        println!(
+        say(format_args!(
             "  {}: drive {least:.4} {unit} to {greatest:.4} {unit}",
             range.of
-        );
+        ))?;
     }
     for peak in &summary.peak_reactions {
-        println!(
+        say(format_args!(
             "  {}: at most {:.4} N, at {:.4} s, and {:.4} N·m",
             peak.joint, peak.force_n, peak.time_s, peak.moment_nm
-        );
+        ))?;
     }
     for limit in &summary.limits {
         let what = if limit.ends { "ends" } else { "begins" };
-        println!(
+        say(format_args!(
             "  motion {what} at {:.6} s, inputs {:?} (rad or m): beyond, {}",
             limit.time_s, limit.inputs, limit.reason
-        );
+        ))?;
     }
     for change in &summary.branch_changes {
-        println!(
+        say(format_args!(
             "  before {:.6} s {} passes a dead point onto its other branch",
             change.time_s, change.dyad
-        );
+        ))?;
     }
     if summary.assemblies.len() > 1 {
         for assembly in summary.assemblies.iter().take(SHOWN_ASSEMBLIES) {
             let share = 100.0 * assembly.closes;
-            println!("  assembly {}: closes over {share:.0} %", assembly.branches);
+            say(format_args!(
+                "  assembly {}: closes over {share:.0} %",
+                assembly.branches
+            ))?;
         }
     }
-    println!("  report      {}", out.join("report.html").display());
+    say(format_args!(
+        "  report      {}",
+        out.join("report.html").display()
+    ))?;
+    Ok(())
 }

@@ -3,10 +3,11 @@
 
 use super::failure::{Failure, refused};
 use super::run_args::RunArgs;
+use super::say::say;
 use super::sim::{outcome, print, progress_bar, refusal};
-use crate::link::{Difference, Instructions, Lockstep};
+use crate::link::{Difference, Instructions, Lockstep, LockstepError, TargetError};
 use crate::report::RunReport;
-use crate::run::{OutputFolder, Summary};
+use crate::run::{OutputFolder, RunError, Summary};
 use serde::Serialize;
 use std::io::{Read, Write};
 
@@ -43,14 +44,27 @@ struct PerTick {
     max: u32,
 }
 
-/// Runs the job on the controller at the other end of `line`, which is called `name`;
-/// `unit` is what that counts.
+/// The controller at the other end.
+pub(super) struct Other<'a> {
+    /// What it is called.
+    pub(super) name: &'a str,
+    /// What it counts of a tick.
+    pub(super) unit: &'a str,
+    /// What to suspect where it does not answer as this program does.
+    pub(super) suspicion: &'a str,
+}
+
+/// Runs the job on the controller at the other end of `line`.
 pub(super) fn run(
     args: &LockstepArgs,
-    name: &str,
+    other: &Other<'_>,
     line: impl FnOnce() -> Result<Box<dyn Line>, Failure>,
-    unit: &str,
 ) -> Result<(), Failure> {
+    let Other {
+        name,
+        unit,
+        suspicion,
+    } = other;
     let scenario = args.run.scenario()?;
     let folder = OutputFolder::prepare(&args.run.output.out).map_err(refused)?;
     let job = scenario.job().map_err(refused)?;
@@ -65,14 +79,24 @@ pub(super) fn run(
     moves.truncate(count.unwrap_or(usize::MAX));
 
     let settings = scenario.robot.settings().map_err(refused)?;
-    let (mut lockstep, _) = Lockstep::begin(line()?, &settings, &settings)
-        .map_err(|error| refused(format!("{name}: {error}")))?;
+    let (mut lockstep, _) =
+        Lockstep::begin(line()?, &settings, &settings).map_err(|error| match error {
+            LockstepError::Link(_) | LockstepError::Refused(_) => {
+                refused(format_args!("{name}: {error}; {suspicion}"))
+            }
+            other => refused(format_args!("{name}: {other}")),
+        })?;
     let bar = progress_bar(moves.len());
     let ran = scenario.run_on(&mut lockstep, &moves, &mut |done| {
         bar.set_position(done as u64);
     });
     bar.finish_and_clear();
-    let (mut summary, record) = ran.map_err(|error| refusal(&scenario, &error))?;
+    let (mut summary, record) = ran.map_err(|error| match error {
+        RunError::Target(TargetError::Link(_) | TargetError::Unexpected(_)) => {
+            refused(format_args!("{name}: {error}; {suspicion}"))
+        }
+        other => refusal(&scenario, &other),
+    })?;
     summary.out_dir = folder.path().display().to_string();
 
     let Instructions { min, max, total } = lockstep.instructions();
@@ -97,13 +121,13 @@ pub(super) fn run(
     let text = serde_json::to_string_pretty(&figures).map_err(refused)?;
     args.run.output.leave(&folder, &report, &text)?;
     if args.run.output.json {
-        println!("{}", serde_json::to_string(&figures).map_err(refused)?);
+        say(serde_json::to_string(&figures).map_err(refused)?)?;
     } else {
-        print(&summary);
-        tell(&figures, lockstep.ticks(), unit);
+        print(&summary)?;
+        tell(&figures, lockstep.ticks(), unit)?;
     }
     if let Some(difference) = lockstep.first_difference() {
-        return Err(refused(difference));
+        return Err(refused(format_args!("{difference}; {suspicion}")));
     }
     outcome(&record)
 }
@@ -112,13 +136,16 @@ pub(super) fn run(
 pub(super) trait Line: Read + Write {}
 impl<L: Read + Write> Line for L {}
 
-fn tell(figures: &LockstepSummary<'_>, ticks: u64, unit: &str) {
+fn tell(figures: &LockstepSummary<'_>, ticks: u64, unit: &str) -> Result<(), Failure> {
     let PerTick { min, mean, max } = figures.instructions_per_tick;
-    println!("  tick        {min} to {max} {unit}, {mean:.0} on average");
+    say(format_args!(
+        "  tick        {min} to {max} {unit}, {mean:.0} on average"
+    ))?;
     if figures.bit_exact {
-        println!(
+        say(format_args!(
             "  bit exact   every duty, state and estimate of {ticks} ticks is that of this \
              process"
-        );
+        ))?;
     }
+    Ok(())
 }

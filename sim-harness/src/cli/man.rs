@@ -2,9 +2,9 @@
 
 use super::command;
 use super::failure::{Failure, refused};
+use super::say::{print, say};
 use crate::report::write_whole;
 use clap_mangen::Man;
-use std::io::{self, Write};
 use std::path::PathBuf;
 
 /// Prints the manual, or writes a page for each command.
@@ -22,11 +22,15 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             Some(folder) => {
                 write_whole(&folder.join(page.get_filename()), text).map_err(refused)?;
             }
-            None => io::stdout().write_all(&text).map_err(refused)?,
+            None => print(String::from_utf8_lossy(&text))?,
         }
     }
     if let Some(folder) = &args.dir {
-        println!("{} pages are in {}", pages().count(), folder.display());
+        say(format_args!(
+            "{} pages are in {}",
+            pages().count(),
+            folder.display()
+        ))?;
     }
     Ok(())
 }

@@ -1,6 +1,7 @@
 //! `fivebar mobility`: what a mechanism can do, and why.
 
 use super::failure::{Failure, refused};
+use super::say::say;
 use crate::mobility::{EXAMPLES, Finding, Study, answer, explain, page, parse, read};
 use crate::report::write_whole;
 use indicatif::ProgressBar;
@@ -39,9 +40,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     }
     for (study, finding) in &studied {
         if args.json {
-            println!("{}", answer(&study.name, finding));
+            say(answer(&study.name, finding))?;
         } else {
-            println!("{}", explain(study, finding));
+            say(explain(study, finding))?;
         }
     }
     Ok(())

@@ -1,5 +1,8 @@
 //! The command line: one module per subcommand, each with its arguments and a `run`.
 
+// Both panic when whoever reads has gone; `say` does not.
+#![warn(clippy::print_stdout, clippy::print_stderr)]
+
 mod accuracy;
 mod clearance;
 mod completions;
@@ -24,11 +27,13 @@ mod query;
 mod questions;
 mod robots;
 mod run_args;
+mod say;
 mod serve;
 mod sim;
 mod workspace;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use say::warn;
 use std::process::ExitCode;
 
 pub use failure::Failure;
@@ -101,7 +106,7 @@ pub fn main() -> ExitCode {
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            eprintln!("fivebar: {failure}");
+            warn(format_args!("fivebar: {failure}"));
             failure.exit_code()
         }
     }

@@ -2,10 +2,11 @@
 
 use super::failure::{Failure, refused};
 use super::port::{PortArgs, interrupted};
+use super::say::say;
 use crate::run::fault_name;
 use fivebar_firmware::protocol::{Order, Reply, Section, SectionKey, StackUse, Telemetry};
 use fivebar_firmware::{Status, safety::Limits};
-use std::io::{self, IsTerminal, Write};
+use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::sync::atomic::Ordering;
 
 /// Reads in vain after which a monitor asks whether the controller still lives: 0.5 s.
@@ -61,9 +62,13 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         match conversation.take_telemetry() {
             Some(sample) => {
                 losses.count(&sample);
-                show(&sample.status, losses.lost, is_terminal).map_err(|error| {
-                    refused(format_args!("cannot write to the terminal: {error}"))
-                })?;
+                match show(&sample.status, losses.lost, is_terminal) {
+                    // Nobody watches any more.
+                    Err(error) if error.kind() == ErrorKind::BrokenPipe => break,
+                    shown => {
+                        shown.map_err(|error| refused(format_args!("cannot print: {error}")))?;
+                    }
+                }
                 shown += 1;
                 quiet = 0;
             }
@@ -78,15 +83,15 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         }
     }
     if is_terminal {
-        println!();
+        say("")?;
     }
     conversation
         .order(Order::Telemetry { every: 0 })
         .map_err(refused)?
         .map_err(refused)?;
-    println!("{shown} samples, {} lost", losses.lost);
+    say(format_args!("{shown} samples, {} lost", losses.lost))?;
     if let Some(StackUse { most, size }) = conversation.stack().map_err(refused)? {
-        println!("stack: {most} of {size} bytes used at most");
+        say(format_args!("stack: {most} of {size} bytes used at most"))?;
     }
     Ok(())
 }

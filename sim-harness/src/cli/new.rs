@@ -2,6 +2,7 @@
 
 use super::failure::{Failure, refused};
 use super::questions::{ARM, MOTOR, Question, asks_for_own_motor};
+use super::say::{hint, say, warn};
 use crate::report::write_new;
 use crate::robot::{BuiltIn, Draft};
 use std::io::{self, BufRead};
@@ -45,7 +46,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     }
     draft.check().map_err(refused)?;
     write_new(&args.file, draft.text()).map_err(refused)?;
-    println!("{file} is written. Try it: fivebar sim --robot {file}");
+    say(format_args!(
+        "{file} is written. Try it: fivebar sim --robot {file}"
+    ))?;
     Ok(())
 }
 
@@ -71,10 +74,10 @@ fn ask(
 ) -> Result<String, Failure> {
     loop {
         let default = (question.default)(draft);
-        eprint!("{} [{default}]: ", question.text);
+        hint(format_args!("{} [{default}]: ", question.text));
         let mut line = String::new();
         if input.read_line(&mut line).map_err(refused)? == 0 {
-            eprintln!();
+            warn("");
             return Err(refused(format_args!(
                 "the answers end at \"{}\"; an empty line takes the default, --defaults all of \
                  them",
@@ -93,7 +96,7 @@ fn ask(
                 *draft = changed;
                 return Ok(answer);
             }
-            Err(reason) => eprintln!("  That cannot be: {reason}"),
+            Err(reason) => warn(format_args!("  That cannot be: {reason}")),
         }
     }
 }

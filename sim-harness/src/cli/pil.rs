@@ -1,9 +1,9 @@
 //! `fivebar pil`: the firmware on an emulated Cortex-M4F, the arm simulated around it.
 
 use super::failure::{Failure, refused};
-use super::lockstep::{self, LockstepArgs};
+use super::lockstep::{self, LockstepArgs, Other};
 use crate::link::Emulator;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Runs a job on the firmware on an emulated board, in lockstep with the simulated arm,
 /// and compares every bit with the same run in this process.
@@ -21,10 +21,20 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         .image
         .clone()
         .unwrap_or_else(|| Emulator::built_image("qemu"));
-    lockstep::run(
-        &args.run,
-        "the emulated board",
-        || Ok(Box::new(Emulator::start(&image).map_err(refused)?)),
-        "instructions",
+    let board = Other {
+        name: "the emulated board",
+        unit: "instructions",
+        suspicion: &suspicion(&image),
+    };
+    lockstep::run(&args.run, &board, || {
+        Ok(Box::new(Emulator::start(&image).map_err(refused)?))
+    })
+}
+
+/// What is likely where an emulated board does not answer as this program does.
+pub(super) fn suspicion(image: &Path) -> String {
+    format!(
+        "its image {} is likely older than this program: build it anew with scripts/firmware.sh",
+        image.display()
     )
 }

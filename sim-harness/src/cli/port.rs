@@ -1,6 +1,7 @@
 //! What the commands that talk to a controller share: its port, a log, Ctrl-C.
 
 use super::failure::{Failure, refused};
+use super::say::warn;
 use crate::link::{Conversation, SerialLine, Tracer};
 use fivebar_firmware::protocol::{Board, Identity, Reset};
 use std::fs::File;
@@ -36,12 +37,12 @@ impl PortArgs {
         let (conversation, identity) = Conversation::open(Tracer::new(line, log))
             .map_err(|error| refused(format_args!("{}: {error}", self.port)))?;
         let [major, minor, patch] = identity.firmware;
-        eprintln!(
+        warn(format_args!(
             "{}: {}, firmware {major}.{minor}.{patch}, last started {}",
             self.port,
             board(identity.board),
-            cause(identity.reset),
-        );
+            cause(identity.reset)
+        ));
         Ok((conversation, identity))
     }
 }

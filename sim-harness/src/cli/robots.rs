@@ -1,6 +1,7 @@
 //! `fivebar robots`: the robots that come with the program.
 
 use super::Failure;
+use super::say::{print, say};
 use crate::robot::{BUILT_IN, BuiltIn};
 
 /// Lists the built-in robots, or prints the file of one as a start for your own.
@@ -13,7 +14,7 @@ pub(super) struct Args {
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let Some(name) = &args.name else {
         for robot in BUILT_IN {
-            println!("{:<15} {}", robot.name, robot.summary());
+            say(format_args!("{:<15} {}", robot.name, robot.summary()))?;
         }
         return Ok(());
     };
@@ -22,6 +23,6 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             "no built-in robot `{name}`; `fivebar robots` lists them"
         ))
     })?;
-    print!("{}", robot.text);
+    print(robot.text)?;
     Ok(())
 }

@@ -1,10 +1,12 @@
 //! `fivebar serve`: the live page.
 
 use super::failure::{Failure, refused};
+use super::pil::suspicion;
 use super::port::interrupted;
+use super::say::{say, warn};
 use crate::link::Emulator;
 use crate::robot::{BuiltIn, Robot};
-use crate::serve::{Guard, Source, serve};
+use crate::serve::{Guard, ServeError, Source, serve};
 use std::net::{IpAddr, SocketAddr, UdpSocket};
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
@@ -54,10 +56,23 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         None if args.emulated => Source::Emulated(&image),
         None => Source::Simulated,
     };
-    let ready = |address| println!("{} is at http://{}/{query}", robot.name, reached(address));
+    let ready = |address| {
+        say(format_args!(
+            "{} is at http://{}/{query}",
+            robot.name,
+            reached(address)
+        ))
+        .unwrap_or_else(warn);
+    };
     let interrupted = interrupted()?;
     let ends = move || interrupted.load(Ordering::Relaxed);
-    serve(&robot, source, args.listen, guard, ready, ends).map_err(refused)
+    let served = serve(&robot, source, args.listen, guard, ready, ends);
+    served.map_err(|error| match error {
+        ServeError::Link(_) | ServeError::Refused(_) if args.emulated => {
+            refused(format_args!("{error}; {}", suspicion(&image)))
+        }
+        other => refused(other),
+    })
 }
 
 /// Where others reach a server that listens at all of this machine's addresses.

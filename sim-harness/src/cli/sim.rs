@@ -3,6 +3,7 @@
 use super::failure::{Failure, refused};
 use super::output::OutputArgs;
 use super::run_args::RunArgs;
+use super::say::{say, warn};
 use crate::link::TargetError;
 use crate::report::{RunReport, quantity};
 use crate::run::{OutputFolder, Record, RunError, Scenario, Summary, fault_name};
@@ -25,7 +26,7 @@ pub(super) fn simulate(scenario: &Scenario, output: &OutputArgs) -> Result<(), F
     let folder = OutputFolder::prepare(&output.out).map_err(refused)?;
     let job = scenario.job().map_err(refused)?;
     for warning in &job.warnings {
-        eprintln!("{}, {warning}", scenario.job_file);
+        warn(format_args!("{}, {warning}", scenario.job_file));
     }
     scenario
         .check(&job)
@@ -60,9 +61,9 @@ pub(super) fn simulate(scenario: &Scenario, output: &OutputArgs) -> Result<(), F
     };
     output.leave(&folder, &report, &text)?;
     if output.json {
-        println!("{}", serde_json::to_string(&summary).map_err(refused)?);
+        say(serde_json::to_string(&summary).map_err(refused)?)?;
     } else {
-        print(&summary);
+        print(&summary)?;
     }
     outcome(&record)
 }
@@ -98,37 +99,41 @@ pub(super) fn progress_bar(moves: usize) -> ProgressBar {
         .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
-pub(super) fn print(summary: &Summary) {
+pub(super) fn print(summary: &Summary) -> Result<(), Failure> {
     let Summary {
         robot,
         scenario,
         tip_error,
         ..
     } = summary;
-    println!("{robot} draws {scenario}");
-    println!(
+    say(format_args!("{robot} draws {scenario}"))?;
+    say(format_args!(
         "  simulated   {:.3} s in {} ({:.0} times real time)",
         summary.simulated_s,
         quantity(summary.wall_s, "s"),
-        summary.speed(),
-    );
-    println!(
+        summary.speed()
+    ))?;
+    say(format_args!(
         "  tip error   {} RMS, {} at most",
         quantity(tip_error.rms_m, "m"),
-        quantity(tip_error.max_m, "m"),
-    );
+        quantity(tip_error.max_m, "m")
+    ))?;
     if let Some(pd) = summary.pd_tip_error {
-        println!(
+        say(format_args!(
             "  PD alone    {} RMS, {} at most: {:.1} times as much",
             quantity(pd.rms_m, "m"),
             quantity(pd.max_m, "m"),
-            pd.rms_m / tip_error.rms_m,
-        );
+            pd.rms_m / tip_error.rms_m
+        ))?;
     }
     let [torque1, torque4] = summary.peak_torque_nm.map(|torque| quantity(torque, "N·m"));
-    println!(
+    say(format_args!(
         "  torque      {torque1} and {torque4} at most, limited in {} ticks",
         summary.saturated_ticks
-    );
-    println!("  report      {}/report.html", summary.out_dir);
+    ))?;
+    say(format_args!(
+        "  report      {}/report.html",
+        summary.out_dir
+    ))?;
+    Ok(())
 }

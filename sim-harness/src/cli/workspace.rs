@@ -1,6 +1,7 @@
 //! `fivebar workspace`: where an arm can take its tool.
 
 use super::failure::{Failure, refused};
+use super::say::{print, say};
 use crate::robot::{BuiltIn, Robot};
 use crate::run::OutputFolder;
 use crate::workspace::{Study, png, svg};
@@ -67,13 +68,13 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     if args.json {
         let mut answer = study.answer();
         answer["out_dir"] = folder.path().display().to_string().into();
-        println!("{answer}");
+        say(&answer)?;
     } else {
-        print!("{}", study.table());
-        println!(
+        print(study.table())?;
+        say(format_args!(
             "drawn and listed in {}",
             folder.path().join("workspace.{svg,png,csv}").display()
-        );
+        ))?;
     }
     Ok(())
 }

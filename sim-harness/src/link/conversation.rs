@@ -45,14 +45,15 @@ pub struct Conversation<L> {
 pub enum LinkError {
     /// Nothing came.
     #[error(
-        "the controller is silent: asked {ATTEMPTS} times in {:.0} s; is it powered, is it the \
-         right port, and does it run this firmware?",
+        "the controller is silent: asked {ATTEMPTS} times in {:.0} s; is it powered and connected, \
+         and is its firmware of this release?",
         waits().sum::<Duration>().as_secs_f64()
     )]
     Silent,
     /// The controller speaks another version.
     #[error(
-        "the controller speaks protocol version {0}, this program {VERSION}; flash the firmware of this release"
+        "the controller speaks version {0} of the protocol, this program {VERSION}: its firmware is of \
+         another release"
     )]
     Version(u16),
     /// The line broke.

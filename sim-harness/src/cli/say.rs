@@ -1,0 +1,62 @@
+//! What the commands print.
+
+use super::failure::{Failure, refused};
+use std::fmt::Display;
+use std::io::{self, ErrorKind, Write};
+
+/// Prints a line to the standard output.
+pub(super) fn say(line: impl Display) -> Result<(), Failure> {
+    print(format_args!("{line}\n"))
+}
+
+/// Prints a text as it is. A reader that has gone, as in `fivebar robots | head -1`, is no
+/// failure: the command ends its work unheard, its exit status telling how.
+pub(super) fn print(text: impl Display) -> Result<(), Failure> {
+    print_to(&mut io::stdout().lock(), text)
+}
+
+fn print_to(out: &mut impl Write, text: impl Display) -> Result<(), Failure> {
+    match write!(out, "{text}").and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(refused(format_args!("cannot print: {error}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Prints a line to the standard error, where it can be read.
+pub(super) fn warn(line: impl Display) {
+    hint(format_args!("{line}\n"));
+}
+
+/// Prints a text to the standard error as it is.
+pub(super) fn hint(text: impl Display) {
+    // There is nowhere left to complain.
+    let _ = write!(io::stderr().lock(), "{text}");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::print_to;
+    use std::io::{self, ErrorKind, Write};
+
+    /// An output that fails in one way.
+    struct Failing(ErrorKind);
+
+    impl Write for Failing {
+        fn write(&mut self, _: &[u8]) -> io::Result<usize> {
+            Err(self.0.into())
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_reader_that_has_gone_is_no_failure_and_a_full_disk_is() {
+        assert!(print_to(&mut Failing(ErrorKind::BrokenPipe), "text").is_ok());
+        let failure = print_to(&mut Failing(ErrorKind::StorageFull), "text").unwrap_err();
+        assert!(failure.to_string().contains("cannot print"), "{failure}");
+    }
+}

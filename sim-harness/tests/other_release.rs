@@ -1,0 +1,53 @@
+//! `fivebar pil` with an image of another release. The emulator is a script that answers
+//! whatever it is asked with the same frame.
+#![cfg(unix)]
+
+use fivebar_firmware::protocol::{ControllerMessage, Refusal, Reply, Sequence, VERSION, encode};
+use std::fs;
+use std::os::unix::fs::PermissionsExt;
+use std::process::Command;
+
+/// Connects to both addresses of its arguments; after the first byte heard on the serial
+/// line, says what is in `answer` and listens on.
+const EMULATOR: &str = r#"#!/usr/bin/env bash
+for word; do
+    case $word in tcp:*) address=${word#tcp:}; ports+=("${address//[!0-9:]/}") ;; esac
+done
+exec 3<>"/dev/tcp/127.0.0.1/${ports[0]##*:}" 4<>"/dev/tcp/127.0.0.1/${ports[1]##*:}"
+read -r -N 1 -u 3
+cat "$(dirname "$0")/answer" >&3
+cat <&3 >/dev/null
+"#;
+
+#[test]
+fn an_image_of_another_release_is_told_with_the_way_to_build_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let emulator = folder.path().join("qemu-system-arm");
+    fs::write(&emulator, EMULATOR).unwrap();
+    fs::set_permissions(&emulator, fs::Permissions::from_mode(0o755)).unwrap();
+    let answer = ControllerMessage::Reply {
+        sequence: Sequence(1),
+        reply: Reply::Refused(Refusal::Version(VERSION + 1)),
+    };
+    fs::write(folder.path().join("answer"), &*encode(&answer).unwrap()).unwrap();
+    let image = folder.path().join("old image");
+    fs::write(&image, "not looked into").unwrap();
+
+    let path = std::env::var("PATH").unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_fivebar"))
+        .args(["pil", "--image"])
+        .arg(&image)
+        .env("PATH", format!("{}:{path}", folder.path().display()))
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    let words = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{words}");
+    for said in [
+        "speaks version 2 of the protocol",
+        &image.display().to_string(),
+        "scripts/firmware.sh",
+    ] {
+        assert!(words.contains(said), "{said:?} is not in {words}");
+    }
+}
