@@ -93,7 +93,7 @@ impl<S: Scalar, const N: usize> Horizon<'_, S, N> {
                     break;
                 }
                 let exit = entry.get(index + 1).copied().unwrap_or(S::ZERO);
-                let speed = greatest_entry_speed(exit, way, &in_reserve(&caps));
+                let speed = with_reserve(exit, way, &caps);
                 best = max(best, min(speed, caps.speed));
             }
             let before = self.queue.get(boundary - 1).map(|span| span.caps.speed);
@@ -132,13 +132,38 @@ fn passing_time<S: Scalar>(span: &Span<S>, from: S, to: S) -> S {
     }
 }
 
-/// A thousandth of acceleration and jerk is kept back for the roundings between the
-/// planning of a speed and its use.
-fn in_reserve<S: Scalar>(caps: &Caps<S>) -> Caps<S> {
+/// The greatest speed from which `exit` can be reached within `way`, with something kept back
+/// for the roundings between the planning of a speed and its use: a thousandth of
+/// acceleration and jerk, and the last bits of the speed, since within a micrometre no more
+/// than those can be lost.
+fn with_reserve<S: Scalar>(exit: S, way: S, caps: &Caps<S>) -> S {
     let share = S::from_f64(0.999);
-    Caps {
+    let caps = Caps {
         speed: caps.speed,
         acceleration: caps.acceleration * share,
         jerk: caps.jerk * share,
+    };
+    let speed = greatest_entry_speed(exit, way, &caps);
+    max(exit, speed - S::from_f64(4.0) * S::EPSILON * speed)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Over a micrometre too, where single precision tells few speeds apart.
+        #[test]
+        fn a_speed_in_reserve_can_be_kept_in_single_precision(
+            exit in 0.0..0.5_f64, exponent in -7.0..-1.0_f64, a in 0.1..20.0_f64, j in 1.0..500.0_f64,
+        ) {
+            let (exit, way) = (exit as f32, 10_f64.powf(exponent) as f32);
+            let caps = Caps { speed: 10.0, acceleration: a as f32, jerk: j as f32 };
+            let speed = with_reserve(exit, way, &caps);
+            let start = Motion { speed, acceleration: 0.0 };
+            let plan = Plan::over(way, start, exit, 0.0, &caps, 1);
+            prop_assert!(plan.is_some_and(|plan| plan.exit == exit), "{speed} to {exit} in {way} m");
+        }
     }
 }

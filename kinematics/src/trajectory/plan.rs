@@ -40,7 +40,8 @@ impl<S: Scalar> Plan<S> {
     /// The fastest plan of this form over `length` [m], ending at `exit` [m/s] or, where
     /// that cannot be reached, as fast as can be. `None` where `length` is too short to
     /// slow down in or for a plan that holds `least` [m/s], or the motion is already past
-    /// the caps.
+    /// the caps: too fast, or slowing down so hard that it could not be let go before the
+    /// motion turns back.
     ///
     /// The way needed grows with the speed held, so that speed is found by bisection, and
     /// what rounding leaves over lengthens the time it is held.
@@ -52,10 +53,11 @@ impl<S: Scalar> Plan<S> {
         caps: &Caps<S>,
         spans: usize,
     ) -> Option<Self> {
-        let slack = S::from_f64(1.0 + 1e-5);
+        let hair = S::from_f64(1e-5);
         let released = speed_after_release(start.speed, start.acceleration, caps.jerk);
-        let within = max(start.speed, released) <= caps.speed * slack
-            && start.acceleration.abs() <= caps.acceleration * slack
+        let within = max(start.speed, released) <= caps.speed * (S::ONE + hair)
+            && released >= -(caps.speed * hair)
+            && start.acceleration.abs() <= caps.acceleration * (S::ONE + hair)
             && least <= caps.speed;
         if !within {
             return None;

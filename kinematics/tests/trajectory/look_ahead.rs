@@ -255,3 +255,41 @@ fn a_queue_that_runs_dry_ends_at_rest_and_goes_on() {
         assert!(velocity.norm() < 1e-9 && acceleration.norm() < 1e-6);
     }
 }
+
+/// The corner to a new move asks for less jerk than the stop in hand is made of: let go as
+/// gently as that, the arm would run backwards before it went on.
+#[test]
+fn a_move_that_comes_while_the_arm_stops_does_not_turn_it_back() {
+    let envelope = envelope(1e-4);
+    let points = [[0.1232, 0.3248], [0.1297, 0.3416], [0.1374, 0.36]].map(|[x, y]| V::new(x, y));
+    let [before, after] = [0, 1].map(|i| Segment::line(points[i], points[i + 1]).unwrap());
+    let push = |look_ahead: &mut LookAhead<f64, 16>, segment: &Segment<f64>| {
+        let caps = envelope.admit(segment, 0.01).unwrap();
+        look_ahead.push(segment, caps, 0, &envelope).unwrap();
+    };
+    let mut joined = 0;
+    for taken in 1.. {
+        let mut look_ahead = LookAhead::new();
+        push(&mut look_ahead, &before);
+        let mut pieces: Vec<_> = (0..taken).map_while(|_| look_ahead.next_piece()).collect();
+        if pieces.len() < taken {
+            break;
+        }
+        push(&mut look_ahead, &after);
+        pieces.extend(core::iter::from_fn(|| look_ahead.next_piece()));
+        let limits = Caps {
+            speed: 0.01,
+            ..envelope.tool_motion
+        };
+        assert_sound(&pieces, [points[0], points[2]], &limits, &DOUBLE);
+        let forwards = (points[2] - points[0]) * (1.0 / (points[2] - points[0]).norm());
+        let slowest = pieces
+            .iter()
+            .flat_map(|piece| (0..=12).map(|i| tool(piece, piece.duration() * f64::from(i) / 12.0)))
+            .map(|(_, velocity, _)| velocity.dot(forwards))
+            .fold(f64::INFINITY, f64::min);
+        assert!(slowest > -1e-9, "{slowest} m/s, {taken} pieces taken");
+        joined += 1;
+    }
+    assert!(joined > 4, "{joined} pieces");
+}
