@@ -168,3 +168,23 @@ fn refuses_tolerances_that_belong_to_nothing() {
         );
     }
 }
+
+#[test]
+fn an_arm_without_tolerances_is_told_to_have_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("arm.toml");
+    let output = Command::new(env!("CARGO_BIN_EXE_fivebar"))
+        .args(["new", "--defaults"])
+        .arg(&file)
+        .output()
+        .unwrap();
+    assert!(output.status.success());
+    let said = |robot: &str| {
+        let output = accuracy(&[robot, "--at", "0.04,0.2", "--samples", "100"]);
+        assert!(output.status.success());
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let words = said(file.to_str().unwrap());
+    assert!(words.contains("no [tolerance] is given"), "{words}");
+    assert!(!said("benchtop").contains("[tolerance]"));
+}

@@ -131,6 +131,31 @@ fn answers_that_end_too_soon_leave_no_file() {
 }
 
 #[test]
+fn the_command_it_offers_runs_as_it_stands() {
+    let folder = tempfile::tempdir().unwrap();
+    let fivebar = Path::new(env!("CARGO_BIN_EXE_fivebar"));
+    for name in ["arm.toml", "Lisa's Ärmchen.toml"] {
+        let output = Command::new(fivebar)
+            .args(["new", name, "--defaults"])
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        let said = String::from_utf8(output.stdout).unwrap();
+        let (_, offered) = said.split_once("Try it: fivebar sim ").expect("an offer");
+        let offered = format!(
+            "workspace --resolution 8 {}",
+            offered.replace("--robot ", "")
+        );
+        let run = Command::new("sh")
+            .args(["-c", &format!("'{}' {offered}", fivebar.display())])
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        assert!(run.status.success(), "{offered}");
+    }
+}
+
+#[test]
 fn a_file_that_is_there_is_left_alone() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("arm.toml"), "mine").unwrap();

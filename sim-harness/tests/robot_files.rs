@@ -141,12 +141,22 @@ fn numbers_that_make_no_sense_are_refused_with_their_line() {
     assert_refused(
         &PLAIN.replace("base = 0.118", "base = 'wide'"),
         3,
-        &["invalid type"],
+        &["invalid type", "expected a number"],
     );
     let text = format!("{PLAIN}[tolerance]\nlength_sd = [1e-5, 1e-5]\n");
     assert_refused(&text, 26, &["`length_sd`", "one number or 5"]);
     let text = format!("{PLAIN}[limits]\nangle = [[1.0, 0.0], [0.0, 1.0]]\n");
     assert_refused(&text, 26, &["`angle`", "[least, greatest]"]);
+}
+
+#[test]
+fn degrees_and_millimetres_are_refused_with_the_unit_that_is_meant() {
+    let text = format!("{PLAIN}[limits]\nangle = [[0.0, 90.0], [0.0, 1.0]]\n");
+    assert_refused(&text, 26, &["`angle`", "radians", "90.0"]);
+    let text = PLAIN.replace("base = 0.118", "base = 118");
+    assert_refused(&text, 3, &["`base`", "metres", "118.0"]);
+    let text = PLAIN.replace("length = 0.09", "length = 90");
+    assert_refused(&text, 6, &["`length` of [[link]] 1", "metres", "90.0"]);
 }
 
 #[test]

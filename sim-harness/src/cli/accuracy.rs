@@ -2,7 +2,7 @@
 
 use super::failure::{Failure, refused};
 use super::figures::figures;
-use super::say::{print, say};
+use super::say::{print, say, warn};
 use crate::accuracy::{
     Classes, Sampling, State, along, along_answer, along_page, analyse, analyse_slider, answer,
     at_page, cheapest, draws, linkage_answer, linkage_page, map, map_answer, map_page, monte_carlo,
@@ -11,7 +11,7 @@ use crate::accuracy::{
 use crate::job::{self, Job, Placement};
 use crate::linkage::DrivenLinkage;
 use crate::report::{Page, quantity, write_whole};
-use crate::robot::{Mechanism, Robot, SliderRobot};
+use crate::robot::{Mechanism, Robot, SliderRobot, Tolerance};
 use clap::ArgGroup;
 use fivebar_kinematics::Vec2;
 use indicatif::ProgressBar;
@@ -165,6 +165,13 @@ fn vector([x, y]: [f64; 2]) -> Vec2<f64> {
 
 fn study(args: &Args, robot: &Robot) -> Result<(Value, Page), String> {
     let force = vector(args.force);
+    if robot.tolerance == Tolerance::default() && args.wanted.is_none() {
+        warn(format_args!(
+            "{}: no [tolerance] is given, so that every deviation is 0; its keys are length_sd, \
+             input_sd, input_max and clearance_radius",
+            args.file
+        ));
+    }
     if let Some(path) = &args.path {
         let placement = Placement {
             origin: args.origin,

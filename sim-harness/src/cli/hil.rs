@@ -4,9 +4,10 @@ use super::failure::{Failure, refused};
 use super::lockstep::{self, LockstepArgs, Other};
 use crate::link::SerialLine;
 
-/// Runs a job on a board over a serial port, in lockstep with the simulated arm, and
-/// compares every bit with the same run in this process. The board carries the image
-/// `qemu`, whose bridges and sensors are frames; no motor moves.
+/// Runs a job on a board without motors, in lockstep with the simulated arm.
+///
+/// Every bit is compared with the same run in this process. The board, on a serial port,
+/// carries the image `qemu`, whose bridges and sensors are frames; no motor moves.
 #[derive(clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]

@@ -123,7 +123,7 @@ pub(super) fn run(
     if args.run.output.json {
         say(serde_json::to_string(&figures).map_err(refused)?)?;
     } else {
-        print(&summary)?;
+        print(&summary, &record)?;
         tell(&figures, lockstep.ticks(), unit)?;
     }
     if let Some(difference) = lockstep.first_difference() {

@@ -41,7 +41,7 @@ pub use failure::Failure;
 /// Simulate, check and drive a planar five-bar arm. Without a command: the demonstration, a
 /// drawing job done by the simulated default arm.
 #[derive(Parser)]
-#[command(version, about, args_conflicts_with_subcommands = true)]
+#[command(version, args_conflicts_with_subcommands = true)]
 struct Cli {
     #[command(subcommand)]
     command: Option<Command>,

@@ -47,9 +47,19 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     draft.check().map_err(refused)?;
     write_new(&args.file, draft.text()).map_err(refused)?;
     say(format_args!(
-        "{file} is written. Try it: fivebar sim --robot {file}"
-    ))?;
-    Ok(())
+        "{file} is written. Try it: fivebar sim --robot {}",
+        in_shell(&file.to_string())
+    ))
+}
+
+/// A file's name as a shell takes it for one word.
+fn in_shell(name: &str) -> String {
+    let is_plain = |letter: char| letter.is_alphanumeric() || "/\\:._-+".contains(letter);
+    if name.chars().all(is_plain) {
+        name.into()
+    } else {
+        format!("'{}'", name.replace('\'', r"'\''"))
+    }
 }
 
 fn interview(draft: &mut Draft, input: &mut impl BufRead) -> Result<(), Failure> {

@@ -5,8 +5,10 @@ use super::lockstep::{self, LockstepArgs, Other};
 use crate::link::Emulator;
 use std::path::{Path, PathBuf};
 
-/// Runs a job on the firmware on an emulated board, in lockstep with the simulated arm,
-/// and compares every bit with the same run in this process.
+/// Runs a job on the firmware on an emulated board, in lockstep with the simulated arm.
+///
+/// Every bit is compared with the same run in this process. scripts/firmware.sh builds the
+/// image for the board.
 #[derive(clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]

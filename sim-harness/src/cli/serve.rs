@@ -11,8 +11,9 @@ use std::net::{IpAddr, SocketAddr, UdpSocket};
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
-/// Serves a live page on this machine: an arm in a browser, to be watched, jogged and given
-/// jobs. The arm is simulated in real time unless another one is asked for.
+/// Serves a live page: an arm in a browser, to be watched, jogged and given jobs.
+///
+/// The arm is simulated in real time unless another one is asked for.
 #[derive(clap::Args)]
 pub(super) struct Args {
     /// A built-in robot (see `fivebar robots`) or a robot file.

@@ -6,7 +6,7 @@ use super::run_args::RunArgs;
 use super::say::{say, warn};
 use crate::link::TargetError;
 use crate::report::{RunReport, quantity};
-use crate::run::{OutputFolder, Record, RunError, Scenario, Summary, fault_name};
+use crate::run::{OutputFolder, Record, RunError, Scenario, Summary, TipError, fault_name};
 use indicatif::{ProgressBar, ProgressStyle};
 
 /// Simulates a job from power-up to its end and leaves a report.
@@ -63,7 +63,7 @@ pub(super) fn simulate(scenario: &Scenario, output: &OutputArgs) -> Result<(), F
     if output.json {
         say(serde_json::to_string(&summary).map_err(refused)?)?;
     } else {
-        print(&summary)?;
+        print(&summary, &record)?;
     }
     outcome(&record)
 }
@@ -99,32 +99,19 @@ pub(super) fn progress_bar(moves: usize) -> ProgressBar {
         .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
-pub(super) fn print(summary: &Summary) -> Result<(), Failure> {
+pub(super) fn print(summary: &Summary, record: &Record) -> Result<(), Failure> {
     let Summary {
-        robot,
-        scenario,
-        tip_error,
-        ..
+        robot, scenario, ..
     } = summary;
     say(format_args!("{robot} draws {scenario}"))?;
     say(format_args!(
-        "  simulated   {:.3} s in {} ({:.0} times real time)",
+        "  simulated   {:.3} s in {} ({} times real time)",
         summary.simulated_s,
         quantity(summary.wall_s, "s"),
         summary.speed()
     ))?;
-    say(format_args!(
-        "  tip error   {} RMS, {} at most",
-        quantity(tip_error.rms_m, "m"),
-        quantity(tip_error.max_m, "m")
-    ))?;
-    if let Some(pd) = summary.pd_tip_error {
-        say(format_args!(
-            "  PD alone    {} RMS, {} at most: {:.1} times as much",
-            quantity(pd.rms_m, "m"),
-            quantity(pd.max_m, "m"),
-            pd.rms_m / tip_error.rms_m
-        ))?;
+    if record.begun.is_some() {
+        print_errors(summary)?;
     }
     let [torque1, torque4] = summary.peak_torque_nm.map(|torque| quantity(torque, "N·m"));
     say(format_args!(
@@ -136,4 +123,22 @@ pub(super) fn print(summary: &Summary) -> Result<(), Failure> {
         summary.out_dir
     ))?;
     Ok(())
+}
+
+fn print_errors(summary: &Summary) -> Result<(), Failure> {
+    let figures = |error: TipError| {
+        let [rms, max] = [error.rms_m, error.max_m].map(|error| quantity(error, "m"));
+        format!("{rms} RMS, {max} at most")
+    };
+    say(format_args!("  tip error   {}", figures(summary.tip_error)))?;
+    let Some(pd) = summary.pd_tip_error else {
+        return Ok(());
+    };
+    let ratio = summary.times_as_large(pd);
+    let ratio = ratio.map(|ratio| format!(": {ratio:.1} times as much"));
+    say(format_args!(
+        "  PD alone    {}{}",
+        figures(pd),
+        ratio.unwrap_or_default()
+    ))
 }

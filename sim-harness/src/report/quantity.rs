@@ -21,14 +21,15 @@ pub fn quantity(value: f64, unit: &str) -> String {
     let (scale, prefix) = PREFIXES
         .into_iter()
         .find(|&(scale, _)| magnitude >= scale)
-        .unwrap_or((1.0, ""));
+        .unwrap_or((1e-9, "n"));
     let scaled = value / scale;
     let decimals = match scaled.abs() {
         below if below < 9.995 => 2,
         below if below < 99.95 => 1,
         _ => 0,
     };
-    if value == 0.0 {
+    // What is below a hundredth of the least prefix is rounding.
+    if scaled.abs() < 0.005 {
         format!("0 {unit}")
     } else {
         format!("{scaled:.decimals$} {prefix}{unit}")
@@ -44,12 +45,13 @@ mod tests {
         for (value, unit, text) in [
             (4.21e-5, "m", "42.1 µm"),
             (0.0, "m", "0 m"),
+            (4e-11, "m", "0.04 nm"),
             (-0.25, "N·m", "-250 mN·m"),
             (12.0, "V", "12.0 V"),
             (999.96, "Hz", "1.00 kHz"),
             (9.999e-3, "s", "10.0 ms"),
             (123_456.0, "Hz", "123 kHz"),
-            (1e-12, "m", "0.00 m"),
+            (-1e-12, "m", "0 m"),
         ] {
             assert_eq!(quantity(value, unit), text);
         }

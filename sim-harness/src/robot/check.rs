@@ -6,9 +6,13 @@ use super::{Actuator, FileError, Key, Robot, Source, Tolerance};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::dynamics::{Arm, Link};
 use fivebar_kinematics::five_bar::{self, Geometry, GeometryError, Side, WorkingMode};
+use std::f64::consts::TAU;
 
 /// Shortest time constant of a winding [s]; real ones have 20 µs and more.
 const SHORTEST_WINDING: f64 = 1e-6;
+
+/// Longest link or base [m]: what is longer was meant in millimetres.
+const LONGEST: f64 = 20.0;
 
 const POSITIVE: &str = "must be a positive finite number";
 const NOT_NEGATIVE: &str = "must be finite and not negative";
@@ -129,7 +133,18 @@ fn geometry(
     base: f64,
 ) -> Result<Geometry<f64>, FileError> {
     let [l1, l2, l3, l4] = [0, 1, 2, 3].map(|i| links[i].length);
-    Geometry::new([l1, l2, l3, l4, base]).map_err(|error| match error {
+    let lengths = [l1, l2, l3, l4, base];
+    for (index, length) in lengths.into_iter().enumerate() {
+        if length > LONGEST && length.is_finite() {
+            let key = match index {
+                0..4 => Key::Of("link", index, "length"),
+                _ => Key::Top("base"),
+            };
+            let reason = format!("is in metres, {LONGEST:?} at most, not {length:?}");
+            return Err(source.refuse(key, reason));
+        }
+    }
+    Geometry::new(lengths).map_err(|error| match error {
         GeometryError::NotPositive(index @ 0..4) => source.refuse(
             Key::Of("link", index, "length"),
             format!("{POSITIVE} of metres, not {:?}", links[index].length),
@@ -253,7 +268,12 @@ fn sections(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
     five_bar::Tool::new(robot.geometry, offset)
         .map_err(|error| source.refuse(Key::In("tool", "offset"), error))?;
     for range in limits.angle {
-        increasing(source, Key::In("limits", "angle"), range)?;
+        let key = Key::In("limits", "angle");
+        increasing(source, key, range)?;
+        if range.iter().any(|angle| angle.abs() > TAU) {
+            let reason = format!("is in radians, within ±2π, not {range:?}");
+            return Err(source.refuse(key, reason));
+        }
     }
     if let Some(range) = supply.range {
         increasing(source, Key::In("supply", "range"), range)?;
@@ -360,7 +380,7 @@ fn home_fits(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
     if !robot.limits.contain(robot.home) {
         let [limits1, limits4] = robot.limits.angle;
         let reason = format!(
-            "[{theta1:?}, {theta4:?}] rad is outside the joints' limits {limits1:?} and {limits4:?} rad"
+            "[{theta1:?}, {theta4:?}] rad is outside the joints' limits {limits1:.4?} and {limits4:.4?} rad"
         );
         return Err(source.refuse(Key::Top("home"), reason));
     }

@@ -170,13 +170,13 @@ impl Draft {
     }
 
     fn values(&self) -> Vec<(Key, String)> {
-        let gravity = if self.upright { GRAVITY } else { 0.0 };
+        let gravity = if self.upright { -GRAVITY } else { 0.0 };
         let mut values = vec![
             (
                 Key::Top("name"),
                 toml::Value::from(self.name.as_str()).to_string(),
             ),
-            (Key::Top("gravity"), format!("[0.0, {:?}]", -gravity)),
+            (Key::Top("gravity"), format!("[0.0, {gravity:?}]")),
             (Key::Top("base"), format!("{:?}", self.base)),
             (Key::Top("payload"), format!("{:?}", self.payload)),
             (Key::In("supply", "voltage"), format!("{:?}", self.voltage)),

@@ -49,7 +49,11 @@ impl<'a> Source<'a> {
         let refused = |error: toml::de::Error, reason: &str| FileError {
             file: self.file.into(),
             line: error.span().map(|span| self.line(span.start)),
-            reason: reason.trim_end().replace('\n', ", "),
+            reason: reason
+                .trim_end()
+                .replace('\n', ", ")
+                .replace("expected f64", "expected a number")
+                .replace("expected u32", "expected a whole number"),
         };
         let read = toml::from_str(self.text).map_err(|error| {
             let reason = error.message().to_owned();

@@ -53,8 +53,17 @@ pub fn fault_name(fault: Fault) -> String {
 }
 
 impl Summary {
-    /// Simulated time per time taken.
-    pub fn speed(&self) -> f64 {
-        self.simulated_s / self.wall_s
+    /// Simulated time per time taken, to two digits or more.
+    pub fn speed(&self) -> String {
+        let speed = self.simulated_s / self.wall_s;
+        let decimals = if speed < 10.0 { 2 } else { 0 };
+        format!("{speed:.decimals$}")
+    }
+
+    /// How many times as large the tip error is under PD; none where a fault cut the run
+    /// short, so that there is too little to compare.
+    pub fn times_as_large(&self, pd: TipError) -> Option<f64> {
+        let is_whole = self.faults.is_empty() && self.tip_error.rms_m > 0.0;
+        is_whole.then(|| pd.rms_m / self.tip_error.rms_m)
     }
 }

@@ -35,37 +35,41 @@ impl RunReport<'_> {
         let summary = self.summary;
         let mut page = Page::new(format!("{} draws {}", summary.robot, summary.scenario));
         page.paragraph(&self.outcome());
-        page.key_figures(&[
+        let errors = [
             ("RMS tip error", quantity(summary.tip_error.rms_m, "m")),
             ("greatest tip error", quantity(summary.tip_error.max_m, "m")),
-            (
-                "peak torque",
-                quantity(
-                    summary.peak_torque_nm[0].max(summary.peak_torque_nm[1]),
-                    "N·m",
-                ),
-            ),
+        ];
+        let [torque1, torque4] = summary.peak_torque_nm;
+        let others = [
+            ("peak torque", quantity(torque1.max(torque4), "N·m")),
             ("simulated", format!("{:.2} s", summary.simulated_s)),
-            (
-                "speed against real time",
-                format!("{:.0}×", summary.speed()),
-            ),
-        ]);
-        self.add_motion(&mut page);
-        self.add_errors(&mut page);
-        self.add_loads(&mut page);
+            ("speed against real time", format!("{}×", summary.speed())),
+        ];
+        if self.trace.samples().is_empty() {
+            page.key_figures(&others);
+        } else {
+            page.key_figures(&[&errors[..], &others].concat());
+            self.add_motion(&mut page);
+            self.add_errors(&mut page);
+            self.add_loads(&mut page);
+        }
         self.add_tables(&mut page);
         page
     }
 
     fn outcome(&self) -> String {
         let faults = &self.summary.faults;
+        let unbegun = if self.trace.samples().is_empty() {
+            " The job had not begun."
+        } else {
+            ""
+        };
         if faults.is_empty() {
             "The job was done to its end without a fault. Everything below is from the \
              simulated arm itself, not from what the controller believes of it."
                 .into()
         } else {
-            format!("The run ended in a fault: {}.", faults.join(", "))
+            format!("The run ended in a fault: {}.{unbegun}", faults.join(", "))
         }
     }
 
@@ -99,11 +103,13 @@ impl RunReport<'_> {
                         },
                     ),
                 );
-                page.paragraph(&format!(
-                    "The same arm, job, bandwidth and damping without the model: the RMS error \
-                     is {:.1} times as large.",
-                    theirs.rms_m / ours.rms_m
-                ))
+                match self.summary.times_as_large(theirs) {
+                    None => page,
+                    Some(ratio) => page.paragraph(&format!(
+                        "The same arm, job, bandwidth and damping without the model: the RMS \
+                         error is {ratio:.1} times as large."
+                    )),
+                }
             }
         };
     }

@@ -145,26 +145,25 @@ fn the_picture_shows_the_ink_the_arm_and_its_way() {
 }
 
 #[test]
-fn a_run_cut_short_still_makes_a_page() {
+fn a_run_that_ends_before_its_job_begins_shows_no_motion() {
     let robot = robot();
     let empty = Summary {
         faults: vec!["over-current".into()],
-        ..Summary::default()
+        ..summary(0.0)
     };
     let report = RunReport {
         robot: &robot,
         job: None,
         summary: &empty,
         trace: &Trace::default(),
-        pd: None,
+        pd: Some((&empty, &Trace::default())),
         conditions: &[],
     };
-    assert!(
-        report
-            .page()
-            .render()
-            .contains("ended in a fault: over-current")
-    );
+    let html = report.page().render();
+    assert!(html.contains("ended in a fault: over-current. The job had not begun."));
+    for part in ["NaN", "Tip error", "There is nothing to show"] {
+        assert!(!html.contains(part), "{part}");
+    }
 }
 
 #[test]
