@@ -38,8 +38,9 @@ use std::process::ExitCode;
 
 pub use failure::Failure;
 
-/// Simulate, check and drive a planar five-bar arm. Without a command: the demonstration, a
-/// drawing job done by the simulated default arm.
+/// Simulate, check and drive a planar five-bar arm.
+///
+/// Without a command: the demonstration, a drawing job done by the simulated default arm.
 #[derive(Parser)]
 #[command(version, args_conflicts_with_subcommands = true)]
 struct Cli {

@@ -8,8 +8,10 @@ use crate::workspace::{Study, png, svg};
 use fivebar_kinematics::five_bar::{Side, WorkingMode};
 use std::path::PathBuf;
 
-/// Maps where an arm can take its tool: areas and the largest clear rectangle of every
-/// branch, singularity curves, the condition number; as workspace.svg, .png and .csv.
+/// Maps where an arm can take its tool, with areas, singularities, condition number.
+///
+/// Printed are the areas and the largest clear rectangle of every branch; workspace.svg and
+/// .png draw one, workspace.csv lists all.
 #[derive(clap::Args)]
 pub(super) struct Args {
     /// A robot file, or the name of a built-in robot.
@@ -21,7 +23,8 @@ pub(super) struct Args {
     /// The working mode to draw, as the turns of elbows 1 and 4; left out: the robot's own.
     #[arg(long, value_name = "ELBOW1,ELBOW4", value_parser = working_mode)]
     branch: Option<WorkingMode>,
-    /// Side of the cells that figures and table are made of [mm].
+    /// Side of the cells that figures and table are made of [mm]; one that suits the arm's
+    /// size when left out.
     #[arg(long, value_name = "MM", value_parser = millimetres)]
     resolution: Option<f64>,
     /// Print the figures as one JSON object.
