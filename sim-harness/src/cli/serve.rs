@@ -34,8 +34,13 @@ pub(super) struct Args {
     upload: bool,
     /// Where to listen, port 0 being any free one. Away from this machine's own address,
     /// only those may connect who show the token that is printed; it is sent unencrypted.
-    #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8105")]
+    #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8105", value_parser = address)]
     listen: SocketAddr,
+}
+
+fn address(text: &str) -> Result<SocketAddr, String> {
+    let address = text.parse();
+    address.map_err(|_| "give an address in numbers and a port, such as 127.0.0.1:9000".into())
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {

@@ -133,18 +133,14 @@ fn geometry(
     base: f64,
 ) -> Result<Geometry<f64>, FileError> {
     let [l1, l2, l3, l4] = [0, 1, 2, 3].map(|i| links[i].length);
-    let lengths = [l1, l2, l3, l4, base];
-    for (index, length) in lengths.into_iter().enumerate() {
+    let link = |index: usize| (Key::Of("link", index, "length"), links[index].length);
+    for (key, length) in [(Key::Top("base"), base), link(0), link(1), link(2), link(3)] {
         if length > LONGEST && length.is_finite() {
-            let key = match index {
-                0..4 => Key::Of("link", index, "length"),
-                _ => Key::Top("base"),
-            };
             let reason = format!("is in metres, {LONGEST:?} at most, not {length:?}");
             return Err(source.refuse(key, reason));
         }
     }
-    Geometry::new(lengths).map_err(|error| match error {
+    Geometry::new([l1, l2, l3, l4, base]).map_err(|error| match error {
         GeometryError::NotPositive(index @ 0..4) => source.refuse(
             Key::Of("link", index, "length"),
             format!("{POSITIVE} of metres, not {:?}", links[index].length),

@@ -63,7 +63,17 @@ impl Scenario {
             file: path,
             text: &text,
         };
-        let file: ScenarioFile = source.parse()?;
+        let file: ScenarioFile = source.parse().map_err(|error| {
+            if Robot::parse(path, &text).is_err() {
+                return error;
+            }
+            let reason = format!("this is a robot, not a scenario: give it as --robot {path}");
+            FileError {
+                line: None,
+                reason,
+                ..error
+            }
+        })?;
         check(&source, &file)?;
         let (mut broken, mut faults) = (Vec::new(), Vec::new());
         for (index, entry) in file.fault.iter().enumerate() {
