@@ -47,6 +47,23 @@ fn the_textbook_lens_has_its_known_area() {
     assert_close("counted", counted, 0.415_580_73, 1e-4);
 }
 
+/// The circles that bound the reach of the leg whose pivot is not at `center`.
+fn other_leg(
+    geometry: &Geometry<f64>,
+    center: Vec2<f64>,
+) -> impl Iterator<Item = (Vec2<f64>, f64)> {
+    let [l1, l2, l3, l4, l5] = geometry.lengths();
+    let (pivot, near, far) = if center.x == 0.0 {
+        (l5, l4, l3)
+    } else {
+        (0.0, l1, l2)
+    };
+    let radii = [near + far, (near - far).abs()];
+    radii
+        .into_iter()
+        .map(move |radius| (Vec2::new(pivot, 0.0), radius))
+}
+
 proptest! {
     #[test]
     fn the_boundary_encloses_the_area(geometry in geometry()) {
@@ -61,8 +78,14 @@ proptest! {
     ) {
         for arc in geometry.reach_boundary() {
             let direction = Vec2::unit(arc.from + at * (arc.to - arc.from));
-            // Far enough from the arc's ends that the other leg does not object.
-            let step = 1e-4 * (arc.to - arc.from).min(1.0) * arc.radius;
+            // So small that the other leg, whose circles meet the arc at its ends, cannot
+            // object, however flat they meet it.
+            let on_arc = arc.center + direction * arc.radius;
+            let spare = other_leg(&geometry, arc.center)
+                .map(|(pivot, radius)| ((on_arc - pivot).norm() - radius).abs())
+                .fold(f64::INFINITY, f64::min);
+            let step = (1e-4 * arc.radius).min(0.5 * spare);
+            prop_assume!(step > 1e-12);
             let outwards = if arc.outer { step } else { -step };
             let beyond = arc.center + direction * (arc.radius + outwards);
             let within = arc.center + direction * (arc.radius - outwards);

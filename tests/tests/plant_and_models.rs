@@ -133,7 +133,10 @@ proptest! {
         let (a, _) = model.accelerations(&state, torque, Vector2::from(force));
         let force = Vec2::new(force[0], force[1]);
         let expected = robot.arm().unwrap().forward_dynamics(&pose, &rates, torque, force).unwrap();
-        let scale = expected.iter().fold(1.0, |m: f64, x| m.max(x.abs()));
+        // What rounds are the distal links' terms, which near a singularity are many times
+        // larger than the driven accelerations that they cancel to.
+        let terms = a.iter().zip(&state.v).map(|(a, v)| a.angular.abs().max(v.angular.powi(2)));
+        let scale = terms.fold(1.0, f64::max);
         for (a, e) in [a[0].angular, a[3].angular].into_iter().zip(expected) {
             prop_assert!((a - e).abs() <= 1e-8 * scale, "{a} for {e}");
         }
