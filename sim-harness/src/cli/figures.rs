@@ -1,7 +1,7 @@
 //! An answer in JSON as a person reads it: a figure a line, with its unit.
 
 use crate::report::quantity;
-use serde_json::{Map, Value};
+use serde_json::Value;
 use std::fmt::Write as _;
 
 /// How keys end, longer endings first, and the unit that each stands for.
@@ -25,17 +25,25 @@ const UNITS: [(&str, &str); 14] = [
 /// Lists of more objects than this are counted instead: --json has them.
 const LISTED: usize = 12;
 
-/// The figures of an answer, line by line.
+/// The figures of an answer, line by line, after what they are of.
 pub(super) fn figures(answer: &Value) -> String {
     let mut text = String::new();
     if let Value::Object(fields) = answer {
-        block(&mut text, fields, 0, "");
+        let named = |(_, value): &(&String, &Value)| value.is_string();
+        let (names, others): (Vec<_>, Vec<_>) = fields.iter().partition(named);
+        block(&mut text, names, 0, "");
+        block(&mut text, others, 0, "");
     }
     text
 }
 
 /// `unit` is that of the key above, for keys that are names.
-fn block(text: &mut String, fields: &Map<String, Value>, depth: usize, unit: &str) {
+fn block<'a>(
+    text: &mut String,
+    fields: impl IntoIterator<Item = (&'a String, &'a Value)>,
+    depth: usize,
+    unit: &str,
+) {
     for (key, value) in fields {
         let (label, own) = parted(key);
         let unit = if own.is_empty() { unit } else { own };
@@ -142,6 +150,7 @@ mod tests {
         assert_eq!(
             lines,
             [
+                "robot: benchtop",
                 "contributors:",
                 "  θ1: share 2.5 %, share x 50.0 %",
                 "monte carlo:",
@@ -152,7 +161,6 @@ mod tests {
                 "places: 13 entries, which --json prints",
                 "position covariance: 5.280e-10 m², 0.000e0 m²; 0.000e0 m², 4.450e-10 m²",
                 "position sd: 23.0 µm, 500 mm",
-                "robot: benchtop",
                 "settled: yes",
             ]
         );
