@@ -5,6 +5,7 @@ mod joints;
 mod mcap;
 mod output;
 mod scenario;
+mod scene;
 mod simulation;
 mod summary;
 mod trace;
