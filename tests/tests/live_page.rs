@@ -231,6 +231,19 @@ fn an_arm_on_a_port_is_homed_jogged_and_stopped_from_a_page() {
 }
 
 #[test]
+fn a_page_that_talks_without_end_is_let_go() {
+    let (_server, address) = server(|| Source::Simulated);
+    let mut wild = Page::open(address);
+    let alive = || Message::text(r#""alive""#);
+    let deadline = Instant::now() + Duration::from_secs(60);
+    while wild.socket.send(alive()).is_ok() {
+        assert!(Instant::now() < deadline, "it still has its connection");
+    }
+    let mut page = Page::open(address);
+    page.state_named("Stopped");
+}
+
+#[test]
 fn an_arm_on_a_port_comes_to_rest_when_its_page_is_lost() {
     let (_board, port) = board();
     let (_server, address) = server(at_port(&port));

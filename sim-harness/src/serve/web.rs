@@ -15,11 +15,17 @@ use std::net::TcpListener;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
+use std::time::{Duration, Instant};
 use tokio::sync::broadcast::error::RecvError;
 use tokio::sync::oneshot;
 
 /// The longest message of a page: a job of a few hundred thousand moves.
 const LONGEST: usize = 16 << 20;
+
+/// Messages of a page in a second, several times what hands and clocks make. One that says
+/// more has gone wild and is let go as if it were lost: neither does it keep others from
+/// stopping the arm, nor does the arm obey what has waited in line.
+const MOST: u32 = 1000;
 
 /// Nothing but what this server sends is loaded, and no other page frames it.
 const POLICY: &str = "default-src 'self'; frame-ancestors 'none'; base-uri 'none'";
@@ -147,14 +153,25 @@ async fn attend(mut socket: WebSocket, client: Client, pages: WebSide) {
     }
     let tell = |event| pages.events.send((client, event));
     let _ = tell(Event::Joined);
+    let mut second = (Instant::now(), 0);
     loop {
+        if second.0.elapsed() >= Duration::from_secs(1) {
+            second = (Instant::now(), 0);
+        }
         let event = tokio::select! {
             heard = socket.recv() => match heard {
-                Some(Ok(Message::Text(text))) => match serde_json::from_str::<Wish>(&text) {
-                    Ok(wish) => Event::Wish(wish),
-                    Err(error) => Event::Strange(error.to_string()),
-                },
-                Some(Ok(Message::Ping(_) | Message::Pong(_))) => continue,
+                _ if second.1 == MOST => break,
+                Some(Ok(Message::Text(text))) => {
+                    second.1 += 1;
+                    match serde_json::from_str::<Wish>(&text) {
+                        Ok(wish) => Event::Wish(wish),
+                        Err(error) => Event::Strange(error.to_string()),
+                    }
+                }
+                Some(Ok(Message::Ping(_) | Message::Pong(_))) => {
+                    second.1 += 1;
+                    continue;
+                }
                 Some(Ok(Message::Binary(_) | Message::Close(_)) | Err(_)) | None => break,
             },
             told = news.recv() => match told {
