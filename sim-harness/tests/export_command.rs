@@ -1,6 +1,8 @@
 //! `fivebar export` from the outside; what the models hold is checked by their readers
 //! (scripts/peers.sh).
 
+use resvg::usvg::roxmltree::Document;
+use std::path::Path;
 use std::process::{Command, Output};
 
 fn export(arguments: &[&str]) -> Output {
@@ -26,6 +28,42 @@ fn prints_the_model_or_writes_it_and_says_so() {
         assert!(said.contains("usp_2dof") && said.contains(path), "{said}");
         assert_eq!(said.lines().count(), 1);
     }
+}
+
+/// The benchtop arm with another name.
+fn named(folder: &Path, name: &str) -> String {
+    let (_, benchtop) = include_str!("../robots/benchtop.toml")
+        .split_once("name = \"benchtop\"")
+        .unwrap();
+    let path = folder.join("arm.toml");
+    std::fs::write(&path, format!("name = {name:?}{benchtop}")).unwrap();
+    path.to_str().unwrap().into()
+}
+
+#[test]
+fn any_name_leaves_the_model_sound() {
+    let folder = tempfile::tempdir().unwrap();
+    let name = "a --- <b> & \"c\" 'd' --";
+    let robot = named(folder.path(), name);
+    for (format, attribute) in [("mjcf", "model"), ("urdf", "name")] {
+        let model = String::from_utf8(export(&[format, &robot]).stdout).unwrap();
+        let document = Document::parse(&model).unwrap();
+        assert_eq!(document.root_element().attribute(attribute), Some(name));
+    }
+}
+
+#[test]
+fn urdf_joints_have_the_torque_of_their_motors() {
+    let model = String::from_utf8(export(&["urdf", "benchtop"]).stdout).unwrap();
+    let document = Document::parse(&model).unwrap();
+    let limits = document
+        .descendants()
+        .filter(|node| node.has_tag_name("limit"));
+    let efforts = limits.map(|node| node.attribute("effort").unwrap().parse().unwrap());
+    // 4 A · 0.0234 N·m/A · 8
+    let off = |effort: f64| (effort - 0.7488).abs();
+    assert!(efforts.clone().all(|effort| off(effort) < 1e-9));
+    assert_eq!(efforts.count(), 2);
 }
 
 #[test]

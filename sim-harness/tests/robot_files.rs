@@ -101,6 +101,14 @@ fn missing_keys_are_refused_by_name() {
 }
 
 #[test]
+fn a_name_is_one_line() {
+    for name in ["two\\nlines", "a bell \\u0007"] {
+        let text = PLAIN.replacen("name = \"", &format!("name = \"{name} "), 1);
+        assert_refused(&text, 1, &["`name` must be one line"]);
+    }
+}
+
+#[test]
 fn unknown_keys_are_refused_by_name() {
     let top = PLAIN.replace("payload =", "paylod =");
     assert_refused(&top, 4, &["unknown field `paylod`"]);

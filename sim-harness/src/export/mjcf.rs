@@ -37,7 +37,7 @@ pub fn mjcf(robot: &Robot) -> Result<String, String> {
     let _ = write!(
         text,
         "<mujoco model=\"{name}\">\n\
-         \x20 <!-- Planar five-bar {name}, exported by fivebar {version}. SI units, plane z = 0. -->\n\
+         \x20 <!-- A planar five-bar, exported by fivebar {version}. SI units, plane z = 0. -->\n\
          \x20 <compiler angle=\"radian\"/>\n\
          \x20 <option timestep=\"0.0001\" gravity=\"{gx} {gy} 0\" integrator=\"implicitfast\">\n\
          \x20   <flag contact=\"disable\"/>\n\

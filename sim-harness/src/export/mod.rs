@@ -54,11 +54,10 @@ fn with_payload(arm: &Arm<f64>, link: Link<f64>, length: f64) -> Link<f64> {
     }
 }
 
-/// Text made safe in XML, as content and inside double quotes.
+/// Text made safe inside double quotes in XML.
 fn escape(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")
         .replace('"', "&quot;")
-        .replace("--", "- -")
 }

@@ -14,7 +14,7 @@ pub fn urdf(robot: &Robot) -> Result<String, String> {
     let name = escape(&robot.name);
     let mut text = format!(
         "<?xml version=\"1.0\"?>\n\
-         <!-- Planar five-bar {name}. URDF knows no closed loops: this one is cut at C. Keep the\n\
+         <!-- A planar five-bar. URDF knows no closed loops: this one is cut at C. Keep the\n\
          \x20    frames c_of_link2 and c_of_link3 together by a constraint of your simulator. -->\n\
          <robot name=\"{name}\">\n  <link name=\"base\"/>\n"
     );
@@ -25,10 +25,11 @@ pub fn urdf(robot: &Robot) -> Result<String, String> {
         let _ = writeln!(text, "  <link name=\"{end}\"/>");
     }
     let base = robot.geometry.base();
+    let drives = robot.drives().map_err(|error| error.to_string())?;
     let drive = |index: usize| {
         let [low, high] = robot.limits.angle[index];
         let speed = robot.limits.max_speed[index];
-        let torque = robot.limits.max_torque.map_or(1e3, |torque| torque[index]);
+        let torque = drives[index].peak_torque();
         format!(
             "<limit lower=\"{low}\" upper=\"{high}\" velocity=\"{speed}\" effort=\"{torque}\"/>"
         )

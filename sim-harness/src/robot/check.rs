@@ -23,6 +23,10 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
     if file.name.trim().is_empty() {
         return Err(source.refuse(Key::Top("name"), "must not be empty"));
     }
+    // Neither XML nor a table has a place for others.
+    if file.name.contains(char::is_control) {
+        return Err(source.refuse(Key::Top("name"), "must be one line of plain characters"));
+    }
     let gravity = finite(&source, Key::Top("gravity"), file.gravity)?;
     let payload = not_negative(&source, Key::Top("payload"), file.payload)?;
     let links: [LinkFile; 4] = file.link.try_into().map_err(|links: Vec<_>| {

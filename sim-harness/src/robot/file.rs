@@ -89,6 +89,13 @@ pub struct Actuator {
     pub current_per_code: Option<f64>,
 }
 
+impl Actuator {
+    /// What it gives its joint at peak current [N·m].
+    pub fn peak_torque(&self) -> f64 {
+        self.peak_current * self.torque_constant * self.gear_ratio.abs()
+    }
+}
+
 /// `[tool]`: the tool, rigid on link 2.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
