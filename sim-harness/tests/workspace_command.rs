@@ -6,6 +6,7 @@ use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::{Side, WorkingMode};
 use resvg::tiny_skia::Pixmap;
 use serde_json::Value;
+use std::collections::HashSet;
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -181,6 +182,29 @@ fn the_arm_may_be_anywhere_in_the_rectangles_and_at_the_best_places() {
     assert_eq!(mode(own), robot.working_mode);
     let size = vector(&own["clear_rectangle"]["size_m"]);
     assert!(size.x > 0.148 && size.y > 0.09, "{size:?} m");
+}
+
+#[test]
+fn places_of_the_smallest_arm_can_be_told_apart() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("tiny.toml");
+    let links = [1e-5, 2e-5, 2e-5, 1e-5].map(|length| format!("[[link]]\nlength = {length}\n"));
+    let text = format!(
+        "name = \"tiny\"\ngravity = [0.0, 0.0]\nbase = 1e-5\n{}",
+        links.concat()
+    );
+    std::fs::write(&file, text).unwrap();
+    assert!(
+        workspace(folder.path(), &[file.to_str().unwrap()])
+            .status
+            .success()
+    );
+    let csv = std::fs::read_to_string(folder.path().join("workspace.csv")).unwrap();
+    // Place and working mode.
+    let place = |line: &str| line.splitn(5, ',').take(4).collect::<Vec<_>>().join(",");
+    let lines: Vec<String> = csv.lines().map(place).collect();
+    let apart: HashSet<&String> = lines.iter().collect();
+    assert!(lines.len() > 1000 && apart.len() == lines.len());
 }
 
 #[test]

@@ -67,7 +67,8 @@ impl Study<'_> {
         text
     }
 
-    fn resolution(&self) -> f64 {
+    /// Side of a cell [m].
+    pub(super) fn resolution(&self) -> f64 {
         self.maps.first().map_or(0.0, |map| map.grid().pitch())
     }
 

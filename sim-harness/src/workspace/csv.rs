@@ -12,6 +12,8 @@ impl Study<'_> {
     /// A line for every place in every working mode that reaches it.
     pub fn csv(&self) -> String {
         let mut csv = String::from(HEADER);
+        // To a micrometre; of smaller cells to a thousandth.
+        let decimals = (3.0 - self.resolution().log10().floor()).max(6.0) as usize;
         for map in &self.maps {
             let mode = map.workspace().mode;
             for (place, cell) in map.reached() {
@@ -26,7 +28,7 @@ impl Study<'_> {
                 let [within_limits, clear] = [within_limits, admitted].map(|&flag| u8::from(flag));
                 let _ = writeln!(
                     csv,
-                    "{:.6},{:.6},{},{},{assembly},{within_limits},{clear},{:.4},{:.4},{:.4},{:.4e}",
+                    "{:.decimals$},{:.decimals$},{},{},{assembly},{within_limits},{clear},{:.4},{:.4},{:.4},{:.4e}",
                     place.x,
                     place.y,
                     mode.elbow1,

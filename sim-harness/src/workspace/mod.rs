@@ -30,10 +30,10 @@ pub enum StudyError {
     #[error("robot `{0}`: {1}")]
     Robot(String, NoWorkspace),
     /// The cells are of no use.
-    #[error("cells of {mm} mm: {error}; give another --resolution")]
+    #[error("cells of {pitch:.1e} m: {error}; give another --resolution")]
     Grid {
-        /// Side of a cell [mm].
-        mm: f64,
+        /// Side of a cell [m].
+        pitch: f64,
         /// What is wrong with it.
         error: GridError,
     },
@@ -89,8 +89,8 @@ impl<'a> Study<'a> {
             return Err(nothing());
         }
         let pitch = resolution.unwrap_or_else(|| round_down(size / CELLS));
-        let mm = 1e3 * pitch;
-        let grid = Grid::over(&tool, pitch).map_err(|error| StudyError::Grid { mm, error })?;
+        let grid = Grid::over(&tool, pitch);
+        let grid = grid.map_err(|error| StudyError::Grid { pitch, error })?;
         let maps = WorkingMode::ALL.into_par_iter();
         let maps: Vec<Map> = maps
             .map(|mode| Ok(Map::new(workspace(mode)?, grid)))

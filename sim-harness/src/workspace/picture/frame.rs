@@ -30,10 +30,7 @@ impl Frame {
     pub(super) fn around(tool: &Tool<f64>) -> Result<Self, StudyError> {
         let [low, high] = bounds(tool);
         let pitch = (high.x - low.x).max(high.y - low.y) / SIDE;
-        let refused = |error| StudyError::Grid {
-            mm: 1e3 * pitch,
-            error,
-        };
+        let refused = |error| StudyError::Grid { pitch, error };
         let grid = Grid::over(tool, pitch).map_err(refused)?;
         Ok(Self { grid })
     }
