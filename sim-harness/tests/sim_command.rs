@@ -144,6 +144,16 @@ fn a_folder_that_cannot_be_written_is_refused_before_the_run() {
 }
 
 #[test]
+fn a_log_that_cannot_be_written_is_refused_before_the_run() {
+    let bench = Bench::new();
+    bench.file("taken", "");
+    let log = ["--log", "taken/run.mcap"];
+    bench.assert_refused(&[&[PETAL], &log[..]].concat(), 1, &["taken", "--log"]);
+    std::fs::create_dir(bench.path("logs")).unwrap();
+    bench.assert_refused(&[PETAL, "--log", "logs"], 1, &["logs is a folder"]);
+}
+
+#[test]
 fn jobs_that_make_no_sense_are_refused_with_their_line() {
     let bench = Bench::new();
     for (text, words) in [

@@ -60,7 +60,7 @@ fn joint(text: &str) -> Result<usize, String> {
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let scenario = scenario(args)?;
     let clearances = clearances(args, &scenario.robot)?;
-    let folder = OutputFolder::prepare(&args.out).map_err(refused)?;
+    let folder = OutputFolder::prepare(&args.out, "--out").map_err(refused)?;
     let job = scenario.job().map_err(refused)?;
     for warning in &job.warnings {
         warn(format_args!("{}, {warning}", scenario.job_file));

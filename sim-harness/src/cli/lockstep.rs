@@ -7,7 +7,7 @@ use super::say::say;
 use super::sim::{outcome, print, progress_bar, refusal};
 use crate::link::{Difference, Instructions, Lockstep, LockstepError, TargetError};
 use crate::report::RunReport;
-use crate::run::{OutputFolder, RunError, Summary};
+use crate::run::{RunError, Summary};
 use serde::Serialize;
 use std::io::{Read, Write};
 
@@ -66,7 +66,7 @@ pub(super) fn run(
         suspicion,
     } = other;
     let scenario = args.run.scenario()?;
-    let folder = OutputFolder::prepare(&args.run.output.out).map_err(refused)?;
+    let folders = args.run.output.prepare()?;
     let job = scenario.job().map_err(refused)?;
     scenario
         .check(&job)
@@ -97,7 +97,7 @@ pub(super) fn run(
         }
         other => refusal(&scenario, &other),
     })?;
-    summary.out_dir = folder.path().display().to_string();
+    summary.out_dir = folders.out.path().display().to_string();
 
     let Instructions { min, max, total } = lockstep.instructions();
     let figures = LockstepSummary {
@@ -119,7 +119,7 @@ pub(super) fn run(
         conditions: &scenario.conditions(),
     };
     let text = serde_json::to_string_pretty(&figures).map_err(refused)?;
-    args.run.output.leave(&folder, &report, &text)?;
+    args.run.output.leave(&folders, &report, &text)?;
     if args.run.output.json {
         say(serde_json::to_string(&figures).map_err(refused)?)?;
     } else {

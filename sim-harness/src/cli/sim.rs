@@ -6,7 +6,7 @@ use super::run_args::RunArgs;
 use super::say::{say, warn};
 use crate::link::TargetError;
 use crate::report::{RunReport, quantity};
-use crate::run::{OutputFolder, Record, RunError, Scenario, Summary, TipError, fault_name};
+use crate::run::{Record, RunError, Scenario, Summary, TipError, fault_name};
 use indicatif::{ProgressBar, ProgressStyle};
 
 /// Simulates a job from power-up to its end and leaves a report.
@@ -23,7 +23,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
 /// Runs a scenario, and once more by PD alone for comparison; writes and prints what came
 /// of it.
 pub(super) fn simulate(scenario: &Scenario, output: &OutputArgs) -> Result<(), Failure> {
-    let folder = OutputFolder::prepare(&output.out).map_err(refused)?;
+    let folders = output.prepare()?;
     let job = scenario.job().map_err(refused)?;
     for warning in &job.warnings {
         warn(format_args!("{}, {warning}", scenario.job_file));
@@ -46,7 +46,7 @@ pub(super) fn simulate(scenario: &Scenario, output: &OutputArgs) -> Result<(), F
     let (mut summary, record) = ours.map_err(|error| refusal(scenario, &error))?;
     // PD may fail where the model does not; then there is nothing to compare.
     let pd = pd.and_then(Result::ok);
-    summary.out_dir = folder.path().display().to_string();
+    summary.out_dir = folders.out.path().display().to_string();
     summary.pd_tip_error = pd.as_ref().map(|(pd, _)| pd.tip_error);
     let text = serde_json::to_string_pretty(&summary).map_err(refused)?;
     let report = RunReport {
@@ -59,7 +59,7 @@ pub(super) fn simulate(scenario: &Scenario, output: &OutputArgs) -> Result<(), F
             .map(|(summary, record)| (summary, &record.trace)),
         conditions: &scenario.conditions(),
     };
-    output.leave(&folder, &report, &text)?;
+    output.leave(&folders, &report, &text)?;
     if output.json {
         say(serde_json::to_string(&summary).map_err(refused)?)?;
     } else {

@@ -14,20 +14,23 @@ pub struct OutputFolder {
 
 /// The folder cannot be used.
 #[derive(Debug, thiserror::Error)]
-#[error("cannot write to folder {}: {source}; choose another with --out", path.display())]
+#[error("cannot write to folder {}: {source}; choose another with {option}", path.display())]
 pub struct Unwritable {
     path: PathBuf,
+    option: &'static str,
     source: std::io::Error,
 }
 
 impl OutputFolder {
-    /// Makes sure, before anything is run, that files can be written to `path`.
+    /// Makes sure, before anything is run, that files can be written to `path`, which the
+    /// command line's `option` names.
     ///
     /// # Errors
     /// What the system says.
-    pub fn prepare(path: &Path) -> Result<Self, Unwritable> {
+    pub fn prepare(path: &Path, option: &'static str) -> Result<Self, Unwritable> {
         let refused = |source| Unwritable {
             path: path.to_owned(),
+            option,
             source,
         };
         let missing = path.ancestors().filter(|p| !p.as_os_str().is_empty());
