@@ -108,9 +108,6 @@ impl Controller {
             }
             self.happen(Event::Begin);
         }
-        if self.path.runs_short() {
-            self.latch(Fault::QueueUnderrun);
-        }
         let Some(step) = self.path.step() else {
             self.setpoint.rest();
             return Ok(Limits::NONE);

@@ -52,6 +52,7 @@ pub struct Controller {
     held: bool,
     model: Model,
     path: Path,
+    settings: Settings,
     searches: [Search; 2],
     /// The latched fault, as it was raised.
     latched: Option<Snapshot>,
@@ -93,6 +94,7 @@ impl Controller {
     pub fn new(settings: &Settings) -> Result<Self, SettingsError> {
         Ok(Self {
             model: Model::new(settings)?,
+            settings: *settings,
             joints: [Joint::new(), Joint::new()],
             begun: false,
             state: State::Stopped,
@@ -115,7 +117,7 @@ impl Controller {
 
     /// The settings in use.
     pub fn settings(&self) -> &Settings {
-        &self.model.settings
+        &self.settings
     }
 
     /// One tick: what the bridges are told until the next.
@@ -137,10 +139,14 @@ impl Controller {
             Work::Search => self.search(sensed),
             Work::Follow => self.follow(),
         };
-        match demand {
+        let command = match demand {
             Some(demand) => self.drive(demand),
             None => self.off(),
+        };
+        if let Some(fault) = self.stopping_fault() {
+            self.latch(fault);
         }
+        command
     }
 
     #[inline(always)]
@@ -200,12 +206,27 @@ impl Controller {
         if let Some(fault) = monitor.bus(self.bus_voltage) {
             return Some(fault);
         }
-        if samples.too_hot {
-            return Some(Fault::OverTemperature);
+        samples.too_hot.then_some(Fault::OverTemperature)
+    }
+
+    /// The fault, if any, that stops the arm on its path. It is looked for when the tick's
+    /// work is done, and the braking begins with the next: the tick that latches a fault is
+    /// long enough.
+    #[inline(always)]
+    fn stopping_fault(&self) -> Option<Fault> {
+        match self.state {
+            State::Running if self.path.runs_short() => Some(Fault::QueueUnderrun),
+            State::Running | State::Stopping if self.is_unheard() => Some(Fault::CommandTimeout),
+            State::Running | State::Stopping | State::Stopped => None,
+            State::Homing | State::Armed | State::Fault => None,
         }
-        let moving = matches!(self.state, State::Running | State::Stopping | State::Homing);
+    }
+
+    /// Whether the host has been silent for too long.
+    #[inline(always)]
+    fn is_unheard(&self) -> bool {
         let silence = self.ticks.wrapping_sub(self.heard_at);
-        (moving && monitor.silent(silence)).then_some(Fault::CommandTimeout)
+        self.model.monitor.silent(silence)
     }
 
     /// Ticks were missed. So many at once that the loops no longer know the arm are a
@@ -222,11 +243,10 @@ impl Controller {
     #[inline(always)]
     fn work(&self) -> Work {
         match self.state {
-            State::Stopped => Work::Rest,
-            State::Homing => Work::Search,
             State::Armed | State::Running | State::Stopping => Work::Follow,
             State::Fault if self.held => Work::Follow,
-            State::Fault => Work::Rest,
+            State::Homing => Work::Search,
+            State::Stopped | State::Fault => Work::Rest,
         }
     }
 

@@ -36,7 +36,6 @@ pub(crate) struct Model {
     /// T [s].
     pub(crate) period: f32,
     pub(crate) search_plans: [SearchPlan; 2],
-    pub(crate) settings: Settings,
 }
 
 /// The constants of one joint.
@@ -86,7 +85,6 @@ impl Model {
             search_plans: settings
                 .axes
                 .map(|axis| SearchPlan::new(&axis, &settings.homing)),
-            settings: *settings,
         })
     }
 }

@@ -20,7 +20,7 @@ pub const PIECES: usize = 32;
 const READY: f32 = 0.02;
 
 /// Pieces that one tick may leave behind; more make the path wait for the next tick.
-const PIECES_PER_TICK: u32 = 4;
+const PIECES_PER_TICK: u32 = 2;
 
 /// A piece of path and what the tick must know about it.
 #[derive(Clone, Copy, Debug)]
@@ -48,6 +48,8 @@ pub(crate) struct Path {
     behind: f32,
     /// The same, counted so that what comes and goes leaves nothing behind [µs].
     behind_us: u32,
+    /// The last stretch ends in motion.
+    open: bool,
     brake: Option<Brake>,
     /// T [s].
     stopping_time: f32,
@@ -117,6 +119,7 @@ impl Path {
             left: 0.0,
             behind: 0.0,
             behind_us: 0,
+            open: false,
             brake: None,
             stretches: Deque::new(),
         }
@@ -128,6 +131,7 @@ impl Path {
         self.offset = 0.0;
         self.left = 0.0;
         self.set_behind(0);
+        self.open = false;
         self.brake = None;
         self.stretches.clear();
     }
@@ -157,7 +161,7 @@ impl Path {
 
     /// Whether the path breaks off in motion and more of it would find room.
     fn waits_for_more(&self) -> bool {
-        self.is_open() && self.brake.is_none() && !self.stretches.is_full()
+        self.open && self.brake.is_none() && !self.stretches.is_full()
     }
 
     /// Tag of the piece in progress.
@@ -170,6 +174,7 @@ impl Path {
         let duration = stretch.piece.duration();
         let first = self.stretches.is_empty();
         self.stretches.push_back(stretch)?;
+        self.open = stretch.open;
         if first {
             self.left = duration;
         } else {
@@ -186,24 +191,19 @@ impl Path {
         self.behind = microseconds as f32 * 1e-6;
     }
 
-    /// Whether the path breaks off in motion.
-    #[inline(always)]
-    fn is_open(&self) -> bool {
-        self.stretches.back().is_some_and(|stretch| stretch.open)
-    }
-
     /// Begins to come to rest; sooner than usual where a path that breaks off leaves no
     /// room for that.
     #[cold]
     pub(crate) fn brake(&mut self) {
         if self.brake.is_none() {
-            let tick = self.period;
-            let room = (2.0 * (self.left - 2.0 * tick)).max(2.0 * tick);
-            let time = if self.is_open() && room < self.stopping_time {
-                room
-            } else {
-                self.stopping_time
-            };
+            let mut time = self.stopping_time;
+            if self.open && self.left < self.least {
+                let tick = self.period;
+                time = 2.0 * (self.left - tick - tick);
+                if time < tick + tick {
+                    time = tick + tick;
+                }
+            }
             self.brake = Some(Brake {
                 phase: 0.0,
                 time,
@@ -227,23 +227,30 @@ impl Path {
         let mut time = self.offset + self.period * self.ticks as f32 + advance;
         let mut duration = first.piece.duration();
         let mut ended = false;
-        for _ in 0..PIECES_PER_TICK {
-            if time < duration {
-                break;
+        if time >= duration {
+            let mut behind = self.behind_us;
+            for _ in 0..PIECES_PER_TICK {
+                if self.stretches.len() == 1 {
+                    ended = true;
+                    break;
+                }
+                time -= duration;
+                self.stretches.pop_front();
+                first = self.stretches.front()?;
+                duration = first.piece.duration();
+                behind = behind.wrapping_sub(microseconds(duration));
+                if time < duration {
+                    break;
+                }
             }
-            if self.stretches.len() == 1 {
+            if time > duration {
+                // The path has ended, or waits.
                 time = duration;
-                ended = true;
-                break;
             }
-            time -= duration;
-            self.stretches.pop_front();
-            first = self.stretches.front()?;
-            duration = first.piece.duration();
             self.ticks = 0;
             self.offset = time - advance;
-            self.behind_us = self.behind_us.wrapping_sub(microseconds(duration));
-            self.behind = self.behind_us as f32 * 1e-6;
+            self.behind_us = behind;
+            self.behind = behind as f32 * 1e-6;
         }
         self.left = duration - time + self.behind;
         let reference = first.piece.evaluate(time);

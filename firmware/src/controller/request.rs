@@ -119,7 +119,7 @@ impl Controller {
             return Err(Refusal::State(self.state));
         }
         let pose = self.standing(angles)?;
-        if pose.working_mode() != self.model.settings.working_mode() {
+        if pose.working_mode() != self.settings.working_mode() {
             return Err(Refusal::NotOnBranch);
         }
         for ((joint, axis), angle) in self.joints.iter_mut().zip(&self.model.axes).zip(angles) {
@@ -138,7 +138,7 @@ impl Controller {
 
     /// The pose at these joint angles [rad], if the arm may be armed there.
     pub(crate) fn standing(&self, [theta1, theta4]: [f32; 2]) -> Result<Pose<f32>, Refusal> {
-        let settings = &self.model.settings;
+        let settings = &self.settings;
         let within = settings
             .axes
             .iter()

@@ -31,6 +31,9 @@ impl Controller {
     }
 
     fn seek(&mut self, sensed: &Sensed) -> Result<[f32; 2], Fault> {
+        if self.is_unheard() {
+            return Err(Fault::CommandTimeout);
+        }
         let mut torque = [0.0; 2];
         let model = &self.model;
         let joints = self.joints.iter_mut().zip(&model.axes);
@@ -68,7 +71,7 @@ impl Controller {
             .joints
             .iter_mut()
             .zip(&self.model.axes)
-            .zip(&self.model.settings.axes)
+            .zip(&self.settings.axes)
             .zip(counts)
         {
             joint.set_origin(axis, counts, settings.home_angle);
@@ -78,7 +81,7 @@ impl Controller {
         let pose = geometry
             .forward_from_directions(u1, u4, self.model.assembly)
             .map_err(|_| Fault::EncoderDisagreement)?;
-        if pose.working_mode() != self.model.settings.working_mode() {
+        if pose.working_mode() != self.settings.working_mode() {
             return Err(Fault::EncoderDisagreement);
         }
         self.homed = true;

@@ -100,7 +100,7 @@ impl<S: Scalar> Tool<S> {
         let (c, v, a) = match self.c_from_tool() {
             None => (t, v, a),
             Some(to_c) => {
-                let w = to_c.rotated_to(leg1.distal * self.per_reach());
+                let w = to_c.rotated_to(leg1.distal);
                 let (omega2, alpha2) = (leg1.far_velocity, leg1.far_acceleration(dyad, a));
                 (
                     t + w,

@@ -26,7 +26,7 @@ pub struct Tool<S> {
     per_reach: S,
     /// Direction of B→T in link 2's frame.
     lean: Vec2<S>,
-    /// C from T [m], along B→T and to its left; none where T is C.
+    /// C from T as a share of |BT|, along B→T and to its left; none where T is C.
     to_c: Option<Vec2<S>>,
 }
 
@@ -50,7 +50,7 @@ impl<S: Scalar> Tool<S> {
             leg1: Dyad::new(geometry.l1(), reach),
             per_reach,
             lean,
-            to_c: (offset != Vec2::zero()).then_some(to_c),
+            to_c: (offset != Vec2::zero()).then_some(to_c * per_reach),
         })
     }
 
@@ -72,19 +72,13 @@ impl<S: Scalar> Tool<S> {
         self.leg1.far()
     }
 
-    /// 1/|BT| [1/m].
-    #[inline]
-    pub(super) fn per_reach(&self) -> S {
-        self.per_reach
-    }
-
     /// A–B–T.
     #[inline]
     pub(super) fn leg1(&self) -> &Dyad<S> {
         &self.leg1
     }
 
-    /// C from T [m], along B→T and to its left; none where T is C.
+    /// C from T as a share of |BT|, along B→T and to its left; none where T is C.
     #[inline]
     pub(super) fn c_from_tool(&self) -> Option<Vec2<S>> {
         self.to_c

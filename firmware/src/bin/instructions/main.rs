@@ -131,13 +131,15 @@ fn report(counter: &InstructionCounter) {
             count(counter, name, &[piece], paths::reference);
         }
     }
-    count_ticks(counter);
+    for course in &tick::COURSES {
+        count_ticks(counter, course);
+    }
 }
 
-/// Counts every tick of a move, one call each.
-fn count_ticks(counter: &InstructionCounter) {
-    let Some(mut run) = tick::Run::new() else {
-        hprintln!("the move was refused");
+/// Counts every tick of a course, one call each.
+fn count_ticks(counter: &InstructionCounter, course: &tick::Course) {
+    let Some(mut run) = tick::Run::new(course) else {
+        hprintln!("the course was refused");
         return;
     };
     let (mut ticks, mut sum, mut most) = (0, 0, 0);
@@ -149,7 +151,7 @@ fn count_ticks(counter: &InstructionCounter) {
         sum += instructions;
         most = instructions.max(most);
     }
-    print("the whole tick along a line", sum / ticks.max(1), most);
+    print(course.name, sum / ticks.max(1), most);
 }
 
 #[panic_handler]
