@@ -122,7 +122,7 @@ impl Controller {
 
     /// One tick: what the bridges are told until the next.
     ///
-    /// Bounded: no loop but over the two joints and at most four pieces of path. The
+    /// Bounded: no loop but over the two joints and at most two pieces of path. The
     /// outputs act from the next tick on.
     pub fn tick(&mut self, sensed: &Sensed) -> Command {
         self.ticks = self.ticks.wrapping_add(1);

@@ -130,3 +130,22 @@ fn the_time_left_is_that_of_the_pieces_after_any_number_of_them() {
     // Each of at most 32 pieces was cut to whole microseconds.
     assert!((f64::from(path.left) - (all - passed)).abs() < 4e-5);
 }
+
+/// Shorter than a tick, each of them: a tick passes two, and the clock waits for the others.
+#[test]
+fn pieces_shorter_than_a_tick_are_passed_two_at_a_time() {
+    let mut path = Path::new(STOPPING_TIME, PERIOD);
+    for tag in 0..6 {
+        let mut look_ahead = LookAhead::<f32, 4>::new();
+        look_ahead
+            .push_dwell(Vec2::zero(), 0.2 * PERIOD, tag)
+            .unwrap();
+        path.push(stretch(look_ahead.next_piece().unwrap()))
+            .expect("room");
+    }
+    for (tag, at_rest) in [(2, false), (4, false), (5, true)] {
+        let step = path.step().expect("a path");
+        assert_eq!((path.tag(), step.at_rest), (Some(tag), at_rest));
+        assert!(path.left > -1e-9, "{} s left", path.left);
+    }
+}
