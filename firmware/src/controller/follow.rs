@@ -144,6 +144,26 @@ impl Controller {
         }
     }
 
+    /// The fault, if any, that stops the arm on its path. It is looked for when the tick's
+    /// work is done, and the braking begins with the next: the tick that latches a fault is
+    /// long enough.
+    #[inline(always)]
+    pub(super) fn stopping_fault(&self) -> Option<Fault> {
+        match self.state {
+            State::Running if self.path.runs_short() => Some(Fault::QueueUnderrun),
+            State::Running | State::Stopping if self.is_unheard() => Some(Fault::CommandTimeout),
+            State::Running | State::Stopping | State::Stopped => None,
+            State::Homing | State::Armed | State::Fault => None,
+        }
+    }
+
+    /// Whether the host has been silent for too long.
+    #[inline(always)]
+    pub(super) fn is_unheard(&self) -> bool {
+        let silence = self.ticks.wrapping_sub(self.heard_at);
+        self.model.monitor.silent(silence)
+    }
+
     /// Whether the arm still comes to rest under a latched fault.
     pub(super) fn moves_under_fault(&self) -> bool {
         self.held && !self.path.is_empty()

@@ -209,26 +209,6 @@ impl Controller {
         samples.too_hot.then_some(Fault::OverTemperature)
     }
 
-    /// The fault, if any, that stops the arm on its path. It is looked for when the tick's
-    /// work is done, and the braking begins with the next: the tick that latches a fault is
-    /// long enough.
-    #[inline(always)]
-    fn stopping_fault(&self) -> Option<Fault> {
-        match self.state {
-            State::Running if self.path.runs_short() => Some(Fault::QueueUnderrun),
-            State::Running | State::Stopping if self.is_unheard() => Some(Fault::CommandTimeout),
-            State::Running | State::Stopping | State::Stopped => None,
-            State::Homing | State::Armed | State::Fault => None,
-        }
-    }
-
-    /// Whether the host has been silent for too long.
-    #[inline(always)]
-    fn is_unheard(&self) -> bool {
-        let silence = self.ticks.wrapping_sub(self.heard_at);
-        self.model.monitor.silent(silence)
-    }
-
     /// Ticks were missed. So many at once that the loops no longer know the arm are a
     /// fault while the bridges are on; all are counted.
     #[cold]
