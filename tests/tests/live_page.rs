@@ -180,7 +180,7 @@ fn board() -> (Until<()>, String) {
         while !ends.load(Ordering::Relaxed) {
             let heard = far.read(&mut bytes).unwrap_or(0);
             if heard == 0 {
-                std::thread::sleep(Duration::from_millis(10));
+                std::thread::sleep(Duration::from_millis(40));
             }
             controller
                 .write_all(&bytes[..heard])
