@@ -40,7 +40,7 @@ fn a_job_is_done_whole_and_the_bridges_are_off_afterwards() {
     drive.home(Homing::Switches).expect("the switches work");
     let mut most = 0;
     drive
-        .follow(&long_job(), &arm::settings(), &mut |taken| most = taken)
+        .follow(&long_job(), &arm::settings(), &mut |taken, _| most = taken)
         .expect("the job can be done");
     assert_eq!(most, 40);
     let (status, _) = conversation.status().expect("a line");
@@ -61,7 +61,7 @@ fn a_wish_to_stop_brings_the_arm_to_rest_and_unpowers_it() {
     let mut drive = Drive::new(&mut conversation, &|| false);
     drive.home(Homing::Switches).expect("the switches work");
     let mut drive = Drive::new(&mut conversation, &wants_stop);
-    let outcome = drive.follow(&long_job(), &arm::settings(), &mut |_| ());
+    let outcome = drive.follow(&long_job(), &arm::settings(), &mut |_, _| ());
     let stopped = matches!(outcome, Err(DriveError::Stopped(Some(2..=39))));
     assert!(stopped, "{outcome:?}");
     let (status, _) = conversation.status().expect("a line");
@@ -78,7 +78,7 @@ fn a_move_that_cannot_be_done_is_refused_before_anything_moves() {
     let mut conversation = conversation();
     let mut drive = Drive::new(&mut conversation, &|| false);
     drive.home(Homing::Switches).expect("the switches work");
-    let outcome = drive.follow(&job, &arm::settings(), &mut |_| panic!("it moves"));
+    let outcome = drive.follow(&job, &arm::settings(), &mut |_, _| panic!("it moves"));
     match outcome {
         Err(DriveError::Move(refusal)) => {
             assert_eq!(refusal.tag, 40);

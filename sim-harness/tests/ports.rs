@@ -47,7 +47,10 @@ fn a_job_is_driven_over_a_port_to_its_end() {
     let board = Board::start(Some(arm::driving()));
     let job = job();
     let log = tempfile::NamedTempFile::new().expect("a file");
+    let folder = tempfile::tempdir().expect("a folder");
+    let mcap = folder.path().join("logs/run.mcap");
     let trace = ["--trace", log.path().to_str().expect("text")];
+    let trace = [&trace[..], &["--log", mcap.to_str().expect("text")]].concat();
     let (status, out, err) = end(board.fivebar(&[&drive(&job)[..], &trace].concat()));
     assert_eq!(status, Some(0), "{out}{err}");
     assert!(out.contains("41 moves done, bridges off"), "{out}");
@@ -56,6 +59,12 @@ fn a_job_is_driven_over_a_port_to_its_end() {
         log.contains("> HostMessage") && log.contains("Taken"),
         "{log}"
     );
+    let mcap = std::fs::read(mcap).expect("a log");
+    let messages = mcap::MessageStream::new(&mcap).expect("MCAP");
+    let of_the_tool = messages.filter(|it| it.as_ref().unwrap().channel.topic == "/tool");
+    let count = of_the_tool.count();
+    // It is asked a hundred times a second, for two seconds or so.
+    assert!(count > 100, "{count} messages");
 }
 
 #[test]

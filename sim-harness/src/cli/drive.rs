@@ -1,10 +1,12 @@
 //! `fivebar drive`: a job done by a controller that drives motors.
 
 use super::failure::{Failure, refused};
+use super::log::LogArgs;
 use super::port::{PortArgs, interrupted};
 use super::run_args::JobArgs;
 use super::say::{say, warn};
 use crate::drive::{Drive, DriveError, Homing};
+use crate::run::{Sample, Trace};
 use fivebar_firmware::protocol::Board;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::sync::atomic::Ordering;
@@ -26,6 +28,8 @@ pub(super) struct Args {
     /// is not homed looks for its switches.
     #[arg(long, value_name = "θ1,θ4", value_parser = super::run_args::point, allow_hyphen_values = true)]
     at: Option<[f64; 2]>,
+    #[command(flatten)]
+    log: LogArgs,
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
@@ -42,6 +46,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let settings = scenario.robot.settings().map_err(refused)?;
     let moves = scenario.moves(&job);
 
+    let _folder = args.log.prepare()?;
     let interrupted = interrupted()?;
     let (mut conversation, identity) = args.port.open()?;
     if identity.board == Board::Emulated {
@@ -58,6 +63,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let homing = args.at.map_or(Homing::Switches, |angles| {
         Homing::At(angles.map(|angle| angle as f32))
     });
+    let tick_rate = f64::from(settings.control.tick_rate);
+    let mut start = None;
+    let mut trace = Trace::default();
     let mut go = || {
         if args.clear {
             drive.clear_fault()?;
@@ -66,12 +74,21 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         bar.set_message("homing");
         drive.home(homing)?;
         bar.set_message("");
-        drive.follow(&moves, &settings, &mut |taken| {
+        drive.follow(&moves, &settings, &mut |taken, status| {
             bar.set_position(taken as u64);
+            let ticks = status.tick.wrapping_sub(*start.get_or_insert(status.tick));
+            if let Some(sample) = Sample::told(status, f64::from(ticks) / tick_rate) {
+                trace.push(sample);
+            }
         })
     };
     let outcome = go();
     bar.finish_and_clear();
+    // Of a job that was refused there is nothing to keep.
+    let logged = match trace.samples() {
+        [] => Ok(()),
+        _ => args.log.leave(&scenario.robot, &trace),
+    };
     match outcome {
         Ok(()) => {
             say(format_args!(
@@ -79,7 +96,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
                 scenario.job_file,
                 moves.len()
             ))?;
-            Ok(())
+            logged
         }
         Err(error @ DriveError::Move(_)) => {
             Err(refused(format_args!("{}, {error}", scenario.job_file)))

@@ -16,6 +16,7 @@ mod figures;
 mod hil;
 mod linkage;
 mod lockstep;
+mod log;
 mod man;
 mod mobility;
 mod monitor;

@@ -1,9 +1,10 @@
 //! What a run leaves behind, and where.
 
 use super::failure::{Failure, refused};
-use crate::report::{RunReport, write_whole};
-use crate::run::{OutputFolder, mcap};
-use std::path::{Path, PathBuf};
+use super::log::LogArgs;
+use crate::report::RunReport;
+use crate::run::OutputFolder;
+use std::path::PathBuf;
 
 /// Where a run's report goes.
 #[derive(clap::Args)]
@@ -11,9 +12,8 @@ pub(super) struct OutputArgs {
     /// The folder for report.html, trace.csv and summary.json.
     #[arg(long, value_name = "DIR", default_value = "out")]
     pub(super) out: PathBuf,
-    /// Also log the run as MCAP, for Foxglove.
-    #[arg(long, value_name = "FILE.mcap")]
-    log: Option<PathBuf>,
+    #[command(flatten)]
+    log: LogArgs,
     /// Print the figures as one JSON object.
     #[arg(long)]
     pub(super) json: bool,
@@ -29,18 +29,9 @@ pub(super) struct Folders {
 impl OutputArgs {
     /// Makes sure, before anything is run, that its files can be written.
     pub(super) fn prepare(&self) -> Result<Folders, Failure> {
-        let folder = |path: &Path, option| OutputFolder::prepare(path, option).map_err(refused);
-        let log_folder = |log: &PathBuf| match log.parent() {
-            _ if log.is_dir() => Err(refused(format!(
-                "--log {} is a folder; name a file in it",
-                log.display()
-            ))),
-            Some(parent) if !parent.as_os_str().is_empty() => folder(parent, "--log"),
-            _ => folder(Path::new("."), "--log"),
-        };
         Ok(Folders {
-            _log: self.log.as_ref().map(log_folder).transpose()?,
-            out: folder(&self.out, "--out")?,
+            _log: self.log.prepare()?,
+            out: OutputFolder::prepare(&self.out, "--out").map_err(refused)?,
         })
     }
 
@@ -60,10 +51,6 @@ impl OutputArgs {
                 ("summary.json", &summary),
             ])
             .map_err(refused)?;
-        if let Some(path) = &self.log {
-            let bytes = mcap(report.robot, report.trace).map_err(refused)?;
-            write_whole(path, bytes).map_err(refused)?;
-        }
-        Ok(())
+        self.log.leave(report.robot, report.trace)
     }
 }

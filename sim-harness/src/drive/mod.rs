@@ -103,7 +103,8 @@ impl<'a, L: Read + Write> Drive<'a, L> {
     }
 
     /// Arms, does the moves and disarms. Everything is checked from where the tool stands
-    /// before anything moves. `progress` is told how many moves the controller has taken.
+    /// before anything moves. `progress` is told, a hundred times a second or so, how many
+    /// moves the controller has taken and what it is doing.
     /// However it ends, the arm is brought to rest and the bridges are off.
     ///
     /// # Errors
@@ -112,7 +113,7 @@ impl<'a, L: Read + Write> Drive<'a, L> {
         &mut self,
         moves: &[Move],
         settings: &Settings,
-        progress: &mut dyn FnMut(usize),
+        progress: &mut dyn FnMut(usize, &Status),
     ) -> Result<(), DriveError> {
         let status = self.sound_status()?;
         let planner = Planner::new(settings).map_err(DriveError::Unsound)?;
@@ -134,19 +135,19 @@ impl<'a, L: Read + Write> Drive<'a, L> {
     fn stream(
         &mut self,
         moves: &[Move],
-        progress: &mut dyn FnMut(usize),
+        progress: &mut dyn FnMut(usize, &Status),
     ) -> Result<(), DriveError> {
         let (_, all_room) = self.conversation.status()?;
         let mut taken = 0;
         let mut idle_since = None;
         loop {
             let (status, room) = self.conversation.status()?;
+            progress(taken, &status);
             sound(&status)?;
             if (self.wants_stop)() {
                 return Err(DriveError::Stopped(status.tag));
             }
             taken += self.offer(moves.get(taken..).unwrap_or(&[]))?;
-            progress(taken);
             // Between two ticks a queue may be empty and its last piece not begun.
             let is_idle = status.state == State::Armed && room == all_room;
             idle_since = idle_since.filter(|_| is_idle && taken == moves.len());

@@ -4,7 +4,7 @@ use super::{JointHistory, Sample, TipError, Trace};
 use crate::link::{Target, TargetError};
 use crate::plant::{Plant, PlantFault, Wear};
 use fivebar_firmware::controller::Request;
-use fivebar_firmware::safety::{Fault, Limits, State};
+use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::{Move, Status};
 
 /// Simulated time in which both joints must have found their switches [s].
@@ -179,34 +179,24 @@ impl<'a, T: Target> Simulation<'a, T> {
         for (peak, torque) in record.peak_torque.iter_mut().zip(torque) {
             *peak = peak.max(torque.abs());
         }
-        let (Some(begun), Some(reference), Some(joints)) =
-            (record.begun, status.reference, status.joint_reference)
-        else {
+        let Some(begun) = record.begun else {
             return;
         };
-        let double = |pair: [f32; 2]| pair.map(f64::from);
-        let saturated =
-            status.limits.contains(Limits::TORQUE) || status.limits.contains(Limits::VOLTAGE);
+        let Some(told) = Sample::told(status, now - begun) else {
+            return;
+        };
         let sample = Sample {
-            time: now - begun,
-            line: status.tag.unwrap_or_default(),
-            reference: double(reference),
             tool: self.plant.tool().into(),
             angle: [0, 1].map(|j| self.plant.angle(j)),
-            reference_angle: double(joints.angle),
-            reference_velocity: double(joints.velocity),
-            reference_acceleration: double(joints.acceleration),
             torque,
-            current_set_point: double(status.current_demand),
             current: state.current,
-            duty: double(status.duty),
-            saturated,
+            ..told
         };
         record.trace.push(sample);
         if !self.ended {
             let error = sample.tip_error();
             record.tip_error.max_m = record.tip_error.max_m.max(error);
-            record.saturated_ticks += u64::from(saturated);
+            record.saturated_ticks += u64::from(sample.saturated);
             self.job.ticks += 1;
             self.job.squares += error * error;
         }

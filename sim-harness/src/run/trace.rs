@@ -1,5 +1,8 @@
 //! What happened in a run, sample by sample.
 
+use fivebar_firmware::Status;
+use fivebar_firmware::safety::Limits;
+
 /// One moment of a run. Pairs are of joint 1 and joint 4; positions are in the frame of
 /// the base.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -33,6 +36,29 @@ pub struct Sample {
 }
 
 impl Sample {
+    /// A moment `time` [s] after the start as the controller tells it: tool and joints where
+    /// its encoders say that they are, torques as demanded. None while the bridges are off.
+    pub fn told(status: &Status, time: f64) -> Option<Self> {
+        let double = |pair: [f32; 2]| pair.map(f64::from);
+        let joints = status.joint_reference?;
+        Some(Self {
+            time,
+            line: status.tag.unwrap_or_default(),
+            reference: double(status.reference?),
+            tool: double(status.tool?),
+            angle: double(status.angle),
+            reference_angle: double(joints.angle),
+            reference_velocity: double(joints.velocity),
+            reference_acceleration: double(joints.acceleration),
+            torque: double(status.torque),
+            current_set_point: double(status.current_demand),
+            current: double(status.current),
+            duty: double(status.duty),
+            saturated: status.limits.contains(Limits::TORQUE)
+                || status.limits.contains(Limits::VOLTAGE),
+        })
+    }
+
     /// Distance of the tool from where it should be [m].
     pub fn tip_error(&self) -> f64 {
         (self.tool[0] - self.reference[0]).hypot(self.tool[1] - self.reference[1])
