@@ -53,7 +53,10 @@ pub enum TargetError {
     #[error("the controller answers a question of the run with {0}")]
     Unexpected(String),
     /// A joint did not find its home switch in time.
-    #[error("the joints did not find their home switches within {0} s")]
+    #[error(
+        "the joints did not find their home switches within {0} s; they look for them at 2 % of \
+         the lesser `max_speed` of [limits]"
+    )]
     NeverHomed(f64),
     /// Whoever began the run wants it no longer.
     #[error("the run was interrupted")]

@@ -1,22 +1,25 @@
 //! From the file as written to a robot that makes sense, or the key that does not.
 
-use super::file::{LinkFile, OneOrEach, RobotFile};
+use super::file::{LinkFile, RobotFile};
 use super::home::best_conditioned;
-use super::{Actuator, FileError, Key, Robot, Source, Tolerance};
+use super::{Actuator, FileError, Key, Robot, Source, fit, tolerance};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::dynamics::{Arm, Link};
 use fivebar_kinematics::five_bar::{self, Geometry, GeometryError, Side, WorkingMode};
 use std::f64::consts::TAU;
+use std::ops::RangeInclusive;
 
-/// Shortest time constant of a winding [s]; real ones have 20 µs and more.
-const SHORTEST_WINDING: f64 = 1e-6;
-
-/// Longest link or base [m]: what is longer was meant in millimetres.
+/// Longest link or base [m]: what is longer was meant in millimetres. And the shortest.
 const LONGEST: f64 = 20.0;
+const SHORTEST: f64 = 1e-6;
+
+/// What an arm's quantities lie within; the controller's single precision ends not far beyond.
+const SIZES: RangeInclusive<f64> = 1e-30..=1e30;
 
 const POSITIVE: &str = "must be a positive finite number";
 const NOT_NEGATIVE: &str = "must be finite and not negative";
-const FINITE: &str = "must be finite";
+const FINITE: &str = "must be finite, 1e30 at most";
+const SIZED: &str = "must be 1e-30 to 1e30 in size";
 
 pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
     let file: RobotFile = source.parse()?;
@@ -73,7 +76,7 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
         control: file.control,
         supply: file.supply,
         protection: file.protection,
-        tolerance: tolerance(&source, &file.tolerance)?,
+        tolerance: tolerance::read(&source, &file.tolerance)?,
         contact: file.contact,
     };
     if let Some((key, value, must)) = robot.contact.unsound() {
@@ -83,28 +86,40 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
     if file.home.is_some() {
         home_fits(&source, &robot)?;
     }
+    fit::check(&source, &robot)?;
     Ok(robot)
 }
 
 fn positive(source: &Source<'_>, key: Key, value: f64) -> Result<f64, FileError> {
     if value > 0.0 && value.is_finite() {
-        Ok(value)
+        sized(source, key, value)
     } else {
         Err(source.refuse(key, format!("{POSITIVE}, not {value:?}")))
     }
 }
 
-fn not_negative(source: &Source<'_>, key: Key, value: f64) -> Result<f64, FileError> {
-    if value >= 0.0 && value.is_finite() {
+pub(super) fn not_negative(source: &Source<'_>, key: Key, value: f64) -> Result<f64, FileError> {
+    if value == 0.0 {
         Ok(value)
+    } else if value > 0.0 && value.is_finite() {
+        sized(source, key, value)
     } else {
         Err(source.refuse(key, format!("{NOT_NEGATIVE}, not {value:?}")))
     }
 }
 
+fn sized(source: &Source<'_>, key: Key, value: f64) -> Result<f64, FileError> {
+    if SIZES.contains(&value.abs()) {
+        Ok(value)
+    } else {
+        Err(source.refuse(key, format!("{SIZED}, not {value:?}")))
+    }
+}
+
 fn finite(source: &Source<'_>, key: Key, value: [f64; 2]) -> Result<Vec2<f64>, FileError> {
     let [x, y] = value;
-    if x.is_finite() && y.is_finite() {
+    let greatest = *SIZES.end();
+    if x.abs() <= greatest && y.abs() <= greatest {
         Ok(Vec2::new(x, y))
     } else {
         Err(source.refuse(key, format!("{FINITE}, not [{x:?}, {y:?}]")))
@@ -141,6 +156,10 @@ fn geometry(
     for (key, length) in [(Key::Top("base"), base), link(0), link(1), link(2), link(3)] {
         if length > LONGEST && length.is_finite() {
             let reason = format!("is in metres, {LONGEST:?} at most, not {length:?}");
+            return Err(source.refuse(key, reason));
+        }
+        if length > 0.0 && length < SHORTEST {
+            let reason = format!("is in metres, {SHORTEST:?} at least, not {length:?}");
             return Err(source.refuse(key, reason));
         }
     }
@@ -190,6 +209,13 @@ fn inertias(
         let mass = link.mass.ok_or_else(|| missing("mass"))?;
         let com = link.com.ok_or_else(|| missing("com"))?;
         let moment = link.inertia.ok_or_else(|| missing("inertia"))?;
+        if com
+            .iter()
+            .any(|metres| metres.abs() > LONGEST && metres.is_finite())
+        {
+            let reason = format!("is in metres, {LONGEST:?} at most, not {com:?}");
+            return Err(source.refuse(key("com"), reason));
+        }
         *inertia = Link {
             mass: positive(source, key("mass"), mass)?,
             com: finite(source, key("com"), com)?,
@@ -223,6 +249,7 @@ fn actuators(
             );
             return Err(source.refuse(key("gear_ratio"), reason));
         }
+        sized(source, key("gear_ratio"), a.gear_ratio)?;
         for (name, value) in [
             ("torque_constant", a.torque_constant),
             ("resistance", a.resistance),
@@ -234,13 +261,6 @@ fn actuators(
             ("current_per_code", a.current_per_code.unwrap_or(1.0)),
         ] {
             positive(source, key(name), value)?;
-        }
-        if a.inductance < SHORTEST_WINDING * a.resistance {
-            let reason = format!(
-                "is too small: inductance / resistance, the winding's time constant, must be at \
-                 least {SHORTEST_WINDING:e} s"
-            );
-            return Err(source.refuse(key("inductance"), reason));
         }
         for (name, value) in [
             ("rotor_inertia", a.rotor_inertia),
@@ -332,46 +352,6 @@ fn sections(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
         return Err(source.refuse(Key::In("limits", "singularity_margin"), reason));
     }
     Ok(())
-}
-
-fn tolerance(
-    source: &Source<'_>,
-    file: &super::file::ToleranceFile,
-) -> Result<Tolerance, FileError> {
-    Ok(Tolerance {
-        length_sd: each(
-            source,
-            "length_sd",
-            &file.length_sd,
-            "l1 to l4 and the base",
-        )?,
-        input_sd: each(source, "input_sd", &file.input_sd, "θ1 and θ4")?,
-        input_max: each(source, "input_max", &file.input_max, "θ1 and θ4")?,
-        clearance_radius: each(source, "clearance_radius", &file.clearance_radius, "A to E")?,
-    })
-}
-
-pub(super) fn each<const N: usize>(
-    source: &Source<'_>,
-    name: &'static str,
-    given: &OneOrEach,
-    whose: &str,
-) -> Result<[f64; N], FileError> {
-    let key = Key::In("tolerance", name);
-    let values = match given {
-        OneOrEach::One(value) => [*value; N],
-        OneOrEach::Each(values) => values.as_slice().try_into().map_err(|_| {
-            let reason = format!(
-                "must be one number or {N}, for {whose}, not {}",
-                values.len()
-            );
-            source.refuse(key, reason)
-        })?,
-    };
-    for value in values {
-        not_negative(source, key, value)?;
-    }
-    Ok(values)
 }
 
 /// Home must be a pose in the working mode and within the joints' limits.

@@ -1,7 +1,7 @@
 //! Why a robot, or any other of the TOML files, is refused: file, line, key, reason.
 
 use std::fmt;
-use toml::de::{DeTable, DeValue};
+use toml::de::DeTable;
 
 /// A refused file.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -79,30 +79,37 @@ impl<'a> Source<'a> {
         }
     }
 
+    /// Whether the file gives a key its value.
+    pub(crate) fn holds(&self, key: Key) -> bool {
+        self.place_of(key).is_some_and(|(_, held)| held)
+    }
+
     /// The line of a key's value, or of the section that should hold it.
     fn line_of(&self, key: Key) -> Option<usize> {
+        self.place_of(key).map(|(start, _)| self.line(start))
+    }
+
+    /// Where a key's value begins; or, and then false, the section that should hold it.
+    fn place_of(&self, key: Key) -> Option<(usize, bool)> {
         let document = DeTable::parse(self.text).ok()?;
         let document = document.get_ref();
-        let span = match key {
-            Key::Top(name) => document.get(name)?.span(),
-            Key::In(section, name) => {
-                let section = document.get(section)?;
-                inner(section.get_ref(), name).unwrap_or_else(|| section.span())
-            }
+        let (section, name) = match key {
+            Key::Top(name) => return Some((document.get(name)?.span().start, true)),
+            Key::In(section, name) => (document.get(section)?, name),
             Key::Of(section, index, name) => {
-                let item = document.get(section)?.get_ref().as_array()?.get(index)?;
-                inner(item.get_ref(), name).unwrap_or_else(|| item.span())
+                let items = document.get(section)?.get_ref().as_array()?;
+                (items.get(index)?, name)
             }
         };
-        Some(self.line(span.start))
+        let held = section.get_ref().as_table().and_then(|it| it.get(name));
+        Some(match held {
+            Some(value) => (value.span().start, true),
+            None => (section.span().start, false),
+        })
     }
 
     fn line(&self, offset: usize) -> usize {
         let before = self.text.as_bytes().iter().take(offset);
         1 + before.filter(|&&byte| byte == b'\n').count()
     }
-}
-
-fn inner(value: &DeValue<'_>, name: &str) -> Option<std::ops::Range<usize>> {
-    Some(value.as_table()?.get(name)?.span())
 }

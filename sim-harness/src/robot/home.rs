@@ -4,11 +4,12 @@ use super::{Limits, Robot};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::{self, Geometry, Pose, Side, WorkingMode};
 
-/// The home of a robot is not a pose of its working mode.
+/// The home of a robot is not a pose of its working mode, or what lies before it is not.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "robot `{0}` has no home pose in its working mode: state `home = [θ1, θ4]` in radians, \
-     and `working_mode` if its elbows do not point outwards"
+    "robot `{0}` has no pose in its working mode at home, or just before it, where a run begins: \
+     state another `home = [θ1, θ4]` in radians, and `working_mode` if its elbows do not point \
+     outwards"
 )]
 pub struct NoHome(pub String);
 

@@ -9,7 +9,7 @@ use fivebar_kinematics::dynamics::Arm;
 use fivebar_kinematics::five_bar::Side;
 
 /// Codes of the 12-bit converters.
-const ADC_CODES: f64 = 4096.0;
+pub(super) const ADC_CODES: f64 = 4096.0;
 /// Zero current lies in the middle of the range.
 const ZERO_CODE: u16 = 2048;
 
@@ -25,11 +25,9 @@ impl Robot {
         let Self {
             control,
             motion,
-            supply,
             protection,
             ..
         } = self;
-        let nominal = supply.voltage;
         Ok(Settings {
             lengths: self.geometry.lengths().map(single),
             links: arm.links().map(|link| LinkSettings {
@@ -74,10 +72,7 @@ impl Robot {
                 over_current: single(
                     protection.over_current * largest(actuators.map(|a| a.peak_current)),
                 ),
-                bus_voltage: supply
-                    .range
-                    .unwrap_or([0.7 * nominal, 1.3 * nominal])
-                    .map(single),
+                bus_voltage: self.bus_range().map(single),
                 bus_voltage_per_code: single(self.voltage_per_code()),
                 command_timeout: single(protection.command_timeout),
             },
@@ -99,17 +94,26 @@ impl Robot {
                 ideal_torque_source(torque, self.limits.max_speed[joint], self.supply.voltage)
             })
         });
+        Ok([0, 1].map(|joint| self.limited(joint, drives[joint])))
+    }
+
+    /// A drive with no more current than its joint's greatest torque asks for.
+    pub(super) fn limited(&self, joint: usize, drive: Actuator) -> Actuator {
         let Some(torque) = self.limits.max_torque else {
-            return Ok(drives);
+            return drive;
         };
-        Ok([0, 1].map(|joint| {
-            let drive = drives[joint];
-            let current = torque[joint] / (drive.torque_constant * drive.gear_ratio.abs());
-            Actuator {
-                peak_current: drive.peak_current.min(current),
-                ..drive
-            }
-        }))
+        let current = torque[joint] / (drive.torque_constant * drive.gear_ratio.abs());
+        Actuator {
+            peak_current: drive.peak_current.min(current),
+            continuous_current: drive.continuous_current.min(current),
+            ..drive
+        }
+    }
+
+    /// Bus voltage below and above which the arm stops [V].
+    pub(super) fn bus_range(&self) -> [f64; 2] {
+        let nominal = self.supply.voltage;
+        self.supply.range.unwrap_or([0.7 * nominal, 1.3 * nominal])
     }
 
     /// Bus voltage per ADC code [V].

@@ -1,7 +1,7 @@
 //! Robot files with `mechanism = "slider"`: the slider-driven sibling of the five-bar.
 
-use super::check::each;
 use super::file::ToleranceFile;
+use super::tolerance::each;
 use super::{BuiltIn, FileError, Key, Robot, Source, read};
 use fivebar_kinematics::linkage::dyad::Way;
 use fivebar_kinematics::slider::{Geometry, GeometryError, Limb, Travel, WorkingMode};

@@ -23,7 +23,7 @@ use crate::job::Job;
 use crate::link::{InProcess, Target, TargetError};
 use crate::plant::{Mismatch, Plant, Wear};
 use crate::report::quantity;
-use crate::robot::{KinematicsOnly, NoHome};
+use crate::robot::{KinematicsOnly, NoHome, in_words_of_its_file};
 use fivebar_firmware::settings::SettingsError;
 use fivebar_firmware::{Move, Planner};
 use std::time::Instant;
@@ -44,7 +44,7 @@ pub enum RunError {
     #[error(transparent)]
     NoHome(#[from] NoHome),
     /// The controller refuses the robot.
-    #[error("robot `{robot}`: {error}")]
+    #[error("robot `{robot}`: {}", in_words_of_its_file(*.error))]
     Settings {
         /// The robot's name.
         robot: String,

@@ -1,0 +1,191 @@
+//! Values of a robot file that make sense each for itself, but not together or not to the
+//! controller: refused by the file's own line and key.
+
+use fivebar::robot::{BUILT_IN, Robot};
+use fivebar_firmware::settings::SettingsError;
+
+/// The default arm's file with every key in force that has a value when left out.
+fn whole() -> String {
+    let mut text = BUILT_IN[0].text.to_owned();
+    for (section, keys) in [
+        ("[limits]", "max_torque = [0.7, 0.7]"),
+        (
+            "[supply]",
+            "range = [16.8, 31.2]\nvoltage_per_code = 0.0117",
+        ),
+        (
+            "[protection]",
+            "over_speed = 1.5\nover_current = 1.5\ncommand_timeout = 0.1",
+        ),
+        ("[[actuator]]", "current_per_code = 0.004"),
+    ] {
+        text = text.replace(section, &format!("{section}\n{keys}"));
+    }
+    text
+}
+
+fn refusal(text: &str) -> String {
+    Robot::parse("arm.toml", text)
+        .expect_err("the file makes no sense")
+        .to_string()
+}
+
+#[test]
+fn what_the_controller_would_refuse_is_refused_with_line_key_and_bound() {
+    let text = whole();
+    assert!(Robot::parse("arm.toml", &text).is_ok());
+    for (key, odd, words) in [
+        ("tick_rate", "99.0", ["100 to 50000 Hz", "not 99.0 Hz"]),
+        (
+            "tick_rate",
+            "60000.0",
+            ["100 to 50000 Hz", "not 60000.0 Hz"],
+        ),
+        (
+            "current_bandwidth",
+            "3600.0",
+            ["`tick_rate`, 3500 rad/s", "3600.0"],
+        ),
+        (
+            "bandwidth",
+            "800.0",
+            ["`current_bandwidth`, 750 rad/s", "800.0"],
+        ),
+        ("damping", "0.1", ["0.2 to 2", "not 0.1"]),
+        ("integral_rate", "63.0", ["`bandwidth`, 62.5 rad/s", "63.0"]),
+        (
+            "observer_bandwidth",
+            "499.0",
+            ["500 to 10000 rad/s", "499.0"],
+        ),
+        ("singularity_margin", "0.0", ["more than 0", "not 0.0"]),
+        ("following_error", "1.0", ["less than 1 rad", "not 1.0 rad"]),
+        ("over_speed", "0.9", ["`max_speed` of [limits]", "not 0.9"]),
+        ("over_current", "0.9", ["`peak_current`", "not 0.9"]),
+        ("command_timeout", "9e-5", ["1e-4 s, to 60 s", "not 9e-5 s"]),
+        ("command_timeout", "61.0", ["1e-4 s, to 60 s", "not 61.0 s"]),
+        (
+            "encoder_counts",
+            "600000",
+            ["524288 at this gear", "600000"],
+        ),
+        (
+            "continuous_current",
+            "4.1",
+            ["`peak_current`, 4 A", "4.1 A"],
+        ),
+        ("current_per_code", "1.8e-3", ["1.827e-3 A", "not 0.0018 A"]),
+        ("inductance", "0.24e-7", ["1e-6 to 1 s", "not 2.4e-8 H"]),
+        ("inductance", "2.4", ["1e-6 to 1 s", "not 2.4 H"]),
+        ("voltage", "12.0", ["`range`, 16.8 to 31.2 V", "12.0 V"]),
+        (
+            "voltage_per_code",
+            "0.0076",
+            ["31.2 V", "7.619e-3 to 1.440e0 V"],
+        ),
+        (
+            "voltage_per_code",
+            "1.5",
+            ["31.2 V", "7.619e-3 to 1.440e0 V"],
+        ),
+        ("torque_constant", "1e-40", ["1e-30 to 1e30", "not 1e-40"]),
+        ("gear_ratio", "-1e40", ["1e-30 to 1e30", "not -1e40"]),
+    ] {
+        let assignment = format!("{key} = ");
+        let line = text.lines().position(|line| line.starts_with(&assignment));
+        let line = line.unwrap_or_else(|| panic!("no {key}"));
+        let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+        lines[line] = format!("{assignment}{odd}");
+        let said = refusal(&lines.join("\n"));
+        let place = format!("arm.toml, line {}: `{key}` of [", line + 1);
+        assert!(said.starts_with(&place), "{said}");
+        for word in words {
+            assert!(said.contains(word), "`{word}` is missing in: {said}");
+        }
+    }
+}
+
+#[test]
+fn a_value_left_out_is_named_with_what_it_is_then() {
+    let text = BUILT_IN[0].text;
+    let said = refusal(&text.replace("[supply]", "[supply]\nrange = [16.8, 60.0]"));
+    for word in ["`voltage_per_code` of [supply]", "60 V", "left out"] {
+        assert!(said.contains(word), "`{word}` is missing in: {said}");
+    }
+}
+
+#[test]
+fn a_torque_limit_below_what_the_motor_bears_for_ever_is_no_contradiction() {
+    let text = BUILT_IN[0]
+        .text
+        .replace("[limits]", "[limits]\nmax_torque = [0.1, 0.2]");
+    let settings = Robot::parse("arm.toml", &text).unwrap().settings().unwrap();
+    for (axis, torque) in settings.axes.iter().zip([0.1, 0.2]) {
+        let current = torque / (0.0234 * 8.0);
+        assert!((axis.peak_current - current).abs() < 1e-6);
+        assert_eq!(axis.continuous_current, axis.peak_current);
+    }
+    assert_eq!(settings.validate(), Ok(()));
+}
+
+/// Every number of the file, times powers of ten either way: whatever the reader lets
+/// through the controller takes, unless there is no pose for it to control.
+#[test]
+fn what_the_reader_lets_through_the_controller_takes() {
+    let text = whole();
+    let mut taken = 0;
+    let mut refused = 0;
+    for (number, line) in text.lines().enumerate() {
+        let Some((key, value)) = line.split_once(" = ") else {
+            continue;
+        };
+        for exponent in (-9..=9).chain([-50, 50]) {
+            let Some(odd) = scaled(value, 10_f64.powi(exponent)) else {
+                continue;
+            };
+            let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+            lines[number] = format!("{key} = {odd}");
+            match Robot::parse("arm.toml", &lines.join("\n")) {
+                Err(error) => {
+                    refused += 1;
+                    // A value that is no whole number is refused before it is looked at.
+                    assert!(error.line.is_some(), "{error}");
+                }
+                Ok(robot) => {
+                    taken += 1;
+                    let verdict = robot.settings().unwrap().validate();
+                    let no_pose = verdict == Err(SettingsError::NoPose);
+                    assert!(verdict.is_ok() || no_pose, "{key} = {odd}: {verdict:?}");
+                }
+            }
+        }
+    }
+    assert!(
+        taken > 300 && refused > 300,
+        "{taken} taken, {refused} refused"
+    );
+}
+
+/// A number or a list of numbers, each times `factor`; none for what is neither.
+fn scaled(value: &str, factor: f64) -> Option<String> {
+    let value: toml::Table = toml::from_str(&format!("value = {value}")).ok()?;
+    fn times(value: &toml::Value, factor: f64) -> Option<toml::Value> {
+        Some(match value {
+            toml::Value::Float(number) => toml::Value::Float(number * factor),
+            toml::Value::Integer(number) => {
+                let scaled = *number as f64 * factor;
+                toml::Value::Integer(if scaled < 9e18 {
+                    scaled as i64
+                } else {
+                    i64::MAX
+                })
+            }
+            toml::Value::Array(items) => {
+                let items = items.iter().map(|item| times(item, factor));
+                toml::Value::Array(items.collect::<Option<_>>()?)
+            }
+            _ => return None,
+        })
+    }
+    times(value.get("value")?, factor).map(|value| value.to_string())
+}
