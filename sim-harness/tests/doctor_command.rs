@@ -36,7 +36,10 @@ fn a_bare_machine_is_well_unless_more_is_wanted() {
     let unwell = doctor(empty.path(), &["pil", "browser"]);
     assert_eq!(unwell.status.code(), Some(1));
     let said = String::from_utf8(unwell.stderr).unwrap();
-    assert!(said.contains("missing for pil and browser: "), "{said}");
+    assert!(
+        said.contains("missing or outdated for pil and browser: "),
+        "{said}"
+    );
     for missing in ["qemu-system-arm", "chromium", "chromedriver", "python3"] {
         assert!(said.contains(missing), "{said}");
     }

@@ -1,5 +1,6 @@
 //! The firmware images running on QEMU.
 
+use fivebar::doctor::answers_alike;
 use fivebar::link::{Conversation, Emulator, Instructions, Lockstep};
 use fivebar::robot::Robot;
 use fivebar::run::{Record, Scenario, Summary};
@@ -48,6 +49,18 @@ fn the_emulated_board_gives_the_bits_of_this_process() {
     );
     let Instructions { max, .. } = lockstep.instructions();
     assert!(max <= WORST_TICK, "the worst tick: {max} instructions");
+}
+
+#[test]
+fn the_doctor_tells_this_programs_image_from_another() {
+    let qemu = answers_alike(&Emulator::built_image("qemu"));
+    assert!(qemu.is_ok(), "{qemu:?}");
+    let other = answers_alike(&Emulator::built_image("stm32f405"));
+    let reason = other.expect_err("it makes its own ticks").to_string();
+    assert!(
+        reason.contains("needs a board with the image `qemu`"),
+        "{reason}"
+    );
 }
 
 /// What a tick may take at most, homing included [instructions].

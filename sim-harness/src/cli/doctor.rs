@@ -9,7 +9,8 @@ use serde_json::json;
 /// Tells what this machine has, what is missing and how to get it.
 ///
 /// Nothing of it is needed to simulate and analyse, so that the exit status is 0 whatever is
-/// missing; name what you want to do, and it is 1 if something needed for that is missing.
+/// missing; name what you want to do, and it is 1 if something needed for that is missing or
+/// outdated.
 #[derive(clap::Args)]
 pub(super) struct Args {
     /// What you want to do.
@@ -43,7 +44,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     } else {
         let wanted: Vec<String> = args.tasks.iter().map(|task| name(*task)).collect();
         Err(refused(format_args!(
-            "missing for {}: {}",
+            "missing or outdated for {}: {}",
             wanted.join(" and "),
             in_the_way.join(", ")
         )))
@@ -62,6 +63,7 @@ fn told(check: &Check) -> String {
         State::Missing(way) => {
             format!("missing  {what:<22} {purpose}{tasks}\n         get it: {way}")
         }
+        State::Outdated(why) => format!("outdated {what:<22} {purpose}{tasks}\n         {why}"),
     }
 }
 

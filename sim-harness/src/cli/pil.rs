@@ -3,7 +3,7 @@
 use super::failure::{Failure, refused};
 use super::lockstep::{self, LockstepArgs, Other};
 use crate::link::Emulator;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Runs a job on the firmware on an emulated board, in lockstep with the simulated arm.
 ///
@@ -26,17 +26,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let board = Other {
         name: "the emulated board",
         unit: "instructions",
-        suspicion: &suspicion(&image),
+        suspicion: &Emulator::suspicion(&image),
     };
     lockstep::run(&args.run, &board, || {
         Ok(Box::new(Emulator::start(&image).map_err(refused)?))
     })
-}
-
-/// What is likely where an emulated board does not answer as this program does.
-pub(super) fn suspicion(image: &Path) -> String {
-    format!(
-        "its image {} is likely older than this program: build it anew with scripts/firmware.sh",
-        image.display()
-    )
 }

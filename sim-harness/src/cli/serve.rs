@@ -1,7 +1,6 @@
 //! `fivebar serve`: the live page.
 
 use super::failure::{Failure, refused};
-use super::pil::suspicion;
 use super::port::interrupted;
 use super::say::{say, warn};
 use crate::link::Emulator;
@@ -75,7 +74,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let served = serve(&robot, source, args.listen, guard, ready, ends);
     served.map_err(|error| match error {
         ServeError::Link(_) | ServeError::Refused(_) if args.emulated => {
-            refused(format_args!("{error}; {}", suspicion(&image)))
+            refused(format_args!("{error}; {}", Emulator::suspicion(&image)))
         }
         other => refused(other),
     })

@@ -3,10 +3,11 @@
 //! Simulating, analysing and reporting need nothing but the program itself; the rest is
 //! grouped by what one may want to do, a [`Task`].
 
+mod image;
 mod ports;
 mod probe;
 
-use crate::link::Emulator;
+pub use image::answers_alike;
 use probe::{first_line, has_rust_target};
 use serde::Serialize;
 
@@ -53,13 +54,15 @@ pub enum State {
     Found(String),
     /// It is not: how to get it.
     Missing(String),
+    /// It is, but not as this program needs it: why, and what to do.
+    Outdated(String),
 }
 
 impl Check {
-    /// Whether it is missing and one of these tasks needs it.
+    /// Whether it is missing or outdated and one of these tasks needs it.
     pub fn is_in_the_way_of(&self, tasks: &[Task]) -> bool {
         let needed = self.needed_for.iter().any(|task| tasks.contains(task));
-        needed && matches!(self.state, State::Missing(_))
+        needed && !matches!(self.state, State::Found(_))
     }
 }
 
@@ -97,13 +100,13 @@ pub fn examine() -> Vec<Check> {
             what: "image qemu",
             purpose: "the firmware for the emulated board",
             needed_for: &[Task::Pil],
-            state: image("qemu"),
+            state: image::of_emulated_board(),
         },
         Check {
             what: "image stm32f405",
             purpose: "the firmware for the microcontroller",
             needed_for: &[Task::Flash],
-            state: image("stm32f405"),
+            state: image::state("stm32f405"),
         },
         Check {
             what: "probe-rs",
@@ -160,23 +163,12 @@ fn program(name: &str, get: &str) -> State {
     }
 }
 
-fn image(name: &str) -> State {
-    let path = Emulator::built_image(name);
-    match path.canonicalize() {
-        Ok(found) => State::Found(found.display().to_string()),
-        Err(_) => State::Missing(format!(
-            "scripts/firmware.sh builds it; looked for {}",
-            path.display()
-        )),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::{Check, State, Task, examine};
 
     #[test]
-    fn only_what_is_missing_and_needed_is_in_the_way() {
+    fn only_what_is_needed_and_missing_or_outdated_is_in_the_way() {
         let check = |state| Check {
             what: "",
             purpose: "",
@@ -187,6 +179,7 @@ mod tests {
         assert!(missing.is_in_the_way_of(&[Task::Port, Task::Pil]));
         assert!(!missing.is_in_the_way_of(&[Task::Port]));
         assert!(!missing.is_in_the_way_of(&[]));
+        assert!(check(State::Outdated(String::new())).is_in_the_way_of(&[Task::Pil]));
         assert!(!check(State::Found(String::new())).is_in_the_way_of(&[Task::Pil]));
     }
 

@@ -62,6 +62,15 @@ impl Emulator {
             .join(name)
     }
 
+    /// What is likely where a board with this image does not answer as this program does.
+    pub fn suspicion(image: &Path) -> String {
+        format!(
+            "its image {} is likely older than this program: build it anew with \
+             scripts/firmware.sh",
+            image.display()
+        )
+    }
+
     /// Starts a board that runs `image`, one instruction per nanosecond of its time.
     ///
     /// # Errors
