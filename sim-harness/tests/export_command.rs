@@ -67,6 +67,27 @@ fn urdf_joints_have_the_torque_of_their_motors() {
 }
 
 #[test]
+fn mjcf_motors_take_as_much_as_they_give() {
+    let model = String::from_utf8(export(&["mjcf", "benchtop"]).stdout).unwrap();
+    let document = Document::parse(&model).unwrap();
+    let motors = document
+        .descendants()
+        .filter(|node| node.has_tag_name("motor"));
+    for motor in motors.clone() {
+        for (limited, range) in [("ctrllimited", "ctrlrange"), ("forcelimited", "forcerange")] {
+            assert_eq!(motor.attribute(limited), Some("true"));
+            let range = motor.attribute(range).unwrap().split(' ');
+            let ends: Vec<f64> = range.map(|end| end.parse().unwrap()).collect();
+            // 4 A · 0.0234 N·m/A · 8
+            assert!((ends[0] + 0.7488).abs() < 1e-9, "{ends:?}");
+            assert!((ends[1] - 0.7488).abs() < 1e-9, "{ends:?}");
+            assert_eq!(ends.len(), 2);
+        }
+    }
+    assert_eq!(motors.count(), 2);
+}
+
+#[test]
 fn a_place_that_cannot_be_written_is_refused_by_name() {
     let folder = tempfile::tempdir().unwrap();
     let refused = export(&["dot", "--out", folder.path().to_str().unwrap()]);

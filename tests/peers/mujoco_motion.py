@@ -35,6 +35,8 @@ def main(model_path, urdf_path, trace_path):
     tree = mujoco.MjModel.from_xml_path(urdf_path)
     assert tree.njnt == 4, "the URDF must have four joints"
     model = mujoco.MjModel.from_xml_path(model_path)
+    assert model.actuator_ctrllimited.all(), "the motors must know their greatest torque"
+    assert model.actuator_forcelimited.all(), "the motors must keep their greatest torque"
     data = mujoco.MjData(model)
     with open(trace_path, newline="") as file:
         rows = [{k: float(v) for k, v in row.items()} for row in csv.DictReader(file)]

@@ -9,14 +9,16 @@ use std::fmt::Write as _;
 /// The robot as MJCF, at its home pose as keyframe `home`.
 ///
 /// MuJoCo's constraints are soft; the loop's is given a time constant of two steps, as stiff
-/// as MuJoCo allows, which leaves micrometres. Torque comes in as torque at the joints,
-/// rotor inertia as armature, friction as damping and friction loss.
+/// as MuJoCo allows, which leaves micrometres. Torque comes in as torque at the joints, up to
+/// what the motors give at peak current, rotor inertia as armature, friction as damping and
+/// friction loss.
 ///
 /// # Errors
 /// A sentence for a robot without masses or home.
 pub fn mjcf(robot: &Robot) -> Result<String, String> {
     let [link1, link2, link3, link4] = bodies(robot).map_err(|error| error.to_string())?;
     let arm = robot.arm().map_err(|error| error.to_string())?;
+    let drives = robot.drives().map_err(|error| error.to_string())?;
     let pose = robot.home_pose().map_err(|error| error.to_string())?;
     let name = escape(&robot.name);
     let gravity = arm.gravity();
@@ -30,6 +32,13 @@ pub fn mjcf(robot: &Robot) -> Result<String, String> {
         let armature = arm.rotor_inertia()[index];
         format!(
             "<joint name=\"{name}\" axis=\"0 0 1\" armature=\"{armature}\" damping=\"{viscous}\" frictionloss=\"{coulomb}\"/>"
+        )
+    };
+    let motor = |index: usize, name: &str, joint: &str| {
+        let range = format!("{torque} {torque}", torque = drives[index].peak_torque());
+        format!(
+            "<motor name=\"{name}\" joint=\"{joint}\" ctrllimited=\"true\" ctrlrange=\"-{range}\" \
+             forcelimited=\"true\" forcerange=\"-{range}\"/>"
         )
     };
     let free = |name: &str| format!("<joint name=\"{name}\" axis=\"0 0 1\"/>");
@@ -101,8 +110,8 @@ pub fn mjcf(robot: &Robot) -> Result<String, String> {
          \x20   <connect name=\"C\" site1=\"C\" site2=\"C_of_link3\" solref=\"0.0002 1\" solimp=\"0.9999 0.9999 1e-6\"/>\n\
          \x20 </equality>\n\
          \x20 <actuator>\n\
-         \x20   <motor name=\"torque1\" joint=\"A\"/>\n\
-         \x20   <motor name=\"torque4\" joint=\"E\"/>\n\
+         \x20   {}\n\
+         \x20   {}\n\
          \x20 </actuator>\n\
          \x20 <sensor>\n\
          \x20   <jointpos name=\"theta1\" joint=\"A\"/>\n    <jointpos name=\"theta4\" joint=\"E\"/>\n\
@@ -113,6 +122,8 @@ pub fn mjcf(robot: &Robot) -> Result<String, String> {
          \x20   <key name=\"home\" qpos=\"{} {} {} {}\"/>\n\
          \x20 </keyframe>\n\
          </mujoco>\n",
+        motor(0, "torque1", "A"),
+        motor(1, "torque4", "E"),
         pose.u1.angle(),
         between(pose.u1, pose.u2),
         pose.u4.angle(),
