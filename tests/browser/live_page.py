@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The live page as its users meet it, in a headless Chromium against the simulated arm.
+"""The live page as its users meet it, in a headless Chromium against the simulated arm; and
+a report.
 
     tests/browser/live_page.py PROGRAM [--screenshots FOLDER]
 
@@ -44,6 +45,8 @@ def main():
             page = Page(browser, server.url)
         watching.check(page, server)
         passed("watchers, hidden, closed, sleeping and cut-off pages")
+        looks.a_report_fits_a_phone(arguments.program, browser)
+        passed("a report on a phone")
 
 
 if __name__ == "__main__":

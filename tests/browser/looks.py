@@ -1,5 +1,6 @@
 """What the page looks like, and pictures of it."""
 
+import pathlib
 import subprocess
 import tempfile
 import time
@@ -9,9 +10,10 @@ from live import Page
 
 def a_phone_has_all_of_it_and_the_emergency_stop_in_view(page):
     browser = page.browser
-    browser.resize(390, 844, mobile=True)
-    wide = browser.script("return [innerWidth, document.documentElement.scrollWidth];")
-    assert wide == [390, 390], f"the page is {wide[1]} px wide on {wide[0]} px"
+    for width in (360, 390):
+        browser.resize(width, 844, mobile=True)
+        wide = browser.script("return [innerWidth, document.documentElement.scrollWidth];")
+        assert wide == [width, width], f"the page is {wide[1]} px wide on {width} px"
     for end in ("0", "document.body.scrollHeight"):
         browser.script(f"scrollTo(0, {end});")
         box = browser.script("""
@@ -83,6 +85,24 @@ def check(page):
     a_phone_has_all_of_it_and_the_emergency_stop_in_view(page)
     dark_is_dark_and_light_is_light(page)
     page.browser.resize(1280, 900)
+
+
+def a_report_fits_a_phone(program, browser):
+    job = pathlib.Path(__file__).parents[2] / "sim-harness/jobs/petal.gcode"
+    with tempfile.TemporaryDirectory() as out:
+        subprocess.run([program, "sim", job, "--out", out], check=True, stdout=subprocess.DEVNULL)
+        browser.open(f"file://{out}/report.html")
+        for width, drawing in ((360, "narrow"), (390, "narrow"), (1200, "wide")):
+            browser.resize(width, 844, mobile=width < 1200)
+            wide, charts, beyond, shown = browser.script("""
+                const charts = [...document.querySelectorAll('.chart')];
+                const isShown = (svg) => svg.getBoundingClientRect().width > 0;
+                return [document.documentElement.scrollWidth, charts.length,
+                        charts.filter((chart) => chart.scrollWidth > chart.clientWidth).length,
+                        charts.flatMap((chart) => [...chart.querySelectorAll('svg')])
+                            .filter(isShown).map((svg) => svg.parentElement.className)];""")
+            assert wide <= width and beyond == 0, f"{wide} px wide on {width} px, {beyond} beyond"
+            assert charts > 5 and shown == [drawing] * charts, (charts, shown)
 
 
 def take(program, url, browser, folder):

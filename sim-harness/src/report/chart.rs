@@ -46,12 +46,41 @@ pub struct Chart {
 /// Plotters' SVG has whole coordinates only: drawing this much larger leaves a quarter
 /// of a pixel of resolution.
 const FINE: u32 = 4;
-/// Width of a chart [px]; the page scales it to the reader's screen.
-const WIDTH: u32 = 720;
-const HEIGHT: u32 = 280;
 const MARGIN: u32 = 8;
 const X_LABELS: u32 = 40;
-const Y_LABELS: u32 = 68;
+
+/// How large a chart is drawn [px]. The page scales it to the reader's screen, its text with
+/// it, and shows the one that needs the least of that.
+struct Size {
+    /// The class by which the style sheet knows it.
+    class: &'static str,
+    width: u32,
+    height: u32,
+    text: u32,
+    /// What the numbers at the vertical axis and its name need.
+    y_labels: u32,
+    /// About how many numbers stand at either axis.
+    ticks: [usize; 2],
+}
+
+const SIZES: [Size; 2] = [
+    Size {
+        class: "wide",
+        width: 720,
+        height: 280,
+        text: 14,
+        y_labels: 68,
+        ticks: [8, 6],
+    },
+    Size {
+        class: "narrow",
+        width: 360,
+        height: 240,
+        text: 13,
+        y_labels: 62,
+        ticks: [4, 5],
+    },
+];
 
 /// Stand-ins in plotters' output for the colours the style sheet sets, so that a chart
 /// follows the reader's light or dark mode.
@@ -135,27 +164,32 @@ impl Chart {
                 );
             }
         }
+        let points = self.series.iter().flat_map(|series| &series.points);
+        let drawings = match Range::of(points) {
+            None => "<p>There is nothing to show.</p>".into(),
+            Some(range) => SIZES
+                .map(|size| {
+                    let svg = self.to_svg(range, &size);
+                    format!("<div class=\"{}\">{svg}</div>", size.class)
+                })
+                .concat(),
+        };
         format!(
-            "<figure class=\"chart\"><figcaption><b>{}</b>{legend}</figcaption>\
-             <div class=\"scroll\">{}</div></figure>\n",
+            "<figure class=\"chart\"><figcaption><b>{}</b>{legend}</figcaption>{drawings}\
+             </figure>\n",
             escape(&self.title),
-            self.to_svg()
         )
     }
 
-    fn to_svg(&self) -> String {
-        let points = || self.series.iter().flat_map(|series| &series.points);
-        let Some(range) = Range::of(points()) else {
-            return "<p>There is nothing to show.</p>".into();
-        };
+    fn to_svg(&self, range: Range, size: &Size) -> String {
         let (range, height) = if self.equal_aspect {
-            same_scale(range)
+            same_scale(range, size)
         } else {
-            (widened(range), HEIGHT)
+            (widened(range), size.height)
         };
         let mut svg = String::new();
         // Drawing into a string fails for no input: there is no device to refuse it.
-        self.draw(&mut svg, range, height)
+        self.draw(&mut svg, range, height, size)
             .expect("drawing into memory does not fail");
         themed(&svg)
     }
@@ -165,20 +199,23 @@ impl Chart {
         svg: &mut String,
         range: Range,
         height: u32,
+        size: &Size,
     ) -> Result<(), Box<dyn std::error::Error>> {
-        let area = SVGBackend::with_string(svg, (WIDTH * FINE, height * FINE)).into_drawing_area();
+        let pixels = (size.width * FINE, height * FINE);
+        let area = SVGBackend::with_string(svg, pixels).into_drawing_area();
+        let [x_ticks, y_ticks] = size.ticks;
         let mut chart = ChartBuilder::on(&area)
             .margin(MARGIN * FINE)
             .x_label_area_size(X_LABELS * FINE)
-            .y_label_area_size(Y_LABELS * FINE)
+            .y_label_area_size(size.y_labels * FINE)
             .build_cartesian_2d(range.low[0]..range.high[0], range.low[1]..range.high[1])?;
-        let text = ("sans-serif", 14 * FINE).into_font().color(&INK);
+        let text = ("sans-serif", size.text * FINE).into_font().color(&INK);
         chart
             .configure_mesh()
             .x_desc(&self.x_label)
             .y_desc(&self.y_label)
-            .x_labels(8)
-            .y_labels(6)
+            .x_labels(x_ticks)
+            .y_labels(y_ticks)
             .x_label_formatter(&|value| tick(*value, range.width()))
             .y_label_formatter(&|value| tick(*value, range.height()))
             .label_style(text.clone())
@@ -188,7 +225,7 @@ impl Chart {
             .light_line_style(TRANSPARENT)
             .draw()?;
         for (series, color) in self.series.iter().zip(SERIES.iter().cycle()) {
-            let points = thin(&series.points, f64::from(WIDTH));
+            let points = thin(&series.points, f64::from(size.width));
             let style = color.stroke_width(3 * FINE / 2);
             for part in points.split(|point| !is_finite(point)) {
                 let part = part.iter().map(|&[x, y]| (x, y));
@@ -229,11 +266,10 @@ fn widened(Range { low, high }: Range) -> Range {
 }
 
 /// The range and the chart's height [px] at which a unit is as long across as up.
-fn same_scale(range: Range) -> (Range, u32) {
-    let plot_width = f64::from(WIDTH - 2 * MARGIN - Y_LABELS);
+fn same_scale(range: Range, size: &Size) -> (Range, u32) {
+    let plot_width = f64::from(size.width - 2 * MARGIN - size.y_labels);
     let frame = f64::from(2 * MARGIN + X_LABELS);
-    let size = range.width().max(range.height()).max(1e-9);
-    let air = 0.04 * size;
+    let air = 0.04 * range.width().max(range.height()).max(1e-9);
     let (width, height) = (range.width() + 2.0 * air, range.height() + 2.0 * air);
     let plot_height = (plot_width * height / width).clamp(200.0, 520.0).round();
     let per_pixel = (width / plot_width).max(height / plot_height);
@@ -274,7 +310,7 @@ fn themed(svg: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Chart, Range, same_scale, tick};
+    use super::{Chart, Range, SIZES, same_scale, tick};
 
     #[test]
     fn labels_axes_without_noise_digits() {
@@ -287,12 +323,13 @@ mod tests {
 
     #[test]
     fn keeps_a_unit_as_long_across_as_up() {
-        for high in [[1.0, 1.0], [10.0, 1.0], [1.0, 10.0], [0.0, 0.0]] {
-            let (range, height) = same_scale(Range {
-                low: [0.0, 0.0],
-                high,
-            });
-            let across = range.width() / f64::from(super::WIDTH - 16 - 68);
+        let low = [0.0, 0.0];
+        for (high, size) in [[1.0, 1.0], [10.0, 1.0], [1.0, 10.0], low]
+            .into_iter()
+            .flat_map(|high| SIZES.map(|size| (high, size)))
+        {
+            let (range, height) = same_scale(Range { low, high }, &size);
+            let across = range.width() / f64::from(size.width - 16 - size.y_labels);
             let up = range.height() / f64::from(height - 16 - 40);
             assert!((across / up - 1.0).abs() < 1e-9);
             assert!(range.low[0] <= 0.0 && range.high[1] >= high[1]);
@@ -302,9 +339,12 @@ mod tests {
     #[test]
     fn draws_breaks_flat_lines_and_nothing() {
         let broken = vec![[0.0, 1.0], [f64::NAN, f64::NAN], [1.0, 1.0], [2.0, 1.0]];
-        let svg = Chart::new("t", "x [s]", "y [m]").line("a", broken).to_svg();
-        assert_eq!(svg.matches("var(--s1)").count(), 2);
-        assert!(svg.contains("x [s]") && svg.contains("y [m]"));
+        let html = Chart::new("t", "x [s]", "y [m]")
+            .line("a", broken)
+            .to_html();
+        // Two parts, in the wide drawing and in the narrow one.
+        assert_eq!(html.matches("var(--s1)").count(), 4);
+        assert!(html.contains("x [s]") && html.contains("y [m]"));
         let empty = Chart::new("t", "x", "y").line("a", vec![[f64::NAN, 0.0]]);
         assert!(empty.to_html().contains("nothing to show"));
     }

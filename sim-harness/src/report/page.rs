@@ -83,7 +83,7 @@ impl Page {
     /// text escaped), and a caption.
     pub fn figure(&mut self, svg: &str, caption: &str) -> &mut Self {
         self.push(&format!(
-            "<figure><div class=\"scroll\">{svg}</div><figcaption>{}</figcaption></figure>\n",
+            "<figure>{svg}<figcaption>{}</figcaption></figure>\n",
             escape(caption)
         ))
     }
