@@ -242,6 +242,16 @@ fn a_point_on_the_rim_of_reach_is_answered() {
 }
 
 #[test]
+fn numbers_are_read_to_their_last_bit() {
+    // B meets D here, and the refusal names the angle as it was understood.
+    let question = r#"{"op":"forward","theta1":0.9300098491833563,"theta4":2.211582804406437,
+        "assembly":"left"}"#;
+    let answers = ask(TEXTBOOK, &[question.replace('\n', " ")]);
+    let message = answers[0]["message"].as_str().unwrap();
+    assert!(message.contains("θ1 = 0.9300098491833563 rad"), "{message}");
+}
+
+#[test]
 fn a_robot_that_is_not_there_is_refused_with_its_name() {
     let output = Command::new(env!("CARGO_BIN_EXE_fivebar"))
         .args(["query", "--robot", "nowhere/none.toml"])

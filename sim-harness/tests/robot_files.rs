@@ -70,9 +70,11 @@ fn a_file_without_optional_sections_is_an_arm_of_ideal_torque_sources() {
 }
 
 #[test]
-fn the_payload_is_zero_unless_given() {
-    let robot = Robot::parse("arm.toml", &PLAIN.replace("payload = 0.15\n", "")).unwrap();
-    assert_eq!(robot.arm().unwrap().payload(), 0.0);
+fn the_payload_is_stated_where_the_links_have_masses() {
+    let error = Robot::parse("arm.toml", &PLAIN.replace("payload = 0.15\n", "")).unwrap_err();
+    let message = error.to_string();
+    assert!(message.contains("`payload` is missing"), "{message}");
+    assert!(!BuiltIn::find("duet").unwrap().text.contains("payload"));
 }
 
 #[test]
@@ -149,8 +151,20 @@ fn numbers_that_make_no_sense_are_refused_with_their_line() {
     assert_refused(
         &PLAIN.replace("base = 0.118", "base = 'wide'"),
         3,
-        &["invalid type", "expected a number"],
+        &["`base`", "invalid type", "expected a number"],
     );
+    let text = PLAIN.replacen("mass = 0.1\n", "mass = true\n", 1);
+    assert_refused(&text, 12, &["`mass`", "invalid type"]);
+    let text = PLAIN.replace("gravity = [0.0, -9.81]", "gravity = -9.81");
+    assert_refused(&text, 2, &["`gravity`", "invalid type"]);
+    let text = format!("{PLAIN}[limits]\nangle = [[0.0, 'x'], [0.0, 1.0]]\n");
+    assert_refused(&text, 26, &["`angle`", "invalid type"]);
+    for key in ["max_speed", "max_acceleration", "max_torque"] {
+        for pair in ["[nan, 1.0]", "[1.0, nan]", "[-1.0, 1.0]", "[1.0, inf]"] {
+            let text = format!("{PLAIN}[limits]\n{key} = {pair}\n");
+            assert_refused(&text, 26, &[&format!("`{key}` of [limits]"), "positive"]);
+        }
+    }
     let text = format!("{PLAIN}[tolerance]\nlength_sd = [1e-5, 1e-5]\n");
     assert_refused(&text, 26, &["`length_sd`", "one number or 5"]);
     let text = format!("{PLAIN}[limits]\nangle = [[1.0, 0.0], [0.0, 1.0]]\n");

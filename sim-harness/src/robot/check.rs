@@ -31,7 +31,8 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
         return Err(source.refuse(Key::Top("name"), "must be one line of plain characters"));
     }
     let gravity = finite(&source, Key::Top("gravity"), file.gravity)?;
-    let payload = not_negative(&source, Key::Top("payload"), file.payload)?;
+    let payload = file.payload.unwrap_or(0.0);
+    not_negative(&source, Key::Top("payload"), payload)?;
     let links: [LinkFile; 4] = file.link.try_into().map_err(|links: Vec<_>| {
         let reason = format!(
             "must be given four times, not {}: links 1 to 4",
@@ -46,6 +47,10 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
     });
     let arm = match inertias(&source, &links)? {
         None => None,
+        Some(_) if file.payload.is_none() => {
+            let reason = "is missing: where the links have masses it is stated, 0.0 for none";
+            return Err(source.refuse(Key::Top("payload"), reason));
+        }
         Some(inertias) => {
             let arm = Arm::new(geometry, inertias, payload, gravity, rotors);
             Some(arm.map_err(|error| source.refuse(Key::Top("link"), error))?)
@@ -298,24 +303,16 @@ fn sections(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
     if let Some(range) = supply.range {
         increasing(source, Key::In("supply", "range"), range)?;
     }
-    let [speed1, speed4] = limits.max_speed;
-    let [acceleration1, acceleration4] = limits.max_acceleration;
-    let [torque1, torque4] = limits.max_torque.unwrap_or([1.0; 2]);
+    for (key, of_joints) in [
+        ("max_speed", limits.max_speed),
+        ("max_acceleration", limits.max_acceleration),
+        ("max_torque", limits.max_torque.unwrap_or([1.0; 2])),
+    ] {
+        for value in of_joints {
+            positive(source, Key::In("limits", key), value)?;
+        }
+    }
     for (section, key, value) in [
-        ("limits", "max_speed", speed1.min(speed4)),
-        ("limits", "max_speed", speed1.max(speed4)),
-        (
-            "limits",
-            "max_acceleration",
-            acceleration1.min(acceleration4),
-        ),
-        (
-            "limits",
-            "max_acceleration",
-            acceleration1.max(acceleration4),
-        ),
-        ("limits", "max_torque", torque1.min(torque4)),
-        ("limits", "max_torque", torque1.max(torque4)),
         ("motion", "max_speed", motion.max_speed),
         ("motion", "max_acceleration", motion.max_acceleration),
         ("motion", "max_jerk", motion.max_jerk),

@@ -1,7 +1,7 @@
 //! Why a robot, or any other of the TOML files, is refused: file, line, key, reason.
 
 use std::fmt;
-use toml::de::DeTable;
+use toml::de::{DeTable, DeValue};
 
 /// A refused file.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -46,14 +46,22 @@ pub(crate) struct Source<'a> {
 impl<'a> Source<'a> {
     /// Reads the file's keys into `T`.
     pub(crate) fn parse<T: serde::de::DeserializeOwned>(&self) -> Result<T, FileError> {
-        let refused = |error: toml::de::Error, reason: &str| FileError {
-            file: self.file.into(),
-            line: error.span().map(|span| self.line(span.start)),
-            reason: reason
+        let refused = |error: toml::de::Error, reason: &str| {
+            let reason = reason
                 .trim_end()
                 .replace('\n', ", ")
                 .replace("expected f64", "expected a number")
-                .replace("expected u32", "expected a whole number"),
+                .replace("expected u32", "expected a whole number");
+            let start = error.span().map(|span| span.start);
+            let key = start.and_then(|start| self.key_at(start));
+            FileError {
+                file: self.file.into(),
+                line: start.map(|start| self.line(start)),
+                reason: match key {
+                    Some(key) => format!("`{key}`: {reason}"),
+                    None => reason,
+                },
+            }
         };
         let read = toml::from_str(self.text).map_err(|error| {
             let reason = error.message().to_owned();
@@ -108,8 +116,26 @@ impl<'a> Source<'a> {
         })
     }
 
+    /// The key whose value lies at `offset`.
+    fn key_at(&self, offset: usize) -> Option<String> {
+        let document = DeTable::parse(self.text).ok()?;
+        key_in(document.get_ref(), offset).map(str::to_owned)
+    }
+
     fn line(&self, offset: usize) -> usize {
         let before = self.text.as_bytes().iter().take(offset);
         1 + before.filter(|&&byte| byte == b'\n').count()
     }
+}
+
+/// The key of a table, or of a table within it, whose value lies at `offset`.
+fn key_in<'d>(table: &'d DeTable<'_>, offset: usize) -> Option<&'d str> {
+    table.iter().find_map(|(key, value)| match value.get_ref() {
+        DeValue::Table(inner) => key_in(inner, offset),
+        DeValue::Array(items) if items.iter().any(|item| item.get_ref().is_table()) => items
+            .iter()
+            .filter_map(|item| item.get_ref().as_table())
+            .find_map(|inner| key_in(inner, offset)),
+        _ => value.span().contains(&offset).then(|| key.get_ref().as_ref()),
+    })
 }

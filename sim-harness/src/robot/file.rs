@@ -13,8 +13,8 @@ pub(super) struct RobotFile {
     pub(super) name: String,
     pub(super) gravity: [f64; 2],
     pub(super) base: f64,
-    #[serde(default)]
-    pub(super) payload: f64,
+    /// May be left out where the links have no masses.
+    pub(super) payload: Option<f64>,
     #[serde(default = "elbows_out")]
     pub(super) working_mode: [String; 2],
     pub(super) home: Option<[f64; 2]>,
