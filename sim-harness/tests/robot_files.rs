@@ -179,6 +179,10 @@ fn degrees_and_millimetres_are_refused_with_the_unit_that_is_meant() {
     assert_refused(&text, 3, &["`base`", "metres", "118.0"]);
     let text = PLAIN.replace("length = 0.09", "length = 90");
     assert_refused(&text, 6, &["`length` of [[link]] 1", "metres", "90.0"]);
+    let text = PLAIN.replace("com = [0.04, 0.003]", "com = [40, 3]");
+    assert_refused(&text, 8, &["`com` of [[link]] 1", "metres", "40.0"]);
+    let text = format!("{PLAIN}[tool]\noffset = [0, -25]\n");
+    assert_refused(&text, 26, &["`offset` of [tool]", "metres", "-25.0"]);
 }
 
 #[test]

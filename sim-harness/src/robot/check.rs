@@ -131,6 +131,17 @@ fn finite(source: &Source<'_>, key: Key, value: [f64; 2]) -> Result<Vec2<f64>, F
     }
 }
 
+/// A point of a link, which is not in millimetres.
+fn near(source: &Source<'_>, key: Key, value: [f64; 2]) -> Result<Vec2<f64>, FileError> {
+    let point = finite(source, key, value)?;
+    if value.iter().all(|metres| metres.abs() <= LONGEST) {
+        Ok(point)
+    } else {
+        let reason = format!("is in metres, {LONGEST:?} at most, not {value:?}");
+        Err(source.refuse(key, reason))
+    }
+}
+
 fn increasing(source: &Source<'_>, key: Key, [least, greatest]: [f64; 2]) -> Result<(), FileError> {
     if least < greatest && least.is_finite() && greatest.is_finite() {
         Ok(())
@@ -214,16 +225,9 @@ fn inertias(
         let mass = link.mass.ok_or_else(|| missing("mass"))?;
         let com = link.com.ok_or_else(|| missing("com"))?;
         let moment = link.inertia.ok_or_else(|| missing("inertia"))?;
-        if com
-            .iter()
-            .any(|metres| metres.abs() > LONGEST && metres.is_finite())
-        {
-            let reason = format!("is in metres, {LONGEST:?} at most, not {com:?}");
-            return Err(source.refuse(key("com"), reason));
-        }
         *inertia = Link {
             mass: positive(source, key("mass"), mass)?,
-            com: finite(source, key("com"), com)?,
+            com: near(source, key("com"), com)?,
             inertia: positive(source, key("inertia"), moment)?,
         };
     }
@@ -289,7 +293,7 @@ fn sections(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
         tool,
         ..
     } = robot;
-    let offset = finite(source, Key::In("tool", "offset"), tool.offset)?;
+    let offset = near(source, Key::In("tool", "offset"), tool.offset)?;
     five_bar::Tool::new(robot.geometry, offset)
         .map_err(|error| source.refuse(Key::In("tool", "offset"), error))?;
     for range in limits.angle {

@@ -136,6 +136,9 @@ fn key_in<'d>(table: &'d DeTable<'_>, offset: usize) -> Option<&'d str> {
             .iter()
             .filter_map(|item| item.get_ref().as_table())
             .find_map(|inner| key_in(inner, offset)),
-        _ => value.span().contains(&offset).then(|| key.get_ref().as_ref()),
+        _ => value
+            .span()
+            .contains(&offset)
+            .then(|| key.get_ref().as_ref()),
     })
 }
