@@ -155,6 +155,61 @@ fn the_command_it_offers_runs_as_it_stands() {
     }
 }
 
+/// Makes an arm of these answers, runs what is offered with `fivebar sim`, and gives what was
+/// said of the arm, what was offered, and the run.
+fn tried(answers: [&str; 10]) -> (String, String, Output) {
+    let folder = tempfile::tempdir().unwrap();
+    let output = new(folder.path(), &[], &(answers.join("\n") + "\n"));
+    let said = said(&output);
+    assert!(output.status.success(), "{said}");
+    let offer = String::from_utf8(output.stdout).unwrap();
+    let (_, command) = offer.split_once("fivebar ").expect("an offer");
+    let run = Command::new(env!("CARGO_BIN_EXE_fivebar"))
+        .args(command.split_whitespace())
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    (said, offer, run)
+}
+
+#[test]
+fn a_small_arm_is_offered_a_drawing_of_its_size() {
+    let (said, offer, run) = tried(["", "", "0.02", "", "", "", "", "", "", ""]);
+    assert!(!said.contains("cannot draw"), "{said}");
+    assert!(
+        offer.contains("Try it: ") && offer.contains("--scale 0.2"),
+        "{offer}"
+    );
+    assert!(run.status.success(), "{run:?}");
+}
+
+#[test]
+fn an_arm_that_cannot_draw_is_told_of_with_the_reason_that_its_run_will_give() {
+    let heavy = ["", "", "", "", "", "", "", "10", "", ""];
+    let homing = ["while homing", "225 mN·m at joint 1"];
+    let upright = ["", "up", "", "", "", "", "", "1", "", ""];
+    let holding = [
+        "joint 1 has not the torque to hold the arm",
+        "even at a scale",
+    ];
+    // Strong enough to draw, too weak to be homed.
+    let long = ["", "up", "", "0.1", "0.5", "", "", "", "", ""];
+    let weight = ["while homing", "holding it up at home takes 196 mN·m"];
+    for (answers, words) in [(heavy, homing), (upright, holding), (long, weight)] {
+        let (told, offer, run) = tried(answers);
+        let (_, reason) = told.split_once("cannot draw the demonstration: ").unwrap();
+        for word in words {
+            assert!(reason.contains(word), "`{word}` is missing in: {reason}");
+        }
+        assert!(!offer.contains("Try it"), "{offer}");
+        assert_eq!(run.status.code(), Some(1));
+        // A run at full size meets the same reason, at a place of its own.
+        let (same, _) = reason.split_once(" at (").unwrap_or((reason, ""));
+        let same = same.trim().trim_end_matches('.');
+        assert!(said(&run).contains(same), "{} for {same}", said(&run));
+    }
+}
+
 #[test]
 fn a_file_that_is_there_is_left_alone() {
     let folder = tempfile::tempdir().unwrap();

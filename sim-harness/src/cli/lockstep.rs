@@ -129,7 +129,7 @@ pub(super) fn run(
     if let Some(difference) = lockstep.first_difference() {
         return Err(refused(format_args!("{difference}; {suspicion}")));
     }
-    outcome(&record)
+    outcome(&scenario, &record)
 }
 
 /// A stream of bytes to a controller.

@@ -5,6 +5,7 @@ use super::questions::{ARM, MOTOR, Question, asks_for_own_motor};
 use super::say::{hint, say, warn};
 use crate::report::write_new;
 use crate::robot::{BuiltIn, Draft};
+use crate::run::trial;
 use std::io::{self, BufRead};
 use std::path::PathBuf;
 
@@ -12,7 +13,9 @@ use std::path::PathBuf;
 ///
 /// Answers are read line by line from the standard input, an empty one taking what stands in
 /// brackets; one that makes no sense is asked for again. The file holds every key with its
-/// unit, those not asked for as comments. A file that is there already is left alone.
+/// unit, those not asked for as comments. A file that is there already is left alone. Before
+/// the file is written the arm draws the demonstration in simulation; if it cannot, you are told
+/// why.
 #[derive(clap::Args)]
 pub(super) struct Args {
     /// The file to write, such as my-arm.toml.
@@ -44,12 +47,22 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     if !args.defaults {
         interview(&mut draft, &mut io::stdin().lock())?;
     }
-    draft.check().map_err(refused)?;
+    let robot = draft.check().map_err(refused)?;
+    let command = format!("fivebar sim --robot {}", in_shell(&file.to_string()));
+    let invitation = match trial(&robot) {
+        Ok(1.0) => format!("Try it: {command}"),
+        Ok(scale) => {
+            format!("It is small for the demonstration. Try it: {command} --scale {scale}")
+        }
+        Err(reason) => {
+            warn(format_args!(
+                "As it is, it cannot draw the demonstration: {reason}."
+            ));
+            format!("Once that is mended in it: {command}")
+        }
+    };
     write_new(&args.file, draft.text()).map_err(refused)?;
-    say(format_args!(
-        "{file} is written. Try it: fivebar sim --robot {}",
-        in_shell(&file.to_string())
-    ))
+    say(format_args!("{file} is written. {invitation}"))
 }
 
 /// A file's name as a shell takes it for one word.

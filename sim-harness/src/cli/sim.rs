@@ -4,9 +4,8 @@ use super::failure::{Failure, refused};
 use super::output::OutputArgs;
 use super::run_args::RunArgs;
 use super::say::{say, warn};
-use crate::link::TargetError;
 use crate::report::{RunReport, quantity};
-use crate::run::{Record, RunError, Scenario, Summary, TipError, fault_name};
+use crate::run::{Record, RunError, Scenario, Summary, TipError};
 use indicatif::{ProgressBar, ProgressStyle};
 
 /// Simulates a job from power-up to its end and leaves a report.
@@ -65,31 +64,17 @@ pub(super) fn simulate(scenario: &Scenario, output: &OutputArgs) -> Result<(), F
     } else {
         print(&summary, &record)?;
     }
-    outcome(&record)
+    outcome(scenario, &record)
 }
 
-/// A refused move is one of the job's: its line is a line of that file.
 pub(super) fn refusal(scenario: &Scenario, error: &RunError) -> Failure {
-    match error {
-        RunError::Target(error @ TargetError::Move(_)) => {
-            refused(format_args!("{}, {error}", scenario.job_file))
-        }
-        other => refused(other),
-    }
+    refused(scenario.told(error))
 }
 
-pub(super) fn outcome(record: &Record) -> Result<(), Failure> {
-    let Some((time, fault)) = record.faults.first() else {
-        return Ok(());
-    };
-    let when = match record.begun {
-        Some(begun) => format!("{:.4} s into the job", time - begun),
-        None => format!("{time:.4} s after power-up, while homing"),
-    };
-    let (number, name) = (fault.number(), fault_name(*fault));
-    Err(refused(format_args!(
-        "the arm stopped {when} by fault {number}, {name}"
-    )))
+pub(super) fn outcome(scenario: &Scenario, record: &Record) -> Result<(), Failure> {
+    scenario
+        .stopped_by(record)
+        .map_or(Ok(()), |reason| Err(refused(reason)))
 }
 
 pub(super) fn progress_bar(moves: usize) -> ProgressBar {

@@ -1,6 +1,7 @@
 //! A run: a scenario simulated from power-up to the end of its job, and what it comes to.
 
 mod csv;
+mod ending;
 mod joints;
 mod mcap;
 mod output;
@@ -9,6 +10,7 @@ mod scene;
 mod simulation;
 mod summary;
 mod trace;
+mod trial;
 
 pub use joints::{JointHistory, Peak};
 pub use mcap::mcap;
@@ -17,6 +19,7 @@ pub use scenario::{Scenario, ScenarioError};
 pub use simulation::{Record, Simulation};
 pub use summary::{Summary, TipError, fault_name};
 pub use trace::{Sample, Trace};
+pub use trial::trial;
 
 use crate::contact::NoJournal;
 use crate::job::Job;
