@@ -215,6 +215,7 @@ fn what_has_no_answer_is_refused_by_kind_and_the_conversation_goes_on() {
         r#"{"op":"inverse","c":[NaN,0.1],"elbow1":"left","elbow4":"left"}"#,
         r#"{"op":"inverse","c":[1e999,0.1],"elbow1":"left","elbow4":"left"}"#,
         r#"{"op":"inverse","c":[null,0.1],"elbow1":"left","elbow4":"left"}"#,
+        r#"["inverse",[0.1375,0.3],"left","right"]"#,
     ] {
         lines.push(text.to_owned());
         kinds.push("invalid");

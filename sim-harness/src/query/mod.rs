@@ -55,8 +55,7 @@ pub fn serve<Request: DeserializeOwned>(
 ) -> io::Result<()> {
     let mut line = Vec::new();
     while input.read_until(b'\n', &mut line)? > 0 {
-        let reply = serde_json::from_slice(&line)
-            .map_err(|error| Refusal::invalid(sentence(&line, &error)))
+        let reply = question(&line)
             .and_then(&answer)
             .and_then(finite)
             .unwrap_or_else(|refusal| serde_json::json!(refusal));
@@ -70,6 +69,20 @@ pub fn serve<Request: DeserializeOwned>(
     Ok(())
 }
 
+/// The question on a line.
+fn question<Request: DeserializeOwned>(line: &[u8]) -> Result<Request, Refusal> {
+    let read = serde_json::from_slice(line);
+    // A list would pass for an object whose keys are left out.
+    if read.is_ok() && line.trim_ascii_start().starts_with(b"[") {
+        return Err(Refusal::invalid(no_object("a list")));
+    }
+    read.map_err(|error| Refusal::invalid(sentence(line, &error)))
+}
+
+fn no_object(given: &str) -> String {
+    format!("a question is a JSON object with an \"op\", not {given}")
+}
+
 /// Why a line is not a question; its line number is always 1 and says nothing.
 fn sentence(line: &[u8], error: &serde_json::Error) -> String {
     let given = match serde_json::from_slice(line) {
@@ -81,9 +94,12 @@ fn sentence(line: &[u8], error: &serde_json::Error) -> String {
         Ok(Value::Object(_)) | Err(_) => None,
     };
     if let Some(given) = given {
-        return format!("a question is a JSON object with an \"op\", not {given}");
+        return no_object(given);
     }
-    let text = error.to_string();
+    let text = error
+        .to_string()
+        .replace("expected f64", "expected a number")
+        .replace("variant identifier", "one of the names it can be");
     let reason = text.split(" at line ").next().unwrap_or(&text);
     if error.is_eof() {
         format!("not one whole JSON object on the line: {reason}")
