@@ -92,7 +92,12 @@ pub struct Actuator {
 impl Actuator {
     /// What it gives its joint at peak current [N·m].
     pub fn peak_torque(&self) -> f64 {
-        self.peak_current * self.torque_constant * self.gear_ratio.abs()
+        self.peak_current * self.torque_per_ampere()
+    }
+
+    /// What an ampere gives its joint, either way [N·m/A].
+    pub(super) fn torque_per_ampere(&self) -> f64 {
+        self.torque_constant * self.gear_ratio.abs()
     }
 }
 

@@ -57,7 +57,7 @@ impl Robot {
             homing: HomingSettings {
                 speed: single(0.02 * least(self.limits.max_speed)),
                 back_off: 0.05,
-                current: single(0.3 * least(actuators.map(|a| a.peak_current))),
+                current: single(self.homing_current(arm, &actuators)),
             },
             motion: MotionSettings {
                 max_speed: single(motion.max_speed),
@@ -97,12 +97,23 @@ impl Robot {
         Ok([0, 1].map(|joint| self.limited(joint, drives[joint])))
     }
 
+    /// Greatest current while homing [A]: what holds the arm's weight at home, and 0.3 of
+    /// the peak to move it, which bends nothing where a switch is missed.
+    fn homing_current(&self, arm: &Arm<f64>, actuators: &[Actuator; 2]) -> f64 {
+        let weight = self.home_pose().ok();
+        let weight = weight.and_then(|home| arm.gravity_torque(&home).ok());
+        let held = actuators.iter().zip(weight.unwrap_or([0.0; 2]));
+        let held = held.map(|(motor, torque)| torque.abs() / motor.torque_per_ampere());
+        let peak = least(actuators.map(|a| a.peak_current));
+        (0.3 * peak + held.fold(0.0, f64::max)).min(peak)
+    }
+
     /// A drive with no more current than its joint's greatest torque asks for.
     pub(super) fn limited(&self, joint: usize, drive: Actuator) -> Actuator {
         let Some(torque) = self.limits.max_torque else {
             return drive;
         };
-        let current = torque[joint] / (drive.torque_constant * drive.gear_ratio.abs());
+        let current = torque[joint] / drive.torque_per_ampere();
         Actuator {
             peak_current: drive.peak_current.min(current),
             continuous_current: drive.continuous_current.min(current),

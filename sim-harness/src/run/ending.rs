@@ -35,27 +35,14 @@ impl Scenario {
     /// for it.
     fn homing_torques(&self) -> Option<String> {
         let settings = self.robot.settings().ok()?;
-        let arm = self.robot.arm().ok()?;
-        let weight = arm.gravity_torque(&self.robot.home_pose().ok()?).ok()?;
-        let both = |[torque1, torque4]: [f64; 2]| {
-            let [torque1, torque4] = [torque1, torque4].map(|torque| quantity(torque, "N·m"));
-            format!("{torque1} at joint 1 and {torque4} at joint 4")
-        };
-        let given = settings.axes.map(|axis| {
+        let [torque1, torque4] = settings.axes.map(|axis| {
             let current = f64::from(settings.homing.current);
-            current * f64::from(axis.torque_constant) * f64::from(axis.gear_ratio).abs()
+            let torque = current * f64::from(axis.torque_constant * axis.gear_ratio);
+            quantity(torque.abs(), "N·m")
         });
-        let holding = if weight == [0.0; 2] {
-            String::new()
-        } else {
-            format!(
-                "; holding it up at home takes {}",
-                both(weight.map(f64::abs))
-            )
-        };
         Some(format!(
-            ". Homing moves it with 0.3 of the lesser `peak_current` at most, {}{holding}",
-            both(given)
+            ". Homing moves it with {torque1} at joint 1 and {torque4} at joint 4 at most: what \
+             holds it up at home, and 0.3 of the lesser `peak_current`"
         ))
     }
 }
