@@ -15,7 +15,7 @@ const TOLERANCE: &str =
 
 /// All links .23 m on a base of .275 m.
 fn example() -> Robot {
-    let head = "name = \"example\"\ngravity = [0.0, -9.81]\nbase = 0.275\n";
+    let head = "name = \"example\"\ngravity = [0.0, -9.81]\nbase = 0.275\npayload = 0.0\n";
     let text = format!("{head}{}{TOLERANCE}", LINK.repeat(4));
     Robot::parse("example.toml", &text).unwrap()
 }
