@@ -75,8 +75,9 @@ fn what_the_controller_would_refuse_is_refused_with_line_key_and_bound() {
             ["`peak_current`, 4 A", "4.1 A"],
         ),
         ("current_per_code", "1.8e-3", ["1.827e-3 A", "not 0.0018 A"]),
-        ("inductance", "0.24e-7", ["1e-6 to 1 s", "not 2.4e-8 H"]),
-        ("inductance", "2.4", ["1e-6 to 1 s", "not 2.4 H"]),
+        ("inductance", "0.24e-7", ["1e-6 to 1 s", "not 1.043e-8 s"]),
+        ("inductance", "2.4", ["1e-6 to 1 s", "not 1.043e0 s"]),
+        ("range", "[-5.0, 30.0]", ["above 0 V", "not -5.0 V"]),
         ("voltage", "12.0", ["`range`, 16.8 to 31.2 V", "12.0 V"]),
         (
             "voltage_per_code",

@@ -201,7 +201,25 @@ fn robots_that_cannot_be_simulated_are_refused() {
         "fast.toml",
         &benchtop.replace("bandwidth = 250.0", "bandwidth = 9e9"),
     );
-    bench.assert_refused(&[PETAL, "--robot", &fast], 1, &["bandwidth"]);
+    let said = ["fast.toml, line", "`bandwidth` of [control]"];
+    bench.assert_refused(&[PETAL, "--robot", &fast], 1, &said);
+}
+
+#[test]
+fn an_arm_that_falls_while_unpowered_is_told_what_its_brake_must_hold() {
+    let bench = Bench::new();
+    let benchtop = include_str!("../robots/benchtop.toml");
+    let upright = benchtop.replace("gravity = [0.0, 0.0]", "gravity = [0.0, -9.81]");
+    let upright = bench.file("upright.toml", &upright);
+    let run = bench.sim(&[PETAL, "--robot", &upright]);
+    assert_eq!(run.status.code(), Some(1));
+    let said = String::from_utf8(run.stderr).unwrap();
+    for words in [
+        "following error. Unpowered it falls",
+        "`brake_torque` is 0 N·m",
+    ] {
+        assert!(said.contains(words), "`{words}` is missing in: {said}");
+    }
 }
 
 #[test]

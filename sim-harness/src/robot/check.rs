@@ -295,7 +295,7 @@ fn sections(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
     } = robot;
     let offset = near(source, Key::In("tool", "offset"), tool.offset)?;
     five_bar::Tool::new(robot.geometry, offset)
-        .map_err(|error| source.refuse(Key::In("tool", "offset"), error))?;
+        .map_err(|_| source.refuse(Key::In("tool", "offset"), "must not put the tool on B"))?;
     for range in limits.angle {
         let key = Key::In("limits", "angle");
         increasing(source, key, range)?;

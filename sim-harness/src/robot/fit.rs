@@ -9,8 +9,8 @@ use fivebar_firmware::settings::{AxisField, Field, SettingsError};
 /// the current loop has no digits left.
 const WINDING: [f64; 2] = [1e-6, 1.0];
 
-/// A value, its unit and what it must be instead.
-type Misfit = (Key, f64, &'static str, String);
+/// A value as a person would write it, its unit and what it must be instead.
+type Misfit = (Key, String, &'static str, String);
 
 /// Looks at values that make sense each for itself.
 pub(super) fn check(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
@@ -58,7 +58,11 @@ fn refusal(source: &Source<'_>, (key, value, unit, must): Misfit) -> FileError {
     } else {
         ", as it is when left out"
     };
-    source.refuse(key, format!("{must}, not {value:?}{space}{unit}{default}"))
+    source.refuse(key, format!("{must}, not {value}{space}{unit}{default}"))
+}
+
+fn written(value: f64) -> String {
+    format!("{value:?}")
 }
 
 fn motors(robot: &Robot) -> Option<Misfit> {
@@ -72,18 +76,18 @@ fn motors(robot: &Robot) -> Option<Misfit> {
                 "over `resistance`, the winding's time constant, must be {least:e} to \
                  {greatest} s"
             );
-            return Some((key("inductance"), motor.inductance, "H", must));
+            return Some((key("inductance"), format!("{winding:.3e}"), "s", must));
         }
         if motor.continuous_current > motor.peak_current {
             let must = format!("must be at most `peak_current`, {} A", motor.peak_current);
-            let current = motor.continuous_current;
+            let current = written(motor.continuous_current);
             return Some((key("continuous_current"), current, "A", must));
         }
         // Zero lies in the middle of the codes.
         let needed = robot.limited(index, *motor).peak_current / (0.5 * ADC_CODES - 1.0);
         let per_code = motor.current_per_code.filter(|&amperes| amperes < needed)?;
         let must = format!("must be at least {needed:.3e} A for 12 bits to hold the peak current");
-        Some((key("current_per_code"), per_code, "A", must))
+        Some((key("current_per_code"), written(per_code), "A", must))
     })
 }
 
@@ -91,8 +95,13 @@ fn motors(robot: &Robot) -> Option<Misfit> {
 fn bus(robot: &Robot) -> Option<Misfit> {
     let voltage = robot.supply.voltage;
     let [low, high] = robot.bus_range();
+    if low <= 0.0 {
+        let must = "must begin above 0 V".into();
+        return Some((Key::In("supply", "range"), written(low), "V", must));
+    }
     if !(low..=high).contains(&voltage) {
         let must = format!("must lie within `range`, {low} to {high} V");
+        let voltage = written(voltage);
         return Some((Key::In("supply", "voltage"), voltage, "V", must));
     }
     let per_code = robot.voltage_per_code();
@@ -104,7 +113,8 @@ fn bus(robot: &Robot) -> Option<Misfit> {
         "must be {least:.3e} to {greatest:.3e} V for 12 bits to tell when the bus leaves {low} to \
          {high} V"
     );
-    Some((Key::In("supply", "voltage_per_code"), per_code, "V", must))
+    let key = Key::In("supply", "voltage_per_code");
+    Some((key, written(per_code), "V", must))
 }
 
 /// What the controller refuses, as the file has it; none for what the reader of the file
@@ -126,12 +136,13 @@ fn setting(robot: &Robot, error: SettingsError) -> Option<Misfit> {
                 4_194_304.0 / motor.gear_ratio.abs()
             );
             let key = Key::Of("actuator", index, "encoder_counts");
-            return Some((key, f64::from(motor.encoder_counts), "", must));
+            return Some((key, motor.encoder_counts.to_string(), "", must));
         }
         SettingsError::Field(field) => field,
         _ => return None,
     };
-    let in_control = |name, value, unit, must| Some((Key::In("control", name), value, unit, must));
+    let in_control =
+        |name, value, unit, must| Some((Key::In("control", name), written(value), unit, must));
     let rate = "rad/s";
     match field {
         Field::TickRate => {
@@ -164,31 +175,31 @@ fn setting(robot: &Robot, error: SettingsError) -> Option<Misfit> {
         }
         Field::SingularityMargin => Some((
             Key::In("limits", "singularity_margin"),
-            limits.singularity_margin,
+            written(limits.singularity_margin),
             "",
             "must be more than 0 and less than 1".into(),
         )),
         Field::FollowingError => Some((
             Key::In("protection", "following_error"),
-            protection.following_error,
+            written(protection.following_error),
             "rad",
             "must be less than 1 rad".into(),
         )),
         Field::OverSpeed => Some((
             Key::In("protection", "over_speed"),
-            protection.over_speed,
+            written(protection.over_speed),
             "",
             "is times `max_speed` of [limits], and must be at least 1".into(),
         )),
         Field::OverCurrent => Some((
             Key::In("protection", "over_current"),
-            protection.over_current,
+            written(protection.over_current),
             "",
             "is times `peak_current`, and must be at least 1".into(),
         )),
         Field::CommandTimeout => Some((
             Key::In("protection", "command_timeout"),
-            protection.command_timeout,
+            written(protection.command_timeout),
             "s",
             format!("must be a tick, {:e} s, to 60 s", 1.0 / control.tick_rate),
         )),

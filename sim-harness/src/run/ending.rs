@@ -26,9 +26,33 @@ impl Scenario {
         };
         let (number, name) = (fault.number(), fault_name(*fault));
         let sentence = format!("the arm stopped {when} by fault {number}, {name}");
-        let homing = record.begun.is_none() && *fault == Fault::FollowingError;
-        let forces = homing.then(|| self.homing_torques()).flatten();
-        Some(sentence + &forces.unwrap_or_default())
+        if *fault != Fault::FollowingError {
+            return Some(sentence);
+        }
+        let cause = match record.begun {
+            Some(_) => self.falls(),
+            None => self.homing_torques(),
+        };
+        Some(sentence + &cause.unwrap_or_default())
+    }
+
+    /// Whether the arm falls once homed, until it is powered again for the job.
+    fn falls(&self) -> Option<String> {
+        let home = self.robot.home_pose().ok()?;
+        let weight = self.robot.arm().ok()?.gravity_torque(&home).ok()?;
+        let drives = self.robot.drives().ok()?;
+        let joint = (0..2).find(|&joint| {
+            let drive = &drives[joint];
+            weight[joint].abs() > drive.brake_torque + drive.coulomb_friction
+        })?;
+        let [needed, brake] = [weight[joint].abs(), drives[joint].brake_torque];
+        Some(format!(
+            ". Unpowered it falls: holding it up at home takes {} at joint {}, its `brake_torque` \
+             is {}",
+            quantity(needed, "N·m"),
+            [1, 4][joint],
+            quantity(brake, "N·m")
+        ))
     }
 
     /// What homing has to move the arm with: most arms that cannot be homed are too heavy
