@@ -12,7 +12,9 @@ use tokio::sync::broadcast;
 /// Messages to pages that may wait for a slow one before it misses the oldest.
 const WAITING: usize = 64;
 
-/// What a page asks. Places are of the tool [m], in the frame of the base.
+/// What a page asks. Places are of the tool [m], in the frame of the base. A number may be
+/// greater than the controller's: that is a place out of reach, not a message of another
+/// version.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub(super) enum Wish {
@@ -24,22 +26,22 @@ pub(super) enum Wish {
     /// Something of the controller.
     Request(Wanted),
     /// To move the tool by this much, straight.
-    Jog([f32; 2]),
+    Jog([f64; 2]),
     /// To have the tool follow to this point; a later one takes its place.
-    Follow([f32; 2]),
+    Follow([f64; 2]),
     /// To turn a joint by so much [rad].
     JogJoint {
         /// The joint.
         joint: Joint,
         /// The change of θ1 or θ4 [rad].
-        by: f32,
+        by: f64,
     },
     /// To turn a joint to an angle; a later one takes its place.
     Turn {
         /// The joint.
         joint: Joint,
         /// θ1 or θ4 [rad], whole turns aside.
-        to: f32,
+        to: f64,
     },
     /// To bring the elbows to the working mode, the tool staying where it is.
     Mode([Side; 2]),

@@ -80,13 +80,13 @@ impl Machine {
             _ if !takes_moves(self.status.state) => {
                 Err("The arm is not armed: home it, then arm it.".into())
             }
-            Wish::Jog([dx, dy]) => self.jog([dx, dy]),
+            Wish::Jog(by) => self.jog(by.map(single)),
             Wish::Follow(to) => {
-                self.aim(to);
+                self.aim(to.map(single));
                 Ok(())
             }
-            Wish::JogJoint { joint, by } => self.turn_joint(joint, |angle| angle + by),
-            Wish::Turn { joint, to } => self.turn_joint(joint, |_| to),
+            Wish::JogJoint { joint, by } => self.turn_joint(joint, |angle| angle + single(by)),
+            Wish::Turn { joint, to } => self.turn_joint(joint, |_| single(to)),
             Wish::Mode(elbows) => self.change_mode(elbows),
         })
     }
@@ -242,4 +242,9 @@ impl Machine {
             false => Err("The arm moves: wait until it rests, or stop it.".into()),
         }
     }
+}
+
+/// A page's number as the controller has it; infinite where it has none so great.
+fn single(value: f64) -> f32 {
+    value as f32
 }
