@@ -59,6 +59,25 @@ fn a_polygon_of_many_short_lines_flows_through_the_queue() {
     assert!(taken < 2.0, "{taken} s");
 }
 
+/// Of lines that short, four pieces end at rest, or are over before a stop would be.
+#[test]
+fn lines_of_hundredths_of_a_millimetre_do_not_outrun_the_planner() {
+    for at_once in [true, false] {
+        let mut rig = Rig::armed(&settings());
+        let [x, y] = rig.held();
+        let ends = [1e-5, 1e-4, 0.0, 8e-5, 2e-5, 3e-4, 0.0];
+        for (tag, end) in (1..).zip(ends) {
+            let to = [x + end, y];
+            rig.push(tag, MoveKind::Line { to, feed: 0.07 }).unwrap();
+            if !at_once {
+                rig.tick();
+            }
+        }
+        let worst = finish(&mut rig);
+        assert!(worst < 3e-5, "{worst} m");
+    }
+}
+
 #[test]
 fn lines_arcs_dwells_and_joint_moves_follow_each_other() {
     let mut rig = Rig::armed(&settings());

@@ -81,6 +81,12 @@ impl Controller {
         self.path.wants(horizon)
     }
 
+    /// Whether the path breaks off in motion with no more left of it than a stop takes: a
+    /// fault if it is so in a tick of a running arm.
+    pub fn runs_short(&self) -> bool {
+        self.path.runs_short()
+    }
+
     /// The latched fault, with the tick that raised it.
     pub fn fault(&self) -> Option<&Snapshot> {
         self.latched.as_ref()

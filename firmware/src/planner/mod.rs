@@ -6,7 +6,8 @@
 //! it needs to be able to stop on it, and keeps the rest open to replanning.
 //!
 //! Both end in bounded time: a push walks its move in at most a fixed number of steps; a
-//! run hands out at most [`PIECES_PER_RUN`] pieces, each from at most [`SPANS`] spans.
+//! run hands out at most [`PIECES_PER_RUN`] pieces, each from at most [`SPANS`] spans. Only
+//! where these would end in motion without room for a stop, it goes on until there is room.
 
 mod refusal;
 
@@ -28,7 +29,7 @@ pub use refusal::{LONGEST, MoveRefusal, Reason};
 /// corner.
 pub const SPANS: usize = 32;
 
-/// Pieces that one run hands out at most.
+/// Pieces that one run hands out, where nothing presses.
 pub const PIECES_PER_RUN: u32 = 4;
 
 /// Path that the controller is given beyond what a stop needs [s].
@@ -299,10 +300,11 @@ impl Planner {
     /// few milliseconds while the arm moves. The controller is not locked while a piece is
     /// planned.
     pub fn run(&mut self, controller: &mut impl Mutex<T = Controller>) {
-        for _ in 0..PIECES_PER_RUN {
+        for handed in 0..PIECES as u32 {
             let wants_path = controller.lock(|controller| {
                 self.follow(controller);
                 controller.wants_path(self.horizon)
+                    && (handed < PIECES_PER_RUN || controller.runs_short())
             });
             if !wants_path {
                 break;
