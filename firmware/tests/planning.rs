@@ -59,6 +59,24 @@ fn a_polygon_of_many_short_lines_flows_through_the_queue() {
     assert!(taken < 2.0, "{taken} s");
 }
 
+/// The queue is as full as can be and still holds less path than a stop takes.
+#[test]
+fn a_circle_of_lines_of_a_twentieth_of_a_millimetre_is_drawn_to_its_end() {
+    let mut rig = Rig::armed(&settings());
+    let [x, y] = rig.held();
+    let (radius, corners) = (0.002_f32, 250_u32);
+    for corner in 1..=corners {
+        let (sin, cos) = (TAU * corner as f32 / corners as f32).sin_cos();
+        let to = [x - radius + radius * cos, y + radius * sin];
+        while let Err(refusal) = rig.push(corner, MoveKind::Line { to, feed: 0.07 }) {
+            assert_eq!(refusal.reason, Reason::Full, "{:?}", rig.controller.fault());
+            rig.tick();
+        }
+    }
+    let worst = finish(&mut rig);
+    assert!(worst < 3e-5, "{worst} m");
+}
+
 /// Of lines that short, four pieces end at rest, or are over before a stop would be.
 #[test]
 fn lines_of_hundredths_of_a_millimetre_do_not_outrun_the_planner() {

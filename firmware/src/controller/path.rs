@@ -16,6 +16,9 @@ use heapless::Deque;
 /// Pieces that wait for the tick: the committed future of the arm.
 pub const PIECES: usize = 32;
 
+/// With so many pieces to come or more, the planner is not behind, however short they are.
+const FEW_PIECES: usize = PIECES / 2;
+
 /// A path that breaks off in motion is begun with so much in hand beyond a stop [s].
 const READY: f32 = 0.02;
 
@@ -152,11 +155,15 @@ impl Path {
     }
 
     /// Whether the path breaks off in motion, and all that is left of it is needed to stop
-    /// on: the planner is behind.
+    /// on, in few pieces: the planner is behind. A queue of many pieces can be as short while
+    /// the planner keeps it full.
     #[inline(always)]
     pub(crate) fn runs_short(&self) -> bool {
         // The first comparison is the one that mostly decides.
-        self.left < self.least && self.waits_for_more()
+        self.left < self.least
+            && self.open
+            && self.brake.is_none()
+            && self.stretches.len() < FEW_PIECES
     }
 
     /// Whether the path breaks off in motion and more of it would find room.
