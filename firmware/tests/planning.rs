@@ -7,6 +7,7 @@ use fivebar_firmware::controller::Request;
 use fivebar_firmware::planner::Reason;
 use fivebar_firmware::safety::{Limits, State};
 use fivebar_kinematics::five_bar::{Side, WorkingMode};
+use proptest::prelude::*;
 use rig::{Rig, settings};
 use std::f32::consts::TAU;
 
@@ -93,6 +94,45 @@ fn lines_of_hundredths_of_a_millimetre_do_not_outrun_the_planner() {
         }
         let worst = finish(&mut rig);
         assert!(worst < 3e-5, "{worst} m");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig {
+        cases: 24,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
+
+    /// Lines from a micrometre to a centimetre, at corners of any angle, handed over at once
+    /// or by and by: none is too short for the planner, and the arm is where it should be.
+    #[test]
+    fn lines_of_any_length_follow_each_other(
+        lines in prop::collection::vec(
+            (-6.0..-2.0_f32, 0.0..TAU, prop_oneof![Just(0), 0..200_u32]),
+            2..60,
+        ),
+        feed in 0.005..0.3_f32,
+    ) {
+        let mut rig = Rig::armed(&settings());
+        let [x, y] = rig.held();
+        let mut place = [x, y];
+        for (tag, (exponent, direction, ticks)) in (1..).zip(lines) {
+            let (sin, cos) = direction.sin_cos();
+            let length = 10_f32.powf(exponent);
+            let to = [place[0] + length * cos, place[1] + length * sin];
+            let strays = (to[0] - x).hypot(to[1] - y) > 0.02;
+            place = if strays { [x, y] } else { to };
+            while let Err(refusal) = rig.push(tag, MoveKind::Line { to: place, feed }) {
+                prop_assert_eq!(refusal.reason, Reason::Full, "{:?}", rig.controller.fault());
+                rig.tick();
+            }
+            for _ in 0..ticks {
+                rig.tick();
+            }
+        }
+        let worst = finish(&mut rig);
+        prop_assert!(worst < 3e-5, "{worst} m");
     }
 }
 

@@ -81,10 +81,10 @@ impl Controller {
         self.path.wants(horizon)
     }
 
-    /// Whether the path breaks off in motion with no more left of it than a stop takes: a
-    /// fault if it is so in a tick of a running arm.
-    pub fn runs_short(&self) -> bool {
-        self.path.runs_short()
+    /// Whether there is enough of a path to begin with: all of it, a full queue, or some
+    /// hundredths of a second more than a stop takes.
+    pub fn has_enough_path(&self) -> bool {
+        self.path.is_ready()
     }
 
     /// The latched fault, with the tick that raised it.

@@ -7,7 +7,7 @@
 //!
 //! Both end in bounded time: a push walks its move in at most a fixed number of steps; a
 //! run hands out at most [`PIECES_PER_RUN`] pieces, each from at most [`SPANS`] spans. Only
-//! where these would end in motion without room for a stop, it goes on until there is room.
+//! where these would end in motion with hardly room for a stop, it goes on until there is.
 
 mod refusal;
 
@@ -304,7 +304,7 @@ impl Planner {
             let wants_path = controller.lock(|controller| {
                 self.follow(controller);
                 controller.wants_path(self.horizon)
-                    && (handed < PIECES_PER_RUN || controller.runs_short())
+                    && (handed < PIECES_PER_RUN || !controller.has_enough_path())
             });
             if !wants_path {
                 break;
