@@ -8,13 +8,10 @@
 //! accelerates by σ² p″ + σ̇ p′. From a steady speed v the braking takes 1.5 v/T at most
 //! and its jerk is 6 v/T² at most. The path gets ∫σ dt = T(x − x³ + ½x⁴) further, T/2 in all.
 
+use super::queue::Queue;
 use crate::settings::Settings;
 use fivebar_kinematics::Scalar;
 use fivebar_kinematics::trajectory::{Piece, Reference};
-use heapless::Deque;
-
-/// Pieces that wait for the tick: the committed future of the arm.
-pub const PIECES: usize = 32;
 
 /// With so many pieces to come or more, the planner is not behind, however short they are.
 const FEW_PIECES: usize = PIECES / 2;
@@ -49,8 +46,6 @@ pub(crate) struct Path {
     left: f32,
     /// Of that, the time behind the first piece [s].
     behind: f32,
-    /// The same, counted so that what comes and goes leaves nothing behind [µs].
-    behind_us: u32,
     /// The last stretch ends in motion.
     open: bool,
     brake: Option<Brake>,
@@ -60,7 +55,7 @@ pub(crate) struct Path {
     least: f32,
     /// [s].
     period: f32,
-    stretches: Deque<Stretch, PIECES>,
+    queue: Queue,
 }
 
 /// A stop in progress.
@@ -121,10 +116,9 @@ impl Path {
             offset: 0.0,
             left: 0.0,
             behind: 0.0,
-            behind_us: 0,
             open: false,
             brake: None,
-            stretches: Deque::new(),
+            queue: Queue::new(),
         }
     }
 
@@ -133,19 +127,19 @@ impl Path {
         self.ticks = 0;
         self.offset = 0.0;
         self.left = 0.0;
-        self.set_behind(0);
+        self.behind = 0.0;
         self.open = false;
         self.brake = None;
-        self.stretches.clear();
+        self.queue.clear();
     }
 
     /// Whether there is room for another piece, and less than `horizon` [s] of path.
     pub(crate) fn wants(&self, horizon: f32) -> bool {
-        self.left < horizon && !self.stretches.is_full()
+        self.left < horizon && !self.queue.is_full()
     }
 
     pub(crate) fn is_empty(&self) -> bool {
-        self.stretches.is_empty()
+        self.queue.is_empty()
     }
 
     /// Whether there is enough of a path to begin with.
@@ -168,34 +162,26 @@ impl Path {
 
     /// Whether the path breaks off in motion and more of it would find room.
     fn waits_for_more(&self) -> bool {
-        self.open && self.brake.is_none() && !self.stretches.is_full()
+        self.open && self.brake.is_none() && !self.queue.is_full()
     }
 
     /// Tag of the piece in progress.
     pub(crate) fn tag(&self) -> Option<u32> {
-        self.stretches.front().map(|stretch| stretch.piece.tag())
+        self.queue.first().map(|first| first.stretch.piece.tag())
     }
 
     /// Appends a stretch; gives it back where there is no room.
     pub(crate) fn push(&mut self, stretch: Stretch) -> Result<(), Stretch> {
-        let duration = stretch.piece.duration();
-        let first = self.stretches.is_empty();
-        self.stretches.push_back(stretch)?;
+        self.queue.push(stretch)?;
         self.open = stretch.open;
-        if first {
-            self.left = duration;
-        } else {
+        if self.queue.len() == 1 {
+            self.left = stretch.piece.duration();
+        } else if let Some(first) = self.queue.first() {
             let before = self.behind;
-            self.set_behind(self.behind_us + microseconds(duration));
+            self.behind = self.queue.behind(first);
             self.left += self.behind - before;
         }
         Ok(())
-    }
-
-    #[inline(always)]
-    fn set_behind(&mut self, microseconds: u32) {
-        self.behind_us = microseconds;
-        self.behind = microseconds as f32 * 1e-6;
     }
 
     /// Begins to come to rest; sooner than usual where a path that breaks off leaves no
@@ -222,7 +208,7 @@ impl Path {
     /// One tick along the path; `None` where there is none.
     #[inline(always)]
     pub(crate) fn step(&mut self) -> Option<Step> {
-        let mut first = self.stretches.front()?;
+        let mut first = self.queue.first()?;
         let slowed = match &mut self.brake {
             None => {
                 self.ticks = self.ticks.wrapping_add(1);
@@ -232,20 +218,18 @@ impl Path {
         };
         let advance = slowed.as_ref().map_or(0.0, |slowed| slowed.advance);
         let mut time = self.offset + self.period * self.ticks as f32 + advance;
-        let mut duration = first.piece.duration();
+        let mut duration = first.stretch.piece.duration();
         let mut ended = false;
         if time >= duration {
-            let mut behind = self.behind_us;
             for _ in 0..PIECES_PER_TICK {
-                if self.stretches.len() == 1 {
+                if self.queue.len() == 1 {
                     ended = true;
                     break;
                 }
                 time -= duration;
-                self.stretches.pop_front();
-                first = self.stretches.front()?;
-                duration = first.piece.duration();
-                behind = behind.wrapping_sub(microseconds(duration));
+                self.queue.leave();
+                first = self.queue.first()?;
+                duration = first.stretch.piece.duration();
                 if time < duration {
                     break;
                 }
@@ -256,27 +240,19 @@ impl Path {
             }
             self.ticks = 0;
             self.offset = time - advance;
-            self.behind_us = behind;
-            self.behind = behind as f32 * 1e-6;
+            self.behind = self.queue.behind(first);
         }
         self.left = duration - time + self.behind;
-        let reference = first.piece.evaluate(time);
+        let mut progress = first.stretch.piece.progress(time);
+        if let Some(Slowed { rate, slope, .. }) = slowed {
+            progress = progress.clocked(rate, slope);
+        }
         Some(Step {
-            at_rest: ended || slowed.as_ref().is_some_and(|slowed| slowed.stands),
-            reference: match slowed {
-                None => reference,
-                Some(Slowed { rate, slope, .. }) => reference.clocked(rate, slope),
-            },
-            slowed: first.slowed,
+            at_rest: ended || slowed.is_some_and(|slowed| slowed.stands),
+            reference: first.stretch.piece.reference(progress),
+            slowed: first.stretch.slowed,
         })
     }
-}
-
-/// A piece's share of the time behind [µs]. One of more than a minute counts as one of a
-/// minute: nobody asks how much more there is, and the sum of all is far from overflow.
-#[inline(always)]
-fn microseconds(duration: f32) -> u32 {
-    ((duration * 1e6) as u32).min(60_000_000)
 }
 
 impl Brake {

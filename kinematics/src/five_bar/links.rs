@@ -34,7 +34,7 @@ impl<S: Scalar> Geometry<S> {
     pub fn links(&self, u1: Vec2<S>, u4: Vec2<S>, assembly: Side) -> Result<Links<S>, PoseError> {
         let ab = u1 * self.l1();
         let ed = u4 * self.l4();
-        let bd = self.e() + ed - ab;
+        let bd = ed - (ab - self.e());
         let Closed { joint: bc, cross } = self.tip().close(bd, assembly).map_err(refusal)?;
         Ok(Links {
             ab,

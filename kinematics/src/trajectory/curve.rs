@@ -10,7 +10,6 @@
 //! however flat the arc, where a centre far away would swallow the last bits. For a blend
 //! s is the length of the corner it replaces, so its own length is a little shorter.
 
-use super::reference::Reference;
 use crate::{Scalar, Vec2};
 
 /// Position and its first two derivatives by path length.
@@ -57,33 +56,36 @@ impl<S: Scalar> Curve<S> {
     // Large, and asked for in many places.
     #[inline(never)]
     pub fn at(&self, s: S) -> CurvePoint<S> {
-        self.point(s)
+        let [position, tangent, curvature] = self.motion(s, S::ONE, S::ZERO);
+        CurvePoint {
+            position,
+            tangent,
+            curvature,
+        }
     }
 
-    /// As [`Curve::at`], in the caller's own code: for the tick.
+    /// Position, velocity and acceleration at s, moving with ṡ [m/s] and s̈ [m/s²]:
+    /// r, r′ ṡ and r″ ṡ² + r′ s̈.
     #[inline(always)]
-    fn point(&self, s: S) -> CurvePoint<S> {
+    pub(super) fn motion(&self, s: S, rate: S, acceleration: S) -> [Vec2<S>; 3] {
         match *self {
-            Self::Line { start, tangent } => CurvePoint {
-                position: start + tangent * s,
-                tangent,
-                curvature: Vec2::zero(),
-            },
+            Self::Line { start, tangent } => {
+                [start + tangent * s, tangent * rate, tangent * acceleration]
+            }
             Self::Arc {
                 start,
                 tangent,
                 curvature,
             } => {
                 let (sin, cos) = (curvature * s * S::HALF).sin_cos();
-                let left = tangent.perp();
-                let chord = tangent * cos + left * sin;
+                let chord = tangent * cos + tangent.perp() * sin;
                 // cos 2φ = 1 − 2 sin²φ, sin 2φ = 2 sin φ cos φ.
                 let direction = chord * (cos + cos) - tangent;
-                CurvePoint {
-                    position: start + chord * (S::TWO * sin / curvature),
-                    tangent: direction,
-                    curvature: direction.perp() * curvature,
-                }
+                [
+                    start + chord * (S::TWO * sin / curvature),
+                    direction * rate,
+                    direction.perp() * (curvature * (rate * rate)) + direction * acceleration,
+                ]
             }
             Self::Blend {
                 coefficients: [c0, c1, c2, c3, c4, c5],
@@ -96,28 +98,10 @@ impl<S: Scalar> Curve<S> {
                 let (p, d, e) = (p * u + c2, d * u + p, e * u + d);
                 let (p, d, e) = (p * u + c1, d * u + p, e * u + d);
                 let (p, d, e) = (p * u + c0, d * u + p, e * u + d);
-                CurvePoint {
-                    position: p,
-                    tangent: d * inverse_length,
-                    curvature: e * (S::TWO * inverse_length * inverse_length),
-                }
+                // u̇ and ü.
+                let (rate, acceleration) = (rate * inverse_length, acceleration * inverse_length);
+                [p, d * rate, e * (S::TWO * rate * rate) + d * acceleration]
             }
-        }
-    }
-
-    /// The tool's motion at s, moving with ṡ [m/s] and s̈ [m/s²]:
-    /// v = r′ ṡ, a = r″ ṡ² + r′ s̈.
-    #[inline(always)]
-    pub(super) fn follow(&self, s: S, rate: S, acceleration: S) -> Reference<S> {
-        let point = self.point(s);
-        let along = point.tangent * acceleration;
-        Reference::Tool {
-            position: point.position,
-            velocity: point.tangent * rate,
-            acceleration: match self {
-                Self::Line { .. } => along,
-                _ => along + point.curvature * (rate * rate),
-            },
         }
     }
 

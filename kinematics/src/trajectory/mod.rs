@@ -37,7 +37,7 @@ mod walk;
 pub use curve::{Curve, CurvePoint};
 pub use envelope::{Envelope, TorqueLimits};
 pub use look_ahead::{LookAhead, PushError};
-pub use piece::{Piece, TimeLaw};
+pub use piece::{Piece, Progress, TimeLaw};
 pub use ramp::Caps;
 pub use reference::Reference;
 pub use refusal::{Obstacle, Refusal};

@@ -27,16 +27,42 @@ impl<S: Scalar> TimeLaw<S> {
 
     /// s, ṡ and s̈ at time `t` [s].
     #[inline(always)]
-    pub fn at(&self, t: S) -> (S, S, S) {
+    pub fn at(&self, t: S) -> Progress<S> {
         let [c0, c1, c2, c3] = self.coefficients;
-        let c3t = c3 * t;
-        let two_c2 = c2 + c2;
-        let three_c3t = c3t + c3t + c3t;
-        (
-            c0 + (c1 + (c2 + c3t) * t) * t,
-            c1 + (two_c2 + three_c3t) * t,
-            two_c2 + three_c3t + three_c3t,
-        )
+        // Horner's scheme thrice over: s, ṡ and ½ s̈.
+        let (p, d) = (c3 * t + c2, c3);
+        let (p, d, e) = (p * t + c1, d * t + p, c3);
+        let (p, d, e) = (p * t + c0, d * t + p, e * t + d);
+        Progress {
+            place: p,
+            rate: d,
+            acceleration: e + e,
+        }
+    }
+}
+
+/// How far along its shape a piece is, and how fast; units of the shape's length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress<S> {
+    /// s.
+    pub place: S,
+    /// ṡ [1/s].
+    pub rate: S,
+    /// s̈ [1/s²].
+    pub acceleration: S,
+}
+
+impl<S: Scalar> Progress<S> {
+    /// The same place passed with the piece's clock running at `rate` σ and changing by
+    /// `slope` σ̇ [1/s]: at σ ṡ and σ² s̈ + σ̇ ṡ.
+    #[inline(always)]
+    #[must_use]
+    pub fn clocked(self, rate: S, slope: S) -> Self {
+        Self {
+            place: self.place,
+            rate: self.rate * rate,
+            acceleration: self.acceleration * (rate * rate) + self.rate * slope,
+        }
     }
 }
 
@@ -84,12 +110,35 @@ impl<S: Scalar> Piece<S> {
         }
     }
 
+    /// s, ṡ and s̈ at time `t` [s] into the piece, 0 ≤ t ≤ duration.
+    #[inline(always)]
+    pub fn progress(&self, t: S) -> Progress<S> {
+        self.law.at(t)
+    }
+
     /// The reference at time `t` [s] into the piece, 0 ≤ t ≤ duration.
     #[inline(always)]
     pub fn evaluate(&self, t: S) -> Reference<S> {
-        let (s, rate, acceleration) = self.law.at(t);
+        self.reference(self.progress(t))
+    }
+
+    /// The reference so far along the piece, and so fast.
+    #[inline(always)]
+    pub fn reference(&self, progress: Progress<S>) -> Reference<S> {
+        let Progress {
+            place,
+            rate,
+            acceleration,
+        } = progress;
         match &self.shape {
-            Shape::Path(curve) => curve.follow(s, rate, acceleration),
+            Shape::Path(curve) => {
+                let [position, velocity, acceleration] = curve.motion(place, rate, acceleration);
+                Reference::Tool {
+                    position,
+                    velocity,
+                    acceleration,
+                }
+            }
             Shape::Rest(position) => Reference::Tool {
                 position: *position,
                 velocity: Vec2::zero(),
@@ -99,7 +148,7 @@ impl<S: Scalar> Piece<S> {
                 let [from1, from4] = *from;
                 let [d1, d4] = *direction;
                 Reference::Joint {
-                    angles: [from1 + d1 * s, from4 + d4 * s],
+                    angles: [from1 + d1 * place, from4 + d4 * place],
                     rates: [d1 * rate, d4 * rate],
                     accelerations: [d1 * acceleration, d4 * acceleration],
                 }

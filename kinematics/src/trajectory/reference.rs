@@ -1,6 +1,6 @@
 //! What the tick is given to follow.
 
-use crate::{Scalar, Vec2};
+use crate::Vec2;
 
 /// Where the arm should be, and how it should be moving.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,37 +23,4 @@ pub enum Reference<S> {
         /// [rad/s²].
         accelerations: [S; 2],
     },
-}
-
-impl<S: Scalar> Reference<S> {
-    /// The same place passed with the piece's clock running at `rate` σ and changing by
-    /// `slope` σ̇ [1/s]: v = σ p′, a = σ² p″ + σ̇ p′.
-    #[inline(always)]
-    #[must_use]
-    pub fn clocked(self, rate: S, slope: S) -> Self {
-        let squared = rate * rate;
-        match self {
-            Self::Tool {
-                position,
-                velocity,
-                acceleration,
-            } => Self::Tool {
-                position,
-                velocity: velocity * rate,
-                acceleration: acceleration * squared + velocity * slope,
-            },
-            Self::Joint {
-                angles,
-                rates: [rate1, rate4],
-                accelerations: [acceleration1, acceleration4],
-            } => Self::Joint {
-                angles,
-                rates: [rate1 * rate, rate4 * rate],
-                accelerations: [
-                    acceleration1 * squared + rate1 * slope,
-                    acceleration4 * squared + rate4 * slope,
-                ],
-            },
-        }
-    }
 }

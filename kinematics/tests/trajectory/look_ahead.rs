@@ -160,7 +160,7 @@ proptest! {
         let place = |t: f64| tool(&piece, tau + (rate + 0.5 * slope * t) * t).0;
         let (before, now, after) = (place(-dt), place(0.0), place(dt));
         let Reference::Tool { position, velocity, acceleration } =
-            piece.evaluate(tau).clocked(rate, slope) else { panic!() };
+            piece.reference(piece.progress(tau).clocked(rate, slope)) else { panic!() };
         prop_assert_eq!(position, now);
         prop_assert!(((after - before) * (0.5 / dt) - velocity).norm() < 1e-8);
         let second = (after - now - (now - before)) * (1.0 / (dt * dt));
