@@ -174,7 +174,7 @@ impl Path {
     pub(crate) fn push(&mut self, stretch: Stretch) -> Result<(), Stretch> {
         self.queue.push(stretch)?;
         self.open = stretch.open;
-        if self.queue.len() == 1 {
+        if self.queue.is_last() {
             self.left = stretch.piece.duration();
         } else if let Some(first) = self.queue.first() {
             let before = self.behind;
@@ -222,7 +222,7 @@ impl Path {
         let mut ended = false;
         if time >= duration {
             for _ in 0..PIECES_PER_TICK {
-                if self.queue.len() == 1 {
+                if self.queue.is_last() {
                     ended = true;
                     break;
                 }

@@ -5,6 +5,8 @@
 //! and counted in whole microseconds it gathers no rounding.
 
 use super::Stretch;
+use fivebar_kinematics::Vec2;
+use fivebar_kinematics::trajectory::Piece;
 
 /// Pieces that wait for the tick: the committed future of the arm.
 pub const PIECES: usize = 32;
@@ -22,6 +24,7 @@ pub(super) struct Queued {
 }
 
 /// The ring. Both counts wrap, and `PIECES` divides their range.
+#[repr(C)]
 pub(super) struct Queue {
     /// Stretches that were left behind.
     first: u32,
@@ -29,16 +32,24 @@ pub(super) struct Queue {
     next: u32,
     /// Where the last one ends [µs].
     end: u32,
-    slots: [Option<Queued>; PIECES],
+    slots: [Queued; PIECES],
 }
 
 impl Queue {
     pub(super) fn new() -> Self {
+        let nothing = Stretch {
+            piece: Piece::rest(Vec2::zero(), 0.0, 0),
+            open: false,
+            slowed: false,
+        };
         Self {
             first: 0,
             next: 0,
             end: 0,
-            slots: [None; PIECES],
+            slots: [Queued {
+                stretch: nothing,
+                end: 0,
+            }; PIECES],
         }
     }
 
@@ -47,19 +58,19 @@ impl Queue {
         self.first = self.next;
     }
 
-    /// Stretches that wait, the first one included.
-    #[inline(always)]
-    pub(super) fn len(&self) -> u32 {
-        self.next.wrapping_sub(self.first)
-    }
-
     #[inline(always)]
     pub(super) fn is_empty(&self) -> bool {
-        self.len() == 0
+        self.first == self.next
     }
 
     pub(super) fn is_full(&self) -> bool {
-        self.len() == PIECES as u32
+        self.next.wrapping_sub(self.first) == PIECES as u32
+    }
+
+    /// Whether one stretch is all there is.
+    #[inline(always)]
+    pub(super) fn is_last(&self) -> bool {
+        self.first.wrapping_add(1) == self.next
     }
 
     /// The stretch in progress.
@@ -68,13 +79,13 @@ impl Queue {
         if self.is_empty() {
             return None;
         }
-        self.slots.get(slot(self.first))?.as_ref()
+        self.slots.get(slot(self.first))
     }
 
     /// Leaves the first stretch behind; the last one stays.
     #[inline(always)]
     pub(super) fn leave(&mut self) {
-        if self.len() > 1 {
+        if !self.is_empty() && !self.is_last() {
             self.first = self.first.wrapping_add(1);
         }
     }
@@ -90,10 +101,10 @@ impl Queue {
         let duration = ((stretch.piece.duration() * 1e6) as u32).min(LONGEST);
         self.end = self.end.wrapping_add(duration);
         self.next = self.next.wrapping_add(1);
-        *place = Some(Queued {
+        *place = Queued {
             stretch,
             end: self.end,
-        });
+        };
         Ok(())
     }
 

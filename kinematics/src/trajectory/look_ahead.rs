@@ -249,17 +249,12 @@ impl<S: Scalar, const N: usize> LookAhead<S, N> {
         // Each turn hands out a piece or leaves a span or a plan behind.
         for _ in 0..4 * N {
             let head = *self.queue.first()?;
-            if let Shape::Rest(_) = head.shape {
+            if let Shape::Rest(position) = head.shape {
                 self.leave_span();
                 if head.length <= S::ZERO {
                     continue;
                 }
-                return Some(Piece {
-                    shape: head.shape,
-                    law: TimeLaw::new(S::ZERO, S::ZERO, S::ZERO, S::ZERO),
-                    duration: head.length,
-                    tag: head.tag,
-                });
+                return Some(Piece::rest(position, head.length, head.tag));
             }
             if let Some(piece) = self.advance(&head) {
                 return Some(piece);

@@ -89,6 +89,16 @@ pub struct Piece<S> {
 }
 
 impl<S: Scalar> Piece<S> {
+    /// The tool at rest at `position` [m] for `duration` [s].
+    pub fn rest(position: Vec2<S>, duration: S, tag: u32) -> Self {
+        Self {
+            shape: Shape::Rest(position),
+            law: TimeLaw::new(S::ZERO, S::ZERO, S::ZERO, S::ZERO),
+            duration,
+            tag,
+        }
+    }
+
     /// How long it lasts [s]; may be shorter than a tick.
     #[inline]
     pub fn duration(&self) -> S {
