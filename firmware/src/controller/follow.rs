@@ -24,10 +24,10 @@ impl Controller {
         // Where it should be, and where it will be, when the torque acts.
         let limits = self.advance()?;
         let Setpoint {
-            direction: [d1, d4],
             omega: [omega1d, omega4d],
             alpha: [alpha1d, alpha4d],
             of_joints,
+            ..
         } = self.setpoint;
         let [joint1, joint4] = &self.joints;
         let position_loop = &self.model.position_loop;
@@ -41,6 +41,7 @@ impl Controller {
             self.mode = self.model.tool.working_mode(&pose);
         }
         // e = sin(θd − θ): the error itself, for all that is not a fault.
+        let [d1, d4] = self.setpoint.direction;
         let (error1, error4) = (u1.cross(d1), u4.cross(d4));
         self.error = [error1, error4];
         if self.model.monitor.lost_its_path(self.error) {
