@@ -144,9 +144,7 @@ fn count_ticks(counter: &InstructionCounter, course: &tick::Course) {
     };
     let (mut ticks, mut sum, mut most) = (0, 0, 0);
     while let Some(sensed) = run.next() {
-        let start = counter.now();
-        black_box(run.tick(black_box(&sensed)));
-        let instructions = counter.since(start);
+        let instructions = run.tick(counter, black_box(&sensed));
         ticks += 1;
         sum += instructions;
         most = instructions.max(most);

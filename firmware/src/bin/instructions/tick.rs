@@ -6,6 +6,8 @@
 //! and arcs, stops in the midst of them, a fault that brakes the arm, ticks missed before,
 //! and a tool beside C.
 
+use core::hint::black_box;
+use fivebar_firmware::board::instructions::InstructionCounter;
 use fivebar_firmware::planner::Planner;
 use fivebar_firmware::safety::State;
 use fivebar_firmware::{Controller, Move, MoveKind, Request, Sensed, Settings};
@@ -232,10 +234,14 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// The tick itself.
+    /// The instructions of the tick itself.
     #[inline(never)]
-    pub(crate) fn tick(&mut self, sensed: &Sensed) -> [f32; 2] {
-        self.controller.tick(sensed).duty
+    pub(crate) fn tick(&mut self, counter: &InstructionCounter, sensed: &Sensed) -> u32 {
+        let start = counter.now();
+        let command = self.controller.tick(sensed);
+        let instructions = counter.since(start);
+        black_box(command);
+        instructions
     }
 }
 
