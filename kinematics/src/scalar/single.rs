@@ -88,16 +88,12 @@ fn sin_cos(x: f32) -> (f32, f32) {
     let sin_r = r + r * z * s;
     let cos_r = 1.0 - z * (0.5 - z * c);
 
-    // An odd k adds a quarter turn, bit 1 of k a half turn.
-    let (sin, cos) = if quadrant & 1 == 0 {
-        (sin_r, cos_r)
-    } else {
-        (cos_r, -sin_r)
-    };
-    if quadrant & 2 == 0 {
-        (sin, cos)
-    } else {
-        (-sin, -cos)
+    // k quarter turns back.
+    match quadrant & 3 {
+        0 => (sin_r, cos_r),
+        1 => (cos_r, -sin_r),
+        2 => (-sin_r, -cos_r),
+        _ => (-cos_r, sin_r),
     }
 }
 
