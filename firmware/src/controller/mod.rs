@@ -63,9 +63,11 @@ pub struct Controller {
     forgotten_paths: u32,
 }
 
-/// What one tick's samples say besides what the joints keep of them.
+/// What one tick's samples say that may be a fault.
 struct Samples {
     innovation: [f32; 2],
+    current: [f32; 2],
+    velocity: [f32; 2],
     too_hot: bool,
 }
 
@@ -176,6 +178,8 @@ impl Controller {
         };
         Samples {
             innovation,
+            current: [joint1.current, joint4.current],
+            velocity: [joint1.velocity(), joint4.velocity()],
             too_hot,
         }
     }
@@ -198,11 +202,10 @@ impl Controller {
         if driver1 || driver4 {
             return Some(Fault::DriverFault);
         }
-        let [joint1, joint4] = &self.joints;
-        if monitor.over_current([joint1.current, joint4.current]) {
+        if monitor.over_current(samples.current) {
             return Some(Fault::OverCurrent);
         }
-        if monitor.over_speed(self.velocities()) {
+        if monitor.over_speed(samples.velocity) {
             return Some(Fault::OverSpeed);
         }
         if let Some(fault) = monitor.bus(self.bus_voltage) {
