@@ -1,8 +1,10 @@
 //! The tick while homing: each joint by itself follows its search at limited torque.
 
+use super::joint::Joint;
+use super::model::{AxisModel, Model};
 use super::request::Refusal;
 use super::{Controller, Demand};
-use crate::homing::Search;
+use crate::homing::{Search, SearchPlan};
 use crate::io::Sensed;
 use crate::safety::{Event, Fault, Limits};
 use fivebar_kinematics::Vec2;
@@ -34,26 +36,16 @@ impl Controller {
         if self.is_unheard() {
             return Err(Fault::CommandTimeout);
         }
-        let mut torque = [0.0; 2];
         let model = &self.model;
-        let joints = self.joints.iter_mut().zip(&model.axes);
-        let searches = self.searches.iter_mut().zip(&model.search_plans);
-        let inputs = sensed.home.into_iter().zip(model.nominal_inertia);
-        let outputs = torque.iter_mut().zip(&mut self.error);
-        for ((((joint, axis), (search, plan)), (closed, inertia)), (torque, error)) in
-            joints.zip(searches).zip(inputs).zip(outputs)
-        {
-            search
-                .step(plan, closed, joint.angle(), joint.counts(), model.period)
-                .map_err(|_| Fault::Envelope)?;
-            *error = search.angle - joint.angle();
-            let rate = search.rate - joint.velocity();
-            let alpha = model
-                .position_loop
-                .acceleration(joint.integral, 0.0, *error, rate);
-            let demanded = inertia * alpha + axis.friction.torque(search.rate);
-            *torque = limited(demanded, axis.homing_torque);
-        }
+        let [joint1, joint4] = &self.joints;
+        let [axis1, axis4] = &model.axes;
+        let [inertia1, inertia4] = model.nominal_inertia;
+        let [search1, search4] = &mut self.searches;
+        let [plan1, plan4] = &model.search_plans;
+        let [closed1, closed4] = sensed.home;
+        let (error1, torque1) = sought(model, joint1, axis1, inertia1, search1, plan1, closed1)?;
+        let (error4, torque4) = sought(model, joint4, axis4, inertia4, search4, plan4, closed4)?;
+        self.error = [error1, error4];
         if self.model.monitor.lost_its_path(self.error) {
             return Err(Fault::FollowingError);
         }
@@ -61,7 +53,7 @@ impl Controller {
         if let (Some(counts1), Some(counts4)) = (search1.found(), search4.found()) {
             self.finish([counts1, counts4])?;
         }
-        Ok(torque)
+        Ok([torque1, torque4])
     }
 
     /// Both switches are found: the angles are absolute from now on, if they belong to an
@@ -88,6 +80,28 @@ impl Controller {
         self.happen(Event::Homed);
         Ok(())
     }
+}
+
+/// One joint's tick of the search: its error [rad] and its torque [N·m].
+#[inline(always)]
+fn sought(
+    model: &Model,
+    joint: &Joint,
+    axis: &AxisModel,
+    inertia: f32,
+    search: &mut Search,
+    plan: &SearchPlan,
+    closed: bool,
+) -> Result<(f32, f32), Fault> {
+    search
+        .step(plan, closed, joint.angle(), joint.counts(), model.period)
+        .map_err(|_| Fault::Envelope)?;
+    let error = search.angle - joint.angle();
+    let rate = search.rate - joint.velocity();
+    let position_loop = &model.position_loop;
+    let alpha = position_loop.acceleration(joint.integral, 0.0, error, rate);
+    let demanded = inertia * alpha + axis.friction.torque(search.rate);
+    Ok((error, limited(demanded, axis.homing_torque)))
 }
 
 /// `value` brought within ±`limit`; NaN stays NaN.
