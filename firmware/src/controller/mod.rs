@@ -199,7 +199,7 @@ impl Controller {
             return None;
         }
         let [driver1, driver4] = sensed.driver_fault;
-        if driver1 || driver4 {
+        if driver1 | driver4 {
             return Some(Fault::DriverFault);
         }
         if monitor.over_current(samples.current) {
