@@ -118,15 +118,18 @@ impl Search {
             Phase::Found { .. } => 0.0,
         };
         let most = plan.acceleration * period;
-        let change = wanted - self.rate;
-        self.rate += if change > most {
-            most
-        } else if change < -most {
-            -most
-        } else {
-            change
-        };
+        self.rate += limited(wanted - self.rate, most);
         self.angle += self.rate * period;
         Ok(())
+    }
+}
+
+/// `value` brought within ±`limit`; NaN stays NaN.
+#[inline(always)]
+pub(crate) fn limited(value: f32, limit: f32) -> f32 {
+    if Scalar::abs(value) > limit {
+        if value > 0.0 { limit } else { -limit }
+    } else {
+        value
     }
 }

@@ -4,7 +4,7 @@ use super::joint::Joint;
 use super::model::{AxisModel, Model};
 use super::request::Refusal;
 use super::{Controller, Demand};
-use crate::homing::{Search, SearchPlan};
+use crate::homing::{Search, SearchPlan, limited};
 use crate::io::Sensed;
 use crate::safety::{Event, Fault, Limits};
 use fivebar_kinematics::Vec2;
@@ -102,15 +102,4 @@ fn sought(
     let alpha = position_loop.acceleration(joint.integral, 0.0, error, rate);
     let demanded = inertia * alpha + axis.friction.torque(search.rate);
     Ok((error, limited(demanded, axis.homing_torque)))
-}
-
-/// `value` brought within ±`limit`; NaN stays NaN.
-fn limited(value: f32, limit: f32) -> f32 {
-    if value > limit {
-        limit
-    } else if value < -limit {
-        -limit
-    } else {
-        value
-    }
 }
