@@ -122,7 +122,7 @@ impl Controller {
             self.setpoint.rest();
             self.come_to_rest();
         }
-        Ok(Limits::NONE.with(Limits::SPEED, step.slowed))
+        Ok(step.limits)
     }
 
     #[cold]

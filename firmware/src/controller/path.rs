@@ -9,6 +9,7 @@
 //! and its jerk is 6 v/T² at most. The path gets ∫σ dt = T(x − x³ + ½x⁴) further, T/2 in all.
 
 use super::queue::Queue;
+use crate::safety::Limits;
 use crate::settings::Settings;
 use fivebar_kinematics::Scalar;
 use fivebar_kinematics::trajectory::{Piece, Reference};
@@ -29,8 +30,8 @@ pub struct Stretch {
     pub piece: Piece<f32>,
     /// It ends in motion: another must follow in time.
     pub open: bool,
-    /// Its move goes slower than was asked for, to keep a limit.
-    pub slowed: bool,
+    /// The limits for which its move goes slower than was asked for.
+    pub limits: Limits,
 }
 
 /// The queue and the place in it; what every tick needs in front, see [`Controller`].
@@ -99,8 +100,8 @@ pub(crate) fn stopping_time(settings: &Settings) -> f32 {
 pub(crate) struct Step {
     /// Where the arm should be.
     pub(crate) reference: Reference<f32>,
-    /// Its move goes slower than was asked for.
-    pub(crate) slowed: bool,
+    /// The limits for which its move goes slower than was asked for.
+    pub(crate) limits: Limits,
     /// The arm has come to rest, at the path's end or braked.
     pub(crate) at_rest: bool,
 }
@@ -250,7 +251,7 @@ impl Path {
         Some(Step {
             at_rest: ended || slowed.is_some_and(|slowed| slowed.stands),
             reference: first.stretch.piece.reference(progress),
-            slowed: first.stretch.slowed,
+            limits: first.stretch.limits,
         })
     }
 }

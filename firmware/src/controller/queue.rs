@@ -5,6 +5,7 @@
 //! and counted in whole microseconds it gathers no rounding.
 
 use super::Stretch;
+use crate::safety::Limits;
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::trajectory::Piece;
 
@@ -40,7 +41,7 @@ impl Queue {
         let nothing = Stretch {
             piece: Piece::rest(Vec2::zero(), 0.0, 0),
             open: false,
-            slowed: false,
+            limits: Limits::NONE,
         };
         Self {
             first: 0,

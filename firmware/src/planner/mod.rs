@@ -13,7 +13,7 @@ mod refusal;
 
 use crate::controller::{Controller, PIECES, Stretch, stopping_time};
 use crate::motion::{Move, MoveKind};
-use crate::safety::State;
+use crate::safety::{Limits, State};
 use crate::settings::{Settings, SettingsError};
 use fivebar_kinematics::five_bar::{JointLimits, Side, Workspace};
 use fivebar_kinematics::trajectory::{
@@ -312,10 +312,11 @@ impl Planner {
             let Some(piece) = self.look_ahead.next_piece() else {
                 break;
             };
+            let slowed = self.slowed.oldest_ordered().any(|&tag| tag == piece.tag());
             let stretch = Stretch {
                 piece,
                 open: ends_in_motion(&piece),
-                slowed: self.slowed.oldest_ordered().any(|&tag| tag == piece.tag()),
+                limits: Limits::NONE.with(Limits::SPEED, slowed),
             };
             controller.lock(|controller| {
                 if self.epoch == controller.forgotten_paths() {

@@ -19,7 +19,7 @@ fn stretch(piece: Piece<f32>) -> Stretch {
     Stretch {
         piece,
         open: false,
-        slowed: false,
+        limits: Limits::NONE,
     }
 }
 
