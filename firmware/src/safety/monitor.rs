@@ -28,8 +28,11 @@ pub(crate) struct Monitor {
     following_error: f32,
     /// [V].
     bus: [f32; 2],
-    /// [rad], each joint's limits and half of what a following error may add.
-    angles: [[f32; 2]; 2],
+    /// [rad], the middle of each joint's range.
+    middle: [f32; 2],
+    /// [rad], how far from there it may be: half the range, and half of what a following
+    /// error may add.
+    reach: [f32; 2],
     /// Least |r2 × r3|: l2 l3 times the least |sin| at C [m²].
     margin: f32,
     /// Ticks.
@@ -52,9 +55,13 @@ impl Monitor {
             over_current: protection.over_current,
             following_error: protection.following_error,
             bus: protection.bus_voltage,
-            angles: settings.axes.map(|axis| {
+            middle: settings.axes.map(|axis| {
                 let [low, high] = axis.angle_limits;
-                [low - slack, high + slack]
+                0.5 * (low + high)
+            }),
+            reach: settings.axes.map(|axis| {
+                let [low, high] = axis.angle_limits;
+                0.5 * (high - low) + slack
             }),
             margin: 0.5 * settings.motion.singularity_margin * l2 * l3,
             silence: (protection.command_timeout * rate) as u32,
@@ -102,9 +109,9 @@ impl Monitor {
     /// Joint angles [rad] outside their limits.
     #[inline(always)]
     pub(crate) fn outside(&self, angle: [f32; 2]) -> bool {
-        let [[low1, high1], [low4, high4]] = self.angles;
-        let [angle1, angle4] = angle;
-        angle1 < low1 || angle1 > high1 || angle4 < low4 || angle4 > high4
+        let ([angle1, angle4], [middle1, middle4]) = (angle, self.middle);
+        let [reach1, reach4] = self.reach;
+        Scalar::abs(angle1 - middle1) > reach1 || Scalar::abs(angle4 - middle4) > reach4
     }
 
     /// Links 2 and 3 too nearly in line (type 2): the motors lose the tool. A leg straight
