@@ -121,3 +121,73 @@ impl Queue {
 fn slot(n: u32) -> usize {
     n as usize % PIECES
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn dwell(duration: f32) -> Stretch {
+        Stretch {
+            piece: Piece::rest(Vec2::zero(), duration, 0),
+            open: false,
+            limits: Limits::NONE,
+        }
+    }
+
+    /// After months of pieces: every count is about to wrap.
+    fn old() -> Queue {
+        let mut queue = Queue::new();
+        queue.first = u32::MAX - 5;
+        queue.next = queue.first;
+        queue.end = u32::MAX - 1_000;
+        queue
+    }
+
+    #[test]
+    fn order_and_time_behind_survive_the_wrap_of_every_count() {
+        let mut queue = old();
+        for n in 1..=10_u8 {
+            queue.push(dwell(1e-3 * f32::from(n))).expect("room");
+        }
+        let mut behind = 55e-3;
+        for n in 1..=10_u8 {
+            let duration = 1e-3 * f32::from(n);
+            behind -= duration;
+            let first = queue.first().expect("a stretch");
+            assert_eq!(first.stretch.piece.duration(), duration);
+            // Each was cut to whole microseconds.
+            assert!((queue.behind(first) - behind).abs() <= 1e-5, "{n}");
+            assert_eq!(queue.is_last(), n == 10);
+            queue.leave();
+        }
+        assert!(queue.is_last(), "the last one stays");
+        queue.clear();
+        assert!(queue.is_empty() && queue.first().is_none());
+    }
+
+    #[test]
+    fn a_full_queue_gives_a_stretch_back_and_keeps_what_it_has() {
+        let mut queue = old();
+        for n in 0..PIECES {
+            assert!(!queue.is_full());
+            queue.push(dwell(1e-3 * n as f32)).expect("room");
+        }
+        assert!(queue.is_full() && queue.push(dwell(9.0)).is_err());
+        assert_eq!(
+            queue.first().map(|first| first.stretch.piece.duration()),
+            Some(0.0)
+        );
+        queue.leave();
+        queue.push(dwell(9.0)).expect("room");
+    }
+
+    #[test]
+    fn days_of_waiting_count_as_minutes() {
+        let mut queue = old();
+        for _ in 0..PIECES {
+            queue.push(dwell(86_400.0)).expect("room");
+        }
+        let first = queue.first().expect("a stretch");
+        assert_eq!(queue.behind(first), 31.0 * 60.0);
+    }
+}
