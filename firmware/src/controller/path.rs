@@ -8,14 +8,14 @@
 //! accelerates by σ² p″ + σ̇ p′. From a steady speed v the braking takes 1.5 v/T at most
 //! and its jerk is 6 v/T² at most. The path gets ∫σ dt = T(x − x³ + ½x⁴) further, T/2 in all.
 
-use super::queue::Queue;
+use super::queue::{PIECES, Queue};
 use crate::safety::Limits;
 use crate::settings::Settings;
 use fivebar_kinematics::Scalar;
 use fivebar_kinematics::trajectory::{Piece, Reference};
 
 /// With so many pieces to come or more, the planner is not behind, however short they are.
-const FEW_PIECES: usize = PIECES / 2;
+const FEW_PIECES: u32 = PIECES as u32 / 2;
 
 /// A path that breaks off in motion is begun with so much in hand beyond a stop [s].
 const READY: f32 = 0.02;
@@ -155,10 +155,7 @@ impl Path {
     #[inline(always)]
     pub(crate) fn runs_short(&self) -> bool {
         // The first comparison is the one that mostly decides.
-        self.left < self.least
-            && self.open
-            && self.brake.is_none()
-            && self.stretches.len() < FEW_PIECES
+        self.left < self.least && self.open && self.brake.is_none() && self.queue.len() < FEW_PIECES
     }
 
     /// Whether the path breaks off in motion and more of it would find room.

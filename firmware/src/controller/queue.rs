@@ -64,8 +64,14 @@ impl Queue {
         self.first == self.next
     }
 
+    /// Stretches that wait, the first one included.
+    #[inline(always)]
+    pub(super) fn len(&self) -> u32 {
+        self.next.wrapping_sub(self.first)
+    }
+
     pub(super) fn is_full(&self) -> bool {
-        self.next.wrapping_sub(self.first) == PIECES as u32
+        self.len() == PIECES as u32
     }
 
     /// Whether one stretch is all there is.
