@@ -136,6 +136,28 @@ proptest! {
     }
 }
 
+/// The tick comes before all else: on a board it falls between any two of the planner's looks
+/// at the controller.
+#[test]
+fn ticks_between_the_pieces_of_a_move_find_nothing_amiss() {
+    // From rest, in the last of a move before, and in all that lies between.
+    for ticks in (0..3_000).step_by(50) {
+        let mut rig = Rig::armed(&settings());
+        let [x, y] = rig.held();
+        for (tag, end) in (1..).zip([0.01, 0.0, 0.01]) {
+            let to = [x - end, y];
+            rig.push(tag, MoveKind::Line { to, feed: 0.1 }).unwrap();
+            rig.run_interrupted(ticks);
+        }
+        for _ in 0..20_000 {
+            rig.run_interrupted(1);
+            assert_eq!(rig.controller.fault(), None, "after {ticks} ticks");
+        }
+        assert!(rig.planner.is_empty() && rig.controller.state() == State::Armed);
+        assert!((rig.bench.tool()[0] - f64::from(x - 0.01)).abs() < 5e-5);
+    }
+}
+
 #[test]
 fn lines_arcs_dwells_and_joint_moves_follow_each_other() {
     let mut rig = Rig::armed(&settings());

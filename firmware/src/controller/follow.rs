@@ -103,7 +103,7 @@ impl Controller {
     #[inline(always)]
     fn advance(&mut self) -> Result<Limits, Fault> {
         if self.state == State::Armed {
-            if !self.path.is_ready() {
+            if self.path.is_empty() {
                 self.setpoint.rest();
                 return Ok(Limits::NONE);
             }
@@ -129,7 +129,7 @@ impl Controller {
     fn come_to_rest(&mut self) {
         match self.state {
             State::Running => {
-                self.path.clear();
+                self.path.finish();
                 self.happen(Event::Finish);
             }
             State::Stopping => self.happen(Event::Rest),

@@ -7,6 +7,9 @@
 //! rate σ(x) = 1 − 3x² + 2x³, x = t/T, and σ̇ = −6x(1 − x)/T, the place p moves at σ p′ and
 //! accelerates by σ² p″ + σ̇ p′. From a steady speed v the braking takes 1.5 v/T at most
 //! and its jerk is 6 v/T² at most. The path gets ∫σ dt = T(x − x³ + ½x⁴) further, T/2 in all.
+//!
+//! Pieces come one by one, and ticks come between them. So a path that ends at rest goes on
+//! only when what follows is enough to stop on, however long planning it takes.
 
 use super::queue::{PIECES, Queue};
 use crate::safety::Limits;
@@ -17,7 +20,7 @@ use fivebar_kinematics::trajectory::{Piece, Reference};
 /// With so many pieces to come or more, the planner is not behind, however short they are.
 const FEW_PIECES: u32 = PIECES as u32 / 2;
 
-/// A path that breaks off in motion is begun with so much in hand beyond a stop [s].
+/// A path that breaks off in motion is committed with so much in hand beyond a stop [s].
 const READY: f32 = 0.02;
 
 /// Pieces that one tick may leave behind; more make the path wait for the next tick.
@@ -43,12 +46,14 @@ pub(crate) struct Path {
     ticks: u32,
     /// Time into the first piece before those ticks [s].
     offset: f32,
-    /// Time left in the queue, as of the last tick [s].
+    /// Committed time left, as of the last tick [s].
     left: f32,
     /// Of that, the time behind the first piece [s].
     behind: f32,
-    /// The last stretch ends in motion.
+    /// The last committed stretch ends in motion.
     open: bool,
+    /// The last stretch ends in motion.
+    pushed_open: bool,
     brake: Option<Brake>,
     /// T [s].
     stopping_time: f32,
@@ -118,6 +123,7 @@ impl Path {
             left: 0.0,
             behind: 0.0,
             open: false,
+            pushed_open: false,
             brake: None,
             queue: Queue::new(),
         }
@@ -125,28 +131,38 @@ impl Path {
 
     /// Forgets everything.
     pub(crate) fn clear(&mut self) {
+        self.pushed_open = false;
+        self.queue.clear();
+        self.finish();
+    }
+
+    /// Leaves all behind that was committed.
+    pub(crate) fn finish(&mut self) {
         self.ticks = 0;
         self.offset = 0.0;
         self.left = 0.0;
         self.behind = 0.0;
         self.open = false;
         self.brake = None;
-        self.queue.clear();
+        self.queue.finish();
     }
 
     /// Whether there is room for another piece, and less than `horizon` [s] of path.
     pub(crate) fn wants(&self, horizon: f32) -> bool {
-        self.left < horizon && !self.queue.is_full()
+        self.left + self.queue.uncommitted() < horizon && !self.queue.is_full()
     }
 
+    /// Whether there is nothing to follow.
+    #[inline(always)]
     pub(crate) fn is_empty(&self) -> bool {
         self.queue.is_empty()
     }
 
-    /// Whether there is enough of a path to begin with.
-    #[inline(always)]
-    pub(crate) fn is_ready(&self) -> bool {
-        !self.is_empty() && (self.left >= self.least + READY || !self.waits_for_more())
+    /// Whether all that was pushed ends at rest, fills the queue, or is enough to begin with.
+    pub(crate) fn is_enough(&self) -> bool {
+        !self.pushed_open
+            || self.queue.is_full()
+            || self.left + self.queue.uncommitted() >= self.least + READY
     }
 
     /// Whether the path breaks off in motion, and all that is left of it is needed to stop
@@ -158,11 +174,6 @@ impl Path {
         self.left < self.least && self.open && self.brake.is_none() && self.queue.len() < FEW_PIECES
     }
 
-    /// Whether the path breaks off in motion and more of it would find room.
-    fn waits_for_more(&self) -> bool {
-        self.open && self.brake.is_none() && !self.queue.is_full()
-    }
-
     /// Tag of the piece in progress.
     pub(crate) fn tag(&self) -> Option<u32> {
         self.queue.first().map(|first| first.stretch.piece.tag())
@@ -171,15 +182,26 @@ impl Path {
     /// Appends a stretch; gives it back where there is no room.
     pub(crate) fn push(&mut self, stretch: Stretch) -> Result<(), Stretch> {
         self.queue.push(stretch)?;
-        self.open = stretch.open;
-        if self.queue.is_last() {
-            self.left = stretch.piece.duration();
-        } else if let Some(first) = self.queue.first() {
+        self.pushed_open = stretch.open;
+        // What breaks off already is the better for any more.
+        if self.open || self.is_enough() {
+            self.commit();
+        }
+        Ok(())
+    }
+
+    fn commit(&mut self) {
+        let begins = self.is_empty();
+        self.queue.commit();
+        self.open = self.pushed_open;
+        if let Some(first) = self.queue.first() {
             let before = self.behind;
             self.behind = self.queue.behind(first);
             self.left += self.behind - before;
+            if begins {
+                self.left += first.stretch.piece.duration();
+            }
         }
-        Ok(())
     }
 
     /// Begins to come to rest; sooner than usual where a path that breaks off leaves no

@@ -3,6 +3,8 @@
 //! Each stretch knows when it ends on a clock of its own, the sum of all that were pushed.
 //! The time behind one of them is then a difference of two, however many were left behind,
 //! and counted in whole microseconds it gathers no rounding.
+//!
+//! What is pushed is out of the tick's sight until it is committed.
 
 use super::Stretch;
 use crate::safety::Limits;
@@ -24,15 +26,19 @@ pub(super) struct Queued {
     end: u32,
 }
 
-/// The ring. Both counts wrap, and `PIECES` divides their range.
+/// The ring. All counts wrap, and `PIECES` divides their range.
 #[repr(C)]
 pub(super) struct Queue {
     /// Stretches that were left behind.
     first: u32,
-    /// Stretches that were pushed.
+    /// Stretches that were committed.
     next: u32,
-    /// Where the last one ends [µs].
+    /// Where the last one of them ends [µs].
     end: u32,
+    /// Stretches that were pushed.
+    pushed: u32,
+    /// Where the last one of them ends [µs].
+    pushed_end: u32,
     slots: [Queued; PIECES],
 }
 
@@ -47,6 +53,8 @@ impl Queue {
             first: 0,
             next: 0,
             end: 0,
+            pushed: 0,
+            pushed_end: 0,
             slots: [Queued {
                 stretch: nothing,
                 end: 0,
@@ -56,25 +64,33 @@ impl Queue {
 
     /// Forgets everything.
     pub(super) fn clear(&mut self) {
+        self.commit();
+        self.finish();
+    }
+
+    /// Leaves all behind that was committed.
+    pub(super) fn finish(&mut self) {
         self.first = self.next;
     }
 
+    /// Whether nothing is committed.
     #[inline(always)]
     pub(super) fn is_empty(&self) -> bool {
         self.first == self.next
     }
 
-    /// Stretches that wait, the first one included.
+    /// Committed stretches, the first one included.
     #[inline(always)]
     pub(super) fn len(&self) -> u32 {
         self.next.wrapping_sub(self.first)
     }
 
+    /// Whether there is no room for another stretch.
     pub(super) fn is_full(&self) -> bool {
-        self.len() == PIECES as u32
+        self.pushed.wrapping_sub(self.first) == PIECES as u32
     }
 
-    /// Whether one stretch is all there is.
+    /// Whether one stretch is all that is committed.
     #[inline(always)]
     pub(super) fn is_last(&self) -> bool {
         self.first.wrapping_add(1) == self.next
@@ -89,7 +105,7 @@ impl Queue {
         self.slots.get(slot(self.first))
     }
 
-    /// Leaves the first stretch behind; the last one stays.
+    /// Leaves the first stretch behind; the last committed one stays.
     #[inline(always)]
     pub(super) fn leave(&mut self) {
         if !self.is_empty() && !self.is_last() {
@@ -102,20 +118,31 @@ impl Queue {
         if self.is_full() {
             return Err(stretch);
         }
-        let Some(place) = self.slots.get_mut(slot(self.next)) else {
+        let Some(place) = self.slots.get_mut(slot(self.pushed)) else {
             return Err(stretch);
         };
         let duration = ((stretch.piece.duration() * 1e6) as u32).min(LONGEST);
-        self.end = self.end.wrapping_add(duration);
-        self.next = self.next.wrapping_add(1);
+        self.pushed_end = self.pushed_end.wrapping_add(duration);
+        self.pushed = self.pushed.wrapping_add(1);
         *place = Queued {
             stretch,
-            end: self.end,
+            end: self.pushed_end,
         };
         Ok(())
     }
 
-    /// The time that `queued` leaves behind it [s].
+    /// Commits all that was pushed.
+    pub(super) fn commit(&mut self) {
+        self.next = self.pushed;
+        self.end = self.pushed_end;
+    }
+
+    /// The time that was pushed and not committed [s].
+    pub(super) fn uncommitted(&self) -> f32 {
+        self.pushed_end.wrapping_sub(self.end) as f32 * 1e-6
+    }
+
+    /// The committed time that `queued` leaves behind it [s].
     #[inline(always)]
     pub(super) fn behind(&self, queued: &Queued) -> f32 {
         self.end.wrapping_sub(queued.end) as f32 * 1e-6
@@ -143,9 +170,9 @@ mod tests {
     /// After months of pieces: every count is about to wrap.
     fn old() -> Queue {
         let mut queue = Queue::new();
-        queue.first = u32::MAX - 5;
-        queue.next = queue.first;
-        queue.end = u32::MAX - 1_000;
+        queue.pushed = u32::MAX - 5;
+        queue.pushed_end = u32::MAX - 1_000;
+        queue.clear();
         queue
     }
 
@@ -155,6 +182,9 @@ mod tests {
         for n in 1..=10_u8 {
             queue.push(dwell(1e-3 * f32::from(n))).expect("room");
         }
+        assert!(queue.is_empty() && (queue.uncommitted() - 55e-3).abs() <= 1e-5);
+        queue.commit();
+        assert_eq!((queue.len(), queue.uncommitted()), (10, 0.0));
         let mut behind = 55e-3;
         for n in 1..=10_u8 {
             let duration = 1e-3 * f32::from(n);
@@ -179,6 +209,7 @@ mod tests {
             queue.push(dwell(1e-3 * n as f32)).expect("room");
         }
         assert!(queue.is_full() && queue.push(dwell(9.0)).is_err());
+        queue.commit();
         assert_eq!(
             queue.first().map(|first| first.stretch.piece.duration()),
             Some(0.0)
@@ -188,11 +219,32 @@ mod tests {
     }
 
     #[test]
+    fn what_is_not_committed_is_neither_taken_nor_lost() {
+        let mut queue = old();
+        queue.push(dwell(1.0)).expect("room");
+        queue.commit();
+        queue.push(dwell(2.0)).expect("room");
+        queue.leave();
+        let first = queue.first().expect("the committed one");
+        assert_eq!(
+            (first.stretch.piece.duration(), queue.behind(first)),
+            (1.0, 0.0)
+        );
+        assert!(queue.is_last());
+        queue.finish();
+        assert!(queue.first().is_none());
+        queue.commit();
+        let first = queue.first().expect("the other one");
+        assert_eq!(first.stretch.piece.duration(), 2.0);
+    }
+
+    #[test]
     fn days_of_waiting_count_as_minutes() {
         let mut queue = old();
         for _ in 0..PIECES {
             queue.push(dwell(86_400.0)).expect("room");
         }
+        queue.commit();
         let first = queue.first().expect("a stretch");
         assert_eq!(queue.behind(first), 31.0 * 60.0);
     }

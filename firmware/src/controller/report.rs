@@ -81,10 +81,10 @@ impl Controller {
         self.path.wants(horizon)
     }
 
-    /// Whether there is enough of a path to begin with: all of it, a full queue, or some
+    /// Whether what was pushed is enough of a path: all of it, a full queue, or some
     /// hundredths of a second more than a stop takes.
     pub fn has_enough_path(&self) -> bool {
-        self.path.is_ready()
+        self.path.is_enough()
     }
 
     /// The latched fault, with the tick that raised it.

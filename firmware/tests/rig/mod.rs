@@ -14,6 +14,7 @@ use fivebar_firmware::{Command, Move, MoveKind, Sensed};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::dynamics::{Arm, Link};
 use fivebar_kinematics::five_bar::{Geometry, Side};
+use rtic_core::Mutex;
 use std::f64::consts::TAU;
 
 /// Where the bench arm starts: crank angles of an upright pose [rad].
@@ -223,6 +224,18 @@ impl Rig {
         command
     }
 
+    /// Runs the planner so many times, a tick before each of its looks at the controller.
+    pub(crate) fn run_interrupted(&mut self, times: u32) {
+        let mut interrupted = Interrupted {
+            controller: &mut self.controller,
+            bench: &mut self.bench,
+        };
+        for _ in 0..times {
+            interrupted.controller.heard();
+            self.planner.run(&mut interrupted);
+        }
+    }
+
     /// Gives the planner a move.
     pub(crate) fn push(&mut self, tag: u32, kind: MoveKind) -> Result<(), MoveRefusal> {
         self.planner.push(&mut self.controller, &Move { tag, kind })
@@ -232,5 +245,21 @@ impl Rig {
     pub(crate) fn held(&self) -> [f32; 2] {
         let (tool, _) = self.controller.held().unwrap();
         [tool.x, tool.y]
+    }
+}
+
+/// A controller that ticks before it is looked at.
+struct Interrupted<'a> {
+    controller: &'a mut Controller,
+    bench: &'a mut Bench,
+}
+
+impl Mutex for Interrupted<'_> {
+    type T = Controller;
+
+    fn lock<R>(&mut self, work: impl FnOnce(&mut Controller) -> R) -> R {
+        let command = self.controller.tick(&self.bench.sense());
+        self.bench.step(&command);
+        work(self.controller)
     }
 }
