@@ -130,18 +130,25 @@ proptest! {
         prop_assume!(pose.sin32().abs() > 0.05);
         let model = Model::new(&robot, &Mismatch::NONE).unwrap();
         let (state, rates) = moving(&model, &robot, &pose, omega);
-        let (a, _) = model.accelerations(&state, torque, Vector2::from(force));
+        let (a, forces) = model.accelerations(&state, torque, Vector2::from(force));
         let force = Vec2::new(force[0], force[1]);
         let expected = robot.arm().unwrap().forward_dynamics(&pose, &rates, torque, force).unwrap();
         // What rounds are the distal links' terms, which near a singularity are many times
         // larger than the driven accelerations that they cancel to.
         let terms = a.iter().zip(&state.v).map(|(a, v)| a.angular.abs().max(v.angular.powi(2)));
         let scale = terms.fold(1.0, f64::max);
-        // The plant's torques first turn the driven links about their centres of mass, as if
-        // free; the forces that hold the joints then take most of that away.
-        let free = (torque[0].abs() / arm.inertia_about_com[0])
-            .max(torque[1].abs() / arm.inertia_about_com[3]);
-        let rounding = 1e-8 * scale + 1e-11 * free;
+        // The plant turns each link about its centre of mass, as if free, by the motors' torques
+        // and the joints' forces, which then take most of that away from each other.
+        let [pull, turn] = [
+            forces.iter().map(|force| force.norm()).fold(0.0, f64::max),
+            torque[0].abs().max(torque[1].abs()),
+        ];
+        let free = (0..4).map(|i| {
+            let [along, aside] = arm.com[i];
+            let lever = arm.link_lengths[i] + along.hypot(aside);
+            (pull * lever + turn) / arm.inertia_about_com[i]
+        });
+        let rounding = 1e-8 * scale + 1e-12 * free.fold(0.0, f64::max);
         for (a, e) in [a[0].angular, a[3].angular].into_iter().zip(expected) {
             prop_assert!((a - e).abs() <= rounding, "{a} for {e}");
         }
