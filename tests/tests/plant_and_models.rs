@@ -139,10 +139,8 @@ proptest! {
         let scale = terms.fold(1.0, f64::max);
         // The plant turns each link about its centre of mass, as if free, by the motors' torques
         // and the joints' forces, which then take most of that away from each other.
-        let [pull, turn] = [
-            forces.iter().map(|force| force.norm()).fold(0.0, f64::max),
-            torque[0].abs().max(torque[1].abs()),
-        ];
+        let pull = forces.iter().fold(0.0, |most: f64, force| most.max(force.norm()));
+        let turn = torque[0].abs().max(torque[1].abs());
         let free = (0..4).map(|i| {
             let [along, aside] = arm.com[i];
             let lever = arm.link_lengths[i] + along.hypot(aside);
