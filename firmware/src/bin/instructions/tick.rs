@@ -1,10 +1,9 @@
 //! The whole tick: measuring, checking, following a path, computed torque, current loops.
 //!
 //! The controller gets the samples of an arm that is exactly where it should be, with the
-//! currents that it should have. The courses
-//! beyond the plain line are the longest ticks there are: pieces shorter than a tick, corners
-//! and arcs, stops in the midst of them, a fault that brakes the arm, ticks missed before,
-//! and a tool beside C.
+//! currents that it should have. The courses beyond the plain line have the longest ticks that
+//! we found how to make: pieces shorter than a tick, corners and arcs, stops in the midst of
+//! them, a fault that brakes the arm, and a tool beside C.
 
 use core::hint::black_box;
 use fivebar_firmware::board::instructions::InstructionCounter;
@@ -32,8 +31,6 @@ pub(crate) struct Course {
     stop_every: u32,
     /// Nobody says anything after the beginning.
     silent: bool,
-    /// Ticks missed before every one.
-    missed: u32,
 }
 
 const PLAIN: Course = Course {
@@ -43,7 +40,6 @@ const PLAIN: Course = Course {
     tool_offset: [0.0; 2],
     stop_every: u32::MAX,
     silent: false,
-    missed: 0,
 };
 
 /// What is run, in the order of the table.
@@ -53,7 +49,6 @@ pub(crate) const COURSES: [Course; 7] = [
         name: "the whole tick along lines shorter than a tick",
         moves: short,
         count: 400,
-        missed: 0,
         ..PLAIN
     },
     Course {
@@ -61,7 +56,6 @@ pub(crate) const COURSES: [Course; 7] = [
         moves: arcs,
         count: 400,
         silent: true,
-        missed: 0,
         ..PLAIN
     },
     Course {
@@ -69,7 +63,6 @@ pub(crate) const COURSES: [Course; 7] = [
         moves: corners,
         count: 400,
         stop_every: 97,
-        missed: 0,
         ..PLAIN
     },
     Course {
@@ -78,7 +71,6 @@ pub(crate) const COURSES: [Course; 7] = [
         count: 400,
         tool_offset: [0.02, 0.01],
         stop_every: 97,
-        missed: 0,
         ..PLAIN
     },
     Course {
@@ -87,7 +79,6 @@ pub(crate) const COURSES: [Course; 7] = [
         count: 400,
         tool_offset: [0.02, 0.01],
         silent: true,
-        missed: 0,
         ..PLAIN
     },
     Course {
@@ -96,7 +87,6 @@ pub(crate) const COURSES: [Course; 7] = [
         count: 400,
         tool_offset: [0.02, 0.01],
         stop_every: 97,
-        missed: 0,
         ..PLAIN
     },
 ];
@@ -167,10 +157,10 @@ impl<'a> Run<'a> {
         };
         let mut controller = Controller::new(&settings).ok()?;
         let planner = Planner::new(&settings).ok()?;
-        controller.tick(&sensed([0.0; 2], [0.0; 2], 0));
+        controller.tick(&sensed([0.0; 2], [0.0; 2]));
         controller.request(Request::SetAngles(START)).ok()?;
         controller.request(Request::Arm).ok()?;
-        controller.tick(&sensed([0.0; 2], [0.0; 2], 0));
+        controller.tick(&sensed([0.0; 2], [0.0; 2]));
         Some(Self {
             course,
             start: controller.status().tool?,
@@ -208,7 +198,6 @@ impl<'a> Run<'a> {
         Some(sensed(
             [theta1 - start1, theta4 - start4],
             status.current_demand,
-            self.course.missed,
         ))
     }
 
@@ -246,13 +235,12 @@ impl<'a> Run<'a> {
 }
 
 /// What the sensors say with the joints turned by so much [rad], at these currents [A].
-fn sensed(turned: [f32; 2], currents: [f32; 2], missed_ticks: u32) -> Sensed {
+fn sensed(turned: [f32; 2], currents: [f32; 2]) -> Sensed {
     let counts_per_radian = 8.0 * 16384.0 / core::f32::consts::TAU;
     Sensed {
         counts: turned.map(|angle| round(angle * counts_per_radian)),
         current: currents.map(|current| (2048.5 + current * 256.0) as u16),
         bus_voltage: BUS,
-        missed_ticks,
         ..Sensed::default()
     }
 }
