@@ -53,7 +53,7 @@ fn every_fault_has_its_row_with_its_number_and_response() {
 
 #[test]
 fn every_mishap_names_its_fault_by_number_and_name() {
-    let rows = rows("## The mishaps");
+    let rows = rows("## Injected faults");
     let named: Vec<_> = rows.iter().filter(|row| row.len() == 5).skip(1).collect();
     assert!(named.len() >= 14, "{named:?}");
     for row in named {
@@ -68,7 +68,7 @@ fn every_mishap_names_its_fault_by_number_and_name() {
 
 #[test]
 fn every_test_it_names_is_there() {
-    let names: Vec<_> = ["## The numbers", "## The mishaps"]
+    let names: Vec<_> = ["## The numbers", "## Injected faults"]
         .into_iter()
         .flat_map(rows)
         .filter_map(|row| row.last()?.strip_prefix('`')?.strip_suffix('`'))

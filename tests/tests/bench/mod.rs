@@ -33,7 +33,7 @@ pub(crate) const DOCUMENT: &str = include_str!("../../../docs/faults.md");
 #[track_caller]
 pub(crate) fn stated(test: &str) -> Stated {
     let name = format!("`{test}`");
-    let (_, mishaps) = DOCUMENT.split_once("## The mishaps").expect("the table");
+    let (_, mishaps) = DOCUMENT.split_once("## Injected faults").expect("the table");
     let row = mishaps
         .lines()
         .map(|line| line.split('|').map(str::trim).collect::<Vec<_>>())
