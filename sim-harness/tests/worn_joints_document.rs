@@ -56,12 +56,12 @@ const ROWS: [Row; 11] = [
         bound: Bound::Chaotic(0.5),
     },
     Row {
-        name: "foretold, pins seated",
+        name: "predicted, pins seated",
         figure: |run| number(run, ["predicted", "seated_m"]),
         bound: Bound::Rounded,
     },
     Row {
-        name: "foretold, worst case",
+        name: "predicted, worst case",
         figure: |run| number(run, ["predicted", "worst_m"]),
         bound: Bound::Rounded,
     },
@@ -76,7 +76,7 @@ const ROWS: [Row; 11] = [
         bound: Bound::Chaotic(0.5),
     },
     Row {
-        name: "foretold, by inertia",
+        name: "predicted, by inertia",
         figure: |run| greatest(&run["predicted"], "peak_reaction_n"),
         bound: Bound::Rounded,
     },
