@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Everything that must hold before a change lands: what CI runs and what a person runs.
+# Runs every check that must pass before a change is merged. CI runs this script too.
 #
-#   ./ci.sh            every step, from a fresh clone on a fresh machine
-#   ./ci.sh test       one step, or several, by name
+#   ./ci.sh            every step; works from a fresh clone on a fresh machine
+#   ./ci.sh tests      one step, or several, by name
 set -euo pipefail
 cd "$(dirname "$0")"
 exec </dev/null

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# The live page in a headless Chromium, which Debian has: scripts/browser.sh [FOLDER]
+# Tests the live page in a headless Chromium from Debian: scripts/browser.sh [FOLDER]
 #
-# With a folder, pictures of the page, of a report and of a workspace map are left there,
-# taken of the release build: docs/ is where the README looks for them.
+# With a folder, it also writes pictures there, taken with the release build: of the page, of a
+# report and of a workspace map. The documents use the pictures in docs/.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -1,10 +1,12 @@
 #!/usr/bin/env bash
-# Runs every command that the documents show (their fenced sh blocks), in order, as a reader
-# of README.md would: in a folder of its own, with the release binary for `cargo run`.
+# Runs every command that the documents show in their fenced sh blocks, in order, as a reader
+# of README.md would. It runs them in a separate folder, with the release binary in place of
+# `cargo run`.
 #
-# A command whose comment says "on purpose" must end with status 1, every other with 0, and
-# what it is told to write must be there. What cannot be run here is listed in
-# `reason_not_to_run`; what is neither run nor listed there fails.
+# A command whose comment says "on purpose" must end with status 1, every other command with
+# status 0, and each output file that a command names must exist afterwards.
+# `reason_not_to_run` lists the commands that cannot be run here. The script fails on a command
+# that it can neither run nor find in this list.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -15,20 +17,20 @@ scratch=$root/target/commands
 # Commands that are not run here, and why.
 reason_not_to_run() {
     case "$1" in
-    'cargo test') echo "ci.sh's step tests is this" ;;
+    'cargo test') echo "ci.sh's step tests does this" ;;
     './ci.sh'*) names_steps ${1#./ci.sh} && echo "ci.sh is running" ;;
-    'scripts/firmware.sh') names_steps firmware && echo "ci.sh's step firmware is this" ;;
+    'scripts/firmware.sh') names_steps firmware && echo "ci.sh's step firmware does this" ;;
     'pip install ./python' | 'python python/'*)
         names_steps python && echo "ci.sh's step python does it in an environment of its own"
         ;;
     'cargo install '*) echo "it installs a program for the user" ;;
-    'mkdir -p fuzz/'* | 'cargo +nightly fuzz '*) echo "fuzzing has no end, and needs a nightly compiler" ;;
+    'mkdir -p fuzz/'* | 'cargo +nightly fuzz '*) echo "fuzzing does not end by itself, and it needs a nightly compiler" ;;
     'probe-rs '*) echo "it needs a board on a debug probe" ;;
     *) return 1 ;;
     esac
 }
 
-# Whether ci.sh has these steps.
+# Checks that ci.sh has these steps.
 names_steps() {
     local step
     for step in "$@"; do
@@ -36,7 +38,8 @@ names_steps() {
     done
 }
 
-# A line for every command: its place, the command, its comment, with tabs between.
+# Prints a line for every command: its file and line, the command, its comment, separated by
+# tabs.
 commands() {
     git ls-files '*.md' | while read -r file; do
         awk '
@@ -65,7 +68,7 @@ fail() {
     exit 1
 }
 
-# The server runs until it is told to stop: its page must come meanwhile.
+# Starts the server, requests its page, which must come within 10 s, and stops the server.
 serve() {
     local place=$1 address reply
     $2 --listen 127.0.0.1:0 >serve.log 2>&1 </dev/null &
@@ -86,20 +89,20 @@ serve() {
     [[ $reply == *' 200 '* ]] || fail "$place: the page answers $reply"
 }
 
-# Runs a command that talks to a board with a port that is not there: it must have read all
-# else and refuse the port.
+# Runs a command that needs a board, with a port that does not exist. The command must read all
+# its other input and then refuse the port.
 without_port() {
     local place=$1 command=$2 said
     command=$(sed -E 's| --port [^ ]+| --port /dev/no-such-port|' <<<"$command")
     if said=$(bash -c "$command" 2>&1 </dev/null) || [[ $said != *'no port /dev/no-such-port'* ]]; then
-        fail "$place: does not get as far as the port: $said"
+        fail "$place: stops before it opens the port: $said"
     fi
 }
 
 run() {
     local place=$1 command=$2 wanted=0 status=0
     [[ $3 == *'on purpose'* ]] && wanted=1
-    # Who makes a new robot file answers with the Enter key.
+    # `fivebar new` asks questions; the input accepts every default with the Enter key.
     bash -o pipefail -c "$command" >run.log 2>&1 < <(yes '' | head -n 50) || status=$?
     [ "$status" -eq "$wanted" ] || fail "$place: $command: status $status for $wanted: $(tail -n 5 run.log)"
     while read -r _ file; do
@@ -136,7 +139,7 @@ while IFS=$'\t' read -r place shown comment; do
     elif [[ $command =~ ^(echo\ \'[^\']*\'\ \|\ )?"$program"( |$) || $command == 'cp '* ]]; then
         run "$place" "$command" "$comment"
     else
-        fail "$place: neither run here nor listed in scripts/commands.sh: $shown"
+        fail "$place: scripts/commands.sh cannot run this command and does not list it: $shown"
     fi
     cd "$root"
     count=$((count + 1))

@@ -2,8 +2,8 @@
 # Builds the documentation; warnings are errors.
 #
 # A unit in brackets, as in "length [m]", looks to rustdoc like a link to an item of that
-# name. The workspace therefore allows broken links, and this script looks for the ones
-# that are not units.
+# name. The workspace therefore allows broken links, and this script reports those that are not
+# units.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

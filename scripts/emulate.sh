@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Runs an image of target/firmware on the emulated board: scripts/emulate.sh instructions
 #
-# -icount shift=0 lets each instruction take 1 ns of virtual time, so that counts repeat.
+# With -icount shift=0 each instruction takes 1 ns of virtual time, so that counts repeat.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 exec timeout 120 qemu-system-arm -machine netduinoplus2 -display none -monitor none \

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# No source file may grow past 400 lines: a longer one holds more than one idea.
+# Fails if a source file has more than 400 lines, because such a file has more than one topic.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 long=$(git ls-files '*.rs' '*.sh' '*.py' | xargs wc -l | awk '$1 > 400 && $2 != "total"')

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Builds the images for the Cortex-M4F into target/firmware, apart from the desktop's
-# artifacts: the STM32F405 (stm32f405), the emulated board (qemu) and its benchmark.
+# Builds the images for the Cortex-M4F: the STM32F405 (stm32f405), the emulated board (qemu) and
+# its benchmark. They go into target/firmware, separate from the desktop's artifacts.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source scripts/toolchain.sh

@@ -2,8 +2,8 @@
 # Checks the licence of every dependency against the list in deny.toml, those of the fuzz
 # targets and of the Python package included.
 #
-# Known vulnerabilities need cargo-deny and its advisory database; where they are at hand
-# the whole of deny.toml is checked, where not this says so.
+# The check for known vulnerabilities needs cargo-deny and its advisory database. Without them
+# the script reports that it did not check this.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -41,7 +41,7 @@ done < <({
 echo "licences: $count packages, all under licences that deny.toml allows"
 
 if command -v cargo-deny >/dev/null && cargo deny --offline check advisories 2>/dev/null; then
-    echo "licences: no known vulnerabilities (cargo-deny, its database as last fetched)"
+    echo "licences: no known vulnerabilities (by cargo-deny and its database as last fetched)"
 else
-    echo "licences: NOT checked here for known vulnerabilities: cargo-deny or its database is absent; GitHub's job 'dependencies' does it"
+    echo "licences: known vulnerabilities NOT checked: cargo-deny or its database is absent; GitHub's job 'dependencies' checks them"
 fi

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Other people's programs, from PyPI, read what we write: MuJoCo moves the exported arm as
-# our plant does, and the makers of MCAP find every sample in a run's log.
+# Checks our output with other programs, from PyPI: MuJoCo must move the exported arm as our plant
+# does, and the reader of the MCAP project must find every sample in a run's log.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The Python package as its users get it: a fresh virtual environment, `pip install` from the
-# checkout, then its tests, types, example and benchmark.
+# Tests the Python package as its users install it: with `pip install` from the checkout into a
+# fresh virtual environment. Then it runs the package's tests, type checks, example and benchmark.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

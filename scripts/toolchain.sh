@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # Finds or installs what the firmware needs: a Cortex-M4F compiler and an emulator.
 #
-# Run, it says what it found or did. Sourced (scripts/firmware.sh), it also exports the
-# environment that the chosen compiler wants and sets `cargo_flags`.
+# When run, it reports what it found or installed. When sourced (by scripts/firmware.sh), it also
+# exports the environment that the chosen compiler needs and sets `cargo_flags`.
 #
-# The compiler, in this order:
+# It looks for the compiler in this order:
 #   1. the rustup target, if it is installed;
-#   2. `rustup target add`, given 20 seconds;
+#   2. `rustup target add`, with a limit of 20 seconds;
 #   3. Debian's rustc-web with its library source, which builds `core` itself.
 set -euo pipefail
 
@@ -37,7 +37,7 @@ has_debian() { [ -x "$debian_rustc" ] && [ -e "$debian_source" ]; }
 
 add_target() {
     command -v rustup >/dev/null || return 1
-    echo "toolchain: rustup target add $target (given 20 s)"
+    echo "toolchain: rustup target add $target (limit: 20 s)"
     timeout 20 rustup target add "$target" >/dev/null 2>&1 && has_target
 }
 
@@ -47,7 +47,7 @@ find_compiler() {
         return
     fi
     if ! has_debian && add_target; then
-        echo "toolchain: rustup's $target, added just now"
+        echo "toolchain: rustup's $target, just added"
         return
     fi
     if ! has_debian && ! { install_packages rustc-web rust-web-src && has_debian; }; then
