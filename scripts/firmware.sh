@@ -1,9 +1,13 @@
 #!/usr/bin/env bash
 # Builds the images for the Cortex-M4F: the STM32F405 (stm32f405), the emulated board (qemu) and
-# its benchmark. They go into target/firmware, separate from the desktop's artifacts.
+# its benchmark. They go into target/firmware, separate from the desktop's artifacts. Then builds
+# the crate kinematics by itself, with and without its features: it needs only what the target has.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source scripts/toolchain.sh
 
-cargo build --package fivebar-firmware --bins --features board --profile firmware \
-    --target "$target" --target-dir target/firmware "${cargo_flags[@]}"
+build() { cargo build --target "$target" --target-dir target/firmware "${cargo_flags[@]}" "$@"; }
+
+build --package fivebar-firmware --bins --features board --profile firmware
+build --package fivebar-kinematics
+build --package fivebar-kinematics --features serde,defmt

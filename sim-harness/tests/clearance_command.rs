@@ -3,7 +3,7 @@
 use fivebar::clearance::study;
 use fivebar::robot::Robot;
 use fivebar::run::Scenario;
-use fivebar_kinematics::accuracy::five_bar::clearance_error;
+use fivebar_design::accuracy::five_bar::clearance_error;
 use serde_json::Value;
 use std::process::{Command, Output};
 

@@ -2,8 +2,8 @@
 //! against energy and momentum; and figures a textbook gives.
 
 use fivebar::linkage::{DrivenLinkage, EXAMPLES};
+use fivebar_design::linkage::{Coordinate, Law, Linkage, Motion};
 use fivebar_kinematics::Vec2;
-use fivebar_kinematics::linkage::{Coordinate, Law, Linkage, Motion};
 
 fn inputs(laws: &[Law], t: f64) -> Vec<Coordinate<f64>> {
     laws.iter().map(|law| law.at(t)).collect()
@@ -219,8 +219,8 @@ fn the_scotch_yoke_moves_as_a_sine_and_the_tangent_mechanism_as_a_tangent() {
         assert_eq!(driven.laws.len(), laws);
         let index = driven.linkage.points().iter().position(|p| p.name == point);
         let sweep = driven.sweep();
-        let of = |(sample, solved): (&fivebar_kinematics::linkage::Sample, _)| {
-            let solved: &fivebar_kinematics::linkage::Solved = solved;
+        let of = |(sample, solved): (&fivebar_design::linkage::Sample, _)| {
+            let solved: &fivebar_design::linkage::Solved = solved;
             (
                 sample.inputs[0].value,
                 solved.motion.points[index.unwrap()].position,

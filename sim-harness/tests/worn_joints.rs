@@ -3,10 +3,10 @@
 use fivebar::contact::Contact;
 use fivebar::plant::{Loads, Mismatch, Model, Plant, State, Wear};
 use fivebar::robot::Robot;
+use fivebar_design::accuracy::arm::Inputs;
+use fivebar_design::accuracy::seating::seat;
 use fivebar_firmware::Command;
 use fivebar_kinematics::Vec2;
-use fivebar_kinematics::accuracy::arm::Inputs;
-use fivebar_kinematics::accuracy::seating::seat;
 use nalgebra::Vector2;
 use proptest::prelude::*;
 

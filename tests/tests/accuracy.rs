@@ -3,8 +3,8 @@
 
 use fivebar::accuracy::{Analysis, Sampling, State, analyse, answer, cheapest, map, monte_carlo};
 use fivebar::robot::Robot;
+use fivebar_design::accuracy::allocation::Class;
 use fivebar_kinematics::Vec2;
-use fivebar_kinematics::accuracy::allocation::Class;
 use indicatif::ProgressBar;
 use proptest::prelude::*;
 use serde_json::Value;

@@ -27,6 +27,7 @@ pub struct Arm<S> {
 
 /// Why numbers are not an arm's inertia.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ModelError {
     /// Link `1..=4`: mass and inertia must be finite and not negative, the centre finite.
     Link(usize),

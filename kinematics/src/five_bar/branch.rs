@@ -4,8 +4,9 @@ use core::fmt;
 
 /// Left or right of a directed line, seen with the plane's normal towards the viewer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
-    feature = "design",
+    feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
     serde(rename_all = "snake_case")
 )]
@@ -61,6 +62,8 @@ impl fmt::Display for Side {
 
 /// Which way each leg's elbow turns: the branch of the inverse solution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WorkingMode {
     /// `Left` where AB×BC > 0.
     pub elbow1: Side,

@@ -10,7 +10,7 @@
 //! C follows on link 2: rC = rT + w, ṙC = v + ω2 w⊥, r̈C = a + α2 w⊥ − ω2² w. Leg 4 alike
 //! from there, driven from E.
 
-use super::dyad::{Closed, Dyad};
+use super::dyad::{Dyad, DyadSolution};
 use super::inverse::{refusal1, refusal4};
 use super::{PoseError, Tool, WorkingMode};
 use crate::{Scalar, Vec2};
@@ -43,7 +43,7 @@ struct Leg<S> {
 impl<S: Scalar> Leg<S> {
     /// The leg that closes to `point` [m] from its pivot, while that moves with `v` [m/s].
     #[inline(always)]
-    fn new(closed: &Closed<S>, point: Vec2<S>, v: Vec2<S>) -> Self {
+    fn new(closed: &DyadSolution<S>, point: Vec2<S>, v: Vec2<S>) -> Self {
         // b×p = b×q is −p×b.
         let (driven, per_cross) = (closed.joint, -S::ONE / closed.cross);
         let distal = point - driven;
@@ -93,7 +93,7 @@ impl<S: Scalar> Tool<S> {
         let [per_l1, _, _, per_l4] = geometry.per_length();
 
         let dyad = self.leg1();
-        let closed = dyad.close_precisely(t, mode.elbow1.opposite());
+        let closed = dyad.solve_precisely(t, mode.elbow1.opposite());
         let leg1 = Leg::new(&closed.map_err(refusal1)?, t, v);
         let alpha1 = leg1.near_acceleration(dyad, a);
 
@@ -111,7 +111,7 @@ impl<S: Scalar> Tool<S> {
         };
 
         let dyad = geometry.leg4();
-        let closed = dyad.close_precisely_to(c, mode.elbow4.opposite());
+        let closed = dyad.solve_precisely_to(c, mode.elbow4.opposite());
         let leg4 = Leg::new(&closed.map_err(refusal4)?, c - geometry.e(), v);
         Ok(Driven {
             direction: [leg1.driven * per_l1, leg4.driven * per_l4],

@@ -16,7 +16,7 @@ use crate::{Scalar, Vec2};
 
 /// Why two links have no definite joint between pivot and point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Miss<S> {
+pub enum DyadError<S> {
     /// They are in line to rounding: this is their joint [m], but their velocities are not
     /// to be had.
     InLine(Vec2<S>),
@@ -32,7 +32,7 @@ pub(crate) enum Miss<S> {
 
 /// Two links of given lengths, and what their solution needs of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Dyad<S> {
+pub struct Dyad<S> {
     near: S,
     far: S,
     /// f² [m²].
@@ -41,7 +41,7 @@ pub(crate) struct Dyad<S> {
     sum_squared: S,
     /// x of the pivot [m].
     pivot: S,
-    /// s² once more, for [`Dyad::close_precisely`].
+    /// s² once more, for [`Dyad::solve_precisely`].
     fixed: FixedSquare,
     /// d² [m²].
     difference_squared: S,
@@ -52,23 +52,24 @@ pub(crate) struct Dyad<S> {
 }
 
 /// A dyad between its pivot and a point.
-pub(crate) struct Closed<S> {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DyadSolution<S> {
     /// The joint between the links, from the pivot [m].
-    pub(super) joint: Vec2<S>,
+    pub joint: Vec2<S>,
     /// p × joint [m²], not zero.
-    pub(super) cross: S,
+    pub cross: S,
 }
 
 impl<S: Scalar> Dyad<S> {
-    /// Links of these lengths [m], the first one's at the pivot.
-    pub(crate) fn new(near: S, far: S) -> Self {
+    /// Links of these lengths [m], positive and finite; the near one turns about the pivot.
+    pub fn new(near: S, far: S) -> Self {
         Self::at(S::ZERO, near, far)
     }
 
     /// As [`Dyad::new`], with the pivot at (`pivot`, 0).
     // Asked for once in an arm's life, but in many places.
     #[inline(never)]
-    pub(crate) fn at(pivot: S, near: S, far: S) -> Self {
+    pub(super) fn at(pivot: S, near: S, far: S) -> Self {
         let (sum, difference) = (near + far, near - far);
         let (sine, product) = (least_sine_squared(), near * far);
         Self {
@@ -105,58 +106,82 @@ impl<S: Scalar> Dyad<S> {
 
     /// The dyad with its end at `p` from the pivot [m] and its joint on that side of the
     /// ray to `p`.
+    ///
+    /// # Errors
+    /// Where no joint is at both lengths, where more than one is, and where the links are in
+    /// line to rounding.
     #[inline(always)]
-    pub(crate) fn close(&self, p: Vec2<S>, side: Side) -> Result<Closed<S>, Miss<S>> {
-        self.closed(p, self.sum_squared - p.norm_squared(), side)
+    pub fn solve(&self, p: Vec2<S>, side: Side) -> Result<DyadSolution<S>, DyadError<S>> {
+        self.solve_with_gap(p, self.sum_squared - p.norm_squared(), side)
     }
 
-    /// As [`Dyad::close`], with s² − |p|² by [`Scalar::square_less`]: for a point that is
+    /// As [`Dyad::solve`], with s² − |p|² by [`Scalar::square_less`]: for a point that is
     /// known to its last bit, which would be wasted near a stretched dyad otherwise.
     #[inline(always)]
-    pub(super) fn close_precisely(&self, p: Vec2<S>, side: Side) -> Result<Closed<S>, Miss<S>> {
+    pub(super) fn solve_precisely(
+        &self,
+        p: Vec2<S>,
+        side: Side,
+    ) -> Result<DyadSolution<S>, DyadError<S>> {
         let gap = S::square_less(self.sum_squared, &self.fixed, p.x, p.y);
-        self.closed(p, gap, side)
+        self.solve_with_gap(p, gap, side)
     }
 
-    /// As [`Dyad::close_precisely`], with `point` not from the pivot but from the origin: its
+    /// As [`Dyad::solve_precisely`], with `point` not from the pivot but from the origin: its
     /// difference to the pivot is rounded where that does not matter, and exact where it does.
     #[inline(always)]
-    pub(crate) fn close_precisely_to(
+    pub(super) fn solve_precisely_to(
         &self,
         point: Vec2<S>,
         side: Side,
-    ) -> Result<Closed<S>, Miss<S>> {
+    ) -> Result<DyadSolution<S>, DyadError<S>> {
         let (square, pivot) = (self.sum_squared, self.pivot);
         let gap = S::square_less_from_pivot(square, &self.fixed, pivot, point.x, point.y);
-        self.closed(Vec2::new(point.x - pivot, point.y), gap, side)
+        self.solve_with_gap(Vec2::new(point.x - pivot, point.y), gap, side)
     }
 
     /// One square root, one division, and one test that nothing but a good answer passes,
     /// as a comparison with NaN is false: what is wrong is found out only after it failed.
     #[inline(always)]
-    fn closed(&self, p: Vec2<S>, gap: S, side: Side) -> Result<Closed<S>, Miss<S>> {
+    fn solve_with_gap(
+        &self,
+        p: Vec2<S>,
+        gap: S,
+        side: Side,
+    ) -> Result<DyadSolution<S>, DyadError<S>> {
         let p_squared = p.norm_squared();
         let product = gap * (p_squared - self.difference_squared);
         if product > self.least {
             let half_per_p_squared = S::HALF / p_squared;
             let a = S::HALF + self.sum_difference * half_per_p_squared;
             let h = side.sign(product.sqrt() * half_per_p_squared);
-            Ok(Closed {
+            Ok(DyadSolution {
                 joint: p * a + p.perp() * h,
                 cross: h * p_squared,
             })
         } else {
-            Err(self.miss(p, product, side))
+            Err(self.error(p, product, side))
         }
     }
 
-    /// The joint alone, in line or not.
+    /// The joint alone [m], from the pivot; links may be in line.
+    ///
+    /// # Errors
+    /// As [`Dyad::solve`], but for links in line.
     #[inline(always)]
-    pub(crate) fn joint(closed: Result<Closed<S>, Miss<S>>) -> Result<Vec2<S>, Miss<S>> {
-        match closed {
-            Ok(closed) => Ok(closed.joint),
-            Err(Miss::InLine(joint)) => Ok(joint),
-            Err(miss) => Err(miss),
+    pub fn joint(&self, p: Vec2<S>, side: Side) -> Result<Vec2<S>, DyadError<S>> {
+        Self::joint_of(self.solve(p, side))
+    }
+
+    /// The joint of a solution, or of links in line.
+    #[inline(always)]
+    pub(super) fn joint_of(
+        solution: Result<DyadSolution<S>, DyadError<S>>,
+    ) -> Result<Vec2<S>, DyadError<S>> {
+        match solution {
+            Ok(solution) => Ok(solution.joint),
+            Err(DyadError::InLine(joint)) => Ok(joint),
+            Err(error) => Err(error),
         }
     }
 
@@ -164,27 +189,27 @@ impl<S: Scalar> Dyad<S> {
     /// reason why they do not meet.
     #[cold]
     #[inline(never)]
-    fn miss(&self, p: Vec2<S>, product: S, side: Side) -> Miss<S> {
+    fn error(&self, p: Vec2<S>, product: S, side: Side) -> DyadError<S> {
         if !(p.x.is_finite() && p.y.is_finite()) {
-            return Miss::NotFinite;
+            return DyadError::NotFinite;
         }
         let half_per_p_squared = S::HALF / p.norm_squared();
         let along = p * (S::HALF + self.sum_difference * half_per_p_squared);
         let h = product.sqrt() * half_per_p_squared;
         if h <= coincidence() {
-            return Miss::InLine(along + p.perp() * side.sign(h));
+            return DyadError::InLine(along + p.perp() * side.sign(h));
         }
         let distance = p.norm();
         let slack = S::from_f64(8.0) * S::EPSILON * (self.near + self.far);
         let least = (self.near - self.far).abs();
         if distance > self.near + self.far + slack {
-            Miss::TooFar
+            DyadError::TooFar
         } else if distance < least - slack {
-            Miss::TooNear
+            DyadError::TooNear
         } else if least <= slack && distance <= slack + slack {
-            Miss::Coincident
+            DyadError::Coincident
         } else {
-            Miss::InLine(along)
+            DyadError::InLine(along)
         }
     }
 }
@@ -209,11 +234,11 @@ fn coincidence<S: Scalar>() -> S {
 mod tests {
     use super::*;
 
-    fn joint(p: Vec2<f64>, near: f64, far: f64, side: Side) -> Result<Vec2<f64>, Miss<f64>> {
-        Dyad::joint(Dyad::new(near, far).close(p, side))
+    fn joint(p: Vec2<f64>, near: f64, far: f64, side: Side) -> Result<Vec2<f64>, DyadError<f64>> {
+        Dyad::new(near, far).joint(p, side)
     }
 
-    fn at(distance: f64, near: f64, far: f64) -> Result<Vec2<f64>, Miss<f64>> {
+    fn at(distance: f64, near: f64, far: f64) -> Result<Vec2<f64>, DyadError<f64>> {
         joint(Vec2::new(0.6, 0.8) * distance, near, far, Side::Left)
     }
 
@@ -221,7 +246,7 @@ mod tests {
     fn the_joint_is_at_both_distances_and_on_its_side() {
         for side in Side::BOTH {
             let p = Vec2::new(0.3, -0.1);
-            let Ok(closed) = Dyad::new(0.2, 0.25).close(p, side) else {
+            let Ok(closed) = Dyad::new(0.2, 0.25).solve(p, side) else {
                 panic!("the point is within reach");
             };
             assert!((closed.joint.norm() - 0.2).abs() < 1e-15);
@@ -248,23 +273,23 @@ mod tests {
         for (sine, bent) in [(1e-7, false), (1.4e-7, true)] {
             let joint = Vec2::new(near, 0.0);
             let p = joint + Vec2::new(libm::sqrt(1.0 - sine * sine), -sine) * far;
-            let closed = Dyad::new(near, far).close(p, Side::Left);
+            let closed = Dyad::new(near, far).solve(p, Side::Left);
             assert_eq!(closed.is_ok(), bent, "sine {sine}");
-            assert!((Dyad::joint(closed).unwrap() - joint).norm() < 1e-7);
+            assert!((Dyad::joint_of(closed).unwrap() - joint).norm() < 1e-7);
         }
     }
 
     #[test]
     fn every_miss_says_why() {
-        assert_eq!(at(0.5 + 1e-12, 0.2, 0.3), Err(Miss::TooFar));
-        assert_eq!(at(1e200, 0.2, 0.3), Err(Miss::TooFar));
-        assert_eq!(at(0.1 - 1e-12, 0.2, 0.3), Err(Miss::TooNear));
-        assert_eq!(at(0.0, 0.2, 0.3), Err(Miss::TooNear));
-        assert_eq!(at(0.0, 0.2, 0.2), Err(Miss::Coincident));
-        assert_eq!(at(1e-17, 0.2, 0.2), Err(Miss::Coincident));
+        assert_eq!(at(0.5 + 1e-12, 0.2, 0.3), Err(DyadError::TooFar));
+        assert_eq!(at(1e200, 0.2, 0.3), Err(DyadError::TooFar));
+        assert_eq!(at(0.1 - 1e-12, 0.2, 0.3), Err(DyadError::TooNear));
+        assert_eq!(at(0.0, 0.2, 0.3), Err(DyadError::TooNear));
+        assert_eq!(at(0.0, 0.2, 0.2), Err(DyadError::Coincident));
+        assert_eq!(at(1e-17, 0.2, 0.2), Err(DyadError::Coincident));
         assert!(at(1e-12, 0.2, 0.2).is_ok());
-        assert_eq!(at(f64::NAN, 0.2, 0.2), Err(Miss::NotFinite));
-        assert_eq!(at(f64::INFINITY, 0.2, 0.2), Err(Miss::NotFinite));
+        assert_eq!(at(f64::NAN, 0.2, 0.2), Err(DyadError::NotFinite));
+        assert_eq!(at(f64::INFINITY, 0.2, 0.2), Err(DyadError::NotFinite));
     }
 
     #[test]
@@ -281,8 +306,8 @@ mod tests {
             [0.1, f32::NEG_INFINITY],
         ] {
             let p = Vec2::new(x, y);
-            let plainly = dyad.close(p, Side::Left).err();
-            let precisely = dyad.close_precisely(p, Side::Left).err();
+            let plainly = dyad.solve(p, Side::Left).err();
+            let precisely = dyad.solve_precisely(p, Side::Left).err();
             assert!(plainly.is_some(), "at {p:?}");
             assert_eq!(plainly, precisely, "at {p:?}");
         }

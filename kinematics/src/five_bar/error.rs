@@ -4,6 +4,7 @@ use core::fmt;
 
 /// Why five numbers are not a five-bar.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum GeometryError {
     /// Length `0..=4` (l1…l4, base) is not a positive finite number.
     NotPositive(usize),
@@ -15,6 +16,7 @@ pub enum GeometryError {
 
 /// Why no pose exists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Unreachable {
     /// C is farther from A than l1 + l2.
     Leg1TooFar,
@@ -32,6 +34,7 @@ pub enum Unreachable {
 
 /// A pose in which the arm loses or gains a freedom.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Singularity {
     /// Type 1: A, B, C in line, sin(θ2−θ1) = 0.
     Leg1,
@@ -43,6 +46,7 @@ pub enum Singularity {
 
 /// Why a pose or a motion cannot be given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PoseError {
     /// No pose exists.
     Unreachable(Unreachable),

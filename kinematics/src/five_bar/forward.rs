@@ -7,7 +7,7 @@
 //! p = rD − rB, a = ½(1 + (l2² − l3²)/|p|²), h² = l2²/|p|² − a², rC = rB + a p ± h p⊥,
 //! the upper sign on the `Left` assembly.
 
-use super::dyad::{Dyad, Miss};
+use super::dyad::DyadError;
 use super::{Geometry, Pose, PoseError, Side, Singularity, Unreachable};
 use crate::{Scalar, Vec2};
 
@@ -35,7 +35,7 @@ impl<S: Scalar> Geometry<S> {
     ) -> Result<Pose<S>, PoseError> {
         let b = u1 * self.l1();
         let d = Vec2::new(self.base() + u4.x * self.l4(), u4.y * self.l4());
-        let bc = Dyad::joint(self.tip().close(d - b, assembly)).map_err(refusal)?;
+        let bc = self.tip().joint(d - b, assembly).map_err(refusal)?;
         let c = b + bc;
         let [_, per_l2, per_l3, _] = self.per_length();
         Ok(Pose {
@@ -50,11 +50,11 @@ impl<S: Scalar> Geometry<S> {
     }
 }
 
-pub(super) fn refusal<S: Scalar>(miss: Miss<S>) -> PoseError {
-    match miss {
-        Miss::TooFar => PoseError::Unreachable(Unreachable::ElbowsTooFar),
-        Miss::TooNear => PoseError::Unreachable(Unreachable::ElbowsTooNear),
-        Miss::InLine(_) | Miss::Coincident => PoseError::Singular(Singularity::Parallel),
-        Miss::NotFinite => PoseError::NotFinite,
+pub(super) fn refusal<S: Scalar>(error: DyadError<S>) -> PoseError {
+    match error {
+        DyadError::TooFar => PoseError::Unreachable(Unreachable::ElbowsTooFar),
+        DyadError::TooNear => PoseError::Unreachable(Unreachable::ElbowsTooNear),
+        DyadError::InLine(_) | DyadError::Coincident => PoseError::Singular(Singularity::Parallel),
+        DyadError::NotFinite => PoseError::NotFinite,
     }
 }

@@ -6,7 +6,7 @@
 //! h² is a small rest, and in `f32` it is taken from the exact square of C: see
 //! [`Scalar::square_less`].
 
-use super::dyad::{Dyad, Miss};
+use super::dyad::{Dyad, DyadError};
 use super::{Geometry, Pose, PoseError, Side, Singularity, Unreachable, WorkingMode};
 use crate::{Scalar, Vec2};
 
@@ -27,8 +27,8 @@ impl<S: Scalar> Geometry<S> {
     #[inline(always)]
     pub fn inverse(&self, c: Vec2<S>, mode: WorkingMode) -> Result<Pose<S>, PoseError> {
         let [per_l1, per_l2, ..] = self.per_length();
-        let leg1 = self.leg1().close_precisely(c, mode.elbow1.opposite());
-        let b = Dyad::joint(leg1).map_err(refusal1)?;
+        let leg1 = self.leg1().solve_precisely(c, mode.elbow1.opposite());
+        let b = Dyad::joint_of(leg1).map_err(refusal1)?;
         let Leg4 { d, u3, u4 } = self.leg4_to(c, mode.elbow4)?;
         Ok(Pose {
             u1: b * per_l1,
@@ -46,8 +46,8 @@ impl<S: Scalar> Geometry<S> {
     pub(super) fn leg4_to(&self, c: Vec2<S>, elbow4: Side) -> Result<Leg4<S>, PoseError> {
         let [_, _, per_l3, per_l4] = self.per_length();
         let ec = c - self.e();
-        let leg4 = self.leg4().close_precisely_to(c, elbow4.opposite());
-        let ed = Dyad::joint(leg4).map_err(refusal4)?;
+        let leg4 = self.leg4().solve_precisely_to(c, elbow4.opposite());
+        let ed = Dyad::joint_of(leg4).map_err(refusal4)?;
         Ok(Leg4 {
             d: self.e() + ed,
             u3: (ec - ed) * per_l3,
@@ -56,20 +56,20 @@ impl<S: Scalar> Geometry<S> {
     }
 }
 
-pub(super) fn refusal1<S: Scalar>(miss: Miss<S>) -> PoseError {
-    match miss {
-        Miss::TooFar => PoseError::Unreachable(Unreachable::Leg1TooFar),
-        Miss::TooNear => PoseError::Unreachable(Unreachable::Leg1TooNear),
-        Miss::InLine(_) | Miss::Coincident => PoseError::Singular(Singularity::Leg1),
-        Miss::NotFinite => PoseError::NotFinite,
+pub(super) fn refusal1<S: Scalar>(error: DyadError<S>) -> PoseError {
+    match error {
+        DyadError::TooFar => PoseError::Unreachable(Unreachable::Leg1TooFar),
+        DyadError::TooNear => PoseError::Unreachable(Unreachable::Leg1TooNear),
+        DyadError::InLine(_) | DyadError::Coincident => PoseError::Singular(Singularity::Leg1),
+        DyadError::NotFinite => PoseError::NotFinite,
     }
 }
 
-pub(super) fn refusal4<S: Scalar>(miss: Miss<S>) -> PoseError {
-    match miss {
-        Miss::TooFar => PoseError::Unreachable(Unreachable::Leg4TooFar),
-        Miss::TooNear => PoseError::Unreachable(Unreachable::Leg4TooNear),
-        Miss::InLine(_) | Miss::Coincident => PoseError::Singular(Singularity::Leg4),
-        Miss::NotFinite => PoseError::NotFinite,
+pub(super) fn refusal4<S: Scalar>(error: DyadError<S>) -> PoseError {
+    match error {
+        DyadError::TooFar => PoseError::Unreachable(Unreachable::Leg4TooFar),
+        DyadError::TooNear => PoseError::Unreachable(Unreachable::Leg4TooNear),
+        DyadError::InLine(_) | DyadError::Coincident => PoseError::Singular(Singularity::Leg4),
+        DyadError::NotFinite => PoseError::NotFinite,
     }
 }

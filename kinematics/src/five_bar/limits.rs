@@ -6,6 +6,7 @@ use core::fmt;
 
 /// One of the driven joints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Joint {
     /// At A, turning link 1.
     Joint1,

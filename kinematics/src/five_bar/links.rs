@@ -4,7 +4,7 @@
 //! torques follow without a unit vector, a length or a sine: ω2 = v·r3/X for Yu 2007's
 //! ω2 = v·u3/(l2 sin(θ3−θ2)), v being the velocity of D relative to B, and so on.
 
-use super::dyad::Closed;
+use super::dyad::DyadSolution;
 use super::forward::refusal;
 use super::{Geometry, Pose, PoseError, Side};
 use crate::{Scalar, Vec2};
@@ -35,7 +35,7 @@ impl<S: Scalar> Geometry<S> {
         let ab = u1 * self.l1();
         let ed = u4 * self.l4();
         let bd = ed - (ab - self.e());
-        let Closed { joint: bc, cross } = self.tip().close(bd, assembly).map_err(refusal)?;
+        let DyadSolution { joint: bc, cross } = self.tip().solve(bd, assembly).map_err(refusal)?;
         Ok(Links {
             ab,
             bc,

@@ -22,8 +22,7 @@ mod workspace;
 
 pub use branch::{Side, WorkingMode};
 pub use driven::Driven;
-#[cfg(feature = "design")]
-pub(crate) use dyad::Dyad;
+pub use dyad::{Dyad, DyadError, DyadSolution};
 pub use error::{GeometryError, PoseError, Singularity, Unreachable};
 pub use geometry::Geometry;
 pub use jacobian::{InverseJacobian, Jacobian};
@@ -32,9 +31,6 @@ pub use links::Links;
 pub(crate) use motion::per_sine;
 pub use motion::{Accelerations, Velocities};
 pub use pose::Pose;
-pub use reach::Arc;
-#[cfg(feature = "design")]
-pub(crate) use reach::angle_at_distance;
 pub use singularity::{Clearance, Clearances};
 pub use tool::Tool;
 pub use workspace::{Outside, Workspace};

@@ -133,8 +133,8 @@ impl<S: Scalar> Tool<S> {
     pub fn inverse(&self, t: Vec2<S>, mode: WorkingMode) -> Result<Pose<S>, PoseError> {
         let geometry = &self.geometry;
         let [per_l1, ..] = geometry.per_length();
-        let leg1 = self.leg1.close_precisely(t, mode.elbow1.opposite());
-        let b = Dyad::joint(leg1).map_err(refusal1)?;
+        let leg1 = self.leg1.solve_precisely(t, mode.elbow1.opposite());
+        let b = Dyad::joint_of(leg1).map_err(refusal1)?;
         // B→T turned back by the lean is link 2's own direction.
         let back = Vec2::new(self.lean.x, -self.lean.y);
         let u2 = back.rotated_to((t - b) * self.per_reach);

@@ -19,6 +19,7 @@ pub struct Workspace<S> {
 
 /// Why a point lies outside a workspace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Outside {
     /// There is no pose.
     Pose(PoseError),

@@ -4,11 +4,9 @@
 //! |---|---|---|
 //! | `f32` | the controller's tick, on the target and on a desktop | our own polynomials, IEEE square root: the same bits everywhere |
 //! | `f64` | the desktop: queries, design, references for tests | `libm` |
-//! | dual numbers | sensitivities (feature `design`) | derivatives carried along |
+//! | `Dual` of the crate `fivebar-design` | sensitivities | derivatives carried along |
 
 mod double;
-#[cfg(feature = "design")]
-mod dual;
 mod fixed;
 mod single;
 

@@ -20,6 +20,7 @@ use crate::{Scalar, Vec2};
 
 /// Why a move is not taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PushError {
     /// No room: take pieces out first.
     Full,

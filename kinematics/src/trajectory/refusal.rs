@@ -6,6 +6,7 @@ use core::fmt;
 
 /// What stands in the way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Obstacle {
     /// The tool may not be there.
     Outside(Outside),

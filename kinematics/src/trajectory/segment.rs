@@ -13,6 +13,7 @@ pub struct Segment<S> {
 
 /// Why numbers are not a segment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SegmentError {
     /// A number is infinite or not a number.
     NotFinite,
@@ -39,6 +40,7 @@ impl core::error::Error for SegmentError {}
 
 /// Which way an arc turns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Sense {
     /// Counter-clockwise, G3.
     CounterClockwise,

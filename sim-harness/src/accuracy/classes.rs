@@ -1,7 +1,7 @@
 //! Classes of tolerance: what making a dimension so exact costs.
 
 use crate::robot::Source;
-use fivebar_kinematics::accuracy::allocation::Class;
+use fivebar_design::accuracy::allocation::Class;
 use serde::Deserialize;
 use std::path::Path;
 

@@ -3,8 +3,8 @@
 
 use super::state::{Analysis, State, analyse};
 use crate::robot::Robot;
+use fivebar_design::accuracy::allocation::{Allocation, Class, allocate};
 use fivebar_kinematics::Vec2;
-use fivebar_kinematics::accuracy::allocation::{Allocation, Class, allocate};
 use rayon::prelude::*;
 
 /// Places along the longer side of the grid.

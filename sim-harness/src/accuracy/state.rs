@@ -1,13 +1,13 @@
 //! The analysis at one state of the arm: first-order scatter, exact worst cases, seated pins.
 
 use crate::robot::{Robot, Tolerance};
-use fivebar_kinematics::Vec2;
-use fivebar_kinematics::accuracy::arm::{ArmResponse, Inputs, PRIMITIVES};
-use fivebar_kinematics::accuracy::five_bar::{
+use fivebar_design::accuracy::arm::{ArmResponse, Inputs, PRIMITIVES};
+use fivebar_design::accuracy::five_bar::{
     ClearanceError, ToolSensitivities, clearance_error, input_worst, tool_sensitivities,
 };
-use fivebar_kinematics::accuracy::seating::{Seating, seat};
-use fivebar_kinematics::accuracy::{Primitive, Scatter, sensitivities};
+use fivebar_design::accuracy::seating::{Seating, seat};
+use fivebar_design::accuracy::{Primitive, Scatter, sensitivities};
+use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::Pose;
 use nalgebra::DMatrix;
 

@@ -4,10 +4,10 @@ use super::DrivenLinkage;
 use super::file::{ElementFile, GuideFile, LinkFile, LinkageFile, PointFile};
 use super::limits::{LARGEST, largest, name, sizes};
 use crate::robot::{FileError, Key, Source};
+use fivebar_design::linkage::dyad::{Prp, Rpp, Rpr, Rrp, Rrr};
+use fivebar_design::linkage::{Group, Guide, Law, LinkId, Linkage, PointId, Section};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::dynamics::Link;
-use fivebar_kinematics::linkage::dyad::{Prp, Rpp, Rpr, Rrp, Rrr};
-use fivebar_kinematics::linkage::{Group, Guide, Law, LinkId, Linkage, PointId, Section};
 use std::collections::HashMap;
 
 /// Reads a linkage from the text of a file.

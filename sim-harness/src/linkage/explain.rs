@@ -3,7 +3,7 @@
 use super::DrivenLinkage;
 use super::summary::branch;
 use super::table::links_of;
-use fivebar_kinematics::linkage::{Group, Guide, PointId};
+use fivebar_design::linkage::{Group, Guide, PointId};
 
 /// One element: kind, links, what carries it, dimensions and branch.
 pub(super) fn elements(driven: &DrivenLinkage) -> Vec<Vec<String>> {

@@ -4,9 +4,9 @@
 //! refused.
 
 use super::tolerance::ToleranceFile;
+use fivebar_design::linkage::Law;
+use fivebar_design::linkage::dyad::Way;
 use fivebar_kinematics::five_bar::Side;
-use fivebar_kinematics::linkage::Law;
-use fivebar_kinematics::linkage::dyad::Way;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 

@@ -3,7 +3,7 @@
 
 use super::file::LinkageFile;
 use crate::robot::{FileError, Key, Source};
-use fivebar_kinematics::linkage::Linkage;
+use fivebar_design::linkage::Linkage;
 
 /// A hundred elements are more than any planar linkage in use has.
 const MOST_ELEMENTS: usize = 100;

@@ -21,7 +21,7 @@ pub(crate) use table::{driven_links, reaction_names};
 pub use tolerance::{LinkageTolerance, Pin};
 
 use crate::robot::{FileError, Source};
-use fivebar_kinematics::linkage::{Law, Linkage, Sweep};
+use fivebar_design::linkage::{Law, Linkage, Sweep};
 use std::io::Read as _;
 
 /// A linkage and how its file drives it.

@@ -2,8 +2,8 @@
 
 use super::DrivenLinkage;
 use crate::report::{Animation, Body, Point, Trace};
+use fivebar_design::linkage::{Element, Group, LinkId, LinkMotion, Sample, Solved, Sweep};
 use fivebar_kinematics::Vec2;
-use fivebar_kinematics::linkage::{Element, Group, LinkId, LinkMotion, Sample, Solved, Sweep};
 
 /// A sweep takes at least so long to watch [s].
 const SHORTEST: f64 = 5.0;

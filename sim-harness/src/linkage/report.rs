@@ -4,7 +4,7 @@ use super::summary::SHOWN_ASSEMBLIES;
 use super::table::{driven_links, dyads, reaction_names};
 use super::{DrivenLinkage, Summary, explain, picture};
 use crate::report::{Chart, Page, Point, quantity};
-use fivebar_kinematics::linkage::{LinkId, Solved, Sweep};
+use fivebar_design::linkage::{LinkId, Solved, Sweep};
 
 /// The page to hand to a student.
 pub fn page(driven: &DrivenLinkage, sweep: &Sweep, summary: &Summary) -> Page {

@@ -2,9 +2,9 @@
 
 use super::DrivenLinkage;
 use super::table::{driven_links, dyads, links_of, moment, reaction_names};
+use fivebar_design::linkage::dyad::Way;
+use fivebar_design::linkage::{Group, Linkage, Sample, SolveError, Sweep};
 use fivebar_kinematics::five_bar::Side;
-use fivebar_kinematics::linkage::dyad::Way;
-use fivebar_kinematics::linkage::{Group, Linkage, Sample, SolveError, Sweep};
 use serde::Serialize;
 
 /// Assemblies that people are shown; programs get all.

@@ -2,7 +2,7 @@
 //! does not close.
 
 use super::DrivenLinkage;
-use fivebar_kinematics::linkage::{
+use fivebar_design::linkage::{
     Coordinate, Group, LinkMotion, Linkage, PointMotion, Reaction, Solved, Sweep,
 };
 use std::fmt::Write as _;
@@ -160,7 +160,7 @@ pub(super) fn dyads(linkage: &Linkage<f64>) -> Vec<(usize, String)> {
 /// "coupler–rocker".
 pub(super) fn links_of(
     linkage: &Linkage<f64>,
-    links: impl Iterator<Item = fivebar_kinematics::linkage::LinkId>,
+    links: impl Iterator<Item = fivebar_design::linkage::LinkId>,
 ) -> String {
     let names: Vec<_> = links
         .map(|link| linkage.links()[link.index()].name.as_str())
@@ -185,7 +185,7 @@ pub(super) fn moment(reaction: &Reaction<f64>) -> f64 {
 
 /// "crank on coupler", in the order of a motion's reactions.
 pub(crate) fn reaction_names(linkage: &Linkage<f64>) -> Vec<String> {
-    let name = |link: fivebar_kinematics::linkage::LinkId| &linkage.links()[link.index()].name;
+    let name = |link: fivebar_design::linkage::LinkId| &linkage.links()[link.index()].name;
     let joints = linkage.joints();
     joints
         .map(|(from, on)| format!("{} on {}", name(from), name(on)))

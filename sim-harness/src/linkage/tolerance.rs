@@ -2,7 +2,7 @@
 
 use super::table::{driven_links, reaction_names};
 use crate::robot::{FileError, Key, Source};
-use fivebar_kinematics::linkage::{Linkage, Parameter, Quantity};
+use fivebar_design::linkage::{Linkage, Parameter, Quantity};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 

@@ -1,7 +1,7 @@
 //! The answer as JSON, one object a case.
 
 use super::Finding;
-use fivebar_kinematics::mobility::{Mobility, NamedScrew, Pitch};
+use fivebar_design::mobility::{Mobility, NamedScrew, Pitch};
 use serde_json::{Map, Value, json};
 
 /// The finding as one JSON object; lengths in the file's unit.

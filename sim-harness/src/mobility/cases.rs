@@ -1,7 +1,7 @@
 //! Lists of cases in JSON: twists as six numbers, in limbs or in a graph.
 
 use super::{Mechanism, Study};
-use fivebar_kinematics::mobility::{Freedom, Graph, Joint, Parallel, Screw};
+use fivebar_design::mobility::{Freedom, Graph, Joint, Parallel, Screw};
 use nalgebra::Vector6;
 use serde::Deserialize;
 

@@ -2,7 +2,7 @@
 
 use super::{Mechanism, Study};
 use crate::robot::{FileError, Source};
-use fivebar_kinematics::mobility::{Freedom, Graph, Joint, Parallel, Screw};
+use fivebar_design::mobility::{Freedom, Graph, Joint, Parallel, Screw};
 use nalgebra::Vector3;
 use serde::Deserialize;
 

@@ -1,7 +1,7 @@
 //! The answer in words, step by step as a textbook takes them.
 
 use super::{Finding, Study};
-use fivebar_kinematics::mobility::{
+use fivebar_design::mobility::{
     GraphReport, Mobility, NamedScrew, ParallelReport, Pitch, RANK_TOLERANCE,
 };
 use std::fmt::Write as _;

@@ -11,7 +11,7 @@ pub use explain::explain;
 pub use report::page;
 
 use crate::robot::Source;
-use fivebar_kinematics::mobility::{
+use fivebar_design::mobility::{
     Graph, GraphReport, Mobility, Parallel, ParallelReport, analyse_graph, analyse_parallel,
 };
 use std::path::Path;

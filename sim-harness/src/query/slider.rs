@@ -3,10 +3,10 @@
 
 use super::{Kind, Refusal};
 use crate::robot::SliderRobot;
+use fivebar_design::linkage::dyad::Way;
+use fivebar_design::slider::{Accelerations, Pose, PoseError, Velocities, WorkingMode};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::Side;
-use fivebar_kinematics::linkage::dyad::Way;
-use fivebar_kinematics::slider::{Accelerations, Pose, PoseError, Velocities, WorkingMode};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 

@@ -3,8 +3,8 @@
 use super::file::ToleranceFile;
 use super::tolerance::each;
 use super::{BuiltIn, FileError, Key, Robot, Source, read};
-use fivebar_kinematics::linkage::dyad::Way;
-use fivebar_kinematics::slider::{Geometry, GeometryError, Limb, Travel, WorkingMode};
+use fivebar_design::linkage::dyad::Way;
+use fivebar_design::slider::{Geometry, GeometryError, Limb, Travel, WorkingMode};
 use serde::Deserialize;
 
 /// What a robot file describes.

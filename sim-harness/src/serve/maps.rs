@@ -2,8 +2,8 @@
 
 use super::ServeError;
 use crate::robot::Robot;
+use fivebar_design::workspace::{Cell, Grid, Map, loci};
 use fivebar_kinematics::five_bar::{Side, Singularity, WorkingMode};
-use fivebar_kinematics::workspace::{Cell, Grid, Map, loci};
 use serde::Serialize;
 
 /// Cells along the reach.

@@ -2,6 +2,7 @@
 
 use super::{Branch, Study};
 use crate::report::quantity;
+use fivebar_design::workspace::reachable_area;
 use fivebar_kinematics::Vec2;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -75,7 +76,7 @@ impl Study<'_> {
     /// What both legs reach [m²], if the tool is where they meet.
     fn exact_area(&self) -> Option<f64> {
         let at_c = self.robot.tool.offset == [0.0; 2];
-        at_c.then(|| self.robot.geometry.reachable_area())
+        at_c.then(|| reachable_area(&self.robot.geometry))
     }
 }
 

@@ -1,7 +1,7 @@
 //! The places of a study as a table.
 
 use super::Study;
-use fivebar_kinematics::workspace::Cell;
+use fivebar_design::workspace::Cell;
 use std::fmt::Write as _;
 
 /// The columns: sines and the condition number have no unit, flags are 0 or 1.

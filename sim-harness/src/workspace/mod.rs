@@ -1,7 +1,7 @@
 //! `fivebar workspace`: where an arm can take its tool, in every branch, as figures, as a
 //! table of places and as a picture.
 //!
-//! The mechanics is in [`fivebar_kinematics::workspace`].
+//! The mechanics is in [`fivebar_design::workspace`].
 
 mod answer;
 mod csv;
@@ -12,9 +12,9 @@ pub use picture::svg;
 pub use png::png;
 
 use crate::robot::{NoWorkspace, Robot};
+use fivebar_design::workspace::{Areas, Grid, GridError, Map, Rectangle, bounds};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::{Side, WorkingMode};
-use fivebar_kinematics::workspace::{Areas, Grid, GridError, Map, Rectangle, bounds};
 use rayon::prelude::*;
 
 /// Unless told otherwise, the longer side of the reach has at least so many cells.

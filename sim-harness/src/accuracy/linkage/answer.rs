@@ -2,7 +2,7 @@
 
 use super::{LinkageAnalysis, LinkageStudy};
 use crate::linkage::{DrivenLinkage, driven_links, reaction_names};
-use fivebar_kinematics::accuracy::linkage::Figure;
+use fivebar_design::accuracy::linkage::Figure;
 use serde_json::{Map, Value, json};
 
 /// Contributors below this share of a variance are left out of its list.

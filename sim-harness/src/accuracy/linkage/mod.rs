@@ -11,9 +11,9 @@ pub use reach::Reach;
 
 use super::sampling::{Sampling, Spread, sample};
 use crate::linkage::DrivenLinkage;
-use fivebar_kinematics::accuracy::linkage::{Figure, LinkageResponse, seat};
-use fivebar_kinematics::accuracy::{Primitive, Response as _, Scatter, sensitivities};
-use fivebar_kinematics::linkage::{Clearance, Coordinate, Linkage, Quantity, SolveError};
+use fivebar_design::accuracy::linkage::{Figure, LinkageResponse, seat};
+use fivebar_design::accuracy::{Primitive, Response as _, Scatter, sensitivities};
+use fivebar_design::linkage::{Clearance, Coordinate, Linkage, Quantity, SolveError};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 

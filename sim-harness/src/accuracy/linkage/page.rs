@@ -5,7 +5,7 @@ use super::{LinkageAnalysis, LinkageStudy, shares};
 use crate::accuracy::report::pareto;
 use crate::linkage::{DrivenLinkage, reaction_names};
 use crate::report::{Chart, Page, quantity};
-use fivebar_kinematics::accuracy::linkage::Figure;
+use fivebar_design::accuracy::linkage::Figure;
 
 /// Whether a figure belongs on a chart.
 type Belongs = fn(&Figure) -> bool;

@@ -1,8 +1,8 @@
 //! How far pins and inputs can take the points of a linkage.
 
+use fivebar_design::accuracy::linkage::Figure;
+use fivebar_design::linkage::{Coordinate, Linkage, Motion};
 use fivebar_kinematics::Vec2;
-use fivebar_kinematics::accuracy::linkage::Figure;
-use fivebar_kinematics::linkage::{Coordinate, Linkage, Motion};
 use nalgebra::DMatrix;
 use std::f64::consts::PI;
 

@@ -2,7 +2,7 @@
 
 use super::PAPER;
 use super::frame::Frame;
-use fivebar_kinematics::workspace::{Cell, Map};
+use fivebar_design::workspace::{Cell, Map};
 use std::fmt::Write as _;
 
 /// From singular to alike in all directions: ten colours of viridis (by van der Walt and

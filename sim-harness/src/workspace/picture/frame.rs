@@ -1,9 +1,9 @@
 //! The picture's frame: from metres to its units, and the axes around it.
 
 use super::{INK, StudyError};
+use fivebar_design::workspace::{Grid, bounds};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::Tool;
-use fivebar_kinematics::workspace::{Grid, bounds};
 use std::fmt::Write as _;
 
 /// The longer side of the reach, in the picture's units.

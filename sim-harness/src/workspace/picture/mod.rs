@@ -9,9 +9,9 @@ mod legend;
 use super::{Study, StudyError};
 use crate::report::escape;
 use arm::Shape;
+use fivebar_design::workspace::{Locus, Map, Rectangle, loci};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::{Singularity, WorkingMode};
-use fivebar_kinematics::workspace::{Locus, Map, Rectangle, loci};
 use frame::Frame;
 use std::fmt::Write as _;
 

@@ -1,0 +1,114 @@
+//! Tolerance allocation: the cheapest choice of tolerance classes that keeps the scatter
+//! within a wanted bound everywhere.
+//!
+//! To first order the variance at a place is Σ wi si², wi the squared sensitivity to
+//! dimension i there and si the standard deviation of its class. The choice is found
+//! exactly, by depth-first search that leaves a branch as soon as it cannot be cheaper than
+//! the best found, or cannot meet the bound even with the finest classes for the rest.
+
+/// A way of making a dimension.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Class {
+    /// The standard deviation it gives, in the dimension's unit.
+    pub deviation: f64,
+    /// What it costs.
+    pub cost: f64,
+}
+
+/// The cheapest choice.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Allocation {
+    /// For each dimension the index of its class.
+    pub choice: Vec<usize>,
+    /// What it costs in all.
+    pub cost: f64,
+    /// The largest variance at any place.
+    pub worst_variance: f64,
+}
+
+struct Search<'a> {
+    /// wi at each place (row).
+    weights: &'a [Vec<f64>],
+    classes: &'a [Vec<Class>],
+    limit: f64,
+    /// For dimension i.. on: the least variance at each place, and the least cost.
+    least_variance: Vec<Vec<f64>>,
+    least_cost: Vec<f64>,
+    best: Option<Allocation>,
+}
+
+/// Chooses a class for every dimension so that Σ wi si² ≤ `limit` at every place, at the
+/// least cost; none where even the finest classes exceed it.
+///
+/// `weights` has a row for each place with an entry for each dimension, `classes` a list
+/// for each dimension.
+///
+/// # Panics
+/// Where a row of `weights` is shorter than `classes`.
+pub fn allocate(weights: &[Vec<f64>], classes: &[Vec<Class>], limit: f64) -> Option<Allocation> {
+    let dimensions = classes.len();
+    let mut least_variance = vec![vec![0.0; weights.len()]; dimensions + 1];
+    let mut least_cost = vec![0.0; dimensions + 1];
+    for i in (0..dimensions).rev() {
+        let finest = classes[i]
+            .iter()
+            .map(|c| c.deviation)
+            .fold(f64::INFINITY, f64::min);
+        let cheapest = classes[i]
+            .iter()
+            .map(|c| c.cost)
+            .fold(f64::INFINITY, f64::min);
+        least_cost[i] = least_cost[i + 1] + cheapest;
+        for (place, row) in weights.iter().enumerate() {
+            least_variance[i][place] = least_variance[i + 1][place] + row[i] * finest * finest;
+        }
+    }
+    let mut search = Search {
+        weights,
+        classes,
+        limit,
+        least_variance,
+        least_cost,
+        best: None,
+    };
+    search.descend(
+        &mut Vec::with_capacity(dimensions),
+        0.0,
+        &vec![0.0; weights.len()],
+    );
+    search.best
+}
+
+impl Search<'_> {
+    fn descend(&mut self, choice: &mut Vec<usize>, cost: f64, variance: &[f64]) {
+        let dimension = choice.len();
+        let hopeless = variance
+            .iter()
+            .zip(&self.least_variance[dimension])
+            .any(|(so_far, rest)| so_far + rest > self.limit);
+        let dear = |best: &Allocation| cost + self.least_cost[dimension] >= best.cost;
+        if hopeless || self.best.as_ref().is_some_and(dear) {
+            return;
+        }
+        if dimension == self.classes.len() {
+            self.best = Some(Allocation {
+                choice: choice.clone(),
+                cost,
+                worst_variance: variance.iter().copied().fold(0.0, f64::max),
+            });
+            return;
+        }
+        for index in 0..self.classes[dimension].len() {
+            let class = self.classes[dimension][index];
+            let square = class.deviation * class.deviation;
+            let with: Vec<f64> = variance
+                .iter()
+                .zip(self.weights)
+                .map(|(so_far, row)| so_far + row[dimension] * square)
+                .collect();
+            choice.push(index);
+            self.descend(choice, cost + class.cost, &with);
+            choice.pop();
+        }
+    }
+}

@@ -1,0 +1,179 @@
+//! The arm's whole answer to its dimensions: positions, motion, torques and joint forces by
+//! inputs and their rates, lengths, masses.
+
+use super::Response;
+use core::fmt;
+use fivebar_kinematics::dynamics::{Arm, Link, ModelError};
+use fivebar_kinematics::five_bar::{Geometry, GeometryError, PoseError, Side};
+use fivebar_kinematics::{Scalar, Vec2};
+
+/// What is answered to, in the order of [`ArmResponse::primitives`].
+pub const PRIMITIVES: [&str; 15] = [
+    "θ1", "θ4", "ω1", "ω4", "α1", "α4", "l1", "l2", "l3", "l4", "base", "m1", "m2", "m3", "m4",
+];
+
+/// What answers, in the order of [`ArmResponse`]'s results: C and its rates from the middle
+/// of the base [m, m/s, m/s²], torques [N·m], joint forces [N].
+pub const RESULTS: [&str; 18] = [
+    "position x",
+    "position y",
+    "velocity x",
+    "velocity y",
+    "acceleration x",
+    "acceleration y",
+    "τ1",
+    "τ4",
+    "force A x",
+    "force A y",
+    "force B x",
+    "force B y",
+    "force C x",
+    "force C y",
+    "force D x",
+    "force D y",
+    "force E x",
+    "force E y",
+];
+
+/// The inputs of a state: angles [rad], speeds [rad/s], accelerations [rad/s²] of joints 1
+/// and 4.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Inputs {
+    /// θ1, θ4.
+    pub theta: [f64; 2],
+    /// ω1, ω4.
+    pub omega: [f64; 2],
+    /// α1, α4.
+    pub alpha: [f64; 2],
+}
+
+/// An arm on one assembly branch, under a force on its tool, as a function of its
+/// primitives. A link's moment of inertia scales with its mass.
+#[derive(Clone, Copy, Debug)]
+pub struct ArmResponse<'a> {
+    /// The nominal arm.
+    pub arm: &'a Arm<f64>,
+    /// The forward branch.
+    pub assembly: Side,
+    /// A force on C [N].
+    pub external_force: Vec2<f64>,
+}
+
+/// Why an arm with these dimensions has no answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ArmError {
+    /// The lengths are not a five-bar.
+    Geometry(GeometryError),
+    /// The masses are not sound.
+    Model(ModelError),
+    /// The pose cannot be had.
+    Pose(PoseError),
+}
+
+impl fmt::Display for ArmError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Geometry(error) => error.fmt(f),
+            Self::Model(error) => error.fmt(f),
+            Self::Pose(error) => error.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for ArmError {}
+
+impl From<PoseError> for ArmError {
+    fn from(error: PoseError) -> Self {
+        Self::Pose(error)
+    }
+}
+
+impl ArmResponse<'_> {
+    /// The nominal values of the primitives at a state, in the order of [`PRIMITIVES`].
+    pub fn primitives(&self, inputs: &Inputs) -> [f64; 15] {
+        let [l1, l2, l3, l4, base] = self.arm.geometry().lengths();
+        let [m1, m2, m3, m4] = self.arm.links().map(|link| link.mass);
+        let Inputs {
+            theta: [theta1, theta4],
+            omega: [omega1, omega4],
+            alpha: [alpha1, alpha4],
+        } = *inputs;
+        [
+            theta1, theta4, omega1, omega4, alpha1, alpha4, l1, l2, l3, l4, base, m1, m2, m3, m4,
+        ]
+    }
+
+    /// The arm with other lengths and masses.
+    fn with<S: Scalar>(&self, lengths: [S; 5], masses: [S; 4]) -> Result<Arm<S>, ArmError> {
+        let number = S::from_f64;
+        let vector = |v: Vec2<f64>| Vec2::new(number(v.x), number(v.y));
+        let geometry = Geometry::new(lengths).map_err(ArmError::Geometry)?;
+        let links = core::array::from_fn(|index| {
+            let (mass, nominal) = (masses[index], self.arm.links()[index]);
+            let inertia = if nominal.mass > 0.0 {
+                mass * number(nominal.inertia / nominal.mass)
+            } else {
+                number(nominal.inertia)
+            };
+            Link {
+                mass,
+                com: vector(nominal.com),
+                inertia,
+            }
+        });
+        Arm::new(
+            geometry,
+            links,
+            number(self.arm.payload()),
+            vector(self.arm.gravity()),
+            self.arm.rotor_inertia().map(number),
+        )
+        .map_err(ArmError::Model)
+    }
+}
+
+impl Response for ArmResponse<'_> {
+    type Error = ArmError;
+
+    fn evaluate<S: Scalar>(&self, primitives: &[S]) -> Result<Vec<S>, ArmError> {
+        let &[
+            theta1,
+            theta4,
+            omega1,
+            omega4,
+            alpha1,
+            alpha4,
+            l1,
+            l2,
+            l3,
+            l4,
+            base,
+            m1,
+            m2,
+            m3,
+            m4,
+        ] = primitives
+        else {
+            return Err(ArmError::Pose(PoseError::NotFinite));
+        };
+        let arm = self.with([l1, l2, l3, l4, base], [m1, m2, m3, m4])?;
+        let geometry = arm.geometry();
+        let pose = geometry.forward(theta1, theta4, self.assembly)?;
+        let velocities = geometry.forward_velocities(&pose, omega1, omega4)?;
+        let accelerations = geometry.forward_accelerations(&pose, &velocities, alpha1, alpha4)?;
+        let force = Vec2::new(
+            S::from_f64(self.external_force.x),
+            S::from_f64(self.external_force.y),
+        );
+        let forces = arm.reactions(&pose, &velocities, &accelerations, force)?;
+        let tool = pose.c - Vec2::new(S::HALF * base, S::ZERO);
+        let vectors = [forces.a, forces.b, forces.c, forces.d, forces.e];
+        let mut results = Vec::with_capacity(RESULTS.len());
+        for vector in [tool, velocities.c, accelerations.c] {
+            results.extend([vector.x, vector.y]);
+        }
+        results.extend(forces.torque);
+        results.extend(vectors.iter().flat_map(|vector| [vector.x, vector.y]));
+        Ok(results)
+    }
+}

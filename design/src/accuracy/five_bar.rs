@@ -1,0 +1,160 @@
+//! The five-bar's errors: how the tool answers to inputs and lengths, and how far inputs
+//! and clearances can take it at worst.
+//!
+//! The closure (C−B)·(C−B) = l2², (C−D)·(C−D) = l3², differentiated:
+//!
+//! u2·δC = u2·δB + δl2, u3·δC = u3·δD + δl3,
+//! δB = u1 δl1 + l1 n1 δθ1, δD = x̂ δl5 + u4 δl4 + l4 n4 δθ4.
+//!
+//! Positions are judged from the middle of the base, so that an error of the base's length
+//! falls to both pivots alike: ½ x̂ δl5 is taken off.
+//!
+//! Clearance: with a massless link of length up to r in every joint, C on link 2, the
+//! distance of C from B is l2 ± (rA + rB) and from D l3 ± (rC + rD + rE). To first order
+//! u2·δC = p, u3·δC = q with |p| ≤ rA + rB, |q| ≤ rC + rD + rE: a parallelogram, farthest at
+//! a vertex. Exactly, the same with circles for lines, each massless link lying along its
+//! distal link.
+
+use super::AccuracyError;
+use crate::linkage::dyad::Rrr;
+use fivebar_kinematics::Vec2;
+use fivebar_kinematics::five_bar::{Geometry, Pose, PoseError, Singularity};
+
+/// How the tool answers to each dimension of the arm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToolSensitivities {
+    /// ∂C/∂θ1 and ∂C/∂θ4 [m/rad].
+    pub inputs: [Vec2<f64>; 2],
+    /// ∂C/∂l1 … ∂C/∂l5 [m/m], C from the middle of the base.
+    pub lengths: [Vec2<f64>; 5],
+}
+
+/// The dual basis of (u2, u3): δC = p·across2 + q·across3 for u2·δC = p, u3·δC = q.
+fn dual_basis(pose: &Pose<f64>) -> Result<[Vec2<f64>; 2], AccuracyError> {
+    let sine = pose.u2.cross(pose.u3);
+    if sine.abs() < 1e-9 {
+        return Err(PoseError::Singular(Singularity::Parallel).into());
+    }
+    Ok([
+        -pose.u3.perp() * (1.0 / sine),
+        pose.u2.perp() * (1.0 / sine),
+    ])
+}
+
+/// The tool's first-order answer to inputs and lengths at a pose.
+///
+/// # Errors
+/// `Pose(Singular)` at type 2.
+pub fn tool_sensitivities(
+    geometry: &Geometry<f64>,
+    pose: &Pose<f64>,
+) -> Result<ToolSensitivities, AccuracyError> {
+    let [by2, by3] = dual_basis(pose)?;
+    let base = Vec2::new(1.0, 0.0);
+    let from_b = |delta_b: Vec2<f64>| by2 * pose.u2.dot(delta_b);
+    let from_d = |delta_d: Vec2<f64>| by3 * pose.u3.dot(delta_d);
+    Ok(ToolSensitivities {
+        inputs: [
+            from_b(pose.u1.perp() * geometry.l1()),
+            from_d(pose.u4.perp() * geometry.l4()),
+        ],
+        lengths: [
+            from_b(pose.u1),
+            by2,
+            by3,
+            from_d(pose.u4),
+            from_d(base) - base * 0.5,
+        ],
+    })
+}
+
+/// The farthest that input errors of up to ± `greatest` [rad] take the tool [m]: exactly,
+/// at a corner of their square.
+///
+/// # Errors
+/// Where a corner cannot be assembled.
+pub fn input_worst(
+    geometry: &Geometry<f64>,
+    pose: &Pose<f64>,
+    greatest: [f64; 2],
+) -> Result<f64, AccuracyError> {
+    let [theta1, _, _, theta4] = pose.angles();
+    let assembly = pose.assembly();
+    let mut worst = 0.0_f64;
+    for (sign1, sign4) in CORNERS {
+        let displaced = geometry.forward(
+            theta1 + sign1 * greatest[0],
+            theta4 + sign4 * greatest[1],
+            assembly,
+        )?;
+        worst = worst.max((displaced.c - pose.c).norm());
+    }
+    Ok(worst)
+}
+
+const CORNERS: [(f64, f64); 4] = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
+
+/// How far joint clearances take the tool.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClearanceError {
+    /// The worst case to first order [m].
+    pub worst_linear: f64,
+    /// The worst case of the exact geometry [m].
+    pub worst: f64,
+    /// Root mean square for uniformly random directions, to first order [m].
+    pub rms: f64,
+}
+
+/// The tool's error for clearances of these radii in the joints A, B, C, D, E [m].
+///
+/// # Errors
+/// `Pose` at type 2, or where the worst case cannot be assembled.
+pub fn clearance_error(
+    geometry: &Geometry<f64>,
+    pose: &Pose<f64>,
+    radii: [f64; 5],
+) -> Result<ClearanceError, AccuracyError> {
+    let [by2, by3] = dual_basis(pose)?;
+    let [a, b, c, d, e] = radii;
+    let (left, right) = (a + b, c + d + e);
+    let mut worst_linear = 0.0_f64;
+    let mut worst = 0.0_f64;
+    for (sign2, sign3) in CORNERS {
+        let (p, q) = (sign2 * left, sign3 * right);
+        worst_linear = worst_linear.max((by2 * p + by3 * q).norm());
+        let displaced = distal_dyad(geometry, pose, [p, q]).position(pose.b, pose.d)?;
+        worst = worst.max((displaced - pose.c).norm());
+    }
+    // ⟨(r cos a)²⟩ = r²/2 for a direction a that is uniform.
+    let square = |radii: &[f64]| radii.iter().map(|r| r * r / 2.0).sum::<f64>();
+    let rms =
+        (by2.norm_squared() * square(&[a, b]) + by3.norm_squared() * square(&[c, d, e])).sqrt();
+    Ok(ClearanceError {
+        worst_linear,
+        worst,
+        rms,
+    })
+}
+
+/// Where C goes when each joint's pin lies off its bearing's centre by the given offset
+/// [m], the driven links held: exactly.
+///
+/// # Errors
+/// `Pose` where links 2 and 3 cannot meet.
+pub fn with_offsets(
+    geometry: &Geometry<f64>,
+    pose: &Pose<f64>,
+    offsets: [Vec2<f64>; 5],
+) -> Result<Vec2<f64>, AccuracyError> {
+    let [a, b, c, d, e] = offsets;
+    let dyad = distal_dyad(geometry, pose, [0.0; 2]);
+    Ok(dyad.position(pose.b + a + b, pose.d + c + d + e)?)
+}
+
+/// Links 2 and 3, longer by `longer` [m].
+fn distal_dyad(geometry: &Geometry<f64>, pose: &Pose<f64>, longer: [f64; 2]) -> Rrr<f64> {
+    Rrr {
+        lengths: [geometry.l2() + longer[0], geometry.l3() + longer[1]],
+        side: pose.assembly(),
+    }
+}

@@ -1,0 +1,217 @@
+//! A linkage's whole answer to its numbers: positions, motion, driving forces and joint
+//! reactions by inputs and their rates, lengths, coordinates, masses, sections, clearances
+//! and their directions.
+
+use super::Response;
+use crate::linkage::{
+    Clearance, Coordinate, Linkage, Motion, Parameter, Quantity, Reaction, SolveError,
+};
+use fivebar_kinematics::Scalar;
+
+/// A linkage as a function of its inputs q, q̇, q̈ and of some of its parameters.
+///
+/// A link's moment of inertia scales with its mass, unless it is a parameter itself.
+#[derive(Clone, Debug)]
+pub struct LinkageResponse<'a> {
+    /// The nominal linkage.
+    pub linkage: &'a Linkage<f64>,
+    /// The parameters that vary, by their place in the order of [`Linkage::map`], rising.
+    pub varied: Vec<usize>,
+}
+
+/// What a result of a [`LinkageResponse`] measures, by the place of what it belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Figure {
+    /// Component 0 or 1 of a point's position [m]; the point in [`Linkage::points`].
+    Position(usize, usize),
+    /// Of its velocity [m/s].
+    Velocity(usize, usize),
+    /// Of its acceleration [m/s²].
+    Acceleration(usize, usize),
+    /// A link's angle [rad]; the link in [`Linkage::links`].
+    Angle(usize),
+    /// Its angular velocity [rad/s].
+    AngularVelocity(usize),
+    /// Its angular acceleration [rad/s²].
+    AngularAcceleration(usize),
+    /// The torque [N·m] or force [N] of a driven link, counting those alone.
+    Drive(usize),
+    /// Component 0 or 1 of a joint's force [N]; the joint in [`Linkage::joints`].
+    Force(usize, usize),
+    /// The moment of a joint about its own centre [N·m].
+    Moment(usize),
+}
+
+impl LinkageResponse<'_> {
+    /// The nominal values of the primitives: q, q̇, q̈, then the parameters that vary.
+    pub fn primitives(&self, inputs: &[Coordinate<f64>]) -> Vec<f64> {
+        let mut values: Vec<f64> = inputs.iter().map(|input| input.value).collect();
+        values.extend(inputs.iter().map(|input| input.rate));
+        values.extend(inputs.iter().map(|input| input.acceleration));
+        let mut number = 0;
+        let mut varied = self.varied.iter().peekable();
+        self.linkage.map(|_, value: f64| {
+            if varied.next_if(|&&varied| varied == number).is_some() {
+                values.push(value);
+            }
+            number += 1;
+            value
+        });
+        values
+    }
+
+    /// What the results are, in their order: of every moving point, of every moving link,
+    /// of every driven link, of every joint.
+    pub fn figures(&self) -> Vec<Figure> {
+        let mut figures = Vec::new();
+        for point in moving(self.linkage) {
+            for figure in [Figure::Position, Figure::Velocity, Figure::Acceleration] {
+                figures.extend([figure(point, 0), figure(point, 1)]);
+            }
+        }
+        for link in 1..self.linkage.links().len() {
+            figures.extend([
+                Figure::Angle(link),
+                Figure::AngularVelocity(link),
+                Figure::AngularAcceleration(link),
+            ]);
+        }
+        figures.extend((0..self.linkage.freedoms()).map(Figure::Drive));
+        for joint in 0..self.linkage.joints().count() {
+            let force = [Figure::Force(joint, 0), Figure::Force(joint, 1)];
+            figures.extend(force);
+            figures.push(Figure::Moment(joint));
+        }
+        figures
+    }
+
+    /// The linkage with these values of the parameters that vary.
+    fn with<S: Scalar>(&self, parameters: &[S]) -> Linkage<S> {
+        let mut number = 0;
+        let mut varied = self.varied.iter().zip(parameters).peekable();
+        let mut heavier = S::ONE;
+        self.linkage.map(|Parameter { quantity, .. }, nominal| {
+            let given = varied.next_if(|&(&varied, _)| varied == number);
+            number += 1;
+            let value = given.map_or(S::from_f64(nominal), |(_, &value)| value);
+            match quantity {
+                Quantity::Mass => {
+                    heavier = if nominal > 0.0 {
+                        value / S::from_f64(nominal)
+                    } else {
+                        S::ONE
+                    };
+                    value
+                }
+                Quantity::Inertia if given.is_none() => value * heavier,
+                _ => value,
+            }
+        })
+    }
+}
+
+/// The places of the points that are not the frame's.
+fn moving<S: Scalar>(linkage: &Linkage<S>) -> impl Iterator<Item = usize> + '_ {
+    let points = linkage.points().iter().enumerate();
+    points
+        .filter(|(_, point)| point.link.index() > 0)
+        .map(|(index, _)| index)
+}
+
+impl Response for LinkageResponse<'_> {
+    type Error = SolveError;
+
+    fn evaluate<S: Scalar>(&self, primitives: &[S]) -> Result<Vec<S>, SolveError> {
+        let freedoms = self.linkage.freedoms();
+        let (inputs, parameters) = primitives.split_at(3 * freedoms);
+        let inputs: Vec<_> = (0..freedoms)
+            .map(|i| Coordinate {
+                value: inputs[i],
+                rate: inputs[freedoms + i],
+                acceleration: inputs[2 * freedoms + i],
+            })
+            .collect();
+        let linkage = self.with(parameters);
+        let motion = linkage.motion(&inputs)?;
+        let forces = linkage.forces(&motion)?;
+        let mut results = Vec::new();
+        for point in moving(&linkage) {
+            let point = &motion.points[point];
+            for vector in [point.position, point.velocity, point.acceleration] {
+                results.extend([vector.x, vector.y]);
+            }
+        }
+        for link in motion.links.iter().skip(1) {
+            results.extend([link.axis.angle(), link.omega, link.alpha]);
+        }
+        results.extend(&forces.driving);
+        for Reaction { joint, wrench, .. } in &forces.reactions {
+            let moment = wrench.moment_about(joint.place());
+            results.extend([wrench.force.x, wrench.force.y, moment]);
+        }
+        Ok(results)
+    }
+}
+
+/// A linkage with every pin seated where its reaction presses it.
+#[derive(Clone, Debug)]
+pub struct SeatedLinkage {
+    /// The linkage with its clearances.
+    pub linkage: Linkage<f64>,
+    /// Its motion.
+    pub motion: Motion<f64>,
+    /// How often it was solved.
+    pub rounds: usize,
+    /// Whether the directions settled; if not, some joint is about to lose contact.
+    pub settled: bool,
+}
+
+/// Changes of the pins' directions below this [rad] count as settled.
+const SETTLED: f64 = 1e-11;
+/// Directions that have not settled by then never will: a force near zero flutters.
+const MOST_ROUNDS: usize = 60;
+
+/// Seats the pins of a linkage in motion (Tu 2005): in a joint of clearance r the side that
+/// is pushed by the force F lies −r F̂ from the side that pushes. `radii` [m] counts as
+/// [`Linkage::joints`]; slides are left out, and pins without clearance keep what they have.
+///
+/// # Errors
+/// Where the linkage cannot be solved.
+pub fn seat(
+    linkage: &Linkage<f64>,
+    inputs: &[Coordinate<f64>],
+    radii: &[f64],
+) -> Result<SeatedLinkage, SolveError> {
+    let pins: Vec<bool> = linkage.pins().collect();
+    let motion = linkage.motion(inputs)?;
+    let mut seated = SeatedLinkage {
+        linkage: linkage.clone(),
+        motion,
+        rounds: 0,
+        settled: false,
+    };
+    while seated.rounds < MOST_ROUNDS && !seated.settled {
+        let forces = seated.linkage.forces(&seated.motion)?;
+        let before: Vec<_> = seated.linkage.clearances().collect();
+        let mut change = 0.0_f64;
+        for (joint, reaction) in forces.reactions.iter().enumerate() {
+            let radius = radii.get(joint).copied().unwrap_or(0.0);
+            let force = reaction.wrench.force;
+            if radius > 0.0 && pins[joint] {
+                // Nothing presses where there is no force.
+                let pressed = Clearance {
+                    radius: if force.norm() > 0.0 { radius } else { 0.0 },
+                    angle: (-force).angle(),
+                };
+                let turned = |from: Clearance<f64>| (pressed.offset() - from.offset()).norm();
+                change = change.max(before[joint].map_or(1.0, turned) / radius);
+                // A pin, its radius above zero, its angle finite: nothing to refuse.
+                let _ = seated.linkage.set_clearance(joint, pressed);
+            }
+        }
+        seated.motion = seated.linkage.motion(inputs)?;
+        seated.rounds += 1;
+        seated.settled = change <= SETTLED;
+    }
+    Ok(seated)
+}

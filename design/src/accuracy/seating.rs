@@ -1,0 +1,122 @@
+//! Kineto-static clearance (Tu 2005): every pin seated where its reaction presses it.
+//!
+//! In a joint of clearance r the side that is pushed by the force F lies −r F̂ from the side
+//! that pushes. The reactions at zero clearance give the directions; with the pins so
+//! seated the pose is solved again, and again, until the directions settle. A link in
+//! tension comes out longer, one in compression shorter, by the clearances at its ends.
+//!
+//! The model holds while every joint stays in contact: where a reaction turns about, the
+//! pin crosses the bearing in flight, which only a contact simulation shows.
+
+use super::arm::Inputs;
+use super::{AccuracyError, five_bar};
+use fivebar_kinematics::Vec2;
+use fivebar_kinematics::dynamics::Arm;
+use fivebar_kinematics::five_bar::{Pose, Side};
+
+/// Changes of the pins' seats below this share of the clearances count as settled.
+const SETTLED: f64 = 1e-12;
+/// Directions that have not settled by then never will: a force near zero flutters.
+const MOST_ROUNDS: usize = 60;
+
+/// The arm with every pin seated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Seating {
+    /// Offset of the side farther from the ground in joints A, B, D, E, and of link 2 from
+    /// link 3 in C, in the order A, B, C, D, E [m].
+    pub offsets: [Vec2<f64>; 5],
+    /// The reactions in A, B, C, D, E that seat them [N], as
+    /// [`Reactions`](fivebar_kinematics::dynamics::Reactions) has them.
+    pub reactions: [Vec2<f64>; 5],
+    /// Where the tool goes from its ideal place [m].
+    pub displacement: Vec2<f64>,
+    /// How often the pose was solved.
+    pub rounds: usize,
+    /// Whether the directions settled; if not, some joint is about to lose contact.
+    pub settled: bool,
+}
+
+/// Seats the pins of an arm in motion, its driven links held to their angles.
+///
+/// # Errors
+/// Where the arm cannot be posed or is singular.
+pub fn seat(
+    arm: &Arm<f64>,
+    assembly: Side,
+    inputs: &Inputs,
+    external_force: Vec2<f64>,
+    radii: [f64; 5],
+) -> Result<Seating, AccuracyError> {
+    let geometry = arm.geometry();
+    let ideal = geometry.forward(inputs.theta[0], inputs.theta[1], assembly)?;
+    let largest = radii.iter().fold(0.0_f64, |m, r| m.max(*r));
+    let mut pose = ideal;
+    let mut seating = Seating {
+        offsets: [Vec2::zero(); 5],
+        reactions: [Vec2::zero(); 5],
+        displacement: Vec2::zero(),
+        rounds: 0,
+        settled: false,
+    };
+    while seating.rounds < MOST_ROUNDS && !seating.settled {
+        let reactions = reactions(arm, &pose, inputs, external_force)?;
+        let [a, b, c, d, e] = core::array::from_fn(|i| pressed(reactions[i], radii[i]));
+        // The reaction in C is that of link 2 on link 3: link 2 lies the other way.
+        let offsets = [a, b, -c, d, e];
+        let change = (0..5)
+            .map(|i| (offsets[i] - seating.offsets[i]).norm())
+            .fold(0.0, f64::max);
+        seating = Seating {
+            offsets,
+            reactions,
+            rounds: seating.rounds + 1,
+            settled: change <= SETTLED * largest,
+            ..seating
+        };
+        pose = seated_pose(arm, &ideal, offsets)?;
+    }
+    seating.displacement = pose.c - ideal.c;
+    Ok(seating)
+}
+
+/// −r F̂; nothing presses where there is no force.
+fn pressed(force: Vec2<f64>, radius: f64) -> Vec2<f64> {
+    let size = force.norm();
+    if size > 0.0 {
+        force * (-radius / size)
+    } else {
+        Vec2::zero()
+    }
+}
+
+fn reactions(
+    arm: &Arm<f64>,
+    pose: &Pose<f64>,
+    inputs: &Inputs,
+    external_force: Vec2<f64>,
+) -> Result<[Vec2<f64>; 5], AccuracyError> {
+    let geometry = arm.geometry();
+    let [omega1, omega4] = inputs.omega;
+    let [alpha1, alpha4] = inputs.alpha;
+    let velocities = geometry.forward_velocities(pose, omega1, omega4)?;
+    let accelerations = geometry.forward_accelerations(pose, &velocities, alpha1, alpha4)?;
+    let forces = arm.reactions(pose, &velocities, &accelerations, external_force)?;
+    Ok([forces.a, forces.b, forces.c, forces.d, forces.e])
+}
+
+/// The pose with the pins off their centres: links 2 and 3 turned to meet.
+fn seated_pose(
+    arm: &Arm<f64>,
+    ideal: &Pose<f64>,
+    offsets: [Vec2<f64>; 5],
+) -> Result<Pose<f64>, AccuracyError> {
+    let geometry = arm.geometry();
+    let [a, b, c, d, e] = offsets;
+    let tool = five_bar::with_offsets(geometry, ideal, offsets)?;
+    Ok(Pose {
+        u2: (tool - (ideal.b + a + b)) * (1.0 / geometry.l2()),
+        u3: (tool - (ideal.d + c + d + e)) * (1.0 / geometry.l3()),
+        c: tool,
+        ..*ideal
+    })
+}

@@ -1,0 +1,19 @@
+//! Analyses for the design of an arm, before there is one: never on the target.
+//!
+//! - [`linkage`]: planar linkages as chains of Assur dyads: positions, motions, forces.
+//! - [`slider`]: the slider-driven sibling of the five-bar.
+//! - [`mobility`]: degrees of freedom by screw theory.
+//! - [`accuracy`]: sensitivities, tolerances and clearances.
+//! - [`workspace`]: maps of the branches, singularity curves, free rectangles.
+//!
+//! The arm itself is in the crate `fivebar-kinematics`. Letters, frames and signs are drawn
+//! in `docs/notation.md` at the root of the repository.
+
+pub mod accuracy;
+mod dual;
+pub mod linkage;
+pub mod mobility;
+pub mod slider;
+pub mod workspace;
+
+pub use dual::Dual;

@@ -1,0 +1,108 @@
+//! What a piece of a linkage must satisfy to make sense.
+
+use super::group::Group;
+use core::fmt;
+use fivebar_kinematics::{Scalar, Vec2};
+
+/// Why a piece makes no sense.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Invalid {
+    /// A length is not a positive finite number.
+    Length,
+    /// A direction is zero or not finite.
+    Direction,
+    /// A coordinate, an offset or a force is not finite.
+    NotFinite,
+    /// A mass or moment of inertia is negative or not finite.
+    Inertia,
+    /// A clearance is negative or not finite.
+    Clearance,
+    /// A clearance is asked of a joint that is no pin.
+    NotAPin,
+    /// A section is given to a link that is no bar between two places.
+    NotABar,
+}
+
+impl fmt::Display for Invalid {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Length => "every length must be a positive finite number of metres",
+            Self::Direction => "a direction must be finite and not zero",
+            Self::NotFinite => "every number must be finite",
+            Self::Inertia => "mass and inertia must be finite and not negative",
+            Self::Clearance => "a clearance must be finite and not negative",
+            Self::NotAPin => "only a pin has a clearance",
+            Self::NotABar => {
+                "only a crank with a point, or a dyad's bar of given length, has a section"
+            }
+        })
+    }
+}
+
+impl core::error::Error for Invalid {}
+
+impl<S: Scalar> Group<S> {
+    /// The group with unit directions, where its numbers make sense.
+    pub(super) fn checked(mut self) -> Result<Self, Invalid> {
+        match &mut self {
+            Self::Crank { .. } => {}
+            Self::Slider { guide } => normalise(&mut guide.direction)?,
+            Self::Rrr { dyad, .. } => {
+                positive(dyad.lengths[0])?;
+                positive(dyad.lengths[1])?;
+            }
+            Self::Rrp { dyad, guide, .. } => {
+                positive(dyad.length)?;
+                finite(Vec2::new(dyad.offset, S::ZERO))?;
+                normalise(&mut guide.direction)?;
+            }
+            Self::Rpr { dyad, .. } => finite(Vec2::new(dyad.offset, S::ZERO))?,
+            Self::Prp { dyad, guides } => {
+                let [e1, e2] = dyad.offsets;
+                finite(Vec2::new(e1, e2))?;
+                for guide in guides {
+                    normalise(&mut guide.direction)?;
+                }
+            }
+            Self::Rpp { dyad, guide, .. } => {
+                normalise(&mut dyad.direction)?;
+                normalise(&mut guide.direction)?;
+            }
+        }
+        Ok(self)
+    }
+}
+
+fn positive<S: Scalar>(length: S) -> Result<(), Invalid> {
+    if length > S::ZERO && length.is_finite() {
+        Ok(())
+    } else {
+        Err(Invalid::Length)
+    }
+}
+
+pub(super) fn not_negative<S: Scalar>(value: S) -> Result<(), Invalid> {
+    if value >= S::ZERO && value.is_finite() {
+        Ok(())
+    } else {
+        Err(Invalid::Inertia)
+    }
+}
+
+pub(super) fn finite<S: Scalar>(vector: Vec2<S>) -> Result<(), Invalid> {
+    if vector.x.is_finite() && vector.y.is_finite() {
+        Ok(())
+    } else {
+        Err(Invalid::NotFinite)
+    }
+}
+
+fn normalise<S: Scalar>(direction: &mut Vec2<S>) -> Result<(), Invalid> {
+    let norm = direction.norm();
+    if norm > S::ZERO && norm.is_finite() {
+        *direction = *direction * (S::ONE / norm);
+        Ok(())
+    } else {
+        Err(Invalid::Direction)
+    }
+}

@@ -1,0 +1,129 @@
+//! Assur dyads: two links and three joints that add no freedom to what carries them.
+//!
+//! | dyad | carried by | two links |
+//! |---|---|---|
+//! | [`Rrr`] | two points | two bars that meet in a pin |
+//! | [`Rrp`] | a point, a guide | a bar and a slider pinned to its end |
+//! | [`Rpr`] | two points | a bar that is a guide, and a slider on it |
+//! | [`Prp`] | two guides | two sliders pinned together |
+//! | [`Rpp`] | a point, a guide | a bar that slides in a slider |
+//!
+//! Positions are solved on a chosen assembly branch, velocities and accelerations are
+//! linear in those of the carrying points and guides. WUT derives RRR; the others follow
+//! in the same way, from one vector equation each, written above its code.
+//!
+//! With sin μ the normalised determinant of that linear system, μ is the dyad's
+//! transmission angle: 90° is best, 0 singular.
+
+mod error;
+mod prp;
+mod rpp;
+mod rpr;
+mod rrp;
+mod rrr;
+
+pub use error::{DyadError, Singular, Unreachable};
+pub use prp::Prp;
+pub use rpp::Rpp;
+pub use rpr::Rpr;
+pub use rrp::Rrp;
+pub use rrr::Rrr;
+
+use super::joint::Joint;
+use super::motion::{Coordinate, LinkMotion, PointMotion};
+use fivebar_kinematics::{Scalar, Vec2};
+
+/// Where along a guide: the assembly branch of a dyad with a slider.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Way {
+    /// The solution farther along the guide's direction.
+    Ahead,
+    /// The solution farther against it.
+    Behind,
+}
+
+impl Way {
+    /// Both ways.
+    pub const BOTH: [Self; 2] = [Self::Ahead, Self::Behind];
+
+    /// `value` ahead, −`value` behind.
+    #[inline]
+    pub fn sign<S: Scalar>(self, value: S) -> S {
+        match self {
+            Self::Ahead => value,
+            Self::Behind => -value,
+        }
+    }
+
+    /// The other way.
+    #[must_use]
+    pub fn opposite(self) -> Self {
+        match self {
+            Self::Ahead => Self::Behind,
+            Self::Behind => Self::Ahead,
+        }
+    }
+}
+
+/// A solved dyad.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DyadMotion<S> {
+    /// The two links, in the dyad's order.
+    pub links: [LinkMotion<S>; 2],
+    /// The point that the dyad adds: the inner pin or, without one, the slider.
+    pub joint: PointMotion<S>,
+    /// The displacements of its sliding joints, in the dyad's order.
+    pub slides: [Option<Coordinate<S>>; 2],
+    /// Outer joint of the first link, inner joint, outer joint of the second link.
+    pub joints: [Joint<S>; 3],
+    /// sin μ, signed by the branch.
+    pub sine: S,
+}
+
+impl<S: Scalar> DyadMotion<S> {
+    /// μ, the transmission angle [rad], in [0, π/2].
+    pub fn transmission_angle(&self) -> S {
+        let sine = self.sine.abs();
+        let rest = S::ONE - sine * sine;
+        let cosine = if rest > S::ZERO { rest.sqrt() } else { S::ZERO };
+        sine.atan2(cosine)
+    }
+}
+
+/// Below this sine the rates have no correct digit: next to a singularity a position
+/// comes from √x with x rounded at 1e-16, hence is itself rounded at 1e-8.
+const SMALLEST_SINE: f64 = 1e-8;
+
+/// Whether rates divided by this sine can be trusted.
+#[inline]
+pub(crate) fn is_regular<S: Scalar>(sine: S) -> bool {
+    let value = sine.to_f64();
+    value.is_finite() && value.abs() > SMALLEST_SINE
+}
+
+/// `sine` where the rates can be trusted, else the singularity.
+#[inline]
+fn regular<S: Scalar>(sine: S, singular: Singular) -> Result<S, DyadError> {
+    if is_regular(sine) {
+        Ok(sine)
+    } else {
+        Err(DyadError::Singular(singular))
+    }
+}
+
+/// Refuses positions that are not numbers.
+#[inline]
+fn finite<S: Scalar>(points: &[Vec2<S>]) -> Result<(), DyadError> {
+    if points.iter().all(|p| p.x.is_finite() && p.y.is_finite()) {
+        Ok(())
+    } else {
+        Err(DyadError::NotFinite)
+    }
+}
+
+/// The point of a guide that is `offset` to the left of its origin.
+#[inline]
+fn beside<S: Scalar>(guide: &LinkMotion<S>, offset: S) -> Vec2<S> {
+    guide.origin.position + guide.axis.perp() * offset
+}

@@ -1,0 +1,102 @@
+//! What a linkage that is put together is fitted with: clearances in its pins, and bars
+//! whose mass follows from their length.
+
+use super::check::{Invalid, not_negative};
+use super::clearance::Clearance;
+use super::group::{Group, LinkId};
+use super::model::{Element, Linkage};
+use super::section::Section;
+use fivebar_kinematics::{Scalar, Vec2};
+
+impl<S: Scalar> Element<S> {
+    /// The offsets of its pins [m], in the order of its joints; zero in a slide.
+    #[inline]
+    pub(super) fn gaps(&self) -> [Vec2<S>; 3] {
+        self.clearances
+            .map(|gap| gap.map_or(Vec2::zero(), |gap| gap.offset()))
+    }
+}
+
+impl<S: Scalar> Linkage<S> {
+    /// The element of each joint and the joint's place in it, in the order of
+    /// [`Linkage::joints`].
+    fn places(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let elements = self.elements.iter().enumerate();
+        elements
+            .flat_map(|(index, element)| (0..element.group.pins().len()).map(move |k| (index, k)))
+    }
+
+    /// Whether each joint is a pin, in the order of [`Linkage::joints`].
+    pub fn pins(&self) -> impl Iterator<Item = bool> + '_ {
+        let elements = self.elements.iter();
+        elements.flat_map(|element| element.group.pins().iter().copied())
+    }
+
+    /// The clearance of each joint, in the order of [`Linkage::joints`].
+    pub fn clearances(&self) -> impl Iterator<Item = Option<Clearance<S>>> + '_ {
+        let places = self.places();
+        places.map(|(element, k)| self.elements[element].clearances[k])
+    }
+
+    /// Lays a joint's pin off its bearing's centre. `joint` counts as [`Linkage::joints`].
+    ///
+    /// # Errors
+    /// `NotAPin` for a slide or where there is no such joint, `Clearance` for a radius below
+    /// zero or a number that is not finite.
+    pub fn set_clearance(&mut self, joint: usize, clearance: Clearance<S>) -> Result<(), Invalid> {
+        let (element, k) = self.places().nth(joint).ok_or(Invalid::NotAPin)?;
+        let element = &mut self.elements[element];
+        if !element.group.pins()[k] {
+            return Err(Invalid::NotAPin);
+        }
+        if !clearance.angle.is_finite() || not_negative(clearance.radius).is_err() {
+            return Err(Invalid::Clearance);
+        }
+        element.clearances[k] = Some(clearance);
+        Ok(())
+    }
+
+    /// Makes a link a slender bar: from its first to its second joint in a dyad, from the
+    /// pivot to the first other point in a crank. Call it when its points are there.
+    ///
+    /// # Errors
+    /// `Inertia` for numbers below zero or not finite, `NotABar` for a link without a length.
+    pub fn set_section(&mut self, link: LinkId, section: Section<S>) -> Result<(), Invalid> {
+        not_negative(section.area)?;
+        not_negative(section.density)?;
+        let end = self.far_end(link).ok_or(Invalid::NotABar)?;
+        let named = &mut self.links[link.0];
+        named.section = Some(section);
+        named.inertia = section.bar(end);
+        Ok(())
+    }
+
+    /// The inertia of bars, from their lengths as they are now.
+    pub(super) fn reshape(&mut self) {
+        for link in 0..self.links.len() {
+            let section = self.links[link].section;
+            if let Some((section, end)) = section.zip(self.far_end(LinkId(link))) {
+                self.links[link].inertia = section.bar(end);
+            }
+        }
+    }
+
+    /// Where a link's bar ends, in its own frame.
+    fn far_end(&self, link: LinkId) -> Option<Vec2<S>> {
+        let mut elements = self.elements.iter();
+        let element = elements.find(|element| element.links().any(|own| own == link))?;
+        let place = link.0 - element.first_link.0;
+        let length = match &element.group {
+            Group::Rrr { dyad, .. } => dyad.lengths[place],
+            Group::Rrp { dyad, .. } if place == 0 => dyad.length,
+            Group::Crank { .. } => {
+                let own = self.points.iter().filter(|point| point.link == link);
+                return own
+                    .filter_map(|point| point.local)
+                    .find(|local| local.norm_squared() > S::ZERO);
+            }
+            _ => return None,
+        };
+        Some(Vec2::new(length, S::ZERO))
+    }
+}

@@ -1,0 +1,226 @@
+//! The linkage: what carries what, put together piece by piece.
+//!
+//! Each piece may only stand on pieces added before it, so that every linkage built this
+//! way can be solved in the order of its building, without search.
+
+use super::check::{Invalid, finite, not_negative};
+use super::clearance::Clearance;
+use super::group::{Group, LinkId, PointId};
+use super::section::Section;
+use fivebar_kinematics::dynamics::Link;
+use fivebar_kinematics::{Scalar, Vec2};
+
+/// A group in its place in the linkage.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Element<S> {
+    /// What it is.
+    pub group: Group<S>,
+    pub(super) first_link: LinkId,
+    pub(super) joint: Option<PointId>,
+    /// Of its pins, in the order of its joints.
+    pub(super) clearances: [Option<Clearance<S>>; 3],
+}
+
+impl<S> Element<S> {
+    /// The driven link, or the dyad's two in its order.
+    pub fn links(&self) -> impl Iterator<Item = LinkId> + Clone + use<S> {
+        let first = self.first_link.0;
+        let count = if self.group.is_driven() { 1 } else { 2 };
+        (first..first + count).map(LinkId)
+    }
+
+    /// The inner pin of RRR, RRP and PRP, a point of the dyad's first link.
+    pub fn joint(&self) -> Option<PointId> {
+        self.joint
+    }
+}
+
+/// A named point of a link.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Point<S> {
+    /// Its name.
+    pub name: String,
+    /// The link it belongs to, which takes up the forces that act at it.
+    pub link: LinkId,
+    /// Its coordinates in that link's frame [m]; none for a dyad's inner pin.
+    pub local: Option<Vec2<S>>,
+    /// A point mass carried there [kg].
+    pub mass: S,
+    /// An external force on it [N], in the plane's frame.
+    pub force: Vec2<S>,
+}
+
+/// A named link with its inertia.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedLink<S> {
+    /// Its name.
+    pub name: String,
+    /// Its mass, centre of mass in its own frame, and moment of inertia.
+    pub inertia: Link<S>,
+    /// The section that its inertia follows from, if it was given as a slender bar.
+    pub section: Option<Section<S>>,
+}
+
+/// What is solved when: in the order of building.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Step {
+    Element(usize),
+    Point(usize),
+}
+
+/// Driven links, dyads and points, each standing on earlier ones.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Linkage<S> {
+    pub(super) gravity: Vec2<S>,
+    pub(super) links: Vec<NamedLink<S>>,
+    pub(super) points: Vec<Point<S>>,
+    pub(super) elements: Vec<Element<S>>,
+    pub(super) steps: Vec<Step>,
+}
+
+impl<S: Scalar> Linkage<S> {
+    /// A frame alone, with `gravity` [m/s²] in the plane.
+    ///
+    /// # Errors
+    /// `NotFinite`.
+    pub fn new(gravity: Vec2<S>) -> Result<Self, Invalid> {
+        finite(gravity)?;
+        let mut linkage = Self {
+            gravity,
+            links: Vec::new(),
+            points: Vec::new(),
+            elements: Vec::new(),
+            steps: Vec::new(),
+        };
+        linkage.push_link("ground");
+        Ok(linkage)
+    }
+
+    /// Adds a point to a link, at `local` [m] in the link's frame.
+    ///
+    /// # Errors
+    /// `NotFinite`.
+    ///
+    /// # Panics
+    /// If the link is of another linkage and not of this one.
+    pub fn point(&mut self, name: &str, link: LinkId, local: Vec2<S>) -> Result<PointId, Invalid> {
+        assert!(link.0 < self.links.len(), "a link of another linkage");
+        finite(local)?;
+        Ok(self.push_point(name, link, Some(local)))
+    }
+
+    /// Adds a driven link or a dyad. A dyad with an inner pin gets a point there, called
+    /// as the element.
+    ///
+    /// The new links are massless and called after the element; see [`Linkage::name_link`].
+    ///
+    /// # Errors
+    /// A length or direction that makes no sense.
+    pub fn add(&mut self, name: &str, group: Group<S>) -> Result<Element<S>, Invalid> {
+        let group = group.checked()?;
+        let first_link = self.push_link(name);
+        if !group.is_driven() {
+            self.push_link(name);
+        }
+        self.steps.push(Step::Element(self.elements.len()));
+        let has_pin = matches!(
+            group,
+            Group::Rrr { .. } | Group::Rrp { .. } | Group::Prp { .. }
+        );
+        let joint = has_pin.then(|| self.push_point(name, first_link, None));
+        let element = Element {
+            group,
+            first_link,
+            joint,
+            clearances: [None; 3],
+        };
+        self.elements.push(element.clone());
+        Ok(element)
+    }
+
+    /// Names a link and gives it mass.
+    ///
+    /// # Errors
+    /// `Inertia`, `NotFinite`.
+    ///
+    /// # Panics
+    /// If the link is of another linkage and not of this one.
+    pub fn name_link(&mut self, link: LinkId, name: &str, inertia: Link<S>) -> Result<(), Invalid> {
+        not_negative(inertia.mass)?;
+        not_negative(inertia.inertia)?;
+        finite(inertia.com)?;
+        self.links[link.0] = NamedLink {
+            name: name.into(),
+            inertia,
+            section: None,
+        };
+        Ok(())
+    }
+
+    /// Puts a point mass [kg] and an external force [N] on a point.
+    ///
+    /// # Errors
+    /// `Inertia`, `NotFinite`.
+    ///
+    /// # Panics
+    /// If the point is of another linkage and not of this one.
+    pub fn load(&mut self, point: PointId, mass: S, force: Vec2<S>) -> Result<(), Invalid> {
+        not_negative(mass)?;
+        finite(force)?;
+        let point = &mut self.points[point.0];
+        point.mass = mass;
+        point.force = force;
+        Ok(())
+    }
+
+    fn push_link(&mut self, name: &str) -> LinkId {
+        let inertia = Link {
+            mass: S::ZERO,
+            com: Vec2::zero(),
+            inertia: S::ZERO,
+        };
+        self.links.push(NamedLink {
+            name: name.into(),
+            inertia,
+            section: None,
+        });
+        LinkId(self.links.len() - 1)
+    }
+
+    fn push_point(&mut self, name: &str, link: LinkId, local: Option<Vec2<S>>) -> PointId {
+        let id = PointId(self.points.len());
+        if local.is_some() {
+            self.steps.push(Step::Point(id.0));
+        }
+        self.points.push(Point {
+            name: name.into(),
+            link,
+            local,
+            mass: S::ZERO,
+            force: Vec2::zero(),
+        });
+        id
+    }
+
+    /// Gravity in the plane [m/s²].
+    pub fn gravity(&self) -> Vec2<S> {
+        self.gravity
+    }
+    /// The links, the ground first.
+    pub fn links(&self) -> &[NamedLink<S>] {
+        &self.links
+    }
+    /// The points.
+    pub fn points(&self) -> &[Point<S>] {
+        &self.points
+    }
+    /// The driven links and dyads, in the order of solution.
+    pub fn elements(&self) -> &[Element<S>] {
+        &self.elements
+    }
+    /// How many coordinates drive it: its degrees of freedom.
+    pub fn freedoms(&self) -> usize {
+        let driven = |element: &&Element<S>| element.group.is_driven();
+        self.elements.iter().filter(driven).count()
+    }
+}

@@ -1,0 +1,210 @@
+//! The numbers of a linkage one by one: to list, perturb or differentiate by them.
+
+use super::clearance::Clearance;
+use super::dyad::{Prp, Rpp, Rpr, Rrp, Rrr};
+use super::group::{Group, Guide};
+use super::model::{Element, Linkage, NamedLink, Point};
+use super::section::Section;
+use fivebar_kinematics::dynamics::Link;
+use fivebar_kinematics::{Scalar, Vec2};
+
+/// What a parameter measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Quantity {
+    /// Gravity, component 0 or 1 [m/s²].
+    Gravity(usize),
+    /// The length of a dyad's link [m].
+    Length,
+    /// How far a slider, or a bar that is a guide, runs beside its pin [m].
+    Offset,
+    /// Coordinate 0 or 1 of a point in its link's frame [m].
+    Local(usize),
+    /// A link's mass, or a point mass [kg].
+    Mass,
+    /// Coordinate 0 or 1 of a link's centre of mass [m].
+    CentreOfMass(usize),
+    /// A link's moment of inertia [kg·m²].
+    Inertia,
+    /// Component 0 or 1 of the external force on a point [N].
+    Force(usize),
+    /// The area of a bar's section [m²]. The inertia of such a link follows from it and from
+    /// the length.
+    Section,
+    /// r, the clearance of an element's joint 0, 1 or 2 [m].
+    Clearance(usize),
+    /// a, the direction of that clearance [rad].
+    ClearanceAngle(usize),
+}
+
+/// A parameter of a linkage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Parameter<'a> {
+    /// The name of the link or point it belongs to, of a joint that of the element's first
+    /// link; empty for gravity.
+    pub of: &'a str,
+    /// What it measures.
+    pub quantity: Quantity,
+}
+
+impl<S: Scalar> Linkage<S> {
+    /// The same linkage with every parameter replaced by what `f` makes of it, in an
+    /// order that depends on the linkage's structure alone.
+    ///
+    /// With dual numbers this seeds a derivative; with `T = S` it perturbs a dimension.
+    /// Directions of guides are carried over unchanged.
+    pub fn map<T: Scalar>(&self, mut f: impl FnMut(Parameter<'_>, S) -> T) -> Linkage<T> {
+        let gravity = pair(&mut f, "", Quantity::Gravity, self.gravity);
+        let mut links = Vec::with_capacity(self.links.len());
+        for NamedLink {
+            name,
+            inertia,
+            section,
+        } in &self.links
+        {
+            let mut one = |quantity, value| f(Parameter { of: name, quantity }, value);
+            let section = section.map(|section| Section {
+                area: one(Quantity::Section, section.area),
+                density: constant_number(section.density),
+            });
+            let mass = one(Quantity::Mass, inertia.mass);
+            let moment = one(Quantity::Inertia, inertia.inertia);
+            links.push(NamedLink {
+                name: name.clone(),
+                inertia: Link {
+                    mass,
+                    com: pair(&mut f, name, Quantity::CentreOfMass, inertia.com),
+                    inertia: moment,
+                },
+                section,
+            });
+        }
+        let mut points = Vec::with_capacity(self.points.len());
+        for point in &self.points {
+            let name = &point.name;
+            let mass = Parameter {
+                of: name,
+                quantity: Quantity::Mass,
+            };
+            points.push(Point {
+                name: name.clone(),
+                link: point.link,
+                local: point
+                    .local
+                    .map(|local| pair(&mut f, name, Quantity::Local, local)),
+                mass: f(mass, point.mass),
+                force: pair(&mut f, name, Quantity::Force, point.force),
+            });
+        }
+        let mut elements = Vec::with_capacity(self.elements.len());
+        for element in &self.elements {
+            let links: Vec<_> = element.links().collect();
+            let mut one = |link: usize, quantity, value| {
+                let of = &self.links[links[link].0].name;
+                f(Parameter { of, quantity }, value)
+            };
+            elements.push(Element {
+                group: map_group(&element.group, &mut one),
+                first_link: element.first_link,
+                joint: element.joint,
+                clearances: [0, 1, 2].map(|k| {
+                    element.clearances[k].map(|Clearance { radius, angle }| Clearance {
+                        radius: one(0, Quantity::Clearance(k), radius),
+                        angle: one(0, Quantity::ClearanceAngle(k), angle),
+                    })
+                }),
+            });
+        }
+        let mut linkage = Linkage {
+            gravity,
+            links,
+            points,
+            elements,
+            steps: self.steps.clone(),
+        };
+        linkage.reshape();
+        linkage
+    }
+}
+
+fn pair<S: Scalar, T: Scalar>(
+    f: &mut impl FnMut(Parameter<'_>, S) -> T,
+    of: &str,
+    quantity: impl Fn(usize) -> Quantity,
+    value: Vec2<S>,
+) -> Vec2<T> {
+    let mut one = |index, value| {
+        let quantity = quantity(index);
+        f(Parameter { of, quantity }, value)
+    };
+    Vec2::new(one(0, value.x), one(1, value.y))
+}
+
+/// `one` is told which of the element's links a parameter belongs to.
+fn map_group<S: Scalar, T: Scalar>(
+    group: &Group<S>,
+    mut one: impl FnMut(usize, Quantity, S) -> T,
+) -> Group<T> {
+    match *group {
+        Group::Crank { pivot } => Group::Crank { pivot },
+        Group::Slider { guide } => Group::Slider {
+            guide: constant_guide(guide),
+        },
+        Group::Rrr { dyad, ends } => Group::Rrr {
+            dyad: Rrr {
+                lengths: [
+                    one(0, Quantity::Length, dyad.lengths[0]),
+                    one(1, Quantity::Length, dyad.lengths[1]),
+                ],
+                side: dyad.side,
+            },
+            ends,
+        },
+        Group::Rrp { dyad, end, guide } => Group::Rrp {
+            dyad: Rrp {
+                length: one(0, Quantity::Length, dyad.length),
+                offset: one(1, Quantity::Offset, dyad.offset),
+                way: dyad.way,
+            },
+            end,
+            guide: constant_guide(guide),
+        },
+        Group::Rpr { dyad, ends } => Group::Rpr {
+            dyad: Rpr {
+                offset: one(0, Quantity::Offset, dyad.offset),
+                way: dyad.way,
+            },
+            ends,
+        },
+        Group::Prp { dyad, guides } => Group::Prp {
+            dyad: Prp {
+                offsets: [
+                    one(0, Quantity::Offset, dyad.offsets[0]),
+                    one(1, Quantity::Offset, dyad.offsets[1]),
+                ],
+            },
+            guides: guides.map(constant_guide),
+        },
+        Group::Rpp { dyad, end, guide } => Group::Rpp {
+            dyad: Rpp {
+                direction: constant(dyad.direction),
+            },
+            end,
+            guide: constant_guide(guide),
+        },
+    }
+}
+
+fn constant_number<S: Scalar, T: Scalar>(value: S) -> T {
+    T::from_f64(value.to_f64())
+}
+
+fn constant<S: Scalar, T: Scalar>(vector: Vec2<S>) -> Vec2<T> {
+    Vec2::new(constant_number(vector.x), constant_number(vector.y))
+}
+
+fn constant_guide<S: Scalar, T: Scalar>(guide: Guide<S>) -> Guide<T> {
+    Guide {
+        through: guide.through,
+        direction: constant(guide.direction),
+    }
+}

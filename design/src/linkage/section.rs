@@ -1,0 +1,25 @@
+//! Bars whose mass follows from their length.
+
+use fivebar_kinematics::dynamics::Link;
+use fivebar_kinematics::{Scalar, Vec2};
+
+/// A slender uniform bar: its mass, centre and moment of inertia follow from its length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Section<S> {
+    /// S, the area of its section [m²].
+    pub area: S,
+    /// ρ, its density [kg/m³].
+    pub density: S,
+}
+
+impl<S: Scalar> Section<S> {
+    /// m = ρ S L, J = m L²/12 of a bar from the origin of its frame to `end` [m].
+    pub(super) fn bar(&self, end: Vec2<S>) -> Link<S> {
+        let mass = self.density * self.area * end.norm();
+        Link {
+            mass,
+            com: end * S::HALF,
+            inertia: mass * end.norm_squared() / S::from_f64(12.0),
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! Down the chain: positions, velocities and accelerations of the whole linkage.
+
+use super::dyad::{DyadError, DyadMotion};
+use super::group::{Group, Guide, LinkId};
+use super::model::{Linkage, Step};
+use super::motion::{Coordinate, LinkMotion, PointMotion};
+use core::fmt;
+use fivebar_kinematics::{Scalar, Vec2};
+
+/// Everything that moves in a linkage, at one instant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Motion<S> {
+    /// The links, as in [`Linkage::links`].
+    pub links: Vec<LinkMotion<S>>,
+    /// The points, as in [`Linkage::points`].
+    pub points: Vec<PointMotion<S>>,
+    /// The dyads, as in [`Linkage::elements`]; none for a driven link.
+    pub dyads: Vec<Option<DyadMotion<S>>>,
+}
+
+/// Which element has no solution, and why.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SolveError {
+    /// Its place in [`Linkage::elements`].
+    pub element: usize,
+    /// What it cannot do.
+    pub reason: DyadError,
+}
+
+impl fmt::Display for SolveError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "element {} {}", self.element + 1, self.reason)
+    }
+}
+
+impl core::error::Error for SolveError {}
+
+impl<S: Scalar> Motion<S> {
+    /// Room for the motion of `linkage`, to be filled by [`Linkage::solve`].
+    pub fn of(linkage: &Linkage<S>) -> Self {
+        Self {
+            links: vec![LinkMotion::ground(); linkage.links.len()],
+            points: vec![PointMotion::fixed(Vec2::zero()); linkage.points.len()],
+            dyads: vec![None; linkage.elements.len()],
+        }
+    }
+
+    /// A guide as it moves.
+    fn guide(&self, linkage: &Linkage<S>, guide: &Guide<S>) -> LinkMotion<S> {
+        let through = guide.through.0;
+        let LinkId(link) = linkage.points[through].link;
+        self.links[link].guide(&self.points[through], guide.direction)
+    }
+}
+
+impl<S: Scalar> Linkage<S> {
+    /// The motion that the driving coordinates give, one for each driven link in order.
+    ///
+    /// # Errors
+    /// The first element that cannot close or is singular.
+    ///
+    /// # Panics
+    /// If there are not as many coordinates as driven links.
+    pub fn motion(&self, inputs: &[Coordinate<S>]) -> Result<Motion<S>, SolveError> {
+        let mut motion = Motion::of(self);
+        self.solve(inputs, &mut motion)?;
+        Ok(motion)
+    }
+
+    /// As [`Linkage::motion`], into room that is already there. What is left in `motion`
+    /// after an error is of no use.
+    ///
+    /// # Errors
+    /// As [`Linkage::motion`].
+    ///
+    /// # Panics
+    /// As [`Linkage::motion`], and if `motion` is of another linkage.
+    pub fn solve(
+        &self,
+        inputs: &[Coordinate<S>],
+        motion: &mut Motion<S>,
+    ) -> Result<(), SolveError> {
+        assert_eq!(
+            inputs.len(),
+            self.freedoms(),
+            "one input for each driven link"
+        );
+        let mut inputs = inputs.iter();
+        for step in &self.steps {
+            match *step {
+                Step::Point(index) => {
+                    let point = &self.points[index];
+                    if let Some(local) = point.local {
+                        motion.points[index] = motion.links[point.link.0].point(local);
+                    }
+                }
+                Step::Element(index) => self.solve_element(index, &mut inputs, motion)?,
+            }
+        }
+        Ok(())
+    }
+
+    fn solve_element<'a>(
+        &self,
+        index: usize,
+        inputs: &mut impl Iterator<Item = &'a Coordinate<S>>,
+        motion: &mut Motion<S>,
+    ) -> Result<(), SolveError> {
+        let element = &self.elements[index];
+        let [gap1, gap12, gap2] = element.gaps();
+        // Link 1 is solved where its inner pin meets link 2's, then put back.
+        let gap1 = gap1 + gap12;
+        let solved = match &element.group {
+            Group::Crank { pivot } => {
+                if let Some(input) = inputs.next() {
+                    let carrier = &motion.links[self.points[pivot.0].link.0];
+                    let pivot = motion.points[pivot.0].moved(gap1);
+                    let crank = turned(carrier, &pivot, input);
+                    motion.links[element.first_link.0] = crank;
+                }
+                return Ok(());
+            }
+            Group::Slider { guide } => {
+                if let Some(input) = inputs.next() {
+                    let guide = motion.guide(self, guide);
+                    motion.links[element.first_link.0] = guide.slid(input);
+                }
+                return Ok(());
+            }
+            Group::Rrr { dyad, ends } => {
+                let [end1, end2] = ends.map(|end| motion.points[end.0]);
+                dyad.motion(&end1.moved(gap1), &end2.moved(gap2))
+            }
+            Group::Rrp { dyad, end, guide } => dyad.motion(
+                &motion.points[end.0].moved(gap1),
+                &motion.guide(self, guide),
+            ),
+            Group::Rpr { dyad, ends } => {
+                let [end1, end2] = ends.map(|end| motion.points[end.0]);
+                dyad.motion(&end1.moved(gap1), &end2.moved(gap2))
+            }
+            Group::Prp { dyad, guides } => {
+                let [guide1, guide2] = guides.map(|guide| motion.guide(self, &guide));
+                dyad.motion(&guide1.moved(gap1), &guide2)
+            }
+            Group::Rpp { dyad, end, guide } => dyad.motion(
+                &motion.points[end.0].moved(gap1),
+                &motion.guide(self, guide),
+            ),
+        };
+        let mut dyad = solved.map_err(|reason| SolveError {
+            element: index,
+            reason,
+        })?;
+        dyad.links[0] = dyad.links[0].moved(-gap12);
+        dyad.joints[0] = dyad.joints[0].moved(-gap12);
+        for (link, solved) in element.links().zip(dyad.links) {
+            motion.links[link.0] = solved;
+        }
+        if let Some(joint) = element.joint {
+            // The inner pin is a point of link 1.
+            dyad.joint = dyad.joint.moved(-gap12);
+            motion.points[joint.0] = dyad.joint;
+        }
+        motion.dyads[index] = Some(dyad);
+        Ok(())
+    }
+}
+
+/// A link that turns by `angle` against its carrier, about `pivot`.
+fn turned<S: Scalar>(
+    carrier: &LinkMotion<S>,
+    pivot: &PointMotion<S>,
+    angle: &Coordinate<S>,
+) -> LinkMotion<S> {
+    LinkMotion {
+        origin: *pivot,
+        axis: Vec2::unit(angle.value).rotated_to(carrier.axis),
+        omega: carrier.omega + angle.rate,
+        alpha: carrier.alpha + angle.acceleration,
+    }
+}

@@ -1,0 +1,91 @@
+//! A force with its moment.
+
+use super::motion::LinkMotion;
+use core::ops::{Add, Neg};
+use fivebar_kinematics::{Scalar, Vec2};
+
+/// A force and the moment it has, with any couple, about the plane's origin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wrench<S> {
+    /// Force [N].
+    pub force: Vec2<S>,
+    /// Moment about the origin of the plane [N·m].
+    pub moment: S,
+}
+
+impl<S: Scalar> Wrench<S> {
+    /// No force and no moment.
+    #[inline]
+    pub fn zero() -> Self {
+        Self::couple(S::ZERO)
+    }
+
+    /// A force [N] whose line passes through `point` [m].
+    #[inline]
+    pub fn at(point: Vec2<S>, force: Vec2<S>) -> Self {
+        Self {
+            force,
+            moment: point.cross(force),
+        }
+    }
+
+    /// A couple [N·m].
+    #[inline]
+    pub fn couple(moment: S) -> Self {
+        Self {
+            force: Vec2::zero(),
+            moment,
+        }
+    }
+
+    /// The moment about `point` [N·m].
+    #[inline]
+    pub fn moment_about(&self, point: Vec2<S>) -> S {
+        self.moment - point.cross(self.force)
+    }
+
+    /// The power [W] it gives to a link that moves so.
+    #[inline]
+    pub fn power(&self, link: &LinkMotion<S>) -> S {
+        self.force.dot(link.origin.velocity) + self.moment_about(link.origin.position) * link.omega
+    }
+
+    /// The same force and couple, acting `by` [m] away.
+    #[inline]
+    pub(super) fn moved(&self, by: Vec2<S>) -> Self {
+        Self {
+            moment: self.moment + by.cross(self.force),
+            ..*self
+        }
+    }
+
+    #[inline]
+    pub(super) fn scaled(&self, factor: S) -> Self {
+        Self {
+            force: self.force * factor,
+            moment: self.moment * factor,
+        }
+    }
+}
+
+impl<S: Scalar> Add for Wrench<S> {
+    type Output = Self;
+    #[inline]
+    fn add(self, other: Self) -> Self {
+        Self {
+            force: self.force + other.force,
+            moment: self.moment + other.moment,
+        }
+    }
+}
+
+impl<S: Scalar> Neg for Wrench<S> {
+    type Output = Self;
+    #[inline]
+    fn neg(self) -> Self {
+        Self {
+            force: -self.force,
+            moment: -self.moment,
+        }
+    }
+}

@@ -1,0 +1,212 @@
+//! The counts of Huang's school, and what they say of limbs and platform.
+
+use super::finite::{finite_mobility, instantaneous_mobility};
+use super::frame::Frame;
+use super::loops::Loops;
+use super::naming::{NamedScrew, Pitch, name};
+use super::system::{ScrewSystem, null_space};
+use super::{Freedom, Graph, Joint, Parallel, Screw};
+use nalgebra::DVector;
+
+/// What holds for parallel mechanisms and general graphs alike.
+#[derive(Clone, Debug)]
+pub struct Mobility {
+    /// n: the number of bodies, the ground among them.
+    pub bodies: usize,
+    /// g: the number of joints.
+    pub joints: usize,
+    /// Σf: the number of single freedoms.
+    pub sum_f: usize,
+    /// λ = 6 − rank of all twists: constraints common to every joint.
+    pub lambda: usize,
+    /// d = 6 − λ: the order of the mechanism.
+    pub order: usize,
+    /// v: redundant constraints.
+    pub redundant: usize,
+    /// Equation (7): M = d(n − g − 1) + Σf + v, passive freedoms included.
+    pub m_eq7: i64,
+    /// The dimension of the platform's motion.
+    pub platform_dof: usize,
+    /// The platform's pure translations.
+    pub pure_translations: usize,
+    /// The dimension of the platform's rotations.
+    pub rotations: usize,
+    /// The spatial Grübler count 6(n − g − 1) + Σf, for comparison.
+    pub grubler: i64,
+    /// N − rank J of the loop Jacobian at home.
+    pub instantaneous: usize,
+    /// The dimension of the finite motion through home.
+    pub finite: usize,
+    /// N − rank J with the actuated joints held; none where no joint is actuated.
+    pub with_drives_held: Option<usize>,
+    /// The platform's freedoms by name.
+    pub freedoms: Vec<NamedScrew>,
+}
+
+/// One limb of a parallel mechanism.
+#[derive(Clone, Debug)]
+pub struct LimbReport {
+    /// wi: its number of single freedoms.
+    pub freedoms: usize,
+    /// The rank of its twists.
+    pub rank: usize,
+    /// qi = 6 − rank: its constraints on the platform, by name.
+    pub constraints: Vec<NamedScrew>,
+}
+
+/// The analysis of a platform on limbs.
+#[derive(Clone, Debug)]
+pub struct ParallelReport {
+    /// What holds for any graph.
+    pub mobility: Mobility,
+    /// The limbs.
+    pub limbs: Vec<LimbReport>,
+    /// rank W of the union of the limbs' wrench systems.
+    pub wrench_rank: usize,
+    /// k = rank W − λ.
+    pub k: usize,
+    /// ζ = Σ(wi − rank i): passive freedoms inside limbs.
+    pub passive: usize,
+    /// Equation (9): 6 − Σqi + λ(p − 1) + v.
+    pub m_eq9: i64,
+    /// The λ common constraints by name.
+    pub common: Vec<NamedScrew>,
+    /// The union W of the limbs' constraints by name.
+    pub platform_constraints: Vec<NamedScrew>,
+}
+
+/// The analysis of a general graph.
+#[derive(Clone, Debug)]
+pub struct GraphReport {
+    /// What holds for any graph.
+    pub mobility: Mobility,
+    /// The number of independent loops, g − n + 1.
+    pub loops: usize,
+    /// rank of the loop Jacobian.
+    pub jacobian_rank: usize,
+    /// What the platform cannot do: the wrenches reciprocal to its freedoms, by name.
+    pub platform_constraints: Vec<NamedScrew>,
+}
+
+/// Analyses a platform on limbs.
+pub fn analyse_parallel(mechanism: &Parallel) -> ParallelReport {
+    let graph = mechanism.graph();
+    let frame = Frame::of(&graph);
+    let twists = |joints: &[Joint]| -> Vec<Screw> {
+        let freedoms = joints.iter().flat_map(|joint| &joint.freedoms);
+        freedoms.map(|f| frame.enter(&f.twist())).collect()
+    };
+    let limb_twists: Vec<Vec<Screw>> = mechanism.limbs().iter().map(|l| twists(l)).collect();
+    let spans: Vec<ScrewSystem> = limb_twists
+        .iter()
+        .map(|t| ScrewSystem::span(t.iter().copied()))
+        .collect();
+    let wrenches: Vec<ScrewSystem> = spans.iter().map(ScrewSystem::reciprocal).collect();
+    let union = ScrewSystem::sum(&wrenches);
+    let common = ScrewSystem::sum(&spans).reciprocal();
+
+    let p = wrenches.len();
+    let lambda = common.rank();
+    let k = union.rank() - lambda;
+    let sum_q: usize = wrenches.iter().map(ScrewSystem::rank).sum();
+    // W holds the common constraints, so Σq ≥ λp + k and v cannot be negative.
+    let redundant = sum_q - lambda * p - k;
+    let m_eq9 = 6 - to_i64(sum_q) + to_i64(lambda) * (to_i64(p) - 1) + to_i64(redundant);
+
+    ParallelReport {
+        mobility: mobility(&graph, &frame, lambda, redundant, &union.reciprocal()),
+        limbs: limb_twists
+            .iter()
+            .zip(&spans)
+            .zip(&wrenches)
+            .map(|((twists, span), wrench)| LimbReport {
+                freedoms: twists.len(),
+                rank: span.rank(),
+                constraints: name(wrench, &frame),
+            })
+            .collect(),
+        wrench_rank: union.rank(),
+        k,
+        passive: limb_twists
+            .iter()
+            .zip(&spans)
+            .map(|(t, s)| t.len() - s.rank())
+            .sum(),
+        m_eq9,
+        common: name(&common, &frame),
+        platform_constraints: name(&union, &frame),
+    }
+}
+
+/// Analyses any graph, closed loops inside limbs among them.
+pub fn analyse_graph(graph: &Graph) -> GraphReport {
+    let frame = Frame::of(graph);
+    let entered = frame.enter_graph(graph);
+    let loops = Loops::of(&entered);
+    let freedoms = entered.joints().iter().flat_map(|joint| &joint.freedoms);
+    let all = ScrewSystem::span(freedoms.map(Freedom::twist));
+    let lambda = 6 - all.rank();
+
+    let home = DVector::zeros(loops.variables());
+    let motions = null_space(&loops.jacobian(&home));
+    let jacobian_rank = loops.variables() - motions.ncols();
+    // Every loop could carry d independent conditions; those it lacks are redundant.
+    let redundant = (6 - lambda) * loops.count() - jacobian_rank;
+    let platform = ScrewSystem::span_of_motions(loops.platform_twists(&home, &motions));
+    GraphReport {
+        mobility: mobility(graph, &frame, lambda, redundant, &platform),
+        loops: loops.count(),
+        jacobian_rank,
+        platform_constraints: name(&platform.reciprocal(), &frame),
+    }
+}
+
+fn mobility(
+    graph: &Graph,
+    frame: &Frame,
+    lambda: usize,
+    redundant: usize,
+    platform: &ScrewSystem,
+) -> Mobility {
+    let (bodies, joints) = (graph.bodies(), graph.joints().len());
+    let sum_f = graph
+        .joints()
+        .iter()
+        .map(|joint| joint.freedoms.len())
+        .sum();
+    let order = 6 - lambda;
+    let excess = to_i64(bodies) - to_i64(joints) - 1;
+    let loops = Loops::of(&frame.enter_graph(graph));
+    let actuated = graph.joints().iter().any(|joint| joint.actuated);
+    let with_drives_held = actuated.then(|| {
+        let held = frame.enter_graph(&graph.with_drives_locked());
+        instantaneous_mobility(&Loops::of(&held))
+    });
+    let freedoms = name(platform, frame);
+    let pure_translations = freedoms
+        .iter()
+        .filter(|f| f.pitch == Pitch::Infinite)
+        .count();
+    Mobility {
+        bodies,
+        joints,
+        sum_f,
+        lambda,
+        order,
+        redundant,
+        m_eq7: to_i64(order) * excess + to_i64(sum_f) + to_i64(redundant),
+        platform_dof: platform.rank(),
+        pure_translations,
+        rotations: platform.rank() - pure_translations,
+        grubler: 6 * excess + to_i64(sum_f),
+        instantaneous: instantaneous_mobility(&loops),
+        finite: finite_mobility(&loops),
+        with_drives_held,
+        freedoms,
+    }
+}
+
+/// Counts are bounded by [`super::MAX_FREEDOMS`].
+fn to_i64(count: usize) -> i64 {
+    i64::try_from(count).unwrap_or(i64::MAX)
+}

@@ -1,0 +1,288 @@
+//! Mechanisms as they are analysed: limbs between a base and a platform, or any graph of
+//! bodies and joints. Validated once.
+
+use super::Screw;
+use core::fmt;
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+
+/// The most single freedoms a mechanism may have: the cost grows with their cube.
+pub const MAX_FREEDOMS: usize = 200;
+
+/// One single-freedom motion of a joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Freedom {
+    /// A screw fixed in the two bodies: revolute, prismatic, helical.
+    Screw(Screw),
+    /// A parallelogram taken whole: translation on a circle, `rod` turning about `normal`.
+    Parallelogram {
+        /// Axis of the four revolute joints.
+        normal: Vector3<f64>,
+        /// The rod from the near to the far joint [m].
+        rod: Vector3<f64>,
+    },
+}
+
+impl Freedom {
+    /// The instantaneous twist at home.
+    pub fn twist(&self) -> Screw {
+        self.twist_at(0.0)
+    }
+
+    /// The instantaneous twist when displaced by `amount` [rad or m].
+    pub(super) fn twist_at(&self, amount: f64) -> Screw {
+        match self {
+            Self::Screw(screw) => *screw,
+            Self::Parallelogram { normal, rod } => {
+                let turned = UnitQuaternion::from_scaled_axis(normal * amount) * rod;
+                Screw::free(normal.cross(&turned))
+            }
+        }
+    }
+
+    /// The finite displacement by `amount` [rad or m].
+    pub(super) fn displacement(&self, amount: f64) -> Isometry3<f64> {
+        match self {
+            Self::Screw(screw) => screw.exponential(amount),
+            Self::Parallelogram { normal, rod } => {
+                let turned = UnitQuaternion::from_scaled_axis(normal * amount) * rod;
+                Translation3::from(turned - rod).into()
+            }
+        }
+    }
+
+    fn is_sound(&self) -> bool {
+        let twist = self.twist().to_vector();
+        twist.iter().all(|x| x.is_finite()) && twist.norm() > 0.0
+    }
+}
+
+/// A joint between two bodies, its single freedoms in order from `from` to `to`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Joint {
+    /// The body it starts from; 0 is the ground.
+    pub from: usize,
+    /// The body it carries.
+    pub to: usize,
+    /// Its single freedoms.
+    pub freedoms: Vec<Freedom>,
+    /// Whether a motor drives it.
+    pub actuated: bool,
+}
+
+/// A platform on limbs, each a chain of joints from the base.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parallel {
+    limbs: Vec<Vec<Joint>>,
+}
+
+/// Any graph of bodies (0 is the ground) and joints.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Graph {
+    bodies: usize,
+    platform: usize,
+    joints: Vec<Joint>,
+}
+
+/// Why a description is not a mechanism.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum MechanismError {
+    /// No limb or no joint at all.
+    Empty,
+    /// Limb with this number (from 1) has no joint.
+    EmptyLimb(usize),
+    /// The joint called so has no freedom, a zero axis or a number that is not finite.
+    BadJoint(String),
+    /// The joint called so names a body that does not exist, or joins a body to itself.
+    BadBodies(String),
+    /// The platform is the ground or does not exist.
+    BadPlatform,
+    /// This body (0 is the ground) is not connected to the ground.
+    Disconnected(usize),
+    /// More single freedoms or bodies than [`MAX_FREEDOMS`].
+    TooLarge,
+}
+
+impl fmt::Display for MechanismError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Empty => f.write_str("there is no joint"),
+            Self::EmptyLimb(number) => write!(f, "limb {number} has no joint"),
+            Self::BadJoint(name) => write!(
+                f,
+                "{name}: an axis must be finite and not zero, and a joint needs a freedom"
+            ),
+            Self::BadBodies(name) => {
+                write!(f, "{name}: it must join two different bodies that exist")
+            }
+            Self::BadPlatform => f.write_str("the platform must be a body other than the ground"),
+            Self::Disconnected(body) => {
+                write!(f, "body {body} is not connected to the ground (body 0)")
+            }
+            Self::TooLarge => write!(
+                f,
+                "the mechanism has more than {MAX_FREEDOMS} single freedoms or bodies"
+            ),
+        }
+    }
+}
+
+impl core::error::Error for MechanismError {}
+
+impl Parallel {
+    /// A platform on these limbs, each a list of joints from base to platform; the
+    /// joints' body numbers are assigned here.
+    ///
+    /// # Errors
+    /// What is wrong with the first unsound limb or joint.
+    pub fn new(limbs: Vec<Vec<Joint>>) -> Result<Self, MechanismError> {
+        if limbs.is_empty() {
+            return Err(MechanismError::Empty);
+        }
+        if let Some(index) = limbs.iter().position(Vec::is_empty) {
+            return Err(MechanismError::EmptyLimb(index + 1));
+        }
+        let joints = limbs.iter().flatten();
+        check_size(0, joints.clone())?;
+        for (l, limb) in limbs.iter().enumerate() {
+            for (j, joint) in limb.iter().enumerate() {
+                check_joint(joint, || format!("limb {}, joint {}", l + 1, j + 1))?;
+            }
+        }
+        let mut next = 2;
+        let limbs = limbs
+            .into_iter()
+            .map(|limb| {
+                let last = limb.len() - 1;
+                let mut from = 0;
+                limb.into_iter()
+                    .enumerate()
+                    .map(|(index, joint)| {
+                        let to = if index == last { 1 } else { next };
+                        next += usize::from(index != last);
+                        let numbered = Joint { from, to, ..joint };
+                        from = to;
+                        numbered
+                    })
+                    .collect()
+            })
+            .collect();
+        Ok(Self { limbs })
+    }
+
+    /// The limbs, each a chain of joints from the base.
+    pub fn limbs(&self) -> &[Vec<Joint>] {
+        &self.limbs
+    }
+
+    /// The same mechanism as a graph; the platform is body 1.
+    pub fn graph(&self) -> Graph {
+        let joints: Vec<Joint> = self.limbs.iter().flatten().cloned().collect();
+        Graph {
+            bodies: 2 + joints.iter().filter(|joint| joint.to != 1).count(),
+            platform: 1,
+            joints,
+        }
+    }
+}
+
+impl Graph {
+    /// A graph of `bodies` bodies, 0 being the ground.
+    ///
+    /// # Errors
+    /// What is wrong with the first unsound joint, or with the graph.
+    pub fn new(bodies: usize, platform: usize, joints: Vec<Joint>) -> Result<Self, MechanismError> {
+        if joints.is_empty() {
+            return Err(MechanismError::Empty);
+        }
+        check_size(bodies, joints.iter())?;
+        if platform == 0 || platform >= bodies {
+            return Err(MechanismError::BadPlatform);
+        }
+        for (index, joint) in joints.iter().enumerate() {
+            let name = || format!("joint {}", index + 1);
+            if joint.from >= bodies || joint.to >= bodies || joint.from == joint.to {
+                return Err(MechanismError::BadBodies(name()));
+            }
+            check_joint(joint, name)?;
+        }
+        let graph = Self {
+            bodies,
+            platform,
+            joints,
+        };
+        match graph.first_disconnected() {
+            Some(body) => Err(MechanismError::Disconnected(body)),
+            None => Ok(graph),
+        }
+    }
+
+    /// The number of bodies, the ground among them.
+    pub fn bodies(&self) -> usize {
+        self.bodies
+    }
+
+    /// The body whose freedoms are asked for.
+    pub fn platform(&self) -> usize {
+        self.platform
+    }
+
+    /// The joints.
+    pub fn joints(&self) -> &[Joint] {
+        &self.joints
+    }
+
+    /// The same graph with its actuated joints rigid: what the motors, held, leave free.
+    #[must_use]
+    pub fn with_drives_locked(&self) -> Self {
+        let mut joints = self.joints.clone();
+        for joint in &mut joints {
+            if joint.actuated {
+                joint.freedoms.clear();
+            }
+        }
+        self.with_joints(joints)
+    }
+
+    /// The same bodies, joined by `joints` of the same topology.
+    pub(super) fn with_joints(&self, joints: Vec<Joint>) -> Self {
+        Self { joints, ..*self }
+    }
+
+    fn first_disconnected(&self) -> Option<usize> {
+        let mut reached = vec![false; self.bodies];
+        reached[0] = true;
+        // Each pass reaches at least one more body or ends.
+        loop {
+            let mut grew = false;
+            for joint in &self.joints {
+                if reached[joint.from] != reached[joint.to] {
+                    reached[joint.from] = true;
+                    reached[joint.to] = true;
+                    grew = true;
+                }
+            }
+            if !grew {
+                return reached.iter().position(|&is| !is);
+            }
+        }
+    }
+}
+
+fn check_size<'a>(
+    bodies: usize,
+    joints: impl Iterator<Item = &'a Joint>,
+) -> Result<(), MechanismError> {
+    // A joint without a freedom counts too: it costs as much.
+    let freedoms: usize = joints.map(|joint| joint.freedoms.len().max(1)).sum();
+    if freedoms > MAX_FREEDOMS || bodies > MAX_FREEDOMS {
+        return Err(MechanismError::TooLarge);
+    }
+    Ok(())
+}
+
+fn check_joint(joint: &Joint, name: impl Fn() -> String) -> Result<(), MechanismError> {
+    if joint.freedoms.is_empty() || !joint.freedoms.iter().all(Freedom::is_sound) {
+        return Err(MechanismError::BadJoint(name()));
+    }
+    Ok(())
+}

@@ -1,0 +1,56 @@
+//! The three lengths, validated once.
+
+use super::{GeometryError, Limb};
+use fivebar_kinematics::Scalar;
+
+/// The lengths of a slider-driven mechanism [m].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Geometry<S> {
+    left: S,
+    right: S,
+    platform: S,
+}
+
+impl<S: Scalar> Geometry<S> {
+    /// The mechanism with limbs `left` = l3 and `right` = l7 and the width `platform` = l5
+    /// [m]; 0 for PRRRP.
+    ///
+    /// # Errors
+    /// A limb that is not positive and finite, or a platform that is negative or not finite.
+    pub fn new(left: S, right: S, platform: S) -> Result<Self, GeometryError> {
+        for (length, limb) in [(left, Limb::Left), (right, Limb::Right)] {
+            if !(length > S::ZERO && length.is_finite()) {
+                return Err(GeometryError::Limb(limb));
+            }
+        }
+        if !(platform >= S::ZERO && platform.is_finite()) {
+            return Err(GeometryError::Platform);
+        }
+        Ok(Self {
+            left,
+            right,
+            platform,
+        })
+    }
+
+    /// l3, the left limb [m].
+    #[inline]
+    pub fn l3(&self) -> S {
+        self.left
+    }
+    /// l7, the right limb [m].
+    #[inline]
+    pub fn l7(&self) -> S {
+        self.right
+    }
+    /// l5, the platform's width [m].
+    #[inline]
+    pub fn l5(&self) -> S {
+        self.platform
+    }
+    /// l5/2, from P to the platform's ends [m].
+    #[inline]
+    pub(super) fn half_platform(&self) -> S {
+        S::HALF * self.platform
+    }
+}

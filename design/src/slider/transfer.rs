@@ -1,0 +1,43 @@
+//! How small errors of lengths and inputs move P, the sliders being the inputs.
+//!
+//! e3 = δl3 + cos α3 (δl5/2 + δx2), e7 = δl7 + cos α7 (δx8 − δl5/2), S = sin(α7−α3):
+//!
+//! δxP = (sin α7 e3 − sin α3 e7)/S, δyP = (cos α3 e7 − cos α7 e3)/S.
+//!
+//! **Erratum**: Tu 2005 differentiates at fixed α, which gives δxP/δl3 = cos α3. With
+//! the sliders as inputs the limbs turn as their lengths change, and that is wrong.
+
+use super::{Geometry, Pose, PoseError};
+use fivebar_kinematics::{Scalar, Vec2};
+
+/// ∂rP/∂ each length and input [m/m].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ErrorTransfer<S> {
+    /// To the left limb's length.
+    pub l3: Vec2<S>,
+    /// To the right limb's length.
+    pub l7: Vec2<S>,
+    /// To the platform's width.
+    pub l5: Vec2<S>,
+    /// To the left slider's place.
+    pub x2: Vec2<S>,
+    /// To the right slider's place.
+    pub x8: Vec2<S>,
+}
+
+impl<S: Scalar> Geometry<S> {
+    /// The error transfer coefficients at a pose.
+    ///
+    /// # Errors
+    /// `Parallel`.
+    pub fn error_transfer(&self, pose: &Pose<S>) -> Result<ErrorTransfer<S>, PoseError> {
+        let (c3, c7) = (pose.u3.x, pose.u7.x);
+        Ok(ErrorTransfer {
+            l3: pose.solve(S::ONE, S::ZERO)?,
+            l7: pose.solve(S::ZERO, S::ONE)?,
+            l5: pose.solve(S::HALF * c3, -S::HALF * c7)?,
+            x2: pose.solve(c3, S::ZERO)?,
+            x8: pose.solve(S::ZERO, c7)?,
+        })
+    }
+}

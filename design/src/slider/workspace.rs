@@ -1,0 +1,73 @@
+//! Where P can be, given how far the sliders travel.
+//!
+//! At each height y the sliders' travels are shifted by l5/2 ± h: P can be where both
+//! overlap, x ∈ [x2 + l5/2 + h3] ∩ [x8 − l5/2 + h7], for |y| ≤ min(l3, l7), with
+//! h = l cos α signed by the working mode.
+
+use super::{Geometry, Pose, PoseError, WorkingMode};
+use fivebar_kinematics::{Scalar, Vec2};
+
+/// Least and greatest x2, then x8 [m].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Travel<S> {
+    /// Of slider 2.
+    pub left: [S; 2],
+    /// Of slider 8.
+    pub right: [S; 2],
+}
+
+impl<S: Scalar> Travel<S> {
+    /// Whether both sliders of a pose are within their travel.
+    pub fn contains(&self, pose: &Pose<S>) -> bool {
+        let within = |x: S, [least, greatest]: [S; 2]| least <= x && x <= greatest;
+        within(pose.x2, self.left) && within(pose.x8, self.right)
+    }
+}
+
+impl<S: Scalar> Geometry<S> {
+    /// The stretch of x [m] that P can reach at height `y` [m] in a working mode.
+    ///
+    /// # Errors
+    /// `LimbTooShort` above and below the workspace, `BeyondTravel` where the sliders
+    /// cannot stand as far apart, or as near, as this height asks.
+    pub fn reachable_at(
+        &self,
+        y: S,
+        mode: WorkingMode,
+        travel: &Travel<S>,
+    ) -> Result<[S; 2], PoseError> {
+        // The sliders' offsets from P do not depend on where along the guide P is.
+        let pose = self.inverse(Vec2::new(S::ZERO, y), mode)?;
+        let from = |[least, greatest]: [S; 2], offset: S| [least - offset, greatest - offset];
+        let [least3, greatest3] = from(travel.left, pose.x2);
+        let [least7, greatest7] = from(travel.right, pose.x8);
+        let least = if least3 > least7 { least3 } else { least7 };
+        let greatest = if greatest3 < greatest7 {
+            greatest3
+        } else {
+            greatest7
+        };
+        if least <= greatest {
+            Ok([least, greatest])
+        } else {
+            Err(PoseError::BeyondTravel)
+        }
+    }
+
+    /// The area of the workspace on one side of the guide [m²], by the midpoint rule in
+    /// `slices` of equal angle: with y = l sin φ the slices thin out where the sections
+    /// change fastest, near the top.
+    pub fn workspace_area(&self, mode: WorkingMode, travel: &Travel<S>, slices: u32) -> S {
+        let (l3, l7) = (self.l3(), self.l7());
+        let shorter = if l3 < l7 { l3 } else { l7 };
+        let step = S::from_f64(core::f64::consts::FRAC_PI_2 / f64::from(slices));
+        (0..slices).fold(S::ZERO, |area, slice| {
+            let phi = step * S::from_f64(f64::from(slice) + 0.5);
+            let (sin, cos) = phi.sin_cos();
+            match self.reachable_at(shorter * sin, mode, travel) {
+                Ok([least, greatest]) => area + (greatest - least) * shorter * cos * step,
+                Err(_) => area,
+            }
+        })
+    }
+}

@@ -1,0 +1,122 @@
+//! Square cells over the reach of an arm.
+
+use core::fmt;
+use fivebar_kinematics::Vec2;
+use fivebar_kinematics::five_bar::Tool;
+
+/// Most cells that a grid may have: more are no picture and fill the memory.
+const MOST: f64 = 2e6;
+
+/// Square cells, row by row from the lower left; a cell stands for what is at its middle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grid {
+    low: Vec2<f64>,
+    pitch: f64,
+    columns: usize,
+    rows: usize,
+}
+
+/// Why there is no such grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GridError {
+    /// The pitch is not a positive finite number.
+    Pitch,
+    /// There would be more than two million cells.
+    TooFine,
+}
+
+impl fmt::Display for GridError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Pitch => "the pitch must be a positive finite number of metres",
+            Self::TooFine => "there would be more than two million cells",
+        })
+    }
+}
+
+impl core::error::Error for GridError {}
+
+impl Grid {
+    /// A grid of this pitch [m] over all that the tool can reach, mirrored about the base
+    /// line as the reach is.
+    ///
+    /// # Errors
+    /// A pitch that is no length, or one too fine to be held.
+    pub fn over(tool: &Tool<f64>, pitch: f64) -> Result<Self, GridError> {
+        if !(pitch > 0.0 && pitch.is_finite()) {
+            return Err(GridError::Pitch);
+        }
+        let [low, high] = bounds(tool);
+        let cells = |size: f64| (size / pitch).ceil().max(1.0);
+        let (columns, rows) = (cells(high.x - low.x), cells(high.y - low.y));
+        if columns * rows > MOST {
+            return Err(GridError::TooFine);
+        }
+        let half = Vec2::new(columns, rows) * (0.5 * pitch);
+        Ok(Self {
+            low: (low + high) * 0.5 - half,
+            pitch,
+            columns: columns as usize,
+            rows: rows as usize,
+        })
+    }
+
+    /// The lower left corner [m].
+    pub fn low(&self) -> Vec2<f64> {
+        self.low
+    }
+
+    /// The upper right corner [m].
+    pub fn high(&self) -> Vec2<f64> {
+        self.low + Vec2::new(self.columns as f64, self.rows as f64) * self.pitch
+    }
+
+    /// Side of a cell [m].
+    pub fn pitch(&self) -> f64 {
+        self.pitch
+    }
+
+    /// Cells in a row.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// Rows of cells.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// All cells.
+    pub fn count(&self) -> usize {
+        self.columns * self.rows
+    }
+
+    /// The middle of the cell of this index [m].
+    pub fn middle(&self, index: usize) -> Vec2<f64> {
+        let (row, column) = (index / self.columns, index % self.columns);
+        self.low + Vec2::new(column as f64 + 0.5, row as f64 + 0.5) * self.pitch
+    }
+}
+
+/// Lower left and upper right corner of a box around the reach [m]: T is no farther from A
+/// than R1 = l1 + |BT|, nor from E than R4 = l4 + l3 + |CT|.
+///
+/// The two circles meet at x = (l5² + R1² − R4²)/(2 l5). Between the pivots that is the
+/// highest point of what they share; else one of them has its own within the other.
+pub fn bounds(tool: &Tool<f64>) -> [Vec2<f64>; 2] {
+    let geometry = tool.geometry();
+    let far1 = geometry.l1() + tool.reach();
+    let [_, far4] = geometry.leg4_radii();
+    let far4 = far4 + tool.offset().norm();
+    let base = geometry.base();
+    let meet = (base * base + far1 * far1 - far4 * far4) / (2.0 * base);
+    let height = if (0.0..=base).contains(&meet) {
+        (far1 * far1 - meet * meet).max(0.0).sqrt()
+    } else {
+        far1.min(far4)
+    };
+    [
+        Vec2::new((-far1).max(base - far4), -height),
+        Vec2::new(far1.min(base + far4), height),
+    ]
+}

@@ -1,0 +1,273 @@
+//! The curves that the tool is on where its arm is singular.
+//!
+//! A singular arm is a four-bar: two links in line are as good as one, and the tool is on a
+//! coupler curve. With signs s = ±1 for straight and folded:
+//!
+//! | singularity | in line | turns | what remains to close |
+//! |---|---|---|---|
+//! | type 1, leg 1 | A–B–T, BT = s \|BT\| u1 | u1 | leg 4 to C |
+//! | type 1, leg 4 | E–D–C, C = E + (l4 + s l3) u4 | u4 | leg 1 to C |
+//! | type 2 | B–C–D, D = B + (l2 + s l3) u2 | u2 | link 1 from A, link 4 from E |
+//!
+//! In each the line that turns ends on a circle of radius ρ about one pivot, and the two
+//! links that remain close where that end is near enough to the other pivot and far enough
+//! from it: with χ its angle from the line of the pivots,
+//!
+//! |p|² = l5² + ρ² − 2 l5 ρ cos χ, |near − far| ≤ |p| ≤ near + far.
+//!
+//! That is an interval of χ and its mirror image, in which the remaining links have two
+//! ways to close, alike at its ends. χ = middle − half cos t, one way for t < π and the
+//! other beyond, runs once around a closed and smooth curve. Where l2 = l3 the folded arm
+//! has B = D, and its curve is circles about where the elbows meet.
+
+use super::reach::angle_at_distance;
+use fivebar_kinematics::Vec2;
+use fivebar_kinematics::five_bar::{Dyad, Side, Singularity, Tool, WorkingMode};
+use std::f64::consts::{PI, TAU};
+
+/// Points looked at on every closed curve; more where they are farther apart than
+const POINTS: u32 = 360;
+/// this share of the arm's reach, at most
+const CHORD: f64 = 0.004;
+/// so many times halved: links that nearly coincide take the tool far by a small turn.
+const FINEST: u32 = 12;
+/// Halvings that find where a curve leaves its working mode: to 1e-12 of a turn.
+const HALVINGS: u32 = 32;
+
+/// A curve of places whose poses in a working mode are singular.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Locus {
+    /// Which singularity it is.
+    pub singularity: Singularity,
+    /// Places of the tool along it [m]; the last is the first again where it is closed.
+    pub points: Vec<Vec2<f64>>,
+}
+
+/// The singularity curves of a working mode: those of type 1 bound its reach, those of
+/// type 2 part its assembly branches.
+pub fn loci(tool: &Tool<f64>, mode: WorkingMode) -> Vec<Locus> {
+    let singularities = [Singularity::Leg1, Singularity::Leg4, Singularity::Parallel];
+    let families = singularities
+        .into_iter()
+        .flat_map(|singularity| [1.0, -1.0].map(|sign| Family::new(tool, singularity, sign)));
+    let [_, far4] = tool.geometry().leg4_radii();
+    let chord = CHORD * (tool.geometry().l1() + tool.reach()).min(far4);
+    let mut loci = Vec::new();
+    for family in families {
+        for curve in family.curves() {
+            let place = |t: f64| {
+                let (place, elbows) = family.at(curve, t.rem_euclid(TAU))?;
+                family.is_in(elbows, mode).then_some(place)
+            };
+            let pieces = pieces(place, chord);
+            loci.extend(pieces.into_iter().map(|points| Locus {
+                singularity: family.singularity,
+                points,
+            }));
+        }
+    }
+    loci
+}
+
+/// A place of the tool with the sides of both elbows; the side of a leg that is singular
+/// means nothing.
+type Place = (Vec2<f64>, [Side; 2]);
+
+/// All poses with one dyad straight, or folded.
+struct Family<'a> {
+    tool: &'a Tool<f64>,
+    singularity: Singularity,
+    /// +1 straight, −1 folded.
+    sign: f64,
+    /// ρ [m].
+    radius: f64,
+    /// χ less the angle of the links in line [rad].
+    lead: f64,
+    /// The lengths that remain to close, near the other pivot and far from it [m].
+    near: f64,
+    far: f64,
+}
+
+/// χ = middle − half cos t on both ways to close; or, with one way, χ = t.
+#[derive(Clone, Copy)]
+enum Curve {
+    Around(Side),
+    Between { middle: f64, half: f64 },
+}
+
+impl<'a> Family<'a> {
+    fn new(tool: &'a Tool<f64>, singularity: Singularity, sign: f64) -> Self {
+        let geometry = tool.geometry();
+        let [l1, l2, l3, l4, _] = geometry.lengths();
+        let turned = |length: f64| if length < 0.0 { PI } else { 0.0 };
+        let (radius, lead, near, far) = match singularity {
+            Singularity::Leg1 => {
+                let c = in_line(tool, sign, Vec2::new(1.0, 0.0));
+                (c.norm(), c.angle(), l4, l3)
+            }
+            Singularity::Leg4 => {
+                let length = l4 + sign * l3;
+                (length.abs(), PI + turned(length), l1, l2)
+            }
+            Singularity::Parallel => {
+                let length = l2 + sign * l3;
+                (length.abs(), turned(length), l1, l4)
+            }
+        };
+        Self {
+            tool,
+            singularity,
+            sign,
+            radius,
+            lead,
+            near,
+            far,
+        }
+    }
+
+    /// Its closed curves.
+    fn curves(&self) -> Vec<Curve> {
+        let base = self.tool.geometry().base();
+        let [low, high] = [(self.near - self.far).abs(), self.near + self.far]
+            .map(|distance| angle_at_distance(self.radius, base, distance));
+        let between = |from: f64, to: f64| Curve::Between {
+            middle: 0.5 * (from + to),
+            half: 0.5 * (to - from),
+        };
+        if low >= high {
+            vec![]
+        } else if low == 0.0 && high == PI {
+            Side::BOTH.map(Curve::Around).into()
+        } else if low == 0.0 {
+            vec![between(-high, high)]
+        } else if high == PI {
+            vec![between(low, TAU - low)]
+        } else {
+            vec![between(low, high), between(-high, -low)]
+        }
+    }
+
+    /// Where the tool is at t ∈ 0…2π of a curve; none where rounding keeps it from closing.
+    fn at(&self, curve: Curve, t: f64) -> Option<Place> {
+        let (chi, side) = match curve {
+            Curve::Around(side) => (t, side),
+            Curve::Between { middle, half } => {
+                let side = if t < PI { Side::Left } else { Side::Right };
+                (middle - half * t.cos(), side)
+            }
+        };
+        let tool = self.tool;
+        let geometry = tool.geometry();
+        let [l1, l2, l3, l4, _] = geometry.lengths();
+        let e = geometry.e();
+        let u = Vec2::unit(chi - self.lead);
+        let dyad = Dyad::new(self.near, self.far);
+        let close = |p| dyad.joint(p, side).ok();
+        let (b, u2, d) = match self.singularity {
+            Singularity::Leg1 => {
+                let c = in_line(tool, self.sign, u);
+                let b = u * l1;
+                (b, (c - b) * (1.0 / l2), e + close(c - e)?)
+            }
+            Singularity::Leg4 => {
+                let c = e + u * (l4 + self.sign * l3);
+                let b = close(c)?;
+                (b, (c - b) * (1.0 / l2), e + u * l4)
+            }
+            Singularity::Parallel => {
+                let bd = u * (l2 + self.sign * l3);
+                let b = close(e - bd)?;
+                (b, u, b + bd)
+            }
+        };
+        let c = b + u2 * l2;
+        let t = c + tool.offset().rotated_to(u2);
+        let elbows = [b.cross(t - b), (d - e).cross(c - d)].map(Side::of);
+        Some((t, elbows))
+    }
+
+    /// Whether an arm with these elbows is in the working mode, or on its edge.
+    fn is_in(&self, [elbow1, elbow4]: [Side; 2], mode: WorkingMode) -> bool {
+        let (is1, is4) = (elbow1 == mode.elbow1, elbow4 == mode.elbow4);
+        match self.singularity {
+            Singularity::Leg1 => is4,
+            Singularity::Leg4 => is1,
+            Singularity::Parallel => is1 && is4,
+        }
+    }
+}
+
+/// C where link 1 has direction `u1` and A, B and the tool are in line.
+fn in_line(tool: &Tool<f64>, sign: f64, u1: Vec2<f64>) -> Vec2<f64> {
+    let bt = u1 * (sign * tool.reach());
+    let along = Vec2::new(tool.geometry().l2(), 0.0) + tool.offset();
+    // Link 2 is turned back from B→T by what B→T is turned from link 2.
+    let back = Vec2::new(along.x, -along.y) * (1.0 / along.norm_squared());
+    u1 * tool.geometry().l1() + back.rotated_to(bt) * tool.geometry().l2()
+}
+
+/// The pieces of a closed curve, t ∈ 0…2π, that have a place; their ends are found by
+/// bisection. No `chord` [m] is longer, as far as that can be had.
+fn pieces(place: impl Fn(f64) -> Option<Vec2<f64>>, chord: f64) -> Vec<Vec<Vec2<f64>>> {
+    let step = TAU / f64::from(POINTS);
+    // Halfway between whole steps no point is where both ways to close are alike.
+    let t = |index: u32| (f64::from(index) + 0.5) * step;
+    let start = (0..POINTS).find(|&index| place(t(index)).is_none());
+    let closed = start.is_none();
+    let start = start.unwrap_or(0);
+    let edge = |mut inside: f64, mut outside: f64| {
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (inside + outside);
+            match place(middle) {
+                Some(_) => inside = middle,
+                None => outside = middle,
+            }
+        }
+        inside
+    };
+    let (mut pieces, mut piece) = (Vec::new(), Vec::new());
+    let extend = |piece: &mut Vec<(f64, Vec2<f64>)>, t: f64| {
+        let Some(point) = place(t) else { return };
+        if let Some(&last) = piece.last() {
+            between(&place, last, (t, point), chord, FINEST, piece);
+        }
+        piece.push((t, point));
+    };
+    for index in start..=start + POINTS {
+        let now = t(index);
+        if place(now).is_some() {
+            if piece.is_empty() && !closed {
+                extend(&mut piece, edge(now, now - step));
+            }
+            extend(&mut piece, now);
+        } else if !piece.is_empty() {
+            extend(&mut piece, edge(now - step, now));
+            pieces.push(core::mem::take(&mut piece));
+        }
+    }
+    pieces.push(piece);
+    pieces.retain(|piece| piece.len() > 1);
+    let points = |piece: Vec<(f64, Vec2<f64>)>| piece.into_iter().map(|(_, point)| point).collect();
+    pieces.into_iter().map(points).collect()
+}
+
+/// Adds the places between two that are farther apart than `chord`.
+fn between(
+    place: &impl Fn(f64) -> Option<Vec2<f64>>,
+    from: (f64, Vec2<f64>),
+    to: (f64, Vec2<f64>),
+    chord: f64,
+    halvings: u32,
+    piece: &mut Vec<(f64, Vec2<f64>)>,
+) {
+    if halvings == 0 || (to.1 - from.1).norm() <= chord {
+        return;
+    }
+    let t = 0.5 * (from.0 + to.0);
+    if let Some(point) = place(t) {
+        let middle = (t, point);
+        between(place, from, middle, chord, halvings - 1, piece);
+        piece.push(middle);
+        between(place, middle, to, chord, halvings - 1, piece);
+    }
+}

@@ -1,0 +1,42 @@
+//! Where an arm can take its tool, looked at as a whole: a [`Map`] of one working mode, the
+//! curves of its singularities ([`loci`]) and the largest [`Rectangle`] free of them.
+//!
+//! A *branch* here is a working mode with an assembly mode. In one working mode a place has
+//! one pose at most, so its assembly branches part the reach among them, and their border is
+//! the type 2 singularity. All four working modes reach the same places as long as the tool
+//! is at C.
+//!
+//! ```
+//! use fivebar_kinematics::Vec2;
+//! use fivebar_kinematics::five_bar::{Geometry, Side, Tool, WorkingMode, Workspace};
+//! use fivebar_design::workspace::{Grid, Map, loci, reachable_area};
+//!
+//! let arm = Geometry::new([0.10, 0.16, 0.16, 0.10, 0.08])?;
+//! let workspace = Workspace {
+//!     tool: Tool::new(arm, Vec2::zero())?,
+//!     mode: WorkingMode::new(Side::Right, Side::Left),
+//!     limits: None,
+//!     margin: 0.15,
+//! };
+//! let map = Map::new(workspace, Grid::over(&workspace.tool, 2e-3)?);
+//! let reached: f64 = Side::BOTH.map(|side| map.areas(side).reached).iter().sum();
+//! assert!((reached / reachable_area(&arm) - 1.0).abs() < 1e-2);
+//! // Row by row from the lower left, none out of reach: ready to be drawn.
+//! assert_eq!(map.cells().len(), map.grid().count());
+//! for curve in loci(&workspace.tool, workspace.mode) {
+//!     assert!(curve.points.len() > 1);
+//! }
+//! # Ok::<(), Box<dyn core::error::Error>>(())
+//! ```
+
+mod grid;
+mod loci;
+mod map;
+mod reach;
+mod rectangle;
+
+pub use grid::{Grid, GridError, bounds};
+pub use loci::{Locus, loci};
+pub use map::{Areas, Cell, Map};
+pub use reach::{Arc, reach_boundary, reachable_area};
+pub use rectangle::Rectangle;

@@ -1,0 +1,97 @@
+//! The region that both legs reach: its area and its boundary.
+//!
+//! Leg A–B–C reaches the annulus |l1 − l2| ≤ |rC − rA| ≤ l1 + l2, leg E–D–C likewise.
+//! The area of their common part by inclusion and exclusion of circular lenses,
+//! L(R1,R4) − L(r1,R4) − L(R1,r4) + L(r1,r4), and its boundary as arcs.
+
+use fivebar_kinematics::five_bar::Geometry;
+use fivebar_kinematics::{Scalar, Vec2};
+use std::f64::consts::PI;
+
+/// An arc of a circle, counter-clockwise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Arc<S> {
+    /// The circle's centre [m].
+    pub center: Vec2<S>,
+    /// Its radius [m].
+    pub radius: S,
+    /// Direction of the start from the centre [rad].
+    pub from: S,
+    /// Direction of the end, greater than `from` [rad].
+    pub to: S,
+    /// Whether the region lies within the circle (an outer limit of reach) or without.
+    pub outer: bool,
+}
+
+/// The area that both legs reach [m²], above and below the base line.
+pub fn reachable_area<S: Scalar>(geometry: &Geometry<S>) -> S {
+    let [near1, far1] = geometry.leg1_radii();
+    let [near4, far4] = geometry.leg4_radii();
+    let lens = |radius1, radius4| lens_area(radius1, radius4, geometry.base());
+    lens(far1, far4) - lens(near1, far4) - lens(far1, near4) + lens(near1, near4)
+}
+
+/// The arcs that bound the reachable region, at most eight, in no order; those of
+/// circles without extent are left out.
+pub fn reach_boundary<S: Scalar>(geometry: &Geometry<S>) -> impl Iterator<Item = Arc<S>> {
+    let [near1, far1] = geometry.leg1_radii();
+    let [near4, far4] = geometry.leg4_radii();
+    let (base, a, e) = (geometry.base(), Vec2::zero(), geometry.e());
+    let pi = S::from_f64(PI);
+    [
+        (a, far1, true, [near4, far4]),
+        (a, near1, false, [near4, far4]),
+        (e, far4, true, [near1, far1]),
+        (e, near4, false, [near1, far1]),
+    ]
+    .into_iter()
+    .filter(|&(_, radius, ..)| radius > S::ZERO)
+    .flat_map(move |(center, radius, outer, [near, far])| {
+        // The distance from the other centre grows with the angle φ from the line to it.
+        let low = angle_at_distance(radius, base, near);
+        let high = angle_at_distance(radius, base, far);
+        let ranges = if center == a {
+            [[low, high], [-high, -low]]
+        } else {
+            [[pi - high, pi - low], [pi + low, pi + high]]
+        };
+        ranges
+            .into_iter()
+            .filter(|[from, to]| from < to)
+            .map(move |[from, to]| Arc {
+                center,
+                radius,
+                from,
+                to,
+                outer,
+            })
+    })
+}
+
+/// The angle φ in 0…π, from the line to a second centre `base` away, at which a circle's
+/// point is `distance` from that centre: cos φ = (radius² + base² − distance²)/(2 radius base).
+/// 0 or π where every point is farther or nearer.
+pub(super) fn angle_at_distance<S: Scalar>(radius: S, base: S, distance: S) -> S {
+    let cos = (radius * radius + base * base - distance * distance) / (S::TWO * radius * base);
+    if cos >= S::ONE {
+        S::ZERO
+    } else if cos <= -S::ONE {
+        S::from_f64(PI)
+    } else {
+        (S::ONE - cos * cos).sqrt().atan2(cos)
+    }
+}
+
+/// Area common to two discs of these radii, `base` apart: two circular segments
+/// r² (φ − sin φ cos φ).
+fn lens_area<S: Scalar>(radius1: S, radius4: S, base: S) -> S {
+    if radius1 == S::ZERO || radius4 == S::ZERO {
+        return S::ZERO;
+    }
+    let segment = |radius: S, other: S| {
+        let phi = angle_at_distance(radius, base, other);
+        let (sin, cos) = phi.sin_cos();
+        radius * radius * (phi - sin * cos)
+    };
+    segment(radius1, radius4) + segment(radius4, radius1)
+}

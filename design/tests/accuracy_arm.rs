@@ -1,0 +1,167 @@
+//! Forces under tolerance, seated pins and tolerance allocation on random arms.
+
+use fivebar_design::accuracy::allocation::{Class, allocate};
+use fivebar_design::accuracy::arm::{ArmResponse, Inputs};
+use fivebar_design::accuracy::five_bar::{clearance_error, tool_sensitivities};
+use fivebar_design::accuracy::seating::seat;
+use fivebar_design::accuracy::{Response, sensitivities};
+use fivebar_kinematics::Vec2;
+use fivebar_kinematics::dynamics::{Arm, Link};
+use fivebar_kinematics::five_bar::{Geometry, Side, WorkingMode};
+use proptest::prelude::*;
+
+fn arm(lengths: [f64; 5], mass: f64) -> Arm<f64> {
+    let link = |length: f64| Link {
+        mass,
+        com: Vec2::new(0.45 * length, 0.02 * length),
+        inertia: mass * length * length / 12.0,
+    };
+    let [l1, l2, l3, l4, _] = lengths;
+    let geometry = Geometry::new(lengths).unwrap();
+    let links = [l1, l2, l3, l4].map(link);
+    Arm::new(
+        geometry,
+        links,
+        0.1 * mass,
+        Vec2::new(0.0, -9.81),
+        [1e-4; 2],
+    )
+    .unwrap()
+}
+
+fn state() -> impl Strategy<Value = (Arm<f64>, Side, Inputs)> {
+    let lengths = prop::array::uniform5(0.08..0.2_f64);
+    let theta = prop::array::uniform2(-3.1..3.1_f64);
+    let omega = prop::array::uniform2(-5.0..5.0_f64);
+    let alpha = prop::array::uniform2(-50.0..50.0_f64);
+    (lengths, theta, omega, alpha, any::<bool>()).prop_filter_map(
+        "poses clear of type 2",
+        |(lengths, theta, omega, alpha, left)| {
+            let side = if left { Side::Left } else { Side::Right };
+            let pose = Geometry::new(lengths)
+                .ok()?
+                .forward(theta[0], theta[1], side)
+                .ok()?;
+            let inputs = Inputs {
+                theta,
+                omega,
+                alpha,
+            };
+            (pose.sin32().abs() > 0.3).then(|| (arm(lengths, 0.2), side, inputs))
+        },
+    )
+}
+
+proptest! {
+    #[test]
+    fn every_derivative_of_the_arm_meets_its_difference((arm, assembly, inputs) in state()) {
+        let response = ArmResponse { arm: &arm, assembly, external_force: Vec2::new(1.0, -2.0) };
+        let nominal = response.primitives(&inputs);
+        let t = sensitivities(&response, &nominal).unwrap();
+        for column in 0..nominal.len() {
+            let step = 1e-6 * nominal[column].abs().max(0.05);
+            let moved = |by: f64| {
+                let mut primitives = nominal;
+                primitives[column] += by;
+                response.evaluate(&primitives).unwrap()
+            };
+            let (up, down) = (moved(step), moved(-step));
+            prop_assert!(t.column(column).amax() > 0.0);
+            for row in 0..up.len() {
+                let difference = (up[row] - down[row]) / (2.0 * step);
+                let scale = t.column(column).amax().max(t.row(row).amax());
+                prop_assert!((difference - t[(row, column)]).abs() < 1e-5 * scale);
+            }
+        }
+        let pose = arm.geometry().forward(inputs.theta[0], inputs.theta[1], assembly).unwrap();
+        let analytic = tool_sensitivities(arm.geometry(), &pose).unwrap();
+        for (column, by) in (0..2).chain(6..11).zip(analytic.inputs.iter().chain(&analytic.lengths)) {
+            prop_assert!((t[(0, column)] - by.x).abs() < 1e-11 * (1.0 + by.norm()));
+            prop_assert!((t[(1, column)] - by.y).abs() < 1e-11 * (1.0 + by.norm()));
+        }
+    }
+
+    #[test]
+    fn seated_pins_stay_within_the_worst_case((arm, assembly, inputs) in state()) {
+        let radii = [10e-6, 20e-6, 5e-6, 15e-6, 10e-6];
+        let pose = arm.geometry().forward(inputs.theta[0], inputs.theta[1], assembly).unwrap();
+        let worst = clearance_error(arm.geometry(), &pose, radii).unwrap().worst;
+        let seating = seat(&arm, assembly, &inputs, Vec2::zero(), radii).unwrap();
+        prop_assert!(seating.displacement.norm() <= worst * (1.0 + 1e-9));
+        for (offset, radius) in seating.offsets.iter().zip(radii) {
+            prop_assert!((offset.norm() - radius).abs() < 1e-12);
+        }
+        if seating.settled {
+            // Every pin lies against its force.
+            for (i, sign) in [(0, -1.0), (1, -1.0), (2, 1.0), (3, -1.0), (4, -1.0)] {
+                let (offset, force) = (seating.offsets[i], seating.reactions[i]);
+                prop_assert!((offset.dot(force) - sign * offset.norm() * force.norm()).abs() < 1e-9 * force.norm());
+            }
+        }
+    }
+
+    #[test]
+    fn allocation_finds_what_trying_everything_finds(
+        weights in prop::collection::vec(prop::collection::vec(0.0..4.0_f64, 4), 3),
+        limit in 0.5..8.0_f64,
+    ) {
+        let classes = vec![
+            vec![
+                Class { deviation: 1.0, cost: 1.0 },
+                Class { deviation: 0.5, cost: 2.5 },
+                Class { deviation: 0.2, cost: 7.0 },
+            ];
+            4
+        ];
+        let mut cheapest = f64::INFINITY;
+        for code in 0..81_usize {
+            let choice = [code % 3, code / 3 % 3, code / 9 % 3, code / 27];
+            let fits = weights.iter().all(|row| {
+                let variance: f64 = (0..4).map(|i| row[i] * classes[i][choice[i]].deviation.powi(2)).sum();
+                variance <= limit
+            });
+            let cost: f64 = (0..4).map(|i| classes[i][choice[i]].cost).sum();
+            if fits {
+                cheapest = cheapest.min(cost);
+            }
+        }
+        let found = allocate(&weights, &classes, limit).map_or(f64::INFINITY, |a| a.cost);
+        prop_assert!(found == cheapest || (found - cheapest).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn tension_lengthens_and_compression_shortens_by_the_sum_of_clearances() {
+    let lengths = [0.1, 0.16, 0.16, 0.1, 0.08];
+    let massless = arm(lengths, 0.0);
+    let weightless = Arm::new(
+        *massless.geometry(),
+        *massless.links(),
+        0.0,
+        Vec2::zero(),
+        [1e-4; 2],
+    )
+    .unwrap();
+    let mode = WorkingMode::new(Side::Right, Side::Left);
+    let pose = massless
+        .geometry()
+        .inverse(Vec2::new(0.05, 0.2), mode)
+        .unwrap();
+    let [theta1, _, _, theta4] = pose.angles();
+    let inputs = Inputs {
+        theta: [theta1, theta4],
+        omega: [0.0; 2],
+        alpha: [0.0; 2],
+    };
+    let radii = [10e-6, 20e-6, 5e-6, 15e-6, 10e-6];
+    // Pulled away from the base both distal links are in tension, pushed in compression.
+    for (force, sign) in [(Vec2::new(0.0, 10.0), 1.0), (Vec2::new(0.0, -10.0), -1.0)] {
+        let seating = seat(&weightless, pose.assembly(), &inputs, force, radii).unwrap();
+        assert!(seating.settled);
+        let tool = pose.c + seating.displacement;
+        let longer2 = (tool - pose.b).norm() - 0.16;
+        let longer3 = (tool - pose.d).norm() - 0.16;
+        assert!((longer2 - sign * 30e-6).abs() < 1e-12, "{longer2:e}");
+        assert!((longer3 - sign * 30e-6).abs() < 1e-12, "{longer3:e}");
+    }
+}
