@@ -1,9 +1,10 @@
 //! Refusals as the exceptions of `fivebar._errors`, with what scripts ask of them.
 
-use fivebar::job::JobError;
-use fivebar::link::TargetError;
-use fivebar::robot::FileError;
-use fivebar::run::{RunError, ScenarioError};
+use fivebar::input::job::JobError;
+use fivebar::run::link::TargetError;
+use fivebar::input::source::FileError;
+use fivebar::input::scenario::ScenarioError;
+use fivebar::run::simulation::RunError;
 use pyo3::call::PyCallArgs;
 use pyo3::prelude::*;
 use std::fmt::Display;

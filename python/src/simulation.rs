@@ -2,10 +2,11 @@
 
 use crate::error;
 use crate::robot::Robot;
-use fivebar::link::{InProcess, Target, TargetError};
-use fivebar::plant::Mismatch;
-use fivebar::robot::BuiltIn;
-use fivebar::run::{Sample, Scenario as Described, fault_name};
+use fivebar::run::link::{InProcess, Target, TargetError};
+use fivebar::input::scenario::Mismatch;
+use fivebar::input::robot::BuiltIn;
+use fivebar::input::scenario::Scenario as Described;
+use fivebar::run::simulation::{Sample, fault_name};
 use fivebar_firmware::controller::Request;
 use fivebar_firmware::{Command, Move, Sensed, Status};
 use numpy::{Element, IntoPyArray};

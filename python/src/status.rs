@@ -1,6 +1,6 @@
 //! What became of a row, as a number: `fivebar.Status` gives the numbers their names.
 
-use fivebar::query::Kind;
+use fivebar::study::query::Kind;
 use fivebar_kinematics::five_bar::{PoseError, Singularity, Unreachable};
 use pyo3::pyfunction;
 

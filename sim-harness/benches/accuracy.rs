@@ -1,8 +1,8 @@
 //! Monte Carlo throughput on all cores: positions and full force samples a second.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use fivebar::accuracy::{Sampling, State, analyse, sample_forces, sample_positions};
-use fivebar::robot::Robot;
+use fivebar::input::robot::Robot;
+use fivebar::study::accuracy::{Sampling, State, analyse, sample_forces, sample_positions};
 use fivebar_kinematics::Vec2;
 use indicatif::ProgressBar;
 

@@ -1,9 +1,10 @@
 //! How fast the simulated arm is, at ticks of 10 kHz on one core.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use fivebar::plant::{Mismatch, Plant};
-use fivebar::robot::Robot;
-use fivebar::run::Scenario;
+use fivebar::input::robot::Robot;
+use fivebar::input::scenario::Mismatch;
+use fivebar::input::scenario::Scenario;
+use fivebar::run::plant::Plant;
 use fivebar_firmware::Command;
 use std::hint::black_box;
 

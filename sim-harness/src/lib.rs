@@ -1,24 +1,15 @@
 //! Simulate, check and drive a planar five-bar arm: the library behind `fivebar`.
+//!
+//! Each group uses those below it and none above.
+//!
+//! | group | what it holds |
+//! |---|---|
+//! | [`show`] | pages, files for other programs, the live page, the command line |
+//! | [`study`] | analyses: accuracy, clearance, linkages, mobility, workspace, queries |
+//! | [`run`] | the simulated arm, ways to a controller, and jobs done by both |
+//! | [`input`] | robots, jobs, scenarios, linkages and mechanisms, read and checked |
 
-pub mod accuracy;
-pub mod clearance;
-#[cfg(feature = "program")]
-pub mod cli;
-pub mod contact;
-#[cfg(feature = "program")]
-pub mod doctor;
-pub mod drive;
-pub mod export;
-pub mod job;
-pub mod link;
-pub mod linkage;
-pub mod mobility;
-pub mod plant;
-pub mod query;
-pub mod report;
-pub mod robot;
+pub mod input;
 pub mod run;
-#[cfg(feature = "program")]
-pub mod serve;
-#[cfg(feature = "program")]
-pub mod workspace;
+pub mod show;
+pub mod study;

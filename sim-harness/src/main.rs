@@ -3,5 +3,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    fivebar::cli::main()
+    fivebar::show::cli::main()
 }

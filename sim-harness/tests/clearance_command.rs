@@ -1,8 +1,8 @@
 //! `fivebar clearance`: new against worn under the production control loop.
 
-use fivebar::clearance::study;
-use fivebar::robot::Robot;
-use fivebar::run::Scenario;
+use fivebar::input::robot::Robot;
+use fivebar::input::scenario::Scenario;
+use fivebar::study::clearance::study;
 use fivebar_design::accuracy::five_bar::clearance_error;
 use serde_json::Value;
 use std::process::{Command, Output};

@@ -1,7 +1,8 @@
 //! Contact of a journal and its bearing: the rebound that the laws imply, and the published
 //! benchmark of a slider-crank whose piston pin is worn.
 
-use fivebar::contact::{Adaptive, Contact, Eccentricity, Hybrid, Journal, Phase, Restitution};
+use fivebar::input::robot::{Contact, Restitution};
+use fivebar::run::contact::{Adaptive, Eccentricity, Hybrid, Journal, Phase};
 use nalgebra::{SVector, Vector2};
 use serde_json::Value;
 

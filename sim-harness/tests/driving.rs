@@ -2,8 +2,8 @@
 
 mod arm;
 
-use fivebar::drive::{Drive, DriveError, Homing};
-use fivebar::link::{Conversation, Loopback};
+use fivebar::run::drive::{Drive, DriveError, Homing};
+use fivebar::run::link::{Conversation, Loopback};
 use fivebar_firmware::protocol::{Order, SectionKey};
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::{Move, MoveKind, Request};

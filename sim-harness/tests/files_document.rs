@@ -1,7 +1,7 @@
 //! `docs/robot-file.md` is true: its examples are read, and its defaults are the defaults.
 
-use fivebar::robot::Robot;
-use fivebar::run::Scenario;
+use fivebar::input::robot::Robot;
+use fivebar::input::scenario::Scenario;
 
 const DOCUMENT: &str = include_str!("../../docs/robot-file.md");
 

@@ -1,6 +1,6 @@
 //! G-code as programs of the field write it: numbered, summed, in old encodings.
 
-use fivebar::job::{self, Job, JobError, Placement, Reason};
+use fivebar::input::job::{self, Job, JobError, Placement, Reason};
 use proptest::prelude::*;
 
 const AS_WRITTEN: Placement = Placement {

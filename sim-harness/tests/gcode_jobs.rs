@@ -1,7 +1,7 @@
 //! G-code in, steps out: what each code means, what is refused and how, and that no text
 //! whatever makes the reader fail in any other way.
 
-use fivebar::job::{Action, Job, JobError, Placement, Reason, Step, WarningKind};
+use fivebar::input::job::{Action, Job, JobError, Placement, Reason, Step, WarningKind};
 use proptest::prelude::*;
 use std::fmt::Write as _;
 

@@ -5,7 +5,7 @@ mod arm;
 mod board;
 
 use board::{Board, end, fivebar};
-use fivebar::link::Loopback;
+use fivebar::run::link::Loopback;
 use serde_json::Value;
 use std::io::Write;
 use std::path::Path;

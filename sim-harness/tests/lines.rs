@@ -3,7 +3,7 @@
 mod arm;
 
 use arm::{driving, settings};
-use fivebar::link::{
+use fivebar::run::link::{
     Conversation, Faulty, InProcess, LinkError, Lockstep, Loopback, Mishaps, Tracer,
 };
 use fivebar_firmware::protocol::{Order, Reply};

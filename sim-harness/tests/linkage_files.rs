@@ -1,6 +1,6 @@
 //! Linkage files that make no sense: each refused in one sentence with its line, quickly.
 
-use fivebar::linkage::DrivenLinkage;
+use fivebar::input::linkage::DrivenLinkage;
 use std::time::{Duration, Instant};
 
 const GOOD: &str = r#"name = "four-bar"
@@ -223,5 +223,5 @@ fn the_file_in_the_documentation_is_one() {
     };
     let driven = DrivenLinkage::parse("linkages.md", linkage).unwrap();
     assert_eq!(driven.sweep().solved().count(), 361);
-    fivebar::robot::SliderRobot::parse("linkages.md", slider).unwrap();
+    fivebar::input::robot::SliderRobot::parse("linkages.md", slider).unwrap();
 }

@@ -1,7 +1,7 @@
 //! Every shipped linkage on every assembly: rates against finite differences, forces
 //! against energy and momentum; and figures a textbook gives.
 
-use fivebar::linkage::{DrivenLinkage, EXAMPLES};
+use fivebar::input::linkage::{DrivenLinkage, EXAMPLES};
 use fivebar_design::linkage::{Coordinate, Law, Linkage, Motion};
 use fivebar_kinematics::Vec2;
 

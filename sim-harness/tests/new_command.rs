@@ -1,6 +1,6 @@
 //! `fivebar new` from the outside, and the robot files it writes.
 
-use fivebar::robot::{Draft, Robot};
+use fivebar::input::robot::{Draft, Robot};
 use proptest::prelude::*;
 use std::io::Write;
 use std::path::Path;

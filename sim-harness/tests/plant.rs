@@ -1,7 +1,8 @@
 //! The simulated arm obeys mechanics, and the same seed gives the same run.
 
-use fivebar::plant::{FaultKind, Loads, Mismatch, Model, Plant, PlantFault, State};
-use fivebar::robot::Robot;
+use fivebar::input::robot::Robot;
+use fivebar::input::scenario::{FaultKind, Mismatch, PlantFault};
+use fivebar::run::plant::{Loads, Model, Plant, State};
 use fivebar_firmware::Command;
 use nalgebra::{Matrix, Vector2};
 

@@ -1,7 +1,7 @@
 //! `fivebar query` about a slider-driven mechanism, and its robot file.
 
-use fivebar::query::{serve, slider};
-use fivebar::robot::{Mechanism, Robot, SliderRobot};
+use fivebar::input::robot::{Mechanism, Robot, SliderRobot};
+use fivebar::study::query::{serve, slider};
 use serde_json::{Value, json};
 
 const FILE: &str = include_str!("../robots/slider.toml");

@@ -1,7 +1,8 @@
 //! Robot files: what is accepted, and how the rest is refused.
 
-use fivebar::plant::{Mismatch, Plant};
-use fivebar::robot::{BUILT_IN, BuiltIn, Robot};
+use fivebar::input::robot::{BUILT_IN, BuiltIn, Robot};
+use fivebar::input::scenario::Mismatch;
+use fivebar::run::plant::Plant;
 use fivebar_firmware::Command;
 
 /// A small file with every key that has no default.

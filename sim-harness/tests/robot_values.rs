@@ -1,7 +1,7 @@
 //! Values of a robot file that make sense each for itself, but not together or not to the
 //! controller: refused by the file's own line and key.
 
-use fivebar::robot::{BUILT_IN, Robot};
+use fivebar::input::robot::{BUILT_IN, Robot};
 use fivebar_firmware::settings::SettingsError;
 
 /// The default arm's file with every key in force that has a value when left out.

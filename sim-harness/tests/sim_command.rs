@@ -239,7 +239,7 @@ fn command_lines_that_make_no_sense_exit_with_2() {
 #[test]
 fn a_robot_given_for_a_scenario_is_told_where_it_belongs() {
     let bench = Bench::new();
-    let robot = fivebar::robot::BUILT_IN[0].text;
+    let robot = fivebar::input::robot::BUILT_IN[0].text;
     let file = bench.file("arm.toml", robot);
     bench.assert_refused(&[&file], 1, &["this is a robot", "--robot"]);
     let file = bench.file("broken.toml", &robot.replace("base =", "bse ="));

@@ -1,7 +1,7 @@
 //! `fivebar workspace` from the outside: its figures against the models, its files, its
 //! refusals.
 
-use fivebar::robot::{BUILT_IN, Robot};
+use fivebar::input::robot::{BUILT_IN, Robot};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::{Side, WorkingMode};
 use resvg::tiny_skia::Pixmap;

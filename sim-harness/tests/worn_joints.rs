@@ -1,8 +1,9 @@
 //! The arm with worn joints obeys mechanics, and is the ideal arm where the wear is not.
 
-use fivebar::contact::Contact;
-use fivebar::plant::{Loads, Mismatch, Model, Plant, State, Wear};
-use fivebar::robot::Robot;
+use fivebar::input::robot::Contact;
+use fivebar::input::robot::Robot;
+use fivebar::input::scenario::Mismatch;
+use fivebar::run::plant::{Loads, Model, Plant, State, Wear};
 use fivebar_design::accuracy::arm::Inputs;
 use fivebar_design::accuracy::seating::seat;
 use fivebar_firmware::Command;

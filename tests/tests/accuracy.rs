@@ -1,8 +1,10 @@
 //! Accuracy from the robot file to the figures: the literature's example, analysis against
 //! samples, and the cheapest tolerances.
 
-use fivebar::accuracy::{Analysis, Sampling, State, analyse, answer, cheapest, map, monte_carlo};
-use fivebar::robot::Robot;
+use fivebar::input::robot::Robot;
+use fivebar::study::accuracy::{
+    Analysis, Sampling, State, analyse, answer, cheapest, map, monte_carlo,
+};
 use fivebar_design::accuracy::allocation::Class;
 use fivebar_kinematics::Vec2;
 use indicatif::ProgressBar;

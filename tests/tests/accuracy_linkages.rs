@@ -1,9 +1,9 @@
 //! Linkages with wrong numbers and loose pins: the analytic matrices against dual numbers
 //! against differences, on every linkage that comes with the program.
 
-use fivebar::accuracy::{Sampling, analyse_slider, sample_slider, slider_answer};
-use fivebar::linkage::{DrivenLinkage, EXAMPLES, Example};
-use fivebar::robot::SliderRobot;
+use fivebar::input::linkage::{DrivenLinkage, EXAMPLES, Example};
+use fivebar::input::robot::SliderRobot;
+use fivebar::study::accuracy::{Sampling, analyse_slider, sample_slider, slider_answer};
 use fivebar_design::accuracy::assur::{course, unknowns};
 use fivebar_design::accuracy::linkage::{Figure, LinkageResponse, seat};
 use fivebar_design::accuracy::loops::VectorLoops;

@@ -1,6 +1,6 @@
 //! What the firmware carries of the robot files.
 
-use fivebar::robot::Robot;
+use fivebar::input::robot::Robot;
 use fivebar_firmware::Settings;
 
 #[test]

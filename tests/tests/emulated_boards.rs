@@ -1,9 +1,10 @@
 //! The firmware images running on QEMU.
 
-use fivebar::doctor::answers_alike;
-use fivebar::link::{Conversation, Emulator, Instructions, Lockstep};
-use fivebar::robot::Robot;
-use fivebar::run::{Record, Scenario, Summary};
+use fivebar::input::robot::Robot;
+use fivebar::input::scenario::Scenario;
+use fivebar::run::link::{Conversation, Emulator, Instructions, Lockstep};
+use fivebar::run::simulation::{Record, Summary};
+use fivebar::show::doctor::answers_alike;
 use fivebar_firmware::protocol::{Board, Order, Reply};
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::{Request, Settings, Status};

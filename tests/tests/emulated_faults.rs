@@ -5,7 +5,7 @@ mod bench;
 mod mishaps;
 
 use bench::{Bench, is_off};
-use fivebar::link::Emulator;
+use fivebar::run::link::Emulator;
 use fivebar_firmware::Request;
 use fivebar_firmware::controller;
 use fivebar_firmware::protocol::{Order, Refusal, Reply, Reset, VERSION};

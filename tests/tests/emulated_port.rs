@@ -5,8 +5,8 @@
 mod bench;
 
 use bench::{Bench, stated};
-use fivebar::link::{Emulator, SerialLine};
-use fivebar::plant::FaultKind;
+use fivebar::input::scenario::FaultKind;
+use fivebar::run::link::{Emulator, SerialLine};
 use serialport::{SerialPort, TTYPort};
 use std::io::{Read, Write};
 use std::sync::atomic::{AtomicBool, Ordering};

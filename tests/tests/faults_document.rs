@@ -29,7 +29,7 @@ fn rows(part: &str) -> Vec<Vec<&str>> {
 
 /// "encoder jump" of `EncoderJump`.
 fn words(fault: Fault) -> String {
-    fivebar::run::fault_name(fault)
+    fivebar::run::simulation::fault_name(fault)
 }
 
 #[test]

@@ -4,7 +4,7 @@ mod bench;
 mod mishaps;
 
 use bench::{Bench, is_off, stated};
-use fivebar::link::Loopback;
+use fivebar::run::link::Loopback;
 use fivebar_firmware::Request;
 use fivebar_firmware::controller;
 use fivebar_firmware::protocol::{Order, Refusal, Reply, Reset, VERSION};

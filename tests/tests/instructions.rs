@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::process::Command;
 
-use fivebar::link::Emulator;
+use fivebar::run::link::Emulator;
 
 /// Counts as last committed.
 const COMMITTED: &str = include_str!("../data/instructions.txt");

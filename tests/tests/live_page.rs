@@ -2,10 +2,10 @@
 //! websockets here, the browser's part being tested in a browser.
 #![cfg(unix)]
 
-use fivebar::link::{Conversation, Loopback, SerialLine};
-use fivebar::robot::Robot;
-use fivebar::run::Scenario;
-use fivebar::serve::{Guard, ServeError, Source, serve};
+use fivebar::input::robot::Robot;
+use fivebar::input::scenario::Scenario;
+use fivebar::run::link::{Conversation, Loopback, SerialLine};
+use fivebar::show::serve::{Guard, ServeError, Source, serve};
 use fivebar_firmware::safety::State;
 use serde_json::{Value, json};
 use serialport::{SerialPort, TTYPort};
@@ -311,7 +311,7 @@ fn a_controller_of_another_arm_is_refused() {
 #[cfg(feature = "emulator")]
 #[test]
 fn an_emulated_controller_homes_its_arm_and_stops_it_when_the_page_is_lost() {
-    use fivebar::link::Emulator;
+    use fivebar::run::link::Emulator;
     let image: &'static std::path::Path = Emulator::built_image("qemu").leak();
     let (mut server, address) = server(move || Source::Emulated(image));
     let mut page = Page::open(address);

@@ -1,6 +1,7 @@
 //! Mobility: 26 mechanisms of the literature in every figure, and what must not matter.
 
-use fivebar::mobility::{EXAMPLES, Finding, Study, answer, parse};
+use fivebar::input::mobility::{EXAMPLES, Study, parse};
+use fivebar::study::mobility::{Finding, answer};
 use fivebar_design::mobility::{Freedom, Graph, Joint, Screw, analyse_graph};
 use nalgebra::Vector3;
 use proptest::prelude::*;

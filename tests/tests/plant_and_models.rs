@@ -1,8 +1,9 @@
 //! The simulated arm, in full coordinates with constraint forces, against the controller's
 //! model by Kane's method and against reference numbers made by a third program.
 
-use fivebar::plant::{Mismatch, Model, State};
-use fivebar::robot::Robot;
+use fivebar::input::robot::Robot;
+use fivebar::input::scenario::Mismatch;
+use fivebar::run::plant::{Model, State};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::{Pose, Side, Velocities};
 use fivebar_tests::vectors::{ReferenceArm, Vectors};

@@ -3,7 +3,7 @@
 
 mod flash;
 
-use fivebar::link::{Conversation, Emulator};
+use fivebar::run::link::{Conversation, Emulator};
 use fivebar_firmware::Request;
 use fivebar_firmware::Settings;
 use fivebar_firmware::protocol::{Board, Identity, Order, Refusal, Reply};

@@ -3,7 +3,7 @@
 mod bench;
 
 use bench::Bench;
-use fivebar::link::{Conversation, Emulator};
+use fivebar::run::link::{Conversation, Emulator};
 use fivebar_firmware::protocol::{Order, Reply, StackUse};
 use fivebar_firmware::{Move, MoveKind, Request};
 

@@ -2,10 +2,11 @@
 
 #![allow(dead_code, reason = "each test file uses its own part")]
 
-use fivebar::link::{Loopback, Target};
-use fivebar::plant::{Mismatch, Plant};
-use fivebar::robot::{BuiltIn, Robot};
-use fivebar::run::{Record, Simulation};
+use fivebar::input::robot::{BuiltIn, Robot};
+use fivebar::input::scenario::Mismatch;
+use fivebar::run::link::{Loopback, Target};
+use fivebar::run::plant::Plant;
+use fivebar::run::simulation::{Record, Simulation};
 use fivebar_firmware::{Command, Move, MoveKind, Sensed, Settings};
 
 pub(crate) fn robot() -> Robot {

@@ -2,7 +2,7 @@
 
 #![allow(dead_code, reason = "each test file uses its own part")]
 
-use fivebar::link::Loopback;
+use fivebar::run::link::Loopback;
 use serialport::{SerialPort, TTYPort};
 use std::io::{Read, Write};
 use std::process::{Child, Command, Output, Stdio};

@@ -4,9 +4,10 @@
 
 #![allow(dead_code, reason = "each test file uses its own part")]
 
-use fivebar::link::{Conversation, Faulty, Loopback, Mishaps};
-use fivebar::plant::{FaultKind, Mismatch, Plant};
-use fivebar::robot::Robot;
+use fivebar::input::robot::Robot;
+use fivebar::input::scenario::{FaultKind, Mismatch};
+use fivebar::run::link::{Conversation, Faulty, Loopback, Mishaps};
+use fivebar::run::plant::Plant;
 use fivebar_firmware::protocol::{
     ControllerMessage, Order, Refusal, Reply, Sequence, Ticked, encode,
 };
@@ -33,7 +34,9 @@ pub(crate) const DOCUMENT: &str = include_str!("../../../docs/faults.md");
 #[track_caller]
 pub(crate) fn stated(test: &str) -> Stated {
     let name = format!("`{test}`");
-    let (_, mishaps) = DOCUMENT.split_once("## Injected faults").expect("the table");
+    let (_, mishaps) = DOCUMENT
+        .split_once("## Injected faults")
+        .expect("the table");
     let row = mishaps
         .lines()
         .map(|line| line.split('|').map(str::trim).collect::<Vec<_>>())

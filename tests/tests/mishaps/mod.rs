@@ -3,8 +3,8 @@
 //! emulated board; `docs/faults.md` states what it must lead to, and within how many ticks.
 
 use crate::bench::{Bench, Stated, stated};
-use fivebar::link::Mishaps;
-use fivebar::plant::FaultKind;
+use fivebar::input::scenario::FaultKind;
+use fivebar::run::link::Mishaps;
 use fivebar_firmware::Request;
 use fivebar_firmware::controller::Refusal as Denied;
 use fivebar_firmware::protocol::{Order, Refusal};

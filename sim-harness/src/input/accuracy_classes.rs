@@ -1,0 +1,95 @@
+//! Classes of tolerance: what making a dimension so exact costs.
+
+use super::source::Source;
+use fivebar_design::accuracy::allocation::Class;
+use serde::Deserialize;
+use std::path::Path;
+
+/// `[[input]]` and `[[length]]` tables with `name`, `sd` and `cost`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Classes {
+    input: Vec<ClassEntry>,
+    length: Vec<ClassEntry>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ClassEntry {
+    name: String,
+    /// [rad] or [m].
+    sd: f64,
+    cost: f64,
+}
+
+impl Classes {
+    /// Reads a file of classes.
+    ///
+    /// # Errors
+    /// A sentence naming the file and what is wrong.
+    pub fn read(path: &Path) -> Result<Self, String> {
+        let shown = path.display();
+        let text = std::fs::read_to_string(path).map_err(|error| format!("{shown}: {error}"))?;
+        let source = Source {
+            file: &shown.to_string(),
+            text: &text,
+        };
+        let classes: Self = source.parse().map_err(|error| error.to_string())?;
+        let sound = |entry: &ClassEntry| {
+            entry.sd >= 0.0 && entry.sd.is_finite() && entry.cost >= 0.0 && entry.cost.is_finite()
+        };
+        if classes.input.is_empty() || classes.length.is_empty() {
+            return Err(format!(
+                "{shown}: give at least one [[input]] and one [[length]]"
+            ));
+        }
+        match classes
+            .input
+            .iter()
+            .chain(&classes.length)
+            .find(|entry| !sound(entry))
+        {
+            Some(entry) => Err(format!(
+                "{shown}: class {:?}: sd and cost must be finite and not negative",
+                entry.name
+            )),
+            None => Ok(classes),
+        }
+    }
+
+    /// What the driven angles may have.
+    pub fn inputs(&self) -> Vec<Class> {
+        self.input.iter().map(ClassEntry::class).collect()
+    }
+
+    /// What the lengths may have.
+    pub fn lengths(&self) -> Vec<Class> {
+        self.length.iter().map(ClassEntry::class).collect()
+    }
+
+    /// Each dimension with the name of its class.
+    ///
+    /// # Panics
+    /// For a choice that [`cheapest`](crate::study::accuracy::cheapest) did not make from these.
+    pub fn names(&self, choice: &[usize]) -> Vec<(&'static str, String)> {
+        let dimensions = ["θ1", "θ4", "l1", "l2", "l3", "l4", "base"];
+        let name = |(dimension, (index, &class)): (&'static str, (usize, &usize))| {
+            let list = if index < 2 { &self.input } else { &self.length };
+            (dimension, list[class].name.clone())
+        };
+        dimensions
+            .into_iter()
+            .zip(choice.iter().enumerate())
+            .map(name)
+            .collect()
+    }
+}
+
+impl ClassEntry {
+    fn class(&self) -> Class {
+        Class {
+            deviation: self.sd,
+            cost: self.cost,
+        }
+    }
+}

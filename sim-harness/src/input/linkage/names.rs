@@ -1,0 +1,42 @@
+//! What the parts of a linkage are called: by their links.
+
+use fivebar_design::linkage::{Group, LinkId, Linkage};
+
+/// The driven links with the unit of their coordinate.
+pub(crate) fn driven_links(linkage: &Linkage<f64>) -> impl Iterator<Item = (&str, &'static str)> {
+    linkage.elements().iter().filter_map(|element| {
+        let unit = match element.group {
+            Group::Crank { .. } => "rad",
+            Group::Slider { .. } => "m",
+            _ => return None,
+        };
+        let link = element.links().next()?;
+        Some((linkage.links()[link.index()].name.as_str(), unit))
+    })
+}
+
+/// The dyads by their place among the elements, called after their two links.
+pub(crate) fn dyads(linkage: &Linkage<f64>) -> Vec<(usize, String)> {
+    let elements = linkage.elements().iter().enumerate();
+    elements
+        .filter(|(_, element)| !element.group.is_driven())
+        .map(|(i, element)| (i, links_of(linkage, element.links())))
+        .collect()
+}
+
+/// "coupler–rocker".
+pub(crate) fn links_of(linkage: &Linkage<f64>, links: impl Iterator<Item = LinkId>) -> String {
+    let names: Vec<_> = links
+        .map(|link| linkage.links()[link.index()].name.as_str())
+        .collect();
+    names.join("–")
+}
+
+/// "crank on coupler", in the order of a motion's reactions.
+pub(crate) fn reaction_names(linkage: &Linkage<f64>) -> Vec<String> {
+    let name = |link: LinkId| &linkage.links()[link.index()].name;
+    let joints = linkage.joints();
+    joints
+        .map(|(from, on)| format!("{} on {}", name(from), name(on)))
+        .collect()
+}

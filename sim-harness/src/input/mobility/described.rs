@@ -1,0 +1,214 @@
+//! One mechanism in TOML, as a person writes it: joints by kind, axis and point.
+
+use super::{Mechanism, Study};
+use crate::input::source::{FileError, Source};
+use fivebar_design::mobility::{Freedom, Graph, Joint, Parallel, Screw};
+use nalgebra::Vector3;
+use serde::Deserialize;
+
+/// The name by which joints refer to the base.
+const GROUND: &str = "ground";
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    name: String,
+    #[serde(default)]
+    description: String,
+    #[serde(default)]
+    limb: Vec<LimbEntry>,
+    platform: Option<String>,
+    #[serde(default)]
+    joint: Vec<GraphEntry>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LimbEntry {
+    joints: Vec<JointEntry>,
+}
+
+#[derive(Deserialize)]
+struct GraphEntry {
+    between: [String; 2],
+    // Flattening rules out deny_unknown_fields; JointEntry's own fields are checked there.
+    #[serde(flatten)]
+    joint: JointEntry,
+}
+
+#[derive(Deserialize)]
+#[serde(tag = "kind", deny_unknown_fields)]
+enum JointEntry {
+    /// Revolute.
+    R {
+        axis: [f64; 3],
+        point: [f64; 3],
+        #[serde(default)]
+        actuated: bool,
+    },
+    /// Prismatic.
+    P {
+        axis: [f64; 3],
+        #[serde(default)]
+        actuated: bool,
+    },
+    /// Helical, `pitch` in metres per radian.
+    H {
+        axis: [f64; 3],
+        point: [f64; 3],
+        pitch: f64,
+        #[serde(default)]
+        actuated: bool,
+    },
+    /// Cylindrical: R and P on one axis.
+    C {
+        axis: [f64; 3],
+        point: [f64; 3],
+        #[serde(default)]
+        actuated: bool,
+    },
+    /// Universal: two crossing revolute axes.
+    U {
+        axis: [f64; 3],
+        axis2: [f64; 3],
+        point: [f64; 3],
+        #[serde(default)]
+        actuated: bool,
+    },
+    /// Spherical: three revolute axes through a point.
+    S { point: [f64; 3] },
+    /// A parallelogram taken whole: `rod` from its near to its far joint, turning about
+    /// `axis`.
+    Pa {
+        axis: [f64; 3],
+        rod: [f64; 3],
+        #[serde(default)]
+        actuated: bool,
+    },
+}
+
+impl JointEntry {
+    fn joint(&self, from: usize, to: usize) -> Joint {
+        let line = |axis: &[f64; 3], point: &[f64; 3]| {
+            Freedom::Screw(Screw::line(Vector3::from(*axis), Vector3::from(*point)))
+        };
+        let slide = |axis: &[f64; 3]| Freedom::Screw(Screw::free(Vector3::from(*axis)));
+        let (freedoms, actuated) = match self {
+            Self::R {
+                axis,
+                point,
+                actuated,
+            } => (vec![line(axis, point)], *actuated),
+            Self::P { axis, actuated } => (vec![slide(axis)], *actuated),
+            Self::H {
+                axis,
+                point,
+                pitch,
+                actuated,
+            } => {
+                let screw = Screw::helix(Vector3::from(*axis), Vector3::from(*point), *pitch);
+                (vec![Freedom::Screw(screw)], *actuated)
+            }
+            Self::C {
+                axis,
+                point,
+                actuated,
+            } => (vec![line(axis, point), slide(axis)], *actuated),
+            Self::U {
+                axis,
+                axis2,
+                point,
+                actuated,
+            } => (vec![line(axis, point), line(axis2, point)], *actuated),
+            Self::S { point } => {
+                let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+                (axes.iter().map(|axis| line(axis, point)).collect(), false)
+            }
+            Self::Pa {
+                axis,
+                rod,
+                actuated,
+            } => {
+                let freedom = Freedom::Parallelogram {
+                    normal: Vector3::from(*axis),
+                    rod: Vector3::from(*rod),
+                };
+                (vec![freedom], *actuated)
+            }
+        };
+        Joint {
+            from,
+            to,
+            freedoms,
+            actuated,
+        }
+    }
+}
+
+pub(super) fn parse(source: Source<'_>) -> Result<Study, FileError> {
+    let file: File = source.parse()?;
+    let mechanism = mechanism(&file).map_err(|reason| FileError {
+        file: source.file.into(),
+        line: None,
+        reason,
+    })?;
+    Ok(Study {
+        name: file.name,
+        description: file.description,
+        mechanism,
+    })
+}
+
+fn mechanism(file: &File) -> Result<Mechanism, String> {
+    match (file.limb.is_empty(), file.joint.is_empty()) {
+        (false, true) => parallel(&file.limb, file.platform.as_deref()),
+        (true, false) => graph(&file.joint, file.platform.as_deref()),
+        (false, false) => Err("give either [[limb]] or [[joint]], not both".into()),
+        (true, true) => Err("there is no [[limb]] and no [[joint]]".into()),
+    }
+}
+
+fn parallel(limbs: &[LimbEntry], platform: Option<&str>) -> Result<Mechanism, String> {
+    if platform.is_some() {
+        return Err("platform: limbs end on the platform by themselves; leave the key out".into());
+    }
+    let limbs = limbs
+        .iter()
+        .map(|limb| limb.joints.iter().map(|joint| joint.joint(0, 0)).collect())
+        .collect();
+    Parallel::new(limbs)
+        .map(Mechanism::Parallel)
+        .map_err(|error| error.to_string())
+}
+
+fn graph(entries: &[GraphEntry], platform: Option<&str>) -> Result<Mechanism, String> {
+    let platform = platform.ok_or("platform: name the body whose freedoms are asked for")?;
+    let mut bodies: std::collections::HashMap<&str, usize> = [(GROUND, 0)].into();
+    for body in entries.iter().flat_map(|entry| &entry.between) {
+        let next = bodies.len();
+        bodies.entry(body).or_insert(next);
+    }
+    if !entries
+        .iter()
+        .any(|entry| entry.between.iter().any(|body| body == GROUND))
+    {
+        return Err(format!(
+            "no joint names the body {GROUND:?}: nothing holds the mechanism"
+        ));
+    }
+    let platform = *bodies
+        .get(platform)
+        .ok_or_else(|| format!("platform: no joint names a body {platform:?}"))?;
+    let joints = entries
+        .iter()
+        .map(|entry| {
+            let [from, to] = &entry.between;
+            entry
+                .joint
+                .joint(bodies[from.as_str()], bodies[to.as_str()])
+        })
+        .collect();
+    Graph::new(bodies.len(), platform, joints)
+        .map(Mechanism::Graph)
+        .map_err(|error| error.to_string())
+}

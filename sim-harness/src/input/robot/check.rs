@@ -1,0 +1,308 @@
+//! From the file as written to a robot that makes sense, or the key that does not.
+
+use super::file::{LinkFile, RobotFile};
+use super::home::best_conditioned;
+use super::value::{
+    LONGEST, POSITIVE, SHORTEST, finite, increasing, near, not_negative, positive, sized,
+};
+use super::{Actuator, Robot, fit, tolerance};
+use crate::input::source::{FileError, Key, Source};
+use fivebar_kinematics::Vec2;
+use fivebar_kinematics::dynamics::{Arm, Link};
+use fivebar_kinematics::five_bar::{self, Geometry, GeometryError, Side, WorkingMode};
+use std::f64::consts::TAU;
+
+pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
+    let file: RobotFile = source.parse()?;
+    if file.name.trim().is_empty() {
+        return Err(source.refuse(Key::Top("name"), "must not be empty"));
+    }
+    // Neither XML nor a table has a place for others.
+    if file.name.contains(char::is_control) {
+        return Err(source.refuse(Key::Top("name"), "must be one line of plain characters"));
+    }
+    let gravity = finite(&source, Key::Top("gravity"), file.gravity)?;
+    let payload = file.payload.unwrap_or(0.0);
+    not_negative(&source, Key::Top("payload"), payload)?;
+    let links: [LinkFile; 4] = file.link.try_into().map_err(|links: Vec<_>| {
+        let reason = format!(
+            "must be given four times, not {}: links 1 to 4",
+            links.len()
+        );
+        source.refuse(Key::Top("link"), reason)
+    })?;
+    let geometry = geometry(&source, &links, file.base)?;
+    let actuators = actuators(&source, file.actuator)?;
+    let rotors = actuators.map_or([0.0; 2], |actuators| {
+        actuators.map(|a| a.rotor_inertia * a.gear_ratio * a.gear_ratio)
+    });
+    let arm = match inertias(&source, &links)? {
+        None => None,
+        Some(_) if file.payload.is_none() => {
+            let reason = "is missing: where the links have masses it is stated, 0.0 for none";
+            return Err(source.refuse(Key::Top("payload"), reason));
+        }
+        Some(inertias) => {
+            let arm = Arm::new(geometry, inertias, payload, gravity, rotors);
+            Some(arm.map_err(|error| source.refuse(Key::Top("link"), error))?)
+        }
+    };
+    let working_mode = WorkingMode::new(
+        side(&source, &file.working_mode[0])?,
+        side(&source, &file.working_mode[1])?,
+    );
+    let home = match file.home {
+        None => best_conditioned(&geometry, working_mode, &file.limits)
+            .map_or([0.0; 2], |pose| [pose.u1.angle(), pose.u4.angle()]),
+        Some(angles) => {
+            finite(&source, Key::Top("home"), angles)?;
+            angles
+        }
+    };
+    let robot = Robot {
+        name: file.name,
+        geometry,
+        arm,
+        working_mode,
+        home,
+        actuators,
+        tool: file.tool,
+        limits: file.limits,
+        motion: file.motion,
+        control: file.control,
+        supply: file.supply,
+        protection: file.protection,
+        tolerance: tolerance::read(&source, &file.tolerance)?,
+        contact: file.contact,
+    };
+    if let Some((key, value, must)) = robot.contact.unsound() {
+        return Err(source.refuse(Key::In("contact", key), format!("{must}, not {value:?}")));
+    }
+    sections(&source, &robot)?;
+    if file.home.is_some() {
+        home_fits(&source, &robot)?;
+    }
+    fit::check(&source, &robot)?;
+    Ok(robot)
+}
+
+fn side(source: &Source<'_>, name: &str) -> Result<Side, FileError> {
+    match name {
+        "left" => Ok(Side::Left),
+        "right" => Ok(Side::Right),
+        other => Err(source.refuse(
+            Key::Top("working_mode"),
+            format!("must name two sides, \"left\" or \"right\", not \"{other}\""),
+        )),
+    }
+}
+
+fn geometry(
+    source: &Source<'_>,
+    links: &[LinkFile; 4],
+    base: f64,
+) -> Result<Geometry<f64>, FileError> {
+    let [l1, l2, l3, l4] = [0, 1, 2, 3].map(|i| links[i].length);
+    let link = |index: usize| (Key::Of("link", index, "length"), links[index].length);
+    for (key, length) in [(Key::Top("base"), base), link(0), link(1), link(2), link(3)] {
+        if length > LONGEST && length.is_finite() {
+            let reason = format!("is in metres, {LONGEST:?} at most, not {length:?}");
+            return Err(source.refuse(key, reason));
+        }
+        if length > 0.0 && length < SHORTEST {
+            let reason = format!("is in metres, {SHORTEST:?} at least, not {length:?}");
+            return Err(source.refuse(key, reason));
+        }
+    }
+    Geometry::new([l1, l2, l3, l4, base]).map_err(|error| match error {
+        GeometryError::NotPositive(index @ 0..4) => source.refuse(
+            Key::Of("link", index, "length"),
+            format!("{POSITIVE} of metres, not {:?}", links[index].length),
+        ),
+        GeometryError::NotPositive(_) => source.refuse(
+            Key::Top("base"),
+            format!("{POSITIVE} of metres, not {base:?}"),
+        ),
+        GeometryError::ToolOffset => source.refuse(Key::In("tool", "offset"), error),
+        GeometryError::CannotAssemble => source.refuse(
+            Key::Top("base"),
+            format!(
+                "and the links cannot be assembled: of {l1:?}, {l2:?}, {l3:?}, {l4:?} and {base:?} m \
+                 the longest exceeds the sum of the others"
+            ),
+        ),
+    })
+}
+
+/// The links' inertias: for every link, or for none (a robot known by its lengths alone).
+fn inertias(
+    source: &Source<'_>,
+    links: &[LinkFile; 4],
+) -> Result<Option<[Link<f64>; 4]>, FileError> {
+    let bare = |link: &LinkFile| (link.mass, link.com, link.inertia) == (None, None, None);
+    if links.iter().all(bare) {
+        return Ok(None);
+    }
+    let mut inertias = [Link {
+        mass: 0.0,
+        com: Vec2::zero(),
+        inertia: 0.0,
+    }; 4];
+    for (index, (link, inertia)) in links.iter().zip(&mut inertias).enumerate() {
+        let key = |name| Key::Of("link", index, name);
+        let missing = |name| {
+            source.refuse(
+                key(name),
+                "is missing: every link needs mass, com and inertia (or none of the four \
+                 has any, for kinematics alone)",
+            )
+        };
+        let mass = link.mass.ok_or_else(|| missing("mass"))?;
+        let com = link.com.ok_or_else(|| missing("com"))?;
+        let moment = link.inertia.ok_or_else(|| missing("inertia"))?;
+        *inertia = Link {
+            mass: positive(source, key("mass"), mass)?,
+            com: near(source, key("com"), com)?,
+            inertia: positive(source, key("inertia"), moment)?,
+        };
+    }
+    Ok(Some(inertias))
+}
+
+fn actuators(
+    source: &Source<'_>,
+    given: Vec<Actuator>,
+) -> Result<Option<[Actuator; 2]>, FileError> {
+    if given.is_empty() {
+        return Ok(None);
+    }
+    let actuators: [Actuator; 2] = given.try_into().map_err(|given: Vec<_>| {
+        let reason = format!(
+            "must be given twice, not {}: joint 1 and joint 4",
+            given.len()
+        );
+        source.refuse(Key::Top("actuator"), reason)
+    })?;
+    for (index, a) in actuators.iter().enumerate() {
+        let key = |name| Key::Of("actuator", index, name);
+        if a.gear_ratio == 0.0 || !a.gear_ratio.is_finite() {
+            let reason = format!(
+                "must be a finite number but 0, below zero where the motor turns against its \
+                 joint, not {:?}",
+                a.gear_ratio
+            );
+            return Err(source.refuse(key("gear_ratio"), reason));
+        }
+        sized(source, key("gear_ratio"), a.gear_ratio)?;
+        for (name, value) in [
+            ("torque_constant", a.torque_constant),
+            ("resistance", a.resistance),
+            ("inductance", a.inductance),
+            ("encoder_counts", f64::from(a.encoder_counts)),
+            ("peak_current", a.peak_current),
+            ("continuous_current", a.continuous_current),
+            ("thermal_time_constant", a.thermal_time_constant),
+            ("current_per_code", a.current_per_code.unwrap_or(1.0)),
+        ] {
+            positive(source, key(name), value)?;
+        }
+        for (name, value) in [
+            ("rotor_inertia", a.rotor_inertia),
+            ("viscous_friction", a.viscous_friction),
+            ("coulomb_friction", a.coulomb_friction),
+            ("brake_torque", a.brake_torque),
+        ] {
+            not_negative(source, key(name), value)?;
+        }
+    }
+    Ok(Some(actuators))
+}
+
+fn sections(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
+    let Robot {
+        limits,
+        motion,
+        control,
+        supply,
+        protection,
+        tool,
+        ..
+    } = robot;
+    let offset = near(source, Key::In("tool", "offset"), tool.offset)?;
+    five_bar::Tool::new(robot.geometry, offset)
+        .map_err(|_| source.refuse(Key::In("tool", "offset"), "must not put the tool on B"))?;
+    for range in limits.angle {
+        let key = Key::In("limits", "angle");
+        increasing(source, key, range)?;
+        if range.iter().any(|angle| angle.abs() > TAU) {
+            let reason = format!("is in radians, within ±2π, not {range:?}");
+            return Err(source.refuse(key, reason));
+        }
+    }
+    if let Some(range) = supply.range {
+        increasing(source, Key::In("supply", "range"), range)?;
+    }
+    for (key, of_joints) in [
+        ("max_speed", limits.max_speed),
+        ("max_acceleration", limits.max_acceleration),
+        ("max_torque", limits.max_torque.unwrap_or([1.0; 2])),
+    ] {
+        for value in of_joints {
+            positive(source, Key::In("limits", key), value)?;
+        }
+    }
+    for (section, key, value) in [
+        ("motion", "max_speed", motion.max_speed),
+        ("motion", "max_acceleration", motion.max_acceleration),
+        ("motion", "max_jerk", motion.max_jerk),
+        ("control", "tick_rate", control.tick_rate),
+        ("control", "bandwidth", control.bandwidth),
+        ("control", "damping", control.damping),
+        ("control", "observer_bandwidth", control.observer_bandwidth),
+        ("control", "current_bandwidth", control.current_bandwidth),
+        ("supply", "voltage", supply.voltage),
+        (
+            "supply",
+            "voltage_per_code",
+            supply.voltage_per_code.unwrap_or(1.0),
+        ),
+        ("protection", "following_error", protection.following_error),
+        ("protection", "over_speed", protection.over_speed),
+        ("protection", "over_current", protection.over_current),
+        ("protection", "command_timeout", protection.command_timeout),
+    ] {
+        positive(source, Key::In(section, key), value)?;
+    }
+    not_negative(
+        source,
+        Key::In("motion", "corner_tolerance"),
+        motion.corner_tolerance,
+    )?;
+    not_negative(
+        source,
+        Key::In("control", "integral_rate"),
+        control.integral_rate,
+    )?;
+    if !(0.0..1.0).contains(&limits.singularity_margin) {
+        let reason = format!("is a sine: in 0…1, not {:?}", limits.singularity_margin);
+        return Err(source.refuse(Key::In("limits", "singularity_margin"), reason));
+    }
+    Ok(())
+}
+
+/// Home must be a pose in the working mode and within the joints' limits.
+fn home_fits(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
+    let [theta1, theta4] = robot.home;
+    if !robot.limits.contain(robot.home) {
+        let [limits1, limits4] = robot.limits.angle;
+        let reason = format!(
+            "[{theta1:?}, {theta4:?}] rad is outside the joints' limits {limits1:.4?} and {limits4:.4?} rad"
+        );
+        return Err(source.refuse(Key::Top("home"), reason));
+    }
+    robot.home_pose().map(|_| ()).map_err(|_| {
+        let reason =
+            format!("[{theta1:?}, {theta4:?}] rad is no pose of this arm in its working mode");
+        source.refuse(Key::Top("home"), reason)
+    })
+}

@@ -1,0 +1,81 @@
+//! What a single value of a robot file must be.
+
+use crate::input::source::{FileError, Key, Source};
+use fivebar_kinematics::Vec2;
+use std::ops::RangeInclusive;
+
+/// Longest link or base [m]: what is longer was meant in millimetres. And the shortest.
+pub(super) const LONGEST: f64 = 20.0;
+pub(super) const SHORTEST: f64 = 1e-6;
+
+/// What an arm's quantities lie within; the controller's single precision ends not far beyond.
+const SIZES: RangeInclusive<f64> = 1e-30..=1e30;
+
+pub(super) const POSITIVE: &str = "must be a positive finite number";
+const NOT_NEGATIVE: &str = "must be finite and not negative";
+const FINITE: &str = "must be finite, 1e30 at most";
+const SIZED: &str = "must be 1e-30 to 1e30 in size";
+
+pub(super) fn positive(source: &Source<'_>, key: Key, value: f64) -> Result<f64, FileError> {
+    if value > 0.0 && value.is_finite() {
+        sized(source, key, value)
+    } else {
+        Err(source.refuse(key, format!("{POSITIVE}, not {value:?}")))
+    }
+}
+
+pub(super) fn not_negative(source: &Source<'_>, key: Key, value: f64) -> Result<f64, FileError> {
+    if value == 0.0 {
+        Ok(value)
+    } else if value > 0.0 && value.is_finite() {
+        sized(source, key, value)
+    } else {
+        Err(source.refuse(key, format!("{NOT_NEGATIVE}, not {value:?}")))
+    }
+}
+
+pub(super) fn sized(source: &Source<'_>, key: Key, value: f64) -> Result<f64, FileError> {
+    if SIZES.contains(&value.abs()) {
+        Ok(value)
+    } else {
+        Err(source.refuse(key, format!("{SIZED}, not {value:?}")))
+    }
+}
+
+pub(super) fn finite(
+    source: &Source<'_>,
+    key: Key,
+    value: [f64; 2],
+) -> Result<Vec2<f64>, FileError> {
+    let [x, y] = value;
+    let greatest = *SIZES.end();
+    if x.abs() <= greatest && y.abs() <= greatest {
+        Ok(Vec2::new(x, y))
+    } else {
+        Err(source.refuse(key, format!("{FINITE}, not [{x:?}, {y:?}]")))
+    }
+}
+
+/// A point of a link, which is not in millimetres.
+pub(super) fn near(source: &Source<'_>, key: Key, value: [f64; 2]) -> Result<Vec2<f64>, FileError> {
+    let point = finite(source, key, value)?;
+    if value.iter().all(|metres| metres.abs() <= LONGEST) {
+        Ok(point)
+    } else {
+        let reason = format!("is in metres, {LONGEST:?} at most, not {value:?}");
+        Err(source.refuse(key, reason))
+    }
+}
+
+pub(super) fn increasing(
+    source: &Source<'_>,
+    key: Key,
+    [least, greatest]: [f64; 2],
+) -> Result<(), FileError> {
+    if least < greatest && least.is_finite() && greatest.is_finite() {
+        Ok(())
+    } else {
+        let reason = format!("must be [least, greatest], not [{least:?}, {greatest:?}]");
+        Err(source.refuse(key, reason))
+    }
+}

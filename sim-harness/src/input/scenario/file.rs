@@ -1,0 +1,158 @@
+//! The scenario file as written, and its reading.
+
+use super::faults::FaultEntry;
+use super::{Mismatch, PlantFault, Scenario, ScenarioError};
+use crate::input::job;
+use crate::input::robot::{BuiltIn, Robot};
+use crate::input::source::{FileError, Key, Source};
+use serde::Deserialize;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// The whole file.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ScenarioFile {
+    /// What it is called; the file's own name without it.
+    name: Option<String>,
+    /// A built-in robot or a robot file, from the folder of this one.
+    #[serde(default = "default_robot")]
+    robot: String,
+    /// The G-code file, from the folder of this one.
+    job: String,
+    /// Where the job's (0, 0) lies [m].
+    origin: Option<[f64; 2]>,
+    /// Metres in the plane per metre in the job.
+    #[serde(default = "one")]
+    scale: f64,
+    /// Seed of every random number of the run.
+    #[serde(default = "first")]
+    seed: u64,
+    /// Control by the arm's model; else by a PD at each joint.
+    #[serde(default = "yes")]
+    computed_torque: bool,
+    /// How the arm differs from what the controller believes.
+    #[serde(default)]
+    mismatch: Mismatch,
+    /// What breaks, and when.
+    #[serde(default)]
+    fault: Vec<FaultEntry>,
+}
+
+fn default_robot() -> String {
+    BuiltIn::DEFAULT.into()
+}
+fn one() -> f64 {
+    1.0
+}
+fn first() -> u64 {
+    1
+}
+fn yes() -> bool {
+    true
+}
+
+impl Scenario {
+    /// Reads a scenario file and what it names.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or a key or a value that makes no sense.
+    pub fn load(path: &str) -> Result<Self, ScenarioError> {
+        let text = read(path)?;
+        let source = Source {
+            file: path,
+            text: &text,
+        };
+        let file: ScenarioFile = source.parse().map_err(|error| {
+            if Robot::parse(path, &text).is_err() {
+                return error;
+            }
+            let reason = format!("this is a robot, not a scenario: give it as --robot {path}");
+            FileError {
+                line: None,
+                reason,
+                ..error
+            }
+        })?;
+        check(&source, &file)?;
+        let (mut broken, mut faults) = (Vec::new(), Vec::new());
+        for (index, entry) in file.fault.iter().enumerate() {
+            match entry.fault(&source, index)? {
+                (None, kind) => broken.push(kind),
+                (Some(at), kind) => faults.push(PlantFault { at, kind }),
+            }
+        }
+        let robot = match BuiltIn::find(&file.robot) {
+            Some(built_in) => built_in.robot()?,
+            None => Robot::load(&beside(path, &file.robot))?,
+        };
+        let job_file = beside(path, &file.job);
+        let job_text = read_job(&job_file)?;
+        Ok(Self {
+            name: file.name.unwrap_or_else(|| stem(path)),
+            robot,
+            job_file,
+            job_text,
+            origin: file.origin,
+            scale: file.scale,
+            seed: file.seed,
+            mismatch: file.mismatch,
+            clearance: None,
+            broken,
+            faults,
+            computed_torque: file.computed_torque,
+        })
+    }
+
+    /// The declared mismatch and the job of a G-code file.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn of_job(path: &str, robot: Robot) -> Result<Self, ScenarioError> {
+        Ok(Self::new(&stem(path), robot, path, read_job(path)?))
+    }
+}
+
+fn check(source: &Source<'_>, file: &ScenarioFile) -> Result<(), FileError> {
+    if !(file.scale > 0.0 && file.scale.is_finite()) {
+        let reason = format!("must be a positive finite number, not {:?}", file.scale);
+        return Err(source.refuse(Key::Top("scale"), reason));
+    }
+    if let Some([x, y]) = file.origin
+        && !(x.is_finite() && y.is_finite())
+    {
+        let reason = format!("must be finite, not [{x:?}, {y:?}]");
+        return Err(source.refuse(Key::Top("origin"), reason));
+    }
+    file.mismatch
+        .check()
+        .map_err(|unsound| source.refuse(Key::In("mismatch", unsound.name), unsound))
+}
+
+/// A file named in another one, from where that lies.
+fn beside(file: &str, named: &str) -> String {
+    let folder = Path::new(file)
+        .parent()
+        .map_or_else(PathBuf::new, Path::to_path_buf);
+    folder.join(named).to_string_lossy().into_owned()
+}
+
+fn stem(path: &str) -> String {
+    let stem = Path::new(path).file_stem().unwrap_or_default();
+    stem.to_string_lossy().into_owned()
+}
+
+fn read(path: &str) -> Result<String, ScenarioError> {
+    std::fs::read_to_string(path).map_err(|source| unread(path, source))
+}
+
+fn read_job(path: &str) -> Result<String, ScenarioError> {
+    job::read(Path::new(path)).map_err(|source| unread(path, source))
+}
+
+fn unread(file: &str, source: io::Error) -> ScenarioError {
+    ScenarioError::Read {
+        file: file.into(),
+        source,
+    }
+}

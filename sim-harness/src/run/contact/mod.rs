@@ -1,0 +1,16 @@
+//! A journal in a bearing with clearance: contact, impact, flight.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | `law` | the laws of restitution |
+//! | `journal` | the force between pin and bearing, and when they meet and part |
+//! | `adaptive` | integration with a step that suits the contact, from event to event |
+//!
+//! None of this knows of any mechanism.
+
+mod adaptive;
+mod journal;
+mod law;
+
+pub use adaptive::{Adaptive, Hybrid};
+pub use journal::{Eccentricity, Journal, NoJournal, Phase, Touch};

@@ -1,0 +1,12 @@
+//! What has broken so far.
+
+/// The faults that have come to pass.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Broken {
+    pub(super) frozen_counts: [Option<i32>; 2],
+    pub(super) stuck_switch: [Option<bool>; 2],
+    pub(super) disconnected: [bool; 2],
+    pub(super) stalled: [bool; 2],
+    pub(super) driver_fault: [bool; 2],
+    pub(super) emergency_stop: bool,
+}

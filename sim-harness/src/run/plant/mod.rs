@@ -1,0 +1,304 @@
+//! The simulated arm: a plant of its own make, in full coordinates with constraint forces,
+//! that never uses the controller's model, so that a simulation cannot confirm the
+//! controller's mistakes.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | `planar` | bodies and their motion in the plane |
+//! | `chain` | the joints A to E and the forces in them |
+//! | `motor`, `brake` | windings, gears, friction; what holds an unpowered joint |
+//! | `dynamics` | the state and its integration |
+//! | `wear` | worn joints: pins with clearance in their bearings |
+//! | `sensors`, `noise` | what the controller gets to know |
+//! | `faults` | what has broken |
+//! | `build` | all this from a robot file |
+
+mod brake;
+mod build;
+mod chain;
+mod dynamics;
+mod faults;
+mod motor;
+mod noise;
+mod planar;
+mod sensors;
+mod wear;
+
+pub use chain::{Chain, JOINTS, PerJoint};
+pub use dynamics::{Loads, Model, State};
+pub use motor::Motor;
+pub use noise::Noise;
+pub use planar::{Body, Planar};
+pub use sensors::JointSensors;
+pub use wear::{JointTally, Wear};
+
+use crate::input::robot::{KinematicsOnly, Robot};
+use crate::input::scenario::{FaultKind, Mismatch, PlantFault};
+use brake::Brake;
+use dynamics::DRIVEN;
+use faults::Broken;
+use fivebar_firmware::{Command, Sensed};
+use fivebar_kinematics::five_bar::Pose;
+use nalgebra::Vector2;
+
+/// Steps of the timer that makes the PWM: 168 MHz for 20 kHz, counting up and down.
+const PWM_STEPS: f64 = 4200.0;
+/// A joint that is held or jammed is one whose link is too heavy to turn [kg·m²].
+const HELD: f64 = 1e6;
+
+/// An arm with its motors, bridges and sensors, and the wear of its seed.
+#[derive(Clone, Debug)]
+pub struct Plant {
+    model: Model,
+    state: State,
+    wear: Option<Wear>,
+    sensors: [JointSensors; 2],
+    brakes: [Brake; 2],
+    /// Inertia of the driven links when they are free to turn [kg·m²].
+    free_inertia: [f64; 2],
+    bus_voltage: f64,
+    volts_per_code: f64,
+    count_origin: [i32; 2],
+    noise: Noise,
+    /// The command that the bridges carry out now; the latest waits for the next period.
+    active: Command,
+    time: f64,
+    /// Faults yet to come, the last one first.
+    pending: Vec<PlantFault>,
+    broken: Broken,
+    /// Ticks that the controller is about to miss.
+    late_by: u32,
+    /// Ticks that it missed last.
+    missed_ticks: u32,
+    tool_force: Vector2<f64>,
+}
+
+impl Plant {
+    /// The arm of `robot` with these differences from it, at rest in `pose`.
+    ///
+    /// # Errors
+    /// A robot known by its lengths alone.
+    pub fn new(
+        robot: &Robot,
+        mismatch: &Mismatch,
+        pose: &Pose<f64>,
+        seed: u64,
+    ) -> Result<Self, KinematicsOnly> {
+        let model = Model::new(robot, mismatch)?;
+        let settings = robot.settings()?;
+        let drives = robot.drives()?;
+        let mut noise = Noise::new(seed);
+        Ok(Self {
+            brakes: drives.map(|drive| Brake::new(drive.brake_torque)),
+            free_inertia: DRIVEN.map(|link| model.chain.bodies[link].inertia),
+            state: model.state_at(pose, [0.0; 4]),
+            model,
+            wear: None,
+            sensors: [0, 1].map(|joint| JointSensors::new(&settings, mismatch, joint)),
+            bus_voltage: robot.supply.voltage,
+            volts_per_code: robot.voltage_per_code(),
+            // Incremental counters start anywhere.
+            count_origin: [noise.integer(), noise.integer()],
+            noise,
+            active: Command {
+                brake: true,
+                ..Command::default()
+            },
+            time: 0.0,
+            pending: Vec::new(),
+            broken: Broken::default(),
+            late_by: 0,
+            missed_ticks: 0,
+            tool_force: Vector2::zeros(),
+        })
+    }
+
+    /// The same arm with worn joints, from now on integrated with a step that suits their
+    /// contacts, and watched joint by joint.
+    #[must_use]
+    pub fn worn(mut self, wear: Wear) -> Self {
+        self.model.chain.held = wear.held();
+        self.wear = Some(wear);
+        self
+    }
+
+    /// Lets these faults come to pass, each so long from now.
+    pub fn break_later(&mut self, faults: &[PlantFault]) {
+        self.pending.extend(faults.iter().map(|fault| PlantFault {
+            at: self.time + fault.at,
+            ..*fault
+        }));
+        self.pending.sort_by(|a, b| b.at.total_cmp(&a.at));
+    }
+
+    /// Samples all sensors at once.
+    pub fn sense(&mut self) -> Sensed {
+        let counts = [0, 1].map(|j| {
+            let counted = || self.sensors[j].counts(self.angle(j), self.count_origin[j]);
+            self.broken.frozen_counts[j].unwrap_or_else(counted)
+        });
+        let home = [0, 1].map(|j| {
+            let followed = || self.sensors[j].at_home(self.angle(j));
+            self.broken.stuck_switch[j].unwrap_or_else(followed)
+        });
+        let current = self.state.current;
+        Sensed {
+            counts,
+            current: [0, 1].map(|j| self.sensors[j].current_code(current[j], &mut self.noise)),
+            bus_voltage: sensors::adc_code(self.bus_voltage / self.volts_per_code),
+            home,
+            emergency_stop: self.broken.emergency_stop,
+            driver_fault: self.broken.driver_fault,
+            missed_ticks: self.missed_ticks,
+        }
+    }
+
+    /// Moves on by one tick of `period` [s], and by those that the controller misses. The
+    /// bridges carry out the command of the tick before, as PWM registers load at the end of
+    /// their period.
+    pub fn step(&mut self, command: &Command, period: f64) {
+        self.break_what_is_due();
+        self.missed_ticks = std::mem::take(&mut self.late_by);
+        for _ in 0..=self.missed_ticks {
+            self.pass(command, period);
+        }
+    }
+
+    fn pass(&mut self, command: &Command, period: f64) {
+        let applied = std::mem::replace(&mut self.active, *command);
+        let loads = Loads {
+            voltage: [0, 1].map(|j| self.terminal_voltage(&applied, j)),
+            joint_torque: [0, 1].map(|j| self.brake(j, applied.brake)),
+            tool_force: self.tool_force,
+        };
+        self.time += period;
+        if let Some(wear) = &mut self.wear {
+            wear.step(&self.model, &mut self.state, &loads, period);
+            return;
+        }
+        let steps = (period / self.model.longest_step()).ceil().max(1.0);
+        for _ in 0..steps as usize {
+            self.model.step(&mut self.state, &loads, period / steps);
+        }
+    }
+
+    fn terminal_voltage(&self, command: &Command, joint: usize) -> Option<f64> {
+        let off = self.broken.disconnected[joint]
+            || self.broken.driver_fault[joint]
+            || self.broken.emergency_stop;
+        if off || !command.enable[joint] {
+            return None;
+        }
+        // The compare register holds whole steps; not a number is 0 there.
+        let duty = f64::from(command.duty[joint]).clamp(-1.0, 1.0);
+        let register = (duty * PWM_STEPS).round() as i32;
+        Some(f64::from(register) / PWM_STEPS * self.bus_voltage)
+    }
+
+    /// Engages or releases a brake; its torque while it slows its joint down [N·m].
+    fn brake(&mut self, joint: usize, engaged: bool) -> f64 {
+        let omega = self.state.v[DRIVEN[joint]].angular;
+        let brake = &mut self.brakes[joint];
+        let held = brake.holding;
+        brake.set(engaged, omega);
+        let slowing = brake.slowing(engaged, omega);
+        if brake.holding != held {
+            self.hold(joint, !held);
+        }
+        slowing
+    }
+
+    /// Stops a joint from turning, or lets it turn again if nothing else stops it.
+    fn hold(&mut self, joint: usize, hold: bool) {
+        let link = DRIVEN[joint];
+        if hold {
+            self.model.chain.bodies[link].inertia = HELD;
+            self.state.v[link] = Planar::ZERO;
+            self.model.chain.close(&mut self.state.q, &mut self.state.v);
+        } else if !self.broken.stalled[joint] {
+            self.model.chain.bodies[link].inertia = self.free_inertia[joint];
+        }
+    }
+
+    fn break_what_is_due(&mut self) {
+        while let Some(fault) = self.pending.pop_if(|fault| fault.at <= self.time) {
+            self.inject(fault.kind);
+        }
+    }
+
+    /// Lets a fault come to pass now.
+    pub fn inject(&mut self, fault: FaultKind) {
+        let broken = &mut self.broken;
+        match fault {
+            FaultKind::EncoderDead { joint } => {
+                let counts = self.sensors[joint].counts(
+                    self.state.q[DRIVEN[joint]].angular,
+                    self.count_origin[joint],
+                );
+                broken.frozen_counts[joint] = Some(counts);
+            }
+            FaultKind::EncoderJump { joint, counts } => {
+                self.count_origin[joint] = self.count_origin[joint].wrapping_add(counts);
+            }
+            FaultKind::SwitchStuck { joint, pressed } => broken.stuck_switch[joint] = Some(pressed),
+            FaultKind::MotorDisconnected { joint } => broken.disconnected[joint] = true,
+            FaultKind::MotorStalled { joint } => {
+                broken.stalled[joint] = true;
+                self.hold(joint, true);
+            }
+            FaultKind::CurrentOffset { joint, amperes } => {
+                let sensor = &mut self.sensors[joint];
+                sensor.current_offset += amperes / sensor.current_per_code;
+            }
+            FaultKind::BusVoltage { volts } => self.bus_voltage = volts,
+            FaultKind::DriverFault { joint } => broken.driver_fault[joint] = true,
+            FaultKind::EmergencyStop => broken.emergency_stop = true,
+            FaultKind::TicksMissed { ticks } => self.late_by = ticks,
+        }
+    }
+
+    /// Pushes on the tool from now on [N].
+    pub fn push(&mut self, force: Vector2<f64>) {
+        self.tool_force = force;
+    }
+
+    /// The arm's model, mismatch included.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+    /// Places, speeds and currents.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+    /// Time since the start [s].
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+    /// True angle of a driven joint, 0 or 1 [rad].
+    pub fn angle(&self, joint: usize) -> f64 {
+        self.state.q[DRIVEN[joint]].angular
+    }
+    /// True place of the tool [m].
+    pub fn tool(&self) -> Vector2<f64> {
+        self.model.tool(&self.state)
+    }
+    /// The bus voltage [V].
+    pub fn bus_voltage(&self) -> f64 {
+        self.bus_voltage
+    }
+    /// The force that each joint passes on, A to E, from the body nearer to A [N].
+    pub fn reactions(&self) -> PerJoint {
+        let (model, state) = (&self.model, &self.state);
+        let torque = model.drive_torque(state);
+        let (_, forces) = match &self.wear {
+            Some(wear) => wear.accelerations(model, state, torque, self.tool_force),
+            None => model.accelerations(state, torque, self.tool_force),
+        };
+        forces
+    }
+
+    /// The worn joints, where the arm was given some.
+    pub fn wear(&mut self) -> Option<&mut Wear> {
+        self.wear.as_mut()
+    }
+}

@@ -1,0 +1,302 @@
+//! The chain with worn joints: pins that fly, strike and slide in their bearings.
+//!
+//! A worn joint is not held by constraint: between body k−1, which has the bearing, and
+//! body k, which has the pin, act the forces of [`Journal`] alone. The joints that are not
+//! worn are held as ever. Coordinates, speeds and currents are integrated together, with a
+//! step that suits the contacts, from one touch or parting to the next.
+
+use super::chain::{Arms, JOINTS, PerJoint};
+use super::dynamics::{Loads, Model, State};
+use super::planar::Planar;
+use crate::input::robot::Contact;
+use crate::run::contact::{Adaptive, Eccentricity, Hybrid, Journal, NoJournal, Phase, Touch};
+use nalgebra::{SVector, Vector2};
+
+/// Twelve coordinates, their rates, two currents.
+const NUMBERS: usize = 26;
+type Numbers = SVector<f64, NUMBERS>;
+
+/// What a step may err by. Loads of a newton press a pin some 10 nm into its bearing.
+const PLACE_ERROR: f64 = 1e-10; // m
+const ANGLE_ERROR: f64 = 1e-9; // rad
+const SPEED_ERROR: f64 = 1e-6; // m/s
+const SPIN_ERROR: f64 = 1e-5; // rad/s
+const CURRENT_ERROR: f64 = 1e-6; // A
+
+/// What one joint went through.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct JointTally {
+    /// Greatest force [N].
+    pub peak_force: f64,
+    /// How often the pin struck its bearing.
+    pub impacts: u32,
+    /// The fastest of these [m/s].
+    pub fastest_impact: f64,
+    /// How often it left it.
+    pub flights: u32,
+    /// Time without contact [s].
+    pub flight: f64,
+}
+
+impl JointTally {
+    /// This and what came after it.
+    pub fn with(&self, later: &Self) -> Self {
+        Self {
+            peak_force: self.peak_force.max(later.peak_force),
+            impacts: self.impacts + later.impacts,
+            fastest_impact: self.fastest_impact.max(later.fastest_impact),
+            flights: self.flights + later.flights,
+            flight: self.flight + later.flight,
+        }
+    }
+}
+
+/// The joints that are worn, and what goes on in them.
+#[derive(Clone, Debug)]
+pub struct Wear {
+    journals: [Option<Journal>; JOINTS],
+    phases: [Phase; JOINTS],
+    tally: [JointTally; JOINTS],
+    method: Adaptive<NUMBERS>,
+}
+
+/// The arm during one tick.
+struct Rattling<'a> {
+    model: &'a Model,
+    loads: &'a Loads,
+    journals: &'a [Option<Journal>; JOINTS],
+    phases: &'a mut [Phase; JOINTS],
+    tally: &'a mut [JointTally; JOINTS],
+}
+
+impl Wear {
+    /// Joints A to E with these clearances [m], their pins in the middle; 0 is a joint
+    /// that is not worn.
+    ///
+    /// # Errors
+    /// A clearance that leaves no pin.
+    pub fn new(contact: &Contact, clearance: [f64; JOINTS]) -> Result<Self, NoJournal> {
+        let mut journals = [None; JOINTS];
+        for (journal, clearance) in journals.iter_mut().zip(clearance) {
+            if clearance != 0.0 {
+                *journal = Some(Journal::new(contact, clearance)?);
+            }
+        }
+        let tolerance = Numbers::from_fn(|i, _| match i {
+            0..12 if i % 3 < 2 => PLACE_ERROR,
+            0..12 => ANGLE_ERROR,
+            12..24 if i % 3 < 2 => SPEED_ERROR,
+            12..24 => SPIN_ERROR,
+            _ => CURRENT_ERROR,
+        });
+        Ok(Self {
+            journals,
+            phases: [Phase::Flight; JOINTS],
+            tally: [JointTally::default(); JOINTS],
+            method: Adaptive::new(tolerance),
+        })
+    }
+
+    /// Which joints constraints must hold.
+    pub fn held(&self) -> [bool; JOINTS] {
+        self.journals.map(|journal| journal.is_none())
+    }
+
+    /// Moves the arm on by `time` [s] under constant loads.
+    pub fn step(&mut self, model: &Model, state: &mut State, loads: &Loads, time: f64) {
+        state.float(loads);
+        let mut x = packed(state);
+        let mut rattling = Rattling {
+            model,
+            loads,
+            journals: &self.journals,
+            phases: &mut self.phases,
+            tally: &mut self.tally,
+        };
+        self.method.advance(&mut rattling, &mut x, time);
+        *state = unpacked(&x);
+        model.chain.close(&mut state.q, &mut state.v);
+    }
+
+    /// What the joints went through since this was last asked.
+    pub fn take_tally(&mut self) -> [JointTally; JOINTS] {
+        std::mem::take(&mut self.tally)
+    }
+
+    /// Accelerations of the bodies and the force that each joint passes on, by contact or
+    /// by constraint.
+    pub fn accelerations(
+        &self,
+        model: &Model,
+        state: &State,
+        torque: [f64; 2],
+        tool_force: Vector2<f64>,
+    ) -> ([Planar; 4], PerJoint) {
+        accelerations(
+            model,
+            &self.journals,
+            &self.phases,
+            state,
+            torque,
+            tool_force,
+        )
+    }
+
+    /// Energy stored in the contacts [J].
+    pub fn energy(&self, model: &Model, state: &State) -> f64 {
+        let gaps = model.chain.gaps(&state.q);
+        let stored = |k: usize| {
+            self.journals[k].map_or(0.0, |journal| journal.energy(self.phases[k], gaps[k]))
+        };
+        (0..JOINTS).map(stored).sum()
+    }
+
+    /// How far each pin is from its bearing's middle, as a share of the clearance; none
+    /// where the joint is not worn.
+    pub fn eccentricity(&self, model: &Model, state: &State) -> [Option<f64>; JOINTS] {
+        let gaps = model.chain.gaps(&state.q);
+        std::array::from_fn(|k| {
+            let journal = self.journals[k]?;
+            Some(gaps[k].norm() / journal.clearance())
+        })
+    }
+}
+
+/// The motion of each pin in its bearing.
+#[inline]
+fn motions(model: &Model, arms: &Arms, state: &State) -> [Eccentricity; JOINTS] {
+    let gaps = model.chain.gaps_with(arms, &state.q);
+    let rates = arms.opening(&state.v);
+    let spin = |body: Option<usize>| {
+        let body = body.and_then(|i| state.v.get(i));
+        body.map_or(0.0, |v| v.angular)
+    };
+    std::array::from_fn(|k| Eccentricity {
+        offset: gaps[k],
+        rate: rates[k],
+        pin_spin: spin(Some(k)),
+        bearing_spin: spin(k.checked_sub(1)),
+    })
+}
+
+fn accelerations(
+    model: &Model,
+    journals: &[Option<Journal>; JOINTS],
+    phases: &[Phase; JOINTS],
+    state: &State,
+    torque: [f64; 2],
+    tool_force: Vector2<f64>,
+) -> ([Planar; 4], PerJoint) {
+    let chain = &model.chain;
+    let arms = chain.arms(&state.q);
+    let motions = motions(model, &arms, state);
+    let mut free = model.free_accelerations(state, torque, tool_force);
+    let mut contacts = [Vector2::zeros(); JOINTS];
+    for k in 0..JOINTS {
+        let touch = journals[k].and_then(|journal| journal.touch(phases[k], &motions[k]));
+        let Some(Touch {
+            force,
+            on_pin,
+            on_bearing,
+        }) = touch
+        else {
+            continue;
+        };
+        contacts[k] = force;
+        if k < 4 {
+            let arm = arms.near[k] + on_pin;
+            free[k] = free[k] + chain.bodies[k].pushed(arm, force);
+        }
+        if k > 0 {
+            let arm = arms.far[k - 1] + on_bearing;
+            free[k - 1] = free[k - 1] + chain.bodies[k - 1].pushed(arm, -force);
+        }
+    }
+    let (a, mut forces) = chain.accelerations(&arms, &state.v, &free);
+    for k in 0..JOINTS {
+        forces[k] += contacts[k];
+    }
+    (a, forces)
+}
+
+impl Rattling<'_> {
+    fn accelerations(&self, state: &State) -> ([Planar; 4], PerJoint) {
+        let torque = self.model.joint_torque(state, self.loads);
+        let force = self.loads.tool_force;
+        accelerations(self.model, self.journals, self.phases, state, torque, force)
+    }
+
+    /// The worn joints whose phase must change.
+    fn due(&self, x: &Numbers) -> [Option<Journal>; JOINTS] {
+        let gaps = self.model.chain.gaps(&unpacked(x).q);
+        std::array::from_fn(|k| {
+            self.journals[k].filter(|journal| journal.is_due(self.phases[k], gaps[k]))
+        })
+    }
+}
+
+impl Hybrid<NUMBERS> for Rattling<'_> {
+    fn rates(&self, x: &Numbers) -> Numbers {
+        let state = unpacked(x);
+        let (a, _) = self.accelerations(&state);
+        packed(&State {
+            q: state.v,
+            v: a,
+            current: self.model.current_rates(&state, self.loads),
+        })
+    }
+
+    fn is_due(&self, x: &Numbers) -> bool {
+        self.due(x).iter().any(Option::is_some)
+    }
+
+    fn turn(&mut self, x: &Numbers) {
+        let state = unpacked(x);
+        let arms = self.model.chain.arms(&state.q);
+        let motions = motions(self.model, &arms, &state);
+        for (k, journal) in self.due(x).into_iter().enumerate() {
+            let Some(journal) = journal else { continue };
+            let tally = &mut self.tally[k];
+            match self.phases[k] {
+                Phase::Flight => {
+                    tally.impacts += 1;
+                    tally.fastest_impact = tally.fastest_impact.max(motions[k].opening_rate());
+                }
+                Phase::Touching { .. } => tally.flights += 1,
+            }
+            self.phases[k] = journal.turned(self.phases[k], &motions[k]);
+        }
+    }
+
+    fn note(&mut self, x: &Numbers, step: f64) {
+        let (_, forces) = self.accelerations(&unpacked(x));
+        for (k, (tally, force)) in self.tally.iter_mut().zip(forces).enumerate() {
+            tally.peak_force = tally.peak_force.max(force.norm());
+            if self.journals[k].is_some() && self.phases[k] == Phase::Flight {
+                tally.flight += step;
+            }
+        }
+    }
+}
+
+fn packed(state: &State) -> Numbers {
+    let mut x = Numbers::zeros();
+    for (i, part) in state.q.iter().chain(&state.v).enumerate() {
+        let three = [part.linear.x, part.linear.y, part.angular];
+        x.fixed_rows_mut::<3>(3 * i).copy_from_slice(&three);
+    }
+    x.fixed_rows_mut::<2>(24).copy_from_slice(&state.current);
+    x
+}
+
+fn unpacked(x: &Numbers) -> State {
+    let part = |i: usize| Planar {
+        linear: Vector2::new(x[3 * i], x[3 * i + 1]),
+        angular: x[3 * i + 2],
+    };
+    State {
+        q: std::array::from_fn(part),
+        v: std::array::from_fn(|i| part(4 + i)),
+        current: [x[24], x[25]],
+    }
+}

@@ -1,0 +1,242 @@
+//! `fivebar accuracy`: what tolerances and clearances do to position and force.
+
+use super::failure::{Failure, refused};
+use super::figures::figures;
+use super::say::{print, say, warn};
+use crate::input::accuracy_classes::Classes;
+use crate::input::job::{self, Job, Placement};
+use crate::input::linkage::DrivenLinkage;
+use crate::input::robot::{Mechanism, Robot, SliderRobot, Tolerance};
+use crate::show::files::write_whole;
+use crate::show::pages::accuracy::{along_page, at_page, linkage_page, map_page, slider_page};
+use crate::show::report::Page;
+use crate::show::text::quantity;
+use crate::study::accuracy::{
+    Sampling, State, along, along_answer, analyse, analyse_slider, answer, cheapest, draws,
+    linkage_answer, map, map_answer, monte_carlo, sample_slider, slider_answer, study_linkage,
+};
+use clap::ArgGroup;
+use fivebar_kinematics::Vec2;
+use indicatif::ProgressBar;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+
+/// Position, motion and force under tolerance and clearance, analytic beside sampled.
+#[derive(clap::Args)]
+#[command(group = ArgGroup::new("where").args(["at", "path", "map", "time"]))]
+pub(super) struct Args {
+    /// A robot or a linkage (a file with [sweep]) with [tolerance], or a built-in one's name.
+    file: String,
+    /// At one point X,Y of C, the far joint [m]; of a slider-driven robot at P.
+    #[arg(long, value_name = "X,Y", value_parser = numbers::<2>, allow_hyphen_values = true)]
+    at: Option<[f64; 2]>,
+    /// Along a G-code job, at its feed rates.
+    #[arg(long, value_name = "JOB.gcode")]
+    path: Option<PathBuf>,
+    /// Over the whole workspace.
+    #[arg(long)]
+    map: bool,
+    /// Of a linkage: the instant of its sweep to sample [s]; left out: its beginning.
+    #[arg(long, value_name = "SECONDS", value_parser = instant)]
+    time: Option<f64>,
+    /// With --at: velocity of C [m/s].
+    #[arg(long, value_name = "X,Y", value_parser = numbers::<2>, allow_hyphen_values = true, default_value = "0,0")]
+    velocity: [f64; 2],
+    /// With --at: acceleration of C [m/s²].
+    #[arg(long, value_name = "X,Y", value_parser = numbers::<2>, allow_hyphen_values = true, default_value = "0,0")]
+    acceleration: [f64; 2],
+    /// A force on C [N].
+    #[arg(long, value_name = "X,Y", value_parser = numbers::<2>, allow_hyphen_values = true, default_value = "0,0")]
+    force: [f64; 2],
+    /// With --path: where the job's (0,0) is [m].
+    #[arg(long, value_name = "X,Y", value_parser = numbers::<2>, allow_hyphen_values = true, default_value = "0,0")]
+    origin: [f64; 2],
+    /// With --path: metres in the plane per metre in the job.
+    #[arg(long, default_value_t = 1.0)]
+    scale: f64,
+    /// With --map: only within this rectangle [m].
+    #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = numbers::<4>, allow_hyphen_values = true)]
+    region: Option<[f64; 4]>,
+    /// With --map: find the cheapest tolerances that keep the radial standard deviation
+    /// within this everywhere [m].
+    #[arg(long, value_name = "METRES", requires_all = ["map", "classes"])]
+    wanted: Option<f64>,
+    /// With --wanted: what each class of tolerance gives and costs (TOML).
+    #[arg(long, value_name = "CLASSES.toml", requires = "wanted")]
+    classes: Option<PathBuf>,
+    /// With --at, or of a linkage: samples of each Monte Carlo figure.
+    #[arg(long, default_value_t = 100_000, value_parser = clap::value_parser!(u32).range(2..=100_000_000))]
+    samples: u32,
+    /// Seed of the samples.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Print the answer as one JSON object.
+    #[arg(long)]
+    json: bool,
+    /// Write the report as DIR/report.html.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
+    let parsed: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
+    let wrong = || format!("expected {N} finite numbers with commas between");
+    let numbers: [f64; N] = parsed
+        .map_err(|_| wrong())?
+        .try_into()
+        .map_err(|_| wrong())?;
+    if numbers.iter().all(|x| x.is_finite()) {
+        Ok(numbers)
+    } else {
+        Err(wrong())
+    }
+}
+
+fn instant(text: &str) -> Result<f64, String> {
+    numbers::<1>(text).map(|[time]| time)
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    let (answer, page) = subject(args)?;
+    if let Some(folder) = &args.out {
+        write_whole(&folder.join("report.html"), page.render()).map_err(refused)?;
+    }
+    if args.json {
+        say(&answer)?;
+    } else {
+        print(figures(&answer))?;
+    }
+    Ok(())
+}
+
+/// What the file is, is told by what it holds.
+fn subject(args: &Args) -> Result<(Value, Page), Failure> {
+    if DrivenLinkage::is_named(&args.file) {
+        if args.at.is_some() || args.path.is_some() || args.map {
+            let reason = "a linkage is studied over its sweep, and with --time at an instant; --at, --path and --map are for robots";
+            return Err(Failure::Usage(reason.into()));
+        }
+        let driven = DrivenLinkage::load(&args.file).map_err(refused)?;
+        return linkage(args, &driven).map_err(refused);
+    }
+    if args.time.is_some() {
+        let reason = "--time is for linkages; of a robot say --at, --path or --map";
+        return Err(Failure::Usage(reason.into()));
+    }
+    if args.at.is_none() && args.path.is_none() && !args.map {
+        return Err(Failure::Usage("say where: --at, --path or --map".into()));
+    }
+    match Mechanism::load(&args.file).map_err(refused)? {
+        Mechanism::FiveBar(robot) => study(args, &robot).map_err(refused),
+        Mechanism::Slider(robot) => {
+            let Some(at) = args.at else {
+                let reason = "of a slider-driven robot only --at is known";
+                return Err(Failure::Usage(reason.into()));
+            };
+            slider(args, &robot, at).map_err(refused)
+        }
+    }
+}
+
+fn linkage(args: &Args, driven: &DrivenLinkage) -> Result<(Value, Page), String> {
+    let sampling = sampling(args);
+    let progress = ProgressBar::new(u64::from(args.samples));
+    let study = study_linkage(driven, args.time.unwrap_or(0.0), sampling, &progress)?;
+    progress.finish_and_clear();
+    Ok((linkage_answer(driven, &study), linkage_page(driven, &study)))
+}
+
+fn slider(args: &Args, robot: &SliderRobot, at: [f64; 2]) -> Result<(Value, Page), String> {
+    let analysis = analyse_slider(robot, vector(at), vector(args.force))?;
+    let progress = ProgressBar::new(2 * u64::from(args.samples));
+    let sampled = sample_slider(robot, &analysis, sampling(args), &progress);
+    progress.finish_and_clear();
+    let answer = slider_answer(robot, &analysis, &sampled);
+    Ok((answer, slider_page(robot, &analysis, &sampled)))
+}
+
+fn sampling(args: &Args) -> Sampling {
+    Sampling {
+        samples: args.samples as usize,
+        seed: args.seed,
+    }
+}
+
+fn vector([x, y]: [f64; 2]) -> Vec2<f64> {
+    Vec2::new(x, y)
+}
+
+fn study(args: &Args, robot: &Robot) -> Result<(Value, Page), String> {
+    let force = vector(args.force);
+    if robot.tolerance == Tolerance::default() && args.wanted.is_none() {
+        warn(format_args!(
+            "{}: no [tolerance] is given, so that every deviation is 0; its keys are length_sd, \
+             input_sd, input_max and clearance_radius",
+            args.file
+        ));
+    }
+    if let Some(path) = &args.path {
+        let placement = Placement {
+            origin: args.origin,
+            scale: args.scale,
+            home: robot
+                .home_pose()
+                .map_or(args.origin, |pose| [pose.c.x, pose.c.y]),
+        };
+        let shown = path.display();
+        let text = job::read(path).map_err(|error| format!("{shown}: {error}"))?;
+        let job = Job::parse(&text, &placement).map_err(|error| format!("{shown}: {error}"))?;
+        let along = along(robot, &job, force).map_err(|error| format!("{shown}: {error}"))?;
+        return Ok((
+            along_answer(&robot.name, &along),
+            along_page(&robot.name, &along),
+        ));
+    }
+    if let Some(at) = args.at {
+        let state = State {
+            position: vector(at),
+            velocity: vector(args.velocity),
+            acceleration: vector(args.acceleration),
+            force,
+        };
+        let analysis = analyse(robot, &state)?;
+        let sampling = sampling(args);
+        let progress = ProgressBar::new(draws(&analysis, sampling));
+        let sampled = monte_carlo(robot, &state, &analysis, sampling, &progress);
+        progress.finish_and_clear();
+        let page = at_page(&robot.name, &analysis, &sampled);
+        return Ok((answer(&robot.name, &state, &analysis, &sampled), page));
+    }
+    let map = map(robot, force, args.region)?;
+    let mut answer = map_answer(&robot.name, &map);
+    let mut page = map_page(&robot.name, &map);
+    if let (Some(wanted), Some(path)) = (args.wanted, &args.classes) {
+        let classes = Classes::read(path)?;
+        let allocation = cheapest(&map, wanted, &classes.inputs(), &classes.lengths())
+            .ok_or_else(|| {
+                let wanted = quantity(wanted, "m");
+                format!("even the finest classes leave more than {wanted} somewhere: narrow the region with --region, or add finer classes")
+            })?;
+        let names = classes.names(&allocation.choice);
+        page.heading("The cheapest tolerances");
+        page.table(
+            &["dimension", "class"],
+            &names
+                .iter()
+                .map(|(d, c)| vec![(*d).into(), c.clone()])
+                .collect::<Vec<_>>(),
+        );
+        let worst = allocation.worst_variance.sqrt();
+        page.paragraph(&format!(
+            "They cost {} in all and leave a radial standard deviation of {} at worst.",
+            allocation.cost,
+            quantity(worst, "m")
+        ));
+        answer["allocation"] = json!({
+            "cost": allocation.cost,
+            "worst_radial_sd_m": worst,
+            "classes": names.into_iter().map(|(d, c)| (d.to_string(), json!(c))).collect::<Value>(),
+        });
+    }
+    Ok((answer, page))
+}

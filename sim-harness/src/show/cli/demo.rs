@@ -1,0 +1,26 @@
+//! Bare `fivebar`: the demonstration, a drawing job done by the default arm.
+
+use super::failure::{Failure, refused};
+use super::output::OutputArgs;
+use super::say::say;
+use super::sim;
+use crate::input::robot::{BuiltIn, Robot};
+use crate::input::scenario::Scenario;
+
+#[derive(clap::Args)]
+pub(super) struct Args {
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    let robot = Robot::load(BuiltIn::DEFAULT).map_err(refused)?;
+    sim::simulate(&Scenario::demonstration(robot), &args.output)?;
+    if !args.output.json {
+        say(format_args!(
+            "\nOpen the report in a browser. `fivebar sim JOB.gcode` draws a job of yours, \
+             `fivebar help` tells what else there is."
+        ))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,106 @@
+//! `fivebar drive`: a job done by a controller that drives motors.
+
+use super::failure::{Failure, refused};
+use super::log::LogArgs;
+use super::port::{PortArgs, interrupted};
+use super::run_args::JobArgs;
+use super::say::{say, warn};
+use crate::run::drive::{Drive, DriveError, Homing};
+use crate::run::simulation::{Sample, Trace};
+use fivebar_firmware::protocol::Board;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::sync::atomic::Ordering;
+
+/// Streams a job to a controller that drives motors; Ctrl-C stops the arm on its path.
+#[derive(clap::Args)]
+pub(super) struct Args {
+    #[command(flatten)]
+    job: JobArgs,
+    #[command(flatten)]
+    port: PortArgs,
+    /// Give the robot's settings to the controller and store them there.
+    #[arg(long)]
+    upload: bool,
+    /// Clear a latched fault first.
+    #[arg(long)]
+    clear: bool,
+    /// The arm has been put to these joint angles by hand [rad]; without it, an arm that
+    /// is not homed looks for its switches.
+    #[arg(long, value_name = "θ1,θ4", value_parser = super::run_args::point, allow_hyphen_values = true)]
+    at: Option<[f64; 2]>,
+    #[command(flatten)]
+    log: LogArgs,
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    if !args.job.names_a_job() {
+        return Err(Failure::Usage(
+            "say which job the motors shall do: fivebar drive JOB.gcode --port PORT".into(),
+        ));
+    }
+    let scenario = args.job.scenario()?;
+    let job = scenario.job().map_err(refused)?;
+    for warning in &job.warnings {
+        warn(format_args!("{}, {warning}", scenario.job_file));
+    }
+    let settings = scenario.robot.settings().map_err(refused)?;
+    let moves = scenario.moves(&job);
+
+    let _folder = args.log.prepare()?;
+    let interrupted = interrupted()?;
+    let (mut conversation, identity) = args.port.open()?;
+    if identity.board == Board::Emulated {
+        return Err(Failure::Refused(
+            "an emulated board has no motors; run the job on it with `fivebar pil`".into(),
+        ));
+    }
+    let wants_stop = || interrupted.load(Ordering::Relaxed);
+    let mut drive = Drive::new(&mut conversation, &wants_stop);
+    let bar = ProgressBar::new(moves.len() as u64).with_style(
+        ProgressStyle::with_template("{bar:40} {pos}/{len} moves  {elapsed}  {msg}")
+            .unwrap_or_else(|_| ProgressStyle::default_bar()),
+    );
+    let homing = args.at.map_or(Homing::Switches, |angles| {
+        Homing::At(angles.map(|angle| angle as f32))
+    });
+    let tick_rate = f64::from(settings.control.tick_rate);
+    let mut start = None;
+    let mut trace = Trace::default();
+    let mut go = || {
+        if args.clear {
+            drive.clear_fault()?;
+        }
+        drive.agree_on(&settings, args.upload)?;
+        bar.set_message("homing");
+        drive.home(homing)?;
+        bar.set_message("");
+        drive.follow(&moves, &settings, &mut |taken, status| {
+            bar.set_position(taken as u64);
+            let ticks = status.tick.wrapping_sub(*start.get_or_insert(status.tick));
+            if let Some(sample) = Sample::told(status, f64::from(ticks) / tick_rate) {
+                trace.push(sample);
+            }
+        })
+    };
+    let outcome = go();
+    bar.finish_and_clear();
+    // Of a job that was refused there is nothing to keep.
+    let logged = match trace.samples() {
+        [] => Ok(()),
+        _ => args.log.leave(&scenario.robot, &trace),
+    };
+    match outcome {
+        Ok(()) => {
+            say(format_args!(
+                "{}: {} moves done, bridges off",
+                scenario.job_file,
+                moves.len()
+            ))?;
+            logged
+        }
+        Err(error @ DriveError::Move(_)) => {
+            Err(refused(format_args!("{}, {error}", scenario.job_file)))
+        }
+        Err(error) => Err(refused(error)),
+    }
+}

@@ -1,0 +1,67 @@
+//! `fivebar export`: a robot for other tools.
+
+use super::failure::{Failure, refused};
+use super::say::{print, say};
+use crate::input::robot::Robot;
+use crate::show::export::{dot, mjcf, urdf};
+use crate::show::files::write_whole;
+use std::path::PathBuf;
+
+/// Writes a robot for MuJoCo (mjcf), for URDF readers, or as a Graphviz drawing (dot).
+#[derive(clap::Args)]
+pub(super) struct Args {
+    /// The format.
+    format: Format,
+    /// A robot file, or the name of a built-in robot.
+    #[arg(default_value = "benchtop")]
+    robot: String,
+    /// The file to write; printed when left out.
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Format {
+    /// MuJoCo, the loop closed by an equality constraint.
+    Mjcf,
+    /// URDF, the loop cut at C.
+    Urdf,
+    /// Links and joints as a graph.
+    Dot,
+}
+
+impl Format {
+    /// What reads it.
+    fn reader(self) -> &'static str {
+        match self {
+            Self::Mjcf => "MuJoCo",
+            Self::Urdf => "readers of URDF, its loop cut at C",
+            Self::Dot => "Graphviz",
+        }
+    }
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    let robot = Robot::load(&args.robot).map_err(refused)?;
+    let text = match args.format {
+        Format::Mjcf => mjcf(&robot).map_err(refused)?,
+        Format::Urdf => urdf(&robot).map_err(refused)?,
+        Format::Dot => dot(&robot),
+    };
+    match &args.out {
+        Some(path) => {
+            write_whole(path, text).map_err(refused)?;
+            say(format_args!(
+                "{}, for {}, is in {}",
+                robot.name,
+                args.format.reader(),
+                path.display()
+            ))?;
+            Ok(())
+        }
+        None => {
+            print(&text)?;
+            Ok(())
+        }
+    }
+}

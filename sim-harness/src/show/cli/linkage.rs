@@ -1,0 +1,113 @@
+//! `fivebar linkage`: a planar linkage through its motion.
+
+use super::failure::{Failure, refused};
+use super::say::say;
+use crate::input::linkage::{DrivenLinkage, EXAMPLES};
+use crate::show::export::linkage_csv;
+use crate::show::files::write_whole;
+use crate::show::pages;
+use crate::study::linkage::{SHOWN_ASSEMBLIES, Summary};
+use std::path::{Path, PathBuf};
+
+/// Positions, velocities, accelerations and forces of a planar linkage, dyad by dyad.
+///
+/// Without FILE, lists the examples that come with the program.
+#[derive(clap::Args)]
+pub(super) struct Args {
+    /// A linkage in TOML, or the name of an example.
+    file: Option<String>,
+    /// Where to write report.html, table.csv and summary.json.
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    out: PathBuf,
+    /// Print the findings as one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    let Some(file) = &args.file else {
+        for example in EXAMPLES {
+            say(format_args!("{:<22} {}", example.name, example.summary()))?;
+        }
+        return Ok(());
+    };
+    let driven = DrivenLinkage::load(file).map_err(refused)?;
+    let sweep = driven.sweep();
+    let summary = driven.summary(&sweep);
+    let json = serde_json::json!(summary);
+    let write = |name: &str, text: String| write_whole(&args.out.join(name), text).map_err(refused);
+    write("table.csv", linkage_csv(&driven, &sweep))?;
+    write("summary.json", format!("{json:#}\n"))?;
+    write(
+        "report.html",
+        pages::linkage(&driven, &sweep, &summary).render(),
+    )?;
+    if args.json {
+        say(&json)?;
+    } else {
+        print(&summary, &args.out)?;
+    }
+    Ok(())
+}
+
+fn print(summary: &Summary, out: &Path) -> Result<(), Failure> {
+    let Summary {
+        linkage,
+        samples,
+        closed,
+        ..
+    } = summary;
+    say(format_args!(
+        "{linkage}: closes at {closed} of {samples} samples"
+    ))?;
+    if let Some(grashof) = &summary.grashof {
+        say(format_args!("  Grashof     {grashof}"))?;
+    }
+    for range in &summary.transmission {
+        let (least, greatest) = (range.min, range.max);
+        say(format_args!(
+            "  {}: transmission angle {least:.2}° to {greatest:.2}°",
+            range.of
+        ))?;
+    }
+    for range in &summary.driving {
+        let (least, greatest, unit) = (range.min, range.max, range.unit);
+        say(format_args!(
+            "  {}: drive {least:.4} {unit} to {greatest:.4} {unit}",
+            range.of
+        ))?;
+    }
+    for peak in &summary.peak_reactions {
+        say(format_args!(
+            "  {}: at most {:.4} N, at {:.4} s, and {:.4} N·m",
+            peak.joint, peak.force_n, peak.time_s, peak.moment_nm
+        ))?;
+    }
+    for limit in &summary.limits {
+        let what = if limit.ends { "ends" } else { "begins" };
+        say(format_args!(
+            "  motion {what} at {:.6} s, inputs {:?} (rad or m): beyond, {}",
+            limit.time_s, limit.inputs, limit.reason
+        ))?;
+    }
+    for change in &summary.branch_changes {
+        say(format_args!(
+            "  before {:.6} s {} passes a dead point onto its other branch",
+            change.time_s, change.dyad
+        ))?;
+    }
+    if summary.assemblies.len() > 1 {
+        for assembly in summary.assemblies.iter().take(SHOWN_ASSEMBLIES) {
+            let share = 100.0 * assembly.closes;
+            say(format_args!(
+                "  assembly {}: closes over {share:.0} %",
+                assembly.branches
+            ))?;
+        }
+    }
+    say(format_args!(
+        "  report      {}",
+        out.join("report.html").display()
+    ))?;
+    Ok(())
+}

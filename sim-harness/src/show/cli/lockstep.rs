@@ -1,0 +1,152 @@
+//! What `pil` and `hil` share: a run in lockstep with a controller elsewhere, every bit of
+//! it held against the same run in this process.
+
+use super::failure::{Failure, refused};
+use super::run_args::RunArgs;
+use super::say::say;
+use super::sim::{outcome, print, progress_bar, refusal};
+use crate::run::link::{Difference, Instructions, Lockstep, LockstepError, TargetError};
+use crate::run::simulation::{RunError, Summary};
+use crate::show::pages::RunReport;
+use crate::show::text::conditions;
+use serde::Serialize;
+use std::io::{Read, Write};
+
+/// Moves of the demonstration that are run when no job is named: less than a minute's work
+/// for an emulator.
+const MOVES_OF_THE_DEMONSTRATION: usize = 3;
+
+#[derive(clap::Args)]
+pub(super) struct LockstepArgs {
+    #[command(flatten)]
+    run: RunArgs,
+    /// Run only so many moves from the beginning of the job; of the demonstration 3, of a
+    /// named job all, when left out.
+    #[arg(long, value_name = "COUNT")]
+    moves: Option<usize>,
+}
+
+/// The figures of a run in lockstep.
+#[derive(Serialize)]
+struct LockstepSummary<'a> {
+    #[serde(flatten)]
+    run: &'a Summary,
+    instructions_per_tick: PerTick,
+    /// Whether every duty, state and estimate had the bits of the run in this process.
+    bit_exact: bool,
+    first_difference: Option<&'a Difference>,
+}
+
+/// Instructions that a tick took at the other end; 0 where they are not counted.
+#[derive(Serialize)]
+struct PerTick {
+    min: u32,
+    mean: f64,
+    max: u32,
+}
+
+/// The controller at the other end.
+pub(super) struct Other<'a> {
+    /// What it is called.
+    pub(super) name: &'a str,
+    /// What it counts of a tick.
+    pub(super) unit: &'a str,
+    /// What to suspect where it does not answer as this program does.
+    pub(super) suspicion: &'a str,
+}
+
+/// Runs the job on the controller at the other end of `line`.
+pub(super) fn run(
+    args: &LockstepArgs,
+    other: &Other<'_>,
+    line: impl FnOnce() -> Result<Box<dyn Line>, Failure>,
+) -> Result<(), Failure> {
+    let Other {
+        name,
+        unit,
+        suspicion,
+    } = other;
+    let scenario = args.run.scenario()?;
+    let folders = args.run.output.prepare()?;
+    let job = scenario.job().map_err(refused)?;
+    scenario
+        .check(&job)
+        .map_err(|error| refusal(&scenario, &error))?;
+    let count = args.moves.or_else(|| {
+        let demonstration = !args.run.names_a_job();
+        demonstration.then_some(MOVES_OF_THE_DEMONSTRATION)
+    });
+    let mut moves = scenario.moves(&job);
+    moves.truncate(count.unwrap_or(usize::MAX));
+
+    let settings = scenario.robot.settings().map_err(refused)?;
+    let (mut lockstep, _) =
+        Lockstep::begin(line()?, &settings, &settings).map_err(|error| match error {
+            LockstepError::Link(_) | LockstepError::Refused(_) => {
+                refused(format_args!("{name}: {error}; {suspicion}"))
+            }
+            other => refused(format_args!("{name}: {other}")),
+        })?;
+    let bar = progress_bar(moves.len());
+    let ran = scenario.run_on(&mut lockstep, &moves, &mut |done| {
+        bar.set_position(done as u64);
+    });
+    bar.finish_and_clear();
+    let (mut summary, record) = ran.map_err(|error| match error {
+        RunError::Target(TargetError::Link(_) | TargetError::Unexpected(_)) => {
+            refused(format_args!("{name}: {error}; {suspicion}"))
+        }
+        other => refusal(&scenario, &other),
+    })?;
+    summary.out_dir = folders.out.path().display().to_string();
+
+    let Instructions { min, max, total } = lockstep.instructions();
+    let figures = LockstepSummary {
+        run: &summary,
+        instructions_per_tick: PerTick {
+            min,
+            mean: total as f64 / lockstep.ticks().max(1) as f64,
+            max,
+        },
+        bit_exact: lockstep.first_difference().is_none(),
+        first_difference: lockstep.first_difference(),
+    };
+    let report = RunReport {
+        robot: &scenario.robot,
+        job: Some(&job),
+        summary: &summary,
+        trace: &record.trace,
+        pd: None,
+        conditions: &conditions(&scenario),
+    };
+    let text = serde_json::to_string_pretty(&figures).map_err(refused)?;
+    args.run.output.leave(&folders, &report, &text)?;
+    if args.run.output.json {
+        say(serde_json::to_string(&figures).map_err(refused)?)?;
+    } else {
+        print(&summary, &record)?;
+        tell(&figures, lockstep.ticks(), unit)?;
+    }
+    if let Some(difference) = lockstep.first_difference() {
+        return Err(refused(format_args!("{difference}; {suspicion}")));
+    }
+    outcome(&scenario, &record)
+}
+
+/// A stream of bytes to a controller.
+pub(super) trait Line: Read + Write {}
+impl<L: Read + Write> Line for L {}
+
+fn tell(figures: &LockstepSummary<'_>, ticks: u64, unit: &str) -> Result<(), Failure> {
+    let PerTick { min, mean, max } = figures.instructions_per_tick;
+    say(format_args!(
+        "  tick        {min} to {max} {unit}, {mean:.0} on average"
+    ))?;
+    if figures.bit_exact {
+        say(format_args!(
+            "  bit exact   every duty, state and estimate of {ticks} ticks is that of this \
+             process"
+        ))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,46 @@
+//! `fivebar man`: the manual pages, made of what `--help` knows.
+
+use super::command;
+use super::failure::{Failure, refused};
+use super::say::{print, say};
+use crate::show::files::write_whole;
+use clap_mangen::Man;
+use std::path::PathBuf;
+
+/// Prints the manual, or writes a page for each command.
+#[derive(clap::Args)]
+pub(super) struct Args {
+    /// The folder for fivebar.1, fivebar-sim.1 and so on; all are printed when left out.
+    dir: Option<PathBuf>,
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    for page in pages() {
+        let mut text = Vec::new();
+        page.render(&mut text).map_err(refused)?;
+        match &args.dir {
+            Some(folder) => {
+                write_whole(&folder.join(page.get_filename()), text).map_err(refused)?;
+            }
+            None => print(String::from_utf8_lossy(&text))?,
+        }
+    }
+    if let Some(folder) = &args.dir {
+        say(format_args!(
+            "{} pages are in {}",
+            pages().count(),
+            folder.display()
+        ))?;
+    }
+    Ok(())
+}
+
+/// The page of the program, then one of each command.
+fn pages() -> impl Iterator<Item = Man> {
+    let mut program = command().disable_help_subcommand(true);
+    program.build();
+    let version = format!("Fivebar {}", env!("CARGO_PKG_VERSION"));
+    let commands: Vec<_> = program.get_subcommands().cloned().collect();
+    let all = std::iter::once(program).chain(commands);
+    all.map(move |command| Man::new(command).source(version.clone()))
+}

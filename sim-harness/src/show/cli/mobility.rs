@@ -1,0 +1,73 @@
+//! `fivebar mobility`: what a mechanism can do, and why.
+
+use super::failure::{Failure, refused};
+use super::say::say;
+use crate::input::mobility::{EXAMPLES, Study, parse, read};
+use crate::show::files::write_whole;
+use crate::show::pages;
+use crate::show::text::explain;
+use crate::study::mobility::{Finding, answer};
+use indicatif::ProgressBar;
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
+use std::path::PathBuf;
+
+/// Degrees of freedom by screw theory, explained step by step.
+#[derive(clap::Args)]
+pub(super) struct Args {
+    /// A mechanism in TOML, a list of cases in JSON, or the name of an example; all
+    /// examples when left out.
+    file: Option<String>,
+    /// Print one JSON object a case instead of the explanation.
+    #[arg(long)]
+    json: bool,
+    /// Also write the explanation as DIR/report.html.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    let studies = studies(args.file.as_deref()).map_err(refused)?;
+    let bar = ProgressBar::new(studies.len() as u64);
+    let studied: Vec<(Study, Finding)> = studies
+        .into_par_iter()
+        .map(|study| {
+            let finding = study.analyse();
+            bar.inc(1);
+            (study, finding)
+        })
+        .collect();
+    bar.finish_and_clear();
+    if let Some(folder) = &args.out {
+        let path = folder.join("report.html");
+        write_whole(&path, pages::mobility(&studied).render()).map_err(refused)?;
+    }
+    for (study, finding) in &studied {
+        if args.json {
+            say(answer(&study.name, finding))?;
+        } else {
+            say(explain(study, finding))?;
+        }
+    }
+    Ok(())
+}
+
+fn studies(file: Option<&str>) -> Result<Vec<Study>, String> {
+    let example = |(name, text): &(&str, &str)| {
+        parse(&format!("example {name}"), text).map(|mut studies| studies.remove(0))
+    };
+    let Some(file) = file else {
+        return EXAMPLES.iter().map(example).collect();
+    };
+    if let Some(found) = EXAMPLES.iter().find(|(name, _)| *name == file) {
+        return Ok(vec![example(found)?]);
+    }
+    let path = PathBuf::from(file);
+    if !path.exists() {
+        let names: Vec<&str> = EXAMPLES.iter().map(|(name, _)| *name).collect();
+        return Err(format!(
+            "{file}: no such file, and no example of that name; the examples are {}",
+            names.join(", ")
+        ));
+    }
+    read(&path)
+}

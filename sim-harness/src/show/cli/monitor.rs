@@ -1,0 +1,182 @@
+//! `fivebar monitor`: what a controller is doing, live on the terminal.
+
+use super::failure::{Failure, refused};
+use super::port::{PortArgs, interrupted};
+use super::say::say;
+use crate::run::simulation::fault_name;
+use fivebar_firmware::protocol::{Order, Reply, Section, SectionKey, StackUse, Telemetry};
+use fivebar_firmware::{Status, safety::Limits};
+use std::io::{self, ErrorKind, IsTerminal, Write};
+use std::sync::atomic::Ordering;
+
+/// Reads in vain after which a monitor asks whether the controller still lives: 0.5 s.
+const QUIET: u32 = 50;
+
+/// Shows what a controller is doing until Ctrl-C.
+#[derive(clap::Args)]
+pub(super) struct Args {
+    #[command(flatten)]
+    port: PortArgs,
+    /// Samples a second [Hz].
+    #[arg(long, default_value_t = 20.0, value_parser = rate)]
+    rate: f32,
+    /// End after so many samples.
+    #[arg(long, value_name = "N")]
+    samples: Option<u64>,
+}
+
+fn rate(text: &str) -> Result<f32, String> {
+    let rate = text
+        .parse()
+        .ok()
+        .filter(|rate| (0.2..=2000.0).contains(rate));
+    rate.ok_or_else(|| "give a number from 0.2 to 2000".into())
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    let interrupted = interrupted()?;
+    let (mut conversation, _) = args.port.open()?;
+
+    let tick_rate = match conversation
+        .ask(Order::GetSection(SectionKey::Control))
+        .map_err(refused)?
+    {
+        Reply::Section(Section::Control(control)) => control.tick_rate,
+        reply => {
+            return Err(refused(format_args!(
+                "the controller answers a question for its settings with {reply:?}"
+            )));
+        }
+    };
+    let every = (tick_rate / args.rate).round().clamp(1.0, 65535.0) as u16;
+    conversation
+        .order(Order::Telemetry { every })
+        .map_err(refused)?
+        .map_err(|refusal| refused(format_args!("it sends no telemetry: {refusal}")))?;
+
+    let is_terminal = io::stdout().is_terminal();
+    let mut losses = Losses::default();
+    let mut shown = 0;
+    let mut quiet = 0;
+    while !interrupted.load(Ordering::Relaxed) && args.samples.is_none_or(|most| shown < most) {
+        match conversation.take_telemetry() {
+            Some(sample) => {
+                losses.count(&sample);
+                match show(&sample.status, losses.lost, is_terminal) {
+                    // Nobody watches any more.
+                    Err(error) if error.kind() == ErrorKind::BrokenPipe => break,
+                    shown => {
+                        shown.map_err(|error| refused(format_args!("cannot print: {error}")))?;
+                    }
+                }
+                shown += 1;
+                quiet = 0;
+            }
+            None => {
+                conversation.listen().map_err(refused)?;
+                quiet += 1;
+                if quiet % QUIET == 0 {
+                    // It may be asked for less than one sample in this time.
+                    conversation.status().map_err(refused)?;
+                }
+            }
+        }
+    }
+    if is_terminal {
+        say("")?;
+    }
+    conversation
+        .order(Order::Telemetry { every: 0 })
+        .map_err(refused)?
+        .map_err(refused)?;
+    say(format_args!("{shown} samples, {} lost", losses.lost))?;
+    if let Some(StackUse { most, size }) = conversation.stack().map_err(refused)? {
+        say(format_args!("stack: {most} of {size} bytes used at most"))?;
+    }
+    Ok(())
+}
+
+/// Gaps in the numbers of samples.
+#[derive(Default)]
+struct Losses {
+    next: u32,
+    lost: u32,
+}
+
+impl Losses {
+    fn count(&mut self, sample: &Telemetry) {
+        self.lost += sample.number.wrapping_sub(self.next);
+        self.next = sample.number.wrapping_add(1);
+    }
+}
+
+/// One line for a status, over the one before on a terminal.
+fn show(status: &Status, lost: u32, is_terminal: bool) -> io::Result<()> {
+    let mut out = io::stdout().lock();
+    if is_terminal {
+        write!(out, "\r\x1b[2K{}", line(status, lost))?;
+    } else {
+        writeln!(out, "{}", line(status, lost))?;
+    }
+    out.flush()
+}
+
+fn line(status: &Status, lost: u32) -> String {
+    let Status {
+        tick,
+        state,
+        angle: [theta1, theta4],
+        current: [i1, i4],
+        bus_voltage,
+        ..
+    } = status;
+    let mut line = format!("tick {tick:>9}  {:<8}", format!("{state:?}"));
+    match status.tool {
+        Some([x, y]) => line += &format!("  tool {:8.3} {:8.3} mm", 1e3 * x, 1e3 * y),
+        None => line += "  tool unknown",
+    }
+    line += &format!(
+        "  joints {theta1:7.4} {theta4:7.4} rad  currents {i1:6.3} {i4:6.3} A  bus {bus_voltage:5.2} V"
+    );
+    if let Some(tag) = status.tag {
+        line += &format!("  line {tag}");
+    }
+    for (limit, name) in [
+        (Limits::TORQUE, "torque limited"),
+        (Limits::VOLTAGE, "voltage limited"),
+        (Limits::SPEED, "slowed"),
+    ] {
+        if status.limits.contains(limit) {
+            line += &format!("  {name}");
+        }
+    }
+    if let Some(fault) = status.fault {
+        line += &format!("  FAULT {}: {}", fault.number(), fault_name(fault));
+    }
+    if status.missed_ticks > 0 {
+        line += &format!("  {} ticks missed", status.missed_ticks);
+    }
+    if lost > 0 {
+        line += &format!("  {lost} samples lost");
+    }
+    line
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Losses, Telemetry};
+    use fivebar_firmware::{Controller, Settings};
+
+    #[test]
+    fn gaps_in_the_numbers_are_losses() {
+        let controller = Controller::new(&Settings::BENCHTOP).expect("sound settings");
+        let mut losses = Losses::default();
+        for number in [0, 1, 4, 5, 9] {
+            losses.count(&Telemetry {
+                number,
+                status: controller.status(),
+            });
+        }
+        assert_eq!(losses.lost, 5);
+    }
+}

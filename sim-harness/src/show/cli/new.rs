@@ -1,0 +1,127 @@
+//! `fivebar new`: a robot file for an arm of one's own.
+
+use super::failure::{Failure, refused};
+use super::questions::{ARM, MOTOR, Question, asks_for_own_motor};
+use super::say::{hint, say, warn};
+use crate::input::robot::{BuiltIn, Draft};
+use crate::run::simulation::trial;
+use crate::show::files::write_new;
+use crate::show::text::no_trial;
+use std::io::{self, BufRead};
+use std::path::PathBuf;
+
+/// Asks the few questions that an arm needs and writes its robot file.
+///
+/// Answers are read line by line from the standard input, an empty one taking what stands in
+/// brackets; one that makes no sense is asked for again. The file holds every key with its
+/// unit, those not asked for as comments. A file that is there already is left alone. Before
+/// the file is written the arm draws the demonstration in simulation; if it cannot, you are told
+/// why.
+#[derive(clap::Args)]
+pub(super) struct Args {
+    /// The file to write, such as my-arm.toml.
+    #[arg(value_name = "ROBOT.toml")]
+    file: PathBuf,
+    /// Ask nothing: take every default.
+    #[arg(long)]
+    defaults: bool,
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    let file = args.file.display();
+    if args.file.exists() {
+        return Err(refused(format_args!(
+            "{file} is there already; take another name, or move it away"
+        )));
+    }
+    if args
+        .file
+        .to_str()
+        .is_some_and(|name| BuiltIn::find(name).is_some())
+    {
+        return Err(refused(format_args!(
+            "{file} is the name of a built-in robot, which --robot would take instead; add .toml"
+        )));
+    }
+    let stem = args.file.file_stem().unwrap_or_default();
+    let mut draft = Draft::new(&stem.to_string_lossy());
+    if !args.defaults {
+        interview(&mut draft, &mut io::stdin().lock())?;
+    }
+    let robot = draft.check().map_err(refused)?;
+    let command = format!("fivebar sim --robot {}", in_shell(&file.to_string()));
+    let invitation = match trial(&robot) {
+        Ok(1.0) => format!("Try it: {command}"),
+        Ok(scale) => {
+            format!("It is small for the demonstration. Try it: {command} --scale {scale}")
+        }
+        Err(error) => {
+            warn(format_args!(
+                "As it is, it cannot draw the demonstration: {}.",
+                no_trial(&error)
+            ));
+            format!("Once that is mended in it: {command}")
+        }
+    };
+    write_new(&args.file, draft.text()).map_err(refused)?;
+    say(format_args!("{file} is written. {invitation}"))
+}
+
+/// A file's name as a shell takes it for one word.
+fn in_shell(name: &str) -> String {
+    let is_plain = |letter: char| letter.is_alphanumeric() || "/\\:._-+".contains(letter);
+    if name.chars().all(is_plain) {
+        name.into()
+    } else {
+        format!("'{}'", name.replace('\'', r"'\''"))
+    }
+}
+
+fn interview(draft: &mut Draft, input: &mut impl BufRead) -> Result<(), Failure> {
+    let mut last = String::new();
+    for question in &ARM {
+        last = ask(question, draft, input)?;
+    }
+    if asks_for_own_motor(&last) {
+        for question in &MOTOR {
+            ask(question, draft, input)?;
+        }
+    }
+    Ok(())
+}
+
+/// Asks until an answer makes an arm; gives that answer. The reader of robot files is the
+/// judge.
+fn ask(
+    question: &Question,
+    draft: &mut Draft,
+    input: &mut impl BufRead,
+) -> Result<String, Failure> {
+    loop {
+        let default = (question.default)(draft);
+        hint(format_args!("{} [{default}]: ", question.text));
+        let mut line = String::new();
+        if input.read_line(&mut line).map_err(refused)? == 0 {
+            warn("");
+            return Err(refused(format_args!(
+                "the answers end at \"{}\"; an empty line takes the default, --defaults all of \
+                 them",
+                question.text
+            )));
+        }
+        let answer = match line.trim() {
+            "" => default,
+            answer => answer.to_owned(),
+        };
+        let mut changed = draft.clone();
+        let taken = (question.take)(&mut changed, &answer)
+            .and_then(|()| changed.check().map_err(|reason| reason.to_string()));
+        match taken {
+            Ok(_) => {
+                *draft = changed;
+                return Ok(answer);
+            }
+            Err(reason) => warn(format_args!("  That cannot be: {reason}")),
+        }
+    }
+}

@@ -1,0 +1,34 @@
+//! `fivebar pil`: the firmware on an emulated Cortex-M4F, the arm simulated around it.
+
+use super::failure::{Failure, refused};
+use super::lockstep::{self, LockstepArgs, Other};
+use crate::run::link::Emulator;
+use std::path::PathBuf;
+
+/// Runs a job on the firmware on an emulated board, in lockstep with the simulated arm.
+///
+/// Every bit is compared with the same run in this process. scripts/firmware.sh builds the
+/// image for the board.
+#[derive(clap::Args)]
+pub(super) struct Args {
+    #[command(flatten)]
+    run: LockstepArgs,
+    /// The image of the emulated board; scripts/firmware.sh builds it.
+    #[arg(long, value_name = "FILE")]
+    image: Option<PathBuf>,
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    let image = args
+        .image
+        .clone()
+        .unwrap_or_else(|| Emulator::built_image("qemu"));
+    let board = Other {
+        name: "the emulated board",
+        unit: "instructions",
+        suspicion: &Emulator::suspicion(&image),
+    };
+    lockstep::run(&args.run, &board, || {
+        Ok(Box::new(Emulator::start(&image).map_err(refused)?))
+    })
+}

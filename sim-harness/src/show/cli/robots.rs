@@ -1,0 +1,28 @@
+//! `fivebar robots`: the robots that come with the program.
+
+use super::Failure;
+use super::say::{print, say};
+use crate::input::robot::{BUILT_IN, BuiltIn};
+
+/// Lists the built-in robots, or prints the file of one as a start for your own.
+#[derive(clap::Args)]
+pub(super) struct Args {
+    /// The robot to show.
+    name: Option<String>,
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    let Some(name) = &args.name else {
+        for robot in BUILT_IN {
+            say(format_args!("{:<15} {}", robot.name, robot.summary()))?;
+        }
+        return Ok(());
+    };
+    let robot = BuiltIn::find(name).ok_or_else(|| {
+        Failure::Usage(format!(
+            "no built-in robot `{name}`; `fivebar robots` lists them"
+        ))
+    })?;
+    print(robot.text)?;
+    Ok(())
+}

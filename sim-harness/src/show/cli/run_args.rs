@@ -1,0 +1,91 @@
+//! What the commands that do a job are told of it.
+
+use super::failure::{Failure, refused};
+use super::output::OutputArgs;
+use crate::input::robot::{BuiltIn, Robot};
+use crate::input::scenario::Scenario;
+use std::path::Path;
+
+/// Which job is done, and by which arm.
+#[derive(clap::Args)]
+pub(super) struct JobArgs {
+    /// A scenario in TOML, or a job in G-code; the demonstration when left out.
+    #[arg(value_name = "SCENARIO.toml|JOB.gcode")]
+    file: Option<String>,
+    /// A built-in robot (see `fivebar robots`) or a robot file; the scenario's, or else
+    /// the benchtop arm, when left out.
+    #[arg(long)]
+    robot: Option<String>,
+    /// Where the job's (0, 0) lies in the frame of the base [m]; when left out, the middle
+    /// of the drawing goes where the arm moves best.
+    #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
+    origin: Option<[f64; 2]>,
+    /// Metres in the plane per metre in the job.
+    #[arg(long, value_parser = scale, allow_hyphen_values = true)]
+    scale: Option<f64>,
+}
+
+/// Which job is done, by which arm, and where the report goes.
+#[derive(clap::Args)]
+pub(super) struct RunArgs {
+    #[command(flatten)]
+    job: JobArgs,
+    #[command(flatten)]
+    pub(super) output: OutputArgs,
+}
+
+impl RunArgs {
+    /// Whether the job was named.
+    pub(super) fn names_a_job(&self) -> bool {
+        self.job.names_a_job()
+    }
+
+    /// The scenario, with what the command line says instead.
+    pub(super) fn scenario(&self) -> Result<Scenario, Failure> {
+        self.job.scenario()
+    }
+}
+
+impl JobArgs {
+    /// Whether the job was named.
+    pub(super) fn names_a_job(&self) -> bool {
+        self.file.is_some()
+    }
+
+    /// The scenario, with what the command line says instead.
+    pub(super) fn scenario(&self) -> Result<Scenario, Failure> {
+        let load = |name: &str| Robot::load(name).map_err(refused);
+        let robot = self.robot.as_deref().map(load).transpose()?;
+        let arm = || robot.clone().map_or_else(|| load(BuiltIn::DEFAULT), Ok);
+        let mut scenario = match &self.file {
+            None => Scenario::demonstration(arm()?),
+            Some(file) if Path::new(file).extension().is_some_and(|e| e == "toml") => {
+                Scenario::load(file).map_err(refused)?
+            }
+            Some(file) => Scenario::of_job(file, arm()?).map_err(refused)?,
+        };
+        if let Some(robot) = robot {
+            scenario.robot = robot;
+        }
+        scenario.origin = self.origin.or(scenario.origin);
+        scenario.scale = self.scale.unwrap_or(scenario.scale);
+        Ok(scenario)
+    }
+}
+
+pub(super) fn point(text: &str) -> Result<[f64; 2], String> {
+    let parse = || {
+        let (x, y) = text.split_once(',')?;
+        let point = [x.trim().parse().ok()?, y.trim().parse().ok()?];
+        point.iter().all(|x: &f64| x.is_finite()).then_some(point)
+    };
+    parse().ok_or_else(|| "give two numbers, such as 0.02,0.14".into())
+}
+
+pub(super) fn scale(text: &str) -> Result<f64, String> {
+    let scale = text
+        .parse()
+        .ok()
+        .filter(|s: &f64| *s > 0.0 && s.is_finite());
+    scale.ok_or_else(|| "give a positive number".into())
+}

@@ -1,0 +1,129 @@
+//! `fivebar sim`: a job done by the simulated arm under the production control loop.
+
+use super::failure::{Failure, refused};
+use super::output::OutputArgs;
+use super::run_args::RunArgs;
+use super::say::{say, warn};
+use crate::input::scenario::Scenario;
+use crate::run::simulation::{Record, RunError, Summary, TipError};
+use crate::show::pages::RunReport;
+use crate::show::text::{self, conditions, quantity, stopped_by};
+use indicatif::{ProgressBar, ProgressStyle};
+
+/// Simulates a job from power-up to its end and leaves a report.
+#[derive(clap::Args)]
+pub(super) struct Args {
+    #[command(flatten)]
+    run: RunArgs,
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    simulate(&args.run.scenario()?, &args.run.output)
+}
+
+/// Runs a scenario, and once more by PD alone for comparison; writes and prints what came
+/// of it.
+pub(super) fn simulate(scenario: &Scenario, output: &OutputArgs) -> Result<(), Failure> {
+    let folders = output.prepare()?;
+    let job = scenario.job().map_err(refused)?;
+    for warning in &job.warnings {
+        warn(format_args!("{}, {warning}", scenario.job_file));
+    }
+    scenario
+        .check(&job)
+        .map_err(|error| refusal(scenario, &error))?;
+    let bar = progress_bar(scenario.moves(&job).len());
+    let (ours, pd) = rayon::join(
+        || {
+            let tell = &mut |done| bar.set_position(done as u64);
+            scenario.simulate(&job, scenario.computed_torque, tell)
+        },
+        || {
+            let compared = scenario.computed_torque;
+            compared.then(|| scenario.simulate(&job, false, &mut |_| ()))
+        },
+    );
+    bar.finish_and_clear();
+    let (mut summary, record) = ours.map_err(|error| refusal(scenario, &error))?;
+    // PD may fail where the model does not; then there is nothing to compare.
+    let pd = pd.and_then(Result::ok);
+    summary.out_dir = folders.out.path().display().to_string();
+    summary.pd_tip_error = pd.as_ref().map(|(pd, _)| pd.tip_error);
+    let text = serde_json::to_string_pretty(&summary).map_err(refused)?;
+    let report = RunReport {
+        robot: &scenario.robot,
+        job: Some(&job),
+        summary: &summary,
+        trace: &record.trace,
+        pd: pd
+            .as_ref()
+            .map(|(summary, record)| (summary, &record.trace)),
+        conditions: &conditions(scenario),
+    };
+    output.leave(&folders, &report, &text)?;
+    if output.json {
+        say(serde_json::to_string(&summary).map_err(refused)?)?;
+    } else {
+        print(&summary, &record)?;
+    }
+    outcome(scenario, &record)
+}
+
+pub(super) fn refusal(scenario: &Scenario, error: &RunError) -> Failure {
+    refused(text::refusal(scenario, error))
+}
+
+pub(super) fn outcome(scenario: &Scenario, record: &Record) -> Result<(), Failure> {
+    stopped_by(scenario, record).map_or(Ok(()), |reason| Err(refused(reason)))
+}
+
+pub(super) fn progress_bar(moves: usize) -> ProgressBar {
+    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} moves  {elapsed}");
+    // The bar shows on a terminal only.
+    ProgressBar::new(moves as u64)
+        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
+pub(super) fn print(summary: &Summary, record: &Record) -> Result<(), Failure> {
+    let Summary {
+        robot, scenario, ..
+    } = summary;
+    say(format_args!("{robot} draws {scenario}"))?;
+    say(format_args!(
+        "  simulated   {:.3} s in {} ({} times real time)",
+        summary.simulated_s,
+        quantity(summary.wall_s, "s"),
+        summary.speed()
+    ))?;
+    if record.begun.is_some() {
+        print_errors(summary)?;
+    }
+    let [torque1, torque4] = summary.peak_torque_nm.map(|torque| quantity(torque, "N·m"));
+    say(format_args!(
+        "  torque      {torque1} and {torque4} at most, limited in {} ticks",
+        summary.saturated_ticks
+    ))?;
+    say(format_args!(
+        "  report      {}/report.html",
+        summary.out_dir
+    ))?;
+    Ok(())
+}
+
+fn print_errors(summary: &Summary) -> Result<(), Failure> {
+    let figures = |error: TipError| {
+        let [rms, max] = [error.rms_m, error.max_m].map(|error| quantity(error, "m"));
+        format!("{rms} RMS, {max} at most")
+    };
+    say(format_args!("  tip error   {}", figures(summary.tip_error)))?;
+    let Some(pd) = summary.pd_tip_error else {
+        return Ok(());
+    };
+    let ratio = summary.times_as_large(pd);
+    let ratio = ratio.map(|ratio| format!(": {ratio:.1} times as much"));
+    say(format_args!(
+        "  PD alone    {}{}",
+        figures(pd),
+        ratio.unwrap_or_default()
+    ))
+}

@@ -1,0 +1,86 @@
+//! `fivebar workspace`: where an arm can take its tool.
+
+use super::failure::{Failure, refused};
+use super::say::{print, say};
+use crate::input::robot::{BuiltIn, Robot};
+use crate::show::export::workspace_csv;
+use crate::show::files::OutputFolder;
+use crate::show::picture::{png, svg};
+use crate::show::text;
+use crate::study::workspace::Study;
+use fivebar_kinematics::five_bar::{Side, WorkingMode};
+use std::path::PathBuf;
+
+/// Maps where an arm can take its tool, with areas, singularities, condition number.
+///
+/// Printed are the areas and the largest clear rectangle of every branch; workspace.svg and
+/// .png draw one, workspace.csv lists all.
+#[derive(clap::Args)]
+pub(super) struct Args {
+    /// A robot file, or the name of a built-in robot.
+    #[arg(default_value = BuiltIn::DEFAULT)]
+    robot: String,
+    /// The folder for workspace.svg, workspace.png and workspace.csv.
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    out: PathBuf,
+    /// The working mode to draw, as the turns of elbows 1 and 4; left out: the robot's own.
+    #[arg(long, value_name = "ELBOW1,ELBOW4", value_parser = working_mode)]
+    branch: Option<WorkingMode>,
+    /// Side of the cells that figures and table are made of [mm]; one that suits the arm's
+    /// size when left out.
+    #[arg(long, value_name = "MM", value_parser = millimetres)]
+    resolution: Option<f64>,
+    /// Print the figures as one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+fn working_mode(text: &str) -> Result<WorkingMode, String> {
+    let side = |name: &str| match name.trim() {
+        "left" => Some(Side::Left),
+        "right" => Some(Side::Right),
+        _ => None,
+    };
+    let sides = text.split_once(',');
+    let sides = sides.and_then(|(first, second)| Some((side(first)?, side(second)?)));
+    let (elbow1, elbow4) = sides.ok_or("expected left or right for each elbow: right,left")?;
+    Ok(WorkingMode::new(elbow1, elbow4))
+}
+
+/// Millimetres as metres.
+fn millimetres(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "expected millimetres")?;
+    if value > 0.0 && value.is_finite() {
+        Ok(1e-3 * value)
+    } else {
+        Err("expected millimetres above zero".into())
+    }
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    let robot = Robot::load(&args.robot).map_err(refused)?;
+    let folder = OutputFolder::prepare(&args.out, "--out").map_err(refused)?;
+    let study = Study::new(&robot, args.resolution).map_err(refused)?;
+    let mode = args.branch.unwrap_or(robot.working_mode);
+    let picture = svg(&study, mode).map_err(refused)?;
+    let image = png(&picture).map_err(refused)?;
+    folder
+        .write(&[
+            ("workspace.svg", &picture),
+            ("workspace.png", &image),
+            ("workspace.csv", &workspace_csv(&study)),
+        ])
+        .map_err(refused)?;
+    if args.json {
+        let mut answer = study.answer();
+        answer["out_dir"] = folder.path().display().to_string().into();
+        say(&answer)?;
+    } else {
+        print(text::workspace(&study))?;
+        say(format_args!(
+            "drawn and listed in {}",
+            folder.path().join("workspace.{svg,png,csv}").display()
+        ))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,73 @@
+//! Files for other tools: robots for MuJoCo, URDF readers and graph drawings, runs for
+//! Foxglove, and tables.
+
+mod dot;
+mod linkage_csv;
+mod mcap;
+mod mjcf;
+mod scene;
+mod trace_csv;
+mod urdf;
+mod workspace_csv;
+
+pub use dot::dot;
+pub use linkage_csv::linkage_csv;
+pub use mcap::mcap;
+pub use mjcf::mjcf;
+pub use trace_csv::trace_csv;
+pub use urdf::urdf;
+pub use workspace_csv::workspace_csv;
+
+use crate::input::robot::{KinematicsOnly, Robot};
+use fivebar_kinematics::Vec2;
+use fivebar_kinematics::dynamics::{Arm, Link};
+
+/// One rigid body of an exported model.
+struct Body {
+    name: &'static str,
+    length: f64,
+    inertia: Link<f64>,
+}
+
+/// Links 1 to 4, the payload taken into link 2, which carries it at C.
+fn bodies(robot: &Robot) -> Result<[Body; 4], KinematicsOnly> {
+    let arm = robot.arm()?;
+    let [l1, l2, l3, l4, _] = robot.geometry.lengths();
+    let [link1, link2, link3, link4] = *arm.links();
+    let body = |name, length, inertia| Body {
+        name,
+        length,
+        inertia,
+    };
+    Ok([
+        body("link1", l1, link1),
+        body("link2", l2, with_payload(arm, link2, l2)),
+        body("link3", l3, link3),
+        body("link4", l4, link4),
+    ])
+}
+
+/// A link with the point mass at its end: m = m2 + mp, moments about the common centre.
+fn with_payload(arm: &Arm<f64>, link: Link<f64>, length: f64) -> Link<f64> {
+    let payload = arm.payload();
+    let mass = link.mass + payload;
+    if payload == 0.0 || mass == 0.0 {
+        return link;
+    }
+    let end = Vec2::new(length, 0.0);
+    let com = (link.com * link.mass + end * payload) * (1.0 / mass);
+    let about = |point: Vec2<f64>, mass: f64| mass * (point - com).norm_squared();
+    Link {
+        mass,
+        com,
+        inertia: link.inertia + about(link.com, link.mass) + about(end, payload),
+    }
+}
+
+/// Text made safe inside double quotes in XML.
+fn escape(text: &str) -> String {
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&quot;")
+}

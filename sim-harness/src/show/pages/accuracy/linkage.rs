@@ -1,0 +1,117 @@
+//! The study of a linkage on a page.
+
+use super::pareto::pareto;
+use crate::input::linkage::{DrivenLinkage, reaction_names};
+use crate::show::report::{Chart, Page};
+use crate::show::text::quantity;
+use crate::study::accuracy::{LinkageAnalysis, LinkageStudy, drive_name};
+use fivebar_design::accuracy::linkage::Figure;
+
+/// Whether a figure belongs on a chart.
+type Belongs = fn(&Figure) -> bool;
+
+/// What the model leaves out, said on every page.
+const LIMITS: &str = "First order: errors are small against lengths and distances from \
+    singularities. Clearances are kineto-static, massless links between pin and bearing: \
+    every pin stays in contact. Forces keep the ideal moment arms.";
+
+/// The page of a linkage.
+pub fn linkage_page(driven: &DrivenLinkage, study: &LinkageStudy) -> Page {
+    let mut page = Page::new(format!("Accuracy of {}", driven.name));
+    let (instant, sampled) = (&study.instant, &study.sampled);
+    page.paragraph(&format!(
+        "At {} s of the sweep; {} samples from seed {}. {LIMITS}",
+        instant.time, study.sampling.samples, study.sampling.seed
+    ));
+    if !instant.settled {
+        page.paragraph("The directions of the pins do not settle here: a reaction is near zero, and its pin is about to leave its bearing.");
+    }
+    let deviations = instant.scatter.deviations();
+    let rows: Vec<Vec<String>> = instant
+        .figures
+        .iter()
+        .enumerate()
+        .filter(|&(row, _)| deviations[row] > 0.0)
+        .map(|(row, figure)| {
+            let (name, unit) = named(driven, figure);
+            let twin = sampled.deviation(row);
+            let error = twin * sampled.relative_error();
+            vec![
+                name,
+                quantity(instant.values[row], unit),
+                quantity(deviations[row], unit),
+                format!("{} ± {}", quantity(twin, unit), quantity(error, unit)),
+            ]
+        })
+        .collect();
+    page.table(&["figure", "value", "standard deviation", "sampled"], &rows);
+    page.heading("Who contributes");
+    for (row, figure) in instant.figures.iter().enumerate() {
+        let rows = match figure {
+            Figure::Position(_, 0) => 2,
+            Figure::Drive(_) => 1,
+            _ => continue,
+        };
+        let shares = instant.shares(row, rows);
+        let bars = shares.iter().take(12).filter(|(_, share)| *share > 1e-3);
+        let bars: Vec<(&str, f64)> = bars
+            .map(|&(i, share)| (instant.primitives[i].name.as_str(), share))
+            .collect();
+        if !bars.is_empty() {
+            let (name, _) = named(driven, figure);
+            let of = name.trim_end_matches(" x");
+            page.figure(&pareto(&bars), &format!("Share in the variance of: {of}."));
+        }
+    }
+    page.heading("Over the sweep");
+    let groups: [(&str, &str, Belongs); 5] = [
+        ("Positions", "m", |f| matches!(f, Figure::Position(..))),
+        ("Velocities", "m/s", |f| matches!(f, Figure::Velocity(..))),
+        ("Accelerations", "m/s²", |f| {
+            matches!(f, Figure::Acceleration(..))
+        }),
+        ("Drives", "N·m or N", |f| matches!(f, Figure::Drive(_))),
+        ("Joint forces", "N", |f| matches!(f, Figure::Force(..))),
+    ];
+    for (title, unit, belongs) in groups {
+        let y_label = format!("standard deviation [{unit}]");
+        let mut chart = Chart::new(title, "time [s]", y_label.as_str());
+        for (row, figure) in instant.figures.iter().enumerate() {
+            if belongs(figure) {
+                let deviation = |analysis: &LinkageAnalysis| {
+                    analysis.scatter.covariance[(row, row)].max(0.0).sqrt()
+                };
+                let instants = study.sweep.iter();
+                let curve = instants.map(|analysis| [analysis.time, deviation(analysis)]);
+                chart = chart.line(named(driven, figure).0, curve.collect());
+            }
+        }
+        page.chart(&chart);
+    }
+    page
+}
+
+/// A figure in words, and its unit.
+fn named(driven: &DrivenLinkage, figure: &Figure) -> (String, &'static str) {
+    let point = |index: usize| &driven.linkage.points()[index].name;
+    let link = |index: usize| &driven.linkage.links()[index].name;
+    let joint = |index: usize| reaction_names(&driven.linkage).swap_remove(index);
+    let axis = |component: usize| ["x", "y"][component];
+    match *figure {
+        Figure::Position(p, i) => (format!("position of {} {}", point(p), axis(i)), "m"),
+        Figure::Velocity(p, i) => (format!("velocity of {} {}", point(p), axis(i)), "m/s"),
+        Figure::Acceleration(p, i) => (format!("acceleration of {} {}", point(p), axis(i)), "m/s²"),
+        Figure::Angle(l) => (format!("angle of {}", link(l)), "rad"),
+        Figure::AngularVelocity(l) => (format!("angular velocity of {}", link(l)), "rad/s"),
+        Figure::AngularAcceleration(l) => {
+            (format!("angular acceleration of {}", link(l)), "rad/s²")
+        }
+        Figure::Drive(k) => {
+            let (name, what, unit) = drive_name(driven, k);
+            let unit = if unit == "nm" { "N·m" } else { "N" };
+            (format!("driving {what} of {name}"), unit)
+        }
+        Figure::Force(j, i) => (format!("force of {} {}", joint(j), axis(i)), "N"),
+        Figure::Moment(j) => (format!("moment of {}", joint(j)), "N·m"),
+    }
+}

@@ -1,0 +1,162 @@
+//! The report of a run: the arm drawing, how well, and what it took.
+
+mod loads;
+mod motion;
+mod picture;
+mod shares;
+#[cfg(test)]
+mod tests;
+
+use crate::input::job::Job;
+use crate::input::robot::Robot;
+use crate::run::simulation::{Sample, Summary, Trace};
+use crate::show::report::{Chart, Page, Point};
+use crate::show::text::quantity;
+
+/// What a report of a run is made from.
+#[derive(Clone, Copy, Debug)]
+pub struct RunReport<'a> {
+    /// The arm that ran.
+    pub robot: &'a Robot,
+    /// The job it did, where it was one.
+    pub job: Option<&'a Job>,
+    /// The run in figures.
+    pub summary: &'a Summary,
+    /// The run sample by sample.
+    pub trace: &'a Trace,
+    /// The same run under independent-joint PD of equal bandwidth.
+    pub pd: Option<(&'a Summary, &'a Trace)>,
+    /// The conditions of the run, by name and value.
+    pub conditions: &'a [(String, String)],
+}
+
+impl RunReport<'_> {
+    /// The report as a page.
+    pub fn page(&self) -> Page {
+        let summary = self.summary;
+        let mut page = Page::new(format!("{} draws {}", summary.robot, summary.scenario));
+        page.paragraph(&self.outcome());
+        let errors = [
+            ("RMS tip error", quantity(summary.tip_error.rms_m, "m")),
+            ("greatest tip error", quantity(summary.tip_error.max_m, "m")),
+        ];
+        let [torque1, torque4] = summary.peak_torque_nm;
+        let others = [
+            ("peak torque", quantity(torque1.max(torque4), "N·m")),
+            ("simulated", format!("{:.2} s", summary.simulated_s)),
+            ("speed against real time", format!("{}×", summary.speed())),
+        ];
+        if self.trace.samples().is_empty() {
+            page.key_figures(&others);
+        } else {
+            page.key_figures(&[&errors[..], &others].concat());
+            self.add_motion(&mut page);
+            self.add_errors(&mut page);
+            self.add_loads(&mut page);
+        }
+        self.add_tables(&mut page);
+        page
+    }
+
+    fn outcome(&self) -> String {
+        let faults = &self.summary.faults;
+        let unbegun = if self.trace.samples().is_empty() {
+            " The job had not begun."
+        } else {
+            ""
+        };
+        if faults.is_empty() {
+            "The job was done to its end without a fault. Everything below is from the \
+             simulated arm itself, not from what the controller believes of it."
+                .into()
+        } else {
+            format!("The run ended in a fault: {}.{unbegun}", faults.join(", "))
+        }
+    }
+
+    fn add_errors(&self, page: &mut Page) {
+        let microns = |trace: &Trace| {
+            let point = |sample: &Sample| [sample.time, 1e6 * sample.tip_error()];
+            trace.samples().iter().map(point).collect::<Vec<Point>>()
+        };
+        page.heading("Tip error").paragraph(
+            "Distance of the tool from where the reference has it at the same moment, so \
+             lag counts as error too.",
+        );
+        let chart = Chart::new("Tip error", "time [s]", "tip error [µm]");
+        let own = microns(self.trace);
+        match self.pd {
+            None => page.chart(&chart.line("computed torque", own)),
+            Some((pd, pd_trace)) => {
+                page.chart(
+                    &chart
+                        .line("computed torque", own)
+                        .line("PD of equal bandwidth", microns(pd_trace)),
+                );
+                let (ours, theirs) = (self.summary.tip_error, pd.tip_error);
+                page.table(
+                    &["controller", "RMS", "greatest"],
+                    &[("computed torque", ours), ("PD of equal bandwidth", theirs)].map(
+                        |(name, error)| {
+                            let figures = [error.rms_m, error.max_m].map(|e| quantity(e, "m"));
+                            let [rms, max] = figures;
+                            vec![name.to_owned(), rms, max]
+                        },
+                    ),
+                );
+                match self.summary.times_as_large(theirs) {
+                    None => page,
+                    Some(ratio) => page.paragraph(&format!(
+                        "The same arm, job, bandwidth and damping without the model: the RMS \
+                         error is {ratio:.1} times as large."
+                    )),
+                }
+            }
+        };
+    }
+
+    fn add_tables(&self, page: &mut Page) {
+        let summary = self.summary;
+        let mut rows = vec![
+            row("simulated time", format!("{:.4} s", summary.simulated_s)),
+            row("time taken", quantity(summary.wall_s, "s")),
+            row("ticks", summary.ticks.to_string()),
+            row(
+                "ticks with a limited torque",
+                summary.saturated_ticks.to_string(),
+            ),
+        ];
+        for (joint, torque) in [1, 4].into_iter().zip(summary.peak_torque_nm) {
+            rows.push(row(
+                &format!("peak torque, joint {joint}"),
+                quantity(torque, "N·m"),
+            ));
+        }
+        rows.extend(
+            self.conditions
+                .iter()
+                .map(|(name, value)| row(name, value.clone())),
+        );
+        page.heading("Figures").table(&["what", "value"], &rows);
+        let warnings = self.job.map_or(&[][..], |job| &job.warnings);
+        if !warnings.is_empty() {
+            let text: Vec<_> = warnings.iter().map(ToString::to_string).collect();
+            page.heading("Left out of the job")
+                .paragraph(&text.join("; "));
+        }
+    }
+
+    /// Whether the tool draws during a sample; without a job it always does.
+    fn draws(&self, sample: &Sample) -> bool {
+        self.job.is_none_or(|job| job.pen_down(sample.line))
+    }
+}
+
+fn row(name: &str, value: String) -> Vec<String> {
+    vec![name.to_owned(), value]
+}
+
+/// About `count` of the samples, evenly spaced.
+fn spaced(samples: &[Sample], count: usize) -> impl Iterator<Item = &Sample> {
+    samples.iter().step_by(samples.len().div_ceil(count).max(1))
+}

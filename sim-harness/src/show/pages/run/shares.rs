@@ -1,0 +1,53 @@
+//! What each joint's torque goes into along the reference, by the controller's model.
+
+use crate::input::robot::{KinematicsOnly, Robot};
+use crate::run::simulation::Sample;
+use fivebar_kinematics::Vec2;
+use fivebar_kinematics::control::FrictionCompensation;
+use fivebar_kinematics::dynamics::{Arm, TorqueShares};
+use fivebar_kinematics::five_bar::{PoseError, Side};
+
+/// The model by which a robot's torques are told apart: the controller's.
+pub(super) struct ShareModel<'a> {
+    arm: &'a Arm<f64>,
+    assembly: Side,
+    friction: [FrictionCompensation<f64>; 2],
+}
+
+impl<'a> ShareModel<'a> {
+    pub(super) fn new(robot: &'a Robot) -> Result<Self, KinematicsOnly> {
+        let settings = robot.settings()?;
+        let assembly = if settings.assembly_left {
+            Side::Left
+        } else {
+            Side::Right
+        };
+        let smoothing = f64::from(settings.control.friction_smoothing);
+        let friction = robot.drives()?.map(|drive| {
+            FrictionCompensation::new(drive.viscous_friction, drive.coulomb_friction, smoothing)
+        });
+        Ok(Self {
+            arm: robot.arm()?,
+            assembly,
+            friction,
+        })
+    }
+
+    /// The parts of the torques that the reference of `sample` asks for.
+    ///
+    /// # Errors
+    /// A reference out of reach or singular.
+    pub(super) fn shares(&self, sample: &Sample) -> Result<TorqueShares<f64>, PoseError> {
+        let geometry = self.arm.geometry();
+        let [theta1, theta4] = sample.reference_angle;
+        let [omega1, omega4] = sample.reference_velocity;
+        let [alpha1, alpha4] = sample.reference_acceleration;
+        let pose = geometry.forward(theta1, theta4, self.assembly)?;
+        let velocities = geometry.forward_velocities(&pose, omega1, omega4)?;
+        let accelerations = geometry.forward_accelerations(&pose, &velocities, alpha1, alpha4)?;
+        let friction = [0, 1].map(|j| self.friction[j].torque(sample.reference_velocity[j]));
+        let free = Vec2::zero();
+        self.arm
+            .torque_shares(&pose, &velocities, &accelerations, free, friction)
+    }
+}

@@ -1,0 +1,36 @@
+//! The arm as pages know it before it moves.
+
+use crate::input::robot::{NoHome, Robot};
+use serde::Serialize;
+
+/// Places [m], angles [rad].
+#[derive(Debug, Serialize)]
+struct Arm<'a> {
+    name: &'a str,
+    /// Where its controller is.
+    place: &'a str,
+    base: f64,
+    tool_offset: [f64; 2],
+    /// θ1 and θ4: least and greatest.
+    angle_limits: [[f64; 2]; 2],
+    /// B, C, D and the tool at home.
+    home: [[f64; 2]; 4],
+}
+
+/// A robot, as JSON.
+///
+/// # Errors
+/// It has no home.
+pub(super) fn describe(robot: &Robot, place: &str) -> Result<String, NoHome> {
+    let pose = robot.home_pose()?;
+    let [b, c, d] = [pose.b, pose.c, pose.d].map(|point| [point.x, point.y]);
+    let arm = Arm {
+        name: &robot.name,
+        place,
+        base: robot.geometry.base(),
+        tool_offset: robot.tool.offset,
+        angle_limits: robot.limits.angle,
+        home: [b, c, d, robot.tool_at(&pose)],
+    };
+    Ok(serde_json::json!(arm).to_string())
+}

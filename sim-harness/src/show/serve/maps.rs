@@ -1,0 +1,113 @@
+//! Where the arm can take its tool, in each working mode, as pages draw it.
+
+use super::ServeError;
+use crate::input::robot::Robot;
+use fivebar_design::workspace::{Cell, Grid, Map, loci};
+use fivebar_kinematics::five_bar::{Side, Singularity, WorkingMode};
+use serde::Serialize;
+
+/// Cells along the reach.
+const CELLS: f64 = 200.0;
+/// What is not reached.
+const OUTSIDE: i16 = -1;
+/// Added where the arm may not go, though it reaches.
+const FORBIDDEN: i16 = 200;
+
+/// The map of a working mode. Places [m].
+#[derive(Debug, Serialize)]
+struct Drawn {
+    elbows: [Side; 2],
+    /// The grid's corners.
+    low: [f64; 2],
+    high: [f64; 2],
+    columns: usize,
+    /// Row by row from the lower left: σmin/σmax in hundredths, plus [`FORBIDDEN`] beyond
+    /// joint limits, margin or type 2; [`OUTSIDE`] out of reach.
+    cells: Vec<i16>,
+    /// Singularities of type 1 and of type 2.
+    type1: Vec<Vec<[f64; 2]>>,
+    type2: Vec<Vec<[f64; 2]>>,
+}
+
+/// The maps of all working modes, as JSON. `assembly` is the branch that the arm is on and
+/// does not leave.
+///
+/// # Errors
+/// A tool or limits that describe no workspace.
+pub(super) fn describe(robot: &Robot, assembly: Side) -> Result<String, ServeError> {
+    let mut maps = Vec::new();
+    for mode in WorkingMode::ALL {
+        let workspace = robot.workspace(mode)?;
+        let tool = &workspace.tool;
+        let size = 2.0 * (tool.geometry().l1() + tool.reach());
+        let map = Map::new(workspace, Grid::over(tool, size / CELLS)?);
+        let code = |cell: &Option<Cell>| cell.as_ref().map_or(OUTSIDE, |cell| code(cell, assembly));
+        let loci = loci(tool, mode);
+        let curves = |parallel: bool| {
+            loci.iter()
+                .filter(|locus| (locus.singularity == Singularity::Parallel) == parallel)
+                .map(|locus| locus.points.iter().map(|p| rounded([p.x, p.y])).collect())
+                .collect()
+        };
+        let [low, high] = [map.grid().low(), map.grid().high()];
+        maps.push(Drawn {
+            elbows: [mode.elbow1, mode.elbow4],
+            low: [low.x, low.y],
+            high: [high.x, high.y],
+            columns: map.grid().columns(),
+            cells: map.cells().iter().map(code).collect(),
+            type1: curves(false),
+            type2: curves(true),
+        });
+    }
+    Ok(serde_json::json!(maps).to_string())
+}
+
+fn code(cell: &Cell, assembly: Side) -> i16 {
+    let hundredths = (100.0 * cell.inverse_condition) as i16;
+    if cell.admitted && cell.assembly == assembly {
+        hundredths
+    } else {
+        hundredths + FORBIDDEN
+    }
+}
+
+/// To micrometres: pictures need no more.
+fn rounded(place: [f64; 2]) -> [f64; 2] {
+    place.map(|x| (1e6 * x).round() / 1e6)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{FORBIDDEN, OUTSIDE, describe};
+    use crate::input::robot::{BuiltIn, Robot};
+    use fivebar_kinematics::five_bar::Side;
+
+    #[test]
+    fn the_arm_may_be_at_home_in_its_own_mode_and_on_its_own_branch_only() {
+        let robot = Robot::load(BuiltIn::DEFAULT).unwrap();
+        let home = robot.home_pose().unwrap();
+        let [x, y] = robot.tool_at(&home);
+        let at_home = |assembly: Side| -> Vec<i16> {
+            let maps = describe(&robot, assembly).unwrap();
+            let maps: Vec<serde_json::Value> = serde_json::from_str(&maps).unwrap();
+            let cell = |map: &serde_json::Value| {
+                let number = |value: &serde_json::Value| value.as_f64().unwrap();
+                let (low, high) = (&map["low"], &map["high"]);
+                let columns = map["columns"].as_u64().unwrap() as usize;
+                let pitch = (number(&high[0]) - number(&low[0])) / columns as f64;
+                let column = ((x - number(&low[0])) / pitch) as usize;
+                let row = ((y - number(&low[1])) / pitch) as usize;
+                assert!(!map["type1"].as_array().unwrap().is_empty());
+                assert!(!map["type2"].as_array().unwrap().is_empty());
+                map["cells"][row * columns + column].as_i64().unwrap() as i16
+            };
+            maps.iter().map(cell).collect()
+        };
+        let allowed = |cells: &[i16]| cells.iter().filter(|&&cell| cell < FORBIDDEN).count();
+        let own = at_home(home.assembly());
+        assert!(own.iter().all(|&cell| cell != OUTSIDE), "{own:?}");
+        assert_eq!(allowed(&own), 1, "{own:?}");
+        assert_eq!(allowed(&at_home(home.assembly().opposite())), 0);
+    }
+}

@@ -1,0 +1,191 @@
+//! The pages and their websockets.
+
+use super::ServeError;
+use super::guard::{Admission, Guard};
+use super::message::{Event, WebSide, Wish};
+use super::pilot::Client;
+use axum::Router;
+use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
+use axum::extract::{Request, State};
+use axum::http::{HeaderValue, StatusCode, header};
+use axum::middleware::{self, Next};
+use axum::response::{IntoResponse, Response};
+use axum::routing::get;
+use std::net::TcpListener;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+use tokio::sync::broadcast::error::RecvError;
+use tokio::sync::oneshot;
+
+/// The longest message of a page: a job of a few hundred thousand moves.
+const LONGEST: usize = 16 << 20;
+
+/// Messages of a page in a second, several times what hands and clocks make. One that says
+/// more has gone wild and is let go as if it were lost: neither does it keep others from
+/// stopping the arm, nor does the arm obey what has waited in line.
+const MOST: u32 = 1000;
+
+/// Nothing but what this server sends is loaded, and no other page frames it.
+const POLICY: &str = "default-src 'self'; frame-ancestors 'none'; base-uri 'none'";
+
+/// A file of the page: its path, what it is, its text.
+type Asset = (&'static str, &'static str, &'static str);
+
+const SCRIPT: &str = "text/javascript; charset=utf-8";
+
+const ASSETS: [Asset; 12] = [
+    (
+        "/",
+        "text/html; charset=utf-8",
+        include_str!("page/index.html"),
+    ),
+    (
+        "/style.css",
+        "text/css; charset=utf-8",
+        include_str!("page/style.css"),
+    ),
+    ("/app.js", SCRIPT, include_str!("page/app.js")),
+    ("/clock.js", SCRIPT, include_str!("page/clock.js")),
+    ("/colour.js", SCRIPT, include_str!("page/colour.js")),
+    ("/connection.js", SCRIPT, include_str!("page/connection.js")),
+    ("/drawing.js", SCRIPT, include_str!("page/drawing.js")),
+    ("/hand.js", SCRIPT, include_str!("page/hand.js")),
+    ("/map.js", SCRIPT, include_str!("page/map.js")),
+    ("/panel.js", SCRIPT, include_str!("page/panel.js")),
+    ("/plots.js", SCRIPT, include_str!("page/plots.js")),
+    (
+        "/demonstration.gcode",
+        "text/plain; charset=utf-8",
+        include_str!("../../../jobs/fivebar.gcode"),
+    ),
+];
+
+/// What is served: the files of the page, the arm, and the way to the machine.
+pub(super) struct Site {
+    pub(super) guard: Guard,
+    pub(super) pages: WebSide,
+    /// The arm as pages know it before it moves, in JSON.
+    pub(super) arm: String,
+    /// The maps of its workspace, in JSON.
+    pub(super) maps: String,
+}
+
+/// Serves until `machine`, which is given a thread of its own, returns.
+pub(super) fn run(
+    listener: TcpListener,
+    site: Site,
+    machine: Box<dyn FnOnce() -> Result<(), ServeError> + Send>,
+) -> Result<(), ServeError> {
+    let mut runtime = tokio::runtime::Builder::new_current_thread();
+    runtime.enable_all().build()?.block_on(async {
+        listener.set_nonblocking(true)?;
+        let listener = tokio::net::TcpListener::from_std(listener)?;
+        let (ended, end) = oneshot::channel();
+        thread::spawn(move || ended.send(machine()));
+        tokio::select! {
+            served = axum::serve(listener, router(site)) => Ok(served?),
+            outcome = end => outcome.unwrap_or_else(|_| {
+                Err(std::io::Error::other("the machine's thread panicked").into())
+            }),
+        }
+    })
+}
+
+fn router(site: Site) -> Router {
+    let Site {
+        guard,
+        pages,
+        arm,
+        maps,
+    } = site;
+    let mut router = Router::new();
+    for (path, kind, text) in ASSETS {
+        let answer = move || async move { ([(header::CONTENT_TYPE, kind)], text) };
+        router = router.route(path, get(answer));
+    }
+    for (path, text) in [("/arm.json", arm), ("/maps.json", maps)] {
+        let answer = move || async move { ([(header::CONTENT_TYPE, "application/json")], text) };
+        router = router.route(path, get(answer));
+    }
+    router
+        .route("/live", get(live))
+        .with_state(pages)
+        .layer(middleware::from_fn_with_state(Arc::new(guard), admit))
+}
+
+async fn admit(State(guard): State<Arc<Guard>>, request: Request, next: Next) -> Response {
+    let mut response = match guard.admit(request.uri(), request.headers()) {
+        Ok(Admission::Serve) => next.run(request).await,
+        Ok(Admission::Welcome { cookie }) => {
+            let headers = [(header::LOCATION, "/".into()), (header::SET_COOKIE, cookie)];
+            (StatusCode::SEE_OTHER, headers).into_response()
+        }
+        Err(refusal) => refusal.into_response(),
+    };
+    let headers = response.headers_mut();
+    for (name, value) in [
+        (header::CONTENT_SECURITY_POLICY, POLICY),
+        (header::CACHE_CONTROL, "no-store"),
+        (header::REFERRER_POLICY, "no-referrer"),
+        (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
+    ] {
+        headers.insert(name, HeaderValue::from_static(value));
+    }
+    response
+}
+
+async fn live(State(pages): State<WebSide>, upgrade: WebSocketUpgrade) -> Response {
+    static CLIENTS: AtomicU64 = AtomicU64::new(1);
+    let client = CLIENTS.fetch_add(1, Ordering::Relaxed);
+    upgrade
+        .max_message_size(LONGEST)
+        .on_upgrade(move |socket| attend(socket, client, pages))
+}
+
+/// Carries messages both ways until the page is gone.
+async fn attend(mut socket: WebSocket, client: Client, pages: WebSide) {
+    let mut news = pages.news.subscribe();
+    let hello = format!(r#"{{"hello":{client}}}"#);
+    if socket.send(Message::Text(hello.into())).await.is_err() {
+        return;
+    }
+    let tell = |event| pages.events.send((client, event));
+    let _ = tell(Event::Joined);
+    let mut second = (Instant::now(), 0);
+    loop {
+        if second.0.elapsed() >= Duration::from_secs(1) {
+            second = (Instant::now(), 0);
+        }
+        let event = tokio::select! {
+            heard = socket.recv() => match heard {
+                _ if second.1 == MOST => break,
+                Some(Ok(Message::Text(text))) => {
+                    second.1 += 1;
+                    match serde_json::from_str::<Wish>(&text) {
+                        Ok(wish) => Event::Wish(wish),
+                        Err(error) => Event::Strange(error.to_string()),
+                    }
+                }
+                Some(Ok(Message::Ping(_) | Message::Pong(_))) => {
+                    second.1 += 1;
+                    continue;
+                }
+                Some(Ok(Message::Binary(_) | Message::Close(_)) | Err(_)) | None => break,
+            },
+            told = news.recv() => match told {
+                Ok(text) => match socket.send(Message::Text(text)).await {
+                    Ok(()) => continue,
+                    Err(_) => break,
+                },
+                Err(RecvError::Lagged(_)) => Event::Missed,
+                Err(RecvError::Closed) => break,
+            },
+        };
+        if tell(event).is_err() {
+            break;
+        }
+    }
+    let _ = tell(Event::Left);
+}

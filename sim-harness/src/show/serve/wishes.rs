@@ -1,0 +1,250 @@
+//! What pages wish becomes orders, aims and jobs, or a refusal.
+
+use super::feed::{End, takes_moves};
+use super::machine::{Loaded, Machine};
+use super::message::{Event, JobNews, Joint, News, Wanted, Wish};
+use super::pilot::Client;
+use super::refusal::sentence;
+use super::sketch::nearest;
+use crate::input::scenario::Scenario;
+use crate::run::link::LinkError;
+use fivebar_firmware::MoveKind;
+use fivebar_firmware::protocol::Order;
+use fivebar_kinematics::five_bar::Side;
+use std::time::Instant;
+
+/// Share of the joints' greatest speed at which a joint is turned and the mode changed.
+const JOINT_SPEED: f32 = 0.4;
+
+/// Why a wish is not done.
+type Refused = String;
+
+impl Machine {
+    /// Takes note of what happens at a page.
+    pub(super) fn hear(&mut self, client: Client, event: Event) -> Result<(), LinkError> {
+        let now = Instant::now();
+        match event {
+            Event::Joined => {
+                // A moving arm whose page is lost comes to rest before another one gets it.
+                if self.rests() && !self.pilot.is_alive(now) {
+                    self.pilot.take(client, now, false);
+                    self.feed.clear();
+                }
+                self.tell_again();
+            }
+            Event::Missed => self.tell_again(),
+            Event::Left => {
+                if self.pilot.leave(client) {
+                    self.feed.clear();
+                }
+            }
+            Event::Strange(error) => self.refuse(
+                Some(client),
+                format!("This page is not of this server's version; load it again ({error})."),
+            ),
+            Event::Wish(wish) => {
+                let in_control = self.pilot.hear(client, now);
+                if let Err(why) = self.grant(client, in_control, wish)? {
+                    self.refuse(Some(client), why);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// What a page that was not there, or too slow, has not heard.
+    fn tell_again(&mut self) {
+        self.told = None;
+        if let Some(loaded) = &self.loaded {
+            self.pages.tell(&News::Job(&loaded.news));
+        }
+    }
+
+    fn grant(
+        &mut self,
+        client: Client,
+        in_control: bool,
+        wish: Wish,
+    ) -> Result<Result<(), Refused>, LinkError> {
+        Ok(match wish {
+            Wish::Alive => Ok(()),
+            Wish::Control => self.hand_over(client),
+            Wish::Request(wanted) if in_control || wanted.is_open_to_all() => {
+                return self.request(wanted);
+            }
+            _ if !in_control => Err("This page watches: take control first.".into()),
+            Wish::Request(wanted) => return self.request(wanted),
+            _ if self.feed.is_running() => Err("A job is running: stop it first.".into()),
+            Wish::Load { name, text } => self.load(&name, text),
+            Wish::Run => self.begin(),
+            _ if !takes_moves(self.status.state) => {
+                Err("The arm is not armed: home it, then arm it.".into())
+            }
+            Wish::Jog(by) => self.jog(by.map(single)),
+            Wish::Follow(to) => {
+                self.aim(to.map(single));
+                Ok(())
+            }
+            Wish::JogJoint { joint, by } => self.turn_joint(joint, |angle| angle + single(by)),
+            Wish::Turn { joint, to } => self.turn_joint(joint, |_| single(to)),
+            Wish::Mode(elbows) => self.change_mode(elbows),
+        })
+    }
+
+    fn hand_over(&mut self, client: Client) -> Result<(), Refused> {
+        let before = self.pilot.client();
+        if !self.pilot.take(client, Instant::now(), self.rests()) {
+            return Err(
+                "Another page is in control of a moving arm: stop the arm, then take control."
+                    .into(),
+            );
+        }
+        if before != Some(client) {
+            self.feed.clear();
+            if before.is_some() {
+                self.refuse(before, "Another page has taken control.".into());
+            }
+        }
+        Ok(())
+    }
+
+    fn request(&mut self, wanted: Wanted) -> Result<Result<(), Refused>, LinkError> {
+        if wanted.is_open_to_all() {
+            self.feed.clear();
+        }
+        let answer = self.conversation.order(Order::Request(wanted.into()))?;
+        Ok(answer.map_err(|refusal| sentence(&refusal)))
+    }
+
+    fn jog(&mut self, [dx, dy]: [f32; 2]) -> Result<(), Refused> {
+        let [x, y] = self.tool_end().ok_or("The arm is not held anywhere.")?;
+        self.aim([x + dx, y + dy]);
+        Ok(())
+    }
+
+    fn aim(&mut self, to: [f32; 2]) {
+        let feed = self.settings.motion.max_speed;
+        self.feed.aim_at(MoveKind::Line { to, feed });
+    }
+
+    /// Turns a joint from where the next move begins, the other one staying.
+    fn turn_joint(&mut self, joint: Joint, to: impl FnOnce(f32) -> f32) -> Result<(), Refused> {
+        let mut angles = self.joints_end().ok_or("The arm is not held anywhere.")?;
+        let [theta1, theta4] = &mut angles;
+        let angle = match joint {
+            Joint::Theta1 => theta1,
+            Joint::Theta4 => theta4,
+        };
+        *angle = to(*angle);
+        self.aim_joints(angles);
+        Ok(())
+    }
+
+    fn change_mode(&mut self, elbows: [Side; 2]) -> Result<(), Refused> {
+        let tool = self.tool_end();
+        let angles = tool
+            .and_then(|tool| self.sketch.joints(tool, elbows))
+            .ok_or(
+                "These elbows hold the tool there only beyond links 2 and 3 in line, or not at \
+                 all: move the tool first.",
+            )?;
+        self.aim_joints(angles);
+        Ok(())
+    }
+
+    fn aim_joints(&mut self, angles: [f32; 2]) {
+        let [to1, to4] = angles;
+        let [now1, now4] = self.status.angle;
+        self.feed.aim_at(MoveKind::Joint {
+            to: [nearest(to1, now1), nearest(to4, now4)],
+            speed: JOINT_SPEED,
+        });
+    }
+
+    /// Where the tool is when all moves are done [m].
+    fn tool_end(&self) -> Option<[f32; 2]> {
+        match self.feed.end() {
+            Some(End::Tool(tool)) => Some(tool),
+            Some(End::Joints(angles)) => self.sketch.tool_at(angles),
+            None => self.status.reference,
+        }
+    }
+
+    /// θ1, θ4 when all moves are done [rad], the working mode being today's.
+    fn joints_end(&self) -> Option<[f32; 2]> {
+        match self.feed.end() {
+            Some(End::Tool(tool)) => {
+                let pose = self.sketch.pose(&self.status)?;
+                self.sketch.joints(tool, self.sketch.elbows(&pose))
+            }
+            Some(End::Joints(angles)) => Some(angles),
+            None => Some(self.status.joint_reference?.angle),
+        }
+    }
+
+    fn load(&mut self, name: &str, text: String) -> Result<(), Refused> {
+        self.only_at_rest()?;
+        let scenario = Scenario::new(name, self.robot.clone(), name, text);
+        match scenario.job() {
+            Ok(job) => {
+                self.loaded = Some(Loaded {
+                    moves: scenario.moves(&job),
+                    job,
+                    news: JobNews {
+                        name: name.into(),
+                        ..JobNews::default()
+                    },
+                });
+                self.preview();
+            }
+            Err(error) => {
+                self.loaded = None;
+                self.pages.tell(&News::Job(&JobNews {
+                    name: name.into(),
+                    refusal: Some(error.to_string()),
+                    ..JobNews::default()
+                }));
+            }
+        }
+        Ok(())
+    }
+
+    /// Holds the loaded job against what the controller would take from where the tool
+    /// stands now, and shows its path.
+    pub(super) fn preview(&mut self) {
+        let Some(Loaded { job, moves, news }) = &mut self.loaded else {
+            return;
+        };
+        *news = self.sketch.job(&news.name, job, moves, &self.status);
+        self.pages.tell(&News::Job(news));
+    }
+
+    /// Begins the job, if all of it can be done from here.
+    fn begin(&mut self) -> Result<(), Refused> {
+        self.only_at_rest()?;
+        if !takes_moves(self.status.state) {
+            return Err("The arm is not armed: home it, then arm it.".into());
+        }
+        self.preview();
+        let loaded = self.loaded.as_ref().ok_or("There is no job: load one.")?;
+        if let Some(why) = &loaded.news.refusal {
+            return Err(format!("The job cannot be done. {why}"));
+        }
+        self.feed.run(loaded.moves.clone());
+        self.notice("The job begins.");
+        Ok(())
+    }
+
+    /// A long job takes its time to be looked through, in which the host is silent.
+    fn only_at_rest(&self) -> Result<(), Refused> {
+        match self.rests() {
+            true => Ok(()),
+            false => Err("The arm moves: wait until it rests, or stop it.".into()),
+        }
+    }
+}
+
+/// A page's number as the controller has it; infinite where it has none so great.
+fn single(value: f64) -> f32 {
+    value as f32
+}

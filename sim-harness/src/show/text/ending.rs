@@ -1,0 +1,87 @@
+//! Why a run was refused or did not come to its end, in a sentence.
+
+use super::quantity;
+use crate::input::scenario::Scenario;
+use crate::run::link::TargetError;
+use crate::run::simulation::{Record, RunError, TrialError, fault_name};
+use fivebar_firmware::safety::Fault;
+
+/// Why a run of this scenario was refused or broke off. A refused move is one of the
+/// job's: its line is a line of that file.
+pub fn refusal(scenario: &Scenario, error: &RunError) -> String {
+    match error {
+        RunError::Target(error @ TargetError::Move(_)) => {
+            format!("{}, {error}", scenario.job_file)
+        }
+        other => other.to_string(),
+    }
+}
+
+/// By which fault the arm was stopped, and when; none if it was not.
+pub fn stopped_by(scenario: &Scenario, record: &Record) -> Option<String> {
+    let (time, fault) = record.faults.first()?;
+    let when = match record.begun {
+        Some(begun) => format!("{:.4} s into the job", time - begun),
+        None => format!("{time:.4} s after power-up, while homing"),
+    };
+    let (number, name) = (fault.number(), fault_name(*fault));
+    let sentence = format!("the arm stopped {when} by fault {number}, {name}");
+    if *fault != Fault::FollowingError {
+        return Some(sentence);
+    }
+    let cause = match record.begun {
+        Some(_) => falls(scenario),
+        None => homing_torques(scenario),
+    };
+    Some(sentence + &cause.unwrap_or_default())
+}
+
+/// Whether the arm falls once homed, until it is powered again for the job.
+fn falls(scenario: &Scenario) -> Option<String> {
+    let home = scenario.robot.home_pose().ok()?;
+    let weight = scenario.robot.arm().ok()?.gravity_torque(&home).ok()?;
+    let drives = scenario.robot.drives().ok()?;
+    let joint = (0..2).find(|&joint| {
+        let drive = &drives[joint];
+        weight[joint].abs() > drive.brake_torque + drive.coulomb_friction
+    })?;
+    let [needed, brake] = [weight[joint].abs(), drives[joint].brake_torque];
+    Some(format!(
+        ". Unpowered it falls: holding it up at home takes {} at joint {}, its `brake_torque` \
+         is {}",
+        quantity(needed, "N·m"),
+        [1, 4][joint],
+        quantity(brake, "N·m")
+    ))
+}
+
+/// What homing has to move the arm with: most arms that cannot be homed are too heavy
+/// for it.
+fn homing_torques(scenario: &Scenario) -> Option<String> {
+    let settings = scenario.robot.settings().ok()?;
+    let [torque1, torque4] = settings.axes.map(|axis| {
+        let current = f64::from(settings.homing.current);
+        let torque = current * f64::from(axis.torque_constant * axis.gear_ratio);
+        quantity(torque.abs(), "N·m")
+    });
+    Some(format!(
+        ". Homing moves it with {torque1} at joint 1 and {torque4} at joint 4 at most: what \
+         holds it up at home, and 0.3 of the lesser `peak_current`"
+    ))
+}
+
+/// Why an arm cannot draw the demonstration.
+pub fn no_trial(error: &TrialError) -> String {
+    match error {
+        TrialError::Scenario(error) => error.to_string(),
+        TrialError::TooLarge(scenario, error) => format!(
+            "{}, even at a scale of {}",
+            refusal(scenario, error),
+            scenario.scale
+        ),
+        TrialError::Run(scenario, error) => refusal(scenario, error),
+        TrialError::Stopped(scenario, record) => {
+            stopped_by(scenario, record).unwrap_or_else(|| error.to_string())
+        }
+    }
+}

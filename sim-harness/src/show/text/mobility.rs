@@ -1,0 +1,252 @@
+//! The answer in words, step by step as a textbook takes them.
+
+use crate::input::mobility::Study;
+use crate::study::mobility::Finding;
+use fivebar_design::mobility::{
+    GraphReport, Mobility, NamedScrew, ParallelReport, Pitch, RANK_TOLERANCE,
+};
+use std::fmt::Write as _;
+
+/// The words for zero, finite and infinite pitch.
+type Kinds = [&'static str; 3];
+const CONSTRAINTS: Kinds = ["force", "wrench", "couple"];
+const FREEDOMS: Kinds = ["rotation", "screw motion", "translation"];
+
+/// A heading and its sentences.
+pub(crate) type Step = (String, Vec<String>);
+
+/// The finding explained, a step at a time.
+pub(crate) fn steps(finding: &Finding) -> Vec<Step> {
+    match finding {
+        Finding::Parallel(report) => parallel(report),
+        Finding::Graph(report) => graph(report),
+    }
+}
+
+/// The finding explained as plain text.
+pub fn explain(study: &Study, finding: &Finding) -> String {
+    let mut text = format!("{}\n", study.name);
+    if !study.description.is_empty() {
+        let _ = writeln!(text, "{}", study.description);
+    }
+    for (number, (heading, sentences)) in steps(finding).into_iter().enumerate() {
+        let _ = writeln!(text, "\n{}. {heading}", number + 1);
+        for sentence in sentences {
+            let _ = writeln!(text, "   {sentence}");
+        }
+    }
+    text
+}
+
+fn parallel(report: &ParallelReport) -> Vec<Step> {
+    let m = &report.mobility;
+    let p = report.limbs.len();
+    let q: Vec<usize> = report
+        .limbs
+        .iter()
+        .map(|limb| limb.constraints.len())
+        .collect();
+    let sum_q: usize = q.iter().sum();
+    let mut limbs = Vec::new();
+    for (index, limb) in report.limbs.iter().enumerate() {
+        limbs.push(format!(
+            "Limb {}: {} joint screws of rank {}, so q = 6 − {} = {}: {}.",
+            index + 1,
+            limb.freedoms,
+            limb.rank,
+            limb.rank,
+            limb.constraints.len(),
+            list(&limb.constraints, CONSTRAINTS, "it constrains nothing"),
+        ));
+    }
+    let common = vec![
+        format!(
+            "The wrenches reciprocal to every joint of the mechanism: λ = {}: {}.",
+            m.lambda,
+            list(&report.common, CONSTRAINTS, "none"),
+        ),
+        format!("Order of the mechanism: d = 6 − λ = {}.", m.order),
+    ];
+    let redundant = vec![
+        format!(
+            "The limbs' constraints together span W of rank {}; besides the common ones that is k = {} − {} = {}.",
+            report.wrench_rank, report.wrench_rank, m.lambda, report.k
+        ),
+        format!(
+            "Redundant constraints: v = Σq − λp − k = {sum_q} − {}·{p} − {} = {}.",
+            m.lambda, report.k, m.redundant
+        ),
+    ];
+    let mut count = vec![
+        grubler(m),
+        format!(
+            "Equation (7): M = d(n − g − 1) + Σf + v = {}·({} − {} − 1) + {} + {} = {}.",
+            m.order, m.bodies, m.joints, m.sum_f, m.redundant, m.m_eq7
+        ),
+        format!(
+            "Equation (9): M = 6 − Σq + λ(p − 1) + v = 6 − {sum_q} + {}·({p} − 1) + {} = {}.",
+            m.lambda, m.redundant, report.m_eq9
+        ),
+    ];
+    count.push(if report.passive == 0 {
+        "They agree: every limb's screws are independent (ζ = 0).".into()
+    } else {
+        format!(
+            "They differ by ζ = {}: freedoms inside the limbs that do not move the platform.",
+            report.passive
+        )
+    });
+    vec![
+        ("The constraints of each limb".into(), limbs),
+        ("The common constraints".into(), common),
+        ("The redundant constraints".into(), redundant),
+        ("The count".into(), count),
+        platform(m, &report.platform_constraints),
+        finite(m),
+    ]
+}
+
+fn graph(report: &GraphReport) -> Vec<Step> {
+    let m = &report.mobility;
+    let loops = vec![
+        format!(
+            "{} bodies with the ground and {} joints make {} independent loops.",
+            m.bodies, m.joints, report.loops
+        ),
+        format!(
+            "All joints share λ = {} common constraints: d = 6 − λ = {}.",
+            m.lambda, m.order
+        ),
+        format!(
+            "The loops could carry {}·{} = {} conditions; their Jacobian over all {} single freedoms has rank {}, so v = {} are redundant.",
+            m.order,
+            report.loops,
+            m.order * report.loops,
+            m.sum_f,
+            report.jacobian_rank,
+            m.redundant
+        ),
+    ];
+    let count = vec![
+        grubler(m),
+        format!(
+            "Equation (7): M = d(n − g − 1) + Σf + v = {}·({} − {} − 1) + {} + {} = {}.",
+            m.order, m.bodies, m.joints, m.sum_f, m.redundant, m.m_eq7
+        ),
+    ];
+    vec![
+        ("The loops".into(), loops),
+        ("The count".into(), count),
+        platform(m, &report.platform_constraints),
+        finite(m),
+    ]
+}
+
+fn grubler(m: &Mobility) -> String {
+    format!(
+        "Grübler's spatial count, blind to geometry: 6(n − g − 1) + Σf = 6·({} − {} − 1) + {} = {}.",
+        m.bodies, m.joints, m.sum_f, m.grubler
+    )
+}
+
+fn platform(m: &Mobility, constraints: &[NamedScrew]) -> Step {
+    let sentences = vec![
+        format!("Held by {}.", list(constraints, CONSTRAINTS, "nothing")),
+        format!(
+            "Free to move in {} ways ({}, {}): {}.",
+            m.platform_dof,
+            plural(m.rotations, "rotation"),
+            plural(m.pure_translations, "translation"),
+            list(&m.freedoms, FREEDOMS, "none")
+        ),
+    ];
+    (
+        "What the platform can do, at this instant".into(),
+        sentences,
+    )
+}
+
+fn finite(m: &Mobility) -> Step {
+    let mut sentences = vec![format!(
+        "The loop Jacobian leaves {} (pivots below {RANK_TOLERANCE:e} of the largest count as zero).",
+        plural(m.instantaneous, "freedom")
+    )];
+    sentences.push(match (m.instantaneous, m.finite) {
+        (0, _) => "Nothing moves: a structure.".into(),
+        (_, 0) => "Moved for real it runs back to where it started: a shaky structure, mobile only to first order.".into(),
+        (inst, real) if inst > real => format!("Moved for real by half a radian, {real} remain: this pose is singular, and the others are only instantaneous."),
+        (_, real) => format!("Moved for real by half a radian, all {real} remain: the mobility is finite."),
+    });
+    if let Some(held) = m.with_drives_held {
+        sentences.push(if held == 0 {
+            "With the actuated joints held, nothing moves: the drives hold the platform.".into()
+        } else {
+            format!(
+                "With the actuated joints held, the mechanism keeps {}: the drives do not hold it here.",
+                plural(held, "freedom")
+            )
+        });
+    }
+    (
+        "Is it real? Instantaneous against finite mobility".into(),
+        sentences,
+    )
+}
+
+fn plural(count: usize, noun: &str) -> String {
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
+}
+
+fn list(screws: &[NamedScrew], kinds: Kinds, none: &str) -> String {
+    if screws.is_empty() {
+        return none.into();
+    }
+    let words: Vec<String> = screws.iter().map(|s| describe(s, kinds)).collect();
+    words.join("; ")
+}
+
+fn describe(screw: &NamedScrew, [zero, finite, infinite]: Kinds) -> String {
+    let axis = direction(&screw.axis);
+    let through = screw.point.map_or(String::new(), |p| {
+        format!(
+            " through ({}, {}, {})",
+            number(p.x),
+            number(p.y),
+            number(p.z)
+        )
+    });
+    match screw.pitch {
+        Pitch::Zero => format!("a {zero} along {axis}{through}"),
+        Pitch::Finite(pitch) => {
+            format!(
+                "a {finite} along {axis}{through}, pitch {} per rad",
+                number(pitch)
+            )
+        }
+        Pitch::Infinite => format!("a {infinite} along {axis}"),
+    }
+}
+
+fn direction(axis: &nalgebra::Vector3<f64>) -> String {
+    for (index, name) in ["x", "y", "z"].into_iter().enumerate() {
+        if (axis[index].abs() - 1.0).abs() < 1e-9 {
+            return name.into();
+        }
+    }
+    format!(
+        "({}, {}, {})",
+        number(axis.x),
+        number(axis.y),
+        number(axis.z)
+    )
+}
+
+fn number(value: f64) -> String {
+    let text = format!("{value:.4}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" {
+        "0".into()
+    } else {
+        text.into()
+    }
+}

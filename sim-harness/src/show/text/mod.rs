@@ -1,0 +1,14 @@
+//! Words for people: numbers with units, and sentences.
+
+mod conditions;
+mod ending;
+mod mobility;
+mod quantity;
+mod workspace;
+
+pub use conditions::conditions;
+pub use ending::{no_trial, refusal, stopped_by};
+pub use mobility::explain;
+pub(crate) use mobility::steps;
+pub use quantity::quantity;
+pub use workspace::workspace;

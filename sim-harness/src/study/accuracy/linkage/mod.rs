@@ -1,0 +1,243 @@
+//! Accuracy of a linkage: the scatter of its motion and forces at an instant and over its
+//! sweep, by analysis and by sampling.
+
+mod answer;
+mod reach;
+
+pub(crate) use answer::drive_name;
+pub use answer::linkage_answer;
+pub use reach::Reach;
+
+use super::sampling::{Sampling, Spread, sample};
+use crate::input::linkage::DrivenLinkage;
+use fivebar_design::accuracy::linkage::{Figure, LinkageResponse, seat};
+use fivebar_design::accuracy::{Primitive, Response as _, Scatter, sensitivities};
+use fivebar_design::linkage::{Clearance, Coordinate, Linkage, Quantity, SolveError};
+use indicatif::ProgressBar;
+use rayon::prelude::*;
+
+/// What tolerance and clearance do to a linkage at an instant.
+#[derive(Clone, Debug)]
+pub struct LinkageAnalysis {
+    /// When [s].
+    pub time: f64,
+    /// The driving coordinates.
+    pub inputs: Vec<Coordinate<f64>>,
+    /// What is known of: motion and forces.
+    pub figures: Vec<Figure>,
+    /// Their nominal values, pins where they are taken to lie.
+    pub values: Vec<f64>,
+    /// Everything that has a scatter: inputs and their rates, then parameters.
+    pub primitives: Vec<Primitive>,
+    /// The scatter of the figures.
+    pub scatter: Scatter,
+    /// How far pins and inputs may take each point; in the order of the linkage's points,
+    /// none for those of the frame.
+    pub reach: Vec<Option<Reach>>,
+    /// Whether the pins' directions settled; else some joint is about to lose contact.
+    pub settled: bool,
+    linkage: Linkage<f64>,
+    varied: Vec<usize>,
+}
+
+impl LinkageAnalysis {
+    /// The share of each primitive in the summed variance of `rows` figures from `row` on,
+    /// largest first.
+    pub fn shares(&self, row: usize, rows: usize) -> Vec<(usize, f64)> {
+        let parts = self.scatter.contributions.rows(row, rows).row_sum();
+        let total = parts.sum();
+        let share = |part: f64| if total > 0.0 { part / total } else { 0.0 };
+        let mut shares: Vec<_> = parts.iter().map(|part| share(*part)).enumerate().collect();
+        shares.sort_by(|(_, a), (_, b)| b.total_cmp(a));
+        shares
+    }
+}
+
+/// The analysis over the sweep, with one instant in full.
+#[derive(Clone, Debug)]
+pub struct LinkageStudy {
+    /// The instant asked for.
+    pub instant: LinkageAnalysis,
+    /// Its figures by sampling.
+    pub sampled: Spread,
+    /// How it was sampled.
+    pub sampling: Sampling,
+    /// Every instant of the sweep at which the linkage closes.
+    pub sweep: Vec<LinkageAnalysis>,
+}
+
+/// Analyses a linkage over its sweep, and at `time` [s] by samples too.
+///
+/// # Errors
+/// A sentence saying why the linkage has no figures at that time.
+pub fn study_linkage(
+    driven: &DrivenLinkage,
+    time: f64,
+    sampling: Sampling,
+    progress: &ProgressBar,
+) -> Result<LinkageStudy, String> {
+    let refuse = |error: SolveError| format!("at {time} s: {}", driven.explain(&error));
+    let instant = analyse_linkage(driven, time).map_err(refuse)?;
+    let steps = driven.steps.max(1);
+    let times = (0..=driven.steps).into_par_iter();
+    let times = times.map(|i| driven.duration * i as f64 / steps as f64);
+    let sweep = times.filter_map(|time| analyse_linkage(driven, time).ok());
+    let sweep: Vec<_> = sweep.collect();
+    Ok(LinkageStudy {
+        sampled: sample_linkage(&instant, sampling, progress),
+        sampling,
+        instant,
+        sweep,
+    })
+}
+
+/// The scatter of everything at one instant.
+///
+/// # Errors
+/// The element that cannot be solved.
+pub fn analyse_linkage(driven: &DrivenLinkage, time: f64) -> Result<LinkageAnalysis, SolveError> {
+    let tolerance = &driven.tolerance;
+    let inputs: Vec<_> = driven.laws.iter().map(|law| law.at(time)).collect();
+    let (linkage, settled) = with_pins(driven, &inputs)?;
+    let (varied, mut parameters, pins) = varied(driven, &linkage);
+    let response = LinkageResponse {
+        linkage: &linkage,
+        varied,
+    };
+    let nominal = response.primitives(&inputs);
+    let names = crate::input::linkage::driven_links(&driven.linkage);
+    let names: Vec<&str> = names.map(|(name, _)| name).collect();
+    let of_inputs = ["position", "rate", "acceleration"].into_iter();
+    let mut primitives: Vec<Primitive> = of_inputs
+        .zip(&tolerance.input_sd)
+        .flat_map(|(what, deviations)| {
+            let inputs = names.iter().zip(deviations);
+            inputs.map(move |(name, &deviation)| Primitive {
+                name: format!("{name} {what}"),
+                mean: 0.0,
+                deviation,
+            })
+        })
+        .collect();
+    primitives.append(&mut parameters);
+    for (primitive, &mean) in primitives.iter_mut().zip(&nominal) {
+        primitive.mean = mean;
+    }
+    let t = sensitivities(&response, &nominal)?;
+    let figures = response.figures();
+    let values = response.evaluate(&nominal)?;
+    let pins: Vec<_> = pins
+        .into_iter()
+        .map(|(radius, place)| (radius, 3 * inputs.len() + place))
+        .collect();
+    let motion = linkage.motion(&inputs)?;
+    let corners = reach::input_worst(&linkage, &inputs, &tolerance.input_max, &motion);
+    let reach = reach::reach(&motion, &pins, corners.as_deref(), &t, &figures);
+    Ok(LinkageAnalysis {
+        time,
+        inputs,
+        values,
+        scatter: Scatter::propagate(&t, &primitives),
+        figures,
+        primitives,
+        reach,
+        settled,
+        varied: response.varied,
+        linkage,
+    })
+}
+
+/// The linkage with its pins off their centres: where the file says, or else where their
+/// reactions press them.
+fn with_pins(
+    driven: &DrivenLinkage,
+    inputs: &[Coordinate<f64>],
+) -> Result<(Linkage<f64>, bool), SolveError> {
+    let mut linkage = driven.linkage.clone();
+    let mut radii = vec![0.0; linkage.joints().count()];
+    for pin in &driven.tolerance.pins {
+        if let Some(angle) = pin.angle {
+            let radius = pin.radius;
+            // The file's pins are pins and its radii sound: nothing is refused.
+            let _ = linkage.set_clearance(pin.joint, Clearance { radius, angle });
+        } else {
+            radii[pin.joint] = pin.radius;
+        }
+    }
+    let seated = seat(&linkage, inputs, &radii)?;
+    Ok((seated.linkage, seated.settled))
+}
+
+/// The parameters that have a scatter or belong to a pin, by their place in the order of
+/// [`Linkage::map`], and what they are; of each pin its radius and the radius's place among
+/// them, before its angle's.
+type Varied = (Vec<usize>, Vec<Primitive>, Vec<(f64, usize)>);
+
+fn varied(driven: &DrivenLinkage, linkage: &Linkage<f64>) -> Varied {
+    let tolerance = &driven.tolerance;
+    let shaped = |name: &str| {
+        let mut links = linkage.links().iter();
+        links.any(|link| link.name == name && link.section.is_some())
+    };
+    let (mut varied, mut primitives) = (Vec::new(), Vec::<Primitive>::new());
+    let mut pins = Vec::new();
+    // A pin's radius comes before its angle, and the pins in the order of the joints.
+    let mut radii = tolerance.pins.iter();
+    let mut angles = tolerance.pins.iter();
+    let mut number = 0;
+    linkage.map(|parameter, mean: f64| {
+        let of = parameter.of;
+        let found = match parameter.quantity {
+            Quantity::Clearance(_) => {
+                pins.push((mean, primitives.len()));
+                let pin = radii.next();
+                pin.map(|pin| (format!("clearance of {}", pin.name), pin.radius_sd))
+            }
+            Quantity::ClearanceAngle(_) => {
+                let pin = angles.next();
+                pin.map(|pin| (format!("clearance angle of {}", pin.name), pin.angle_sd))
+            }
+            Quantity::Mass if mean == 0.0 || shaped(of) => None,
+            quantity => {
+                let what = match quantity {
+                    Quantity::Length => "length of",
+                    Quantity::Offset => "offset of",
+                    Quantity::Local(0) => "x of",
+                    Quantity::Local(_) => "y of",
+                    Quantity::Mass => "mass of",
+                    _ => "section of",
+                };
+                let deviation = tolerance.deviation(parameter);
+                (deviation > 0.0).then(|| (format!("{what} {of}"), deviation))
+            }
+        };
+        if let Some((name, deviation)) = found {
+            varied.push(number);
+            primitives.push(Primitive {
+                name,
+                mean,
+                deviation,
+            });
+        }
+        number += 1;
+        mean
+    });
+    (varied, primitives, pins)
+}
+
+/// Draws the figures of linkages with the wrong numbers, normally distributed.
+pub fn sample_linkage(
+    analysis: &LinkageAnalysis,
+    sampling: Sampling,
+    progress: &ProgressBar,
+) -> Spread {
+    let response = LinkageResponse {
+        linkage: &analysis.linkage,
+        varied: analysis.varied.clone(),
+    };
+    sample(sampling, progress, |noise| {
+        let made = |primitive: &Primitive| primitive.mean + primitive.deviation * noise.normal();
+        let primitives: Vec<f64> = analysis.primitives.iter().map(made).collect();
+        response.evaluate(&primitives).ok()
+    })
+}

@@ -1,0 +1,178 @@
+//! The same figures by sampling: real arms with the wrong lengths, real pins anywhere in
+//! their bearings.
+
+use super::sampling::{Moments, Sampling, sample};
+use super::state::{Analysis, SCATTERED, State};
+use crate::input::robot::Robot;
+use crate::run::plant::Noise;
+use fivebar_design::accuracy::Response as _;
+use fivebar_design::accuracy::arm::ArmResponse;
+use fivebar_design::accuracy::five_bar::with_offsets;
+use fivebar_kinematics::Vec2;
+use fivebar_kinematics::dynamics::Arm;
+use fivebar_kinematics::five_bar::Geometry;
+use indicatif::ProgressBar;
+use std::f64::consts::TAU;
+
+/// What sampling finds for each figure of an [`Analysis`].
+#[derive(Clone, Debug)]
+pub struct MonteCarlo {
+    /// How it was sampled.
+    pub sampling: Sampling,
+    /// Displacement of C by inputs and lengths [m].
+    pub position: Moments<2>,
+    /// The same with one primitive varied at a time, in the order of
+    /// [`Analysis::primitives`].
+    pub alone: Vec<Moments<2>>,
+    /// Distance of C from its place with input errors uniform in their square [m].
+    pub input: Moments<1>,
+    /// Distance of C by pins anywhere in their bearings, on the rim in any direction for the
+    /// root mean square: exactly, and to first order [m].
+    pub clearance: Moments<2>,
+    /// Ċ [m/s] and C̈ [m/s²]; none without masses.
+    pub motion: Option<Moments<4>>,
+    /// Torques [N·m] and joint forces [N]; none without masses.
+    pub forces: Option<Moments<12>>,
+}
+
+/// Samples everything that [`analyse`](super::analyse) propagates.
+pub fn monte_carlo(
+    robot: &Robot,
+    state: &State,
+    analysis: &Analysis,
+    sampling: Sampling,
+    progress: &ProgressBar,
+) -> MonteCarlo {
+    let arms = Arms {
+        robot,
+        state,
+        analysis,
+    };
+    let count = analysis.primitives.len();
+    let alone = |only| {
+        sample(sampling, progress, |noise| {
+            arms.displacement(noise, |i| i == only)
+        })
+    };
+    MonteCarlo {
+        sampling,
+        position: sample_positions(robot, state, analysis, sampling, progress),
+        alone: (0..count).map(alone).collect(),
+        input: sample(sampling, progress, |noise| arms.input_error(noise)),
+        clearance: sample(sampling, progress, |noise| arms.clearance_error(noise)),
+        motion: robot.arm().ok().map(|arm| {
+            sample(sampling, progress, |noise| {
+                arms.results(arm, noise)?.get(2..6)?.try_into().ok()
+            })
+        }),
+        forces: sample_forces(robot, state, analysis, sampling, progress),
+    }
+}
+
+/// Displacements of C by inputs and lengths [m].
+pub fn sample_positions(
+    robot: &Robot,
+    state: &State,
+    analysis: &Analysis,
+    sampling: Sampling,
+    progress: &ProgressBar,
+) -> Moments<2> {
+    let arms = Arms {
+        robot,
+        state,
+        analysis,
+    };
+    sample(sampling, progress, |noise| {
+        arms.displacement(noise, |_| true)
+    })
+}
+
+/// Torques [N·m] and joint forces [N]; none without masses.
+pub fn sample_forces(
+    robot: &Robot,
+    state: &State,
+    analysis: &Analysis,
+    sampling: Sampling,
+    progress: &ProgressBar,
+) -> Option<Moments<12>> {
+    let arms = Arms {
+        robot,
+        state,
+        analysis,
+    };
+    let arm = robot.arm().ok()?;
+    Some(sample(sampling, progress, |noise| {
+        arms.results(arm, noise)?.get(6..)?.try_into().ok()
+    }))
+}
+
+/// The number of samples that [`monte_carlo`] draws in all, for its progress.
+pub fn draws(analysis: &Analysis, sampling: Sampling) -> u64 {
+    let kinds = 3 + analysis.primitives.len() + 2 * usize::from(analysis.forces.is_some());
+    (kinds * sampling.samples) as u64
+}
+
+struct Arms<'a> {
+    robot: &'a Robot,
+    state: &'a State,
+    analysis: &'a Analysis,
+}
+
+impl Arms<'_> {
+    /// θ1, θ4, l1…l5 of an arm as made, those that do not vary at their means.
+    fn made(&self, noise: &mut Noise, varies: impl Fn(usize) -> bool) -> [f64; 7] {
+        std::array::from_fn(|i| {
+            let primitive = &self.analysis.primitives[i];
+            let error = if varies(i) { noise.normal() } else { 0.0 };
+            primitive.mean + primitive.deviation * error
+        })
+    }
+
+    fn displacement(&self, noise: &mut Noise, varies: impl Fn(usize) -> bool) -> Option<[f64; 2]> {
+        let [theta1, theta4, l1, l2, l3, l4, base] = self.made(noise, varies);
+        let geometry = Geometry::new([l1, l2, l3, l4, base]).ok()?;
+        let assembly = self.analysis.pose.assembly();
+        let made = geometry.forward(theta1, theta4, assembly).ok()?.c;
+        let middle = 0.5 * (base - self.robot.geometry.base());
+        let ideal = self.analysis.pose.c;
+        Some([made.x - middle - ideal.x, made.y - ideal.y])
+    }
+
+    fn input_error(&self, noise: &mut Noise) -> Option<[f64; 1]> {
+        let [theta1, theta4] = self.analysis.inputs.theta;
+        let [max1, max4] = self.robot.tolerance.input_max;
+        let mut within = |greatest: f64| greatest * (2.0 * noise.uniform() - 1.0);
+        let (theta1, theta4) = (theta1 + within(max1), theta4 + within(max4));
+        let assembly = self.analysis.pose.assembly();
+        let pose = self.robot.geometry.forward(theta1, theta4, assembly).ok()?;
+        Some([(pose.c - self.analysis.pose.c).norm()])
+    }
+
+    /// Pins on the rims of their bearings, in any direction.
+    fn clearance_error(&self, noise: &mut Noise) -> Option<[f64; 2]> {
+        let radii = self.robot.tolerance.clearance_radius;
+        let offsets = radii.map(|radius| Vec2::unit(TAU * noise.uniform()) * radius);
+        let (geometry, pose) = (&self.robot.geometry, &self.analysis.pose);
+        let exact = (with_offsets(geometry, pose, offsets).ok()? - pose.c).norm();
+        // u2·δC = u2·e_left, u3·δC = u3·e_right.
+        let [a, b, c, d, e] = offsets;
+        let (p, q) = (pose.u2.dot(a + b), pose.u3.dot(c + d + e));
+        let linear = (pose.u2.perp() * q - pose.u3.perp() * p) * (1.0 / pose.sin32());
+        Some([exact, linear.norm()])
+    }
+
+    /// Position, motion, torques and forces of an arm as made, as [`ArmResponse`] has them.
+    fn results(&self, arm: &Arm<f64>, noise: &mut Noise) -> Option<Vec<f64>> {
+        let response = ArmResponse {
+            arm,
+            assembly: self.analysis.pose.assembly(),
+            external_force: self.state.force,
+        };
+        let mut primitives = response.primitives(&self.analysis.inputs);
+        let made = self.made(noise, |_| true);
+        for (index, value) in SCATTERED.into_iter().zip(made) {
+            primitives[index] = value;
+        }
+        response.evaluate(&primitives).ok()
+    }
+}

@@ -1,0 +1,281 @@
+//! Monte Carlo on all cores, the same numbers from the same seed whatever their number.
+//!
+//! The samples are drawn in blocks, each from a stream of its own that follows from the
+//! seed and the block's number; blocks are added up in their order.
+
+use crate::run::plant::Noise;
+use indicatif::ProgressBar;
+use rayon::prelude::*;
+
+/// Samples that share a stream.
+const BLOCK: usize = 4096;
+
+/// How many samples, from which seed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sampling {
+    /// The number of samples.
+    pub samples: usize,
+    /// Any number; the same one gives the same samples.
+    pub seed: u64,
+}
+
+/// What adds up over samples.
+pub trait Sums: Default + Send {
+    /// What a sample gives.
+    type Values;
+
+    /// Adds a sample.
+    fn add(&mut self, values: &Self::Values);
+    /// Counts a sample that could not be assembled.
+    fn fail(&mut self);
+    /// The sums of both (Chan's update, exact but for rounding).
+    #[must_use]
+    fn join(self, other: &Self) -> Self;
+}
+
+/// Sums over samples of N results.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Moments<const N: usize> {
+    /// Samples that had an answer.
+    pub count: usize,
+    /// Samples that could not be assembled.
+    pub failed: usize,
+    /// The means.
+    pub mean: [f64; N],
+    /// Σ (x − mean)(y − mean).
+    products: [[f64; N]; N],
+    /// The largest |x|.
+    pub largest: [f64; N],
+}
+
+impl<const N: usize> Default for Moments<N> {
+    fn default() -> Self {
+        Self {
+            count: 0,
+            failed: 0,
+            mean: [0.0; N],
+            products: [[0.0; N]; N],
+            largest: [0.0; N],
+        }
+    }
+}
+
+impl<const N: usize> Sums for Moments<N> {
+    type Values = [f64; N];
+
+    fn add(&mut self, values: &[f64; N]) {
+        self.count += 1;
+        let before: [f64; N] = std::array::from_fn(|i| values[i] - self.mean[i]);
+        for i in 0..N {
+            self.mean[i] += before[i] / self.count as f64;
+            self.largest[i] = self.largest[i].max(values[i].abs());
+        }
+        let after: [f64; N] = std::array::from_fn(|i| values[i] - self.mean[i]);
+        for (row, before) in self.products.iter_mut().zip(before) {
+            for (product, after) in row.iter_mut().zip(after) {
+                *product += before * after;
+            }
+        }
+    }
+
+    fn fail(&mut self) {
+        self.failed += 1;
+    }
+
+    fn join(mut self, other: &Self) -> Self {
+        self.failed += other.failed;
+        if other.count == 0 {
+            return self;
+        }
+        let (n, m) = (self.count as f64, other.count as f64);
+        let shift: [f64; N] = std::array::from_fn(|i| other.mean[i] - self.mean[i]);
+        for i in 0..N {
+            for j in 0..N {
+                self.products[i][j] += other.products[i][j] + shift[i] * shift[j] * n * m / (n + m);
+            }
+            self.largest[i] = self.largest[i].max(other.largest[i]);
+        }
+        for (mean, shift) in self.mean.iter_mut().zip(shift) {
+            *mean += shift * m / (n + m);
+        }
+        self.count += other.count;
+        self
+    }
+}
+
+impl<const N: usize> Moments<N> {
+    /// The covariance of results `i` and `j`.
+    pub fn covariance(&self, i: usize, j: usize) -> f64 {
+        if self.count > 1 {
+            self.products[i][j] / (self.count - 1) as f64
+        } else {
+            0.0
+        }
+    }
+
+    /// The standard deviation of result `i`.
+    pub fn deviation(&self, i: usize) -> f64 {
+        self.covariance(i, i).sqrt()
+    }
+
+    /// √⟨x²⟩ of result `i`.
+    pub fn rms(&self, i: usize) -> f64 {
+        let count = self.count.max(1) as f64;
+        (self.products[i][i] / count + self.mean[i] * self.mean[i]).sqrt()
+    }
+
+    /// The sampling error of a standard deviation, as a share of it: 1/√(2n) for normal
+    /// results.
+    pub fn relative_error(&self) -> f64 {
+        relative_error(self.count)
+    }
+}
+
+fn relative_error(count: usize) -> f64 {
+    1.0 / (2.0 * count.max(1) as f64).sqrt()
+}
+
+/// Sums over samples of any number of results, without their correlation.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Spread {
+    /// Samples that had an answer.
+    pub count: usize,
+    /// Samples that could not be assembled.
+    pub failed: usize,
+    /// The means.
+    pub mean: Vec<f64>,
+    /// Σ (x − mean)².
+    squares: Vec<f64>,
+}
+
+impl Sums for Spread {
+    type Values = Vec<f64>;
+
+    fn add(&mut self, values: &Vec<f64>) {
+        self.mean.resize(values.len(), 0.0);
+        self.squares.resize(values.len(), 0.0);
+        self.count += 1;
+        let sums = self.mean.iter_mut().zip(&mut self.squares);
+        for ((mean, square), value) in sums.zip(values) {
+            let before = value - *mean;
+            *mean += before / self.count as f64;
+            *square += before * (value - *mean);
+        }
+    }
+
+    fn fail(&mut self) {
+        self.failed += 1;
+    }
+
+    fn join(mut self, other: &Self) -> Self {
+        self.failed += other.failed;
+        self.mean.resize(other.mean.len().max(self.mean.len()), 0.0);
+        self.squares.resize(self.mean.len(), 0.0);
+        let (n, m) = (self.count as f64, other.count as f64);
+        for (i, (mean, square)) in other.mean.iter().zip(&other.squares).enumerate() {
+            let shift = mean - self.mean[i];
+            self.squares[i] += square + shift * shift * n * m / (n + m);
+            self.mean[i] += shift * m / (n + m);
+        }
+        self.count += other.count;
+        self
+    }
+}
+
+impl Spread {
+    /// The standard deviation of result `i`; zero where no sample had an answer.
+    pub fn deviation(&self, i: usize) -> f64 {
+        let degrees = self.count.saturating_sub(1).max(1) as f64;
+        let square = self.squares.get(i).copied().unwrap_or(0.0);
+        (square / degrees).sqrt()
+    }
+
+    /// The sampling error of a standard deviation, as a share of it, for normal results.
+    pub fn relative_error(&self) -> f64 {
+        relative_error(self.count)
+    }
+}
+
+/// Draws samples of `draw`, which gives none where a sample cannot be assembled.
+pub fn sample<M: Sums>(
+    sampling: Sampling,
+    progress: &ProgressBar,
+    draw: impl Fn(&mut Noise) -> Option<M::Values> + Sync,
+) -> M {
+    let blocks = sampling.samples.div_ceil(BLOCK);
+    let sums: Vec<M> = (0..blocks)
+        .into_par_iter()
+        .map(|block| {
+            let size = BLOCK.min(sampling.samples - block * BLOCK);
+            let mut noise = Noise::new(stream(sampling.seed, block as u64));
+            let mut sums = M::default();
+            for _ in 0..size {
+                match draw(&mut noise) {
+                    Some(values) => sums.add(&values),
+                    None => sums.fail(),
+                }
+            }
+            progress.inc(size as u64);
+            sums
+        })
+        .collect();
+    sums.iter().fold(M::default(), M::join)
+}
+
+/// A seed for each block, far from its neighbours' (SplitMix64's finaliser).
+fn stream(seed: u64, block: u64) -> u64 {
+    let mut z = seed ^ block.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scatter(samples: usize, threads: usize) -> Moments<2> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        let sampling = Sampling { samples, seed: 7 };
+        pool.build().unwrap().install(|| {
+            sample(sampling, &ProgressBar::hidden(), |noise| {
+                let x = 3.0 + 2.0 * noise.normal();
+                Some([x, 0.5 * x + noise.normal()])
+            })
+        })
+    }
+
+    #[test]
+    fn the_same_seed_gives_the_same_bits_on_any_number_of_threads() {
+        assert_eq!(scatter(20_000, 1), scatter(20_000, 3));
+    }
+
+    #[test]
+    fn a_spread_is_that_of_the_moments_whatever_the_blocks() {
+        let moments = scatter(20_000, 2);
+        let sampling = Sampling {
+            samples: 20_000,
+            seed: 7,
+        };
+        let spread: Spread = sample(sampling, &ProgressBar::hidden(), |noise| {
+            let x = 3.0 + 2.0 * noise.normal();
+            Some(vec![x, 0.5 * x + noise.normal()])
+        });
+        for i in 0..2 {
+            assert!((spread.mean[i] - moments.mean[i]).abs() < 1e-12);
+            assert!((spread.deviation(i) / moments.deviation(i) - 1.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn moments_are_those_of_what_was_drawn() {
+        let moments = scatter(100_000, 2);
+        assert_eq!(moments.count, 100_000);
+        let error = 4.0 * moments.relative_error();
+        assert!((moments.mean[0] - 3.0).abs() < 4.0 * 2.0 / 100_000_f64.sqrt());
+        assert!((moments.deviation(0) / 2.0 - 1.0).abs() < error);
+        assert!((moments.deviation(1) / 2_f64.sqrt() - 1.0).abs() < error);
+        assert!((moments.covariance(0, 1) / 2.0 - 1.0).abs() < 2.0 * error);
+        assert!((moments.rms(0) / 13_f64.sqrt() - 1.0).abs() < error);
+    }
+}

@@ -1,0 +1,176 @@
+//! The analysis at one state of the arm: first-order scatter, exact worst cases, seated pins.
+
+use crate::input::robot::{Robot, Tolerance};
+use fivebar_design::accuracy::arm::{ArmResponse, Inputs, PRIMITIVES};
+use fivebar_design::accuracy::five_bar::{
+    ClearanceError, ToolSensitivities, clearance_error, input_worst, tool_sensitivities,
+};
+use fivebar_design::accuracy::seating::{Seating, seat};
+use fivebar_design::accuracy::{Primitive, Scatter, sensitivities};
+use fivebar_kinematics::Vec2;
+use fivebar_kinematics::five_bar::Pose;
+use nalgebra::DMatrix;
+
+/// How the tool stands and moves, and what pulls at it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct State {
+    /// C [m].
+    pub position: Vec2<f64>,
+    /// Ċ [m/s].
+    pub velocity: Vec2<f64>,
+    /// C̈ [m/s²].
+    pub acceleration: Vec2<f64>,
+    /// A force on C [N].
+    pub force: Vec2<f64>,
+}
+
+/// What tolerance and clearance do at a state.
+#[derive(Clone, Debug)]
+pub struct Analysis {
+    /// The pose.
+    pub pose: Pose<f64>,
+    /// The driven joints' motion.
+    pub inputs: Inputs,
+    /// θ1, θ4, l1…l4 and the base with their scatter.
+    pub primitives: Vec<Primitive>,
+    /// How C answers to each of them, from the middle of the base.
+    pub sensitivities: ToolSensitivities,
+    /// The scatter of C, from the middle of the base [m²].
+    pub position: Scatter,
+    /// The farthest that input errors take C [m].
+    pub input_worst: f64,
+    /// How far clearances take C.
+    pub clearance: ClearanceError,
+    /// What needs masses; none for a robot known by its lengths alone.
+    pub forces: Option<Forces>,
+}
+
+impl Analysis {
+    /// √(σx² + σy²) of the tool [m].
+    pub fn radial_deviation(&self) -> f64 {
+        self.position.covariance.trace().sqrt()
+    }
+
+    /// |∂C/∂p|² for each primitive, in its unit.
+    pub fn weights(&self) -> Vec<f64> {
+        let columns = self
+            .sensitivities
+            .inputs
+            .iter()
+            .chain(&self.sensitivities.lengths);
+        columns.map(|by| by.norm_squared()).collect()
+    }
+}
+
+/// Scatter of torques and joint forces, and the pins as the forces seat them.
+#[derive(Clone, Debug)]
+pub struct Forces {
+    /// Of Ċ [m/s] and C̈ [m/s²], x and y, the driven joints moving as asked.
+    pub motion: Scatter,
+    /// Of τ1, τ4 [N·m] and the forces in A, B, C, D, E, x and y [N].
+    pub scatter: Scatter,
+    /// The pins pressed where the forces push them.
+    pub seating: Seating,
+}
+
+/// The primitives that have a scatter: inputs and lengths, and their columns among those of
+/// [`ArmResponse`].
+pub(super) const SCATTERED: [usize; 7] = [0, 1, 6, 7, 8, 9, 10];
+
+/// Analyses one state of a robot.
+///
+/// # Errors
+/// A sentence saying why the state cannot be had.
+pub fn analyse(robot: &Robot, state: &State) -> Result<Analysis, String> {
+    let geometry = &robot.geometry;
+    let place = || format!("at ({}, {}) m", state.position.x, state.position.y);
+    let refuse = |error: &dyn std::fmt::Display| format!("{}: {error}", place());
+    let pose = geometry
+        .inverse(state.position, robot.working_mode)
+        .map_err(|error| refuse(&error))?;
+    let rates = geometry
+        .inverse_velocities(&pose, state.velocity)
+        .map_err(|error| refuse(&error))?;
+    let accelerations = geometry
+        .inverse_accelerations(&pose, &rates, state.acceleration)
+        .map_err(|error| refuse(&error))?;
+    let [theta1, _, _, theta4] = pose.angles();
+    let [omega1, _, _, omega4] = rates.omega;
+    let [alpha1, _, _, alpha4] = accelerations.alpha;
+    let inputs = Inputs {
+        theta: [theta1, theta4],
+        omega: [omega1, omega4],
+        alpha: [alpha1, alpha4],
+    };
+    let primitives = primitives(robot, &inputs);
+    let by = tool_sensitivities(geometry, &pose).map_err(|error| refuse(&error))?;
+    let tolerance = &robot.tolerance;
+    let forces = match robot.arm() {
+        Err(_) => None,
+        Ok(arm) => {
+            let response = ArmResponse {
+                arm,
+                assembly: pose.assembly(),
+                external_force: state.force,
+            };
+            let all = sensitivities(&response, &response.primitives(&inputs))
+                .map_err(|error| refuse(&error))?;
+            let scattered = all.select_columns(&SCATTERED);
+            let propagate = |first: usize, count: usize| {
+                Scatter::propagate(&scattered.rows(first, count).into_owned(), &primitives)
+            };
+            let seating = seat(
+                arm,
+                pose.assembly(),
+                &inputs,
+                state.force,
+                tolerance.clearance_radius,
+            )
+            .map_err(|error| refuse(&error))?;
+            Some(Forces {
+                motion: propagate(2, 4),
+                scatter: propagate(6, 12),
+                seating,
+            })
+        }
+    };
+    Ok(Analysis {
+        position: Scatter::propagate(&columns(&by), &primitives),
+        sensitivities: by,
+        input_worst: input_worst(geometry, &pose, tolerance.input_max)
+            .map_err(|error| refuse(&error))?,
+        clearance: clearance_error(geometry, &pose, tolerance.clearance_radius)
+            .map_err(|error| refuse(&error))?,
+        pose,
+        inputs,
+        primitives,
+        forces,
+    })
+}
+
+fn primitives(robot: &Robot, inputs: &Inputs) -> Vec<Primitive> {
+    let Tolerance {
+        length_sd,
+        input_sd,
+        ..
+    } = robot.tolerance;
+    let means = inputs.theta.into_iter().chain(robot.geometry.lengths());
+    let deviations = input_sd.into_iter().chain(length_sd);
+    let names = SCATTERED.map(|index| PRIMITIVES[index]);
+    names
+        .into_iter()
+        .zip(means.zip(deviations))
+        .map(|(name, (mean, deviation))| Primitive {
+            name: name.into(),
+            mean,
+            deviation,
+        })
+        .collect()
+}
+
+fn columns(by: &ToolSensitivities) -> DMatrix<f64> {
+    let columns: Vec<&Vec2<f64>> = by.inputs.iter().chain(&by.lengths).collect();
+    DMatrix::from_fn(2, columns.len(), |row, column| {
+        [columns[column].x, columns[column].y][row]
+    })
+}

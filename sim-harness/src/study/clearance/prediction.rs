@@ -1,0 +1,42 @@
+//! What the models without contact foretell for a job (`docs/accuracy.md`).
+
+use crate::input::job::Job;
+use crate::input::robot::Robot;
+use crate::study::accuracy::along;
+use fivebar_kinematics::Vec2;
+
+/// Over a job at its feed rates: the greatest of each.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Prediction {
+    /// Displacement of C with every pin seated where its reaction presses it [m].
+    pub seated: f64,
+    /// Exact worst case of the pins anywhere [m].
+    pub worst: f64,
+    /// Joint forces by statics and inertia, A to E [N].
+    pub reaction: [f64; 5],
+}
+
+impl Prediction {
+    /// For a robot whose joints have these clearances [m].
+    ///
+    /// # Errors
+    /// A sentence naming the first line that cannot be analysed.
+    pub fn of(robot: &Robot, job: &Job, clearance: [f64; 5]) -> Result<Self, String> {
+        let mut worn = robot.clone();
+        worn.tolerance.clearance_radius = clearance;
+        let along = along(&worn, job, Vec2::zero())?;
+        let mut most = Self::default();
+        for analysis in along.stations.iter().map(|station| &station.analysis) {
+            most.worst = most.worst.max(analysis.clearance.worst);
+            let Some(forces) = &analysis.forces else {
+                continue;
+            };
+            let seating = &forces.seating;
+            most.seated = most.seated.max(seating.displacement.norm());
+            for (most, force) in most.reaction.iter_mut().zip(seating.reactions) {
+                *most = most.max(force.norm());
+            }
+        }
+        Ok(most)
+    }
+}

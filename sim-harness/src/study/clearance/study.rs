@@ -1,0 +1,158 @@
+//! The runs of a study, side by side.
+
+use super::Prediction;
+use crate::input::job::Job;
+use crate::input::robot::Robot;
+use crate::input::scenario::Scenario;
+use crate::run::simulation::{Record, RunError, Sample, Summary, TipError, Trace};
+use rayon::prelude::*;
+
+/// One arm's run.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// Radial clearance of the joints A to E [m].
+    pub clearance: [f64; 5],
+    /// The run in figures.
+    pub summary: Summary,
+    /// The run sample by sample.
+    pub record: Record,
+    /// What the clearance adds to the tool's error on the job's path: the distance between this arm's error
+    /// and the new arm's at the same time of the job.
+    pub added: TipError,
+    /// The part of it that the pins make: the distance of the tool from where an ideal arm
+    /// would have it at the same angles of the driven links.
+    pub by_pins: TipError,
+    /// What the models without contact foretell.
+    pub prediction: Prediction,
+}
+
+impl Outcome {
+    /// The largest of the joints' clearances [m].
+    pub fn largest_clearance(&self) -> f64 {
+        self.clearance.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// The share of the job that each joint spends without contact; 0 for one that is not
+    /// worn.
+    pub fn flight_share(&self) -> [f64; 5] {
+        let joints = &self.record.joints;
+        joints
+            .total
+            .map(|joint| joint.flight / joints.watched.max(f64::MIN_POSITIVE))
+    }
+}
+
+/// A study: the new arm first, then the worn ones.
+#[derive(Clone, Debug)]
+pub struct Study {
+    /// The robot's name.
+    pub robot: String,
+    /// What it did.
+    pub scenario: String,
+    /// The runs.
+    pub outcomes: Vec<Outcome>,
+}
+
+/// Runs a scenario with ideal joints and with each of these clearances, on all cores.
+///
+/// # Errors
+/// A sentence: the run that could not be made and why. Faults are part of the outcome.
+pub fn study(
+    scenario: &Scenario,
+    job: &Job,
+    clearances: &[[f64; 5]],
+    done: &(dyn Fn() + Sync),
+) -> Result<Study, String> {
+    let runs: Vec<[f64; 5]> = std::iter::once([0.0; 5])
+        .chain(clearances.iter().copied())
+        .collect();
+    let outcomes: Result<Vec<Outcome>, String> = runs
+        .into_par_iter()
+        .map(|clearance| {
+            let outcome = run(scenario, job, clearance);
+            done();
+            outcome
+        })
+        .collect();
+    let mut outcomes = outcomes?;
+    if let Some((new, worn)) = outcomes.split_first_mut() {
+        for outcome in worn {
+            outcome.added = added(&new.record.trace, on_path(&outcome.record.trace, job));
+        }
+    }
+    Ok(Study {
+        robot: scenario.robot.name.clone(),
+        scenario: scenario.name.clone(),
+        outcomes,
+    })
+}
+
+fn run(scenario: &Scenario, job: &Job, clearance: [f64; 5]) -> Result<Outcome, String> {
+    let worn = Scenario {
+        clearance: Some(clearance),
+        ..scenario.clone()
+    };
+    let refused = |error: RunError| format!("with clearances of {clearance:?} m: {error}");
+    let (summary, record) = worn
+        .simulate(job, scenario.computed_torque, &mut |_| ())
+        .map_err(refused)?;
+    Ok(Outcome {
+        clearance,
+        summary,
+        added: TipError::default(),
+        by_pins: by_pins(&scenario.robot, on_path(&record.trace, job)),
+        record,
+        prediction: Prediction::of(&scenario.robot, job, clearance)?,
+    })
+}
+
+/// The tool from where it should be [m].
+fn error(sample: &Sample) -> [f64; 2] {
+    [0, 1].map(|axis| sample.tool[axis] - sample.reference[axis])
+}
+
+/// Root of the mean square and the greatest of these distances [m].
+fn over(distances: impl Iterator<Item = f64>) -> TipError {
+    let (mut squares, mut count, mut most) = (0.0, 0_u32, 0.0_f64);
+    for distance in distances {
+        squares += distance * distance;
+        count += 1;
+        most = most.max(distance);
+    }
+    TipError {
+        rms_m: (squares / f64::from(count.max(1))).sqrt(),
+        max_m: most,
+    }
+}
+
+/// The samples of the job's path, without the way from home to its beginning: what the
+/// models without contact look at too.
+fn on_path<'a>(trace: &'a Trace, job: &Job) -> impl Iterator<Item = &'a Sample> {
+    let beginning = job.steps.first().map_or(0, |step| step.line);
+    trace
+        .samples()
+        .iter()
+        .filter(move |sample| sample.line > beginning)
+}
+
+/// Between the errors of two runs at the same times.
+fn added<'a>(new: &Trace, worn: impl Iterator<Item = &'a Sample>) -> TipError {
+    over(worn.filter_map(|sample| {
+        let after = new.samples().partition_point(|s| s.time < sample.time);
+        let (ours, theirs) = (error(sample), error(new.samples().get(after)?));
+        Some((ours[0] - theirs[0]).hypot(ours[1] - theirs[1]))
+    }))
+}
+
+/// Of the tool from where the driven links' angles alone would put it.
+fn by_pins<'a>(robot: &Robot, samples: impl Iterator<Item = &'a Sample>) -> TipError {
+    let Ok(home) = robot.home_pose() else {
+        return TipError::default();
+    };
+    over(samples.filter_map(|sample| {
+        let [theta1, theta4] = sample.angle;
+        let pose = robot.geometry.forward(theta1, theta4, home.assembly());
+        let [x, y] = robot.tool_at(&pose.ok()?);
+        Some((sample.tool[0] - x).hypot(sample.tool[1] - y))
+    }))
+}

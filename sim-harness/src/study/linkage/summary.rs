@@ -1,0 +1,218 @@
+//! What a sweep shows, in a few numbers: for people on a terminal and for programs.
+
+use super::parts::{branch, moment};
+use crate::input::linkage::{DrivenLinkage, driven_links, dyads, links_of, reaction_names};
+use fivebar_design::linkage::{Linkage, Sample, SolveError, Sweep};
+use serde::Serialize;
+
+/// Assemblies that people are shown; programs get all.
+pub const SHOWN_ASSEMBLIES: usize = 16;
+
+/// The findings of a sweep.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    /// The linkage's name.
+    pub linkage: String,
+    /// How many links are driven.
+    pub freedoms: usize,
+    /// Instants looked at.
+    pub samples: usize,
+    /// Instants at which it closes.
+    pub closed: usize,
+    /// A four-bar's type by Grashof's rule.
+    pub grashof: Option<String>,
+    /// Extremes of each dyad's transmission angle.
+    pub transmission: Vec<Range>,
+    /// Extremes of each driving torque or force.
+    pub driving: Vec<Range>,
+    /// The greatest force and moment in each joint.
+    pub peak_reactions: Vec<Peak>,
+    /// Where the motion ends and begins.
+    pub limits: Vec<LimitFound>,
+    /// Where a smooth motion would go over to another branch.
+    pub branch_changes: Vec<BranchChangeFound>,
+    /// Every assembly, the file's own first.
+    pub assemblies: Vec<Assembly>,
+}
+
+/// The extremes of a quantity.
+#[derive(Clone, Debug, Serialize)]
+pub struct Range {
+    /// Whose it is.
+    pub of: String,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Least value.
+    pub min: f64,
+    /// Greatest value.
+    pub max: f64,
+}
+
+/// The greatest force and moment in a joint.
+#[derive(Clone, Debug, Serialize)]
+pub struct Peak {
+    /// The joint, by its two links.
+    pub joint: String,
+    /// The force [N].
+    pub force_n: f64,
+    /// When [s].
+    pub time_s: f64,
+    /// The greatest moment about the joint's centre [N·m]: the driving torque in a driven
+    /// pin, what keeps a slider from tilting in a slide, nothing in a free pin.
+    pub moment_nm: f64,
+}
+
+/// An edge of the motion.
+#[derive(Clone, Debug, Serialize)]
+pub struct LimitFound {
+    /// When [s].
+    pub time_s: f64,
+    /// The driving coordinates there [rad or m].
+    pub inputs: Vec<f64>,
+    /// Whether the motion ends here; else it begins here.
+    pub ends: bool,
+    /// What fails beyond.
+    pub reason: String,
+}
+
+/// A dead point passed.
+#[derive(Clone, Debug, Serialize)]
+pub struct BranchChangeFound {
+    /// When, at the latest [s].
+    pub time_s: f64,
+    /// The dyad.
+    pub dyad: String,
+}
+
+/// One way to assemble the linkage.
+#[derive(Clone, Debug, Serialize)]
+pub struct Assembly {
+    /// The branch of each dyad that has two, in order.
+    pub branches: String,
+    /// The share of the sweep over which it closes, from 0 to 1.
+    pub closes: f64,
+}
+
+impl DrivenLinkage {
+    /// Drives it as its file says.
+    pub fn sweep(&self) -> Sweep {
+        Sweep::new(&self.linkage, &self.laws, self.duration, self.steps)
+    }
+
+    /// What failed, in words.
+    pub fn explain(&self, failure: &SolveError) -> String {
+        let element = &self.linkage.elements()[failure.element];
+        let links = links_of(&self.linkage, element.links());
+        format!("{links} {}", failure.reason)
+    }
+
+    /// The findings of a sweep of this linkage.
+    pub fn summary(&self, sweep: &Sweep) -> Summary {
+        let linkage = &self.linkage;
+        let range = |of: String, unit, value: &dyn Fn(usize) -> Option<f64>| {
+            let values = (0..sweep.samples.len()).filter_map(value);
+            let [min, max] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[min, max], x| {
+                [min.min(x), max.max(x)]
+            });
+            min.is_finite().then_some(Range { of, unit, min, max })
+        };
+        let solved = |i: usize| sweep.samples[i].solved.as_ref().ok();
+        let transmission = dyads(linkage).into_iter().filter_map(|(dyad, name)| {
+            range(name, "deg", &|i| {
+                let dyad = solved(i)?.motion.dyads[dyad]?;
+                Some(dyad.transmission_angle().to_degrees())
+            })
+        });
+        let driving = driven_links(linkage).enumerate();
+        let driving = driving.filter_map(|(k, (link, unit))| {
+            let unit = if unit == "rad" { "N·m" } else { "N" };
+            range(link.into(), unit, &|i| Some(solved(i)?.forces.driving[k]))
+        });
+        Summary {
+            linkage: self.name.clone(),
+            freedoms: linkage.freedoms(),
+            samples: sweep.samples.len(),
+            closed: sweep.solved().count(),
+            grashof: linkage.four_bar().map(|bars| bars.classify().to_string()),
+            transmission: transmission.collect(),
+            driving: driving.collect(),
+            peak_reactions: self.peak_reactions(sweep),
+            limits: self.limits(sweep),
+            branch_changes: self.branch_changes(sweep),
+            assemblies: self.assemblies(sweep),
+        }
+    }
+
+    fn peak_reactions(&self, sweep: &Sweep) -> Vec<Peak> {
+        let names = reaction_names(&self.linkage).into_iter().enumerate();
+        names
+            .filter_map(|(k, joint)| {
+                let force = sweep.solved().map(|(sample, solved)| {
+                    (solved.forces.reactions[k].wrench.force.norm(), sample.time)
+                });
+                let (force_n, time_s) = force.max_by(|(a, _), (b, _)| a.total_cmp(b))?;
+                let moments = sweep
+                    .solved()
+                    .map(|(_, solved)| moment(&solved.forces.reactions[k]).abs());
+                Some(Peak {
+                    joint,
+                    force_n,
+                    time_s,
+                    moment_nm: moments.fold(0.0, f64::max),
+                })
+            })
+            .collect()
+    }
+
+    fn limits(&self, sweep: &Sweep) -> Vec<LimitFound> {
+        let limits = sweep.limits.iter();
+        limits
+            .map(|limit| LimitFound {
+                time_s: limit.time,
+                inputs: limit.inputs.clone(),
+                ends: limit.ends,
+                reason: self.explain(&limit.failure),
+            })
+            .collect()
+    }
+
+    fn branch_changes(&self, sweep: &Sweep) -> Vec<BranchChangeFound> {
+        let changes = sweep.branch_changes.iter();
+        changes
+            .map(|change| BranchChangeFound {
+                time_s: sweep.samples[change.sample].time,
+                dyad: links_of(
+                    &self.linkage,
+                    self.linkage.elements()[change.element].links(),
+                ),
+            })
+            .collect()
+    }
+
+    fn assemblies(&self, sweep: &Sweep) -> Vec<Assembly> {
+        // Every assembly anew at every instant would cost 2ᵏ sweeps; a few instants tell.
+        const INSTANTS: usize = 73;
+        let step = sweep.samples.len().div_ceil(INSTANTS).max(1);
+        let instants = || sweep.samples.iter().step_by(step);
+        let assemblies = self.linkage.assemblies();
+        assemblies
+            .map(|linkage| {
+                let closes = |sample: &&Sample| linkage.motion(&sample.inputs).is_ok();
+                let closed = instants().filter(closes).count();
+                Assembly {
+                    branches: branches(&linkage),
+                    closes: closed as f64 / instants().count() as f64,
+                }
+            })
+            .collect()
+    }
+}
+
+/// The branches of the dyads that have two, in order.
+fn branches(linkage: &Linkage<f64>) -> String {
+    let elements = linkage.elements().iter();
+    let branches: Vec<_> = elements
+        .filter_map(|element| branch(&element.group))
+        .collect();
+    branches.join(", ")
+}

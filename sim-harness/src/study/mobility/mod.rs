@@ -1,0 +1,38 @@
+//! Mobility by screw theory: what a mechanism can do, and the answer as JSON.
+
+mod answer;
+
+pub use answer::answer;
+
+use crate::input::mobility::{Mechanism, Study};
+use fivebar_design::mobility::{
+    GraphReport, Mobility, ParallelReport, analyse_graph, analyse_parallel,
+};
+
+/// What the analysis found.
+pub enum Finding {
+    /// Of a platform on limbs.
+    Parallel(ParallelReport),
+    /// Of a graph.
+    Graph(GraphReport),
+}
+
+impl Finding {
+    /// What holds for every mechanism.
+    pub fn mobility(&self) -> &Mobility {
+        match self {
+            Self::Parallel(report) => &report.mobility,
+            Self::Graph(report) => &report.mobility,
+        }
+    }
+}
+
+impl Study {
+    /// Analyses the mechanism.
+    pub fn analyse(&self) -> Finding {
+        match &self.mechanism {
+            Mechanism::Parallel(parallel) => Finding::Parallel(analyse_parallel(parallel)),
+            Mechanism::Graph(graph) => Finding::Graph(analyse_graph(graph)),
+        }
+    }
+}

@@ -1,0 +1,297 @@
+//! What a slider-driven mechanism can be asked: positions and motion both ways, error
+//! transfer, reach.
+
+use super::{Kind, Refusal};
+use crate::input::robot::SliderRobot;
+use fivebar_design::linkage::dyad::Way;
+use fivebar_design::slider::{Accelerations, Pose, PoseError, Velocities, WorkingMode};
+use fivebar_kinematics::Vec2;
+use fivebar_kinematics::five_bar::Side;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+/// A question. SI units; P is the middle of the platform.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(tag = "op", rename_all = "snake_case")]
+pub enum Request {
+    /// Where P is.
+    Forward(Driven),
+    /// How to bring P somewhere.
+    Inverse(Inverse),
+    /// Velocities and accelerations from those of the sliders.
+    Motion(Motion),
+    /// Velocities and accelerations from those of P.
+    InverseMotion(InverseMotion),
+    /// How errors of lengths and inputs move P.
+    ErrorTransfer(Driven),
+    /// Where along the guide P can be at a height, within the sliders' travel.
+    Reach(Reach),
+}
+
+/// The sliders [m] and the forward branch: `left` above the guide, `right` below.
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub struct Driven {
+    x2: f64,
+    x8: f64,
+    assembly: Side,
+}
+
+/// P [m] and the inverse branch: the file's unless given.
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub struct Inverse {
+    p: [f64; 2],
+    left: Option<Way>,
+    right: Option<Way>,
+}
+
+/// The sliders' places, velocities [m/s] and accelerations [m/s²].
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub struct Motion {
+    #[serde(flatten)]
+    driven: Driven,
+    x2_velocity: f64,
+    x8_velocity: f64,
+    x2_acceleration: f64,
+    x8_acceleration: f64,
+}
+
+/// P's place, velocity [m/s] and acceleration [m/s²].
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub struct InverseMotion {
+    #[serde(flatten)]
+    place: Inverse,
+    p_velocity: [f64; 2],
+    p_acceleration: [f64; 2],
+}
+
+/// A height of P [m] and the inverse branch: the file's unless given.
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub struct Reach {
+    y: f64,
+    left: Option<Way>,
+    right: Option<Way>,
+}
+
+#[derive(Serialize)]
+struct ForwardAnswer {
+    p: [f64; 2],
+    alpha3: f64,
+    alpha7: f64,
+    left: Way,
+    right: Way,
+}
+
+#[derive(Serialize)]
+struct InverseAnswer {
+    x2: f64,
+    x8: f64,
+    alpha3: f64,
+    alpha7: f64,
+    assembly: Side,
+}
+
+#[derive(Serialize)]
+struct MotionAnswer {
+    p: [f64; 2],
+    p_velocity: [f64; 2],
+    p_acceleration: [f64; 2],
+    x2: f64,
+    x8: f64,
+    x2_velocity: f64,
+    x8_velocity: f64,
+    x2_acceleration: f64,
+    x8_acceleration: f64,
+    alpha3_rate: f64,
+    alpha7_rate: f64,
+    alpha3_acceleration: f64,
+    alpha7_acceleration: f64,
+}
+
+/// ∂P/∂ each length and input [m/m].
+#[derive(Serialize)]
+struct ErrorTransferAnswer {
+    left_link: [f64; 2],
+    right_link: [f64; 2],
+    platform: [f64; 2],
+    x2: [f64; 2],
+    x8: [f64; 2],
+}
+
+/// The answer to a question about a mechanism.
+///
+/// # Errors
+/// What has no answer, with the reason.
+pub fn answer(robot: &SliderRobot, request: Request) -> Result<Value, Refusal> {
+    match request {
+        Request::Forward(driven) => {
+            let pose = driven.pose(robot)?;
+            let [alpha3, alpha7] = pose.angles();
+            let WorkingMode { left, right } = pose.working_mode();
+            Ok(json!(ForwardAnswer {
+                p: array(pose.p),
+                alpha3,
+                alpha7,
+                left,
+                right,
+            }))
+        }
+        Request::Inverse(inverse) => {
+            let pose = inverse.pose(robot)?;
+            let [alpha3, alpha7] = pose.angles();
+            Ok(json!(InverseAnswer {
+                x2: pose.x2,
+                x8: pose.x8,
+                alpha3,
+                alpha7,
+                assembly: pose.assembly(),
+            }))
+        }
+        Request::Motion(motion) => motion.answer(robot),
+        Request::InverseMotion(motion) => motion.answer(robot),
+        Request::ErrorTransfer(driven) => {
+            let pose = driven.pose(robot)?;
+            let transfer = robot.geometry.error_transfer(&pose);
+            let transfer = transfer.map_err(|error| driven.refuse(error))?;
+            Ok(json!(ErrorTransferAnswer {
+                left_link: array(transfer.l3),
+                right_link: array(transfer.l7),
+                platform: array(transfer.l5),
+                x2: array(transfer.x2),
+                x8: array(transfer.x8),
+            }))
+        }
+        Request::Reach(reach) => reach.answer(robot),
+    }
+}
+
+impl Driven {
+    fn pose(&self, robot: &SliderRobot) -> Result<Pose<f64>, Refusal> {
+        robot
+            .geometry
+            .forward(self.x2, self.x8, self.assembly)
+            .map_err(|error| self.refuse(error))
+    }
+
+    fn refuse(&self, error: PoseError) -> Refusal {
+        let Self { x2, x8, .. } = self;
+        refusal(error, &format!("at x2 = {x2} m, x8 = {x8} m"))
+    }
+}
+
+impl Inverse {
+    fn pose(&self, robot: &SliderRobot) -> Result<Pose<f64>, Refusal> {
+        let mode = mode(robot, self.left, self.right);
+        robot
+            .geometry
+            .inverse(vec2(self.p), mode)
+            .map_err(|error| self.refuse(error))
+    }
+
+    fn refuse(&self, error: PoseError) -> Refusal {
+        let [x, y] = self.p;
+        refusal(error, &format!("with P at ({x}, {y}) m"))
+    }
+}
+
+impl Motion {
+    fn answer(&self, robot: &SliderRobot) -> Result<Value, Refusal> {
+        let pose = self.driven.pose(robot)?;
+        let refuse = |error| self.driven.refuse(error);
+        let rates = [self.x2_velocity, self.x8_velocity];
+        let velocities = robot.geometry.forward_velocities(&pose, rates);
+        let velocities = velocities.map_err(refuse)?;
+        let second = [self.x2_acceleration, self.x8_acceleration];
+        let accelerations = robot
+            .geometry
+            .forward_accelerations(&pose, &velocities, second)
+            .map_err(refuse)?;
+        Ok(motion_answer(&pose, &velocities, &accelerations))
+    }
+}
+
+impl InverseMotion {
+    fn answer(&self, robot: &SliderRobot) -> Result<Value, Refusal> {
+        let pose = self.place.pose(robot)?;
+        let refuse = |error| self.place.refuse(error);
+        let velocities = robot
+            .geometry
+            .inverse_velocities(&pose, vec2(self.p_velocity))
+            .map_err(refuse)?;
+        let accelerations = robot
+            .geometry
+            .inverse_accelerations(&pose, &velocities, vec2(self.p_acceleration))
+            .map_err(refuse)?;
+        Ok(motion_answer(&pose, &velocities, &accelerations))
+    }
+}
+
+impl Reach {
+    fn answer(&self, robot: &SliderRobot) -> Result<Value, Refusal> {
+        let travel = robot.travel.as_ref().ok_or_else(|| {
+            let name = &robot.name;
+            Refusal::invalid(format!(
+                "the file of `{name}` has no [travel] of its sliders"
+            ))
+        })?;
+        let y = self.y;
+        let [least, greatest] = robot
+            .geometry
+            .reachable_at(y, mode(robot, self.left, self.right), travel)
+            .map_err(|error| refusal(error, &format!("at y = {y} m")))?;
+        Ok(json!({ "x": [least, greatest] }))
+    }
+}
+
+fn mode(robot: &SliderRobot, left: Option<Way>, right: Option<Way>) -> WorkingMode {
+    let own = robot.working_mode;
+    WorkingMode::new(left.unwrap_or(own.left), right.unwrap_or(own.right))
+}
+
+fn motion_answer(
+    pose: &Pose<f64>,
+    velocities: &Velocities<f64>,
+    accelerations: &Accelerations<f64>,
+) -> Value {
+    let [x2_velocity, x8_velocity] = velocities.sliders;
+    let [x2_acceleration, x8_acceleration] = accelerations.sliders;
+    let [alpha3_rate, alpha7_rate] = velocities.omega;
+    let [alpha3_acceleration, alpha7_acceleration] = accelerations.alpha;
+    json!(MotionAnswer {
+        p: array(pose.p),
+        p_velocity: array(velocities.p),
+        p_acceleration: array(accelerations.p),
+        x2: pose.x2,
+        x8: pose.x8,
+        x2_velocity,
+        x8_velocity,
+        x2_acceleration,
+        x8_acceleration,
+        alpha3_rate,
+        alpha7_rate,
+        alpha3_acceleration,
+        alpha7_acceleration,
+    })
+}
+
+fn refusal(error: PoseError, place: &str) -> Refusal {
+    let kind = match error {
+        PoseError::Square(_) | PoseError::Parallel => Kind::Singular,
+        PoseError::NotFinite => Kind::Invalid,
+        PoseError::LimbTooShort(_)
+        | PoseError::SlidersTooFar
+        | PoseError::SlidersTooNear
+        | PoseError::BeyondTravel => Kind::Unreachable,
+    };
+    Refusal {
+        error: kind,
+        message: format!("{error}, {place}"),
+    }
+}
+
+fn vec2([x, y]: [f64; 2]) -> Vec2<f64> {
+    Vec2::new(x, y)
+}
+
+fn array(v: Vec2<f64>) -> [f64; 2] {
+    [v.x, v.y]
+}

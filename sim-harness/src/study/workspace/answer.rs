@@ -1,0 +1,54 @@
+//! The figures of a study as JSON.
+
+use super::{Branch, Study};
+use fivebar_design::workspace::reachable_area;
+use fivebar_kinematics::Vec2;
+use serde_json::{Value, json};
+
+impl Study<'_> {
+    /// One object; units in the keys.
+    pub fn answer(&self) -> Value {
+        let branches: Vec<Value> = self.branches.iter().map(answer).collect();
+        json!({
+            "robot": self.robot.name,
+            "working_mode": [self.robot.working_mode.elbow1, self.robot.working_mode.elbow4],
+            "resolution_m": self.resolution(),
+            "singularity_margin": self.robot.limits.singularity_margin,
+            "reached_exactly_m2": self.exact_area(),
+            "branches": branches,
+        })
+    }
+
+    /// Side of a cell [m].
+    pub fn resolution(&self) -> f64 {
+        self.maps.first().map_or(0.0, |map| map.grid().pitch())
+    }
+
+    /// What both legs reach [m²], if the tool is where they meet.
+    pub fn exact_area(&self) -> Option<f64> {
+        let at_c = self.robot.tool.offset == [0.0; 2];
+        at_c.then(|| reachable_area(&self.robot.geometry))
+    }
+}
+
+fn answer(branch: &Branch) -> Value {
+    // To a tenth of a micrometre: the rest is noise.
+    let pair = |point: Vec2<f64>| [point.x, point.y].map(|part| (1e7 * part).round() / 1e7);
+    json!({
+        "elbow1": branch.mode.elbow1,
+        "elbow4": branch.mode.elbow4,
+        "assembly": branch.assembly,
+        "reached_m2": branch.areas.reached,
+        "within_limits_m2": branch.areas.within_limits,
+        "clear_m2": branch.areas.admitted,
+        "clear_rectangle": branch.rectangle.map(|rectangle| json!({
+            "size_m": pair(rectangle.size()),
+            "low_m": pair(rectangle.low),
+            "high_m": pair(rectangle.high),
+        })),
+        "best": branch.best.map(|(place, inverse_condition)| json!({
+            "at_m": pair(place),
+            "condition_number": 1.0 / inverse_condition,
+        })),
+    })
+}

@@ -1,0 +1,152 @@
+//! `fivebar workspace`: where an arm can take its tool, in every branch, as figures, as a
+//! table of places and as a picture.
+//!
+//! The mechanics is in [`fivebar_design::workspace`].
+
+mod answer;
+
+use crate::input::robot::{NoWorkspace, Robot};
+use fivebar_design::workspace::{Areas, Grid, GridError, Map, Rectangle, bounds};
+use fivebar_kinematics::Vec2;
+use fivebar_kinematics::five_bar::{Side, WorkingMode};
+use rayon::prelude::*;
+
+/// Unless told otherwise, the longer side of the reach has at least so many cells.
+const CELLS: f64 = 160.0;
+
+/// A reach of less than this share of the base is rounding.
+const LEAST: f64 = 1e-6;
+
+/// Why a workspace cannot be studied.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum StudyError {
+    /// The robot's tool or limits make no sense.
+    #[error("robot `{0}`: {1}")]
+    Robot(String, NoWorkspace),
+    /// The cells are of no use.
+    #[error("cells of {pitch:.1e} m: {error}; give another --resolution")]
+    Grid {
+        /// Side of a cell [m].
+        pitch: f64,
+        /// What is wrong with it.
+        error: GridError,
+    },
+    /// No cell is reached.
+    #[error(
+        "robot `{0}` reaches no place that a map could show: its legs hardly meet, or the cells \
+         are too large; check the lengths, or give a finer --resolution"
+    )]
+    NothingReached(String),
+}
+
+/// A working mode with an assembly mode.
+#[derive(Clone, Debug)]
+pub struct Branch {
+    /// The inverse branch.
+    pub mode: WorkingMode,
+    /// The forward branch.
+    pub assembly: Side,
+    /// Its areas.
+    pub areas: Areas,
+    /// The largest rectangle in which every place is admitted.
+    pub rectangle: Option<Rectangle>,
+    /// The admitted place where the tool moves most alike in all directions [m], and 1/κ.
+    pub best: Option<(Vec2<f64>, f64)>,
+}
+
+/// The workspace of a robot, all its branches.
+#[derive(Debug)]
+pub struct Study<'a> {
+    /// Whose it is.
+    pub robot: &'a Robot,
+    /// One map for each of the four working modes.
+    pub maps: Vec<Map>,
+    /// The eight branches, two for each working mode.
+    pub branches: Vec<Branch>,
+}
+
+impl<'a> Study<'a> {
+    /// Studies a robot in cells of `resolution` [m], or in as many as make a good map.
+    ///
+    /// # Errors
+    /// Limits or cells that make no sense, or an arm that reaches nothing.
+    pub fn new(robot: &'a Robot, resolution: Option<f64>) -> Result<Self, StudyError> {
+        let workspace = |mode| {
+            let named = |error| StudyError::Robot(robot.name.clone(), error);
+            robot.workspace(mode).map_err(named)
+        };
+        let tool = workspace(robot.working_mode)?.tool;
+        let [low, high] = bounds(&tool);
+        let size = (high.x - low.x).max(high.y - low.y);
+        let nothing = || StudyError::NothingReached(robot.name.clone());
+        if size < LEAST * tool.geometry().base() {
+            return Err(nothing());
+        }
+        let pitch = resolution.unwrap_or_else(|| round_down(size / CELLS));
+        let grid = Grid::over(&tool, pitch);
+        let grid = grid.map_err(|error| StudyError::Grid { pitch, error })?;
+        let maps = WorkingMode::ALL.into_par_iter();
+        let maps: Vec<Map> = maps
+            .map(|mode| Ok(Map::new(workspace(mode)?, grid)))
+            .collect::<Result<_, _>>()?;
+        if maps.iter().all(|map| map.reached().next().is_none()) {
+            return Err(nothing());
+        }
+        let branches = maps
+            .iter()
+            .flat_map(|map| Side::BOTH.map(|side| (map, side)));
+        Ok(Self {
+            robot,
+            branches: branches.map(|(map, side)| Branch::of(map, side)).collect(),
+            maps,
+        })
+    }
+
+    /// The largest rectangle of a working mode on either assembly branch.
+    pub fn largest_rectangle(&self, mode: WorkingMode) -> Option<Rectangle> {
+        let branches = self.branches.iter().filter(|branch| branch.mode == mode);
+        let rectangles = branches.filter_map(|branch| branch.rectangle);
+        rectangles.max_by(|a, b| a.area().total_cmp(&b.area()))
+    }
+}
+
+impl Branch {
+    fn of(map: &Map, assembly: Side) -> Self {
+        let best = map.best(assembly);
+        Self {
+            mode: map.workspace().mode,
+            assembly,
+            areas: map.areas(assembly),
+            rectangle: map.largest_rectangle(assembly),
+            best: best.map(|(place, cell)| (place, cell.inverse_condition)),
+        }
+    }
+}
+
+/// The next number below of 1, 2, 5, 10, 20, …
+fn round_down(value: f64) -> f64 {
+    let decade = 10_f64.powf(value.log10().floor());
+    let steps = [5.0, 2.0].into_iter().find(|step| step * decade <= value);
+    steps.unwrap_or(1.0) * decade
+}
+
+#[cfg(test)]
+mod tests {
+    use super::round_down;
+
+    #[test]
+    fn cells_have_round_sizes() {
+        for (value, expected) in [
+            (4.3e-3, 2e-3),
+            (5.1e-3, 5e-3),
+            (1.3e-3, 1e-3),
+            (0.021, 0.02),
+        ] {
+            let found = round_down(value);
+            assert!(
+                (found / expected - 1.0).abs() < 1e-12,
+                "{found} for {value}"
+            );
+        }
+    }
+}
