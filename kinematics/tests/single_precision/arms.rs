@@ -1,0 +1,159 @@
+//! Arms in both precisions, and what their exact lengths say of a point.
+
+use fivebar_kinematics::Vec2;
+use fivebar_kinematics::five_bar::{Geometry, Tool};
+use proptest::prelude::*;
+
+/// Where `f32` and `f64` may differ in what they refuse: legs that are in line but for this
+/// sine, or a point that is out of reach by as little.
+///
+/// Within reach, velocities need sin² ≥ 128 ε. Rounding adds to that at most 3 ε s²/(n f) for
+/// the sum s of the links' lengths n and f, as |BT| is rounded to 3 ε, and 4 ε for the rest:
+/// 146 ε for links that differ by a factor of up to 1.8. Out of reach, a position is given
+/// up to 16 ε s beyond it, and three roundings by ε s: that is sin² = −38 ε s²/(n f), or −166 ε.
+pub(crate) const BORDER: f64 = 3.2e-3;
+
+/// The benchtop arm's lengths [m].
+pub(crate) const BENCHTOP: [f32; 5] = [0.1, 0.16, 0.16, 0.1, 0.08];
+
+/// The same arm in both precisions.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Arms {
+    pub(crate) single: Tool<f32>,
+    pub(crate) double: Tool<f64>,
+}
+
+/// What the exact lengths say of a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Verdict {
+    /// Both legs reach it, bent by more than [`BORDER`].
+    Reached,
+    /// A leg is nearer to its border than that.
+    Border,
+    /// A leg does not reach it by far.
+    Beyond,
+}
+
+/// A leg whose far end is at a point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Leg {
+    near: f64,
+    far: f64,
+    /// |p|², p being the point from the leg's pivot [m²].
+    distance_squared: f64,
+}
+
+impl Leg {
+    /// sin² of the angle between the links, by Heron's product; negative out of reach.
+    pub(crate) fn sine_squared(&self) -> f64 {
+        let (sum, difference) = (self.near + self.far, self.near - self.far);
+        let outer = sum * sum - self.distance_squared;
+        let inner = self.distance_squared - difference * difference;
+        outer * inner / (2.0 * self.near * self.far).powi(2)
+    }
+
+    pub(crate) fn sine(&self) -> f64 {
+        self.sine_squared().sqrt()
+    }
+
+    /// Bent as much as the controller keeps it: |sin| ≥ 0.15, towards the stretched leg 0.05.
+    pub(crate) fn is_kept_bent(&self) -> bool {
+        let opens = self.distance_squared > self.near * self.near + self.far * self.far;
+        self.sine_squared() >= if opens { 0.05_f64 } else { 0.15 }.powi(2)
+    }
+
+    /// The longer link by the shorter one.
+    pub(crate) fn ratio(&self) -> f64 {
+        self.near.max(self.far) / self.near.min(self.far)
+    }
+}
+
+impl Arms {
+    /// None where no such arm exists.
+    pub(crate) fn new(lengths: [f32; 5], offset: Vec2<f32>) -> Option<Self> {
+        let single = Geometry::new(lengths).ok()?;
+        let double = Geometry::new(lengths.map(f64::from)).ok()?;
+        Some(Self {
+            single: Tool::new(single, offset).ok()?,
+            double: Tool::new(double, wide(offset)).ok()?,
+        })
+    }
+
+    /// A–B–T with T at `t`, and E–D–C with C at `c`.
+    pub(crate) fn legs(&self, t: Vec2<f64>, c: Vec2<f64>) -> [Leg; 2] {
+        let geometry = self.double.geometry();
+        let leg = |near, far, p: Vec2<f64>| Leg {
+            near,
+            far,
+            distance_squared: p.norm_squared(),
+        };
+        [
+            leg(geometry.l1(), self.double.reach(), t),
+            leg(geometry.l4(), geometry.l3(), c - geometry.e()),
+        ]
+    }
+
+    /// Of the point `c`, the tool being at C.
+    pub(crate) fn verdict(&self, c: Vec2<f64>) -> Verdict {
+        let margin = BORDER * BORDER;
+        let sines = self.legs(c, c).each_ref().map(Leg::sine_squared);
+        if sines.iter().any(|&it| it.abs() <= margin) {
+            Verdict::Border
+        } else if sines.iter().all(|&it| it > 0.0) {
+            Verdict::Reached
+        } else {
+            Verdict::Beyond
+        }
+    }
+}
+
+pub(crate) fn wide(v: Vec2<f32>) -> Vec2<f64> {
+    Vec2::new(f64::from(v.x), f64::from(v.y))
+}
+
+pub(crate) fn narrow(v: Vec2<f64>) -> Vec2<f32> {
+    Vec2::new(v.x as f32, v.y as f32)
+}
+
+/// Numbers of a range, in single precision. (The strategy for ranges of `f32` itself now and
+/// then steps over a bound and panics.)
+pub(crate) fn single(range: core::ops::Range<f64>) -> impl Strategy<Value = f32> {
+    range.prop_map(|number| number as f32)
+}
+
+/// Lengths l1…l4 and base of an arm from millimetres to metres [m], the longer link of either
+/// leg up to 1.8 times the shorter one.
+pub(crate) fn lengths() -> impl Strategy<Value = [f32; 5]> {
+    let ratio = || single(1.0 / 1.8..1.8);
+    (
+        single(-5.0..3.0),
+        [ratio(), ratio()],
+        single(0.1..1.5),
+        single(0.7..1.4),
+    )
+        .prop_map(|(size, [ratio1, ratio4], base, l4)| {
+            [1.0, ratio1, l4 * ratio4, l4, base].map(|it| it * size.exp())
+        })
+}
+
+/// Any arm of these lengths, its tool at C.
+pub(crate) fn arms() -> impl Strategy<Value = Arms> {
+    lengths().prop_filter_map("does not close", |lengths| Arms::new(lengths, Vec2::zero()))
+}
+
+/// The end of two links from the origin: the first at angle `theta`, the second turned from it by
+/// the angle whose sine is `sine`, or by π less that.
+pub(crate) fn end_of(
+    [near, far]: [f64; 2],
+    theta: f64,
+    sine: f64,
+    [left, folded]: [bool; 2],
+) -> Vec2<f64> {
+    let bend = if folded {
+        std::f64::consts::PI - sine.asin()
+    } else {
+        sine.asin()
+    };
+    let turn = if left { bend } else { -bend };
+    Vec2::unit(theta) * near + Vec2::unit(theta + turn) * far
+}

@@ -1,0 +1,13 @@
+//! `f32` against `f64` from the same angles and points: what is accepted, and how far the
+//! answers are apart.
+//!
+//! ε = 2⁻²⁴ is half the distance of neighbours at 1.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod arms;
+mod driven;
+mod forward;
+mod refusals;
+mod tool_beside_c;
