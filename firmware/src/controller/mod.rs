@@ -5,6 +5,7 @@ mod follow;
 mod joint;
 mod model;
 mod path;
+mod planning;
 mod queue;
 mod report;
 mod request;
@@ -24,6 +25,7 @@ use model::{DUTY_LIMIT, Model};
 use path::Path;
 pub use path::Stretch;
 pub(crate) use path::stopping_time;
+pub use planning::{Hold, PlanningSnapshot};
 pub use queue::PIECES;
 pub use request::{Refusal, Request};
 use setpoint::Setpoint;
@@ -59,8 +61,8 @@ pub struct Controller {
     /// The latched fault, as it was raised.
     latched: Option<Snapshot>,
     missed_ticks: u32,
-    /// How often a path has been forgotten before its end.
-    forgotten_paths: u32,
+    /// Counts the paths forgotten before their end.
+    path_generation: u32,
 }
 
 /// What one tick's samples say that may be a fault.
@@ -115,7 +117,7 @@ impl Controller {
             ticks: 0,
             missed_ticks: 0,
             heard_at: 0,
-            forgotten_paths: 0,
+            path_generation: 0,
         })
     }
 
@@ -308,7 +310,7 @@ impl Controller {
 
     /// Forgets the path, and lets the planner know that its end does not hold any more.
     fn forget_path(&mut self) {
-        self.forgotten_paths = self.forgotten_paths.wrapping_add(1);
+        self.path_generation = self.path_generation.wrapping_add(1);
         self.path.clear();
     }
 
@@ -348,18 +350,6 @@ impl Controller {
             duty: [0.0; 2],
             enable: [false; 2],
             brake: true,
-        }
-    }
-
-    /// Adds to the path, from where it ends so far, or from where the arm is held. Only an
-    /// armed arm takes it.
-    ///
-    /// # Errors
-    /// The stretch itself, if there is no room or the state does not allow it.
-    pub fn push(&mut self, stretch: Stretch) -> Result<(), Stretch> {
-        match self.state {
-            State::Armed | State::Running => self.path.push(stretch),
-            State::Stopped | State::Homing | State::Stopping | State::Fault => Err(stretch),
         }
     }
 

@@ -147,9 +147,14 @@ impl Path {
         self.queue.finish();
     }
 
-    /// Whether there is room for another piece, and less than `horizon` [s] of path.
-    pub(crate) fn wants(&self, horizon: f32) -> bool {
-        self.left + self.queue.uncommitted() < horizon && !self.queue.is_full()
+    /// Whether there is no room for another piece.
+    pub(crate) fn is_full(&self) -> bool {
+        self.queue.is_full()
+    }
+
+    /// What is left of all that was pushed, as of the last tick [s].
+    pub(crate) fn left(&self) -> f32 {
+        self.left + self.queue.uncommitted()
     }
 
     /// Whether there is nothing to follow.
@@ -160,9 +165,7 @@ impl Path {
 
     /// Whether all that was pushed ends at rest, fills the queue, or is enough to begin with.
     pub(crate) fn is_enough(&self) -> bool {
-        !self.pushed_open
-            || self.queue.is_full()
-            || self.left + self.queue.uncommitted() >= self.least + READY
+        !self.pushed_open || self.queue.is_full() || self.left() >= self.least + READY
     }
 
     /// Whether the path breaks off in motion, and all that is left of it is needed to stop
@@ -179,15 +182,16 @@ impl Path {
         self.queue.first().map(|first| first.stretch.piece.tag())
     }
 
-    /// Appends a stretch; gives it back where there is no room.
-    pub(crate) fn push(&mut self, stretch: Stretch) -> Result<(), Stretch> {
-        self.queue.push(stretch)?;
+    /// Appends a stretch, unless the queue is full.
+    pub(crate) fn push(&mut self, stretch: Stretch) {
+        if self.queue.push(stretch).is_err() {
+            return;
+        }
         self.pushed_open = stretch.open;
-        // What breaks off already is the better for any more.
+        // The committed path already ends in motion, so commit any extension at once.
         if self.open || self.is_enough() {
             self.commit();
         }
-        Ok(())
     }
 
     fn commit(&mut self) {

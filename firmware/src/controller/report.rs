@@ -52,41 +52,6 @@ impl Controller {
         self.mode
     }
 
-    /// The tool [m] and θ1, θ4 [rad] where the arm is held; none while it is not.
-    pub fn held(&self) -> Option<(Vec2<f32>, [f32; 2])> {
-        if self.state != State::Armed {
-            return None;
-        }
-        let [d1, d4] = self.setpoint.direction;
-        let [x, y] = self.tool_at([d1, d4])?;
-        let [joint1, joint4] = &self.joints;
-        // The turn is the measured joint's.
-        let at = |direction: Vec2<f32>, measured: f32| {
-            let u = Vec2::unit(measured);
-            measured + Vec2::new(u.dot(direction), u.cross(direction)).angle()
-        };
-        Some((
-            Vec2::new(x, y),
-            [at(d1, joint1.angle()), at(d4, joint4.angle())],
-        ))
-    }
-
-    /// How often the path has been forgotten: what was planned to follow it is void then.
-    pub fn forgotten_paths(&self) -> u32 {
-        self.forgotten_paths
-    }
-
-    /// Whether there is room for another piece, and less than `horizon` [s] of path.
-    pub fn wants_path(&self, horizon: f32) -> bool {
-        self.path.wants(horizon)
-    }
-
-    /// Whether what was pushed is enough of a path: all of it, a full queue, or some
-    /// hundredths of a second more than a stop takes.
-    pub fn has_enough_path(&self) -> bool {
-        self.path.is_enough()
-    }
-
     /// The latched fault, with the tick that raised it.
     pub fn fault(&self) -> Option<&Snapshot> {
         self.latched.as_ref()

@@ -95,7 +95,7 @@ impl Desk {
             Reply::Done
         );
         assert_eq!(desk.ask(Order::Request(Request::Arm)), Reply::Done);
-        let (tool, _) = desk.controller.held().expect("held");
+        let (tool, _) = desk.controller.hold_position().expect("held");
         desk.start = [tool.x, tool.y];
         desk
     }

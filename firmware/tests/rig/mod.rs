@@ -243,7 +243,7 @@ impl Rig {
 
     /// The measured tool as the controller sees it [m].
     pub(crate) fn held(&self) -> [f32; 2] {
-        let (tool, _) = self.controller.held().unwrap();
+        let (tool, _) = self.controller.hold_position().unwrap();
         [tool.x, tool.y]
     }
 }

@@ -204,7 +204,7 @@ impl<'a> Run<'a> {
     /// As many moves as there is room for, counted anew where the arm was stopped.
     fn give(&mut self) {
         let held = self.planner.is_empty() && self.controller.state() == State::Armed;
-        if let (true, Some((tool, _))) = (held && self.given > 0, self.controller.held())
+        if let (true, Some((tool, _))) = (held && self.given > 0, self.controller.hold_position())
             && self.course.stop_every < u32::MAX
             && self.ticks < 20 * self.course.stop_every
         {

@@ -10,7 +10,7 @@ const STOPPING_TIME: f32 = 0.1;
 fn path_of(look_ahead: &mut LookAhead<f32, 4>) -> Path {
     let mut path = Path::new(STOPPING_TIME, PERIOD);
     while let Some(piece) = look_ahead.next_piece() {
-        path.push(stretch(piece)).expect("room");
+        path.push(stretch(piece));
     }
     path
 }
@@ -127,13 +127,13 @@ fn the_time_left_is_that_of_the_pieces_after_any_number_of_them() {
     let mut path = dwell(0.01);
     let mut pieces = [0.000_31_f32, 0.0117, 0.0008, 0.0042].into_iter().cycle();
     for _ in 0..200_000 {
-        while path.wants(0.05) {
+        while path.left() < 0.05 && !path.is_full() {
             let piece = dwell(pieces.next().expect("endless"))
                 .queue
                 .first()
                 .expect("a piece")
                 .stretch;
-            path.push(piece).expect("room");
+            path.push(piece);
         }
         path.step().expect("a path");
     }
@@ -153,8 +153,7 @@ fn pieces_shorter_than_a_tick_are_passed_two_at_a_time() {
         look_ahead
             .push_dwell(Vec2::zero(), 0.2 * PERIOD, tag)
             .unwrap();
-        path.push(stretch(look_ahead.next_piece().unwrap()))
-            .expect("room");
+        path.push(stretch(look_ahead.next_piece().unwrap()));
     }
     for (tag, at_rest) in [(2, false), (4, false), (5, true)] {
         let step = path.step().expect("a path");

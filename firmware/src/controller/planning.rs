@@ -1,0 +1,96 @@
+//! The planner's side of the controller: one snapshot of all that planning depends on, and
+//! the path that comes back.
+
+use super::{Controller, Stretch};
+use crate::safety::State;
+use fivebar_kinematics::Vec2;
+use fivebar_kinematics::five_bar::{Side, Tool, WorkingMode};
+
+/// What the planner needs to know of the controller, all of one moment.
+#[derive(Clone, Copy, Debug)]
+pub struct PlanningSnapshot {
+    /// What the controller is doing.
+    pub state: State,
+    /// Counts the paths forgotten before their end: what was planned to follow one of them
+    /// is void.
+    pub path_generation: u32,
+    /// The working mode that the arm is in.
+    pub working_mode: WorkingMode,
+    /// Where the arm is held; none while it is not.
+    pub hold: Option<Hold>,
+    /// Path handed over and not yet followed [s].
+    pub path_left: f32,
+    /// There is no room for another piece.
+    pub path_is_full: bool,
+    /// What was handed over ends at rest, fills the queue, or lasts some hundredths of a
+    /// second longer than a stop takes.
+    pub path_is_enough: bool,
+}
+
+/// A position held by both driven joints. Its solution is left to the reader, so that the
+/// controller is locked for a copy only.
+#[derive(Clone, Copy, Debug)]
+pub struct Hold {
+    /// u(θ1d), u(θ4d): the set-point.
+    direction: [Vec2<f32>; 2],
+    /// θ̂1, θ̂4 [rad].
+    measured: [f32; 2],
+}
+
+impl Hold {
+    /// θ1d, θ4d [rad], in the turn of the measured joints.
+    pub fn joints(&self) -> [f32; 2] {
+        let ([d1, d4], [theta1, theta4]) = (self.direction, self.measured);
+        let at = |direction: Vec2<f32>, measured: f32| {
+            let u = Vec2::unit(measured);
+            measured + Vec2::new(u.dot(direction), u.cross(direction)).angle()
+        };
+        [at(d1, theta1), at(d4, theta4)]
+    }
+
+    /// The tool [m] on this assembly branch; none where the links do not meet.
+    pub fn tool(&self, tool: &Tool<f32>, assembly: Side) -> Option<Vec2<f32>> {
+        let [d1, d4] = self.direction;
+        let geometry = tool.geometry();
+        let pose = geometry.forward_from_directions(d1, d4, assembly).ok()?;
+        Some(tool.point(&pose))
+    }
+}
+
+impl Controller {
+    /// All that planning depends on.
+    pub fn planning_snapshot(&self) -> PlanningSnapshot {
+        PlanningSnapshot {
+            state: self.state,
+            path_generation: self.path_generation,
+            working_mode: self.mode,
+            hold: (self.state == State::Armed).then(|| Hold {
+                direction: self.setpoint.direction,
+                measured: self.angles(),
+            }),
+            path_left: self.path.left(),
+            path_is_full: self.path.is_full(),
+            path_is_enough: self.path.is_enough(),
+        }
+    }
+
+    /// Adds to the path, from where it ends so far, or from where the arm is held. A stretch
+    /// that was planned to follow a path now forgotten is dropped, and so is one that finds
+    /// no room or an arm that follows no path; the next snapshot shows each of these.
+    pub fn extend_path(&mut self, path_generation: u32, stretch: Stretch) {
+        let follows_paths = match self.state {
+            State::Armed | State::Running => true,
+            State::Stopped | State::Homing | State::Stopping | State::Fault => false,
+        };
+        if follows_paths && path_generation == self.path_generation {
+            self.path.push(stretch);
+        }
+    }
+
+    /// The tool [m] and θ1, θ4 [rad] where the arm is held; none while it is not.
+    pub fn hold_position(&self) -> Option<(Vec2<f32>, [f32; 2])> {
+        let hold = self.planning_snapshot().hold?;
+        let tool = hold.tool(&self.model.tool, self.model.assembly)?;
+        Some((tool, hold.joints()))
+    }
+}

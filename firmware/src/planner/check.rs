@@ -1,0 +1,184 @@
+//! Moves held against the whole envelope, before any of them is taken.
+
+use super::{End, MoveRefusal, Planner, Reason};
+use crate::motion::{Move, MoveKind};
+use fivebar_kinematics::five_bar::WorkingMode;
+use fivebar_kinematics::trajectory::{Caps, Segment, SegmentError, Sense};
+use fivebar_kinematics::Vec2;
+
+/// How far an arc's centre may be off by the rounding of its file [m].
+const ARC_TOLERANCE: f32 = 1e-4;
+
+/// A move that keeps the envelope along its whole length.
+pub(super) enum CheckedMove {
+    /// The tool along a line or an arc.
+    Path {
+        segment: Segment<f32>,
+        /// How fast it may go.
+        caps: Caps<f32>,
+        /// The speed asked for [m/s].
+        feed: f32,
+    },
+    /// A line to where the tool already is.
+    Nowhere,
+    /// Standing still.
+    Dwell {
+        /// [s].
+        duration: f32,
+    },
+    /// Both driven joints straight to their angles.
+    Joint {
+        /// θ1, θ4 [rad].
+        from: [f32; 2],
+        /// θ1, θ4 [rad].
+        to: [f32; 2],
+        /// How fast it may go.
+        caps: Caps<f32>,
+        /// The working mode at its end.
+        mode: WorkingMode,
+    },
+}
+
+impl Planner {
+    /// Holds a move against the envelope as [`Planner::push`] would if the tool stood at
+    /// `from` [m] in the working mode, without taking it. Tells where the tool is after
+    /// it [m]: so a whole job is checked before anything moves.
+    ///
+    /// # Errors
+    /// Why the move would be refused, and where.
+    pub fn check(&self, from: [f32; 2], order: &Move) -> Result<[f32; 2], MoveRefusal> {
+        let start = End {
+            tool: vec2(from),
+            joints: None,
+        };
+        let (_, end) = self.check_move(start, order)?;
+        Ok([end.tool.x, end.tool.y])
+    }
+
+    /// The move, if it keeps the envelope from `start` on, and where it ends.
+    pub(super) fn check_move(
+        &self,
+        start: End,
+        order: &Move,
+    ) -> Result<(CheckedMove, End), MoveRefusal> {
+        let tag = order.tag;
+        match order.kind {
+            MoveKind::Line { to, feed } => {
+                let segment = Segment::line(start.tool, vec2(to));
+                self.check_path(tag, segment, start, to, feed)
+            }
+            MoveKind::Arc {
+                to,
+                center,
+                clockwise,
+                feed,
+            } => {
+                let segment = arc(start.tool, to, center, clockwise);
+                self.check_path(tag, segment, start, to, feed)
+            }
+            MoveKind::Dwell { duration } => {
+                MoveRefusal::unless_in_time(tag, duration, 1.0)?;
+                Ok((CheckedMove::Dwell { duration }, start))
+            }
+            MoveKind::Joint { to, speed } => self.check_joint_move(tag, start, to, speed),
+        }
+    }
+
+    fn check_path(
+        &self,
+        tag: u32,
+        segment: Result<Segment<f32>, SegmentError>,
+        start: End,
+        to: [f32; 2],
+        feed: f32,
+    ) -> Result<(CheckedMove, End), MoveRefusal> {
+        let segment = match segment {
+            Ok(segment) => segment,
+            Err(SegmentError::ZeroLength) => return Ok((CheckedMove::Nowhere, start)),
+            Err(error) => return Err(MoveRefusal::new(tag, error.into())),
+        };
+        if !(feed > 0.0 && feed.is_finite()) {
+            return Err(MoveRefusal::new(tag, Reason::Number));
+        }
+        let caps = self
+            .envelope
+            .admit(&segment, feed)
+            .map_err(|refusal| MoveRefusal::on_path(tag, &refusal))?;
+        MoveRefusal::unless_in_time(tag, segment.length(), caps.speed)?;
+        // The end as ordered: the segment's own is rounded, and a full circle is recognised
+        // by its end being its start to the bit.
+        let end = End {
+            tool: vec2(to),
+            joints: None,
+        };
+        let checked = CheckedMove::Path {
+            segment,
+            caps,
+            feed,
+        };
+        Ok((checked, end))
+    }
+
+    fn check_joint_move(
+        &self,
+        tag: u32,
+        start: End,
+        to: [f32; 2],
+        share: f32,
+    ) -> Result<(CheckedMove, End), MoveRefusal> {
+        if !(share > 0.0 && share <= 1.0) {
+            return Err(MoveRefusal::new(tag, Reason::Number));
+        }
+        let from = match start.joints {
+            Some(joints) => joints,
+            None => self
+                .joints_at(start.tool)
+                .ok_or(MoveRefusal::new(tag, Reason::Unreachable))?,
+        };
+        let (caps, pose) = self
+            .envelope
+            .admit_joint_move(from, to, self.assembly, share)
+            .map_err(|refusal| MoveRefusal::on_path(tag, &refusal))?;
+        let turn = (to[0] - from[0]).abs().max((to[1] - from[1]).abs());
+        MoveRefusal::unless_in_time(tag, turn, caps.speed)?;
+        let tool = &self.envelope.workspace.tool;
+        let end = End {
+            tool: tool.point(&pose),
+            joints: Some(to),
+        };
+        let mode = tool.working_mode(&pose);
+        let checked = CheckedMove::Joint {
+            from,
+            to,
+            caps,
+            mode,
+        };
+        Ok((checked, end))
+    }
+
+    /// θ1, θ4 [rad] with the tool at a point of the workspace [m].
+    fn joints_at(&self, tool: Vec2<f32>) -> Option<[f32; 2]> {
+        let workspace = &self.envelope.workspace;
+        let pose = workspace.tool.inverse(tool, workspace.mode).ok()?;
+        let (theta1, theta4) = (pose.u1.angle(), pose.u4.angle());
+        workspace.limits?.admit(theta1, theta4).ok()
+    }
+}
+
+fn arc(
+    from: Vec2<f32>,
+    to: [f32; 2],
+    center: [f32; 2],
+    clockwise: bool,
+) -> Result<Segment<f32>, SegmentError> {
+    let sense = if clockwise {
+        Sense::Clockwise
+    } else {
+        Sense::CounterClockwise
+    };
+    Segment::arc(from, vec2(to), vec2(center), sense, ARC_TOLERANCE)
+}
+
+fn vec2([x, y]: [f32; 2]) -> Vec2<f32> {
+    Vec2::new(x, y)
+}
