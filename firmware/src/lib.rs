@@ -8,7 +8,6 @@
 pub mod board;
 pub mod controller;
 pub mod drivers;
-mod homing;
 pub mod io;
 pub mod motion;
 pub mod planner;

@@ -110,7 +110,7 @@ fn a_dead_encoder_in_motion_is_a_following_error() {
     let frozen = rig.bench.sense();
     let mut command = Command::default();
     for _ in 0..3000 {
-        rig.controller.heard();
+        rig.controller.feed_host_timeout();
         rig.planner.run(&mut rig.controller);
         let mut sensed = rig.bench.sense();
         sensed.counts[0] = frozen.counts[0];
@@ -251,7 +251,7 @@ fn what_the_board_finds() {
         (Fault::SettingsCorrupt, 18),
     ] {
         let mut rig = Rig::new(&settings());
-        rig.controller.raise(fault);
+        rig.controller.latch_fault(fault);
         powers_off(&mut rig, fault, number, 1);
         clears(&mut rig);
     }
@@ -316,7 +316,7 @@ fn a_silent_host_stops_the_arm_on_its_path_and_holds_it() {
 fn a_planner_that_falls_behind_stops_the_arm_on_its_path() {
     let mut rig = running();
     let starved = |rig: &mut Rig| {
-        rig.controller.heard();
+        rig.controller.feed_host_timeout();
         rig.tick_alone()
     };
     let (off, _) = comes_to_rest(&mut rig, starved);

@@ -316,7 +316,7 @@ fn a_corrupt_settings_page_is_a_fault_and_nothing_moves_until_settings_are_given
 
     // As a board starts on it.
     let mut desk = Desk::without_settings();
-    desk.controller.raise(Fault::SettingsCorrupt);
+    desk.controller.latch_fault(Fault::SettingsCorrupt);
     desk.tick();
     let status = desk.controller.status();
     assert_eq!(status.fault.map(Fault::number), Some(18));

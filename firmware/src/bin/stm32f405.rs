@@ -208,7 +208,7 @@ mod app {
         let crystal_runs = source == Source::Crystal;
         CLOCK_FAILED.store(!crystal_runs, Ordering::Relaxed);
         if let Some(fault) = fault_at_start(crystal_runs, reset, loaded.err()) {
-            controller.raise(fault);
+            controller.latch_fault(fault);
         }
         defmt::info!("started from reset {}", reset as u8);
 
@@ -288,7 +288,7 @@ mod app {
             let sensed = sensors.sense(missed);
             cx.shared.controller.lock(|controller| {
                 if CLOCK_FAILED.load(Ordering::Relaxed) {
-                    controller.raise(Fault::ClockFailure);
+                    controller.latch_fault(Fault::ClockFailure);
                 }
                 outputs.obey(&controller.tick(&sensed));
                 controller.ticks()

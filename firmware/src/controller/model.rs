@@ -1,6 +1,6 @@
 //! Everything the tick needs to know, worked out from the settings once.
 
-use crate::homing::SearchPlan;
+use super::homing::HomingConfig;
 use crate::safety::Monitor;
 use crate::settings::{AxisSettings, Settings, SettingsError};
 use core::f32::consts::TAU;
@@ -35,7 +35,7 @@ pub(crate) struct Model {
     pub(crate) nominal_inertia: [f32; 2],
     /// T [s].
     pub(crate) period: f32,
-    pub(crate) search_plans: [SearchPlan; 2],
+    pub(crate) homing_configs: [HomingConfig; 2],
 }
 
 /// The constants of one joint.
@@ -82,9 +82,9 @@ impl Model {
             period,
             bus_voltage_per_code: settings.protection.bus_voltage_per_code,
             monitor: Monitor::new(settings),
-            search_plans: settings
+            homing_configs: settings
                 .axes
-                .map(|axis| SearchPlan::new(&axis, &settings.homing)),
+                .map(|axis| HomingConfig::new(&axis, &settings.homing)),
         })
     }
 }

@@ -63,47 +63,31 @@ impl Controller {
     /// # Errors
     /// The reason, nothing having changed.
     pub fn request(&mut self, request: Request) -> Result<(), Refusal> {
-        self.heard();
-        match request {
-            Request::Arm => self.arm(),
-            Request::Disarm => self.apply(Event::Disarm),
-            Request::Home => self.home(),
-            Request::SetAngles(angles) => self.set_angles(angles),
-            Request::Stop => self.apply(Event::Stop),
-            Request::EmergencyStop => {
-                self.raise(Fault::EmergencyStop);
-                Ok(())
+        self.feed_host_timeout();
+        let event = match request {
+            Request::Arm => {
+                self.prepare_to_hold()?;
+                Event::Arm
             }
-            Request::ClearFault => self.clear(),
-        }
+            Request::Disarm => Event::Disarm,
+            Request::Home => Event::Home,
+            Request::SetAngles(angles) => return self.set_angles(angles),
+            Request::Stop => Event::Stop,
+            Request::EmergencyStop => {
+                self.latch_fault(Fault::EmergencyStop);
+                return Ok(());
+            }
+            Request::ClearFault if self.moves_under_fault() => return Err(Refusal::Moving),
+            Request::ClearFault => Event::Clear,
+        };
+        self.dispatch(event).map_err(Refusal::State)
     }
 
-    /// The host has been heard: its silence begins anew.
-    pub fn heard(&mut self) {
-        self.heard_at = self.ticks;
-    }
-
-    /// Raises a fault that something other than the tick has found: latched at once, so
-    /// that no request gets in between. The next tick unpowers the bridges.
-    pub fn raise(&mut self, fault: Fault) {
-        self.latch(fault);
-    }
-
-    pub(super) fn apply(&mut self, event: Event) -> Result<(), Refusal> {
-        let next = self.state.after(event).ok_or(Refusal::State(self.state))?;
-        self.enter(next);
-        Ok(())
-    }
-
-    fn arm(&mut self) -> Result<(), Refusal> {
+    /// Takes where the arm stands for its set-point, if it may be armed there. One that is
+    /// armed already keeps its own.
+    fn prepare_to_hold(&mut self) -> Result<(), Refusal> {
         if self.state != State::Stopped {
-            // Armed already, or not to be armed from here.
-            let unchanged = self.state.after(Event::Arm) == Some(self.state);
-            return if unchanged {
-                Ok(())
-            } else {
-                Err(Refusal::State(self.state))
-            };
+            return Ok(());
         }
         if !self.homed {
             return Err(Refusal::NotHomed);
@@ -111,7 +95,7 @@ impl Controller {
         let pose = self.standing(self.angles())?;
         self.mode = self.model.tool.working_mode(&pose);
         self.setpoint = Setpoint::hold([pose.u1, pose.u4]);
-        self.apply(Event::Arm)
+        Ok(())
     }
 
     fn set_angles(&mut self, angles: [f32; 2]) -> Result<(), Refusal> {
@@ -129,15 +113,8 @@ impl Controller {
         Ok(())
     }
 
-    fn clear(&mut self) -> Result<(), Refusal> {
-        if self.state == State::Fault && self.moves_under_fault() {
-            return Err(Refusal::Moving);
-        }
-        self.apply(Event::Clear)
-    }
-
     /// The pose at these joint angles [rad], if the arm may be armed there.
-    pub(crate) fn standing(&self, [theta1, theta4]: [f32; 2]) -> Result<Pose<f32>, Refusal> {
+    fn standing(&self, [theta1, theta4]: [f32; 2]) -> Result<Pose<f32>, Refusal> {
         let settings = &self.settings;
         let within = settings
             .axes

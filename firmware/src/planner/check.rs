@@ -2,9 +2,9 @@
 
 use super::{End, MoveRefusal, Planner, Reason};
 use crate::motion::{Move, MoveKind};
+use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::WorkingMode;
 use fivebar_kinematics::trajectory::{Caps, Segment, SegmentError, Sense};
-use fivebar_kinematics::Vec2;
 
 /// How far an arc's centre may be off by the rounding of its file [m].
 const ARC_TOLERANCE: f32 = 1e-4;

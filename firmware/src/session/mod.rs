@@ -85,7 +85,7 @@ impl Session {
         let HostMessage { sequence, order } = *message;
         if !matches!(order, Order::Tick(_)) {
             // Samples are the plant's; all else is a sign of life of the host.
-            controller.lock(Controller::heard);
+            controller.lock(Controller::feed_host_timeout);
         }
         if let Order::Request(Request::EmergencyStop) = order {
             // Obeyed before anything is asked about its number.

@@ -212,7 +212,7 @@ impl Rig {
 
     /// One tick with a planner that keeps up and a host that is heard.
     pub(crate) fn tick(&mut self) -> Command {
-        self.controller.heard();
+        self.controller.feed_host_timeout();
         self.planner.run(&mut self.controller);
         self.tick_alone()
     }
@@ -231,7 +231,7 @@ impl Rig {
             bench: &mut self.bench,
         };
         for _ in 0..times {
-            interrupted.controller.heard();
+            interrupted.controller.feed_host_timeout();
             self.planner.run(&mut interrupted);
         }
     }

@@ -176,7 +176,7 @@ impl<'a> Run<'a> {
     pub(crate) fn next(&mut self) -> Option<Sensed> {
         self.ticks += 1;
         if !self.course.silent {
-            self.controller.heard();
+            self.controller.feed_host_timeout();
         }
         if self.ticks % self.course.stop_every == 0 {
             self.controller.request(Request::Stop).ok()?;

@@ -29,7 +29,7 @@ impl InProcess {
 impl Target for InProcess {
     fn tick(&mut self, sensed: &Sensed) -> Result<(Command, Status), TargetError> {
         // The host is the one that is calling: it cannot be silent.
-        self.controller.heard();
+        self.controller.feed_host_timeout();
         self.planner.run(&mut self.controller);
         let command = self.controller.tick(sensed);
         Ok((command, self.controller.status()))

@@ -89,7 +89,7 @@ impl Loopback {
         self.decoder = Decoder::new();
         self.out.clear();
         if let Some(fault) = fault_at_start(true, reset, None) {
-            self.controller.raise(fault);
+            self.controller.latch_fault(fault);
         }
         Ok(())
     }

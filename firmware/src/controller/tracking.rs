@@ -1,26 +1,16 @@
 //! The powered part of the tick: from the reference to the torques.
 
+use super::Controller;
 use super::setpoint::Setpoint;
-use super::{Controller, Demand};
+use super::tick::TorqueCommand;
 use crate::safety::{Event, Fault, Limits, State};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::{Links, PoseError};
 
 impl Controller {
-    /// One tick of holding or following the path: the torques, or `None` after a fault.
+    /// One tick of holding or following the path: the torques.
     #[inline(always)]
-    pub(super) fn follow(&mut self) -> Option<Demand> {
-        match self.track() {
-            Ok(demand) => Some(demand),
-            Err(fault) => {
-                self.latch(fault);
-                None
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn track(&mut self) -> Result<Demand, Fault> {
+    pub(super) fn track(&mut self) -> Result<TorqueCommand, Fault> {
         // Where it should be, and where it will be, when the torque acts.
         let limits = self.advance()?;
         let Setpoint {
@@ -74,7 +64,7 @@ impl Controller {
             position_loop.integrate(&mut joint1.integral, error1, limited);
             position_loop.integrate(&mut joint4.integral, error4, limited);
         }
-        Ok(Demand {
+        Ok(TorqueCommand {
             torque,
             limits: limits.with(Limits::TORQUE, limited),
         })
@@ -107,7 +97,8 @@ impl Controller {
                 self.setpoint.rest();
                 return Ok(Limits::NONE);
             }
-            self.happen(Event::Begin);
+            // Armed takes it.
+            let _ = self.dispatch(Event::Begin);
         }
         let Some(step) = self.path.step() else {
             self.setpoint.rest();
@@ -123,50 +114,5 @@ impl Controller {
             self.come_to_rest();
         }
         Ok(step.limits)
-    }
-
-    #[cold]
-    fn come_to_rest(&mut self) {
-        match self.state {
-            State::Running => {
-                self.path.finish();
-                self.happen(Event::Finish);
-            }
-            State::Stopping => self.happen(Event::Rest),
-            State::Fault => self.forget_path(),
-            State::Stopped | State::Homing | State::Armed => {}
-        }
-    }
-
-    /// An event of the tick itself: where it means nothing, nothing happens.
-    pub(super) fn happen(&mut self, event: Event) {
-        if let Some(next) = self.state.after(event) {
-            self.enter(next);
-        }
-    }
-
-    /// The fault, if any, that stops the arm on its path. It is looked for when the tick's
-    /// work is done, and the braking begins with the next: the tick that latches a fault is
-    /// long enough.
-    #[inline(always)]
-    pub(super) fn stopping_fault(&self) -> Option<Fault> {
-        match self.state {
-            State::Running if self.path.runs_short() => Some(Fault::QueueUnderrun),
-            State::Running | State::Stopping if self.is_unheard() => Some(Fault::CommandTimeout),
-            State::Running | State::Stopping | State::Stopped => None,
-            State::Homing | State::Armed | State::Fault => None,
-        }
-    }
-
-    /// Whether the host has been silent for too long.
-    #[inline(always)]
-    pub(super) fn is_unheard(&self) -> bool {
-        let silence = self.ticks.wrapping_sub(self.heard_at);
-        self.model.monitor.silent(silence)
-    }
-
-    /// Whether the arm still comes to rest under a latched fault.
-    pub(super) fn moves_under_fault(&self) -> bool {
-        self.held && !self.path.is_empty()
     }
 }

@@ -10,7 +10,7 @@ use fivebar_kinematics::Scalar;
 
 /// How the search goes for one joint.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct SearchPlan {
+pub(in crate::controller) struct HomingConfig {
     /// Towards the switch, signed [rad/s].
     speed: f32,
     /// [rad].
@@ -31,19 +31,19 @@ enum Phase {
 
 /// The search of one joint.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Search {
+pub(in crate::controller) struct HomingState {
     phase: Phase,
     /// Where the joint should be [rad] and how fast [rad/s], from an unknown origin.
-    pub(crate) angle: f32,
-    pub(crate) rate: f32,
+    pub(in crate::controller) angle: f32,
+    pub(in crate::controller) rate: f32,
 }
 
 /// The joint went as far as it may and found nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Exhausted;
+pub(in crate::controller) struct SwitchNotFound;
 
-impl SearchPlan {
-    pub(crate) fn new(axis: &AxisSettings, homing: &HomingSettings) -> Self {
+impl HomingConfig {
+    pub(in crate::controller) fn new(axis: &AxisSettings, homing: &HomingSettings) -> Self {
         let [low, high] = axis.angle_limits;
         let speed = if axis.home_forward {
             homing.speed
@@ -60,10 +60,10 @@ impl SearchPlan {
     }
 }
 
-impl Search {
+impl HomingState {
     /// A search that begins at `angle` [rad]. On a switch that is closed already it turns
     /// to backing off with its first step.
-    pub(crate) fn new(angle: f32) -> Self {
+    pub(in crate::controller) fn new(angle: f32) -> Self {
         Self {
             phase: Phase::Approach { from: angle },
             angle,
@@ -72,7 +72,7 @@ impl Search {
     }
 
     /// The counts at which the switch closed, once found.
-    pub(crate) fn found(&self) -> Option<i32> {
+    pub(in crate::controller) fn found(&self) -> Option<i32> {
         match self.phase {
             Phase::Found { counts } => Some(counts),
             Phase::Approach { .. } | Phase::BackOff { .. } | Phase::Creep { .. } => None,
@@ -80,44 +80,44 @@ impl Search {
     }
 
     /// One tick of `period` [s]: the switch, the measured angle [rad] and its counts.
-    pub(crate) fn step(
+    pub(in crate::controller) fn step(
         &mut self,
-        plan: &SearchPlan,
+        config: &HomingConfig,
         closed: bool,
         angle: f32,
         counts: i32,
         period: f32,
-    ) -> Result<(), Exhausted> {
+    ) -> Result<(), SwitchNotFound> {
         let gone = |from: f32| Scalar::abs(angle - from);
         let wanted = match self.phase {
             Phase::Approach { from } => {
                 if closed {
                     self.phase = Phase::BackOff { from: angle };
-                } else if gone(from) > plan.range {
-                    return Err(Exhausted);
+                } else if gone(from) > config.range {
+                    return Err(SwitchNotFound);
                 }
-                plan.speed
+                config.speed
             }
             Phase::BackOff { from } => {
-                if closed && gone(from) > 4.0 * plan.back_off {
-                    return Err(Exhausted);
+                if closed && gone(from) > 4.0 * config.back_off {
+                    return Err(SwitchNotFound);
                 }
-                if !closed && gone(from) >= plan.back_off {
+                if !closed && gone(from) >= config.back_off {
                     self.phase = Phase::Creep { from: angle };
                 }
-                -plan.speed
+                -config.speed
             }
             Phase::Creep { from } => {
                 if closed {
                     self.phase = Phase::Found { counts };
-                } else if gone(from) > 6.0 * plan.back_off {
-                    return Err(Exhausted);
+                } else if gone(from) > 6.0 * config.back_off {
+                    return Err(SwitchNotFound);
                 }
-                0.125 * plan.speed
+                0.125 * config.speed
             }
             Phase::Found { .. } => 0.0,
         };
-        let most = plan.acceleration * period;
+        let most = config.acceleration * period;
         self.rate += limited(wanted - self.rate, most);
         self.angle += self.rate * period;
         Ok(())
@@ -126,7 +126,7 @@ impl Search {
 
 /// `value` brought within ±`limit`; NaN stays NaN.
 #[inline(always)]
-pub(crate) fn limited(value: f32, limit: f32) -> f32 {
+pub(in crate::controller) fn limited(value: f32, limit: f32) -> f32 {
     if Scalar::abs(value) > limit {
         if value > 0.0 { limit } else { -limit }
     } else {

@@ -1,64 +1,58 @@
-//! The tick while homing: each joint by itself follows its search at limited torque.
+//! The tick while homing: each joint by itself follows its search for its switch, at limited
+//! torque.
 
+mod state;
+
+use super::Controller;
 use super::joint::Joint;
 use super::model::{AxisModel, Model};
-use super::request::Refusal;
-use super::{Controller, Demand};
-use crate::homing::{Search, SearchPlan, limited};
+use super::tick::TorqueCommand;
 use crate::io::Sensed;
 use crate::safety::{Event, Fault, Limits};
 use fivebar_kinematics::Vec2;
+use state::limited;
+pub(super) use state::{HomingConfig, HomingState};
 
 impl Controller {
-    /// Begins to look for the switches.
-    pub(super) fn home(&mut self) -> Result<(), Refusal> {
-        self.apply(Event::Home)?;
+    /// Entry of Homing: both joints begin to look for their switches where they stand.
+    pub(super) fn start_homing(&mut self) {
         self.homed = false;
-        self.searches = self.angles().map(Search::new);
-        Ok(())
+        self.homing = self.angles().map(HomingState::new);
     }
 
-    /// One tick of the search: the torques, or `None` when it has ended.
-    pub(super) fn search(&mut self, sensed: &Sensed) -> Option<Demand> {
-        match self.seek(sensed) {
-            Ok(torque) => Some(Demand {
-                torque,
-                limits: Limits::NONE,
-            }),
-            Err(fault) => {
-                self.latch(fault);
-                None
-            }
-        }
-    }
-
-    fn seek(&mut self, sensed: &Sensed) -> Result<[f32; 2], Fault> {
-        if self.is_unheard() {
+    /// One tick of homing: the torques.
+    pub(super) fn home(&mut self, sensed: &Sensed) -> Result<TorqueCommand, Fault> {
+        if self.host_timed_out() {
             return Err(Fault::CommandTimeout);
         }
         let model = &self.model;
         let [joint1, joint4] = &self.joints;
         let [axis1, axis4] = &model.axes;
         let [inertia1, inertia4] = model.nominal_inertia;
-        let [search1, search4] = &mut self.searches;
-        let [plan1, plan4] = &model.search_plans;
+        let [state1, state4] = &mut self.homing;
+        let [config1, config4] = &model.homing_configs;
         let [closed1, closed4] = sensed.home;
-        let (error1, torque1) = sought(model, joint1, axis1, inertia1, search1, plan1, closed1)?;
-        let (error4, torque4) = sought(model, joint4, axis4, inertia4, search4, plan4, closed4)?;
+        let (error1, torque1) =
+            homing_step(model, joint1, axis1, inertia1, state1, config1, closed1)?;
+        let (error4, torque4) =
+            homing_step(model, joint4, axis4, inertia4, state4, config4, closed4)?;
         self.error = [error1, error4];
         if self.model.monitor.lost_its_path(self.error) {
             return Err(Fault::FollowingError);
         }
-        let [search1, search4] = &self.searches;
-        if let (Some(counts1), Some(counts4)) = (search1.found(), search4.found()) {
-            self.finish([counts1, counts4])?;
+        let [state1, state4] = &self.homing;
+        if let (Some(counts1), Some(counts4)) = (state1.found(), state4.found()) {
+            self.finish_homing([counts1, counts4])?;
         }
-        Ok([torque1, torque4])
+        Ok(TorqueCommand {
+            torque: [torque1, torque4],
+            limits: Limits::NONE,
+        })
     }
 
     /// Both switches are found: the angles are absolute from now on, if they belong to an
     /// arm on the branch of the settings.
-    fn finish(&mut self, counts: [i32; 2]) -> Result<(), Fault> {
+    fn finish_homing(&mut self, counts: [i32; 2]) -> Result<(), Fault> {
         for (((joint, axis), settings), counts) in self
             .joints
             .iter_mut()
@@ -77,29 +71,30 @@ impl Controller {
             return Err(Fault::EncoderDisagreement);
         }
         self.homed = true;
-        self.happen(Event::Homed);
+        // Homing takes it.
+        let _ = self.dispatch(Event::Homed);
         Ok(())
     }
 }
 
 /// One joint's tick of the search: its error [rad] and its torque [N·m].
 #[inline(always)]
-fn sought(
+fn homing_step(
     model: &Model,
     joint: &Joint,
     axis: &AxisModel,
     inertia: f32,
-    search: &mut Search,
-    plan: &SearchPlan,
+    state: &mut HomingState,
+    config: &HomingConfig,
     closed: bool,
 ) -> Result<(f32, f32), Fault> {
-    search
-        .step(plan, closed, joint.angle(), joint.counts(), model.period)
+    state
+        .step(config, closed, joint.angle(), joint.counts(), model.period)
         .map_err(|_| Fault::Envelope)?;
-    let error = search.angle - joint.angle();
-    let rate = search.rate - joint.velocity();
+    let error = state.angle - joint.angle();
+    let rate = state.rate - joint.velocity();
     let position_loop = &model.position_loop;
     let alpha = position_loop.acceleration(joint.integral, 0.0, error, rate);
-    let demanded = inertia * alpha + axis.friction.torque(search.rate);
+    let demanded = inertia * alpha + axis.friction.torque(state.rate);
     Ok((error, limited(demanded, axis.homing_torque)))
 }
