@@ -327,7 +327,7 @@ fn dual_numbers_give_the_sensitivity_to_every_parameter() {
             let seed = if index - 1 == chosen { 1.0 } else { 0.0 };
             Dual::new(value, seed)
         });
-        let exact = outcome(&seeded, Dual::constant(0.9)).map(|dual| dual.derivative());
+        let exact = outcome(&seeded, Dual::constant(0.9)).map(Dual::derivative);
         let step = 1e-6;
         let beside = |by: f64| {
             let mut index = 0;

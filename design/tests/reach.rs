@@ -1,12 +1,9 @@
 //! The region that both legs reach against areas known otherwise.
 
-#[path = "../../kinematics/tests/common/mod.rs"]
-mod common;
-
-use common::{assert_close, geometry};
 use fivebar_design::workspace::{reach_boundary, reachable_area};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::Geometry;
+use fivebar_testkit::{assert_close, geometry};
 use proptest::prelude::*;
 
 /// ½∮(x dy − y dx) along the boundary arcs: outer ones with the region to their left,

@@ -1,10 +1,6 @@
 //! Maps, singularity curves and rectangles against areas, determinants and places found
 //! otherwise.
 
-#[path = "../../kinematics/tests/common/mod.rs"]
-mod common;
-
-use common::{assert_close, geometry, mode};
 use fivebar_design::workspace::{
     Grid, GridError, Locus, Map, Rectangle, bounds, loci, reach_boundary, reachable_area,
 };
@@ -12,6 +8,7 @@ use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::{
     Geometry, JointLimits, Pose, Side, Singularity, Tool, WorkingMode, Workspace,
 };
+use fivebar_testkit::{assert_close, geometry, mode};
 use proptest::prelude::*;
 
 /// Any arm, its tool at C or a few centimetres beside it.

@@ -1,11 +1,9 @@
 //! Kane's equations against what else they must equal: energy, Newton–Euler, statics.
 
-mod common;
-
-use common::{Moving, assert_close, moving};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::dynamics::{Arm, Link, ModelError, Regrouped, ShareTotals, TorqueShares};
 use fivebar_kinematics::five_bar::{Geometry, Links, PoseError, Side, Singularity};
+use fivebar_testkit::{Moving, assert_close, moving};
 use proptest::prelude::*;
 
 fn vec2(size: f64) -> impl Strategy<Value = Vec2<f64>> {

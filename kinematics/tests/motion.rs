@@ -1,10 +1,8 @@
 //! Velocities and accelerations are the derivatives of positions, both ways.
 
-mod common;
-
-use common::{Moving, assert_close, mode, moving, pose, turned};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::Tool;
+use fivebar_testkit::{Moving, assert_close, mode, moving, pose, turned};
 use proptest::prelude::*;
 
 fn offset() -> impl Strategy<Value = Vec2<f64>> {

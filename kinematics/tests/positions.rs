@@ -1,12 +1,10 @@
 //! Forward and inverse position undo each other on every branch.
 
-mod common;
-
-use common::{Case, assert_close, distance, geometry, pose, side, turned};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::{
     Geometry, PoseError, Side, Singularity, Unreachable, WorkingMode,
 };
+use fivebar_testkit::{Case, assert_close, distance, geometry, pose, side, turned};
 use proptest::prelude::*;
 
 /// The arm of the literature's closed-form figures: four links of 0.23 m, base 0.275 m.

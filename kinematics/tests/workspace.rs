@@ -1,12 +1,10 @@
 //! Workspace, its limits and its margin from singularities.
 
-mod common;
-
-use common::pose;
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::{
     Geometry, Joint, JointLimits, Outside, PoseError, Tool, Unreachable, WorkingMode, Workspace,
 };
+use fivebar_testkit::pose;
 use proptest::prelude::*;
 use std::f64::consts::PI;
 

@@ -16,10 +16,9 @@
 //! none erred by more than 6e-7 of the terms that they are sums of, by sin².
 
 use crate::arms::{Arms, BENCHTOP, Verdict, arms, end_of, narrow, single, wide};
-use crate::common::turned;
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::{PoseError, WorkingMode};
-use fivebar_testkit::Tally;
+use fivebar_testkit::{Tally, turned};
 use proptest::prelude::*;
 
 /// The driven angles [rad] with C at `c` [m], by both solutions; the first refusal of either.

@@ -7,10 +7,10 @@
 //! 2 (3·0.1·2 + 4·0.16) ε / |sin| = 1.5e-7 m/|sin|.
 
 use crate::arms::{BENCHTOP, single, wide};
-use crate::common::side;
 use fivebar_kinematics::dynamics::{Arm, Link};
 use fivebar_kinematics::five_bar::{Geometry, Pose, Side};
 use fivebar_kinematics::{Scalar, Vec2};
+use fivebar_testkit::side;
 use proptest::prelude::*;
 
 /// Away from singularities: the margin that arms keep by their settings is of this size.

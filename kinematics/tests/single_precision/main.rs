@@ -3,9 +3,6 @@
 //!
 //! ε = 2⁻²⁴ is half the distance of neighbours at 1.
 
-#[path = "../common/mod.rs"]
-mod common;
-
 mod arms;
 mod driven;
 mod forward;

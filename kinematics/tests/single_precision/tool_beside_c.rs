@@ -7,10 +7,9 @@
 //! none erred by more than two thirds of the bound for joint 4.
 
 use crate::arms::{Arms, BENCHTOP, BORDER, Leg, end_of, lengths, narrow, single, wide};
-use crate::common::{mode, turned};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::WorkingMode;
-use fivebar_testkit::Tally;
+use fivebar_testkit::{Tally, mode, turned};
 use proptest::prelude::*;
 
 const EPSILON: f64 = 1.0 / 16_777_216.0;

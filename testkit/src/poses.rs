@@ -1,24 +1,29 @@
-//! Random arms and poses, and numbers compared to a scale.
-#![allow(dead_code, unreachable_pub)] // each test file compiles it anew and uses its part
+//! Random arms, poses and motions.
 
 use fivebar_kinematics::five_bar::{Accelerations, Geometry, Pose, Side, Velocities, WorkingMode};
-use fivebar_kinematics::{Scalar, Vec2};
 use proptest::prelude::*;
 
 /// A pose of some arm together with how it was reached.
 #[derive(Clone, Copy, Debug)]
 pub struct Case {
+    /// The arm.
     pub geometry: Geometry<f64>,
+    /// θ1 [rad].
     pub theta1: f64,
+    /// θ4 [rad].
     pub theta4: f64,
+    /// The side of C.
     pub assembly: Side,
+    /// What the forward solution gives of these.
     pub pose: Pose<f64>,
 }
 
+/// Either side.
 pub fn side() -> impl Strategy<Value = Side> {
     prop_oneof![Just(Side::Left), Just(Side::Right)]
 }
 
+/// Any of the four working modes.
 pub fn mode() -> impl Strategy<Value = WorkingMode> {
     (side(), side()).prop_map(|(elbow1, elbow4)| WorkingMode::new(elbow1, elbow4))
 }
@@ -29,7 +34,7 @@ pub fn geometry() -> impl Strategy<Value = Geometry<f64>> {
         .prop_filter_map("does not close", |lengths| Geometry::new(lengths).ok())
 }
 
-/// A pose whose three sines are all at least `margin`.
+/// A pose of any arm whose three sines are all at least `margin`.
 pub fn pose(margin: f64) -> impl Strategy<Value = Case> {
     let angle = || -3.1..3.1_f64;
     (geometry(), angle(), angle(), side()).prop_filter_map(
@@ -47,40 +52,23 @@ pub fn pose(margin: f64) -> impl Strategy<Value = Case> {
     )
 }
 
-/// Asserts |a − b| ≤ `tolerance`·max(1, |b|).
-#[track_caller]
-pub fn assert_close(what: &str, a: f64, b: f64, tolerance: f64) {
-    let bound = tolerance * b.abs().max(1.0);
-    assert!(
-        (a - b).abs() <= bound,
-        "{what}: {a} for {b}, bound {bound:e}"
-    );
-}
-
-/// The distance of two points.
-pub fn distance<S: Scalar>(a: Vec2<S>, b: Vec2<S>) -> f64 {
-    (a - b).norm().to_f64()
-}
-
-/// The difference of two angles, whole turns apart from none.
-pub fn turned(a: f64, b: f64) -> f64 {
-    let (sin, cos) = (a - b).sin_cos();
-    sin.atan2(cos)
-}
-
-/// Rates and accelerations of the driven joints, a few per second.
-pub fn driven() -> impl Strategy<Value = [f64; 2]> {
+/// Rates [rad/s] or accelerations [rad/s²] of the driven joints, a few per second.
+fn driven() -> impl Strategy<Value = [f64; 2]> {
     prop::array::uniform2(-5.0..5.0_f64)
 }
 
 /// A pose with a smooth motion through it: θ(t) = θ + ω t + ½ α t² of both driven joints.
 #[derive(Clone, Copy, Debug)]
 pub struct Moving {
+    /// The pose at time 0.
     pub case: Case,
+    /// ω1, ω4 at time 0 [rad/s].
     pub omega: [f64; 2],
+    /// α1, α4 [rad/s²].
     pub alpha: [f64; 2],
 }
 
+/// A motion through a pose whose three sines are all at least `margin`.
 pub fn moving(margin: f64) -> impl Strategy<Value = Moving> {
     (pose(margin), driven(), driven()).prop_map(|(case, omega, alpha)| Moving {
         case,
@@ -90,8 +78,8 @@ pub fn moving(margin: f64) -> impl Strategy<Value = Moving> {
 }
 
 impl Moving {
-    /// θ1, θ4 and ω1, ω4 at a time near 0.
-    pub fn driven_at(&self, t: f64) -> ([f64; 2], [f64; 2]) {
+    /// θ1, θ4 [rad] and ω1, ω4 [rad/s] at a time near 0.
+    fn driven_at(&self, t: f64) -> ([f64; 2], [f64; 2]) {
         let start = [self.case.theta1, self.case.theta4];
         let at = |i: usize| start[i] + self.omega[i] * t + 0.5 * self.alpha[i] * t * t;
         let rate = |i: usize| self.omega[i] + self.alpha[i] * t;
@@ -99,6 +87,9 @@ impl Moving {
     }
 
     /// The pose at a time near 0.
+    ///
+    /// # Panics
+    /// If the forward solution refuses it.
     pub fn pose_at(&self, t: f64) -> Pose<f64> {
         let ([theta1, theta4], _) = self.driven_at(t);
         let Case {
@@ -108,6 +99,9 @@ impl Moving {
     }
 
     /// The pose, velocities and accelerations at time 0.
+    ///
+    /// # Panics
+    /// If the forward solution refuses it.
     pub fn now(&self) -> (Pose<f64>, Velocities<f64>, Accelerations<f64>) {
         let (pose, velocities) = self.rates_at(0.0);
         let accelerations = self
@@ -119,6 +113,9 @@ impl Moving {
     }
 
     /// The pose and velocities at a time near 0.
+    ///
+    /// # Panics
+    /// If the forward solution refuses it.
     pub fn rates_at(&self, t: f64) -> (Pose<f64>, Velocities<f64>) {
         let (_, [omega1, omega4]) = self.driven_at(t);
         let pose = self.pose_at(t);
