@@ -194,9 +194,8 @@ mod tests {
             let tolerance = 10_f64.powf(exponent);
             let first = segment(directions[0], curvatures[0], true);
             let second = segment(directions[1], curvatures[1], false);
-            let Some(corner) = blend(&first, &second, tolerance, [0.05, 0.05]) else {
-                return Err(TestCaseError::reject("too short"));
-            };
+            // The sharpest corner leaves a micrometre's tolerance a blend of 5 µm.
+            let corner = blend(&first, &second, tolerance, [0.05, 0.05]).unwrap();
             let length = corner.length();
             let path = |s: f64| if s < 0.5 * length {
                 first.at(first.length() - 0.5 * length + s)

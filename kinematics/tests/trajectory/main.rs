@@ -4,4 +4,5 @@
 mod common;
 mod loads;
 mod look_ahead;
+mod refusals;
 mod validation;
