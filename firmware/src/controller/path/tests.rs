@@ -53,7 +53,7 @@ fn waiting(path: Path) -> (u32, f64) {
         if queue.is_last() {
             break;
         }
-        queue.leave();
+        queue.pass();
     }
     (count, duration)
 }
@@ -138,7 +138,7 @@ fn the_time_left_is_that_of_the_pieces_after_any_number_of_them() {
         path.step().expect("a path");
     }
     let passed = f64::from(path.offset) + 1e-4 * f64::from(path.ticks);
-    let left = f64::from(path.left);
+    let left = f64::from(path.committed_left);
     let (_, all) = waiting(path);
     // Each of at most 32 pieces was cut to whole microseconds.
     assert!((left - (all - passed)).abs() < 4e-5);
@@ -158,6 +158,10 @@ fn pieces_shorter_than_a_tick_are_passed_two_at_a_time() {
     for (tag, at_rest) in [(2, false), (4, false), (5, true)] {
         let step = path.step().expect("a path");
         assert_eq!((path.tag(), step.at_rest), (Some(tag), at_rest));
-        assert!(path.left > -1e-9, "{} s left", path.left);
+        assert!(
+            path.committed_left > -1e-9,
+            "{} s left",
+            path.committed_left
+        );
     }
 }

@@ -1,8 +1,8 @@
-//! The stretches of path that wait for the tick: a ring, and the time that they take.
+//! The segments of path that wait for the tick, and the time that they take.
 //!
-//! Each stretch knows when it ends on a clock of its own, the sum of all that were pushed.
-//! The time behind one of them is then a difference of two, however many were left behind,
-//! and counted in whole microseconds it gathers no rounding.
+//! Each segment knows when it ends on a clock of the queue's own: the sum of all durations that
+//! were pushed, in whole microseconds, wrapping. The time behind a segment is then a difference
+//! of two such ends, however many were passed, and gathers no rounding.
 //!
 //! What is pushed is out of the tick's sight until it is committed.
 
@@ -11,51 +11,61 @@ use crate::safety::Limits;
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::trajectory::Piece;
 
-/// Pieces that wait for the tick: the committed future of the arm.
+/// Segments that wait for the tick: the committed future of the arm.
 pub const PIECES: usize = 32;
 
-/// The longest that a piece counts for [µs]: nobody asks how much more there is, and the
+/// The longest that a segment counts for [µs]: nobody asks how much more there is, and the
 /// sum of all stays far from overflow.
 const LONGEST: u32 = 60_000_000;
 
-/// A stretch and where it lies.
+/// A segment and where it lies.
 #[derive(Clone, Copy)]
-pub(super) struct Queued {
+pub(super) struct Timed {
     pub(super) stretch: Stretch,
-    /// The sum of the durations up to its end, wrapping [µs].
+    /// [µs].
     end: u32,
 }
 
-/// The ring. All counts wrap, and `PIECES` divides their range.
+/// How far the path goes.
+#[derive(Clone, Copy)]
+struct Extent {
+    /// Segments so far, those passed included; wrapping, and `PIECES` divides the range.
+    count: u32,
+    /// Where the last one ends [µs].
+    end: u32,
+    /// The last one ends in motion.
+    in_motion: bool,
+}
+
+/// The queue, a ring; what every tick needs in front, see [`Controller`].
+///
+/// [`Controller`]: crate::Controller
 #[repr(C)]
-pub(super) struct Queue {
-    /// Stretches that were left behind.
-    first: u32,
-    /// Stretches that were committed.
-    next: u32,
-    /// Where the last one of them ends [µs].
-    end: u32,
-    /// Stretches that were pushed.
-    pushed: u32,
-    /// Where the last one of them ends [µs].
-    pushed_end: u32,
-    slots: [Queued; PIECES],
+pub(super) struct PathQueue {
+    /// Segments that were passed.
+    passed: u32,
+    committed: Extent,
+    pushed: Extent,
+    slots: [Timed; PIECES],
 }
 
-impl Queue {
+impl PathQueue {
     pub(super) fn new() -> Self {
         let nothing = Stretch {
             piece: Piece::rest(Vec2::zero(), 0.0, 0),
             open: false,
             limits: Limits::NONE,
         };
-        Self {
-            first: 0,
-            next: 0,
+        let start = Extent {
+            count: 0,
             end: 0,
-            pushed: 0,
-            pushed_end: 0,
-            slots: [Queued {
+            in_motion: false,
+        };
+        Self {
+            passed: 0,
+            committed: start,
+            pushed: start,
+            slots: [Timed {
                 stretch: nothing,
                 end: 0,
             }; PIECES],
@@ -68,88 +78,105 @@ impl Queue {
         self.finish();
     }
 
-    /// Leaves all behind that was committed.
+    /// Passes all that was committed.
     pub(super) fn finish(&mut self) {
-        self.first = self.next;
+        self.passed = self.committed.count;
+        self.committed.in_motion = false;
     }
 
     /// Whether nothing is committed.
     #[inline(always)]
     pub(super) fn is_empty(&self) -> bool {
-        self.first == self.next
+        self.passed == self.committed.count
     }
 
-    /// Committed stretches, the first one included.
+    /// Committed segments, the first one included.
     #[inline(always)]
     pub(super) fn len(&self) -> u32 {
-        self.next.wrapping_sub(self.first)
+        self.committed.count.wrapping_sub(self.passed)
     }
 
-    /// Whether there is no room for another stretch.
+    /// Whether there is no room for another segment.
     pub(super) fn is_full(&self) -> bool {
-        self.pushed.wrapping_sub(self.first) == PIECES as u32
+        self.pushed.count.wrapping_sub(self.passed) == PIECES as u32
     }
 
-    /// Whether one stretch is all that is committed.
+    /// Whether one segment is all that is committed.
     #[inline(always)]
     pub(super) fn is_last(&self) -> bool {
-        self.first.wrapping_add(1) == self.next
+        self.passed.wrapping_add(1) == self.committed.count
     }
 
-    /// The stretch in progress.
+    /// Whether the committed path ends in motion.
     #[inline(always)]
-    pub(super) fn first(&self) -> Option<&Queued> {
+    pub(super) fn ends_in_motion(&self) -> bool {
+        self.committed.in_motion
+    }
+
+    /// Whether the pushed path ends in motion.
+    pub(super) fn pushed_ends_in_motion(&self) -> bool {
+        self.pushed.in_motion
+    }
+
+    /// The segment in progress.
+    #[inline(always)]
+    pub(super) fn first(&self) -> Option<&Timed> {
         if self.is_empty() {
             return None;
         }
-        self.slots.get(slot(self.first))
+        self.slots.get(slot(self.passed))
     }
 
-    /// Leaves the first stretch behind; the last committed one stays.
+    /// Passes the first segment; the last committed one stays.
     #[inline(always)]
-    pub(super) fn leave(&mut self) {
+    pub(super) fn pass(&mut self) {
         if !self.is_empty() && !self.is_last() {
-            self.first = self.first.wrapping_add(1);
+            self.passed = self.passed.wrapping_add(1);
         }
     }
 
-    /// Appends a stretch; gives it back where there is no room.
+    /// Appends a segment; gives it back where there is no room.
     pub(super) fn push(&mut self, stretch: Stretch) -> Result<(), Stretch> {
         if self.is_full() {
             return Err(stretch);
         }
-        let Some(place) = self.slots.get_mut(slot(self.pushed)) else {
+        let Some(slot) = self.slots.get_mut(slot(self.pushed.count)) else {
             return Err(stretch);
         };
         let duration = ((stretch.piece.duration() * 1e6) as u32).min(LONGEST);
-        self.pushed_end = self.pushed_end.wrapping_add(duration);
-        self.pushed = self.pushed.wrapping_add(1);
-        *place = Queued {
+        self.pushed = Extent {
+            count: self.pushed.count.wrapping_add(1),
+            end: self.pushed.end.wrapping_add(duration),
+            in_motion: stretch.open,
+        };
+        *slot = Timed {
             stretch,
-            end: self.pushed_end,
+            end: self.pushed.end,
         };
         Ok(())
     }
 
-    /// Commits all that was pushed.
-    pub(super) fn commit(&mut self) {
-        self.next = self.pushed;
-        self.end = self.pushed_end;
+    /// Commits all that was pushed; the time [s] that this adds behind the first segment.
+    pub(super) fn commit(&mut self) -> f32 {
+        let before = self.first().map_or(0.0, |first| self.behind(first));
+        self.committed = self.pushed;
+        self.first()
+            .map_or(0.0, |first| self.behind(first) - before)
     }
 
     /// The time that was pushed and not committed [s].
     pub(super) fn uncommitted(&self) -> f32 {
-        self.pushed_end.wrapping_sub(self.end) as f32 * 1e-6
+        self.pushed.end.wrapping_sub(self.committed.end) as f32 * 1e-6
     }
 
-    /// The committed time that `queued` leaves behind it [s].
+    /// The committed time behind a segment [s].
     #[inline(always)]
-    pub(super) fn behind(&self, queued: &Queued) -> f32 {
-        self.end.wrapping_sub(queued.end) as f32 * 1e-6
+    pub(super) fn behind(&self, segment: &Timed) -> f32 {
+        self.committed.end.wrapping_sub(segment.end) as f32 * 1e-6
     }
 }
 
-/// The slot of the n-th stretch ever.
+/// The slot of the n-th segment ever.
 #[inline(always)]
 fn slot(n: u32) -> usize {
     n as usize % PIECES
@@ -158,6 +185,9 @@ fn slot(n: u32) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::safety::Limits;
+    use fivebar_kinematics::Vec2;
+    use fivebar_kinematics::trajectory::Piece;
 
     fn dwell(duration: f32) -> Stretch {
         Stretch {
@@ -167,17 +197,17 @@ mod tests {
         }
     }
 
-    /// After months of pieces: every count is about to wrap.
-    fn old() -> Queue {
-        let mut queue = Queue::new();
-        queue.pushed = u32::MAX - 5;
-        queue.pushed_end = u32::MAX - 1_000;
+    /// After months of pieces: its clock is about to wrap.
+    fn old() -> PathQueue {
+        let mut queue = PathQueue::new();
+        queue.pushed.count = u32::MAX - 5;
+        queue.pushed.end = u32::MAX - 1_000;
         queue.clear();
         queue
     }
 
     #[test]
-    fn order_and_time_behind_survive_the_wrap_of_every_count() {
+    fn order_and_time_behind_survive_the_wrap_of_the_clock() {
         let mut queue = old();
         for n in 1..=10_u8 {
             queue.push(dwell(1e-3 * f32::from(n))).expect("room");
@@ -194,7 +224,7 @@ mod tests {
             // Each was cut to whole microseconds.
             assert!((queue.behind(first) - behind).abs() <= 1e-5, "{n}");
             assert_eq!(queue.is_last(), n == 10);
-            queue.leave();
+            queue.pass();
         }
         assert!(queue.is_last(), "the last one stays");
         queue.clear();
@@ -214,7 +244,7 @@ mod tests {
             queue.first().map(|first| first.stretch.piece.duration()),
             Some(0.0)
         );
-        queue.leave();
+        queue.pass();
         queue.push(dwell(9.0)).expect("room");
     }
 
@@ -224,7 +254,7 @@ mod tests {
         queue.push(dwell(1.0)).expect("room");
         queue.commit();
         queue.push(dwell(2.0)).expect("room");
-        queue.leave();
+        queue.pass();
         let first = queue.first().expect("the committed one");
         assert_eq!(
             (first.stretch.piece.duration(), queue.behind(first)),

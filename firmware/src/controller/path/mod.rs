@@ -3,19 +3,19 @@
 //! The clock counts ticks from the beginning of a piece, so that it stays true however long
 //! the piece: a sum of `f32` periods would lose minutes in an hour.
 //!
-//! It can be slowed to a stand at any moment, which stops the arm on its path: with the
-//! rate σ(x) = 1 − 3x² + 2x³, x = t/T, and σ̇ = −6x(1 − x)/T, the place p moves at σ p′ and
-//! accelerates by σ² p″ + σ̇ p′. From a steady speed v the braking takes 1.5 v/T at most
-//! and its jerk is 6 v/T² at most. The path gets ∫σ dt = T(x − x³ + ½x⁴) further, T/2 in all.
-//!
 //! Pieces come one by one, and ticks come between them. So a path that ends at rest goes on
 //! only when what follows is enough to stop on, however long planning it takes.
 
-use super::queue::{PIECES, Queue};
+mod brake;
+mod queue;
+
 use crate::safety::Limits;
-use crate::settings::Settings;
-use fivebar_kinematics::Scalar;
+use brake::{Brake, TimeScaling};
 use fivebar_kinematics::trajectory::{Piece, Reference};
+use queue::PathQueue;
+
+pub(crate) use brake::stopping_time;
+pub use queue::PIECES;
 
 /// With so many pieces to come or more, the planner is not behind, however short they are.
 const FEW_PIECES: u32 = PIECES as u32 / 2;
@@ -47,13 +47,7 @@ pub(crate) struct Path {
     /// Time into the first piece before those ticks [s].
     offset: f32,
     /// Committed time left, as of the last tick [s].
-    left: f32,
-    /// Of that, the time behind the first piece [s].
-    behind: f32,
-    /// The last committed stretch ends in motion.
-    open: bool,
-    /// The last stretch ends in motion.
-    pushed_open: bool,
+    committed_left: f32,
     brake: Option<Brake>,
     /// T [s].
     stopping_time: f32,
@@ -61,44 +55,7 @@ pub(crate) struct Path {
     least: f32,
     /// [s].
     period: f32,
-    queue: Queue,
-}
-
-/// A stop in progress.
-struct Brake {
-    /// x, 0…1.
-    phase: f32,
-    /// T [s].
-    time: f32,
-    /// 1/T [1/s].
-    rate: f32,
-}
-
-/// The clock while it is slowed.
-struct Slowed {
-    /// ∫σ dt, by which it has advanced since [s].
-    advance: f32,
-    /// σ.
-    rate: f32,
-    /// σ̇ [1/s].
-    slope: f32,
-    /// It stands.
-    stands: bool,
-}
-
-/// T [s] of every stop: so long that even from full speed no limit of the tool's or the
-/// joints' acceleration, or of the tool's jerk, is passed on a straight path.
-pub(crate) fn stopping_time(settings: &Settings) -> f32 {
-    let motion = &settings.motion;
-    let mut time = Scalar::sqrt(6.0 * motion.max_speed / motion.max_jerk);
-    let acceleration = (motion.max_speed, motion.max_acceleration);
-    let joints = settings
-        .axes
-        .map(|axis| (axis.max_speed, axis.max_acceleration));
-    for (speed, acceleration) in joints.into_iter().chain([acceleration]) {
-        time = time.max(1.5 * speed / acceleration);
-    }
-    time
+    queue: PathQueue,
 }
 
 /// One tick's step along the path.
@@ -120,18 +77,14 @@ impl Path {
             period,
             ticks: 0,
             offset: 0.0,
-            left: 0.0,
-            behind: 0.0,
-            open: false,
-            pushed_open: false,
+            committed_left: 0.0,
             brake: None,
-            queue: Queue::new(),
+            queue: PathQueue::new(),
         }
     }
 
     /// Forgets everything.
     pub(crate) fn clear(&mut self) {
-        self.pushed_open = false;
         self.queue.clear();
         self.finish();
     }
@@ -140,9 +93,7 @@ impl Path {
     pub(crate) fn finish(&mut self) {
         self.ticks = 0;
         self.offset = 0.0;
-        self.left = 0.0;
-        self.behind = 0.0;
-        self.open = false;
+        self.committed_left = 0.0;
         self.brake = None;
         self.queue.finish();
     }
@@ -154,7 +105,7 @@ impl Path {
 
     /// What is left of all that was pushed, as of the last tick [s].
     pub(crate) fn left(&self) -> f32 {
-        self.left + self.queue.uncommitted()
+        self.committed_left + self.queue.uncommitted()
     }
 
     /// Whether there is nothing to follow.
@@ -165,7 +116,9 @@ impl Path {
 
     /// Whether all that was pushed ends at rest, fills the queue, or is enough to begin with.
     pub(crate) fn is_enough(&self) -> bool {
-        !self.pushed_open || self.queue.is_full() || self.left() >= self.least + READY
+        !self.queue.pushed_ends_in_motion()
+            || self.queue.is_full()
+            || self.left() >= self.least + READY
     }
 
     /// Whether the path breaks off in motion, and all that is left of it is needed to stop
@@ -174,7 +127,10 @@ impl Path {
     #[inline(always)]
     pub(crate) fn runs_short(&self) -> bool {
         // The first comparison is the one that mostly decides.
-        self.left < self.least && self.open && self.brake.is_none() && self.queue.len() < FEW_PIECES
+        self.committed_left < self.least
+            && self.queue.ends_in_motion()
+            && self.brake.is_none()
+            && self.queue.len() < FEW_PIECES
     }
 
     /// Tag of the piece in progress.
@@ -187,24 +143,17 @@ impl Path {
         if self.queue.push(stretch).is_err() {
             return;
         }
-        self.pushed_open = stretch.open;
         // The committed path already ends in motion, so commit any extension at once.
-        if self.open || self.is_enough() {
+        if self.queue.ends_in_motion() || self.is_enough() {
             self.commit();
         }
     }
 
     fn commit(&mut self) {
-        let begins = self.is_empty();
-        self.queue.commit();
-        self.open = self.pushed_open;
-        if let Some(first) = self.queue.first() {
-            let before = self.behind;
-            self.behind = self.queue.behind(first);
-            self.left += self.behind - before;
-            if begins {
-                self.left += first.stretch.piece.duration();
-            }
+        let begins = self.queue.is_empty();
+        self.committed_left += self.queue.commit();
+        if let (true, Some(first)) = (begins, self.queue.first()) {
+            self.committed_left += first.stretch.piece.duration();
         }
     }
 
@@ -214,18 +163,14 @@ impl Path {
     pub(crate) fn brake(&mut self) {
         if self.brake.is_none() {
             let mut time = self.stopping_time;
-            if self.open && self.left < self.least {
+            if self.committed_left < self.least && self.queue.ends_in_motion() {
                 let tick = self.period;
-                time = 2.0 * (self.left - tick - tick);
+                time = 2.0 * (self.committed_left - tick - tick);
                 if time < tick + tick {
                     time = tick + tick;
                 }
             }
-            self.brake = Some(Brake {
-                phase: 0.0,
-                time,
-                rate: 1.0 / time,
-            });
+            self.brake = Some(Brake::new(time));
         }
     }
 
@@ -233,14 +178,14 @@ impl Path {
     #[inline(always)]
     pub(crate) fn step(&mut self) -> Option<Step> {
         let mut first = self.queue.first()?;
-        let slowed = match &mut self.brake {
+        let scaling = match &mut self.brake {
             None => {
                 self.ticks = self.ticks.wrapping_add(1);
                 None
             }
             Some(brake) => Some(brake.step(self.period)),
         };
-        let advance = slowed.as_ref().map_or(0.0, |slowed| slowed.advance);
+        let advance = scaling.as_ref().map_or(0.0, |scaling| scaling.advance);
         let mut time = self.offset + self.period * self.ticks as f32 + advance;
         let mut duration = first.stretch.piece.duration();
         let mut ended = false;
@@ -251,7 +196,7 @@ impl Path {
                     break;
                 }
                 time -= duration;
-                self.queue.leave();
+                self.queue.pass();
                 first = self.queue.first()?;
                 duration = first.stretch.piece.duration();
                 if time < duration {
@@ -264,42 +209,20 @@ impl Path {
             }
             self.ticks = 0;
             self.offset = time - advance;
-            self.behind = self.queue.behind(first);
         }
-        self.left = duration - time + self.behind;
+        self.committed_left = duration - time + self.queue.behind(first);
         let mut progress = first.stretch.piece.progress(time);
-        if let Some(Slowed { rate, slope, .. }) = slowed {
-            progress = progress.clocked(rate, slope);
+        if let Some(TimeScaling {
+            sigma, sigma_dot, ..
+        }) = scaling
+        {
+            progress = progress.clocked(sigma, sigma_dot);
         }
         Some(Step {
-            at_rest: ended || slowed.is_some_and(|slowed| slowed.stands),
+            at_rest: ended || scaling.is_some_and(|scaling| scaling.stands),
             reference: first.stretch.piece.reference(progress),
             limits: first.stretch.limits,
         })
-    }
-}
-
-impl Brake {
-    /// One tick of the slowing clock.
-    #[inline(always)]
-    fn step(&mut self, period: f32) -> Slowed {
-        self.phase += period * self.rate;
-        if self.phase >= 1.0 {
-            return Slowed {
-                advance: 0.5 * self.time,
-                rate: 0.0,
-                slope: 0.0,
-                stands: true,
-            };
-        }
-        let x = self.phase;
-        let square = x * x;
-        Slowed {
-            advance: self.time * (x + x * square * (0.5 * x - 1.0)),
-            rate: 1.0 + square * (x + x - 3.0),
-            slope: 6.0 * x * (x - 1.0) * self.rate,
-            stands: false,
-        }
     }
 }
 

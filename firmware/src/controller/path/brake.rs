@@ -1,0 +1,79 @@
+//! Stopping on the path by slowing its clock to a stand.
+//!
+//! With the clock's rate σ(x) = 1 − 3x² + 2x³, x = t/T, and σ̇ = −6x(1 − x)/T, the place p
+//! moves at σ p′ and accelerates by σ² p″ + σ̇ p′. From a steady speed v the braking takes
+//! 1.5 v/T at most and its jerk is 6 v/T² at most. The path gets ∫σ dt = T(x − x³ + ½x⁴)
+//! further, T/2 in all.
+
+use crate::settings::Settings;
+use fivebar_kinematics::Scalar;
+
+/// A stop in progress.
+pub(super) struct Brake {
+    /// x, 0…1.
+    phase: f32,
+    /// T [s].
+    time: f32,
+    /// 1/T [1/s].
+    rate: f32,
+}
+
+/// The clock while it is slowed.
+pub(super) struct TimeScaling {
+    /// ∫σ dt, by which it has advanced since [s].
+    pub(super) advance: f32,
+    /// σ.
+    pub(super) sigma: f32,
+    /// σ̇ [1/s].
+    pub(super) sigma_dot: f32,
+    /// It stands.
+    pub(super) stands: bool,
+}
+
+/// T [s] of every stop: so long that even from full speed no limit of the tool's or the
+/// joints' acceleration, or of the tool's jerk, is passed on a straight path.
+pub(crate) fn stopping_time(settings: &Settings) -> f32 {
+    let motion = &settings.motion;
+    let mut time = Scalar::sqrt(6.0 * motion.max_speed / motion.max_jerk);
+    let acceleration = (motion.max_speed, motion.max_acceleration);
+    let joints = settings
+        .axes
+        .map(|axis| (axis.max_speed, axis.max_acceleration));
+    for (speed, acceleration) in joints.into_iter().chain([acceleration]) {
+        time = time.max(1.5 * speed / acceleration);
+    }
+    time
+}
+
+impl Brake {
+    /// A stop that takes `time` [s].
+    pub(super) fn new(time: f32) -> Self {
+        Self {
+            phase: 0.0,
+            time,
+            rate: 1.0 / time,
+        }
+    }
+
+    /// One tick of the slowing clock.
+    #[inline(always)]
+    pub(super) fn step(&mut self, period: f32) -> TimeScaling {
+        self.phase += period * self.rate;
+        if self.phase >= 1.0 {
+            return TimeScaling {
+                advance: 0.5 * self.time,
+                sigma: 0.0,
+                sigma_dot: 0.0,
+                stands: true,
+            };
+        }
+        let x = self.phase;
+        let square = x * x;
+        TimeScaling {
+            advance: self.time * (x + x * square * (0.5 * x - 1.0)),
+            sigma: 1.0 + square * (x + x - 3.0),
+            sigma_dot: 6.0 * x * (x - 1.0) * self.rate,
+            stands: false,
+        }
+    }
+}
