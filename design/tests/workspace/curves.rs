@@ -1,0 +1,225 @@
+//! Singularity curves, and the determinant whose zeros they are.
+
+use crate::arms::{assembly, grid, segments, tool, unbounded};
+use fivebar_design::workspace::{Locus, Map, bounds, loci};
+use fivebar_kinematics::Vec2;
+use fivebar_kinematics::five_bar::{
+    Geometry, Pose, Side, Singularity, Tool, WorkingMode, Workspace,
+};
+use fivebar_testkit::{Tally, mode};
+use proptest::prelude::*;
+
+/// ½∮(x dy − y dx) around a branch, along those of its singularity curves that border it:
+/// which side of a chord is in the branch is asked a hair's breadth beside both its ends.
+fn enclosed_area(workspace: &Workspace<f64>, curves: &[Locus], branch: Side) -> f64 {
+    let inside = |t| f64::from(u8::from(assembly(workspace, t) == Some(branch)));
+    let chords = curves.iter().flat_map(segments).map(|[from, to]| {
+        let across = (to - from).perp() * (1e-8 / (to - from).norm().max(1e-12));
+        let borders = |end| inside(end + across) - inside(end - across);
+        0.5 * from.cross(to) * 0.5 * (borders(from) + borders(to))
+    });
+    chords.sum()
+}
+
+#[test]
+fn the_textbook_arm_loses_hold_where_the_literature_says() {
+    let geometry = Geometry::new([0.23, 0.23, 0.23, 0.23, 0.275]).unwrap();
+    let tool = Tool::new(geometry, Vec2::zero()).unwrap();
+    // Elbows out, in the middle: links 2 and 3 in line, C 0.21057956 above the base.
+    let curves = loci(&tool, WorkingMode::new(Side::Right, Side::Left));
+    let in_line = curves
+        .iter()
+        .filter(|c| c.singularity == Singularity::Parallel);
+    let crossings: Vec<f64> = in_line
+        .flat_map(segments)
+        .filter(|[from, to]| (from.x < 0.1375) != (to.x < 0.1375))
+        .map(|[from, to]| from.y + (to.y - from.y) * (0.1375 - from.x) / (to.x - from.x))
+        .collect();
+    let nearest = |y: f64| crossings.iter().map(|c| (c - y).abs()).fold(1.0, f64::min);
+    // Within the chord of 2 mm that crosses the middle: (2 mm)²/8r, r about 2 cm.
+    assert!(nearest(0.210_579_56) < 3e-5, "{crossings:?}");
+    // Elbows in, B = D at θ1 = 53.28564°: C is anywhere on a circle about them.
+    let b = Vec2::unit(53.285_64_f64.to_radians()) * 0.23;
+    let curves = loci(&tool, WorkingMode::new(Side::Left, Side::Right));
+    let on_circle = curves.iter().flat_map(|curve| &curve.points);
+    let on_circle = on_circle
+        .filter(|&&c| ((c - b).norm() - 0.23).abs() < 1e-7)
+        .count();
+    assert!(on_circle > 20, "{on_circle} points");
+}
+
+/// The singularity curves enclose the area of each branch.
+fn assert_enclosed(tool: Tool<f64>, mode: WorkingMode) -> Result<(), TestCaseError> {
+    let workspace = unbounded(tool, mode);
+    let grid = grid(&tool, 300.0);
+    let map = Map::new(workspace, grid);
+    let curves = loci(&tool, mode);
+    let length: f64 = curves
+        .iter()
+        .flat_map(segments)
+        .map(|[a, b]| (b - a).norm())
+        .sum();
+    for branch in Side::BOTH {
+        let counted = map.areas(branch).reached;
+        let enclosed = enclosed_area(&workspace, &curves, branch);
+        let bound = (0.2 * length + 10.0 * grid.pitch()) * grid.pitch();
+        prop_assert!(
+            (counted - enclosed).abs() < bound,
+            "{branch:?}: {counted} for {enclosed} m²"
+        );
+    }
+    Ok(())
+}
+
+/// An arm that random tests once found an error with.
+#[test]
+fn curves_of_an_arm_with_a_short_second_link_enclose_its_areas() {
+    let lengths = [
+        0.432_297_010_375_151_56,
+        0.094_291_510_644_627_74,
+        0.464_836_904_883_290_5,
+        0.438_658_074_168_449_8,
+        0.393_186_240_650_236_2,
+    ];
+    let tool = Tool::new(Geometry::new(lengths).unwrap(), Vec2::zero()).unwrap();
+    assert_enclosed(tool, WorkingMode::new(Side::Left, Side::Left)).unwrap();
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    #[test]
+    fn the_bounds_hold_all_that_is_reached(tool in tool(), mode in mode()) {
+        let [low, high] = bounds(&tool);
+        let curves = loci(&tool, mode);
+        let points = || curves.iter().flat_map(|curve| &curve.points);
+        prop_assert!(points().count() > 4);
+        for point in points() {
+            prop_assert!(low.x - 1e-12 <= point.x && point.x <= high.x + 1e-12, "{point:?}");
+            prop_assert!(low.y - 1e-12 <= point.y && point.y <= high.y + 1e-12, "{point:?}");
+        }
+    }
+
+    #[test]
+    fn singularity_curves_enclose_the_area_of_each_branch(tool in tool(), mode in mode()) {
+        assert_enclosed(tool, mode)?;
+    }
+
+    #[test]
+    fn the_tools_jacobian_is_its_derivative((tool, pose) in regular_poses()) {
+        let jacobian = tool.jacobian(&pose).unwrap();
+        let moved = |h: [f64; 2]| at(&tool, &pose, h);
+        let h = 1e-6;
+        // Of fourth order: near a singularity h² times the third derivative is too much.
+        let column = |x: f64, y: f64| {
+            let across = |k: f64| (moved([k * x, k * y]) - moved([-k * x, -k * y])) * (0.5 / (k * h));
+            (across(1.0) * 4.0 - across(2.0)) * (1.0 / 3.0)
+        };
+        let columns = [column(h, 0.0), column(0.0, h)];
+        let scale = jacobian.singular_values()[0].max(1.0);
+        for (exact, found) in [jacobian.c1, jacobian.c4].into_iter().zip(columns) {
+            prop_assert!(exact.norm() > 1e-4);
+            prop_assert!((exact - found).norm() < 1e-7 * scale, "{found:?} for {exact:?}");
+        }
+        let matrix = nalgebra::Matrix2::new(columns[0].x, columns[1].x, columns[0].y, columns[1].y);
+        let values = matrix.singular_values();
+        let expected = values.min() / values.max();
+        prop_assert!((jacobian.inverse_condition() - expected).abs() < 1e-6);
+    }
+}
+
+/// A pose of any tool, well away from its singularities.
+fn regular_poses() -> impl Strategy<Value = (Tool<f64>, Pose<f64>)> {
+    let place = (-0.5..0.5_f64, -0.5..0.5_f64);
+    (tool(), mode(), place).prop_filter_map("no regular pose", |(tool, mode, (x, y))| {
+        let pose = tool.inverse(Vec2::new(x, y), mode).ok()?;
+        (tool.nearest_singularity(&pose).1 > 0.1).then_some((tool, pose))
+    })
+}
+
+#[test]
+fn every_curve_is_where_its_sine_vanishes() {
+    let reached = Tally::default();
+    proptest!(ProptestConfig::with_cases(48), |(tool in tool(), mode in mode())| {
+        prop_assert!(!loci(&tool, mode).is_empty());
+        for locus in loci(&tool, mode) {
+            prop_assert!(locus.points.len() > 1);
+            for point in &locus.points {
+                // Beyond an edge of reach by rounding there is no pose to look at.
+                let pose = tool.inverse(*point, mode);
+                if !reached.count(pose.is_ok()) {
+                    continue;
+                }
+                let pose = pose.unwrap();
+                let [sine1, sine4] = tool.elbow_sines(&pose);
+                let sine = match locus.singularity {
+                    Singularity::Leg1 => sine1,
+                    // Where a leg is singular too, a place says little of the rest.
+                    Singularity::Leg4 => sine4 * sine1.abs(),
+                    Singularity::Parallel => pose.sin32() * (sine1 * sine4).abs(),
+                };
+                prop_assert!(sine.abs() < 1e-6, "{sine} at {point:?}, {:?}", locus.singularity);
+            }
+        }
+    });
+    reached.assert_accepted(0.99);
+}
+
+#[test]
+fn a_curve_lies_wherever_the_determinant_changes_sign() {
+    let compared = Tally::default();
+    proptest!(ProptestConfig::with_cases(48), |(tool in tool(), mode in mode())| {
+        let map = Map::new(unbounded(tool, mode), grid(&tool, 120.0));
+        let curves = loci(&tool, mode);
+        let in_line = curves.iter().filter(|c| c.singularity == Singularity::Parallel);
+        let chords: Vec<_> = in_line.flat_map(segments).collect();
+        let (columns, pitch) = (map.grid().columns(), map.grid().pitch());
+        for (index, cell) in map.cells().iter().enumerate() {
+            for next in [index + 1, index + columns] {
+                let (Some(one), Some(Some(other))) = (cell, map.cells().get(next)) else { continue };
+                if next % columns == 0 || one.assembly == other.assembly { continue }
+                prop_assert!(one.sin32 * other.sin32 <= 0.0);
+                let way = map.grid().middle(next) - map.grid().middle(index);
+                let between = |step: u32| map.grid().middle(index) + way * (f64::from(step) / 64.0);
+                if !compared.count((0..64).all(|step| assembly(map.workspace(), between(step)).is_some())) {
+                    continue;
+                }
+                let middle = (map.grid().middle(index) + map.grid().middle(next)) * 0.5;
+                // A chord is within half its length of its curve, however tight that bends.
+                let [nearest, half] = chords
+                    .iter()
+                    .map(|&[from, to]| [distance(middle, [from, to]), 0.5 * (to - from).norm()])
+                    .min_by(|a, b| (a[0] - a[1]).total_cmp(&(b[0] - b[1])))
+                    .unwrap_or([1.0, 0.0]);
+                prop_assert!(nearest < 0.51 * pitch + half, "{nearest} m from {middle:?}");
+            }
+        }
+        // No change, no curve: beside one of any length, the other branch is on its other side.
+        let length: f64 = chords.iter().map(|[a, b]| (*b - *a).norm()).sum();
+        let changes = chords.iter().filter(|[from, to]| {
+            let across = (*to - *from).perp() * (1e-7 / (*to - *from).norm().max(1e-12));
+            let sides = [*from + across, *from - across].map(|t| assembly(map.workspace(), t));
+            matches!(sides, [Some(one), Some(other)] if one != other)
+        });
+        let share = changes.count() as f64 / chords.len().max(1) as f64;
+        prop_assert!(share > 0.5 || length < 20.0 * pitch, "{length} m of curve, {share} of it with a change");
+    });
+    compared.assert_accepted(0.95);
+    assert!(compared.accepted() > 1000);
+}
+
+/// The tool with both driven joints turned a little.
+fn at(tool: &Tool<f64>, pose: &Pose<f64>, [turn1, turn4]: [f64; 2]) -> Vec2<f64> {
+    let [theta1, _, _, theta4] = pose.angles();
+    let moved = tool
+        .geometry()
+        .forward(theta1 + turn1, theta4 + turn4, pose.assembly());
+    tool.point(&moved.unwrap())
+}
+
+/// How far a point is from a chord.
+fn distance(point: Vec2<f64>, [from, to]: [Vec2<f64>; 2]) -> f64 {
+    let way = to - from;
+    let share = (point - from).dot(way) / way.norm_squared().max(1e-30);
+    (from + way * share.clamp(0.0, 1.0) - point).norm()
+}
