@@ -5,7 +5,7 @@ use core::f64::consts::{PI, TAU};
 use fivebar_design::Dual;
 use fivebar_design::linkage::dyad::{DyadError, Rrp, Rrr, Unreachable, Way};
 use fivebar_design::linkage::{
-    Coordinate, FourBarType, Group, Guide, Law, LinkId, Linkage, Quantity, Sweep,
+    Coordinate, DriveLaw, FourBarType, Group, Guide, LinkId, Linkage, Quantity, Sweep,
 };
 use fivebar_kinematics::dynamics::{Arm, Link};
 use fivebar_kinematics::five_bar::{Geometry, Side};
@@ -79,10 +79,10 @@ fn four_bar([frame, input, coupler, output]: [f64; 4], side: Side) -> Linkage<f6
 }
 
 fn turn_once(linkage: &Linkage<f64>) -> Sweep {
-    let law = Law {
+    let law = DriveLaw {
         start: 0.1,
         speed: TAU,
-        ..Law::default()
+        ..DriveLaw::default()
     };
     Sweep::new(linkage, &[law], 1.0, 360)
 }

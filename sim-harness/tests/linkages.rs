@@ -2,10 +2,10 @@
 //! against energy and momentum; and figures a textbook gives.
 
 use fivebar::input::linkage::{DrivenLinkage, EXAMPLES};
-use fivebar_design::linkage::{Coordinate, Law, Linkage, Motion};
+use fivebar_design::linkage::{Coordinate, DriveLaw, Linkage, Motion};
 use fivebar_kinematics::Vec2;
 
-fn inputs(laws: &[Law], t: f64) -> Vec<Coordinate<f64>> {
+fn inputs(laws: &[DriveLaw], t: f64) -> Vec<Coordinate<f64>> {
     laws.iter().map(|law| law.at(t)).collect()
 }
 
@@ -68,7 +68,7 @@ fn varied(linkage: &Linkage<f64>, seed: u32, spread: f64) -> Linkage<f64> {
 /// Runs `check` on every assembly of every example, as shipped and with its dimensions
 /// varied, at instants at which it is well away from singularities. Makes sure that the
 /// shipped ones were among them.
-fn on_every_assembly(check: impl Fn(&str, &Linkage<f64>, &[Law], f64, &Motion<f64>)) {
+fn on_every_assembly(check: impl Fn(&str, &Linkage<f64>, &[DriveLaw], f64, &Motion<f64>)) {
     for example in EXAMPLES {
         let driven = example.linkage().unwrap();
         for variant in 0..8 {

@@ -9,7 +9,7 @@ use fivebar_design::accuracy::linkage::{Figure, LinkageResponse, seat};
 use fivebar_design::accuracy::loops::VectorLoops;
 use fivebar_design::accuracy::slider;
 use fivebar_design::accuracy::{Response, sensitivities};
-use fivebar_design::linkage::{Clearance, Coordinate, Law, Linkage, Quantity, SolveError};
+use fivebar_design::linkage::{Clearance, Coordinate, DriveLaw, Linkage, Quantity, SolveError};
 use fivebar_design::slider::{Geometry, WorkingMode};
 use fivebar_kinematics::{Scalar, Vec2};
 use indicatif::ProgressBar;
@@ -35,7 +35,7 @@ fn instants(driven: &DrivenLinkage) -> Vec<Vec<Coordinate<f64>>> {
         driven
             .laws
             .iter()
-            .map(|law: &Law| law.at(share * driven.duration))
+            .map(|law: &DriveLaw| law.at(share * driven.duration))
             .collect()
     };
     [0.03, 0.17, 0.41, 0.68, 0.93].map(at).into()

@@ -33,5 +33,5 @@ pub use parameters::{Parameter, Quantity};
 pub use section::Section;
 pub use solve::{Motion, SolveError};
 pub use statics::reactions;
-pub use sweep::{BranchChange, Law, Limit, Sample, Solved, Sweep};
+pub use sweep::{BranchChange, DriveLaw, Limit, Sample, Solved, Sweep};
 pub use wrench::Wrench;

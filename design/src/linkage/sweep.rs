@@ -10,30 +10,30 @@ use super::solve::{Motion, SolveError};
 use core::f64::consts::TAU;
 use fivebar_kinematics::{Scalar, Vec2};
 
-/// How a driving coordinate moves: q(t) = start + speed t + swing sin(2π f t + φ).
+/// How a driving coordinate moves: q(t) = start + speed t + amplitude sin(2π f t + φ).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Law {
-    /// Its value at t = 0 without the swing [rad or m].
+pub struct DriveLaw {
+    /// Its value at t = 0 without the oscillation [rad or m].
     pub start: f64,
     /// Its steady rate [rad/s or m/s].
     pub speed: f64,
     /// Amplitude of its oscillation [rad or m].
-    pub swing: f64,
+    pub amplitude: f64,
     /// f, frequency of its oscillation [Hz].
     pub frequency: f64,
     /// φ, phase of its oscillation at t = 0 [rad].
     pub phase: f64,
 }
 
-impl Law {
+impl DriveLaw {
     /// The coordinate at time t [s].
     pub fn at(&self, t: f64) -> Coordinate<f64> {
         let w = TAU * self.frequency;
         let (sin, cos) = (w * t + self.phase).sin_cos();
         Coordinate {
-            value: self.start + self.speed * t + self.swing * sin,
-            rate: self.speed + self.swing * w * cos,
-            acceleration: -self.swing * w * w * sin,
+            value: self.start + self.speed * t + self.amplitude * sin,
+            rate: self.speed + self.amplitude * w * cos,
+            acceleration: -self.amplitude * w * w * sin,
         }
     }
 }
@@ -102,7 +102,7 @@ impl Sweep {
     ///
     /// # Panics
     /// If there are not as many laws as driven links.
-    pub fn new(linkage: &Linkage<f64>, laws: &[Law], duration: f64, steps: usize) -> Self {
+    pub fn new(linkage: &Linkage<f64>, laws: &[DriveLaw], duration: f64, steps: usize) -> Self {
         let samples: Vec<_> = (0..=steps)
             .map(|i| sample(linkage, laws, duration * i as f64 / steps.max(1) as f64))
             .collect();
@@ -133,7 +133,7 @@ impl Sample {
     }
 }
 
-fn sample(linkage: &Linkage<f64>, laws: &[Law], time: f64) -> Sample {
+fn sample(linkage: &Linkage<f64>, laws: &[DriveLaw], time: f64) -> Sample {
     let inputs: Vec<_> = laws.iter().map(|law| law.at(time)).collect();
     let solved = linkage.motion(&inputs).and_then(|motion| {
         let forces = linkage.forces(&motion)?;
@@ -147,7 +147,12 @@ fn sample(linkage: &Linkage<f64>, laws: &[Law], time: f64) -> Sample {
 }
 
 /// The edge between two samples of which one alone closes.
-fn limit(linkage: &Linkage<f64>, laws: &[Law], before: &Sample, after: &Sample) -> Option<Limit> {
+fn limit(
+    linkage: &Linkage<f64>,
+    laws: &[DriveLaw],
+    before: &Sample,
+    after: &Sample,
+) -> Option<Limit> {
     let (mut good, mut bad, mut failure) = match (&before.solved, &after.solved) {
         (Ok(_), Err(failure)) => (before.time, after.time, *failure),
         (Err(failure), Ok(_)) => (after.time, before.time, *failure),

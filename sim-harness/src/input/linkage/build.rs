@@ -5,7 +5,7 @@ use super::file::{ElementFile, GuideFile, LinkFile, LinkageFile, PointFile};
 use super::limits::{LARGEST, largest, name, sizes};
 use crate::input::source::{FileError, Key, Source};
 use fivebar_design::linkage::dyad::{Prp, Rpp, Rpr, Rrp, Rrr};
-use fivebar_design::linkage::{Group, Guide, Law, LinkId, Linkage, PointId, Section};
+use fivebar_design::linkage::{DriveLaw, Group, Guide, LinkId, Linkage, PointId, Section};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::dynamics::Link;
 use std::collections::HashMap;
@@ -45,7 +45,7 @@ struct Builder<'a> {
     linkage: Linkage<f64>,
     points: HashMap<&'a str, PointId>,
     links: HashMap<&'a str, LinkId>,
-    laws: Vec<Law>,
+    laws: Vec<DriveLaw>,
 }
 
 impl<'a> Builder<'a> {
@@ -264,16 +264,19 @@ impl<'a> Builder<'a> {
         }
     }
 
-    fn drive(&mut self, key: Key, law: Law) -> Result<(), FileError> {
-        let Law {
+    fn drive(&mut self, key: Key, law: DriveLaw) -> Result<(), FileError> {
+        let DriveLaw {
             start,
             speed,
-            swing,
+            amplitude,
             frequency,
             phase,
         } = law;
         let sound = |value: &f64| value.abs() <= LARGEST;
-        if ![start, speed, swing, frequency, phase].iter().all(sound) {
+        if ![start, speed, amplitude, frequency, phase]
+            .iter()
+            .all(sound)
+        {
             let reason = format!("must hold finite numbers below {LARGEST:e}");
             return Err(self.source.refuse(key, reason));
         }

@@ -4,7 +4,7 @@
 //! refused.
 
 use super::tolerance::ToleranceFile;
-use fivebar_design::linkage::Law;
+use fivebar_design::linkage::DriveLaw;
 use fivebar_design::linkage::dyad::Way;
 use fivebar_kinematics::five_bar::Side;
 use serde::Deserialize;
@@ -217,11 +217,11 @@ impl ElementFile {
 }
 
 impl CrankDrive {
-    pub(super) fn law(&self) -> Law {
-        Law {
+    pub(super) fn law(&self) -> DriveLaw {
+        DriveLaw {
             start: self.start_deg.to_radians(),
             speed: self.speed_deg_s.to_radians(),
-            swing: self.swing_deg.to_radians(),
+            amplitude: self.swing_deg.to_radians(),
             frequency: self.frequency_hz,
             phase: self.phase_deg.to_radians(),
         }
@@ -229,11 +229,11 @@ impl CrankDrive {
 }
 
 impl SliderDrive {
-    pub(super) fn law(&self) -> Law {
-        Law {
+    pub(super) fn law(&self) -> DriveLaw {
+        DriveLaw {
             start: self.start,
             speed: self.speed,
-            swing: self.swing,
+            amplitude: self.swing,
             frequency: self.frequency_hz,
             phase: self.phase_deg.to_radians(),
         }

@@ -12,7 +12,7 @@ pub(crate) use names::{driven_links, dyads, links_of, reaction_names};
 pub use tolerance::{LinkageTolerance, Pin};
 
 use crate::input::source::{FileError, Source};
-use fivebar_design::linkage::{Law, Linkage};
+use fivebar_design::linkage::{DriveLaw, Linkage};
 use std::io::Read as _;
 
 /// A linkage and how its file drives it.
@@ -23,7 +23,7 @@ pub struct DrivenLinkage {
     /// What is solved.
     pub linkage: Linkage<f64>,
     /// One law of motion for each driven link.
-    pub laws: Vec<Law>,
+    pub laws: Vec<DriveLaw>,
     /// How long it is driven [s].
     pub duration: f64,
     /// In how many steps.

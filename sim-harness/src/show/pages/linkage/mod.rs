@@ -284,7 +284,9 @@ impl Axis {
     fn of(driven: &DrivenLinkage) -> Self {
         let mut links = driven_links(&driven.linkage);
         match (links.next(), links.next(), &driven.laws[..]) {
-            (Some((_, "rad")), None, [law]) if law.swing == 0.0 && law.speed != 0.0 => Self::Crank,
+            (Some((_, "rad")), None, [law]) if law.amplitude == 0.0 && law.speed != 0.0 => {
+                Self::Crank
+            }
             _ => Self::Time,
         }
     }
