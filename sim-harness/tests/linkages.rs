@@ -2,7 +2,7 @@
 //! against energy and momentum; and figures a textbook gives.
 
 use fivebar::input::linkage::{DrivenLinkage, EXAMPLES};
-use fivebar_design::linkage::{Coordinate, DriveLaw, Linkage, Motion};
+use fivebar_design::linkage::{Coordinate, DriveLaw, Linkage, LinkageMotion};
 use fivebar_kinematics::Vec2;
 
 fn inputs(laws: &[DriveLaw], t: f64) -> Vec<Coordinate<f64>> {
@@ -10,7 +10,7 @@ fn inputs(laws: &[DriveLaw], t: f64) -> Vec<Coordinate<f64>> {
 }
 
 /// All positions, then their velocities, then their accelerations.
-fn coordinates(motion: &Motion<f64>) -> [Vec<f64>; 3] {
+fn coordinates(motion: &LinkageMotion<f64>) -> [Vec<f64>; 3] {
     let mut all = [vec![], vec![], vec![]];
     let mut add = |place: [Vec2<f64>; 3]| {
         for (list, vector) in all.iter_mut().zip(place) {
@@ -33,7 +33,7 @@ fn coordinates(motion: &Motion<f64>) -> [Vec<f64>; 3] {
 
 /// Kinetic and gravitational energy [J], momentum [N·s] and angular momentum about the
 /// plane's origin [N·m·s].
-fn energy_and_momentum(linkage: &Linkage<f64>, motion: &Motion<f64>) -> [f64; 4] {
+fn energy_and_momentum(linkage: &Linkage<f64>, motion: &LinkageMotion<f64>) -> [f64; 4] {
     let mut sum = [0.0; 4];
     let mut add = |mass: f64, place: Vec2<f64>, velocity: Vec2<f64>| {
         let energy = 0.5 * velocity.norm_squared() - linkage.gravity().dot(place);
@@ -68,7 +68,7 @@ fn varied(linkage: &Linkage<f64>, seed: u32, spread: f64) -> Linkage<f64> {
 /// Runs `check` on every assembly of every example, as shipped and with its dimensions
 /// varied, at instants at which it is well away from singularities. Makes sure that the
 /// shipped ones were among them.
-fn on_every_assembly(check: impl Fn(&str, &Linkage<f64>, &[DriveLaw], f64, &Motion<f64>)) {
+fn on_every_assembly(check: impl Fn(&str, &Linkage<f64>, &[DriveLaw], f64, &LinkageMotion<f64>)) {
     for example in EXAMPLES {
         let driven = example.linkage().unwrap();
         for variant in 0..8 {

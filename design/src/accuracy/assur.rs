@@ -15,7 +15,7 @@
 //! and a clearance r e^{ia} is one more term of the chain it lies in.
 
 use super::loops::{Course, Quantity, Term, VectorLoops};
-use crate::linkage::{Clearance, Coordinate, Group, Guide, Linkage, Motion, PointId};
+use crate::linkage::{Clearance, Coordinate, Group, Guide, Linkage, LinkageMotion, PointId};
 use core::f64::consts::FRAC_PI_2;
 use nalgebra::DVector;
 
@@ -251,7 +251,7 @@ fn dyad(
 /// U, U̇ and Ü of a linkage's loops, two a dyad, read from its motion.
 pub fn unknowns<S: fivebar_kinematics::Scalar>(
     linkage: &Linkage<S>,
-    motion: &Motion<S>,
+    motion: &LinkageMotion<S>,
 ) -> Vec<Coordinate<S>> {
     let mut unknowns = Vec::new();
     for (element, dyad) in linkage.elements().iter().zip(&motion.dyads) {

@@ -4,7 +4,7 @@
 
 use super::Response;
 use crate::linkage::{
-    Clearance, Coordinate, Linkage, Motion, Parameter, Quantity, Reaction, SolveError,
+    Clearance, Coordinate, Linkage, LinkageMotion, Parameter, Quantity, Reaction, SolveError,
 };
 use fivebar_kinematics::Scalar;
 
@@ -159,7 +159,7 @@ pub struct SeatedLinkage {
     /// The linkage with its clearances.
     pub linkage: Linkage<f64>,
     /// Its motion.
-    pub motion: Motion<f64>,
+    pub motion: LinkageMotion<f64>,
     /// How often it was solved.
     pub rounds: usize,
     /// Whether the directions settled; if not, some joint is about to lose contact.

@@ -7,7 +7,7 @@
 use super::group::{Group, LinkId};
 use super::joint::Joint;
 use super::model::Linkage;
-use super::solve::{Motion, SolveError};
+use super::solve::{LinkageMotion, SolveError};
 use super::statics::reactions;
 use super::wrench::Wrench;
 use fivebar_kinematics::{Scalar, Vec2};
@@ -45,7 +45,7 @@ impl<S: Scalar> Linkage<S> {
     ///
     /// # Errors
     /// None for a motion that [`Linkage::solve`] gave.
-    pub fn forces(&self, motion: &Motion<S>) -> Result<Forces<S>, SolveError> {
+    pub fn forces(&self, motion: &LinkageMotion<S>) -> Result<Forces<S>, SolveError> {
         let mut loads = self.loads(motion);
         let mut driving = Vec::new();
         let mut backwards = Vec::new();
@@ -112,7 +112,7 @@ impl<S: Scalar> Linkage<S> {
     }
 
     /// Weight, inertia force and external forces on each link.
-    fn loads(&self, motion: &Motion<S>) -> Vec<Wrench<S>> {
+    fn loads(&self, motion: &LinkageMotion<S>) -> Vec<Wrench<S>> {
         let mut loads: Vec<_> = self
             .links
             .iter()

@@ -31,7 +31,7 @@ pub use model::{Element, Linkage, NamedLink, Point};
 pub use motion::{Coordinate, LinkMotion, PointMotion};
 pub use parameters::{Parameter, Quantity};
 pub use section::Section;
-pub use solve::{Motion, SolveError};
+pub use solve::{LinkageMotion, SolveError};
 pub use statics::reactions;
 pub use sweep::{BranchChange, DriveLaw, Limit, Sample, Solved, Sweep};
 pub use wrench::Wrench;

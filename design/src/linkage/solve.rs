@@ -9,7 +9,7 @@ use fivebar_kinematics::{Scalar, Vec2};
 
 /// Everything that moves in a linkage, at one instant.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Motion<S> {
+pub struct LinkageMotion<S> {
     /// The links, as in [`Linkage::links`].
     pub links: Vec<LinkMotion<S>>,
     /// The points, as in [`Linkage::points`].
@@ -35,7 +35,7 @@ impl fmt::Display for SolveError {
 
 impl core::error::Error for SolveError {}
 
-impl<S: Scalar> Motion<S> {
+impl<S: Scalar> LinkageMotion<S> {
     /// Room for the motion of `linkage`, to be filled by [`Linkage::solve`].
     pub fn of(linkage: &Linkage<S>) -> Self {
         Self {
@@ -61,8 +61,8 @@ impl<S: Scalar> Linkage<S> {
     ///
     /// # Panics
     /// If there are not as many coordinates as driven links.
-    pub fn motion(&self, inputs: &[Coordinate<S>]) -> Result<Motion<S>, SolveError> {
-        let mut motion = Motion::of(self);
+    pub fn motion(&self, inputs: &[Coordinate<S>]) -> Result<LinkageMotion<S>, SolveError> {
+        let mut motion = LinkageMotion::of(self);
         self.solve(inputs, &mut motion)?;
         Ok(motion)
     }
@@ -78,7 +78,7 @@ impl<S: Scalar> Linkage<S> {
     pub fn solve(
         &self,
         inputs: &[Coordinate<S>],
-        motion: &mut Motion<S>,
+        motion: &mut LinkageMotion<S>,
     ) -> Result<(), SolveError> {
         assert_eq!(
             inputs.len(),
@@ -104,7 +104,7 @@ impl<S: Scalar> Linkage<S> {
         &self,
         index: usize,
         inputs: &mut impl Iterator<Item = &'a Coordinate<S>>,
-        motion: &mut Motion<S>,
+        motion: &mut LinkageMotion<S>,
     ) -> Result<(), SolveError> {
         let element = &self.elements[index];
         let [gap1, gap12, gap2] = element.gaps();

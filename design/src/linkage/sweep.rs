@@ -6,7 +6,7 @@ use super::forces::Forces;
 use super::group::Group;
 use super::model::Linkage;
 use super::motion::Coordinate;
-use super::solve::{Motion, SolveError};
+use super::solve::{LinkageMotion, SolveError};
 use core::f64::consts::TAU;
 use fivebar_kinematics::{Scalar, Vec2};
 
@@ -42,7 +42,7 @@ impl DriveLaw {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solved {
     /// What moves, and how.
-    pub motion: Motion<f64>,
+    pub motion: LinkageMotion<f64>,
     /// The forces it takes.
     pub forces: Forces<f64>,
 }
@@ -191,7 +191,7 @@ fn branch_changes(linkage: &Linkage<f64>, samples: &[Sample], after: usize) -> V
         return Vec::new();
     };
     let step = later.time - earlier.time;
-    let near = |motion: &Motion<f64>, element: usize| {
+    let near = |motion: &LinkageMotion<f64>, element: usize| {
         motion.dyads[element].is_some_and(|dyad| Scalar::abs(dyad.sine) < NEAR_DEAD_POINT)
     };
     let changed = |&element: &usize| {
@@ -204,7 +204,7 @@ fn branch_changes(linkage: &Linkage<f64>, samples: &[Sample], after: usize) -> V
         // The other branch must carry on clearly better: by half.
         other.motion(&later.inputs).is_ok_and(|other| {
             let links = linkage.elements()[element].links();
-            let miss = |motion: &Motion<f64>| -> f64 {
+            let miss = |motion: &LinkageMotion<f64>| -> f64 {
                 let miss = |link| turn_missed(&before.motion, motion, link, step);
                 links.clone().map(|link| miss(link.index())).sum()
             };
@@ -221,7 +221,12 @@ fn branch_changes(linkage: &Linkage<f64>, samples: &[Sample], after: usize) -> V
 }
 
 /// How far a link's direction is from where its rates would have taken it in `step`.
-fn turn_missed(before: &Motion<f64>, after: &Motion<f64>, link: usize, step: f64) -> f64 {
+fn turn_missed(
+    before: &LinkageMotion<f64>,
+    after: &LinkageMotion<f64>,
+    link: usize,
+    step: f64,
+) -> f64 {
     let (before, after) = (&before.links[link], &after.links[link]);
     let turn = step * (before.omega + 0.5 * step * before.alpha);
     let predicted = Vec2::unit(turn).rotated_to(before.axis);

@@ -1,7 +1,7 @@
 //! How far pins and inputs can take the points of a linkage.
 
 use fivebar_design::accuracy::linkage::Figure;
-use fivebar_design::linkage::{Coordinate, Linkage, Motion};
+use fivebar_design::linkage::{Coordinate, Linkage, LinkageMotion};
 use fivebar_kinematics::Vec2;
 use nalgebra::DMatrix;
 use std::f64::consts::PI;
@@ -47,7 +47,7 @@ impl Answer {
 /// The reach of each point. `pins` holds the radius of each pin and its column in `t`, the
 /// angle's being the next; `corners` what [`input_worst`] found.
 pub(super) fn reach(
-    motion: &Motion<f64>,
+    motion: &LinkageMotion<f64>,
     pins: &[(f64, usize)],
     corners: Option<&[f64]>,
     t: &DMatrix<f64>,
@@ -85,7 +85,7 @@ pub(super) fn input_worst(
     linkage: &Linkage<f64>,
     inputs: &[Coordinate<f64>],
     greatest: &[f64],
-    ideal: &Motion<f64>,
+    ideal: &LinkageMotion<f64>,
 ) -> Option<Vec<f64>> {
     if inputs.len() > MOST_INPUTS {
         return None;
