@@ -1,5 +1,6 @@
 //! Where an arm can take its tool, looked at as a whole: a [`Map`] of one working mode, the
-//! curves of its singularities ([`loci`]) and the largest [`Rectangle`] free of them.
+//! curves of its singularities ([`singularity_curves`]) and the largest [`Rectangle`] free of
+//! them.
 //!
 //! A *branch* here is a working mode with an assembly mode. In one working mode a place has
 //! one pose at most, so its assembly branches part the reach among them, and their border is
@@ -9,7 +10,7 @@
 //! ```
 //! use fivebar_kinematics::Vec2;
 //! use fivebar_kinematics::five_bar::{Geometry, Side, Tool, WorkingMode, Workspace};
-//! use fivebar_design::workspace::{Grid, Map, loci, reachable_area};
+//! use fivebar_design::workspace::{Grid, Map, reachable_area, singularity_curves};
 //!
 //! let arm = Geometry::new([0.10, 0.16, 0.16, 0.10, 0.08])?;
 //! let workspace = Workspace {
@@ -23,20 +24,20 @@
 //! assert!((reached / reachable_area(&arm) - 1.0).abs() < 1e-2);
 //! // Row by row from the lower left, none out of reach: ready to be drawn.
 //! assert_eq!(map.cells().len(), map.grid().count());
-//! for curve in loci(&workspace.tool, workspace.mode) {
+//! for curve in singularity_curves(&workspace.tool, workspace.mode) {
 //!     assert!(curve.points.len() > 1);
 //! }
 //! # Ok::<(), Box<dyn core::error::Error>>(())
 //! ```
 
 mod grid;
-mod loci;
 mod map;
 mod reach;
 mod rectangle;
+mod singularity_curves;
 
 pub use grid::{Grid, GridError, bounds};
-pub use loci::{Locus, loci};
 pub use map::{Areas, Cell, Map};
 pub use reach::{Arc, reach_boundary, reachable_area};
 pub use rectangle::Rectangle;
+pub use singularity_curves::{SingularityCurve, singularity_curves};

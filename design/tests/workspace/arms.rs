@@ -1,6 +1,6 @@
 //! Arms, maps of them, and what lies at a place.
 
-use fivebar_design::workspace::{Grid, Locus};
+use fivebar_design::workspace::{Grid, SingularityCurve};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::{Side, Tool, WorkingMode, Workspace};
 use fivebar_testkit::geometry;
@@ -32,8 +32,8 @@ pub(crate) fn grid(tool: &Tool<f64>, cells: f64) -> Grid {
     Grid::over(tool, size / cells).unwrap()
 }
 
-pub(crate) fn segments(locus: &Locus) -> impl Iterator<Item = [Vec2<f64>; 2]> {
-    locus.points.windows(2).map(|ends| [ends[0], ends[1]])
+pub(crate) fn segments(curve: &SingularityCurve) -> impl Iterator<Item = [Vec2<f64>; 2]> {
+    curve.points.windows(2).map(|ends| [ends[0], ends[1]])
 }
 
 /// The assembly branch at a place, if it is reached.

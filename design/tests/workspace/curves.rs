@@ -1,7 +1,7 @@
 //! Singularity curves, and the determinant whose zeros they are.
 
 use crate::arms::{assembly, grid, segments, tool, unbounded};
-use fivebar_design::workspace::{Locus, Map, bounds, loci};
+use fivebar_design::workspace::{Map, SingularityCurve, bounds, singularity_curves};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::{
     Geometry, Pose, Side, Singularity, Tool, WorkingMode, Workspace,
@@ -11,7 +11,7 @@ use proptest::prelude::*;
 
 /// ½∮(x dy − y dx) around a branch, along those of its singularity curves that border it:
 /// which side of a chord is in the branch is asked a hair's breadth beside both its ends.
-fn enclosed_area(workspace: &Workspace<f64>, curves: &[Locus], branch: Side) -> f64 {
+fn enclosed_area(workspace: &Workspace<f64>, curves: &[SingularityCurve], branch: Side) -> f64 {
     let inside = |t| f64::from(u8::from(assembly(workspace, t) == Some(branch)));
     let chords = curves.iter().flat_map(segments).map(|[from, to]| {
         let across = (to - from).perp() * (1e-8 / (to - from).norm().max(1e-12));
@@ -26,7 +26,7 @@ fn the_textbook_arm_loses_hold_where_the_literature_says() {
     let geometry = Geometry::new([0.23, 0.23, 0.23, 0.23, 0.275]).unwrap();
     let tool = Tool::new(geometry, Vec2::zero()).unwrap();
     // Elbows out, in the middle: links 2 and 3 in line, C 0.21057956 above the base.
-    let curves = loci(&tool, WorkingMode::new(Side::Right, Side::Left));
+    let curves = singularity_curves(&tool, WorkingMode::new(Side::Right, Side::Left));
     let in_line = curves
         .iter()
         .filter(|c| c.singularity == Singularity::Parallel);
@@ -40,7 +40,7 @@ fn the_textbook_arm_loses_hold_where_the_literature_says() {
     assert!(nearest(0.210_579_56) < 3e-5, "{crossings:?}");
     // Elbows in, B = D at θ1 = 53.28564°: C is anywhere on a circle about them.
     let b = Vec2::unit(53.285_64_f64.to_radians()) * 0.23;
-    let curves = loci(&tool, WorkingMode::new(Side::Left, Side::Right));
+    let curves = singularity_curves(&tool, WorkingMode::new(Side::Left, Side::Right));
     let on_circle = curves.iter().flat_map(|curve| &curve.points);
     let on_circle = on_circle
         .filter(|&&c| ((c - b).norm() - 0.23).abs() < 1e-7)
@@ -53,7 +53,7 @@ fn assert_enclosed(tool: Tool<f64>, mode: WorkingMode) -> Result<(), TestCaseErr
     let workspace = unbounded(tool, mode);
     let grid = grid(&tool, 300.0);
     let map = Map::new(workspace, grid);
-    let curves = loci(&tool, mode);
+    let curves = singularity_curves(&tool, mode);
     let length: f64 = curves
         .iter()
         .flat_map(segments)
@@ -91,7 +91,7 @@ proptest! {
     #[test]
     fn the_bounds_hold_all_that_is_reached(tool in tool(), mode in mode()) {
         let [low, high] = bounds(&tool);
-        let curves = loci(&tool, mode);
+        let curves = singularity_curves(&tool, mode);
         let points = || curves.iter().flat_map(|curve| &curve.points);
         prop_assert!(points().count() > 4);
         for point in points() {
@@ -141,10 +141,10 @@ fn regular_poses() -> impl Strategy<Value = (Tool<f64>, Pose<f64>)> {
 fn every_curve_is_where_its_sine_vanishes() {
     let reached = Tally::default();
     proptest!(ProptestConfig::with_cases(48), |(tool in tool(), mode in mode())| {
-        prop_assert!(!loci(&tool, mode).is_empty());
-        for locus in loci(&tool, mode) {
-            prop_assert!(locus.points.len() > 1);
-            for point in &locus.points {
+        prop_assert!(!singularity_curves(&tool, mode).is_empty());
+        for curve in singularity_curves(&tool, mode) {
+            prop_assert!(curve.points.len() > 1);
+            for point in &curve.points {
                 // Beyond an edge of reach by rounding there is no pose to look at.
                 let pose = tool.inverse(*point, mode);
                 if !reached.count(pose.is_ok()) {
@@ -152,13 +152,13 @@ fn every_curve_is_where_its_sine_vanishes() {
                 }
                 let pose = pose.unwrap();
                 let [sine1, sine4] = tool.elbow_sines(&pose);
-                let sine = match locus.singularity {
+                let sine = match curve.singularity {
                     Singularity::Leg1 => sine1,
                     // Where a leg is singular too, a place says little of the rest.
                     Singularity::Leg4 => sine4 * sine1.abs(),
                     Singularity::Parallel => pose.sin32() * (sine1 * sine4).abs(),
                 };
-                prop_assert!(sine.abs() < 1e-6, "{sine} at {point:?}, {:?}", locus.singularity);
+                prop_assert!(sine.abs() < 1e-6, "{sine} at {point:?}, {:?}", curve.singularity);
             }
         }
     });
@@ -170,7 +170,7 @@ fn a_curve_lies_wherever_the_determinant_changes_sign() {
     let compared = Tally::default();
     proptest!(ProptestConfig::with_cases(48), |(tool in tool(), mode in mode())| {
         let map = Map::new(unbounded(tool, mode), grid(&tool, 120.0));
-        let curves = loci(&tool, mode);
+        let curves = singularity_curves(&tool, mode);
         let in_line = curves.iter().filter(|c| c.singularity == Singularity::Parallel);
         let chords: Vec<_> = in_line.flat_map(segments).collect();
         let (columns, pitch) = (map.grid().columns(), map.grid().pitch());

@@ -12,7 +12,7 @@ pub use png::{PngError, png};
 use crate::show::report::escape;
 use crate::study::workspace::{Study, StudyError};
 use arm::Shape;
-use fivebar_design::workspace::{Locus, Map, Rectangle, loci};
+use fivebar_design::workspace::{Map, Rectangle, SingularityCurve, singularity_curves};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::{Singularity, WorkingMode};
 use frame::Frame;
@@ -55,8 +55,8 @@ pub fn svg(study: &Study<'_>, mode: WorkingMode) -> Result<String, StudyError> {
     svg.push_str(&frame.axes());
     svg.push_str(&bands::cells(&map, &frame));
     // Those of type 1 last: where both touch, the other's paper must not cover them.
-    for locus in loci(&workspace.tool, mode).iter().rev() {
-        svg.push_str(&curve(locus, &frame));
+    for curve in singularity_curves(&workspace.tool, mode).iter().rev() {
+        svg.push_str(&curve_path(curve, &frame));
     }
     let best = study.branches.iter().filter(|branch| branch.mode == mode);
     let best = best.filter_map(|branch| branch.best);
@@ -90,9 +90,9 @@ pub fn svg(study: &Study<'_>, mode: WorkingMode) -> Result<String, StudyError> {
 
 /// A singularity curve: solid of type 1, dashed of type 2, which is drawn on paper so that
 /// it is seen on any colour.
-fn curve(locus: &Locus, frame: &Frame) -> String {
-    let path = frame.path(&locus.points);
-    match locus.singularity {
+fn curve_path(curve: &SingularityCurve, frame: &Frame) -> String {
+    let path = frame.path(&curve.points);
+    match curve.singularity {
         Singularity::Leg1 | Singularity::Leg4 => {
             format!("<path d=\"{path}\" fill=\"none\" stroke=\"{INK}\" stroke-width=\"2\"/>\n")
         }

@@ -2,7 +2,7 @@
 
 use super::ServeError;
 use crate::input::robot::Robot;
-use fivebar_design::workspace::{Cell, Grid, Map, loci};
+use fivebar_design::workspace::{Cell, Grid, Map, singularity_curves};
 use fivebar_kinematics::five_bar::{Side, Singularity, WorkingMode};
 use serde::Serialize;
 
@@ -42,11 +42,12 @@ pub(super) fn describe(robot: &Robot, assembly: Side) -> Result<String, ServeErr
         let size = 2.0 * (tool.geometry().l1() + tool.reach());
         let map = Map::new(workspace, Grid::over(tool, size / CELLS)?);
         let code = |cell: &Option<Cell>| cell.as_ref().map_or(OUTSIDE, |cell| code(cell, assembly));
-        let loci = loci(tool, mode);
+        let all_curves = singularity_curves(tool, mode);
         let curves = |parallel: bool| {
-            loci.iter()
-                .filter(|locus| (locus.singularity == Singularity::Parallel) == parallel)
-                .map(|locus| locus.points.iter().map(|p| rounded([p.x, p.y])).collect())
+            all_curves
+                .iter()
+                .filter(|curve| (curve.singularity == Singularity::Parallel) == parallel)
+                .map(|curve| curve.points.iter().map(|p| rounded([p.x, p.y])).collect())
                 .collect()
         };
         let [low, high] = [map.grid().low(), map.grid().high()];

@@ -36,7 +36,7 @@ const HALVINGS: u32 = 32;
 
 /// A curve of places whose poses in a working mode are singular.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Locus {
+pub struct SingularityCurve {
     /// Which singularity it is.
     pub singularity: Singularity,
     /// Places of the tool along it [m]; the last is the first again where it is closed.
@@ -45,14 +45,14 @@ pub struct Locus {
 
 /// The singularity curves of a working mode: those of type 1 bound its reach, those of
 /// type 2 part its assembly branches.
-pub fn loci(tool: &Tool<f64>, mode: WorkingMode) -> Vec<Locus> {
+pub fn singularity_curves(tool: &Tool<f64>, mode: WorkingMode) -> Vec<SingularityCurve> {
     let singularities = [Singularity::Leg1, Singularity::Leg4, Singularity::Parallel];
     let families = singularities
         .into_iter()
         .flat_map(|singularity| [1.0, -1.0].map(|sign| Family::new(tool, singularity, sign)));
     let [_, far4] = tool.geometry().leg4_radii();
     let chord = CHORD * (tool.geometry().l1() + tool.reach()).min(far4);
-    let mut loci = Vec::new();
+    let mut curves = Vec::new();
     for family in families {
         for curve in family.curves() {
             let place = |t: f64| {
@@ -60,13 +60,13 @@ pub fn loci(tool: &Tool<f64>, mode: WorkingMode) -> Vec<Locus> {
                 family.is_in(elbows, mode).then_some(place)
             };
             let pieces = pieces(place, chord);
-            loci.extend(pieces.into_iter().map(|points| Locus {
+            curves.extend(pieces.into_iter().map(|points| SingularityCurve {
                 singularity: family.singularity,
                 points,
             }));
         }
     }
-    loci
+    curves
 }
 
 /// A place of the tool with the sides of both elbows; the side of a leg that is singular
