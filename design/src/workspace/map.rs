@@ -60,13 +60,13 @@ pub struct Areas {
 
 /// A working mode on a grid.
 #[derive(Clone, Debug)]
-pub struct Map {
+pub struct WorkspaceMap {
     workspace: Workspace<f64>,
     grid: Grid,
     cells: Vec<Option<Cell>>,
 }
 
-impl Map {
+impl WorkspaceMap {
     /// Looks at the middle of every cell.
     pub fn new(workspace: Workspace<f64>, grid: Grid) -> Self {
         let cells = (0..grid.count()).map(|index| Cell::at(&workspace, grid.middle(index)));

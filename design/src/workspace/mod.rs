@@ -1,4 +1,4 @@
-//! Where an arm can take its tool, looked at as a whole: a [`Map`] of one working mode, the
+//! Where an arm can take its tool, looked at as a whole: a [`WorkspaceMap`] of one working mode, the
 //! curves of its singularities ([`singularity_curves`]) and the largest [`Rectangle`] free of
 //! them.
 //!
@@ -10,7 +10,7 @@
 //! ```
 //! use fivebar_kinematics::Vec2;
 //! use fivebar_kinematics::five_bar::{Geometry, Side, Tool, WorkingMode, Workspace};
-//! use fivebar_design::workspace::{Grid, Map, reachable_area, singularity_curves};
+//! use fivebar_design::workspace::{Grid, WorkspaceMap, reachable_area, singularity_curves};
 //!
 //! let arm = Geometry::new([0.10, 0.16, 0.16, 0.10, 0.08])?;
 //! let workspace = Workspace {
@@ -19,7 +19,7 @@
 //!     limits: None,
 //!     margin: 0.15,
 //! };
-//! let map = Map::new(workspace, Grid::over(&workspace.tool, 2e-3)?);
+//! let map = WorkspaceMap::new(workspace, Grid::over(&workspace.tool, 2e-3)?);
 //! let reached: f64 = Side::BOTH.map(|side| map.areas(side).reached).iter().sum();
 //! assert!((reached / reachable_area(&arm) - 1.0).abs() < 1e-2);
 //! // Row by row from the lower left, none out of reach: ready to be drawn.
@@ -37,7 +37,7 @@ mod rectangle;
 mod singularity_curves;
 
 pub use grid::{Grid, GridError, bounds};
-pub use map::{Areas, Cell, Map};
+pub use map::{Areas, Cell, WorkspaceMap};
 pub use reach::{Arc, reach_boundary, reachable_area};
 pub use rectangle::Rectangle;
 pub use singularity_curves::{SingularityCurve, singularity_curves};

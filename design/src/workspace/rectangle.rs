@@ -5,7 +5,7 @@
 //! rectangle is found with a stack of columns that still grow. Its sides are then moved, in
 //! eighths of a cell, to where the region ends between the cells.
 
-use super::Map;
+use super::WorkspaceMap;
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::Side;
 
@@ -59,7 +59,7 @@ impl Rectangle {
     }
 }
 
-impl Map {
+impl WorkspaceMap {
     /// The largest rectangle on an assembly branch in which every place is admitted: within
     /// the joint limits, and the margin away from every singularity.
     pub fn largest_rectangle(&self, assembly: Side) -> Option<Rectangle> {

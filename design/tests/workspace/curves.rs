@@ -1,7 +1,7 @@
 //! Singularity curves, and the determinant whose zeros they are.
 
 use crate::arms::{assembly, grid, segments, tool, unbounded};
-use fivebar_design::workspace::{Map, SingularityCurve, bounds, singularity_curves};
+use fivebar_design::workspace::{SingularityCurve, WorkspaceMap, bounds, singularity_curves};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::{
     Geometry, Pose, Side, Singularity, Tool, WorkingMode, Workspace,
@@ -52,7 +52,7 @@ fn the_textbook_arm_loses_hold_where_the_literature_says() {
 fn assert_enclosed(tool: Tool<f64>, mode: WorkingMode) -> Result<(), TestCaseError> {
     let workspace = unbounded(tool, mode);
     let grid = grid(&tool, 300.0);
-    let map = Map::new(workspace, grid);
+    let map = WorkspaceMap::new(workspace, grid);
     let curves = singularity_curves(&tool, mode);
     let length: f64 = curves
         .iter()
@@ -169,7 +169,7 @@ fn every_curve_is_where_its_sine_vanishes() {
 fn a_curve_lies_wherever_the_determinant_changes_sign() {
     let compared = Tally::default();
     proptest!(ProptestConfig::with_cases(48), |(tool in tool(), mode in mode())| {
-        let map = Map::new(unbounded(tool, mode), grid(&tool, 120.0));
+        let map = WorkspaceMap::new(unbounded(tool, mode), grid(&tool, 120.0));
         let curves = singularity_curves(&tool, mode);
         let in_line = curves.iter().filter(|c| c.singularity == Singularity::Parallel);
         let chords: Vec<_> = in_line.flat_map(segments).collect();

@@ -2,7 +2,7 @@
 
 use crate::arms::{grid, tool, unbounded};
 use fivebar_design::workspace::{
-    Grid, GridError, Map, Rectangle, bounds, reach_boundary, reachable_area,
+    Grid, GridError, Rectangle, WorkspaceMap, bounds, reach_boundary, reachable_area,
 };
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::{Geometry, JointLimits, Side, Tool, WorkingMode, Workspace};
@@ -29,7 +29,7 @@ fn assert_filled(geometry: &Geometry<f64>) -> Result<(), TestCaseError> {
         .map(|arc| arc.radius * (arc.to - arc.from))
         .sum();
     for mode in WorkingMode::ALL {
-        let map = Map::new(unbounded(tool, mode), grid);
+        let map = WorkspaceMap::new(unbounded(tool, mode), grid);
         let counted: f64 = Side::BOTH.map(|side| map.areas(side).reached).iter().sum();
         let bound = (0.2 * boundary + 10.0 * grid.pitch()) * grid.pitch();
         prop_assert!(
@@ -76,7 +76,7 @@ fn nothing_in_the_largest_rectangle_is_refused() {
     proptest!(ProptestConfig::with_cases(48), |((tool, mode, margin, limits) in workspaces, shares in shares)| {
         let limits = limits.map(|[(a, b), (c, d)]| JointLimits::new([a, a + b], [c, c + d]).unwrap());
         let workspace = Workspace { tool, mode, limits, margin };
-        let map = Map::new(workspace, grid(&tool, 150.0));
+        let map = WorkspaceMap::new(workspace, grid(&tool, 150.0));
         for branch in Side::BOTH {
             let rectangle = map.largest_rectangle(branch);
             found.count(rectangle.is_some());
@@ -132,7 +132,7 @@ fn is_free(workspace: &Workspace<f64>, rectangle: Rectangle, branch: Side) -> bo
 #[test]
 fn limits_and_margin_take_their_share_of_the_benchtop() {
     let workspace = benchtop();
-    let map = Map::new(workspace, grid(&workspace.tool, 600.0));
+    let map = WorkspaceMap::new(workspace, grid(&workspace.tool, 600.0));
     let left = map.areas(Side::Left);
     assert!(left.admitted < left.within_limits && left.within_limits < left.reached);
     assert!(left.admitted > 0.0);
@@ -153,7 +153,7 @@ fn an_arm_that_reaches_one_point_has_a_map_of_one_cell_at_most() {
     let geometry = Geometry::new([0.1, 0.1, 0.1, 0.1, 0.4]).unwrap();
     let tool = Tool::new(geometry, Vec2::zero()).unwrap();
     for mode in WorkingMode::ALL {
-        let map = Map::new(unbounded(tool, mode), Grid::over(&tool, 1e-3).unwrap());
+        let map = WorkspaceMap::new(unbounded(tool, mode), Grid::over(&tool, 1e-3).unwrap());
         assert!(map.reached().count() <= 1);
         for branch in Side::BOTH {
             assert_eq!(map.largest_rectangle(branch), None);

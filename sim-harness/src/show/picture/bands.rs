@@ -2,7 +2,7 @@
 
 use super::PAPER;
 use super::frame::Frame;
-use fivebar_design::workspace::{Cell, Map};
+use fivebar_design::workspace::{Cell, WorkspaceMap};
 use std::fmt::Write as _;
 
 /// From singular to alike in all directions: ten colours of viridis (by van der Walt and
@@ -45,7 +45,7 @@ pub(super) const HATCH: &str = "<defs><pattern id=\"hatch\" width=\"7\" height=\
      <path d=\"M0 0V7\" stroke=\"#5a6372\" stroke-width=\"1.6\"/></pattern></defs>\n";
 
 /// All that is reached.
-pub(super) fn cells(map: &Map, frame: &Frame) -> String {
+pub(super) fn cells(map: &WorkspaceMap, frame: &Frame) -> String {
     let [left, top] = frame.corner();
     let mut svg = format!(
         "{HATCH}<g transform=\"translate({left} {top})\" shape-rendering=\"crispEdges\">\n"
@@ -67,7 +67,7 @@ pub(super) fn cells(map: &Map, frame: &Frame) -> String {
 }
 
 /// Those cells, a rectangle for each run in a row.
-fn runs(map: &Map, wanted: impl Fn(&Cell) -> bool) -> String {
+fn runs(map: &WorkspaceMap, wanted: impl Fn(&Cell) -> bool) -> String {
     let rows = map.grid().rows();
     let mut path = String::new();
     for (row, cells) in map.cells().chunks(map.grid().columns()).enumerate() {

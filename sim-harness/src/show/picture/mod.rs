@@ -12,7 +12,7 @@ pub use png::{PngError, png};
 use crate::show::report::escape;
 use crate::study::workspace::{Study, StudyError};
 use arm::Shape;
-use fivebar_design::workspace::{Map, Rectangle, SingularityCurve, singularity_curves};
+use fivebar_design::workspace::{Rectangle, SingularityCurve, WorkspaceMap, singularity_curves};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::{Singularity, WorkingMode};
 use frame::Frame;
@@ -34,7 +34,7 @@ pub fn svg(study: &Study<'_>, mode: WorkingMode) -> Result<String, StudyError> {
     let workspace = robot.workspace(mode).map_err(named)?;
     let frame = Frame::around(&workspace.tool)?;
     // A cell is a unit of the picture, so that its steps are not seen.
-    let map = Map::new(workspace, *frame.grid());
+    let map = WorkspaceMap::new(workspace, *frame.grid());
     let rectangle = study.largest_rectangle(mode);
     let [width, height] = frame.picture_size();
     let title = format!("Workspace of {}", escape(&robot.name));

@@ -2,7 +2,7 @@
 
 use super::ServeError;
 use crate::input::robot::Robot;
-use fivebar_design::workspace::{Cell, Grid, Map, singularity_curves};
+use fivebar_design::workspace::{Cell, Grid, WorkspaceMap, singularity_curves};
 use fivebar_kinematics::five_bar::{Side, Singularity, WorkingMode};
 use serde::Serialize;
 
@@ -40,7 +40,7 @@ pub(super) fn describe(robot: &Robot, assembly: Side) -> Result<String, ServeErr
         let workspace = robot.workspace(mode)?;
         let tool = &workspace.tool;
         let size = 2.0 * (tool.geometry().l1() + tool.reach());
-        let map = Map::new(workspace, Grid::over(tool, size / CELLS)?);
+        let map = WorkspaceMap::new(workspace, Grid::over(tool, size / CELLS)?);
         let code = |cell: &Option<Cell>| cell.as_ref().map_or(OUTSIDE, |cell| code(cell, assembly));
         let all_curves = singularity_curves(tool, mode);
         let curves = |parallel: bool| {

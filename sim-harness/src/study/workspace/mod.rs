@@ -6,7 +6,7 @@
 mod answer;
 
 use crate::input::robot::{NoWorkspace, Robot};
-use fivebar_design::workspace::{Areas, Grid, GridError, Map, Rectangle, bounds};
+use fivebar_design::workspace::{Areas, Grid, GridError, Rectangle, WorkspaceMap, bounds};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::{Side, WorkingMode};
 use rayon::prelude::*;
@@ -60,7 +60,7 @@ pub struct Study<'a> {
     /// Whose it is.
     pub robot: &'a Robot,
     /// One map for each of the four working modes.
-    pub maps: Vec<Map>,
+    pub maps: Vec<WorkspaceMap>,
     /// The eight branches, two for each working mode.
     pub branches: Vec<Branch>,
 }
@@ -86,8 +86,8 @@ impl<'a> Study<'a> {
         let grid = Grid::over(&tool, pitch);
         let grid = grid.map_err(|error| StudyError::Grid { pitch, error })?;
         let maps = WorkingMode::ALL.into_par_iter();
-        let maps: Vec<Map> = maps
-            .map(|mode| Ok(Map::new(workspace(mode)?, grid)))
+        let maps: Vec<WorkspaceMap> = maps
+            .map(|mode| Ok(WorkspaceMap::new(workspace(mode)?, grid)))
             .collect::<Result<_, _>>()?;
         if maps.iter().all(|map| map.reached().next().is_none()) {
             return Err(nothing());
@@ -111,7 +111,7 @@ impl<'a> Study<'a> {
 }
 
 impl Branch {
-    fn of(map: &Map, assembly: Side) -> Self {
+    fn of(map: &WorkspaceMap, assembly: Side) -> Self {
         let best = map.best(assembly);
         Self {
             mode: map.workspace().mode,
