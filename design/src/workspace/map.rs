@@ -19,7 +19,7 @@ pub struct Cell {
     /// Whether both driven joints are within their limits.
     pub within_limits: bool,
     /// Whether they are, and the margin from singularities is kept too.
-    pub admitted: bool,
+    pub clear: bool,
 }
 
 impl Cell {
@@ -42,7 +42,7 @@ impl Cell {
             sin32: pose.sin32(),
             inverse_condition: jacobian.map_or(0.0, |jacobian| jacobian.inverse_condition()),
             within_limits,
-            admitted: within_limits && tool.nearest_singularity(&pose).1 >= *margin,
+            clear: within_limits && tool.nearest_singularity(&pose).1 >= *margin,
         })
     }
 }
@@ -55,7 +55,7 @@ pub struct Areas {
     /// What the joint limits leave of it.
     pub within_limits: f64,
     /// What the margin from singularities leaves of that.
-    pub admitted: f64,
+    pub clear: f64,
 }
 
 /// A working mode on a grid.
@@ -109,15 +109,15 @@ impl WorkspaceMap {
         Areas {
             reached: area(|_| true),
             within_limits: area(|cell| cell.within_limits),
-            admitted: area(|cell| cell.admitted),
+            clear: area(|cell| cell.clear),
         }
     }
 
-    /// The admitted place on an assembly branch where the tool moves most alike in all
+    /// The clear place on an assembly branch where the tool moves most alike in all
     /// directions [m].
     pub fn best(&self, assembly: Side) -> Option<(Vec2<f64>, &Cell)> {
         self.reached()
-            .filter(|(_, cell)| cell.admitted && cell.assembly == assembly)
+            .filter(|(_, cell)| cell.clear && cell.assembly == assembly)
             .max_by(|(_, a), (_, b)| a.inverse_condition.total_cmp(&b.inverse_condition))
     }
 }

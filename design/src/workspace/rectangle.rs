@@ -1,6 +1,6 @@
 //! The largest rectangle along the axes in which the tool may be anywhere.
 //!
-//! The largest one of admitted cells is found exactly, in time proportional to the cells:
+//! The largest one of clear cells is found exactly, in time proportional to the cells:
 //! row by row, the columns of free cells that end there are a histogram, whose largest
 //! rectangle is found with a stack of columns that still grow. Its sides are then moved, in
 //! eighths of a cell, to where the region ends between the cells.
@@ -60,13 +60,13 @@ impl Rectangle {
 }
 
 impl WorkspaceMap {
-    /// The largest rectangle on an assembly branch in which every place is admitted: within
+    /// The largest rectangle on an assembly branch in which every place is clear: within
     /// the joint limits, and the margin away from every singularity.
     pub fn largest_rectangle(&self, assembly: Side) -> Option<Rectangle> {
         let free: Vec<bool> = self
             .cells()
             .iter()
-            .map(|cell| cell.is_some_and(|cell| cell.admitted && cell.assembly == assembly))
+            .map(|cell| cell.is_some_and(|cell| cell.clear && cell.assembly == assembly))
             .collect();
         let columns = self.grid().columns();
         let Cells {
@@ -106,7 +106,7 @@ impl WorkspaceMap {
         rectangle.has_extent().then_some(rectangle)
     }
 
-    /// Whether every place along a line is admitted on an assembly branch.
+    /// Whether every place along a line is clear on an assembly branch.
     fn is_free(&self, [from, to]: [Vec2<f64>; 2], assembly: Side) -> bool {
         let way = to - from;
         let steps = (way.norm() / (STEP * self.grid().pitch())).ceil().max(1.0);

@@ -81,7 +81,7 @@ fn nothing_in_the_largest_rectangle_is_refused() {
             let rectangle = map.largest_rectangle(branch);
             found.count(rectangle.is_some());
             let Some(rectangle) = rectangle else {
-                prop_assert!(map.areas(branch).admitted < 300.0 * map.grid().pitch().powi(2));
+                prop_assert!(map.areas(branch).clear < 300.0 * map.grid().pitch().powi(2));
                 continue;
             };
             let size = rectangle.size();
@@ -116,7 +116,7 @@ fn grown(rectangle: Rectangle, by: f64) -> [Rectangle; 4] {
     ]
 }
 
-/// Whether every place of a fine raster over a rectangle is admitted on a branch.
+/// Whether every place of a fine raster over a rectangle is clear on a branch.
 fn is_free(workspace: &Workspace<f64>, rectangle: Rectangle, branch: Side) -> bool {
     let size = rectangle.size();
     (0..=400).all(|i| {
@@ -134,14 +134,14 @@ fn limits_and_margin_take_their_share_of_the_benchtop() {
     let workspace = benchtop();
     let map = WorkspaceMap::new(workspace, grid(&workspace.tool, 600.0));
     let left = map.areas(Side::Left);
-    assert!(left.admitted < left.within_limits && left.within_limits < left.reached);
-    assert!(left.admitted > 0.0);
+    assert!(left.clear < left.within_limits && left.within_limits < left.reached);
+    assert!(left.clear > 0.0);
     let (place, best) = map.best(Side::Left).unwrap();
-    assert!(best.admitted && best.inverse_condition > 0.9, "{best:?}");
+    assert!(best.clear && best.inverse_condition > 0.9, "{best:?}");
     assert_close("symmetric", place.x, 0.04, 0.01);
     let others = map
         .reached()
-        .filter(|(_, cell)| cell.admitted && cell.assembly == Side::Left);
+        .filter(|(_, cell)| cell.clear && cell.assembly == Side::Left);
     for (_, cell) in others {
         assert!(cell.inverse_condition <= best.inverse_condition);
     }

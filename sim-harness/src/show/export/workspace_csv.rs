@@ -22,9 +22,9 @@ pub fn workspace_csv(study: &Study<'_>) -> String {
                 sin32,
                 inverse_condition,
                 within_limits,
-                admitted,
+                clear,
             } = cell;
-            let [within_limits, clear] = [within_limits, admitted].map(|&flag| u8::from(flag));
+            let [within_limits, clear] = [within_limits, clear].map(|&flag| u8::from(flag));
             let _ = writeln!(
                 csv,
                 "{:.decimals$},{:.decimals$},{},{},{assembly},{within_limits},{clear},{:.4},{:.4},{:.4},{:.4e}",

@@ -26,7 +26,7 @@ const PALE: f64 = 0.62;
 /// The band of a cell, and whether it is pale.
 fn band(cell: &Cell) -> (usize, bool) {
     let band = (cell.inverse_condition * BANDS.len() as f64) as usize;
-    (band.min(BANDS.len() - 1), !cell.admitted)
+    (band.min(BANDS.len() - 1), !cell.clear)
 }
 
 /// A colour as SVG has it.

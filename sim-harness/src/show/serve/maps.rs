@@ -66,7 +66,7 @@ pub(super) fn describe(robot: &Robot, assembly: Side) -> Result<String, ServeErr
 
 fn code(cell: &Cell, assembly: Side) -> i16 {
     let hundredths = (100.0 * cell.inverse_condition) as i16;
-    if cell.admitted && cell.assembly == assembly {
+    if cell.clear && cell.assembly == assembly {
         hundredths
     } else {
         hundredths + FORBIDDEN

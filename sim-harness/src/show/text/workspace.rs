@@ -27,7 +27,7 @@ pub fn workspace(study: &Study<'_>) -> String {
         let [reached, limits, clear] = [
             branch.areas.reached,
             branch.areas.within_limits,
-            branch.areas.admitted,
+            branch.areas.clear,
         ]
         .map(|area| 1e4 * area);
         let own = if branch.mode == study.robot.working_mode {

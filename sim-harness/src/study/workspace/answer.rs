@@ -40,7 +40,7 @@ fn answer(branch: &Branch) -> Value {
         "assembly": branch.assembly,
         "reached_m2": branch.areas.reached,
         "within_limits_m2": branch.areas.within_limits,
-        "clear_m2": branch.areas.admitted,
+        "clear_m2": branch.areas.clear,
         "clear_rectangle": branch.rectangle.map(|rectangle| json!({
             "size_m": pair(rectangle.size()),
             "low_m": pair(rectangle.low),

@@ -48,9 +48,9 @@ pub struct Branch {
     pub assembly: Side,
     /// Its areas.
     pub areas: Areas,
-    /// The largest rectangle in which every place is admitted.
+    /// The largest rectangle in which every place is clear.
     pub rectangle: Option<Rectangle>,
-    /// The admitted place where the tool moves most alike in all directions [m], and 1/κ.
+    /// The clear place where the tool moves most alike in all directions [m], and 1/κ.
     pub best: Option<(Vec2<f64>, f64)>,
 }
 
