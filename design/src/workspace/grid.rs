@@ -46,7 +46,7 @@ impl Grid {
         if !(pitch > 0.0 && pitch.is_finite()) {
             return Err(GridError::Pitch);
         }
-        let [low, high] = bounds(tool);
+        let [low, high] = reach_bounds(tool);
         let cells = |size: f64| (size / pitch).ceil().max(1.0);
         let (columns, rows) = (cells(high.x - low.x), cells(high.y - low.y));
         if columns * rows > MOST {
@@ -103,7 +103,7 @@ impl Grid {
 ///
 /// The two circles meet at x = (l5² + R1² − R4²)/(2 l5). Between the pivots that is the
 /// highest point of what they share; else one of them has its own within the other.
-pub fn bounds(tool: &Tool<f64>) -> [Vec2<f64>; 2] {
+pub fn reach_bounds(tool: &Tool<f64>) -> [Vec2<f64>; 2] {
     let geometry = tool.geometry();
     let far1 = geometry.l1() + tool.reach();
     let [_, far4] = geometry.leg4_radii();

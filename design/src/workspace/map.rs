@@ -115,7 +115,7 @@ impl WorkspaceMap {
 
     /// The clear place on an assembly branch where the tool moves most alike in all
     /// directions [m].
-    pub fn best(&self, assembly: Side) -> Option<(Vec2<f64>, &Cell)> {
+    pub fn best_conditioned(&self, assembly: Side) -> Option<(Vec2<f64>, &Cell)> {
         self.reached()
             .filter(|(_, cell)| cell.clear && cell.assembly == assembly)
             .max_by(|(_, a), (_, b)| a.inverse_condition.total_cmp(&b.inverse_condition))

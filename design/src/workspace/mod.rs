@@ -36,7 +36,7 @@ mod reach;
 mod rectangle;
 mod singularity_curves;
 
-pub use grid::{Grid, GridError, bounds};
+pub use grid::{Grid, GridError, reach_bounds};
 pub use map::{Areas, Cell, WorkspaceMap};
 pub use reach::{Arc, reach_boundary, reachable_area};
 pub use rectangle::Rectangle;

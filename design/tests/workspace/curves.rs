@@ -1,7 +1,7 @@
 //! Singularity curves, and the determinant whose zeros they are.
 
 use crate::arms::{assembly, grid, segments, tool, unbounded};
-use fivebar_design::workspace::{SingularityCurve, WorkspaceMap, bounds, singularity_curves};
+use fivebar_design::workspace::{SingularityCurve, WorkspaceMap, reach_bounds, singularity_curves};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::{
     Geometry, Pose, Side, Singularity, Tool, WorkingMode, Workspace,
@@ -90,7 +90,7 @@ proptest! {
 
     #[test]
     fn the_bounds_hold_all_that_is_reached(tool in tool(), mode in mode()) {
-        let [low, high] = bounds(&tool);
+        let [low, high] = reach_bounds(&tool);
         let curves = singularity_curves(&tool, mode);
         let points = || curves.iter().flat_map(|curve| &curve.points);
         prop_assert!(points().count() > 4);

@@ -2,7 +2,7 @@
 
 use crate::arms::{grid, tool, unbounded};
 use fivebar_design::workspace::{
-    Grid, GridError, Rectangle, WorkspaceMap, bounds, reach_boundary, reachable_area,
+    Grid, GridError, Rectangle, WorkspaceMap, reach_boundary, reach_bounds, reachable_area,
 };
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::{Geometry, JointLimits, Side, Tool, WorkingMode, Workspace};
@@ -136,7 +136,7 @@ fn limits_and_margin_take_their_share_of_the_benchtop() {
     let left = map.areas(Side::Left);
     assert!(left.clear < left.within_limits && left.within_limits < left.reached);
     assert!(left.clear > 0.0);
-    let (place, best) = map.best(Side::Left).unwrap();
+    let (place, best) = map.best_conditioned(Side::Left).unwrap();
     assert!(best.clear && best.inverse_condition > 0.9, "{best:?}");
     assert_close("symmetric", place.x, 0.04, 0.01);
     let others = map
@@ -169,7 +169,7 @@ fn a_pitch_that_makes_no_grid_is_refused() {
     }
     assert_eq!(Grid::over(&tool, 1e-6), Err(GridError::TooFine));
     // As high as where the circles of 0.2 m about pivots 0.24 m apart meet.
-    let [low, high] = bounds(
+    let [low, high] = reach_bounds(
         &Tool::new(
             Geometry::new([0.1, 0.1, 0.1, 0.1, 0.24]).unwrap(),
             Vec2::zero(),

@@ -2,7 +2,7 @@
 
 use super::INK;
 use crate::study::workspace::StudyError;
-use fivebar_design::workspace::{Grid, bounds};
+use fivebar_design::workspace::{Grid, reach_bounds};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::Tool;
 use std::fmt::Write as _;
@@ -29,7 +29,7 @@ pub(super) struct Frame {
 impl Frame {
     /// Around all that the tool can reach.
     pub(super) fn around(tool: &Tool<f64>) -> Result<Self, StudyError> {
-        let [low, high] = bounds(tool);
+        let [low, high] = reach_bounds(tool);
         let pitch = (high.x - low.x).max(high.y - low.y) / SIDE;
         let refused = |error| StudyError::Grid { pitch, error };
         let grid = Grid::over(tool, pitch).map_err(refused)?;

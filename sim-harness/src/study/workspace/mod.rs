@@ -6,7 +6,7 @@
 mod answer;
 
 use crate::input::robot::{NoWorkspace, Robot};
-use fivebar_design::workspace::{Areas, Grid, GridError, Rectangle, WorkspaceMap, bounds};
+use fivebar_design::workspace::{Areas, Grid, GridError, Rectangle, WorkspaceMap, reach_bounds};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::{Side, WorkingMode};
 use rayon::prelude::*;
@@ -76,7 +76,7 @@ impl<'a> Study<'a> {
             robot.workspace(mode).map_err(named)
         };
         let tool = workspace(robot.working_mode)?.tool;
-        let [low, high] = bounds(&tool);
+        let [low, high] = reach_bounds(&tool);
         let size = (high.x - low.x).max(high.y - low.y);
         let nothing = || StudyError::NothingReached(robot.name.clone());
         if size < LEAST * tool.geometry().base() {
@@ -112,7 +112,7 @@ impl<'a> Study<'a> {
 
 impl Branch {
     fn of(map: &WorkspaceMap, assembly: Side) -> Self {
-        let best = map.best(assembly);
+        let best = map.best_conditioned(assembly);
         Self {
             mode: map.workspace().mode,
             assembly,
