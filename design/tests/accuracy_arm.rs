@@ -2,8 +2,8 @@
 
 use fivebar_design::accuracy::allocation::{Class, allocate};
 use fivebar_design::accuracy::arm::{ArmResponse, Inputs};
+use fivebar_design::accuracy::clearance_equilibrium::clearance_equilibrium;
 use fivebar_design::accuracy::five_bar::{clearance_error, tool_sensitivities};
-use fivebar_design::accuracy::seating::seat;
 use fivebar_design::accuracy::{Response, sensitivities};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::dynamics::{Arm, Link};
@@ -90,15 +90,15 @@ fn seated_pins_stay_within_the_worst_case() {
         let radii = [10e-6, 20e-6, 5e-6, 15e-6, 10e-6];
         let pose = arm.geometry().forward(inputs.theta[0], inputs.theta[1], assembly).unwrap();
         let worst = clearance_error(arm.geometry(), &pose, radii).unwrap().worst;
-        let seating = seat(&arm, assembly, &inputs, Vec2::zero(), radii).unwrap();
-        prop_assert!(seating.displacement.norm() <= worst * (1.0 + 1e-9));
-        for (offset, radius) in seating.offsets.iter().zip(radii) {
+        let equilibrium = clearance_equilibrium(&arm, assembly, &inputs, Vec2::zero(), radii).unwrap();
+        prop_assert!(equilibrium.displacement.norm() <= worst * (1.0 + 1e-9));
+        for (offset, radius) in equilibrium.offsets.iter().zip(radii) {
             prop_assert!((offset.norm() - radius).abs() < 1e-12);
         }
-        if settled.count(seating.settled) {
+        if settled.count(equilibrium.converged) {
             // Every pin lies against its force.
             for (i, sign) in [(0, -1.0), (1, -1.0), (2, 1.0), (3, -1.0), (4, -1.0)] {
-                let (offset, force) = (seating.offsets[i], seating.reactions[i]);
+                let (offset, force) = (equilibrium.offsets[i], equilibrium.reactions[i]);
                 prop_assert!((offset.dot(force) - sign * offset.norm() * force.norm()).abs() < 1e-9 * force.norm());
             }
         }
@@ -165,9 +165,10 @@ fn tension_lengthens_and_compression_shortens_by_the_sum_of_clearances() {
     let radii = [10e-6, 20e-6, 5e-6, 15e-6, 10e-6];
     // Pulled away from the base both distal links are in tension, pushed in compression.
     for (force, sign) in [(Vec2::new(0.0, 10.0), 1.0), (Vec2::new(0.0, -10.0), -1.0)] {
-        let seating = seat(&weightless, pose.assembly(), &inputs, force, radii).unwrap();
-        assert!(seating.settled);
-        let tool = pose.c + seating.displacement;
+        let equilibrium =
+            clearance_equilibrium(&weightless, pose.assembly(), &inputs, force, radii).unwrap();
+        assert!(equilibrium.converged);
+        let tool = pose.c + equilibrium.displacement;
         let longer2 = (tool - pose.b).norm() - 0.16;
         let longer3 = (tool - pose.d).norm() - 0.16;
         assert!((longer2 - sign * 30e-6).abs() < 1e-12, "{longer2:e}");

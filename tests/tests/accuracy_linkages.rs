@@ -5,7 +5,7 @@ use fivebar::input::linkage::{DrivenLinkage, EXAMPLES, Example};
 use fivebar::input::robot::SliderRobot;
 use fivebar::study::accuracy::{Sampling, analyse_slider, sample_slider, slider_answer};
 use fivebar_design::accuracy::assur::{course, unknowns};
-use fivebar_design::accuracy::linkage::{Figure, LinkageResponse, seat};
+use fivebar_design::accuracy::linkage::{Figure, LinkageResponse, clearance_equilibrium};
 use fivebar_design::accuracy::loops::VectorLoops;
 use fivebar_design::accuracy::slider;
 use fivebar_design::accuracy::{Response, sensitivities};
@@ -242,9 +242,9 @@ fn tension_lengthens_and_compression_shortens_a_limb_by_its_clearances() {
     for sign in [1.0, -1.0] {
         let force = Vec2::new(0.0, 10.0 * sign);
         massless.load(id, 0.0, force).unwrap();
-        let seated = seat(&massless, inputs, &radii).unwrap();
-        assert!(seated.settled);
-        let at = |point: usize| seated.motion.points[point].position;
+        let equilibrium = clearance_equilibrium(&massless, inputs, &radii).unwrap();
+        assert!(equilibrium.converged);
+        let at = |point: usize| equilibrium.motion.points[point].position;
         let longer_left = (at(tip) - at(left)).norm() - 1.2;
         let longer_right = (at(tip) - at(right)).norm() - 1.1;
         assert!((longer_left - sign * 1e-5).abs() < 1e-9, "{longer_left:e}");
@@ -302,8 +302,8 @@ fn the_slider_driven_test_case_by_its_corrected_coefficients_and_by_samples() {
             "{key}"
         );
     }
-    let seated = analysis.seating.displacement.norm();
-    assert!(analysis.seating.settled && seated <= analysis.clearance.worst * (1.0 + 1e-9));
+    let seated = analysis.equilibrium.displacement.norm();
+    assert!(analysis.equilibrium.converged && seated <= analysis.clearance.worst * (1.0 + 1e-9));
 }
 
 #[test]
@@ -330,7 +330,7 @@ fn tension_lengthens_the_sliders_limbs_as_it_does_the_linkages() {
         assert_eq!(pose.working_mode(), WorkingMode::APART);
         for force in [[0.0, 10.0], [0.0, -10.0], [10.0, 0.0], [-10.0, 1.0]] {
             let force = Vec2::new(force[0], force[1]);
-            let by_slider = slider::seat(&geometry, &pose, force, radii).unwrap();
+            let by_slider = slider::clearance_equilibrium(&geometry, &pose, force, radii).unwrap();
             let signs = by_slider.tension.map(f64::signum);
             for (longer, expected) in by_slider
                 .longer
@@ -341,9 +341,10 @@ fn tension_lengthens_the_sliders_limbs_as_it_does_the_linkages() {
             }
             massless.load(tip, 0.0, force).unwrap();
             // P is the left bar's point: the middle pin counts for the right limb.
-            let seated = seat(&massless, &inputs, &[0.0, 0.0, 1e-5, 4e-5, 2e-5]).unwrap();
-            assert!(by_slider.settled && seated.settled);
-            let displaced = seated.motion.points[tip.index()].position - pose.p;
+            let equilibrium =
+                clearance_equilibrium(&massless, &inputs, &[0.0, 0.0, 1e-5, 4e-5, 2e-5]).unwrap();
+            assert!(by_slider.converged && equilibrium.converged);
+            let displaced = equilibrium.motion.points[tip.index()].position - pose.p;
             // The linkage keeps the ideal arms, so its directions are those of a bar turned
             // by 1e-4: a difference of second order.
             let difference = (displaced - by_slider.displacement).norm();

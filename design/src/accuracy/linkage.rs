@@ -155,21 +155,21 @@ impl Response for LinkageResponse<'_> {
 
 /// A linkage with every pin seated where its reaction presses it.
 #[derive(Clone, Debug)]
-pub struct SeatedLinkage {
+pub struct LinkageEquilibrium {
     /// The linkage with its clearances.
     pub linkage: Linkage<f64>,
     /// Its motion.
     pub motion: LinkageMotion<f64>,
     /// How often it was solved.
-    pub rounds: usize,
+    pub iterations: usize,
     /// Whether the directions settled; if not, some joint is about to lose contact.
-    pub settled: bool,
+    pub converged: bool,
 }
 
 /// Changes of the pins' directions below this [rad] count as settled.
-const SETTLED: f64 = 1e-11;
+const CONVERGED: f64 = 1e-11;
 /// Directions that have not settled by then never will: a force near zero flutters.
-const MOST_ROUNDS: usize = 60;
+const MAX_ITERATIONS: usize = 60;
 
 /// Seats the pins of a linkage in motion (Tu 2005): in a joint of clearance r the side that
 /// is pushed by the force F lies −r F̂ from the side that pushes. `radii` [m] counts as
@@ -177,22 +177,22 @@ const MOST_ROUNDS: usize = 60;
 ///
 /// # Errors
 /// Where the linkage cannot be solved.
-pub fn seat(
+pub fn clearance_equilibrium(
     linkage: &Linkage<f64>,
     inputs: &[Coordinate<f64>],
     radii: &[f64],
-) -> Result<SeatedLinkage, SolveError> {
+) -> Result<LinkageEquilibrium, SolveError> {
     let pins: Vec<bool> = linkage.pins().collect();
     let motion = linkage.motion(inputs)?;
-    let mut seated = SeatedLinkage {
+    let mut equilibrium = LinkageEquilibrium {
         linkage: linkage.clone(),
         motion,
-        rounds: 0,
-        settled: false,
+        iterations: 0,
+        converged: false,
     };
-    while seated.rounds < MOST_ROUNDS && !seated.settled {
-        let forces = seated.linkage.forces(&seated.motion)?;
-        let before: Vec<_> = seated.linkage.clearances().collect();
+    while equilibrium.iterations < MAX_ITERATIONS && !equilibrium.converged {
+        let forces = equilibrium.linkage.forces(&equilibrium.motion)?;
+        let before: Vec<_> = equilibrium.linkage.clearances().collect();
         let mut change = 0.0_f64;
         for (joint, reaction) in forces.reactions.iter().enumerate() {
             let radius = radii.get(joint).copied().unwrap_or(0.0);
@@ -206,12 +206,12 @@ pub fn seat(
                 let turned = |from: Clearance<f64>| (pressed.offset() - from.offset()).norm();
                 change = change.max(before[joint].map_or(1.0, turned) / radius);
                 // A pin, its radius above zero, its angle finite: nothing to refuse.
-                let _ = seated.linkage.set_clearance(joint, pressed);
+                let _ = equilibrium.linkage.set_clearance(joint, pressed);
             }
         }
-        seated.motion = seated.linkage.motion(inputs)?;
-        seated.rounds += 1;
-        seated.settled = change <= SETTLED;
+        equilibrium.motion = equilibrium.linkage.motion(inputs)?;
+        equilibrium.iterations += 1;
+        equilibrium.converged = change <= CONVERGED;
     }
-    Ok(seated)
+    Ok(equilibrium)
 }

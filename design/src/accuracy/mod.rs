@@ -7,13 +7,13 @@
 pub mod allocation;
 pub mod arm;
 pub mod assur;
+pub mod clearance_equilibrium;
 mod differentiate;
 mod error;
 pub mod five_bar;
 pub mod linkage;
 pub mod loops;
 mod propagation;
-pub mod seating;
 pub mod slider;
 
 pub use differentiate::{Response, sensitivities};

@@ -64,7 +64,7 @@ pub fn clearance_error(
 
 /// The mechanism with every pin pressed to one side.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seating {
+pub struct ClearanceEquilibrium {
     /// T3 and T7, the tension in each limb [N].
     pub tension: [f64; 2],
     /// How much longer each limb is [m].
@@ -72,43 +72,43 @@ pub struct Seating {
     /// Where P goes from its ideal place [m].
     pub displacement: Vec2<f64>,
     /// Whether the sides settled; if not, some joint is about to lose contact.
-    pub settled: bool,
+    pub converged: bool,
 }
 
 /// Seats the pins of a massless mechanism under a force on P [N], its sliders held.
 ///
 /// # Errors
 /// `Parallel` at type 2, or where the lengthened limbs cannot meet.
-pub fn seat(
+pub fn clearance_equilibrium(
     geometry: &Geometry<f64>,
     pose: &Pose<f64>,
     force: Vec2<f64>,
     radii: [f64; 4],
-) -> Result<Seating, PoseError> {
+) -> Result<ClearanceEquilibrium, PoseError> {
     // Two limbs with two sides each: a fifth round would repeat one.
-    const MOST_ROUNDS: usize = 5;
+    const MAX_ITERATIONS: usize = 5;
     let mut seated = *pose;
-    let mut seating = Seating {
+    let mut equilibrium = ClearanceEquilibrium {
         tension: [0.0; 2],
         longer: [0.0; 2],
         displacement: Vec2::zero(),
-        settled: false,
+        converged: false,
     };
-    for _ in 0..MOST_ROUNDS {
+    for _ in 0..MAX_ITERATIONS {
         let s = seated.sin73();
         let tension = [force.cross(seated.u7) / s, seated.u3.cross(force) / s];
         let [left, right] = sums(radii);
         let longer = [side(tension[0]) * left, side(tension[1]) * right];
-        seating.settled = longer == seating.longer;
-        seating.tension = tension;
-        seating.longer = longer;
+        equilibrium.converged = longer == equilibrium.longer;
+        equilibrium.tension = tension;
+        equilibrium.longer = longer;
         seated = lengthened(geometry, pose, longer)?;
-        seating.displacement = seated.p - pose.p;
-        if seating.settled {
+        equilibrium.displacement = seated.p - pose.p;
+        if equilibrium.converged {
             break;
         }
     }
-    Ok(seating)
+    Ok(equilibrium)
 }
 
 /// Which way a force presses; nothing presses where there is none.

@@ -132,7 +132,7 @@ fn turned_about<'a>(before: &'a Analysis, after: &'a Analysis) -> impl Iterator<
     let forces = before.forces.as_ref().zip(after.forces.as_ref());
     forces.into_iter().flat_map(|(before, after)| {
         (0..5).filter(move |&joint| {
-            before.seating.reactions[joint].dot(after.seating.reactions[joint]) < 0.0
+            before.equilibrium.reactions[joint].dot(after.equilibrium.reactions[joint]) < 0.0
         })
     })
 }

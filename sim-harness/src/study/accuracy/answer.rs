@@ -32,7 +32,7 @@ pub fn answer(robot: &str, state: &State, analysis: &Analysis, sampled: &MonteCa
         .collect();
     let forces = analysis.forces.as_ref();
     let force_deviations = forces.map(|forces| forces.scatter.deviations());
-    let seating = forces.map(|forces| &forces.seating);
+    let equilibrium = forces.map(|forces| &forces.equilibrium);
     let motion = forces.map(|forces| forces.motion.deviations());
     json!({
         "robot": robot,
@@ -43,8 +43,8 @@ pub fn answer(robot: &str, state: &State, analysis: &Analysis, sampled: &MonteCa
         "clearance_worst_m": analysis.clearance.worst,
         "clearance_worst_linear_m": analysis.clearance.worst_linear,
         "clearance_rms_m": analysis.clearance.rms,
-        "clearance_seated_m": seating.map(|s| [s.displacement.x, s.displacement.y]),
-        "clearance_seated_settled": seating.map(|s| s.settled),
+        "clearance_seated_m": equilibrium.map(|s| [s.displacement.x, s.displacement.y]),
+        "clearance_seated_settled": equilibrium.map(|s| s.converged),
         "velocity_sd_m_s": motion.as_ref().map(|sd| [sd[0], sd[1]]),
         "acceleration_sd_m_s2": motion.as_ref().map(|sd| [sd[2], sd[3]]),
         "torque_sd_nm": force_deviations.as_ref().map(|sd| [sd[0], sd[1]]),

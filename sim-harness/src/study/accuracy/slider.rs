@@ -5,7 +5,9 @@ use super::sampling::{Moments, Sampling, sample};
 use crate::input::robot::SliderRobot;
 use crate::run::plant::Noise;
 use fivebar_design::accuracy::five_bar::ClearanceError;
-use fivebar_design::accuracy::slider::{Seating, clearance_error, input_worst, seat};
+use fivebar_design::accuracy::slider::{
+    ClearanceEquilibrium, clearance_equilibrium, clearance_error, input_worst,
+};
 use fivebar_design::accuracy::{Primitive, Scatter};
 use fivebar_design::linkage::dyad::Rrr;
 use fivebar_design::slider::{ErrorTransfer, Geometry, Pose};
@@ -31,7 +33,7 @@ pub struct SliderAnalysis {
     /// How far clearances take P.
     pub clearance: ClearanceError,
     /// The pins as the force on P presses them, links without mass.
-    pub seating: Seating,
+    pub equilibrium: ClearanceEquilibrium,
 }
 
 /// Its figures by sampling.
@@ -107,7 +109,7 @@ pub fn analyse_slider(
         position: Scatter::propagate(&t, &primitives),
         input_worst: input_worst(geometry, &pose, tolerance.input_max).map_err(refuse)?,
         clearance: clearance_error(geometry, &pose, radii).map_err(refuse)?,
-        seating: seat(geometry, &pose, force, radii).map_err(refuse)?,
+        equilibrium: clearance_equilibrium(geometry, &pose, force, radii).map_err(refuse)?,
         transfer,
         primitives,
         pose,
@@ -203,9 +205,9 @@ pub fn slider_answer(
         "clearance_worst_m": analysis.clearance.worst,
         "clearance_worst_linear_m": analysis.clearance.worst_linear,
         "clearance_rms_m": analysis.clearance.rms,
-        "clearance_seated_m": pair(analysis.seating.displacement),
-        "clearance_seated_settled": analysis.seating.settled,
-        "limb_tension_n": analysis.seating.tension,
+        "clearance_seated_m": pair(analysis.equilibrium.displacement),
+        "clearance_seated_settled": analysis.equilibrium.converged,
+        "limb_tension_n": analysis.equilibrium.tension,
         "contributors": contributors,
         "monte_carlo": {
             "samples": sampled.sampling.samples,

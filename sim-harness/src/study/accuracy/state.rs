@@ -2,10 +2,12 @@
 
 use crate::input::robot::{Robot, Tolerance};
 use fivebar_design::accuracy::arm::{ArmResponse, Inputs, PRIMITIVES};
+use fivebar_design::accuracy::clearance_equilibrium::{
+    ClearanceEquilibrium, clearance_equilibrium,
+};
 use fivebar_design::accuracy::five_bar::{
     ClearanceError, ToolSensitivities, clearance_error, input_worst, tool_sensitivities,
 };
-use fivebar_design::accuracy::seating::{Seating, seat};
 use fivebar_design::accuracy::{Primitive, Scatter, sensitivities};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::Pose;
@@ -70,7 +72,7 @@ pub struct Forces {
     /// Of τ1, τ4 [N·m] and the forces in A, B, C, D, E, x and y [N].
     pub scatter: Scatter,
     /// The pins pressed where the forces push them.
-    pub seating: Seating,
+    pub equilibrium: ClearanceEquilibrium,
 }
 
 /// The primitives that have a scatter: inputs and lengths, and their columns among those of
@@ -119,7 +121,7 @@ pub fn analyse(robot: &Robot, state: &State) -> Result<Analysis, String> {
             let propagate = |first: usize, count: usize| {
                 Scatter::propagate(&scattered.rows(first, count).into_owned(), &primitives)
             };
-            let seating = seat(
+            let equilibrium = clearance_equilibrium(
                 arm,
                 pose.assembly(),
                 &inputs,
@@ -130,7 +132,7 @@ pub fn analyse(robot: &Robot, state: &State) -> Result<Analysis, String> {
             Some(Forces {
                 motion: propagate(2, 4),
                 scatter: propagate(6, 12),
-                seating,
+                equilibrium,
             })
         }
     };

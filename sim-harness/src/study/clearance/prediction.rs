@@ -31,9 +31,9 @@ impl Prediction {
             let Some(forces) = &analysis.forces else {
                 continue;
             };
-            let seating = &forces.seating;
-            most.seated = most.seated.max(seating.displacement.norm());
-            for (most, force) in most.reaction.iter_mut().zip(seating.reactions) {
+            let equilibrium = &forces.equilibrium;
+            most.seated = most.seated.max(equilibrium.displacement.norm());
+            for (most, force) in most.reaction.iter_mut().zip(equilibrium.reactions) {
                 *most = most.max(force.norm());
             }
         }

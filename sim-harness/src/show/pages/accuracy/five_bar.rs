@@ -154,7 +154,7 @@ pub fn along_page(robot: &str, along: &Along) -> Page {
                 analysis
                     .forces
                     .as_ref()
-                    .map_or(f64::NAN, |f| f.seating.reactions[joint].norm())
+                    .map_or(f64::NAN, |f| f.equilibrium.reactions[joint].norm())
             };
             chart = chart.line(name.to_uppercase(), curve(&force));
         }

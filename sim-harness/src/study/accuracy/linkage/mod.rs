@@ -10,7 +10,7 @@ pub use reach::Reach;
 
 use super::sampling::{Sampling, Spread, sample};
 use crate::input::linkage::DrivenLinkage;
-use fivebar_design::accuracy::linkage::{Figure, LinkageResponse, seat};
+use fivebar_design::accuracy::linkage::{Figure, LinkageResponse, clearance_equilibrium};
 use fivebar_design::accuracy::{Primitive, Response as _, Scatter, sensitivities};
 use fivebar_design::linkage::{Clearance, Coordinate, Linkage, Quantity, SolveError};
 use indicatif::ProgressBar;
@@ -164,8 +164,8 @@ fn with_pins(
             radii[pin.joint] = pin.radius;
         }
     }
-    let seated = seat(&linkage, inputs, &radii)?;
-    Ok((seated.linkage, seated.settled))
+    let equilibrium = clearance_equilibrium(&linkage, inputs, &radii)?;
+    Ok((equilibrium.linkage, equilibrium.converged))
 }
 
 /// The parameters that have a scatter or belong to a pin, by their place in the order of

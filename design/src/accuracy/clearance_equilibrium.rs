@@ -15,13 +15,13 @@ use fivebar_kinematics::dynamics::Arm;
 use fivebar_kinematics::five_bar::{Pose, Side};
 
 /// Changes of the pins' seats below this share of the clearances count as settled.
-const SETTLED: f64 = 1e-12;
+const CONVERGED: f64 = 1e-12;
 /// Directions that have not settled by then never will: a force near zero flutters.
-const MOST_ROUNDS: usize = 60;
+const MAX_ITERATIONS: usize = 60;
 
 /// The arm with every pin seated.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seating {
+pub struct ClearanceEquilibrium {
     /// Offset of the side farther from the ground in joints A, B, D, E, and of link 2 from
     /// link 3 in C, in the order A, B, C, D, E [m].
     pub offsets: [Vec2<f64>; 5],
@@ -31,52 +31,52 @@ pub struct Seating {
     /// Where the tool goes from its ideal place [m].
     pub displacement: Vec2<f64>,
     /// How often the pose was solved.
-    pub rounds: usize,
+    pub iterations: usize,
     /// Whether the directions settled; if not, some joint is about to lose contact.
-    pub settled: bool,
+    pub converged: bool,
 }
 
 /// Seats the pins of an arm in motion, its driven links held to their angles.
 ///
 /// # Errors
 /// Where the arm cannot be posed or is singular.
-pub fn seat(
+pub fn clearance_equilibrium(
     arm: &Arm<f64>,
     assembly: Side,
     inputs: &Inputs,
     external_force: Vec2<f64>,
     radii: [f64; 5],
-) -> Result<Seating, AccuracyError> {
+) -> Result<ClearanceEquilibrium, AccuracyError> {
     let geometry = arm.geometry();
     let ideal = geometry.forward(inputs.theta[0], inputs.theta[1], assembly)?;
     let largest = radii.iter().fold(0.0_f64, |m, r| m.max(*r));
     let mut pose = ideal;
-    let mut seating = Seating {
+    let mut equilibrium = ClearanceEquilibrium {
         offsets: [Vec2::zero(); 5],
         reactions: [Vec2::zero(); 5],
         displacement: Vec2::zero(),
-        rounds: 0,
-        settled: false,
+        iterations: 0,
+        converged: false,
     };
-    while seating.rounds < MOST_ROUNDS && !seating.settled {
+    while equilibrium.iterations < MAX_ITERATIONS && !equilibrium.converged {
         let reactions = reactions(arm, &pose, inputs, external_force)?;
         let [a, b, c, d, e] = core::array::from_fn(|i| pressed(reactions[i], radii[i]));
         // The reaction in C is that of link 2 on link 3: link 2 lies the other way.
         let offsets = [a, b, -c, d, e];
         let change = (0..5)
-            .map(|i| (offsets[i] - seating.offsets[i]).norm())
+            .map(|i| (offsets[i] - equilibrium.offsets[i]).norm())
             .fold(0.0, f64::max);
-        seating = Seating {
+        equilibrium = ClearanceEquilibrium {
             offsets,
             reactions,
-            rounds: seating.rounds + 1,
-            settled: change <= SETTLED * largest,
-            ..seating
+            iterations: equilibrium.iterations + 1,
+            converged: change <= CONVERGED * largest,
+            ..equilibrium
         };
-        pose = seated_pose(arm, &ideal, offsets)?;
+        pose = equilibrium_pose(arm, &ideal, offsets)?;
     }
-    seating.displacement = pose.c - ideal.c;
-    Ok(seating)
+    equilibrium.displacement = pose.c - ideal.c;
+    Ok(equilibrium)
 }
 
 /// −r F̂; nothing presses where there is no force.
@@ -105,7 +105,7 @@ fn reactions(
 }
 
 /// The pose with the pins off their centres: links 2 and 3 turned to meet.
-fn seated_pose(
+fn equilibrium_pose(
     arm: &Arm<f64>,
     ideal: &Pose<f64>,
     offsets: [Vec2<f64>; 5],
