@@ -1,7 +1,7 @@
 //! Shi 2005's four-bar with clearance in two joints: the scatter of its motion and forces,
 //! by the analytic matrices and by dual numbers, and what the paper's omissions cost.
 
-use fivebar_design::accuracy::loops::{Course, Quantity, Term, VectorLoops};
+use fivebar_design::accuracy::loops::{Quantity, Term, TimeDerivatives, VectorLoops};
 use fivebar_design::accuracy::{Primitive, Response, Scatter, sensitivities};
 use fivebar_design::linkage::PointMotion;
 use fivebar_design::linkage::dyad::{DyadError, Rrr};
@@ -51,8 +51,8 @@ fn loops() -> VectorLoops {
     }
 }
 
-fn inputs() -> Course {
-    Course {
+fn inputs() -> TimeDerivatives {
+    TimeDerivatives {
         value: DVector::from_element(1, MEANS[0]),
         rate: DVector::from_element(1, MEANS[1]),
         acceleration: DVector::from_element(1, MEANS[2]),
@@ -181,8 +181,8 @@ struct Analytic {
 
 fn analytic() -> Analytic {
     let loops = loops();
-    let course = loops.solve(&[0.6, 1.7], &inputs()).unwrap();
-    let found = loops.sensitivities(&course, &inputs()).unwrap();
+    let unknowns = loops.solve(&[0.6, 1.7], &inputs()).unwrap();
+    let found = loops.sensitivities(&unknowns, &inputs()).unwrap();
     let mut motion = DMatrix::zeros(6, MEANS.len());
     motion
         .view_mut((0, 0), (2, KINEMATIC))
@@ -195,11 +195,11 @@ fn analytic() -> Analytic {
         .copy_from(&found.acceleration);
     let mut point = MEANS.to_vec();
     point.extend(
-        course
+        unknowns
             .value
             .iter()
-            .chain(&course.rate)
-            .chain(&course.acceleration),
+            .chain(&unknowns.rate)
+            .chain(&unknowns.acceleration),
     );
     let partial = sensitivities(&Forces, &point).unwrap();
     Analytic {
@@ -232,12 +232,12 @@ fn nominal_motion_and_forces() {
     for (actual, expected) in results.iter().zip(expected) {
         assert_close(*actual, expected, 1e-6);
     }
-    let course = loops().solve(&[0.6, 1.7], &inputs()).unwrap();
-    let by_loops = course
+    let unknowns = loops().solve(&[0.6, 1.7], &inputs()).unwrap();
+    let by_loops = unknowns
         .value
         .iter()
-        .chain(&course.rate)
-        .chain(&course.acceleration);
+        .chain(&unknowns.rate)
+        .chain(&unknowns.acceleration);
     for (by_loops, by_dyad) in by_loops.zip(&results) {
         assert_close(*by_loops, *by_dyad, 1e-12);
     }

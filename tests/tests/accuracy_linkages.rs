@@ -4,7 +4,7 @@
 use fivebar::input::linkage::{DrivenLinkage, EXAMPLES, Example};
 use fivebar::input::robot::SliderRobot;
 use fivebar::study::accuracy::{Sampling, analyse_slider, sample_slider, slider_answer};
-use fivebar_design::accuracy::assur::{course, unknowns};
+use fivebar_design::accuracy::assur::{time_derivatives, unknowns};
 use fivebar_design::accuracy::linkage::{Figure, LinkageResponse, clearance_equilibrium};
 use fivebar_design::accuracy::loops::VectorLoops;
 use fivebar_design::accuracy::slider;
@@ -84,8 +84,8 @@ fn analytic_matrices_equal_dual_numbers_on_every_example() {
         assert_eq!(loops.parameters, all_parameters(&linkage));
         for inputs in instants(&driven) {
             let motion = linkage.motion(&inputs).unwrap();
-            let guess = course(&unknowns(&linkage, &motion));
-            let driving = course(&inputs);
+            let guess = time_derivatives(&unknowns(&linkage, &motion));
+            let driving = time_derivatives(&inputs);
             // The loops close where the dyads do, and move as they do.
             let solved = loops.solve(guess.value.as_slice(), &driving).unwrap();
             for (a, b, scale) in [

@@ -14,7 +14,7 @@
 //!
 //! and a clearance r e^{ia} is one more term of the chain it lies in.
 
-use super::loops::{Course, Quantity, Term, VectorLoops};
+use super::loops::{Quantity, Term, TimeDerivatives, VectorLoops};
 use crate::linkage::{Clearance, Coordinate, Group, Guide, Linkage, LinkageMotion, PointId};
 use core::f64::consts::FRAC_PI_2;
 use nalgebra::DVector;
@@ -275,11 +275,11 @@ pub fn unknowns<S: fivebar_kinematics::Scalar>(
 }
 
 /// The same as columns.
-pub fn course(coordinates: &[Coordinate<f64>]) -> Course {
+pub fn time_derivatives(coordinates: &[Coordinate<f64>]) -> TimeDerivatives {
     let column = |part: fn(&Coordinate<f64>) -> f64| {
         DVector::from_iterator(coordinates.len(), coordinates.iter().map(part))
     };
-    Course {
+    TimeDerivatives {
         value: column(|c| c.value),
         rate: column(|c| c.rate),
         acceleration: column(|c| c.acceleration),

@@ -50,7 +50,7 @@ pub struct VectorLoops {
 
 /// The value and the first two time derivatives of some variables.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Course {
+pub struct TimeDerivatives {
     /// Values.
     pub value: DVector<f64>,
     /// First derivatives.
@@ -104,9 +104,19 @@ impl VectorLoops {
     }
 
     /// Value, rate and acceleration of a quantity.
-    fn at(&self, quantity: Quantity, unknowns: &Course, inputs: &Course) -> [f64; 3] {
-        let of =
-            |course: &Course, i: usize| [course.value[i], course.rate[i], course.acceleration[i]];
+    fn at(
+        &self,
+        quantity: Quantity,
+        unknowns: &TimeDerivatives,
+        inputs: &TimeDerivatives,
+    ) -> [f64; 3] {
+        let of = |variables: &TimeDerivatives, i: usize| {
+            [
+                variables.value[i],
+                variables.rate[i],
+                variables.acceleration[i],
+            ]
+        };
         match quantity {
             Quantity::Unknown(i) => of(unknowns, i),
             Quantity::Input(i) => of(inputs, i),
@@ -116,7 +126,7 @@ impl VectorLoops {
     }
 
     /// F, two numbers a loop.
-    fn closure(&self, unknowns: &Course, inputs: &Course) -> DVector<f64> {
+    fn closure(&self, unknowns: &TimeDerivatives, inputs: &TimeDerivatives) -> DVector<f64> {
         let mut closure = DVector::zeros(self.unknowns());
         for (row, terms) in self.loops.iter().enumerate() {
             for term in terms {
@@ -131,7 +141,11 @@ impl VectorLoops {
     }
 
     /// F_x, Ḟ_x and F̈_x over all variables x = (U, V, parameters).
-    fn derivatives(&self, unknowns: &Course, inputs: &Course) -> [DMatrix<f64>; 3] {
+    fn derivatives(
+        &self,
+        unknowns: &TimeDerivatives,
+        inputs: &TimeDerivatives,
+    ) -> [DMatrix<f64>; 3] {
         let mut f = [(); 3].map(|()| DMatrix::zeros(self.unknowns(), self.variables()));
         for (row, terms) in self.loops.iter().enumerate() {
             for term in terms {
@@ -167,9 +181,13 @@ impl VectorLoops {
     /// # Errors
     /// `Unclosed` where Newton's method does not converge from this guess, `Singular`
     /// where F_U has no inverse.
-    pub fn solve(&self, guess: &[f64], inputs: &Course) -> Result<Course, AccuracyError> {
+    pub fn solve(
+        &self,
+        guess: &[f64],
+        inputs: &TimeDerivatives,
+    ) -> Result<TimeDerivatives, AccuracyError> {
         let n = self.unknowns();
-        let mut unknowns = Course {
+        let mut unknowns = TimeDerivatives {
             value: DVector::from_column_slice(guess),
             rate: DVector::zeros(n),
             acceleration: DVector::zeros(n),
@@ -206,8 +224,8 @@ impl VectorLoops {
     /// `Singular` where F_U has no inverse.
     pub fn sensitivities(
         &self,
-        unknowns: &Course,
-        inputs: &Course,
+        unknowns: &TimeDerivatives,
+        inputs: &TimeDerivatives,
     ) -> Result<Sensitivities, AccuracyError> {
         let n = self.unknowns();
         let others = self.inputs + self.parameters.len();
