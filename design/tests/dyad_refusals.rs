@@ -1,7 +1,7 @@
 //! What a dyad refuses, and by which name.
 
 use fivebar_design::linkage::dyad::{
-    DyadError, Prp, Rpp, Rpr, Rrp, Rrr, Singular, Unreachable, Way,
+    DyadError, Prp, Rpp, Rpr, Rrp, Rrr, Singular, SlideBranch, Unreachable,
 };
 use fivebar_design::linkage::{LinkMotion, PointMotion};
 use fivebar_kinematics::Vec2;
@@ -32,7 +32,7 @@ fn what_cannot_close_says_which_way() {
     let rrp = Rrp {
         length: 1.0,
         offset: 0.3,
-        way: Way::Ahead,
+        branch: SlideBranch::Ahead,
     };
     let guide = |y| rrp.motion(&origin, &still_guide(0.0, y, 0.0));
     assert_eq!(guide(0.8), unreachable(Unreachable::GuideTooFar));
@@ -41,7 +41,7 @@ fn what_cannot_close_says_which_way() {
 
     let rpr = Rpr {
         offset: 0.3,
-        way: Way::Ahead,
+        branch: SlideBranch::Ahead,
     };
     let end = |x| rpr.motion(&origin, &still(x, 0.0));
     assert_eq!(end(0.2), unreachable(Unreachable::InsideOffset));
@@ -69,7 +69,7 @@ fn singular_places_are_refused_by_name() {
     let rrp = Rrp {
         length: 1.0,
         offset: 0.0,
-        way: Way::Ahead,
+        branch: SlideBranch::Ahead,
     };
     assert_eq!(
         rrp.motion(&origin, &still_guide(0.0, 1.0, 0.0)),
@@ -77,7 +77,7 @@ fn singular_places_are_refused_by_name() {
     );
     let rpr = |offset| Rpr {
         offset,
-        way: Way::Ahead,
+        branch: SlideBranch::Ahead,
     };
     assert_eq!(
         rpr(0.0).motion(&origin, &origin),
@@ -114,7 +114,7 @@ fn numbers_that_are_not_numbers_are_refused() {
     assert_eq!(rrr.motion(&origin, &nowhere), Err(DyadError::NotFinite));
     let rpr = Rpr {
         offset: 0.1,
-        way: Way::Ahead,
+        branch: SlideBranch::Ahead,
     };
     assert_eq!(rpr.motion(&nowhere, &origin), Err(DyadError::NotFinite));
 }

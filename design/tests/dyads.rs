@@ -1,7 +1,7 @@
 //! Every dyad on every branch: closure, rates against finite differences, reactions
 //! against power.
 
-use fivebar_design::linkage::dyad::{DyadError, DyadMotion, Prp, Rpp, Rpr, Rrp, Rrr, Way};
+use fivebar_design::linkage::dyad::{DyadError, DyadMotion, Prp, Rpp, Rpr, Rrp, Rrr, SlideBranch};
 use fivebar_design::linkage::{LinkMotion, PointMotion, Wrench, reactions};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::Side;
@@ -113,15 +113,18 @@ fn dyad() -> impl Strategy<Value = Dyad> {
     let length = || 0.2..2.5_f64;
     let offset = || -0.5..0.5_f64;
     let side = || prop::sample::select(Side::BOTH.to_vec());
-    let way = || prop::sample::select(Way::BOTH.to_vec());
+    let way = || prop::sample::select(SlideBranch::BOTH.to_vec());
     prop_oneof![
         ([length(), length()], side()).prop_map(|(lengths, side)| Dyad::Rrr(Rrr { lengths, side })),
         (length(), offset(), way()).prop_map(|(length, offset, way)| Dyad::Rrp(Rrp {
             length,
             offset,
-            way
+            branch: way
         })),
-        (offset(), way()).prop_map(|(offset, way)| Dyad::Rpr(Rpr { offset, way })),
+        (offset(), way()).prop_map(|(offset, way)| Dyad::Rpr(Rpr {
+            offset,
+            branch: way
+        })),
         [offset(), offset()].prop_map(|offsets| Dyad::Prp(Prp { offsets })),
         (-3.0..3.0_f64).prop_map(|angle| Dyad::Rpp(Rpp {
             direction: Vec2::unit(angle)
@@ -294,14 +297,14 @@ fn the_other_way_is_the_other_assembly() {
     let (offset, length) = (-0.5..0.5_f64, 0.5..2.0_f64);
     let config = ProptestConfig::with_cases(3000);
     proptest!(config, |(offset in offset, length in length, carriers in [carrier(), carrier()])| {
-        let places = Way::BOTH.map(|way| {
-            Dyad::Rrp(Rrp { length, offset, way }).motion(&carriers, 0.0)
+        let places = SlideBranch::BOTH.map(|way| {
+            Dyad::Rrp(Rrp { length, offset, branch: way }).motion(&carriers, 0.0)
         });
         if solved.count(places.iter().all(Result::is_ok)) {
             let [ahead, behind] = places.map(Result::unwrap);
             prop_assert!(ahead.slides[0].unwrap().value > behind.slides[0].unwrap().value);
         }
-        let places = Way::BOTH.map(|way| Dyad::Rpr(Rpr { offset, way }).motion(&carriers, 0.0));
+        let places = SlideBranch::BOTH.map(|way| Dyad::Rpr(Rpr { offset, branch: way }).motion(&carriers, 0.0));
         if solved.count(places.iter().all(Result::is_ok)) {
             let [ahead, behind] = places.map(Result::unwrap);
             prop_assert!(ahead.slides[0].unwrap().value > 0.0);

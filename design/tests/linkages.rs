@@ -3,7 +3,7 @@
 
 use core::f64::consts::{PI, TAU};
 use fivebar_design::Dual;
-use fivebar_design::linkage::dyad::{DyadError, Rrp, Rrr, Unreachable, Way};
+use fivebar_design::linkage::dyad::{DyadError, Rrp, Rrr, SlideBranch, Unreachable};
 use fivebar_design::linkage::{
     Coordinate, DriveLaw, FourBarType, Group, Guide, LinkId, Linkage, Quantity, Sweep,
 };
@@ -281,7 +281,7 @@ fn heavy_slider() -> Linkage<f64> {
     let dyad = Rrp {
         length: 0.5,
         offset: 0.03,
-        way: Way::Ahead,
+        branch: SlideBranch::Ahead,
     };
     let added = linkage.add("F", Group::Rrp { dyad, end, guide }).unwrap();
     for (link, name) in added.links().zip(["rod", "ram"]) {

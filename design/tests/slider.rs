@@ -1,7 +1,7 @@
 //! The slider-driven mechanism: round trips, rates and error transfer against finite
 //! differences, PRRRP against its linkage, singular places.
 
-use fivebar_design::linkage::dyad::{Rrr, Way};
+use fivebar_design::linkage::dyad::{Rrr, SlideBranch};
 use fivebar_design::linkage::{Coordinate, Group, Guide, LinkId, Linkage};
 use fivebar_design::slider::{Geometry, GeometryError, Limb, Pose, PoseError, Travel, WorkingMode};
 use fivebar_kinematics::Vec2;
@@ -312,7 +312,7 @@ fn the_workspace_is_where_the_inverse_stays_within_the_travel() {
         );
         assert!(area > least, "{mode:?}: {area}");
     }
-    let apart = WorkingMode::new(Way::Behind, Way::Ahead);
+    let apart = WorkingMode::new(SlideBranch::Behind, SlideBranch::Ahead);
     assert_eq!(
         geometry.reachable_at(
             0.0,

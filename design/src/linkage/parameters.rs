@@ -163,7 +163,7 @@ fn map_group<S: Scalar, T: Scalar>(
             dyad: Rrp {
                 length: one(0, Quantity::Length, dyad.length),
                 offset: one(1, Quantity::Offset, dyad.offset),
-                way: dyad.way,
+                branch: dyad.branch,
             },
             end,
             guide: constant_guide(guide),
@@ -171,7 +171,7 @@ fn map_group<S: Scalar, T: Scalar>(
         Group::Rpr { dyad, ends } => Group::Rpr {
             dyad: Rpr {
                 offset: one(0, Quantity::Offset, dyad.offset),
-                way: dyad.way,
+                branch: dyad.branch,
             },
             ends,
         },

@@ -271,8 +271,8 @@ impl<S> Group<S> {
     fn flip(&mut self) -> bool {
         match self {
             Self::Rrr { dyad, .. } => dyad.side = dyad.side.opposite(),
-            Self::Rrp { dyad, .. } => dyad.way = dyad.way.opposite(),
-            Self::Rpr { dyad, .. } => dyad.way = dyad.way.opposite(),
+            Self::Rrp { dyad, .. } => dyad.branch = dyad.branch.opposite(),
+            Self::Rpr { dyad, .. } => dyad.branch = dyad.branch.opposite(),
             Self::Crank { .. } | Self::Slider { .. } | Self::Prp { .. } | Self::Rpp { .. } => {
                 return false;
             }

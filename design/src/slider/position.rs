@@ -1,7 +1,7 @@
 //! Positions, both ways.
 
 use super::{Geometry, Limb, PoseError};
-use crate::linkage::dyad::Way;
+use crate::linkage::dyad::SlideBranch;
 use fivebar_kinematics::five_bar::Side;
 use fivebar_kinematics::{Scalar, Vec2};
 
@@ -9,25 +9,25 @@ use fivebar_kinematics::{Scalar, Vec2};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct WorkingMode {
     /// `Behind` where cos α3 > 0.
-    pub left: Way,
+    pub left: SlideBranch,
     /// `Behind` where cos α7 > 0.
-    pub right: Way,
+    pub right: SlideBranch,
 }
 
 impl WorkingMode {
     /// All four.
     pub const ALL: [Self; 4] = [
         Self::APART,
-        Self::new(Way::Behind, Way::Behind),
-        Self::new(Way::Ahead, Way::Ahead),
-        Self::new(Way::Ahead, Way::Behind),
+        Self::new(SlideBranch::Behind, SlideBranch::Behind),
+        Self::new(SlideBranch::Ahead, SlideBranch::Ahead),
+        Self::new(SlideBranch::Ahead, SlideBranch::Behind),
     ];
 
     /// The usual one: the sliders stand outwards.
-    pub const APART: Self = Self::new(Way::Behind, Way::Ahead);
+    pub const APART: Self = Self::new(SlideBranch::Behind, SlideBranch::Ahead);
 
     /// The mode with these slider places.
-    pub const fn new(left: Way, right: Way) -> Self {
+    pub const fn new(left: SlideBranch, right: SlideBranch) -> Self {
         Self { left, right }
     }
 }
@@ -55,14 +55,14 @@ impl<S: Scalar> Pose<S> {
 
     /// The inverse branch.
     pub fn working_mode(&self) -> WorkingMode {
-        let way = |cosine: S| {
+        let branch = |cosine: S| {
             if cosine > S::ZERO {
-                Way::Behind
+                SlideBranch::Behind
             } else {
-                Way::Ahead
+                SlideBranch::Ahead
             }
         };
-        WorkingMode::new(way(self.u3.x), way(self.u7.x))
+        WorkingMode::new(branch(self.u3.x), branch(self.u7.x))
     }
 
     /// α3 and α7 [rad].
@@ -128,13 +128,13 @@ impl<S: Scalar> Geometry<S> {
         if !(p.x.is_finite() && p.y.is_finite()) {
             return Err(PoseError::NotFinite);
         }
-        let up = |length: S, way: Way, limb: Limb| {
+        let up = |length: S, branch: SlideBranch, limb: Limb| {
             let h_squared = length * length - p.y * p.y;
             if h_squared < S::ZERO {
                 return Err(PoseError::LimbTooShort(limb));
             }
             // A slider behind stands under a limb that leans ahead.
-            Ok(way.opposite().sign(h_squared.sqrt()))
+            Ok(branch.opposite().sign(h_squared.sqrt()))
         };
         let (l3, l7) = (self.l3(), self.l7());
         let h3 = up(l3, mode.left, Limb::Left)?;

@@ -36,15 +36,15 @@ use fivebar_kinematics::{Scalar, Vec2};
 /// Where along a guide: the assembly branch of a dyad with a slider.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Way {
+pub enum SlideBranch {
     /// The solution farther along the guide's direction.
     Ahead,
     /// The solution farther against it.
     Behind,
 }
 
-impl Way {
-    /// Both ways.
+impl SlideBranch {
+    /// Both branches.
     pub const BOTH: [Self; 2] = [Self::Ahead, Self::Behind];
 
     /// `value` ahead, −`value` behind.
@@ -56,7 +56,7 @@ impl Way {
         }
     }
 
-    /// The other way.
+    /// The other branch.
     #[must_use]
     pub fn opposite(self) -> Self {
         match self {

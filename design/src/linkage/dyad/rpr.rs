@@ -5,7 +5,7 @@
 //! ḋ = ṡ u + ω d⊥: ω = ḋ·n / s, ṡ = ḋ·u + e ω;
 //! d̈ = s̈ u + 2 ω ṡ n + α d⊥ − ω² d: α = (d̈·n − 2 ω ṡ + e ω²) / s, s̈ = d̈·u + e α + s ω².
 
-use super::{DyadError, DyadMotion, Singular, Unreachable, Way, finite, regular};
+use super::{DyadError, DyadMotion, Singular, SlideBranch, Unreachable, finite, regular};
 use crate::linkage::joint::Joint;
 use crate::linkage::motion::{Coordinate, LinkMotion, PointMotion};
 use fivebar_kinematics::{Scalar, Vec2};
@@ -19,7 +19,7 @@ pub struct Rpr<S> {
     /// e, how far to the left of the pivot P1 the slider's pin runs [m].
     pub offset: S,
     /// `Ahead` where the slider is ahead of the pivot along the bar's axis.
-    pub way: Way,
+    pub branch: SlideBranch,
 }
 
 impl<S: Scalar> Rpr<S> {
@@ -40,7 +40,7 @@ impl<S: Scalar> Rpr<S> {
         if d_squared == S::ZERO {
             return Err(DyadError::Singular(Singular::EndsMeet));
         }
-        let s = self.way.sign(radicand.sqrt());
+        let s = self.branch.sign(radicand.sqrt());
         Ok((s, (d * s - d.perp() * self.offset) * (S::ONE / d_squared)))
     }
 

@@ -10,7 +10,7 @@
 //! Ṗ1 + ω1 r⊥ = v_G + ṡ u: ω1 = (v_G − Ṗ1)·n / (r·u), ṡ = (Ṗ1 − v_G)·r / (r·u);
 //! P̈1 + α1 r⊥ − ω1² r = a_G + 2 ω ṡ n + s̈ u, alike.
 
-use super::{DyadError, DyadMotion, Singular, Unreachable, Way, beside, finite, regular};
+use super::{DyadError, DyadMotion, Singular, SlideBranch, Unreachable, beside, finite, regular};
 use crate::linkage::joint::Joint;
 use crate::linkage::motion::{Coordinate, LinkMotion, PointMotion};
 use fivebar_kinematics::{Scalar, Vec2};
@@ -26,7 +26,7 @@ pub struct Rrp<S> {
     /// e, how far to the left of the guide's origin the slider's pin runs [m].
     pub offset: S,
     /// Which of the two places on the guide.
-    pub way: Way,
+    pub branch: SlideBranch,
 }
 
 impl<S: Scalar> Rrp<S> {
@@ -43,7 +43,7 @@ impl<S: Scalar> Rrp<S> {
         if radicand < S::ZERO {
             return Err(DyadError::Unreachable(Unreachable::GuideTooFar));
         }
-        Ok(self.way.sign(radicand.sqrt()) - w.dot(guide.axis))
+        Ok(self.branch.sign(radicand.sqrt()) - w.dot(guide.axis))
     }
 
     /// Position, velocity and acceleration from those of the end and the guide.

@@ -152,7 +152,7 @@ impl<'a> Builder<'a> {
                 dyad: Rrp {
                     length: *length,
                     offset: *offset,
-                    way: *branch,
+                    branch: *branch,
                 },
                 end: self.find(key("end"), end)?,
                 guide: self.guide(key("guide"), guide)?,
@@ -165,7 +165,7 @@ impl<'a> Builder<'a> {
             } => Group::Rpr {
                 dyad: Rpr {
                     offset: *offset,
-                    way: *branch,
+                    branch: *branch,
                 },
                 ends: self.ends(key("ends"), ends)?,
             },

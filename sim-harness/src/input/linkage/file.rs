@@ -5,7 +5,7 @@
 
 use super::tolerance::ToleranceFile;
 use fivebar_design::linkage::DriveLaw;
-use fivebar_design::linkage::dyad::Way;
+use fivebar_design::linkage::dyad::SlideBranch;
 use fivebar_kinematics::five_bar::Side;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -78,7 +78,7 @@ pub(super) enum ElementFile {
         #[serde(default)]
         offset: f64,
         joint: String,
-        branch: Way,
+        branch: SlideBranch,
         links: [LinkFile; 2],
     },
     #[serde(rename = "RPR")]
@@ -86,7 +86,7 @@ pub(super) enum ElementFile {
         ends: [String; 2],
         #[serde(default)]
         offset: f64,
-        branch: Way,
+        branch: SlideBranch,
         links: [LinkFile; 2],
     },
     #[serde(rename = "PRP")]

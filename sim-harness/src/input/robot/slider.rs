@@ -4,7 +4,7 @@ use super::file::ToleranceFile;
 use super::tolerance::each;
 use super::{BuiltIn, Robot, read};
 use crate::input::source::{FileError, Key, Source};
-use fivebar_design::linkage::dyad::Way;
+use fivebar_design::linkage::dyad::SlideBranch;
 use fivebar_design::slider::{Geometry, GeometryError, Limb, Travel, WorkingMode};
 use serde::Deserialize;
 
@@ -57,7 +57,7 @@ struct SliderFile {
     #[serde(default)]
     platform: f64,
     #[serde(default = "apart")]
-    working_mode: [Way; 2],
+    working_mode: [SlideBranch; 2],
     travel: Option<TravelFile>,
     #[serde(default)]
     tolerance: ToleranceFile,
@@ -71,7 +71,7 @@ struct TravelFile {
     right: [f64; 2],
 }
 
-fn apart() -> [Way; 2] {
+fn apart() -> [SlideBranch; 2] {
     let WorkingMode { left, right } = WorkingMode::APART;
     [left, right]
 }

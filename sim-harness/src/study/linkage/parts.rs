@@ -1,22 +1,22 @@
 //! What a linkage's groups and joints are like.
 
-use fivebar_design::linkage::dyad::Way;
+use fivebar_design::linkage::dyad::SlideBranch;
 use fivebar_design::linkage::{Group, Reaction};
 use fivebar_kinematics::five_bar::Side;
 
 /// A dyad's branch, in the words of its file.
 pub(crate) fn branch(group: &Group<f64>) -> Option<&'static str> {
-    let of_way = |way| match way {
-        Way::Ahead => "ahead",
-        Way::Behind => "behind",
+    let of_slide = |branch| match branch {
+        SlideBranch::Ahead => "ahead",
+        SlideBranch::Behind => "behind",
     };
     Some(match group {
         Group::Rrr { dyad, .. } => match dyad.side {
             Side::Left => "left",
             Side::Right => "right",
         },
-        Group::Rrp { dyad, .. } => of_way(dyad.way),
-        Group::Rpr { dyad, .. } => of_way(dyad.way),
+        Group::Rrp { dyad, .. } => of_slide(dyad.branch),
+        Group::Rpr { dyad, .. } => of_slide(dyad.branch),
         _ => return None,
     })
 }

@@ -3,7 +3,7 @@
 
 use super::{Kind, Refusal};
 use crate::input::robot::SliderRobot;
-use fivebar_design::linkage::dyad::Way;
+use fivebar_design::linkage::dyad::SlideBranch;
 use fivebar_design::slider::{Accelerations, Pose, PoseError, Velocities, WorkingMode};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::Side;
@@ -40,8 +40,8 @@ pub struct Driven {
 #[derive(Clone, Copy, Debug, Deserialize)]
 pub struct Inverse {
     p: [f64; 2],
-    left: Option<Way>,
-    right: Option<Way>,
+    left: Option<SlideBranch>,
+    right: Option<SlideBranch>,
 }
 
 /// The sliders' places, velocities [m/s] and accelerations [m/s²].
@@ -68,8 +68,8 @@ pub struct InverseMotion {
 #[derive(Clone, Copy, Debug, Deserialize)]
 pub struct Reach {
     y: f64,
-    left: Option<Way>,
-    right: Option<Way>,
+    left: Option<SlideBranch>,
+    right: Option<SlideBranch>,
 }
 
 #[derive(Serialize)]
@@ -77,8 +77,8 @@ struct ForwardAnswer {
     p: [f64; 2],
     alpha3: f64,
     alpha7: f64,
-    left: Way,
-    right: Way,
+    left: SlideBranch,
+    right: SlideBranch,
 }
 
 #[derive(Serialize)]
@@ -242,7 +242,7 @@ impl Reach {
     }
 }
 
-fn mode(robot: &SliderRobot, left: Option<Way>, right: Option<Way>) -> WorkingMode {
+fn mode(robot: &SliderRobot, left: Option<SlideBranch>, right: Option<SlideBranch>) -> WorkingMode {
     let own = robot.working_mode;
     WorkingMode::new(left.unwrap_or(own.left), right.unwrap_or(own.right))
 }
