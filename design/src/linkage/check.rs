@@ -6,7 +6,7 @@ use fivebar_kinematics::{Scalar, Vec2};
 
 /// Why a piece makes no sense.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Invalid {
+pub enum LinkageError {
     /// A length is not a positive finite number.
     Length,
     /// A direction is zero or not finite.
@@ -23,7 +23,7 @@ pub enum Invalid {
     NotABar,
 }
 
-impl fmt::Display for Invalid {
+impl fmt::Display for LinkageError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Length => "every length must be a positive finite number of metres",
@@ -39,11 +39,11 @@ impl fmt::Display for Invalid {
     }
 }
 
-impl core::error::Error for Invalid {}
+impl core::error::Error for LinkageError {}
 
 impl<S: Scalar> Group<S> {
     /// The group with unit directions, where its numbers make sense.
-    pub(super) fn checked(mut self) -> Result<Self, Invalid> {
+    pub(super) fn checked(mut self) -> Result<Self, LinkageError> {
         match &mut self {
             Self::Crank { .. } => {}
             Self::Slider { guide } => normalise(&mut guide.direction)?,
@@ -73,36 +73,36 @@ impl<S: Scalar> Group<S> {
     }
 }
 
-fn positive<S: Scalar>(length: S) -> Result<(), Invalid> {
+fn positive<S: Scalar>(length: S) -> Result<(), LinkageError> {
     if length > S::ZERO && length.is_finite() {
         Ok(())
     } else {
-        Err(Invalid::Length)
+        Err(LinkageError::Length)
     }
 }
 
-pub(super) fn not_negative<S: Scalar>(value: S) -> Result<(), Invalid> {
+pub(super) fn not_negative<S: Scalar>(value: S) -> Result<(), LinkageError> {
     if value >= S::ZERO && value.is_finite() {
         Ok(())
     } else {
-        Err(Invalid::Inertia)
+        Err(LinkageError::Inertia)
     }
 }
 
-pub(super) fn finite<S: Scalar>(vector: Vec2<S>) -> Result<(), Invalid> {
+pub(super) fn finite<S: Scalar>(vector: Vec2<S>) -> Result<(), LinkageError> {
     if vector.x.is_finite() && vector.y.is_finite() {
         Ok(())
     } else {
-        Err(Invalid::NotFinite)
+        Err(LinkageError::NotFinite)
     }
 }
 
-fn normalise<S: Scalar>(direction: &mut Vec2<S>) -> Result<(), Invalid> {
+fn normalise<S: Scalar>(direction: &mut Vec2<S>) -> Result<(), LinkageError> {
     let norm = direction.norm();
     if norm > S::ZERO && norm.is_finite() {
         *direction = *direction * (S::ONE / norm);
         Ok(())
     } else {
-        Err(Invalid::Direction)
+        Err(LinkageError::Direction)
     }
 }

@@ -1,7 +1,7 @@
 //! What a linkage that is put together is fitted with: clearances in its pins, and bars
 //! whose mass follows from their length.
 
-use super::check::{Invalid, not_negative};
+use super::check::{LinkageError, not_negative};
 use super::clearance::Clearance;
 use super::group::{Group, LinkId};
 use super::model::{Element, Linkage};
@@ -43,14 +43,18 @@ impl<S: Scalar> Linkage<S> {
     /// # Errors
     /// `NotAPin` for a slide or where there is no such joint, `Clearance` for a radius below
     /// zero or a number that is not finite.
-    pub fn set_clearance(&mut self, joint: usize, clearance: Clearance<S>) -> Result<(), Invalid> {
-        let (element, k) = self.places().nth(joint).ok_or(Invalid::NotAPin)?;
+    pub fn set_clearance(
+        &mut self,
+        joint: usize,
+        clearance: Clearance<S>,
+    ) -> Result<(), LinkageError> {
+        let (element, k) = self.places().nth(joint).ok_or(LinkageError::NotAPin)?;
         let element = &mut self.elements[element];
         if !element.group.pins()[k] {
-            return Err(Invalid::NotAPin);
+            return Err(LinkageError::NotAPin);
         }
         if !clearance.angle.is_finite() || not_negative(clearance.radius).is_err() {
-            return Err(Invalid::Clearance);
+            return Err(LinkageError::Clearance);
         }
         element.clearances[k] = Some(clearance);
         Ok(())
@@ -61,10 +65,10 @@ impl<S: Scalar> Linkage<S> {
     ///
     /// # Errors
     /// `Inertia` for numbers below zero or not finite, `NotABar` for a link without a length.
-    pub fn set_section(&mut self, link: LinkId, section: Section<S>) -> Result<(), Invalid> {
+    pub fn set_section(&mut self, link: LinkId, section: Section<S>) -> Result<(), LinkageError> {
         not_negative(section.area)?;
         not_negative(section.density)?;
-        let end = self.far_end(link).ok_or(Invalid::NotABar)?;
+        let end = self.far_end(link).ok_or(LinkageError::NotABar)?;
         let named = &mut self.links[link.0];
         named.section = Some(section);
         named.inertia = section.bar(end);

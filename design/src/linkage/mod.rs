@@ -21,7 +21,7 @@ mod statics;
 mod sweep;
 mod wrench;
 
-pub use check::Invalid;
+pub use check::LinkageError;
 pub use clearance::Clearance;
 pub use forces::{Forces, Reaction};
 pub use four_bar::{FourBar, FourBarType};

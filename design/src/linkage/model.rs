@@ -3,7 +3,7 @@
 //! Each piece may only stand on pieces added before it, so that every linkage built this
 //! way can be solved in the order of its building, without search.
 
-use super::check::{Invalid, finite, not_negative};
+use super::check::{LinkageError, finite, not_negative};
 use super::clearance::Clearance;
 use super::group::{Group, LinkId, PointId};
 use super::section::Section;
@@ -83,7 +83,7 @@ impl<S: Scalar> Linkage<S> {
     ///
     /// # Errors
     /// `NotFinite`.
-    pub fn new(gravity: Vec2<S>) -> Result<Self, Invalid> {
+    pub fn new(gravity: Vec2<S>) -> Result<Self, LinkageError> {
         finite(gravity)?;
         let mut linkage = Self {
             gravity,
@@ -103,7 +103,12 @@ impl<S: Scalar> Linkage<S> {
     ///
     /// # Panics
     /// If the link is of another linkage and not of this one.
-    pub fn point(&mut self, name: &str, link: LinkId, local: Vec2<S>) -> Result<PointId, Invalid> {
+    pub fn point(
+        &mut self,
+        name: &str,
+        link: LinkId,
+        local: Vec2<S>,
+    ) -> Result<PointId, LinkageError> {
         assert!(link.0 < self.links.len(), "a link of another linkage");
         finite(local)?;
         Ok(self.push_point(name, link, Some(local)))
@@ -116,7 +121,7 @@ impl<S: Scalar> Linkage<S> {
     ///
     /// # Errors
     /// A length or direction that makes no sense.
-    pub fn add(&mut self, name: &str, group: Group<S>) -> Result<Element<S>, Invalid> {
+    pub fn add(&mut self, name: &str, group: Group<S>) -> Result<Element<S>, LinkageError> {
         let group = group.checked()?;
         let first_link = self.push_link(name);
         if !group.is_driven() {
@@ -145,7 +150,12 @@ impl<S: Scalar> Linkage<S> {
     ///
     /// # Panics
     /// If the link is of another linkage and not of this one.
-    pub fn name_link(&mut self, link: LinkId, name: &str, inertia: Link<S>) -> Result<(), Invalid> {
+    pub fn name_link(
+        &mut self,
+        link: LinkId,
+        name: &str,
+        inertia: Link<S>,
+    ) -> Result<(), LinkageError> {
         not_negative(inertia.mass)?;
         not_negative(inertia.inertia)?;
         finite(inertia.com)?;
@@ -164,7 +174,7 @@ impl<S: Scalar> Linkage<S> {
     ///
     /// # Panics
     /// If the point is of another linkage and not of this one.
-    pub fn load(&mut self, point: PointId, mass: S, force: Vec2<S>) -> Result<(), Invalid> {
+    pub fn load(&mut self, point: PointId, mass: S, force: Vec2<S>) -> Result<(), LinkageError> {
         not_negative(mass)?;
         finite(force)?;
         let point = &mut self.points[point.0];
