@@ -5,7 +5,7 @@ use core::f64::consts::{PI, TAU};
 use fivebar_design::Dual;
 use fivebar_design::linkage::dyad::{DyadError, Rrp, Rrr, SlideBranch, Unreachable};
 use fivebar_design::linkage::{
-    Coordinate, DriveLaw, FourBarType, Group, Guide, LinkId, Linkage, Quantity, Sweep,
+    Coordinate, DriveLaw, FourBarType, Group, Guide, LinkId, Linkage, ParameterKind, Sweep,
 };
 use fivebar_kinematics::dynamics::{Arm, Link};
 use fivebar_kinematics::five_bar::{Geometry, Side};
@@ -239,8 +239,8 @@ fn a_sweep_tells_where_a_parallelogram_would_turn_over() {
 #[test]
 fn every_parameter_can_be_perturbed_by_name() {
     let linkage = four_bar([0.35, 0.10, 0.30, 0.25], Side::Left);
-    let longer = linkage.map(|parameter, value| match parameter.quantity {
-        Quantity::Length if parameter.of == "output" => value + 0.01,
+    let longer = linkage.map(|parameter, value| match parameter.kind {
+        ParameterKind::Length if parameter.of == "output" => value + 0.01,
         _ => value,
     });
     let at = [Coordinate {
@@ -256,11 +256,11 @@ fn every_parameter_can_be_perturbed_by_name() {
 /// A four-bar whose output drives a heavy slider, everything loaded.
 fn heavy_slider() -> Linkage<f64> {
     let mut linkage = four_bar([0.35, 0.10, 0.30, 0.25], Side::Left).map(|parameter, value| {
-        match parameter.quantity {
-            Quantity::Gravity(1) => -9.81,
-            Quantity::Mass if parameter.of != "ground" => 0.4,
-            Quantity::Inertia => 1e-3,
-            Quantity::CentreOfMass(axis) => 0.1 - 0.07 * axis as f64,
+        match parameter.kind {
+            ParameterKind::Gravity(1) => -9.81,
+            ParameterKind::Mass if parameter.of != "ground" => 0.4,
+            ParameterKind::Inertia => 1e-3,
+            ParameterKind::CentreOfMass(axis) => 0.1 - 0.07 * axis as f64,
             _ => value,
         }
     });

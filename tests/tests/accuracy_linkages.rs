@@ -9,7 +9,9 @@ use fivebar_design::accuracy::linkage::{Figure, LinkageResponse, clearance_equil
 use fivebar_design::accuracy::loops::VectorLoops;
 use fivebar_design::accuracy::slider;
 use fivebar_design::accuracy::{Response, sensitivities};
-use fivebar_design::linkage::{Clearance, Coordinate, DriveLaw, Linkage, Quantity, SolveError};
+use fivebar_design::linkage::{
+    Clearance, Coordinate, DriveLaw, Linkage, ParameterKind, SolveError,
+};
 use fivebar_design::slider::{Geometry, WorkingMode};
 use fivebar_kinematics::{Scalar, Vec2};
 use indicatif::ProgressBar;
@@ -135,8 +137,8 @@ fn every_derivative_of_every_example_meets_its_difference() {
         let mut number = 0;
         linkage.map(|parameter, value: f64| {
             // A mass of nothing has no inertia to scale, and no neighbour below zero.
-            let nothing = parameter.quantity == Quantity::Mass && value == 0.0;
-            if !nothing && parameter.quantity != Quantity::Inertia {
+            let nothing = parameter.kind == ParameterKind::Mass && value == 0.0;
+            if !nothing && parameter.kind != ParameterKind::Inertia {
                 varied.push(number);
             }
             number += 1;
@@ -220,12 +222,10 @@ fn forces_in_loose_pins_balance_the_power_of_the_drive() {
 #[test]
 fn tension_lengthens_and_compression_shortens_a_limb_by_its_clearances() {
     let driven = Example::find("prrrp").unwrap().linkage().unwrap();
-    let mut massless = driven
-        .linkage
-        .map(|parameter, value| match parameter.quantity {
-            Quantity::Mass | Quantity::Inertia | Quantity::Gravity(_) => 0.0,
-            _ => value,
-        });
+    let mut massless = driven.linkage.map(|parameter, value| match parameter.kind {
+        ParameterKind::Mass | ParameterKind::Inertia | ParameterKind::Gravity(_) => 0.0,
+        _ => value,
+    });
     let inputs = &instants(&driven)[0];
     let points = massless.points().iter();
     let name = |wanted: &str| {
@@ -310,12 +310,10 @@ fn the_slider_driven_test_case_by_its_corrected_coefficients_and_by_samples() {
 fn tension_lengthens_the_sliders_limbs_as_it_does_the_linkages() {
     // PRRRP both ways: by its transfer and as a linkage of massless bars.
     let driven = Example::find("prrrp").unwrap().linkage().unwrap();
-    let mut massless = driven
-        .linkage
-        .map(|parameter, value| match parameter.quantity {
-            Quantity::Mass | Quantity::Inertia | Quantity::Gravity(_) => 0.0,
-            _ => value,
-        });
+    let mut massless = driven.linkage.map(|parameter, value| match parameter.kind {
+        ParameterKind::Mass | ParameterKind::Inertia | ParameterKind::Gravity(_) => 0.0,
+        _ => value,
+    });
     let tip = massless.elements()[2].joint().unwrap();
     let radii = [1e-5, 0.0, 2e-5, 4e-5];
     let geometry = Geometry::new(1.2, 1.1, 0.0).unwrap();

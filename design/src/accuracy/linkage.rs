@@ -4,7 +4,7 @@
 
 use super::Response;
 use crate::linkage::{
-    Clearance, Coordinate, Linkage, LinkageMotion, Parameter, Quantity, Reaction, SolveError,
+    Clearance, Coordinate, Linkage, LinkageMotion, Parameter, ParameterKind, Reaction, SolveError,
 };
 use fivebar_kinematics::Scalar;
 
@@ -90,12 +90,12 @@ impl LinkageResponse<'_> {
         let mut number = 0;
         let mut varied = self.varied.iter().zip(parameters).peekable();
         let mut heavier = S::ONE;
-        self.linkage.map(|Parameter { quantity, .. }, nominal| {
+        self.linkage.map(|Parameter { kind, .. }, nominal| {
             let given = varied.next_if(|&(&varied, _)| varied == number);
             number += 1;
             let value = given.map_or(S::from_f64(nominal), |(_, &value)| value);
-            match quantity {
-                Quantity::Mass => {
+            match kind {
+                ParameterKind::Mass => {
                     heavier = if nominal > 0.0 {
                         value / S::from_f64(nominal)
                     } else {
@@ -103,7 +103,7 @@ impl LinkageResponse<'_> {
                     };
                     value
                 }
-                Quantity::Inertia if given.is_none() => value * heavier,
+                ParameterKind::Inertia if given.is_none() => value * heavier,
                 _ => value,
             }
         })

@@ -29,7 +29,7 @@ pub use group::{Group, Guide, LinkId, PointId};
 pub use joint::Joint;
 pub use model::{Element, Linkage, NamedLink, Point};
 pub use motion::{Coordinate, LinkMotion, PointMotion};
-pub use parameters::{Parameter, Quantity};
+pub use parameters::{Parameter, ParameterKind};
 pub use section::Section;
 pub use solve::{LinkageMotion, SolveError};
 pub use statics::reactions;

@@ -10,7 +10,7 @@ use fivebar_kinematics::{Scalar, Vec2};
 
 /// What a parameter measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Quantity {
+pub enum ParameterKind {
     /// Gravity, component 0 or 1 [m/s²].
     Gravity(usize),
     /// The length of a dyad's link [m].
@@ -43,7 +43,7 @@ pub struct Parameter<'a> {
     /// link; empty for gravity.
     pub of: &'a str,
     /// What it measures.
-    pub quantity: Quantity,
+    pub kind: ParameterKind,
 }
 
 impl<S: Scalar> Linkage<S> {
@@ -53,7 +53,7 @@ impl<S: Scalar> Linkage<S> {
     /// With dual numbers this seeds a derivative; with `T = S` it perturbs a dimension.
     /// Directions of guides are carried over unchanged.
     pub fn map<T: Scalar>(&self, mut f: impl FnMut(Parameter<'_>, S) -> T) -> Linkage<T> {
-        let gravity = pair(&mut f, "", Quantity::Gravity, self.gravity);
+        let gravity = pair(&mut f, "", ParameterKind::Gravity, self.gravity);
         let mut links = Vec::with_capacity(self.links.len());
         for NamedLink {
             name,
@@ -61,18 +61,18 @@ impl<S: Scalar> Linkage<S> {
             section,
         } in &self.links
         {
-            let mut one = |quantity, value| f(Parameter { of: name, quantity }, value);
+            let mut one = |kind, value| f(Parameter { of: name, kind }, value);
             let section = section.map(|section| Section {
-                area: one(Quantity::Section, section.area),
+                area: one(ParameterKind::Section, section.area),
                 density: constant_number(section.density),
             });
-            let mass = one(Quantity::Mass, inertia.mass);
-            let moment = one(Quantity::Inertia, inertia.inertia);
+            let mass = one(ParameterKind::Mass, inertia.mass);
+            let moment = one(ParameterKind::Inertia, inertia.inertia);
             links.push(NamedLink {
                 name: name.clone(),
                 inertia: Link {
                     mass,
-                    com: pair(&mut f, name, Quantity::CentreOfMass, inertia.com),
+                    com: pair(&mut f, name, ParameterKind::CentreOfMass, inertia.com),
                     inertia: moment,
                 },
                 section,
@@ -83,24 +83,24 @@ impl<S: Scalar> Linkage<S> {
             let name = &point.name;
             let mass = Parameter {
                 of: name,
-                quantity: Quantity::Mass,
+                kind: ParameterKind::Mass,
             };
             points.push(Point {
                 name: name.clone(),
                 link: point.link,
                 local: point
                     .local
-                    .map(|local| pair(&mut f, name, Quantity::Local, local)),
+                    .map(|local| pair(&mut f, name, ParameterKind::Local, local)),
                 mass: f(mass, point.mass),
-                force: pair(&mut f, name, Quantity::Force, point.force),
+                force: pair(&mut f, name, ParameterKind::Force, point.force),
             });
         }
         let mut elements = Vec::with_capacity(self.elements.len());
         for element in &self.elements {
             let links: Vec<_> = element.links().collect();
-            let mut one = |link: usize, quantity, value| {
+            let mut one = |link: usize, kind, value| {
                 let of = &self.links[links[link].0].name;
-                f(Parameter { of, quantity }, value)
+                f(Parameter { of, kind }, value)
             };
             elements.push(Element {
                 group: map_group(&element.group, &mut one),
@@ -108,8 +108,8 @@ impl<S: Scalar> Linkage<S> {
                 joint: element.joint,
                 clearances: [0, 1, 2].map(|k| {
                     element.clearances[k].map(|Clearance { radius, angle }| Clearance {
-                        radius: one(0, Quantity::Clearance(k), radius),
-                        angle: one(0, Quantity::ClearanceAngle(k), angle),
+                        radius: one(0, ParameterKind::Clearance(k), radius),
+                        angle: one(0, ParameterKind::ClearanceAngle(k), angle),
                     })
                 }),
             });
@@ -129,12 +129,12 @@ impl<S: Scalar> Linkage<S> {
 fn pair<S: Scalar, T: Scalar>(
     f: &mut impl FnMut(Parameter<'_>, S) -> T,
     of: &str,
-    quantity: impl Fn(usize) -> Quantity,
+    kind: impl Fn(usize) -> ParameterKind,
     value: Vec2<S>,
 ) -> Vec2<T> {
     let mut one = |index, value| {
-        let quantity = quantity(index);
-        f(Parameter { of, quantity }, value)
+        let kind = kind(index);
+        f(Parameter { of, kind }, value)
     };
     Vec2::new(one(0, value.x), one(1, value.y))
 }
@@ -142,7 +142,7 @@ fn pair<S: Scalar, T: Scalar>(
 /// `one` is told which of the element's links a parameter belongs to.
 fn map_group<S: Scalar, T: Scalar>(
     group: &Group<S>,
-    mut one: impl FnMut(usize, Quantity, S) -> T,
+    mut one: impl FnMut(usize, ParameterKind, S) -> T,
 ) -> Group<T> {
     match *group {
         Group::Crank { pivot } => Group::Crank { pivot },
@@ -152,8 +152,8 @@ fn map_group<S: Scalar, T: Scalar>(
         Group::Rrr { dyad, ends } => Group::Rrr {
             dyad: Rrr {
                 lengths: [
-                    one(0, Quantity::Length, dyad.lengths[0]),
-                    one(1, Quantity::Length, dyad.lengths[1]),
+                    one(0, ParameterKind::Length, dyad.lengths[0]),
+                    one(1, ParameterKind::Length, dyad.lengths[1]),
                 ],
                 side: dyad.side,
             },
@@ -161,8 +161,8 @@ fn map_group<S: Scalar, T: Scalar>(
         },
         Group::Rrp { dyad, end, guide } => Group::Rrp {
             dyad: Rrp {
-                length: one(0, Quantity::Length, dyad.length),
-                offset: one(1, Quantity::Offset, dyad.offset),
+                length: one(0, ParameterKind::Length, dyad.length),
+                offset: one(1, ParameterKind::Offset, dyad.offset),
                 branch: dyad.branch,
             },
             end,
@@ -170,7 +170,7 @@ fn map_group<S: Scalar, T: Scalar>(
         },
         Group::Rpr { dyad, ends } => Group::Rpr {
             dyad: Rpr {
-                offset: one(0, Quantity::Offset, dyad.offset),
+                offset: one(0, ParameterKind::Offset, dyad.offset),
                 branch: dyad.branch,
             },
             ends,
@@ -178,8 +178,8 @@ fn map_group<S: Scalar, T: Scalar>(
         Group::Prp { dyad, guides } => Group::Prp {
             dyad: Prp {
                 offsets: [
-                    one(0, Quantity::Offset, dyad.offsets[0]),
-                    one(1, Quantity::Offset, dyad.offsets[1]),
+                    one(0, ParameterKind::Offset, dyad.offsets[0]),
+                    one(1, ParameterKind::Offset, dyad.offsets[1]),
                 ],
             },
             guides: guides.map(constant_guide),

@@ -2,7 +2,7 @@
 
 use super::names::{driven_links, reaction_names};
 use crate::input::source::{FileError, Key, Source};
-use fivebar_design::linkage::{Linkage, Parameter, Quantity};
+use fivebar_design::linkage::{Linkage, Parameter, ParameterKind};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -96,12 +96,12 @@ pub struct Pin {
 impl LinkageTolerance {
     /// The standard deviation of a parameter that is not a pin's; zero where none is given.
     pub fn deviation(&self, parameter: Parameter<'_>) -> f64 {
-        let Parameter { of, quantity } = parameter;
-        let given = match quantity {
-            Quantity::Length | Quantity::Offset => self.length_sd.of(of),
-            Quantity::Mass => self.mass_sd.of(of),
-            Quantity::Section => self.section_sd.of(of),
-            Quantity::Local(axis) => match &self.point_sd {
+        let Parameter { of, kind } = parameter;
+        let given = match kind {
+            ParameterKind::Length | ParameterKind::Offset => self.length_sd.of(of),
+            ParameterKind::Mass => self.mass_sd.of(of),
+            ParameterKind::Section => self.section_sd.of(of),
+            ParameterKind::Local(axis) => match &self.point_sd {
                 ForAllOrEach::All(value) => Some(*value),
                 ForAllOrEach::Each(values) => values.get(of).map(|sd| sd[axis]),
             },

@@ -12,7 +12,7 @@ use super::sampling::{Sampling, Spread, sample};
 use crate::input::linkage::DrivenLinkage;
 use fivebar_design::accuracy::linkage::{Figure, LinkageResponse, clearance_equilibrium};
 use fivebar_design::accuracy::{Primitive, Response as _, Scatter, sensitivities};
-use fivebar_design::linkage::{Clearance, Coordinate, Linkage, Quantity, SolveError};
+use fivebar_design::linkage::{Clearance, Coordinate, Linkage, ParameterKind, SolveError};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 
@@ -187,24 +187,24 @@ fn varied(driven: &DrivenLinkage, linkage: &Linkage<f64>) -> Varied {
     let mut number = 0;
     linkage.map(|parameter, mean: f64| {
         let of = parameter.of;
-        let found = match parameter.quantity {
-            Quantity::Clearance(_) => {
+        let found = match parameter.kind {
+            ParameterKind::Clearance(_) => {
                 pins.push((mean, primitives.len()));
                 let pin = radii.next();
                 pin.map(|pin| (format!("clearance of {}", pin.name), pin.radius_sd))
             }
-            Quantity::ClearanceAngle(_) => {
+            ParameterKind::ClearanceAngle(_) => {
                 let pin = angles.next();
                 pin.map(|pin| (format!("clearance angle of {}", pin.name), pin.angle_sd))
             }
-            Quantity::Mass if mean == 0.0 || shaped(of) => None,
-            quantity => {
-                let what = match quantity {
-                    Quantity::Length => "length of",
-                    Quantity::Offset => "offset of",
-                    Quantity::Local(0) => "x of",
-                    Quantity::Local(_) => "y of",
-                    Quantity::Mass => "mass of",
+            ParameterKind::Mass if mean == 0.0 || shaped(of) => None,
+            kind => {
+                let what = match kind {
+                    ParameterKind::Length => "length of",
+                    ParameterKind::Offset => "offset of",
+                    ParameterKind::Local(0) => "x of",
+                    ParameterKind::Local(_) => "y of",
+                    ParameterKind::Mass => "mass of",
                     _ => "section of",
                 };
                 let deviation = tolerance.deviation(parameter);
