@@ -1,7 +1,7 @@
 //! Shi 2005's four-bar with clearance in two joints: the scatter of its motion and forces,
 //! by the analytic matrices and by dual numbers, and what the paper's omissions cost.
 
-use fivebar_design::accuracy::loops::{Quantity, Term, TimeDerivatives, VectorLoops};
+use fivebar_design::accuracy::loops::{LoopQuantity, Term, TimeDerivatives, VectorLoops};
 use fivebar_design::accuracy::{Primitive, Response, Scatter, sensitivities};
 use fivebar_design::linkage::PointMotion;
 use fivebar_design::linkage::dyad::{DyadError, Rrr};
@@ -34,17 +34,17 @@ fn loops() -> VectorLoops {
         sign,
         length,
         angle,
-        turn: 0.0,
+        angle_offset: 0.0,
     };
-    let (unknown, parameter) = (Quantity::Unknown, Quantity::Parameter);
+    let (unknown, parameter) = (LoopQuantity::Unknown, LoopQuantity::Parameter);
     VectorLoops {
         loops: vec![vec![
-            term(1.0, parameter(0), Quantity::Input(0)),
+            term(1.0, parameter(0), LoopQuantity::Input(0)),
             term(1.0, parameter(4), parameter(6)),
             term(1.0, parameter(1), unknown(0)),
             term(1.0, parameter(5), parameter(7)),
             term(-1.0, parameter(2), unknown(1)),
-            term(-1.0, parameter(3), Quantity::Constant(0.0)),
+            term(-1.0, parameter(3), LoopQuantity::Constant(0.0)),
         ]],
         inputs: 1,
         parameters: MEANS[3..KINEMATIC].to_vec(),

@@ -14,7 +14,7 @@
 //!
 //! and a clearance r e^{ia} is one more term of the chain it lies in.
 
-use super::loops::{Quantity, Term, TimeDerivatives, VectorLoops};
+use super::loops::{LoopQuantity, Term, TimeDerivatives, VectorLoops};
 use crate::linkage::{Clearance, Coordinate, Group, Guide, Linkage, LinkageMotion, PointId};
 use core::f64::consts::FRAC_PI_2;
 use nalgebra::DVector;
@@ -22,24 +22,24 @@ use nalgebra::DVector;
 /// A direction: an angle that may change and a constant beside it.
 #[derive(Clone, Copy)]
 struct Direction {
-    angle: Quantity,
-    turn: f64,
+    angle: LoopQuantity,
+    angle_offset: f64,
 }
 
 impl Direction {
     fn turned(self, by: f64) -> Self {
         Self {
-            turn: self.turn + by,
+            angle_offset: self.angle_offset + by,
             ..self
         }
     }
 
-    fn term(self, length: Quantity) -> Term {
+    fn term(self, length: LoopQuantity) -> Term {
         Term {
             sign: 1.0,
             length,
             angle: self.angle,
-            turn: self.turn,
+            angle_offset: self.angle_offset,
         }
     }
 }
@@ -86,8 +86,8 @@ impl Chains<'_> {
 }
 
 /// The parameter whose place a number of the numbered linkage is.
-fn parameter(number: f64) -> Quantity {
-    Quantity::Parameter(number as usize)
+fn parameter(number: f64) -> LoopQuantity {
+    LoopQuantity::Parameter(number as usize)
 }
 
 fn gap(clearance: Option<Clearance<f64>>) -> Option<Term> {
@@ -95,7 +95,7 @@ fn gap(clearance: Option<Clearance<f64>>) -> Option<Term> {
         sign: 1.0,
         length: parameter(radius),
         angle: parameter(angle),
-        turn: 0.0,
+        angle_offset: 0.0,
     })
 }
 
@@ -116,8 +116,8 @@ impl VectorLoops {
         });
         let ground = Frame {
             direction: Direction {
-                angle: Quantity::Constant(0.0),
-                turn: 0.0,
+                angle: LoopQuantity::Constant(0.0),
+                angle_offset: 0.0,
             },
             origin: Vec::new(),
         };
@@ -132,18 +132,21 @@ impl VectorLoops {
         for element in numbers.elements() {
             let count = element.group.pins().len();
             let gaps: Vec<_> = clearances.by_ref().take(count).map(gap).collect();
-            let input = Quantity::Input(inputs);
+            let input = LoopQuantity::Input(inputs);
             if let Group::Crank { pivot } = &element.group {
                 let carrier = numbers.points()[pivot.index()].link;
-                let turn = match chains.frames[carrier.index()].direction {
+                let angle_offset = match chains.frames[carrier.index()].direction {
                     Direction {
-                        angle: Quantity::Constant(angle),
-                        turn,
-                    } => angle + turn,
+                        angle: LoopQuantity::Constant(angle),
+                        angle_offset,
+                    } => angle + angle_offset,
                     _ => return None,
                 };
                 let origin = and(chains.point(*pivot), gaps[0]);
-                let direction = Direction { angle: input, turn };
+                let direction = Direction {
+                    angle: input,
+                    angle_offset,
+                };
                 chains.frames.push(Frame { direction, origin });
                 inputs += 1;
                 continue;
@@ -155,8 +158,8 @@ impl VectorLoops {
                 inputs += 1;
                 continue;
             }
-            let first = Quantity::Unknown(2 * loops.len());
-            let second = Quantity::Unknown(2 * loops.len() + 1);
+            let first = LoopQuantity::Unknown(2 * loops.len());
+            let second = LoopQuantity::Unknown(2 * loops.len() + 1);
             // The chains to the inner joint along either link, and the two links' frames.
             let ([along1, along2], frames) = dyad(&chains, &element.group, [first, second], &gaps);
             if let Some(joint) = element.joint() {
@@ -183,13 +186,16 @@ type Sides = ([Vec<Term>; 2], [Frame; 2]);
 fn dyad(
     chains: &Chains<'_>,
     group: &Group<f64>,
-    [first, second]: [Quantity; 2],
+    [first, second]: [LoopQuantity; 2],
     gaps: &[Option<Term>],
 ) -> Sides {
-    let free = |angle| Direction { angle, turn: 0.0 };
+    let free = |angle| Direction {
+        angle,
+        angle_offset: 0.0,
+    };
     let end = |point: PointId, place: usize| and(chains.point(point), gaps[place]);
     // A slider `offset` beside its guide and `slide` along it.
-    let slid = |guide: &Guide<f64>, offset: f64, slide: Quantity| {
+    let slid = |guide: &Guide<f64>, offset: f64, slide: LoopQuantity| {
         let Frame { direction, origin } = chains.guide(guide);
         let beside = direction.turned(FRAC_PI_2).term(parameter(offset));
         let origin = and(origin, [beside, direction.term(slide)]);

@@ -13,7 +13,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// What a length or an angle of a term is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Quantity {
+pub enum LoopQuantity {
     /// U: found by closing the loops; it changes with time.
     Unknown(usize),
     /// V: driven; it changes with time.
@@ -24,17 +24,17 @@ pub enum Quantity {
     Constant(f64),
 }
 
-/// sign · ρ e^{i(φ + turn)}.
+/// sign · ρ e^{i(φ + angle_offset)}.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Term {
     /// +1 along the loop, −1 against it.
     pub sign: f64,
     /// ρ [m].
-    pub length: Quantity,
+    pub length: LoopQuantity,
     /// φ [rad].
-    pub angle: Quantity,
+    pub angle: LoopQuantity,
     /// A constant angle beside φ [rad].
-    pub turn: f64,
+    pub angle_offset: f64,
 }
 
 /// A mechanism as loops, with its parameters' values.
@@ -94,19 +94,19 @@ impl VectorLoops {
         self.unknowns() + self.inputs + self.parameters.len()
     }
 
-    fn slot(&self, quantity: Quantity) -> Slot {
+    fn slot(&self, quantity: LoopQuantity) -> Slot {
         match quantity {
-            Quantity::Unknown(i) => Slot::Variable(i),
-            Quantity::Input(i) => Slot::Variable(self.unknowns() + i),
-            Quantity::Parameter(i) => Slot::Variable(self.unknowns() + self.inputs + i),
-            Quantity::Constant(_) => Slot::None,
+            LoopQuantity::Unknown(i) => Slot::Variable(i),
+            LoopQuantity::Input(i) => Slot::Variable(self.unknowns() + i),
+            LoopQuantity::Parameter(i) => Slot::Variable(self.unknowns() + self.inputs + i),
+            LoopQuantity::Constant(_) => Slot::None,
         }
     }
 
     /// Value, rate and acceleration of a quantity.
     fn at(
         &self,
-        quantity: Quantity,
+        quantity: LoopQuantity,
         unknowns: &TimeDerivatives,
         inputs: &TimeDerivatives,
     ) -> [f64; 3] {
@@ -118,10 +118,10 @@ impl VectorLoops {
             ]
         };
         match quantity {
-            Quantity::Unknown(i) => of(unknowns, i),
-            Quantity::Input(i) => of(inputs, i),
-            Quantity::Parameter(i) => [self.parameters[i], 0.0, 0.0],
-            Quantity::Constant(value) => [value, 0.0, 0.0],
+            LoopQuantity::Unknown(i) => of(unknowns, i),
+            LoopQuantity::Input(i) => of(inputs, i),
+            LoopQuantity::Parameter(i) => [self.parameters[i], 0.0, 0.0],
+            LoopQuantity::Constant(value) => [value, 0.0, 0.0],
         }
     }
 
@@ -132,7 +132,7 @@ impl VectorLoops {
             for term in terms {
                 let [length, ..] = self.at(term.length, unknowns, inputs);
                 let [angle, ..] = self.at(term.angle, unknowns, inputs);
-                let angle = angle + term.turn;
+                let angle = angle + term.angle_offset;
                 closure[2 * row] += term.sign * length * angle.cos();
                 closure[2 * row + 1] += term.sign * length * angle.sin();
             }
@@ -151,7 +151,7 @@ impl VectorLoops {
             for term in terms {
                 let [rho, rho1, rho2] = self.at(term.length, unknowns, inputs);
                 let [phi, phi1, phi2] = self.at(term.angle, unknowns, inputs);
-                let (sin, cos) = (phi + term.turn).sin_cos();
+                let (sin, cos) = (phi + term.angle_offset).sin_cos();
                 let direction = [term.sign * cos, term.sign * sin];
                 // ∂/∂ρ = e^{iφ}, then its time derivatives.
                 let by_length = [[1.0, 0.0], [0.0, phi1], [-phi1 * phi1, phi2]];
