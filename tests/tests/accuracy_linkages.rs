@@ -5,7 +5,7 @@ use fivebar::input::linkage::{DrivenLinkage, EXAMPLES, Example};
 use fivebar::input::robot::SliderRobot;
 use fivebar::study::accuracy::{Sampling, analyse_slider, sample_slider, slider_answer};
 use fivebar_design::accuracy::assur::{time_derivatives, unknowns};
-use fivebar_design::accuracy::linkage::{Figure, LinkageResponse, clearance_equilibrium};
+use fivebar_design::accuracy::linkage::{LinkageResponse, ResultKind, clearance_equilibrium};
 use fivebar_design::accuracy::loops::VectorLoops;
 use fivebar_design::accuracy::slider;
 use fivebar_design::accuracy::{Response, sensitivities};
@@ -151,7 +151,7 @@ fn every_derivative_of_every_example_meets_its_difference() {
         for inputs in instants(&driven).iter().step_by(2) {
             let nominal = response.primitives(inputs);
             let value = response.evaluate(&nominal).unwrap();
-            assert_eq!(value.len(), response.figures().len());
+            assert_eq!(value.len(), response.result_kinds().len());
             let t = sensitivities(&response, &nominal).unwrap();
             let mut seen = vec![false; value.len()];
             for column in 0..nominal.len() {
@@ -170,17 +170,17 @@ fn every_derivative_of_every_example_meets_its_difference() {
                     let derivative = t[(row, column)];
                     assert!(
                         (difference - derivative).abs() < bound,
-                        "{}: figure {row} by {column}: {derivative} for {difference}",
+                        "{}: result {row} by {column}: {derivative} for {difference}",
                         example.name
                     );
                     seen[row] |= derivative != 0.0;
                 }
             }
-            for ((figure, seen), value) in response.figures().iter().zip(seen).zip(value) {
-                let force = matches!(figure, Figure::Drive(_) | Figure::Force(..));
+            for ((result, seen), value) in response.result_kinds().iter().zip(seen).zip(value) {
+                let force = matches!(result, ResultKind::Drive(_) | ResultKind::Force(..));
                 assert!(
                     seen || !force || value.abs() < 1e-9,
-                    "{}: {figure:?} answers to nothing",
+                    "{}: {result:?} answers to nothing",
                     example.name
                 );
             }

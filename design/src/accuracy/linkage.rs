@@ -21,7 +21,7 @@ pub struct LinkageResponse<'a> {
 
 /// What a result of a [`LinkageResponse`] measures, by the place of what it belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Figure {
+pub enum ResultKind {
     /// Component 0 or 1 of a point's position [m]; the point in [`Linkage::points`].
     Position(usize, usize),
     /// Of its velocity [m/s].
@@ -62,27 +62,31 @@ impl LinkageResponse<'_> {
 
     /// What the results are, in their order: of every moving point, of every moving link,
     /// of every driven link, of every joint.
-    pub fn figures(&self) -> Vec<Figure> {
-        let mut figures = Vec::new();
+    pub fn result_kinds(&self) -> Vec<ResultKind> {
+        let mut kinds = Vec::new();
         for point in moving(self.linkage) {
-            for figure in [Figure::Position, Figure::Velocity, Figure::Acceleration] {
-                figures.extend([figure(point, 0), figure(point, 1)]);
+            for kind in [
+                ResultKind::Position,
+                ResultKind::Velocity,
+                ResultKind::Acceleration,
+            ] {
+                kinds.extend([kind(point, 0), kind(point, 1)]);
             }
         }
         for link in 1..self.linkage.links().len() {
-            figures.extend([
-                Figure::Angle(link),
-                Figure::AngularVelocity(link),
-                Figure::AngularAcceleration(link),
+            kinds.extend([
+                ResultKind::Angle(link),
+                ResultKind::AngularVelocity(link),
+                ResultKind::AngularAcceleration(link),
             ]);
         }
-        figures.extend((0..self.linkage.freedoms()).map(Figure::Drive));
+        kinds.extend((0..self.linkage.freedoms()).map(ResultKind::Drive));
         for joint in 0..self.linkage.joints().count() {
-            let force = [Figure::Force(joint, 0), Figure::Force(joint, 1)];
-            figures.extend(force);
-            figures.push(Figure::Moment(joint));
+            let force = [ResultKind::Force(joint, 0), ResultKind::Force(joint, 1)];
+            kinds.extend(force);
+            kinds.push(ResultKind::Moment(joint));
         }
-        figures
+        kinds
     }
 
     /// The linkage with these values of the parameters that vary.

@@ -5,10 +5,10 @@ use crate::input::linkage::{DrivenLinkage, reaction_names};
 use crate::show::report::{Chart, Page};
 use crate::show::text::quantity;
 use crate::study::accuracy::{LinkageAnalysis, LinkageStudy, drive_name};
-use fivebar_design::accuracy::linkage::Figure;
+use fivebar_design::accuracy::linkage::ResultKind;
 
-/// Whether a figure belongs on a chart.
-type Belongs = fn(&Figure) -> bool;
+/// Whether a result belongs on a chart.
+type Belongs = fn(&ResultKind) -> bool;
 
 /// What the model leaves out, said on every page.
 const LIMITS: &str = "First order: errors are small against lengths and distances from \
@@ -28,12 +28,12 @@ pub fn linkage_page(driven: &DrivenLinkage, study: &LinkageStudy) -> Page {
     }
     let deviations = instant.scatter.deviations();
     let rows: Vec<Vec<String>> = instant
-        .figures
+        .results
         .iter()
         .enumerate()
         .filter(|&(row, _)| deviations[row] > 0.0)
-        .map(|(row, figure)| {
-            let (name, unit) = named(driven, figure);
+        .map(|(row, result)| {
+            let (name, unit) = named(driven, result);
             let twin = sampled.deviation(row);
             let error = twin * sampled.relative_error();
             vec![
@@ -46,10 +46,10 @@ pub fn linkage_page(driven: &DrivenLinkage, study: &LinkageStudy) -> Page {
         .collect();
     page.table(&["figure", "value", "standard deviation", "sampled"], &rows);
     page.heading("Who contributes");
-    for (row, figure) in instant.figures.iter().enumerate() {
-        let rows = match figure {
-            Figure::Position(_, 0) => 2,
-            Figure::Drive(_) => 1,
+    for (row, result) in instant.results.iter().enumerate() {
+        let rows = match result {
+            ResultKind::Position(_, 0) => 2,
+            ResultKind::Drive(_) => 1,
             _ => continue,
         };
         let shares = instant.shares(row, rows);
@@ -58,32 +58,34 @@ pub fn linkage_page(driven: &DrivenLinkage, study: &LinkageStudy) -> Page {
             .map(|&(i, share)| (instant.primitives[i].name.as_str(), share))
             .collect();
         if !bars.is_empty() {
-            let (name, _) = named(driven, figure);
+            let (name, _) = named(driven, result);
             let of = name.trim_end_matches(" x");
             page.figure(&pareto(&bars), &format!("Share in the variance of: {of}."));
         }
     }
     page.heading("Over the sweep");
     let groups: [(&str, &str, Belongs); 5] = [
-        ("Positions", "m", |f| matches!(f, Figure::Position(..))),
-        ("Velocities", "m/s", |f| matches!(f, Figure::Velocity(..))),
-        ("Accelerations", "m/s²", |f| {
-            matches!(f, Figure::Acceleration(..))
+        ("Positions", "m", |f| matches!(f, ResultKind::Position(..))),
+        ("Velocities", "m/s", |f| {
+            matches!(f, ResultKind::Velocity(..))
         }),
-        ("Drives", "N·m or N", |f| matches!(f, Figure::Drive(_))),
-        ("Joint forces", "N", |f| matches!(f, Figure::Force(..))),
+        ("Accelerations", "m/s²", |f| {
+            matches!(f, ResultKind::Acceleration(..))
+        }),
+        ("Drives", "N·m or N", |f| matches!(f, ResultKind::Drive(_))),
+        ("Joint forces", "N", |f| matches!(f, ResultKind::Force(..))),
     ];
     for (title, unit, belongs) in groups {
         let y_label = format!("standard deviation [{unit}]");
         let mut chart = Chart::new(title, "time [s]", y_label.as_str());
-        for (row, figure) in instant.figures.iter().enumerate() {
-            if belongs(figure) {
+        for (row, result) in instant.results.iter().enumerate() {
+            if belongs(result) {
                 let deviation = |analysis: &LinkageAnalysis| {
                     analysis.scatter.covariance[(row, row)].max(0.0).sqrt()
                 };
                 let instants = study.sweep.iter();
                 let curve = instants.map(|analysis| [analysis.time, deviation(analysis)]);
-                chart = chart.line(named(driven, figure).0, curve.collect());
+                chart = chart.line(named(driven, result).0, curve.collect());
             }
         }
         page.chart(&chart);
@@ -91,27 +93,29 @@ pub fn linkage_page(driven: &DrivenLinkage, study: &LinkageStudy) -> Page {
     page
 }
 
-/// A figure in words, and its unit.
-fn named(driven: &DrivenLinkage, figure: &Figure) -> (String, &'static str) {
+/// A result in words, and its unit.
+fn named(driven: &DrivenLinkage, result: &ResultKind) -> (String, &'static str) {
     let point = |index: usize| &driven.linkage.points()[index].name;
     let link = |index: usize| &driven.linkage.links()[index].name;
     let joint = |index: usize| reaction_names(&driven.linkage).swap_remove(index);
     let axis = |component: usize| ["x", "y"][component];
-    match *figure {
-        Figure::Position(p, i) => (format!("position of {} {}", point(p), axis(i)), "m"),
-        Figure::Velocity(p, i) => (format!("velocity of {} {}", point(p), axis(i)), "m/s"),
-        Figure::Acceleration(p, i) => (format!("acceleration of {} {}", point(p), axis(i)), "m/s²"),
-        Figure::Angle(l) => (format!("angle of {}", link(l)), "rad"),
-        Figure::AngularVelocity(l) => (format!("angular velocity of {}", link(l)), "rad/s"),
-        Figure::AngularAcceleration(l) => {
+    match *result {
+        ResultKind::Position(p, i) => (format!("position of {} {}", point(p), axis(i)), "m"),
+        ResultKind::Velocity(p, i) => (format!("velocity of {} {}", point(p), axis(i)), "m/s"),
+        ResultKind::Acceleration(p, i) => {
+            (format!("acceleration of {} {}", point(p), axis(i)), "m/s²")
+        }
+        ResultKind::Angle(l) => (format!("angle of {}", link(l)), "rad"),
+        ResultKind::AngularVelocity(l) => (format!("angular velocity of {}", link(l)), "rad/s"),
+        ResultKind::AngularAcceleration(l) => {
             (format!("angular acceleration of {}", link(l)), "rad/s²")
         }
-        Figure::Drive(k) => {
+        ResultKind::Drive(k) => {
             let (name, what, unit) = drive_name(driven, k);
             let unit = if unit == "nm" { "N·m" } else { "N" };
             (format!("driving {what} of {name}"), unit)
         }
-        Figure::Force(j, i) => (format!("force of {} {}", joint(j), axis(i)), "N"),
-        Figure::Moment(j) => (format!("moment of {}", joint(j)), "N·m"),
+        ResultKind::Force(j, i) => (format!("force of {} {}", joint(j), axis(i)), "N"),
+        ResultKind::Moment(j) => (format!("moment of {}", joint(j)), "N·m"),
     }
 }

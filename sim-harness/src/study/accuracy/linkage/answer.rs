@@ -2,7 +2,7 @@
 
 use super::{LinkageAnalysis, LinkageStudy};
 use crate::input::linkage::{DrivenLinkage, driven_links, reaction_names};
-use fivebar_design::accuracy::linkage::Figure;
+use fivebar_design::accuracy::linkage::ResultKind;
 use serde_json::{Map, Value, json};
 
 /// Contributors below this share of a variance are left out of its list.
@@ -32,16 +32,16 @@ pub fn linkage_answer(driven: &DrivenLinkage, study: &LinkageStudy) -> Value {
             point["input_worst_m"] = json!(reach.input_worst);
         }
     }
-    for (row, figure) in instant.figures.iter().enumerate() {
-        let (group, name, rows) = match *figure {
-            Figure::Position(point, 0) => {
+    for (row, result) in instant.results.iter().enumerate() {
+        let (group, name, rows) = match *result {
+            ResultKind::Position(point, 0) => {
                 let name = &driven.linkage.points()[point].name;
                 let entry = |i, j| instant.scatter.covariance[(row + i, row + j)];
                 answer["points"][name]["position_covariance"] =
                     json!([[entry(0, 0), entry(0, 1)], [entry(1, 0), entry(1, 1)]]);
                 ("points", driven.linkage.points()[point].name.clone(), 2)
             }
-            Figure::Drive(drive) => ("driving", drive_name(driven, drive).0, 1),
+            ResultKind::Drive(drive) => ("driving", drive_name(driven, drive).0, 1),
             _ => continue,
         };
         answer[group][&name]["contributors"] = contributors(instant, row, rows);
@@ -55,7 +55,7 @@ pub fn linkage_answer(driven: &DrivenLinkage, study: &LinkageStudy) -> Value {
     answer
 }
 
-/// Who brings in how much of the variance of `rows` figures from `row` on, largest first.
+/// Who brings in how much of the variance of `rows` results from `row` on, largest first.
 fn contributors(analysis: &LinkageAnalysis, row: usize, rows: usize) -> Value {
     analysis
         .shares(row, rows)
@@ -81,7 +81,7 @@ fn sweep(driven: &DrivenLinkage, study: &LinkageStudy) -> Value {
             station
         })
         .collect();
-    let mut worst = vec![0.0_f64; study.instant.figures.len()];
+    let mut worst = vec![0.0_f64; study.instant.results.len()];
     for analysis in &study.sweep {
         let deviations = analysis.scatter.deviations();
         for (worst, deviation) in worst.iter_mut().zip(deviations.iter()) {
@@ -96,7 +96,7 @@ fn sweep(driven: &DrivenLinkage, study: &LinkageStudy) -> Value {
     })
 }
 
-/// A number for each figure, under `points`, `links`, `driving` and `reactions`.
+/// A number for each result, under `points`, `links`, `driving` and `reactions`.
 fn by_figure(
     driven: &DrivenLinkage,
     analysis: &LinkageAnalysis,
@@ -106,30 +106,32 @@ fn by_figure(
     let linkage = &driven.linkage;
     let joints = reaction_names(linkage);
     let mut answer = json!({"points": {}, "links": {}, "driving": {}, "reactions": {}});
-    for (row, figure) in analysis.figures.iter().enumerate() {
+    for (row, result) in analysis.results.iter().enumerate() {
         let point = |index: usize| ("points", linkage.points()[index].name.clone());
         let link = |index: usize| ("links", linkage.links()[index].name.clone());
         let joint = |index: usize| ("reactions", joints[index].clone());
         let pair = || json!([value(row), value(row + 1)]);
         let one = || json!(value(row));
-        let ((group, name), what, unit, entry) = match *figure {
-            Figure::Position(index, 0) => (point(index), "position", "m", pair()),
-            Figure::Velocity(index, 0) => (point(index), "velocity", "m_s", pair()),
-            Figure::Acceleration(index, 0) => (point(index), "acceleration", "m_s2", pair()),
-            Figure::Angle(index) => (link(index), "angle", "rad", one()),
-            Figure::AngularVelocity(index) => (link(index), "rate", "rad_s", one()),
-            Figure::AngularAcceleration(index) => (link(index), "acceleration", "rad_s2", one()),
-            Figure::Drive(index) => {
+        let ((group, name), what, unit, entry) = match *result {
+            ResultKind::Position(index, 0) => (point(index), "position", "m", pair()),
+            ResultKind::Velocity(index, 0) => (point(index), "velocity", "m_s", pair()),
+            ResultKind::Acceleration(index, 0) => (point(index), "acceleration", "m_s2", pair()),
+            ResultKind::Angle(index) => (link(index), "angle", "rad", one()),
+            ResultKind::AngularVelocity(index) => (link(index), "rate", "rad_s", one()),
+            ResultKind::AngularAcceleration(index) => {
+                (link(index), "acceleration", "rad_s2", one())
+            }
+            ResultKind::Drive(index) => {
                 let (name, what, unit) = drive_name(driven, index);
                 (("driving", name), what, unit, one())
             }
-            Figure::Force(index, 0) => (joint(index), "force", "n", pair()),
-            Figure::Moment(index) => (joint(index), "moment", "nm", one()),
+            ResultKind::Force(index, 0) => (joint(index), "force", "n", pair()),
+            ResultKind::Moment(index) => (joint(index), "moment", "nm", one()),
             // The second component is with the first.
-            Figure::Position(..)
-            | Figure::Velocity(..)
-            | Figure::Acceleration(..)
-            | Figure::Force(..) => continue,
+            ResultKind::Position(..)
+            | ResultKind::Velocity(..)
+            | ResultKind::Acceleration(..)
+            | ResultKind::Force(..) => continue,
         };
         answer[group][&name][format!("{what}_{prefix}{unit}")] = entry;
     }

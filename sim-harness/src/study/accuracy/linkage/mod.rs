@@ -10,7 +10,7 @@ pub use reach::Reach;
 
 use super::sampling::{Sampling, Spread, sample};
 use crate::input::linkage::DrivenLinkage;
-use fivebar_design::accuracy::linkage::{Figure, LinkageResponse, clearance_equilibrium};
+use fivebar_design::accuracy::linkage::{LinkageResponse, ResultKind, clearance_equilibrium};
 use fivebar_design::accuracy::{Primitive, Response as _, Scatter, sensitivities};
 use fivebar_design::linkage::{Clearance, Coordinate, Linkage, ParameterKind, SolveError};
 use indicatif::ProgressBar;
@@ -24,12 +24,12 @@ pub struct LinkageAnalysis {
     /// The driving coordinates.
     pub inputs: Vec<Coordinate<f64>>,
     /// What is known of: motion and forces.
-    pub figures: Vec<Figure>,
+    pub results: Vec<ResultKind>,
     /// Their nominal values, pins where they are taken to lie.
     pub values: Vec<f64>,
     /// Everything that has a scatter: inputs and their rates, then parameters.
     pub primitives: Vec<Primitive>,
-    /// The scatter of the figures.
+    /// The scatter of the results.
     pub scatter: Scatter,
     /// How far pins and inputs may take each point; in the order of the linkage's points,
     /// none for those of the frame.
@@ -41,7 +41,7 @@ pub struct LinkageAnalysis {
 }
 
 impl LinkageAnalysis {
-    /// The share of each primitive in the summed variance of `rows` figures from `row` on,
+    /// The share of each primitive in the summed variance of `rows` results from `row` on,
     /// largest first.
     pub fn shares(&self, row: usize, rows: usize) -> Vec<(usize, f64)> {
         let parts = self.scatter.contributions.rows(row, rows).row_sum();
@@ -58,7 +58,7 @@ impl LinkageAnalysis {
 pub struct LinkageStudy {
     /// The instant asked for.
     pub instant: LinkageAnalysis,
-    /// Its figures by sampling.
+    /// Its results by sampling.
     pub sampled: Spread,
     /// How it was sampled.
     pub sampling: Sampling,
@@ -69,7 +69,7 @@ pub struct LinkageStudy {
 /// Analyses a linkage over its sweep, and at `time` [s] by samples too.
 ///
 /// # Errors
-/// A sentence saying why the linkage has no figures at that time.
+/// A sentence saying why the linkage has no results at that time.
 pub fn study_linkage(
     driven: &DrivenLinkage,
     time: f64,
@@ -124,7 +124,7 @@ pub fn analyse_linkage(driven: &DrivenLinkage, time: f64) -> Result<LinkageAnaly
         primitive.mean = mean;
     }
     let t = sensitivities(&response, &nominal)?;
-    let figures = response.figures();
+    let results = response.result_kinds();
     let values = response.evaluate(&nominal)?;
     let pins: Vec<_> = pins
         .into_iter()
@@ -132,13 +132,13 @@ pub fn analyse_linkage(driven: &DrivenLinkage, time: f64) -> Result<LinkageAnaly
         .collect();
     let motion = linkage.motion(&inputs)?;
     let corners = reach::input_worst(&linkage, &inputs, &tolerance.input_max, &motion);
-    let reach = reach::reach(&motion, &pins, corners.as_deref(), &t, &figures);
+    let reach = reach::reach(&motion, &pins, corners.as_deref(), &t, &results);
     Ok(LinkageAnalysis {
         time,
         inputs,
         values,
         scatter: Scatter::propagate(&t, &primitives),
-        figures,
+        results,
         primitives,
         reach,
         settled,
@@ -225,7 +225,7 @@ fn varied(driven: &DrivenLinkage, linkage: &Linkage<f64>) -> Varied {
     (varied, primitives, pins)
 }
 
-/// Draws the figures of linkages with the wrong numbers, normally distributed.
+/// Draws the results of linkages with the wrong numbers, normally distributed.
 pub fn sample_linkage(
     analysis: &LinkageAnalysis,
     sampling: Sampling,

@@ -1,6 +1,6 @@
 //! How far pins and inputs can take the points of a linkage.
 
-use fivebar_design::accuracy::linkage::Figure;
+use fivebar_design::accuracy::linkage::ResultKind;
 use fivebar_design::linkage::{Coordinate, Linkage, LinkageMotion};
 use fivebar_kinematics::Vec2;
 use nalgebra::DMatrix;
@@ -51,11 +51,11 @@ pub(super) fn reach(
     pins: &[(f64, usize)],
     corners: Option<&[f64]>,
     t: &DMatrix<f64>,
-    figures: &[Figure],
+    results: &[ResultKind],
 ) -> Vec<Option<Reach>> {
     let mut reach = vec![None; motion.points.len()];
-    for (row, figure) in figures.iter().enumerate() {
-        let Figure::Position(point, 0) = *figure else {
+    for (row, result) in results.iter().enumerate() {
+        let ResultKind::Position(point, 0) = *result else {
             continue;
         };
         let by = |column: usize| Vec2::new(t[(row, column)], t[(row + 1, column)]);
