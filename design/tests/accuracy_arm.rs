@@ -1,10 +1,10 @@
 //! Forces under tolerance, seated pins and tolerance allocation on random arms.
 
 use fivebar_design::accuracy::allocation::{Class, allocate};
-use fivebar_design::accuracy::arm::{ArmResponse, Inputs};
+use fivebar_design::accuracy::arm::{ArmAccuracyModel, Inputs};
 use fivebar_design::accuracy::clearance_equilibrium::clearance_equilibrium;
 use fivebar_design::accuracy::five_bar::{clearance_error, tool_sensitivities};
-use fivebar_design::accuracy::{Response, sensitivities};
+use fivebar_design::accuracy::{DifferentiableModel, sensitivities};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::dynamics::{Arm, Link};
 use fivebar_kinematics::five_bar::{Geometry, Side, WorkingMode};
@@ -56,15 +56,15 @@ fn state() -> impl Strategy<Value = (Arm<f64>, Side, Inputs)> {
 proptest! {
     #[test]
     fn every_derivative_of_the_arm_meets_its_difference((arm, assembly, inputs) in state()) {
-        let response = ArmResponse { arm: &arm, assembly, external_force: Vec2::new(1.0, -2.0) };
-        let nominal = response.primitives(&inputs);
-        let t = sensitivities(&response, &nominal).unwrap();
+        let model = ArmAccuracyModel { arm: &arm, assembly, external_force: Vec2::new(1.0, -2.0) };
+        let nominal = model.primitives(&inputs);
+        let t = sensitivities(&model, &nominal).unwrap();
         for column in 0..nominal.len() {
             let step = 1e-6 * nominal[column].abs().max(0.05);
             let moved = |by: f64| {
                 let mut primitives = nominal;
                 primitives[column] += by;
-                response.evaluate(&primitives).unwrap()
+                model.evaluate(&primitives).unwrap()
             };
             let (up, down) = (moved(step), moved(-step));
             prop_assert!(t.column(column).amax() > 0.0);

@@ -4,7 +4,7 @@
 use fivebar_design::accuracy::five_bar::{
     clearance_error, input_worst, tool_sensitivities, with_offsets,
 };
-use fivebar_design::accuracy::{Response, sensitivities};
+use fivebar_design::accuracy::{DifferentiableModel, sensitivities};
 use fivebar_kinematics::five_bar::{Geometry, Pose, PoseError, Side, WorkingMode};
 use fivebar_kinematics::{Scalar, Vec2};
 use proptest::prelude::*;
@@ -62,7 +62,7 @@ fn the_worst_and_the_mean_of_five_clearances() {
 /// C from the middle of the base by θ1, θ4, l1…l5.
 struct Tool(Side);
 
-impl Response for Tool {
+impl DifferentiableModel for Tool {
     type Error = PoseError;
 
     fn evaluate<S: Scalar>(&self, p: &[S]) -> Result<Vec<S>, PoseError> {

@@ -2,7 +2,7 @@
 //! by the analytic matrices and by dual numbers, and what the paper's omissions cost.
 
 use fivebar_design::accuracy::loops::{LoopQuantity, Term, TimeDerivatives, VectorLoops};
-use fivebar_design::accuracy::{Primitive, Response, Scatter, sensitivities};
+use fivebar_design::accuracy::{DifferentiableModel, Primitive, Scatter, sensitivities};
 use fivebar_design::linkage::PointMotion;
 use fivebar_design::linkage::dyad::{DyadError, Rrr};
 use fivebar_kinematics::five_bar::Side;
@@ -128,7 +128,7 @@ fn forces<S: Scalar>(p: &[S], state: &State<S>) -> Vec<S> {
 
 struct FourBar;
 
-impl Response for FourBar {
+impl DifferentiableModel for FourBar {
     type Error = DyadError;
 
     fn evaluate<S: Scalar>(&self, p: &[S]) -> Result<Vec<S>, DyadError> {
@@ -142,7 +142,7 @@ impl Response for FourBar {
 /// Π alone: U, U̇ and Ü as arguments after the primitives.
 struct Forces;
 
-impl Response for Forces {
+impl DifferentiableModel for Forces {
     type Error = std::convert::Infallible;
 
     fn evaluate<S: Scalar>(&self, p: &[S]) -> Result<Vec<S>, Self::Error> {

@@ -5,10 +5,10 @@ use fivebar::input::linkage::{DrivenLinkage, EXAMPLES, Example};
 use fivebar::input::robot::SliderRobot;
 use fivebar::study::accuracy::{Sampling, analyse_slider, sample_slider, slider_answer};
 use fivebar_design::accuracy::assur::{time_derivatives, unknowns};
-use fivebar_design::accuracy::linkage::{LinkageResponse, ResultKind, clearance_equilibrium};
+use fivebar_design::accuracy::linkage::{LinkageAccuracyModel, ResultKind, clearance_equilibrium};
 use fivebar_design::accuracy::loops::VectorLoops;
 use fivebar_design::accuracy::slider;
-use fivebar_design::accuracy::{Response, sensitivities};
+use fivebar_design::accuracy::{DifferentiableModel, sensitivities};
 use fivebar_design::linkage::{
     Clearance, Coordinate, DriveLaw, Linkage, ParameterKind, SolveError,
 };
@@ -46,7 +46,7 @@ fn instants(driven: &DrivenLinkage) -> Vec<Vec<Coordinate<f64>>> {
 /// U, U̇ and Ü by the inputs and all parameters.
 struct Unknowns<'a>(&'a Linkage<f64>);
 
-impl Response for Unknowns<'_> {
+impl DifferentiableModel for Unknowns<'_> {
     type Error = SolveError;
 
     fn evaluate<S: Scalar>(&self, primitives: &[S]) -> Result<Vec<S>, SolveError> {
@@ -103,12 +103,12 @@ fn analytic_matrices_equal_dual_numbers_on_every_example() {
             }
 
             let analytic = loops.sensitivities(&solved, &driving).unwrap();
-            let response = Unknowns(&linkage);
+            let model = Unknowns(&linkage);
             let mut primitives: Vec<f64> = driving.value.as_slice().to_vec();
             primitives.extend(&driving.rate);
             primitives.extend(&driving.acceleration);
             primitives.extend(&loops.parameters);
-            let dual = sensitivities(&response, &primitives).unwrap();
+            let dual = sensitivities(&model, &primitives).unwrap();
             let n = solved.value.len();
             for (k, matrix) in [analytic.value, analytic.rate, analytic.acceleration]
                 .iter()
@@ -144,22 +144,22 @@ fn every_derivative_of_every_example_meets_its_difference() {
             number += 1;
             value
         });
-        let response = LinkageResponse {
+        let model = LinkageAccuracyModel {
             linkage: &linkage,
             varied,
         };
         for inputs in instants(&driven).iter().step_by(2) {
-            let nominal = response.primitives(inputs);
-            let value = response.evaluate(&nominal).unwrap();
-            assert_eq!(value.len(), response.result_kinds().len());
-            let t = sensitivities(&response, &nominal).unwrap();
+            let nominal = model.primitives(inputs);
+            let value = model.evaluate(&nominal).unwrap();
+            assert_eq!(value.len(), model.result_kinds().len());
+            let t = sensitivities(&model, &nominal).unwrap();
             let mut seen = vec![false; value.len()];
             for column in 0..nominal.len() {
                 let step = 1e-6 * nominal[column].abs().max(0.05);
                 let moved = |by: f64| {
                     let mut primitives = nominal.clone();
                     primitives[column] += by;
-                    response.evaluate(&primitives).unwrap()
+                    model.evaluate(&primitives).unwrap()
                 };
                 let (up, down) = (moved(step), moved(-step));
                 for row in 0..value.len() {
@@ -176,7 +176,7 @@ fn every_derivative_of_every_example_meets_its_difference() {
                     seen[row] |= derivative != 0.0;
                 }
             }
-            for ((result, seen), value) in response.result_kinds().iter().zip(seen).zip(value) {
+            for ((result, seen), value) in model.result_kinds().iter().zip(seen).zip(value) {
                 let force = matches!(result, ResultKind::Drive(_) | ResultKind::Force(..));
                 assert!(
                     seen || !force || value.abs() < 1e-9,

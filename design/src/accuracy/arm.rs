@@ -1,18 +1,18 @@
 //! The arm's whole answer to its dimensions: positions, motion, torques and joint forces by
 //! inputs and their rates, lengths, masses.
 
-use super::Response;
+use super::DifferentiableModel;
 use core::fmt;
 use fivebar_kinematics::dynamics::{Arm, Link, ModelError};
 use fivebar_kinematics::five_bar::{Geometry, GeometryError, PoseError, Side};
 use fivebar_kinematics::{Scalar, Vec2};
 
-/// What is answered to, in the order of [`ArmResponse::primitives`].
+/// What is answered to, in the order of [`ArmAccuracyModel::primitives`].
 pub const PRIMITIVES: [&str; 15] = [
     "θ1", "θ4", "ω1", "ω4", "α1", "α4", "l1", "l2", "l3", "l4", "base", "m1", "m2", "m3", "m4",
 ];
 
-/// What answers, in the order of [`ArmResponse`]'s results: C and its rates from the middle
+/// What answers, in the order of [`ArmAccuracyModel`]'s results: C and its rates from the middle
 /// of the base [m, m/s, m/s²], torques [N·m], joint forces [N].
 pub const RESULTS: [&str; 18] = [
     "position x",
@@ -50,7 +50,7 @@ pub struct Inputs {
 /// An arm on one assembly branch, under a force on its tool, as a function of its
 /// primitives. A link's moment of inertia scales with its mass.
 #[derive(Clone, Copy, Debug)]
-pub struct ArmResponse<'a> {
+pub struct ArmAccuracyModel<'a> {
     /// The nominal arm.
     pub arm: &'a Arm<f64>,
     /// The forward branch.
@@ -61,7 +61,7 @@ pub struct ArmResponse<'a> {
 
 /// Why an arm with these dimensions has no answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ArmError {
+pub enum ArmAccuracyError {
     /// The lengths are not a five-bar.
     Geometry(GeometryError),
     /// The masses are not sound.
@@ -70,7 +70,7 @@ pub enum ArmError {
     Pose(PoseError),
 }
 
-impl fmt::Display for ArmError {
+impl fmt::Display for ArmAccuracyError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Geometry(error) => error.fmt(f),
@@ -80,15 +80,15 @@ impl fmt::Display for ArmError {
     }
 }
 
-impl core::error::Error for ArmError {}
+impl core::error::Error for ArmAccuracyError {}
 
-impl From<PoseError> for ArmError {
+impl From<PoseError> for ArmAccuracyError {
     fn from(error: PoseError) -> Self {
         Self::Pose(error)
     }
 }
 
-impl ArmResponse<'_> {
+impl ArmAccuracyModel<'_> {
     /// The nominal values of the primitives at a state, in the order of [`PRIMITIVES`].
     pub fn primitives(&self, inputs: &Inputs) -> [f64; 15] {
         let [l1, l2, l3, l4, base] = self.arm.geometry().lengths();
@@ -104,10 +104,10 @@ impl ArmResponse<'_> {
     }
 
     /// The arm with other lengths and masses.
-    fn with<S: Scalar>(&self, lengths: [S; 5], masses: [S; 4]) -> Result<Arm<S>, ArmError> {
+    fn with<S: Scalar>(&self, lengths: [S; 5], masses: [S; 4]) -> Result<Arm<S>, ArmAccuracyError> {
         let number = S::from_f64;
         let vector = |v: Vec2<f64>| Vec2::new(number(v.x), number(v.y));
-        let geometry = Geometry::new(lengths).map_err(ArmError::Geometry)?;
+        let geometry = Geometry::new(lengths).map_err(ArmAccuracyError::Geometry)?;
         let links = core::array::from_fn(|index| {
             let (mass, nominal) = (masses[index], self.arm.links()[index]);
             let inertia = if nominal.mass > 0.0 {
@@ -128,14 +128,14 @@ impl ArmResponse<'_> {
             vector(self.arm.gravity()),
             self.arm.rotor_inertia().map(number),
         )
-        .map_err(ArmError::Model)
+        .map_err(ArmAccuracyError::Model)
     }
 }
 
-impl Response for ArmResponse<'_> {
-    type Error = ArmError;
+impl DifferentiableModel for ArmAccuracyModel<'_> {
+    type Error = ArmAccuracyError;
 
-    fn evaluate<S: Scalar>(&self, primitives: &[S]) -> Result<Vec<S>, ArmError> {
+    fn evaluate<S: Scalar>(&self, primitives: &[S]) -> Result<Vec<S>, ArmAccuracyError> {
         let &[
             theta1,
             theta4,
@@ -154,7 +154,7 @@ impl Response for ArmResponse<'_> {
             m4,
         ] = primitives
         else {
-            return Err(ArmError::Pose(PoseError::NotFinite));
+            return Err(ArmAccuracyError::Pose(PoseError::NotFinite));
         };
         let arm = self.with([l1, l2, l3, l4, base], [m1, m2, m3, m4])?;
         let geometry = arm.geometry();

@@ -5,7 +5,7 @@ use fivebar_kinematics::Scalar;
 use nalgebra::DMatrix;
 
 /// Results as a function of primitives.
-pub trait Response {
+pub trait DifferentiableModel {
     /// Why there may be no results.
     type Error;
 
@@ -21,12 +21,15 @@ pub trait Response {
 ///
 /// # Errors
 /// Whatever the model says at these values.
-pub fn sensitivities<R: Response>(response: &R, values: &[f64]) -> Result<DMatrix<f64>, R::Error> {
+pub fn sensitivities<R: DifferentiableModel>(
+    model: &R,
+    values: &[f64],
+) -> Result<DMatrix<f64>, R::Error> {
     let mut point: Vec<Dual> = values.iter().map(|&value| Dual::constant(value)).collect();
     let mut columns = Vec::with_capacity(values.len());
     for index in 0..point.len() {
         point[index] = Dual::variable(values[index]);
-        columns.push(response.evaluate(&point)?);
+        columns.push(model.evaluate(&point)?);
         point[index] = Dual::constant(values[index]);
     }
     let rows = columns.first().map_or(0, Vec::len);

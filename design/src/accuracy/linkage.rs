@@ -2,7 +2,7 @@
 //! reactions by inputs and their rates, lengths, coordinates, masses, sections, clearances
 //! and their directions.
 
-use super::Response;
+use super::DifferentiableModel;
 use crate::linkage::{
     Clearance, Coordinate, Linkage, LinkageMotion, Parameter, ParameterKind, Reaction, SolveError,
 };
@@ -12,14 +12,14 @@ use fivebar_kinematics::Scalar;
 ///
 /// A link's moment of inertia scales with its mass, unless it is a parameter itself.
 #[derive(Clone, Debug)]
-pub struct LinkageResponse<'a> {
+pub struct LinkageAccuracyModel<'a> {
     /// The nominal linkage.
     pub linkage: &'a Linkage<f64>,
     /// The parameters that vary, by their place in the order of [`Linkage::map`], rising.
     pub varied: Vec<usize>,
 }
 
-/// What a result of a [`LinkageResponse`] measures, by the place of what it belongs to.
+/// What a result of a [`LinkageAccuracyModel`] measures, by the place of what it belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ResultKind {
     /// Component 0 or 1 of a point's position [m]; the point in [`Linkage::points`].
@@ -42,7 +42,7 @@ pub enum ResultKind {
     Moment(usize),
 }
 
-impl LinkageResponse<'_> {
+impl LinkageAccuracyModel<'_> {
     /// The nominal values of the primitives: q, q̇, q̈, then the parameters that vary.
     pub fn primitives(&self, inputs: &[Coordinate<f64>]) -> Vec<f64> {
         let mut values: Vec<f64> = inputs.iter().map(|input| input.value).collect();
@@ -122,7 +122,7 @@ fn moving<S: Scalar>(linkage: &Linkage<S>) -> impl Iterator<Item = usize> + '_ {
         .map(|(index, _)| index)
 }
 
-impl Response for LinkageResponse<'_> {
+impl DifferentiableModel for LinkageAccuracyModel<'_> {
     type Error = SolveError;
 
     fn evaluate<S: Scalar>(&self, primitives: &[S]) -> Result<Vec<S>, SolveError> {

@@ -2,7 +2,7 @@
 //! ideal, in position, motion and force (Shi 2005, Tu 2005; sections 6 and 4).
 //!
 //! Two unlike ways to every sensitivity: the analytic matrices of [`loops`], and dual
-//! numbers through any model that implements [`Response`].
+//! numbers through any model that implements [`DifferentiableModel`].
 
 pub mod allocation;
 pub mod arm;
@@ -16,6 +16,6 @@ pub mod loops;
 mod propagation;
 pub mod slider;
 
-pub use differentiate::{Response, sensitivities};
+pub use differentiate::{DifferentiableModel, sensitivities};
 pub use error::AccuracyError;
 pub use propagation::{Primitive, Scatter};

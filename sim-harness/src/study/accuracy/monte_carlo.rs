@@ -5,8 +5,8 @@ use super::sampling::{Moments, Sampling, sample};
 use super::state::{Analysis, SCATTERED, State};
 use crate::input::robot::Robot;
 use crate::run::plant::Noise;
-use fivebar_design::accuracy::Response as _;
-use fivebar_design::accuracy::arm::ArmResponse;
+use fivebar_design::accuracy::DifferentiableModel as _;
+use fivebar_design::accuracy::arm::ArmAccuracyModel;
 use fivebar_design::accuracy::five_bar::with_offsets;
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::dynamics::Arm;
@@ -161,18 +161,18 @@ impl Arms<'_> {
         Some([exact, linear.norm()])
     }
 
-    /// Position, motion, torques and forces of an arm as made, as [`ArmResponse`] has them.
+    /// Position, motion, torques and forces of an arm as made, as [`ArmAccuracyModel`] has them.
     fn results(&self, arm: &Arm<f64>, noise: &mut Noise) -> Option<Vec<f64>> {
-        let response = ArmResponse {
+        let model = ArmAccuracyModel {
             arm,
             assembly: self.analysis.pose.assembly(),
             external_force: self.state.force,
         };
-        let mut primitives = response.primitives(&self.analysis.inputs);
+        let mut primitives = model.primitives(&self.analysis.inputs);
         let made = self.made(noise, |_| true);
         for (index, value) in SCATTERED.into_iter().zip(made) {
             primitives[index] = value;
         }
-        response.evaluate(&primitives).ok()
+        model.evaluate(&primitives).ok()
     }
 }

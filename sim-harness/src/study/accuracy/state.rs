@@ -1,7 +1,7 @@
 //! The analysis at one state of the arm: first-order scatter, exact worst cases, seated pins.
 
 use crate::input::robot::{Robot, Tolerance};
-use fivebar_design::accuracy::arm::{ArmResponse, Inputs, PRIMITIVES};
+use fivebar_design::accuracy::arm::{ArmAccuracyModel, Inputs, PRIMITIVES};
 use fivebar_design::accuracy::clearance_equilibrium::{
     ClearanceEquilibrium, clearance_equilibrium,
 };
@@ -76,7 +76,7 @@ pub struct Forces {
 }
 
 /// The primitives that have a scatter: inputs and lengths, and their columns among those of
-/// [`ArmResponse`].
+/// [`ArmAccuracyModel`].
 pub(super) const SCATTERED: [usize; 7] = [0, 1, 6, 7, 8, 9, 10];
 
 /// Analyses one state of a robot.
@@ -110,12 +110,12 @@ pub fn analyse(robot: &Robot, state: &State) -> Result<Analysis, String> {
     let forces = match robot.arm() {
         Err(_) => None,
         Ok(arm) => {
-            let response = ArmResponse {
+            let model = ArmAccuracyModel {
                 arm,
                 assembly: pose.assembly(),
                 external_force: state.force,
             };
-            let all = sensitivities(&response, &response.primitives(&inputs))
+            let all = sensitivities(&model, &model.primitives(&inputs))
                 .map_err(|error| refuse(&error))?;
             let scattered = all.select_columns(&SCATTERED);
             let propagate = |first: usize, count: usize| {

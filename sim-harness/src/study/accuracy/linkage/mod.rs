@@ -10,8 +10,8 @@ pub use reach::Reach;
 
 use super::sampling::{Sampling, Spread, sample};
 use crate::input::linkage::DrivenLinkage;
-use fivebar_design::accuracy::linkage::{LinkageResponse, ResultKind, clearance_equilibrium};
-use fivebar_design::accuracy::{Primitive, Response as _, Scatter, sensitivities};
+use fivebar_design::accuracy::linkage::{LinkageAccuracyModel, ResultKind, clearance_equilibrium};
+use fivebar_design::accuracy::{DifferentiableModel as _, Primitive, Scatter, sensitivities};
 use fivebar_design::linkage::{Clearance, Coordinate, Linkage, ParameterKind, SolveError};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
@@ -100,11 +100,11 @@ pub fn analyse_linkage(driven: &DrivenLinkage, time: f64) -> Result<LinkageAnaly
     let inputs: Vec<_> = driven.laws.iter().map(|law| law.at(time)).collect();
     let (linkage, settled) = with_pins(driven, &inputs)?;
     let (varied, mut parameters, pins) = varied(driven, &linkage);
-    let response = LinkageResponse {
+    let model = LinkageAccuracyModel {
         linkage: &linkage,
         varied,
     };
-    let nominal = response.primitives(&inputs);
+    let nominal = model.primitives(&inputs);
     let names = crate::input::linkage::driven_links(&driven.linkage);
     let names: Vec<&str> = names.map(|(name, _)| name).collect();
     let of_inputs = ["position", "rate", "acceleration"].into_iter();
@@ -123,9 +123,9 @@ pub fn analyse_linkage(driven: &DrivenLinkage, time: f64) -> Result<LinkageAnaly
     for (primitive, &mean) in primitives.iter_mut().zip(&nominal) {
         primitive.mean = mean;
     }
-    let t = sensitivities(&response, &nominal)?;
-    let results = response.result_kinds();
-    let values = response.evaluate(&nominal)?;
+    let t = sensitivities(&model, &nominal)?;
+    let results = model.result_kinds();
+    let values = model.evaluate(&nominal)?;
     let pins: Vec<_> = pins
         .into_iter()
         .map(|(radius, place)| (radius, 3 * inputs.len() + place))
@@ -142,7 +142,7 @@ pub fn analyse_linkage(driven: &DrivenLinkage, time: f64) -> Result<LinkageAnaly
         primitives,
         reach,
         settled,
-        varied: response.varied,
+        varied: model.varied,
         linkage,
     })
 }
@@ -231,13 +231,13 @@ pub fn sample_linkage(
     sampling: Sampling,
     progress: &ProgressBar,
 ) -> Spread {
-    let response = LinkageResponse {
+    let model = LinkageAccuracyModel {
         linkage: &analysis.linkage,
         varied: analysis.varied.clone(),
     };
     sample(sampling, progress, |noise| {
         let made = |primitive: &Primitive| primitive.mean + primitive.deviation * noise.normal();
         let primitives: Vec<f64> = analysis.primitives.iter().map(made).collect();
-        response.evaluate(&primitives).ok()
+        model.evaluate(&primitives).ok()
     })
 }
