@@ -1,7 +1,7 @@
 //! Forces under tolerance, seated pins and tolerance allocation on random arms.
 
 use fivebar_design::accuracy::allocation::{Class, allocate};
-use fivebar_design::accuracy::arm::{ArmAccuracyModel, Inputs};
+use fivebar_design::accuracy::arm::{ArmAccuracyModel, DrivenJointMotion};
 use fivebar_design::accuracy::clearance_equilibrium::clearance_equilibrium;
 use fivebar_design::accuracy::five_bar::{clearance_error, tool_sensitivities};
 use fivebar_design::accuracy::{DifferentiableModel, sensitivities};
@@ -30,7 +30,7 @@ fn arm(lengths: [f64; 5], mass: f64) -> Arm<f64> {
     .unwrap()
 }
 
-fn state() -> impl Strategy<Value = (Arm<f64>, Side, Inputs)> {
+fn state() -> impl Strategy<Value = (Arm<f64>, Side, DrivenJointMotion)> {
     let lengths = prop::array::uniform5(0.08..0.2_f64);
     let theta = prop::array::uniform2(-3.1..3.1_f64);
     let omega = prop::array::uniform2(-5.0..5.0_f64);
@@ -43,7 +43,7 @@ fn state() -> impl Strategy<Value = (Arm<f64>, Side, Inputs)> {
                 .ok()?
                 .forward(theta[0], theta[1], side)
                 .ok()?;
-            let inputs = Inputs {
+            let inputs = DrivenJointMotion {
                 theta,
                 omega,
                 alpha,
@@ -157,7 +157,7 @@ fn tension_lengthens_and_compression_shortens_by_the_sum_of_clearances() {
         .inverse(Vec2::new(0.05, 0.2), mode)
         .unwrap();
     let [theta1, _, _, theta4] = pose.angles();
-    let inputs = Inputs {
+    let inputs = DrivenJointMotion {
         theta: [theta1, theta4],
         omega: [0.0; 2],
         alpha: [0.0; 2],

@@ -4,7 +4,7 @@ use fivebar::input::robot::Contact;
 use fivebar::input::robot::Robot;
 use fivebar::input::scenario::Mismatch;
 use fivebar::run::plant::{Loads, Model, Plant, State, Wear};
-use fivebar_design::accuracy::arm::Inputs;
+use fivebar_design::accuracy::arm::DrivenJointMotion;
 use fivebar_design::accuracy::clearance_equilibrium::clearance_equilibrium;
 use fivebar_firmware::Command;
 use fivebar_kinematics::Vec2;
@@ -156,7 +156,7 @@ fn a_pushed_arm_rests_where_the_kineto_static_model_seats_its_pins() {
     for clearance in [1e-5, 5e-5] {
         let plant = pushed(&robot, [clearance; 5]);
         let theta = [plant.angle(0), plant.angle(1)];
-        let inputs = Inputs {
+        let inputs = DrivenJointMotion {
             theta,
             omega: [0.0; 2],
             alpha: [0.0; 2],

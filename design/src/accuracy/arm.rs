@@ -38,7 +38,7 @@ pub const RESULTS: [&str; 18] = [
 /// The inputs of a state: angles [rad], speeds [rad/s], accelerations [rad/s²] of joints 1
 /// and 4.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Inputs {
+pub struct DrivenJointMotion {
     /// θ1, θ4.
     pub theta: [f64; 2],
     /// ω1, ω4.
@@ -90,10 +90,10 @@ impl From<PoseError> for ArmAccuracyError {
 
 impl ArmAccuracyModel<'_> {
     /// The nominal values of the primitives at a state, in the order of [`PRIMITIVES`].
-    pub fn primitives(&self, inputs: &Inputs) -> [f64; 15] {
+    pub fn primitives(&self, inputs: &DrivenJointMotion) -> [f64; 15] {
         let [l1, l2, l3, l4, base] = self.arm.geometry().lengths();
         let [m1, m2, m3, m4] = self.arm.links().map(|link| link.mass);
-        let Inputs {
+        let DrivenJointMotion {
             theta: [theta1, theta4],
             omega: [omega1, omega4],
             alpha: [alpha1, alpha4],

@@ -8,7 +8,7 @@
 //! The model holds while every joint stays in contact: where a reaction turns about, the
 //! pin crosses the bearing in flight, which only a contact simulation shows.
 
-use super::arm::Inputs;
+use super::arm::DrivenJointMotion;
 use super::{AccuracyError, five_bar};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::dynamics::Arm;
@@ -43,7 +43,7 @@ pub struct ClearanceEquilibrium {
 pub fn clearance_equilibrium(
     arm: &Arm<f64>,
     assembly: Side,
-    inputs: &Inputs,
+    inputs: &DrivenJointMotion,
     external_force: Vec2<f64>,
     radii: [f64; 5],
 ) -> Result<ClearanceEquilibrium, AccuracyError> {
@@ -92,7 +92,7 @@ fn pressed(force: Vec2<f64>, radius: f64) -> Vec2<f64> {
 fn reactions(
     arm: &Arm<f64>,
     pose: &Pose<f64>,
-    inputs: &Inputs,
+    inputs: &DrivenJointMotion,
     external_force: Vec2<f64>,
 ) -> Result<[Vec2<f64>; 5], AccuracyError> {
     let geometry = arm.geometry();

@@ -1,7 +1,7 @@
 //! The analysis at one state of the arm: first-order scatter, exact worst cases, seated pins.
 
 use crate::input::robot::{Robot, Tolerance};
-use fivebar_design::accuracy::arm::{ArmAccuracyModel, Inputs, PRIMITIVES};
+use fivebar_design::accuracy::arm::{ArmAccuracyModel, DrivenJointMotion, PRIMITIVES};
 use fivebar_design::accuracy::clearance_equilibrium::{
     ClearanceEquilibrium, clearance_equilibrium,
 };
@@ -32,7 +32,7 @@ pub struct Analysis {
     /// The pose.
     pub pose: Pose<f64>,
     /// The driven joints' motion.
-    pub inputs: Inputs,
+    pub inputs: DrivenJointMotion,
     /// θ1, θ4, l1…l4 and the base with their scatter.
     pub primitives: Vec<Primitive>,
     /// How C answers to each of them, from the middle of the base.
@@ -99,7 +99,7 @@ pub fn analyse(robot: &Robot, state: &State) -> Result<Analysis, String> {
     let [theta1, _, _, theta4] = pose.angles();
     let [omega1, _, _, omega4] = rates.omega;
     let [alpha1, _, _, alpha4] = accelerations.alpha;
-    let inputs = Inputs {
+    let inputs = DrivenJointMotion {
         theta: [theta1, theta4],
         omega: [omega1, omega4],
         alpha: [alpha1, alpha4],
@@ -150,7 +150,7 @@ pub fn analyse(robot: &Robot, state: &State) -> Result<Analysis, String> {
     })
 }
 
-fn primitives(robot: &Robot, inputs: &Inputs) -> Vec<Primitive> {
+fn primitives(robot: &Robot, inputs: &DrivenJointMotion) -> Vec<Primitive> {
     let Tolerance {
         length_sd,
         input_sd,
