@@ -2,7 +2,7 @@
 
 use fivebar::input::mobility::{EXAMPLES, Study, parse};
 use fivebar::study::mobility::{Finding, answer};
-use fivebar_design::mobility::{Freedom, Graph, Joint, Screw, analyse_graph};
+use fivebar_design::mobility::{Freedom, Joint, MechanismGraph, Screw, analyse_graph};
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -189,9 +189,9 @@ fn a_shaky_structure_beside_a_real_freedom_counts_only_the_real_one() {
         hinge(2, 0, 2.5),
         hinge(2, 3, 2.0),
     ];
-    let report = analyse_graph(&Graph::new(4, 3, joints).unwrap());
+    let analysis = analyse_graph(&MechanismGraph::new(4, 3, joints).unwrap());
     assert_eq!(
-        (report.mobility.instantaneous, report.mobility.finite),
+        (analysis.mobility.instantaneous, analysis.mobility.finite),
         (2, 1)
     );
 }

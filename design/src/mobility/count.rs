@@ -5,7 +5,7 @@ use super::frame::Frame;
 use super::loops::Loops;
 use super::naming::{NamedScrew, Pitch, name};
 use super::system::{ScrewSystem, null_space};
-use super::{Freedom, Graph, Joint, Parallel, Screw};
+use super::{Freedom, Joint, MechanismGraph, ParallelMechanism, Screw};
 use nalgebra::DVector;
 
 /// What holds for parallel mechanisms and general graphs alike.
@@ -45,7 +45,7 @@ pub struct Mobility {
 
 /// One limb of a parallel mechanism.
 #[derive(Clone, Debug)]
-pub struct LimbReport {
+pub struct LimbAnalysis {
     /// wi: its number of single freedoms.
     pub freedoms: usize,
     /// The rank of its twists.
@@ -56,11 +56,11 @@ pub struct LimbReport {
 
 /// The analysis of a platform on limbs.
 #[derive(Clone, Debug)]
-pub struct ParallelReport {
+pub struct ParallelAnalysis {
     /// What holds for any graph.
     pub mobility: Mobility,
     /// The limbs.
-    pub limbs: Vec<LimbReport>,
+    pub limbs: Vec<LimbAnalysis>,
     /// rank W of the union of the limbs' wrench systems.
     pub wrench_rank: usize,
     /// k = rank W − λ.
@@ -77,7 +77,7 @@ pub struct ParallelReport {
 
 /// The analysis of a general graph.
 #[derive(Clone, Debug)]
-pub struct GraphReport {
+pub struct GraphAnalysis {
     /// What holds for any graph.
     pub mobility: Mobility,
     /// The number of independent loops, g − n + 1.
@@ -89,7 +89,7 @@ pub struct GraphReport {
 }
 
 /// Analyses a platform on limbs.
-pub fn analyse_parallel(mechanism: &Parallel) -> ParallelReport {
+pub fn analyse_parallel(mechanism: &ParallelMechanism) -> ParallelAnalysis {
     let graph = mechanism.graph();
     let frame = Frame::of(&graph);
     let twists = |joints: &[Joint]| -> Vec<Screw> {
@@ -113,13 +113,13 @@ pub fn analyse_parallel(mechanism: &Parallel) -> ParallelReport {
     let redundant = sum_q - lambda * p - k;
     let m_eq9 = 6 - to_i64(sum_q) + to_i64(lambda) * (to_i64(p) - 1) + to_i64(redundant);
 
-    ParallelReport {
+    ParallelAnalysis {
         mobility: mobility(&graph, &frame, lambda, redundant, &union.reciprocal()),
         limbs: limb_twists
             .iter()
             .zip(&spans)
             .zip(&wrenches)
-            .map(|((twists, span), wrench)| LimbReport {
+            .map(|((twists, span), wrench)| LimbAnalysis {
                 freedoms: twists.len(),
                 rank: span.rank(),
                 constraints: name(wrench, &frame),
@@ -139,7 +139,7 @@ pub fn analyse_parallel(mechanism: &Parallel) -> ParallelReport {
 }
 
 /// Analyses any graph, closed loops inside limbs among them.
-pub fn analyse_graph(graph: &Graph) -> GraphReport {
+pub fn analyse_graph(graph: &MechanismGraph) -> GraphAnalysis {
     let frame = Frame::of(graph);
     let entered = frame.enter_graph(graph);
     let loops = Loops::of(&entered);
@@ -153,7 +153,7 @@ pub fn analyse_graph(graph: &Graph) -> GraphReport {
     // Every loop could carry d independent conditions; those it lacks are redundant.
     let redundant = (6 - lambda) * loops.count() - jacobian_rank;
     let platform = ScrewSystem::span_of_motions(loops.platform_twists(&home, &motions));
-    GraphReport {
+    GraphAnalysis {
         mobility: mobility(graph, &frame, lambda, redundant, &platform),
         loops: loops.count(),
         jacobian_rank,
@@ -162,7 +162,7 @@ pub fn analyse_graph(graph: &Graph) -> GraphReport {
 }
 
 fn mobility(
-    graph: &Graph,
+    graph: &MechanismGraph,
     frame: &Frame,
     lambda: usize,
     redundant: usize,

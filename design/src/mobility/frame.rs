@@ -1,7 +1,7 @@
 //! The frame ranks are judged in: about the mechanism's centre, in units of its size, so
 //! that an answer depends neither on where the mechanism stands nor on its scale.
 
-use super::{Freedom, Graph, Joint, Screw};
+use super::{Freedom, Joint, MechanismGraph, Screw};
 use nalgebra::{Matrix3, Vector3};
 
 /// A point amid the joint axes and the root mean square of their distances from it.
@@ -17,7 +17,7 @@ impl Frame {
     ///
     /// Where the axes leave a direction open (all parallel), moving along it changes no
     /// moment, and the solution of least norm serves.
-    pub(super) fn of(graph: &Graph) -> Self {
+    pub(super) fn of(graph: &MechanismGraph) -> Self {
         let axes: Vec<(Vector3<f64>, Vector3<f64>)> = graph
             .joints()
             .iter()
@@ -65,7 +65,7 @@ impl Frame {
     }
 
     /// The graph written in this frame.
-    pub(super) fn enter_graph(&self, graph: &Graph) -> Graph {
+    pub(super) fn enter_graph(&self, graph: &MechanismGraph) -> MechanismGraph {
         let joints = graph
             .joints()
             .iter()

@@ -4,7 +4,7 @@
 //! the product of the exponentials of the joints on its path from the ground, and the
 //! Jacobian's columns are the joints' twists carried along by what comes before them.
 
-use super::{Freedom, Graph, Screw};
+use super::{Freedom, MechanismGraph, Screw};
 use nalgebra::{DMatrix, DVector, Isometry3, Vector6};
 
 /// One step of a path: a single freedom passed forwards or backwards.
@@ -23,7 +23,7 @@ pub(super) struct Loops {
 }
 
 impl Loops {
-    pub(super) fn of(graph: &Graph) -> Self {
+    pub(super) fn of(graph: &MechanismGraph) -> Self {
         let mut first = Vec::with_capacity(graph.joints().len());
         let mut freedoms = Vec::new();
         for joint in graph.joints() {

@@ -71,13 +71,13 @@ pub struct Joint {
 
 /// A platform on limbs, each a chain of joints from the base.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Parallel {
+pub struct ParallelMechanism {
     limbs: Vec<Vec<Joint>>,
 }
 
 /// Any graph of bodies (0 is the ground) and joints.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Graph {
+pub struct MechanismGraph {
     bodies: usize,
     platform: usize,
     joints: Vec<Joint>,
@@ -128,7 +128,7 @@ impl fmt::Display for MechanismError {
 
 impl core::error::Error for MechanismError {}
 
-impl Parallel {
+impl ParallelMechanism {
     /// A platform on these limbs, each a list of joints from base to platform; the
     /// joints' body numbers are assigned here.
     ///
@@ -175,9 +175,9 @@ impl Parallel {
     }
 
     /// The same mechanism as a graph; the platform is body 1.
-    pub fn graph(&self) -> Graph {
+    pub fn graph(&self) -> MechanismGraph {
         let joints: Vec<Joint> = self.limbs.iter().flatten().cloned().collect();
-        Graph {
+        MechanismGraph {
             bodies: 2 + joints.iter().filter(|joint| joint.to != 1).count(),
             platform: 1,
             joints,
@@ -185,7 +185,7 @@ impl Parallel {
     }
 }
 
-impl Graph {
+impl MechanismGraph {
     /// A graph of `bodies` bodies, 0 being the ground.
     ///
     /// # Errors

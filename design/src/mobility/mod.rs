@@ -28,9 +28,11 @@ mod screw;
 mod system;
 
 pub use count::{
-    GraphReport, LimbReport, Mobility, ParallelReport, analyse_graph, analyse_parallel,
+    GraphAnalysis, LimbAnalysis, Mobility, ParallelAnalysis, analyse_graph, analyse_parallel,
 };
-pub use mechanism::{Freedom, Graph, Joint, MAX_FREEDOMS, MechanismError, Parallel};
+pub use mechanism::{
+    Freedom, Joint, MAX_FREEDOMS, MechanismError, MechanismGraph, ParallelMechanism,
+};
 pub use naming::{NamedScrew, Pitch};
 pub use screw::Screw;
 pub use system::{RANK_TOLERANCE, ScrewSystem};

@@ -1,7 +1,7 @@
 //! Lists of cases in JSON: twists as six numbers, in limbs or in a graph.
 
 use super::{Mechanism, Study};
-use fivebar_design::mobility::{Freedom, Graph, Joint, Parallel, Screw};
+use fivebar_design::mobility::{Freedom, Joint, MechanismGraph, ParallelMechanism, Screw};
 use nalgebra::Vector6;
 use serde::Deserialize;
 
@@ -48,7 +48,7 @@ pub(super) fn parse(text: &str) -> Result<Vec<Study>, String> {
             .limbs
             .iter()
             .map(|limb| limb.iter().map(|t| joint(0, 0, &[*t])).collect());
-        let mechanism = Parallel::new(limbs.collect())
+        let mechanism = ParallelMechanism::new(limbs.collect())
             .map_err(|error| format!("case {:?}: {error}", case.name))?;
         Ok(Study {
             name: case.name,
@@ -62,7 +62,7 @@ pub(super) fn parse(text: &str) -> Result<Vec<Study>, String> {
             .iter()
             .map(|j| joint(j.a, j.b, &j.twists))
             .collect();
-        let mechanism = Graph::new(case.bodies, case.platform_body, joints)
+        let mechanism = MechanismGraph::new(case.bodies, case.platform_body, joints)
             .map_err(|error| format!("case {:?}: {error}", case.name))?;
         Ok(Study {
             name: case.name,

@@ -2,7 +2,7 @@
 
 use super::{Mechanism, Study};
 use crate::input::source::{FileError, Source};
-use fivebar_design::mobility::{Freedom, Graph, Joint, Parallel, Screw};
+use fivebar_design::mobility::{Freedom, Joint, MechanismGraph, ParallelMechanism, Screw};
 use nalgebra::Vector3;
 use serde::Deserialize;
 
@@ -176,7 +176,7 @@ fn parallel(limbs: &[LimbEntry], platform: Option<&str>) -> Result<Mechanism, St
         .iter()
         .map(|limb| limb.joints.iter().map(|joint| joint.joint(0, 0)).collect())
         .collect();
-    Parallel::new(limbs)
+    ParallelMechanism::new(limbs)
         .map(Mechanism::Parallel)
         .map_err(|error| error.to_string())
 }
@@ -208,7 +208,7 @@ fn graph(entries: &[GraphEntry], platform: Option<&str>) -> Result<Mechanism, St
                 .joint(bodies[from.as_str()], bodies[to.as_str()])
         })
         .collect();
-    Graph::new(bodies.len(), platform, joints)
+    MechanismGraph::new(bodies.len(), platform, joints)
         .map(Mechanism::Graph)
         .map_err(|error| error.to_string())
 }

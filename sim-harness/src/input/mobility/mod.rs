@@ -4,7 +4,7 @@ mod cases;
 mod described;
 
 use crate::input::source::Source;
-use fivebar_design::mobility::{Graph, Parallel};
+use fivebar_design::mobility::{MechanismGraph, ParallelMechanism};
 use std::path::Path;
 
 /// The largest file that is read: a mechanism within the limits needs far less.
@@ -23,9 +23,9 @@ pub struct Study {
 /// The two ways of describing a mechanism.
 pub enum Mechanism {
     /// A platform on limbs.
-    Parallel(Parallel),
+    Parallel(ParallelMechanism),
     /// Any graph of bodies and joints.
-    Graph(Graph),
+    Graph(MechanismGraph),
 }
 
 /// The studies in a file: TOML with one mechanism, or JSON with lists of cases.

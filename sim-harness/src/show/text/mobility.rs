@@ -3,7 +3,7 @@
 use crate::input::mobility::Study;
 use crate::study::mobility::Finding;
 use fivebar_design::mobility::{
-    GraphReport, Mobility, NamedScrew, ParallelReport, Pitch, RANK_TOLERANCE,
+    GraphAnalysis, Mobility, NamedScrew, ParallelAnalysis, Pitch, RANK_TOLERANCE,
 };
 use std::fmt::Write as _;
 
@@ -18,8 +18,8 @@ pub(crate) type Step = (String, Vec<String>);
 /// The finding explained, a step at a time.
 pub(crate) fn steps(finding: &Finding) -> Vec<Step> {
     match finding {
-        Finding::Parallel(report) => parallel(report),
-        Finding::Graph(report) => graph(report),
+        Finding::Parallel(analysis) => parallel(analysis),
+        Finding::Graph(analysis) => graph(analysis),
     }
 }
 
@@ -38,17 +38,17 @@ pub fn explain(study: &Study, finding: &Finding) -> String {
     text
 }
 
-fn parallel(report: &ParallelReport) -> Vec<Step> {
-    let m = &report.mobility;
-    let p = report.limbs.len();
-    let q: Vec<usize> = report
+fn parallel(analysis: &ParallelAnalysis) -> Vec<Step> {
+    let m = &analysis.mobility;
+    let p = analysis.limbs.len();
+    let q: Vec<usize> = analysis
         .limbs
         .iter()
         .map(|limb| limb.constraints.len())
         .collect();
     let sum_q: usize = q.iter().sum();
     let mut limbs = Vec::new();
-    for (index, limb) in report.limbs.iter().enumerate() {
+    for (index, limb) in analysis.limbs.iter().enumerate() {
         limbs.push(format!(
             "Limb {}: {} joint screws of rank {}, so q = 6 − {} = {}: {}.",
             index + 1,
@@ -63,18 +63,18 @@ fn parallel(report: &ParallelReport) -> Vec<Step> {
         format!(
             "The wrenches reciprocal to every joint of the mechanism: λ = {}: {}.",
             m.lambda,
-            list(&report.common, CONSTRAINTS, "none"),
+            list(&analysis.common, CONSTRAINTS, "none"),
         ),
         format!("Order of the mechanism: d = 6 − λ = {}.", m.order),
     ];
     let redundant = vec![
         format!(
             "The limbs' constraints together span W of rank {}; besides the common ones that is k = {} − {} = {}.",
-            report.wrench_rank, report.wrench_rank, m.lambda, report.k
+            analysis.wrench_rank, analysis.wrench_rank, m.lambda, analysis.k
         ),
         format!(
             "Redundant constraints: v = Σq − λp − k = {sum_q} − {}·{p} − {} = {}.",
-            m.lambda, report.k, m.redundant
+            m.lambda, analysis.k, m.redundant
         ),
     ];
     let mut count = vec![
@@ -85,15 +85,15 @@ fn parallel(report: &ParallelReport) -> Vec<Step> {
         ),
         format!(
             "Equation (9): M = 6 − Σq + λ(p − 1) + v = 6 − {sum_q} + {}·({p} − 1) + {} = {}.",
-            m.lambda, m.redundant, report.m_eq9
+            m.lambda, m.redundant, analysis.m_eq9
         ),
     ];
-    count.push(if report.passive == 0 {
+    count.push(if analysis.passive == 0 {
         "They agree: every limb's screws are independent (ζ = 0).".into()
     } else {
         format!(
             "They differ by ζ = {}: freedoms inside the limbs that do not move the platform.",
-            report.passive
+            analysis.passive
         )
     });
     vec![
@@ -101,17 +101,17 @@ fn parallel(report: &ParallelReport) -> Vec<Step> {
         ("The common constraints".into(), common),
         ("The redundant constraints".into(), redundant),
         ("The count".into(), count),
-        platform(m, &report.platform_constraints),
+        platform(m, &analysis.platform_constraints),
         finite(m),
     ]
 }
 
-fn graph(report: &GraphReport) -> Vec<Step> {
-    let m = &report.mobility;
+fn graph(analysis: &GraphAnalysis) -> Vec<Step> {
+    let m = &analysis.mobility;
     let loops = vec![
         format!(
             "{} bodies with the ground and {} joints make {} independent loops.",
-            m.bodies, m.joints, report.loops
+            m.bodies, m.joints, analysis.loops
         ),
         format!(
             "All joints share λ = {} common constraints: d = 6 − λ = {}.",
@@ -120,10 +120,10 @@ fn graph(report: &GraphReport) -> Vec<Step> {
         format!(
             "The loops could carry {}·{} = {} conditions; their Jacobian over all {} single freedoms has rank {}, so v = {} are redundant.",
             m.order,
-            report.loops,
-            m.order * report.loops,
+            analysis.loops,
+            m.order * analysis.loops,
             m.sum_f,
-            report.jacobian_rank,
+            analysis.jacobian_rank,
             m.redundant
         ),
     ];
@@ -137,7 +137,7 @@ fn graph(report: &GraphReport) -> Vec<Step> {
     vec![
         ("The loops".into(), loops),
         ("The count".into(), count),
-        platform(m, &report.platform_constraints),
+        platform(m, &analysis.platform_constraints),
         finite(m),
     ]
 }

@@ -10,39 +10,39 @@ pub fn answer(name: &str, finding: &Finding) -> Value {
     let mut put = |key: &str, value: Value| object.insert(key.into(), value);
     put("name", json!(name));
     match finding {
-        Finding::Parallel(report) => {
-            put("p", json!(report.limbs.len()));
+        Finding::Parallel(analysis) => {
+            put("p", json!(analysis.limbs.len()));
             put(
                 "q",
-                report
+                analysis
                     .limbs
                     .iter()
                     .map(|limb| limb.constraints.len())
                     .collect(),
             );
-            put("rank_W", json!(report.wrench_rank));
-            put("k", json!(report.k));
-            put("zeta", json!(report.passive));
-            put("platform_dof_eq9", json!(report.m_eq9));
+            put("rank_W", json!(analysis.wrench_rank));
+            put("k", json!(analysis.k));
+            put("zeta", json!(analysis.passive));
+            put("platform_dof_eq9", json!(analysis.m_eq9));
             put(
                 "constraints",
                 json!({
-                    "limbs": report.limbs.iter().map(|limb| wrenches(&limb.constraints)).collect::<Value>(),
-                    "common": wrenches(&report.common),
-                    "platform": wrenches(&report.platform_constraints),
+                    "limbs": analysis.limbs.iter().map(|limb| wrenches(&limb.constraints)).collect::<Value>(),
+                    "common": wrenches(&analysis.common),
+                    "platform": wrenches(&analysis.platform_constraints),
                 }),
             );
-            put_mobility(&mut object, &report.mobility);
+            put_mobility(&mut object, &analysis.mobility);
         }
-        Finding::Graph(report) => {
-            put("loops", json!(report.loops));
-            put("rankJ", json!(report.jacobian_rank));
-            put("platform_dof", json!(report.mobility.platform_dof));
+        Finding::Graph(analysis) => {
+            put("loops", json!(analysis.loops));
+            put("rankJ", json!(analysis.jacobian_rank));
+            put("platform_dof", json!(analysis.mobility.platform_dof));
             put(
                 "constraints",
-                json!({ "platform": wrenches(&report.platform_constraints) }),
+                json!({ "platform": wrenches(&analysis.platform_constraints) }),
             );
-            put_mobility(&mut object, &report.mobility);
+            put_mobility(&mut object, &analysis.mobility);
         }
     }
     Value::Object(object)

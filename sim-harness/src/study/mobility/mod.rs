@@ -6,23 +6,23 @@ pub use answer::answer;
 
 use crate::input::mobility::{Mechanism, Study};
 use fivebar_design::mobility::{
-    GraphReport, Mobility, ParallelReport, analyse_graph, analyse_parallel,
+    GraphAnalysis, Mobility, ParallelAnalysis, analyse_graph, analyse_parallel,
 };
 
 /// What the analysis found.
 pub enum Finding {
     /// Of a platform on limbs.
-    Parallel(ParallelReport),
+    Parallel(ParallelAnalysis),
     /// Of a graph.
-    Graph(GraphReport),
+    Graph(GraphAnalysis),
 }
 
 impl Finding {
     /// What holds for every mechanism.
     pub fn mobility(&self) -> &Mobility {
         match self {
-            Self::Parallel(report) => &report.mobility,
-            Self::Graph(report) => &report.mobility,
+            Self::Parallel(analysis) => &analysis.mobility,
+            Self::Graph(analysis) => &analysis.mobility,
         }
     }
 }
