@@ -3,7 +3,7 @@
 use super::finite::{finite_mobility, instantaneous_mobility};
 use super::frame::Frame;
 use super::loops::Loops;
-use super::naming::{NamedScrew, Pitch, name};
+use super::screw_axis::{Pitch, ScrewAxis, screw_axes};
 use super::system::{ScrewSystem, null_space};
 use super::{Freedom, Joint, MechanismGraph, ParallelMechanism, Screw};
 use nalgebra::DVector;
@@ -40,7 +40,7 @@ pub struct Mobility {
     /// N − rank J with the actuated joints held; none where no joint is actuated.
     pub with_drives_held: Option<usize>,
     /// The platform's freedoms by name.
-    pub freedoms: Vec<NamedScrew>,
+    pub freedoms: Vec<ScrewAxis>,
 }
 
 /// One limb of a parallel mechanism.
@@ -51,7 +51,7 @@ pub struct LimbAnalysis {
     /// The rank of its twists.
     pub rank: usize,
     /// qi = 6 − rank: its constraints on the platform, by name.
-    pub constraints: Vec<NamedScrew>,
+    pub constraints: Vec<ScrewAxis>,
 }
 
 /// The analysis of a platform on limbs.
@@ -70,9 +70,9 @@ pub struct ParallelAnalysis {
     /// Equation (9): 6 − Σqi + λ(p − 1) + v.
     pub m_eq9: i64,
     /// The λ common constraints by name.
-    pub common: Vec<NamedScrew>,
+    pub common: Vec<ScrewAxis>,
     /// The union W of the limbs' constraints by name.
-    pub platform_constraints: Vec<NamedScrew>,
+    pub platform_constraints: Vec<ScrewAxis>,
 }
 
 /// The analysis of a general graph.
@@ -85,7 +85,7 @@ pub struct GraphAnalysis {
     /// rank of the loop Jacobian.
     pub jacobian_rank: usize,
     /// What the platform cannot do: the wrenches reciprocal to its freedoms, by name.
-    pub platform_constraints: Vec<NamedScrew>,
+    pub platform_constraints: Vec<ScrewAxis>,
 }
 
 /// Analyses a platform on limbs.
@@ -122,7 +122,7 @@ pub fn analyse_parallel(mechanism: &ParallelMechanism) -> ParallelAnalysis {
             .map(|((twists, span), wrench)| LimbAnalysis {
                 freedoms: twists.len(),
                 rank: span.rank(),
-                constraints: name(wrench, &frame),
+                constraints: screw_axes(wrench, &frame),
             })
             .collect(),
         wrench_rank: union.rank(),
@@ -133,8 +133,8 @@ pub fn analyse_parallel(mechanism: &ParallelMechanism) -> ParallelAnalysis {
             .map(|(t, s)| t.len() - s.rank())
             .sum(),
         m_eq9,
-        common: name(&common, &frame),
-        platform_constraints: name(&union, &frame),
+        common: screw_axes(&common, &frame),
+        platform_constraints: screw_axes(&union, &frame),
     }
 }
 
@@ -157,7 +157,7 @@ pub fn analyse_graph(graph: &MechanismGraph) -> GraphAnalysis {
         mobility: mobility(graph, &frame, lambda, redundant, &platform),
         loops: loops.count(),
         jacobian_rank,
-        platform_constraints: name(&platform.reciprocal(), &frame),
+        platform_constraints: screw_axes(&platform.reciprocal(), &frame),
     }
 }
 
@@ -182,7 +182,7 @@ fn mobility(
         let held = frame.enter_graph(&graph.with_drives_locked());
         instantaneous_mobility(&Loops::of(&held))
     });
-    let freedoms = name(platform, frame);
+    let freedoms = screw_axes(platform, frame);
     let pure_translations = freedoms
         .iter()
         .filter(|f| f.pitch == Pitch::Infinite)

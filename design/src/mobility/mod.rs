@@ -23,8 +23,8 @@ mod finite;
 mod frame;
 mod loops;
 mod mechanism;
-mod naming;
 mod screw;
+mod screw_axis;
 mod system;
 
 pub use count::{
@@ -33,6 +33,6 @@ pub use count::{
 pub use mechanism::{
     Freedom, Joint, MAX_FREEDOMS, MechanismError, MechanismGraph, ParallelMechanism,
 };
-pub use naming::{NamedScrew, Pitch};
 pub use screw::Screw;
+pub use screw_axis::{Pitch, ScrewAxis};
 pub use system::{RANK_TOLERANCE, ScrewSystem};

@@ -3,7 +3,7 @@
 use crate::input::mobility::Study;
 use crate::study::mobility::Finding;
 use fivebar_design::mobility::{
-    GraphAnalysis, Mobility, NamedScrew, ParallelAnalysis, Pitch, RANK_TOLERANCE,
+    GraphAnalysis, Mobility, ParallelAnalysis, Pitch, RANK_TOLERANCE, ScrewAxis,
 };
 use std::fmt::Write as _;
 
@@ -149,7 +149,7 @@ fn grubler(m: &Mobility) -> String {
     )
 }
 
-fn platform(m: &Mobility, constraints: &[NamedScrew]) -> Step {
+fn platform(m: &Mobility, constraints: &[ScrewAxis]) -> Step {
     let sentences = vec![
         format!("Held by {}.", list(constraints, CONSTRAINTS, "nothing")),
         format!(
@@ -197,7 +197,7 @@ fn plural(count: usize, noun: &str) -> String {
     format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
 }
 
-fn list(screws: &[NamedScrew], kinds: Kinds, none: &str) -> String {
+fn list(screws: &[ScrewAxis], kinds: Kinds, none: &str) -> String {
     if screws.is_empty() {
         return none.into();
     }
@@ -205,8 +205,8 @@ fn list(screws: &[NamedScrew], kinds: Kinds, none: &str) -> String {
     words.join("; ")
 }
 
-fn describe(screw: &NamedScrew, [zero, finite, infinite]: Kinds) -> String {
-    let axis = direction(&screw.axis);
+fn describe(screw: &ScrewAxis, [zero, finite, infinite]: Kinds) -> String {
+    let axis = direction(&screw.direction);
     let through = screw.point.map_or(String::new(), |p| {
         format!(
             " through ({}, {}, {})",

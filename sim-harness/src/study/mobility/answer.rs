@@ -1,7 +1,7 @@
 //! The answer as JSON, one object a case.
 
 use super::Finding;
-use fivebar_design::mobility::{Mobility, NamedScrew, Pitch};
+use fivebar_design::mobility::{Mobility, Pitch, ScrewAxis};
 use serde_json::{Map, Value, json};
 
 /// The finding as one JSON object; lengths in the file's unit.
@@ -82,14 +82,14 @@ fn put_mobility(object: &mut Map<String, Value>, mobility: &Mobility) {
     }
 }
 
-fn wrenches(screws: &[NamedScrew]) -> Value {
+fn wrenches(screws: &[ScrewAxis]) -> Value {
     let kinds = ["force", "wrench", "couple"];
     screws.iter().map(|s| screw(s, kinds)).collect()
 }
 
 /// A screw by the words for zero, finite and infinite pitch.
-fn screw(screw: &NamedScrew, [zero, finite, infinite]: [&str; 3]) -> Value {
-    let axis = [screw.axis.x, screw.axis.y, screw.axis.z];
+fn screw(screw: &ScrewAxis, [zero, finite, infinite]: [&str; 3]) -> Value {
+    let axis = [screw.direction.x, screw.direction.y, screw.direction.z];
     let point = screw.point.map(|p| [p.x, p.y, p.z]);
     match screw.pitch {
         Pitch::Zero => json!({"kind": zero, "axis": axis, "point": point}),

@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector, DVectorView, Vector3};
 /// Pitches and components below this count as zero, in units of the mechanism's size.
 const SMALL: f64 = 1e-7;
 
-/// The pitch of a named screw.
+/// The pitch of a screw.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pitch {
     /// A line: a rotation, or a force.
@@ -25,33 +25,33 @@ pub enum Pitch {
 
 /// A screw with its axis, as a person would name it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NamedScrew {
+pub struct ScrewAxis {
     /// Its pitch.
     pub pitch: Pitch,
     /// The direction of its axis, of unit length.
-    pub axis: Vector3<f64>,
+    pub direction: Vector3<f64>,
     /// The point of its axis nearest to the mechanism's centre; none for a free vector.
     pub point: Option<Vector3<f64>>,
 }
 
 /// The members of `system`, which is written in `frame`, in the mechanism's own frame.
-pub(super) fn name(system: &ScrewSystem, frame: &Frame) -> Vec<NamedScrew> {
+pub(super) fn screw_axes(system: &ScrewSystem, frame: &Frame) -> Vec<ScrewAxis> {
     let Parts { directed, free } = split(system);
     let lines = principal(&directed).into_iter().map(|(axis, moment)| {
         let pitch = axis.dot(&moment);
-        NamedScrew {
+        ScrewAxis {
             pitch: if pitch.abs() < SMALL {
                 Pitch::Zero
             } else {
                 Pitch::Finite(pitch * frame.size)
             },
-            axis: tidy(axis),
+            direction: tidy(axis),
             point: Some(tidy(axis.cross(&moment) * frame.size + frame.centre)),
         }
     });
-    let frees = echelon(&free).into_iter().map(|axis| NamedScrew {
+    let frees = echelon(&free).into_iter().map(|axis| ScrewAxis {
         pitch: Pitch::Infinite,
-        axis: tidy(axis),
+        direction: tidy(axis),
         point: None,
     });
     lines.chain(frees).collect()
@@ -148,7 +148,7 @@ fn principal(directed: &[Line]) -> Vec<Line> {
     let mut order: Vec<usize> = (0..n).collect();
     order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
 
-    let mut named = Vec::new();
+    let mut lines = Vec::new();
     // Screws of one pitch are as good as any combination of them: take the plainest axes.
     let mut start = 0;
     let mut groups: Vec<(f64, Vec<DVector<f64>>)> = Vec::new();
@@ -171,8 +171,8 @@ fn principal(directed: &[Line]) -> Vec<Line> {
         // h(φ) = low cos²φ + high sin²φ = 0 at tan φ = ±√(−low/high).
         let (sin, cos) = (-low / high).sqrt().atan().sin_cos();
         let (low, high) = (&groups[0].1[0], &groups[groups.len() - 1].1[0]);
-        named.push(combine(&(low * cos + high * sin)));
-        named.push(combine(&(low * cos - high * sin)));
+        lines.push(combine(&(low * cos + high * sin)));
+        lines.push(combine(&(low * cos - high * sin)));
         groups.pop();
         groups.remove(0);
     }
@@ -181,7 +181,7 @@ fn principal(directed: &[Line]) -> Vec<Line> {
         let directions = DMatrix::from_fn(3, axes.len(), |row, column| axes[column].0[row]);
         for axis in echelon(&directions) {
             // The directions of a group are orthonormal, so the weights are dot products.
-            named.push(axes.iter().fold(
+            lines.push(axes.iter().fold(
                 (Vector3::zeros(), Vector3::zeros()),
                 |(sum_axis, sum_moment), screw| {
                     let weight = screw.0.dot(&axis);
@@ -190,7 +190,7 @@ fn principal(directed: &[Line]) -> Vec<Line> {
             ));
         }
     }
-    named
+    lines
 }
 
 /// The plainest basis of the space spanned by the columns: reduced to echelon form, so
