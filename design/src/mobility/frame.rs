@@ -6,18 +6,18 @@ use nalgebra::{Matrix3, Vector3};
 
 /// A point amid the joint axes and the root mean square of their distances from it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Frame {
+pub(super) struct ScaledFrame {
     pub(super) centre: Vector3<f64>,
     pub(super) size: f64,
 }
 
-impl Frame {
+impl ScaledFrame {
     /// The point nearest to all axes in the sense of least squares:
     /// Σ(1 − ŝŝᵀ) c = Σ(1 − ŝŝᵀ) r over the axes with direction ŝ through r.
     ///
     /// Where the axes leave a direction open (all parallel), moving along it changes no
     /// moment, and the solution of least norm serves.
-    pub(super) fn of(graph: &MechanismGraph) -> Self {
+    pub(super) fn new(graph: &MechanismGraph) -> Self {
         let axes: Vec<(Vector3<f64>, Vector3<f64>)> = graph
             .joints()
             .iter()
@@ -57,7 +57,7 @@ impl Frame {
     }
 
     /// A screw written in this frame.
-    pub(super) fn enter(&self, screw: &Screw) -> Screw {
+    pub(super) fn express(&self, screw: &Screw) -> Screw {
         Screw {
             direction: screw.direction,
             moment: (screw.moment - self.centre.cross(&screw.direction)) / self.size,
@@ -65,7 +65,7 @@ impl Frame {
     }
 
     /// The graph written in this frame.
-    pub(super) fn enter_graph(&self, graph: &MechanismGraph) -> MechanismGraph {
+    pub(super) fn express_graph(&self, graph: &MechanismGraph) -> MechanismGraph {
         let joints = graph
             .joints()
             .iter()
@@ -73,7 +73,7 @@ impl Frame {
                 freedoms: joint
                     .freedoms
                     .iter()
-                    .map(|f| self.enter_freedom(f))
+                    .map(|f| self.express_freedom(f))
                     .collect(),
                 ..joint.clone()
             })
@@ -81,17 +81,17 @@ impl Frame {
         graph.with_joints(joints)
     }
 
-    fn enter_freedom(&self, freedom: &Freedom) -> Freedom {
+    fn express_freedom(&self, freedom: &Freedom) -> Freedom {
         match freedom {
             Freedom::Screw(screw) => {
-                let entered = self.enter(screw).to_vector();
+                let expressed = self.express(screw).to_vector();
                 // A joint's own scale says nothing: amounts are radians or sizes.
                 let scale = if screw.direction.norm() > 0.0 {
                     screw.direction.norm()
                 } else {
-                    entered.norm()
+                    expressed.norm()
                 };
-                Freedom::Screw(Screw::from_vector(&(entered / scale)))
+                Freedom::Screw(Screw::from_vector(&(expressed / scale)))
             }
             Freedom::Parallelogram { normal, rod } => Freedom::Parallelogram {
                 normal: normal.normalize(),

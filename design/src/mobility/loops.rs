@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector, Isometry3, Vector6};
 
 /// One step of a path: a single freedom passed forwards or backwards.
 #[derive(Clone, Copy)]
-struct Step {
+struct PathStep {
     variable: usize,
     forwards: bool,
 }
@@ -18,21 +18,21 @@ struct Step {
 pub(super) struct Loops {
     freedoms: Vec<Freedom>,
     /// For each closing joint the two paths that must end alike.
-    closures: Vec<(Vec<Step>, Vec<Step>)>,
-    platform: Vec<Step>,
+    closures: Vec<(Vec<PathStep>, Vec<PathStep>)>,
+    platform: Vec<PathStep>,
 }
 
 impl Loops {
-    pub(super) fn of(graph: &MechanismGraph) -> Self {
+    pub(super) fn new(graph: &MechanismGraph) -> Self {
         let mut first = Vec::with_capacity(graph.joints().len());
         let mut freedoms = Vec::new();
         for joint in graph.joints() {
             first.push(freedoms.len());
             freedoms.extend_from_slice(&joint.freedoms);
         }
-        let through = |index: usize, forwards: bool| -> Vec<Step> {
+        let through = |index: usize, forwards: bool| -> Vec<PathStep> {
             let range = first[index]..first[index] + graph.joints()[index].freedoms.len();
-            let steps = range.map(|variable| Step { variable, forwards });
+            let steps = range.map(|variable| PathStep { variable, forwards });
             if forwards {
                 steps.collect()
             } else {
@@ -40,7 +40,7 @@ impl Loops {
             }
         };
 
-        let mut paths: Vec<Option<Vec<Step>>> = vec![None; graph.bodies()];
+        let mut paths: Vec<Option<Vec<PathStep>>> = vec![None; graph.bodies()];
         paths[0] = Some(Vec::new());
         let mut in_tree = vec![false; graph.joints().len()];
         // Breadth first, so that paths are short; a graph is connected by construction.
@@ -132,13 +132,13 @@ impl Loops {
         jacobian
     }
 
-    fn displacement(&self, path: &[Step], q: &DVector<f64>) -> Isometry3<f64> {
+    fn displacement(&self, path: &[PathStep], q: &DVector<f64>) -> Isometry3<f64> {
         path.iter().fold(Isometry3::identity(), |before, step| {
             before * self.step_displacement(*step, q)
         })
     }
 
-    fn step_displacement(&self, step: Step, q: &DVector<f64>) -> Isometry3<f64> {
+    fn step_displacement(&self, step: PathStep, q: &DVector<f64>) -> Isometry3<f64> {
         let displacement = self.freedoms[step.variable].displacement(q[step.variable]);
         if step.forwards {
             displacement
@@ -148,7 +148,7 @@ impl Loops {
     }
 
     /// Each variable on the path with the twist it gives the path's end.
-    fn twists(&self, path: &[Step], q: &DVector<f64>) -> Vec<(usize, Vector6<f64>)> {
+    fn twists(&self, path: &[PathStep], q: &DVector<f64>) -> Vec<(usize, Vector6<f64>)> {
         let mut before = Isometry3::identity();
         path.iter()
             .map(|step| {

@@ -50,7 +50,7 @@ impl Freedom {
         }
     }
 
-    fn is_sound(&self) -> bool {
+    fn is_valid(&self) -> bool {
         let twist = self.twist().to_vector();
         twist.iter().all(|x| x.is_finite()) && twist.norm() > 0.0
     }
@@ -91,11 +91,11 @@ pub enum MechanismError {
     /// Limb with this number (from 1) has no joint.
     EmptyLimb(usize),
     /// The joint called so has no freedom, a zero axis or a number that is not finite.
-    BadJoint(String),
+    InvalidJoint(String),
     /// The joint called so names a body that does not exist, or joins a body to itself.
-    BadBodies(String),
+    InvalidBodies(String),
     /// The platform is the ground or does not exist.
-    BadPlatform,
+    InvalidPlatform,
     /// This body (0 is the ground) is not connected to the ground.
     Disconnected(usize),
     /// More single freedoms or bodies than [`MAX_FREEDOMS`].
@@ -107,14 +107,16 @@ impl fmt::Display for MechanismError {
         match self {
             Self::Empty => f.write_str("there is no joint"),
             Self::EmptyLimb(number) => write!(f, "limb {number} has no joint"),
-            Self::BadJoint(name) => write!(
+            Self::InvalidJoint(name) => write!(
                 f,
                 "{name}: an axis must be finite and not zero, and a joint needs a freedom"
             ),
-            Self::BadBodies(name) => {
+            Self::InvalidBodies(name) => {
                 write!(f, "{name}: it must join two different bodies that exist")
             }
-            Self::BadPlatform => f.write_str("the platform must be a body other than the ground"),
+            Self::InvalidPlatform => {
+                f.write_str("the platform must be a body other than the ground")
+            }
             Self::Disconnected(body) => {
                 write!(f, "body {body} is not connected to the ground (body 0)")
             }
@@ -196,12 +198,12 @@ impl MechanismGraph {
         }
         check_size(bodies, joints.iter())?;
         if platform == 0 || platform >= bodies {
-            return Err(MechanismError::BadPlatform);
+            return Err(MechanismError::InvalidPlatform);
         }
         for (index, joint) in joints.iter().enumerate() {
             let name = || format!("joint {}", index + 1);
             if joint.from >= bodies || joint.to >= bodies || joint.from == joint.to {
-                return Err(MechanismError::BadBodies(name()));
+                return Err(MechanismError::InvalidBodies(name()));
             }
             check_joint(joint, name)?;
         }
@@ -233,7 +235,7 @@ impl MechanismGraph {
 
     /// The same graph with its actuated joints rigid: what the motors, held, leave free.
     #[must_use]
-    pub fn with_drives_locked(&self) -> Self {
+    pub fn with_drives_held(&self) -> Self {
         let mut joints = self.joints.clone();
         for joint in &mut joints {
             if joint.actuated {
@@ -281,8 +283,8 @@ fn check_size<'a>(
 }
 
 fn check_joint(joint: &Joint, name: impl Fn() -> String) -> Result<(), MechanismError> {
-    if joint.freedoms.is_empty() || !joint.freedoms.iter().all(Freedom::is_sound) {
-        return Err(MechanismError::BadJoint(name()));
+    if joint.freedoms.is_empty() || !joint.freedoms.iter().all(Freedom::is_valid) {
+        return Err(MechanismError::InvalidJoint(name()));
     }
     Ok(())
 }

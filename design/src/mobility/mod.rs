@@ -18,7 +18,7 @@
 //!                                             └──→ finite: does it really move?
 //! ```
 
-mod count;
+mod analysis;
 mod finite;
 mod frame;
 mod loops;
@@ -27,7 +27,7 @@ mod screw;
 mod screw_axis;
 mod system;
 
-pub use count::{
+pub use analysis::{
     GraphAnalysis, LimbAnalysis, Mobility, ParallelAnalysis, analyse_graph, analyse_parallel,
 };
 pub use mechanism::{

@@ -5,7 +5,7 @@
 //! to its principal screws, the eigenvectors of the pitch form ½(si·mj + sj·mi): where
 //! two principal pitches differ in sign, two lines of pitch zero replace the pair.
 
-use super::frame::Frame;
+use super::frame::ScaledFrame;
 use super::system::{ScrewSystem, least_norm, row_and_null_space};
 use nalgebra::{DMatrix, DVector, DVectorView, Vector3};
 
@@ -35,7 +35,7 @@ pub struct ScrewAxis {
 }
 
 /// The members of `system`, which is written in `frame`, in the mechanism's own frame.
-pub(super) fn screw_axes(system: &ScrewSystem, frame: &Frame) -> Vec<ScrewAxis> {
+pub(super) fn screw_axes(system: &ScrewSystem, frame: &ScaledFrame) -> Vec<ScrewAxis> {
     let Parts { directed, free } = split(system);
     let lines = principal(&directed).into_iter().map(|(axis, moment)| {
         let pitch = axis.dot(&moment);

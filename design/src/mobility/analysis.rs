@@ -1,7 +1,7 @@
 //! The counts of Huang's school, and what they say of limbs and platform.
 
 use super::finite::{finite_mobility, instantaneous_mobility};
-use super::frame::Frame;
+use super::frame::ScaledFrame;
 use super::loops::Loops;
 use super::screw_axis::{Pitch, ScrewAxis, screw_axes};
 use super::system::{ScrewSystem, null_space};
@@ -91,10 +91,10 @@ pub struct GraphAnalysis {
 /// Analyses a platform on limbs.
 pub fn analyse_parallel(mechanism: &ParallelMechanism) -> ParallelAnalysis {
     let graph = mechanism.graph();
-    let frame = Frame::of(&graph);
+    let frame = ScaledFrame::new(&graph);
     let twists = |joints: &[Joint]| -> Vec<Screw> {
         let freedoms = joints.iter().flat_map(|joint| &joint.freedoms);
-        freedoms.map(|f| frame.enter(&f.twist())).collect()
+        freedoms.map(|f| frame.express(&f.twist())).collect()
     };
     let limb_twists: Vec<Vec<Screw>> = mechanism.limbs().iter().map(|l| twists(l)).collect();
     let spans: Vec<ScrewSystem> = limb_twists
@@ -140,10 +140,10 @@ pub fn analyse_parallel(mechanism: &ParallelMechanism) -> ParallelAnalysis {
 
 /// Analyses any graph, closed loops inside limbs among them.
 pub fn analyse_graph(graph: &MechanismGraph) -> GraphAnalysis {
-    let frame = Frame::of(graph);
-    let entered = frame.enter_graph(graph);
-    let loops = Loops::of(&entered);
-    let freedoms = entered.joints().iter().flat_map(|joint| &joint.freedoms);
+    let frame = ScaledFrame::new(graph);
+    let expressed = frame.express_graph(graph);
+    let loops = Loops::new(&expressed);
+    let freedoms = expressed.joints().iter().flat_map(|joint| &joint.freedoms);
     let all = ScrewSystem::span(freedoms.map(Freedom::twist));
     let lambda = 6 - all.rank();
 
@@ -163,7 +163,7 @@ pub fn analyse_graph(graph: &MechanismGraph) -> GraphAnalysis {
 
 fn mobility(
     graph: &MechanismGraph,
-    frame: &Frame,
+    frame: &ScaledFrame,
     lambda: usize,
     redundant: usize,
     platform: &ScrewSystem,
@@ -176,11 +176,11 @@ fn mobility(
         .sum();
     let order = 6 - lambda;
     let excess = to_i64(bodies) - to_i64(joints) - 1;
-    let loops = Loops::of(&frame.enter_graph(graph));
+    let loops = Loops::new(&frame.express_graph(graph));
     let actuated = graph.joints().iter().any(|joint| joint.actuated);
     let with_drives_held = actuated.then(|| {
-        let held = frame.enter_graph(&graph.with_drives_locked());
-        instantaneous_mobility(&Loops::of(&held))
+        let held = frame.express_graph(&graph.with_drives_held());
+        instantaneous_mobility(&Loops::new(&held))
     });
     let freedoms = screw_axes(platform, frame);
     let pure_translations = freedoms
