@@ -219,8 +219,8 @@ fn the_scotch_yoke_moves_as_a_sine_and_the_tangent_mechanism_as_a_tangent() {
         assert_eq!(driven.laws.len(), laws);
         let index = driven.linkage.points().iter().position(|p| p.name == point);
         let sweep = driven.sweep();
-        let of = |(sample, solved): (&fivebar_design::linkage::Sample, _)| {
-            let solved: &fivebar_design::linkage::Solved = solved;
+        let of = |(sample, solved): (&fivebar_design::linkage::SweepSample, _)| {
+            let solved: &fivebar_design::linkage::SolvedSample = solved;
             (
                 sample.inputs[0].value,
                 solved.motion.points[index.unwrap()].position,

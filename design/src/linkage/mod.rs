@@ -33,5 +33,5 @@ pub use parameters::{Parameter, ParameterKind};
 pub use section::Section;
 pub use solve::{LinkageMotion, SolveError};
 pub use statics::reactions;
-pub use sweep::{BranchChange, DriveLaw, Limit, Sample, Solved, Sweep};
+pub use sweep::{BranchChange, ClosureLimit, DriveLaw, SolvedSample, Sweep, SweepSample};
 pub use wrench::Wrench;

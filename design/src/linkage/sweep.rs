@@ -40,7 +40,7 @@ impl DriveLaw {
 
 /// The linkage at one instant, where it has a solution.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Solved {
+pub struct SolvedSample {
     /// What moves, and how.
     pub motion: LinkageMotion<f64>,
     /// The forces it takes.
@@ -49,18 +49,18 @@ pub struct Solved {
 
 /// One instant of a sweep.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sample {
+pub struct SweepSample {
     /// When [s].
     pub time: f64,
     /// The driving coordinates.
     pub inputs: Vec<Coordinate<f64>>,
     /// The linkage, or why it cannot be there.
-    pub solved: Result<Solved, SolveError>,
+    pub solved: Result<SolvedSample, SolveError>,
 }
 
 /// An edge of the motion: on one side of it the linkage closes, on the other not.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Limit {
+pub struct ClosureLimit {
     /// When it is met [s].
     pub time: f64,
     /// The driving coordinates there [rad or m].
@@ -84,9 +84,9 @@ pub struct BranchChange {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sweep {
     /// The instants, evenly spaced from 0 to the end.
-    pub samples: Vec<Sample>,
+    pub samples: Vec<SweepSample>,
     /// Where the motion ends and begins. Gaps shorter than a step go unseen.
-    pub limits: Vec<Limit>,
+    pub limits: Vec<ClosureLimit>,
     /// Where the stated branch has a kink that a smooth motion has not.
     pub branch_changes: Vec<BranchChange>,
 }
@@ -121,25 +121,25 @@ impl Sweep {
     }
 
     /// The samples at which the linkage closes.
-    pub fn solved(&self) -> impl Iterator<Item = (&Sample, &Solved)> {
-        let solved = |sample| Some((sample, Sample::solved(sample)?));
+    pub fn solved(&self) -> impl Iterator<Item = (&SweepSample, &SolvedSample)> {
+        let solved = |sample| Some((sample, SweepSample::solved(sample)?));
         self.samples.iter().filter_map(solved)
     }
 }
 
-impl Sample {
-    fn solved(&self) -> Option<&Solved> {
+impl SweepSample {
+    fn solved(&self) -> Option<&SolvedSample> {
         self.solved.as_ref().ok()
     }
 }
 
-fn sample(linkage: &Linkage<f64>, laws: &[DriveLaw], time: f64) -> Sample {
+fn sample(linkage: &Linkage<f64>, laws: &[DriveLaw], time: f64) -> SweepSample {
     let inputs: Vec<_> = laws.iter().map(|law| law.at(time)).collect();
     let solved = linkage.motion(&inputs).and_then(|motion| {
         let forces = linkage.forces(&motion)?;
-        Ok(Solved { motion, forces })
+        Ok(SolvedSample { motion, forces })
     });
-    Sample {
+    SweepSample {
         time,
         inputs,
         solved,
@@ -150,9 +150,9 @@ fn sample(linkage: &Linkage<f64>, laws: &[DriveLaw], time: f64) -> Sample {
 fn limit(
     linkage: &Linkage<f64>,
     laws: &[DriveLaw],
-    before: &Sample,
-    after: &Sample,
-) -> Option<Limit> {
+    before: &SweepSample,
+    after: &SweepSample,
+) -> Option<ClosureLimit> {
     let (mut good, mut bad, mut failure) = match (&before.solved, &after.solved) {
         (Ok(_), Err(failure)) => (before.time, after.time, *failure),
         (Err(failure), Ok(_)) => (after.time, before.time, *failure),
@@ -175,7 +175,7 @@ fn limit(
             }
         }
     }
-    Some(Limit {
+    Some(ClosureLimit {
         time: good,
         inputs: laws.iter().map(|law| law.at(good).value).collect(),
         ends: before.solved.is_ok(),
@@ -185,7 +185,11 @@ fn limit(
 
 /// The dyads whose other branch carries on the motion of the sample before better than
 /// the branch they are on.
-fn branch_changes(linkage: &Linkage<f64>, samples: &[Sample], after: usize) -> Vec<BranchChange> {
+fn branch_changes(
+    linkage: &Linkage<f64>,
+    samples: &[SweepSample],
+    after: usize,
+) -> Vec<BranchChange> {
     let (earlier, later) = (&samples[after - 1], &samples[after]);
     let (Some(before), Some(now)) = (earlier.solved(), later.solved()) else {
         return Vec::new();

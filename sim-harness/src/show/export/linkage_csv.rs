@@ -4,14 +4,14 @@
 use crate::input::linkage::{DrivenLinkage, driven_links, dyads, reaction_names};
 use crate::study::linkage::{moment, slides};
 use fivebar_design::linkage::{
-    Coordinate, LinkMotion, Linkage, PointMotion, Reaction, Solved, Sweep,
+    Coordinate, LinkMotion, Linkage, PointMotion, Reaction, SolvedSample, Sweep,
 };
 use std::fmt::Write as _;
 
 /// One quantity over a sweep.
 struct Column {
     header: String,
-    value: Box<dyn Fn(&Solved) -> f64>,
+    value: Box<dyn Fn(&SolvedSample) -> f64>,
 }
 
 type Part<T> = (&'static str, fn(&T) -> f64);
@@ -78,7 +78,7 @@ pub fn linkage_csv(driven: &DrivenLinkage, sweep: &Sweep) -> String {
 
 fn columns(linkage: &Linkage<f64>) -> Vec<Column> {
     let mut columns = Vec::new();
-    let mut add = |header: String, value: Box<dyn Fn(&Solved) -> f64>| {
+    let mut add = |header: String, value: Box<dyn Fn(&SolvedSample) -> f64>| {
         columns.push(Column { header, value });
     };
     for (i, point) in linkage.points().iter().enumerate() {
@@ -96,14 +96,14 @@ fn columns(linkage: &Linkage<f64>) -> Vec<Column> {
         }
     }
     for (i, name) in dyads(linkage) {
-        let dyad = move |s: &Solved| s.motion.dyads[i];
+        let dyad = move |s: &SolvedSample| s.motion.dyads[i];
         add(
             format!("{name}.transmission_angle_rad"),
             Box::new(move |s| dyad(s).map_or(f64::NAN, |dyad| dyad.transmission_angle())),
         );
         for k in 0..slides(&linkage.elements()[i].group) {
             for (what, part) in OF_SLIDES {
-                let slide = move |s: &Solved| dyad(s)?.slides[k];
+                let slide = move |s: &SolvedSample| dyad(s)?.slides[k];
                 let header = format!("{name}.slide{}_{what}", k + 1);
                 add(
                     header,

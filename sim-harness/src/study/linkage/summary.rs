@@ -2,7 +2,7 @@
 
 use super::parts::{branch, moment};
 use crate::input::linkage::{DrivenLinkage, driven_links, dyads, links_of, reaction_names};
-use fivebar_design::linkage::{Linkage, Sample, SolveError, Sweep};
+use fivebar_design::linkage::{Linkage, SolveError, Sweep, SweepSample};
 use serde::Serialize;
 
 /// Assemblies that people are shown; programs get all.
@@ -197,7 +197,7 @@ impl DrivenLinkage {
         let assemblies = self.linkage.assemblies();
         assemblies
             .map(|linkage| {
-                let closes = |sample: &&Sample| linkage.motion(&sample.inputs).is_ok();
+                let closes = |sample: &&SweepSample| linkage.motion(&sample.inputs).is_ok();
                 let closed = instants().filter(closes).count();
                 Assembly {
                     branches: branches(&linkage),

@@ -8,7 +8,7 @@ use crate::show::report::{Chart, Page, Point};
 use crate::show::text::quantity;
 use crate::study;
 use crate::study::linkage::{Range, SHOWN_ASSEMBLIES, Summary};
-use fivebar_design::linkage::{LinkId, Solved, Sweep};
+use fivebar_design::linkage::{LinkId, SolvedSample, Sweep};
 
 /// The page to hand to a student.
 pub fn linkage(driven: &DrivenLinkage, sweep: &Sweep, summary: &Summary) -> Page {
@@ -109,15 +109,16 @@ fn curves(page: &mut Page, driven: &DrivenLinkage, sweep: &Sweep) {
     if !links.is_empty() {
         page.chart(&angles);
     }
-    let mut plot = |title, label, of: &[(usize, &String)], value: fn(&Solved, usize) -> f64| {
-        let mut chart = Chart::new(title, axis.label(), label);
-        for &(i, name) in of {
-            chart = chart.line(name, axis.line(sweep, |solved| value(solved, i)));
-        }
-        if !of.is_empty() {
-            page.chart(&chart);
-        }
-    };
+    let mut plot =
+        |title, label, of: &[(usize, &String)], value: fn(&SolvedSample, usize) -> f64| {
+            let mut chart = Chart::new(title, axis.label(), label);
+            for &(i, name) in of {
+                chart = chart.line(name, axis.line(sweep, |solved| value(solved, i)));
+            }
+            if !of.is_empty() {
+                page.chart(&chart);
+            }
+        };
     plot("Angular velocities", "ω [rad/s]", &links, |s, i| {
         s.motion.links[i].omega
     });
@@ -243,7 +244,7 @@ fn forces(page: &mut Page, driven: &DrivenLinkage, sweep: &Sweep, summary: &Summ
     }
     let mut chart = Chart::new("Joint forces", axis.label(), "force [N]");
     for (k, name) in reaction_names(&driven.linkage).into_iter().enumerate() {
-        let force = |s: &Solved| s.forces.reactions[k].wrench.force.norm();
+        let force = |s: &SolvedSample| s.forces.reactions[k].wrench.force.norm();
         chart = chart.line(name, axis.line(sweep, force));
     }
     page.chart(&chart);
@@ -299,7 +300,7 @@ impl Axis {
     }
 
     /// A quantity over this axis, broken where the linkage does not close.
-    fn line(self, sweep: &Sweep, value: impl Fn(&Solved) -> f64) -> Vec<Point> {
+    fn line(self, sweep: &Sweep, value: impl Fn(&SolvedSample) -> f64) -> Vec<Point> {
         let samples = sweep.samples.iter();
         samples
             .map(|sample| {

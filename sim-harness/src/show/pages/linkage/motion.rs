@@ -2,7 +2,9 @@
 
 use crate::input::linkage::DrivenLinkage;
 use crate::show::report::{Animation, Body, Point, Trace};
-use fivebar_design::linkage::{Element, Group, LinkId, LinkMotion, Sample, Solved, Sweep};
+use fivebar_design::linkage::{
+    Element, Group, LinkId, LinkMotion, SolvedSample, Sweep, SweepSample,
+};
 use fivebar_kinematics::Vec2;
 
 /// A sweep takes at least so long to watch [s].
@@ -24,10 +26,10 @@ pub(super) fn animation(driven: &DrivenLinkage, sweep: &Sweep) -> Animation {
     let size = SLIDER * extent(sweep);
     for element in driven.linkage.elements() {
         for (position, link) in element.links().enumerate() {
-            let chain = |solved: &Solved| chain(driven, element, position, link, solved);
+            let chain = |solved: &SolvedSample| chain(driven, element, position, link, solved);
             animation.bodies.push(body(sweep, chain));
             if is_slider(&element.group, position) {
-                let block = |solved: &Solved| block(&solved.motion.links[link.index()], size);
+                let block = |solved: &SolvedSample| block(&solved.motion.links[link.index()], size);
                 animation.bodies.push(body(sweep, block));
             }
         }
@@ -55,7 +57,7 @@ pub(super) fn curves(driven: &DrivenLinkage, sweep: &Sweep) -> Vec<(String, Vec<
     points
         .filter(|(_, point)| point.link != LinkId::GROUND)
         .map(|(i, point)| {
-            let place = |solved: &Solved| pair(solved.motion.points[i].position);
+            let place = |solved: &SolvedSample| pair(solved.motion.points[i].position);
             let places = sweep.samples.iter().map(|sample| {
                 let solved = sample.solved.as_ref();
                 solved.map_or([f64::NAN; 2], place)
@@ -66,8 +68,8 @@ pub(super) fn curves(driven: &DrivenLinkage, sweep: &Sweep) -> Vec<(String, Vec<
 }
 
 /// What one outline looks like at each instant: nowhere while the linkage does not close.
-fn body(sweep: &Sweep, outline: impl Fn(&Solved) -> Vec<Point>) -> Body {
-    let solved = |sample: &Sample| sample.solved.as_ref().ok().map(&outline);
+fn body(sweep: &Sweep, outline: impl Fn(&SolvedSample) -> Vec<Point>) -> Body {
+    let solved = |sample: &SweepSample| sample.solved.as_ref().ok().map(&outline);
     let count = sweep
         .samples
         .iter()
@@ -99,7 +101,7 @@ fn chain(
     element: &Element<f64>,
     position: usize,
     link: LinkId,
-    solved: &Solved,
+    solved: &SolvedSample,
 ) -> Vec<Point> {
     let motion = &solved.motion;
     let origin = motion.links[link.index()].origin.position;
