@@ -36,44 +36,52 @@ fn five_bar(
     let mut linkage = Linkage::new(gravity).unwrap();
     let mut driven = |at: f64, length: f64, inertia| {
         let pivot = linkage
-            .point("pivot", LinkId::GROUND, vec2([at, 0.0]))
+            .add_point("pivot", LinkId::GROUND, vec2([at, 0.0]))
             .unwrap();
-        let crank = linkage.add("crank", Group::Crank { pivot }).unwrap();
+        let crank = linkage.add_group("crank", Group::Crank { pivot }).unwrap();
         let crank = crank.links().next().unwrap();
-        linkage.name_link(crank, "crank", inertia).unwrap();
-        linkage.point("elbow", crank, vec2([length, 0.0])).unwrap()
+        linkage.set_link(crank, "crank", inertia).unwrap();
+        linkage
+            .add_point("elbow", crank, vec2([length, 0.0]))
+            .unwrap()
     };
     let ends = [driven(0.0, l1, links[0]), driven(base, l4, links[3])];
     let dyad = Rrr {
         lengths: [l2, l3],
         side,
     };
-    let dyad = linkage.add("C", Group::Rrr { dyad, ends }).unwrap();
+    let dyad = linkage.add_group("C", Group::Rrr { dyad, ends }).unwrap();
     for (link, inertia) in dyad.links().zip([links[1], links[2]]) {
-        linkage.name_link(link, "distal", inertia).unwrap();
+        linkage.set_link(link, "distal", inertia).unwrap();
     }
-    linkage.load(dyad.joint().unwrap(), payload, force).unwrap();
+    linkage
+        .set_load(dyad.joint().unwrap(), payload, force)
+        .unwrap();
     linkage
 }
 
 fn four_bar([frame, input, coupler, output]: [f64; 4], side: Side) -> Linkage<f64> {
     let mut linkage = Linkage::new(Vec2::zero()).unwrap();
     let a = linkage
-        .point("A", LinkId::GROUND, vec2([0.0, 0.0]))
+        .add_point("A", LinkId::GROUND, vec2([0.0, 0.0]))
         .unwrap();
     let d = linkage
-        .point("D", LinkId::GROUND, vec2([frame, 0.0]))
+        .add_point("D", LinkId::GROUND, vec2([frame, 0.0]))
         .unwrap();
-    let crank = linkage.add("crank", Group::Crank { pivot: a }).unwrap();
+    let crank = linkage
+        .add_group("crank", Group::Crank { pivot: a })
+        .unwrap();
     let crank = crank.links().next().unwrap();
-    let b = linkage.point("B", crank, vec2([input, 0.0])).unwrap();
+    let b = linkage.add_point("B", crank, vec2([input, 0.0])).unwrap();
     let dyad = Rrr {
         lengths: [coupler, output],
         side,
     };
-    let dyad = linkage.add("C", Group::Rrr { dyad, ends: [b, d] }).unwrap();
+    let dyad = linkage
+        .add_group("C", Group::Rrr { dyad, ends: [b, d] })
+        .unwrap();
     for (link, name) in dyad.links().zip(["coupler", "output"]) {
-        linkage.name_link(link, name, MASSLESS).unwrap();
+        linkage.set_link(link, name, MASSLESS).unwrap();
     }
     linkage
 }
@@ -270,9 +278,9 @@ fn heavy_slider() -> Linkage<f64> {
             .find(|link| linkage.links()[link.index()].name == name)
     };
     let output = id("output").unwrap();
-    let end = linkage.point("E", output, vec2([0.2, 0.05])).unwrap();
+    let end = linkage.add_point("E", output, vec2([0.2, 0.05])).unwrap();
     let through = linkage
-        .point("G", LinkId::GROUND, vec2([0.0, 0.4]))
+        .add_point("G", LinkId::GROUND, vec2([0.0, 0.4]))
         .unwrap();
     let guide = Guide {
         through,
@@ -283,17 +291,19 @@ fn heavy_slider() -> Linkage<f64> {
         offset: 0.03,
         branch: SlideBranch::Ahead,
     };
-    let added = linkage.add("F", Group::Rrp { dyad, end, guide }).unwrap();
+    let added = linkage
+        .add_group("F", Group::Rrp { dyad, end, guide })
+        .unwrap();
     for (link, name) in added.links().zip(["rod", "ram"]) {
         let inertia = Link {
             mass: 0.8,
             com: vec2([0.2, 0.01]),
             inertia: 2e-3,
         };
-        linkage.name_link(link, name, inertia).unwrap();
+        linkage.set_link(link, name, inertia).unwrap();
     }
     linkage
-        .load(added.joint().unwrap(), 0.3, vec2([-40.0, 5.0]))
+        .set_load(added.joint().unwrap(), 0.3, vec2([-40.0, 5.0]))
         .unwrap();
     linkage
 }

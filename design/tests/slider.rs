@@ -172,18 +172,18 @@ proptest! {
         let mut ends = Vec::new();
         for shift in [0.5, -0.5] {
             let at = Vec2::new(shift * geometry.l5(), 0.0);
-            let through = linkage.point("guide", LinkId::GROUND, at).unwrap();
+            let through = linkage.add_point("guide", LinkId::GROUND, at).unwrap();
             let guide = Guide { through, direction: Vec2::new(1.0, 0.0) };
-            let slider = linkage.add("slider", Group::Slider { guide }).unwrap();
+            let slider = linkage.add_group("slider", Group::Slider { guide }).unwrap();
             let link = slider.links().next().unwrap();
-            ends.push(linkage.point("pin", link, Vec2::zero()).unwrap());
+            ends.push(linkage.add_point("pin", link, Vec2::zero()).unwrap());
         }
         let apart = pose.x8 - pose.x2 > geometry.l5();
         let dyad = Rrr {
             lengths: [geometry.l3(), geometry.l7()],
             side: if apart { pose.assembly() } else { pose.assembly().opposite() },
         };
-        let joint = linkage.add("P", Group::Rrr { dyad, ends: [ends[0], ends[1]] }).unwrap().joint();
+        let joint = linkage.add_group("P", Group::Rrr { dyad, ends: [ends[0], ends[1]] }).unwrap().joint();
         let inputs = [(pose.x2, 0), (pose.x8, 1)].map(|(value, i)| Coordinate {
             value,
             rate: rates[i],

@@ -241,7 +241,7 @@ fn tension_lengthens_and_compression_shortens_a_limb_by_its_clearances() {
     let radii = [0.0, 0.0, 1e-5, 2e-5, 4e-5];
     for sign in [1.0, -1.0] {
         let force = Vec2::new(0.0, 10.0 * sign);
-        massless.load(id, 0.0, force).unwrap();
+        massless.set_load(id, 0.0, force).unwrap();
         let equilibrium = clearance_equilibrium(&massless, inputs, &radii).unwrap();
         assert!(equilibrium.converged);
         let at = |point: usize| equilibrium.motion.points[point].position;
@@ -337,7 +337,7 @@ fn tension_lengthens_the_sliders_limbs_as_it_does_the_linkages() {
             {
                 assert!((longer - expected).abs() < 1e-18);
             }
-            massless.load(tip, 0.0, force).unwrap();
+            massless.set_load(tip, 0.0, force).unwrap();
             // P is the left bar's point: the middle pin counts for the right limb.
             let equilibrium =
                 clearance_equilibrium(&massless, &inputs, &[0.0, 0.0, 1e-5, 4e-5, 2e-5]).unwrap();

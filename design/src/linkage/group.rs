@@ -33,7 +33,7 @@ impl PointId {
 pub struct Guide<S> {
     /// A point of the guide.
     pub through: PointId,
-    /// Its direction in that link's frame. Any length: [`Linkage::add`](super::Linkage::add)
+    /// Its direction in that link's frame. Any length: [`Linkage::add`](super::Linkage::add_group)
     /// makes it 1.
     pub direction: Vec2<S>,
 }

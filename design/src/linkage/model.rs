@@ -103,7 +103,7 @@ impl<S: Scalar> Linkage<S> {
     ///
     /// # Panics
     /// If the link is of another linkage and not of this one.
-    pub fn point(
+    pub fn add_point(
         &mut self,
         name: &str,
         link: LinkId,
@@ -117,11 +117,11 @@ impl<S: Scalar> Linkage<S> {
     /// Adds a driven link or a dyad. A dyad with an inner pin gets a point there, called
     /// as the element.
     ///
-    /// The new links are massless and called after the element; see [`Linkage::name_link`].
+    /// The new links are massless and called after the element; see [`Linkage::set_link`].
     ///
     /// # Errors
     /// A length or direction that makes no sense.
-    pub fn add(&mut self, name: &str, group: Group<S>) -> Result<Element<S>, LinkageError> {
+    pub fn add_group(&mut self, name: &str, group: Group<S>) -> Result<Element<S>, LinkageError> {
         let group = group.checked()?;
         let first_link = self.push_link(name);
         if !group.is_driven() {
@@ -150,7 +150,7 @@ impl<S: Scalar> Linkage<S> {
     ///
     /// # Panics
     /// If the link is of another linkage and not of this one.
-    pub fn name_link(
+    pub fn set_link(
         &mut self,
         link: LinkId,
         name: &str,
@@ -174,7 +174,12 @@ impl<S: Scalar> Linkage<S> {
     ///
     /// # Panics
     /// If the point is of another linkage and not of this one.
-    pub fn load(&mut self, point: PointId, mass: S, force: Vec2<S>) -> Result<(), LinkageError> {
+    pub fn set_load(
+        &mut self,
+        point: PointId,
+        mass: S,
+        force: Vec2<S>,
+    ) -> Result<(), LinkageError> {
         not_negative(mass)?;
         finite(force)?;
         let point = &mut self.points[point.0];

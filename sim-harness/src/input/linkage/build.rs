@@ -63,7 +63,7 @@ impl<'a> Builder<'a> {
         for (index, load) in file.load.iter().enumerate() {
             let point = self.find(Key::Of("load", index, "point"), &load.point)?;
             self.linkage
-                .load(point, load.mass, vec2(load.force))
+                .set_load(point, load.mass, vec2(load.force))
                 .map_err(|error| self.source.refuse(Key::Of("load", index, "mass"), error))?;
         }
         for (index, element) in file.element.iter().enumerate() {
@@ -194,7 +194,7 @@ impl<'a> Builder<'a> {
             },
         };
         let joint = element.joint().unwrap_or_default();
-        let added = self.linkage.add(joint, group).map_err(|error| {
+        let added = self.linkage.add_group(joint, group).map_err(|error| {
             self.source
                 .refuse(key("kind"), format!("is refused: {error}"))
         })?;
@@ -221,7 +221,7 @@ impl<'a> Builder<'a> {
             inertia: link.inertia,
         };
         self.linkage
-            .name_link(id, &link.name, inertia)
+            .set_link(id, &link.name, inertia)
             .map_err(|error| {
                 let reason = format!("give `{}` what it cannot have: {error}", link.name);
                 self.source.refuse(key, reason)
@@ -248,7 +248,7 @@ impl<'a> Builder<'a> {
     ) -> Result<(), FileError> {
         let id = self
             .linkage
-            .point(name, link, vec2(at))
+            .add_point(name, link, vec2(at))
             .map_err(|error| self.source.refuse(key, format!("`{name}`: {error}")))?;
         self.claim_point(key, name, id)
     }
