@@ -50,7 +50,7 @@ impl DifferentiableModel for Unknowns<'_> {
     type Error = SolveError;
 
     fn evaluate<S: Scalar>(&self, primitives: &[S]) -> Result<Vec<S>, SolveError> {
-        let n = self.0.freedoms();
+        let n = self.0.degrees_of_freedom();
         let input = |i: usize| Coordinate {
             value: primitives[i],
             rate: primitives[n + i],

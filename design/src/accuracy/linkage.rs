@@ -80,7 +80,7 @@ impl LinkageAccuracyModel<'_> {
                 ResultKind::AngularAcceleration(link),
             ]);
         }
-        kinds.extend((0..self.linkage.freedoms()).map(ResultKind::Drive));
+        kinds.extend((0..self.linkage.degrees_of_freedom()).map(ResultKind::Drive));
         for joint in 0..self.linkage.joints().count() {
             let force = [ResultKind::Force(joint, 0), ResultKind::Force(joint, 1)];
             kinds.extend(force);
@@ -126,7 +126,7 @@ impl DifferentiableModel for LinkageAccuracyModel<'_> {
     type Error = SolveError;
 
     fn evaluate<S: Scalar>(&self, primitives: &[S]) -> Result<Vec<S>, SolveError> {
-        let freedoms = self.linkage.freedoms();
+        let freedoms = self.linkage.degrees_of_freedom();
         let (inputs, parameters) = primitives.split_at(3 * freedoms);
         let inputs: Vec<_> = (0..freedoms)
             .map(|i| Coordinate {

@@ -234,7 +234,7 @@ impl<S: Scalar> Linkage<S> {
         &self.elements
     }
     /// How many coordinates drive it: its degrees of freedom.
-    pub fn freedoms(&self) -> usize {
+    pub fn degrees_of_freedom(&self) -> usize {
         let driven = |element: &&Element<S>| element.group.is_driven();
         self.elements.iter().filter(driven).count()
     }

@@ -82,7 +82,7 @@ impl<S: Scalar> Linkage<S> {
     ) -> Result<(), SolveError> {
         assert_eq!(
             inputs.len(),
-            self.freedoms(),
+            self.degrees_of_freedom(),
             "one input for each driven link"
         );
         let mut inputs = inputs.iter();

@@ -130,7 +130,7 @@ impl DrivenLinkage {
         });
         Summary {
             linkage: self.name.clone(),
-            freedoms: linkage.freedoms(),
+            freedoms: linkage.degrees_of_freedom(),
             samples: sweep.samples.len(),
             closed: sweep.solved().count(),
             grashof: linkage.four_bar().map(|bars| bars.classify().to_string()),
