@@ -247,7 +247,7 @@ fn a_sweep_tells_where_a_parallelogram_would_turn_over() {
 #[test]
 fn every_parameter_can_be_perturbed_by_name() {
     let linkage = four_bar([0.35, 0.10, 0.30, 0.25], Side::Left);
-    let longer = linkage.map(|parameter, value| match parameter.kind {
+    let longer = linkage.map_parameters(|parameter, value| match parameter.kind {
         ParameterKind::Length if parameter.of == "output" => value + 0.01,
         _ => value,
     });
@@ -258,20 +258,21 @@ fn every_parameter_can_be_perturbed_by_name() {
     }];
     let angle = |linkage: &Linkage<f64>| linkage.motion(&at).unwrap().links[3].axis.angle();
     assert!((angle(&longer) - angle(&linkage)).abs() > 1e-3);
-    assert_eq!(linkage.map(|_, value| value), linkage);
+    assert_eq!(linkage.map_parameters(|_, value| value), linkage);
 }
 
 /// A four-bar whose output drives a heavy slider, everything loaded.
 fn heavy_slider() -> Linkage<f64> {
-    let mut linkage = four_bar([0.35, 0.10, 0.30, 0.25], Side::Left).map(|parameter, value| {
-        match parameter.kind {
-            ParameterKind::Gravity(1) => -9.81,
-            ParameterKind::Mass if parameter.of != "ground" => 0.4,
-            ParameterKind::Inertia => 1e-3,
-            ParameterKind::CentreOfMass(axis) => 0.1 - 0.07 * axis as f64,
-            _ => value,
-        }
-    });
+    let mut linkage =
+        four_bar([0.35, 0.10, 0.30, 0.25], Side::Left).map_parameters(|parameter, value| {
+            match parameter.kind {
+                ParameterKind::Gravity(1) => -9.81,
+                ParameterKind::Mass if parameter.of != "ground" => 0.4,
+                ParameterKind::Inertia => 1e-3,
+                ParameterKind::CentreOfMass(axis) => 0.1 - 0.07 * axis as f64,
+                _ => value,
+            }
+        });
     let id = |name: &str| {
         linkage.elements()[1]
             .links()
@@ -331,7 +332,7 @@ fn outcome<S: Scalar>(linkage: &Linkage<S>, angle: S) -> [S; 4] {
 fn dual_numbers_give_the_sensitivity_to_every_parameter() {
     let linkage = heavy_slider();
     let mut count = 0;
-    linkage.map(|_, value: f64| {
+    linkage.map_parameters(|_, value: f64| {
         count += 1;
         value
     });
@@ -339,7 +340,7 @@ fn dual_numbers_give_the_sensitivity_to_every_parameter() {
     let mut felt = 0;
     for chosen in 0..count {
         let mut index = 0;
-        let seeded = linkage.map(|_, value| {
+        let seeded = linkage.map_parameters(|_, value| {
             index += 1;
             let seed = if index - 1 == chosen { 1.0 } else { 0.0 };
             Dual::new(value, seed)
@@ -348,7 +349,7 @@ fn dual_numbers_give_the_sensitivity_to_every_parameter() {
         let step = 1e-6;
         let beside = |by: f64| {
             let mut index = 0;
-            let moved = linkage.map(|_, value| {
+            let moved = linkage.map_parameters(|_, value| {
                 index += 1;
                 if index - 1 == chosen {
                     value + by
@@ -374,6 +375,9 @@ fn dual_numbers_give_the_sensitivity_to_every_parameter() {
         felt > count,
         "only {felt} sensitivities of {count} parameters are felt"
     );
-    let to_angle = outcome(&linkage.map(|_, v| Dual::constant(v)), Dual::variable(0.9));
+    let to_angle = outcome(
+        &linkage.map_parameters(|_, v| Dual::constant(v)),
+        Dual::variable(0.9),
+    );
     assert!(to_angle[0].derivative().abs() > 1e-2);
 }

@@ -59,7 +59,7 @@ fn energy_and_momentum(linkage: &Linkage<f64>, motion: &LinkageMotion<f64>) -> [
 /// The same linkage with every length, place, mass and load off by up to `spread`.
 fn varied(linkage: &Linkage<f64>, seed: u32, spread: f64) -> Linkage<f64> {
     let mut state = seed;
-    linkage.map(|_, value| {
+    linkage.map_parameters(|_, value| {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         value * (1.0 + spread * (2.0 * f64::from(state >> 8) / f64::from(1 << 24) - 1.0))
     })

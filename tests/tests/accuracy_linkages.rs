@@ -58,7 +58,7 @@ impl DifferentiableModel for Unknowns<'_> {
         };
         let inputs: Vec<_> = (0..n).map(input).collect();
         let mut parameters = primitives[3 * n..].iter();
-        let linkage = self.0.map(|_, _| *parameters.next().unwrap());
+        let linkage = self.0.map_parameters(|_, _| *parameters.next().unwrap());
         let found = unknowns(&linkage, &linkage.motion(&inputs)?);
         let parts: [fn(&Coordinate<S>) -> S; 3] = [|c| c.value, |c| c.rate, |c| c.acceleration];
         Ok(parts
@@ -70,7 +70,7 @@ impl DifferentiableModel for Unknowns<'_> {
 
 fn all_parameters(linkage: &Linkage<f64>) -> Vec<f64> {
     let mut values = Vec::new();
-    linkage.map(|_, value: f64| {
+    linkage.map_parameters(|_, value: f64| {
         values.push(value);
         value
     });
@@ -135,7 +135,7 @@ fn every_derivative_of_every_example_meets_its_difference() {
         let linkage = loose(&driven);
         let mut varied = Vec::new();
         let mut number = 0;
-        linkage.map(|parameter, value: f64| {
+        linkage.map_parameters(|parameter, value: f64| {
             // A mass of nothing has no inertia to scale, and no neighbour below zero.
             let nothing = parameter.kind == ParameterKind::Mass && value == 0.0;
             if !nothing && parameter.kind != ParameterKind::Inertia {
@@ -222,10 +222,12 @@ fn forces_in_loose_pins_balance_the_power_of_the_drive() {
 #[test]
 fn tension_lengthens_and_compression_shortens_a_limb_by_its_clearances() {
     let driven = Example::find("prrrp").unwrap().linkage().unwrap();
-    let mut massless = driven.linkage.map(|parameter, value| match parameter.kind {
-        ParameterKind::Mass | ParameterKind::Inertia | ParameterKind::Gravity(_) => 0.0,
-        _ => value,
-    });
+    let mut massless = driven
+        .linkage
+        .map_parameters(|parameter, value| match parameter.kind {
+            ParameterKind::Mass | ParameterKind::Inertia | ParameterKind::Gravity(_) => 0.0,
+            _ => value,
+        });
     let inputs = &instants(&driven)[0];
     let points = massless.points().iter();
     let name = |wanted: &str| {
@@ -310,10 +312,12 @@ fn the_slider_driven_test_case_by_its_corrected_coefficients_and_by_samples() {
 fn tension_lengthens_the_sliders_limbs_as_it_does_the_linkages() {
     // PRRRP both ways: by its transfer and as a linkage of massless bars.
     let driven = Example::find("prrrp").unwrap().linkage().unwrap();
-    let mut massless = driven.linkage.map(|parameter, value| match parameter.kind {
-        ParameterKind::Mass | ParameterKind::Inertia | ParameterKind::Gravity(_) => 0.0,
-        _ => value,
-    });
+    let mut massless = driven
+        .linkage
+        .map_parameters(|parameter, value| match parameter.kind {
+            ParameterKind::Mass | ParameterKind::Inertia | ParameterKind::Gravity(_) => 0.0,
+            _ => value,
+        });
     let tip = massless.elements()[2].joint().unwrap();
     let radii = [1e-5, 0.0, 2e-5, 4e-5];
     let geometry = Geometry::new(1.2, 1.1, 0.0).unwrap();

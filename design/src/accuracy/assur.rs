@@ -52,7 +52,7 @@ struct Frame {
 }
 
 /// What has been put into terms so far. `numbers` is the linkage with each parameter
-/// replaced by its place in the order of [`Linkage::map`].
+/// replaced by its place in the order of [`Linkage::map_parameters`].
 struct Chains<'a> {
     numbers: &'a Linkage<f64>,
     frames: Vec<Frame>,
@@ -106,11 +106,11 @@ fn and(mut chain: Vec<Term>, more: impl IntoIterator<Item = Term>) -> Vec<Term> 
 }
 
 impl VectorLoops {
-    /// The loops of a linkage, all its parameters in the order of [`Linkage::map`]; none if
+    /// The loops of a linkage, all its parameters in the order of [`Linkage::map_parameters`]; none if
     /// a crank turns on a link that turns itself, whose angle is a sum.
     pub fn of(linkage: &Linkage<f64>) -> Option<Self> {
         let mut parameters = Vec::new();
-        let numbers = linkage.map(|_, value: f64| {
+        let numbers = linkage.map_parameters(|_, value: f64| {
             parameters.push(value);
             (parameters.len() - 1) as f64
         });

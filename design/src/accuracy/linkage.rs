@@ -15,7 +15,7 @@ use fivebar_kinematics::Scalar;
 pub struct LinkageAccuracyModel<'a> {
     /// The nominal linkage.
     pub linkage: &'a Linkage<f64>,
-    /// The parameters that vary, by their place in the order of [`Linkage::map`], rising.
+    /// The parameters that vary, by their place in the order of [`Linkage::map_parameters`], rising.
     pub varied: Vec<usize>,
 }
 
@@ -50,7 +50,7 @@ impl LinkageAccuracyModel<'_> {
         values.extend(inputs.iter().map(|input| input.acceleration));
         let mut number = 0;
         let mut varied = self.varied.iter().peekable();
-        self.linkage.map(|_, value: f64| {
+        self.linkage.map_parameters(|_, value: f64| {
             if varied.next_if(|&&varied| varied == number).is_some() {
                 values.push(value);
             }
@@ -94,23 +94,24 @@ impl LinkageAccuracyModel<'_> {
         let mut number = 0;
         let mut varied = self.varied.iter().zip(parameters).peekable();
         let mut heavier = S::ONE;
-        self.linkage.map(|Parameter { kind, .. }, nominal| {
-            let given = varied.next_if(|&(&varied, _)| varied == number);
-            number += 1;
-            let value = given.map_or(S::from_f64(nominal), |(_, &value)| value);
-            match kind {
-                ParameterKind::Mass => {
-                    heavier = if nominal > 0.0 {
-                        value / S::from_f64(nominal)
-                    } else {
-                        S::ONE
-                    };
-                    value
+        self.linkage
+            .map_parameters(|Parameter { kind, .. }, nominal| {
+                let given = varied.next_if(|&(&varied, _)| varied == number);
+                number += 1;
+                let value = given.map_or(S::from_f64(nominal), |(_, &value)| value);
+                match kind {
+                    ParameterKind::Mass => {
+                        heavier = if nominal > 0.0 {
+                            value / S::from_f64(nominal)
+                        } else {
+                            S::ONE
+                        };
+                        value
+                    }
+                    ParameterKind::Inertia if given.is_none() => value * heavier,
+                    _ => value,
                 }
-                ParameterKind::Inertia if given.is_none() => value * heavier,
-                _ => value,
-            }
-        })
+            })
     }
 }
 

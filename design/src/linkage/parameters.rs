@@ -52,7 +52,10 @@ impl<S: Scalar> Linkage<S> {
     ///
     /// With dual numbers this seeds a derivative; with `T = S` it perturbs a dimension.
     /// Directions of guides are carried over unchanged.
-    pub fn map<T: Scalar>(&self, mut f: impl FnMut(Parameter<'_>, S) -> T) -> Linkage<T> {
+    pub fn map_parameters<T: Scalar>(
+        &self,
+        mut f: impl FnMut(Parameter<'_>, S) -> T,
+    ) -> Linkage<T> {
         let gravity = pair(&mut f, "", ParameterKind::Gravity, self.gravity);
         let mut links = Vec::with_capacity(self.links.len());
         for NamedLink {

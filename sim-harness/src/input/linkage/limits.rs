@@ -54,7 +54,7 @@ pub(super) fn sizes(source: &Source<'_>, file: &LinkageFile) -> Result<(), FileE
 /// Refuses numbers that are surely slips.
 pub(super) fn largest(source: &Source<'_>, linkage: &Linkage<f64>) -> Result<(), FileError> {
     let mut too_large = None;
-    linkage.map(|parameter, value: f64| {
+    linkage.map_parameters(|parameter, value: f64| {
         if value.abs() > LARGEST && too_large.is_none() {
             too_large = Some(format!("a number of `{}`, {value:?},", parameter.of));
         }

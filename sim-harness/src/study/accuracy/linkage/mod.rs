@@ -169,7 +169,7 @@ fn with_pins(
 }
 
 /// The parameters that have a scatter or belong to a pin, by their place in the order of
-/// [`Linkage::map`], and what they are; of each pin its radius and the radius's place among
+/// [`Linkage::map_parameters`], and what they are; of each pin its radius and the radius's place among
 /// them, before its angle's.
 type Varied = (Vec<usize>, Vec<Primitive>, Vec<(f64, usize)>);
 
@@ -185,7 +185,7 @@ fn varied(driven: &DrivenLinkage, linkage: &Linkage<f64>) -> Varied {
     let mut radii = tolerance.pins.iter();
     let mut angles = tolerance.pins.iter();
     let mut number = 0;
-    linkage.map(|parameter, mean: f64| {
+    linkage.map_parameters(|parameter, mean: f64| {
         let of = parameter.of;
         let found = match parameter.kind {
             ParameterKind::Clearance(_) => {
