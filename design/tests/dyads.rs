@@ -77,7 +77,7 @@ impl Dyad {
     /// How far the solution is from satisfying the dyad's constraints [m].
     fn closure_error(&self, motion: &DyadMotion<f64>, carriers: &[Carrier; 2]) -> f64 {
         let [link1, link2] = motion.links;
-        let p3 = motion.joint.position;
+        let p3 = motion.inner_point.position;
         let [g1, g2] = [carriers[0].link(0.0), carriers[1].link(0.0)];
         let beside = |g: &LinkMotion<f64>, p: Vec2<f64>| g.axis.cross(p - g.origin.position);
         match self {
@@ -140,7 +140,11 @@ fn coordinates(motion: &DyadMotion<f64>) -> [Vec<f64>; 3] {
             list.push(value);
         }
     };
-    for point in [motion.joint, motion.links[0].origin, motion.links[1].origin] {
+    for point in [
+        motion.inner_point,
+        motion.links[0].origin,
+        motion.links[1].origin,
+    ] {
         add([point.position.x, point.velocity.x, point.acceleration.x]);
         add([point.position.y, point.velocity.y, point.acceleration.y]);
     }
@@ -191,7 +195,7 @@ fn closes_and_moves_as_its_finite_differences() {
         }
         let motion = outcome.unwrap();
         // Where guides are all but parallel, their joint is far away, and rounded as such.
-        let size = 1.0 + motion.joint.position.norm();
+        let size = 1.0 + motion.inner_point.position.norm();
         prop_assert!(dyad.closure_error(&motion, &carriers) < 1e-12 * size);
 
         // The error of a central difference, of fourth order, grows as powers of 1/sin μ and,

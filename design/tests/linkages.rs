@@ -55,7 +55,7 @@ fn five_bar(
         linkage.set_link(link, "distal", inertia).unwrap();
     }
     linkage
-        .set_load(dyad.joint().unwrap(), payload, force)
+        .set_load(dyad.inner_pin().unwrap(), payload, force)
         .unwrap();
     linkage
 }
@@ -139,9 +139,9 @@ proptest! {
         let close = |a: f64, b: f64, scale: f64| (a - b).abs() <= rounding * scale.max(1.0);
         let speed = velocities.omega.iter().fold(0.0_f64, |m, w| m.max(w.abs()));
         let quick = expected.alpha.iter().fold(speed * speed, |m, a| m.max(a.abs()));
-        prop_assert!((dyad.joint.position - pose.c).norm() <= rounding);
-        prop_assert!((dyad.joint.velocity - velocities.c).norm() <= rounding * speed.max(1.0));
-        prop_assert!((dyad.joint.acceleration - expected.c).norm() <= rounding * quick.max(1.0));
+        prop_assert!((dyad.inner_point.position - pose.c).norm() <= rounding);
+        prop_assert!((dyad.inner_point.velocity - velocities.c).norm() <= rounding * speed.max(1.0));
+        prop_assert!((dyad.inner_point.acceleration - expected.c).norm() <= rounding * quick.max(1.0));
         for (link, i) in [(1, 0), (3, 1), (4, 2), (2, 3)].map(|(link, i)| (motion.links[link], i)) {
             prop_assert!(close(link.omega, velocities.omega[i], speed));
             prop_assert!(close(link.alpha, expected.alpha[i], quick));
@@ -304,7 +304,7 @@ fn heavy_slider() -> Linkage<f64> {
         linkage.set_link(link, name, inertia).unwrap();
     }
     linkage
-        .set_load(added.joint().unwrap(), 0.3, vec2([-40.0, 5.0]))
+        .set_load(added.inner_pin().unwrap(), 0.3, vec2([-40.0, 5.0]))
         .unwrap();
     linkage
 }

@@ -183,7 +183,7 @@ proptest! {
             lengths: [geometry.l3(), geometry.l7()],
             side: if apart { pose.assembly() } else { pose.assembly().opposite() },
         };
-        let joint = linkage.add_group("P", Group::Rrr { dyad, ends: [ends[0], ends[1]] }).unwrap().joint();
+        let joint = linkage.add_group("P", Group::Rrr { dyad, ends: [ends[0], ends[1]] }).unwrap().inner_pin();
         let inputs = [(pose.x2, 0), (pose.x8, 1)].map(|(value, i)| Coordinate {
             value,
             rate: rates[i],

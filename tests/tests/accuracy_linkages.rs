@@ -237,7 +237,7 @@ fn tension_lengthens_and_compression_shortens_a_limb_by_its_clearances() {
             .unwrap()
     };
     let (left, right, tip) = (name("L"), name("R"), name("P"));
-    let id = massless.elements()[2].joint().unwrap();
+    let id = massless.elements()[2].inner_pin().unwrap();
     // Left pin, middle pin, right pin: the middle one counts for the right bar, as P is the
     // left bar's.
     let radii = [0.0, 0.0, 1e-5, 2e-5, 4e-5];
@@ -318,7 +318,7 @@ fn tension_lengthens_the_sliders_limbs_as_it_does_the_linkages() {
             ParameterKind::Mass | ParameterKind::Inertia | ParameterKind::Gravity(_) => 0.0,
             _ => value,
         });
-    let tip = massless.elements()[2].joint().unwrap();
+    let tip = massless.elements()[2].inner_pin().unwrap();
     let radii = [1e-5, 0.0, 2e-5, 4e-5];
     let geometry = Geometry::new(1.2, 1.1, 0.0).unwrap();
     for inputs in instants(&driven) {

@@ -56,14 +56,14 @@ struct Frame {
 struct Chains<'a> {
     numbers: &'a Linkage<f64>,
     frames: Vec<Frame>,
-    joints: Vec<Option<Vec<Term>>>,
+    inner_pins: Vec<Option<Vec<Term>>>,
 }
 
 impl Chains<'_> {
     /// The chain to a point.
     fn point(&self, id: PointId) -> Vec<Term> {
-        if let Some(joint) = &self.joints[id.index()] {
-            return joint.clone();
+        if let Some(chain) = &self.inner_pins[id.index()] {
+            return chain.clone();
         }
         let point = &self.numbers.points()[id.index()];
         let Frame { direction, origin } = &self.frames[point.link.index()];
@@ -124,7 +124,7 @@ impl VectorLoops {
         let mut chains = Chains {
             numbers: &numbers,
             frames: vec![ground],
-            joints: vec![None; linkage.points().len()],
+            inner_pins: vec![None; linkage.points().len()],
         };
         let mut loops = Vec::new();
         let mut inputs = 0;
@@ -162,8 +162,8 @@ impl VectorLoops {
             let second = LoopQuantity::Unknown(2 * loops.len() + 1);
             // The chains to the inner joint along either link, and the two links' frames.
             let ([along1, along2], frames) = dyad(&chains, &element.group, [first, second], &gaps);
-            if let Some(joint) = element.joint() {
-                chains.joints[joint.index()] = Some(along1.clone());
+            if let Some(pin) = element.inner_pin() {
+                chains.inner_pins[pin.index()] = Some(along1.clone());
             }
             let against = along2.into_iter().map(|term| Term {
                 sign: -term.sign,

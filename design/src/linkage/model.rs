@@ -16,7 +16,7 @@ pub struct Element<S> {
     /// What it is.
     pub group: Group<S>,
     pub(super) first_link: LinkId,
-    pub(super) joint: Option<PointId>,
+    pub(super) inner_pin: Option<PointId>,
     /// Of its pins, in the order of its joints.
     pub(super) clearances: [Option<Clearance<S>>; 3],
 }
@@ -30,8 +30,8 @@ impl<S> Element<S> {
     }
 
     /// The inner pin of RRR, RRP and PRP, a point of the dyad's first link.
-    pub fn joint(&self) -> Option<PointId> {
-        self.joint
+    pub fn inner_pin(&self) -> Option<PointId> {
+        self.inner_pin
     }
 }
 
@@ -132,11 +132,11 @@ impl<S: Scalar> Linkage<S> {
             group,
             Group::Rrr { .. } | Group::Rrp { .. } | Group::Prp { .. }
         );
-        let joint = has_pin.then(|| self.push_point(name, first_link, None));
+        let inner_pin = has_pin.then(|| self.push_point(name, first_link, None));
         let element = Element {
             group,
             first_link,
-            joint,
+            inner_pin,
             clearances: [None; 3],
         };
         self.elements.push(element.clone());

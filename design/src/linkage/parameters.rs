@@ -108,7 +108,7 @@ impl<S: Scalar> Linkage<S> {
             elements.push(Element {
                 group: map_group(&element.group, &mut one),
                 first_link: element.first_link,
-                joint: element.joint,
+                inner_pin: element.inner_pin,
                 clearances: [0, 1, 2].map(|k| {
                     element.clearances[k].map(|Clearance { radius, angle }| Clearance {
                         radius: one(0, ParameterKind::Clearance(k), radius),

@@ -157,10 +157,10 @@ impl<S: Scalar> Linkage<S> {
         for (link, solved) in element.links().zip(dyad.links) {
             motion.links[link.0] = solved;
         }
-        if let Some(joint) = element.joint {
+        if let Some(pin) = element.inner_pin {
             // The inner pin is a point of link 1.
-            dyad.joint = dyad.joint.moved(-gap12);
-            motion.points[joint.0] = dyad.joint;
+            dyad.inner_point = dyad.inner_point.moved(-gap12);
+            motion.points[pin.0] = dyad.inner_point;
         }
         motion.dyads[index] = Some(dyad);
         Ok(())

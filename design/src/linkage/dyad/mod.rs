@@ -72,7 +72,7 @@ pub struct DyadMotion<S> {
     /// The two links, in the dyad's order.
     pub links: [LinkMotion<S>; 2],
     /// The point that the dyad adds: the inner pin or, without one, the slider.
-    pub joint: PointMotion<S>,
+    pub inner_point: PointMotion<S>,
     /// The displacements of its sliding joints, in the dyad's order.
     pub slides: [Option<Coordinate<S>>; 2],
     /// Outer joint of the first link, inner joint, outer joint of the second link.

@@ -69,10 +69,13 @@ impl<S: Scalar> Prp<S> {
         };
         let slide1 = slide(s1, rate1, acceleration1);
         let slide2 = slide(s2, rate2, acceleration2);
-        let joint = guide1.sliding(&g1, &slide1);
+        let inner_point = guide1.sliding(&g1, &slide1);
         Ok(DyadMotion {
-            links: [guide1.translated_to(joint), guide2.translated_to(joint)],
-            joint,
+            links: [
+                guide1.translated_to(inner_point),
+                guide2.translated_to(inner_point),
+            ],
+            inner_point,
             slides: [Some(slide1), Some(slide2)],
             joints: [
                 Joint::Prismatic { at: p3, axis: u1 },

@@ -77,7 +77,7 @@ impl<S: Scalar> Rpp<S> {
         };
         Ok(DyadMotion {
             links: [bar, slider],
-            joint: slider.origin,
+            inner_point: slider.origin,
             slides: [Some(slide_s), Some(slide_t)],
             joints: [
                 Joint::Revolute { at: end.position },

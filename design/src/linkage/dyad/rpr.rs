@@ -79,7 +79,7 @@ impl<S: Scalar> Rpr<S> {
         };
         Ok(DyadMotion {
             links: [bar, bar.translated_to(*end2)],
-            joint: *end2,
+            inner_point: *end2,
             slides: [Some(slide), None],
             joints: [
                 Joint::Revolute { at: end1.position },

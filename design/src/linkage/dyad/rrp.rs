@@ -77,7 +77,7 @@ impl<S: Scalar> Rrp<S> {
             rate: s_rate,
             acceleration: -a.dot(r) * per_ru,
         };
-        let joint = guide.sliding(&g, &slide);
+        let inner_point = guide.sliding(&g, &slide);
         let bar = LinkMotion {
             origin: *end,
             axis,
@@ -85,8 +85,8 @@ impl<S: Scalar> Rrp<S> {
             alpha: a.dot(n) * per_ru,
         };
         Ok(DyadMotion {
-            links: [bar, guide.translated_to(joint)],
-            joint,
+            links: [bar, guide.translated_to(inner_point)],
+            inner_point,
             slides: [Some(slide), None],
             joints: [
                 Joint::Revolute { at: end.position },

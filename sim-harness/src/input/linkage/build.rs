@@ -198,7 +198,7 @@ impl<'a> Builder<'a> {
             self.source
                 .refuse(key("kind"), format!("is refused: {error}"))
         })?;
-        if let Some(id) = added.joint() {
+        if let Some(id) = added.inner_pin() {
             self.claim_point(key("joint"), joint, id)?;
         }
         for (id, link) in added.links().zip(element.links()) {

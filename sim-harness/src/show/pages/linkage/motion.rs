@@ -111,7 +111,7 @@ fn chain(
             chain.push(moving.position);
         }
     }
-    let pin = || Some(motion.points[element.joint()?.index()].position);
+    let pin = || Some(motion.points[element.inner_pin()?.index()].position);
     let other = |link: usize| Some(motion.links[link].origin.position);
     chain.extend(match element.group {
         Group::Rrr { .. } => pin(),
