@@ -36,7 +36,7 @@ pub enum ResultKind {
     AngularAcceleration(usize),
     /// The torque [N·m] or force [N] of a driven link, counting those alone.
     Drive(usize),
-    /// Component 0 or 1 of a joint's force [N]; the joint in [`Linkage::joints`].
+    /// Component 0 or 1 of a joint's force [N]; the joint in [`Linkage::joint_links`].
     Force(usize, usize),
     /// The moment of a joint about its own centre [N·m].
     Moment(usize),
@@ -81,7 +81,7 @@ impl LinkageAccuracyModel<'_> {
             ]);
         }
         kinds.extend((0..self.linkage.degrees_of_freedom()).map(ResultKind::Drive));
-        for joint in 0..self.linkage.joints().count() {
+        for joint in 0..self.linkage.joint_links().count() {
             let force = [ResultKind::Force(joint, 0), ResultKind::Force(joint, 1)];
             kinds.extend(force);
             kinds.push(ResultKind::Moment(joint));
@@ -178,7 +178,7 @@ const MAX_ITERATIONS: usize = 60;
 
 /// Seats the pins of a linkage in motion (Tu 2005): in a joint of clearance r the side that
 /// is pushed by the force F lies −r F̂ from the side that pushes. `radii` [m] counts as
-/// [`Linkage::joints`]; slides are left out, and pins without clearance keep what they have.
+/// [`Linkage::joint_links`]; slides are left out, and pins without clearance keep what they have.
 ///
 /// # Errors
 /// Where the linkage cannot be solved.

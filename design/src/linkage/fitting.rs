@@ -19,26 +19,26 @@ impl<S: Scalar> Element<S> {
 
 impl<S: Scalar> Linkage<S> {
     /// The element of each joint and the joint's place in it, in the order of
-    /// [`Linkage::joints`].
+    /// [`Linkage::joint_links`].
     fn places(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         let elements = self.elements.iter().enumerate();
         elements
             .flat_map(|(index, element)| (0..element.group.pins().len()).map(move |k| (index, k)))
     }
 
-    /// Whether each joint is a pin, in the order of [`Linkage::joints`].
+    /// Whether each joint is a pin, in the order of [`Linkage::joint_links`].
     pub fn pins(&self) -> impl Iterator<Item = bool> + '_ {
         let elements = self.elements.iter();
         elements.flat_map(|element| element.group.pins().iter().copied())
     }
 
-    /// The clearance of each joint, in the order of [`Linkage::joints`].
+    /// The clearance of each joint, in the order of [`Linkage::joint_links`].
     pub fn clearances(&self) -> impl Iterator<Item = Option<Clearance<S>>> + '_ {
         let places = self.places();
         places.map(|(element, k)| self.elements[element].clearances[k])
     }
 
-    /// Lays a joint's pin off its bearing's centre. `joint` counts as [`Linkage::joints`].
+    /// Lays a joint's pin off its bearing's centre. `joint` counts as [`Linkage::joint_links`].
     ///
     /// # Errors
     /// `NotAPin` for a slide or where there is no such joint, `Clearance` for a radius below

@@ -100,7 +100,7 @@ impl<S: Scalar> Linkage<S> {
     }
 
     /// Which link acts on which in each joint, in the order of [`Forces::reactions`].
-    pub fn joints(&self) -> impl Iterator<Item = (LinkId, LinkId)> + '_ {
+    pub fn joint_links(&self) -> impl Iterator<Item = (LinkId, LinkId)> + '_ {
         self.elements.iter().flat_map(|element| {
             let first = element.first_link;
             let [carrier1, carrier2] = self.carriers(&element.group);

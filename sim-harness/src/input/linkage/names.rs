@@ -35,7 +35,7 @@ pub(crate) fn links_of(linkage: &Linkage<f64>, links: impl Iterator<Item = LinkI
 /// "crank on coupler", in the order of a motion's reactions.
 pub(crate) fn reaction_names(linkage: &Linkage<f64>) -> Vec<String> {
     let name = |link: LinkId| &linkage.links()[link.index()].name;
-    let joints = linkage.joints();
+    let joints = linkage.joint_links();
     joints
         .map(|(from, on)| format!("{} on {}", name(from), name(on)))
         .collect()

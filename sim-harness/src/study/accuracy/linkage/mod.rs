@@ -154,7 +154,7 @@ fn with_pins(
     inputs: &[Coordinate<f64>],
 ) -> Result<(Linkage<f64>, bool), SolveError> {
     let mut linkage = driven.linkage.clone();
-    let mut radii = vec![0.0; linkage.joints().count()];
+    let mut radii = vec![0.0; linkage.joint_links().count()];
     for pin in &driven.tolerance.pins {
         if let Some(angle) = pin.angle {
             let radius = pin.radius;
