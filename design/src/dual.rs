@@ -50,11 +50,11 @@ impl Dual {
 }
 
 impl Scalar for Dual {
-    const ZERO: Self = of(0.0);
-    const ONE: Self = of(1.0);
-    const HALF: Self = of(0.5);
-    const TWO: Self = of(2.0);
-    const EPSILON: Self = of(f64::EPSILON);
+    const ZERO: Self = const_dual(0.0);
+    const ONE: Self = const_dual(1.0);
+    const HALF: Self = const_dual(0.5);
+    const TWO: Self = const_dual(2.0);
+    const EPSILON: Self = const_dual(f64::EPSILON);
 
     fn from_f64(value: f64) -> Self {
         Self::constant(value)
@@ -82,7 +82,7 @@ impl Scalar for Dual {
 }
 
 /// A constant, in a constant expression.
-const fn of(value: f64) -> Dual {
+const fn const_dual(value: f64) -> Dual {
     Dual(Dual64 {
         re: value,
         eps: 0.0,

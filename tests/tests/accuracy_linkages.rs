@@ -4,7 +4,7 @@
 use fivebar::input::linkage::{DrivenLinkage, EXAMPLES, Example};
 use fivebar::input::robot::SliderRobot;
 use fivebar::study::accuracy::{Sampling, analyse_slider, sample_slider, slider_answer};
-use fivebar_design::accuracy::assur::{time_derivatives, unknowns};
+use fivebar_design::accuracy::dyad_loops::{time_derivatives, unknowns};
 use fivebar_design::accuracy::linkage::{LinkageAccuracyModel, ResultKind, clearance_equilibrium};
 use fivebar_design::accuracy::loops::VectorLoops;
 use fivebar_design::accuracy::slider;
@@ -82,7 +82,7 @@ fn analytic_matrices_equal_dual_numbers_on_every_example() {
     for example in EXAMPLES {
         let driven = example.linkage().unwrap();
         let linkage = loose(&driven);
-        let loops = VectorLoops::of(&linkage).unwrap();
+        let loops = VectorLoops::from_linkage(&linkage).unwrap();
         assert_eq!(loops.parameters, all_parameters(&linkage));
         for inputs in instants(&driven) {
             let motion = linkage.motion(&inputs).unwrap();

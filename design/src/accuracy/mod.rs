@@ -6,9 +6,9 @@
 
 pub mod allocation;
 pub mod arm;
-pub mod assur;
 pub mod clearance_equilibrium;
 mod differentiate;
+pub mod dyad_loops;
 mod error;
 pub mod five_bar;
 pub mod linkage;

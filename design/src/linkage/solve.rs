@@ -37,7 +37,7 @@ impl core::error::Error for SolveError {}
 
 impl<S: Scalar> LinkageMotion<S> {
     /// Room for the motion of `linkage`, to be filled by [`Linkage::solve`].
-    pub fn of(linkage: &Linkage<S>) -> Self {
+    pub fn new(linkage: &Linkage<S>) -> Self {
         Self {
             links: vec![LinkMotion::ground(); linkage.links.len()],
             points: vec![PointMotion::fixed(Vec2::zero()); linkage.points.len()],
@@ -62,7 +62,7 @@ impl<S: Scalar> Linkage<S> {
     /// # Panics
     /// If there are not as many coordinates as driven links.
     pub fn motion(&self, inputs: &[Coordinate<S>]) -> Result<LinkageMotion<S>, SolveError> {
-        let mut motion = LinkageMotion::of(self);
+        let mut motion = LinkageMotion::new(self);
         self.solve(inputs, &mut motion)?;
         Ok(motion)
     }

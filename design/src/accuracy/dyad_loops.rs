@@ -108,7 +108,7 @@ fn and(mut chain: Vec<Term>, more: impl IntoIterator<Item = Term>) -> Vec<Term> 
 impl VectorLoops {
     /// The loops of a linkage, all its parameters in the order of [`Linkage::map_parameters`]; none if
     /// a crank turns on a link that turns itself, whose angle is a sum.
-    pub fn of(linkage: &Linkage<f64>) -> Option<Self> {
+    pub fn from_linkage(linkage: &Linkage<f64>) -> Option<Self> {
         let mut parameters = Vec::new();
         let numbers = linkage.map_parameters(|_, value: f64| {
             parameters.push(value);
