@@ -43,7 +43,7 @@ fn energy_and_momentum(linkage: &Linkage<f64>, motion: &LinkageMotion<f64>) -> [
         }
     };
     for (link, motion) in linkage.links().iter().zip(&motion.links) {
-        let com = motion.point(link.inertia.com);
+        let com = motion.local_point(link.inertia.com);
         add(link.inertia.mass, com.position, com.velocity);
     }
     for (point, motion) in linkage.points().iter().zip(&motion.points) {
@@ -137,7 +137,10 @@ fn forces_balance_energy_and_momentum() {
             moment += place.cross(linkage.gravity() * mass);
         };
         for (link, motion) in linkage.links().iter().zip(&motion.links) {
-            weigh(link.inertia.mass, motion.point(link.inertia.com).position);
+            weigh(
+                link.inertia.mass,
+                motion.local_point(link.inertia.com).position,
+            );
         }
         for (point, motion) in linkage.points().iter().zip(&motion.points) {
             weigh(point.mass, motion.position);

@@ -119,7 +119,7 @@ impl<S: Scalar> Linkage<S> {
             .zip(&motion.links)
             .map(|(link, motion)| {
                 let inertia = &link.inertia;
-                let com = motion.point(inertia.com);
+                let com = motion.local_point(inertia.com);
                 let force = (self.gravity - com.acceleration) * inertia.mass;
                 Wrench::at(com.position, force) + Wrench::couple(-inertia.inertia * motion.alpha)
             })

@@ -73,7 +73,7 @@ impl<S: Scalar> LinkMotion<S> {
     /// The motion of the link's point that is at `position` [m] now:
     /// v = v₀ + ω r⊥, a = a₀ + α r⊥ − ω² r.
     #[inline]
-    pub fn carrying(&self, position: Vec2<S>) -> PointMotion<S> {
+    pub fn point_at(&self, position: Vec2<S>) -> PointMotion<S> {
         let r = position - self.origin.position;
         PointMotion {
             position,
@@ -85,8 +85,8 @@ impl<S: Scalar> LinkMotion<S> {
 
     /// The motion of the link's point with coordinates `local` [m] in its frame.
     #[inline]
-    pub fn point(&self, local: Vec2<S>) -> PointMotion<S> {
-        self.carrying(self.origin.position + local.rotated_to(self.axis))
+    pub fn local_point(&self, local: Vec2<S>) -> PointMotion<S> {
+        self.point_at(self.origin.position + local.rotated_to(self.axis))
     }
 
     /// This link as a guide through `point`, along `direction` (a unit vector in the
@@ -103,15 +103,19 @@ impl<S: Scalar> LinkMotion<S> {
     /// A slider on this guide, displaced by `along` from the guide's origin:
     /// v = v_G + ṡ u, a = a_G + 2 ω ṡ n + s̈ u, G being the guide's point now there.
     #[inline]
-    pub fn slid(&self, along: &Coordinate<S>) -> Self {
-        let here = self.carrying(self.origin.position + self.axis * along.value);
-        self.translated_to(self.sliding(&here, along))
+    pub fn slider_at(&self, along: &Coordinate<S>) -> Self {
+        let here = self.point_at(self.origin.position + self.axis * along.value);
+        self.with_origin(self.slider_motion(&here, along))
     }
 
     /// The motion of what slides along this guide with `slide`'s rates, where the guide's
     /// own point moves as `here`.
     #[inline]
-    pub(super) fn sliding(&self, here: &PointMotion<S>, slide: &Coordinate<S>) -> PointMotion<S> {
+    pub(super) fn slider_motion(
+        &self,
+        here: &PointMotion<S>,
+        slide: &Coordinate<S>,
+    ) -> PointMotion<S> {
         let coriolis = self.axis.perp() * (S::TWO * self.omega * slide.rate);
         PointMotion {
             position: here.position,
@@ -123,12 +127,12 @@ impl<S: Scalar> LinkMotion<S> {
     /// The same motion, `by` [m] away.
     #[inline]
     pub(super) fn moved(&self, by: Vec2<S>) -> Self {
-        self.translated_to(self.origin.moved(by))
+        self.with_origin(self.origin.moved(by))
     }
 
     /// A link that keeps this one's direction, its origin moving as `origin`.
     #[inline]
-    pub(super) fn translated_to(&self, origin: PointMotion<S>) -> Self {
+    pub(super) fn with_origin(&self, origin: PointMotion<S>) -> Self {
         Self { origin, ..*self }
     }
 }

@@ -91,7 +91,7 @@ impl<S: Scalar> Linkage<S> {
                 Step::Point(index) => {
                     let point = &self.points[index];
                     if let Some(local) = point.local {
-                        motion.points[index] = motion.links[point.link.0].point(local);
+                        motion.points[index] = motion.links[point.link.0].local_point(local);
                     }
                 }
                 Step::Element(index) => self.solve_element(index, &mut inputs, motion)?,
@@ -123,7 +123,7 @@ impl<S: Scalar> Linkage<S> {
             Group::Slider { guide } => {
                 if let Some(input) = inputs.next() {
                     let guide = motion.guide(self, guide);
-                    motion.links[element.first_link.0] = guide.slid(input);
+                    motion.links[element.first_link.0] = guide.slider_at(input);
                 }
                 return Ok(());
             }

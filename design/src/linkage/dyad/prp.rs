@@ -52,7 +52,7 @@ impl<S: Scalar> Prp<S> {
         let (u1, u2) = (guide1.axis, guide2.axis);
         let sine = u1.cross(u2);
         let p3 = beside(guide1, self.offsets[0]) + u1 * s1;
-        let (g1, g2) = (guide1.carrying(p3), guide2.carrying(p3));
+        let (g1, g2) = (guide1.point_at(p3), guide2.point_at(p3));
 
         let [rate1, rate2] = along(g2.velocity - g1.velocity, u1, u2, sine);
 
@@ -69,11 +69,11 @@ impl<S: Scalar> Prp<S> {
         };
         let slide1 = slide(s1, rate1, acceleration1);
         let slide2 = slide(s2, rate2, acceleration2);
-        let inner_point = guide1.sliding(&g1, &slide1);
+        let inner_point = guide1.slider_motion(&g1, &slide1);
         Ok(DyadMotion {
             links: [
-                guide1.translated_to(inner_point),
-                guide2.translated_to(inner_point),
+                guide1.with_origin(inner_point),
+                guide2.with_origin(inner_point),
             ],
             inner_point,
             slides: [Some(slide1), Some(slide2)],

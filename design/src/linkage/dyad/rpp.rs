@@ -51,7 +51,7 @@ impl<S: Scalar> Rpp<S> {
         let u = guide.axis;
         let w = self.direction.rotated_to(u);
         let sine = u.cross(w);
-        let g = guide.carrying(end.position);
+        let g = guide.point_at(end.position);
 
         let v = end.velocity - g.velocity;
         let [s_rate, t_rate] = along(v, u, w, sine);
@@ -69,7 +69,7 @@ impl<S: Scalar> Rpp<S> {
         let slide_s = slide(s, s_rate, s_acceleration);
         let slide_t = slide(t, t_rate, t_acceleration);
         let q = guide.origin.position + u * s;
-        let slider = guide.slid(&slide_s);
+        let slider = guide.slider_at(&slide_s);
         let bar = LinkMotion {
             origin: *end,
             axis: w,

@@ -78,7 +78,7 @@ impl<S: Scalar> Rpr<S> {
             alpha,
         };
         Ok(DyadMotion {
-            links: [bar, bar.translated_to(*end2)],
+            links: [bar, bar.with_origin(*end2)],
             inner_point: *end2,
             slides: [Some(slide), None],
             joints: [

@@ -64,7 +64,7 @@ impl<S: Scalar> Rrp<S> {
         let axis = r * (S::ONE / self.length);
         let sine = regular(axis.dot(u), Singular::BarSquareToGuide)?;
         let per_ru = S::ONE / (self.length * sine);
-        let g = guide.carrying(p3);
+        let g = guide.point_at(p3);
 
         let v = g.velocity - end.velocity;
         let omega1 = v.dot(n) * per_ru;
@@ -77,7 +77,7 @@ impl<S: Scalar> Rrp<S> {
             rate: s_rate,
             acceleration: -a.dot(r) * per_ru,
         };
-        let inner_point = guide.sliding(&g, &slide);
+        let inner_point = guide.slider_motion(&g, &slide);
         let bar = LinkMotion {
             origin: *end,
             axis,
@@ -85,7 +85,7 @@ impl<S: Scalar> Rrp<S> {
             alpha: a.dot(n) * per_ru,
         };
         Ok(DyadMotion {
-            links: [bar, guide.translated_to(inner_point)],
+            links: [bar, guide.with_origin(inner_point)],
             inner_point,
             slides: [Some(slide), None],
             joints: [

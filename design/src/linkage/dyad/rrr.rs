@@ -99,7 +99,7 @@ impl<S: Scalar> Rrr<S> {
         let link2 = link(end2, u2, omega2, ef.dot(r1) * per_x);
         Ok(DyadMotion {
             links: [link1, link2],
-            inner_point: link1.carrying(p3),
+            inner_point: link1.point_at(p3),
             slides: [None, None],
             joints: [
                 Joint::Revolute { at: end1.position },
