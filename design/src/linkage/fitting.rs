@@ -5,7 +5,7 @@ use super::check::{LinkageError, not_negative};
 use super::clearance::Clearance;
 use super::group::{Group, LinkId};
 use super::model::{Element, Linkage};
-use super::section::Section;
+use super::section::BarSection;
 use fivebar_kinematics::{Scalar, Vec2};
 
 impl<S: Scalar> Element<S> {
@@ -65,7 +65,11 @@ impl<S: Scalar> Linkage<S> {
     ///
     /// # Errors
     /// `Inertia` for numbers below zero or not finite, `NotABar` for a link without a length.
-    pub fn set_section(&mut self, link: LinkId, section: Section<S>) -> Result<(), LinkageError> {
+    pub fn set_section(
+        &mut self,
+        link: LinkId,
+        section: BarSection<S>,
+    ) -> Result<(), LinkageError> {
         not_negative(section.area)?;
         not_negative(section.density)?;
         let end = self.far_end(link).ok_or(LinkageError::NotABar)?;

@@ -30,7 +30,7 @@ pub use joint::Joint;
 pub use model::{Element, Linkage, NamedLink, Point};
 pub use motion::{Coordinate, LinkMotion, PointMotion};
 pub use parameters::{Parameter, ParameterKind};
-pub use section::Section;
+pub use section::BarSection;
 pub use solve::{LinkageMotion, SolveError};
 pub use statics::reactions;
 pub use sweep::{BranchChange, ClosureLimit, DriveLaw, SolvedSample, Sweep, SweepSample};

@@ -6,7 +6,7 @@
 use super::check::{LinkageError, finite, not_negative};
 use super::clearance::Clearance;
 use super::group::{Group, LinkId, PointId};
-use super::section::Section;
+use super::section::BarSection;
 use fivebar_kinematics::dynamics::Link;
 use fivebar_kinematics::{Scalar, Vec2};
 
@@ -58,7 +58,7 @@ pub struct NamedLink<S> {
     /// Its mass, centre of mass in its own frame, and moment of inertia.
     pub inertia: Link<S>,
     /// The section that its inertia follows from, if it was given as a slender bar.
-    pub section: Option<Section<S>>,
+    pub section: Option<BarSection<S>>,
 }
 
 /// What is solved when: in the order of building.

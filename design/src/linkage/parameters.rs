@@ -4,7 +4,7 @@ use super::clearance::Clearance;
 use super::dyad::{Prp, Rpp, Rpr, Rrp, Rrr};
 use super::group::{Group, Guide};
 use super::model::{Element, Linkage, NamedLink, Point};
-use super::section::Section;
+use super::section::BarSection;
 use fivebar_kinematics::dynamics::Link;
 use fivebar_kinematics::{Scalar, Vec2};
 
@@ -65,7 +65,7 @@ impl<S: Scalar> Linkage<S> {
         } in &self.links
         {
             let mut one = |kind, value| f(Parameter { of: name, kind }, value);
-            let section = section.map(|section| Section {
+            let section = section.map(|section| BarSection {
                 area: one(ParameterKind::Section, section.area),
                 density: constant_number(section.density),
             });

@@ -5,14 +5,14 @@ use fivebar_kinematics::{Scalar, Vec2};
 
 /// A slender uniform bar: its mass, centre and moment of inertia follow from its length.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Section<S> {
+pub struct BarSection<S> {
     /// S, the area of its section [m²].
     pub area: S,
     /// ρ, its density [kg/m³].
     pub density: S,
 }
 
-impl<S: Scalar> Section<S> {
+impl<S: Scalar> BarSection<S> {
     /// m = ρ S L, J = m L²/12 of a bar from the origin of its frame to `end` [m].
     pub(super) fn bar(&self, end: Vec2<S>) -> Link<S> {
         let mass = self.density * self.area * end.norm();

@@ -5,7 +5,7 @@ use super::file::{ElementFile, GuideFile, LinkFile, LinkageFile, PointFile};
 use super::limits::{LARGEST, largest, name, sizes};
 use crate::input::source::{FileError, Key, Source};
 use fivebar_design::linkage::dyad::{Prp, Rpp, Rpr, Rrp, Rrr};
-use fivebar_design::linkage::{DriveLaw, Group, Guide, LinkId, Linkage, PointId, Section};
+use fivebar_design::linkage::{BarSection, DriveLaw, Group, Guide, LinkId, Linkage, PointId};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::dynamics::Link;
 use std::collections::HashMap;
@@ -91,7 +91,7 @@ impl<'a> Builder<'a> {
                 let reason = "mass, com and inertia follow from it and are left out beside it";
                 return Err(refuse(reason.into()));
             }
-            let section = Section {
+            let section = BarSection {
                 area: section.area,
                 density: section.density,
             };
