@@ -1,6 +1,6 @@
 //! Forces under tolerance, seated pins and tolerance allocation on random arms.
 
-use fivebar_design::accuracy::allocation::{Class, allocate};
+use fivebar_design::accuracy::allocation::{ToleranceClass, allocate};
 use fivebar_design::accuracy::arm::{ArmAccuracyModel, DrivenJointMotion};
 use fivebar_design::accuracy::clearance_equilibrium::clearance_equilibrium;
 use fivebar_design::accuracy::five_bar::{clearance_error, tool_sensitivities};
@@ -113,9 +113,9 @@ fn allocation_finds_what_trying_everything_finds() {
     proptest!(|(weights in weights, limit in 0.05..4.0_f64)| {
         let classes = vec![
             vec![
-                Class { deviation: 1.0, cost: 1.0 },
-                Class { deviation: 0.5, cost: 2.5 },
-                Class { deviation: 0.2, cost: 7.0 },
+                ToleranceClass { deviation: 1.0, cost: 1.0 },
+                ToleranceClass { deviation: 0.5, cost: 2.5 },
+                ToleranceClass { deviation: 0.2, cost: 7.0 },
             ];
             4
         ];

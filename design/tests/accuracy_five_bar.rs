@@ -2,7 +2,7 @@
 //! must never exceed the exact worst case.
 
 use fivebar_design::accuracy::five_bar::{
-    clearance_error, input_worst, tool_sensitivities, with_offsets,
+    clearance_error, tool_sensitivities, tool_with_pin_offsets, worst_input_error,
 };
 use fivebar_design::accuracy::{DifferentiableModel, sensitivities};
 use fivebar_kinematics::five_bar::{Geometry, Pose, PoseError, Side, WorkingMode};
@@ -33,7 +33,10 @@ fn assert_microns(actual: f64, expected: f64) {
 #[test]
 fn the_worst_of_two_angle_errors() {
     let (geometry, pose) = example();
-    assert_microns(input_worst(&geometry, &pose, [2e-4; 2]).unwrap(), 271.38);
+    assert_microns(
+        worst_input_error(&geometry, &pose, [2e-4; 2]).unwrap(),
+        271.38,
+    );
 }
 
 #[test]
@@ -111,7 +114,7 @@ proptest! {
     ) {
         let worst = clearance_error(&geometry, &pose, radii).unwrap();
         let offsets = [0, 1, 2, 3, 4].map(|i| Vec2::unit(directions[i]) * (radii[i] * shares[i]));
-        let error = (with_offsets(&geometry, &pose, offsets).unwrap() - pose.c).norm();
+        let error = (tool_with_pin_offsets(&geometry, &pose, offsets).unwrap() - pose.c).norm();
         prop_assert!(error <= worst.worst * (1.0 + 1e-9) + 1e-15);
         // The linear worst case w is the exact one but for terms of second order. C and the
         // centres of its two circles part by 2w at most; over that, a circle leaves its
@@ -126,7 +129,7 @@ proptest! {
         let displaced = geometry
             .forward(theta1 + greatest * inputs[0], theta4 + greatest * inputs[1], pose.assembly())
             .unwrap();
-        let worst = input_worst(&geometry, &pose, [greatest; 2]).unwrap();
+        let worst = worst_input_error(&geometry, &pose, [greatest; 2]).unwrap();
         prop_assert!((displaced.c - pose.c).norm() <= worst * (1.0 + 1e-9));
     }
 }

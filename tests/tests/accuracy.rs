@@ -5,7 +5,7 @@ use fivebar::input::robot::Robot;
 use fivebar::study::accuracy::{
     Analysis, Sampling, State, analyse, answer, cheapest, map, monte_carlo,
 };
-use fivebar_design::accuracy::allocation::Class;
+use fivebar_design::accuracy::allocation::ToleranceClass;
 use fivebar_kinematics::Vec2;
 use indicatif::ProgressBar;
 use proptest::prelude::*;
@@ -146,7 +146,7 @@ fn a_point_out_of_reach_is_refused_with_the_place() {
 fn the_cheapest_tolerances_hold_what_was_wanted() {
     let robot = example();
     let map = map(&robot, Vec2::zero(), Some([0.05, 0.2, 0.2, 0.3])).unwrap();
-    let class = |deviation, cost| Class { deviation, cost };
+    let class = |deviation, cost| ToleranceClass { deviation, cost };
     let inputs = [class(2e-4, 1.0), class(5e-5, 4.0)];
     let lengths = [class(50e-6, 1.0), class(20e-6, 3.0), class(5e-6, 10.0)];
     let coarse = cheapest(&map, 2e-3, &inputs, &lengths).unwrap();

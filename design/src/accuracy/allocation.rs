@@ -8,7 +8,7 @@
 
 /// A way of making a dimension.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Class {
+pub struct ToleranceClass {
     /// The standard deviation it gives, in the dimension's unit.
     pub deviation: f64,
     /// What it costs.
@@ -26,10 +26,10 @@ pub struct Allocation {
     pub worst_variance: f64,
 }
 
-struct Search<'a> {
+struct BranchAndBound<'a> {
     /// wi at each place (row).
     weights: &'a [Vec<f64>],
-    classes: &'a [Vec<Class>],
+    classes: &'a [Vec<ToleranceClass>],
     limit: f64,
     /// For dimension i.. on: the least variance at each place, and the least cost.
     least_variance: Vec<Vec<f64>>,
@@ -45,7 +45,11 @@ struct Search<'a> {
 ///
 /// # Panics
 /// Where a row of `weights` is shorter than `classes`.
-pub fn allocate(weights: &[Vec<f64>], classes: &[Vec<Class>], limit: f64) -> Option<Allocation> {
+pub fn allocate(
+    weights: &[Vec<f64>],
+    classes: &[Vec<ToleranceClass>],
+    limit: f64,
+) -> Option<Allocation> {
     let dimensions = classes.len();
     let mut least_variance = vec![vec![0.0; weights.len()]; dimensions + 1];
     let mut least_cost = vec![0.0; dimensions + 1];
@@ -63,7 +67,7 @@ pub fn allocate(weights: &[Vec<f64>], classes: &[Vec<Class>], limit: f64) -> Opt
             least_variance[i][place] = least_variance[i + 1][place] + row[i] * finest * finest;
         }
     }
-    let mut search = Search {
+    let mut search = BranchAndBound {
         weights,
         classes,
         limit,
@@ -79,15 +83,15 @@ pub fn allocate(weights: &[Vec<f64>], classes: &[Vec<Class>], limit: f64) -> Opt
     search.best
 }
 
-impl Search<'_> {
+impl BranchAndBound<'_> {
     fn descend(&mut self, choice: &mut Vec<usize>, cost: f64, variance: &[f64]) {
         let dimension = choice.len();
-        let hopeless = variance
+        let infeasible = variance
             .iter()
             .zip(&self.least_variance[dimension])
             .any(|(so_far, rest)| so_far + rest > self.limit);
-        let dear = |best: &Allocation| cost + self.least_cost[dimension] >= best.cost;
-        if hopeless || self.best.as_ref().is_some_and(dear) {
+        let too_expensive = |best: &Allocation| cost + self.least_cost[dimension] >= best.cost;
+        if infeasible || self.best.as_ref().is_some_and(too_expensive) {
             return;
         }
         if dimension == self.classes.len() {

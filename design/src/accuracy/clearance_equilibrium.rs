@@ -112,7 +112,7 @@ fn equilibrium_pose(
 ) -> Result<Pose<f64>, AccuracyError> {
     let geometry = arm.geometry();
     let [a, b, c, d, e] = offsets;
-    let tool = five_bar::with_offsets(geometry, ideal, offsets)?;
+    let tool = five_bar::tool_with_pin_offsets(geometry, ideal, offsets)?;
     Ok(Pose {
         u2: (tool - (ideal.b + a + b)) * (1.0 / geometry.l2()),
         u3: (tool - (ideal.d + c + d + e)) * (1.0 / geometry.l3()),

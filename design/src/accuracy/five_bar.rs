@@ -73,7 +73,7 @@ pub fn tool_sensitivities(
 ///
 /// # Errors
 /// Where a corner cannot be assembled.
-pub fn input_worst(
+pub fn worst_input_error(
     geometry: &Geometry<f64>,
     pose: &Pose<f64>,
     greatest: [f64; 2],
@@ -141,7 +141,7 @@ pub fn clearance_error(
 ///
 /// # Errors
 /// `Pose` where links 2 and 3 cannot meet.
-pub fn with_offsets(
+pub fn tool_with_pin_offsets(
     geometry: &Geometry<f64>,
     pose: &Pose<f64>,
     offsets: [Vec2<f64>; 5],

@@ -16,7 +16,7 @@ use fivebar_kinematics::Vec2;
 ///
 /// # Errors
 /// Where a corner cannot be assembled.
-pub fn input_worst(
+pub fn worst_input_error(
     geometry: &Geometry<f64>,
     pose: &Pose<f64>,
     [left, right]: [f64; 2],

@@ -1,7 +1,7 @@
 //! Classes of tolerance: what making a dimension so exact costs.
 
 use super::source::Source;
-use fivebar_design::accuracy::allocation::Class;
+use fivebar_design::accuracy::allocation::ToleranceClass;
 use serde::Deserialize;
 use std::path::Path;
 
@@ -58,12 +58,12 @@ impl Classes {
     }
 
     /// What the driven angles may have.
-    pub fn inputs(&self) -> Vec<Class> {
+    pub fn inputs(&self) -> Vec<ToleranceClass> {
         self.input.iter().map(ClassEntry::class).collect()
     }
 
     /// What the lengths may have.
-    pub fn lengths(&self) -> Vec<Class> {
+    pub fn lengths(&self) -> Vec<ToleranceClass> {
         self.length.iter().map(ClassEntry::class).collect()
     }
 
@@ -86,8 +86,8 @@ impl Classes {
 }
 
 impl ClassEntry {
-    fn class(&self) -> Class {
-        Class {
+    fn class(&self) -> ToleranceClass {
+        ToleranceClass {
             deviation: self.sd,
             cost: self.cost,
         }

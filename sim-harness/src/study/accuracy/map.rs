@@ -3,7 +3,7 @@
 
 use super::state::{Analysis, State, analyse};
 use crate::input::robot::Robot;
-use fivebar_design::accuracy::allocation::{Allocation, Class, allocate};
+use fivebar_design::accuracy::allocation::{Allocation, ToleranceClass, allocate};
 use fivebar_kinematics::Vec2;
 use rayon::prelude::*;
 
@@ -97,9 +97,14 @@ fn reach(robot: &Robot) -> [f64; 4] {
 /// The cheapest classes for θ1, θ4, l1…l4 and the base that keep √(σx² + σy²) within
 /// `wanted` [m] all over a map; `inputs` are the classes of the two angles [rad], `lengths`
 /// those of the five lengths [m].
-pub fn cheapest(map: &Map, wanted: f64, inputs: &[Class], lengths: &[Class]) -> Option<Allocation> {
+pub fn cheapest(
+    map: &Map,
+    wanted: f64,
+    inputs: &[ToleranceClass],
+    lengths: &[ToleranceClass],
+) -> Option<Allocation> {
     let weights: Vec<Vec<f64>> = map.reached().map(Analysis::weights).collect();
-    let classes: Vec<Vec<Class>> = (0..7)
+    let classes: Vec<Vec<ToleranceClass>> = (0..7)
         .map(|i| {
             if i < 2 {
                 inputs.to_vec()

@@ -7,7 +7,7 @@ use crate::input::robot::Robot;
 use crate::run::plant::Noise;
 use fivebar_design::accuracy::DifferentiableModel as _;
 use fivebar_design::accuracy::arm::ArmAccuracyModel;
-use fivebar_design::accuracy::five_bar::with_offsets;
+use fivebar_design::accuracy::five_bar::tool_with_pin_offsets;
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::dynamics::Arm;
 use fivebar_kinematics::five_bar::Geometry;
@@ -153,7 +153,7 @@ impl Arms<'_> {
         let radii = self.robot.tolerance.clearance_radius;
         let offsets = radii.map(|radius| Vec2::unit(TAU * noise.uniform()) * radius);
         let (geometry, pose) = (&self.robot.geometry, &self.analysis.pose);
-        let exact = (with_offsets(geometry, pose, offsets).ok()? - pose.c).norm();
+        let exact = (tool_with_pin_offsets(geometry, pose, offsets).ok()? - pose.c).norm();
         // u2·δC = u2·e_left, u3·δC = u3·e_right.
         let [a, b, c, d, e] = offsets;
         let (p, q) = (pose.u2.dot(a + b), pose.u3.dot(c + d + e));

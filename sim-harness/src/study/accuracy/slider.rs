@@ -6,7 +6,7 @@ use crate::input::robot::SliderRobot;
 use crate::run::plant::Noise;
 use fivebar_design::accuracy::five_bar::ClearanceError;
 use fivebar_design::accuracy::slider::{
-    ClearanceEquilibrium, clearance_equilibrium, clearance_error, input_worst,
+    ClearanceEquilibrium, clearance_equilibrium, clearance_error, worst_input_error,
 };
 use fivebar_design::accuracy::{Primitive, Scatter};
 use fivebar_design::linkage::dyad::Rrr;
@@ -107,7 +107,7 @@ pub fn analyse_slider(
     let radii = tolerance.clearance_radius;
     Ok(SliderAnalysis {
         position: Scatter::propagate(&t, &primitives),
-        input_worst: input_worst(geometry, &pose, tolerance.input_max).map_err(refuse)?,
+        input_worst: worst_input_error(geometry, &pose, tolerance.input_max).map_err(refuse)?,
         clearance: clearance_error(geometry, &pose, radii).map_err(refuse)?,
         equilibrium: clearance_equilibrium(geometry, &pose, force, radii).map_err(refuse)?,
         transfer,

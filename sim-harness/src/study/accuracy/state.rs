@@ -6,7 +6,7 @@ use fivebar_design::accuracy::clearance_equilibrium::{
     ClearanceEquilibrium, clearance_equilibrium,
 };
 use fivebar_design::accuracy::five_bar::{
-    ClearanceError, ToolSensitivities, clearance_error, input_worst, tool_sensitivities,
+    ClearanceError, ToolSensitivities, clearance_error, tool_sensitivities, worst_input_error,
 };
 use fivebar_design::accuracy::{Primitive, Scatter, sensitivities};
 use fivebar_kinematics::Vec2;
@@ -139,7 +139,7 @@ pub fn analyse(robot: &Robot, state: &State) -> Result<Analysis, String> {
     Ok(Analysis {
         position: Scatter::propagate(&columns(&by), &primitives),
         sensitivities: by,
-        input_worst: input_worst(geometry, &pose, tolerance.input_max)
+        input_worst: worst_input_error(geometry, &pose, tolerance.input_max)
             .map_err(|error| refuse(&error))?,
         clearance: clearance_error(geometry, &pose, tolerance.clearance_radius)
             .map_err(|error| refuse(&error))?,
