@@ -248,7 +248,7 @@ fn a_sweep_tells_where_a_parallelogram_would_turn_over() {
 fn every_parameter_can_be_perturbed_by_name() {
     let linkage = four_bar([0.35, 0.10, 0.30, 0.25], Side::Left);
     let longer = linkage.map_parameters(|parameter, value| match parameter.kind {
-        ParameterKind::Length if parameter.of == "output" => value + 0.01,
+        ParameterKind::Length if parameter.part == "output" => value + 0.01,
         _ => value,
     });
     let at = [Coordinate {
@@ -267,7 +267,7 @@ fn heavy_slider() -> Linkage<f64> {
         four_bar([0.35, 0.10, 0.30, 0.25], Side::Left).map_parameters(|parameter, value| {
             match parameter.kind {
                 ParameterKind::Gravity(1) => -9.81,
-                ParameterKind::Mass if parameter.of != "ground" => 0.4,
+                ParameterKind::Mass if parameter.part != "ground" => 0.4,
                 ParameterKind::Inertia => 1e-3,
                 ParameterKind::CentreOfMass(axis) => 0.1 - 0.07 * axis as f64,
                 _ => value,

@@ -41,7 +41,7 @@ pub enum ParameterKind {
 pub struct Parameter<'a> {
     /// The name of the link or point it belongs to, of a joint that of the element's first
     /// link; empty for gravity.
-    pub of: &'a str,
+    pub part: &'a str,
     /// What it measures.
     pub kind: ParameterKind,
 }
@@ -64,7 +64,7 @@ impl<S: Scalar> Linkage<S> {
             section,
         } in &self.links
         {
-            let mut one = |kind, value| f(Parameter { of: name, kind }, value);
+            let mut one = |kind, value| f(Parameter { part: name, kind }, value);
             let section = section.map(|section| BarSection {
                 area: one(ParameterKind::Section, section.area),
                 density: constant_number(section.density),
@@ -85,7 +85,7 @@ impl<S: Scalar> Linkage<S> {
         for point in &self.points {
             let name = &point.name;
             let mass = Parameter {
-                of: name,
+                part: name,
                 kind: ParameterKind::Mass,
             };
             points.push(Point {
@@ -102,8 +102,8 @@ impl<S: Scalar> Linkage<S> {
         for element in &self.elements {
             let links: Vec<_> = element.links().collect();
             let mut one = |link: usize, kind, value| {
-                let of = &self.links[links[link].0].name;
-                f(Parameter { of, kind }, value)
+                let part = &self.links[links[link].0].name;
+                f(Parameter { part, kind }, value)
             };
             elements.push(Element {
                 group: map_group(&element.group, &mut one),
@@ -131,13 +131,13 @@ impl<S: Scalar> Linkage<S> {
 
 fn pair<S: Scalar, T: Scalar>(
     f: &mut impl FnMut(Parameter<'_>, S) -> T,
-    of: &str,
+    part: &str,
     kind: impl Fn(usize) -> ParameterKind,
     value: Vec2<S>,
 ) -> Vec2<T> {
     let mut one = |index, value| {
         let kind = kind(index);
-        f(Parameter { of, kind }, value)
+        f(Parameter { part, kind }, value)
     };
     Vec2::new(one(0, value.x), one(1, value.y))
 }

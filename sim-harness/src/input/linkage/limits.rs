@@ -56,7 +56,7 @@ pub(super) fn largest(source: &Source<'_>, linkage: &Linkage<f64>) -> Result<(),
     let mut too_large = None;
     linkage.map_parameters(|parameter, value: f64| {
         if value.abs() > LARGEST && too_large.is_none() {
-            too_large = Some(format!("a number of `{}`, {value:?},", parameter.of));
+            too_large = Some(format!("a number of `{}`, {value:?},", parameter.part));
         }
         value
     });

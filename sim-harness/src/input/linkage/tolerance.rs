@@ -96,14 +96,14 @@ pub struct Pin {
 impl LinkageTolerance {
     /// The standard deviation of a parameter that is not a pin's; zero where none is given.
     pub fn deviation(&self, parameter: Parameter<'_>) -> f64 {
-        let Parameter { of, kind } = parameter;
+        let Parameter { part, kind } = parameter;
         let given = match kind {
-            ParameterKind::Length | ParameterKind::Offset => self.length_sd.of(of),
-            ParameterKind::Mass => self.mass_sd.of(of),
-            ParameterKind::Section => self.section_sd.of(of),
+            ParameterKind::Length | ParameterKind::Offset => self.length_sd.of(part),
+            ParameterKind::Mass => self.mass_sd.of(part),
+            ParameterKind::Section => self.section_sd.of(part),
             ParameterKind::Local(axis) => match &self.point_sd {
                 ForAllOrEach::All(value) => Some(*value),
-                ForAllOrEach::Each(values) => values.get(of).map(|sd| sd[axis]),
+                ForAllOrEach::Each(values) => values.get(part).map(|sd| sd[axis]),
             },
             _ => None,
         };

@@ -186,7 +186,7 @@ fn varied(driven: &DrivenLinkage, linkage: &Linkage<f64>) -> Varied {
     let mut angles = tolerance.pins.iter();
     let mut number = 0;
     linkage.map_parameters(|parameter, mean: f64| {
-        let of = parameter.of;
+        let of = parameter.part;
         let found = match parameter.kind {
             ParameterKind::Clearance(_) => {
                 pins.push((mean, primitives.len()));
