@@ -256,7 +256,7 @@ fn what_cannot_be_reached_and_singular_places_are_told_apart() {
     let square = at(1.1).unwrap();
     assert!(g.forward_velocities(&square, [0.1, 0.2]).is_ok());
     let refused = g.inverse_velocities(&square, Vec2::new(0.0, 1.0));
-    assert_eq!(refused, Err(PoseError::Square(Limb::Right)));
+    assert_eq!(refused, Err(PoseError::LimbPerpendicular(Limb::Right)));
     // Type 2: both limbs along the guide. The other way round.
     let flat = at(0.0).unwrap();
     assert!(g.inverse_velocities(&flat, Vec2::new(0.1, 0.2)).is_ok());

@@ -32,7 +32,7 @@ pub enum PoseError {
     /// The sliders' travel does not let them stand as far apart, or as near, as asked.
     BeyondTravel,
     /// Type 1: a limb stands square to the guide, its slider's place says nothing of y.
-    Square(Limb),
+    LimbPerpendicular(Limb),
     /// Type 2: the limbs are parallel, or in line along the guide; the sliders do not
     /// hold P.
     Parallel,
@@ -71,7 +71,9 @@ impl fmt::Display for PoseError {
                 f.write_str("the sliders are too near for limbs of these lengths to meet")
             }
             Self::BeyondTravel => f.write_str("the sliders' travel does not allow this height"),
-            Self::Square(limb) => write!(f, "{limb} stands square to the guide (type 1)"),
+            Self::LimbPerpendicular(limb) => {
+                write!(f, "{limb} stands square to the guide (type 1)")
+            }
             Self::Parallel => f.write_str("the limbs are parallel or in line (type 2)"),
             Self::NotFinite => f.write_str("a number given is infinite or not a number"),
         }

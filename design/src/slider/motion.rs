@@ -67,7 +67,7 @@ impl<S: Scalar> Geometry<S> {
     /// All velocities from P's [m/s].
     ///
     /// # Errors
-    /// `Square`, naming the limb.
+    /// `LimbPerpendicular`, with the limb.
     pub fn inverse_velocities(
         &self,
         pose: &Pose<S>,
@@ -81,7 +81,7 @@ impl<S: Scalar> Geometry<S> {
     /// All accelerations from P's [m/s²].
     ///
     /// # Errors
-    /// `Square`, naming the limb.
+    /// `LimbPerpendicular`, with the limb.
     pub fn inverse_accelerations(
         &self,
         pose: &Pose<S>,
@@ -139,7 +139,7 @@ impl<S: Scalar> Pose<S> {
     fn cosines(&self) -> Result<[S; 2], PoseError> {
         for (u, limb) in [(self.u3, Limb::Left), (self.u7, Limb::Right)] {
             if !is_regular(u.x) {
-                return Err(PoseError::Square(limb));
+                return Err(PoseError::LimbPerpendicular(limb));
             }
         }
         Ok([self.u3.x, self.u7.x])

@@ -275,7 +275,7 @@ fn motion_answer(
 
 fn refusal(error: PoseError, place: &str) -> Refusal {
     let kind = match error {
-        PoseError::Square(_) | PoseError::Parallel => Kind::Singular,
+        PoseError::LimbPerpendicular(_) | PoseError::Parallel => Kind::Singular,
         PoseError::NotFinite => Kind::Invalid,
         PoseError::LimbTooShort(_)
         | PoseError::SlidersTooFar
