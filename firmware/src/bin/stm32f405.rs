@@ -27,36 +27,25 @@ use fivebar_firmware::board::pwm;
 mod app {
     use core::sync::atomic::{AtomicBool, Ordering};
     use cortex_m::peripheral::NVIC;
-    use cortex_m::peripheral::syst::SystClkSource;
     use fivebar_firmware::board::analog::CurrentsAndBus;
     use fivebar_firmware::board::clocks::{self, Source};
     use fivebar_firmware::board::cycles::CycleMeter;
     use fivebar_firmware::board::encoders::Encoders;
-    use fivebar_firmware::board::outputs::Outputs;
-    use fivebar_firmware::board::pwm::PwmTimer;
-    use fivebar_firmware::board::storage::SettingsFlash;
-    use fivebar_firmware::board::watchdog::{Task, Watchdog};
-    use fivebar_firmware::board::{post_mortem, serial, stack};
-    use fivebar_firmware::drivers::{Bridge, Inputs};
+    use fivebar_firmware::board::outputs::BoardOutputs;
+    use fivebar_firmware::board::pins::Pins;
+    use fivebar_firmware::board::pwm::{PwmTimer, TICK_CYCLES};
+    use fivebar_firmware::board::sensors::Sensors;
+    use fivebar_firmware::board::services::BoardServices;
+    use fivebar_firmware::board::watchdog::Task;
+    use fivebar_firmware::board::{post_mortem, serial};
     use fivebar_firmware::planner::Planner;
-    use fivebar_firmware::protocol::{Board, Decoder, HostMessage, Identity, Order, StackUse};
+    use fivebar_firmware::protocol::{Board, Decoder, HostMessage, Identity, Order};
     use fivebar_firmware::safety::Fault;
-    use fivebar_firmware::session::{self, Session, fault_at_start};
-    use fivebar_firmware::storage::{SettingsStorage, StorageError};
-    use fivebar_firmware::{Command, Controller, Request, Sensed, Settings};
+    use fivebar_firmware::session::{Session, fault_at_start};
+    use fivebar_firmware::{Controller, Request, Settings};
     use heapless::spsc::{Consumer, Producer, Queue};
-    use stm32f4xx_hal::gpio::{
-        Alternate, Input, Output, PB0, PB1, PB12, PB14, PB15, PC4, PC5, PC6,
-    };
     use stm32f4xx_hal::pac::Interrupt;
-    use stm32f4xx_hal::prelude::*;
 
-    /// The tick's rate, by the PWM timer; settings of another rate are not used [Hz].
-    const TICK_RATE: f32 = 10_000.0;
-    /// Cycles from one tick to the next.
-    const TICK_CYCLES: u32 = 16_800;
-    /// Cycles of the internal oscillator from one slow tick to the next: 1 kHz.
-    const SLOW_TICK: u32 = 16_000;
     /// Ticks from one line of the log to the next.
     const LOG_EVERY: u32 = 10_000;
 
@@ -64,9 +53,6 @@ mod app {
     static STOP: AtomicBool = AtomicBool::new(false);
     /// The crystal did not start, or died.
     pub(crate) static CLOCK_FAILED: AtomicBool = AtomicBool::new(false);
-
-    /// The stop button hangs on the timer's break pin, which can be read all the same.
-    type Switches = Inputs<PC4<Input>, PC5<Input>, PB12<Alternate<1>>, PB0<Input>, PB1<Input>>;
 
     #[shared]
     struct Shared {
@@ -76,7 +62,7 @@ mod app {
     #[local]
     struct Local {
         sensors: Sensors,
-        outputs: Outputs<PB14<Output>, PB15<Output>, PC6<Output>>,
+        outputs: BoardOutputs,
         meter: CycleMeter,
         receiver: serial::Receiver,
         arrived: Producer<'static, HostMessage>,
@@ -84,56 +70,7 @@ mod app {
         sender: serial::Sender,
         planner: Planner,
         session: Session,
-        keeper: Keeper,
-    }
-
-    /// Everything a tick's samples come from.
-    pub(crate) struct Sensors {
-        encoders: Encoders,
-        analog: CurrentsAndBus,
-        switches: Switches,
-    }
-
-    impl Sensors {
-        fn sense(&mut self, missed_ticks: u32) -> Sensed {
-            let counts = self.encoders.latch();
-            let samples = self.analog.take();
-            let stopped = STOP.swap(false, Ordering::Relaxed);
-            Sensed {
-                counts,
-                current: samples.current,
-                bus_voltage: samples.bus_voltage,
-                home: self.switches.home(),
-                emergency_stop: self.switches.emergency_stop() || stopped,
-                driver_fault: self.switches.driver_fault(),
-                missed_ticks,
-            }
-        }
-    }
-
-    /// Keeps settings, and the watchdog from biting meanwhile.
-    pub(crate) struct Keeper {
-        storage: Option<SettingsStorage<SettingsFlash>>,
-        watchdog: Watchdog,
-    }
-
-    impl session::Board for Keeper {
-        fn save(&mut self, settings: &Settings) -> Result<(), StorageError> {
-            let storage = self.storage.as_mut().ok_or(StorageError::Range)?;
-            self.watchdog.widened(|| storage.save(settings))
-        }
-
-        fn tick_rate(&self) -> Option<f32> {
-            Some(TICK_RATE)
-        }
-
-        fn tick(&mut self, _: &mut Controller, _: &Sensed) -> Option<(Command, u32)> {
-            None
-        }
-
-        fn stack(&self) -> Option<StackUse> {
-            Some(stack::used())
-        }
+        services: BoardServices,
     }
 
     #[init(local = [
@@ -144,62 +81,29 @@ mod app {
         let (device, mut core) = (cx.device, cx.core);
         let reset = post_mortem::reset_reason(&device.RCC);
         let (mut rcc, source) = clocks::start(device.RCC, &device.FLASH);
-        let (a, b, c) = (
-            device.GPIOA.split(&mut rcc),
-            device.GPIOB.split(&mut rcc),
-            device.GPIOC.split(&mut rcc),
-        );
-
-        // The bridges first: asleep, outputs low.
-        let sleep = (
-            b.pb14.into_push_pull_output(),
-            b.pb15.into_push_pull_output(),
-        );
-        let pins = (
-            a.pa8.into_alternate(),
-            a.pa9.into_alternate(),
-            a.pa10.into_alternate(),
-            a.pa11.into_alternate(),
-        );
-        let (timer, (in1, in2, in3, in4)) = PwmTimer::new(device.TIM1, pins, &mut rcc);
-        let mut outputs = Outputs {
-            timer,
-            bridge1: Bridge::new(in1, in2, sleep.0),
-            bridge4: Bridge::new(in3, in4, sleep.1),
-            brake: c.pc6.into_push_pull_output(),
-        };
-
-        let joint1 = (device.TIM5, a.pa0.into_alternate(), a.pa1.into_alternate());
-        let joint4 = (device.TIM2, a.pa15.into_alternate(), b.pb3.into_alternate());
-        let analog = (
-            c.pc0.into_analog(),
-            c.pc1.into_analog(),
-            c.pc2.into_analog(),
-        );
+        let pins = Pins::new(device.GPIOA, device.GPIOB, device.GPIOC, &mut rcc);
+        let mut outputs = BoardOutputs::new(device.TIM1, pins.outputs, &mut rcc);
         let sensors = Sensors {
-            encoders: Encoders::new(joint1, joint4, &mut rcc),
-            analog: CurrentsAndBus::new(device.ADC1, &device.ADC_COMMON, analog, &mut rcc),
-            switches: Inputs {
-                home1: c.pc4.into_pull_up_input(),
-                home4: c.pc5.into_pull_up_input(),
-                emergency_stop: b.pb12.into_alternate(),
-                fault1: b.pb0.into_pull_up_input(),
-                fault4: b.pb1.into_pull_up_input(),
-            },
+            encoders: Encoders::new(
+                (device.TIM5, pins.encoder1),
+                (device.TIM2, pins.encoder4),
+                &mut rcc,
+            ),
+            analog: CurrentsAndBus::new(device.ADC1, &device.ADC_COMMON, pins.analog, &mut rcc),
+            switches: pins.switches,
         };
-        let line = (b.pb6.into_alternate(), b.pb7.into_alternate());
         let (receiver, sender) = serial::new(
             &device.USART1,
             &device.DMA2,
-            line,
+            pins.serial,
             cx.local.buffers,
             source.second_bus(),
             &mut rcc,
         );
         let (arrived, orders) = cx.local.queue.split();
 
-        let (storage, loaded) = load(SettingsFlash::new(device.FLASH));
-        let settings = loaded.unwrap_or(Settings::BENCHTOP);
+        let (services, stored) = BoardServices::start(device.FLASH, device.IWDG);
+        let settings = stored.unwrap_or(Settings::BENCHTOP);
         let (Ok(mut controller), Ok(planner)) =
             (Controller::new(&settings), Planner::new(&settings))
         else {
@@ -207,7 +111,7 @@ mod app {
         };
         let crystal_runs = source == Source::Crystal;
         CLOCK_FAILED.store(!crystal_runs, Ordering::Relaxed);
-        if let Some(fault) = fault_at_start(crystal_runs, reset, loaded.err()) {
+        if let Some(fault) = fault_at_start(crystal_runs, reset, stored.err()) {
             controller.latch_fault(fault);
         }
         defmt::info!("started from reset {}", reset as u8);
@@ -215,13 +119,7 @@ mod app {
         let meter = CycleMeter::new(&mut core.DCB, &mut core.DWT);
         match source {
             Source::Crystal => outputs.timer.start(),
-            Source::Internal => {
-                core.SYST.set_clock_source(SystClkSource::Core);
-                core.SYST.set_reload(SLOW_TICK - 1);
-                core.SYST.clear_current();
-                core.SYST.enable_interrupt();
-                core.SYST.enable_counter();
-            }
+            Source::Internal => clocks::start_slow_tick(&mut core.SYST),
         }
         let identity = Identity::new(Board::Stm32f405, reset);
         let local = Local {
@@ -233,36 +131,10 @@ mod app {
             orders,
             sender,
             planner,
-            session: Session::new(identity, &settings, loaded.is_ok()),
-            keeper: Keeper {
-                storage,
-                watchdog: Watchdog::start(device.IWDG),
-            },
+            session: Session::new(identity, &settings, stored.is_ok()),
+            services,
         };
         (Shared { controller }, local)
-    }
-
-    /// The stored settings, if there are any that this board can use.
-    fn load(
-        flash: SettingsFlash,
-    ) -> (
-        Option<SettingsStorage<SettingsFlash>>,
-        Result<Settings, StorageError>,
-    ) {
-        let range = SettingsFlash::RANGE;
-        let mut storage = match SettingsStorage::new(flash, range) {
-            Ok(storage) => storage,
-            Err(error) => return (None, Err(error)),
-        };
-        let loaded = storage.load().and_then(|settings| {
-            let usable = settings.control.tick_rate == TICK_RATE && settings.validate().is_ok();
-            if usable {
-                Ok(settings)
-            } else {
-                Err(StorageError::Corrupt)
-            }
-        });
-        (Some(storage), loaded)
     }
 
     /// The break input has switched the outputs off; the controller is told.
@@ -285,12 +157,13 @@ mod app {
         let (sensors, outputs, meter) = (cx.local.sensors, cx.local.outputs, cx.local.meter);
         let missed = meter.missed(TICK_CYCLES);
         let ticks = meter.measure(|| {
-            let sensed = sensors.sense(missed);
+            let stopped = STOP.swap(false, Ordering::Relaxed);
+            let sensed = sensors.sample(missed, stopped);
             cx.shared.controller.lock(|controller| {
                 if CLOCK_FAILED.load(Ordering::Relaxed) {
                     controller.latch_fault(Fault::ClockFailure);
                 }
-                outputs.obey(&controller.tick(&sensed));
+                outputs.apply(&controller.tick(&sensed));
                 controller.ticks()
             })
         });
@@ -319,7 +192,7 @@ mod app {
         });
     }
 
-    #[idle(shared = [controller], local = [orders, sender, planner, session, keeper])]
+    #[idle(shared = [controller], local = [orders, sender, planner, session, services])]
     fn converse(mut cx: converse::Context) -> ! {
         let local = cx.local;
         loop {
@@ -327,7 +200,7 @@ mod app {
             if let Some(message) = local.orders.dequeue() {
                 let session = &mut *local.session;
                 if let Some(frame) =
-                    session.answer(&message, controller, local.planner, local.keeper)
+                    session.answer(&message, controller, local.planner, local.services)
                 {
                     local.sender.send(&frame);
                 }
@@ -337,7 +210,7 @@ mod app {
                 local.sender.send(&frame);
             }
             Task::Session.advanced();
-            local.keeper.watchdog.feed_if_all_advanced();
+            local.services.watchdog.feed_if_all_advanced();
         }
     }
 }

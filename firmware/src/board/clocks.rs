@@ -1,5 +1,7 @@
 //! 168 MHz from the 8 MHz crystal, or 16 MHz from the internal oscillator if that fails.
 
+use cortex_m::peripheral::SYST;
+use cortex_m::peripheral::syst::SystClkSource;
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::rcc::{Rcc, RccExt};
 
@@ -7,6 +9,9 @@ use stm32f4xx_hal::rcc::{Rcc, RccExt};
 /// at least 5 cycles of the 16 MHz oscillator, so this is 60 ms or more: a crystal starts
 /// within 10 ms, the PLL locks within 0.3 ms.
 const PATIENCE: u32 = 200_000;
+
+/// Cycles of the internal oscillator from one slow tick to the next: 1 kHz.
+const SLOW_TICK: u32 = 16_000;
 
 /// What the core runs from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,6 +90,15 @@ fn crystal_runs(rcc: &pac::RCC) -> bool {
 
 fn within_patience(ready: impl Fn() -> bool) -> bool {
     (0..PATIENCE).any(|_| ready())
+}
+
+/// Lets SysTick interrupt at 1 kHz, where no crystal times the PWM and with it the tick.
+pub fn start_slow_tick(systick: &mut SYST) {
+    systick.set_clock_source(SystClkSource::Core);
+    systick.set_reload(SLOW_TICK - 1);
+    systick.clear_current();
+    systick.enable_interrupt();
+    systick.enable_counter();
 }
 
 /// Takes the clock security system's interrupt: the crystal has died.

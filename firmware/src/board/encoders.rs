@@ -14,13 +14,13 @@ pub struct Encoders {
 impl Encoders {
     /// Counts joint 1 on PA0 and PA1, joint 4 on PA15 and PB3.
     pub fn new(
-        joint1: (TIM5, PA0<Alternate<2>>, PA1<Alternate<2>>),
-        joint4: (TIM2, PA15<Alternate<1>>, PB3<Alternate<1>>),
+        joint1: (TIM5, (PA0<Alternate<2>>, PA1<Alternate<2>>)),
+        joint4: (TIM2, (PA15<Alternate<1>>, PB3<Alternate<1>>)),
         rcc: &mut RCC,
     ) -> Self {
         Self {
-            joint1: Qei::new(joint1.0, (joint1.1, joint1.2), rcc),
-            joint4: Qei::new(joint4.0, (joint4.1, joint4.2), rcc),
+            joint1: Qei::new(joint1.0, joint1.1, rcc),
+            joint4: Qei::new(joint4.0, joint4.1, rcc),
         }
     }
 

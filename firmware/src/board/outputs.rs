@@ -1,9 +1,15 @@
 //! Everything a command reaches: both bridges, their timer and the brake.
 
+use super::pins::OutputPins;
 use super::pwm::{Channel, PwmTimer};
 use crate::Command;
 use crate::drivers::Bridge;
 use embedded_hal::digital::OutputPin;
+use stm32f4xx_hal::gpio::{Output, PB14, PB15, PC6};
+use stm32f4xx_hal::pac::{RCC, TIM1};
+
+/// The outputs on this board's pins.
+pub type BoardOutputs = Outputs<PB14<Output>, PB15<Output>, PC6<Output>>;
 
 /// The outputs. `Sleep1` and `Sleep4` are the bridges' sleep pins, low asleep; `Brake`
 /// releases the holding brake when high.
@@ -18,10 +24,23 @@ pub struct Outputs<Sleep1, Sleep4, Brake> {
     pub brake: Brake,
 }
 
+impl BoardOutputs {
+    /// The outputs: bridges asleep, outputs low, brake engaged.
+    pub fn new(timer: TIM1, pins: OutputPins, rcc: &mut RCC) -> Self {
+        let (timer, (in1, in2, in3, in4)) = PwmTimer::new(timer, pins.pwm, rcc);
+        Self {
+            timer,
+            bridge1: Bridge::new(in1, in2, pins.sleep1),
+            bridge4: Bridge::new(in3, in4, pins.sleep4),
+            brake: pins.brake,
+        }
+    }
+}
+
 impl<Sleep1: OutputPin, Sleep4: OutputPin, Brake: OutputPin> Outputs<Sleep1, Sleep4, Brake> {
     /// Does what the controller says, from the timer's next update on.
     #[inline]
-    pub fn obey(&mut self, command: &Command) {
+    pub fn apply(&mut self, command: &Command) {
         let [enable1, enable4] = command.enable;
         let [duty1, duty4] = command.duty;
         if enable1 {

@@ -1,0 +1,78 @@
+//! Which pin does what: the table of `docs/wiring.md` as types.
+
+use super::pwm;
+use crate::drivers::Inputs;
+use stm32f4xx_hal::gpio::{
+    Alternate, Analog, Input, Output, PA0, PA1, PA15, PB0, PB1, PB3, PB6, PB7, PB12, PB14, PB15,
+    PC0, PC1, PC2, PC4, PC5, PC6,
+};
+use stm32f4xx_hal::pac::{GPIOA, GPIOB, GPIOC};
+use stm32f4xx_hal::prelude::*;
+use stm32f4xx_hal::rcc::Rcc;
+
+/// The home switches, the emergency stop and both bridges' fault outputs. The stop button is
+/// on the timer's break pin, which can be read all the same.
+pub type Switches = Inputs<PC4<Input>, PC5<Input>, PB12<Alternate<1>>, PB0<Input>, PB1<Input>>;
+
+/// The pins, by what they belong to.
+pub struct Pins {
+    /// Both bridges and the brake.
+    pub outputs: OutputPins,
+    /// Encoder of joint 1: A, B.
+    pub encoder1: (PA0<Alternate<2>>, PA1<Alternate<2>>),
+    /// Encoder of joint 4: A, B.
+    pub encoder4: (PA15<Alternate<1>>, PB3<Alternate<1>>),
+    /// Current 1, current 4, bus voltage.
+    pub analog: (PC0<Analog>, PC1<Analog>, PC2<Analog>),
+    /// Switches and fault outputs.
+    pub switches: Switches,
+    /// The serial line: out, in.
+    pub serial: (PB6<Alternate<7>>, PB7<Alternate<7>>),
+}
+
+/// What a command reaches.
+pub struct OutputPins {
+    /// IN1 and IN2 of both bridges.
+    pub pwm: pwm::Pins,
+    /// Bridge 1's sleep input, low.
+    pub sleep1: PB14<Output>,
+    /// Bridge 4's sleep input, low.
+    pub sleep4: PB15<Output>,
+    /// Releases the brake when high; low.
+    pub brake: PC6<Output>,
+}
+
+impl Pins {
+    /// Gives each pin its function, the bridges' sleep inputs first: low, asleep.
+    pub fn new(a: GPIOA, b: GPIOB, c: GPIOC, rcc: &mut Rcc) -> Self {
+        let (a, b, c) = (a.split(rcc), b.split(rcc), c.split(rcc));
+        Self {
+            outputs: OutputPins {
+                sleep1: b.pb14.into_push_pull_output(),
+                sleep4: b.pb15.into_push_pull_output(),
+                pwm: (
+                    a.pa8.into_alternate(),
+                    a.pa9.into_alternate(),
+                    a.pa10.into_alternate(),
+                    a.pa11.into_alternate(),
+                ),
+                brake: c.pc6.into_push_pull_output(),
+            },
+            encoder1: (a.pa0.into_alternate(), a.pa1.into_alternate()),
+            encoder4: (a.pa15.into_alternate(), b.pb3.into_alternate()),
+            analog: (
+                c.pc0.into_analog(),
+                c.pc1.into_analog(),
+                c.pc2.into_analog(),
+            ),
+            switches: Inputs {
+                home1: c.pc4.into_pull_up_input(),
+                home4: c.pc5.into_pull_up_input(),
+                emergency_stop: b.pb12.into_alternate(),
+                fault1: b.pb0.into_pull_up_input(),
+                fault4: b.pb1.into_pull_up_input(),
+            },
+            serial: (b.pb6.into_alternate(), b.pb7.into_alternate()),
+        }
+    }
+}
