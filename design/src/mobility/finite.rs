@@ -12,6 +12,7 @@
 use super::loops::Loops;
 use super::system::{least_norm, null_space, rank};
 use nalgebra::{DMatrix, DVector};
+use oorandom::Rand64;
 
 /// How far some joint must go before the rank is believed [rad or sizes].
 const TRAVEL: f64 = 0.5;
@@ -28,7 +29,7 @@ const CLOSED: f64 = 1e-12;
 /// Corrections to a structure that snaps back converge by halves or slower.
 const MOST_CORRECTIONS: usize = 120;
 /// Random motions tried; a singular pose may lie on several branches.
-const TRIALS: u64 = 6;
+const TRIALS: u128 = 6;
 
 /// The dimension of the finite motion through the home position: 0 for a structure.
 pub(super) fn finite_mobility(loops: &Loops) -> usize {
@@ -38,16 +39,16 @@ pub(super) fn finite_mobility(loops: &Loops) -> usize {
         return freedoms.ncols();
     }
     let dimension = |trial| {
-        let far = travel(loops, &freedoms, &mut Random(trial))?;
+        let far = travel(loops, &freedoms, &mut Rand64::new(trial))?;
         Some(local_dimension(loops, &far))
     };
     (1..=TRIALS).filter_map(dimension).max().unwrap_or(0)
 }
 
 /// A configuration [`TRAVEL`] away from home, reached through closed configurations.
-fn travel(loops: &Loops, freedoms: &DMatrix<f64>, random: &mut Random) -> Option<DVector<f64>> {
+fn travel(loops: &Loops, freedoms: &DMatrix<f64>, random: &mut Rand64) -> Option<DVector<f64>> {
     let mut q = DVector::zeros(loops.variables());
-    let mut direction = unit(freedoms * random.vector(freedoms.ncols()))?;
+    let mut direction = unit(freedoms * somewhere(freedoms.ncols(), random))?;
     for _ in 0..MOST_STEPS {
         let next = correct(loops, &q + &direction * STEP)?;
         let moved = &next - &q;
@@ -107,21 +108,7 @@ pub(super) fn instantaneous_mobility(loops: &Loops) -> usize {
     loops.variables() - rank(&loops.jacobian(&home))
 }
 
-/// SplitMix64: a few reproducible directions need no more.
-struct Random(u64);
-
-impl Random {
-    fn vector(&mut self, length: usize) -> DVector<f64> {
-        DVector::from_fn(length, |_, _| self.uniform())
-    }
-
-    /// Uniform in −1…1.
-    fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^= z >> 31;
-        (z >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
+/// A vector of numbers uniform in −1…1.
+fn somewhere(length: usize, random: &mut Rand64) -> DVector<f64> {
+    DVector::from_fn(length, |_, _| 2.0 * random.rand_float() - 1.0)
 }

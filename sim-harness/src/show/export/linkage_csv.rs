@@ -1,12 +1,12 @@
 //! A sweep as a table: one row a sample, one column a quantity, blank where the linkage
 //! does not close.
 
+use super::table::Table;
 use crate::input::linkage::{DrivenLinkage, driven_links, dyads, reaction_names};
 use crate::study::linkage::{moment, slides};
 use fivebar_design::linkage::{
     Coordinate, LinkMotion, Linkage, PointMotion, Reaction, SolvedSample, Sweep,
 };
-use std::fmt::Write as _;
 
 /// One quantity over a sweep.
 struct Column {
@@ -47,33 +47,31 @@ const OF_REACTIONS: [Part<Reaction<f64>>; 3] = [
 pub fn linkage_csv(driven: &DrivenLinkage, sweep: &Sweep) -> String {
     let linkage = &driven.linkage;
     let columns = columns(linkage);
-    let mut text = String::from("time_s");
-    for (link, unit) in driven_links(linkage) {
-        let _ = write!(text, ",{}", quoted(&format!("{link}.input_{unit}")));
-    }
-    for column in &columns {
-        let _ = write!(text, ",{}", quoted(&column.header));
-    }
-    text.push_str(",failure\n");
+    let inputs = driven_links(linkage).map(|(link, unit)| format!("{link}.input_{unit}"));
+    let headers = columns.iter().map(|column| column.header.clone());
+    let time = std::iter::once("time_s".into());
+    let mut table = Table::new(time.chain(inputs).chain(headers).chain(["failure".into()]));
     for sample in &sweep.samples {
-        let _ = write!(text, "{}", sample.time);
-        for Coordinate { value, .. } in &sample.inputs {
-            let _ = write!(text, ",{value}");
-        }
+        let inputs = sample.inputs.iter().map(|input| input.value);
+        let known = std::iter::once(sample.time).chain(inputs);
+        let mut row: Vec<String> = known.map(|value| value.to_string()).collect();
         match &sample.solved {
             Ok(solved) => {
-                for column in &columns {
-                    let _ = write!(text, ",{}", (column.value)(solved));
-                }
-                text.push_str(",\n");
+                row.extend(
+                    columns
+                        .iter()
+                        .map(|column| (column.value)(solved).to_string()),
+                );
+                row.push(String::new());
             }
             Err(failure) => {
-                text.extend(columns.iter().map(|_| ','));
-                let _ = writeln!(text, ",{}", quoted(&driven.explain(failure)));
+                row.extend(columns.iter().map(|_| String::new()));
+                row.push(driven.explain(failure));
             }
         }
+        table.push(row);
     }
-    text
+    table.into_text()
 }
 
 fn columns(linkage: &Linkage<f64>) -> Vec<Column> {
@@ -134,13 +132,4 @@ fn columns(linkage: &Linkage<f64>) -> Vec<Column> {
         Box::new(|s| s.forces.frame.moment),
     );
     columns
-}
-
-/// A field that may hold commas or quotes.
-fn quoted(field: &str) -> String {
-    if field.contains([',', '"']) {
-        format!("\"{}\"", field.replace('"', "\"\""))
-    } else {
-        field.into()
-    }
 }

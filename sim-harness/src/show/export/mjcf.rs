@@ -1,10 +1,12 @@
 //! MuJoCo's MJCF: two chains from the base, their ends joined at C by an equality.
 
-use super::{Body, bodies, escape};
+use super::xml::{Xml, around, document, element};
+use super::{Body, ExportError, bodies};
 use crate::input::robot::Robot;
 use fivebar_kinematics::Vec2;
+use quick_xml::events::{BytesText, Event};
 use std::f64::consts::PI;
-use std::fmt::Write as _;
+use std::io;
 
 /// The robot as MJCF, at its home pose as keyframe `home`.
 ///
@@ -14,122 +16,66 @@ use std::fmt::Write as _;
 /// friction loss.
 ///
 /// # Errors
-/// A sentence for a robot without masses or home.
-pub fn mjcf(robot: &Robot) -> Result<String, String> {
-    let [link1, link2, link3, link4] = bodies(robot).map_err(|error| error.to_string())?;
-    let arm = robot.arm().map_err(|error| error.to_string())?;
-    let drives = robot.drives().map_err(|error| error.to_string())?;
-    let pose = robot.home_pose().map_err(|error| error.to_string())?;
-    let name = escape(&robot.name);
-    let gravity = arm.gravity();
-    let (base, tool) = (robot.geometry.base(), robot.tool.offset);
-    let l2 = link2.length;
-    let driven = |index: usize, name: &str| {
-        let friction = robot
-            .actuators
-            .map(|a| (a[index].viscous_friction, a[index].coulomb_friction));
-        let (viscous, coulomb) = friction.unwrap_or((0.0, 0.0));
-        let armature = arm.rotor_inertia()[index];
-        format!(
-            "<joint name=\"{name}\" axis=\"0 0 1\" armature=\"{armature}\" damping=\"{viscous}\" frictionloss=\"{coulomb}\"/>"
-        )
-    };
-    let motor = |index: usize, name: &str, joint: &str| {
-        let range = format!("{torque} {torque}", torque = drives[index].peak_torque());
-        format!(
-            "<motor name=\"{name}\" joint=\"{joint}\" ctrllimited=\"true\" ctrlrange=\"-{range}\" \
-             forcelimited=\"true\" forcerange=\"-{range}\"/>"
-        )
-    };
-    let free = |name: &str| format!("<joint name=\"{name}\" axis=\"0 0 1\"/>");
-    let mut text = String::new();
-    let _ = write!(
-        text,
-        "<mujoco model=\"{name}\">\n\
-         \x20 <!-- A planar five-bar, exported by fivebar {version}. SI units, plane z = 0. -->\n\
-         \x20 <compiler angle=\"radian\"/>\n\
-         \x20 <option timestep=\"0.0001\" gravity=\"{gx} {gy} 0\" integrator=\"implicitfast\">\n\
-         \x20   <flag contact=\"disable\"/>\n\
-         \x20 </option>\n\
-         \x20 <worldbody>\n",
-        version = env!("CARGO_PKG_VERSION"),
-        gx = gravity.x,
-        gy = gravity.y,
-    );
-    let chain = |text: &mut String,
-                 near: &Body,
-                 far: &Body,
-                 at: f64,
-                 joints: [String; 2],
-                 end: &str| {
-        let [base_joint, elbow] = joints;
-        let _ = write!(
-            text,
-            "    <body name=\"{}\" pos=\"{at} 0 0\">\n      {base_joint}\n      {}\n      {}\n\
-             \x20     <body name=\"{}\" pos=\"{} 0 0\">\n        {elbow}\n        {}\n        {}\n{end}\
-             \x20     </body>\n    </body>\n",
-            near.name,
-            inertial(near),
-            capsule(near.length),
-            far.name,
-            near.length,
-            inertial(far),
-            capsule(far.length),
-        );
-    };
-    let sites = format!(
-        "        <site name=\"C\" pos=\"{l2} 0 0\" size=\"0.002\"/>\n\
-         \x20       <site name=\"tool\" pos=\"{} {} 0\" size=\"0.002\"/>\n",
-        l2 + tool[0],
-        tool[1],
-    );
-    chain(
-        &mut text,
-        &link1,
-        &link2,
-        0.0,
-        [driven(0, "A"), free("B")],
-        &sites,
-    );
-    let site = format!(
-        "        <site name=\"C_of_link3\" pos=\"{} 0 0\" size=\"0.002\"/>\n",
-        link3.length
-    );
-    chain(
-        &mut text,
-        &link4,
-        &link3,
-        base,
-        [driven(1, "E"), free("D")],
-        &site,
-    );
-    let _ = write!(
-        text,
-        "  </worldbody>\n\
-         \x20 <equality>\n\
-         \x20   <connect name=\"C\" site1=\"C\" site2=\"C_of_link3\" solref=\"0.0002 1\" solimp=\"0.9999 0.9999 1e-6\"/>\n\
-         \x20 </equality>\n\
-         \x20 <actuator>\n\
-         \x20   {}\n\
-         \x20   {}\n\
-         \x20 </actuator>\n\
-         \x20 <sensor>\n\
-         \x20   <jointpos name=\"theta1\" joint=\"A\"/>\n    <jointpos name=\"theta4\" joint=\"E\"/>\n\
-         \x20   <jointvel name=\"omega1\" joint=\"A\"/>\n    <jointvel name=\"omega4\" joint=\"E\"/>\n\
-         \x20   <framepos name=\"tool\" objtype=\"site\" objname=\"tool\"/>\n\
-         \x20 </sensor>\n\
-         \x20 <keyframe>\n\
-         \x20   <key name=\"home\" qpos=\"{} {} {} {}\"/>\n\
-         \x20 </keyframe>\n\
-         </mujoco>\n",
-        motor(0, "torque1", "A"),
-        motor(1, "torque4", "E"),
+/// A robot without masses or home.
+pub fn mjcf(robot: &Robot) -> Result<String, ExportError> {
+    let [link1, link2, link3, link4] = bodies(robot)?;
+    let [drive1, drive4] = robot.drives()?;
+    let gravity = robot.arm()?.gravity();
+    let pose = robot.home_pose()?;
+    let angles = [
         pose.u1.angle(),
         between(pose.u1, pose.u2),
         pose.u4.angle(),
         between(pose.u4, pose.u3),
+    ];
+    let [joint_a, joint_e] = [driven(robot, 0)?, driven(robot, 1)?];
+    let [along, left] = robot.tool.offset;
+    let tool = [link2.length + along, left];
+    let leg1 = [("C", [link2.length, 0.0]), ("tool", tool)];
+    let leg4 = [("C_of_link3", [link3.length, 0.0])];
+    let note = format!(
+        " A planar five-bar, exported by fivebar {}. SI units, plane z = 0. ",
+        env!("CARGO_PKG_VERSION")
     );
-    Ok(text)
+    let of_world = format!("{} {} 0", gravity.x, gravity.y);
+    Ok(document(|xml| {
+        around(xml, "mujoco", &[("model", &robot.name)], |xml| {
+            xml.write_event(Event::Comment(BytesText::new(&note)))?;
+            element(xml, "compiler", &[("angle", "radian")])?;
+            let option = [
+                ("timestep", "0.0001"),
+                ("gravity", &of_world),
+                ("integrator", "implicitfast"),
+            ];
+            around(xml, "option", &option, |xml| {
+                element(xml, "flag", &[("contact", "disable")])
+            })?;
+            around(xml, "worldbody", &[], |xml| {
+                leg(xml, [&link1, &link2], 0.0, &joint_a, "B", &leg1)?;
+                let base = robot.geometry.base();
+                leg(xml, [&link4, &link3], base, &joint_e, "D", &leg4)
+            })?;
+            around(xml, "equality", &[], |xml| {
+                let connect = [
+                    ("name", "C"),
+                    ("site1", "C"),
+                    ("site2", "C_of_link3"),
+                    ("solref", "0.0002 1"),
+                    ("solimp", "0.9999 0.9999 1e-6"),
+                ];
+                element(xml, "connect", &connect)
+            })?;
+            around(xml, "actuator", &[], |xml| {
+                motor(xml, "torque1", "A", drive1.peak_torque())?;
+                motor(xml, "torque4", "E", drive4.peak_torque())
+            })?;
+            around(xml, "sensor", &[], sensors)?;
+            around(xml, "keyframe", &[], |xml| {
+                let angles = angles.map(|angle| angle.to_string()).join(" ");
+                element(xml, "key", &[("name", "home"), ("qpos", &angles)])
+            })
+        })
+    }))
 }
 
 /// The angle from one direction to another [rad], in −π…π.
@@ -137,19 +83,100 @@ fn between(from: Vec2<f64>, to: Vec2<f64>) -> f64 {
     from.cross(to).atan2(from.dot(to)).clamp(-PI, PI)
 }
 
-fn inertial(body: &Body) -> String {
-    let link = &body.inertia;
-    // Only the moment about z matters in the plane; MuJoCo wants all three.
-    let i = link.inertia;
-    format!(
-        "<inertial pos=\"{} {} 0\" mass=\"{}\" diaginertia=\"{i} {i} {i}\"/>",
-        link.com.x, link.com.y, link.mass
+/// A driven joint: name, armature, damping and friction loss.
+type Driven = [(&'static str, String); 4];
+
+fn driven(robot: &Robot, index: usize) -> Result<Driven, ExportError> {
+    let friction = robot
+        .actuators
+        .map(|a| (a[index].viscous_friction, a[index].coulomb_friction));
+    let (viscous, coulomb) = friction.unwrap_or_default();
+    let armature = robot.arm()?.rotor_inertia()[index];
+    Ok([
+        ("name", ["A", "E"][index].into()),
+        ("armature", armature.to_string()),
+        ("damping", viscous.to_string()),
+        ("frictionloss", coulomb.to_string()),
+    ])
+}
+
+/// The two links of a leg from its ground pivot, `base` [m] from A, with sites in the far
+/// link's frame.
+fn leg(
+    xml: &mut Xml,
+    [near, far]: [&Body; 2],
+    base: f64,
+    driven: &Driven,
+    elbow: &str,
+    sites: &[(&str, [f64; 2])],
+) -> io::Result<()> {
+    let [pivot, end] = [base, near.length].map(|x| format!("{x} 0 0"));
+    around(
+        xml,
+        "body",
+        &[("name", near.name), ("pos", &pivot)],
+        |xml| {
+            let driven = driven.each_ref().map(|(key, value)| (*key, value.as_str()));
+            element(xml, "joint", &[&driven[..], &[("axis", "0 0 1")]].concat())?;
+            matter(xml, near)?;
+            around(xml, "body", &[("name", far.name), ("pos", &end)], |xml| {
+                element(xml, "joint", &[("name", elbow), ("axis", "0 0 1")])?;
+                matter(xml, far)?;
+                for (name, [x, y]) in sites {
+                    let place = format!("{x} {y} 0");
+                    let site = [("name", *name), ("pos", &place), ("size", "0.002")];
+                    element(xml, "site", &site)?;
+                }
+                Ok(())
+            })
+        },
     )
 }
 
-fn capsule(length: f64) -> String {
-    format!(
-        "<geom type=\"capsule\" fromto=\"0 0 0 {length} 0 0\" size=\"{}\" contype=\"0\" conaffinity=\"0\"/>",
-        0.03 * length
-    )
+/// A link's inertia and its shape.
+fn matter(xml: &mut Xml, body: &Body) -> io::Result<()> {
+    let (link, length) = (&body.inertia, body.length);
+    let centre = format!("{} {} 0", link.com.x, link.com.y);
+    // Only the moment about z matters in the plane; MuJoCo wants all three.
+    let moments = [link.inertia; 3].map(|i| i.to_string()).join(" ");
+    let inertial = [
+        ("pos", centre.as_str()),
+        ("mass", &link.mass.to_string()),
+        ("diaginertia", &moments),
+    ];
+    element(xml, "inertial", &inertial)?;
+    let capsule = [
+        ("type", "capsule"),
+        ("fromto", &format!("0 0 0 {length} 0 0")),
+        ("size", &(0.03 * length).to_string()),
+        ("contype", "0"),
+        ("conaffinity", "0"),
+    ];
+    element(xml, "geom", &capsule)
+}
+
+fn motor(xml: &mut Xml, name: &str, joint: &str, peak: f64) -> io::Result<()> {
+    let range = format!("-{peak} {peak}");
+    let motor = [
+        ("name", name),
+        ("joint", joint),
+        ("ctrllimited", "true"),
+        ("ctrlrange", &range),
+        ("forcelimited", "true"),
+        ("forcerange", &range),
+    ];
+    element(xml, "motor", &motor)
+}
+
+fn sensors(xml: &mut Xml) -> io::Result<()> {
+    for (kind, name, joint) in [
+        ("jointpos", "theta1", "A"),
+        ("jointpos", "theta4", "E"),
+        ("jointvel", "omega1", "A"),
+        ("jointvel", "omega4", "E"),
+    ] {
+        element(xml, kind, &[("name", name), ("joint", joint)])?;
+    }
+    let tool = [("name", "tool"), ("objtype", "site"), ("objname", "tool")];
+    element(xml, "framepos", &tool)
 }

@@ -6,9 +6,11 @@ mod linkage_csv;
 mod mcap;
 mod mjcf;
 mod scene;
+mod table;
 mod trace_csv;
 mod urdf;
 mod workspace_csv;
+mod xml;
 
 pub use dot::dot;
 pub use linkage_csv::linkage_csv;
@@ -18,9 +20,21 @@ pub use trace_csv::trace_csv;
 pub use urdf::urdf;
 pub use workspace_csv::workspace_csv;
 
-use crate::input::robot::{KinematicsOnly, Robot};
+use crate::input::robot::{KinematicsOnly, NoHome, Robot};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::dynamics::{Arm, Link};
+
+/// Why a robot cannot be exported.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ExportError {
+    /// It has no masses.
+    #[error(transparent)]
+    KinematicsOnly(#[from] KinematicsOnly),
+    /// It has no home.
+    #[error(transparent)]
+    NoHome(#[from] NoHome),
+}
 
 /// One rigid body of an exported model.
 struct Body {
@@ -62,12 +76,4 @@ fn with_payload(arm: &Arm<f64>, link: Link<f64>, length: f64) -> Link<f64> {
         com,
         inertia: link.inertia + about(link.com, link.mass) + about(end, payload),
     }
-}
-
-/// Text made safe inside double quotes in XML.
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;")
 }

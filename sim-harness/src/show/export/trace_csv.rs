@@ -1,26 +1,45 @@
 //! A trace as a table for other tools: one row per sample, units in the names.
 
+use super::table::Table;
 use crate::run::simulation::{Sample, Trace};
-use std::fmt::Write as _;
 
-const HEADER: &str = "time_s,line,reference_x_m,reference_y_m,tool_x_m,tool_y_m,\
-    theta1_rad,theta4_rad,reference_theta1_rad,reference_theta4_rad,\
-    reference_omega1_rad_s,reference_omega4_rad_s,\
-    reference_alpha1_rad_s2,reference_alpha4_rad_s2,torque1_nm,torque4_nm,\
-    current_set_point1_a,current_set_point4_a,current1_a,current4_a,duty1,duty4,saturated\n";
+const HEADER: [&str; 23] = [
+    "time_s",
+    "line",
+    "reference_x_m",
+    "reference_y_m",
+    "tool_x_m",
+    "tool_y_m",
+    "theta1_rad",
+    "theta4_rad",
+    "reference_theta1_rad",
+    "reference_theta4_rad",
+    "reference_omega1_rad_s",
+    "reference_omega4_rad_s",
+    "reference_alpha1_rad_s2",
+    "reference_alpha4_rad_s2",
+    "torque1_nm",
+    "torque4_nm",
+    "current_set_point1_a",
+    "current_set_point4_a",
+    "current1_a",
+    "current4_a",
+    "duty1",
+    "duty4",
+    "saturated",
+];
 
 /// The samples as comma-separated values with a header line.
 pub fn trace_csv(trace: &Trace) -> String {
-    let mut csv = String::from(HEADER);
+    let mut table = Table::new(HEADER);
     for sample in trace.samples() {
-        // Writing to a string fails for no value.
-        let _ = write!(csv, "{:.7},{}", sample.time, sample.line);
-        for pair in pairs(sample) {
-            let _ = write!(csv, ",{:.9},{:.9}", pair[0], pair[1]);
-        }
-        let _ = writeln!(csv, ",{}", u8::from(sample.saturated));
+        let instant = [format!("{:.7}", sample.time), sample.line.to_string()];
+        let figures = pairs(sample).into_iter().flatten();
+        let figures = figures.map(|figure| format!("{figure:.9}"));
+        let saturated = u8::from(sample.saturated).to_string();
+        table.push(instant.into_iter().chain(figures).chain([saturated]));
     }
-    csv
+    table.into_text()
 }
 
 /// The columns that come in pairs, in the order of the header.

@@ -1,106 +1,95 @@
 //! URDF: a tree, so the loop is cut at C.
 
-use super::{Body, bodies, escape};
+use super::xml::{Xml, around, document, element};
+use super::{Body, ExportError, bodies};
 use crate::input::robot::Robot;
-use std::fmt::Write as _;
+use quick_xml::events::{BytesDecl, BytesText, Event};
+use std::io;
+
+const NOTE: &str = " A planar five-bar. URDF knows no closed loops: this one is cut at C. Keep the
+     frames c_of_link2 and c_of_link3 together by a constraint of your simulator. ";
 
 /// The robot as URDF, its loop cut at C: link 3 ends at the frame `c_of_link3`, link 2 at
 /// `c_of_link2`, and whoever loads it must hold the two together.
 ///
 /// # Errors
-/// A sentence for a robot without masses.
-pub fn urdf(robot: &Robot) -> Result<String, String> {
-    let [link1, link2, link3, link4] = bodies(robot).map_err(|error| error.to_string())?;
-    let name = escape(&robot.name);
-    let mut text = format!(
-        "<?xml version=\"1.0\"?>\n\
-         <!-- A planar five-bar. URDF knows no closed loops: this one is cut at C. Keep the\n\
-         \x20    frames c_of_link2 and c_of_link3 together by a constraint of your simulator. -->\n\
-         <robot name=\"{name}\">\n  <link name=\"base\"/>\n"
-    );
-    for body in [&link1, &link2, &link3, &link4] {
-        link(&mut text, body);
-    }
-    for end in ["c_of_link2", "c_of_link3"] {
-        let _ = writeln!(text, "  <link name=\"{end}\"/>");
-    }
-    let base = robot.geometry.base();
-    let drives = robot.drives().map_err(|error| error.to_string())?;
-    let drive = |index: usize| {
+/// A robot without masses.
+pub fn urdf(robot: &Robot) -> Result<String, ExportError> {
+    let bodies = bodies(robot)?;
+    let [l1, l2, l3, l4, base] = robot.geometry.lengths();
+    let drives = robot.drives()?;
+    let limits = [0, 1].map(|index| {
         let [low, high] = robot.limits.angle[index];
-        let speed = robot.limits.max_speed[index];
-        let torque = drives[index].peak_torque();
-        format!(
-            "<limit lower=\"{low}\" upper=\"{high}\" velocity=\"{speed}\" effort=\"{torque}\"/>"
-        )
-    };
-    joint(
-        &mut text,
-        ["A", "revolute", "base", "link1"],
-        0.0,
-        &drive(0),
-    );
-    joint(
-        &mut text,
-        ["B", "continuous", "link1", "link2"],
-        link1.length,
-        "",
-    );
-    joint(
-        &mut text,
-        ["E", "revolute", "base", "link4"],
-        base,
-        &drive(1),
-    );
-    joint(
-        &mut text,
-        ["D", "continuous", "link4", "link3"],
-        link4.length,
-        "",
-    );
-    joint(
-        &mut text,
-        ["C2", "fixed", "link2", "c_of_link2"],
-        link2.length,
-        "",
-    );
-    joint(
-        &mut text,
-        ["C3", "fixed", "link3", "c_of_link3"],
-        link3.length,
-        "",
-    );
-    text.push_str("</robot>\n");
-    Ok(text)
+        let (speed, torque) = (robot.limits.max_speed[index], drives[index].peak_torque());
+        [low, high, speed, torque].map(|limit| limit.to_string())
+    });
+    Ok(document(|xml| {
+        xml.write_event(Event::Decl(BytesDecl::new("1.0", None, None)))?;
+        xml.write_event(Event::Comment(BytesText::from_escaped(NOTE)))?;
+        around(xml, "robot", &[("name", &robot.name)], |xml| {
+            element(xml, "link", &[("name", "base")])?;
+            for body in &bodies {
+                link(xml, body)?;
+            }
+            for end in ["c_of_link2", "c_of_link3"] {
+                element(xml, "link", &[("name", end)])?;
+            }
+            let [limit1, limit4] = limits.each_ref().map(Some);
+            joint(xml, ["A", "revolute", "base", "link1"], 0.0, limit1)?;
+            joint(xml, ["B", "continuous", "link1", "link2"], l1, None)?;
+            joint(xml, ["E", "revolute", "base", "link4"], base, limit4)?;
+            joint(xml, ["D", "continuous", "link4", "link3"], l4, None)?;
+            joint(xml, ["C2", "fixed", "link2", "c_of_link2"], l2, None)?;
+            joint(xml, ["C3", "fixed", "link3", "c_of_link3"], l3, None)
+        })
+    }))
 }
 
-fn link(text: &mut String, body: &Body) {
-    let link = &body.inertia;
-    let (i, length) = (link.inertia, body.length);
-    let _ = write!(
-        text,
-        "  <link name=\"{}\">\n    <inertial>\n      <origin xyz=\"{} {} 0\"/>\n      <mass value=\"{}\"/>\n\
-         \x20     <inertia ixx=\"{i}\" iyy=\"{i}\" izz=\"{i}\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/>\n    </inertial>\n\
-         \x20   <visual>\n      <origin xyz=\"{} 0 0\"/>\n      <geometry><box size=\"{length} {} {}\"/></geometry>\n    </visual>\n  </link>\n",
-        body.name,
-        link.com.x,
-        link.com.y,
-        link.mass,
-        0.5 * length,
-        0.06 * length,
-        0.03 * length,
-    );
+fn link(xml: &mut Xml, body: &Body) -> io::Result<()> {
+    let (link, length) = (&body.inertia, body.length);
+    around(xml, "link", &[("name", body.name)], |xml| {
+        around(xml, "inertial", &[], |xml| {
+            let centre = format!("{} {} 0", link.com.x, link.com.y);
+            element(xml, "origin", &[("xyz", &centre)])?;
+            element(xml, "mass", &[("value", &link.mass.to_string())])?;
+            let moment = link.inertia.to_string();
+            let about = ["ixx", "iyy", "izz"].map(|axis| (axis, moment.as_str()));
+            let products = ["ixy", "ixz", "iyz"].map(|axes| (axes, "0"));
+            element(xml, "inertia", &[about, products].concat())
+        })?;
+        around(xml, "visual", &[], |xml| {
+            element(xml, "origin", &[("xyz", &format!("{} 0 0", 0.5 * length))])?;
+            around(xml, "geometry", &[], |xml| {
+                let size = format!("{length} {} {}", 0.06 * length, 0.03 * length);
+                element(xml, "box", &[("size", &size)])
+            })
+        })
+    })
 }
 
-fn joint(text: &mut String, [name, kind, parent, child]: [&str; 4], at: f64, limit: &str) {
-    let axis = if kind == "fixed" {
-        ""
-    } else {
-        "<axis xyz=\"0 0 1\"/>"
-    };
-    let _ = writeln!(
-        text,
-        "  <joint name=\"{name}\" type=\"{kind}\"><parent link=\"{parent}\"/><child link=\"{child}\"/>\
-         <origin xyz=\"{at} 0 0\"/>{axis}{limit}</joint>"
-    );
+/// A joint at `at` [m] along its parent. The limits are those of angle, speed and torque.
+fn joint(
+    xml: &mut Xml,
+    [name, kind, parent, child]: [&str; 4],
+    at: f64,
+    limits: Option<&[String; 4]>,
+) -> io::Result<()> {
+    around(xml, "joint", &[("name", name), ("type", kind)], |xml| {
+        element(xml, "parent", &[("link", parent)])?;
+        element(xml, "child", &[("link", child)])?;
+        element(xml, "origin", &[("xyz", &format!("{at} 0 0"))])?;
+        if kind != "fixed" {
+            element(xml, "axis", &[("xyz", "0 0 1")])?;
+        }
+        let Some([low, high, speed, torque]) = limits else {
+            return Ok(());
+        };
+        let limit = [
+            ("lower", low.as_str()),
+            ("upper", high),
+            ("velocity", speed),
+            ("effort", torque),
+        ];
+        element(xml, "limit", &limit)
+    })
 }

@@ -9,13 +9,13 @@ mod png;
 
 pub use png::{PngError, png};
 
-use crate::show::report::escape;
 use crate::study::workspace::{Study, StudyError};
 use arm::Shape;
 use fivebar_design::workspace::{Rectangle, SingularityCurve, WorkspaceMap, singularity_curves};
 use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::{Singularity, WorkingMode};
 use frame::Frame;
+use quick_xml::escape::escape;
 use std::fmt::Write as _;
 
 /// Line and text colour, and that of what lies beneath them.

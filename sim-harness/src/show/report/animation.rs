@@ -2,7 +2,7 @@
 
 use super::Point;
 use super::decimate::{Range, is_finite};
-use super::page::escape;
+use quick_xml::escape::escape;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 

@@ -2,8 +2,8 @@
 
 use super::Point;
 use super::decimate::{Range, is_finite, thin};
-use super::page::escape;
 use plotters::prelude::*;
+use quick_xml::escape::escape;
 use std::fmt::Write as _;
 
 /// How a series is drawn.

@@ -13,7 +13,6 @@ pub use animation::{Animation, Body, Trace};
 pub use chart::{Chart, Series, Stroke};
 pub(crate) use decimate::{Range, is_finite, thin};
 pub use page::Page;
-pub(crate) use page::escape;
 
 /// A point of a chart or of a drawing; a coordinate that is not finite breaks the curve.
 pub type Point = [f64; 2];

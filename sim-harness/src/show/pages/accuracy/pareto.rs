@@ -1,6 +1,6 @@
 //! Who brings in how much, as bars, the longest first.
 
-use crate::show::report::escape;
+use quick_xml::escape::escape;
 use std::fmt::Write as _;
 
 /// Bars, one a name with its share, in the order given.
@@ -12,7 +12,7 @@ pub(super) fn pareto(shares: &[(&str, f64)]) -> String {
     let mut svg = format!("<svg viewBox=\"0 0 {width} {height}\" width=\"{width}\" role=\"img\">");
     for (row, (name, share)) in shares.iter().enumerate() {
         let (y, percent) = (26 * row, 100.0 * share);
-        let name = escape(name);
+        let name = escape(*name);
         let bar = 4.0 * percent;
         let _ = write!(
             svg,
