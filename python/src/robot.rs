@@ -46,10 +46,10 @@ impl Robot {
         self.geometry().lengths()
     }
 
-    /// The signs of the working mode.
+    /// The signs of the working mode of C.
     #[getter]
     fn elbows(&self) -> [i8; 2] {
-        let mode = self.described.working_mode;
+        let mode = self.described.elbows;
         [sign(mode.elbow1), sign(mode.elbow4)]
     }
 

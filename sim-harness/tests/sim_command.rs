@@ -98,6 +98,37 @@ fn draws_the_demonstration_when_no_job_is_named() {
 }
 
 #[test]
+fn draws_the_demonstration_with_tools_far_from_c_as_large_as_it_fits() {
+    let bench = Bench::new();
+    let benchtop = include_str!("../robots/benchtop.toml");
+    for (offset, scale) in [
+        ([-0.16, -0.1], Some("0.2")),
+        ([-0.1, 0.15], Some("0.5")),
+        ([0.1, -0.1], None),
+    ] {
+        let text = format!("{benchtop}\n[tool]\noffset = {offset:?}\n");
+        let robot = bench.file("offset.toml", &text);
+        let output = bench.sim(&["--robot", &robot, "--json"]);
+        let told = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{offset:?}: {told}");
+        assert_eq!(
+            told.trim()
+                .split_once("at a scale of ")
+                .map(|(_, scale)| scale),
+            scale,
+            "{offset:?}"
+        );
+        let rms = json(&output)["tip_error"]["rms_m"].as_f64().unwrap();
+        assert!(rms <= 50e-6, "{offset:?}: {rms} m");
+    }
+    // A scale that is asked for is kept.
+    let offset = format!("{benchtop}\n[tool]\noffset = [-0.16, -0.1]\n");
+    let robot = bench.file("offset.toml", &offset);
+    let output = bench.sim(&["--robot", &robot, "--scale", "1"]);
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+}
+
+#[test]
 fn a_job_that_would_take_for_ever_is_refused() {
     let bench = Bench::new();
     let job = bench.file("slow.gcode", "G0 X0 Y0\nG1 X6 Y5 F0.0001\n");

@@ -179,7 +179,7 @@ fn the_arm_may_be_anywhere_in_the_rectangles_and_at_the_best_places() {
     assert!(rectangles >= 4);
     // A drawing of A6 lies within the robot's own branch.
     let own = &found["branches"][4];
-    assert_eq!(mode(own), robot.working_mode);
+    assert_eq!(mode(own), robot.working_mode());
     let size = vector(&own["clear_rectangle"]["size_m"]);
     assert!(size.x > 0.148 && size.y > 0.09, "{size:?} m");
 }

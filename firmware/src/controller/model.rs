@@ -60,12 +60,13 @@ impl Model {
     pub(crate) fn new(settings: &Settings) -> Result<Self, SettingsError> {
         settings.validate()?;
         let arm = settings.arm()?;
-        let nominal_inertia = settings.nominal_inertia(&arm)?;
+        let tool = settings.tool(&arm)?;
+        let nominal_inertia = settings.nominal_inertia(&arm, &tool)?;
         let control = &settings.control;
         let period = 1.0 / control.tick_rate;
         Ok(Self {
             equations: Regrouped::new(&arm),
-            tool: settings.tool(&arm)?,
+            tool,
             assembly: settings.assembly(),
             axes: settings.axes.map(|axis| AxisModel::new(&axis, settings)),
             observer: VelocityObserver::new(control.observer_bandwidth, period),

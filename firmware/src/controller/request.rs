@@ -103,7 +103,7 @@ impl Controller {
             return Err(Refusal::State(self.state));
         }
         let pose = self.standing(angles)?;
-        if pose.working_mode() != self.settings.working_mode() {
+        if self.model.tool.working_mode(&pose) != self.settings.working_mode() {
             return Err(Refusal::NotOnBranch);
         }
         for ((joint, axis), angle) in self.joints.iter_mut().zip(&self.model.axes).zip(angles) {

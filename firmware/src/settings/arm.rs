@@ -39,7 +39,7 @@ impl Settings {
         Tool::new(*arm.geometry(), vec2(self.tool_offset)).map_err(SettingsError::Geometry)
     }
 
-    /// The branch of the inverse solution.
+    /// The branch of the tool's inverse solution, in which the arm is homed.
     pub fn working_mode(&self) -> WorkingMode {
         let [elbow1, elbow4] = self.elbows_left.map(side);
         WorkingMode::new(elbow1, elbow4)
@@ -57,9 +57,9 @@ impl Settings {
     }
 
     /// Whether a pose is on the branch and keeps the margin from singularities.
-    fn stands_clear(&self, pose: &Pose<f32>) -> bool {
-        pose.working_mode() == self.working_mode()
-            && pose.nearest_singularity().1 >= self.motion.singularity_margin
+    fn stands_clear(&self, tool: &Tool<f32>, pose: &Pose<f32>) -> bool {
+        tool.working_mode(pose) == self.working_mode()
+            && tool.nearest_singularity(pose).1 >= self.motion.singularity_margin
     }
 
     /// The inertia [kg·m²] that each joint shows, the other standing still, on the average
@@ -67,7 +67,11 @@ impl Settings {
     ///
     /// # Errors
     /// `NoPose` where the arm can take none.
-    pub(crate) fn nominal_inertia(&self, arm: &Arm<f32>) -> Result<[f32; 2], SettingsError> {
+    pub(crate) fn nominal_inertia(
+        &self,
+        arm: &Arm<f32>,
+        tool: &Tool<f32>,
+    ) -> Result<[f32; 2], SettingsError> {
         let [range1, range4] = self.axes.map(|axis| axis.angle_limits);
         let at = |[low, high]: [f32; 2], step: u8| {
             low + (high - low) * (f32::from(step) / f32::from(GRID - 1))
@@ -80,7 +84,7 @@ impl Settings {
                     .geometry()
                     .forward(at(range1, i), at(range4, j), self.assembly());
                 let Ok(pose) = pose else { continue };
-                if !self.stands_clear(&pose) {
+                if !self.stands_clear(tool, &pose) {
                     continue;
                 }
                 if let Ok(matrix) = arm.mass_matrix(&pose) {

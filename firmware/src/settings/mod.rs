@@ -140,7 +140,7 @@ pub struct Settings {
     pub gravity: [f32; 2],
     /// The tool from C, along link 2 and to its left [m].
     pub tool_offset: [f32; 2],
-    /// Whether each elbow turns left: the working mode.
+    /// Whether each elbow turns left at home, leg 1 being A–B–tool: the working mode.
     pub elbows_left: [bool; 2],
     /// Whether C lies left of the ray B→D: the assembly mode.
     pub assembly_left: bool,

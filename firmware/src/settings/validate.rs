@@ -90,8 +90,8 @@ impl Settings {
             return Err(SettingsError::Field(field));
         }
         let arm = self.arm()?;
-        self.tool(&arm)?;
-        self.nominal_inertia(&arm).map(|_| ())
+        let tool = self.tool(&arm)?;
+        self.nominal_inertia(&arm, &tool).map(|_| ())
     }
 
     fn broken_field(&self) -> Option<Field> {

@@ -61,11 +61,20 @@ impl fmt::Display for Side {
 }
 
 /// Which way each leg's elbow turns: the branch of the inverse solution.
+///
+/// Leg 1 ends in the point P that the solution places: the tool T of a [`Tool`], C of a
+/// [`Geometry`], which has no tool. Where T is offset from C, one pose can have a mode of T
+/// and another of C; [`Tool::working_mode`] and [`Pose::working_mode`] tell them.
+///
+/// [`Geometry`]: super::Geometry
+/// [`Pose::working_mode`]: super::Pose::working_mode
+/// [`Tool`]: super::Tool
+/// [`Tool::working_mode`]: super::Tool::working_mode
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WorkingMode {
-    /// `Left` where AB×BC > 0.
+    /// `Left` where AB×BP > 0.
     pub elbow1: Side,
     /// `Left` where ED×DC > 0.
     pub elbow4: Side,

@@ -1,4 +1,5 @@
-//! Forward position: from the driven angles to the tool.
+//! Forward position: from the driven angles to C. An offset tool follows from the pose:
+//! [`Tool::point`](super::Tool::point).
 //!
 //! Yu 2007 solves rC = rB + l2 u(θ2) = rD + l3 u(θ3) by a half-angle formula
 //! ([`Geometry::half_angle_forward`]); the same two roots by intersecting the circles

@@ -1,4 +1,6 @@
-//! Inverse position: from the tool to the driven angles.
+//! Inverse position: from C to the driven angles. From an offset tool: [`Tool::inverse`].
+//!
+//! [`Tool::inverse`]: super::Tool::inverse
 //!
 //! Each leg is a dyad: with r = rC − rA, a = ½(1 + (l1² − l2²)/|r|²) and
 //! h² = l1²/|r|² − a², rB = rA + a r ∓ h r⊥, the upper sign where the elbow turns

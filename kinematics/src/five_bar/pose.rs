@@ -19,7 +19,7 @@ pub struct Pose<S> {
     pub u4: Vec2<S>,
     /// Elbow of leg 1 [m].
     pub b: Vec2<S>,
-    /// The tool point [m].
+    /// Where links 2 and 3 meet [m]; the tool, where none is offset.
     pub c: Vec2<S>,
     /// Elbow of leg 4 [m].
     pub d: Vec2<S>,
@@ -43,7 +43,8 @@ impl<S: Scalar> Pose<S> {
         Side::of((self.d - self.b).cross(self.c - self.b))
     }
 
-    /// The inverse branch: which way each elbow turns.
+    /// The inverse branch of C: which way each elbow turns, leg 1 being A–B–C. That of an
+    /// offset tool: [`Tool::working_mode`](super::Tool::working_mode).
     #[inline]
     pub fn working_mode(&self) -> WorkingMode {
         WorkingMode::new(Side::of(self.sin21()), Side::of(self.sin34()))

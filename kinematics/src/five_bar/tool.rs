@@ -111,7 +111,7 @@ impl<S: Scalar> Tool<S> {
         accelerations.c + t.perp() * alpha2 - t * (omega2 * omega2)
     }
 
-    /// The inverse branch as the tool sees it: leg 1 by AB×BT.
+    /// The inverse branch: which way each elbow turns, leg 1 being A–B–T.
     #[inline]
     pub fn working_mode(&self, pose: &Pose<S>) -> WorkingMode {
         let [sine1, sine4] = self.elbow_sines(pose);

@@ -9,7 +9,7 @@ use core::fmt;
 pub struct Workspace<S> {
     /// The arm and its tool.
     pub tool: Tool<S>,
-    /// The inverse branch.
+    /// The inverse branch of the tool.
     pub mode: WorkingMode,
     /// Limits of the driven joints, if they have any.
     pub limits: Option<JointLimits<S>>,

@@ -96,7 +96,7 @@ impl<L: Read + Write> Bench<L> {
         let [[x, y], _] = ends().map(|end| end.map(f64::from));
         let pose = robot
             .geometry
-            .inverse(Vec2::new(x, y), robot.working_mode)
+            .inverse(Vec2::new(x, y), robot.elbows)
             .expect("within reach");
         let twin = Loopback::lockstep(&settings).expect("sound settings");
         let (mut board, _) = Conversation::open(Faulty::new(line, mishaps, 1)).expect("a board");

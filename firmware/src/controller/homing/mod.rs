@@ -63,11 +63,12 @@ impl Controller {
             joint.set_origin(axis, counts, settings.home_angle);
         }
         let [u1, u4] = self.angles().map(Vec2::unit);
-        let geometry = self.model.tool.geometry();
-        let pose = geometry
+        let tool = &self.model.tool;
+        let pose = tool
+            .geometry()
             .forward_from_directions(u1, u4, self.model.assembly)
             .map_err(|_| Fault::EncoderDisagreement)?;
-        if pose.working_mode() != self.settings.working_mode() {
+        if tool.working_mode(&pose) != self.settings.working_mode() {
             return Err(Fault::EncoderDisagreement);
         }
         self.homed = true;

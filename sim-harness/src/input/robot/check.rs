@@ -47,13 +47,19 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
             Some(arm.map_err(|error| source.refuse(Key::Top("link"), error))?)
         }
     };
-    let working_mode = WorkingMode::new(
+    let elbows = WorkingMode::new(
         side(&source, &file.working_mode[0])?,
         side(&source, &file.working_mode[1])?,
     );
     let home = match file.home {
-        None => best_conditioned(&geometry, working_mode, &file.limits)
-            .map_or([0.0; 2], |pose| [pose.u1.angle(), pose.u4.angle()]),
+        None => {
+            let [along, left] = file.tool.offset;
+            // A tool without sense is refused below.
+            five_bar::Tool::new(geometry, Vec2::new(along, left))
+                .ok()
+                .and_then(|tool| best_conditioned(&tool, elbows, &file.limits, |_| true))
+                .map_or([0.0; 2], |pose| [pose.u1.angle(), pose.u4.angle()])
+        }
         Some(angles) => {
             finite(&source, Key::Top("home"), angles)?;
             angles
@@ -63,7 +69,7 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
         name: file.name,
         geometry,
         arm,
-        working_mode,
+        elbows,
         home,
         actuators,
         tool: file.tool,
@@ -228,8 +234,9 @@ fn sections(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
         tool,
         ..
     } = robot;
-    let offset = near(source, Key::In("tool", "offset"), tool.offset)?;
-    five_bar::Tool::new(robot.geometry, offset)
+    near(source, Key::In("tool", "offset"), tool.offset)?;
+    robot
+        .tool_on_link()
         .map_err(|_| source.refuse(Key::In("tool", "offset"), "must not put the tool on B"))?;
     for range in limits.angle {
         let key = Key::In("limits", "angle");

@@ -2,7 +2,7 @@
 
 use super::{Limits, Robot};
 use fivebar_kinematics::Vec2;
-use fivebar_kinematics::five_bar::{self, Geometry, Pose, Side, WorkingMode};
+use fivebar_kinematics::five_bar::{GeometryError, Pose, Side, Tool, WorkingMode};
 
 /// The home of a robot is not a pose of its working mode, or what lies before it is not.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -14,10 +14,10 @@ use fivebar_kinematics::five_bar::{self, Geometry, Pose, Side, WorkingMode};
 pub struct NoHome(pub String);
 
 impl Robot {
-    /// The pose at home, in the robot's working mode.
+    /// The pose at home, its elbows as the file says.
     ///
     /// # Errors
-    /// None of the assembly branches is in that mode there.
+    /// None of the assembly branches has such elbows there.
     pub fn home_pose(&self) -> Result<Pose<f64>, NoHome> {
         self.pose_near_home([0.0; 2])
     }
@@ -31,46 +31,69 @@ impl Robot {
         Side::BOTH
             .into_iter()
             .filter_map(|assembly| self.geometry.forward(theta1, theta4, assembly).ok())
-            .find(|pose| pose.working_mode() == self.working_mode)
+            .find(|pose| pose.working_mode() == self.elbows)
             .ok_or_else(|| NoHome(self.name.clone()))
+    }
+
+    /// The working mode in which the robot is homed, leg 1 being A–B–tool: what the
+    /// controller and the workspace mean by it. Without a home it is that of the file.
+    pub fn working_mode(&self) -> WorkingMode {
+        match (self.tool_on_link(), self.home_pose()) {
+            (Ok(tool), Ok(home)) => tool.working_mode(&home),
+            _ => self.elbows,
+        }
     }
 
     /// The tool in a pose [m].
     pub fn tool_at(&self, pose: &Pose<f64>) -> [f64; 2] {
-        let [along, left] = self.tool.offset;
-        let tool = five_bar::Tool::new(self.geometry, Vec2::new(along, left));
-        let point = tool.map_or(pose.c, |tool| tool.point(pose));
+        let point = self.tool_on_link().map_or(pose.c, |tool| tool.point(pose));
         [point.x, point.y]
     }
 
-    /// Where the tool is farthest from every singularity, in front of the middle of the
-    /// base [m].
+    /// Where the tool is farthest from every singularity while C is in front of the middle of
+    /// the base, and no singularity lies between there and home; at home, if there is no such
+    /// place [m].
     ///
     /// # Errors
-    /// There is no pose in front of it.
+    /// As [`Robot::home_pose`].
     pub fn best_point(&self) -> Result<[f64; 2], NoHome> {
-        best_conditioned(&self.geometry, self.working_mode, &self.limits)
-            .map(|pose| self.tool_at(&pose))
-            .ok_or_else(|| NoHome(self.name.clone()))
+        let home = self.home_pose()?;
+        let best = self.tool_on_link().ok().and_then(|tool| {
+            let branch = |pose: &Pose<f64>| (tool.working_mode(pose), pose.assembly());
+            let is_homes = |pose: &Pose<f64>| branch(pose) == branch(&home);
+            best_conditioned(&tool, self.elbows, &self.limits, is_homes)
+        });
+        Ok(self.tool_at(&best.unwrap_or(home)))
+    }
+
+    /// The arm with its tool.
+    ///
+    /// # Errors
+    /// A tool on the elbow.
+    pub(super) fn tool_on_link(&self) -> Result<Tool<f64>, GeometryError> {
+        let [along, left] = self.tool.offset;
+        Tool::new(self.geometry, Vec2::new(along, left))
     }
 }
 
 /// The pose with C in front of the middle of the base that keeps farthest from every
-/// singularity.
+/// singularity of the arm with its tool, of those that are `wanted`.
 pub(super) fn best_conditioned(
-    geometry: &Geometry<f64>,
-    mode: WorkingMode,
+    tool: &Tool<f64>,
+    elbows: WorkingMode,
     limits: &Limits,
+    wanted: impl Fn(&Pose<f64>) -> bool,
 ) -> Option<Pose<f64>> {
     const STEPS: u32 = 400;
+    let geometry = tool.geometry();
     let [l1, l2, l3, l4, base] = geometry.lengths();
     let reach = (l1 + l2).max(l3 + l4);
     let poses = (1..STEPS).filter_map(|step| {
         let c = Vec2::new(0.5 * base, reach * f64::from(step) / f64::from(STEPS));
-        let pose = geometry.inverse(c, mode).ok()?;
+        let pose = geometry.inverse(c, elbows).ok()?;
         let allowed = limits.contain([pose.u1.angle(), pose.u4.angle()]);
-        allowed.then_some(pose)
+        (allowed && wanted(&pose)).then_some(pose)
     });
-    let margin = |pose: &Pose<f64>| pose.nearest_singularity().1;
+    let margin = |pose: &Pose<f64>| tool.nearest_singularity(pose).1;
     poses.max_by(|a, b| margin(a).total_cmp(&margin(b)))
 }

@@ -37,8 +37,9 @@ pub struct Robot {
     pub geometry: Geometry<f64>,
     /// Its equations of motion, rotors included; none where the masses are not known.
     arm: Option<Arm<f64>>,
-    /// Which way the elbows turn.
-    pub working_mode: WorkingMode,
+    /// Which way the elbows of the legs A–B–C and E–D–C turn, as the file says: the working
+    /// mode of C. That of the tool: [`Robot::working_mode`].
+    pub elbows: WorkingMode,
     /// θ1, θ4 at the home switches [rad].
     pub home: [f64; 2],
     /// The drives of joint 1 and joint 4; without them, ideal torque sources.

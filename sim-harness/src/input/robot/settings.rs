@@ -22,6 +22,7 @@ impl Robot {
         let arm = self.arm()?;
         let actuators = self.drives()?;
         let gravity = arm.gravity();
+        let mode = self.working_mode();
         let Self {
             control,
             motion,
@@ -38,8 +39,7 @@ impl Robot {
             payload: single(arm.payload()),
             gravity: [single(gravity.x), single(gravity.y)],
             tool_offset: self.tool.offset.map(single),
-            elbows_left: [self.working_mode.elbow1, self.working_mode.elbow4]
-                .map(|side| side == Side::Left),
+            elbows_left: [mode.elbow1, mode.elbow4].map(|side| side == Side::Left),
             assembly_left: self
                 .home_pose()
                 .is_ok_and(|home| home.assembly() == Side::Left),

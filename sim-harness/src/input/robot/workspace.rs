@@ -1,10 +1,7 @@
 //! Where a robot may take its tool.
 
 use super::Robot;
-use fivebar_kinematics::Vec2;
-use fivebar_kinematics::five_bar::{
-    GeometryError, Joint, JointLimits, Tool, WorkingMode, Workspace,
-};
+use fivebar_kinematics::five_bar::{GeometryError, Joint, JointLimits, WorkingMode, Workspace};
 
 /// A robot's tool or limits describe no workspace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -24,11 +21,10 @@ impl Robot {
     /// # Errors
     /// A tool on the elbow, or limits that make no sense.
     pub fn workspace(&self, mode: WorkingMode) -> Result<Workspace<f64>, NoWorkspace> {
-        let [along, left] = self.tool.offset;
         let [limits1, limits4] = self.limits.angle;
         let limits = JointLimits::new(limits1, limits4).map_err(NoWorkspace::Limits)?;
         Ok(Workspace {
-            tool: Tool::new(self.geometry, Vec2::new(along, left))?,
+            tool: self.tool_on_link()?,
             mode,
             limits: Some(limits),
             margin: self.limits.singularity_margin,

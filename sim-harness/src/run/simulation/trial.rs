@@ -4,8 +4,8 @@ use super::{Record, RunError};
 use crate::input::robot::Robot;
 use crate::input::scenario::{Scenario, ScenarioError};
 
-/// Sizes at which the demonstration is tried, the largest first: metres in the plane per
-/// metre in the job.
+/// Sizes at which a job is tried, the largest first: metres in the plane per metre in the
+/// job.
 const SCALES: [f64; 7] = [1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01];
 
 /// Why an arm does not draw the demonstration, with what was tried.
@@ -25,33 +25,42 @@ pub enum TrialError {
     Stopped(Box<Scenario>, Box<Record>),
 }
 
+impl Scenario {
+    /// Makes the job as large as the arm has room for: of a few scales the greatest at which
+    /// the controller takes it.
+    ///
+    /// # Errors
+    /// The refusal at the smallest scale, or what else keeps the job from being run.
+    pub fn fit(&mut self) -> Result<(), RunError> {
+        let mut refused = Ok(());
+        for scale in SCALES {
+            self.scale = scale;
+            match self.check(&self.job()?) {
+                // What is too large here may fit if it is smaller.
+                Err(error @ RunError::Target(_)) => refused = Err(error),
+                other => return other,
+            }
+        }
+        refused
+    }
+}
+
 /// The greatest of a few scales at which the arm draws the demonstration, by trying.
 ///
 /// # Errors
 /// Why it does at none.
 pub fn trial(robot: &Robot) -> Result<f64, TrialError> {
     let mut scenario = Box::new(Scenario::demonstration(robot.clone()));
-    let mut refusal = None;
-    for scale in SCALES {
-        scenario.scale = scale;
-        let job = scenario.job()?;
-        match scenario.check(&job) {
-            Ok(()) => {}
-            // What is too large here may fit if it is smaller.
-            Err(error @ RunError::Target(_)) => {
-                refusal = Some(error);
-                continue;
-            }
-            Err(error) => return Err(TrialError::Run(scenario, error)),
-        }
-        return match scenario.simulate(&job, true, &mut |_| ()) {
-            Ok((_, record)) if record.faults.is_empty() => Ok(scale),
-            Ok((_, record)) => Err(TrialError::Stopped(scenario, Box::new(record))),
-            Err(error) => Err(TrialError::Run(scenario, error)),
-        };
+    match scenario.fit() {
+        Ok(()) => {}
+        Err(RunError::Scenario(error)) => return Err(TrialError::Scenario(error)),
+        Err(error @ RunError::Target(_)) => return Err(TrialError::TooLarge(scenario, error)),
+        Err(error) => return Err(TrialError::Run(scenario, error)),
     }
-    Err(TrialError::TooLarge(
-        scenario,
-        refusal.expect("a scale is tried"),
-    ))
+    let job = scenario.job()?;
+    match scenario.simulate(&job, true, &mut |_| ()) {
+        Ok((_, record)) if record.faults.is_empty() => Ok(scenario.scale),
+        Ok((_, record)) => Err(TrialError::Stopped(scenario, Box::new(record))),
+        Err(error) => Err(TrialError::Run(scenario, error)),
+    }
 }

@@ -2,6 +2,7 @@
 
 use super::failure::{Failure, refused};
 use super::output::OutputArgs;
+use super::say::warn;
 use crate::input::robot::{BuiltIn, Robot};
 use crate::input::scenario::Scenario;
 use std::path::Path;
@@ -20,7 +21,8 @@ pub(super) struct JobArgs {
     /// of the drawing goes where the arm moves best.
     #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
     origin: Option<[f64; 2]>,
-    /// Metres in the plane per metre in the job.
+    /// Metres in the plane per metre in the job. When left out: the scenario's, or 1; the
+    /// demonstration is made as small as the arm needs.
     #[arg(long, value_parser = scale, allow_hyphen_values = true)]
     scale: Option<f64>,
 }
@@ -68,8 +70,27 @@ impl JobArgs {
             scenario.robot = robot;
         }
         scenario.origin = self.origin.or(scenario.origin);
-        scenario.scale = self.scale.unwrap_or(scenario.scale);
+        match self.scale {
+            Some(scale) => scenario.scale = scale,
+            None if self.file.is_none() => fit(&mut scenario),
+            None => {}
+        }
         Ok(scenario)
+    }
+}
+
+/// Shrinks the demonstration to what the arm has room for. Where it has room for none, the
+/// demonstration stays as it is, to be refused with the place and the reason.
+fn fit(demonstration: &mut Scenario) {
+    let mut fitted = demonstration.clone();
+    if fitted.fit().is_ok() {
+        if fitted.scale < demonstration.scale {
+            warn(format_args!(
+                "the demonstration is too large for this arm: it is drawn at a scale of {}",
+                fitted.scale
+            ));
+        }
+        *demonstration = fitted;
     }
 }
 

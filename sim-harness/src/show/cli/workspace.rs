@@ -61,7 +61,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let robot = Robot::load(&args.robot).map_err(refused)?;
     let folder = OutputFolder::prepare(&args.out, "--out").map_err(refused)?;
     let study = Study::new(&robot, args.resolution).map_err(refused)?;
-    let mode = args.branch.unwrap_or(robot.working_mode);
+    let mode = args.branch.unwrap_or(robot.working_mode());
     let picture = svg(&study, mode).map_err(refused)?;
     let image = png(&picture).map_err(refused)?;
     folder

@@ -22,7 +22,7 @@ impl Shape {
     /// The arm at home; in a working mode that is not its own, at `best` [m].
     pub(super) fn of(robot: &Robot, mode: WorkingMode, best: Option<Vec2<f64>>) -> Option<Self> {
         let home = robot.home_pose().ok();
-        let own = home.filter(|_| mode == robot.working_mode);
+        let own = home.filter(|_| mode == robot.working_mode());
         let at_best = || robot.workspace(mode).ok()?.tool.inverse(best?, mode).ok();
         let pose = own.or_else(at_best)?;
         let [x, y] = robot.tool_at(&pose);

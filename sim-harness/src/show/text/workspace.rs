@@ -30,7 +30,7 @@ pub fn workspace(study: &Study<'_>) -> String {
             branch.areas.clear,
         ]
         .map(|area| 1e4 * area);
-        let own = if branch.mode == study.robot.working_mode {
+        let own = if branch.mode == study.robot.working_mode() {
             " *"
         } else {
             ""

@@ -88,7 +88,7 @@ pub fn analyse(robot: &Robot, state: &State) -> Result<Analysis, String> {
     let place = || format!("at ({}, {}) m", state.position.x, state.position.y);
     let refuse = |error: &dyn std::fmt::Display| format!("{}: {error}", place());
     let pose = geometry
-        .inverse(state.position, robot.working_mode)
+        .inverse(state.position, robot.elbows)
         .map_err(|error| refuse(&error))?;
     let rates = geometry
         .inverse_velocities(&pose, state.velocity)

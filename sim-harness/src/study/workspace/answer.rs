@@ -9,9 +9,10 @@ impl Study<'_> {
     /// One object; units in the keys.
     pub fn answer(&self) -> Value {
         let branches: Vec<Value> = self.branches.iter().map(answer).collect();
+        let mode = self.robot.working_mode();
         json!({
             "robot": self.robot.name,
-            "working_mode": [self.robot.working_mode.elbow1, self.robot.working_mode.elbow4],
+            "working_mode": [mode.elbow1, mode.elbow4],
             "resolution_m": self.resolution(),
             "singularity_margin": self.robot.limits.singularity_margin,
             "reached_exactly_m2": self.exact_area(),

@@ -75,7 +75,7 @@ impl<'a> Study<'a> {
             let named = |error| StudyError::Robot(robot.name.clone(), error);
             robot.workspace(mode).map_err(named)
         };
-        let tool = workspace(robot.working_mode)?.tool;
+        let tool = workspace(robot.working_mode())?.tool;
         let [low, high] = reach_bounds(&tool);
         let size = (high.x - low.x).max(high.y - low.y);
         let nothing = || StudyError::NothingReached(robot.name.clone());

@@ -23,7 +23,7 @@ fn circling(robot: &Robot, time: f64, error: f64) -> Sample {
     let u = Vec2::unit(OMEGA * time);
     let c = Vec2::new(CENTER[0], CENTER[1]) + u * RADIUS;
     let geometry = &robot.geometry;
-    let pose = geometry.inverse(c, robot.working_mode).unwrap();
+    let pose = geometry.inverse(c, robot.elbows).unwrap();
     let rates = geometry
         .inverse_velocities(&pose, u.perp() * (RADIUS * OMEGA))
         .unwrap();
@@ -174,7 +174,7 @@ fn shares_are_those_of_the_reference_motion() {
         let sample = circling(&robot, f64::from(step) / 20.0 * TAU / OMEGA, 0.0);
         let c = Vec2::new(sample.reference[0], sample.reference[1]);
         let geometry = &robot.geometry;
-        let pose = geometry.inverse(c, robot.working_mode).unwrap();
+        let pose = geometry.inverse(c, robot.elbows).unwrap();
         let u = Vec2::unit(OMEGA * sample.time);
         let rates = geometry
             .inverse_velocities(&pose, u.perp() * (RADIUS * OMEGA))
