@@ -4,8 +4,8 @@
 //! A large offset puts A–B–T on another side than A–B–C, so whoever takes one for the other
 //! refuses the job or follows it on the wrong branch.
 
-use fivebar::robot::{BuiltIn, Robot};
-use fivebar::run::Scenario;
+use fivebar::input::robot::{BuiltIn, Robot};
+use fivebar::input::scenario::Scenario;
 use fivebar_kinematics::five_bar::{Side, WorkingMode};
 
 /// Along link 2 and to its left [m]; each component is tried with both signs.
