@@ -2,7 +2,8 @@
 
 use fivebar_kinematics::Scalar;
 use num_dual::{Dual64, DualNum};
-use std::ops::{Add, Div, Mul, Neg, Sub};
+use num_traits::{One, Zero};
+use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
 /// A value and its derivative by one variable: the [`Scalar`] of sensitivities.
 ///
@@ -96,18 +97,44 @@ impl Neg for Dual {
     }
 }
 
+impl Zero for Dual {
+    fn zero() -> Self {
+        Self::ZERO
+    }
+    /// With its derivative: what is 0 here only is no constant 0.
+    fn is_zero(&self) -> bool {
+        self.value() == 0.0 && self.derivative() == 0.0
+    }
+}
+
+impl One for Dual {
+    fn one() -> Self {
+        Self::ONE
+    }
+}
+
 macro_rules! forward_to_num_dual {
-    ($($operation:ident $method:ident),*) => {$(
+    ($($operation:ident $method:ident $assigning:ident $assign:ident),*) => {$(
         impl $operation for Dual {
             type Output = Self;
             fn $method(self, other: Self) -> Self {
                 Self(self.0.$method(other.0))
             }
         }
+        impl $assigning for Dual {
+            fn $assign(&mut self, other: Self) {
+                *self = self.$method(other);
+            }
+        }
     )*};
 }
 
-forward_to_num_dual!(Add add, Sub sub, Mul mul, Div div);
+forward_to_num_dual!(
+    Add add AddAssign add_assign,
+    Sub sub SubAssign sub_assign,
+    Mul mul MulAssign mul_assign,
+    Div div DivAssign div_assign
+);
 
 #[cfg(test)]
 mod tests {

@@ -5,16 +5,17 @@ use fivebar_design::accuracy::arm::{ArmAccuracyModel, DrivenJointMotion};
 use fivebar_design::accuracy::clearance_equilibrium::clearance_equilibrium;
 use fivebar_design::accuracy::five_bar::{clearance_error, tool_sensitivities};
 use fivebar_design::accuracy::{DifferentiableModel, sensitivities};
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::dynamics::{Arm, Link};
 use fivebar_kinematics::five_bar::{Geometry, Side, WorkingMode};
 use fivebar_testkit::Tally;
+use nalgebra::Vector2;
 use proptest::prelude::*;
 
 fn arm(lengths: [f64; 5], mass: f64) -> Arm<f64> {
     let link = |length: f64| Link {
         mass,
-        com: Vec2::new(0.45 * length, 0.02 * length),
+        com: Vector2::new(0.45 * length, 0.02 * length),
         inertia: mass * length * length / 12.0,
     };
     let [l1, l2, l3, l4, _] = lengths;
@@ -24,7 +25,7 @@ fn arm(lengths: [f64; 5], mass: f64) -> Arm<f64> {
         geometry,
         links,
         0.1 * mass,
-        Vec2::new(0.0, -9.81),
+        Vector2::new(0.0, -9.81),
         [1e-4; 2],
     )
     .unwrap()
@@ -56,7 +57,7 @@ fn state() -> impl Strategy<Value = (Arm<f64>, Side, DrivenJointMotion)> {
 proptest! {
     #[test]
     fn every_derivative_of_the_arm_meets_its_difference((arm, assembly, inputs) in state()) {
-        let model = ArmAccuracyModel { arm: &arm, assembly, external_force: Vec2::new(1.0, -2.0) };
+        let model = ArmAccuracyModel { arm: &arm, assembly, external_force: Vector2::new(1.0, -2.0) };
         let nominal = model.primitives(&inputs);
         let t = sensitivities(&model, &nominal).unwrap();
         for column in 0..nominal.len() {
@@ -77,8 +78,8 @@ proptest! {
         let pose = arm.geometry().forward(inputs.theta[0], inputs.theta[1], assembly).unwrap();
         let analytic = tool_sensitivities(arm.geometry(), &pose).unwrap();
         for (column, by) in (0..2).chain(6..11).zip(analytic.inputs.iter().chain(&analytic.lengths)) {
-            prop_assert!((t[(0, column)] - by.x).abs() < 1e-11 * (1.0 + by.norm()));
-            prop_assert!((t[(1, column)] - by.y).abs() < 1e-11 * (1.0 + by.norm()));
+            prop_assert!((t[(0, column)] - by.x).abs() < 1e-11 * (1.0 + by.length()));
+            prop_assert!((t[(1, column)] - by.y).abs() < 1e-11 * (1.0 + by.length()));
         }
     }
 }
@@ -90,16 +91,16 @@ fn seated_pins_stay_within_the_worst_case() {
         let radii = [10e-6, 20e-6, 5e-6, 15e-6, 10e-6];
         let pose = arm.geometry().forward(inputs.theta[0], inputs.theta[1], assembly).unwrap();
         let worst = clearance_error(arm.geometry(), &pose, radii).unwrap().worst;
-        let equilibrium = clearance_equilibrium(&arm, assembly, &inputs, Vec2::zero(), radii).unwrap();
-        prop_assert!(equilibrium.displacement.norm() <= worst * (1.0 + 1e-9));
+        let equilibrium = clearance_equilibrium(&arm, assembly, &inputs, Vector2::zeros(), radii).unwrap();
+        prop_assert!(equilibrium.displacement.length() <= worst * (1.0 + 1e-9));
         for (offset, radius) in equilibrium.offsets.iter().zip(radii) {
-            prop_assert!((offset.norm() - radius).abs() < 1e-12);
+            prop_assert!((offset.length() - radius).abs() < 1e-12);
         }
         if settled.count(equilibrium.converged) {
             // Every pin lies against its force.
             for (i, sign) in [(0, -1.0), (1, -1.0), (2, 1.0), (3, -1.0), (4, -1.0)] {
                 let (offset, force) = (equilibrium.offsets[i], equilibrium.reactions[i]);
-                prop_assert!((offset.dot(force) - sign * offset.norm() * force.norm()).abs() < 1e-9 * force.norm());
+                prop_assert!((offset.dot(&force) - sign * offset.length() * force.length()).abs() < 1e-9 * force.length());
             }
         }
     });
@@ -147,14 +148,14 @@ fn tension_lengthens_and_compression_shortens_by_the_sum_of_clearances() {
         *massless.geometry(),
         *massless.links(),
         0.0,
-        Vec2::zero(),
+        Vector2::zeros(),
         [1e-4; 2],
     )
     .unwrap();
     let mode = WorkingMode::new(Side::Right, Side::Left);
     let pose = massless
         .geometry()
-        .inverse(Vec2::new(0.05, 0.2), mode)
+        .inverse(Vector2::new(0.05, 0.2), mode)
         .unwrap();
     let [theta1, _, _, theta4] = pose.angles();
     let inputs = DrivenJointMotion {
@@ -164,13 +165,16 @@ fn tension_lengthens_and_compression_shortens_by_the_sum_of_clearances() {
     };
     let radii = [10e-6, 20e-6, 5e-6, 15e-6, 10e-6];
     // Pulled away from the base both distal links are in tension, pushed in compression.
-    for (force, sign) in [(Vec2::new(0.0, 10.0), 1.0), (Vec2::new(0.0, -10.0), -1.0)] {
+    for (force, sign) in [
+        (Vector2::new(0.0, 10.0), 1.0),
+        (Vector2::new(0.0, -10.0), -1.0),
+    ] {
         let equilibrium =
             clearance_equilibrium(&weightless, pose.assembly(), &inputs, force, radii).unwrap();
         assert!(equilibrium.converged);
         let tool = pose.c + equilibrium.displacement;
-        let longer2 = (tool - pose.b).norm() - 0.16;
-        let longer3 = (tool - pose.d).norm() - 0.16;
+        let longer2 = (tool - pose.b).length() - 0.16;
+        let longer3 = (tool - pose.d).length() - 0.16;
         assert!((longer2 - sign * 30e-6).abs() < 1e-12, "{longer2:e}");
         assert!((longer3 - sign * 30e-6).abs() < 1e-12, "{longer3:e}");
     }

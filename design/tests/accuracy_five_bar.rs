@@ -6,7 +6,8 @@ use fivebar_design::accuracy::five_bar::{
 };
 use fivebar_design::accuracy::{DifferentiableModel, sensitivities};
 use fivebar_kinematics::five_bar::{Geometry, Pose, PoseError, Side, WorkingMode};
-use fivebar_kinematics::{Scalar, Vec2};
+use fivebar_kinematics::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 use proptest::prelude::*;
 
 /// All links .23 m on a base of .275 m, C at (0, .25) from the middle of the base.
@@ -14,7 +15,7 @@ fn example() -> (Geometry<f64>, Pose<f64>) {
     let geometry = Geometry::new([0.23, 0.23, 0.23, 0.23, 0.275]).unwrap();
     let elbows_out = WorkingMode::new(Side::Right, Side::Left);
     let pose = geometry
-        .inverse(Vec2::new(0.1375, 0.25), elbows_out)
+        .inverse(Vector2::new(0.1375, 0.25), elbows_out)
         .unwrap();
     assert_eq!(pose.assembly(), Side::Left);
     (geometry, pose)
@@ -43,7 +44,7 @@ fn the_worst_of_two_angle_errors() {
 fn the_scatter_of_five_lengths() {
     let (geometry, pose) = example();
     let by = tool_sensitivities(&geometry, &pose).unwrap().lengths;
-    let deviation = |part: fn(&Vec2<f64>) -> f64| {
+    let deviation = |part: fn(&Vector2<f64>) -> f64| {
         by.iter()
             .map(|v| (20e-6 * part(v)).powi(2))
             .sum::<f64>()
@@ -99,8 +100,8 @@ proptest! {
         let analytic = tool_sensitivities(&geometry, &pose).unwrap();
         let columns = analytic.inputs.iter().chain(&analytic.lengths);
         for (column, by) in columns.enumerate() {
-            prop_assert!((t[(0, column)] - by.x).abs() < 1e-11 * (1.0 + by.norm()));
-            prop_assert!((t[(1, column)] - by.y).abs() < 1e-11 * (1.0 + by.norm()));
+            prop_assert!((t[(0, column)] - by.x).abs() < 1e-11 * (1.0 + by.length()));
+            prop_assert!((t[(1, column)] - by.y).abs() < 1e-11 * (1.0 + by.length()));
         }
     }
 
@@ -113,8 +114,8 @@ proptest! {
         inputs in prop::array::uniform2(-1.0..=1.0_f64),
     ) {
         let worst = clearance_error(&geometry, &pose, radii).unwrap();
-        let offsets = [0, 1, 2, 3, 4].map(|i| Vec2::unit(directions[i]) * (radii[i] * shares[i]));
-        let error = (tool_with_pin_offsets(&geometry, &pose, offsets).unwrap() - pose.c).norm();
+        let offsets = [0, 1, 2, 3, 4].map(|i| Vector2::unit(directions[i]) * (radii[i] * shares[i]));
+        let error = (tool_with_pin_offsets(&geometry, &pose, offsets).unwrap() - pose.c).length();
         prop_assert!(error <= worst.worst * (1.0 + 1e-9) + 1e-15);
         // The linear worst case w is the exact one but for terms of second order. C and the
         // centres of its two circles part by 2w at most; over that, a circle leaves its
@@ -130,6 +131,6 @@ proptest! {
             .forward(theta1 + greatest * inputs[0], theta4 + greatest * inputs[1], pose.assembly())
             .unwrap();
         let worst = worst_input_error(&geometry, &pose, [greatest; 2]).unwrap();
-        prop_assert!((displaced.c - pose.c).norm() <= worst * (1.0 + 1e-9));
+        prop_assert!((displaced.c - pose.c).length() <= worst * (1.0 + 1e-9));
     }
 }

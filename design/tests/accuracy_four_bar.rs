@@ -6,7 +6,8 @@ use fivebar_design::accuracy::{DifferentiableModel, Primitive, Scatter, sensitiv
 use fivebar_design::linkage::PointMotion;
 use fivebar_design::linkage::dyad::{DyadError, Rrr};
 use fivebar_kinematics::five_bar::Side;
-use fivebar_kinematics::{Scalar, Vec2};
+use fivebar_kinematics::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 use nalgebra::{DMatrix, DVector};
 
 const DENSITY: f64 = 7800.0;
@@ -61,16 +62,16 @@ fn inputs() -> TimeDerivatives {
 
 /// The same motion by the RRR dyad, whose ends the clearances shift.
 fn motion<S: Scalar>(p: &[S]) -> Result<State<S>, DyadError> {
-    let crank = Vec2::unit(p[0]) * p[3];
+    let crank = Vector2::unit(p[0]) * p[3];
     let end1 = PointMotion {
-        position: crank + Vec2::unit(p[9]) * p[7] + Vec2::unit(p[10]) * p[8],
-        velocity: crank.perp() * p[1],
-        acceleration: crank.perp() * p[2] - crank * (p[1] * p[1]),
+        position: crank + Vector2::unit(p[9]) * p[7] + Vector2::unit(p[10]) * p[8],
+        velocity: crank.perpendicular() * p[1],
+        acceleration: crank.perpendicular() * p[2] - crank * (p[1] * p[1]),
     };
     let still = PointMotion {
-        position: Vec2::new(p[6], S::ZERO),
-        velocity: Vec2::zero(),
-        acceleration: Vec2::zero(),
+        position: Vector2::new(p[6], S::ZERO),
+        velocity: Vector2::zeros(),
+        acceleration: Vector2::zeros(),
     };
     let dyad = Rrr {
         lengths: [p[4], p[5]],
@@ -78,7 +79,7 @@ fn motion<S: Scalar>(p: &[S]) -> Result<State<S>, DyadError> {
     };
     let links = dyad.motion(&end1, &still)?.links;
     Ok(State {
-        angle: links.map(|link| link.axis.angle()),
+        angle: links.map(|link| link.axis.polar_angle()),
         rate: links.map(|link| link.omega),
         acceleration: links.map(|link| link.alpha),
     })
@@ -89,15 +90,16 @@ fn motion<S: Scalar>(p: &[S]) -> Result<State<S>, DyadError> {
 fn forces<S: Scalar>(p: &[S], state: &State<S>) -> Vec<S> {
     let number = S::from_f64;
     let u = [
-        Vec2::unit(p[0]),
-        Vec2::unit(state.angle[0]),
-        Vec2::unit(state.angle[1]),
+        Vector2::unit(p[0]),
+        Vector2::unit(state.angle[0]),
+        Vector2::unit(state.angle[1]),
     ];
     let rate = [p[1], state.rate[0], state.rate[1]];
     let acceleration = [p[2], state.acceleration[0], state.acceleration[1]];
     let arm = [0, 1, 2].map(|i| u[i] * p[3 + i]);
     let mass = [0, 1, 2].map(|i| number(DENSITY) * p[11 + i] * p[3 + i]);
-    let at = |r: Vec2<S>, i: usize| r.perp() * acceleration[i] - r * (rate[i] * rate[i]);
+    let at =
+        |r: Vector2<S>, i: usize| r.perpendicular() * acceleration[i] - r * (rate[i] * rate[i]);
     let half = |i: usize| arm[i] * S::HALF;
     let inertia = |i: usize| mass[i] * p[3 + i] * p[3 + i] / number(12.0) * acceleration[i];
     let f = [
@@ -106,9 +108,9 @@ fn forces<S: Scalar>(p: &[S], state: &State<S>) -> Vec<S> {
         at(half(2), 2),
     ];
     let f = [0, 1, 2].map(|i| f[i] * mass[i]);
-    let moment = [0, 1, 2].map(|i| inertia(i) + half(i).cross(f[i]));
+    let moment = [0, 1, 2].map(|i| inertia(i) + half(i).cross_z(f[i]));
     // Coupler about B: arm2 × C = −moment2; rocker about D: arm3 × C = moment3.
-    let determinant = arm[1].cross(arm[2]);
+    let determinant = arm[1].cross_z(arm[2]);
     let c = (arm[1] * moment[2] + arm[2] * moment[1]) * (-S::ONE / determinant);
     let b = f[1] + c;
     let a = f[0] + b;
@@ -122,7 +124,7 @@ fn forces<S: Scalar>(p: &[S], state: &State<S>) -> Vec<S> {
         c.y,
         d.x,
         d.y,
-        moment[0] + arm[0].cross(b),
+        moment[0] + arm[0].cross_z(b),
     ]
 }
 

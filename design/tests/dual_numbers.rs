@@ -2,9 +2,10 @@
 //! that the models use.
 
 use fivebar_design::Dual;
+use fivebar_kinematics::Scalar;
 use fivebar_kinematics::dynamics::{Arm, Link};
 use fivebar_kinematics::five_bar::{Geometry, Side};
-use fivebar_kinematics::{Scalar, Vec2};
+use nalgebra::Vector2;
 
 /// τ1, τ4, the distal angles and C of one state, as functions of what an arm is given:
 /// l1…l4, the base, θ1, θ4, ω1, α4, the mass and the centre of link 2.
@@ -26,15 +27,15 @@ fn outputs<S: Scalar>(given: [S; 11]) -> [S; 6] {
     let geometry = Geometry::new([l1, l2, l3, l4, base]).unwrap();
     let link = Link {
         mass: number(0.12),
-        com: Vec2::new(number(0.05), number(0.003)),
+        com: Vector2::new(number(0.05), number(0.003)),
         inertia: number(1e-4),
     };
     let distal = Link {
         mass: mass2,
-        com: Vec2::new(along2, number(-0.004)),
+        com: Vector2::new(along2, number(-0.004)),
         ..link
     };
-    let gravity = Vec2::new(number(0.0), number(-9.81));
+    let gravity = Vector2::new(number(0.0), number(-9.81));
     let rotors = [number(1e-5); 2];
     let arm = Arm::new(
         geometry,
@@ -50,7 +51,7 @@ fn outputs<S: Scalar>(given: [S; 11]) -> [S; 6] {
     let acc = geometry
         .forward_accelerations(&pose, &rates, number(20.0), alpha4)
         .unwrap();
-    let force = Vec2::new(number(1.0), number(-3.0));
+    let force = Vector2::new(number(1.0), number(-3.0));
     let [torque1, torque4] = arm
         .unwrap()
         .inverse_dynamics(&pose, &rates, &acc, force)

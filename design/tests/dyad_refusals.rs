@@ -4,15 +4,16 @@ use fivebar_design::linkage::dyad::{
     DyadError, Prp, Rpp, Rpr, Rrp, Rrr, Singular, SlideBranch, Unreachable,
 };
 use fivebar_design::linkage::{LinkMotion, PointMotion};
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::Side;
+use nalgebra::Vector2;
 
 fn still(x: f64, y: f64) -> PointMotion<f64> {
-    PointMotion::fixed(Vec2::new(x, y))
+    PointMotion::fixed(Vector2::new(x, y))
 }
 
 fn still_guide(x: f64, y: f64, angle: f64) -> LinkMotion<f64> {
-    LinkMotion::ground().guide(&still(x, y), Vec2::unit(angle))
+    LinkMotion::ground().guide(&still(x, y), Vector2::unit(angle))
 }
 
 #[test]
@@ -95,7 +96,7 @@ fn singular_places_are_refused_by_name() {
         singular(Singular::GuidesParallel)
     );
     let rpp = Rpp {
-        direction: Vec2::unit(0.0),
+        direction: Vector2::unit(0.0),
     };
     assert_eq!(
         rpp.motion(&origin, &still_guide(1.0, 0.0, 0.5)),

@@ -3,9 +3,10 @@
 
 use fivebar_design::linkage::dyad::{DyadError, DyadMotion, Prp, Rpp, Rpr, Rrp, Rrr, SlideBranch};
 use fivebar_design::linkage::{LinkMotion, PointMotion, Wrench, reactions};
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::Side;
 use fivebar_testkit::Tally;
+use nalgebra::Vector2;
 use proptest::prelude::*;
 
 /// A carrier whose place and direction are known smooth functions of time.
@@ -29,11 +30,11 @@ impl Carrier {
         let [theta, omega, alpha] = polynomial(self.angle, t);
         LinkMotion {
             origin: PointMotion {
-                position: Vec2::new(x[0], y[0]),
-                velocity: Vec2::new(x[1], y[1]),
-                acceleration: Vec2::new(x[2], y[2]),
+                position: Vector2::new(x[0], y[0]),
+                velocity: Vector2::new(x[1], y[1]),
+                acceleration: Vector2::new(x[2], y[2]),
             },
-            axis: Vec2::unit(theta),
+            axis: Vector2::unit(theta),
             omega,
             alpha,
         }
@@ -79,7 +80,7 @@ impl Dyad {
         let [link1, link2] = motion.links;
         let p3 = motion.inner_point.position;
         let [g1, g2] = [carriers[0].link(0.0), carriers[1].link(0.0)];
-        let beside = |g: &LinkMotion<f64>, p: Vec2<f64>| g.axis.cross(p - g.origin.position);
+        let beside = |g: &LinkMotion<f64>, p: Vector2<f64>| g.axis.cross_z(p - g.origin.position);
         match self {
             Self::Rrr(dyad) => {
                 let [l1, l2] = dyad.lengths;
@@ -100,10 +101,10 @@ impl Dyad {
                 (beside(&g1, p3) - e1).abs() + (beside(&g2, p3) - e2).abs()
             }
             Self::Rpp(dyad) => {
-                let turned = link2.axis.cross(link1.axis) - dyad.direction.y;
+                let turned = link2.axis.cross_z(link1.axis) - dyad.direction.y;
                 turned.abs()
                     + beside(&g2, p3).abs()
-                    + link1.axis.cross(g1.origin.position - p3).abs()
+                    + link1.axis.cross_z(g1.origin.position - p3).abs()
             }
         }
     }
@@ -127,7 +128,7 @@ fn dyad() -> impl Strategy<Value = Dyad> {
         })),
         [offset(), offset()].prop_map(|offsets| Dyad::Prp(Prp { offsets })),
         (-3.0..3.0_f64).prop_map(|angle| Dyad::Rpp(Rpp {
-            direction: Vec2::unit(angle)
+            direction: Vector2::unit(angle)
         })),
     ]
 }
@@ -150,7 +151,7 @@ fn coordinates(motion: &DyadMotion<f64>) -> [Vec<f64>; 3] {
     }
     for link in motion.links {
         // d(u)/dt = ω n, d²(u)/dt² = α n − ω² u.
-        let (u, n) = (link.axis, link.axis.perp());
+        let (u, n) = (link.axis, link.axis.perpendicular());
         let second = n * link.alpha - u * (link.omega * link.omega);
         add([u.x, link.omega * n.x, second.x]);
         add([u.y, link.omega * n.y, second.y]);
@@ -239,7 +240,7 @@ fn reactions_balance_each_link_and_spend_no_power() {
             return Ok(());
         }
         let motion = outcome.unwrap();
-        let loads = forces.map(|[x, y, moment]| Wrench { force: Vec2::new(x, y), moment });
+        let loads = forces.map(|[x, y, moment]| Wrench { force: Vector2::new(x, y), moment });
         let [r1, r12, r2] = reactions(&motion.joints, &loads).unwrap();
 
         let scale = [r1, r12, r2].iter().fold(1.0_f64, |m, r| m.max(r.force.norm() + r.moment.abs()));
@@ -263,7 +264,7 @@ fn the_triangle_and_the_vector_loop_give_the_same_pin() {
     let lengths = [0.2..2.5_f64, 0.2..2.5_f64];
     let end = || [-1.0..1.0_f64, -1.0..1.0_f64];
     proptest!(ProptestConfig::with_cases(3000), |(lengths in lengths, ends in [end(), end()])| {
-        let [p1, p2] = ends.map(|[x, y]| Vec2::new(x, y));
+        let [p1, p2] = ends.map(|[x, y]| Vector2::new(x, y));
         for side in Side::BOTH {
             let dyad = Rrr { lengths, side };
             let pins = (dyad.position(p1, p2), dyad.position_by_vector_loop(p1, p2));
@@ -273,9 +274,9 @@ fn the_triangle_and_the_vector_loop_give_the_same_pin() {
                     // Both round under the root, which amplifies where the bars align; the
                     // half angle moreover where A ± √ and B − C both cancel.
                     let ([l1, l2], d) = (lengths, p2 - p1);
-                    let sine = ((a - p1).cross(a - p2) / (l1 * l2)).abs();
+                    let sine = ((a - p1).cross_z(a - p2) / (l1 * l2)).abs();
                     let c = d.norm_squared() + l2 * l2 - l1 * l1;
-                    let half_angle = Vec2::new(
+                    let half_angle = Vector2::new(
                         2.0 * l2 * d.x - c,
                         2.0 * (l2 * d.y + side.sign(l1 * l2 * sine)),
                     );
@@ -284,7 +285,7 @@ fn the_triangle_and_the_vector_loop_give_the_same_pin() {
                     if compared.count(bound < 1e-6) {
                         prop_assert!((a - b).norm() <= bound, "{a:?} and {b:?}");
                     }
-                    prop_assert_eq!(Side::of((p2 - p1).cross(a - p1)), side);
+                    prop_assert_eq!(Side::of((p2 - p1).cross_z(a - p1)), side);
                 }
                 (a, b) => prop_assert_eq!(a.unwrap_err(), b.unwrap_err()),
             }

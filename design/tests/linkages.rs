@@ -9,18 +9,19 @@ use fivebar_design::linkage::{
 };
 use fivebar_kinematics::dynamics::{Arm, Link};
 use fivebar_kinematics::five_bar::{Geometry, Side};
-use fivebar_kinematics::{Scalar, Vec2};
+use fivebar_kinematics::{PlanarVector, Scalar};
 use fivebar_testkit::Tally;
+use nalgebra::Vector2;
 use proptest::prelude::*;
 
 const MASSLESS: Link<f64> = Link {
     mass: 0.0,
-    com: Vec2 { x: 0.0, y: 0.0 },
+    com: Vector2::new(0.0, 0.0),
     inertia: 0.0,
 };
 
-fn vec2([x, y]: [f64; 2]) -> Vec2<f64> {
-    Vec2::new(x, y)
+fn vec2([x, y]: [f64; 2]) -> Vector2<f64> {
+    Vector2::new(x, y)
 }
 
 /// The five-bar as two cranks and a dyad, its tool loaded with `payload` and `force`.
@@ -29,8 +30,8 @@ fn five_bar(
     links: [Link<f64>; 4],
     side: Side,
     payload: f64,
-    gravity: Vec2<f64>,
-    force: Vec2<f64>,
+    gravity: Vector2<f64>,
+    force: Vector2<f64>,
 ) -> Linkage<f64> {
     let [l1, l2, l3, l4, base] = lengths;
     let mut linkage = Linkage::new(gravity).unwrap();
@@ -61,7 +62,7 @@ fn five_bar(
 }
 
 fn four_bar([frame, input, coupler, output]: [f64; 4], side: Side) -> Linkage<f64> {
-    let mut linkage = Linkage::new(Vec2::zero()).unwrap();
+    let mut linkage = Linkage::new(Vector2::zeros()).unwrap();
     let a = linkage
         .add_point("A", LinkId::GROUND, vec2([0.0, 0.0]))
         .unwrap();
@@ -139,15 +140,15 @@ proptest! {
         let close = |a: f64, b: f64, scale: f64| (a - b).abs() <= rounding * scale.max(1.0);
         let speed = velocities.omega.iter().fold(0.0_f64, |m, w| m.max(w.abs()));
         let quick = expected.alpha.iter().fold(speed * speed, |m, a| m.max(a.abs()));
-        prop_assert!((dyad.inner_point.position - pose.c).norm() <= rounding);
-        prop_assert!((dyad.inner_point.velocity - velocities.c).norm() <= rounding * speed.max(1.0));
-        prop_assert!((dyad.inner_point.acceleration - expected.c).norm() <= rounding * quick.max(1.0));
+        prop_assert!((dyad.inner_point.position - pose.c).length() <= rounding);
+        prop_assert!((dyad.inner_point.velocity - velocities.c).length() <= rounding * speed.max(1.0));
+        prop_assert!((dyad.inner_point.acceleration - expected.c).length() <= rounding * quick.max(1.0));
         for (link, i) in [(1, 0), (3, 1), (4, 2), (2, 3)].map(|(link, i)| (motion.links[link], i)) {
             prop_assert!(close(link.omega, velocities.omega[i], speed));
             prop_assert!(close(link.alpha, expected.alpha[i], quick));
         }
         let scale = torque[0].abs().max(torque[1].abs())
-            + forces.reactions.iter().fold(0.0_f64, |m, r| m.max(r.wrench.force.norm()));
+            + forces.reactions.iter().fold(0.0_f64, |m, r| m.max(r.wrench.force.length()));
         for i in 0..2 {
             prop_assert!(close(forces.driving[i], torque[i], scale), "{:?} for {torque:?}", forces.driving);
         }
@@ -193,8 +194,8 @@ fn the_four_types_of_four_bar_are_told_apart() {
         [MASSLESS; 4],
         Side::Left,
         0.0,
-        Vec2::zero(),
-        Vec2::zero(),
+        Vector2::zeros(),
+        Vector2::zeros(),
     );
     assert!(two_cranks.four_bar().is_none());
 }
@@ -256,7 +257,7 @@ fn every_parameter_can_be_perturbed_by_name() {
         rate: 0.0,
         acceleration: 0.0,
     }];
-    let angle = |linkage: &Linkage<f64>| linkage.motion(&at).unwrap().links[3].axis.angle();
+    let angle = |linkage: &Linkage<f64>| linkage.motion(&at).unwrap().links[3].axis.polar_angle();
     assert!((angle(&longer) - angle(&linkage)).abs() > 1e-3);
     assert_eq!(linkage.map_parameters(|_, value| value), linkage);
 }
@@ -324,7 +325,7 @@ fn outcome<S: Scalar>(linkage: &Linkage<S>, angle: S) -> [S; 4] {
         ram.position.x,
         ram.acceleration.x,
         forces.driving[0],
-        guide.wrench.force.norm(),
+        guide.wrench.force.length(),
     ]
 }
 

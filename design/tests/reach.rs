@@ -1,9 +1,10 @@
 //! The region that both legs reach against areas known otherwise.
 
 use fivebar_design::workspace::{reach_boundary, reachable_area};
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::Geometry;
 use fivebar_testkit::{Tally, assert_close, geometry};
+use nalgebra::Vector2;
 use proptest::prelude::*;
 
 /// ½∮(x dy − y dx) along the boundary arcs: outer ones with the region to their left,
@@ -11,9 +12,9 @@ use proptest::prelude::*;
 fn area_within_boundary(geometry: &Geometry<f64>) -> f64 {
     reach_boundary(geometry)
         .map(|arc| {
-            let (from, to) = (Vec2::unit(arc.from), Vec2::unit(arc.to));
+            let (from, to) = (Vector2::unit(arc.from), Vector2::unit(arc.to));
             let swept = arc.radius * arc.radius * (arc.to - arc.from)
-                + arc.radius * arc.center.cross(to - from);
+                + arc.radius * arc.center.cross_z(to - from);
             if arc.outer { 0.5 * swept } else { -0.5 * swept }
         })
         .sum()
@@ -30,7 +31,7 @@ fn the_textbook_lens_has_its_known_area() {
     let (mut hits, size) = (0_u32, 1.0 / f64::from(cells));
     for i in 0..cells {
         for j in 0..cells {
-            let c = Vec2::new(
+            let c = Vector2::new(
                 0.1375 + (f64::from(i) + 0.5) * size - 0.5,
                 (f64::from(j) + 0.5) * size - 0.5,
             );
@@ -45,8 +46,8 @@ fn the_textbook_lens_has_its_known_area() {
 /// The circles that bound the reach of the leg whose pivot is not at `center`.
 fn other_leg(
     geometry: &Geometry<f64>,
-    center: Vec2<f64>,
-) -> impl Iterator<Item = (Vec2<f64>, f64)> {
+    center: Vector2<f64>,
+) -> impl Iterator<Item = (Vector2<f64>, f64)> {
     let [l1, l2, l3, l4, l5] = geometry.lengths();
     let (pivot, near, far) = if center.x == 0.0 {
         (l5, l4, l3)
@@ -56,7 +57,7 @@ fn other_leg(
     let radii = [near + far, (near - far).abs()];
     radii
         .into_iter()
-        .map(move |radius| (Vec2::new(pivot, 0.0), radius))
+        .map(move |radius| (Vector2::new(pivot, 0.0), radius))
 }
 
 proptest! {
@@ -74,7 +75,7 @@ fn the_boundary_parts_what_is_reached_from_what_is_not() {
     proptest!(|(geometry in geometry(), at in 0.01..0.99_f64)| {
         prop_assert!(reach_boundary(&geometry).count() > 0);
         for arc in reach_boundary(&geometry) {
-            let direction = Vec2::unit(arc.from + at * (arc.to - arc.from));
+            let direction = Vector2::unit(arc.from + at * (arc.to - arc.from));
             // So small that the other leg, whose circles meet the arc at its ends, cannot
             // object, however flat they meet it.
             let on_arc = arc.center + direction * arc.radius;

@@ -4,8 +4,9 @@
 use fivebar_design::linkage::dyad::{Rrr, SlideBranch};
 use fivebar_design::linkage::{Coordinate, Group, Guide, LinkId, Linkage};
 use fivebar_design::slider::{Geometry, GeometryError, Limb, Pose, PoseError, Travel, WorkingMode};
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::Side;
+use nalgebra::Vector2;
 use proptest::prelude::*;
 
 /// The test case: l3 1.2, l7 1.1, l5 0.6 m.
@@ -30,7 +31,7 @@ fn geometry() -> impl Strategy<Value = Geometry<f64>> {
 fn regular_pose() -> impl Strategy<Value = (Geometry<f64>, Pose<f64>)> {
     (geometry(), -2.0..2.0_f64, -1.0..1.0_f64, mode())
         .prop_map(|(geometry, x, height, mode)| {
-            let p = Vec2::new(x, height * geometry.l3().min(geometry.l7()));
+            let p = Vector2::new(x, height * geometry.l3().min(geometry.l7()));
             let pose = geometry.inverse(p, mode).unwrap();
             (geometry, pose)
         })
@@ -40,7 +41,7 @@ fn regular_pose() -> impl Strategy<Value = (Geometry<f64>, Pose<f64>)> {
 }
 
 /// P after small changes of l3, l7, l5, x2 and x8.
-fn moved(geometry: &Geometry<f64>, pose: &Pose<f64>, by: [f64; 5]) -> Vec2<f64> {
+fn moved(geometry: &Geometry<f64>, pose: &Pose<f64>, by: [f64; 5]) -> Vector2<f64> {
     let [l3, l7, l5, x2, x8] = by;
     let changed = Geometry::new(geometry.l3() + l3, geometry.l7() + l7, geometry.l5() + l5);
     // PRRRP has no platform to shorten: central differences need room below zero.
@@ -68,7 +69,7 @@ proptest! {
         prop_assert!(close(geometry.l7() * alpha7.sin(), pose.p.y, 1e-14));
 
         let back = geometry.forward(pose.x2, pose.x8, pose.assembly()).unwrap();
-        prop_assert!((back.p - pose.p).norm() < 1e-12);
+        prop_assert!((back.p - pose.p).length() < 1e-12);
         prop_assert_eq!(back.working_mode(), pose.working_mode());
         let again = geometry.inverse(back.p, back.working_mode()).unwrap();
         prop_assert!((again.x2 - pose.x2).abs() + (again.x8 - pose.x8).abs() < 1e-11);
@@ -110,7 +111,7 @@ proptest! {
         ] {
             prop_assert!((slope(a, b) - rate).abs() <= tolerance, "{rate} for {}", slope(a, b));
         }
-        prop_assert!(velocities.p.norm() > 0.0 && found.p.norm() > 0.0);
+        prop_assert!(velocities.p.length() > 0.0 && found.p.length() > 0.0);
 
         let back = geometry.inverse_velocities(&start, velocities.p).unwrap();
         let again = geometry.inverse_accelerations(&start, &back, found.p).unwrap();
@@ -128,8 +129,8 @@ proptest! {
         v in [-1.0..1.0_f64, -1.0..1.0_f64],
         a in [-3.0..3.0_f64, -3.0..3.0_f64],
     ) {
-        let rates = geometry.inverse_velocities(&pose, Vec2::new(v[0], v[1])).unwrap();
-        let found = geometry.inverse_accelerations(&pose, &rates, Vec2::new(a[0], a[1])).unwrap();
+        let rates = geometry.inverse_velocities(&pose, Vector2::new(v[0], v[1])).unwrap();
+        let found = geometry.inverse_accelerations(&pose, &rates, Vector2::new(a[0], a[1])).unwrap();
         let y = pose.p.y;
         let limbs = [(geometry.l3(), pose.u3.x), (geometry.l7(), pose.u7.x)];
         for (i, (l, cosine)) in limbs.into_iter().enumerate() {
@@ -155,8 +156,8 @@ proptest! {
             let after = moved(&geometry, &pose, by);
             let before = moved(&geometry, &pose, by.map(|b| -b));
             let difference = (after - before) * (0.5 / step);
-            prop_assert!((difference - column).norm() < 1e-6, "{i}: {column:?} for {difference:?}");
-            prop_assert!(column.norm() > 1e-3);
+            prop_assert!((difference - column).length() < 1e-6, "{i}: {column:?} for {difference:?}");
+            prop_assert!(column.length() > 1e-3);
         }
     }
 
@@ -168,15 +169,15 @@ proptest! {
     ) {
         // The platform only shifts: as a linkage of two sliders and two bars, the left
         // guide starts at l5/2 and the right one at −l5/2.
-        let mut linkage = Linkage::new(Vec2::zero()).unwrap();
+        let mut linkage = Linkage::new(Vector2::zeros()).unwrap();
         let mut ends = Vec::new();
         for shift in [0.5, -0.5] {
-            let at = Vec2::new(shift * geometry.l5(), 0.0);
+            let at = Vector2::new(shift * geometry.l5(), 0.0);
             let through = linkage.add_point("guide", LinkId::GROUND, at).unwrap();
-            let guide = Guide { through, direction: Vec2::new(1.0, 0.0) };
+            let guide = Guide { through, direction: Vector2::new(1.0, 0.0) };
             let slider = linkage.add_group("slider", Group::Slider { guide }).unwrap();
             let link = slider.links().next().unwrap();
-            ends.push(linkage.add_point("pin", link, Vec2::zero()).unwrap());
+            ends.push(linkage.add_point("pin", link, Vector2::zeros()).unwrap());
         }
         let apart = pose.x8 - pose.x2 > geometry.l5();
         let dyad = Rrr {
@@ -193,9 +194,9 @@ proptest! {
 
         let velocities = geometry.forward_velocities(&pose, rates).unwrap();
         let found = geometry.forward_accelerations(&pose, &velocities, accelerations).unwrap();
-        prop_assert!((p.position - pose.p).norm() < 1e-12);
-        prop_assert!((p.velocity - velocities.p).norm() < 1e-11);
-        prop_assert!((p.acceleration - found.p).norm() < 1e-10 * found.p.norm().max(100.0));
+        prop_assert!((p.position - pose.p).length() < 1e-12);
+        prop_assert!((p.velocity - velocities.p).length() < 1e-11);
+        prop_assert!((p.acceleration - found.p).length() < 1e-10 * found.p.length().max(100.0));
     }
 }
 
@@ -204,7 +205,7 @@ fn the_test_case_has_the_numbers_of_its_equations() {
     // xP = x2 + 1.2 cos α3 + 0.3 = x8 + 1.1 cos α7 − 0.3 with P at (0, 0.66):
     // sin α3 = 0.55, sin α7 = 0.6, cos α7 = −0.8.
     let pose = example()
-        .inverse(Vec2::new(0.0, 0.66), WorkingMode::APART)
+        .inverse(Vector2::new(0.0, 0.66), WorkingMode::APART)
         .unwrap();
     assert!((pose.x8 - (0.3 + 0.88)).abs() < 1e-15);
     assert!((pose.x2 + 0.3 + 1.2 * (1.0 - 0.55_f64 * 0.55).sqrt()).abs() < 1e-15);
@@ -217,14 +218,14 @@ fn the_test_case_has_the_numbers_of_its_equations() {
 fn the_printed_coefficient_at_fixed_angle_is_wrong() {
     let geometry = example();
     let pose = geometry
-        .inverse(Vec2::new(0.0, 0.66), WorkingMode::APART)
+        .inverse(Vector2::new(0.0, 0.66), WorkingMode::APART)
         .unwrap();
     let step = 1e-6;
     let by = |l3: f64| moved(&geometry, &pose, [l3, 0.0, 0.0, 0.0, 0.0]);
     let truth = (by(step) - by(-step)) * (0.5 / step);
     let ours = geometry.error_transfer(&pose).unwrap().l3;
     let printed = pose.u3.x;
-    assert!((ours - truth).norm() < 1e-8);
+    assert!((ours - truth).length() < 1e-8);
     assert!((printed - truth.x).abs() > 0.1, "{printed} for {}", truth.x);
 }
 
@@ -240,7 +241,7 @@ fn equal_limbs_keep_their_angles_supplementary() {
 #[test]
 fn what_cannot_be_reached_and_singular_places_are_told_apart() {
     let g = example();
-    let at = |y: f64| g.inverse(Vec2::new(0.0, y), WorkingMode::APART);
+    let at = |y: f64| g.inverse(Vector2::new(0.0, y), WorkingMode::APART);
     let too_short = Err(PoseError::LimbTooShort(Limb::Right));
     assert_eq!(at(1.15), too_short);
     assert_eq!(at(1.25), Err(PoseError::LimbTooShort(Limb::Left)));
@@ -255,11 +256,11 @@ fn what_cannot_be_reached_and_singular_places_are_told_apart() {
     // Type 1: the right limb upright. Forward rates exist, inverse ones do not.
     let square = at(1.1).unwrap();
     assert!(g.forward_velocities(&square, [0.1, 0.2]).is_ok());
-    let refused = g.inverse_velocities(&square, Vec2::new(0.0, 1.0));
+    let refused = g.inverse_velocities(&square, Vector2::new(0.0, 1.0));
     assert_eq!(refused, Err(PoseError::LimbPerpendicular(Limb::Right)));
     // Type 2: both limbs along the guide. The other way round.
     let flat = at(0.0).unwrap();
-    assert!(g.inverse_velocities(&flat, Vec2::new(0.1, 0.2)).is_ok());
+    assert!(g.inverse_velocities(&flat, Vector2::new(0.1, 0.2)).is_ok());
     let refused = g.forward_velocities(&flat, [0.1, 0.2]);
     assert_eq!(refused, Err(PoseError::Parallel));
 }
@@ -294,7 +295,7 @@ fn the_workspace_is_where_the_inverse_stays_within_the_travel() {
             for j in 0..120 {
                 let x = -2.0 + (f64::from(i) + 0.5) * step;
                 let y = (f64::from(j) + 0.5) * step;
-                let p = Vec2::new(x, y);
+                let p = Vector2::new(x, y);
                 let reached = geometry
                     .inverse(p, mode)
                     .is_ok_and(|pose| travel.contains(&pose));

@@ -2,9 +2,11 @@
 //! `cargo bench -p fivebar-kinematics --bench five_bar`.
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use fivebar_kinematics::PlanarVector;
+use fivebar_kinematics::Scalar;
 use fivebar_kinematics::dynamics::{Arm, Link};
 use fivebar_kinematics::five_bar::{Geometry, Side, WorkingMode};
-use fivebar_kinematics::{Scalar, Vec2};
+use nalgebra::Vector2;
 use std::hint::black_box;
 
 fn arm<S: Scalar>() -> Arm<S> {
@@ -12,10 +14,10 @@ fn arm<S: Scalar>() -> Arm<S> {
     let geometry = Geometry::new([0.1, 0.16, 0.16, 0.1, 0.08].map(number)).expect("it closes");
     let link = Link {
         mass: number(0.1),
-        com: Vec2::new(number(0.05), number(0.002)),
+        com: Vector2::new(number(0.05), number(0.002)),
         inertia: number(1e-4),
     };
-    let gravity = Vec2::new(number(0.0), number(-9.81));
+    let gravity = Vector2::new(number(0.0), number(-9.81));
     Arm::new(
         geometry,
         [link; 4],
@@ -37,12 +39,15 @@ fn solutions<S: Scalar>(criterion: &mut Criterion, precision: &str) {
         bencher.iter(|| geometry.forward(black_box(theta1), black_box(theta4), Side::Left));
     });
 
-    let c = Vec2::new(number(0.05), number(0.2));
+    let c = Vector2::new(number(0.05), number(0.2));
     let mode = WorkingMode::new(Side::Right, Side::Left);
     group.bench_function("inverse position, both angles", |bencher| {
         bencher.iter(|| {
             let pose = geometry.inverse(black_box(c), mode)?;
-            Ok::<_, fivebar_kinematics::five_bar::PoseError>([pose.u1.angle(), pose.u4.angle()])
+            Ok::<_, fivebar_kinematics::five_bar::PoseError>([
+                pose.u1.polar_angle(),
+                pose.u4.polar_angle(),
+            ])
         });
     });
 
@@ -57,7 +62,7 @@ fn solutions<S: Scalar>(criterion: &mut Criterion, precision: &str) {
                 black_box(&pose),
                 black_box(&rates),
                 black_box(&accelerations),
-                Vec2::zero(),
+                Vector2::zeros(),
             )
         });
     });

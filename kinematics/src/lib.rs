@@ -16,5 +16,7 @@ pub mod scalar;
 pub mod trajectory;
 mod vector;
 
+/// The vectors and matrices of every signature here.
+pub use nalgebra;
 pub use scalar::Scalar;
-pub use vector::Vec2;
+pub use vector::PlanarVector;

@@ -1,109 +1,85 @@
-//! Vectors of the plane, with the two products that planar mechanics needs.
+//! What planar mechanics needs of a vector beyond nalgebra's own operations.
 
 use crate::Scalar;
-use core::ops::{Add, Mul, Neg, Sub};
+use nalgebra::Vector2;
 
-/// A vector of the plane.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
-pub struct Vec2<S> {
-    /// Component along +x.
-    pub x: S,
-    /// Component along +y.
-    pub y: S,
+/// The plane's products, directions and lengths, for [`Vector2`] of any [`Scalar`].
+///
+/// Sums, multiples and `a.dot(&b)` are nalgebra's. Its `norm` and `angle` ask for more than
+/// [`Scalar`] offers, hence [`length`](PlanarVector::length) and
+/// [`polar_angle`](PlanarVector::polar_angle).
+///
+/// ```
+/// use fivebar_kinematics::PlanarVector;
+/// use nalgebra::Vector2;
+///
+/// let u = Vector2::<f64>::unit(0.5);
+/// assert!((u.length() - 1.0).abs() < 1e-15);
+/// assert!((u.polar_angle() - 0.5).abs() < 1e-15);
+/// // n(θ) lies to the left of u(θ), a quarter turn ahead.
+/// assert_eq!(u.cross_z(u.perpendicular()), u.length_squared());
+/// ```
+pub trait PlanarVector<S>: Sized {
+    /// u(θ) = (cos θ, sin θ), θ in radians.
+    fn unit(angle: S) -> Self;
+
+    /// a×b = ax·by − ay·bx, the z component of the spatial cross product: positive where b
+    /// lies to the left of a.
+    fn cross_z(self, other: Self) -> S;
+
+    /// This vector turned by +90°: n(θ) is perpendicular to u(θ).
+    #[must_use]
+    fn perpendicular(self) -> Self;
+
+    /// This vector, given along and to the left of a link, in the frame of the base; `axis`
+    /// is the link's unit vector there.
+    #[must_use]
+    fn to_base_frame(self, axis: Self) -> Self;
+
+    /// |a|².
+    fn length_squared(self) -> S;
+
+    /// |a|.
+    fn length(self) -> S;
+
+    /// The direction of this vector [rad], in (−π, π].
+    fn polar_angle(self) -> S;
 }
 
-impl<S: Scalar> Vec2<S> {
-    /// The vector (x, y).
-    #[inline]
-    pub fn new(x: S, y: S) -> Self {
-        Self { x, y }
-    }
-
-    /// The zero vector.
-    #[inline]
-    pub fn zero() -> Self {
-        Self::new(S::ZERO, S::ZERO)
-    }
-
-    /// u(θ) = (cos θ, sin θ), θ in radians.
-    #[inline]
-    pub fn unit(angle: S) -> Self {
+impl<S: Scalar> PlanarVector<S> for Vector2<S> {
+    #[inline(always)]
+    fn unit(angle: S) -> Self {
         let (sin, cos) = angle.sin_cos();
         Self::new(cos, sin)
     }
 
-    /// a·b.
-    #[inline]
-    pub fn dot(self, other: Self) -> S {
-        self.x * other.x + self.y * other.y
-    }
-
-    /// a×b = ax·by − ay·bx, positive where b lies to the left of a.
-    #[inline]
-    pub fn cross(self, other: Self) -> S {
+    #[inline(always)]
+    fn cross_z(self, other: Self) -> S {
         self.x * other.y - self.y * other.x
     }
 
-    /// This vector turned by +90°: n(θ) = perp(u(θ)).
-    #[inline]
-    pub fn perp(self) -> Self {
+    #[inline(always)]
+    fn perpendicular(self) -> Self {
         Self::new(-self.y, self.x)
     }
 
-    /// The vector whose components along and to the left of the unit vector `axis` are
-    /// this vector's: local coordinates of a link turned into the plane's.
-    #[inline]
-    pub fn rotated_to(self, axis: Self) -> Self {
-        axis * self.x + axis.perp() * self.y
+    #[inline(always)]
+    fn to_base_frame(self, axis: Self) -> Self {
+        axis * self.x + axis.perpendicular() * self.y
     }
 
-    /// |a|².
-    #[inline]
-    pub fn norm_squared(self) -> S {
-        self.dot(self)
+    #[inline(always)]
+    fn length_squared(self) -> S {
+        self.dot(&self)
     }
 
-    /// |a|.
-    #[inline]
-    pub fn norm(self) -> S {
-        self.norm_squared().sqrt()
+    #[inline(always)]
+    fn length(self) -> S {
+        self.length_squared().sqrt()
     }
 
-    /// The direction of this vector [rad], in (−π, π].
-    #[inline]
-    pub fn angle(self) -> S {
+    #[inline(always)]
+    fn polar_angle(self) -> S {
         self.y.atan2(self.x)
-    }
-}
-
-impl<S: Scalar> Add for Vec2<S> {
-    type Output = Self;
-    #[inline]
-    fn add(self, other: Self) -> Self {
-        Self::new(self.x + other.x, self.y + other.y)
-    }
-}
-
-impl<S: Scalar> Sub for Vec2<S> {
-    type Output = Self;
-    #[inline]
-    fn sub(self, other: Self) -> Self {
-        Self::new(self.x - other.x, self.y - other.y)
-    }
-}
-
-impl<S: Scalar> Neg for Vec2<S> {
-    type Output = Self;
-    #[inline]
-    fn neg(self) -> Self {
-        Self::new(-self.x, -self.y)
-    }
-}
-
-impl<S: Scalar> Mul<S> for Vec2<S> {
-    type Output = Self;
-    #[inline]
-    fn mul(self, factor: S) -> Self {
-        Self::new(self.x * factor, self.y * factor)
     }
 }

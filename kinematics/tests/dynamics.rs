@@ -1,13 +1,13 @@
 //! Kane's equations against what else they must equal: energy, Newton–Euler, statics.
 
-use fivebar_kinematics::Vec2;
 use fivebar_kinematics::dynamics::{Arm, Link, ModelError, Regrouped, ShareTotals, TorqueShares};
 use fivebar_kinematics::five_bar::{Geometry, Links, PoseError, Side, Singularity};
 use fivebar_testkit::{Moving, assert_close, moving};
+use nalgebra::Vector2;
 use proptest::prelude::*;
 
-fn vec2(size: f64) -> impl Strategy<Value = Vec2<f64>> {
-    (-size..size, -size..size).prop_map(|(x, y)| Vec2::new(x, y))
+fn vec2(size: f64) -> impl Strategy<Value = Vector2<f64>> {
+    (-size..size, -size..size).prop_map(|(x, y)| Vector2::new(x, y))
 }
 
 fn link() -> impl Strategy<Value = Link<f64>> {
@@ -19,7 +19,7 @@ fn link() -> impl Strategy<Value = Link<f64>> {
 }
 
 /// A moving arm with any masses, centres anywhere, gravity, rotors, and a force on C.
-fn loaded() -> impl Strategy<Value = (Moving, Arm<f64>, Vec2<f64>)> {
+fn loaded() -> impl Strategy<Value = (Moving, Arm<f64>, Vector2<f64>)> {
     (
         moving(0.1),
         prop::array::uniform4(link()),
@@ -49,7 +49,7 @@ proptest! {
         let (pose, velocities, accelerations) = moving.now();
         let [omega1, _, _, omega4] = velocities.omega;
         let kane = arm
-            .inverse_dynamics(&pose, &velocities, &accelerations, Vec2::new(0.0, 0.0))
+            .inverse_dynamics(&pose, &velocities, &accelerations, Vector2::new(0.0, 0.0))
             .unwrap();
         let regrouped = Regrouped::new(&arm);
         let links = Links::of(&pose, arm.geometry());
@@ -62,10 +62,10 @@ proptest! {
         let (pose, velocities, accelerations) = moving.now();
         let torque = arm.inverse_dynamics(&pose, &velocities, &accelerations, force).unwrap();
         let mass = arm.mass_matrix(&pose).unwrap();
-        let inertia = mass.times(moving.alpha);
+        let inertia = mass * Vector2::from(moving.alpha);
         let bias = arm.bias(&pose, &velocities, force).unwrap();
         assert_torque("τ", [inertia[0] + bias[0], inertia[1] + bias[1]], torque, 1e-9);
-        prop_assert!(mass.m11 > 0.0 && mass.m11 * mass.m44 > mass.m14 * mass.m14);
+        prop_assert!(mass.m11 > 0.0 && mass.m11 * mass.m22 > mass.m12 * mass.m12);
     }
 
     #[test]
@@ -75,8 +75,8 @@ proptest! {
         let alpha = arm.forward_dynamics(&pose, &velocities, torque, force).unwrap();
         // What cancels is as large as the torque that the bias and the inertia share.
         let mass = arm.mass_matrix(&pose).unwrap();
-        let determinant = mass.m11 * mass.m44 - mass.m14 * mass.m14;
-        let amplification = (mass.m11 + mass.m44) / determinant
+        let determinant = mass.m11 * mass.m22 - mass.m12 * mass.m12;
+        let amplification = (mass.m11 + mass.m22) / determinant
             * torque.iter().fold(0.0_f64, |m, t| m.max(t.abs()));
         let bound = 1e-9 * moving.alpha.iter().fold(1.0_f64, |m, a| m.max(a.abs()))
             + 1e-13 * amplification;
@@ -88,8 +88,8 @@ proptest! {
     #[test]
     fn kinetic_energy_is_half_q_m_q((moving, arm, _) in loaded()) {
         let (pose, velocities, _) = moving.now();
-        let [momentum1, momentum4] = arm.mass_matrix(&pose).unwrap().times(moving.omega);
-        let energy = 0.5 * (momentum1 * moving.omega[0] + momentum4 * moving.omega[1]);
+        let omega = Vector2::from(moving.omega);
+        let energy = 0.5 * omega.dot(&(arm.mass_matrix(&pose).unwrap() * omega));
         assert_close("T", arm.kinetic_energy(&pose, &velocities), energy, 1e-10);
     }
 
@@ -99,7 +99,7 @@ proptest! {
         let [torque1, torque4] =
             arm.inverse_dynamics(&pose, &velocities, &accelerations, force).unwrap();
         let power =
-            torque1 * moving.omega[0] + torque4 * moving.omega[1] + force.dot(velocities.c);
+            torque1 * moving.omega[0] + torque4 * moving.omega[1] + force.dot(&velocities.c);
         let energy = |t| {
             let (pose, velocities) = moving.rates_at(t);
             arm.kinetic_energy(&pose, &velocities) + arm.potential_energy(&pose)
@@ -127,7 +127,7 @@ proptest! {
         let (pose, velocities, accelerations) = still.now();
         let torque = arm.gravity_torque(&pose).unwrap();
         let at_rest = arm
-            .inverse_dynamics(&pose, &velocities, &accelerations, Vec2::zero())
+            .inverse_dynamics(&pose, &velocities, &accelerations, Vector2::zeros())
             .unwrap();
         assert_torque("at rest", torque, at_rest, 1e-10);
         for joint in 0..2 {
@@ -157,10 +157,17 @@ fn arm() -> Arm<f64> {
     let geometry = Geometry::new([0.1, 0.16, 0.16, 0.1, 0.08]).unwrap();
     let link = Link {
         mass: 0.1,
-        com: Vec2::new(0.05, 0.002),
+        com: Vector2::new(0.05, 0.002),
         inertia: 1e-4,
     };
-    Arm::new(geometry, [link; 4], 0.05, Vec2::new(0.0, -9.81), [1e-5; 2]).unwrap()
+    Arm::new(
+        geometry,
+        [link; 4],
+        0.05,
+        Vector2::new(0.0, -9.81),
+        [1e-5; 2],
+    )
+    .unwrap()
 }
 
 #[test]
@@ -203,7 +210,7 @@ fn dynamics_are_refused_where_b_c_d_are_in_line() {
 fn unsound_masses_are_refused_by_name() {
     let good = arm();
     let geometry = *good.geometry();
-    let gravity = Vec2::new(0.0, -9.81);
+    let gravity = Vector2::new(0.0, -9.81);
     let links = *good.links();
     let with = |index: usize, change: fn(&mut Link<f64>)| {
         let mut changed = links;
@@ -221,7 +228,7 @@ fn unsound_masses_are_refused_by_name() {
     assert_eq!(with(3, massless), ModelError::NoInertia(4));
     let refuse = |payload, gravity, rotors| Arm::new(geometry, links, payload, gravity, rotors);
     assert_eq!(refuse(-1.0, gravity, [0.0; 2]), Err(ModelError::Payload));
-    let nowhere = Vec2::new(f64::NAN, 0.0);
+    let nowhere = Vector2::new(f64::NAN, 0.0);
     assert_eq!(refuse(0.0, nowhere, [0.0; 2]), Err(ModelError::Gravity));
     assert_eq!(
         refuse(0.0, gravity, [0.0, -1.0]),

@@ -1,22 +1,23 @@
 //! Velocities and accelerations are the derivatives of positions, both ways.
 
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::Tool;
 use fivebar_testkit::{Case, Moving, Tally, assert_close, mode, moving, pose, turned};
+use nalgebra::Vector2;
 use proptest::prelude::*;
 
-fn offset() -> impl Strategy<Value = Vec2<f64>> {
-    (-0.1..0.2_f64, -0.1..0.1_f64).prop_map(|(x, y)| Vec2::new(x, y))
+fn offset() -> impl Strategy<Value = Vector2<f64>> {
+    (-0.1..0.2_f64, -0.1..0.1_f64).prop_map(|(x, y)| Vector2::new(x, y))
 }
 
 /// Whether the angle at B from A–B to B–T has at least this sine, T being at `offset` from C.
-fn is_bent(case: &Case, offset: Vec2<f64>, least: f64) -> bool {
-    let bt = case.pose.c + offset.rotated_to(case.pose.u2) - case.pose.b;
-    case.pose.u1.cross(bt).abs() >= least * bt.norm()
+fn is_bent(case: &Case, offset: Vector2<f64>, least: f64) -> bool {
+    let bt = case.pose.c + offset.to_base_frame(case.pose.u2) - case.pose.b;
+    case.pose.u1.cross_z(bt).abs() >= least * bt.norm()
 }
 
 /// A pose and a tool whose dyad A–B–T is bent too.
-fn pose_with_tool(margin: f64) -> impl Strategy<Value = (Case, Vec2<f64>)> {
+fn pose_with_tool(margin: f64) -> impl Strategy<Value = (Case, Vector2<f64>)> {
     (pose(margin), offset()).prop_filter("A–B–T in line", move |(case, offset)| {
         is_bent(case, *offset, margin)
     })
@@ -24,8 +25,8 @@ fn pose_with_tool(margin: f64) -> impl Strategy<Value = (Case, Vec2<f64>)> {
 
 /// A motion and a tool whose dyad A–B–T is bent by |sin| ≥ 0.05.
 fn moving_with_tool(
-    offset: impl Strategy<Value = Vec2<f64>>,
-) -> impl Strategy<Value = (Moving, Vec2<f64>)> {
+    offset: impl Strategy<Value = Vector2<f64>>,
+) -> impl Strategy<Value = (Moving, Vector2<f64>)> {
     (moving(0.1), offset).prop_filter("A–B–T in line", |(moving, offset)| {
         is_bent(&moving.case, *offset, 0.05)
     })
@@ -55,7 +56,7 @@ proptest! {
             let size = largest(velocities.omega);
             assert_rate("ω", velocities.omega[link], moving.rate(angle), size);
         }
-        let speed = Vec2::new(moving.rate(|t| moving.pose_at(t).c.x), moving.rate(|t| moving.pose_at(t).c.y));
+        let speed = Vector2::new(moving.rate(|t| moving.pose_at(t).c.x), moving.rate(|t| moving.pose_at(t).c.y));
         assert_rate("ẋC", velocities.c.x, speed.x, velocities.c.norm());
         assert_rate("ẏC", velocities.c.y, speed.y, velocities.c.norm());
         let stands = moving.omega.iter().all(|omega| omega.abs() <= 0.1);
@@ -70,7 +71,7 @@ proptest! {
             let size = largest(accelerations.alpha);
             assert_rate("α", accelerations.alpha[link], moving.rate(omega), size);
         }
-        let acceleration = Vec2::new(
+        let acceleration = Vector2::new(
             moving.rate(|t| moving.rates_at(t).1.c.x),
             moving.rate(|t| moving.rates_at(t).1.c.y),
         );
@@ -106,10 +107,10 @@ proptest! {
         assert_close("ω1", omega1, moving.omega[0], 1e-9);
         assert_close("ω4", omega4, moving.omega[1], 1e-9);
         // Virtual work: τ·q̇ = F·ṙC.
-        let force = Vec2::new(3.0, -2.0);
+        let force = Vector2::new(3.0, -2.0);
         let [torque1, torque4] = jacobian.torques(force);
         let power = torque1 * moving.omega[0] + torque4 * moving.omega[1];
-        assert_close("power", power, force.dot(c), 1e-10);
+        assert_close("power", power, force.dot(&c), 1e-10);
     }
 
     #[test]
@@ -119,7 +120,7 @@ proptest! {
         assert_close("σσ", greatest * least, jacobian.manipulability(), 1e-12);
         let mut seen = (f64::INFINITY, 0.0_f64);
         for step in 0..720 {
-            let direction = Vec2::unit(f64::from(step) * std::f64::consts::PI / 720.0);
+            let direction = Vector2::unit(f64::from(step) * std::f64::consts::PI / 720.0);
             let speed = jacobian.velocity([direction.x, direction.y]).norm();
             prop_assert!(speed <= greatest * (1.0 + 1e-9) && speed >= least * (1.0 - 1e-9));
             seen = (seen.0.min(speed), seen.1.max(speed));
@@ -155,7 +156,7 @@ proptest! {
 
     #[test]
     fn the_driven_joints_in_one_pass_are_those_of_the_inverse_solution(
-        (moving, offset) in moving_with_tool(prop_oneof![Just(Vec2::zero()), offset()])
+        (moving, offset) in moving_with_tool(prop_oneof![Just(Vector2::zeros()), offset()])
     ) {
         let tool = Tool::new(moving.case.geometry, offset).unwrap();
         let (pose, velocities, accelerations) = moving.now();
@@ -183,7 +184,7 @@ proptest! {
     #[test]
     fn a_tool_at_c_is_c(moving in moving(0.05)) {
         let Moving { case, .. } = moving;
-        let tool = Tool::new(case.geometry, Vec2::zero()).unwrap();
+        let tool = Tool::new(case.geometry, Vector2::zeros()).unwrap();
         let (pose, velocities, _) = moving.now();
         prop_assert_eq!(tool.point(&pose), pose.c);
         let mode = pose.working_mode();
@@ -223,8 +224,8 @@ fn a_tool_offset_round_trips_on_every_branch() {
 fn a_tool_on_b_is_refused() {
     let geometry =
         fivebar_kinematics::five_bar::Geometry::new([0.1, 0.16, 0.16, 0.1, 0.08]).unwrap();
-    assert!(Tool::new(geometry, Vec2::new(-0.16, 0.0)).is_err());
-    assert!(Tool::new(geometry, Vec2::new(f64::NAN, 0.0)).is_err());
-    assert!(Tool::new(geometry, Vec2::new(0.0, f64::INFINITY)).is_err());
-    assert!(Tool::new(geometry, Vec2::new(0.03, -0.02)).is_ok());
+    assert!(Tool::new(geometry, Vector2::new(-0.16, 0.0)).is_err());
+    assert!(Tool::new(geometry, Vector2::new(f64::NAN, 0.0)).is_err());
+    assert!(Tool::new(geometry, Vector2::new(0.0, f64::INFINITY)).is_err());
+    assert!(Tool::new(geometry, Vector2::new(0.03, -0.02)).is_ok());
 }

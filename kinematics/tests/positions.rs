@@ -1,10 +1,11 @@
 //! Forward and inverse position undo each other on every branch.
 
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::{
     Geometry, PoseError, Side, Singularity, Unreachable, WorkingMode,
 };
 use fivebar_testkit::{Case, Tally, assert_close, distance, geometry, pose, side, turned};
+use nalgebra::Vector2;
 use proptest::prelude::*;
 
 /// The arm of the literature's closed-form figures: four links of 0.23 m, base 0.275 m.
@@ -51,7 +52,7 @@ proptest! {
         let Case { geometry, pose, .. } = case;
         let [l1, l2, l3, l4, _] = geometry.lengths();
         for (tip, root, u, length) in [
-            (pose.b, Vec2::zero(), pose.u1, l1),
+            (pose.b, Vector2::zeros(), pose.u1, l1),
             (pose.c, pose.b, pose.u2, l2),
             (pose.c, pose.d, pose.u3, l3),
             (pose.d, geometry.e(), pose.u4, l4),
@@ -82,11 +83,11 @@ proptest! {
 }
 
 /// A point at exactly the greatest or least distance that leg 1 reaches, where leg 4 does.
-fn rim() -> impl Strategy<Value = (Geometry<f64>, Vec2<f64>)> {
+fn rim() -> impl Strategy<Value = (Geometry<f64>, Vector2<f64>)> {
     (geometry(), -3.1..3.1, 0..2_usize).prop_filter_map(
         "leg 4 does not reach",
         |(geometry, direction, which)| {
-            let c = Vec2::unit(direction) * geometry.leg1_radii()[which];
+            let c = Vector2::unit(direction) * geometry.leg1_radii()[which];
             let beyond_leg4 = matches!(
                 geometry.reach(c),
                 Err(PoseError::Unreachable(
@@ -103,8 +104,8 @@ fn what_forward_refuses_has_no_pose() {
     let tally = Tally::default();
     let angle = || -3.1..3.1;
     proptest!(|(geometry in geometry(), theta1 in angle(), theta4 in angle(), assembly in side())| {
-        let b = Vec2::unit(theta1) * geometry.l1();
-        let d = geometry.e() + Vec2::unit(theta4) * geometry.l4();
+        let b = Vector2::unit(theta1) * geometry.l1();
+        let d = geometry.e() + Vector2::unit(theta4) * geometry.l4();
         let elbows = distance(b, d);
         let outcome = geometry.forward(theta1, theta4, assembly);
         tally.count(outcome.is_ok());
@@ -124,7 +125,7 @@ fn what_forward_refuses_has_no_pose() {
 fn what_inverse_refuses_is_what_reach_refuses() {
     let tally = Tally::default();
     proptest!(|(geometry in geometry(), x in -0.7..0.7, y in -0.7..0.7)| {
-        let c = Vec2::new(x, y);
+        let c = Vector2::new(x, y);
         let reached = geometry.reach(c);
         tally.count(reached.is_ok());
         for mode in WorkingMode::ALL {
@@ -142,7 +143,7 @@ fn numbers_that_are_not_finite_are_refused_by_name() {
         let refused = Err(PoseError::NotFinite);
         assert_eq!(geometry.forward(bad, 1.0, Side::Left).map(|_| ()), refused);
         assert_eq!(geometry.forward(1.0, bad, Side::Left).map(|_| ()), refused);
-        for c in [Vec2::new(bad, 0.1), Vec2::new(0.1, bad)] {
+        for c in [Vector2::new(bad, 0.1), Vector2::new(0.1, bad)] {
             assert_eq!(geometry.reach(c), refused);
             assert_eq!(
                 geometry.inverse(c, WorkingMode::ALL[0]).map(|_| ()),
@@ -150,7 +151,7 @@ fn numbers_that_are_not_finite_are_refused_by_name() {
             );
         }
     }
-    let huge = geometry.inverse(Vec2::new(1e300, 0.0), WorkingMode::ALL[0]);
+    let huge = geometry.inverse(Vector2::new(1e300, 0.0), WorkingMode::ALL[0]);
     let too_far = PoseError::Unreachable(Unreachable::Leg1TooFar);
     assert_eq!(huge, Err(too_far));
 }
@@ -159,13 +160,13 @@ fn numbers_that_are_not_finite_are_refused_by_name() {
 fn c_on_a_base_pivot_is_singular_where_the_leg_folds_onto_it() {
     let geometry = textbook();
     for mode in WorkingMode::ALL {
-        let at_a = geometry.inverse(Vec2::zero(), mode);
+        let at_a = geometry.inverse(Vector2::zeros(), mode);
         assert_eq!(at_a, Err(PoseError::Singular(Singularity::Leg1)));
         let at_e = geometry.inverse(geometry.e(), mode);
         assert_eq!(at_e, Err(PoseError::Singular(Singularity::Leg4)));
     }
     let uneven = Geometry::new([0.2, 0.23, 0.23, 0.2, 0.275]).unwrap();
-    let at_a = uneven.inverse(Vec2::zero(), WorkingMode::ALL[0]);
+    let at_a = uneven.inverse(Vector2::zeros(), WorkingMode::ALL[0]);
     assert_eq!(at_a, Err(PoseError::Unreachable(Unreachable::Leg1TooNear)));
 }
 
@@ -204,7 +205,7 @@ fn half_angle_formulas_fail_beside_a_root_at_pi_where_the_arm_does_not() {
     use std::f64::consts::{FRAC_PI_2, PI};
     // Leg 1 with θ1 = π on one elbow: |rC + l1 x̂| = l2, all numbers exact in binary.
     let geometry = Geometry::new([0.25, 0.625, 0.625, 0.25, 0.25]).unwrap();
-    let c = Vec2::new(0.125, 0.5);
+    let c = Vector2::new(0.125, 0.5);
     let [at_pi, beside] = [Side::Right, Side::Left].map(|side| WorkingMode::new(side, side));
     let [theta1, ..]: [f64; 4] = geometry.inverse(c, at_pi).unwrap().angles();
     assert_close("θ1", theta1.abs(), PI, 1e-15);

@@ -1,10 +1,10 @@
 //! Workspace, its limits and its margin from singularities.
 
-use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::{
     Geometry, Joint, JointLimits, Outside, PoseError, Tool, Unreachable, WorkingMode, Workspace,
 };
 use fivebar_testkit::pose;
+use nalgebra::Vector2;
 use proptest::prelude::*;
 use std::f64::consts::PI;
 
@@ -31,18 +31,18 @@ proptest! {
 #[test]
 fn a_workspace_says_what_stands_in_the_way() {
     let geometry = Geometry::new([0.1, 0.16, 0.16, 0.1, 0.08]).unwrap();
-    let tool = Tool::new(geometry, Vec2::new(0.02, 0.01)).unwrap();
+    let tool = Tool::new(geometry, Vector2::new(0.02, 0.01)).unwrap();
     let workspace = Workspace {
         tool,
         mode: WorkingMode::ALL[2],
         limits: Some(JointLimits::new([0.5 * PI, 1.4 * PI], [-0.4 * PI, 0.5 * PI]).unwrap()),
         margin: 0.2,
     };
-    let t = Vec2::new(0.06, 0.18);
+    let t = Vector2::new(0.06, 0.18);
     let pose = workspace.admit(t).unwrap();
     assert!((tool.point(&pose) - t).norm() < 1e-15);
 
-    let far = workspace.admit(Vec2::new(0.5, 0.5));
+    let far = workspace.admit(Vector2::new(0.5, 0.5));
     let too_far = PoseError::Unreachable(Unreachable::Leg1TooFar);
     assert_eq!(far, Err(Outside::Pose(too_far)));
 

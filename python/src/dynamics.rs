@@ -5,7 +5,8 @@ use crate::error;
 use crate::motion::Motion;
 use crate::positions::{Numbers, Signs};
 use crate::robot::Robot;
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
+use nalgebra::Vector2;
 use fivebar_kinematics::dynamics::Arm;
 use pyo3::prelude::*;
 
@@ -44,7 +45,7 @@ pub(crate) fn inverse_dynamics<'py>(
         let [h1, h4] = arm.bias(&pose, &velocities, force)?;
         let r = arm.reactions(&pose, &velocities, &accelerations, force)?;
         Ok([
-            t1, t4, m.m11, m.m14, m.m14, m.m44, h1, h4, r.a.x, r.a.y, r.b.x, r.b.y, r.c.x, r.c.y,
+            t1, t4, m.m11, m.m12, m.m21, m.m22, h1, h4, r.a.x, r.a.y, r.b.x, r.b.y, r.c.x, r.c.y,
             r.d.x, r.d.y, r.e.x, r.e.y,
         ])
     })
@@ -86,6 +87,6 @@ fn masses<'a>(py: Python<'_>, robot: &'a Robot) -> PyResult<&'a Arm<f64>> {
     arm.map_err(|unknown| error::robot(py, unknown))
 }
 
-fn vec2([x, y]: [f64; 2]) -> Vec2<f64> {
-    Vec2::new(x, y)
+fn vec2([x, y]: [f64; 2]) -> Vector2<f64> {
+    Vector2::new(x, y)
 }

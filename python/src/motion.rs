@@ -4,7 +4,8 @@ use crate::batch::{Answer, common, rows, solve};
 use crate::positions::{Numbers, Signs, number};
 use crate::robot::Robot;
 use crate::status::Problem;
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
+use nalgebra::Vector2;
 use fivebar_kinematics::five_bar::{Accelerations, Pose, Velocities};
 use pyo3::prelude::*;
 
@@ -66,9 +67,9 @@ pub(crate) fn inverse_motion<'py>(
         let geometry = robot.geometry();
         let pose = robot.place(points[row], elbow1[row], elbow4[row])?;
         let [x, y] = velocity[row];
-        let velocities = geometry.inverse_velocities(&pose, Vec2::new(x, y))?;
+        let velocities = geometry.inverse_velocities(&pose, Vector2::new(x, y))?;
         let [x, y] = acceleration[row];
-        let accelerations = geometry.inverse_accelerations(&pose, &velocities, Vec2::new(x, y))?;
+        let accelerations = geometry.inverse_accelerations(&pose, &velocities, Vector2::new(x, y))?;
         let [t1, t2, t3, t4] = pose.angles();
         let [w1, w2, w3, w4] = velocities.omega;
         let [a1, a2, a3, a4] = accelerations.alpha;

@@ -3,7 +3,8 @@
 use crate::batch::{Answer, common, rows, solve};
 use crate::robot::{Robot, sign};
 use crate::status::Problem;
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
+use nalgebra::Vector2;
 use fivebar_kinematics::five_bar::{Pose, Side, WorkingMode};
 use numpy::PyReadonlyArrayDyn;
 use pyo3::prelude::*;
@@ -43,7 +44,7 @@ pub(crate) fn forward<'py>(
         let pose = robot.pose(theta[row], assembly[row])?;
         let [_, theta2, theta3, _] = pose.angles();
         let WorkingMode { elbow1, elbow4 } = pose.working_mode();
-        let Vec2 { x, y } = pose.c;
+        let [x, y] = pose.c.into();
         Ok([x, y, theta2, theta3, number(elbow1), number(elbow4)])
     })
 }
@@ -57,7 +58,7 @@ impl Robot {
         [elbow4]: [i8; 1],
     ) -> Result<Pose<f64>, Problem> {
         let mode = WorkingMode::new(side(elbow1)?, side(elbow4)?);
-        Ok(self.geometry().inverse(Vec2::new(x, y), mode)?)
+        Ok(self.geometry().inverse(Vector2::new(x, y), mode)?)
     }
 
     /// The pose with the driven joints at their angles.

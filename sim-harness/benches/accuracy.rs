@@ -3,16 +3,16 @@
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use fivebar::input::robot::Robot;
 use fivebar::study::accuracy::{Sampling, State, analyse, sample_forces, sample_positions};
-use fivebar_kinematics::Vec2;
 use indicatif::ProgressBar;
+use nalgebra::Vector2;
 
 fn throughput(criterion: &mut Criterion) {
     let robot = Robot::load("benchtop").unwrap();
     let state = State {
-        position: Vec2::new(0.04, 0.2),
-        velocity: Vec2::new(0.1, 0.0),
-        acceleration: Vec2::new(0.0, 1.0),
-        force: Vec2::zero(),
+        position: Vector2::new(0.04, 0.2),
+        velocity: Vector2::new(0.1, 0.0),
+        acceleration: Vector2::new(0.0, 1.0),
+        force: Vector2::zeros(),
     };
     let analysis = analyse(&robot, &state).unwrap();
     let sampling = Sampling {

@@ -3,7 +3,8 @@
 
 use fivebar::input::linkage::{DrivenLinkage, EXAMPLES};
 use fivebar_design::linkage::{Coordinate, DriveLaw, Linkage, LinkageMotion};
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
+use nalgebra::Vector2;
 
 fn inputs(laws: &[DriveLaw], t: f64) -> Vec<Coordinate<f64>> {
     laws.iter().map(|law| law.at(t)).collect()
@@ -12,7 +13,7 @@ fn inputs(laws: &[DriveLaw], t: f64) -> Vec<Coordinate<f64>> {
 /// All positions, then their velocities, then their accelerations.
 fn coordinates(motion: &LinkageMotion<f64>) -> [Vec<f64>; 3] {
     let mut all = [vec![], vec![], vec![]];
-    let mut add = |place: [Vec2<f64>; 3]| {
+    let mut add = |place: [Vector2<f64>; 3]| {
         for (list, vector) in all.iter_mut().zip(place) {
             list.extend([vector.x, vector.y]);
         }
@@ -21,7 +22,7 @@ fn coordinates(motion: &LinkageMotion<f64>) -> [Vec<f64>; 3] {
         add([point.position, point.velocity, point.acceleration]);
     }
     for link in &motion.links {
-        let (u, n) = (link.axis, link.axis.perp());
+        let (u, n) = (link.axis, link.axis.perpendicular());
         add([
             u,
             n * link.omega,
@@ -35,9 +36,9 @@ fn coordinates(motion: &LinkageMotion<f64>) -> [Vec<f64>; 3] {
 /// plane's origin [N·m·s].
 fn energy_and_momentum(linkage: &Linkage<f64>, motion: &LinkageMotion<f64>) -> [f64; 4] {
     let mut sum = [0.0; 4];
-    let mut add = |mass: f64, place: Vec2<f64>, velocity: Vec2<f64>| {
-        let energy = 0.5 * velocity.norm_squared() - linkage.gravity().dot(place);
-        let parts = [energy, velocity.x, velocity.y, place.cross(velocity)];
+    let mut add = |mass: f64, place: Vector2<f64>, velocity: Vector2<f64>| {
+        let energy = 0.5 * velocity.norm_squared() - linkage.gravity().dot(&place);
+        let parts = [energy, velocity.x, velocity.y, place.cross_z(velocity)];
         for (total, part) in sum.iter_mut().zip(parts) {
             *total += mass * part;
         }
@@ -132,9 +133,9 @@ fn forces_balance_energy_and_momentum() {
         // The frame pushes back with −frame; weights and loads act besides.
         let mut force = -forces.frame.force;
         let mut moment = -forces.frame.moment;
-        let mut weigh = |mass: f64, place: Vec2<f64>| {
+        let mut weigh = |mass: f64, place: Vector2<f64>| {
             force = force + linkage.gravity() * mass;
-            moment += place.cross(linkage.gravity() * mass);
+            moment += place.cross_z(linkage.gravity() * mass);
         };
         for (link, motion) in linkage.links().iter().zip(&motion.links) {
             weigh(
@@ -146,9 +147,9 @@ fn forces_balance_energy_and_momentum() {
             weigh(point.mass, motion.position);
         }
         for (point, motion) in linkage.points().iter().zip(&motion.points) {
-            power += point.force.dot(motion.velocity);
+            power += point.force.dot(&motion.velocity);
             force = force + point.force;
-            moment += motion.position.cross(point.force);
+            moment += motion.position.cross_z(point.force);
         }
         let reactions = forces.reactions.iter().map(|r| r.wrench.force.norm());
         let largest = reactions.fold(1.0_f64, f64::max);

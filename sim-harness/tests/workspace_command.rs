@@ -2,8 +2,8 @@
 //! refusals.
 
 use fivebar::input::robot::{BUILT_IN, Robot};
-use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::{Side, WorkingMode};
+use nalgebra::Vector2;
 use resvg::tiny_skia::Pixmap;
 use serde_json::Value;
 use std::collections::HashSet;
@@ -46,8 +46,8 @@ fn mode(branch: &Value) -> WorkingMode {
     WorkingMode::new(side(&branch["elbow1"]), side(&branch["elbow4"]))
 }
 
-fn vector(value: &Value) -> Vec2<f64> {
-    Vec2::new(value[0].as_f64().unwrap(), value[1].as_f64().unwrap())
+fn vector(value: &Value) -> Vector2<f64> {
+    Vector2::new(value[0].as_f64().unwrap(), value[1].as_f64().unwrap())
 }
 
 #[test]
@@ -101,7 +101,7 @@ fn every_place_of_the_table_is_what_the_models_say() {
         let number = |index: usize| fields[index].parse::<f64>().unwrap();
         let mode = WorkingMode::new(side(&fields[2].into()), side(&fields[3].into()));
         let workspace = robot.workspace(mode).unwrap();
-        let place = Vec2::new(number(0), number(1));
+        let place = Vector2::new(number(0), number(1));
         let pose = workspace.tool.inverse(place, mode).unwrap();
         assert_eq!(pose.assembly(), side(&fields[4].into()), "{line}");
         let [elbow1, elbow4] = workspace.tool.elbow_sines(&pose);
@@ -170,7 +170,7 @@ fn the_arm_may_be_anywhere_in_the_rectangles_and_at_the_best_places() {
         let (low, size) = (vector(&rectangle["low_m"]), vector(&rectangle["size_m"]));
         for i in 1..200 {
             for j in 1..200 {
-                let share = Vec2::new(size.x * f64::from(i), size.y * f64::from(j)) * 0.005;
+                let share = Vector2::new(size.x * f64::from(i), size.y * f64::from(j)) * 0.005;
                 assert!(is_clear(low + share), "{branch}");
             }
         }

@@ -7,7 +7,6 @@ use fivebar::run::plant::{Loads, Model, Plant, State, Wear};
 use fivebar_design::accuracy::arm::DrivenJointMotion;
 use fivebar_design::accuracy::clearance_equilibrium::clearance_equilibrium;
 use fivebar_firmware::Command;
-use fivebar_kinematics::Vec2;
 use nalgebra::Vector2;
 use proptest::prelude::*;
 
@@ -161,7 +160,7 @@ fn a_pushed_arm_rests_where_the_kineto_static_model_seats_its_pins() {
             omega: [0.0; 2],
             alpha: [0.0; 2],
         };
-        let force = Vec2::new(0.0, -5.0);
+        let force = Vector2::new(0.0, -5.0);
         let equilibrium = clearance_equilibrium(
             robot.arm().unwrap(),
             assembly,
@@ -175,7 +174,7 @@ fn a_pushed_arm_rests_where_the_kineto_static_model_seats_its_pins() {
             .forward(theta[0], theta[1], assembly)
             .unwrap();
         let tool = plant.tool();
-        let simulated = Vec2::new(tool.x, tool.y) - ideal.c;
+        let simulated = Vector2::new(tool.x, tool.y) - ideal.c;
         let off = (simulated - equilibrium.displacement).norm();
         println!("{simulated:?} for {:?}", equilibrium.displacement);
         // The pins sink into their bearings by a few hundredths of a micrometre.

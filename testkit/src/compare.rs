@@ -1,6 +1,7 @@
 //! Numbers, points and angles compared.
 
-use fivebar_kinematics::{Scalar, Vec2};
+use fivebar_kinematics::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 
 /// Asserts |a − b| ≤ `tolerance`·max(1, |b|).
 ///
@@ -16,8 +17,8 @@ pub fn assert_close(what: &str, a: f64, b: f64, tolerance: f64) {
 }
 
 /// The distance of two points [m].
-pub fn distance<S: Scalar>(a: Vec2<S>, b: Vec2<S>) -> f64 {
-    (a - b).norm().to_f64()
+pub fn distance<S: Scalar>(a: Vector2<S>, b: Vector2<S>) -> f64 {
+    (a - b).length().to_f64()
 }
 
 /// The difference a − b of two angles, in (−π, π] [rad].

@@ -6,8 +6,8 @@ use fivebar::study::accuracy::{
     Analysis, Sampling, State, analyse, answer, cheapest, map, monte_carlo,
 };
 use fivebar_design::accuracy::allocation::ToleranceClass;
-use fivebar_kinematics::Vec2;
 use indicatif::ProgressBar;
+use nalgebra::Vector2;
 use proptest::prelude::*;
 use serde_json::Value;
 
@@ -24,10 +24,10 @@ fn example() -> Robot {
 
 fn at(x: f64, y: f64) -> State {
     State {
-        position: Vec2::new(x, y),
-        velocity: Vec2::zero(),
-        acceleration: Vec2::zero(),
-        force: Vec2::zero(),
+        position: Vector2::new(x, y),
+        velocity: Vector2::zeros(),
+        acceleration: Vector2::zeros(),
+        force: Vector2::zeros(),
     }
 }
 
@@ -116,9 +116,9 @@ fn compare(found: &Value) {
 #[test]
 fn analysis_and_samples_agree_on_the_example_in_motion() {
     let state = State {
-        velocity: Vec2::new(0.3, -0.2),
-        acceleration: Vec2::new(-2.0, 5.0),
-        force: Vec2::new(1.0, 2.0),
+        velocity: Vector2::new(0.3, -0.2),
+        acceleration: Vector2::new(-2.0, 5.0),
+        force: Vector2::new(1.0, 2.0),
         ..at(0.1, 0.28)
     };
     compare(&study(&example(), &state, 40_000).1);
@@ -145,7 +145,7 @@ fn a_point_out_of_reach_is_refused_with_the_place() {
 #[test]
 fn the_cheapest_tolerances_hold_what_was_wanted() {
     let robot = example();
-    let map = map(&robot, Vec2::zero(), Some([0.05, 0.2, 0.2, 0.3])).unwrap();
+    let map = map(&robot, Vector2::zeros(), Some([0.05, 0.2, 0.2, 0.3])).unwrap();
     let class = |deviation, cost| ToleranceClass { deviation, cost };
     let inputs = [class(2e-4, 1.0), class(5e-5, 4.0)];
     let lengths = [class(50e-6, 1.0), class(20e-6, 3.0), class(5e-6, 10.0)];

@@ -13,8 +13,9 @@ use fivebar_design::linkage::{
     Clearance, Coordinate, DriveLaw, Linkage, ParameterKind, SolveError,
 };
 use fivebar_design::slider::{Geometry, WorkingMode};
-use fivebar_kinematics::{Scalar, Vec2};
+use fivebar_kinematics::Scalar;
 use indicatif::ProgressBar;
+use nalgebra::Vector2;
 use serde_json::Value;
 
 /// The example with every pin off its centre, each another way.
@@ -242,7 +243,7 @@ fn tension_lengthens_and_compression_shortens_a_limb_by_its_clearances() {
     // left bar's.
     let radii = [0.0, 0.0, 1e-5, 2e-5, 4e-5];
     for sign in [1.0, -1.0] {
-        let force = Vec2::new(0.0, 10.0 * sign);
+        let force = Vector2::new(0.0, 10.0 * sign);
         massless.set_load(id, 0.0, force).unwrap();
         let equilibrium = clearance_equilibrium(&massless, inputs, &radii).unwrap();
         assert!(equilibrium.converged);
@@ -268,12 +269,12 @@ fn numbers(value: &Value) -> Vec<f64> {
 #[test]
 fn the_slider_driven_test_case_by_its_corrected_coefficients_and_by_samples() {
     let robot = SliderRobot::parse("slider.toml", SLIDER).unwrap();
-    let at = Vec2::new(0.1, 0.66);
-    let analysis = analyse_slider(&robot, at, Vec2::new(3.0, -10.0)).unwrap();
+    let at = Vector2::new(0.1, 0.66);
+    let analysis = analyse_slider(&robot, at, Vector2::new(3.0, -10.0)).unwrap();
     // Tu's coefficients, corrected: with the sliders as inputs ∂P/∂l3 = (sin α7, −cos α7)/S.
     let [alpha3, alpha7] = analysis.pose.angles();
     let s = (alpha7 - alpha3).sin();
-    let by_l3 = Vec2::new(alpha7.sin() / s, -alpha7.cos() / s);
+    let by_l3 = Vector2::new(alpha7.sin() / s, -alpha7.cos() / s);
     assert!((analysis.transfer.l3 - by_l3).norm() < 1e-12);
     assert!(
         (analysis.transfer.l3.x - alpha3.cos()).abs() > 0.05,
@@ -331,7 +332,7 @@ fn tension_lengthens_the_sliders_limbs_as_it_does_the_linkages() {
             .unwrap();
         assert_eq!(pose.working_mode(), WorkingMode::APART);
         for force in [[0.0, 10.0], [0.0, -10.0], [10.0, 0.0], [-10.0, 1.0]] {
-            let force = Vec2::new(force[0], force[1]);
+            let force = Vector2::new(force[0], force[1]);
             let by_slider = slider::clearance_equilibrium(&geometry, &pose, force, radii).unwrap();
             let signs = by_slider.tension.map(f64::signum);
             for (longer, expected) in by_slider

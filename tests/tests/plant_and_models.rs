@@ -4,7 +4,6 @@
 use fivebar::input::robot::Robot;
 use fivebar::input::scenario::Mismatch;
 use fivebar::run::plant::{Model, State};
-use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::{Pose, Side, Velocities};
 use fivebar_tests::vectors::{ReferenceArm, Vectors};
 use nalgebra::Vector2;
@@ -132,7 +131,7 @@ proptest! {
         let model = Model::new(&robot, &Mismatch::NONE).unwrap();
         let (state, rates) = moving(&model, &robot, &pose, omega);
         let (a, forces) = model.accelerations(&state, torque, Vector2::from(force));
-        let force = Vec2::new(force[0], force[1]);
+        let force = Vector2::new(force[0], force[1]);
         let expected = robot.arm().unwrap().forward_dynamics(&pose, &rates, torque, force).unwrap();
         // What rounds are the distal links' terms, which near a singularity are many times
         // larger than the driven accelerations that they cancel to.

@@ -1,13 +1,13 @@
 //! The controller's models against numbers made by an unlike method: Lagrange's equations
 //! of the first kind, themselves checked against MuJoCo.
 
-use fivebar_kinematics::Vec2;
 use fivebar_kinematics::dynamics::{Arm, Link};
 use fivebar_kinematics::five_bar::{Geometry, WorkingMode};
 use fivebar_tests::vectors::{ReferenceArm, Vectors};
+use nalgebra::Vector2;
 
-fn vec2([x, y]: [f64; 2]) -> Vec2<f64> {
-    Vec2::new(x, y)
+fn vec2([x, y]: [f64; 2]) -> Vector2<f64> {
+    Vector2::new(x, y)
 }
 
 fn arm(robot: &ReferenceArm) -> Arm<f64> {
@@ -87,7 +87,7 @@ fn all_180_states_agree_to_1e_9() {
         let [[m11, m14], [m41, m44]] = case.mass_matrix;
         assert_close(
             "M",
-            [mass.m11, mass.m14, mass.m14, mass.m44],
+            [mass.m11, mass.m12, mass.m21, mass.m22],
             [m11, m14, m41, m44],
         );
         let bias = arm.bias(&pose, &rates, force).unwrap();

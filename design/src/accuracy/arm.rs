@@ -3,9 +3,10 @@
 
 use super::DifferentiableModel;
 use core::fmt;
+use fivebar_kinematics::Scalar;
 use fivebar_kinematics::dynamics::{Arm, Link, ModelError};
 use fivebar_kinematics::five_bar::{Geometry, GeometryError, PoseError, Side};
-use fivebar_kinematics::{Scalar, Vec2};
+use nalgebra::Vector2;
 
 /// What is answered to, in the order of [`ArmAccuracyModel::primitives`].
 pub const PRIMITIVES: [&str; 15] = [
@@ -56,7 +57,7 @@ pub struct ArmAccuracyModel<'a> {
     /// The forward branch.
     pub assembly: Side,
     /// A force on C [N].
-    pub external_force: Vec2<f64>,
+    pub external_force: Vector2<f64>,
 }
 
 /// Why an arm with these dimensions has no answer.
@@ -106,7 +107,7 @@ impl ArmAccuracyModel<'_> {
     /// The arm with other lengths and masses.
     fn with<S: Scalar>(&self, lengths: [S; 5], masses: [S; 4]) -> Result<Arm<S>, ArmAccuracyError> {
         let number = S::from_f64;
-        let vector = |v: Vec2<f64>| Vec2::new(number(v.x), number(v.y));
+        let vector = |v: Vector2<f64>| Vector2::new(number(v.x), number(v.y));
         let geometry = Geometry::new(lengths).map_err(ArmAccuracyError::Geometry)?;
         let links = core::array::from_fn(|index| {
             let (mass, nominal) = (masses[index], self.arm.links()[index]);
@@ -161,12 +162,12 @@ impl DifferentiableModel for ArmAccuracyModel<'_> {
         let pose = geometry.forward(theta1, theta4, self.assembly)?;
         let velocities = geometry.forward_velocities(&pose, omega1, omega4)?;
         let accelerations = geometry.forward_accelerations(&pose, &velocities, alpha1, alpha4)?;
-        let force = Vec2::new(
+        let force = Vector2::new(
             S::from_f64(self.external_force.x),
             S::from_f64(self.external_force.y),
         );
         let forces = arm.reactions(&pose, &velocities, &accelerations, force)?;
-        let tool = pose.c - Vec2::new(S::HALF * base, S::ZERO);
+        let tool = pose.c - Vector2::new(S::HALF * base, S::ZERO);
         let vectors = [forces.a, forces.b, forces.c, forces.d, forces.e];
         let mut results = Vec::with_capacity(RESULTS.len());
         for vector in [tool, velocities.c, accelerations.c] {

@@ -10,9 +10,10 @@
 
 use super::arm::DrivenJointMotion;
 use super::{AccuracyError, five_bar};
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::dynamics::Arm;
 use fivebar_kinematics::five_bar::{Pose, Side};
+use nalgebra::Vector2;
 
 /// Changes of the pins' seats below this share of the clearances count as settled.
 const CONVERGED: f64 = 1e-12;
@@ -24,12 +25,12 @@ const MAX_ITERATIONS: usize = 60;
 pub struct ClearanceEquilibrium {
     /// Offset of the side farther from the ground in joints A, B, D, E, and of link 2 from
     /// link 3 in C, in the order A, B, C, D, E [m].
-    pub offsets: [Vec2<f64>; 5],
+    pub offsets: [Vector2<f64>; 5],
     /// The reactions in A, B, C, D, E that seat them [N], as
     /// [`Reactions`](fivebar_kinematics::dynamics::Reactions) has them.
-    pub reactions: [Vec2<f64>; 5],
+    pub reactions: [Vector2<f64>; 5],
     /// Where the tool goes from its ideal place [m].
-    pub displacement: Vec2<f64>,
+    pub displacement: Vector2<f64>,
     /// How often the pose was solved.
     pub iterations: usize,
     /// Whether the directions settled; if not, some joint is about to lose contact.
@@ -44,7 +45,7 @@ pub fn clearance_equilibrium(
     arm: &Arm<f64>,
     assembly: Side,
     inputs: &DrivenJointMotion,
-    external_force: Vec2<f64>,
+    external_force: Vector2<f64>,
     radii: [f64; 5],
 ) -> Result<ClearanceEquilibrium, AccuracyError> {
     let geometry = arm.geometry();
@@ -52,9 +53,9 @@ pub fn clearance_equilibrium(
     let largest = radii.iter().fold(0.0_f64, |m, r| m.max(*r));
     let mut pose = ideal;
     let mut equilibrium = ClearanceEquilibrium {
-        offsets: [Vec2::zero(); 5],
-        reactions: [Vec2::zero(); 5],
-        displacement: Vec2::zero(),
+        offsets: [Vector2::zeros(); 5],
+        reactions: [Vector2::zeros(); 5],
+        displacement: Vector2::zeros(),
         iterations: 0,
         converged: false,
     };
@@ -64,7 +65,7 @@ pub fn clearance_equilibrium(
         // The reaction in C is that of link 2 on link 3: link 2 lies the other way.
         let offsets = [a, b, -c, d, e];
         let change = (0..5)
-            .map(|i| (offsets[i] - equilibrium.offsets[i]).norm())
+            .map(|i| (offsets[i] - equilibrium.offsets[i]).length())
             .fold(0.0, f64::max);
         equilibrium = ClearanceEquilibrium {
             offsets,
@@ -80,12 +81,12 @@ pub fn clearance_equilibrium(
 }
 
 /// −r F̂; nothing presses where there is no force.
-fn pressed(force: Vec2<f64>, radius: f64) -> Vec2<f64> {
-    let size = force.norm();
+fn pressed(force: Vector2<f64>, radius: f64) -> Vector2<f64> {
+    let size = force.length();
     if size > 0.0 {
         force * (-radius / size)
     } else {
-        Vec2::zero()
+        Vector2::zeros()
     }
 }
 
@@ -93,8 +94,8 @@ fn reactions(
     arm: &Arm<f64>,
     pose: &Pose<f64>,
     inputs: &DrivenJointMotion,
-    external_force: Vec2<f64>,
-) -> Result<[Vec2<f64>; 5], AccuracyError> {
+    external_force: Vector2<f64>,
+) -> Result<[Vector2<f64>; 5], AccuracyError> {
     let geometry = arm.geometry();
     let [omega1, omega4] = inputs.omega;
     let [alpha1, alpha4] = inputs.alpha;
@@ -108,7 +109,7 @@ fn reactions(
 fn equilibrium_pose(
     arm: &Arm<f64>,
     ideal: &Pose<f64>,
-    offsets: [Vec2<f64>; 5],
+    offsets: [Vector2<f64>; 5],
 ) -> Result<Pose<f64>, AccuracyError> {
     let geometry = arm.geometry();
     let [a, b, c, d, e] = offsets;

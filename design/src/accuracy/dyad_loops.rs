@@ -17,6 +17,7 @@
 use super::loops::{LoopQuantity, Term, TimeDerivatives, VectorLoops};
 use crate::linkage::{Clearance, Coordinate, Group, Guide, Linkage, LinkageMotion, PointId};
 use core::f64::consts::FRAC_PI_2;
+use fivebar_kinematics::PlanarVector;
 use nalgebra::DVector;
 
 /// A direction: an angle that may change and a constant beside it.
@@ -79,7 +80,7 @@ impl Chains<'_> {
         let link = self.numbers.points()[guide.through.index()].link;
         let direction = self.frames[link.index()].direction;
         Frame {
-            direction: direction.turned(guide.direction.angle()),
+            direction: direction.turned(guide.direction.polar_angle()),
             origin: self.point(guide.through),
         }
     }
@@ -245,7 +246,7 @@ fn dyad(
         } => {
             let Frame { direction, origin } = chains.guide(guide);
             let slider = bar(and(origin, [direction.term(first)]), direction);
-            let direction = direction.turned(dyad.direction.angle());
+            let direction = direction.turned(dyad.direction.polar_angle());
             let link = bar(end(*on, 0), direction);
             let along = and(slider.origin.clone(), [direction.term(second)]);
             ([link.origin.clone(), along], [link, slider])
@@ -263,7 +264,7 @@ pub fn unknowns<S: fivebar_kinematics::Scalar>(
     for (element, dyad) in linkage.elements().iter().zip(&motion.dyads) {
         let Some(dyad) = dyad else { continue };
         let [angle1, angle2] = dyad.links.map(|link| Coordinate {
-            value: link.axis.angle(),
+            value: link.axis.polar_angle(),
             rate: link.omega,
             acceleration: link.alpha,
         });

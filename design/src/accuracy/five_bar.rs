@@ -17,27 +17,28 @@
 
 use super::AccuracyError;
 use crate::linkage::dyad::Rrr;
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::{Geometry, Pose, PoseError, Singularity};
+use nalgebra::Vector2;
 
 /// How the tool answers to each dimension of the arm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolSensitivities {
     /// ∂C/∂θ1 and ∂C/∂θ4 [m/rad].
-    pub inputs: [Vec2<f64>; 2],
+    pub inputs: [Vector2<f64>; 2],
     /// ∂C/∂l1 … ∂C/∂l5 [m/m], C from the middle of the base.
-    pub lengths: [Vec2<f64>; 5],
+    pub lengths: [Vector2<f64>; 5],
 }
 
 /// The dual basis of (u2, u3): δC = p·across2 + q·across3 for u2·δC = p, u3·δC = q.
-fn dual_basis(pose: &Pose<f64>) -> Result<[Vec2<f64>; 2], AccuracyError> {
-    let sine = pose.u2.cross(pose.u3);
+fn dual_basis(pose: &Pose<f64>) -> Result<[Vector2<f64>; 2], AccuracyError> {
+    let sine = pose.u2.cross_z(pose.u3);
     if sine.abs() < 1e-9 {
         return Err(PoseError::Singular(Singularity::Parallel).into());
     }
     Ok([
-        -pose.u3.perp() * (1.0 / sine),
-        pose.u2.perp() * (1.0 / sine),
+        -pose.u3.perpendicular() * (1.0 / sine),
+        pose.u2.perpendicular() * (1.0 / sine),
     ])
 }
 
@@ -50,13 +51,13 @@ pub fn tool_sensitivities(
     pose: &Pose<f64>,
 ) -> Result<ToolSensitivities, AccuracyError> {
     let [by2, by3] = dual_basis(pose)?;
-    let base = Vec2::new(1.0, 0.0);
-    let from_b = |delta_b: Vec2<f64>| by2 * pose.u2.dot(delta_b);
-    let from_d = |delta_d: Vec2<f64>| by3 * pose.u3.dot(delta_d);
+    let base = Vector2::new(1.0, 0.0);
+    let from_b = |delta_b: Vector2<f64>| by2 * pose.u2.dot(&delta_b);
+    let from_d = |delta_d: Vector2<f64>| by3 * pose.u3.dot(&delta_d);
     Ok(ToolSensitivities {
         inputs: [
-            from_b(pose.u1.perp() * geometry.l1()),
-            from_d(pose.u4.perp() * geometry.l4()),
+            from_b(pose.u1.perpendicular() * geometry.l1()),
+            from_d(pose.u4.perpendicular() * geometry.l4()),
         ],
         lengths: [
             from_b(pose.u1),
@@ -144,8 +145,8 @@ pub fn clearance_error(
 pub fn tool_with_pin_offsets(
     geometry: &Geometry<f64>,
     pose: &Pose<f64>,
-    offsets: [Vec2<f64>; 5],
-) -> Result<Vec2<f64>, AccuracyError> {
+    offsets: [Vector2<f64>; 5],
+) -> Result<Vector2<f64>, AccuracyError> {
     let [a, b, c, d, e] = offsets;
     let dyad = distal_dyad(geometry, pose, [0.0; 2]);
     Ok(dyad.position(pose.b + a + b, pose.d + c + d + e)?)

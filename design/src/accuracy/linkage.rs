@@ -6,6 +6,7 @@ use super::DifferentiableModel;
 use crate::linkage::{
     Clearance, Coordinate, Linkage, LinkageMotion, Parameter, ParameterKind, Reaction, SolveError,
 };
+use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::Scalar;
 
 /// A linkage as a function of its inputs q, q̇, q̈ and of some of its parameters.
@@ -147,7 +148,7 @@ impl DifferentiableModel for LinkageAccuracyModel<'_> {
             }
         }
         for link in motion.links.iter().skip(1) {
-            results.extend([link.axis.angle(), link.omega, link.alpha]);
+            results.extend([link.axis.polar_angle(), link.omega, link.alpha]);
         }
         results.extend(&forces.driving);
         for Reaction { joint, wrench, .. } in &forces.reactions {
@@ -205,10 +206,10 @@ pub fn clearance_equilibrium(
             if radius > 0.0 && pins[joint] {
                 // Nothing presses where there is no force.
                 let pressed = Clearance {
-                    radius: if force.norm() > 0.0 { radius } else { 0.0 },
-                    angle: (-force).angle(),
+                    radius: if force.length() > 0.0 { radius } else { 0.0 },
+                    angle: (-force).polar_angle(),
                 };
-                let turned = |from: Clearance<f64>| (pressed.offset() - from.offset()).norm();
+                let turned = |from: Clearance<f64>| (pressed.offset() - from.offset()).length();
                 change = change.max(before[joint].map_or(1.0, turned) / radius);
                 // A pin, its radius above zero, its angle finite: nothing to refuse.
                 let _ = equilibrium.linkage.set_clearance(joint, pressed);

@@ -9,7 +9,8 @@
 
 use super::five_bar::ClearanceError;
 use crate::slider::{Geometry, Pose, PoseError};
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
+use nalgebra::Vector2;
 
 /// The farthest that errors of the sliders of up to ± `greatest` [m] take P [m]: exactly, at a
 /// corner of their square.
@@ -25,7 +26,7 @@ pub fn worst_input_error(
     for (sign2, sign8) in CORNERS {
         let (x2, x8) = (pose.x2 + sign2 * left, pose.x8 + sign8 * right);
         let displaced = geometry.forward(x2, x8, pose.assembly())?;
-        worst = worst.max((displaced.p - pose.p).norm());
+        worst = worst.max((displaced.p - pose.p).length());
     }
     Ok(worst)
 }
@@ -48,13 +49,13 @@ pub fn clearance_error(
     let mut worst = 0.0_f64;
     for (sign3, sign7) in CORNERS {
         let longer = [sign3 * left, sign7 * right];
-        worst_linear = worst_linear.max((by.l3 * longer[0] + by.l7 * longer[1]).norm());
+        worst_linear = worst_linear.max((by.l3 * longer[0] + by.l7 * longer[1]).length());
         let displaced = lengthened(geometry, pose, longer)?;
-        worst = worst.max((displaced.p - pose.p).norm());
+        worst = worst.max((displaced.p - pose.p).length());
     }
     // A pin's offset c lengthens its limb by u·c; ⟨(r cos a)²⟩ = r²/2.
     let [a, b, c, d] = radii.map(|r| r * r / 2.0);
-    let rms = (by.l3.norm_squared() * (a + b) + by.l7.norm_squared() * (c + d)).sqrt();
+    let rms = (by.l3.length_squared() * (a + b) + by.l7.length_squared() * (c + d)).sqrt();
     Ok(ClearanceError {
         worst_linear,
         worst,
@@ -70,7 +71,7 @@ pub struct ClearanceEquilibrium {
     /// How much longer each limb is [m].
     pub longer: [f64; 2],
     /// Where P goes from its ideal place [m].
-    pub displacement: Vec2<f64>,
+    pub displacement: Vector2<f64>,
     /// Whether the sides settled; if not, some joint is about to lose contact.
     pub converged: bool,
 }
@@ -82,7 +83,7 @@ pub struct ClearanceEquilibrium {
 pub fn clearance_equilibrium(
     geometry: &Geometry<f64>,
     pose: &Pose<f64>,
-    force: Vec2<f64>,
+    force: Vector2<f64>,
     radii: [f64; 4],
 ) -> Result<ClearanceEquilibrium, PoseError> {
     // Two limbs with two sides each: a fifth round would repeat one.
@@ -91,12 +92,12 @@ pub fn clearance_equilibrium(
     let mut equilibrium = ClearanceEquilibrium {
         tension: [0.0; 2],
         longer: [0.0; 2],
-        displacement: Vec2::zero(),
+        displacement: Vector2::zeros(),
         converged: false,
     };
     for _ in 0..MAX_ITERATIONS {
         let s = seated.sin73();
-        let tension = [force.cross(seated.u7) / s, seated.u3.cross(force) / s];
+        let tension = [force.cross_z(seated.u7) / s, seated.u3.cross_z(force) / s];
         let [left, right] = sums(radii);
         let longer = [side(tension[0]) * left, side(tension[1]) * right];
         equilibrium.converged = longer == equilibrium.longer;

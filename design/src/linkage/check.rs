@@ -2,7 +2,8 @@
 
 use super::group::Group;
 use core::fmt;
-use fivebar_kinematics::{Scalar, Vec2};
+use fivebar_kinematics::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 
 /// Why a piece makes no sense.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,13 +54,13 @@ impl<S: Scalar> Group<S> {
             }
             Self::Rrp { dyad, guide, .. } => {
                 positive(dyad.length)?;
-                finite(Vec2::new(dyad.offset, S::ZERO))?;
+                finite(Vector2::new(dyad.offset, S::ZERO))?;
                 normalise(&mut guide.direction)?;
             }
-            Self::Rpr { dyad, .. } => finite(Vec2::new(dyad.offset, S::ZERO))?,
+            Self::Rpr { dyad, .. } => finite(Vector2::new(dyad.offset, S::ZERO))?,
             Self::Prp { dyad, guides } => {
                 let [e1, e2] = dyad.offsets;
-                finite(Vec2::new(e1, e2))?;
+                finite(Vector2::new(e1, e2))?;
                 for guide in guides {
                     normalise(&mut guide.direction)?;
                 }
@@ -89,7 +90,7 @@ pub(super) fn not_negative<S: Scalar>(value: S) -> Result<(), LinkageError> {
     }
 }
 
-pub(super) fn finite<S: Scalar>(vector: Vec2<S>) -> Result<(), LinkageError> {
+pub(super) fn finite<S: Scalar>(vector: Vector2<S>) -> Result<(), LinkageError> {
     if vector.x.is_finite() && vector.y.is_finite() {
         Ok(())
     } else {
@@ -97,8 +98,8 @@ pub(super) fn finite<S: Scalar>(vector: Vec2<S>) -> Result<(), LinkageError> {
     }
 }
 
-fn normalise<S: Scalar>(direction: &mut Vec2<S>) -> Result<(), LinkageError> {
-    let norm = direction.norm();
+fn normalise<S: Scalar>(direction: &mut Vector2<S>) -> Result<(), LinkageError> {
+    let norm = direction.length();
     if norm > S::ZERO && norm.is_finite() {
         *direction = *direction * (S::ONE / norm);
         Ok(())

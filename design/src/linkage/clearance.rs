@@ -5,7 +5,8 @@
 //! in the plane. The force in it is passed on from the one place to the other without a
 //! moment: along the massless link it has none.
 
-use fivebar_kinematics::{Scalar, Vec2};
+use fivebar_kinematics::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 
 /// The offset of a pin from its bearing's centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,7 +20,7 @@ pub struct Clearance<S> {
 impl<S: Scalar> Clearance<S> {
     /// r e^{ia} [m].
     #[inline]
-    pub fn offset(&self) -> Vec2<S> {
-        Vec2::unit(self.angle) * self.radius
+    pub fn offset(&self) -> Vector2<S> {
+        Vector2::unit(self.angle) * self.radius
     }
 }

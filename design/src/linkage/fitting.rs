@@ -6,14 +6,15 @@ use super::clearance::Clearance;
 use super::group::{Group, LinkId};
 use super::model::{Element, Linkage};
 use super::section::BarSection;
-use fivebar_kinematics::{Scalar, Vec2};
+use fivebar_kinematics::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 
 impl<S: Scalar> Element<S> {
     /// The offsets of its pins [m], in the order of its joints; zero in a slide.
     #[inline]
-    pub(super) fn gaps(&self) -> [Vec2<S>; 3] {
+    pub(super) fn gaps(&self) -> [Vector2<S>; 3] {
         self.clearances
-            .map(|gap| gap.map_or(Vec2::zero(), |gap| gap.offset()))
+            .map(|gap| gap.map_or(Vector2::zeros(), |gap| gap.offset()))
     }
 }
 
@@ -90,7 +91,7 @@ impl<S: Scalar> Linkage<S> {
     }
 
     /// Where a link's bar ends, in its own frame.
-    fn far_end(&self, link: LinkId) -> Option<Vec2<S>> {
+    fn far_end(&self, link: LinkId) -> Option<Vector2<S>> {
         let mut elements = self.elements.iter();
         let element = elements.find(|element| element.links().any(|own| own == link))?;
         let place = link.0 - element.first_link.0;
@@ -101,10 +102,10 @@ impl<S: Scalar> Linkage<S> {
                 let own = self.points.iter().filter(|point| point.link == link);
                 return own
                     .filter_map(|point| point.local)
-                    .find(|local| local.norm_squared() > S::ZERO);
+                    .find(|local| local.length_squared() > S::ZERO);
             }
             _ => return None,
         };
-        Some(Vec2::new(length, S::ZERO))
+        Some(Vector2::new(length, S::ZERO))
     }
 }

@@ -10,7 +10,8 @@ use super::model::Linkage;
 use super::solve::{LinkageMotion, SolveError};
 use super::statics::reactions;
 use super::wrench::Wrench;
-use fivebar_kinematics::{Scalar, Vec2};
+use fivebar_kinematics::Scalar;
+use nalgebra::Vector2;
 
 /// What a joint passes on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,7 +62,7 @@ impl<S: Scalar> Linkage<S> {
             };
             let [gap1, gap12, gap2] = definition.gaps();
             // What a joint exerts on one link acts back on the other at that link's own place.
-            let mut pass = |reaction: Reaction<S>, gap: Vec2<S>, loads: &mut [Wrench<S>]| {
+            let mut pass = |reaction: Reaction<S>, gap: Vector2<S>, loads: &mut [Wrench<S>]| {
                 let LinkId(carrier) = reaction.from;
                 loads[carrier] = loads[carrier] + -reaction.wrench.moved(-gap);
                 backwards.push(reaction);
@@ -83,7 +84,9 @@ impl<S: Scalar> Linkage<S> {
                 let (at, axis) = (link.origin.position, link.axis);
                 let wrench = -loads[first.0];
                 let (joint, drive) = match definition.group {
-                    Group::Slider { .. } => (Joint::Prismatic { at, axis }, wrench.force.dot(axis)),
+                    Group::Slider { .. } => {
+                        (Joint::Prismatic { at, axis }, wrench.force.dot(&axis))
+                    }
                     _ => (Joint::Revolute { at }, wrench.moment_about(at)),
                 };
                 driving.push(drive);

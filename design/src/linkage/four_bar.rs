@@ -7,7 +7,8 @@
 use super::group::{Group, LinkId};
 use super::model::Linkage;
 use core::fmt;
-use fivebar_kinematics::{Scalar, Vec2};
+use fivebar_kinematics::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 
 /// What a four-bar's driven and output link can do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -102,10 +103,10 @@ impl<S: Scalar> Linkage<S> {
                 };
                 (element.first_link == crank_end.link).then_some(&self.points[pivot.0])
             })?;
-            let from = |a: Option<Vec2<S>>, b: Vec2<S>| Some((a? - b).norm());
+            let from = |a: Option<Vector2<S>>, b: Vector2<S>| Some((a? - b).length());
             Some(FourBar {
                 frame: from(frame_end.local, crank.local?)?,
-                input: from(crank_end.local, Vec2::zero())?,
+                input: from(crank_end.local, Vector2::zeros())?,
                 coupler: dyad.lengths[0],
                 output: dyad.lengths[1],
             })

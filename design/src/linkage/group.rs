@@ -1,7 +1,7 @@
 //! What a linkage is put together of: driven links and dyads, and what carries them.
 
 use super::dyad::{Prp, Rpp, Rpr, Rrp, Rrr};
-use fivebar_kinematics::Vec2;
+use nalgebra::Vector2;
 
 /// A link of a linkage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -35,7 +35,7 @@ pub struct Guide<S> {
     pub through: PointId,
     /// Its direction in that link's frame. Any length: [`Linkage::add`](super::Linkage::add_group)
     /// makes it 1.
-    pub direction: Vec2<S>,
+    pub direction: Vector2<S>,
 }
 
 /// A driven link or a dyad, with what carries it.

@@ -1,7 +1,8 @@
 //! The joints of a dyad and what they can carry.
 
 use super::wrench::Wrench;
-use fivebar_kinematics::{Scalar, Vec2};
+use fivebar_kinematics::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 
 /// A joint of a dyad, where it is now. Frictionless.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -9,27 +10,27 @@ pub enum Joint<S> {
     /// A pin: carries any force through its centre.
     Revolute {
         /// Its centre [m].
-        at: Vec2<S>,
+        at: Vector2<S>,
     },
     /// A slide: carries a force square to its direction and a moment.
     Prismatic {
         /// The slider's point at which the force is taken to act [m].
-        at: Vec2<S>,
+        at: Vector2<S>,
         /// Its direction, a unit vector.
-        axis: Vec2<S>,
+        axis: Vector2<S>,
     },
 }
 
 impl<S: Scalar> Joint<S> {
     /// The centre of the joint [m]: the point to refer its moment to.
-    pub fn place(&self) -> Vec2<S> {
+    pub fn place(&self) -> Vector2<S> {
         match *self {
             Self::Revolute { at } | Self::Prismatic { at, .. } => at,
         }
     }
 
     /// The same joint, `by` [m] away.
-    pub(super) fn moved(&self, by: Vec2<S>) -> Self {
+    pub(super) fn moved(&self, by: Vector2<S>) -> Self {
         match *self {
             Self::Revolute { at } => Self::Revolute { at: at + by },
             Self::Prismatic { at, axis } => Self::Prismatic { at: at + by, axis },
@@ -41,10 +42,12 @@ impl<S: Scalar> Joint<S> {
     pub(super) fn basis(&self) -> [Wrench<S>; 2] {
         match *self {
             Self::Revolute { at } => [
-                Wrench::at(at, Vec2::new(S::ONE, S::ZERO)),
-                Wrench::at(at, Vec2::new(S::ZERO, S::ONE)),
+                Wrench::at(at, Vector2::new(S::ONE, S::ZERO)),
+                Wrench::at(at, Vector2::new(S::ZERO, S::ONE)),
             ],
-            Self::Prismatic { at, axis } => [Wrench::at(at, axis.perp()), Wrench::couple(S::ONE)],
+            Self::Prismatic { at, axis } => {
+                [Wrench::at(at, axis.perpendicular()), Wrench::couple(S::ONE)]
+            }
         }
     }
 }

@@ -7,8 +7,9 @@ use super::check::{LinkageError, finite, not_negative};
 use super::clearance::Clearance;
 use super::group::{Group, LinkId, PointId};
 use super::section::BarSection;
+use fivebar_kinematics::Scalar;
 use fivebar_kinematics::dynamics::Link;
-use fivebar_kinematics::{Scalar, Vec2};
+use nalgebra::Vector2;
 
 /// A group in its place in the linkage.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,11 +44,11 @@ pub struct Point<S> {
     /// The link it belongs to, which takes up the forces that act at it.
     pub link: LinkId,
     /// Its coordinates in that link's frame [m]; none for a dyad's inner pin.
-    pub local: Option<Vec2<S>>,
+    pub local: Option<Vector2<S>>,
     /// A point mass carried there [kg].
     pub mass: S,
     /// An external force on it [N], in the plane's frame.
-    pub force: Vec2<S>,
+    pub force: Vector2<S>,
 }
 
 /// A named link with its inertia.
@@ -71,7 +72,7 @@ pub(super) enum Step {
 /// Driven links, dyads and points, each standing on earlier ones.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Linkage<S> {
-    pub(super) gravity: Vec2<S>,
+    pub(super) gravity: Vector2<S>,
     pub(super) links: Vec<NamedLink<S>>,
     pub(super) points: Vec<Point<S>>,
     pub(super) elements: Vec<Element<S>>,
@@ -83,7 +84,7 @@ impl<S: Scalar> Linkage<S> {
     ///
     /// # Errors
     /// `NotFinite`.
-    pub fn new(gravity: Vec2<S>) -> Result<Self, LinkageError> {
+    pub fn new(gravity: Vector2<S>) -> Result<Self, LinkageError> {
         finite(gravity)?;
         let mut linkage = Self {
             gravity,
@@ -107,7 +108,7 @@ impl<S: Scalar> Linkage<S> {
         &mut self,
         name: &str,
         link: LinkId,
-        local: Vec2<S>,
+        local: Vector2<S>,
     ) -> Result<PointId, LinkageError> {
         assert!(link.0 < self.links.len(), "a link of another linkage");
         finite(local)?;
@@ -178,7 +179,7 @@ impl<S: Scalar> Linkage<S> {
         &mut self,
         point: PointId,
         mass: S,
-        force: Vec2<S>,
+        force: Vector2<S>,
     ) -> Result<(), LinkageError> {
         not_negative(mass)?;
         finite(force)?;
@@ -191,7 +192,7 @@ impl<S: Scalar> Linkage<S> {
     fn push_link(&mut self, name: &str) -> LinkId {
         let inertia = Link {
             mass: S::ZERO,
-            com: Vec2::zero(),
+            com: Vector2::zeros(),
             inertia: S::ZERO,
         };
         self.links.push(NamedLink {
@@ -202,7 +203,7 @@ impl<S: Scalar> Linkage<S> {
         LinkId(self.links.len() - 1)
     }
 
-    fn push_point(&mut self, name: &str, link: LinkId, local: Option<Vec2<S>>) -> PointId {
+    fn push_point(&mut self, name: &str, link: LinkId, local: Option<Vector2<S>>) -> PointId {
         let id = PointId(self.points.len());
         if local.is_some() {
             self.steps.push(Step::Point(id.0));
@@ -212,13 +213,13 @@ impl<S: Scalar> Linkage<S> {
             link,
             local,
             mass: S::ZERO,
-            force: Vec2::zero(),
+            force: Vector2::zeros(),
         });
         id
     }
 
     /// Gravity in the plane [m/s²].
-    pub fn gravity(&self) -> Vec2<S> {
+    pub fn gravity(&self) -> Vector2<S> {
         self.gravity
     }
     /// The links, the ground first.

@@ -1,6 +1,7 @@
 //! Positions with their first two time derivatives: of a coordinate, a point, a link.
 
-use fivebar_kinematics::{Scalar, Vec2};
+use fivebar_kinematics::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 
 /// An angle or a displacement with its rate and acceleration.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,26 +18,26 @@ pub struct Coordinate<S> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointMotion<S> {
     /// Position [m].
-    pub position: Vec2<S>,
+    pub position: Vector2<S>,
     /// Velocity [m/s].
-    pub velocity: Vec2<S>,
+    pub velocity: Vector2<S>,
     /// Acceleration [m/s²].
-    pub acceleration: Vec2<S>,
+    pub acceleration: Vector2<S>,
 }
 
 impl<S: Scalar> PointMotion<S> {
     /// A point at rest.
-    pub fn fixed(position: Vec2<S>) -> Self {
+    pub fn fixed(position: Vector2<S>) -> Self {
         Self {
             position,
-            velocity: Vec2::zero(),
-            acceleration: Vec2::zero(),
+            velocity: Vector2::zeros(),
+            acceleration: Vector2::zeros(),
         }
     }
 
     /// The same motion, `by` [m] away.
     #[inline]
-    pub(super) fn moved(&self, by: Vec2<S>) -> Self {
+    pub(super) fn moved(&self, by: Vector2<S>) -> Self {
         Self {
             position: self.position + by,
             ..*self
@@ -52,7 +53,7 @@ pub struct LinkMotion<S> {
     /// The origin of the link's frame.
     pub origin: PointMotion<S>,
     /// u, the x axis of the link's frame, a unit vector.
-    pub axis: Vec2<S>,
+    pub axis: Vector2<S>,
     /// ω, angular velocity [rad/s].
     pub omega: S,
     /// α, angular acceleration [rad/s²].
@@ -63,8 +64,8 @@ impl<S: Scalar> LinkMotion<S> {
     /// The frame of the plane, at rest.
     pub fn ground() -> Self {
         Self {
-            origin: PointMotion::fixed(Vec2::zero()),
-            axis: Vec2::new(S::ONE, S::ZERO),
+            origin: PointMotion::fixed(Vector2::zeros()),
+            axis: Vector2::new(S::ONE, S::ZERO),
             omega: S::ZERO,
             alpha: S::ZERO,
         }
@@ -73,29 +74,29 @@ impl<S: Scalar> LinkMotion<S> {
     /// The motion of the link's point that is at `position` [m] now:
     /// v = v₀ + ω r⊥, a = a₀ + α r⊥ − ω² r.
     #[inline]
-    pub fn point_at(&self, position: Vec2<S>) -> PointMotion<S> {
+    pub fn point_at(&self, position: Vector2<S>) -> PointMotion<S> {
         let r = position - self.origin.position;
         PointMotion {
             position,
-            velocity: self.origin.velocity + r.perp() * self.omega,
-            acceleration: self.origin.acceleration + r.perp() * self.alpha
+            velocity: self.origin.velocity + r.perpendicular() * self.omega,
+            acceleration: self.origin.acceleration + r.perpendicular() * self.alpha
                 - r * (self.omega * self.omega),
         }
     }
 
     /// The motion of the link's point with coordinates `local` [m] in its frame.
     #[inline]
-    pub fn local_point(&self, local: Vec2<S>) -> PointMotion<S> {
-        self.point_at(self.origin.position + local.rotated_to(self.axis))
+    pub fn local_point(&self, local: Vector2<S>) -> PointMotion<S> {
+        self.point_at(self.origin.position + local.to_base_frame(self.axis))
     }
 
     /// This link as a guide through `point`, along `direction` (a unit vector in the
     /// link's frame).
     #[inline]
-    pub fn guide(&self, point: &PointMotion<S>, direction: Vec2<S>) -> Self {
+    pub fn guide(&self, point: &PointMotion<S>, direction: Vector2<S>) -> Self {
         Self {
             origin: *point,
-            axis: direction.rotated_to(self.axis),
+            axis: direction.to_base_frame(self.axis),
             ..*self
         }
     }
@@ -116,7 +117,7 @@ impl<S: Scalar> LinkMotion<S> {
         here: &PointMotion<S>,
         slide: &Coordinate<S>,
     ) -> PointMotion<S> {
-        let coriolis = self.axis.perp() * (S::TWO * self.omega * slide.rate);
+        let coriolis = self.axis.perpendicular() * (S::TWO * self.omega * slide.rate);
         PointMotion {
             position: here.position,
             velocity: here.velocity + self.axis * slide.rate,
@@ -126,7 +127,7 @@ impl<S: Scalar> LinkMotion<S> {
 
     /// The same motion, `by` [m] away.
     #[inline]
-    pub(super) fn moved(&self, by: Vec2<S>) -> Self {
+    pub(super) fn moved(&self, by: Vector2<S>) -> Self {
         self.with_origin(self.origin.moved(by))
     }
 

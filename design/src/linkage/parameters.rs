@@ -5,8 +5,9 @@ use super::dyad::{Prp, Rpp, Rpr, Rrp, Rrr};
 use super::group::{Group, Guide};
 use super::model::{Element, Linkage, NamedLink, Point};
 use super::section::BarSection;
+use fivebar_kinematics::Scalar;
 use fivebar_kinematics::dynamics::Link;
-use fivebar_kinematics::{Scalar, Vec2};
+use nalgebra::Vector2;
 
 /// What a parameter measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -133,13 +134,13 @@ fn pair<S: Scalar, T: Scalar>(
     f: &mut impl FnMut(Parameter<'_>, S) -> T,
     part: &str,
     kind: impl Fn(usize) -> ParameterKind,
-    value: Vec2<S>,
-) -> Vec2<T> {
+    value: Vector2<S>,
+) -> Vector2<T> {
     let mut one = |index, value| {
         let kind = kind(index);
         f(Parameter { part, kind }, value)
     };
-    Vec2::new(one(0, value.x), one(1, value.y))
+    Vector2::new(one(0, value.x), one(1, value.y))
 }
 
 /// `one` is told which of the element's links a parameter belongs to.
@@ -201,8 +202,8 @@ fn constant_number<S: Scalar, T: Scalar>(value: S) -> T {
     T::from_f64(value.to_f64())
 }
 
-fn constant<S: Scalar, T: Scalar>(vector: Vec2<S>) -> Vec2<T> {
-    Vec2::new(constant_number(vector.x), constant_number(vector.y))
+fn constant<S: Scalar, T: Scalar>(vector: Vector2<S>) -> Vector2<T> {
+    Vector2::new(constant_number(vector.x), constant_number(vector.y))
 }
 
 fn constant_guide<S: Scalar, T: Scalar>(guide: Guide<S>) -> Guide<T> {

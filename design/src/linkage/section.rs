@@ -1,7 +1,8 @@
 //! Bars whose mass follows from their length.
 
 use fivebar_kinematics::dynamics::Link;
-use fivebar_kinematics::{Scalar, Vec2};
+use fivebar_kinematics::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 
 /// A slender uniform bar: its mass, centre and moment of inertia follow from its length.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,12 +15,12 @@ pub struct BarSection<S> {
 
 impl<S: Scalar> BarSection<S> {
     /// m = ρ S L, J = m L²/12 of a bar from the origin of its frame to `end` [m].
-    pub(super) fn bar(&self, end: Vec2<S>) -> Link<S> {
-        let mass = self.density * self.area * end.norm();
+    pub(super) fn bar(&self, end: Vector2<S>) -> Link<S> {
+        let mass = self.density * self.area * end.length();
         Link {
             mass,
             com: end * S::HALF,
-            inertia: mass * end.norm_squared() / S::from_f64(12.0),
+            inertia: mass * end.length_squared() / S::from_f64(12.0),
         }
     }
 }

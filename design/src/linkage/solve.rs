@@ -5,7 +5,8 @@ use super::group::{Group, Guide, LinkId};
 use super::model::{Linkage, Step};
 use super::motion::{Coordinate, LinkMotion, PointMotion};
 use core::fmt;
-use fivebar_kinematics::{Scalar, Vec2};
+use fivebar_kinematics::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 
 /// Everything that moves in a linkage, at one instant.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,7 +41,7 @@ impl<S: Scalar> LinkageMotion<S> {
     pub fn new(linkage: &Linkage<S>) -> Self {
         Self {
             links: vec![LinkMotion::ground(); linkage.links.len()],
-            points: vec![PointMotion::fixed(Vec2::zero()); linkage.points.len()],
+            points: vec![PointMotion::fixed(Vector2::zeros()); linkage.points.len()],
             dyads: vec![None; linkage.elements.len()],
         }
     }
@@ -175,7 +176,7 @@ fn turned<S: Scalar>(
 ) -> LinkMotion<S> {
     LinkMotion {
         origin: *pivot,
-        axis: Vec2::unit(angle.value).rotated_to(carrier.axis),
+        axis: Vector2::unit(angle.value).to_base_frame(carrier.axis),
         omega: carrier.omega + angle.rate,
         alpha: carrier.alpha + angle.acceleration,
     }

@@ -8,7 +8,8 @@ use super::model::Linkage;
 use super::motion::Coordinate;
 use super::solve::{LinkageMotion, SolveError};
 use core::f64::consts::TAU;
-use fivebar_kinematics::{Scalar, Vec2};
+use fivebar_kinematics::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 
 /// How a driving coordinate moves: q(t) = start + speed t + amplitude sin(2π f t + φ).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -233,8 +234,8 @@ fn turn_missed(
 ) -> f64 {
     let (before, after) = (&before.links[link], &after.links[link]);
     let turn = step * (before.omega + 0.5 * step * before.alpha);
-    let predicted = Vec2::unit(turn).rotated_to(before.axis);
-    (after.axis - predicted).norm()
+    let predicted = Vector2::unit(turn).to_base_frame(before.axis);
+    (after.axis - predicted).length()
 }
 
 impl<S: Scalar> Linkage<S> {

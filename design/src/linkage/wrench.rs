@@ -2,13 +2,14 @@
 
 use super::motion::LinkMotion;
 use core::ops::{Add, Neg};
-use fivebar_kinematics::{Scalar, Vec2};
+use fivebar_kinematics::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 
 /// A force and the moment it has, with any couple, about the plane's origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wrench<S> {
     /// Force [N].
-    pub force: Vec2<S>,
+    pub force: Vector2<S>,
     /// Moment about the origin of the plane [N·m].
     pub moment: S,
 }
@@ -22,10 +23,10 @@ impl<S: Scalar> Wrench<S> {
 
     /// A force [N] whose line passes through `point` [m].
     #[inline]
-    pub fn at(point: Vec2<S>, force: Vec2<S>) -> Self {
+    pub fn at(point: Vector2<S>, force: Vector2<S>) -> Self {
         Self {
             force,
-            moment: point.cross(force),
+            moment: point.cross_z(force),
         }
     }
 
@@ -33,28 +34,28 @@ impl<S: Scalar> Wrench<S> {
     #[inline]
     pub fn couple(moment: S) -> Self {
         Self {
-            force: Vec2::zero(),
+            force: Vector2::zeros(),
             moment,
         }
     }
 
     /// The moment about `point` [N·m].
     #[inline]
-    pub fn moment_about(&self, point: Vec2<S>) -> S {
-        self.moment - point.cross(self.force)
+    pub fn moment_about(&self, point: Vector2<S>) -> S {
+        self.moment - point.cross_z(self.force)
     }
 
     /// The power [W] it gives to a link that moves so.
     #[inline]
     pub fn power(&self, link: &LinkMotion<S>) -> S {
-        self.force.dot(link.origin.velocity) + self.moment_about(link.origin.position) * link.omega
+        self.force.dot(&link.origin.velocity) + self.moment_about(link.origin.position) * link.omega
     }
 
     /// The same force and couple, acting `by` [m] away.
     #[inline]
-    pub(super) fn moved(&self, by: Vec2<S>) -> Self {
+    pub(super) fn moved(&self, by: Vector2<S>) -> Self {
         Self {
-            moment: self.moment + by.cross(self.force),
+            moment: self.moment + by.cross_z(self.force),
             ..*self
         }
     }

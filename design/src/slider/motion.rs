@@ -9,7 +9,8 @@
 
 use super::{Geometry, Limb, Pose, PoseError};
 use crate::linkage::dyad::is_regular;
-use fivebar_kinematics::{Scalar, Vec2};
+use fivebar_kinematics::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 
 /// The velocities of the sliders, P and the limbs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,7 +18,7 @@ pub struct Velocities<S> {
     /// ẋ2 and ẋ8 [m/s].
     pub sliders: [S; 2],
     /// ṙP [m/s].
-    pub p: Vec2<S>,
+    pub p: Vector2<S>,
     /// α̇3 and α̇7 [rad/s].
     pub omega: [S; 2],
 }
@@ -28,7 +29,7 @@ pub struct Accelerations<S> {
     /// ẍ2 and ẍ8 [m/s²].
     pub sliders: [S; 2],
     /// r̈P [m/s²].
-    pub p: Vec2<S>,
+    pub p: Vector2<S>,
     /// α̈3 and α̈7 [rad/s²].
     pub alpha: [S; 2],
 }
@@ -71,10 +72,10 @@ impl<S: Scalar> Geometry<S> {
     pub fn inverse_velocities(
         &self,
         pose: &Pose<S>,
-        p: Vec2<S>,
+        p: Vector2<S>,
     ) -> Result<Velocities<S>, PoseError> {
         let [c3, c7] = pose.cosines()?;
-        let sliders = [pose.u3.dot(p) / c3, pose.u7.dot(p) / c7];
+        let sliders = [pose.u3.dot(&p) / c3, pose.u7.dot(&p) / c7];
         Ok(self.velocities(pose, sliders, p))
     }
 
@@ -86,11 +87,14 @@ impl<S: Scalar> Geometry<S> {
         &self,
         pose: &Pose<S>,
         velocities: &Velocities<S>,
-        p: Vec2<S>,
+        p: Vector2<S>,
     ) -> Result<Accelerations<S>, PoseError> {
         let [c3, c7] = pose.cosines()?;
         let [pull3, pull7] = self.centripetal(velocities);
-        let sliders = [(pose.u3.dot(p) + pull3) / c3, (pose.u7.dot(p) + pull7) / c7];
+        let sliders = [
+            (pose.u3.dot(&p) + pull3) / c3,
+            (pose.u7.dot(&p) + pull7) / c7,
+        ];
         Ok(self.accelerations(pose, sliders, p))
     }
 
@@ -100,22 +104,22 @@ impl<S: Scalar> Geometry<S> {
         [self.l3() * omega3 * omega3, self.l7() * omega7 * omega7]
     }
 
-    fn velocities(&self, pose: &Pose<S>, sliders: [S; 2], p: Vec2<S>) -> Velocities<S> {
+    fn velocities(&self, pose: &Pose<S>, sliders: [S; 2], p: Vector2<S>) -> Velocities<S> {
         let omega = self.turning(pose, sliders, p);
         Velocities { sliders, p, omega }
     }
 
-    fn accelerations(&self, pose: &Pose<S>, sliders: [S; 2], p: Vec2<S>) -> Accelerations<S> {
+    fn accelerations(&self, pose: &Pose<S>, sliders: [S; 2], p: Vector2<S>) -> Accelerations<S> {
         let alpha = self.turning(pose, sliders, p);
         Accelerations { sliders, p, alpha }
     }
 
     /// The part of P's rate, or acceleration, against each slider that turns its limb.
-    fn turning(&self, pose: &Pose<S>, [x2, x8]: [S; 2], p: Vec2<S>) -> [S; 2] {
-        let against = |x: S| p - Vec2::new(x, S::ZERO);
+    fn turning(&self, pose: &Pose<S>, [x2, x8]: [S; 2], p: Vector2<S>) -> [S; 2] {
+        let against = |x: S| p - Vector2::new(x, S::ZERO);
         [
-            against(x2).dot(pose.u3.perp()) / self.l3(),
-            against(x8).dot(pose.u7.perp()) / self.l7(),
+            against(x2).dot(&pose.u3.perpendicular()) / self.l3(),
+            against(x8).dot(&pose.u7.perpendicular()) / self.l7(),
         ]
     }
 }
@@ -123,13 +127,13 @@ impl<S: Scalar> Geometry<S> {
 impl<S: Scalar> Pose<S> {
     /// The vector r with u3·r = `along3` and u7·r = `along7`.
     #[inline]
-    pub(super) fn solve(&self, along3: S, along7: S) -> Result<Vec2<S>, PoseError> {
+    pub(super) fn solve(&self, along3: S, along7: S) -> Result<Vector2<S>, PoseError> {
         let s = self.sin73();
         if !is_regular(s) {
             return Err(PoseError::Parallel);
         }
         let (u3, u7) = (self.u3, self.u7);
-        Ok(Vec2::new(
+        Ok(Vector2::new(
             (u7.y * along3 - u3.y * along7) / s,
             (u3.x * along7 - u7.x * along3) / s,
         ))

@@ -3,7 +3,8 @@
 use super::{Geometry, Limb, PoseError};
 use crate::linkage::dyad::SlideBranch;
 use fivebar_kinematics::five_bar::Side;
-use fivebar_kinematics::{Scalar, Vec2};
+use fivebar_kinematics::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 
 /// Where each slider is as seen from its end of the platform: the inverse branch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -36,15 +37,15 @@ impl WorkingMode {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose<S> {
     /// P [m].
-    pub p: Vec2<S>,
+    pub p: Vector2<S>,
     /// x2, the left slider [m].
     pub x2: S,
     /// x8, the right slider [m].
     pub x8: S,
     /// u(α3), up the left limb.
-    pub u3: Vec2<S>,
+    pub u3: Vector2<S>,
     /// u(α7), up the right limb.
-    pub u7: Vec2<S>,
+    pub u7: Vector2<S>,
 }
 
 impl<S: Scalar> Pose<S> {
@@ -67,13 +68,13 @@ impl<S: Scalar> Pose<S> {
 
     /// α3 and α7 [rad].
     pub fn angles(&self) -> [S; 2] {
-        [self.u3.angle(), self.u7.angle()]
+        [self.u3.polar_angle(), self.u7.polar_angle()]
     }
 
     /// S = sin(α7−α3): zero where the limbs are parallel or in line (type 2).
     #[inline]
     pub fn sin73(&self) -> S {
-        self.u3.cross(self.u7)
+        self.u3.cross_z(self.u7)
     }
 }
 
@@ -111,11 +112,11 @@ impl<S: Scalar> Geometry<S> {
         }
         let y = assembly.sign(y_squared.sqrt());
         Ok(Pose {
-            p: Vec2::new(c2 + foot, y),
+            p: Vector2::new(c2 + foot, y),
             x2,
             x8,
-            u3: Vec2::new(foot, y) * (S::ONE / l3),
-            u7: Vec2::new(foot - d, y) * (S::ONE / l7),
+            u3: Vector2::new(foot, y) * (S::ONE / l3),
+            u7: Vector2::new(foot - d, y) * (S::ONE / l7),
         })
     }
 
@@ -124,7 +125,7 @@ impl<S: Scalar> Geometry<S> {
     ///
     /// # Errors
     /// `LimbTooShort`.
-    pub fn inverse(&self, p: Vec2<S>, mode: WorkingMode) -> Result<Pose<S>, PoseError> {
+    pub fn inverse(&self, p: Vector2<S>, mode: WorkingMode) -> Result<Pose<S>, PoseError> {
         if !(p.x.is_finite() && p.y.is_finite()) {
             return Err(PoseError::NotFinite);
         }
@@ -143,8 +144,8 @@ impl<S: Scalar> Geometry<S> {
             p,
             x2: p.x - self.half_platform() - h3,
             x8: p.x + self.half_platform() - h7,
-            u3: Vec2::new(h3, p.y) * (S::ONE / l3),
-            u7: Vec2::new(h7, p.y) * (S::ONE / l7),
+            u3: Vector2::new(h3, p.y) * (S::ONE / l3),
+            u7: Vector2::new(h7, p.y) * (S::ONE / l7),
         })
     }
 }

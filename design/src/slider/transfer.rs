@@ -8,21 +8,22 @@
 //! the sliders as inputs the limbs turn as their lengths change, and that is wrong.
 
 use super::{Geometry, Pose, PoseError};
-use fivebar_kinematics::{Scalar, Vec2};
+use fivebar_kinematics::Scalar;
+use nalgebra::Vector2;
 
 /// ∂rP/∂ each length and input [m/m].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ErrorTransfer<S> {
     /// To the left limb's length.
-    pub l3: Vec2<S>,
+    pub l3: Vector2<S>,
     /// To the right limb's length.
-    pub l7: Vec2<S>,
+    pub l7: Vector2<S>,
     /// To the platform's width.
-    pub l5: Vec2<S>,
+    pub l5: Vector2<S>,
     /// To the left slider's place.
-    pub x2: Vec2<S>,
+    pub x2: Vector2<S>,
     /// To the right slider's place.
-    pub x8: Vec2<S>,
+    pub x8: Vector2<S>,
 }
 
 impl<S: Scalar> Geometry<S> {

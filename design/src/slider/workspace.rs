@@ -5,7 +5,8 @@
 //! h = l cos α signed by the working mode.
 
 use super::{Geometry, Pose, PoseError, WorkingMode};
-use fivebar_kinematics::{Scalar, Vec2};
+use fivebar_kinematics::Scalar;
+use nalgebra::Vector2;
 
 /// Least and greatest x2, then x8 [m].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,7 +38,7 @@ impl<S: Scalar> Geometry<S> {
         travel: &Travel<S>,
     ) -> Result<[S; 2], PoseError> {
         // The sliders' offsets from P do not depend on where along the guide P is.
-        let pose = self.inverse(Vec2::new(S::ZERO, y), mode)?;
+        let pose = self.inverse(Vector2::new(S::ZERO, y), mode)?;
         let from = |[least, greatest]: [S; 2], offset: S| [least - offset, greatest - offset];
         let [least3, greatest3] = from(travel.left, pose.x2);
         let [least7, greatest7] = from(travel.right, pose.x8);

@@ -1,8 +1,9 @@
 //! Square cells over the reach of an arm.
 
 use core::fmt;
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::Tool;
+use nalgebra::Vector2;
 
 /// Most cells that a grid may have: more are no picture and fill the memory.
 const MOST: f64 = 2e6;
@@ -10,7 +11,7 @@ const MOST: f64 = 2e6;
 /// Square cells, row by row from the lower left; a cell stands for what is at its middle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
-    low: Vec2<f64>,
+    low: Vector2<f64>,
     pitch: f64,
     columns: usize,
     rows: usize,
@@ -52,7 +53,7 @@ impl Grid {
         if columns * rows > MOST {
             return Err(GridError::TooFine);
         }
-        let half = Vec2::new(columns, rows) * (0.5 * pitch);
+        let half = Vector2::new(columns, rows) * (0.5 * pitch);
         Ok(Self {
             low: (low + high) * 0.5 - half,
             pitch,
@@ -62,13 +63,13 @@ impl Grid {
     }
 
     /// The lower left corner [m].
-    pub fn low(&self) -> Vec2<f64> {
+    pub fn low(&self) -> Vector2<f64> {
         self.low
     }
 
     /// The upper right corner [m].
-    pub fn high(&self) -> Vec2<f64> {
-        self.low + Vec2::new(self.columns as f64, self.rows as f64) * self.pitch
+    pub fn high(&self) -> Vector2<f64> {
+        self.low + Vector2::new(self.columns as f64, self.rows as f64) * self.pitch
     }
 
     /// Side of a cell [m].
@@ -92,9 +93,9 @@ impl Grid {
     }
 
     /// The middle of the cell of this index [m].
-    pub fn middle(&self, index: usize) -> Vec2<f64> {
+    pub fn middle(&self, index: usize) -> Vector2<f64> {
         let (row, column) = (index / self.columns, index % self.columns);
-        self.low + Vec2::new(column as f64 + 0.5, row as f64 + 0.5) * self.pitch
+        self.low + Vector2::new(column as f64 + 0.5, row as f64 + 0.5) * self.pitch
     }
 }
 
@@ -103,11 +104,11 @@ impl Grid {
 ///
 /// The two circles meet at x = (l5² + R1² − R4²)/(2 l5). Between the pivots that is the
 /// highest point of what they share; else one of them has its own within the other.
-pub fn reach_bounds(tool: &Tool<f64>) -> [Vec2<f64>; 2] {
+pub fn reach_bounds(tool: &Tool<f64>) -> [Vector2<f64>; 2] {
     let geometry = tool.geometry();
     let far1 = geometry.l1() + tool.reach();
     let [_, far4] = geometry.leg4_radii();
-    let far4 = far4 + tool.offset().norm();
+    let far4 = far4 + tool.offset().length();
     let base = geometry.base();
     let meet = (base * base + far1 * far1 - far4 * far4) / (2.0 * base);
     let height = if (0.0..=base).contains(&meet) {
@@ -116,7 +117,7 @@ pub fn reach_bounds(tool: &Tool<f64>) -> [Vec2<f64>; 2] {
         far1.min(far4)
     };
     [
-        Vec2::new((-far1).max(base - far4), -height),
-        Vec2::new(far1.min(base + far4), height),
+        Vector2::new((-far1).max(base - far4), -height),
+        Vector2::new(far1.min(base + far4), height),
     ]
 }

@@ -1,8 +1,9 @@
 //! A working mode, place by place.
 
 use super::Grid;
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::{Side, Workspace};
+use nalgebra::Vector2;
 
 /// A place that the tool can reach.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,7 +25,7 @@ pub struct Cell {
 
 impl Cell {
     /// What is at `t` [m], if it can be reached.
-    fn at(workspace: &Workspace<f64>, t: Vec2<f64>) -> Option<Self> {
+    fn at(workspace: &Workspace<f64>, t: Vector2<f64>) -> Option<Self> {
         let Workspace {
             tool,
             mode,
@@ -32,8 +33,11 @@ impl Cell {
             margin,
         } = workspace;
         let pose = tool.inverse(t, *mode).ok()?;
-        let within_limits =
-            limits.is_none_or(|limits| limits.admit(pose.u1.angle(), pose.u4.angle()).is_ok());
+        let within_limits = limits.is_none_or(|limits| {
+            limits
+                .admit(pose.u1.polar_angle(), pose.u4.polar_angle())
+                .is_ok()
+        });
         // At type 2 itself no bound is left to a direction's speed: κ is infinite.
         let jacobian = tool.jacobian(&pose);
         Some(Self {
@@ -93,7 +97,7 @@ impl WorkspaceMap {
     }
 
     /// The places that are reached [m], with what is there.
-    pub fn reached(&self) -> impl Iterator<Item = (Vec2<f64>, &Cell)> {
+    pub fn reached(&self) -> impl Iterator<Item = (Vector2<f64>, &Cell)> {
         let cells = self.cells.iter().enumerate();
         cells.filter_map(|(index, cell)| Some((self.grid.middle(index), cell.as_ref()?)))
     }
@@ -115,7 +119,7 @@ impl WorkspaceMap {
 
     /// The clear place on an assembly branch where the tool moves most alike in all
     /// directions [m].
-    pub fn best_conditioned(&self, assembly: Side) -> Option<(Vec2<f64>, &Cell)> {
+    pub fn best_conditioned(&self, assembly: Side) -> Option<(Vector2<f64>, &Cell)> {
         self.reached()
             .filter(|(_, cell)| cell.clear && cell.assembly == assembly)
             .max_by(|(_, a), (_, b)| a.inverse_condition.total_cmp(&b.inverse_condition))

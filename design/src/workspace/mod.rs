@@ -8,13 +8,13 @@
 //! is at C.
 //!
 //! ```
-//! use fivebar_kinematics::Vec2;
+//! use fivebar_kinematics::PlanarVector;
 //! use fivebar_kinematics::five_bar::{Geometry, Side, Tool, WorkingMode, Workspace};
 //! use fivebar_design::workspace::{Grid, WorkspaceMap, reachable_area, singularity_curves};
 //!
 //! let arm = Geometry::new([0.10, 0.16, 0.16, 0.10, 0.08])?;
 //! let workspace = Workspace {
-//!     tool: Tool::new(arm, Vec2::zero())?,
+//!     tool: Tool::new(arm, Vector2::zeros())?,
 //!     mode: WorkingMode::new(Side::Right, Side::Left),
 //!     limits: None,
 //!     margin: 0.15,

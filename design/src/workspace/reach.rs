@@ -4,15 +4,16 @@
 //! The area of their common part by inclusion and exclusion of circular lenses,
 //! L(R1,R4) − L(r1,R4) − L(R1,r4) + L(r1,r4), and its boundary as arcs.
 
+use fivebar_kinematics::Scalar;
 use fivebar_kinematics::five_bar::Geometry;
-use fivebar_kinematics::{Scalar, Vec2};
+use nalgebra::Vector2;
 use std::f64::consts::PI;
 
 /// An arc of a circle, counter-clockwise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arc<S> {
     /// The circle's centre [m].
-    pub center: Vec2<S>,
+    pub center: Vector2<S>,
     /// Its radius [m].
     pub radius: S,
     /// Direction of the start from the centre [rad].
@@ -36,7 +37,7 @@ pub fn reachable_area<S: Scalar>(geometry: &Geometry<S>) -> S {
 pub fn reach_boundary<S: Scalar>(geometry: &Geometry<S>) -> impl Iterator<Item = Arc<S>> {
     let [near1, far1] = geometry.leg1_radii();
     let [near4, far4] = geometry.leg4_radii();
-    let (base, a, e) = (geometry.base(), Vec2::zero(), geometry.e());
+    let (base, a, e) = (geometry.base(), Vector2::zeros(), geometry.e());
     let pi = S::from_f64(PI);
     [
         (a, far1, true, [near4, far4]),

@@ -6,8 +6,9 @@
 //! eighths of a cell, to where the region ends between the cells.
 
 use super::WorkspaceMap;
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::Side;
+use nalgebra::Vector2;
 
 /// Sides are placed, and looked along, in steps of this share of a cell.
 const STEP: f64 = 0.125;
@@ -16,14 +17,14 @@ const STEP: f64 = 0.125;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rectangle {
     /// Lower left corner [m].
-    pub low: Vec2<f64>,
+    pub low: Vector2<f64>,
     /// Upper right corner [m].
-    pub high: Vec2<f64>,
+    pub high: Vector2<f64>,
 }
 
 impl Rectangle {
     /// Its width and height [m].
-    pub fn size(&self) -> Vec2<f64> {
+    pub fn size(&self) -> Vector2<f64> {
         self.high - self.low
     }
 
@@ -37,13 +38,13 @@ impl Rectangle {
     }
 
     /// A side as the ends of a line [m]: left, right, bottom, top.
-    fn side(&self, side: usize) -> [Vec2<f64>; 2] {
+    fn side(&self, side: usize) -> [Vector2<f64>; 2] {
         let Self { low, high } = *self;
         match side {
-            0 => [low, Vec2::new(low.x, high.y)],
-            1 => [Vec2::new(high.x, low.y), high],
-            2 => [low, Vec2::new(high.x, low.y)],
-            _ => [Vec2::new(low.x, high.y), high],
+            0 => [low, Vector2::new(low.x, high.y)],
+            1 => [Vector2::new(high.x, low.y), high],
+            2 => [low, Vector2::new(high.x, low.y)],
+            _ => [Vector2::new(low.x, high.y), high],
         }
     }
 
@@ -107,9 +108,11 @@ impl WorkspaceMap {
     }
 
     /// Whether every place along a line is clear on an assembly branch.
-    fn is_free(&self, [from, to]: [Vec2<f64>; 2], assembly: Side) -> bool {
+    fn is_free(&self, [from, to]: [Vector2<f64>; 2], assembly: Side) -> bool {
         let way = to - from;
-        let steps = (way.norm() / (STEP * self.grid().pitch())).ceil().max(1.0);
+        let steps = (way.length() / (STEP * self.grid().pitch()))
+            .ceil()
+            .max(1.0);
         (0..=steps as usize).all(|step| {
             let place = from + way * (step as f64 / steps);
             let pose = self.workspace().admit(place);

@@ -21,8 +21,9 @@
 //! has B = D, and its curve is circles about where the elbows meet.
 
 use super::reach::angle_at_distance;
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::{Dyad, Side, Singularity, Tool, WorkingMode};
+use nalgebra::Vector2;
 use std::f64::consts::{PI, TAU};
 
 /// Points looked at on every closed curve; more where they are farther apart than
@@ -40,7 +41,7 @@ pub struct SingularityCurve {
     /// Which singularity it is.
     pub singularity: Singularity,
     /// Places of the tool along it [m]; the last is the first again where it is closed.
-    pub points: Vec<Vec2<f64>>,
+    pub points: Vec<Vector2<f64>>,
 }
 
 /// The singularity curves of a working mode: those of type 1 bound its reach, those of
@@ -71,7 +72,7 @@ pub fn singularity_curves(tool: &Tool<f64>, mode: WorkingMode) -> Vec<Singularit
 
 /// A place of the tool with the sides of both elbows; the side of a leg that is singular
 /// means nothing.
-type Place = (Vec2<f64>, [Side; 2]);
+type Place = (Vector2<f64>, [Side; 2]);
 
 /// All poses with one dyad straight, or folded.
 struct Family<'a> {
@@ -102,8 +103,8 @@ impl<'a> Family<'a> {
         let turned = |length: f64| if length < 0.0 { PI } else { 0.0 };
         let (radius, lead, near, far) = match singularity {
             Singularity::Leg1 => {
-                let c = in_line(tool, sign, Vec2::new(1.0, 0.0));
-                (c.norm(), c.angle(), l4, l3)
+                let c = in_line(tool, sign, Vector2::new(1.0, 0.0));
+                (c.norm(), c.polar_angle(), l4, l3)
             }
             Singularity::Leg4 => {
                 let length = l4 + sign * l3;
@@ -160,7 +161,7 @@ impl<'a> Family<'a> {
         let geometry = tool.geometry();
         let [l1, l2, l3, l4, _] = geometry.lengths();
         let e = geometry.e();
-        let u = Vec2::unit(chi - self.lead);
+        let u = Vector2::unit(chi - self.lead);
         let dyad = Dyad::new(self.near, self.far);
         let close = |p| dyad.joint(p, side).ok();
         let (b, u2, d) = match self.singularity {
@@ -181,8 +182,8 @@ impl<'a> Family<'a> {
             }
         };
         let c = b + u2 * l2;
-        let t = c + tool.offset().rotated_to(u2);
-        let elbows = [b.cross(t - b), (d - e).cross(c - d)].map(Side::of);
+        let t = c + tool.offset().to_base_frame(u2);
+        let elbows = [b.cross_z(t - b), (d - e).cross_z(c - d)].map(Side::of);
         Some((t, elbows))
     }
 
@@ -198,17 +199,17 @@ impl<'a> Family<'a> {
 }
 
 /// C where link 1 has direction `u1` and A, B and the tool are in line.
-fn in_line(tool: &Tool<f64>, sign: f64, u1: Vec2<f64>) -> Vec2<f64> {
+fn in_line(tool: &Tool<f64>, sign: f64, u1: Vector2<f64>) -> Vector2<f64> {
     let bt = u1 * (sign * tool.reach());
-    let along = Vec2::new(tool.geometry().l2(), 0.0) + tool.offset();
+    let along = Vector2::new(tool.geometry().l2(), 0.0) + tool.offset();
     // Link 2 is turned back from B→T by what B→T is turned from link 2.
-    let back = Vec2::new(along.x, -along.y) * (1.0 / along.norm_squared());
-    u1 * tool.geometry().l1() + back.rotated_to(bt) * tool.geometry().l2()
+    let back = Vector2::new(along.x, -along.y) * (1.0 / along.norm_squared());
+    u1 * tool.geometry().l1() + back.to_base_frame(bt) * tool.geometry().l2()
 }
 
 /// The pieces of a closed curve, t ∈ 0…2π, that have a place; their ends are found by
 /// bisection. No `chord` [m] is longer, as far as that can be had.
-fn pieces(place: impl Fn(f64) -> Option<Vec2<f64>>, chord: f64) -> Vec<Vec<Vec2<f64>>> {
+fn pieces(place: impl Fn(f64) -> Option<Vector2<f64>>, chord: f64) -> Vec<Vec<Vector2<f64>>> {
     let step = TAU / f64::from(POINTS);
     // Halfway between whole steps no point is where both ways to close are alike.
     let t = |index: u32| (f64::from(index) + 0.5) * step;
@@ -226,7 +227,7 @@ fn pieces(place: impl Fn(f64) -> Option<Vec2<f64>>, chord: f64) -> Vec<Vec<Vec2<
         inside
     };
     let (mut pieces, mut piece) = (Vec::new(), Vec::new());
-    let extend = |piece: &mut Vec<(f64, Vec2<f64>)>, t: f64| {
+    let extend = |piece: &mut Vec<(f64, Vector2<f64>)>, t: f64| {
         let Some(point) = place(t) else { return };
         if let Some(&last) = piece.last() {
             between(&place, last, (t, point), chord, FINEST, piece);
@@ -247,18 +248,19 @@ fn pieces(place: impl Fn(f64) -> Option<Vec2<f64>>, chord: f64) -> Vec<Vec<Vec2<
     }
     pieces.push(piece);
     pieces.retain(|piece| piece.len() > 1);
-    let points = |piece: Vec<(f64, Vec2<f64>)>| piece.into_iter().map(|(_, point)| point).collect();
+    let points =
+        |piece: Vec<(f64, Vector2<f64>)>| piece.into_iter().map(|(_, point)| point).collect();
     pieces.into_iter().map(points).collect()
 }
 
 /// Adds the places between two that are farther apart than `chord`.
 fn between(
-    place: &impl Fn(f64) -> Option<Vec2<f64>>,
-    from: (f64, Vec2<f64>),
-    to: (f64, Vec2<f64>),
+    place: &impl Fn(f64) -> Option<Vector2<f64>>,
+    from: (f64, Vector2<f64>),
+    to: (f64, Vector2<f64>),
     chord: f64,
     halvings: u32,
-    piece: &mut Vec<(f64, Vec2<f64>)>,
+    piece: &mut Vec<(f64, Vector2<f64>)>,
 ) {
     if halvings == 0 || (to.1 - from.1).norm() <= chord {
         return;

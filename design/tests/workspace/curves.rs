@@ -2,11 +2,12 @@
 
 use crate::arms::{assembly, grid, segments, tool, unbounded};
 use fivebar_design::workspace::{SingularityCurve, WorkspaceMap, reach_bounds, singularity_curves};
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::{
     Geometry, Pose, Side, Singularity, Tool, WorkingMode, Workspace,
 };
 use fivebar_testkit::{Tally, mode};
+use nalgebra::Vector2;
 use proptest::prelude::*;
 
 /// ½∮(x dy − y dx) around a branch, along those of its singularity curves that border it:
@@ -14,9 +15,9 @@ use proptest::prelude::*;
 fn enclosed_area(workspace: &Workspace<f64>, curves: &[SingularityCurve], branch: Side) -> f64 {
     let inside = |t| f64::from(u8::from(assembly(workspace, t) == Some(branch)));
     let chords = curves.iter().flat_map(segments).map(|[from, to]| {
-        let across = (to - from).perp() * (1e-8 / (to - from).norm().max(1e-12));
+        let across = (to - from).perpendicular() * (1e-8 / (to - from).length().max(1e-12));
         let borders = |end| inside(end + across) - inside(end - across);
-        0.5 * from.cross(to) * 0.5 * (borders(from) + borders(to))
+        0.5 * from.cross_z(to) * 0.5 * (borders(from) + borders(to))
     });
     chords.sum()
 }
@@ -24,7 +25,7 @@ fn enclosed_area(workspace: &Workspace<f64>, curves: &[SingularityCurve], branch
 #[test]
 fn the_textbook_arm_loses_hold_where_the_literature_says() {
     let geometry = Geometry::new([0.23, 0.23, 0.23, 0.23, 0.275]).unwrap();
-    let tool = Tool::new(geometry, Vec2::zero()).unwrap();
+    let tool = Tool::new(geometry, Vector2::zeros()).unwrap();
     // Elbows out, in the middle: links 2 and 3 in line, C 0.21057956 above the base.
     let curves = singularity_curves(&tool, WorkingMode::new(Side::Right, Side::Left));
     let in_line = curves
@@ -39,11 +40,11 @@ fn the_textbook_arm_loses_hold_where_the_literature_says() {
     // Within the chord of 2 mm that crosses the middle: (2 mm)²/8r, r about 2 cm.
     assert!(nearest(0.210_579_56) < 3e-5, "{crossings:?}");
     // Elbows in, B = D at θ1 = 53.28564°: C is anywhere on a circle about them.
-    let b = Vec2::unit(53.285_64_f64.to_radians()) * 0.23;
+    let b = Vector2::unit(53.285_64_f64.to_radians()) * 0.23;
     let curves = singularity_curves(&tool, WorkingMode::new(Side::Left, Side::Right));
     let on_circle = curves.iter().flat_map(|curve| &curve.points);
     let on_circle = on_circle
-        .filter(|&&c| ((c - b).norm() - 0.23).abs() < 1e-7)
+        .filter(|&&c| ((c - b).length() - 0.23).abs() < 1e-7)
         .count();
     assert!(on_circle > 20, "{on_circle} points");
 }
@@ -57,7 +58,7 @@ fn assert_enclosed(tool: Tool<f64>, mode: WorkingMode) -> Result<(), TestCaseErr
     let length: f64 = curves
         .iter()
         .flat_map(segments)
-        .map(|[a, b]| (b - a).norm())
+        .map(|[a, b]| (b - a).length())
         .sum();
     for branch in Side::BOTH {
         let counted = map.areas(branch).reached;
@@ -81,7 +82,7 @@ fn curves_of_an_arm_with_a_short_second_link_enclose_its_areas() {
         0.438_658_074_168_449_8,
         0.393_186_240_650_236_2,
     ];
-    let tool = Tool::new(Geometry::new(lengths).unwrap(), Vec2::zero()).unwrap();
+    let tool = Tool::new(Geometry::new(lengths).unwrap(), Vector2::zeros()).unwrap();
     assert_enclosed(tool, WorkingMode::new(Side::Left, Side::Left)).unwrap();
 }
 
@@ -118,8 +119,8 @@ proptest! {
         let columns = [column(h, 0.0), column(0.0, h)];
         let scale = jacobian.singular_values()[0].max(1.0);
         for (exact, found) in [jacobian.c1, jacobian.c4].into_iter().zip(columns) {
-            prop_assert!(exact.norm() > 1e-4);
-            prop_assert!((exact - found).norm() < 1e-7 * scale, "{found:?} for {exact:?}");
+            prop_assert!(exact.length() > 1e-4);
+            prop_assert!((exact - found).length() < 1e-7 * scale, "{found:?} for {exact:?}");
         }
         let matrix = nalgebra::Matrix2::new(columns[0].x, columns[1].x, columns[0].y, columns[1].y);
         let values = matrix.singular_values();
@@ -132,7 +133,7 @@ proptest! {
 fn regular_poses() -> impl Strategy<Value = (Tool<f64>, Pose<f64>)> {
     let place = (-0.5..0.5_f64, -0.5..0.5_f64);
     (tool(), mode(), place).prop_filter_map("no regular pose", |(tool, mode, (x, y))| {
-        let pose = tool.inverse(Vec2::new(x, y), mode).ok()?;
+        let pose = tool.inverse(Vector2::new(x, y), mode).ok()?;
         (tool.nearest_singularity(&pose).1 > 0.1).then_some((tool, pose))
     })
 }
@@ -188,16 +189,16 @@ fn a_curve_lies_wherever_the_determinant_changes_sign() {
                 // A chord is within half its length of its curve, however tight that bends.
                 let [nearest, half] = chords
                     .iter()
-                    .map(|&[from, to]| [distance(middle, [from, to]), 0.5 * (to - from).norm()])
+                    .map(|&[from, to]| [distance(middle, [from, to]), 0.5 * (to - from).length()])
                     .min_by(|a, b| (a[0] - a[1]).total_cmp(&(b[0] - b[1])))
                     .unwrap_or([1.0, 0.0]);
                 prop_assert!(nearest < 0.51 * pitch + half, "{nearest} m from {middle:?}");
             }
         }
         // No change, no curve: beside one of any length, the other branch is on its other side.
-        let length: f64 = chords.iter().map(|[a, b]| (*b - *a).norm()).sum();
+        let length: f64 = chords.iter().map(|[a, b]| (*b - *a).length()).sum();
         let changes = chords.iter().filter(|[from, to]| {
-            let across = (*to - *from).perp() * (1e-7 / (*to - *from).norm().max(1e-12));
+            let across = (*to - *from).perpendicular() * (1e-7 / (*to - *from).length().max(1e-12));
             let sides = [*from + across, *from - across].map(|t| assembly(map.workspace(), t));
             matches!(sides, [Some(one), Some(other)] if one != other)
         });
@@ -209,7 +210,7 @@ fn a_curve_lies_wherever_the_determinant_changes_sign() {
 }
 
 /// The tool with both driven joints turned a little.
-fn at(tool: &Tool<f64>, pose: &Pose<f64>, [turn1, turn4]: [f64; 2]) -> Vec2<f64> {
+fn at(tool: &Tool<f64>, pose: &Pose<f64>, [turn1, turn4]: [f64; 2]) -> Vector2<f64> {
     let [theta1, _, _, theta4] = pose.angles();
     let moved = tool
         .geometry()
@@ -218,8 +219,8 @@ fn at(tool: &Tool<f64>, pose: &Pose<f64>, [turn1, turn4]: [f64; 2]) -> Vec2<f64>
 }
 
 /// How far a point is from a chord.
-fn distance(point: Vec2<f64>, [from, to]: [Vec2<f64>; 2]) -> f64 {
+fn distance(point: Vector2<f64>, [from, to]: [Vector2<f64>; 2]) -> f64 {
     let way = to - from;
-    let share = (point - from).dot(way) / way.norm_squared().max(1e-30);
-    (from + way * share.clamp(0.0, 1.0) - point).norm()
+    let share = (point - from).dot(&way) / way.length_squared().max(1e-30);
+    (from + way * share.clamp(0.0, 1.0) - point).length()
 }

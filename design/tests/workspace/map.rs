@@ -4,15 +4,15 @@ use crate::arms::{grid, tool, unbounded};
 use fivebar_design::workspace::{
     Grid, GridError, Rectangle, WorkspaceMap, reach_boundary, reach_bounds, reachable_area,
 };
-use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::{Geometry, JointLimits, Side, Tool, WorkingMode, Workspace};
 use fivebar_testkit::{Tally, assert_close, geometry, mode};
+use nalgebra::Vector2;
 use proptest::prelude::*;
 
 fn benchtop() -> Workspace<f64> {
     let geometry = Geometry::new([0.10, 0.16, 0.16, 0.10, 0.08]).unwrap();
     Workspace {
-        tool: Tool::new(geometry, Vec2::zero()).unwrap(),
+        tool: Tool::new(geometry, Vector2::zeros()).unwrap(),
         mode: WorkingMode::new(Side::Right, Side::Left),
         limits: JointLimits::new([0.6, 3.6], [-0.46, 2.54]).ok(),
         margin: 0.15,
@@ -21,7 +21,7 @@ fn benchtop() -> Workspace<f64> {
 
 /// The cells of every working mode fill the exact area.
 fn assert_filled(geometry: &Geometry<f64>) -> Result<(), TestCaseError> {
-    let tool = Tool::new(*geometry, Vec2::zero()).unwrap();
+    let tool = Tool::new(*geometry, Vector2::zeros()).unwrap();
     let grid = grid(&tool, 300.0);
     let exact = reachable_area(geometry);
     // A cell that the boundary cuts is counted or not by chance.
@@ -86,7 +86,7 @@ fn nothing_in_the_largest_rectangle_is_refused() {
             };
             let size = rectangle.size();
             for &(across, up) in &shares {
-                let t = rectangle.low + Vec2::new(size.x * across, size.y * up);
+                let t = rectangle.low + Vector2::new(size.x * across, size.y * up);
                 let pose = workspace.admit(t);
                 prop_assert!(pose.is_ok_and(|pose| pose.assembly() == branch), "{t:?} in {rectangle:?}");
             }
@@ -101,7 +101,7 @@ fn nothing_in_the_largest_rectangle_is_refused() {
 /// A rectangle with one side moved outwards.
 fn grown(rectangle: Rectangle, by: f64) -> [Rectangle; 4] {
     let Rectangle { low, high } = rectangle;
-    let (x, y) = (Vec2::new(by, 0.0), Vec2::new(0.0, by));
+    let (x, y) = (Vector2::new(by, 0.0), Vector2::new(0.0, by));
     [
         Rectangle { low: low - x, high },
         Rectangle {
@@ -122,7 +122,7 @@ fn is_free(workspace: &Workspace<f64>, rectangle: Rectangle, branch: Side) -> bo
     (0..=400).all(|i| {
         (0..=400).all(|j| {
             let share = [f64::from(i) / 400.0, f64::from(j) / 400.0];
-            let t = rectangle.low + Vec2::new(size.x * share[0], size.y * share[1]);
+            let t = rectangle.low + Vector2::new(size.x * share[0], size.y * share[1]);
             let pose = workspace.admit(t);
             pose.is_ok_and(|pose| pose.assembly() == branch)
         })
@@ -151,7 +151,7 @@ fn limits_and_margin_take_their_share_of_the_benchtop() {
 fn an_arm_that_reaches_one_point_has_a_map_of_one_cell_at_most() {
     // The base is as long as all the links together.
     let geometry = Geometry::new([0.1, 0.1, 0.1, 0.1, 0.4]).unwrap();
-    let tool = Tool::new(geometry, Vec2::zero()).unwrap();
+    let tool = Tool::new(geometry, Vector2::zeros()).unwrap();
     for mode in WorkingMode::ALL {
         let map = WorkspaceMap::new(unbounded(tool, mode), Grid::over(&tool, 1e-3).unwrap());
         assert!(map.reached().count() <= 1);
@@ -172,7 +172,7 @@ fn a_pitch_that_makes_no_grid_is_refused() {
     let [low, high] = reach_bounds(
         &Tool::new(
             Geometry::new([0.1, 0.1, 0.1, 0.1, 0.24]).unwrap(),
-            Vec2::zero(),
+            Vector2::zeros(),
         )
         .unwrap(),
     );

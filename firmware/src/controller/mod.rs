@@ -17,11 +17,11 @@ mod transitions;
 
 use crate::safety::{Limits, State};
 use crate::settings::{Settings, SettingsError};
-use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::WorkingMode;
 use homing::HomingState;
 use joint::Joint;
 use model::Model;
+use nalgebra::Vector2;
 use path::Path;
 pub(crate) use path::stopping_time;
 pub use path::{PIECES, Stretch};
@@ -81,7 +81,7 @@ impl Controller {
             latched: None,
             controlled_stop: false,
             path: Path::new(stopping_time(settings), 1.0 / settings.control.tick_rate),
-            setpoint: Setpoint::hold([Vec2::zero(); 2]),
+            setpoint: Setpoint::hold([Vector2::zeros(); 2]),
             homing: [HomingState::new(0.0); 2],
             error: [0.0; 2],
             limits: Limits::NONE,

@@ -3,8 +3,9 @@
 
 use super::{Controller, Stretch};
 use crate::safety::State;
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::{Side, Tool, WorkingMode};
+use nalgebra::Vector2;
 
 /// What the planner needs to know of the controller, all of one moment.
 #[derive(Clone, Copy, Debug)]
@@ -32,7 +33,7 @@ pub struct PlanningSnapshot {
 #[derive(Clone, Copy, Debug)]
 pub struct Hold {
     /// u(θ1d), u(θ4d): the set-point.
-    direction: [Vec2<f32>; 2],
+    direction: [Vector2<f32>; 2],
     /// θ̂1, θ̂4 [rad].
     measured: [f32; 2],
 }
@@ -41,15 +42,15 @@ impl Hold {
     /// θ1d, θ4d [rad], in the turn of the measured joints.
     pub fn joints(&self) -> [f32; 2] {
         let ([d1, d4], [theta1, theta4]) = (self.direction, self.measured);
-        let at = |direction: Vec2<f32>, measured: f32| {
-            let u = Vec2::unit(measured);
-            measured + Vec2::new(u.dot(direction), u.cross(direction)).angle()
+        let at = |direction: Vector2<f32>, measured: f32| {
+            let u = Vector2::unit(measured);
+            measured + Vector2::new(u.dot(&direction), u.cross_z(direction)).polar_angle()
         };
         [at(d1, theta1), at(d4, theta4)]
     }
 
     /// The tool [m] on this assembly branch; none where the links do not meet.
-    pub fn tool(&self, tool: &Tool<f32>, assembly: Side) -> Option<Vec2<f32>> {
+    pub fn tool(&self, tool: &Tool<f32>, assembly: Side) -> Option<Vector2<f32>> {
         let [d1, d4] = self.direction;
         let geometry = tool.geometry();
         let pose = geometry.forward_from_directions(d1, d4, assembly).ok()?;
@@ -88,7 +89,7 @@ impl Controller {
     }
 
     /// The tool [m] and θ1, θ4 [rad] where the arm is held; none while it is not.
-    pub fn hold_position(&self) -> Option<(Vec2<f32>, [f32; 2])> {
+    pub fn hold_position(&self) -> Option<(Vector2<f32>, [f32; 2])> {
         let hold = self.planning_snapshot().hold?;
         let tool = hold.tool(&self.model.tool, self.model.assembly)?;
         Some((tool, hold.joints()))

@@ -2,8 +2,9 @@
 
 use super::{Controller, JointReference, Snapshot, Status};
 use crate::safety::State;
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::WorkingMode;
+use nalgebra::Vector2;
 
 impl Controller {
     /// Ticks since the reset.
@@ -25,11 +26,11 @@ impl Controller {
             velocity: self.velocities(),
             tool: self
                 .homed
-                .then(|| self.tool_at(self.angles().map(Vec2::unit)))
+                .then(|| self.tool_at(self.angles().map(Vector2::unit)))
                 .flatten(),
             reference: reference.and_then(|directions| self.tool_at(directions)),
             joint_reference: reference.map(|directions| JointReference {
-                angle: directions.map(Vec2::angle),
+                angle: directions.map(Vector2::polar_angle),
                 velocity: self.setpoint.omega,
                 acceleration: self.setpoint.alpha,
             }),
@@ -59,19 +60,19 @@ impl Controller {
 
     /// The set-point leads by the loop's lag d: turned back by ω d − ½ α d² it is where
     /// the joints should be now.
-    fn reference_now(&self) -> [Vec2<f32>; 2] {
+    fn reference_now(&self) -> [Vector2<f32>; 2] {
         let lag = self.model.position_loop.lag();
         let [d1, d4] = self.setpoint.direction;
         let [omega1, omega4] = self.setpoint.omega;
         let [alpha1, alpha4] = self.setpoint.alpha;
-        let back = |direction: Vec2<f32>, omega: f32, alpha: f32| {
-            direction.rotated_to(Vec2::unit(-lag * (omega - 0.5 * lag * alpha)))
+        let back = |direction: Vector2<f32>, omega: f32, alpha: f32| {
+            direction.to_base_frame(Vector2::unit(-lag * (omega - 0.5 * lag * alpha)))
         };
         [back(d1, omega1, alpha1), back(d4, omega4, alpha4)]
     }
 
     /// The tool [m] with the driven links in these directions.
-    fn tool_at(&self, [u1, u4]: [Vec2<f32>; 2]) -> Option<[f32; 2]> {
+    fn tool_at(&self, [u1, u4]: [Vector2<f32>; 2]) -> Option<[f32; 2]> {
         let geometry = self.model.tool.geometry();
         let pose = geometry
             .forward_from_directions(u1, u4, self.model.assembly)

@@ -3,7 +3,8 @@
 use super::{Controller, Setpoint};
 use crate::safety::{Event, Fault, State};
 use fivebar_kinematics::five_bar::Pose;
-use fivebar_kinematics::{Scalar, Vec2};
+use fivebar_kinematics::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
 /// What the controller can be asked for, besides moves.
@@ -131,7 +132,11 @@ impl Controller {
             .model
             .tool
             .geometry()
-            .forward_from_directions(Vec2::unit(theta1), Vec2::unit(theta4), self.model.assembly)
+            .forward_from_directions(
+                Vector2::unit(theta1),
+                Vector2::unit(theta4),
+                self.model.assembly,
+            )
             .map_err(|_| Refusal::NotOnBranch)?;
         // Type 1 is no danger to an arm that is held or moved by its joints.
         if Scalar::abs(pose.sin32()) < settings.motion.singularity_margin {

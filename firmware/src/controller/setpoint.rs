@@ -1,15 +1,16 @@
 //! Where the joints should be: a reference of the tool or of the joints, solved for both.
 
 use super::model::Model;
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::{Driven, PoseError, WorkingMode};
 use fivebar_kinematics::trajectory::Reference;
+use nalgebra::Vector2;
 
 /// What the joints should do when the torque of this tick acts.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Setpoint {
     /// u(θ1d), u(θ4d).
-    pub(crate) direction: [Vec2<f32>; 2],
+    pub(crate) direction: [Vector2<f32>; 2],
     /// ω1d, ω4d [rad/s].
     pub(crate) omega: [f32; 2],
     /// α1d, α4d [rad/s²].
@@ -21,7 +22,7 @@ pub(crate) struct Setpoint {
 impl Setpoint {
     /// Stand still in these directions.
     #[inline]
-    pub(crate) fn hold(direction: [Vec2<f32>; 2]) -> Self {
+    pub(crate) fn hold(direction: [Vector2<f32>; 2]) -> Self {
         Self {
             direction,
             omega: [0.0; 2],
@@ -38,13 +39,14 @@ impl Setpoint {
         self.of_joints = false;
     }
 
-    /// The joints' part in a reference, a tool's being solved in `mode`.
+    /// Do the joints' part of a reference, a tool's being solved in `mode`.
     #[inline(always)]
-    pub(crate) fn of(
+    pub(crate) fn follow(
+        &mut self,
         reference: &Reference<f32>,
         model: &Model,
         mode: WorkingMode,
-    ) -> Result<Self, PoseError> {
+    ) -> Result<(), PoseError> {
         match *reference {
             Reference::Tool {
                 position,
@@ -56,23 +58,26 @@ impl Setpoint {
                     omega,
                     alpha,
                 } = model.tool.driven(position, velocity, acceleration, mode)?;
-                Ok(Self {
+                *self = Self {
                     direction,
                     omega,
                     alpha,
                     of_joints: false,
-                })
+                };
             }
             Reference::Joint {
                 angles,
                 rates,
                 accelerations,
-            } => Ok(Self {
-                direction: angles.map(Vec2::unit),
-                omega: rates,
-                alpha: accelerations,
-                of_joints: true,
-            }),
+            } => {
+                *self = Self {
+                    direction: angles.map(Vector2::unit),
+                    omega: rates,
+                    alpha: accelerations,
+                    of_joints: true,
+                };
+            }
         }
+        Ok(())
     }
 }

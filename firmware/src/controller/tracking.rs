@@ -4,8 +4,9 @@ use super::Controller;
 use super::setpoint::Setpoint;
 use super::tick::TorqueCommand;
 use crate::safety::{Event, Fault, Limits, State};
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::{Links, PoseError};
+use nalgebra::Vector2;
 
 impl Controller {
     /// One tick of holding or following the path: the torques.
@@ -23,7 +24,7 @@ impl Controller {
         let position_loop = &self.model.position_loop;
         let (theta1, omega1) = position_loop.predict(joint1.angle(), joint1.velocity(), alpha1d);
         let (theta4, omega4) = position_loop.predict(joint4.angle(), joint4.velocity(), alpha4d);
-        let (u1, u4) = (Vec2::unit(theta1), Vec2::unit(theta4));
+        let (u1, u4) = (Vector2::unit(theta1), Vector2::unit(theta4));
         let links = self.measured([u1, u4])?;
         if of_joints {
             // They may change the working mode.
@@ -32,7 +33,7 @@ impl Controller {
         }
         // e = sin(θd − θ): the error itself, for all that is not a fault.
         let [d1, d4] = self.setpoint.direction;
-        let (error1, error4) = (u1.cross(d1), u4.cross(d4));
+        let (error1, error4) = (u1.cross_z(d1), u4.cross_z(d4));
         self.error = [error1, error4];
         if self.model.monitor.lost_its_path(self.error) {
             return Err(Fault::FollowingError);
@@ -72,7 +73,7 @@ impl Controller {
 
     /// The measured arm, if it closes and stands inside its envelope.
     #[inline(always)]
-    fn measured(&self, [u1, u4]: [Vec2<f32>; 2]) -> Result<Links<f32>, Fault> {
+    fn measured(&self, [u1, u4]: [Vector2<f32>; 2]) -> Result<Links<f32>, Fault> {
         let monitor = &self.model.monitor;
         let geometry = self.model.tool.geometry();
         let links = geometry
@@ -104,8 +105,9 @@ impl Controller {
             self.setpoint.rest();
             return Ok(Limits::NONE);
         };
-        self.setpoint =
-            Setpoint::of(&step.reference, &self.model, self.mode).map_err(|error| match error {
+        self.setpoint
+            .follow(&step.reference, &self.model, self.mode)
+            .map_err(|error| match error {
                 PoseError::Unreachable(_) | PoseError::Singular(_) => Fault::Envelope,
                 PoseError::NotFinite => Fault::NotANumber,
             })?;

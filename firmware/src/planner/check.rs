@@ -2,9 +2,10 @@
 
 use super::{End, MoveRefusal, Planner, Reason};
 use crate::motion::{Move, MoveKind};
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::WorkingMode;
 use fivebar_kinematics::trajectory::{Caps, Segment, SegmentError, Sense};
+use nalgebra::Vector2;
 
 /// How far an arc's centre may be off by the rounding of its file [m].
 const ARC_TOLERANCE: f32 = 1e-4;
@@ -157,16 +158,16 @@ impl Planner {
     }
 
     /// θ1, θ4 [rad] with the tool at a point of the workspace [m].
-    fn joints_at(&self, tool: Vec2<f32>) -> Option<[f32; 2]> {
+    fn joints_at(&self, tool: Vector2<f32>) -> Option<[f32; 2]> {
         let workspace = &self.envelope.workspace;
         let pose = workspace.tool.inverse(tool, workspace.mode).ok()?;
-        let (theta1, theta4) = (pose.u1.angle(), pose.u4.angle());
+        let (theta1, theta4) = (pose.u1.polar_angle(), pose.u4.polar_angle());
         workspace.limits?.admit(theta1, theta4).ok()
     }
 }
 
 fn arc(
-    from: Vec2<f32>,
+    from: Vector2<f32>,
     to: [f32; 2],
     center: [f32; 2],
     clockwise: bool,
@@ -179,6 +180,6 @@ fn arc(
     Segment::arc(from, vec2(to), vec2(center), sense, ARC_TOLERANCE)
 }
 
-fn vec2([x, y]: [f32; 2]) -> Vec2<f32> {
-    Vec2::new(x, y)
+fn vec2([x, y]: [f32; 2]) -> Vector2<f32> {
+    Vector2::new(x, y)
 }

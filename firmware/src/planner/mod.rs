@@ -18,10 +18,10 @@ use crate::motion::Move;
 use crate::safety::State;
 use crate::settings::{Settings, SettingsError};
 use check::CheckedMove;
-use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::{JointLimits, Side, Workspace};
 use fivebar_kinematics::trajectory::{Caps, Envelope, LookAhead, TorqueLimits};
 use heapless::HistoryBuf;
+use nalgebra::Vector2;
 use rtic_core::Mutex;
 
 pub use refusal::{LONGEST, MoveRefusal, Reason};
@@ -64,7 +64,7 @@ pub struct Planner {
 #[derive(Clone, Copy)]
 struct End {
     /// The tool [m].
-    tool: Vec2<f32>,
+    tool: Vector2<f32>,
     /// θ1, θ4 [rad], where they are known better than by the tool.
     joints: Option<[f32; 2]>,
 }

@@ -1,9 +1,10 @@
 //! The arm that the settings describe.
 
 use super::{Settings, SettingsError};
+use fivebar_kinematics::Scalar;
 use fivebar_kinematics::dynamics::{Arm, Link};
 use fivebar_kinematics::five_bar::{Geometry, Pose, Side, Tool, WorkingMode};
-use fivebar_kinematics::{Scalar, Vec2};
+use nalgebra::Vector2;
 
 /// Poses looked at across the range of each joint.
 const GRID: u8 = 9;
@@ -89,7 +90,7 @@ impl Settings {
                 }
                 if let Ok(matrix) = arm.mass_matrix(&pose) {
                     let [sum1, sum4] = sum;
-                    sum = [sum1 + matrix.m11, sum4 + matrix.m44];
+                    sum = [sum1 + matrix.m11, sum4 + matrix.m22];
                     poses += 1.0;
                 }
             }
@@ -108,6 +109,6 @@ impl Settings {
     }
 }
 
-pub(crate) fn vec2([x, y]: [f32; 2]) -> Vec2<f32> {
-    Vec2::new(x, y)
+pub(crate) fn vec2([x, y]: [f32; 2]) -> Vector2<f32> {
+    Vector2::new(x, y)
 }

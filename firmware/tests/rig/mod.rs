@@ -11,9 +11,9 @@ use fivebar_firmware::controller::{Controller, Request};
 use fivebar_firmware::planner::{MoveRefusal, Planner};
 use fivebar_firmware::settings::{AxisSettings, ControlSettings, ProtectionSettings, Settings};
 use fivebar_firmware::{Command, Move, MoveKind, Sensed};
-use fivebar_kinematics::Vec2;
 use fivebar_kinematics::dynamics::{Arm, Link};
 use fivebar_kinematics::five_bar::{Geometry, Side};
+use nalgebra::Vector2;
 use rtic_core::Mutex;
 use std::f64::consts::TAU;
 
@@ -74,11 +74,11 @@ impl Bench {
             Geometry::new(settings.lengths.map(single)).unwrap(),
             settings.links.map(|link| Link {
                 mass: single(link.mass),
-                com: Vec2::new(single(link.com[0]), single(link.com[1])),
+                com: Vector2::new(single(link.com[0]), single(link.com[1])),
                 inertia: single(link.inertia),
             }),
             single(settings.payload),
-            Vec2::new(single(settings.gravity[0]), single(settings.gravity[1])),
+            Vector2::new(single(settings.gravity[0]), single(settings.gravity[1])),
             settings
                 .axes
                 .map(|axis| single(axis.gear_ratio * axis.gear_ratio * axis.rotor_inertia)),
@@ -164,7 +164,7 @@ impl Bench {
         let pose = geometry.forward(theta1, theta4, Side::Left).unwrap();
         let rates = geometry.forward_velocities(&pose, omega1, omega4).unwrap();
         self.arm
-            .forward_dynamics(&pose, &rates, torque, Vec2::zero())
+            .forward_dynamics(&pose, &rates, torque, Vector2::zeros())
             .unwrap()
     }
 

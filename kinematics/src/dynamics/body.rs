@@ -1,8 +1,9 @@
 //! The masses of the arm, validated once.
 
 use crate::five_bar::Geometry;
-use crate::{Scalar, Vec2};
+use crate::{PlanarVector, Scalar};
 use core::fmt;
+use nalgebra::Vector2;
 
 /// The inertia of one link.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -10,7 +11,7 @@ pub struct Link<S> {
     /// Mass [kg].
     pub mass: S,
     /// Centre of mass [m], along the link and to its left, from A, B, D or E.
-    pub com: Vec2<S>,
+    pub com: Vector2<S>,
     /// Moment of inertia about the centre of mass [kg·m²].
     pub inertia: S,
 }
@@ -21,7 +22,7 @@ pub struct Arm<S> {
     geometry: Geometry<S>,
     links: [Link<S>; 4],
     payload: S,
-    gravity: Vec2<S>,
+    gravity: Vector2<S>,
     rotor_inertia: [S; 2],
 }
 
@@ -76,7 +77,7 @@ impl<S: Scalar> Arm<S> {
         geometry: Geometry<S>,
         links: [Link<S>; 4],
         payload: S,
-        gravity: Vec2<S>,
+        gravity: Vector2<S>,
         rotor_inertia: [S; 2],
     ) -> Result<Self, ModelError> {
         for (index, link) in links.iter().enumerate() {
@@ -96,7 +97,7 @@ impl<S: Scalar> Arm<S> {
         }
         let [link1, .., link4] = links;
         for (number, link, rotor) in [(1, link1, rotor_inertia[0]), (4, link4, rotor_inertia[1])] {
-            let about_joint = link.mass * link.com.norm_squared() + link.inertia + rotor;
+            let about_joint = link.mass * link.com.length_squared() + link.inertia + rotor;
             if about_joint == S::ZERO {
                 return Err(ModelError::NoInertia(number));
             }
@@ -113,7 +114,7 @@ impl<S: Scalar> Arm<S> {
     /// The same arm where nothing weighs anything.
     pub(super) fn weightless(&self) -> Self {
         Self {
-            gravity: Vec2::zero(),
+            gravity: Vector2::zeros(),
             ..*self
         }
     }
@@ -135,7 +136,7 @@ impl<S: Scalar> Arm<S> {
     }
     /// In-plane gravity [m/s²].
     #[inline]
-    pub fn gravity(&self) -> Vec2<S> {
+    pub fn gravity(&self) -> Vector2<S> {
         self.gravity
     }
     /// Each rotor's inertia at its driven joint [kg·m²].

@@ -14,7 +14,8 @@
 
 use super::Arm;
 use crate::five_bar::{Accelerations, Pose, PoseError, Singularity, Velocities, per_sine};
-use crate::{Scalar, Vec2};
+use crate::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 
 /// Partial angular velocities of links 2 and 3 in the generalised speeds ω1 and ω4.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,10 +42,10 @@ impl<S: Scalar> Arm<S> {
         let [_, per_l2, per_l3, _] = geometry.per_length();
         let (per2, per3) = (per_l2 * per_sin32, per_l3 * per_sin32);
         Ok(PartialVelocities {
-            omega21: geometry.l1() * pose.u3.cross(pose.u1) * per2,
-            omega24: -geometry.l4() * pose.u3.cross(pose.u4) * per2,
-            omega31: geometry.l1() * pose.u2.cross(pose.u1) * per3,
-            omega34: -geometry.l4() * pose.u2.cross(pose.u4) * per3,
+            omega21: geometry.l1() * pose.u3.cross_z(pose.u1) * per2,
+            omega24: -geometry.l4() * pose.u3.cross_z(pose.u4) * per2,
+            omega31: geometry.l1() * pose.u2.cross_z(pose.u1) * per3,
+            omega34: -geometry.l4() * pose.u2.cross_z(pose.u4) * per3,
         })
     }
 
@@ -59,7 +60,7 @@ impl<S: Scalar> Arm<S> {
         pose: &Pose<S>,
         velocities: &Velocities<S>,
         accelerations: &Accelerations<S>,
-        external_force: Vec2<S>,
+        external_force: Vector2<S>,
     ) -> Result<[S; 2], PoseError> {
         let partial = self.partial_velocities(pose)?;
         let geometry = self.geometry();
@@ -76,11 +77,11 @@ impl<S: Scalar> Arm<S> {
         let [alpha1, _, _, alpha4] = accelerations.alpha;
         let [rotor1, rotor4] = self.rotor_inertia();
         Ok([
-            k1 + (pose.u1 * geometry.l1()).cross(f2 + fc)
+            k1 + (pose.u1 * geometry.l1()).cross_z(f2 + fc)
                 + partial.omega21 * k2
                 + partial.omega31 * k3
                 + rotor1 * alpha1,
-            k4 + (pose.u4 * geometry.l4()).cross(f3)
+            k4 + (pose.u4 * geometry.l4()).cross_z(f3)
                 + partial.omega24 * k2
                 + partial.omega34 * k3
                 + rotor4 * alpha4,
@@ -94,7 +95,7 @@ impl<S: Scalar> Arm<S> {
         pose: &Pose<S>,
         velocities: &Velocities<S>,
         accelerations: &Accelerations<S>,
-        external_force: Vec2<S>,
+        external_force: Vector2<S>,
     ) -> LinkForces<S> {
         let geometry = self.geometry();
         let g = self.gravity();
@@ -103,10 +104,10 @@ impl<S: Scalar> Arm<S> {
         let [link1, link2, link3, link4] = self.links();
 
         // Centres of mass from their links' proximal joints, turned into the plane.
-        let r1 = link1.com.rotated_to(pose.u1);
-        let r2 = link2.com.rotated_to(pose.u2);
-        let r3 = link3.com.rotated_to(pose.u3);
-        let r4 = link4.com.rotated_to(pose.u4);
+        let r1 = link1.com.to_base_frame(pose.u1);
+        let r2 = link2.com.to_base_frame(pose.u2);
+        let r3 = link3.com.to_base_frame(pose.u3);
+        let r4 = link4.com.to_base_frame(pose.u4);
         let ab = turning(pose.u1 * geometry.l1(), omega1, alpha1);
         let ad = turning(pose.u4 * geometry.l4(), omega4, alpha4);
 
@@ -121,10 +122,10 @@ impl<S: Scalar> Arm<S> {
             f3,
             f4,
             fc,
-            k1: r1.cross(f1) + link1.inertia * alpha1,
-            k2: r2.cross(f2) + link2.inertia * alpha2 + (pose.u2 * geometry.l2()).cross(fc),
-            k3: r3.cross(f3) + link3.inertia * alpha3,
-            k4: r4.cross(f4) + link4.inertia * alpha4,
+            k1: r1.cross_z(f1) + link1.inertia * alpha1,
+            k2: r2.cross_z(f2) + link2.inertia * alpha2 + (pose.u2 * geometry.l2()).cross_z(fc),
+            k3: r3.cross_z(f3) + link3.inertia * alpha3,
+            k4: r4.cross_z(f4) + link4.inertia * alpha4,
         }
     }
 }
@@ -133,11 +134,11 @@ impl<S: Scalar> Arm<S> {
 /// external force, and their moments kj about each link's proximal joint [N·m], fc's
 /// being part of k2.
 pub(super) struct LinkForces<S> {
-    pub(super) f1: Vec2<S>,
-    pub(super) f2: Vec2<S>,
-    pub(super) f3: Vec2<S>,
-    pub(super) f4: Vec2<S>,
-    pub(super) fc: Vec2<S>,
+    pub(super) f1: Vector2<S>,
+    pub(super) f2: Vector2<S>,
+    pub(super) f3: Vector2<S>,
+    pub(super) f4: Vector2<S>,
+    pub(super) fc: Vector2<S>,
     pub(super) k1: S,
     pub(super) k2: S,
     pub(super) k3: S,
@@ -146,6 +147,6 @@ pub(super) struct LinkForces<S> {
 
 /// Acceleration of a point at r from a fixed point of a turning body: α r⊥ − ω² r.
 #[inline]
-fn turning<S: Scalar>(r: Vec2<S>, omega: S, alpha: S) -> Vec2<S> {
-    r.perp() * alpha - r * (omega * omega)
+fn turning<S: Scalar>(r: Vector2<S>, omega: S, alpha: S) -> Vector2<S> {
+    r.perpendicular() * alpha - r * (omega * omega)
 }

@@ -11,7 +11,6 @@ mod shares;
 
 pub use body::{Arm, Link, ModelError};
 pub use kane::PartialVelocities;
-pub use mass::MassMatrix;
 pub use reactions::Reactions;
 pub use regrouped::Regrouped;
 pub use shares::{ShareTotals, TorqueShares};

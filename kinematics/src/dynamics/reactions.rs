@@ -8,21 +8,22 @@
 use super::Arm;
 use super::kane::LinkForces;
 use crate::five_bar::{Accelerations, Pose, PoseError, Singularity, Velocities, per_sine};
-use crate::{Scalar, Vec2};
+use crate::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 
 /// The forces that act in the joints [N].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reactions<S> {
     /// Of the ground on link 1, at A.
-    pub a: Vec2<S>,
+    pub a: Vector2<S>,
     /// Of link 1 on link 2, at B.
-    pub b: Vec2<S>,
+    pub b: Vector2<S>,
     /// Of link 2, which carries the payload and the external force, on link 3, at C.
-    pub c: Vec2<S>,
+    pub c: Vector2<S>,
     /// Of link 4 on link 3, at D.
-    pub d: Vec2<S>,
+    pub d: Vector2<S>,
     /// Of the ground on link 4, at E.
-    pub e: Vec2<S>,
+    pub e: Vector2<S>,
     /// The driving torques in balance with them [N·m], on link 1 at A and link 4 at E:
     /// Kane's, by the other way.
     pub torque: [S; 2],
@@ -38,7 +39,7 @@ impl<S: Scalar> Arm<S> {
         pose: &Pose<S>,
         velocities: &Velocities<S>,
         accelerations: &Accelerations<S>,
-        external_force: Vec2<S>,
+        external_force: Vector2<S>,
     ) -> Result<Reactions<S>, PoseError> {
         let geometry = self.geometry();
         let per_sin32 = per_sine(pose.sin32(), Singularity::Parallel)?;
@@ -66,8 +67,8 @@ impl<S: Scalar> Arm<S> {
             d,
             e: f4 + d,
             torque: [
-                k1 + pose.b.cross(b) + rotor1 * alpha1,
-                k4 + (pose.d - geometry.e()).cross(d) + rotor4 * alpha4,
+                k1 + pose.b.cross_z(b) + rotor1 * alpha1,
+                k4 + (pose.d - geometry.e()).cross_z(d) + rotor4 * alpha4,
             ],
         })
     }

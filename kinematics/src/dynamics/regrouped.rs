@@ -30,17 +30,18 @@
 
 use super::Arm;
 use crate::five_bar::Links;
-use crate::{Scalar, Vec2};
+use crate::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 
 /// An arm's equations of motion, its masses summed up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Regrouped<S> {
     /// (p2, q2), (p3, q3) [kg].
-    first: [Vec2<S>; 2],
+    first: [Vector2<S>; 2],
     /// J1…J4 [kg·m²].
     second: [S; 4],
     /// G1…G4 [N].
-    weight: [Vec2<S>; 4],
+    weight: [Vector2<S>; 4],
 }
 
 impl<S: Scalar> Regrouped<S> {
@@ -52,9 +53,9 @@ impl<S: Scalar> Regrouped<S> {
         let [rotor1, rotor4] = arm.rotor_inertia();
         let payload = arm.payload();
         let beyond1 = link2.mass + payload;
-        let along = |mass: S| Vec2::new(mass, S::ZERO);
+        let along = |mass: S| Vector2::new(mass, S::ZERO);
         let per_length = |link: &super::Link<S>, length: S| link.com * (link.mass / length);
-        let own = |link: &super::Link<S>| link.inertia + link.mass * link.com.norm_squared();
+        let own = |link: &super::Link<S>| link.inertia + link.mass * link.com.length_squared();
         let first1 = per_length(link1, l1) + along(beyond1);
         let first2 = per_length(link2, l2) + along(payload);
         let first3 = per_length(link3, l3);
@@ -69,7 +70,7 @@ impl<S: Scalar> Regrouped<S> {
                 own(link4) + link3.mass * l4 * l4 + rotor4,
             ],
             weight: [first1, first2, first3, first4]
-                .map(|first| Vec2::new(first.cross(g), -first.dot(g))),
+                .map(|first| Vector2::new(first.cross_z(g), -first.dot(&g))),
         }
     }
 
@@ -88,31 +89,31 @@ impl<S: Scalar> Regrouped<S> {
         let ([omega1, omega4], [alpha1, alpha4]) = (omega, alpha);
         let per_cross = S::ONE / cross;
 
-        let (cross21, cross34) = (r2.cross(r1), r3.cross(r4));
-        let omega21 = r3.cross(r1) * per_cross;
+        let (cross21, cross34) = (r2.cross_z(r1), r3.cross_z(r4));
+        let omega21 = r3.cross_z(r1) * per_cross;
         let omega24 = -cross34 * per_cross;
         let omega31 = cross21 * per_cross;
-        let omega34 = r4.cross(r2) * per_cross;
+        let omega34 = r4.cross_z(r2) * per_cross;
         let omega2 = omega21 * omega1 + omega24 * omega4;
         let omega3 = omega31 * omega1 + omega34 * omega4;
 
         let (square1, square2) = (omega1 * omega1, omega2 * omega2);
         let (square3, square4) = (omega3 * omega3, omega4 * omega4);
         let w = r1 * square1 + r2 * square2 - r3 * square3 - r4 * square4;
-        let alpha2 = omega21 * alpha1 + omega24 * alpha4 + w.dot(r3) * per_cross;
-        let alpha3 = omega31 * alpha1 + omega34 * alpha4 + w.dot(r2) * per_cross;
+        let alpha2 = omega21 * alpha1 + omega24 * alpha4 + w.dot(&r3) * per_cross;
+        let alpha3 = omega31 * alpha1 + omega34 * alpha4 + w.dot(&r2) * per_cross;
 
-        let [Vec2 { x: p2, y: q2 }, Vec2 { x: p3, y: q3 }] = self.first;
-        let (dot12, dot43) = (r1.dot(r2), r4.dot(r3));
+        let [[p2, q2], [p3, q3]] = self.first.map(Into::into);
+        let (dot12, dot43) = (r1.dot(&r2), r4.dot(&r3));
         let (c12, x12) = (p2 * dot12 + q2 * cross21, q2 * dot12 - p2 * cross21);
         let (c43, x43) = (p3 * dot43 + q3 * cross34, q3 * dot43 - p3 * cross34);
         let [j1, j2, j3, j4] = self.second;
         let [g1, g2, g3, g4] = self.weight;
-        let k2 = c12 * alpha1 + x12 * square1 + j2 * alpha2 - r2.dot(g2);
-        let k3 = c43 * alpha4 + x43 * square4 + j3 * alpha3 - r3.dot(g3);
+        let k2 = c12 * alpha1 + x12 * square1 + j2 * alpha2 - r2.dot(&g2);
+        let k3 = c43 * alpha4 + x43 * square4 + j3 * alpha3 - r3.dot(&g3);
         [
-            j1 * alpha1 + c12 * alpha2 - x12 * square2 - r1.dot(g1) + omega21 * k2 + omega31 * k3,
-            j4 * alpha4 + c43 * alpha3 - x43 * square3 - r4.dot(g4) + omega24 * k2 + omega34 * k3,
+            j1 * alpha1 + c12 * alpha2 - x12 * square2 - r1.dot(&g1) + omega21 * k2 + omega31 * k3,
+            j4 * alpha4 + c43 * alpha3 - x43 * square3 - r4.dot(&g4) + omega24 * k2 + omega34 * k3,
         ]
     }
 }

@@ -2,8 +2,9 @@
 //! Yu 2007's "inertia forces dominate".
 
 use super::Arm;
+use crate::Scalar;
 use crate::five_bar::{Accelerations, Pose, PoseError, Velocities};
-use crate::{Scalar, Vec2};
+use nalgebra::Vector2;
 
 /// The parts of the driving torques, each [joint 1, joint 4]; they add up to the torque.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,7 +55,7 @@ impl<S: Scalar> Arm<S> {
         pose: &Pose<S>,
         velocities: &Velocities<S>,
         accelerations: &Accelerations<S>,
-        external_force: Vec2<S>,
+        external_force: Vector2<S>,
         friction: [S; 2],
     ) -> Result<TorqueShares<S>, PoseError> {
         let geometry = self.geometry();
@@ -62,8 +63,8 @@ impl<S: Scalar> Arm<S> {
         let coasting = geometry.forward_accelerations(pose, velocities, S::ZERO, S::ZERO)?;
         let weightless = self.weightless();
         Ok(TorqueShares {
-            inertia: self.mass_matrix(pose)?.times([alpha1, alpha4]),
-            velocity: weightless.inverse_dynamics(pose, velocities, &coasting, Vec2::zero())?,
+            inertia: (self.mass_matrix(pose)? * Vector2::new(alpha1, alpha4)).into(),
+            velocity: weightless.inverse_dynamics(pose, velocities, &coasting, Vector2::zeros())?,
             gravity: self.gravity_torque(pose)?,
             external: geometry.jacobian(pose)?.torques(-external_force),
             friction,

@@ -7,7 +7,8 @@
 //! not the second. Not used by the controller.
 
 use super::{Geometry, Side, WorkingMode};
-use crate::{Scalar, Vec2};
+use crate::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 
 impl<S: Scalar> Geometry<S> {
     /// θ2, θ3 [rad] from θ1, θ4 [rad]:
@@ -20,16 +21,16 @@ impl<S: Scalar> Geometry<S> {
     /// both arguments of atan2 vanish.
     pub fn half_angle_forward(&self, theta1: S, theta4: S, assembly: Side) -> Option<[S; 2]> {
         let (l2, l3) = (self.l2(), self.l3());
-        let b = Vec2::unit(theta1) * self.l1();
-        let d = self.e() + Vec2::unit(theta4) * self.l4();
+        let b = Vector2::unit(theta1) * self.l1();
+        let d = self.e() + Vector2::unit(theta4) * self.l4();
         let p = d - b;
         let a0 = S::TWO * l2 * p.x;
         let b0 = S::TWO * l2 * p.y;
-        let c0 = l2 * l2 + p.norm_squared() - l3 * l3;
+        let c0 = l2 * l2 + p.length_squared() - l3 * l3;
         let root = assembly.sign(root(a0 * a0 + b0 * b0 - c0 * c0)?);
         let theta2 = S::TWO * angle(b0 + root, a0 + c0)?;
-        let c = b + Vec2::unit(theta2) * l2;
-        Some([theta2, (c - d).angle()])
+        let c = b + Vector2::unit(theta2) * l2;
+        Some([theta2, (c - d).polar_angle()])
     }
 
     /// θ1, θ4 [rad] from C [m]: of A0 + B0 cos θ + C0 sin θ = 0 the roots
@@ -40,9 +41,9 @@ impl<S: Scalar> Geometry<S> {
     ///
     /// `None` where no pose exists, and for a leg's root beside θ = π, where A0 = B0 and
     /// both arguments of atan2 vanish.
-    pub fn half_angle_inverse(&self, c: Vec2<S>, mode: WorkingMode) -> Option<[S; 2]> {
-        let leg = |r: Vec2<S>, driven: S, distal: S, elbow: Side| {
-            let a0 = r.norm_squared() + driven * driven - distal * distal;
+    pub fn half_angle_inverse(&self, c: Vector2<S>, mode: WorkingMode) -> Option<[S; 2]> {
+        let leg = |r: Vector2<S>, driven: S, distal: S, elbow: Side| {
+            let a0 = r.length_squared() + driven * driven - distal * distal;
             let b0 = -S::TWO * driven * r.x;
             let c0 = -S::TWO * driven * r.y;
             let root = elbow.sign(root(c0 * c0 + b0 * b0 - a0 * a0)?);

@@ -13,13 +13,14 @@
 use super::dyad::{Dyad, DyadSolution};
 use super::inverse::{refusal1, refusal4};
 use super::{PoseError, Tool, WorkingMode};
-use crate::{Scalar, Vec2};
+use crate::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 
 /// The motion of the driven joints; index 0 is joint 1, index 1 joint 4.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Driven<S> {
     /// u(θ1), u(θ4).
-    pub direction: [Vec2<S>; 2],
+    pub direction: [Vector2<S>; 2],
     /// ω1, ω4 [rad/s].
     pub omega: [S; 2],
     /// α1, α4 [rad/s²].
@@ -29,9 +30,9 @@ pub struct Driven<S> {
 /// A leg that reaches a moving point.
 struct Leg<S> {
     /// b, the driven link [m].
-    driven: Vec2<S>,
+    driven: Vector2<S>,
     /// q, from its elbow to the point [m].
-    distal: Vec2<S>,
+    distal: Vector2<S>,
     /// 1/X [1/m²].
     per_cross: S,
     /// Velocity of the driven link [rad/s].
@@ -43,7 +44,7 @@ struct Leg<S> {
 impl<S: Scalar> Leg<S> {
     /// The leg that closes to `point` [m] from its pivot, while that moves with `v` [m/s].
     #[inline(always)]
-    fn new(closed: &DyadSolution<S>, point: Vec2<S>, v: Vec2<S>) -> Self {
+    fn new(closed: &DyadSolution<S>, point: Vector2<S>, v: Vector2<S>) -> Self {
         // b×p = b×q is −p×b.
         let (driven, per_cross) = (closed.joint, -S::ONE / closed.cross);
         let distal = point - driven;
@@ -51,26 +52,26 @@ impl<S: Scalar> Leg<S> {
             driven,
             distal,
             per_cross,
-            near_velocity: v.dot(distal) * per_cross,
-            far_velocity: -v.dot(driven) * per_cross,
+            near_velocity: v.dot(&distal) * per_cross,
+            far_velocity: -v.dot(&driven) * per_cross,
         }
     }
 
     /// The driven link's acceleration, the point's being `a`.
     #[inline(always)]
-    fn near_acceleration(&self, dyad: &Dyad<S>, a: Vec2<S>) -> S {
-        (a.dot(self.distal)
-            + self.near_velocity * self.near_velocity * self.driven.dot(self.distal)
+    fn near_acceleration(&self, dyad: &Dyad<S>, a: Vector2<S>) -> S {
+        (a.dot(&self.distal)
+            + self.near_velocity * self.near_velocity * self.driven.dot(&self.distal)
             + self.far_velocity * self.far_velocity * dyad.far_squared())
             * self.per_cross
     }
 
     /// The distal link's acceleration, the point's being `a`.
     #[inline(always)]
-    fn far_acceleration(&self, dyad: &Dyad<S>, a: Vec2<S>) -> S {
-        -(a.dot(self.driven)
+    fn far_acceleration(&self, dyad: &Dyad<S>, a: Vector2<S>) -> S {
+        -(a.dot(&self.driven)
             + self.near_velocity * self.near_velocity * (dyad.near() * dyad.near())
-            + self.far_velocity * self.far_velocity * self.driven.dot(self.distal))
+            + self.far_velocity * self.far_velocity * self.driven.dot(&self.distal))
             * self.per_cross
     }
 }
@@ -84,9 +85,9 @@ impl<S: Scalar> Tool<S> {
     #[inline(always)]
     pub fn driven(
         &self,
-        t: Vec2<S>,
-        v: Vec2<S>,
-        a: Vec2<S>,
+        t: Vector2<S>,
+        v: Vector2<S>,
+        a: Vector2<S>,
         mode: WorkingMode,
     ) -> Result<Driven<S>, PoseError> {
         let geometry = self.geometry();
@@ -100,12 +101,12 @@ impl<S: Scalar> Tool<S> {
         let (c, v, a) = match self.c_from_tool() {
             None => (t, v, a),
             Some(to_c) => {
-                let w = to_c.rotated_to(leg1.distal);
+                let w = to_c.to_base_frame(leg1.distal);
                 let (omega2, alpha2) = (leg1.far_velocity, leg1.far_acceleration(dyad, a));
                 (
                     t + w,
-                    v + w.perp() * omega2,
-                    a + w.perp() * alpha2 - w * (omega2 * omega2),
+                    v + w.perpendicular() * omega2,
+                    a + w.perpendicular() * alpha2 - w * (omega2 * omega2),
                 )
             }
         };

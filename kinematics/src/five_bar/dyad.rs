@@ -12,14 +12,15 @@
 
 use super::Side;
 use crate::scalar::FixedSquare;
-use crate::{Scalar, Vec2};
+use crate::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 
 /// Why two links have no definite joint between pivot and point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DyadError<S> {
     /// They are in line to rounding: this is their joint [m], but their velocities are not
     /// to be had.
-    InLine(Vec2<S>),
+    InLine(Vector2<S>),
     /// The point is farther than both links reach.
     TooFar,
     /// The point is nearer than the difference of the links.
@@ -55,7 +56,7 @@ pub struct Dyad<S> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DyadSolution<S> {
     /// The joint between the links, from the pivot [m].
-    pub joint: Vec2<S>,
+    pub joint: Vector2<S>,
     /// p × joint [m²], not zero.
     pub cross: S,
 }
@@ -111,8 +112,8 @@ impl<S: Scalar> Dyad<S> {
     /// Where no joint is at both lengths, where more than one is, and where the links are in
     /// line to rounding.
     #[inline(always)]
-    pub fn solve(&self, p: Vec2<S>, side: Side) -> Result<DyadSolution<S>, DyadError<S>> {
-        self.solve_with_gap(p, self.sum_squared - p.norm_squared(), side)
+    pub fn solve(&self, p: Vector2<S>, side: Side) -> Result<DyadSolution<S>, DyadError<S>> {
+        self.solve_with_gap(p, self.sum_squared - p.length_squared(), side)
     }
 
     /// As [`Dyad::solve`], with s² − |p|² by [`Scalar::square_less`]: for a point that is
@@ -120,7 +121,7 @@ impl<S: Scalar> Dyad<S> {
     #[inline(always)]
     pub(super) fn solve_precisely(
         &self,
-        p: Vec2<S>,
+        p: Vector2<S>,
         side: Side,
     ) -> Result<DyadSolution<S>, DyadError<S>> {
         let gap = S::square_less(self.sum_squared, &self.fixed, p.x, p.y);
@@ -132,12 +133,12 @@ impl<S: Scalar> Dyad<S> {
     #[inline(always)]
     pub(super) fn solve_precisely_to(
         &self,
-        point: Vec2<S>,
+        point: Vector2<S>,
         side: Side,
     ) -> Result<DyadSolution<S>, DyadError<S>> {
         let (square, pivot) = (self.sum_squared, self.pivot);
         let gap = S::square_less_from_pivot(square, &self.fixed, pivot, point.x, point.y);
-        self.solve_with_gap(Vec2::new(point.x - pivot, point.y), gap, side)
+        self.solve_with_gap(Vector2::new(point.x - pivot, point.y), gap, side)
     }
 
     /// One square root, one division, and one test that nothing but a good answer passes,
@@ -145,18 +146,18 @@ impl<S: Scalar> Dyad<S> {
     #[inline(always)]
     fn solve_with_gap(
         &self,
-        p: Vec2<S>,
+        p: Vector2<S>,
         gap: S,
         side: Side,
     ) -> Result<DyadSolution<S>, DyadError<S>> {
-        let p_squared = p.norm_squared();
+        let p_squared = p.length_squared();
         let product = gap * (p_squared - self.difference_squared);
         if product > self.least {
             let half_per_p_squared = S::HALF / p_squared;
             let a = S::HALF + self.sum_difference * half_per_p_squared;
             let h = side.sign(product.sqrt() * half_per_p_squared);
             Ok(DyadSolution {
-                joint: p * a + p.perp() * h,
+                joint: p * a + p.perpendicular() * h,
                 cross: h * p_squared,
             })
         } else {
@@ -169,7 +170,7 @@ impl<S: Scalar> Dyad<S> {
     /// # Errors
     /// As [`Dyad::solve`], but for links in line.
     #[inline(always)]
-    pub fn joint(&self, p: Vec2<S>, side: Side) -> Result<Vec2<S>, DyadError<S>> {
+    pub fn joint(&self, p: Vector2<S>, side: Side) -> Result<Vector2<S>, DyadError<S>> {
         Self::joint_of(self.solve(p, side))
     }
 
@@ -177,29 +178,31 @@ impl<S: Scalar> Dyad<S> {
     #[inline(always)]
     pub(super) fn joint_of(
         solution: Result<DyadSolution<S>, DyadError<S>>,
-    ) -> Result<Vec2<S>, DyadError<S>> {
-        match solution {
-            Ok(solution) => Ok(solution.joint),
-            Err(DyadError::InLine(joint)) => Ok(joint),
-            Err(error) => Err(error),
-        }
+    ) -> Result<Vector2<S>, DyadError<S>> {
+        // By components: the compiler then keeps them in floating-point registers.
+        let [x, y] = match &solution {
+            Ok(solution) => [solution.joint.x, solution.joint.y],
+            Err(DyadError::InLine(joint)) => [joint.x, joint.y],
+            Err(error) => return Err(*error),
+        };
+        Ok(Vector2::new(x, y))
     }
 
     /// The joint of links in line, allowing for rounding of 8 ulp of the lengths, or the
     /// reason why they do not meet.
     #[cold]
     #[inline(never)]
-    fn error(&self, p: Vec2<S>, product: S, side: Side) -> DyadError<S> {
+    fn error(&self, p: Vector2<S>, product: S, side: Side) -> DyadError<S> {
         if !(p.x.is_finite() && p.y.is_finite()) {
             return DyadError::NotFinite;
         }
-        let half_per_p_squared = S::HALF / p.norm_squared();
+        let half_per_p_squared = S::HALF / p.length_squared();
         let along = p * (S::HALF + self.sum_difference * half_per_p_squared);
         let h = product.sqrt() * half_per_p_squared;
         if h <= coincidence() {
-            return DyadError::InLine(along + p.perp() * side.sign(h));
+            return DyadError::InLine(along + p.perpendicular() * side.sign(h));
         }
-        let distance = p.norm();
+        let distance = p.length();
         let slack = S::from_f64(8.0) * S::EPSILON * (self.near + self.far);
         let least = (self.near - self.far).abs();
         if distance > self.near + self.far + slack {
@@ -234,25 +237,30 @@ fn coincidence<S: Scalar>() -> S {
 mod tests {
     use super::*;
 
-    fn joint(p: Vec2<f64>, near: f64, far: f64, side: Side) -> Result<Vec2<f64>, DyadError<f64>> {
+    fn joint(
+        p: Vector2<f64>,
+        near: f64,
+        far: f64,
+        side: Side,
+    ) -> Result<Vector2<f64>, DyadError<f64>> {
         Dyad::new(near, far).joint(p, side)
     }
 
-    fn at(distance: f64, near: f64, far: f64) -> Result<Vec2<f64>, DyadError<f64>> {
-        joint(Vec2::new(0.6, 0.8) * distance, near, far, Side::Left)
+    fn at(distance: f64, near: f64, far: f64) -> Result<Vector2<f64>, DyadError<f64>> {
+        joint(Vector2::new(0.6, 0.8) * distance, near, far, Side::Left)
     }
 
     #[test]
     fn the_joint_is_at_both_distances_and_on_its_side() {
         for side in Side::BOTH {
-            let p = Vec2::new(0.3, -0.1);
+            let p = Vector2::new(0.3, -0.1);
             let Ok(closed) = Dyad::new(0.2, 0.25).solve(p, side) else {
                 panic!("the point is within reach");
             };
-            assert!((closed.joint.norm() - 0.2).abs() < 1e-15);
-            assert!(((closed.joint - p).norm() - 0.25).abs() < 1e-15);
-            assert_eq!(Side::of(p.cross(closed.joint)), side);
-            assert!((p.cross(closed.joint) - closed.cross).abs() < 1e-16);
+            assert!((closed.joint.length() - 0.2).abs() < 1e-15);
+            assert!(((closed.joint - p).length() - 0.25).abs() < 1e-15);
+            assert_eq!(Side::of(p.cross_z(closed.joint)), side);
+            assert!((p.cross_z(closed.joint) - closed.cross).abs() < 1e-16);
         }
     }
 
@@ -261,9 +269,9 @@ mod tests {
         for ulps in -4_i32..=4 {
             let nearly = 1.0 + f64::from(ulps) * f64::EPSILON;
             let outside = at(0.5 * nearly, 0.2, 0.3).unwrap();
-            assert!((outside.norm() - 0.2).abs() < 1e-8);
+            assert!((outside.length() - 0.2).abs() < 1e-8);
             let inside = at(0.1 * nearly, 0.2, 0.3).unwrap();
-            assert!((inside.norm() - 0.2).abs() < 1e-8);
+            assert!((inside.length() - 0.2).abs() < 1e-8);
         }
     }
 
@@ -271,11 +279,11 @@ mod tests {
     fn links_in_line_to_rounding_are_told_from_bent_ones() {
         let (near, far) = (0.2_f64, 0.3_f64);
         for (sine, bent) in [(1e-7, false), (1.4e-7, true)] {
-            let joint = Vec2::new(near, 0.0);
-            let p = joint + Vec2::new(libm::sqrt(1.0 - sine * sine), -sine) * far;
+            let joint = Vector2::new(near, 0.0);
+            let p = joint + Vector2::new(libm::sqrt(1.0 - sine * sine), -sine) * far;
             let closed = Dyad::new(near, far).solve(p, Side::Left);
             assert_eq!(closed.is_ok(), bent, "sine {sine}");
-            assert!((Dyad::joint_of(closed).unwrap() - joint).norm() < 1e-7);
+            assert!((Dyad::joint_of(closed).unwrap() - joint).length() < 1e-7);
         }
     }
 
@@ -305,7 +313,7 @@ mod tests {
             [f32::NAN, 0.1],
             [0.1, f32::NEG_INFINITY],
         ] {
-            let p = Vec2::new(x, y);
+            let p = Vector2::new(x, y);
             let plainly = dyad.solve(p, Side::Left).err();
             let precisely = dyad.solve_precisely(p, Side::Left).err();
             assert!(plainly.is_some(), "at {p:?}");

@@ -10,7 +10,8 @@
 
 use super::dyad::DyadError;
 use super::{Geometry, Pose, PoseError, Side, Singularity, Unreachable};
-use crate::{Scalar, Vec2};
+use crate::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 
 impl<S: Scalar> Geometry<S> {
     /// The pose with driven angles θ1, θ4 [rad] on the given assembly branch.
@@ -20,7 +21,7 @@ impl<S: Scalar> Geometry<S> {
     /// rounding, `NotFinite`. A pose with B, C, D in line is given; motion is refused there.
     #[inline(always)]
     pub fn forward(&self, theta1: S, theta4: S, assembly: Side) -> Result<Pose<S>, PoseError> {
-        self.forward_from_directions(Vec2::unit(theta1), Vec2::unit(theta4), assembly)
+        self.forward_from_directions(Vector2::unit(theta1), Vector2::unit(theta4), assembly)
     }
 
     /// As [`Geometry::forward`], the driven links given by their unit vectors.
@@ -30,12 +31,12 @@ impl<S: Scalar> Geometry<S> {
     #[inline(always)]
     pub fn forward_from_directions(
         &self,
-        u1: Vec2<S>,
-        u4: Vec2<S>,
+        u1: Vector2<S>,
+        u4: Vector2<S>,
         assembly: Side,
     ) -> Result<Pose<S>, PoseError> {
         let b = u1 * self.l1();
-        let d = Vec2::new(self.base() + u4.x * self.l4(), u4.y * self.l4());
+        let d = Vector2::new(self.base() + u4.x * self.l4(), u4.y * self.l4());
         let bc = self.tip().joint(d - b, assembly).map_err(refusal)?;
         let c = b + bc;
         let [_, per_l2, per_l3, _] = self.per_length();

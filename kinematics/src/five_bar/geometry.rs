@@ -2,7 +2,8 @@
 
 use super::GeometryError;
 use super::dyad::Dyad;
-use crate::{Scalar, Vec2};
+use crate::Scalar;
+use nalgebra::Vector2;
 
 /// The lengths of a five-bar [m], proven positive and able to close.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,7 +102,7 @@ impl<S: Scalar> Geometry<S> {
     }
     /// The ground pivot E = (l5, 0) [m]; A is the origin.
     #[inline]
-    pub fn e(&self) -> Vec2<S> {
-        Vec2::new(self.base(), S::ZERO)
+    pub fn e(&self) -> Vector2<S> {
+        Vector2::new(self.base(), S::ZERO)
     }
 }

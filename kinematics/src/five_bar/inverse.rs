@@ -10,13 +10,14 @@
 
 use super::dyad::{Dyad, DyadError};
 use super::{Geometry, Pose, PoseError, Side, Singularity, Unreachable, WorkingMode};
-use crate::{Scalar, Vec2};
+use crate::Scalar;
+use nalgebra::Vector2;
 
 /// Leg 4's part of a pose.
 pub(super) struct Leg4<S> {
-    pub(super) d: Vec2<S>,
-    pub(super) u3: Vec2<S>,
-    pub(super) u4: Vec2<S>,
+    pub(super) d: Vector2<S>,
+    pub(super) u3: Vector2<S>,
+    pub(super) u4: Vector2<S>,
 }
 
 impl<S: Scalar> Geometry<S> {
@@ -27,7 +28,7 @@ impl<S: Scalar> Geometry<S> {
     /// a base pivot to rounding, `NotFinite`. A pose with a leg straight or folded is
     /// given; motion is refused there.
     #[inline(always)]
-    pub fn inverse(&self, c: Vec2<S>, mode: WorkingMode) -> Result<Pose<S>, PoseError> {
+    pub fn inverse(&self, c: Vector2<S>, mode: WorkingMode) -> Result<Pose<S>, PoseError> {
         let [per_l1, per_l2, ..] = self.per_length();
         let leg1 = self.leg1().solve_precisely(c, mode.elbow1.opposite());
         let b = Dyad::joint_of(leg1).map_err(refusal1)?;
@@ -45,7 +46,7 @@ impl<S: Scalar> Geometry<S> {
 
     /// Leg 4 when C is at `c`.
     #[inline(always)]
-    pub(super) fn leg4_to(&self, c: Vec2<S>, elbow4: Side) -> Result<Leg4<S>, PoseError> {
+    pub(super) fn leg4_to(&self, c: Vector2<S>, elbow4: Side) -> Result<Leg4<S>, PoseError> {
         let [_, _, per_l3, per_l4] = self.per_length();
         let ec = c - self.e();
         let leg4 = self.leg4().solve_precisely_to(c, elbow4.opposite());

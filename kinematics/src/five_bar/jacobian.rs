@@ -9,25 +9,26 @@
 
 use super::motion::per_sine;
 use super::{Geometry, Pose, PoseError, Singularity, Tool};
-use crate::{Scalar, Vec2};
+use crate::{PlanarVector, Scalar};
+use nalgebra::{Matrix2, Vector2};
 
 /// ṙC = J q̇ with q̇ = (ω1, ω4): the partial velocities of C, which are J's columns; of the
 /// tool in C's place where [`Tool::jacobian`] made it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jacobian<S> {
     /// vC1 = ∂ṙC/∂ω1 [m].
-    pub c1: Vec2<S>,
+    pub c1: Vector2<S>,
     /// vC4 = ∂ṙC/∂ω4 [m].
-    pub c4: Vec2<S>,
+    pub c4: Vector2<S>,
 }
 
 /// q̇ = J⁻¹ ṙC: the rows of J⁻¹, finite where J itself is not (type 2).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InverseJacobian<S> {
     /// ∂ω1/∂ṙC [1/m].
-    pub joint1: Vec2<S>,
+    pub joint1: Vector2<S>,
     /// ∂ω4/∂ṙC [1/m].
-    pub joint4: Vec2<S>,
+    pub joint4: Vector2<S>,
 }
 
 impl<S: Scalar> Geometry<S> {
@@ -39,8 +40,8 @@ impl<S: Scalar> Geometry<S> {
     pub fn jacobian(&self, pose: &Pose<S>) -> Result<Jacobian<S>, PoseError> {
         let per_sin32 = per_sine(pose.sin32(), Singularity::Parallel)?;
         Ok(Jacobian {
-            c1: pose.u3.perp() * (-self.l1() * pose.sin21() * per_sin32),
-            c4: pose.u2.perp() * (self.l4() * pose.sin34() * per_sin32),
+            c1: pose.u3.perpendicular() * (-self.l1() * pose.sin21() * per_sin32),
+            c4: pose.u2.perpendicular() * (self.l4() * pose.sin34() * per_sin32),
         })
     }
 
@@ -79,16 +80,22 @@ impl<S: Scalar> Tool<S> {
 }
 
 impl<S: Scalar> Jacobian<S> {
+    /// J [m], its columns vC1 and vC4.
+    #[inline]
+    pub fn matrix(&self) -> Matrix2<S> {
+        Matrix2::new(self.c1.x, self.c4.x, self.c1.y, self.c4.y)
+    }
+
     /// ṙC [m/s] of the rates (ω1, ω4) [rad/s].
     #[inline]
-    pub fn velocity(&self, [omega1, omega4]: [S; 2]) -> Vec2<S> {
+    pub fn velocity(&self, [omega1, omega4]: [S; 2]) -> Vector2<S> {
         self.c1 * omega1 + self.c4 * omega4
     }
 
     /// Jᵀ F: the torques [N·m] on links 1 and 4 that a force [N] on C amounts to.
     #[inline]
-    pub fn torques(&self, force: Vec2<S>) -> [S; 2] {
-        [force.dot(self.c1), force.dot(self.c4)]
+    pub fn torques(&self, force: Vector2<S>) -> [S; 2] {
+        [force.dot(&self.c1), force.dot(&self.c4)]
     }
 
     /// σmax ≥ σmin ≥ 0 [m/rad]: C's greatest and least speed per unit of joint rate.
@@ -96,7 +103,7 @@ impl<S: Scalar> Jacobian<S> {
     /// σmax ± σmin = √(|vC1|² + |vC4|² ± 2 |det J|).
     #[inline]
     pub fn singular_values(&self) -> [S; 2] {
-        let squares = self.c1.norm_squared() + self.c4.norm_squared();
+        let squares = self.c1.length_squared() + self.c4.length_squared();
         let det = self.manipulability();
         let sum = (squares + S::TWO * det).sqrt();
         let rest = squares - S::TWO * det;
@@ -113,7 +120,7 @@ impl<S: Scalar> Jacobian<S> {
     /// Yoshikawa's manipulability |det J| = σmax σmin [m²]: zero at type 1.
     #[inline]
     pub fn manipulability(&self) -> S {
-        self.c1.cross(self.c4).abs()
+        self.c1.cross_z(self.c4).abs()
     }
 
     /// σmin/σmax in 0…1, the inverse of the condition number: 1 where C moves alike in
@@ -130,9 +137,15 @@ impl<S: Scalar> Jacobian<S> {
 }
 
 impl<S: Scalar> InverseJacobian<S> {
+    /// J⁻¹ [1/m].
+    #[inline]
+    pub fn matrix(&self) -> Matrix2<S> {
+        Matrix2::new(self.joint1.x, self.joint1.y, self.joint4.x, self.joint4.y)
+    }
+
     /// (ω1, ω4) [rad/s] of ṙC [m/s].
     #[inline]
-    pub fn rates(&self, c_velocity: Vec2<S>) -> [S; 2] {
-        [self.joint1.dot(c_velocity), self.joint4.dot(c_velocity)]
+    pub fn rates(&self, c_velocity: Vector2<S>) -> [S; 2] {
+        [self.joint1.dot(&c_velocity), self.joint4.dot(&c_velocity)]
     }
 }

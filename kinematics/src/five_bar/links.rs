@@ -7,19 +7,20 @@
 use super::dyad::DyadSolution;
 use super::forward::refusal;
 use super::{Geometry, Pose, PoseError, Side};
-use crate::{Scalar, Vec2};
+use crate::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 
 /// The links of a closed arm, away from the parallel singularity [m].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Links<S> {
     /// r1, A to B.
-    pub ab: Vec2<S>,
+    pub ab: Vector2<S>,
     /// r2, B to C.
-    pub bc: Vec2<S>,
+    pub bc: Vector2<S>,
     /// r3, D to C.
-    pub dc: Vec2<S>,
+    pub dc: Vector2<S>,
     /// r4, E to D.
-    pub ed: Vec2<S>,
+    pub ed: Vector2<S>,
     /// r2 × r3 [m²], not zero: positive on the `Left` assembly.
     pub cross: S,
 }
@@ -31,7 +32,12 @@ impl<S: Scalar> Geometry<S> {
     /// # Errors
     /// `Unreachable` where links 2 and 3 cannot meet, `Singular` at type 2, `NotFinite`.
     #[inline(always)]
-    pub fn links(&self, u1: Vec2<S>, u4: Vec2<S>, assembly: Side) -> Result<Links<S>, PoseError> {
+    pub fn links(
+        &self,
+        u1: Vector2<S>,
+        u4: Vector2<S>,
+        assembly: Side,
+    ) -> Result<Links<S>, PoseError> {
         let ab = u1 * self.l1();
         let ed = u4 * self.l4();
         let bd = ed - (ab - self.e());
@@ -71,7 +77,7 @@ impl<S: Scalar> Links<S> {
             bc,
             dc,
             ed: pose.d - geometry.e(),
-            cross: bc.cross(dc),
+            cross: bc.cross_z(dc),
         }
     }
 }

@@ -14,7 +14,8 @@
 
 use super::dyad::least_sine_squared;
 use super::{Geometry, Pose, PoseError, Singularity};
-use crate::{Scalar, Vec2};
+use crate::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 
 /// Angular velocities of the links and the velocity of the tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,7 +23,7 @@ pub struct Velocities<S> {
     /// ω1, ω2, ω3, ω4 [rad/s].
     pub omega: [S; 4],
     /// ṙC [m/s].
-    pub c: Vec2<S>,
+    pub c: Vector2<S>,
 }
 
 /// Angular accelerations of the links and the acceleration of the tool.
@@ -31,7 +32,7 @@ pub struct Accelerations<S> {
     /// α1, α2, α3, α4 [rad/s²].
     pub alpha: [S; 4],
     /// r̈C [m/s²].
-    pub c: Vec2<S>,
+    pub c: Vector2<S>,
 }
 
 /// 1/sin θ, or the singularity that sin θ ≈ 0 is: see [`least_sine_squared`].
@@ -58,14 +59,14 @@ impl<S: Scalar> Geometry<S> {
     ) -> Result<Velocities<S>, PoseError> {
         let per_sin32 = per_sine(pose.sin32(), Singularity::Parallel)?;
         let [_, per_l2, per_l3, _] = self.per_length();
-        let vb = pose.u1.perp() * (self.l1() * omega1);
-        let vd = pose.u4.perp() * (self.l4() * omega4);
+        let vb = pose.u1.perpendicular() * (self.l1() * omega1);
+        let vd = pose.u4.perpendicular() * (self.l4() * omega4);
         let v = vd - vb;
-        let omega2 = v.dot(pose.u3) * (per_l2 * per_sin32);
-        let omega3 = v.dot(pose.u2) * (per_l3 * per_sin32);
+        let omega2 = v.dot(&pose.u3) * (per_l2 * per_sin32);
+        let omega3 = v.dot(&pose.u2) * (per_l3 * per_sin32);
         Ok(Velocities {
             omega: [omega1, omega2, omega3, omega4],
-            c: vb + pose.u2.perp() * (self.l2() * omega2),
+            c: vb + pose.u2.perpendicular() * (self.l2() * omega2),
         })
     }
 
@@ -83,7 +84,7 @@ impl<S: Scalar> Geometry<S> {
     ) -> Result<Accelerations<S>, PoseError> {
         let per_sin32 = per_sine(pose.sin32(), Singularity::Parallel)?;
         let [_, per_l2, per_l3, _] = self.per_length();
-        let cos32 = pose.u2.dot(pose.u3);
+        let cos32 = pose.u2.dot(&pose.u3);
         let [omega1, omega2, omega3, omega4] = velocities.omega;
         let (l2, l3) = (self.l2(), self.l3());
         let ab = link_end(pose.u1, self.l1(), omega1, alpha1);
@@ -91,8 +92,8 @@ impl<S: Scalar> Geometry<S> {
         let a = ad - ab;
         let centripetal2 = l2 * omega2 * omega2;
         let centripetal3 = l3 * omega3 * omega3;
-        let alpha2 = (a.dot(pose.u3) + centripetal2 * cos32 - centripetal3) * (per_l2 * per_sin32);
-        let alpha3 = (a.dot(pose.u2) - centripetal3 * cos32 + centripetal2) * (per_l3 * per_sin32);
+        let alpha2 = (a.dot(&pose.u3) + centripetal2 * cos32 - centripetal3) * (per_l2 * per_sin32);
+        let alpha3 = (a.dot(&pose.u2) - centripetal3 * cos32 + centripetal2) * (per_l3 * per_sin32);
         Ok(Accelerations {
             alpha: [alpha1, alpha2, alpha3, alpha4],
             c: ab + link_end(pose.u2, l2, omega2, alpha2),
@@ -107,15 +108,15 @@ impl<S: Scalar> Geometry<S> {
     pub fn inverse_velocities(
         &self,
         pose: &Pose<S>,
-        c_velocity: Vec2<S>,
+        c_velocity: Vector2<S>,
     ) -> Result<Velocities<S>, PoseError> {
         let per_sin21 = per_sine(pose.sin21(), Singularity::Leg1)?;
         let [per_l1, per_l2, ..] = self.per_length();
         let [omega3, omega4] = self.leg4_velocities(pose, c_velocity)?;
         Ok(Velocities {
             omega: [
-                c_velocity.dot(pose.u2) * (per_l1 * per_sin21),
-                -c_velocity.dot(pose.u1) * (per_l2 * per_sin21),
+                c_velocity.dot(&pose.u2) * (per_l1 * per_sin21),
+                -c_velocity.dot(&pose.u1) * (per_l2 * per_sin21),
                 omega3,
                 omega4,
             ],
@@ -134,7 +135,7 @@ impl<S: Scalar> Geometry<S> {
         &self,
         pose: &Pose<S>,
         velocities: &Velocities<S>,
-        c_acceleration: Vec2<S>,
+        c_acceleration: Vector2<S>,
     ) -> Result<Accelerations<S>, PoseError> {
         let per_sin21 = per_sine(pose.sin21(), Singularity::Leg1)?;
         let [per_l1, per_l2, ..] = self.per_length();
@@ -146,8 +147,8 @@ impl<S: Scalar> Geometry<S> {
         let [alpha3, alpha4] = self.leg4_accelerations(pose, velocities, c_acceleration)?;
         Ok(Accelerations {
             alpha: [
-                a.dot(pose.u2) * (per_l1 * per_sin21),
-                -a.dot(pose.u1) * (per_l2 * per_sin21),
+                a.dot(&pose.u2) * (per_l1 * per_sin21),
+                -a.dot(&pose.u1) * (per_l2 * per_sin21),
                 alpha3,
                 alpha4,
             ],
@@ -160,13 +161,13 @@ impl<S: Scalar> Geometry<S> {
     pub(super) fn leg4_velocities(
         &self,
         pose: &Pose<S>,
-        c_velocity: Vec2<S>,
+        c_velocity: Vector2<S>,
     ) -> Result<[S; 2], PoseError> {
         let per_sin34 = per_sine(pose.sin34(), Singularity::Leg4)?;
         let [_, _, per_l3, per_l4] = self.per_length();
         Ok([
-            -c_velocity.dot(pose.u4) * (per_l3 * per_sin34),
-            c_velocity.dot(pose.u3) * (per_l4 * per_sin34),
+            -c_velocity.dot(&pose.u4) * (per_l3 * per_sin34),
+            c_velocity.dot(&pose.u3) * (per_l4 * per_sin34),
         ])
     }
 
@@ -176,7 +177,7 @@ impl<S: Scalar> Geometry<S> {
         &self,
         pose: &Pose<S>,
         velocities: &Velocities<S>,
-        c_acceleration: Vec2<S>,
+        c_acceleration: Vector2<S>,
     ) -> Result<[S; 2], PoseError> {
         let per_sin34 = per_sine(pose.sin34(), Singularity::Leg4)?;
         let [_, _, per_l3, per_l4] = self.per_length();
@@ -185,14 +186,14 @@ impl<S: Scalar> Geometry<S> {
             + pose.u4 * (self.l4() * omega4 * omega4)
             + pose.u3 * (self.l3() * omega3 * omega3);
         Ok([
-            -a.dot(pose.u4) * (per_l3 * per_sin34),
-            a.dot(pose.u3) * (per_l4 * per_sin34),
+            -a.dot(&pose.u4) * (per_l3 * per_sin34),
+            a.dot(&pose.u3) * (per_l4 * per_sin34),
         ])
     }
 }
 
 /// Acceleration of a link's far end relative to its near one: l (α n − ω² u).
 #[inline]
-fn link_end<S: Scalar>(u: Vec2<S>, length: S, omega: S, alpha: S) -> Vec2<S> {
-    u.perp() * (length * alpha) - u * (length * omega * omega)
+fn link_end<S: Scalar>(u: Vector2<S>, length: S, omega: S, alpha: S) -> Vector2<S> {
+    u.perpendicular() * (length * alpha) - u * (length * omega * omega)
 }

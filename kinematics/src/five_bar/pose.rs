@@ -1,7 +1,8 @@
 //! A configuration of the arm: where its joints are and which way its links point.
 
 use super::{Side, WorkingMode};
-use crate::{Scalar, Vec2};
+use crate::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 
 /// A closed configuration of the five-bar.
 ///
@@ -10,19 +11,19 @@ use crate::{Scalar, Vec2};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose<S> {
     /// u(θ1), A to B.
-    pub u1: Vec2<S>,
+    pub u1: Vector2<S>,
     /// u(θ2), B to C.
-    pub u2: Vec2<S>,
+    pub u2: Vector2<S>,
     /// u(θ3), D to C.
-    pub u3: Vec2<S>,
+    pub u3: Vector2<S>,
     /// u(θ4), E to D.
-    pub u4: Vec2<S>,
+    pub u4: Vector2<S>,
     /// Elbow of leg 1 [m].
-    pub b: Vec2<S>,
+    pub b: Vector2<S>,
     /// Where links 2 and 3 meet [m]; the tool, where none is offset.
-    pub c: Vec2<S>,
+    pub c: Vector2<S>,
     /// Elbow of leg 4 [m].
-    pub d: Vec2<S>,
+    pub d: Vector2<S>,
 }
 
 impl<S: Scalar> Pose<S> {
@@ -30,17 +31,17 @@ impl<S: Scalar> Pose<S> {
     #[inline]
     pub fn angles(&self) -> [S; 4] {
         [
-            self.u1.angle(),
-            self.u2.angle(),
-            self.u3.angle(),
-            self.u4.angle(),
+            self.u1.polar_angle(),
+            self.u2.polar_angle(),
+            self.u3.polar_angle(),
+            self.u4.polar_angle(),
         ]
     }
 
     /// The forward branch: `Left` where C lies left of the ray B→D.
     #[inline]
     pub fn assembly(&self) -> Side {
-        Side::of((self.d - self.b).cross(self.c - self.b))
+        Side::of((self.d - self.b).cross_z(self.c - self.b))
     }
 
     /// The inverse branch of C: which way each elbow turns, leg 1 being A–B–C. That of an
@@ -53,18 +54,18 @@ impl<S: Scalar> Pose<S> {
     /// sin(θ2−θ1): zero where leg 1 is straight or folded (type 1).
     #[inline]
     pub fn sin21(&self) -> S {
-        self.u1.cross(self.u2)
+        self.u1.cross_z(self.u2)
     }
 
     /// sin(θ3−θ4): zero where leg 4 is straight or folded (type 1).
     #[inline]
     pub fn sin34(&self) -> S {
-        self.u4.cross(self.u3)
+        self.u4.cross_z(self.u3)
     }
 
     /// sin(θ3−θ2): zero where B, C, D are in line or B meets D (type 2).
     #[inline]
     pub fn sin32(&self) -> S {
-        self.u2.cross(self.u3)
+        self.u2.cross_z(self.u3)
     }
 }

@@ -3,7 +3,8 @@
 
 use super::inverse::{refusal1, refusal4};
 use super::{Geometry, PoseError, Side};
-use crate::{Scalar, Vec2};
+use crate::Scalar;
+use nalgebra::Vector2;
 
 impl<S: Scalar> Geometry<S> {
     /// Whether both legs reach `c` [m]; then every working mode has a pose there, unless
@@ -12,7 +13,7 @@ impl<S: Scalar> Geometry<S> {
     /// # Errors
     /// `Unreachable` with the leg and the side of its annulus that `c` is beyond,
     /// `NotFinite`.
-    pub fn reach(&self, c: Vec2<S>) -> Result<(), PoseError> {
+    pub fn reach(&self, c: Vector2<S>) -> Result<(), PoseError> {
         let leg1 = self.leg1().joint(c, Side::Left).map_err(refusal1);
         let leg4 = self
             .leg4()

@@ -1,7 +1,8 @@
 //! How far a pose is from its singularities, as an angle and as a length.
 
 use super::{Geometry, Pose, Singularity, Tool};
-use crate::{Scalar, Vec2};
+use crate::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 
 /// Distance from one singularity.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,8 +28,8 @@ pub struct Clearances<S> {
 impl<S: Scalar> Geometry<S> {
     /// How far the pose is from each singularity.
     pub fn clearances(&self, pose: &Pose<S>) -> Clearances<S> {
-        let of = |sine: S, ends: Vec2<S>, first: S, second: S| {
-            let distance = ends.norm();
+        let of = |sine: S, ends: Vector2<S>, first: S, second: S| {
+            let distance = ends.length();
             let outwards = first + second - distance;
             let inwards = distance - (first - second).abs();
             let length = if outwards < inwards {

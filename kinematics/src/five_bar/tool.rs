@@ -12,22 +12,23 @@ use super::{
     Accelerations, Geometry, GeometryError, Pose, PoseError, Side, Singularity, Velocities,
     WorkingMode,
 };
-use crate::{Scalar, Vec2};
+use crate::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 
 /// An arm with its tool point T.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tool<S> {
     geometry: Geometry<S>,
     /// T from C in link 2's frame [m].
-    offset: Vec2<S>,
+    offset: Vector2<S>,
     /// A–B–T.
     leg1: Dyad<S>,
     /// 1/|BT| [1/m].
     per_reach: S,
     /// Direction of B→T in link 2's frame.
-    lean: Vec2<S>,
+    lean: Vector2<S>,
     /// C from T as a share of |BT|, along B→T and to its left; none where T is C.
-    to_c: Option<Vec2<S>>,
+    to_c: Option<Vector2<S>>,
 }
 
 impl<S: Scalar> Tool<S> {
@@ -35,22 +36,22 @@ impl<S: Scalar> Tool<S> {
     ///
     /// # Errors
     /// `ToolOffset` if it is not finite or puts T on B.
-    pub fn new(geometry: Geometry<S>, offset: Vec2<S>) -> Result<Self, GeometryError> {
-        let bt = Vec2::new(geometry.l2(), S::ZERO) + offset;
-        let reach = bt.norm();
+    pub fn new(geometry: Geometry<S>, offset: Vector2<S>) -> Result<Self, GeometryError> {
+        let bt = Vector2::new(geometry.l2(), S::ZERO) + offset;
+        let reach = bt.length();
         let per_reach = S::ONE / reach;
         if !(reach.is_finite() && per_reach.is_finite()) {
             return Err(GeometryError::ToolOffset);
         }
         let lean = bt * per_reach;
-        let to_c = -Vec2::new(lean.dot(offset), lean.cross(offset));
+        let to_c = -Vector2::new(lean.dot(&offset), lean.cross_z(offset));
         Ok(Self {
             geometry,
             offset,
             leg1: Dyad::new(geometry.l1(), reach),
             per_reach,
             lean,
-            to_c: (offset != Vec2::zero()).then_some(to_c * per_reach),
+            to_c: (offset != Vector2::zeros()).then_some(to_c * per_reach),
         })
     }
 
@@ -62,7 +63,7 @@ impl<S: Scalar> Tool<S> {
 
     /// T from C, along link 2 and to its left [m].
     #[inline]
-    pub fn offset(&self) -> Vec2<S> {
+    pub fn offset(&self) -> Vector2<S> {
         self.offset
     }
 
@@ -80,21 +81,21 @@ impl<S: Scalar> Tool<S> {
 
     /// C from T as a share of |BT|, along B→T and to its left; none where T is C.
     #[inline]
-    pub(super) fn c_from_tool(&self) -> Option<Vec2<S>> {
+    pub(super) fn c_from_tool(&self) -> Option<Vector2<S>> {
         self.to_c
     }
 
     /// T [m].
     #[inline]
-    pub fn point(&self, pose: &Pose<S>) -> Vec2<S> {
-        pose.c + self.offset.rotated_to(pose.u2)
+    pub fn point(&self, pose: &Pose<S>) -> Vector2<S> {
+        pose.c + self.offset.to_base_frame(pose.u2)
     }
 
     /// ṙT = ṙC + ω2 t⊥ [m/s], t = rT − rC.
     #[inline]
-    pub fn velocity(&self, pose: &Pose<S>, velocities: &Velocities<S>) -> Vec2<S> {
+    pub fn velocity(&self, pose: &Pose<S>, velocities: &Velocities<S>) -> Vector2<S> {
         let [_, omega2, ..] = velocities.omega;
-        velocities.c + self.offset.rotated_to(pose.u2).perp() * omega2
+        velocities.c + self.offset.to_base_frame(pose.u2).perpendicular() * omega2
     }
 
     /// r̈T = r̈C + α2 t⊥ − ω2² t [m/s²].
@@ -104,11 +105,11 @@ impl<S: Scalar> Tool<S> {
         pose: &Pose<S>,
         velocities: &Velocities<S>,
         accelerations: &Accelerations<S>,
-    ) -> Vec2<S> {
+    ) -> Vector2<S> {
         let [_, omega2, ..] = velocities.omega;
         let [_, alpha2, ..] = accelerations.alpha;
-        let t = self.offset.rotated_to(pose.u2);
-        accelerations.c + t.perp() * alpha2 - t * (omega2 * omega2)
+        let t = self.offset.to_base_frame(pose.u2);
+        accelerations.c + t.perpendicular() * alpha2 - t * (omega2 * omega2)
     }
 
     /// The inverse branch: which way each elbow turns, leg 1 being A–B–T.
@@ -122,7 +123,7 @@ impl<S: Scalar> Tool<S> {
     /// the elbow turns left.
     #[inline(always)]
     pub fn elbow_sines(&self, pose: &Pose<S>) -> [S; 2] {
-        [pose.u1.cross(self.direction(pose)), pose.sin34()]
+        [pose.u1.cross_z(self.direction(pose)), pose.sin34()]
     }
 
     /// The pose that holds T at `t` [m].
@@ -130,14 +131,14 @@ impl<S: Scalar> Tool<S> {
     /// # Errors
     /// As [`Geometry::inverse`], leg 1 being A–B–T.
     #[inline]
-    pub fn inverse(&self, t: Vec2<S>, mode: WorkingMode) -> Result<Pose<S>, PoseError> {
+    pub fn inverse(&self, t: Vector2<S>, mode: WorkingMode) -> Result<Pose<S>, PoseError> {
         let geometry = &self.geometry;
         let [per_l1, ..] = geometry.per_length();
         let leg1 = self.leg1.solve_precisely(t, mode.elbow1.opposite());
         let b = Dyad::joint_of(leg1).map_err(refusal1)?;
         // B→T turned back by the lean is link 2's own direction.
-        let back = Vec2::new(self.lean.x, -self.lean.y);
-        let u2 = back.rotated_to((t - b) * self.per_reach);
+        let back = Vector2::new(self.lean.x, -self.lean.y);
+        let u2 = back.to_base_frame((t - b) * self.per_reach);
         let c = b + u2 * geometry.l2();
         let Leg4 { d, u3, u4 } = geometry.leg4_to(c, mode.elbow4)?;
         Ok(Pose {
@@ -159,14 +160,14 @@ impl<S: Scalar> Tool<S> {
     pub fn inverse_velocities(
         &self,
         pose: &Pose<S>,
-        t_velocity: Vec2<S>,
+        t_velocity: Vector2<S>,
     ) -> Result<Velocities<S>, PoseError> {
         let [per_l1, ..] = self.geometry.per_length();
         let ut = self.direction(pose);
-        let per_sin = per_sine(pose.u1.cross(ut), Singularity::Leg1)?;
-        let omega1 = t_velocity.dot(ut) * (per_l1 * per_sin);
-        let omega2 = -t_velocity.dot(pose.u1) * (self.per_reach * per_sin);
-        let c_velocity = t_velocity - self.offset.rotated_to(pose.u2).perp() * omega2;
+        let per_sin = per_sine(pose.u1.cross_z(ut), Singularity::Leg1)?;
+        let omega1 = t_velocity.dot(&ut) * (per_l1 * per_sin);
+        let omega2 = -t_velocity.dot(&pose.u1) * (self.per_reach * per_sin);
+        let c_velocity = t_velocity - self.offset.to_base_frame(pose.u2).perpendicular() * omega2;
         let [omega3, omega4] = self.geometry.leg4_velocities(pose, c_velocity)?;
         Ok(Velocities {
             omega: [omega1, omega2, omega3, omega4],
@@ -183,20 +184,20 @@ impl<S: Scalar> Tool<S> {
         &self,
         pose: &Pose<S>,
         velocities: &Velocities<S>,
-        t_acceleration: Vec2<S>,
+        t_acceleration: Vector2<S>,
     ) -> Result<Accelerations<S>, PoseError> {
         let geometry = &self.geometry;
         let [per_l1, ..] = geometry.per_length();
         let [omega1, omega2, ..] = velocities.omega;
         let ut = self.direction(pose);
-        let per_sin = per_sine(pose.u1.cross(ut), Singularity::Leg1)?;
+        let per_sin = per_sine(pose.u1.cross_z(ut), Singularity::Leg1)?;
         let a = t_acceleration
             + pose.u1 * (geometry.l1() * omega1 * omega1)
             + ut * (self.reach() * omega2 * omega2);
-        let alpha1 = a.dot(ut) * (per_l1 * per_sin);
-        let alpha2 = -a.dot(pose.u1) * (self.per_reach * per_sin);
-        let t = self.offset.rotated_to(pose.u2);
-        let c_acceleration = t_acceleration - t.perp() * alpha2 + t * (omega2 * omega2);
+        let alpha1 = a.dot(&ut) * (per_l1 * per_sin);
+        let alpha2 = -a.dot(&pose.u1) * (self.per_reach * per_sin);
+        let t = self.offset.to_base_frame(pose.u2);
+        let c_acceleration = t_acceleration - t.perpendicular() * alpha2 + t * (omega2 * omega2);
         let [alpha3, alpha4] = geometry.leg4_accelerations(pose, velocities, c_acceleration)?;
         Ok(Accelerations {
             alpha: [alpha1, alpha2, alpha3, alpha4],
@@ -206,7 +207,7 @@ impl<S: Scalar> Tool<S> {
 
     /// Unit vector from B to T.
     #[inline(always)]
-    fn direction(&self, pose: &Pose<S>) -> Vec2<S> {
-        self.lean.rotated_to(pose.u2)
+    fn direction(&self, pose: &Pose<S>) -> Vector2<S> {
+        self.lean.to_base_frame(pose.u2)
     }
 }

@@ -1,8 +1,9 @@
 //! Where the tool may be: reach, joint limits and a margin from singularities together.
 
 use super::{Joint, JointLimits, Pose, PoseError, Singularity, Tool, WorkingMode};
-use crate::{Scalar, Vec2};
+use crate::{PlanarVector, Scalar};
 use core::fmt;
+use nalgebra::Vector2;
 
 /// The points an arm may take its tool to in one working mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,11 +47,11 @@ impl<S: Scalar> Workspace<S> {
     ///
     /// # Errors
     /// The first that fails of reach, joint limits and margin.
-    pub fn admit(&self, t: Vec2<S>) -> Result<Pose<S>, Outside> {
+    pub fn admit(&self, t: Vector2<S>) -> Result<Pose<S>, Outside> {
         let pose = self.tool.inverse(t, self.mode).map_err(Outside::Pose)?;
         if let Some(limits) = &self.limits {
             limits
-                .admit(pose.u1.angle(), pose.u4.angle())
+                .admit(pose.u1.polar_angle(), pose.u4.polar_angle())
                 .map_err(Outside::Joint)?;
         }
         let (singularity, sine) = self.tool.nearest_singularity(&pose);

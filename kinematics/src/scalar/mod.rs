@@ -12,24 +12,25 @@ mod single;
 
 pub use fixed::FixedSquare;
 
-use core::fmt::Debug;
-use core::ops::{Add, Div, Mul, Neg, Sub};
+use core::ops::Neg;
+use nalgebra::{ClosedAddAssign, ClosedDivAssign, ClosedMulAssign, ClosedSubAssign};
+use num_traits::{One, Zero};
 
 /// A real number as the models use it.
 ///
 /// Comparisons look at the value alone, so that a dual number takes the same branch as
 /// the plain number it stands for.
 pub trait Scalar:
-    Copy
-    + Debug
-    + PartialEq
+    nalgebra::Scalar
+    + Copy
     + PartialOrd
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
+    + Zero
+    + One
+    + ClosedAddAssign
+    + ClosedSubAssign
+    + ClosedMulAssign
+    + ClosedDivAssign
     + Neg<Output = Self>
-    + 'static
 {
     /// 0.
     const ZERO: Self;

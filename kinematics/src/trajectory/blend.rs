@@ -21,7 +21,8 @@
 use super::curve::Curve;
 use super::number::{max, min};
 use super::segment::Segment;
-use crate::{Scalar, Vec2};
+use crate::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 
 /// How far the blend over length ℓ leaves the path, at most [m].
 struct Deviation<S> {
@@ -49,10 +50,10 @@ pub(super) fn blend<S: Scalar>(
 ) -> Option<Segment<S>> {
     let before = first.at(first.length());
     let after = second.at(S::ZERO);
-    let [k0, k1] = [before.curvature, after.curvature].map(Vec2::norm);
+    let [k0, k1] = [before.curvature, after.curvature].map(Vector2::length);
     let deviation = Deviation {
-        turn: (after.tangent - before.tangent).norm(),
-        curvature_step: (after.curvature - before.curvature).norm(),
+        turn: (after.tangent - before.tangent).length(),
+        curvature_step: (after.curvature - before.curvature).length(),
         curvature_squared: k0 * k0 + k1 * k1,
     };
     let mut longest = S::TWO * min(reach[0], reach[1]);
@@ -121,7 +122,7 @@ mod tests {
     use crate::trajectory::Sense;
     use proptest::prelude::*;
 
-    type V = Vec2<f64>;
+    type V = Vector2<f64>;
 
     /// The greatest |interpolant − f| of a function of x = u − ½ that is 0 before the
     /// corner, from its value, slope and second derivative at u = 1.
@@ -153,12 +154,12 @@ mod tests {
         let tangent = V::unit(direction);
         let curve = if curvature.abs() < 2.0 {
             Curve::Line {
-                start: V::zero(),
+                start: V::zeros(),
                 tangent,
             }
         } else {
             Curve::Arc {
-                start: V::zero(),
+                start: V::zeros(),
                 tangent,
                 curvature,
             }
@@ -204,24 +205,24 @@ mod tests {
             };
             for s in [0.0, length] {
                 let (here, there) = (corner.at(s), path(s));
-                prop_assert!((here.position - there.position).norm() < 1e-12);
-                prop_assert!((here.tangent - there.tangent).norm() < 1e-10);
+                prop_assert!((here.position - there.position).length() < 1e-12);
+                prop_assert!((here.tangent - there.tangent).length() < 1e-10);
                 let scale = 1.0 / length;
-                prop_assert!((here.curvature - there.curvature).norm() < 1e-9 * scale);
+                prop_assert!((here.curvature - there.curvature).length() < 1e-9 * scale);
             }
             let bounds = CurveBounds::of(corner.curve());
             let mut greatest = [0.0_f64; 4];
             for i in 0..=500 {
                 let s = length * f64::from(i) / 500.0;
                 let (here, there) = (corner.at(s), path(s));
-                prop_assert!((here.position - there.position).norm() <= tolerance * (1.0 + 1e-9));
+                prop_assert!((here.position - there.position).length() <= tolerance * (1.0 + 1e-9));
                 let ahead = corner.at(s + 1e-6 * length).curvature;
                 let third = (ahead - here.curvature) * (1e6 / length);
                 let found = [
-                    here.tangent.norm(),
-                    here.curvature.norm(),
-                    third.norm(),
-                    here.tangent.dot(here.curvature).abs(),
+                    here.tangent.length(),
+                    here.curvature.length(),
+                    third.length(),
+                    here.tangent.dot(&here.curvature).abs(),
                 ];
                 for (greatest, found) in greatest.iter_mut().zip(found) {
                     *greatest = greatest.max(found);
@@ -238,15 +239,15 @@ mod tests {
 
     #[test]
     fn tolerance_is_used_up_where_there_is_room() {
-        let first = Segment::line(V::new(-0.1, 0.0), V::zero()).unwrap();
-        let second = Segment::line(V::zero(), V::new(0.0, 0.1)).unwrap();
+        let first = Segment::line(V::new(-0.1, 0.0), V::zeros()).unwrap();
+        let second = Segment::line(V::zeros(), V::new(0.0, 0.1)).unwrap();
         let corner = blend(&first, &second, 1e-3, [0.05, 0.05]).unwrap();
-        let missed = corner.at(0.5 * corner.length()).position.norm();
+        let missed = corner.at(0.5 * corner.length()).position.length();
         assert!((missed / 1e-3 - 1.0).abs() < 1e-6, "{missed}");
         // From a line onto its tangent arc there is nothing to turn, only to bend.
         let centre = V::new(0.0, 0.02);
         let onto = Segment::arc(
-            V::zero(),
+            V::zeros(),
             centre,
             V::new(0.0, 0.01),
             Sense::CounterClockwise,

@@ -2,7 +2,8 @@
 
 use super::curve::Curve;
 use super::number::max;
-use crate::{Scalar, Vec2};
+use crate::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 
 /// The greatest values along a curve of what bounds the speed on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,7 +51,7 @@ impl<S: Scalar> CurveBounds<S> {
 /// Between samples a distance h apart a function exceeds the greater of them by at most
 /// h²/8 times its greatest second derivative, and the fourth derivative of a quintic is
 /// linear, so its greatest is at an end: samples and that remainder bound the rest.
-fn of_quintic<S: Scalar>(coefficients: &[Vec2<S>; 6], inverse_length: S) -> CurveBounds<S> {
+fn of_quintic<S: Scalar>(coefficients: &[Vector2<S>; 6], inverse_length: S) -> CurveBounds<S> {
     const INTERVALS: u8 = 8;
     let step = S::from_f64(1.0 / f64::from(INTERVALS));
     let [_, c1, c2, c3, c4, c5] = *coefficients;
@@ -62,15 +63,15 @@ fn of_quintic<S: Scalar>(coefficients: &[Vec2<S>; 6], inverse_length: S) -> Curv
     let first =
         |u: S| c1 + (c2 * c(2.0) + (c3 * c(3.0) + (c4 * c(4.0) + c5 * (c(5.0) * u)) * u) * u) * u;
 
-    let m4 = max(fourth(S::ZERO).norm(), fourth(S::ONE).norm());
-    let m5 = fifth.norm();
+    let m4 = max(fourth(S::ZERO).length(), fourth(S::ONE).length());
+    let m5 = fifth.length();
     let (mut m1, mut m2, mut m3, mut lean) = (S::ZERO, S::ZERO, S::ZERO, S::ZERO);
     let mut u = S::ZERO;
     for _ in 0..=INTERVALS {
-        m1 = max(m1, first(u).norm());
-        m2 = max(m2, second(u).norm());
-        m3 = max(m3, third(u).norm());
-        lean = max(lean, first(u).dot(second(u)).abs());
+        m1 = max(m1, first(u).length());
+        m2 = max(m2, second(u).length());
+        m3 = max(m3, third(u).length());
+        lean = max(lean, first(u).dot(&second(u)).abs());
         u = u + step;
     }
     // h²/8.
@@ -85,6 +86,6 @@ fn of_quintic<S: Scalar>(coefficients: &[Vec2<S>; 6], inverse_length: S) -> Curv
         second: m2 * (per * per),
         third: m3 * (per * per * per),
         lean: lean * (per * per * per),
-        apart: c2 == Vec2::zero() && second(S::ONE).norm() <= m2 * c(1e-3),
+        apart: c2 == Vector2::zeros() && second(S::ONE).length() <= m2 * c(1e-3),
     }
 }

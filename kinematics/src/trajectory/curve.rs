@@ -10,17 +10,18 @@
 //! however flat the arc, where a centre far away would swallow the last bits. For a blend
 //! s is the length of the corner it replaces, so its own length is a little shorter.
 
-use crate::{Scalar, Vec2};
+use crate::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 
 /// Position and its first two derivatives by path length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CurvePoint<S> {
     /// r [m].
-    pub position: Vec2<S>,
+    pub position: Vector2<S>,
     /// r′ [1]: the tangent, a unit vector on lines and arcs.
-    pub tangent: Vec2<S>,
+    pub tangent: Vector2<S>,
     /// r″ [1/m]: on lines and arcs, the curvature towards the centre.
-    pub curvature: Vec2<S>,
+    pub curvature: Vector2<S>,
 }
 
 /// A shape by its length.
@@ -29,23 +30,23 @@ pub enum Curve<S> {
     /// Straight.
     Line {
         /// r₀ [m].
-        start: Vec2<S>,
+        start: Vector2<S>,
         /// t, a unit vector.
-        tangent: Vec2<S>,
+        tangent: Vector2<S>,
     },
     /// Circular.
     Arc {
         /// r₀ [m].
-        start: Vec2<S>,
+        start: Vector2<S>,
         /// t at the start, a unit vector.
-        tangent: Vec2<S>,
+        tangent: Vector2<S>,
         /// κ [1/m], positive where the arc turns left.
         curvature: S,
     },
     /// A rounded corner, r = Σ cₖ (s/ℓ)ᵏ.
     Blend {
         /// c₀ … c₅ [m].
-        coefficients: [Vec2<S>; 6],
+        coefficients: [Vector2<S>; 6],
         /// 1/ℓ [1/m].
         inverse_length: S,
     },
@@ -67,7 +68,7 @@ impl<S: Scalar> Curve<S> {
     /// Position, velocity and acceleration at s, moving with ṡ [m/s] and s̈ [m/s²]:
     /// r, r′ ṡ and r″ ṡ² + r′ s̈.
     #[inline(always)]
-    pub(super) fn motion(&self, s: S, rate: S, acceleration: S) -> [Vec2<S>; 3] {
+    pub(super) fn motion(&self, s: S, rate: S, acceleration: S) -> [Vector2<S>; 3] {
         match *self {
             Self::Line { start, tangent } => {
                 [start + tangent * s, tangent * rate, tangent * acceleration]
@@ -78,13 +79,14 @@ impl<S: Scalar> Curve<S> {
                 curvature,
             } => {
                 let (sin, cos) = (curvature * s * S::HALF).sin_cos();
-                let chord = tangent * cos + tangent.perp() * sin;
+                let chord = tangent * cos + tangent.perpendicular() * sin;
                 // cos 2φ = 1 − 2 sin²φ, sin 2φ = 2 sin φ cos φ.
                 let direction = chord * (cos + cos) - tangent;
                 [
                     start + chord * (S::TWO * sin / curvature),
                     direction * rate,
-                    direction.perp() * (curvature * (rate * rate)) + direction * acceleration,
+                    direction.perpendicular() * (curvature * (rate * rate))
+                        + direction * acceleration,
                 ]
             }
             Self::Blend {
@@ -106,14 +108,14 @@ impl<S: Scalar> Curve<S> {
     }
 
     /// From the start to the point at length `s` [m].
-    pub(super) fn way(&self, s: S) -> Vec2<S> {
+    pub(super) fn way(&self, s: S) -> Vector2<S> {
         match *self {
             Self::Line { tangent, .. } => tangent * s,
             Self::Arc {
                 tangent, curvature, ..
             } => {
                 Self::Arc {
-                    start: Vec2::zero(),
+                    start: Vector2::zeros(),
                     tangent,
                     curvature,
                 }

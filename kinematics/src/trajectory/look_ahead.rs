@@ -16,7 +16,8 @@ use super::plan::{Motion, Plan, time_to_cover};
 use super::queue::{Queue, Span};
 use super::ramp::{Caps, distance, greatest_entry_speed, ramp};
 use super::segment::Segment;
-use crate::{Scalar, Vec2};
+use crate::Scalar;
+use nalgebra::Vector2;
 
 /// Why a move is not taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -141,7 +142,7 @@ impl<S: Scalar, const N: usize> LookAhead<S, N> {
     /// `Full`, `NotFinite`; nothing is changed then.
     pub fn push_dwell(
         &mut self,
-        position: Vec2<S>,
+        position: Vector2<S>,
         duration: S,
         tag: u32,
     ) -> Result<(), PushError> {

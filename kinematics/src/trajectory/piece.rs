@@ -2,7 +2,8 @@
 
 use super::curve::Curve;
 use super::reference::Reference;
-use crate::{Scalar, Vec2};
+use crate::Scalar;
+use nalgebra::Vector2;
 
 /// s(t) = s₀ + ṡ₀ t + ½ s̈₀ t² + ⅙ s⃛ t³, units per second.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,7 +73,7 @@ pub(super) enum Shape<S> {
     /// The tool along a curve, s in metres.
     Path(Curve<S>),
     /// The tool at rest.
-    Rest(Vec2<S>),
+    Rest(Vector2<S>),
     /// The joints from `from` [rad] along `direction`, s in radians of the joint that
     /// turns further.
     Joint { from: [S; 2], direction: [S; 2] },
@@ -90,7 +91,7 @@ pub struct Piece<S> {
 
 impl<S: Scalar> Piece<S> {
     /// The tool at rest at `position` [m] for `duration` [s].
-    pub fn rest(position: Vec2<S>, duration: S, tag: u32) -> Self {
+    pub fn rest(position: Vector2<S>, duration: S, tag: u32) -> Self {
         Self {
             shape: Shape::Rest(position),
             law: TimeLaw::new(S::ZERO, S::ZERO, S::ZERO, S::ZERO),
@@ -151,8 +152,8 @@ impl<S: Scalar> Piece<S> {
             }
             Shape::Rest(position) => Reference::Tool {
                 position: *position,
-                velocity: Vec2::zero(),
-                acceleration: Vec2::zero(),
+                velocity: Vector2::zeros(),
+                acceleration: Vector2::zeros(),
             },
             Shape::Joint { from, direction } => {
                 let [from1, from4] = *from;

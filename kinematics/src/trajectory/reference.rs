@@ -1,6 +1,6 @@
 //! What the tick is given to follow.
 
-use crate::Vec2;
+use nalgebra::Vector2;
 
 /// Where the arm should be, and how it should be moving.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -8,11 +8,11 @@ pub enum Reference<S> {
     /// Of the tool.
     Tool {
         /// [m].
-        position: Vec2<S>,
+        position: Vector2<S>,
         /// [m/s].
-        velocity: Vec2<S>,
+        velocity: Vector2<S>,
         /// [m/s²].
-        acceleration: Vec2<S>,
+        acceleration: Vector2<S>,
     },
     /// Of the driven joints, θ1 and θ4.
     Joint {

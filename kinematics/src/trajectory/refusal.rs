@@ -1,8 +1,8 @@
 //! Why a path is not accepted, and where.
 
-use crate::Vec2;
 use crate::five_bar::{Joint, Outside};
 use core::fmt;
+use nalgebra::Vector2;
 
 /// What stands in the way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,7 +22,7 @@ pub struct Refusal<S> {
     /// How far along the path, 0…1.
     pub fraction: S,
     /// The tool there [m].
-    pub point: Vec2<S>,
+    pub point: Vector2<S>,
     /// Why.
     pub obstacle: Obstacle,
 }

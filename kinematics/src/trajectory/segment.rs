@@ -1,8 +1,9 @@
 //! A stretch of path: a curve and how much of it.
 
 use super::curve::{Curve, CurvePoint};
-use crate::{Scalar, Vec2};
+use crate::{PlanarVector, Scalar};
 use core::fmt;
+use nalgebra::Vector2;
 
 /// A line, an arc or a blend of a given length.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,10 +54,10 @@ impl<S: Scalar> Segment<S> {
     ///
     /// # Errors
     /// `NotFinite`; `ZeroLength` where the points coincide.
-    pub fn line(from: Vec2<S>, to: Vec2<S>) -> Result<Self, SegmentError> {
+    pub fn line(from: Vector2<S>, to: Vector2<S>) -> Result<Self, SegmentError> {
         let d = to - from;
-        let length = d.norm();
-        if !(length.is_finite() && from.norm_squared().is_finite()) {
+        let length = d.length();
+        if !(length.is_finite() && from.length_squared().is_finite()) {
             return Err(SegmentError::NotFinite);
         }
         // Below the least normal square, d/|d| is no unit vector any more.
@@ -83,38 +84,38 @@ impl<S: Scalar> Segment<S> {
     /// # Errors
     /// `NotFinite`, `ZeroRadius`, `RadiusMismatch`.
     pub fn arc(
-        from: Vec2<S>,
-        to: Vec2<S>,
-        centre: Vec2<S>,
+        from: Vector2<S>,
+        to: Vector2<S>,
+        centre: Vector2<S>,
         sense: Sense,
         tolerance: S,
     ) -> Result<Self, SegmentError> {
-        let sizes = from.norm_squared() + to.norm_squared() + centre.norm_squared();
+        let sizes = from.length_squared() + to.length_squared() + centre.length_squared();
         if !(sizes.is_finite() && tolerance.is_finite()) {
             return Err(SegmentError::NotFinite);
         }
         let chord = to - from;
-        let closed = chord.norm_squared() == S::ZERO;
+        let closed = chord.length_squared() == S::ZERO;
         let centre = if closed {
             centre
         } else {
             // Onto the chord's perpendicular bisector.
             let middle = from + chord * S::HALF;
-            let share = (middle - centre).dot(chord) / chord.norm_squared();
+            let share = (middle - centre).dot(&chord) / chord.length_squared();
             let shift = chord * share;
-            let consistent = shift.norm() <= tolerance;
+            let consistent = shift.length() <= tolerance;
             if !consistent {
                 return Err(SegmentError::RadiusMismatch);
             }
             centre + shift
         };
         let (r0, r1) = (from - centre, to - centre);
-        let radius = r0.norm();
+        let radius = r0.length();
         if radius <= S::from_f64(1e-9) {
             return Err(SegmentError::ZeroRadius);
         }
         let turn = S::from_f64(core::f64::consts::TAU);
-        let angle = r0.cross(r1).atan2(r0.dot(r1));
+        let angle = r0.cross_z(r1).atan2(r0.dot(&r1));
         let (sweep, side) = match sense {
             Sense::CounterClockwise => (angle, S::ONE),
             Sense::Clockwise => (-angle, -S::ONE),
@@ -129,7 +130,7 @@ impl<S: Scalar> Segment<S> {
         Ok(Self {
             curve: Curve::Arc {
                 start: from,
-                tangent: r0.perp() * (side / radius),
+                tangent: r0.perpendicular() * (side / radius),
                 curvature: side / radius,
             },
             length: radius * sweep,
@@ -159,18 +160,18 @@ impl<S: Scalar> Segment<S> {
     }
 
     /// Where it starts [m].
-    pub fn start(&self) -> Vec2<S> {
+    pub fn start(&self) -> Vector2<S> {
         self.at(S::ZERO).position
     }
 
     /// Where it ends [m].
-    pub fn end(&self) -> Vec2<S> {
+    pub fn end(&self) -> Vector2<S> {
         self.at(self.length).position
     }
 
     /// From the start to the point at length `s` [m], without the rounding of places far
     /// from the origin.
-    pub(super) fn way(&self, s: S) -> Vec2<S> {
+    pub(super) fn way(&self, s: S) -> Vector2<S> {
         self.curve.way(s)
     }
 

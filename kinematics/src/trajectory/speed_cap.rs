@@ -24,8 +24,9 @@ use super::number::{cube_root, max, min};
 use super::ramp::Caps;
 use super::refusal::Obstacle;
 use super::segment::Segment;
+use crate::Scalar;
 use crate::five_bar::{Accelerations, Joint, Outside, Pose, PoseError, Velocities};
-use crate::{Scalar, Vec2};
+use nalgebra::Vector2;
 
 /// What the limits allow once a twentieth is kept back.
 const USABLE: f64 = 0.95;
@@ -103,7 +104,7 @@ impl<S: Scalar> JointLoad<S> {
     ) -> Result<(), Obstacle> {
         let tool = &envelope.workspace.tool;
         let solve = || {
-            let rest = tool.inverse_velocities(pose, Vec2::zero())?;
+            let rest = tool.inverse_velocities(pose, Vector2::zeros())?;
             let passing = tool.inverse_velocities(pose, point.tangent)?;
             Ok((
                 rest,
@@ -154,12 +155,12 @@ impl<S: Scalar> JointLoad<S> {
         };
         let nothing = Accelerations {
             alpha: [S::ZERO; 4],
-            c: Vec2::zero(),
+            c: Vector2::zeros(),
         };
         let torque = |velocities, accelerations| {
             limits
                 .arm
-                .inverse_dynamics(pose, velocities, accelerations, Vec2::zero())
+                .inverse_dynamics(pose, velocities, accelerations, Vector2::zeros())
                 .map_err(no_pose)
         };
         let gravity = torque(rest, &nothing)?;

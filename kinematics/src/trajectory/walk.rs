@@ -21,8 +21,9 @@ use super::number::{max, min};
 use super::refusal::{Obstacle, Refusal};
 use super::segment::Segment;
 use crate::five_bar::{Joint, Outside, Pose, PoseError, Side, Singularity, Workspace};
-use crate::{Scalar, Vec2};
+use crate::{PlanarVector, Scalar};
 use core::f64::consts::{PI, TAU};
+use nalgebra::Vector2;
 
 /// The margin is kept with one hundredth of itself to spare, and joint limits with a
 /// thousandth of a radian: nearer, steps would become too short to end.
@@ -95,7 +96,7 @@ impl<S: Scalar> JointWalk<S> {
         let Some(limits) = &workspace.limits else {
             return Ok([S::from_f64(PI); 2]);
         };
-        let seen = [pose.u1.angle(), pose.u4.angle()];
+        let seen = [pose.u1.polar_angle(), pose.u4.polar_angle()];
         let [theta1, theta4] = match self.angles {
             None => limits
                 .admit(seen[0], seen[1])
@@ -148,7 +149,7 @@ impl<S: Scalar> Envelope<S> {
         let geometry = tool.geometry();
         let [l1, l2, l3, l4, _] = geometry.lengths();
         let reach = tool.reach();
-        let offset = tool.offset().norm();
+        let offset = tool.offset().length();
         let ring1 = Ring::new(l1, reach, margin, Singularity::Leg1);
         let ring4 = Ring::new(l4, l3, margin, Singularity::Leg4);
         let ring23 = Ring::new(l2, l3, margin, Singularity::Parallel);
@@ -164,7 +165,7 @@ impl<S: Scalar> Envelope<S> {
         };
         let mut s = S::ZERO;
         let mut point = segment.at(s);
-        let refuse = |s: S, point: Vec2<S>, obstacle| Refusal {
+        let refuse = |s: S, point: Vector2<S>, obstacle| Refusal {
             fraction: s / length,
             point,
             obstacle,
@@ -176,9 +177,9 @@ impl<S: Scalar> Envelope<S> {
             let pose = tool
                 .inverse(point.position, workspace.mode)
                 .map_err(|error| here(Obstacle::Outside(Outside::Pose(error))))?;
-            let at = point.position.norm();
-            let ec = (pose.c - geometry.e()).norm();
-            let bd = (pose.d - pose.b).norm();
+            let at = point.position.length();
+            let ec = (pose.c - geometry.e()).length();
+            let bd = (pose.d - pose.b).length();
             let room1 = ring1.room(at).map_err(here)?;
             let room4 = ring4.room(ec).map_err(here)?;
             let room23 = ring23.room(bd).map_err(here)?;
@@ -234,7 +235,7 @@ impl<S: Scalar> Envelope<S> {
         let direction = if length > S::ZERO {
             way * (S::ONE / length)
         } else {
-            Vec2::zero()
+            Vector2::zeros()
         };
         // |BD| changes by no more than l1|Δθ1| + l4|Δθ4|.
         let rate = max(
@@ -243,7 +244,7 @@ impl<S: Scalar> Envelope<S> {
         );
         let nowhere = |obstacle| Refusal {
             fraction: S::ZERO,
-            point: Vec2::zero(),
+            point: Vector2::zeros(),
             obstacle,
         };
         if !(is_finite(from) && is_finite(to)) {
@@ -253,7 +254,7 @@ impl<S: Scalar> Envelope<S> {
         }
         self.check_margin().map_err(nowhere)?;
         let mut s = S::ZERO;
-        let mut last = Vec2::zero();
+        let mut last = Vector2::zeros();
         for _ in 0..STEPS {
             let fraction = if length > S::ZERO { s / length } else { S::ONE };
             let at = |point| {
@@ -272,7 +273,7 @@ impl<S: Scalar> Envelope<S> {
                 .forward(theta.x, theta.y, assembly)
                 .map_err(|error| at(last)(Obstacle::Outside(Outside::Pose(error))))?;
             last = tool.point(&pose);
-            let bd = (pose.d - pose.b).norm();
+            let bd = (pose.d - pose.b).length();
             let room = ring23.room(bd).map_err(at(last))?;
             if let Some(limits) = &self.workspace.limits {
                 for (angle, [least, greatest], joint) in [
@@ -311,11 +312,11 @@ impl<S: Scalar> Envelope<S> {
     }
 }
 
-fn pair<S: Scalar>([x, y]: [S; 2]) -> Vec2<S> {
-    Vec2::new(x, y)
+fn pair<S: Scalar>([x, y]: [S; 2]) -> Vector2<S> {
+    Vector2::new(x, y)
 }
 
 /// A vector with nothing in it that is infinite or not a number.
-fn is_finite<S: Scalar>(v: Vec2<S>) -> bool {
+fn is_finite<S: Scalar>(v: Vector2<S>) -> bool {
     v.x.is_finite() && v.y.is_finite()
 }

@@ -1,7 +1,8 @@
 //! Arms in both precisions, and what their exact lengths say of a point.
 
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::{Geometry, Tool};
+use nalgebra::Vector2;
 use proptest::prelude::*;
 
 /// Where `f32` and `f64` may differ in what they refuse: legs that are in line but for this
@@ -70,7 +71,7 @@ impl Leg {
 
 impl Arms {
     /// None where no such arm exists.
-    pub(crate) fn new(lengths: [f32; 5], offset: Vec2<f32>) -> Option<Self> {
+    pub(crate) fn new(lengths: [f32; 5], offset: Vector2<f32>) -> Option<Self> {
         let single = Geometry::new(lengths).ok()?;
         let double = Geometry::new(lengths.map(f64::from)).ok()?;
         Some(Self {
@@ -80,9 +81,9 @@ impl Arms {
     }
 
     /// A–B–T with T at `t`, and E–D–C with C at `c`.
-    pub(crate) fn legs(&self, t: Vec2<f64>, c: Vec2<f64>) -> [Leg; 2] {
+    pub(crate) fn legs(&self, t: Vector2<f64>, c: Vector2<f64>) -> [Leg; 2] {
         let geometry = self.double.geometry();
-        let leg = |near, far, p: Vec2<f64>| Leg {
+        let leg = |near, far, p: Vector2<f64>| Leg {
             near,
             far,
             distance_squared: p.norm_squared(),
@@ -94,7 +95,7 @@ impl Arms {
     }
 
     /// Of the point `c`, the tool being at C.
-    pub(crate) fn verdict(&self, c: Vec2<f64>) -> Verdict {
+    pub(crate) fn verdict(&self, c: Vector2<f64>) -> Verdict {
         let margin = BORDER * BORDER;
         let sines = self.legs(c, c).each_ref().map(Leg::sine_squared);
         if sines.iter().any(|&it| it.abs() <= margin) {
@@ -107,12 +108,12 @@ impl Arms {
     }
 }
 
-pub(crate) fn wide(v: Vec2<f32>) -> Vec2<f64> {
-    Vec2::new(f64::from(v.x), f64::from(v.y))
+pub(crate) fn wide(v: Vector2<f32>) -> Vector2<f64> {
+    Vector2::new(f64::from(v.x), f64::from(v.y))
 }
 
-pub(crate) fn narrow(v: Vec2<f64>) -> Vec2<f32> {
-    Vec2::new(v.x as f32, v.y as f32)
+pub(crate) fn narrow(v: Vector2<f64>) -> Vector2<f32> {
+    Vector2::new(v.x as f32, v.y as f32)
 }
 
 /// Numbers of a range, in single precision. (The strategy for ranges of `f32` itself now and
@@ -138,7 +139,9 @@ pub(crate) fn lengths() -> impl Strategy<Value = [f32; 5]> {
 
 /// Any arm of these lengths, its tool at C.
 pub(crate) fn arms() -> impl Strategy<Value = Arms> {
-    lengths().prop_filter_map("does not close", |lengths| Arms::new(lengths, Vec2::zero()))
+    lengths().prop_filter_map("does not close", |lengths| {
+        Arms::new(lengths, Vector2::zeros())
+    })
 }
 
 /// The end of two links from the origin: the first at angle `theta`, the second turned from it by
@@ -148,12 +151,12 @@ pub(crate) fn end_of(
     theta: f64,
     sine: f64,
     [left, folded]: [bool; 2],
-) -> Vec2<f64> {
+) -> Vector2<f64> {
     let bend = if folded {
         std::f64::consts::PI - sine.asin()
     } else {
         sine.asin()
     };
     let turn = if left { bend } else { -bend };
-    Vec2::unit(theta) * near + Vec2::unit(theta + turn) * far
+    Vector2::unit(theta) * near + Vector2::unit(theta + turn) * far
 }

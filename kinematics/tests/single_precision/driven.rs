@@ -16,23 +16,26 @@
 //! none erred by more than 6e-7 of the terms that they are sums of, by sin².
 
 use crate::arms::{Arms, BENCHTOP, Verdict, arms, end_of, narrow, single, wide};
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::{PoseError, WorkingMode};
 use fivebar_testkit::{Tally, turned};
+use nalgebra::Vector2;
 use proptest::prelude::*;
 
 /// The driven angles [rad] with C at `c` [m], by both solutions; the first refusal of either.
-fn angles(arms: &Arms, c: Vec2<f32>, mode: WorkingMode) -> Result<[[f32; 2]; 2], PoseError> {
+fn angles(arms: &Arms, c: Vector2<f32>, mode: WorkingMode) -> Result<[[f32; 2]; 2], PoseError> {
     let pose = arms.single.geometry().inverse(c, mode)?;
-    let driven = arms.single.driven(c, Vec2::zero(), Vec2::zero(), mode)?;
-    Ok([[pose.u1, pose.u4], driven.direction].map(|pair| pair.map(Vec2::angle)))
+    let driven = arms
+        .single
+        .driven(c, Vector2::zeros(), Vector2::zeros(), mode)?;
+    Ok([[pose.u1, pose.u4], driven.direction].map(|pair| pair.map(Vector2::polar_angle)))
 }
 
 /// Asserts that both solutions accept `c` and give the same bits, and that each driven angle is
 /// within its bound, whose leg is bent as the controller keeps it. Counts the legs that are.
 fn assert_angles(
     arms: &Arms,
-    c: Vec2<f32>,
+    c: Vector2<f32>,
     mode: WorkingMode,
     bent: &Tally,
 ) -> Result<(), TestCaseError> {
@@ -54,11 +57,11 @@ fn assert_angles(
 
 #[test]
 fn angles_of_the_benchtop_arm_are_within_their_bound_wherever_it_reaches() {
-    let arms = Arms::new(BENCHTOP, Vec2::zero()).unwrap();
+    let arms = Arms::new(BENCHTOP, Vector2::zeros()).unwrap();
     let (reached, bent) = (Tally::default(), Tally::default());
     let config = ProptestConfig::with_cases(4096);
     proptest!(config, |(x in single(-0.2..0.28), y in single(-0.26..0.26))| {
-        let c = Vec2::new(x, y);
+        let c = Vector2::new(x, y);
         let verdict = arms.verdict(wide(c));
         reached.count(verdict == Verdict::Reached);
         for mode in WorkingMode::ALL {
@@ -76,7 +79,7 @@ fn angles_of_the_benchtop_arm_are_within_their_bound_wherever_it_reaches() {
 
 /// Arms with C where leg 1 is bent by little, so that each case is a hard one; leg 4 as it
 /// comes.
-fn hard() -> impl Strategy<Value = (Arms, Vec2<f32>)> {
+fn hard() -> impl Strategy<Value = (Arms, Vector2<f32>)> {
     (arms(), -3.1..3.1_f64, 0.05..0.5_f64, any::<[bool; 2]>()).prop_filter_map(
         "leg 4 does not reach",
         |(arms, theta, sine, sides)| {
@@ -111,7 +114,7 @@ fn rates_of_any_arm_are_within_a_millionth() {
     ];
     proptest!(ProptestConfig::with_cases(4096), |((arms, c) in hard(), motion in motion)| {
         let size = arms.single.geometry().l1();
-        let [v, a] = motion.map(|[x, y]| Vec2::new(x, y) * size);
+        let [v, a] = motion.map(|[x, y]| Vector2::new(x, y) * size);
         for mode in WorkingMode::ALL {
             let found = arms.single.driven(c, v, a, mode).unwrap();
             let exact = arms.double.driven(wide(c), wide(v), wide(a), mode).unwrap();

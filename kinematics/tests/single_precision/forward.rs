@@ -9,8 +9,9 @@
 use crate::arms::{BENCHTOP, single, wide};
 use fivebar_kinematics::dynamics::{Arm, Link};
 use fivebar_kinematics::five_bar::{Geometry, Pose, Side};
-use fivebar_kinematics::{Scalar, Vec2};
+use fivebar_kinematics::{PlanarVector, Scalar};
 use fivebar_testkit::side;
+use nalgebra::Vector2;
 use proptest::prelude::*;
 
 /// Away from singularities: the margin that arms keep by their settings is of this size.
@@ -39,10 +40,10 @@ fn arm<S: Scalar>(geometry: Geometry<S>) -> Arm<S> {
     let number = |value: f32| S::from_f64(f64::from(value));
     let link = Link {
         mass: number(0.1),
-        com: Vec2::new(number(0.05), number(0.002)),
+        com: Vector2::new(number(0.05), number(0.002)),
         inertia: number(1e-4),
     };
-    let gravity = Vec2::new(number(0.0), number(-9.81));
+    let gravity = Vector2::new(number(0.0), number(-9.81));
     Arm::new(
         geometry,
         [link; 4],
@@ -61,7 +62,7 @@ proptest! {
     fn the_tip_is_within_its_bound_and_a_micrometre((theta, assembly, exact) in poses()) {
         let (single, _) = geometries();
         let pose = single.forward(theta[0], theta[1], assembly).unwrap();
-        let (error, sine) = ((wide(pose.c) - exact.c).norm(), exact.sin32().abs());
+        let (error, sine) = ((wide(pose.c) - exact.c).length(), exact.sin32().abs());
         prop_assert!(error <= 1.5e-7 / sine, "{error:e} m at sine {sine}");
         prop_assert!(error < 1e-6);
     }
@@ -77,13 +78,13 @@ proptest! {
         let torque = {
             let rates = single.forward_velocities(&pose, omega[0], omega[1]).unwrap();
             let acc = single.forward_accelerations(&pose, &rates, alpha[0], alpha[1]).unwrap();
-            arm(single).inverse_dynamics(&pose, &rates, &acc, Vec2::zero()).unwrap()
+            arm(single).inverse_dynamics(&pose, &rates, &acc, Vector2::zeros()).unwrap()
         };
         let [omega1, omega4] = omega.map(f64::from);
         let [alpha1, alpha4] = alpha.map(f64::from);
         let rates = double.forward_velocities(&exact, omega1, omega4).unwrap();
         let acc = double.forward_accelerations(&exact, &rates, alpha1, alpha4).unwrap();
-        let expected = arm(double).inverse_dynamics(&exact, &rates, &acc, Vec2::zero()).unwrap();
+        let expected = arm(double).inverse_dynamics(&exact, &rates, &acc, Vector2::zeros()).unwrap();
         // The parts that cancel are as large as the distal links' accelerations ask for.
         let fastest = acc.alpha.iter().chain(&rates.omega).fold(1.0_f64, |m, a| m.max(a.abs()));
         let spin = rates.omega.iter().fold(0.0_f64, |m, w| m.max(w * w));

@@ -2,14 +2,15 @@
 //! points nearer to the border of reach than it can tell.
 
 use crate::arms::{Arms, Verdict, arms, narrow, wide};
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::WorkingMode;
 use fivebar_testkit::Tally;
+use nalgebra::Vector2;
 use proptest::prelude::*;
 
 /// Arms, and points of which half lie beside one of the four circles that bound the reach, from
 /// a ten-millionth to a tenth of their radius off, on either side.
-fn places() -> impl Strategy<Value = (Arms, Vec2<f32>)> {
+fn places() -> impl Strategy<Value = (Arms, Vector2<f32>)> {
     let beside = (0..4_usize, -7.0..-1.0_f64, any::<bool>());
     (
         arms(),
@@ -21,20 +22,20 @@ fn places() -> impl Strategy<Value = (Arms, Vec2<f32>)> {
             let geometry = arms.double.geometry();
             let ([near1, far1], [near4, far4]) = (geometry.leg1_radii(), geometry.leg4_radii());
             let circles = [
-                (Vec2::zero(), near1),
-                (Vec2::zero(), far1),
+                (Vector2::zeros(), near1),
+                (Vector2::zeros(), far1),
                 (geometry.e(), near4),
                 (geometry.e(), far4),
             ];
             let (pivot, radius) = match beside {
-                None => (Vec2::zero(), far1 * share),
+                None => (Vector2::zeros(), far1 * share),
                 Some((which, exponent, outside)) => {
                     let off = if outside { 1.0 } else { -1.0 } * 10_f64.powf(exponent);
                     let (pivot, radius) = circles[which];
                     (pivot, radius * (1.0 + off))
                 }
             };
-            (arms, narrow(pivot + Vec2::unit(direction) * radius))
+            (arms, narrow(pivot + Vector2::unit(direction) * radius))
         })
 }
 
@@ -52,7 +53,7 @@ fn points_are_refused_alike_but_at_the_border() {
             prop_assert_eq!(exact.is_none(), verdict == Verdict::Reached);
             let inverse = arms.single.geometry().inverse(c, mode).err();
             prop_assert_eq!(inverse, exact, "inverse at {:?}", c);
-            let driven = arms.single.driven(c, Vec2::zero(), Vec2::zero(), mode).err();
+            let driven = arms.single.driven(c, Vector2::zeros(), Vector2::zeros(), mode).err();
             prop_assert_eq!(driven, exact, "driven at {:?}", c);
         }
     });

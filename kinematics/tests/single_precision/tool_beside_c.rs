@@ -7,9 +7,10 @@
 //! none erred by more than two thirds of the bound for joint 4.
 
 use crate::arms::{Arms, BENCHTOP, BORDER, Leg, end_of, lengths, narrow, single, wide};
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::WorkingMode;
 use fivebar_testkit::{Tally, mode, turned};
+use nalgebra::Vector2;
 use proptest::prelude::*;
 
 const EPSILON: f64 = 1.0 / 16_777_216.0;
@@ -18,16 +19,16 @@ const EPSILON: f64 = 1.0 / 16_777_216.0;
 #[derive(Clone, Copy, Debug)]
 struct Case {
     arms: Arms,
-    t: Vec2<f32>,
+    t: Vector2<f32>,
     mode: WorkingMode,
     /// C [m].
-    c: Vec2<f64>,
+    c: Vector2<f64>,
 }
 
 impl Case {
     /// None where `f64` says that leg 1 is nearer to its border than [`BORDER`], or leg 4
     /// nearer than that and the displacement of C allow.
-    fn new(arms: Arms, t: Vec2<f32>, mode: WorkingMode) -> Option<Self> {
+    fn new(arms: Arms, t: Vector2<f32>, mode: WorkingMode) -> Option<Self> {
         let c = arms.double.inverse(wide(t), mode).ok()?.c;
         let case = Self { arms, t, mode, c };
         let [leg1, leg4] = arms.legs(wide(t), c);
@@ -63,11 +64,11 @@ impl Case {
 
     /// Asserts that the point is accepted; the errors of θ1 and θ4 [rad].
     fn errors(&self) -> Result<[f64; 2], TestCaseError> {
-        let zero = Vec2::zero();
+        let zero = Vector2::zeros();
         let found = self.arms.single.driven(self.t, zero, zero, self.mode);
         prop_assert!(found.is_ok(), "{found:?} of {self:?}");
         let exact = self.arms.double.inverse(wide(self.t), self.mode).unwrap();
-        let [u1, u4] = found.unwrap().direction.map(|u| f64::from(u.angle()));
+        let [u1, u4] = found.unwrap().direction.map(|u| f64::from(u.polar_angle()));
         let [exact1, _, _, exact4] = exact.angles();
         Ok([turned(u1, exact1).abs(), turned(u4, exact4).abs()])
     }
@@ -87,7 +88,7 @@ fn cases() -> impl Strategy<Value = Case> {
         |(lengths, (share, lean), (theta, sine, sides), mode)| {
             let [l1, l2, ..] = lengths.map(f64::from);
             let reach = l1 * f64::from(share);
-            let offset = Vec2::unit(lean) * reach - Vec2::new(l2, 0.0);
+            let offset = Vector2::unit(lean) * reach - Vector2::new(l2, 0.0);
             let arms = Arms::new(lengths, narrow(offset))?;
             let t = end_of([l1, reach], theta, sine, sides);
             Case::new(arms, narrow(t), mode)
@@ -119,7 +120,7 @@ fn angles_of_the_benchtop_arm_are_within_four_millionths() {
     let offset = [single(-0.05..0.05), single(-0.05..0.05)];
     let point = [single(-0.2..0.28), single(-0.26..0.26)];
     proptest!(ProptestConfig::with_cases(4096), |(offset in offset, point in point, mode in mode())| {
-        let [offset, t] = [offset, point].map(|[x, y]| Vec2::new(x, y));
+        let [offset, t] = [offset, point].map(|[x, y]| Vector2::new(x, y));
         let case = Case::new(Arms::new(BENCHTOP, offset).unwrap(), t, mode);
         reached.count(case.is_some());
         let Some(case) = case else { return Ok(()) };

@@ -3,9 +3,10 @@
 
 use fivebar_kinematics::five_bar::{Geometry, Side, Tool, WorkingMode, Workspace};
 use fivebar_kinematics::trajectory::{Caps, Envelope, LookAhead, Piece, Reference, Segment};
-use fivebar_kinematics::{Scalar, Vec2};
+use fivebar_kinematics::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 
-pub(crate) type V = Vec2<f64>;
+pub(crate) type V = Vector2<f64>;
 
 /// Middle of the region where the test arm moves freely [m].
 pub(crate) const MIDDLE: [f64; 2] = [0.1375, 0.3];
@@ -16,7 +17,7 @@ pub(crate) fn envelope<S: Scalar>(corner_tolerance: f64) -> Envelope<S> {
     let geometry = Geometry::new([0.23, 0.23, 0.23, 0.23, 0.275].map(c)).unwrap();
     Envelope {
         workspace: Workspace {
-            tool: Tool::new(geometry, Vec2::zero()).unwrap(),
+            tool: Tool::new(geometry, Vector2::zeros()).unwrap(),
             mode: WorkingMode::new(Side::Right, Side::Left),
             limits: None,
             margin: c(0.05),
@@ -35,7 +36,7 @@ pub(crate) fn envelope<S: Scalar>(corner_tolerance: f64) -> Envelope<S> {
 
 /// Position, velocity and acceleration of the tool.
 pub(crate) fn tool<S: Scalar>(piece: &Piece<S>, t: S) -> (V, V, V) {
-    let wide = |v: Vec2<S>| V::new(v.x.to_f64(), v.y.to_f64());
+    let wide = |v: Vector2<S>| V::new(v.x.to_f64(), v.y.to_f64());
     match piece.evaluate(t) {
         Reference::Tool {
             position,
@@ -86,13 +87,13 @@ pub(crate) fn assert_sound<S: Scalar>(
     rounding: &Rounding,
 ) -> f64 {
     const STEPS: u32 = 12;
-    let mut last = (start, V::zero(), V::zero());
+    let mut last = (start, V::zeros(), V::zeros());
     let mut time = 0.0;
     for (index, piece) in pieces.iter().enumerate() {
         let first = tool(piece, S::ZERO);
-        let near = (first.0 - last.0).norm() <= rounding.position
-            && (first.1 - last.1).norm() <= rounding.velocity
-            && (first.2 - last.2).norm() <= rounding.acceleration;
+        let near = (first.0 - last.0).length() <= rounding.position
+            && (first.1 - last.1).length() <= rounding.velocity
+            && (first.2 - last.2).length() <= rounding.acceleration;
         assert!(near, "piece {index}: {first:?} after {last:?}");
         let duration = piece.duration().to_f64();
         assert!(duration > 0.0);
@@ -100,28 +101,28 @@ pub(crate) fn assert_sound<S: Scalar>(
         let mut before = first;
         for step in 1..=STEPS {
             let now = tool(piece, S::from_f64(dt * f64::from(step)));
-            assert!(now.1.norm() <= limits.speed * (1.0 + 1e-5));
-            assert!(now.2.norm() <= limits.acceleration * (1.0 + 1e-5) + rounding.acceleration);
+            assert!(now.1.length() <= limits.speed * (1.0 + 1e-5));
+            assert!(now.2.length() <= limits.acceleration * (1.0 + 1e-5) + rounding.acceleration);
             // The mean of the jerk, and of the acceleration, over a step.
-            let jerk = (now.2 - before.2).norm() / dt;
+            let jerk = (now.2 - before.2).length() / dt;
             assert!(
-                (now.2 - before.2).norm()
+                (now.2 - before.2).length()
                     <= limits.jerk * dt * (1.0 + 1e-5) + rounding.acceleration,
                 "piece {index}: jerk {jerk}"
             );
             let middle = (before.1 + now.1) * 0.5;
             let moved = now.0 - before.0 - middle * dt;
-            assert!(moved.norm() <= limits.jerk * dt * dt * dt + rounding.position);
+            assert!(moved.length() <= limits.jerk * dt * dt * dt + rounding.position);
             before = now;
         }
         last = tool(piece, S::from_f64(duration));
         time += duration;
     }
     assert!(
-        (last.0 - end).norm() <= rounding.position,
+        (last.0 - end).length() <= rounding.position,
         "ends at {last:?}, not {end:?}"
     );
-    assert!(last.1.norm() <= rounding.velocity && last.2.norm() <= rounding.acceleration);
+    assert!(last.1.length() <= rounding.velocity && last.2.length() <= rounding.acceleration);
     time
 }
 
@@ -130,7 +131,7 @@ pub(crate) fn distance_to<S: Scalar>(segment: &Segment<S>, point: V) -> f64 {
     let length = segment.length().to_f64();
     let at = |s: f64| {
         let p = segment.at(S::from_f64(s)).position;
-        (V::new(p.x.to_f64(), p.y.to_f64()) - point).norm()
+        (V::new(p.x.to_f64(), p.y.to_f64()) - point).length()
     };
     const SAMPLES: u32 = 64;
     let step = length / f64::from(SAMPLES);

@@ -2,13 +2,14 @@
 //! wherever it passes, close to singularities too.
 
 use crate::common::{MIDDLE, V, envelope, run, tool};
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::dynamics::{Arm, Link};
 use fivebar_kinematics::five_bar::{Joint, Side, Singularity};
 use fivebar_kinematics::trajectory::{
     Caps, Envelope, LookAhead, Obstacle, Reference, Segment, Sense, TorqueLimits,
 };
 use fivebar_testkit::Tally;
+use nalgebra::Vector2;
 use proptest::prelude::*;
 
 /// Links of a tenth of a kilogram and heavy rotors, gravity in the plane.
@@ -32,7 +33,7 @@ fn joints(envelope: &Envelope<f64>, arm: &Arm<f64>, (p, v, a): (V, V, V)) -> [[f
         .inverse_accelerations(&pose, &velocities, a)
         .unwrap();
     let torque = arm
-        .inverse_dynamics(&pose, &velocities, &accelerations, Vec2::zero())
+        .inverse_dynamics(&pose, &velocities, &accelerations, Vector2::zeros())
         .unwrap();
     let [w1, _, _, w4] = velocities.omega;
     let [a1, _, _, a4] = accelerations.alpha;
@@ -48,7 +49,7 @@ fn to_the_brink(envelope: &Envelope<f64>, direction: f64, bend: Option<f64>) -> 
             None => Segment::line(from, to),
             Some(bend) => {
                 let chord = to - from;
-                let centre = from + chord * 0.5 + chord.perp() * bend;
+                let centre = from + chord * 0.5 + chord.perpendicular() * bend;
                 Segment::arc(from, to, centre, Sense::CounterClockwise, 1e-9)
             }
         }

@@ -2,8 +2,9 @@
 //! tolerance, ending where it should.
 
 use crate::common::{MIDDLE, Rounding, V, assert_sound, distance_to, envelope, run, tool};
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::trajectory::{Caps, Curve, LookAhead, Piece, Reference, Segment, Sense};
+use nalgebra::Vector2;
 use proptest::prelude::*;
 
 const DOUBLE: Rounding = Rounding {
@@ -38,7 +39,7 @@ fn paths(finest: f64) -> impl Strategy<Value = Vec<Segment<f64>>> {
                 to = middle + (to - middle) * (0.06 / (to - middle).norm());
             }
             let chord = to - from;
-            let centre = from + chord * 0.5 + chord.perp() * bulge;
+            let centre = from + chord * 0.5 + chord.perpendicular() * bulge;
             let radius = (centre - from).norm();
             let arc = Segment::arc(from, to, centre, Sense::Clockwise, 1e-9);
             let fits = (centre - middle).norm() + radius < 0.07;
@@ -162,7 +163,7 @@ proptest! {
 }
 
 fn narrow(segment: &Segment<f64>) -> Segment<f32> {
-    let narrow = |v: V| Vec2::new(v.x as f32, v.y as f32);
+    let narrow = |v: V| Vector2::new(v.x as f32, v.y as f32);
     let [from, to] = [narrow(segment.start()), narrow(segment.end())];
     match *segment.curve() {
         Curve::Arc {
@@ -170,7 +171,7 @@ fn narrow(segment: &Segment<f64>) -> Segment<f32> {
             tangent,
             curvature,
         } => {
-            let centre = narrow(start + tangent.perp() * (1.0 / curvature));
+            let centre = narrow(start + tangent.perpendicular() * (1.0 / curvature));
             let sense = if curvature > 0.0 {
                 Sense::CounterClockwise
             } else {
@@ -228,7 +229,7 @@ fn corners_without_tolerance_are_stopped_at() {
     let stop = pieces.iter().find(|piece| piece.tag() == 1).unwrap();
     let (position, velocity, acceleration) = tool(stop, 0.0);
     assert!((position - b).norm() < 1e-15);
-    assert_eq!((velocity, acceleration), (V::zero(), V::zero()));
+    assert_eq!((velocity, acceleration), (V::zeros(), V::zeros()));
 }
 
 #[test]
@@ -280,7 +281,7 @@ fn a_move_that_comes_while_the_arm_stops_does_not_turn_it_back() {
         let slowest = pieces
             .iter()
             .flat_map(|piece| (0..=12).map(|i| tool(piece, piece.duration() * f64::from(i) / 12.0)))
-            .map(|(_, velocity, _)| velocity.dot(forwards))
+            .map(|(_, velocity, _)| velocity.dot(&forwards))
             .fold(f64::INFINITY, f64::min);
         assert!(slowest > -1e-9, "{slowest} m/s, {taken} pieces taken");
         joined += 1;

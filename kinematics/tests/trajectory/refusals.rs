@@ -1,6 +1,7 @@
 //! What a refusal says, and that it is of the whole segment.
 
 use crate::common::{V, distance_to, envelope, run, tool};
+use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::{Joint, JointLimits, Outside, PoseError, Side};
 use fivebar_kinematics::trajectory::{Envelope, Obstacle, Segment, Sense};
 use fivebar_testkit::Tally;
@@ -43,7 +44,7 @@ fn refusals_name_the_obstacle_and_the_place() {
             .workspace
             .tool
             .inverse(point, envelope.workspace.mode);
-        pose.unwrap().u1.angle()
+        pose.unwrap().u1.polar_angle()
     };
     let greatest = theta1(from).max(theta1(dip.end())) + 0.05;
     envelope.workspace.limits = Some(JointLimits::new([0.0, greatest], [-1.0, 3.0]).unwrap());
@@ -88,7 +89,7 @@ fn no_segment_is_dropped_or_cut() {
         let segment = match bulge {
             None => Segment::line(from, to),
             Some(bulge) => {
-                let centre = from + chord * 0.5 + chord.perp() * bulge;
+                let centre = from + chord * 0.5 + chord.perpendicular() * bulge;
                 Segment::arc(from, to, centre, Sense::Clockwise, 1e-9)
             }
         }

@@ -1,6 +1,7 @@
 //! What is accepted and what is refused, against dense sampling in both directions.
 
 use crate::common::{V, envelope};
+use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::{
     Geometry, JointLimits, Outside, Pose, Side, Tool, WorkingMode, Workspace,
 };
@@ -39,7 +40,7 @@ const CLEARLY: Keep = Keep {
 /// |sin| at leg 1 as the tool sees it, at leg 4 and at C.
 fn sines(tool: &Tool<f64>, pose: &Pose<f64>) -> [f64; 3] {
     let bt = tool.point(pose) - pose.b;
-    [pose.u1.cross(bt) / bt.norm(), pose.sin34(), pose.sin32()]
+    [pose.u1.cross_z(bt) / bt.norm(), pose.sin34(), pose.sin32()]
 }
 
 fn within(workspace: &Workspace<f64>, pose: &Pose<f64>, keep: &Keep) -> bool {
@@ -53,7 +54,7 @@ fn within(workspace: &Workspace<f64>, pose: &Pose<f64>, keep: &Keep) -> bool {
         ranges.iter().all(|[a, b]| a < b)
             && JointLimits::new(ranges[0], ranges[1])
                 .unwrap()
-                .admit(pose.u1.angle(), pose.u4.angle())
+                .admit(pose.u1.polar_angle(), pose.u4.polar_angle())
                 .is_ok()
     });
     clear && free
@@ -94,7 +95,7 @@ fn arms() -> impl Strategy<Value = Envelope<f64>> {
                 let offset = if tool {
                     V::new(offset[0], offset[1])
                 } else {
-                    V::zero()
+                    V::zeros()
                 };
                 let side = |left| if left { Side::Left } else { Side::Right };
                 let [a, b, c, d] = ends;
@@ -167,7 +168,7 @@ fn segments(from: V) -> impl Strategy<Value = (Segment<f64>, Option<f64>)> {
                 None => Segment::line(from, to),
                 Some(bulge) => {
                     let chord = to - from;
-                    let centre = from + chord * 0.5 + chord.perp() * bulge;
+                    let centre = from + chord * 0.5 + chord.perpendicular() * bulge;
                     let sense = if clockwise {
                         Sense::Clockwise
                     } else {

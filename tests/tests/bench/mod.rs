@@ -13,7 +13,7 @@ use fivebar_firmware::protocol::{
 };
 use fivebar_firmware::safety::{Fault, Response, State};
 use fivebar_firmware::{Move, MoveKind, Request, Settings, Status};
-use fivebar_kinematics::Vec2;
+use nalgebra::Vector2;
 use std::io::{Read, Write};
 
 /// What `docs/faults.md` says of a mishap.
@@ -96,7 +96,7 @@ impl<L: Read + Write> Bench<L> {
         let [[x, y], _] = ends().map(|end| end.map(f64::from));
         let pose = robot
             .geometry
-            .inverse(Vec2::new(x, y), robot.elbows)
+            .inverse(Vector2::new(x, y), robot.elbows)
             .expect("within reach");
         let twin = Loopback::lockstep(&settings).expect("sound settings");
         let (mut board, _) = Conversation::open(Faulty::new(line, mishaps, 1)).expect("a board");

@@ -31,7 +31,8 @@ pub use rrr::Rrr;
 
 use super::joint::Joint;
 use super::motion::{Coordinate, LinkMotion, PointMotion};
-use fivebar_kinematics::{Scalar, Vec2};
+use fivebar_kinematics::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 
 /// Where along a guide: the assembly branch of a dyad with a slider.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
@@ -114,7 +115,7 @@ fn regular<S: Scalar>(sine: S, singular: Singular) -> Result<S, DyadError> {
 
 /// Refuses positions that are not numbers.
 #[inline]
-fn finite<S: Scalar>(points: &[Vec2<S>]) -> Result<(), DyadError> {
+fn finite<S: Scalar>(points: &[Vector2<S>]) -> Result<(), DyadError> {
     if points.iter().all(|p| p.x.is_finite() && p.y.is_finite()) {
         Ok(())
     } else {
@@ -124,6 +125,6 @@ fn finite<S: Scalar>(points: &[Vec2<S>]) -> Result<(), DyadError> {
 
 /// The point of a guide that is `offset` to the left of its origin.
 #[inline]
-fn beside<S: Scalar>(guide: &LinkMotion<S>, offset: S) -> Vec2<S> {
-    guide.origin.position + guide.axis.perp() * offset
+fn beside<S: Scalar>(guide: &LinkMotion<S>, offset: S) -> Vector2<S> {
+    guide.origin.position + guide.axis.perpendicular() * offset
 }

@@ -9,7 +9,8 @@
 use super::{DyadError, DyadMotion, Singular, beside, finite, regular};
 use crate::linkage::joint::Joint;
 use crate::linkage::motion::{Coordinate, LinkMotion};
-use fivebar_kinematics::{Scalar, Vec2};
+use fivebar_kinematics::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 
 /// Two sliders pinned together. It has one assembly only.
 ///
@@ -32,7 +33,7 @@ impl<S: Scalar> Prp<S> {
         guide2: &LinkMotion<S>,
     ) -> Result<[S; 2], DyadError> {
         finite(&[guide1.origin.position, guide2.origin.position])?;
-        let sine = regular(guide1.axis.cross(guide2.axis), Singular::GuidesParallel)?;
+        let sine = regular(guide1.axis.cross_z(guide2.axis), Singular::GuidesParallel)?;
         let [e1, e2] = self.offsets;
         let d = beside(guide2, e2) - beside(guide1, e1);
         Ok(along(d, guide1.axis, guide2.axis, sine))
@@ -50,14 +51,15 @@ impl<S: Scalar> Prp<S> {
     ) -> Result<DyadMotion<S>, DyadError> {
         let [s1, s2] = self.position(guide1, guide2)?;
         let (u1, u2) = (guide1.axis, guide2.axis);
-        let sine = u1.cross(u2);
+        let sine = u1.cross_z(u2);
         let p3 = beside(guide1, self.offsets[0]) + u1 * s1;
         let (g1, g2) = (guide1.point_at(p3), guide2.point_at(p3));
 
         let [rate1, rate2] = along(g2.velocity - g1.velocity, u1, u2, sine);
 
-        let coriolis =
-            |guide: &LinkMotion<S>, rate: S| guide.axis.perp() * (S::TWO * guide.omega * rate);
+        let coriolis = |guide: &LinkMotion<S>, rate: S| {
+            guide.axis.perpendicular() * (S::TWO * guide.omega * rate)
+        };
         let a =
             g2.acceleration + coriolis(guide2, rate2) - g1.acceleration - coriolis(guide1, rate1);
         let [acceleration1, acceleration2] = along(a, u1, u2, sine);
@@ -89,6 +91,6 @@ impl<S: Scalar> Prp<S> {
 
 /// The two numbers with x1 u1 − x2 u2 = d.
 #[inline]
-fn along<S: Scalar>(d: Vec2<S>, u1: Vec2<S>, u2: Vec2<S>, sine: S) -> [S; 2] {
-    [d.cross(u2) / sine, d.cross(u1) / sine]
+fn along<S: Scalar>(d: Vector2<S>, u1: Vector2<S>, u2: Vector2<S>, sine: S) -> [S; 2] {
+    [d.cross_z(u2) / sine, d.cross_z(u1) / sine]
 }

@@ -12,7 +12,8 @@
 use super::{DyadError, DyadMotion, Singular, finite, regular};
 use crate::linkage::joint::Joint;
 use crate::linkage::motion::{Coordinate, LinkMotion, PointMotion};
-use fivebar_kinematics::{Scalar, Vec2};
+use fivebar_kinematics::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 
 /// A bar that slides in a slider. It has one assembly only.
 ///
@@ -21,7 +22,7 @@ use fivebar_kinematics::{Scalar, Vec2};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rpp<S> {
     /// The bar's direction as a unit vector in the guide's frame.
-    pub direction: Vec2<S>,
+    pub direction: Vector2<S>,
 }
 
 impl<S: Scalar> Rpp<S> {
@@ -30,10 +31,10 @@ impl<S: Scalar> Rpp<S> {
     /// # Errors
     /// `Singular` where the two slides are parallel.
     #[inline]
-    pub fn position(&self, p1: Vec2<S>, guide: &LinkMotion<S>) -> Result<[S; 2], DyadError> {
+    pub fn position(&self, p1: Vector2<S>, guide: &LinkMotion<S>) -> Result<[S; 2], DyadError> {
         finite(&[p1, guide.origin.position])?;
-        let w = self.direction.rotated_to(guide.axis);
-        let sine = regular(guide.axis.cross(w), Singular::GuidesParallel)?;
+        let w = self.direction.to_base_frame(guide.axis);
+        let sine = regular(guide.axis.cross_z(w), Singular::GuidesParallel)?;
         Ok(along(p1 - guide.origin.position, guide.axis, w, sine))
     }
 
@@ -49,15 +50,15 @@ impl<S: Scalar> Rpp<S> {
     ) -> Result<DyadMotion<S>, DyadError> {
         let [s, t] = self.position(end.position, guide)?;
         let u = guide.axis;
-        let w = self.direction.rotated_to(u);
-        let sine = u.cross(w);
+        let w = self.direction.to_base_frame(u);
+        let sine = u.cross_z(w);
         let g = guide.point_at(end.position);
 
         let v = end.velocity - g.velocity;
         let [s_rate, t_rate] = along(v, u, w, sine);
 
         // ṡ u + ṫ w is v itself.
-        let coriolis = v.perp() * (S::TWO * guide.omega);
+        let coriolis = v.perpendicular() * (S::TWO * guide.omega);
         let [s_acceleration, t_acceleration] =
             along(end.acceleration - g.acceleration - coriolis, u, w, sine);
 
@@ -91,6 +92,6 @@ impl<S: Scalar> Rpp<S> {
 
 /// The two numbers with x u + y w = d.
 #[inline]
-fn along<S: Scalar>(d: Vec2<S>, u: Vec2<S>, w: Vec2<S>, sine: S) -> [S; 2] {
-    [d.cross(w) / sine, u.cross(d) / sine]
+fn along<S: Scalar>(d: Vector2<S>, u: Vector2<S>, w: Vector2<S>, sine: S) -> [S; 2] {
+    [d.cross_z(w) / sine, u.cross_z(d) / sine]
 }

@@ -8,7 +8,8 @@
 use super::{DyadError, DyadMotion, Singular, SlideBranch, Unreachable, finite, regular};
 use crate::linkage::joint::Joint;
 use crate::linkage::motion::{Coordinate, LinkMotion, PointMotion};
-use fivebar_kinematics::{Scalar, Vec2};
+use fivebar_kinematics::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 
 /// A bar that is a guide, and a slider on it.
 ///
@@ -29,10 +30,10 @@ impl<S: Scalar> Rpr<S> {
     /// `Unreachable` where the ends are nearer than the offset, `Singular` where they
     /// meet and there is none.
     #[inline]
-    pub fn position(&self, p1: Vec2<S>, p2: Vec2<S>) -> Result<(S, Vec2<S>), DyadError> {
+    pub fn position(&self, p1: Vector2<S>, p2: Vector2<S>) -> Result<(S, Vector2<S>), DyadError> {
         finite(&[p1, p2])?;
         let d = p2 - p1;
-        let d_squared = d.norm_squared();
+        let d_squared = d.length_squared();
         let radicand = d_squared - self.offset * self.offset;
         if radicand < S::ZERO {
             return Err(DyadError::Unreachable(Unreachable::InsideOffset));
@@ -41,7 +42,10 @@ impl<S: Scalar> Rpr<S> {
             return Err(DyadError::Singular(Singular::EndsMeet));
         }
         let s = self.branch.sign(radicand.sqrt());
-        Ok((s, (d * s - d.perp() * self.offset) * (S::ONE / d_squared)))
+        Ok((
+            s,
+            (d * s - d.perpendicular() * self.offset) * (S::ONE / d_squared),
+        ))
     }
 
     /// Position, velocity and acceleration from those of the ends.
@@ -55,21 +59,21 @@ impl<S: Scalar> Rpr<S> {
         end2: &PointMotion<S>,
     ) -> Result<DyadMotion<S>, DyadError> {
         let (s, u) = self.position(end1.position, end2.position)?;
-        let n = u.perp();
+        let n = u.perpendicular();
         let e = self.offset;
         let d = end2.position - end1.position;
-        let sine = regular(s / d.norm(), Singular::SliderAtPivot)?;
+        let sine = regular(s / d.length(), Singular::SliderAtPivot)?;
 
         let v = end2.velocity - end1.velocity;
-        let omega = v.dot(n) / s;
-        let s_rate = v.dot(u) + e * omega;
+        let omega = v.dot(&n) / s;
+        let s_rate = v.dot(&u) + e * omega;
 
         let a = end2.acceleration - end1.acceleration;
-        let alpha = (a.dot(n) - S::TWO * omega * s_rate + e * omega * omega) / s;
+        let alpha = (a.dot(&n) - S::TWO * omega * s_rate + e * omega * omega) / s;
         let slide = Coordinate {
             value: s,
             rate: s_rate,
-            acceleration: a.dot(u) + e * alpha + s * omega * omega,
+            acceleration: a.dot(&u) + e * alpha + s * omega * omega,
         };
         let bar = LinkMotion {
             origin: *end1,

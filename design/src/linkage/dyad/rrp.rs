@@ -13,7 +13,8 @@
 use super::{DyadError, DyadMotion, Singular, SlideBranch, Unreachable, beside, finite, regular};
 use crate::linkage::joint::Joint;
 use crate::linkage::motion::{Coordinate, LinkMotion, PointMotion};
-use fivebar_kinematics::{Scalar, Vec2};
+use fivebar_kinematics::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 
 /// A bar and a slider pinned to its end.
 ///
@@ -35,15 +36,15 @@ impl<S: Scalar> Rrp<S> {
     /// # Errors
     /// `Unreachable` where the bar does not reach the guide.
     #[inline]
-    pub fn position(&self, p1: Vec2<S>, guide: &LinkMotion<S>) -> Result<S, DyadError> {
+    pub fn position(&self, p1: Vector2<S>, guide: &LinkMotion<S>) -> Result<S, DyadError> {
         finite(&[p1, guide.origin.position])?;
         let w = beside(guide, self.offset) - p1;
-        let distance = w.dot(guide.axis.perp());
+        let distance = w.dot(&guide.axis.perpendicular());
         let radicand = self.length * self.length - distance * distance;
         if radicand < S::ZERO {
             return Err(DyadError::Unreachable(Unreachable::GuideTooFar));
         }
-        Ok(self.branch.sign(radicand.sqrt()) - w.dot(guide.axis))
+        Ok(self.branch.sign(radicand.sqrt()) - w.dot(&guide.axis))
     }
 
     /// Position, velocity and acceleration from those of the end and the guide.
@@ -58,31 +59,31 @@ impl<S: Scalar> Rrp<S> {
     ) -> Result<DyadMotion<S>, DyadError> {
         let s = self.position(end.position, guide)?;
         let u = guide.axis;
-        let n = u.perp();
+        let n = u.perpendicular();
         let p3 = beside(guide, self.offset) + u * s;
         let r = p3 - end.position;
         let axis = r * (S::ONE / self.length);
-        let sine = regular(axis.dot(u), Singular::BarSquareToGuide)?;
+        let sine = regular(axis.dot(&u), Singular::BarSquareToGuide)?;
         let per_ru = S::ONE / (self.length * sine);
         let g = guide.point_at(p3);
 
         let v = g.velocity - end.velocity;
-        let omega1 = v.dot(n) * per_ru;
-        let s_rate = -v.dot(r) * per_ru;
+        let omega1 = v.dot(&n) * per_ru;
+        let s_rate = -v.dot(&r) * per_ru;
 
         let a = g.acceleration + n * (S::TWO * guide.omega * s_rate) - end.acceleration
             + r * (omega1 * omega1);
         let slide = Coordinate {
             value: s,
             rate: s_rate,
-            acceleration: -a.dot(r) * per_ru,
+            acceleration: -a.dot(&r) * per_ru,
         };
         let inner_point = guide.slider_motion(&g, &slide);
         let bar = LinkMotion {
             origin: *end,
             axis,
             omega: omega1,
-            alpha: a.dot(n) * per_ru,
+            alpha: a.dot(&n) * per_ru,
         };
         Ok(DyadMotion {
             links: [bar, guide.with_origin(inner_point)],

@@ -9,7 +9,8 @@ use super::{DyadError, DyadMotion, Singular, Unreachable, finite, regular};
 use crate::linkage::joint::Joint;
 use crate::linkage::motion::{LinkMotion, PointMotion};
 use fivebar_kinematics::five_bar::Side;
-use fivebar_kinematics::{Scalar, Vec2};
+use fivebar_kinematics::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 
 /// Two bars that meet in a pin.
 ///
@@ -29,7 +30,7 @@ impl<S: Scalar> Rrr<S> {
     /// # Errors
     /// `Unreachable` where the bars cannot meet, `Singular` where the ends do.
     #[inline]
-    pub fn position(&self, p1: Vec2<S>, p2: Vec2<S>) -> Result<Vec2<S>, DyadError> {
+    pub fn position(&self, p1: Vector2<S>, p2: Vector2<S>) -> Result<Vector2<S>, DyadError> {
         let (d, d_squared) = self.base(p1, p2)?;
         let [l1, l2] = self.lengths;
         let inverse = S::ONE / d_squared;
@@ -38,7 +39,7 @@ impl<S: Scalar> Rrr<S> {
         if h_squared < S::ZERO {
             return Err(self.too_far_or_near(d_squared));
         }
-        Ok(p1 + d * a + d.perp() * self.side.sign(h_squared.sqrt()))
+        Ok(p1 + d * a + d.perpendicular() * self.side.sign(h_squared.sqrt()))
     }
 
     /// P3 by the vector loop P1 + l1 u1 = P2 + l2 u2 (WUT's second way): u1 eliminated,
@@ -50,7 +51,11 @@ impl<S: Scalar> Rrr<S> {
     ///
     /// # Errors
     /// As [`Rrr::position`].
-    pub fn position_by_vector_loop(&self, p1: Vec2<S>, p2: Vec2<S>) -> Result<Vec2<S>, DyadError> {
+    pub fn position_by_vector_loop(
+        &self,
+        p1: Vector2<S>,
+        p2: Vector2<S>,
+    ) -> Result<Vector2<S>, DyadError> {
         let (d, d_squared) = self.base(p1, p2)?;
         let [l1, l2] = self.lengths;
         let a = S::TWO * l2 * d.y;
@@ -62,7 +67,7 @@ impl<S: Scalar> Rrr<S> {
         }
         let root = self.side.sign(radicand.sqrt());
         let theta2 = S::TWO * (a + root).atan2(b - c);
-        Ok(p2 + Vec2::unit(theta2) * l2)
+        Ok(p2 + Vector2::unit(theta2) * l2)
     }
 
     /// Position, velocity and acceleration from those of the ends.
@@ -80,12 +85,12 @@ impl<S: Scalar> Rrr<S> {
         let r1 = p3 - end1.position;
         let r2 = p3 - end2.position;
         let (u1, u2) = (r1 * (S::ONE / l1), r2 * (S::ONE / l2));
-        let sine = regular(u1.cross(u2), Singular::BarsInLine)?;
+        let sine = regular(u1.cross_z(u2), Singular::BarsInLine)?;
         let per_x = S::ONE / (l1 * l2 * sine);
 
         let v = end2.velocity - end1.velocity;
-        let omega1 = v.dot(r2) * per_x;
-        let omega2 = v.dot(r1) * per_x;
+        let omega1 = v.dot(&r2) * per_x;
+        let omega2 = v.dot(&r1) * per_x;
 
         let ef =
             end2.acceleration - end1.acceleration + r1 * (omega1 * omega1) - r2 * (omega2 * omega2);
@@ -95,8 +100,8 @@ impl<S: Scalar> Rrr<S> {
             omega,
             alpha,
         };
-        let link1 = link(end1, u1, omega1, ef.dot(r2) * per_x);
-        let link2 = link(end2, u2, omega2, ef.dot(r1) * per_x);
+        let link1 = link(end1, u1, omega1, ef.dot(&r2) * per_x);
+        let link2 = link(end2, u2, omega2, ef.dot(&r1) * per_x);
         Ok(DyadMotion {
             links: [link1, link2],
             inner_point: link1.point_at(p3),
@@ -112,10 +117,10 @@ impl<S: Scalar> Rrr<S> {
 
     /// d = P2 − P1 and |d|², where the two are numbers and differ.
     #[inline]
-    fn base(&self, p1: Vec2<S>, p2: Vec2<S>) -> Result<(Vec2<S>, S), DyadError> {
+    fn base(&self, p1: Vector2<S>, p2: Vector2<S>) -> Result<(Vector2<S>, S), DyadError> {
         finite(&[p1, p2])?;
         let d = p2 - p1;
-        let d_squared = d.norm_squared();
+        let d_squared = d.length_squared();
         if d_squared > S::ZERO {
             return Ok((d, d_squared));
         }

@@ -1,11 +1,12 @@
 //! The library's solutions, each behind a call that cannot be inlined away, and the poses
 //! they are counted over.
 
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::dynamics::{Arm, Link};
 use fivebar_kinematics::five_bar::{
     Accelerations, Geometry, Pose, PoseError, Side, Velocities, WorkingMode,
 };
+use nalgebra::Vector2;
 
 /// Elbows out: leg 1's to the left of the tool, leg 4's to the right.
 const MODE: WorkingMode = WorkingMode::new(Side::Right, Side::Left);
@@ -15,7 +16,7 @@ const MODE: WorkingMode = WorkingMode::new(Side::Right, Side::Left);
 pub(crate) struct Case {
     pub(crate) lengths: [f32; 5],
     pub(crate) driven: [f32; 2],
-    pub(crate) c: Vec2<f32>,
+    pub(crate) c: Vector2<f32>,
     arm: Arm<f32>,
     assembly: Side,
     pose: Pose<f32>,
@@ -26,7 +27,7 @@ pub(crate) struct Case {
 /// 16 poses over the working area of an arm with l = 0.12, 0.16, 0.16, 0.12, 0.10 m.
 pub(crate) fn cases() -> [Case; 16] {
     core::array::from_fn(|index| {
-        let c = Vec2::new(
+        let c = Vector2::new(
             -0.03 + 0.05 * (index % 4) as f32,
             0.14 + 0.025 * (index / 4) as f32,
         );
@@ -37,14 +38,14 @@ pub(crate) fn cases() -> [Case; 16] {
     })
 }
 
-fn case(c: Vec2<f32>) -> Result<Case, PoseError> {
+fn case(c: Vector2<f32>) -> Result<Case, PoseError> {
     let lengths = [0.12, 0.16, 0.16, 0.12, 0.10];
     let Ok(geometry) = Geometry::new(lengths) else {
         return Err(PoseError::NotFinite);
     };
     let link = |com, inertia| Link {
         mass: 0.1,
-        com: Vec2::new(com, 0.002),
+        com: Vector2::new(com, 0.002),
         inertia,
     };
     let links = [
@@ -53,15 +54,16 @@ fn case(c: Vec2<f32>) -> Result<Case, PoseError> {
         link(0.068, 7e-4),
         link(0.06, 2e-4),
     ];
-    let Ok(arm) = Arm::new(geometry, links, 0.05, Vec2::new(0.0, -9.81), [1e-4; 2]) else {
+    let Ok(arm) = Arm::new(geometry, links, 0.05, Vector2::new(0.0, -9.81), [1e-4; 2]) else {
         return Err(PoseError::NotFinite);
     };
     let pose = geometry.inverse(c, MODE)?;
-    let velocities = geometry.inverse_velocities(&pose, Vec2::new(0.2, -0.1))?;
-    let accelerations = geometry.inverse_accelerations(&pose, &velocities, Vec2::new(-1.0, 2.0))?;
+    let velocities = geometry.inverse_velocities(&pose, Vector2::new(0.2, -0.1))?;
+    let accelerations =
+        geometry.inverse_accelerations(&pose, &velocities, Vector2::new(-1.0, 2.0))?;
     Ok(Case {
         lengths,
-        driven: [pose.u1.angle(), pose.u4.angle()],
+        driven: [pose.u1.polar_angle(), pose.u4.polar_angle()],
         c,
         arm,
         assembly: pose.assembly(),
@@ -73,7 +75,7 @@ fn case(c: Vec2<f32>) -> Result<Case, PoseError> {
 
 /// The tool point from the driven angles.
 #[inline(never)]
-pub(crate) fn forward(case: &Case) -> Result<Vec2<f32>, PoseError> {
+pub(crate) fn forward(case: &Case) -> Result<Vector2<f32>, PoseError> {
     let [theta1, theta4] = case.driven;
     let pose = case.arm.geometry().forward(theta1, theta4, case.assembly)?;
     Ok(pose.c)
@@ -83,7 +85,7 @@ pub(crate) fn forward(case: &Case) -> Result<Vec2<f32>, PoseError> {
 #[inline(never)]
 pub(crate) fn inverse(case: &Case) -> Result<[f32; 2], PoseError> {
     let pose = case.arm.geometry().inverse(case.c, MODE)?;
-    Ok([pose.u1.angle(), pose.u4.angle()])
+    Ok([pose.u1.polar_angle(), pose.u4.polar_angle()])
 }
 
 /// Joint rates and accelerations from the tool's.
@@ -118,6 +120,6 @@ pub(crate) fn inverse_dynamics(case: &Case) -> Result<[f32; 2], PoseError> {
         &case.pose,
         &case.velocities,
         &case.accelerations,
-        Vec2::new(0.0, 0.0),
+        Vector2::new(0.0, 0.0),
     )
 }

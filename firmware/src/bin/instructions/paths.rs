@@ -1,17 +1,18 @@
 //! Pieces of path, as the tick evaluates them.
 
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::{Geometry, Side, Tool, WorkingMode, Workspace};
 use fivebar_kinematics::trajectory::{
     Caps, Curve, Envelope, LookAhead, Piece, Reference, Segment, Sense,
 };
+use nalgebra::Vector2;
 
 /// The pieces on the line, the corner and the arc of a short path, in this order.
 pub(crate) fn pieces() -> Option<[Piece<f32>; 3]> {
     let geometry = Geometry::new([0.12, 0.16, 0.16, 0.12, 0.10]).ok()?;
     let envelope = Envelope {
         workspace: Workspace {
-            tool: Tool::new(geometry, Vec2::zero()).ok()?,
+            tool: Tool::new(geometry, Vector2::zeros()).ok()?,
             mode: WorkingMode::new(Side::Right, Side::Left),
             limits: None,
             margin: 0.05,
@@ -26,8 +27,8 @@ pub(crate) fn pieces() -> Option<[Piece<f32>; 3]> {
         },
         corner_tolerance: 1e-4,
     };
-    let [a, b, c] = [[0.03, 0.16], [0.06, 0.18], [0.08, 0.18]].map(|[x, y]| Vec2::new(x, y));
-    let centre = Vec2::new(0.07, 0.17);
+    let [a, b, c] = [[0.03, 0.16], [0.06, 0.18], [0.08, 0.18]].map(|[x, y]| Vector2::new(x, y));
+    let centre = Vector2::new(0.07, 0.17);
     let line = Segment::line(a, b).ok()?;
     let arc = Segment::arc(b, c, centre, Sense::Clockwise, 1e-6).ok()?;
     let mut look_ahead = LookAhead::<f32, 8>::new();

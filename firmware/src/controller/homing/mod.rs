@@ -9,7 +9,8 @@ use super::model::{AxisModel, Model};
 use super::tick::TorqueCommand;
 use crate::io::Sensed;
 use crate::safety::{Event, Fault, Limits};
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
+use nalgebra::Vector2;
 use state::limited;
 pub(super) use state::{HomingConfig, HomingState};
 
@@ -62,7 +63,7 @@ impl Controller {
         {
             joint.set_origin(axis, counts, settings.home_angle);
         }
-        let [u1, u4] = self.angles().map(Vec2::unit);
+        let [u1, u4] = self.angles().map(Vector2::unit);
         let tool = &self.model.tool;
         let pose = tool
             .geometry()

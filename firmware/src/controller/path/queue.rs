@@ -8,8 +8,8 @@
 
 use super::Stretch;
 use crate::safety::Limits;
-use fivebar_kinematics::Vec2;
 use fivebar_kinematics::trajectory::Piece;
+use nalgebra::Vector2;
 
 /// Segments that wait for the tick: the committed future of the arm.
 pub const PIECES: usize = 32;
@@ -52,7 +52,7 @@ pub(super) struct PathQueue {
 impl PathQueue {
     pub(super) fn new() -> Self {
         let nothing = Stretch {
-            piece: Piece::rest(Vec2::zero(), 0.0, 0),
+            piece: Piece::rest(Vector2::zeros(), 0.0, 0),
             open: false,
             limits: Limits::NONE,
         };
@@ -186,12 +186,12 @@ fn slot(n: u32) -> usize {
 mod tests {
     use super::*;
     use crate::safety::Limits;
-    use fivebar_kinematics::Vec2;
     use fivebar_kinematics::trajectory::Piece;
+    use nalgebra::Vector2;
 
     fn dwell(duration: f32) -> Stretch {
         Stretch {
-            piece: Piece::rest(Vec2::zero(), duration, 0),
+            piece: Piece::rest(Vector2::zeros(), duration, 0),
             open: false,
             limits: Limits::NONE,
         }

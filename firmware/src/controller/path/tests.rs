@@ -1,8 +1,8 @@
 //! The path's clock over hours, stops and thousands of pieces.
 
 use super::*;
-use fivebar_kinematics::Vec2;
 use fivebar_kinematics::trajectory::{Caps, LookAhead};
+use nalgebra::Vector2;
 
 const PERIOD: f32 = 1e-4;
 const STOPPING_TIME: f32 = 0.1;
@@ -25,7 +25,9 @@ fn stretch(piece: Piece<f32>) -> Stretch {
 
 fn dwell(duration: f32) -> Path {
     let mut look_ahead = LookAhead::new();
-    look_ahead.push_dwell(Vec2::zero(), duration, 0).unwrap();
+    look_ahead
+        .push_dwell(Vector2::zeros(), duration, 0)
+        .unwrap();
     path_of(&mut look_ahead)
 }
 
@@ -151,7 +153,7 @@ fn pieces_shorter_than_a_tick_are_passed_two_at_a_time() {
     for tag in 0..6 {
         let mut look_ahead = LookAhead::<f32, 4>::new();
         look_ahead
-            .push_dwell(Vec2::zero(), 0.2 * PERIOD, tag)
+            .push_dwell(Vector2::zeros(), 0.2 * PERIOD, tag)
             .unwrap();
         path.push(stretch(look_ahead.next_piece().unwrap()));
     }

@@ -6,8 +6,8 @@ use super::limits::{LARGEST, largest, name, sizes};
 use crate::input::source::{FileError, Key, Source};
 use fivebar_design::linkage::dyad::{Prp, Rpp, Rpr, Rrp, Rrr};
 use fivebar_design::linkage::{BarSection, DriveLaw, Group, Guide, LinkId, Linkage, PointId};
-use fivebar_kinematics::Vec2;
 use fivebar_kinematics::dynamics::Link;
+use nalgebra::Vector2;
 use std::collections::HashMap;
 
 /// Reads a linkage from the text of a file.
@@ -319,8 +319,8 @@ impl<'a> Builder<'a> {
     }
 }
 
-fn vec2([x, y]: [f64; 2]) -> Vec2<f64> {
-    Vec2::new(x, y)
+fn vec2([x, y]: [f64; 2]) -> Vector2<f64> {
+    Vector2::new(x, y)
 }
 
 /// A few names in order, for a message.

@@ -7,9 +7,10 @@ use super::value::{
 };
 use super::{Actuator, Robot, fit, tolerance};
 use crate::input::source::{FileError, Key, Source};
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::dynamics::{Arm, Link};
 use fivebar_kinematics::five_bar::{self, Geometry, GeometryError, Side, WorkingMode};
+use nalgebra::Vector2;
 use std::f64::consts::TAU;
 
 pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
@@ -55,10 +56,12 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
         None => {
             let [along, left] = file.tool.offset;
             // A tool without sense is refused below.
-            five_bar::Tool::new(geometry, Vec2::new(along, left))
+            five_bar::Tool::new(geometry, Vector2::new(along, left))
                 .ok()
                 .and_then(|tool| best_conditioned(&tool, elbows, &file.limits, |_| true))
-                .map_or([0.0; 2], |pose| [pose.u1.angle(), pose.u4.angle()])
+                .map_or([0.0; 2], |pose| {
+                    [pose.u1.polar_angle(), pose.u4.polar_angle()]
+                })
         }
         Some(angles) => {
             finite(&source, Key::Top("home"), angles)?;
@@ -151,7 +154,7 @@ fn inertias(
     }
     let mut inertias = [Link {
         mass: 0.0,
-        com: Vec2::zero(),
+        com: Vector2::zeros(),
         inertia: 0.0,
     }; 4];
     for (index, (link, inertia)) in links.iter().zip(&mut inertias).enumerate() {

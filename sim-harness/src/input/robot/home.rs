@@ -1,8 +1,9 @@
 //! Where a robot stands when nothing has moved it yet, and where it moves best.
 
 use super::{Limits, Robot};
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::{GeometryError, Pose, Side, Tool, WorkingMode};
+use nalgebra::Vector2;
 
 /// The home of a robot is not a pose of its working mode, or what lies before it is not.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -72,7 +73,7 @@ impl Robot {
     /// A tool on the elbow.
     pub(super) fn tool_on_link(&self) -> Result<Tool<f64>, GeometryError> {
         let [along, left] = self.tool.offset;
-        Tool::new(self.geometry, Vec2::new(along, left))
+        Tool::new(self.geometry, Vector2::new(along, left))
     }
 }
 
@@ -89,9 +90,9 @@ pub(super) fn best_conditioned(
     let [l1, l2, l3, l4, base] = geometry.lengths();
     let reach = (l1 + l2).max(l3 + l4);
     let poses = (1..STEPS).filter_map(|step| {
-        let c = Vec2::new(0.5 * base, reach * f64::from(step) / f64::from(STEPS));
+        let c = Vector2::new(0.5 * base, reach * f64::from(step) / f64::from(STEPS));
         let pose = geometry.inverse(c, elbows).ok()?;
-        let allowed = limits.contain([pose.u1.angle(), pose.u4.angle()]);
+        let allowed = limits.contain([pose.u1.polar_angle(), pose.u4.polar_angle()]);
         (allowed && wanted(&pose)).then_some(pose)
     });
     let margin = |pose: &Pose<f64>| tool.nearest_singularity(pose).1;

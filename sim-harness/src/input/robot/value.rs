@@ -1,7 +1,7 @@
 //! What a single value of a robot file must be.
 
 use crate::input::source::{FileError, Key, Source};
-use fivebar_kinematics::Vec2;
+use nalgebra::Vector2;
 use std::ops::RangeInclusive;
 
 /// Longest link or base [m]: what is longer was meant in millimetres. And the shortest.
@@ -46,18 +46,22 @@ pub(super) fn finite(
     source: &Source<'_>,
     key: Key,
     value: [f64; 2],
-) -> Result<Vec2<f64>, FileError> {
+) -> Result<Vector2<f64>, FileError> {
     let [x, y] = value;
     let greatest = *SIZES.end();
     if x.abs() <= greatest && y.abs() <= greatest {
-        Ok(Vec2::new(x, y))
+        Ok(Vector2::new(x, y))
     } else {
         Err(source.refuse(key, format!("{FINITE}, not [{x:?}, {y:?}]")))
     }
 }
 
 /// A point of a link, which is not in millimetres.
-pub(super) fn near(source: &Source<'_>, key: Key, value: [f64; 2]) -> Result<Vec2<f64>, FileError> {
+pub(super) fn near(
+    source: &Source<'_>,
+    key: Key,
+    value: [f64; 2],
+) -> Result<Vector2<f64>, FileError> {
     let point = finite(source, key, value)?;
     if value.iter().all(|metres| metres.abs() <= LONGEST) {
         Ok(point)

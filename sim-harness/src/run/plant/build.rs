@@ -8,11 +8,10 @@ use super::sensors::JointSensors;
 use crate::input::robot::{KinematicsOnly, Robot};
 use crate::input::scenario::Mismatch;
 use fivebar_firmware::Settings;
-use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::Pose;
 use nalgebra::Vector2;
 
-fn vector(v: Vec2<f64>) -> Vector2<f64> {
+fn vector(v: Vector2<f64>) -> Vector2<f64> {
     Vector2::new(v.x, v.y)
 }
 

@@ -16,8 +16,8 @@ use crate::study::accuracy::{
     linkage_answer, map, map_answer, monte_carlo, sample_slider, slider_answer, study_linkage,
 };
 use clap::ArgGroup;
-use fivebar_kinematics::Vec2;
 use indicatif::ProgressBar;
+use nalgebra::Vector2;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -162,8 +162,8 @@ fn sampling(args: &Args) -> Sampling {
     }
 }
 
-fn vector([x, y]: [f64; 2]) -> Vec2<f64> {
-    Vec2::new(x, y)
+fn vector([x, y]: [f64; 2]) -> Vector2<f64> {
+    Vector2::new(x, y)
 }
 
 fn study(args: &Args, robot: &Robot) -> Result<(Value, Page), String> {

@@ -7,6 +7,7 @@ use crate::study::linkage::{moment, slides};
 use fivebar_design::linkage::{
     Coordinate, LinkMotion, Linkage, PointMotion, Reaction, SolvedSample, Sweep,
 };
+use fivebar_kinematics::PlanarVector;
 
 /// One quantity over a sweep.
 struct Column {
@@ -26,7 +27,7 @@ const OF_POINTS: [Part<PointMotion<f64>>; 6] = [
 ];
 
 const OF_LINKS: [Part<LinkMotion<f64>>; 3] = [
-    ("angle_rad", |link| link.axis.angle()),
+    ("angle_rad", |link| link.axis.polar_angle()),
     ("omega_rad_s", |link| link.omega),
     ("alpha_rad_s2", |link| link.alpha),
 ];

@@ -3,7 +3,8 @@
 use super::xml::{Xml, around, document, element};
 use super::{Body, ExportError, bodies};
 use crate::input::robot::Robot;
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
+use nalgebra::Vector2;
 use quick_xml::events::{BytesText, Event};
 use std::f64::consts::PI;
 use std::io;
@@ -23,9 +24,9 @@ pub fn mjcf(robot: &Robot) -> Result<String, ExportError> {
     let gravity = robot.arm()?.gravity();
     let pose = robot.home_pose()?;
     let angles = [
-        pose.u1.angle(),
+        pose.u1.polar_angle(),
         between(pose.u1, pose.u2),
-        pose.u4.angle(),
+        pose.u4.polar_angle(),
         between(pose.u4, pose.u3),
     ];
     let [joint_a, joint_e] = [driven(robot, 0)?, driven(robot, 1)?];
@@ -79,8 +80,8 @@ pub fn mjcf(robot: &Robot) -> Result<String, ExportError> {
 }
 
 /// The angle from one direction to another [rad], in −π…π.
-fn between(from: Vec2<f64>, to: Vec2<f64>) -> f64 {
-    from.cross(to).atan2(from.dot(to)).clamp(-PI, PI)
+fn between(from: Vector2<f64>, to: Vector2<f64>) -> f64 {
+    from.cross_z(to).atan2(from.dot(&to)).clamp(-PI, PI)
 }
 
 /// A driven joint: name, armature, damping and friction loss.

@@ -21,8 +21,8 @@ pub use urdf::urdf;
 pub use workspace_csv::workspace_csv;
 
 use crate::input::robot::{KinematicsOnly, NoHome, Robot};
-use fivebar_kinematics::Vec2;
 use fivebar_kinematics::dynamics::{Arm, Link};
+use nalgebra::Vector2;
 
 /// Why a robot cannot be exported.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -68,9 +68,9 @@ fn with_payload(arm: &Arm<f64>, link: Link<f64>, length: f64) -> Link<f64> {
     if payload == 0.0 || mass == 0.0 {
         return link;
     }
-    let end = Vec2::new(length, 0.0);
+    let end = Vector2::new(length, 0.0);
     let com = (link.com * link.mass + end * payload) * (1.0 / mass);
-    let about = |point: Vec2<f64>, mass: f64| mass * (point - com).norm_squared();
+    let about = |point: Vector2<f64>, mass: f64| mass * (point - com).norm_squared();
     Link {
         mass,
         com,

@@ -3,8 +3,9 @@
 use super::frame::Frame;
 use super::{INK, PAPER, label};
 use crate::input::robot::Robot;
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::{Pose, WorkingMode};
+use nalgebra::Vector2;
 use std::fmt::Write as _;
 
 /// How far a joint's letter is from it, in the picture's units.
@@ -13,14 +14,14 @@ const APART: f64 = 16.0;
 /// The arm in a pose.
 pub(super) struct Shape {
     pose: Pose<f64>,
-    e: Vec2<f64>,
+    e: Vector2<f64>,
     /// The tool, where it is not at C.
-    tool: Option<Vec2<f64>>,
+    tool: Option<Vector2<f64>>,
 }
 
 impl Shape {
     /// The arm at home; in a working mode that is not its own, at `best` [m].
-    pub(super) fn of(robot: &Robot, mode: WorkingMode, best: Option<Vec2<f64>>) -> Option<Self> {
+    pub(super) fn of(robot: &Robot, mode: WorkingMode, best: Option<Vector2<f64>>) -> Option<Self> {
         let home = robot.home_pose().ok();
         let own = home.filter(|_| mode == robot.working_mode());
         let at_best = || robot.workspace(mode).ok()?.tool.inverse(best?, mode).ok();
@@ -29,21 +30,21 @@ impl Shape {
         Some(Self {
             pose,
             e: robot.geometry.e(),
-            tool: (robot.tool.offset != [0.0; 2]).then_some(Vec2::new(x, y)),
+            tool: (robot.tool.offset != [0.0; 2]).then_some(Vector2::new(x, y)),
         })
     }
 
     /// Links 1, 2, 3 and 4, the way to the tool.
-    pub(super) fn links(&self) -> Vec<[Vec2<f64>; 2]> {
+    pub(super) fn links(&self) -> Vec<[Vector2<f64>; 2]> {
         let Pose { b, c, d, .. } = self.pose;
-        let links = [[Vec2::zero(), b], [b, c], [d, c], [self.e, d]];
+        let links = [[Vector2::zeros(), b], [b, c], [d, c], [self.e, d]];
         let tool = self.tool.map(|tool| [c, tool]);
         links.into_iter().chain(tool).collect()
     }
 
     /// The links with their joints and letters.
     pub(super) fn drawn(&self, frame: &Frame) -> String {
-        let base = [Vec2::zero(), self.e];
+        let base = [Vector2::zeros(), self.e];
         let links: String = self.links().iter().map(|ends| frame.path(ends)).collect();
         let mut svg = String::new();
         for (colour, wide) in [(PAPER, 3.0), (INK, 0.0)] {
@@ -59,7 +60,7 @@ impl Shape {
         }
         let Pose { b, c, d, .. } = self.pose;
         let joints = [
-            ("A", Vec2::zero()),
+            ("A", Vector2::zeros()),
             ("B", b),
             ("C", c),
             ("D", d),
@@ -86,9 +87,9 @@ impl Shape {
     }
 
     /// The direction in which no link leaves a joint, as far as may be.
-    fn away_from_links(&self, joint: Vec2<f64>, base: [Vec2<f64>; 2]) -> Vec2<f64> {
-        let mut sum = Vec2::zero();
-        let mut along = Vec2::new(1.0, 0.0);
+    fn away_from_links(&self, joint: Vector2<f64>, base: [Vector2<f64>; 2]) -> Vector2<f64> {
+        let mut sum = Vector2::zeros();
+        let mut along = Vector2::new(1.0, 0.0);
         for [from, to] in self.links().into_iter().chain([base]) {
             let other = if from == joint {
                 to
@@ -105,7 +106,7 @@ impl Shape {
         }
         // Links in line leave both sides free.
         if sum.norm() < 1e-6 {
-            sum = along.perp();
+            sum = along.perpendicular();
         }
         sum * (-1.0 / sum.norm())
     }
@@ -113,8 +114,8 @@ impl Shape {
 
 /// How far a point is from a line between two, in the picture.
 pub(super) fn distance([x, y]: [f64; 2], [[x0, y0], [x1, y1]]: [[f64; 2]; 2]) -> f64 {
-    let (from, way) = (Vec2::new(x0, y0), Vec2::new(x1 - x0, y1 - y0));
-    let point = Vec2::new(x, y) - from;
-    let share = point.dot(way) / way.norm_squared().max(f64::MIN_POSITIVE);
+    let (from, way) = (Vector2::new(x0, y0), Vector2::new(x1 - x0, y1 - y0));
+    let point = Vector2::new(x, y) - from;
+    let share = point.dot(&way) / way.norm_squared().max(f64::MIN_POSITIVE);
     (point - way * share.clamp(0.0, 1.0)).norm()
 }

@@ -3,8 +3,8 @@
 use super::INK;
 use crate::study::workspace::StudyError;
 use fivebar_design::workspace::{Grid, reach_bounds};
-use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::Tool;
+use nalgebra::Vector2;
 use std::fmt::Write as _;
 
 /// The longer side of the reach, in the picture's units.
@@ -74,7 +74,7 @@ impl Frame {
     }
 
     /// A place in the picture.
-    pub(super) fn place(&self, point: Vec2<f64>) -> [f64; 2] {
+    pub(super) fn place(&self, point: Vector2<f64>) -> [f64; 2] {
         let [left, top] = self.corner();
         let (low, high) = (self.grid.low(), self.grid.high());
         let pitch = self.grid.pitch();
@@ -85,7 +85,7 @@ impl Frame {
     }
 
     /// A line through places.
-    pub(super) fn path(&self, points: &[Vec2<f64>]) -> String {
+    pub(super) fn path(&self, points: &[Vector2<f64>]) -> String {
         let mut path = String::new();
         for (index, &point) in points.iter().enumerate() {
             let [x, y] = self.place(point);
@@ -107,10 +107,10 @@ impl Frame {
             (first..=last).map(move |index| index as f64 * step)
         };
         let air = AIR * self.grid.pitch();
-        let low = (self.grid.low() - Vec2::new(air, air)) * 1e3;
-        let high = (self.grid.high() + Vec2::new(air, air)) * 1e3;
+        let low = (self.grid.low() - Vector2::new(air, air)) * 1e3;
+        let high = (self.grid.high() + Vector2::new(air, air)) * 1e3;
         for tick in along(low.x, high.x) {
-            let [x, _] = self.place(Vec2::new(1e-3 * tick, 0.0));
+            let [x, _] = self.place(Vector2::new(1e-3 * tick, 0.0));
             let _ = writeln!(
                 svg,
                 "<path d=\"M{x:.1} {top}V{bottom}\" stroke=\"#e3e6ea\"/>\
@@ -120,7 +120,7 @@ impl Frame {
             );
         }
         for tick in along(low.y, high.y) {
-            let [_, y] = self.place(Vec2::new(0.0, 1e-3 * tick));
+            let [_, y] = self.place(Vector2::new(0.0, 1e-3 * tick));
             let _ = writeln!(
                 svg,
                 "<path d=\"M{left} {y:.1}H{right}\" stroke=\"#e3e6ea\"/>\

@@ -2,7 +2,7 @@
 
 use super::bands::scale;
 use super::{INK, PAPER, TYPE_2, cross, dimensions};
-use fivebar_kinematics::Vec2;
+use nalgebra::Vector2;
 use std::fmt::Write as _;
 
 /// Between two lines of text, and between two entries.
@@ -19,9 +19,9 @@ pub(super) struct Shown {
     pub(super) limits: bool,
     pub(super) margin: f64,
     /// Width and height of the rectangle [m].
-    pub(super) rectangle: Option<Vec2<f64>>,
+    pub(super) rectangle: Option<Vector2<f64>>,
     /// The best place [m] and 1/κ there.
-    pub(super) best: Option<(Vec2<f64>, f64)>,
+    pub(super) best: Option<(Vector2<f64>, f64)>,
 }
 
 /// The legend.

@@ -12,9 +12,9 @@ pub use png::{PngError, png};
 use crate::study::workspace::{Study, StudyError};
 use arm::Shape;
 use fivebar_design::workspace::{Rectangle, SingularityCurve, WorkspaceMap, singularity_curves};
-use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::{Singularity, WorkingMode};
 use frame::Frame;
+use nalgebra::Vector2;
 use quick_xml::escape::escape;
 use std::fmt::Write as _;
 
@@ -106,8 +106,8 @@ fn curve_path(curve: &SingularityCurve, frame: &Frame) -> String {
 
 /// The rectangle.
 fn outline(rectangle: Rectangle, frame: &Frame) -> String {
-    let [x, y] = frame.place(Vec2::new(rectangle.low.x, rectangle.high.y));
-    let [right, bottom] = frame.place(Vec2::new(rectangle.high.x, rectangle.low.y));
+    let [x, y] = frame.place(Vector2::new(rectangle.low.x, rectangle.high.y));
+    let [right, bottom] = frame.place(Vector2::new(rectangle.high.x, rectangle.low.y));
     let (width, height) = (right - x, bottom - y);
     let line = |colour, wide| {
         format!(
@@ -120,11 +120,11 @@ fn outline(rectangle: Rectangle, frame: &Frame) -> String {
 
 /// The rectangle's size, in the corner of it that is farthest from the links; none where it
 /// is too small: the legend has it too.
-fn size_label(rectangle: Rectangle, links: &[[Vec2<f64>; 2]], frame: &Frame) -> String {
+fn size_label(rectangle: Rectangle, links: &[[Vector2<f64>; 2]], frame: &Frame) -> String {
     let text = dimensions(rectangle.size());
     let half = 4.2 * text.chars().count() as f64;
-    let [left, top] = frame.place(Vec2::new(rectangle.low.x, rectangle.high.y));
-    let [right, bottom] = frame.place(Vec2::new(rectangle.high.x, rectangle.low.y));
+    let [left, top] = frame.place(Vector2::new(rectangle.low.x, rectangle.high.y));
+    let [right, bottom] = frame.place(Vector2::new(rectangle.high.x, rectangle.low.y));
     if right - left < 2.0 * half + 14.0 || bottom - top < 56.0 {
         return String::new();
     }
@@ -150,7 +150,7 @@ fn size_label(rectangle: Rectangle, links: &[[Vec2<f64>; 2]], frame: &Frame) -> 
 }
 
 /// Width and height in millimetres.
-fn dimensions(size: Vec2<f64>) -> String {
+fn dimensions(size: Vector2<f64>) -> String {
     format!("{:.0} × {:.0} mm", 1e3 * size.x, 1e3 * size.y)
 }
 

@@ -5,9 +5,9 @@ use crate::input::job::Job;
 use fivebar_firmware::planner::{MoveRefusal, Planner};
 use fivebar_firmware::settings::SettingsError;
 use fivebar_firmware::{Move, MoveKind, Settings, Status};
-use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::{Pose, Side, Tool, WorkingMode};
 use fivebar_kinematics::trajectory::{Segment, Sense};
+use nalgebra::Vector2;
 
 /// Longest straight piece of a drawn arc [m].
 const CHORD: f32 = 1e-3;
@@ -150,6 +150,6 @@ pub(super) fn nearest(angle: f32, to: f32) -> f32 {
     angle + TAU * ((to - angle) / TAU).round()
 }
 
-fn vec2([x, y]: [f32; 2]) -> Vec2<f32> {
-    Vec2::new(x, y)
+fn vec2([x, y]: [f32; 2]) -> Vector2<f32> {
+    Vector2::new(x, y)
 }

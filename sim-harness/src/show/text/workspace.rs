@@ -2,7 +2,7 @@
 
 use super::quantity;
 use crate::study::workspace::Study;
-use fivebar_kinematics::Vec2;
+use nalgebra::Vector2;
 use std::fmt::Write as _;
 
 /// A table of the branches, a line each.
@@ -57,6 +57,6 @@ fn mm(metres: f64) -> String {
     format!("{:.1}", 1e3 * metres).replace('-', "−")
 }
 
-fn at(place: Vec2<f64>) -> String {
+fn at(place: Vector2<f64>) -> String {
     format!("({}, {})", mm(place.x), mm(place.y))
 }

@@ -3,8 +3,8 @@
 use super::state::{Analysis, State, analyse};
 use crate::input::job::{Action, Job};
 use crate::input::robot::Robot;
-use fivebar_kinematics::Vec2;
 use fivebar_kinematics::trajectory::{Segment, Sense};
+use nalgebra::Vector2;
 
 /// Samples are no farther apart than this along the path [m] …
 const SPACING: f64 = 1e-3;
@@ -52,16 +52,16 @@ pub struct Along {
 ///
 /// # Errors
 /// A sentence naming the first line that cannot be analysed.
-pub fn along(robot: &Robot, job: &Job, force: Vec2<f64>) -> Result<Along, String> {
+pub fn along(robot: &Robot, job: &Job, force: Vector2<f64>) -> Result<Along, String> {
     let mut pieces = Vec::new();
-    let mut from: Option<Vec2<f64>> = None;
+    let mut from: Option<Vector2<f64>> = None;
     for step in &job.steps {
         let (to, feed) = match step.action {
             Action::Line { to, feed } => (to, feed.unwrap_or(robot.motion.max_speed)),
             Action::Arc { to, feed, .. } => (to, feed),
             Action::Dwell { .. } => continue,
         };
-        let to = Vec2::new(to[0], to[1]);
+        let to = Vector2::new(to[0], to[1]);
         if let Some(from) = from
             && let Some(segment) = segment(from, to, &step.action)
         {
@@ -110,7 +110,7 @@ pub fn along(robot: &Robot, job: &Job, force: Vec2<f64>) -> Result<Along, String
     Ok(Along { stations, flips })
 }
 
-fn segment(from: Vec2<f64>, to: Vec2<f64>, action: &Action) -> Option<Segment<f64>> {
+fn segment(from: Vector2<f64>, to: Vector2<f64>, action: &Action) -> Option<Segment<f64>> {
     match *action {
         Action::Arc {
             center, clockwise, ..
@@ -120,7 +120,7 @@ fn segment(from: Vec2<f64>, to: Vec2<f64>, action: &Action) -> Option<Segment<f6
             } else {
                 Sense::CounterClockwise
             };
-            let centre = Vec2::new(center[0], center[1]);
+            let centre = Vector2::new(center[0], center[1]);
             Segment::arc(from, to, centre, sense, ARC_MISMATCH).ok()
         }
         _ => Segment::line(from, to).ok(),
@@ -132,7 +132,7 @@ fn turned_about<'a>(before: &'a Analysis, after: &'a Analysis) -> impl Iterator<
     let forces = before.forces.as_ref().zip(after.forces.as_ref());
     forces.into_iter().flat_map(|(before, after)| {
         (0..5).filter(move |&joint| {
-            before.equilibrium.reactions[joint].dot(after.equilibrium.reactions[joint]) < 0.0
+            before.equilibrium.reactions[joint].dot(&(after.equilibrium.reactions[joint])) < 0.0
         })
     })
 }

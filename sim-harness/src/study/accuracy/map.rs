@@ -4,7 +4,7 @@
 use super::state::{Analysis, State, analyse};
 use crate::input::robot::Robot;
 use fivebar_design::accuracy::allocation::{Allocation, ToleranceClass, allocate};
-use fivebar_kinematics::Vec2;
+use nalgebra::Vector2;
 use rayon::prelude::*;
 
 /// Places along the longer side of the grid.
@@ -42,7 +42,7 @@ impl Map {
 ///
 /// # Errors
 /// A sentence where nothing of the region can be reached.
-pub fn map(robot: &Robot, force: Vec2<f64>, region: Option<[f64; 4]>) -> Result<Map, String> {
+pub fn map(robot: &Robot, force: Vector2<f64>, region: Option<[f64; 4]>) -> Result<Map, String> {
     let [x0, y0, x1, y1] = region.unwrap_or_else(|| reach(robot));
     let pitch = (x1 - x0).max(y1 - y0) / (PLACES - 1) as f64;
     if !(pitch > 0.0 && pitch.is_finite()) {
@@ -52,11 +52,11 @@ pub fn map(robot: &Robot, force: Vec2<f64>, region: Option<[f64; 4]>) -> Result<
     let (columns, rows) = (count(x0, x1), count(y0, y1));
     let cell = |index: usize| {
         let (row, column) = (index / columns, index % columns);
-        let position = Vec2::new(x0 + pitch * column as f64, y0 + pitch * row as f64);
+        let position = Vector2::new(x0 + pitch * column as f64, y0 + pitch * row as f64);
         let state = State {
             position,
-            velocity: Vec2::zero(),
-            acceleration: Vec2::zero(),
+            velocity: Vector2::zeros(),
+            acceleration: Vector2::zeros(),
             force,
         };
         let clear = |analysis: &Analysis| {

@@ -8,10 +8,11 @@ use crate::run::plant::Noise;
 use fivebar_design::accuracy::DifferentiableModel as _;
 use fivebar_design::accuracy::arm::ArmAccuracyModel;
 use fivebar_design::accuracy::five_bar::tool_with_pin_offsets;
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::dynamics::Arm;
 use fivebar_kinematics::five_bar::Geometry;
 use indicatif::ProgressBar;
+use nalgebra::Vector2;
 use std::f64::consts::TAU;
 
 /// What sampling finds for each figure of an [`Analysis`].
@@ -151,13 +152,14 @@ impl Arms<'_> {
     /// Pins on the rims of their bearings, in any direction.
     fn clearance_error(&self, noise: &mut Noise) -> Option<[f64; 2]> {
         let radii = self.robot.tolerance.clearance_radius;
-        let offsets = radii.map(|radius| Vec2::unit(TAU * noise.uniform()) * radius);
+        let offsets = radii.map(|radius| Vector2::unit(TAU * noise.uniform()) * radius);
         let (geometry, pose) = (&self.robot.geometry, &self.analysis.pose);
         let exact = (tool_with_pin_offsets(geometry, pose, offsets).ok()? - pose.c).norm();
         // u2·δC = u2·e_left, u3·δC = u3·e_right.
         let [a, b, c, d, e] = offsets;
-        let (p, q) = (pose.u2.dot(a + b), pose.u3.dot(c + d + e));
-        let linear = (pose.u2.perp() * q - pose.u3.perp() * p) * (1.0 / pose.sin32());
+        let (p, q) = (pose.u2.dot(&(a + b)), pose.u3.dot(&(c + d + e)));
+        let linear =
+            (pose.u2.perpendicular() * q - pose.u3.perpendicular() * p) * (1.0 / pose.sin32());
         Some([exact, linear.norm()])
     }
 

@@ -11,9 +11,10 @@ use fivebar_design::accuracy::slider::{
 use fivebar_design::accuracy::{Primitive, Scatter};
 use fivebar_design::linkage::dyad::Rrr;
 use fivebar_design::slider::{ErrorTransfer, Geometry, Pose};
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
 use indicatif::ProgressBar;
 use nalgebra::DMatrix;
+use nalgebra::Vector2;
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
 
@@ -67,8 +68,8 @@ impl SliderAnalysis {
 /// A sentence saying why P cannot be there.
 pub fn analyse_slider(
     robot: &SliderRobot,
-    at: Vec2<f64>,
-    force: Vec2<f64>,
+    at: Vector2<f64>,
+    force: Vector2<f64>,
 ) -> Result<SliderAnalysis, String> {
     let refuse = |error| format!("at ({}, {}) m: {error}", at.x, at.y);
     let geometry = &robot.geometry;
@@ -117,7 +118,7 @@ pub fn analyse_slider(
 }
 
 /// In the order of the primitives.
-fn columns(by: &ErrorTransfer<f64>) -> [Vec2<f64>; 5] {
+fn columns(by: &ErrorTransfer<f64>) -> [Vector2<f64>; 5] {
     [by.x2, by.x8, by.l3, by.l7, by.l5]
 }
 
@@ -154,7 +155,7 @@ pub fn sample_slider(
         let (x2, x8) = (ideal.x2 + within(max2), ideal.x8 + within(max8));
         let moved = geometry.forward(x2, x8, ideal.assembly()).ok()?.p;
         let rims = tolerance.clearance_radius;
-        let [a, b, c, d] = rims.map(|radius| Vec2::unit(TAU * noise.uniform()) * radius);
+        let [a, b, c, d] = rims.map(|radius| Vector2::unit(TAU * noise.uniform()) * radius);
         // The limbs' lower ends, moved to where the platform's two ends are one.
         let left = ideal.p - ideal.u3 * geometry.l3();
         let right = ideal.p - ideal.u7 * geometry.l7();
@@ -180,7 +181,7 @@ pub fn slider_answer(
     let rows = |entry: &dyn Fn(usize, usize) -> f64| {
         json!([[entry(0, 0), entry(0, 1)], [entry(1, 0), entry(1, 1)]])
     };
-    let pair = |v: Vec2<f64>| json!([v.x, v.y]);
+    let pair = |v: Vector2<f64>| json!([v.x, v.y]);
     let contributors: Vec<Value> = analysis
         .shares()
         .into_iter()

@@ -9,21 +9,21 @@ use fivebar_design::accuracy::five_bar::{
     ClearanceError, ToolSensitivities, clearance_error, tool_sensitivities, worst_input_error,
 };
 use fivebar_design::accuracy::{Primitive, Scatter, sensitivities};
-use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::Pose;
 use nalgebra::DMatrix;
+use nalgebra::Vector2;
 
 /// How the tool stands and moves, and what pulls at it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State {
     /// C [m].
-    pub position: Vec2<f64>,
+    pub position: Vector2<f64>,
     /// Ċ [m/s].
-    pub velocity: Vec2<f64>,
+    pub velocity: Vector2<f64>,
     /// C̈ [m/s²].
-    pub acceleration: Vec2<f64>,
+    pub acceleration: Vector2<f64>,
     /// A force on C [N].
-    pub force: Vec2<f64>,
+    pub force: Vector2<f64>,
 }
 
 /// What tolerance and clearance do at a state.
@@ -171,7 +171,7 @@ fn primitives(robot: &Robot, inputs: &DrivenJointMotion) -> Vec<Primitive> {
 }
 
 fn columns(by: &ToolSensitivities) -> DMatrix<f64> {
-    let columns: Vec<&Vec2<f64>> = by.inputs.iter().chain(&by.lengths).collect();
+    let columns: Vec<&Vector2<f64>> = by.inputs.iter().chain(&by.lengths).collect();
     DMatrix::from_fn(2, columns.len(), |row, column| {
         [columns[column].x, columns[column].y][row]
     })

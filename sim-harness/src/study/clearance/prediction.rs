@@ -3,7 +3,7 @@
 use crate::input::job::Job;
 use crate::input::robot::Robot;
 use crate::study::accuracy::along;
-use fivebar_kinematics::Vec2;
+use nalgebra::Vector2;
 
 /// Over a job at its feed rates: the greatest of each.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -24,7 +24,7 @@ impl Prediction {
     pub fn of(robot: &Robot, job: &Job, clearance: [f64; 5]) -> Result<Self, String> {
         let mut worn = robot.clone();
         worn.tolerance.clearance_radius = clearance;
-        let along = along(&worn, job, Vec2::zero())?;
+        let along = along(&worn, job, Vector2::zeros())?;
         let mut most = Self::default();
         for analysis in along.stations.iter().map(|station| &station.analysis) {
             most.worst = most.worst.max(analysis.clearance.worst);

@@ -2,9 +2,9 @@
 
 use super::{Kind, Refusal};
 use crate::input::robot::Robot;
-use fivebar_kinematics::Vec2;
 use fivebar_kinematics::dynamics::Arm;
 use fivebar_kinematics::five_bar::{Accelerations, Pose, PoseError, Side, Velocities, WorkingMode};
+use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -256,7 +256,7 @@ impl InverseDynamics {
             .map_err(refuse)?;
         Ok(InverseDynamicsAnswer {
             torque,
-            mass_matrix: [[mass.m11, mass.m14], [mass.m14, mass.m44]],
+            mass_matrix: [[mass.m11, mass.m12], [mass.m21, mass.m22]],
             bias_torque,
             reaction: Reaction {
                 a: array(reactions.a),
@@ -306,10 +306,10 @@ fn refusal(error: PoseError, place: &str) -> Refusal {
     }
 }
 
-fn vec2([x, y]: [f64; 2]) -> Vec2<f64> {
-    Vec2::new(x, y)
+fn vec2([x, y]: [f64; 2]) -> Vector2<f64> {
+    Vector2::new(x, y)
 }
 
-fn array(v: Vec2<f64>) -> [f64; 2] {
+fn array(v: Vector2<f64>) -> [f64; 2] {
     [v.x, v.y]
 }

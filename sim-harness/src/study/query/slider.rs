@@ -5,8 +5,8 @@ use super::{Kind, Refusal};
 use crate::input::robot::SliderRobot;
 use fivebar_design::linkage::dyad::SlideBranch;
 use fivebar_design::slider::{Accelerations, Pose, PoseError, Velocities, WorkingMode};
-use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::Side;
+use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -288,10 +288,10 @@ fn refusal(error: PoseError, place: &str) -> Refusal {
     }
 }
 
-fn vec2([x, y]: [f64; 2]) -> Vec2<f64> {
-    Vec2::new(x, y)
+fn vec2([x, y]: [f64; 2]) -> Vector2<f64> {
+    Vector2::new(x, y)
 }
 
-fn array(v: Vec2<f64>) -> [f64; 2] {
+fn array(v: Vector2<f64>) -> [f64; 2] {
     [v.x, v.y]
 }

@@ -2,7 +2,7 @@
 
 use super::{Branch, Study};
 use fivebar_design::workspace::reachable_area;
-use fivebar_kinematics::Vec2;
+use nalgebra::Vector2;
 use serde_json::{Value, json};
 
 impl Study<'_> {
@@ -34,7 +34,7 @@ impl Study<'_> {
 
 fn answer(branch: &Branch) -> Value {
     // To a tenth of a micrometre: the rest is noise.
-    let pair = |point: Vec2<f64>| [point.x, point.y].map(|part| (1e7 * part).round() / 1e7);
+    let pair = |point: Vector2<f64>| [point.x, point.y].map(|part| (1e7 * part).round() / 1e7);
     json!({
         "elbow1": branch.mode.elbow1,
         "elbow4": branch.mode.elbow4,

@@ -7,8 +7,8 @@ mod answer;
 
 use crate::input::robot::{NoWorkspace, Robot};
 use fivebar_design::workspace::{Areas, Grid, GridError, Rectangle, WorkspaceMap, reach_bounds};
-use fivebar_kinematics::Vec2;
 use fivebar_kinematics::five_bar::{Side, WorkingMode};
+use nalgebra::Vector2;
 use rayon::prelude::*;
 
 /// Unless told otherwise, the longer side of the reach has at least so many cells.
@@ -51,7 +51,7 @@ pub struct Branch {
     /// The largest rectangle in which every place is clear.
     pub rectangle: Option<Rectangle>,
     /// The clear place where the tool moves most alike in all directions [m], and 1/κ.
-    pub best: Option<(Vec2<f64>, f64)>,
+    pub best: Option<(Vector2<f64>, f64)>,
 }
 
 /// The workspace of a robot, all its branches.

@@ -9,6 +9,7 @@ use crate::show::text::quantity;
 use crate::study;
 use crate::study::linkage::{Range, SHOWN_ASSEMBLIES, Summary};
 use fivebar_design::linkage::{LinkId, SolvedSample, Sweep};
+use fivebar_kinematics::PlanarVector;
 
 /// The page to hand to a student.
 pub fn linkage(driven: &DrivenLinkage, sweep: &Sweep, summary: &Summary) -> Page {
@@ -102,7 +103,7 @@ fn curves(page: &mut Page, driven: &DrivenLinkage, sweep: &Sweep) {
     let axis = Axis::of(driven);
     let mut angles = Chart::new("Angles of the links", axis.label(), "angle [°]");
     for &(i, name) in &links {
-        let mut line = axis.line(sweep, |s| s.motion.links[i].axis.angle().to_degrees());
+        let mut line = axis.line(sweep, |s| s.motion.links[i].axis.polar_angle().to_degrees());
         unwrap(&mut line);
         angles = angles.line(name, line);
     }

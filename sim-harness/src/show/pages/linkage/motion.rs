@@ -5,7 +5,8 @@ use crate::show::report::{Animation, Body, Point, Trace};
 use fivebar_design::linkage::{
     Element, Group, LinkId, LinkMotion, SolvedSample, Sweep, SweepSample,
 };
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
+use nalgebra::Vector2;
 
 /// A sweep takes at least so long to watch [s].
 const SHORTEST: f64 = 5.0;
@@ -128,7 +129,10 @@ fn chain(
 
 /// A slider as a block about its origin.
 fn block(slider: &LinkMotion<f64>, size: f64) -> Vec<Point> {
-    let (u, n) = (slider.axis * size, slider.axis.perp() * (0.5 * size));
+    let (u, n) = (
+        slider.axis * size,
+        slider.axis.perpendicular() * (0.5 * size),
+    );
     let corners = [u + n, n - u, -u - n, u - n, u + n];
     corners
         .map(|corner| pair(slider.origin.position + corner))
@@ -136,7 +140,7 @@ fn block(slider: &LinkMotion<f64>, size: f64) -> Vec<Point> {
 }
 
 /// The triangle under a fixed pivot.
-fn support(at: Vec2<f64>, size: f64) -> Vec<Point> {
+fn support(at: Vector2<f64>, size: f64) -> Vec<Point> {
     let [x, y] = pair(at);
     let (half, down) = (0.5 * size, y - size);
     vec![[x, y], [x - half, down], [x + half, down], [x, y]]
@@ -157,6 +161,6 @@ fn extent(sweep: &Sweep) -> f64 {
     (high[0] - low[0]).max(high[1] - low[1]).max(0.0)
 }
 
-fn pair(vector: Vec2<f64>) -> Point {
+fn pair(vector: Vector2<f64>) -> Point {
     [vector.x, vector.y]
 }

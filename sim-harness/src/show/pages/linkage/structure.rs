@@ -3,6 +3,7 @@
 use crate::input::linkage::{DrivenLinkage, links_of};
 use crate::study::linkage::branch;
 use fivebar_design::linkage::{Group, Guide, PointId};
+use fivebar_kinematics::PlanarVector;
 
 /// One element: kind, links, what carries it, dimensions and branch.
 pub(super) fn elements(driven: &DrivenLinkage) -> Vec<Vec<String>> {
@@ -11,7 +12,7 @@ pub(super) fn elements(driven: &DrivenLinkage) -> Vec<Vec<String>> {
     let guide = |guide: &Guide<f64>| {
         let through = &linkage.points()[guide.through.index()];
         let carrier = &linkage.links()[through.link.index()].name;
-        let angle = guide.direction.angle().to_degrees();
+        let angle = guide.direction.polar_angle().to_degrees();
         format!("guide through {} of {carrier} at {angle:.1}°", through.name)
     };
     let elements = linkage.elements().iter().enumerate();
@@ -46,7 +47,10 @@ pub(super) fn elements(driven: &DrivenLinkage) -> Vec<Vec<String>> {
                     guide: on,
                 } => (
                     format!("{}, {}", point(end), guide(on)),
-                    format!("slides at {:.1}°", dyad.direction.angle().to_degrees()),
+                    format!(
+                        "slides at {:.1}°",
+                        dyad.direction.polar_angle().to_degrees()
+                    ),
                 ),
             };
             vec![

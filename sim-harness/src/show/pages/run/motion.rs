@@ -3,7 +3,8 @@
 use super::{RunReport, spaced};
 use crate::run::simulation::Sample;
 use crate::show::report::{Animation, Body, Chart, Page, Point, Trace as Drawn};
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
+use nalgebra::Vector2;
 
 /// Samples looked at for the drawn path.
 const PATH_SAMPLES: usize = 20_000;
@@ -73,15 +74,16 @@ impl RunReport<'_> {
     /// The arm as one chain: A, B, C, to the tool and back, D, E.
     pub(super) fn arm_at(&self, sample: &Sample) -> Vec<Point> {
         let geometry = &self.robot.geometry;
-        let b = Vec2::unit(sample.angle[0]) * geometry.l1();
-        let d = geometry.e() + Vec2::unit(sample.angle[1]) * geometry.l4();
-        let tool = Vec2::new(sample.tool[0], sample.tool[1]);
+        let b = Vector2::unit(sample.angle[0]) * geometry.l1();
+        let d = geometry.e() + Vector2::unit(sample.angle[1]) * geometry.l4();
+        let tool = Vector2::new(sample.tool[0], sample.tool[1]);
         // The tool from B is (l2 + along) u2 + left n2; undoing that turn gives u2.
         let [along, left] = self.robot.tool.offset;
-        let reach = Vec2::new(geometry.l2() + along, left);
-        let u2 = Vec2::new(reach.x, -reach.y).rotated_to(tool - b) * (1.0 / reach.norm_squared());
+        let reach = Vector2::new(geometry.l2() + along, left);
+        let u2 =
+            Vector2::new(reach.x, -reach.y).to_base_frame(tool - b) * (1.0 / reach.norm_squared());
         let c = b + u2 * geometry.l2();
-        [Vec2::zero(), b, c, tool, c, d, geometry.e()]
+        [Vector2::zeros(), b, c, tool, c, d, geometry.e()]
             .map(|point| [point.x, point.y])
             .to_vec()
     }

@@ -2,10 +2,10 @@
 
 use crate::input::robot::{KinematicsOnly, Robot};
 use crate::run::simulation::Sample;
-use fivebar_kinematics::Vec2;
 use fivebar_kinematics::control::FrictionCompensation;
 use fivebar_kinematics::dynamics::{Arm, TorqueShares};
 use fivebar_kinematics::five_bar::{PoseError, Side};
+use nalgebra::Vector2;
 
 /// The model by which a robot's torques are told apart: the controller's.
 pub(super) struct ShareModel<'a> {
@@ -46,7 +46,7 @@ impl<'a> ShareModel<'a> {
         let velocities = geometry.forward_velocities(&pose, omega1, omega4)?;
         let accelerations = geometry.forward_accelerations(&pose, &velocities, alpha1, alpha4)?;
         let friction = [0, 1].map(|j| self.friction[j].torque(sample.reference_velocity[j]));
-        let free = Vec2::zero();
+        let free = Vector2::zeros();
         self.arm
             .torque_shares(&pose, &velocities, &accelerations, free, friction)
     }

@@ -5,7 +5,8 @@ use super::shares::ShareModel;
 use crate::input::job::{Job, Placement};
 use crate::input::robot::{BuiltIn, Robot};
 use crate::run::simulation::{Sample, Summary, TipError, Trace};
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
+use nalgebra::Vector2;
 use std::f64::consts::TAU;
 
 const CENTER: [f64; 2] = [0.04, 0.17];
@@ -20,12 +21,12 @@ fn robot() -> Robot {
 /// The sample of a tool that circles, with the joint motion that belongs to it, and with an
 /// error of `error` [m] outwards.
 fn circling(robot: &Robot, time: f64, error: f64) -> Sample {
-    let u = Vec2::unit(OMEGA * time);
-    let c = Vec2::new(CENTER[0], CENTER[1]) + u * RADIUS;
+    let u = Vector2::unit(OMEGA * time);
+    let c = Vector2::new(CENTER[0], CENTER[1]) + u * RADIUS;
     let geometry = &robot.geometry;
     let pose = geometry.inverse(c, robot.elbows).unwrap();
     let rates = geometry
-        .inverse_velocities(&pose, u.perp() * (RADIUS * OMEGA))
+        .inverse_velocities(&pose, u.perpendicular() * (RADIUS * OMEGA))
         .unwrap();
     let inward = u * (-RADIUS * OMEGA * OMEGA);
     let accelerations = geometry
@@ -172,12 +173,12 @@ fn shares_are_those_of_the_reference_motion() {
     let model = ShareModel::new(&robot).unwrap();
     for step in 0..20 {
         let sample = circling(&robot, f64::from(step) / 20.0 * TAU / OMEGA, 0.0);
-        let c = Vec2::new(sample.reference[0], sample.reference[1]);
+        let c = Vector2::new(sample.reference[0], sample.reference[1]);
         let geometry = &robot.geometry;
         let pose = geometry.inverse(c, robot.elbows).unwrap();
-        let u = Vec2::unit(OMEGA * sample.time);
+        let u = Vector2::unit(OMEGA * sample.time);
         let rates = geometry
-            .inverse_velocities(&pose, u.perp() * (RADIUS * OMEGA))
+            .inverse_velocities(&pose, u.perpendicular() * (RADIUS * OMEGA))
             .unwrap();
         let inward = u * (-RADIUS * OMEGA * OMEGA);
         let acc = geometry
@@ -185,7 +186,7 @@ fn shares_are_those_of_the_reference_motion() {
             .unwrap();
         let arm = robot.arm().unwrap();
         let total = arm
-            .inverse_dynamics(&pose, &rates, &acc, Vec2::zero())
+            .inverse_dynamics(&pose, &rates, &acc, Vector2::zeros())
             .unwrap();
         let shares = model.shares(&sample).unwrap();
         for (joint, total) in total.into_iter().enumerate() {

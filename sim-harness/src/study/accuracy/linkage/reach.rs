@@ -2,8 +2,9 @@
 
 use fivebar_design::accuracy::linkage::ResultKind;
 use fivebar_design::linkage::{Coordinate, Linkage, LinkageMotion};
-use fivebar_kinematics::Vec2;
+use fivebar_kinematics::PlanarVector;
 use nalgebra::DMatrix;
+use nalgebra::Vector2;
 use std::f64::consts::PI;
 
 /// How far errors of any direction take a point.
@@ -27,14 +28,14 @@ const DIRECTIONS: u32 = 720;
 /// ∂x/∂a = r J i e^{ia} give its two columns.
 struct Answer {
     radius: f64,
-    columns: [Vec2<f64>; 2],
+    columns: [Vector2<f64>; 2],
 }
 
 impl Answer {
     /// The farthest that the pin takes the point along d: r |Jᵀ d|.
-    fn along(&self, d: Vec2<f64>) -> f64 {
+    fn along(&self, d: Vector2<f64>) -> f64 {
         let [along, across] = self.columns;
-        self.radius * along.dot(d).hypot(across.dot(d))
+        self.radius * along.dot(&d).hypot(across.dot(&d))
     }
 
     /// ⟨|J c|²⟩ = r²/2 |J|² for directions that are uniform.
@@ -58,7 +59,7 @@ pub(super) fn reach(
         let ResultKind::Position(point, 0) = *result else {
             continue;
         };
-        let by = |column: usize| Vec2::new(t[(row, column)], t[(row + 1, column)]);
+        let by = |column: usize| Vector2::new(t[(row, column)], t[(row + 1, column)]);
         let pins = pins.iter().filter(|(radius, _)| *radius > 0.0);
         let answers: Vec<Answer> = pins
             .map(|&(radius, column)| Answer {
@@ -67,7 +68,7 @@ pub(super) fn reach(
             })
             .collect();
         let far = |i: u32| -> f64 {
-            let d = Vec2::unit(PI * f64::from(i) / f64::from(DIRECTIONS));
+            let d = Vector2::unit(PI * f64::from(i) / f64::from(DIRECTIONS));
             answers.iter().map(|answer| answer.along(d)).sum()
         };
         let squares = answers.iter().map(Answer::mean_square);
