@@ -1,7 +1,4 @@
-//! The portable part of the controller: everything but registers.
-//!
-//! [`Sensed`] in, [`Command`] out, at the tick rate. It compiles for a desktop and for a
-//! Cortex-M4F from the same source and gives the same bits on both.
+#![doc = include_str!("../README.md")]
 #![no_std]
 
 #[cfg(feature = "board")]

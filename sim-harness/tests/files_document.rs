@@ -15,6 +15,13 @@ fn examples() -> [&'static str; 4] {
 }
 
 #[test]
+fn the_document_shows_the_template_of_a_new_robot() {
+    let [robot, drives, sections, _] = examples();
+    let shown = [robot, drives, sections].join("\n");
+    assert_eq!(shown, include_str!("../src/input/robot/template.toml"));
+}
+
+#[test]
 fn the_robot_of_the_document_is_read_with_every_section() {
     let [robot, drives, sections, _] = examples();
     let bare = Robot::parse("bare", robot).unwrap();

@@ -1,9 +1,9 @@
-//! A robot file to be filled in: the examples of docs/robot-file.md themselves, so that what
-//! is written for a new robot explains every key in the document's words.
+//! A robot file to be filled in. It explains every key in the words of docs/robot-file.md,
+//! which shows the same text.
 
 use crate::input::source::Key;
 
-const DOCUMENT: &str = include_str!("../../../../docs/robot-file.md");
+const TEMPLATE: &str = include_str!("template.toml");
 
 /// Which section a line is in.
 #[derive(Clone, Copy)]
@@ -24,7 +24,7 @@ impl Section {
     }
 }
 
-/// The document's robot with these values in place of its own. The keys that have none are
+/// The template's robot with these values in place of its own. The keys that have none are
 /// commented out: they are optional, and stand there with their defaults.
 pub(super) fn filled(values: &[(Key, String)]) -> String {
     let value_of = |key: Key| {
@@ -37,7 +37,7 @@ pub(super) fn filled(values: &[(Key, String)]) -> String {
     };
     let mut section = Section::Top;
     let mut text = String::new();
-    for line in example() {
+    for line in TEMPLATE.lines() {
         let filled = if let Some(name) = between(line, "[[", "]]") {
             let index = match section {
                 Section::Of(last, index) if last == name => index + 1,
@@ -59,13 +59,6 @@ pub(super) fn filled(values: &[(Key, String)]) -> String {
         text.push('\n');
     }
     text
-}
-
-/// The lines of the document's robot: the robot itself, its drives, the other sections.
-fn example() -> impl Iterator<Item = &'static str> {
-    let blocks = DOCUMENT.split("```toml\n").skip(1).take(3);
-    let inside = blocks.filter_map(|block| block.split("```").next());
-    inside.flat_map(|block| block.lines().chain([""]))
 }
 
 fn between(line: &'static str, open: &str, close: &str) -> Option<&'static str> {
