@@ -6,6 +6,8 @@ use std::path::PathBuf;
 fn main() {
     println!("cargo:rerun-if-changed=memory.x");
     println!("cargo:rerun-if-changed=build.rs");
+    // Its macros read it, unseen by Cargo.
+    println!("cargo:rerun-if-env-changed=DEFMT_LOG");
     if env::var_os("CARGO_FEATURE_BOARD").is_none() {
         return;
     }

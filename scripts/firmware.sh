@@ -6,6 +6,9 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 source scripts/toolchain.sh
 
+# What the production image logs over the debug probe: "off", "error", "info", …
+export DEFMT_LOG=${DEFMT_LOG:-info}
+
 build() { cargo build --target "$target" --target-dir target/firmware "${cargo_flags[@]}" "$@"; }
 
 build --package fivebar-firmware --bins --features board --profile firmware

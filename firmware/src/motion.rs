@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// One move, from wherever the one before it ends.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Move {
     /// The sender's name for this move, given back in states and refusals: a line number.
     pub tag: u32,
@@ -14,6 +15,7 @@ pub struct Move {
 
 /// The kinds of move. Positions are of the tool in the frame of the base [m].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum MoveKind {
     /// Straight to a point.
     Line {

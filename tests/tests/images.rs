@@ -141,3 +141,24 @@ fn library_arithmetic_is_found_where_it_is() {
         "{foreign:?}"
     );
 }
+
+/// A line of the log is sent as a number; its text and the names that it can show are symbols
+/// of the image.
+#[test]
+fn the_production_image_logs_transitions_and_faults_by_name() {
+    let image = image("stm32f405");
+    let file = object::File::parse(&*image).expect("an ELF image");
+    let texts: Vec<_> = file
+        .symbols()
+        .filter_map(|symbol| symbol.name().ok())
+        .filter(|name| name.contains(r#""tag":"defmt_"#))
+        .collect();
+    for text in [
+        "tick {=u32}: {} to {}",
+        "Stopped|Homing|Armed|Running|Stopping|Fault",
+        "tick {=u32}: fault {=u8}, {}",
+        "|EmergencyStop|Envelope|CommandTimeout|",
+    ] {
+        assert!(texts.iter().any(|name| name.contains(text)), "{texts:#?}");
+    }
+}

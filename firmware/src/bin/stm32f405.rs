@@ -5,7 +5,7 @@
 //! | `tripped`: the break input | 4 | none: the outputs are off before it runs |
 //! | `tick`: samples in, bridge commands out | 3 | the next tick, 100 µs; misses are counted |
 //! | `receive`: bytes into orders | 2 | the ring's 5 ms |
-//! | `converse`: session, planner, telemetry, watchdog | idle | the watchdog's 50 ms |
+//! | `converse`: session, planner, telemetry, log, watchdog | idle | the watchdog's 50 ms |
 //!
 //! Without a crystal the PWM never starts. `slow_tick` then lets the tick run all the same,
 //! so that the controller tells of its clock fault, which cannot be cleared.
@@ -31,6 +31,7 @@ mod app {
     use fivebar_firmware::board::clocks::{self, Source};
     use fivebar_firmware::board::cycles::CycleMeter;
     use fivebar_firmware::board::encoders::Encoders;
+    use fivebar_firmware::board::log::EventLog;
     use fivebar_firmware::board::outputs::BoardOutputs;
     use fivebar_firmware::board::pins::Pins;
     use fivebar_firmware::board::pwm::{PwmTimer, TICK_CYCLES};
@@ -45,9 +46,6 @@ mod app {
     use fivebar_firmware::{Controller, Request, Settings};
     use heapless::spsc::{Consumer, Producer, Queue};
     use stm32f4xx_hal::pac::Interrupt;
-
-    /// Ticks from one line of the log to the next.
-    const LOG_EVERY: u32 = 10_000;
 
     /// The break input tripped, or the host ordered an emergency stop: for the next tick.
     static STOP: AtomicBool = AtomicBool::new(false);
@@ -71,6 +69,7 @@ mod app {
         planner: Planner,
         session: Session,
         services: BoardServices,
+        log: EventLog,
     }
 
     #[init(local = [
@@ -114,7 +113,7 @@ mod app {
         if let Some(fault) = fault_at_start(crystal_runs, reset, stored.err()) {
             controller.latch_fault(fault);
         }
-        defmt::info!("started from reset {}", reset as u8);
+        defmt::info!("started after a reset: {}", reset);
 
         let meter = CycleMeter::new(&mut core.DCB, &mut core.DWT);
         match source {
@@ -133,6 +132,7 @@ mod app {
             planner,
             session: Session::new(identity, &settings, stored.is_ok()),
             services,
+            log: EventLog::new(),
         };
         (Shared { controller }, local)
     }
@@ -156,7 +156,7 @@ mod app {
     fn tick(mut cx: tick::Context) {
         let (sensors, outputs, meter) = (cx.local.sensors, cx.local.outputs, cx.local.meter);
         let missed = meter.missed(TICK_CYCLES);
-        let ticks = meter.measure(|| {
+        meter.measure(|| {
             let stopped = STOP.swap(false, Ordering::Relaxed);
             let sensed = sensors.sample(missed, stopped);
             cx.shared.controller.lock(|controller| {
@@ -164,13 +164,9 @@ mod app {
                     controller.latch_fault(Fault::ClockFailure);
                 }
                 outputs.apply(&controller.tick(&sensed));
-                controller.ticks()
-            })
+            });
         });
         Task::Tick.advanced();
-        if ticks % LOG_EVERY == 0 {
-            defmt::info!("tick: {} cycles, at most {}", meter.last(), meter.most());
-        }
     }
 
     /// Bytes into orders. One that finds the queue full is dropped; the host asks again.
@@ -192,7 +188,7 @@ mod app {
         });
     }
 
-    #[idle(shared = [controller], local = [orders, sender, planner, session, services])]
+    #[idle(shared = [controller], local = [orders, sender, planner, session, services, log])]
     fn converse(mut cx: converse::Context) -> ! {
         let local = cx.local;
         loop {
@@ -209,6 +205,7 @@ mod app {
             if let Some(frame) = local.session.telemetry(controller) {
                 local.sender.send(&frame);
             }
+            local.log.update(controller);
             Task::Session.advanced();
             local.services.watchdog.feed_if_all_advanced();
         }

@@ -1,13 +1,16 @@
 //! How long the tick takes, in cycles of the core, by the DWT's counter.
 
+use core::sync::atomic::{AtomicU32, Ordering};
 use cortex_m::peripheral::{DCB, DWT};
 
-/// Measures spans and remembers the last and the longest.
+/// Cycles of the last span and of the longest, for the log to read.
+static LAST: AtomicU32 = AtomicU32::new(0);
+static LONGEST: AtomicU32 = AtomicU32::new(0);
+
+/// Measures spans.
 pub struct CycleMeter {
     /// When the last span began.
     began: Option<u32>,
-    last: u32,
-    most: u32,
 }
 
 impl CycleMeter {
@@ -15,11 +18,7 @@ impl CycleMeter {
     pub fn new(dcb: &mut DCB, dwt: &mut DWT) -> Self {
         dcb.enable_trace();
         dwt.enable_cycle_counter();
-        Self {
-            began: None,
-            last: 0,
-            most: 0,
-        }
+        Self { began: None }
     }
 
     /// How many periods of so many cycles went by unseen since the last span began.
@@ -36,18 +35,22 @@ impl CycleMeter {
         let start = DWT::cycle_count();
         self.began = Some(start);
         let result = work();
-        self.last = DWT::cycle_count().wrapping_sub(start);
-        self.most = self.most.max(self.last);
+        let cycles = DWT::cycle_count().wrapping_sub(start);
+        LAST.store(cycles, Ordering::Relaxed);
+        // Nothing else writes it.
+        if cycles > LONGEST.load(Ordering::Relaxed) {
+            LONGEST.store(cycles, Ordering::Relaxed);
+        }
         result
     }
+}
 
-    /// Cycles of the last span.
-    pub fn last(&self) -> u32 {
-        self.last
-    }
+/// Cycles of the last span.
+pub fn last() -> u32 {
+    LAST.load(Ordering::Relaxed)
+}
 
-    /// Cycles of the longest span.
-    pub fn most(&self) -> u32 {
-        self.most
-    }
+/// Cycles of the longest span.
+pub fn longest() -> u32 {
+    LONGEST.load(Ordering::Relaxed)
 }

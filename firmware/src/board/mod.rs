@@ -8,6 +8,7 @@ pub mod clocks;
 pub mod cycles;
 pub mod encoders;
 pub mod instructions;
+pub mod log;
 pub mod outputs;
 pub mod pins;
 pub mod post_mortem;

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 /// What the controller can be asked for, besides moves.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Request {
     /// Power the bridges and hold.
     Arm,
@@ -28,6 +29,7 @@ pub enum Request {
 
 /// Why a request was refused. Nothing has changed then.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Refusal {
     /// The state does not allow it.
     State(State),

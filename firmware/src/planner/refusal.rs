@@ -12,6 +12,7 @@ pub const LONGEST: f32 = 86_400.0;
 
 /// A move that was not taken. Nothing has changed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct MoveRefusal {
     /// The move's tag.
     pub tag: u32,
@@ -23,6 +24,7 @@ pub struct MoveRefusal {
 
 /// Why a move is not taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Reason {
     /// The arm must be armed and not stopping.
     State(State),

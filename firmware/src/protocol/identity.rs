@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// Who answers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Identity {
     /// The controller's [`VERSION`].
     pub version: u16,
@@ -18,6 +19,7 @@ pub struct Identity {
 
 /// What a controller runs on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Board {
     /// In the host's own process.
     Desktop,
@@ -29,6 +31,7 @@ pub enum Board {
 
 /// Why a controller started.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Reset {
     /// Power came on, or the reset pin was pulled.
     Power,

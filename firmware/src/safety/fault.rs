@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 /// A fault. It latches and is left only by an explicit clear. The numbers are stable:
 /// they are sent, logged and looked up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[serde(into = "u8", try_from = "u8")]
 #[repr(u8)]
 pub enum Fault {
@@ -51,6 +52,7 @@ pub enum Fault {
 
 /// What a fault does to the arm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Response {
     /// Both bridges off in the same tick, brake engaged.
     PowerOff,
@@ -146,6 +148,7 @@ impl TryFrom<u8> for Fault {
 
 /// The limits that clip in a tick without being faults, one stable bit each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Limits(u8);
 
 impl Limits {

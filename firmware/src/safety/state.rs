@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// What the controller is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum State {
     /// Bridges off, brake on.
     ///
@@ -40,6 +41,7 @@ pub enum State {
 /// What can happen to a state. Whether an arm may be armed, and whether a fault may be
 /// cleared, is settled before the event is given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Event {
     /// Power the bridges and hold.
     Arm,

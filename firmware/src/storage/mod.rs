@@ -28,6 +28,7 @@ const BUFFER: usize = 512;
 /// Why there are no settings, or none could be stored. In all cases the arm must not be
 /// armed with settings of the program's own choice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum StorageError {
     /// Nothing was ever stored: the flash is blank.
     Blank,

@@ -1,0 +1,73 @@
+//! The log over the debug probe: transitions and faults by name, and how long the tick takes.
+//!
+//! The idle task logs what has changed since its last round, so the tick pays nothing. Its
+//! round takes up to a few milliseconds; of several transitions within one, the log shows the
+//! first state and the last. RTT is set up to drop a line that finds no room: it neither
+//! waits for a probe nor masks interrupts.
+
+use super::cycles;
+use crate::Controller;
+use crate::safety::{Fault, State};
+use rtic_core::Mutex;
+
+/// Ticks from one line about the tick's time to the next.
+const TIMING_EVERY: u32 = 10_000;
+
+/// What was logged last.
+pub struct EventLog {
+    state: State,
+    fault: Option<Fault>,
+    /// Tick of the last line about the tick's time.
+    timing: u32,
+}
+
+impl EventLog {
+    /// A log of a controller that was made just now.
+    pub const fn new() -> Self {
+        Self {
+            state: State::Stopped,
+            fault: None,
+            timing: 0,
+        }
+    }
+
+    /// Logs what has changed since the last call.
+    pub fn update(&mut self, controller: &mut impl Mutex<T = Controller>) {
+        let (tick, state, latched) = controller.lock(|controller| {
+            let latched = controller
+                .fault()
+                .map(|snapshot| (snapshot.fault, snapshot.tick));
+            (controller.ticks(), controller.state(), latched)
+        });
+        if state != self.state {
+            defmt::info!("tick {=u32}: {} to {}", tick, self.state, state);
+            self.state = state;
+        }
+        let fault = latched.map(|(fault, _)| fault);
+        if fault != self.fault {
+            if let Some((fault, raised)) = latched {
+                defmt::error!(
+                    "tick {=u32}: fault {=u8}, {}",
+                    raised,
+                    fault.number(),
+                    fault
+                );
+            }
+            self.fault = fault;
+        }
+        if tick.wrapping_sub(self.timing) >= TIMING_EVERY {
+            defmt::info!(
+                "the tick: {=u32} cycles, at most {=u32}",
+                cycles::last(),
+                cycles::longest()
+            );
+            self.timing = tick;
+        }
+    }
+}
+
+impl Default for EventLog {
+    fn default() -> Self {
+        Self::new()
+    }
+}
