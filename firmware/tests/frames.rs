@@ -74,6 +74,8 @@ proptest! {
         change in 1u8..,
     ) {
         let sent = frame(&message);
+        let whole = decode(&mut Decoder::<HostMessage>::new(), &sent);
+        prop_assert_eq!(whole.iter().flatten().map(frame).collect::<Vec<_>>(), [sent.clone()]);
         let mut changed = sent.clone();
         changed[at.index(sent.len())] ^= change;
         for heard in decode(&mut Decoder::<HostMessage>::new(), &changed).iter().flatten() {

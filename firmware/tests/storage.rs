@@ -4,6 +4,7 @@ mod nor;
 
 use fivebar_firmware::Settings;
 use fivebar_firmware::storage::{SettingsStorage, StorageError};
+use fivebar_testkit::Tally;
 use nor::{Cut, Nor, SECTOR};
 use proptest::prelude::*;
 
@@ -60,13 +61,18 @@ fn cut_save(before: &Nor, number: u16, at: usize, cut: Cut) -> Nor {
     flash
 }
 
-/// Whether the flash holds what save `number` stored or what was there before.
-fn is_old_or_new(flash: &mut Nor, number: u16) -> bool {
-    match load(flash) {
-        Ok(found) => found == settings(number) || (number > 1 && found == settings(number - 1)),
+/// Asserts that the flash holds what save `number` stored or what was there before; counts
+/// which of them.
+#[track_caller]
+fn assert_old_or_new(flash: &mut Nor, number: u16, is_new: &Tally, what: &str) {
+    let found = load(flash);
+    let old = match found {
+        Ok(found) => number > 1 && found == settings(number - 1),
         Err(StorageError::Blank | StorageError::Corrupt) => number == 1,
         Err(StorageError::Flash | StorageError::Range) => false,
-    }
+    };
+    let new = is_new.count(found == Ok(settings(number)));
+    assert!(old || new, "{what}: {found:?}");
 }
 
 #[test]
@@ -77,6 +83,7 @@ fn settings_are_old_or_new_after_a_power_cut_at_every_operation() {
     let changes_sector = |flash: &Nor| flash.operations > history[4].operations * 2;
     let changes = history.iter().filter(|flash| changes_sector(flash)).count();
     assert!(changes >= 4, "each half changes sectors twice: {changes}");
+    let is_new = Tally::default();
 
     for (number, pair) in (1u16..).zip(history.windows(2)) {
         let (before, operations) = (&pair[0], pair[1].operations);
@@ -90,7 +97,7 @@ fn settings_are_old_or_new_after_a_power_cut_at_every_operation() {
             flash.operations = 0;
             let torn = flash.clone();
             let what = format!("save {number} cut at {at} of {operations} by {cut:?}");
-            assert!(is_old_or_new(&mut flash, number), "{what}");
+            assert_old_or_new(&mut flash, number, &is_new, &what);
 
             // Power fails again while the first load repairs, here and there.
             for again in (0..flash.operations).step_by(5) {
@@ -98,16 +105,19 @@ fn settings_are_old_or_new_after_a_power_cut_at_every_operation() {
                 flash.cut = Some((again, cut));
                 let _ = load(&mut flash);
                 flash.cut = None;
-                assert!(
-                    is_old_or_new(&mut flash, number),
-                    "{what}, again at {again}"
-                );
+                let what = format!("{what}, again at {again}");
+                assert_old_or_new(&mut flash, number, &is_new, &what);
             }
 
             save(&mut flash, 1000).expect("the storage works again");
             assert_eq!(load(&mut flash), Ok(settings(1000)), "{what}");
         }
     }
+    // Only its last operation makes a save valid.
+    assert!(
+        is_new.accepted() >= 4 && is_new.refused() > 1000,
+        "{is_new:?}"
+    );
 }
 
 #[test]
@@ -143,14 +153,16 @@ fn an_item_that_a_save_brings_to_light_does_not_pass_for_the_one_saved() {
     assert_eq!(load(&mut flash), Ok(settings(1000)));
 }
 
-proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
-
-    #[test]
-    fn damage_never_makes_settings_that_were_not_saved(
-        saves in 1u16..60,
-        damage in prop::collection::vec((0..nor::SECTORS * SECTOR, 1usize..2000, any::<u8>()), 1..8),
-    ) {
+#[test]
+fn damage_never_makes_settings_that_were_not_saved() {
+    let found = Tally::default();
+    let place = (0..nor::SECTORS * SECTOR, 1usize..2000, any::<u8>());
+    let damage = prop::collection::vec(place, 1..8);
+    let config = ProptestConfig {
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    };
+    proptest!(config, |(saves in 1u16..60, damage in damage)| {
         let mut flash = Nor::blank();
         for number in 1..=saves {
             save(&mut flash, number).expect("power is on");
@@ -158,11 +170,14 @@ proptest! {
         for (at, length, value) in damage {
             flash.bytes.iter_mut().skip(at).take(length).for_each(|byte| *byte ^= value);
         }
-        match load(&mut flash) {
+        let loaded = load(&mut flash);
+        found.count(loaded.is_ok());
+        match loaded {
             Ok(found) => prop_assert!((1..=saves).any(|number| found == settings(number))),
             Err(error) => prop_assert_eq!(error, StorageError::Corrupt),
         }
         save(&mut flash, 1000).expect("the storage works again");
         prop_assert_eq!(load(&mut flash), Ok(settings(1000)));
-    }
+    });
+    found.assert_accepted(0.8);
 }

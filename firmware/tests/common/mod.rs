@@ -1,5 +1,7 @@
 //! Any message at all, for property tests.
 
+#![allow(dead_code, reason = "each test file uses its own part")]
+
 use fivebar_firmware::controller::{self, JointReference, Snapshot};
 use fivebar_firmware::planner::{MoveRefusal, Reason};
 use fivebar_firmware::protocol::{
@@ -23,21 +25,30 @@ fn pair() -> impl Strategy<Value = [f32; 2]> + Clone {
     [number(), number()]
 }
 
-fn a_move() -> impl Strategy<Value = Move> {
-    let kind = prop_oneof![
-        (pair(), number()).prop_map(|(to, feed)| MoveKind::Line { to, feed }),
-        (pair(), pair(), any::<bool>(), number()).prop_map(|(to, center, clockwise, feed)| {
-            MoveKind::Arc {
+/// Any kind of move, with numbers of these.
+pub(crate) fn move_kind(
+    number: impl Strategy<Value = f32> + Clone + 'static,
+) -> impl Strategy<Value = MoveKind> {
+    let pair = [number.clone(), number.clone()];
+    prop_oneof![
+        (pair.clone(), number.clone()).prop_map(|(to, feed)| MoveKind::Line { to, feed }),
+        (pair.clone(), pair.clone(), any::<bool>(), number.clone()).prop_map(
+            |(to, center, clockwise, feed)| MoveKind::Arc {
                 to,
                 center,
                 clockwise,
                 feed,
             }
-        }),
-        number().prop_map(|duration| MoveKind::Dwell { duration }),
-        (pair(), number()).prop_map(|(to, speed)| MoveKind::Joint { to, speed }),
-    ];
-    (any::<u32>(), kind).prop_map(|(tag, kind)| Move { tag, kind })
+        ),
+        number
+            .clone()
+            .prop_map(|duration| MoveKind::Dwell { duration }),
+        (pair, number).prop_map(|(to, speed)| MoveKind::Joint { to, speed }),
+    ]
+}
+
+fn a_move() -> impl Strategy<Value = Move> {
+    (any::<u32>(), move_kind(number())).prop_map(|(tag, kind)| Move { tag, kind })
 }
 
 fn sensed() -> impl Strategy<Value = Sensed> {
