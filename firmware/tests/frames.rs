@@ -34,9 +34,9 @@ fn survives_garbage<M: Message>(garbage: &[u8], message: &M) -> Result<(), TestC
     Ok(())
 }
 
-/// Garbage that tries harder: random bytes, borders, pieces of real frames.
+/// Garbage that tries harder: random bytes, borders, segments of real frames.
 fn garbage() -> impl Strategy<Value = Vec<u8>> {
-    let piece = prop_oneof![
+    let segment = prop_oneof![
         prop::collection::vec(any::<u8>(), 0..300),
         prop::collection::vec(prop::sample::select(vec![0u8, 1, 2, 0xfe, 0xff]), 0..20),
         (host_message(), any::<prop::sample::Index>()).prop_map(|(message, cut)| {
@@ -48,7 +48,7 @@ fn garbage() -> impl Strategy<Value = Vec<u8>> {
             whole[cut.index(whole.len())..].to_vec()
         }),
     ];
-    prop::collection::vec(piece, 0..4).prop_map(|pieces| pieces.concat())
+    prop::collection::vec(segment, 0..4).prop_map(|segments| segments.concat())
 }
 
 proptest! {

@@ -78,7 +78,7 @@ fn a_circle_of_lines_of_a_twentieth_of_a_millimetre_is_drawn_to_its_end() {
     assert!(worst < 3e-5, "{worst} m");
 }
 
-/// Of lines that short, four pieces end at rest, or are over before a stop would be.
+/// Of lines that short, four segments end at rest, or are over before a stop would be.
 #[test]
 fn lines_of_hundredths_of_a_millimetre_do_not_outrun_the_planner() {
     for at_once in [true, false] {

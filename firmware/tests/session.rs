@@ -56,12 +56,12 @@ fn another_version_is_told_ours_and_disturbs_nothing() {
 #[test]
 fn an_order_sent_again_is_answered_alike_and_obeyed_once() {
     let mut desk = Desk::armed();
-    let room = desk.planner.room();
+    let room = desk.planner.free_slots();
     let next = desk.last.next();
     let first = desk.send(next, dwell(1));
     let again = desk.send(next, dwell(1));
     assert_eq!(first, again);
-    assert_eq!(desk.planner.room(), room - 1);
+    assert_eq!(desk.planner.free_slots(), room - 1);
 
     // Even a tick is made once.
     desk.last = next;
@@ -75,7 +75,7 @@ fn an_order_sent_again_is_answered_alike_and_obeyed_once() {
 #[test]
 fn late_orders_are_dropped_and_early_ones_told_what_is_next() {
     let mut desk = Desk::armed();
-    let room = desk.planner.room();
+    let room = desk.planner.free_slots();
     for behind in 1..20 {
         let late = Sequence(desk.last.0.wrapping_sub(behind));
         assert_eq!(desk.send(late, dwell(1)), None);
@@ -86,7 +86,7 @@ fn late_orders_are_dropped_and_early_ones_told_what_is_next() {
         refused(&reply),
         Some(Refusal::OutOfSequence(desk.last.next()))
     );
-    assert_eq!(desk.planner.room(), room);
+    assert_eq!(desk.planner.free_slots(), room);
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! Kane's equations against what else they must equal: energy, Newton–Euler, statics.
 
-use fivebar_kinematics::dynamics::{Arm, Link, ModelError, Regrouped, ShareTotals, TorqueShares};
+use fivebar_kinematics::dynamics::{
+    Arm, BaseParameterModel, Link, ModelError, ShareTotals, TorqueComponents,
+};
 use fivebar_kinematics::five_bar::{Geometry, Links, PoseError, Side, Singularity};
 use fivebar_testkit::{Moving, assert_close, moving};
 use nalgebra::Vector2;
@@ -51,9 +53,9 @@ proptest! {
         let kane = arm
             .inverse_dynamics(&pose, &velocities, &accelerations, Vector2::new(0.0, 0.0))
             .unwrap();
-        let regrouped = Regrouped::new(&arm);
+        let base_parameters = BaseParameterModel::new(&arm);
         let links = Links::of(&pose, arm.geometry());
-        let torque = regrouped.torques(&links, [omega1, omega4], moving.alpha);
+        let torque = base_parameters.torques(&links, [omega1, omega4], moving.alpha);
         assert_torque("τ", torque, kane, 1e-9);
     }
 
@@ -63,7 +65,7 @@ proptest! {
         let torque = arm.inverse_dynamics(&pose, &velocities, &accelerations, force).unwrap();
         let mass = arm.mass_matrix(&pose).unwrap();
         let inertia = mass * Vector2::from(moving.alpha);
-        let bias = arm.bias(&pose, &velocities, force).unwrap();
+        let bias = arm.nonlinear_effects(&pose, &velocities, force).unwrap();
         assert_torque("τ", [inertia[0] + bias[0], inertia[1] + bias[1]], torque, 1e-9);
         prop_assert!(mass.m11 > 0.0 && mass.m11 * mass.m22 > mass.m12 * mass.m12);
     }
@@ -145,7 +147,7 @@ proptest! {
         let torque = arm.inverse_dynamics(&pose, &velocities, &accelerations, force).unwrap();
         let friction = [0.02, -0.03];
         let shares = arm
-            .torque_shares(&pose, &velocities, &accelerations, force, friction)
+            .torque_components(&pose, &velocities, &accelerations, force, friction)
             .unwrap();
         let whole = [torque[0] + friction[0], torque[1] + friction[1]];
         assert_torque("sum of shares", shares.total(), whole, 1e-9);
@@ -172,7 +174,7 @@ fn arm() -> Arm<f64> {
 
 #[test]
 fn shares_of_a_motion_are_time_weighted_portions() {
-    let shares = |inertia: f64, gravity: f64| TorqueShares {
+    let shares = |inertia: f64, gravity: f64| TorqueComponents {
         inertia: [inertia, 0.0],
         velocity: [0.0; 2],
         gravity: [gravity, 0.0],

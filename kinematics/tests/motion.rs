@@ -162,7 +162,7 @@ proptest! {
         let (pose, velocities, accelerations) = moving.now();
         let t = tool.point(&pose);
         let driven = tool
-            .driven(
+            .actuated_joints(
                 t,
                 tool.velocity(&pose, &velocities),
                 tool.acceleration(&pose, &velocities, &accelerations),

@@ -1,7 +1,8 @@
 //! Workspace, its limits and its margin from singularities.
 
 use fivebar_kinematics::five_bar::{
-    Geometry, Joint, JointLimits, Outside, PoseError, Tool, Unreachable, WorkingMode, Workspace,
+    Geometry, Joint, JointLimits, PoseError, Tool, Unreachable, WorkingMode, Workspace,
+    WorkspaceViolation,
 };
 use fivebar_testkit::pose;
 use nalgebra::Vector2;
@@ -39,23 +40,26 @@ fn a_workspace_says_what_stands_in_the_way() {
         margin: 0.2,
     };
     let t = Vector2::new(0.06, 0.18);
-    let pose = workspace.admit(t).unwrap();
+    let pose = workspace.check(t).unwrap();
     assert!((tool.point(&pose) - t).norm() < 1e-15);
 
-    let far = workspace.admit(Vector2::new(0.5, 0.5));
+    let far = workspace.check(Vector2::new(0.5, 0.5));
     let too_far = PoseError::Unreachable(Unreachable::Leg1TooFar);
-    assert_eq!(far, Err(Outside::Pose(too_far)));
+    assert_eq!(far, Err(WorkspaceViolation::Pose(too_far)));
 
     let narrow = Workspace {
         limits: Some(JointLimits::new([0.5 * PI, 1.4 * PI], [-0.4 * PI, -0.1]).unwrap()),
         ..workspace
     };
-    assert_eq!(narrow.admit(t), Err(Outside::Joint(Joint::Joint4)));
+    assert_eq!(
+        narrow.check(t),
+        Err(WorkspaceViolation::Joint(Joint::Joint4))
+    );
 
     let (nearest, sine) = tool.nearest_singularity(&pose);
     let cautious = Workspace {
         margin: sine + 1e-3,
         ..workspace
     };
-    assert_eq!(cautious.admit(t), Err(Outside::Margin(nearest)));
+    assert_eq!(cautious.check(t), Err(WorkspaceViolation::Margin(nearest)));
 }

@@ -42,7 +42,7 @@ pub(crate) fn inverse_dynamics<'py>(
         let force = vec2(force[row]);
         let [t1, t4] = arm.inverse_dynamics(&pose, &velocities, &accelerations, force)?;
         let m = arm.mass_matrix(&pose)?;
-        let [h1, h4] = arm.bias(&pose, &velocities, force)?;
+        let [h1, h4] = arm.nonlinear_effects(&pose, &velocities, force)?;
         let r = arm.reactions(&pose, &velocities, &accelerations, force)?;
         Ok([
             t1, t4, m.m11, m.m12, m.m21, m.m22, h1, h4, r.a.x, r.a.y, r.b.x, r.b.y, r.c.x, r.c.y,

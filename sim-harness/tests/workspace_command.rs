@@ -126,7 +126,7 @@ fn every_place_of_the_table_is_what_the_models_say() {
                 "{line}: {condition}"
             );
         }
-        let clear = workspace.admit(place).is_ok();
+        let clear = workspace.check(place).is_ok();
         assert_eq!(fields[6] == "1", clear, "{line}");
         counts[0] += 1;
         counts[1] += u32::from(fields[5] == "1");
@@ -157,7 +157,7 @@ fn the_arm_may_be_anywhere_in_the_rectangles_and_at_the_best_places() {
     for branch in found["branches"].as_array().unwrap() {
         let workspace = robot.workspace(mode(branch)).unwrap();
         let is_clear = |place| {
-            let pose = workspace.admit(place);
+            let pose = workspace.check(place);
             pose.is_ok_and(|pose| pose.assembly() == side(&branch["assembly"]))
         };
         if let Some(best) = branch["best"].as_object() {

@@ -35,7 +35,7 @@ impl Cell {
         let pose = tool.inverse(t, *mode).ok()?;
         let within_limits = limits.is_none_or(|limits| {
             limits
-                .admit(pose.u1.polar_angle(), pose.u4.polar_angle())
+                .angles_within(pose.u1.polar_angle(), pose.u4.polar_angle())
                 .is_ok()
         });
         // At type 2 itself no bound is left to a direction's speed: κ is infinite.

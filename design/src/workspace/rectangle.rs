@@ -115,7 +115,7 @@ impl WorkspaceMap {
             .max(1.0);
         (0..=steps as usize).all(|step| {
             let place = from + way * (step as f64 / steps);
-            let pose = self.workspace().admit(place);
+            let pose = self.workspace().check(place);
             pose.is_ok_and(|pose| pose.assembly() == assembly)
         })
     }

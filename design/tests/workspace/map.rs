@@ -87,7 +87,7 @@ fn nothing_in_the_largest_rectangle_is_refused() {
             let size = rectangle.size();
             for &(across, up) in &shares {
                 let t = rectangle.low + Vector2::new(size.x * across, size.y * up);
-                let pose = workspace.admit(t);
+                let pose = workspace.check(t);
                 prop_assert!(pose.is_ok_and(|pose| pose.assembly() == branch), "{t:?} in {rectangle:?}");
             }
             for larger in grown(rectangle, map.grid().pitch()) {
@@ -123,7 +123,7 @@ fn is_free(workspace: &Workspace<f64>, rectangle: Rectangle, branch: Side) -> bo
         (0..=400).all(|j| {
             let share = [f64::from(i) / 400.0, f64::from(j) / 400.0];
             let t = rectangle.low + Vector2::new(size.x * share[0], size.y * share[1]);
-            let pose = workspace.admit(t);
+            let pose = workspace.check(t);
             pose.is_ok_and(|pose| pose.assembly() == branch)
         })
     })

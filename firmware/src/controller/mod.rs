@@ -24,7 +24,7 @@ use model::Model;
 use nalgebra::Vector2;
 use path::Path;
 pub(crate) use path::stopping_time;
-pub use path::{PIECES, Stretch};
+pub use path::{QUEUED_SEGMENTS, Stretch};
 pub use planning::{Hold, PlanningSnapshot};
 pub use request::{Refusal, Request};
 use setpoint::Setpoint;

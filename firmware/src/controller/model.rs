@@ -8,7 +8,7 @@ use fivebar_kinematics::Scalar;
 use fivebar_kinematics::control::{
     CurrentLoop, FrictionCompensation, MotorHeating, PositionLoop, TorqueLimit, VelocityObserver,
 };
-use fivebar_kinematics::dynamics::Regrouped;
+use fivebar_kinematics::dynamics::BaseParameterModel;
 use fivebar_kinematics::five_bar::{Side, Tool};
 
 /// Share of the bus voltage that the bridges are asked for at most: their high sides and
@@ -25,7 +25,7 @@ pub(crate) struct Model {
     pub(crate) position_loop: PositionLoop<f32>,
     pub(crate) torque_limit: TorqueLimit<f32>,
     pub(crate) monitor: Monitor,
-    pub(crate) equations: Regrouped<f32>,
+    pub(crate) equations: BaseParameterModel<f32>,
     /// The arm's lengths, and where the tool is.
     pub(crate) tool: Tool<f32>,
     pub(crate) bus_voltage_per_code: f32,
@@ -65,7 +65,7 @@ impl Model {
         let control = &settings.control;
         let period = 1.0 / control.tick_rate;
         Ok(Self {
-            equations: Regrouped::new(&arm),
+            equations: BaseParameterModel::new(&arm),
             tool,
             assembly: settings.assembly(),
             axes: settings.axes.map(|axis| AxisModel::new(&axis, settings)),

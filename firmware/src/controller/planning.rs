@@ -21,7 +21,7 @@ pub struct PlanningSnapshot {
     pub hold: Option<Hold>,
     /// Path handed over and not yet followed [s].
     pub path_left: f32,
-    /// There is no room for another piece.
+    /// There is no room for another segment.
     pub path_is_full: bool,
     /// What was handed over ends at rest, fills the queue, or lasts some hundredths of a
     /// second longer than a stop takes.

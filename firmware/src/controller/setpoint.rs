@@ -2,7 +2,7 @@
 
 use super::model::Model;
 use fivebar_kinematics::PlanarVector;
-use fivebar_kinematics::five_bar::{Driven, PoseError, WorkingMode};
+use fivebar_kinematics::five_bar::{ActuatedJointState, PoseError, WorkingMode};
 use fivebar_kinematics::trajectory::Reference;
 use nalgebra::Vector2;
 
@@ -53,11 +53,13 @@ impl Setpoint {
                 velocity,
                 acceleration,
             } => {
-                let Driven {
+                let ActuatedJointState {
                     direction,
                     omega,
                     alpha,
-                } = model.tool.driven(position, velocity, acceleration, mode)?;
+                } = model
+                    .tool
+                    .actuated_joints(position, velocity, acceleration, mode)?;
                 *self = Self {
                     direction,
                     omega,

@@ -36,7 +36,7 @@ pub(super) struct Samples {
 impl Controller {
     /// One tick: what the bridges are told until the next.
     ///
-    /// Bounded: no loop but over the two joints and at most two pieces of path. The
+    /// Bounded: no loop but over the two joints and at most two segments of path. The
     /// outputs act from the next tick on.
     pub fn tick(&mut self, sensed: &Sensed) -> Command {
         self.ticks = self.ticks.wrapping_add(1);

@@ -4,7 +4,7 @@ use super::{End, MoveRefusal, Planner, Reason};
 use crate::motion::{Move, MoveKind};
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::WorkingMode;
-use fivebar_kinematics::trajectory::{Caps, Segment, SegmentError, Sense};
+use fivebar_kinematics::trajectory::{MotionLimits, PathSegment, PathSegmentError, Sense};
 use nalgebra::Vector2;
 
 /// How far an arc's centre may be off by the rounding of its file [m].
@@ -14,9 +14,9 @@ const ARC_TOLERANCE: f32 = 1e-4;
 pub(super) enum CheckedMove {
     /// The tool along a line or an arc.
     Path {
-        segment: Segment<f32>,
+        segment: PathSegment<f32>,
         /// How fast it may go.
-        caps: Caps<f32>,
+        motion_limits: MotionLimits<f32>,
         /// The speed asked for [m/s].
         feed: f32,
     },
@@ -34,7 +34,7 @@ pub(super) enum CheckedMove {
         /// θ1, θ4 [rad].
         to: [f32; 2],
         /// How fast it may go.
-        caps: Caps<f32>,
+        motion_limits: MotionLimits<f32>,
         /// The working mode at its end.
         mode: WorkingMode,
     },
@@ -65,7 +65,7 @@ impl Planner {
         let tag = order.tag;
         match order.kind {
             MoveKind::Line { to, feed } => {
-                let segment = Segment::line(start.tool, vec2(to));
+                let segment = PathSegment::line(start.tool, vec2(to));
                 self.check_path(tag, segment, start, to, feed)
             }
             MoveKind::Arc {
@@ -88,24 +88,24 @@ impl Planner {
     fn check_path(
         &self,
         tag: u32,
-        segment: Result<Segment<f32>, SegmentError>,
+        segment: Result<PathSegment<f32>, PathSegmentError>,
         start: End,
         to: [f32; 2],
         feed: f32,
     ) -> Result<(CheckedMove, End), MoveRefusal> {
         let segment = match segment {
             Ok(segment) => segment,
-            Err(SegmentError::ZeroLength) => return Ok((CheckedMove::Nowhere, start)),
+            Err(PathSegmentError::ZeroLength) => return Ok((CheckedMove::Nowhere, start)),
             Err(error) => return Err(MoveRefusal::new(tag, error.into())),
         };
         if !(feed > 0.0 && feed.is_finite()) {
             return Err(MoveRefusal::new(tag, Reason::Number));
         }
-        let caps = self
+        let motion_limits = self
             .envelope
-            .admit(&segment, feed)
+            .check(&segment, feed)
             .map_err(|refusal| MoveRefusal::on_path(tag, &refusal))?;
-        MoveRefusal::unless_in_time(tag, segment.length(), caps.speed)?;
+        MoveRefusal::unless_in_time(tag, segment.length(), motion_limits.speed)?;
         // The end as ordered: the segment's own is rounded, and a full circle is recognised
         // by its end being its start to the bit.
         let end = End {
@@ -114,7 +114,7 @@ impl Planner {
         };
         let checked = CheckedMove::Path {
             segment,
-            caps,
+            motion_limits,
             feed,
         };
         Ok((checked, end))
@@ -136,12 +136,12 @@ impl Planner {
                 .joints_at(start.tool)
                 .ok_or(MoveRefusal::new(tag, Reason::Unreachable))?,
         };
-        let (caps, pose) = self
+        let (motion_limits, pose) = self
             .envelope
-            .admit_joint_move(from, to, self.assembly, share)
+            .check_joint_move(from, to, self.assembly, share)
             .map_err(|refusal| MoveRefusal::on_path(tag, &refusal))?;
         let turn = (to[0] - from[0]).abs().max((to[1] - from[1]).abs());
-        MoveRefusal::unless_in_time(tag, turn, caps.speed)?;
+        MoveRefusal::unless_in_time(tag, turn, motion_limits.speed)?;
         let tool = &self.envelope.workspace.tool;
         let end = End {
             tool: tool.point(&pose),
@@ -151,7 +151,7 @@ impl Planner {
         let checked = CheckedMove::Joint {
             from,
             to,
-            caps,
+            motion_limits,
             mode,
         };
         Ok((checked, end))
@@ -162,7 +162,7 @@ impl Planner {
         let workspace = &self.envelope.workspace;
         let pose = workspace.tool.inverse(tool, workspace.mode).ok()?;
         let (theta1, theta4) = (pose.u1.polar_angle(), pose.u4.polar_angle());
-        workspace.limits?.admit(theta1, theta4).ok()
+        workspace.limits?.angles_within(theta1, theta4).ok()
     }
 }
 
@@ -171,13 +171,13 @@ fn arc(
     to: [f32; 2],
     center: [f32; 2],
     clockwise: bool,
-) -> Result<Segment<f32>, SegmentError> {
+) -> Result<PathSegment<f32>, PathSegmentError> {
     let sense = if clockwise {
         Sense::Clockwise
     } else {
         Sense::CounterClockwise
     };
-    Segment::arc(from, vec2(to), vec2(center), sense, ARC_TOLERANCE)
+    PathSegment::arc(from, vec2(to), vec2(center), sense, ARC_TOLERANCE)
 }
 
 fn vec2([x, y]: [f32; 2]) -> Vector2<f32> {

@@ -1,4 +1,4 @@
-//! From moves to pieces of path, below the tick.
+//! From moves to segments of path, below the tick.
 //!
 //! [`Planner::push`] holds a move against the whole envelope and either takes it, in which
 //! case it will be followed within tolerance along its whole length, or refuses it with
@@ -6,30 +6,30 @@
 //! it needs to be able to stop on it, and keeps the rest open to replanning.
 //!
 //! Both end in bounded time: a push walks its move in at most a fixed number of steps; a
-//! run hands out at most [`PIECES_PER_RUN`] pieces, each from at most [`SPANS`] spans. Only
+//! run hands out at most [`SEGMENTS_PER_RUN`] segments, each from at most [`PLANNED_SEGMENTS`] spans. Only
 //! where these would end in motion with hardly room for a stop, it goes on until there is.
 
 mod check;
 mod refusal;
 mod supply;
 
-use crate::controller::{Controller, PIECES, PlanningSnapshot, stopping_time};
+use crate::controller::{Controller, PlanningSnapshot, QUEUED_SEGMENTS, stopping_time};
 use crate::motion::Move;
 use crate::safety::State;
 use crate::settings::{Settings, SettingsError};
 use check::CheckedMove;
 use fivebar_kinematics::five_bar::{JointLimits, Side, Workspace};
-use fivebar_kinematics::trajectory::{Caps, Envelope, LookAhead, TorqueLimits};
+use fivebar_kinematics::trajectory::{Envelope, LookaheadPlanner, MotionLimits, TorqueLimits};
 use heapless::HistoryBuf;
 use nalgebra::Vector2;
 use rtic_core::Mutex;
 
 pub use refusal::{LONGEST, MoveRefusal, Reason};
-pub use supply::PIECES_PER_RUN;
+pub use supply::SEGMENTS_PER_RUN;
 
 /// Spans of path that are planned together; a move takes one, and one more for a rounded
 /// corner.
-pub const SPANS: usize = 32;
+pub const PLANNED_SEGMENTS: usize = 32;
 
 /// Path that the controller is given beyond what a stop needs [s].
 const RESERVE: f32 = 0.03;
@@ -38,7 +38,7 @@ const RESERVE: f32 = 0.03;
 const SLOWED_BELOW: f32 = 0.999;
 
 /// Slowed moves that are remembered: as many as can be on their way.
-const SLOWED: usize = SPANS + PIECES;
+const SLOWED: usize = PLANNED_SEGMENTS + QUEUED_SEGMENTS;
 
 /// Share of the peak torque that paths are planned with; feedback and friction have the
 /// rest.
@@ -49,7 +49,7 @@ pub struct Planner {
     /// What the arm may do; its working mode is the one at the end of the queue.
     envelope: Envelope<f32>,
     assembly: Side,
-    look_ahead: LookAhead<f32, SPANS>,
+    lookahead: LookaheadPlanner<f32, PLANNED_SEGMENTS>,
     /// Where the queue ends; none: where the arm is held.
     end: Option<End>,
     /// The controller's path generation when the queue was begun.
@@ -93,7 +93,7 @@ impl Planner {
                     arm,
                     torque: settings.peak_torque().map(|torque| TORQUE_SHARE * torque),
                 }),
-                tool_motion: Caps {
+                tool_motion: MotionLimits {
                     speed: motion.max_speed,
                     acceleration: motion.max_acceleration,
                     jerk: motion.max_jerk,
@@ -101,7 +101,7 @@ impl Planner {
                 corner_tolerance: motion.corner_tolerance,
             },
             assembly: settings.assembly(),
-            look_ahead: LookAhead::new(),
+            lookahead: LookaheadPlanner::new(),
             end: None,
             path_generation: 0,
             slowed: HistoryBuf::new(),
@@ -126,7 +126,7 @@ impl Planner {
             Some(start) if accepts(snapshot.state) => start,
             _ => return Err(refuse(Reason::State(snapshot.state))),
         };
-        if self.room() == 0 {
+        if self.free_slots() == 0 {
             return Err(refuse(Reason::Full));
         }
         let (checked, end) = self.check_move(start, order)?;
@@ -141,20 +141,24 @@ impl Planner {
             CheckedMove::Nowhere => Ok(()),
             CheckedMove::Path {
                 segment,
-                caps,
+                motion_limits,
                 feed,
             } => {
-                if caps.speed < SLOWED_BELOW * feed {
+                if motion_limits.speed < SLOWED_BELOW * feed {
                     self.slowed.write(tag);
                 }
-                self.look_ahead.push(segment, *caps, tag, &self.envelope)
+                self.lookahead
+                    .push(segment, *motion_limits, tag, &self.envelope)
             }
             CheckedMove::Dwell { duration } => {
-                self.look_ahead.push_dwell(start.tool, *duration, tag)
+                self.lookahead.push_dwell(start.tool, *duration, tag)
             }
-            CheckedMove::Joint { from, to, caps, .. } => {
-                self.look_ahead.push_joint(*from, *to, *caps, tag)
-            }
+            CheckedMove::Joint {
+                from,
+                to,
+                motion_limits,
+                ..
+            } => self.lookahead.push_joint(*from, *to, *motion_limits, tag),
         };
         appended.map_err(|error| MoveRefusal::new(tag, error.into()))?;
         if let CheckedMove::Joint { mode, .. } = checked {
@@ -164,20 +168,20 @@ impl Planner {
     }
 
     /// How many more moves are sure to find room.
-    pub fn room(&self) -> usize {
-        self.look_ahead.room()
+    pub fn free_slots(&self) -> usize {
+        self.lookahead.free_slots()
     }
 
     /// Whether all moves have been handed to the controller.
     pub fn is_empty(&self) -> bool {
-        self.look_ahead.is_empty()
+        self.lookahead.is_empty()
     }
 
     /// Forgets the queue if the controller has forgotten its path, or takes none.
     fn follow(&mut self, snapshot: &PlanningSnapshot) {
         if self.path_generation != snapshot.path_generation || !accepts(snapshot.state) {
             self.path_generation = snapshot.path_generation;
-            self.look_ahead = LookAhead::new();
+            self.lookahead = LookaheadPlanner::new();
             self.end = None;
         }
         if self.end.is_none() {

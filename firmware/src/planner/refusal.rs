@@ -2,8 +2,8 @@
 
 use crate::safety::State;
 use core::fmt;
-use fivebar_kinematics::five_bar::{Joint, Outside, PoseError, Singularity};
-use fivebar_kinematics::trajectory::{Obstacle, PushError, Refusal, SegmentError};
+use fivebar_kinematics::five_bar::{Joint, PoseError, Singularity, WorkspaceViolation};
+use fivebar_kinematics::trajectory::{ConstraintViolation, PathError, PathSegmentError, PushError};
 use serde::{Deserialize, Serialize};
 
 /// The longest that one move may take [s]: a day. The path's clock would count the ticks of
@@ -57,10 +57,10 @@ impl MoveRefusal {
         }
     }
 
-    pub(super) fn on_path(tag: u32, refusal: &Refusal<f32>) -> Self {
+    pub(super) fn on_path(tag: u32, refusal: &PathError<f32>) -> Self {
         Self {
             tag,
-            reason: refusal.obstacle.into(),
+            reason: refusal.violation.into(),
             point: Some([refusal.point.x, refusal.point.y]),
         }
     }
@@ -92,27 +92,31 @@ impl From<Singularity> for Reason {
     }
 }
 
-impl From<Obstacle> for Reason {
-    fn from(obstacle: Obstacle) -> Self {
-        match obstacle {
-            Obstacle::Outside(Outside::Pose(PoseError::Unreachable(_))) => Self::Unreachable,
-            Obstacle::Outside(Outside::Pose(PoseError::NotFinite)) | Obstacle::Limits => {
-                Self::Number
+impl From<ConstraintViolation> for Reason {
+    fn from(violation: ConstraintViolation) -> Self {
+        match violation {
+            ConstraintViolation::Workspace(WorkspaceViolation::Pose(PoseError::Unreachable(_))) => {
+                Self::Unreachable
             }
-            Obstacle::Outside(
-                Outside::Pose(PoseError::Singular(singularity)) | Outside::Margin(singularity),
+            ConstraintViolation::Workspace(WorkspaceViolation::Pose(PoseError::NotFinite))
+            | ConstraintViolation::Limits => Self::Number,
+            ConstraintViolation::Workspace(
+                WorkspaceViolation::Pose(PoseError::Singular(singularity))
+                | WorkspaceViolation::Margin(singularity),
             ) => singularity.into(),
-            Obstacle::Outside(Outside::Joint(joint)) => Self::JointLimit(number(joint)),
-            Obstacle::Torque(joint) => Self::Torque(number(joint)),
+            ConstraintViolation::Workspace(WorkspaceViolation::Joint(joint)) => {
+                Self::JointLimit(number(joint))
+            }
+            ConstraintViolation::Torque(joint) => Self::Torque(number(joint)),
         }
     }
 }
 
-impl From<SegmentError> for Reason {
-    fn from(error: SegmentError) -> Self {
+impl From<PathSegmentError> for Reason {
+    fn from(error: PathSegmentError) -> Self {
         match error {
-            SegmentError::NotFinite | SegmentError::ZeroLength => Self::Number,
-            SegmentError::ZeroRadius | SegmentError::RadiusMismatch => Self::Arc,
+            PathSegmentError::NotFinite | PathSegmentError::ZeroLength => Self::Number,
+            PathSegmentError::ZeroRadius | PathSegmentError::RadiusMismatch => Self::Arc,
         }
     }
 }

@@ -2,34 +2,37 @@
 //! be able to stop on them.
 
 use super::Planner;
-use crate::controller::{Controller, PIECES, Stretch};
+use crate::controller::{Controller, QUEUED_SEGMENTS, Stretch};
 use crate::safety::Limits;
 use fivebar_kinematics::Scalar;
-use fivebar_kinematics::trajectory::{Piece, Reference};
+use fivebar_kinematics::trajectory::{Reference, TrajectorySegment};
 use rtic_core::Mutex;
 
-/// Pieces that one run hands out, unless these end in motion with hardly room for a stop.
-pub const PIECES_PER_RUN: u32 = 4;
+/// Segments that one run hands out, unless these end in motion with hardly room for a stop.
+pub const SEGMENTS_PER_RUN: u32 = 4;
 
 impl Planner {
     /// Hands the controller as much path as it should have. To be called at least every
-    /// few milliseconds while the arm moves. The controller is not locked while a piece is
+    /// few milliseconds while the arm moves. The controller is not locked while a segment is
     /// planned.
     pub fn run(&mut self, controller: &mut impl Mutex<T = Controller>) {
         let mut snapshot = controller.lock(|controller| controller.planning_snapshot());
-        for handed in 0..PIECES as u32 {
+        for handed in 0..QUEUED_SEGMENTS as u32 {
             self.follow(&snapshot);
-            let enough = handed >= PIECES_PER_RUN && snapshot.path_is_enough;
+            let enough = handed >= SEGMENTS_PER_RUN && snapshot.path_is_enough;
             if enough || snapshot.path_is_full || snapshot.path_left >= self.horizon {
                 break;
             }
-            let Some(piece) = self.look_ahead.next_piece() else {
+            let Some(segment) = self.lookahead.next_segment() else {
                 break;
             };
-            let slowed = self.slowed.oldest_ordered().any(|&tag| tag == piece.tag());
+            let slowed = self
+                .slowed
+                .oldest_ordered()
+                .any(|&tag| tag == segment.tag());
             let stretch = Stretch {
-                piece,
-                open: ends_in_motion(&piece),
+                segment,
+                open: ends_in_motion(&segment),
                 limits: Limits::NONE.with(Limits::SPEED, slowed),
             };
             let generation = self.path_generation;
@@ -41,9 +44,9 @@ impl Planner {
     }
 }
 
-/// Whether another piece must follow this one: it ends with more than a rounding's speed.
-fn ends_in_motion(piece: &Piece<f32>) -> bool {
-    match piece.evaluate(piece.duration()) {
+/// Whether another segment must follow this one: it ends with more than a rounding's speed.
+fn ends_in_motion(segment: &TrajectorySegment<f32>) -> bool {
+    match segment.evaluate(segment.duration()) {
         Reference::Tool { velocity, .. } => velocity.norm_squared() > 1e-6,
         Reference::Joint { rates, .. } => rates.iter().any(|&rate| Scalar::abs(rate) > 1e-2),
     }

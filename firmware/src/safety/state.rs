@@ -23,7 +23,7 @@ pub enum State {
     Armed,
     /// Following the path.
     ///
-    /// Entry: from Armed when a piece of path is queued. Exit: to Armed at the path's end;
+    /// Entry: from Armed when a segment of path is queued. Exit: to Armed at the path's end;
     /// to Stopping by a stop; to Stopped, bridges off, by a disarm.
     Running,
     /// Coming to rest on the path.

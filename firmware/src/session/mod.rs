@@ -160,7 +160,7 @@ impl Session {
             }
             Order::Status => Ok(Reply::Status {
                 status: controller.lock(|controller| controller.status()),
-                room: room(planner),
+                room: free_slots(planner),
             }),
             Order::Snapshot => Ok(Reply::Snapshot(
                 controller.lock(|controller| controller.fault().copied()),
@@ -169,7 +169,7 @@ impl Session {
             Order::Move(a_move) => planner
                 .push(controller, &a_move)
                 .map(|()| Reply::Taken {
-                    room: room(planner),
+                    room: free_slots(planner),
                 })
                 .map_err(Refusal::Move),
             Order::GetSection(key) => {
@@ -270,8 +270,8 @@ fn only_stopped(controller: &Controller) -> Result<(), Refusal> {
     }
 }
 
-fn room(planner: &Planner) -> u8 {
-    u8::try_from(planner.room()).unwrap_or(u8::MAX)
+fn free_slots(planner: &Planner) -> u8 {
+    u8::try_from(planner.free_slots()).unwrap_or(u8::MAX)
 }
 
 fn reply(sequence: Sequence, reply: Reply) -> Option<Frame> {

@@ -38,7 +38,7 @@ impl<S: Scalar> Arm<S> {
     ///
     /// # Errors
     /// `Singular` at type 2.
-    pub fn bias(
+    pub fn nonlinear_effects(
         &self,
         pose: &Pose<S>,
         velocities: &Velocities<S>,
@@ -61,8 +61,11 @@ impl<S: Scalar> Arm<S> {
         torque: [S; 2],
         external_force: Vector2<S>,
     ) -> Result<[S; 2], PoseError> {
-        let bias = self.bias(pose, velocities, external_force)?;
-        let net = [torque[0] - bias[0], torque[1] - bias[1]];
+        let nonlinear_effects = self.nonlinear_effects(pose, velocities, external_force)?;
+        let net = [
+            torque[0] - nonlinear_effects[0],
+            torque[1] - nonlinear_effects[1],
+        ];
         Ok(solve(&self.mass_matrix(pose)?, net))
     }
 

@@ -1,16 +1,16 @@
 //! Dynamics of the five-bar by Kane's method (Yu 2007, section 2). Letters, frames and
 //! signs are drawn in `docs/notation.md`.
 
+mod base_parameters;
 mod body;
+mod components;
 mod energy;
 mod kane;
 mod mass;
 mod reactions;
-mod regrouped;
-mod shares;
 
+pub use base_parameters::BaseParameterModel;
 pub use body::{Arm, Link, ModelError};
+pub use components::{ShareTotals, TorqueComponents};
 pub use kane::PartialVelocities;
 pub use reactions::Reactions;
-pub use regrouped::Regrouped;
-pub use shares::{ShareTotals, TorqueShares};

@@ -11,7 +11,7 @@
 //! what all their velocities are divided by.
 
 use super::Side;
-use crate::scalar::FixedSquare;
+use crate::scalar::FixedPointSquare;
 use crate::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 
@@ -43,7 +43,7 @@ pub struct Dyad<S> {
     /// x of the pivot [m].
     pivot: S,
     /// s² once more, for [`Dyad::solve_precisely`].
-    fixed: FixedSquare,
+    fixed: FixedPointSquare,
     /// d² [m²].
     difference_squared: S,
     /// s d [m²].
@@ -79,7 +79,7 @@ impl<S: Scalar> Dyad<S> {
             pivot,
             far_squared: far * far,
             sum_squared: sum * sum,
-            fixed: FixedSquare::of_sum(near, far, pivot),
+            fixed: FixedPointSquare::of_sum(near, far, pivot),
             difference_squared: difference * difference,
             sum_difference: sum * difference,
             // (2 n f sin)².
@@ -116,7 +116,7 @@ impl<S: Scalar> Dyad<S> {
         self.solve_with_gap(p, self.sum_squared - p.length_squared(), side)
     }
 
-    /// As [`Dyad::solve`], with s² − |p|² by [`Scalar::square_less`]: for a point that is
+    /// As [`Dyad::solve`], with s² − |p|² by [`Scalar::difference_of_squares`]: for a point that is
     /// known to its last bit, which would be wasted near a stretched dyad otherwise.
     #[inline(always)]
     pub(super) fn solve_precisely(
@@ -124,7 +124,7 @@ impl<S: Scalar> Dyad<S> {
         p: Vector2<S>,
         side: Side,
     ) -> Result<DyadSolution<S>, DyadError<S>> {
-        let gap = S::square_less(self.sum_squared, &self.fixed, p.x, p.y);
+        let gap = S::difference_of_squares(self.sum_squared, &self.fixed, p.x, p.y);
         self.solve_with_gap(p, gap, side)
     }
 
@@ -137,7 +137,7 @@ impl<S: Scalar> Dyad<S> {
         side: Side,
     ) -> Result<DyadSolution<S>, DyadError<S>> {
         let (square, pivot) = (self.sum_squared, self.pivot);
-        let gap = S::square_less_from_pivot(square, &self.fixed, pivot, point.x, point.y);
+        let gap = S::difference_of_squares_from_pivot(square, &self.fixed, pivot, point.x, point.y);
         self.solve_with_gap(Vector2::new(point.x - pivot, point.y), gap, side)
     }
 

@@ -6,7 +6,7 @@
 //! h² = l1²/|r|² − a², rB = rA + a r ∓ h r⊥, the upper sign where the elbow turns
 //! `Left` (then B lies right of the ray A→C). Leg 4 alike about E. Close to a stretched leg
 //! h² is a small rest, and in `f32` it is taken from the exact square of C: see
-//! [`Scalar::square_less`].
+//! [`Scalar::difference_of_squares`].
 
 use super::dyad::{Dyad, DyadError};
 use super::{Geometry, Pose, PoseError, Side, Singularity, Unreachable, WorkingMode};

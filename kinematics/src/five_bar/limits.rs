@@ -55,7 +55,7 @@ impl<S: Scalar> JointLimits<S> {
     ///
     /// # Errors
     /// The joint that cannot point there.
-    pub fn admit(&self, theta1: S, theta4: S) -> Result<[S; 2], Joint> {
+    pub fn angles_within(&self, theta1: S, theta4: S) -> Result<[S; 2], Joint> {
         Ok([
             within(theta1, self.joint1).ok_or(Joint::Joint1)?,
             within(theta4, self.joint4).ok_or(Joint::Joint4)?,
@@ -77,12 +77,12 @@ mod tests {
     #[test]
     fn an_angle_is_found_on_the_turn_that_is_allowed() {
         let limits = JointLimits::new([0.5, 4.0], [-1.0, 1.0]).unwrap();
-        assert_eq!(limits.admit(1.0, 0.0), Ok([1.0, 0.0]));
-        let [theta1, _] = limits.admit(-2.9, 0.0).unwrap();
+        assert_eq!(limits.angles_within(1.0, 0.0), Ok([1.0, 0.0]));
+        let [theta1, _] = limits.angles_within(-2.9, 0.0).unwrap();
         assert!((theta1 - (2.0 * PI - 2.9)).abs() < 1e-15);
-        assert_eq!(limits.admit(0.4, 0.0), Err(Joint::Joint1));
-        assert_eq!(limits.admit(1.0, 1.1), Err(Joint::Joint4));
-        assert_eq!(limits.admit(f64::NAN, 0.0), Err(Joint::Joint1));
+        assert_eq!(limits.angles_within(0.4, 0.0), Err(Joint::Joint1));
+        assert_eq!(limits.angles_within(1.0, 1.1), Err(Joint::Joint4));
+        assert_eq!(limits.angles_within(f64::NAN, 0.0), Err(Joint::Joint1));
     }
 
     #[test]

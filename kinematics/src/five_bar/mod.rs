@@ -2,9 +2,9 @@
 //! eight branches (Yu 2007, section 1; corrected where its print errs). Letters, frames
 //! and signs are drawn in `docs/notation.md`.
 
+mod actuated;
 mod branch;
 mod closed_form;
-mod driven;
 mod dyad;
 mod error;
 mod forward;
@@ -20,8 +20,8 @@ mod singularity;
 mod tool;
 mod workspace;
 
+pub use actuated::ActuatedJointState;
 pub use branch::{Side, WorkingMode};
-pub use driven::Driven;
 pub use dyad::{Dyad, DyadError, DyadSolution};
 pub use error::{GeometryError, PoseError, Singularity, Unreachable};
 pub use geometry::Geometry;
@@ -33,4 +33,4 @@ pub use motion::{Accelerations, Velocities};
 pub use pose::Pose;
 pub use singularity::{Clearance, Clearances};
 pub use tool::Tool;
-pub use workspace::{Outside, Workspace};
+pub use workspace::{Workspace, WorkspaceViolation};

@@ -21,7 +21,7 @@ pub struct Workspace<S> {
 /// Why a point lies outside a workspace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Outside {
+pub enum WorkspaceViolation {
     /// There is no pose.
     Pose(PoseError),
     /// A driven joint would leave its limits.
@@ -30,7 +30,7 @@ pub enum Outside {
     Margin(Singularity),
 }
 
-impl fmt::Display for Outside {
+impl fmt::Display for WorkspaceViolation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Pose(error) => error.fmt(f),
@@ -40,23 +40,26 @@ impl fmt::Display for Outside {
     }
 }
 
-impl core::error::Error for Outside {}
+impl core::error::Error for WorkspaceViolation {}
 
 impl<S: Scalar> Workspace<S> {
     /// The pose that holds the tool at `t` [m], if it may be there.
     ///
     /// # Errors
     /// The first that fails of reach, joint limits and margin.
-    pub fn admit(&self, t: Vector2<S>) -> Result<Pose<S>, Outside> {
-        let pose = self.tool.inverse(t, self.mode).map_err(Outside::Pose)?;
+    pub fn check(&self, t: Vector2<S>) -> Result<Pose<S>, WorkspaceViolation> {
+        let pose = self
+            .tool
+            .inverse(t, self.mode)
+            .map_err(WorkspaceViolation::Pose)?;
         if let Some(limits) = &self.limits {
             limits
-                .admit(pose.u1.polar_angle(), pose.u4.polar_angle())
-                .map_err(Outside::Joint)?;
+                .angles_within(pose.u1.polar_angle(), pose.u4.polar_angle())
+                .map_err(WorkspaceViolation::Joint)?;
         }
         let (singularity, sine) = self.tool.nearest_singularity(&pose);
         if sine < self.margin {
-            return Err(Outside::Margin(singularity));
+            return Err(WorkspaceViolation::Margin(singularity));
         }
         Ok(pose)
     }

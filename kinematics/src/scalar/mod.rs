@@ -7,10 +7,10 @@
 //! | `Dual` of the crate `fivebar-design` | sensitivities | derivatives carried along |
 
 mod double;
-mod fixed;
+mod fixed_point;
 mod single;
 
-pub use fixed::FixedSquare;
+pub use fixed_point::FixedPointSquare;
 
 use core::ops::Neg;
 use nalgebra::{ClosedAddAssign, ClosedDivAssign, ClosedMulAssign, ClosedSubAssign};
@@ -58,20 +58,20 @@ pub trait Scalar:
     /// `square` − x² − y², where `square` and `fixed` are the same: for a small rest of
     /// large squares. `f32` takes it in integers.
     #[inline(always)]
-    fn square_less(square: Self, _fixed: &FixedSquare, x: Self, y: Self) -> Self {
+    fn difference_of_squares(square: Self, _fixed: &FixedPointSquare, x: Self, y: Self) -> Self {
         square - (x * x + y * y)
     }
 
-    /// As [`Scalar::square_less`] with x − `pivot` for x; `pivot` is that of `fixed`.
+    /// As [`Scalar::difference_of_squares`] with x − `pivot` for x; `pivot` is that of `fixed`.
     #[inline(always)]
-    fn square_less_from_pivot(
+    fn difference_of_squares_from_pivot(
         square: Self,
-        fixed: &FixedSquare,
+        fixed: &FixedPointSquare,
         pivot: Self,
         x: Self,
         y: Self,
     ) -> Self {
-        Self::square_less(square, fixed, x - pivot, y)
+        Self::difference_of_squares(square, fixed, x - pivot, y)
     }
 
     /// |x|.

@@ -4,7 +4,7 @@
 //! that a desktop and a Cortex-M4F give the same bits. The polynomials are minimax fits
 //! (Remez); every stated bound is asserted by the tests below.
 
-use super::{FixedSquare, Scalar};
+use super::{FixedPointSquare, Scalar};
 
 impl Scalar for f32 {
     const ZERO: Self = 0.0;
@@ -34,11 +34,17 @@ impl Scalar for f32 {
         atan2(self, x)
     }
     #[inline(always)]
-    fn square_less(_: Self, fixed: &FixedSquare, x: Self, y: Self) -> Self {
+    fn difference_of_squares(_: Self, fixed: &FixedPointSquare, x: Self, y: Self) -> Self {
         fixed.less(x, y)
     }
     #[inline(always)]
-    fn square_less_from_pivot(_: Self, fixed: &FixedSquare, _: Self, x: Self, y: Self) -> Self {
+    fn difference_of_squares_from_pivot(
+        _: Self,
+        fixed: &FixedPointSquare,
+        _: Self,
+        x: Self,
+        y: Self,
+    ) -> Self {
         fixed.less_from_pivot(x, y)
     }
     #[inline]

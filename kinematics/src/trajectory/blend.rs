@@ -20,7 +20,7 @@
 
 use super::curve::Curve;
 use super::number::{max, min};
-use super::segment::Segment;
+use super::path_segment::PathSegment;
 use crate::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 
@@ -43,11 +43,11 @@ impl<S: Scalar> Deviation<S> {
 /// The longest blend from `first` to `second` that stays within `tolerance` [m] of their
 /// path and takes no more than `reach` [m] of each; `None` where that leaves nothing.
 pub(super) fn blend<S: Scalar>(
-    first: &Segment<S>,
-    second: &Segment<S>,
+    first: &PathSegment<S>,
+    second: &PathSegment<S>,
     tolerance: S,
     reach: [S; 2],
-) -> Option<Segment<S>> {
+) -> Option<PathSegment<S>> {
     let before = first.at(first.length());
     let after = second.at(S::ZERO);
     let [k0, k1] = [before.curvature, after.curvature].map(Vector2::length);
@@ -85,7 +85,11 @@ fn longest_within<S: Scalar>(deviation: &Deviation<S>, longest: S, tolerance: S)
 
 /// The quintic over u ∈ [0, 1] that leaves `first` ½ℓ before its end and joins `second`
 /// ½ℓ after its start, with their tangents and curvatures.
-fn hermite<S: Scalar>(first: &Segment<S>, second: &Segment<S>, length: S) -> Segment<S> {
+fn hermite<S: Scalar>(
+    first: &PathSegment<S>,
+    second: &PathSegment<S>,
+    length: S,
+) -> PathSegment<S> {
     let half = length * S::HALF;
     let from = first.at(first.length() - half);
     let to = second.at(half);
@@ -99,7 +103,7 @@ fn hermite<S: Scalar>(first: &Segment<S>, second: &Segment<S>, length: S) -> Seg
     let f = v1 - v0 - a0;
     let g = a1 - a0;
     let c = S::from_f64;
-    Segment::new(
+    PathSegment::new(
         Curve::Blend {
             coefficients: [
                 from.position,
@@ -150,7 +154,7 @@ mod tests {
     }
 
     /// A line or an arc of 0.1 m, ending or starting at the origin.
-    fn segment(direction: f64, curvature: f64, ends: bool) -> Segment<f64> {
+    fn segment(direction: f64, curvature: f64, ends: bool) -> PathSegment<f64> {
         let tangent = V::unit(direction);
         let curve = if curvature.abs() < 2.0 {
             Curve::Line {
@@ -167,7 +171,7 @@ mod tests {
         let length = 0.1;
         if ends {
             // Backwards from the origin: the same curve in the other direction.
-            let back = Segment::new(curve, length);
+            let back = PathSegment::new(curve, length);
             let from = back.at(length);
             let start = from.position;
             let tangent = -from.tangent;
@@ -179,9 +183,9 @@ mod tests {
                 },
                 _ => Curve::Line { start, tangent },
             };
-            Segment::new(curve, length)
+            PathSegment::new(curve, length)
         } else {
-            Segment::new(curve, length)
+            PathSegment::new(curve, length)
         }
     }
 
@@ -239,14 +243,14 @@ mod tests {
 
     #[test]
     fn tolerance_is_used_up_where_there_is_room() {
-        let first = Segment::line(V::new(-0.1, 0.0), V::zeros()).unwrap();
-        let second = Segment::line(V::zeros(), V::new(0.0, 0.1)).unwrap();
+        let first = PathSegment::line(V::new(-0.1, 0.0), V::zeros()).unwrap();
+        let second = PathSegment::line(V::zeros(), V::new(0.0, 0.1)).unwrap();
         let corner = blend(&first, &second, 1e-3, [0.05, 0.05]).unwrap();
         let missed = corner.at(0.5 * corner.length()).position.length();
         assert!((missed / 1e-3 - 1.0).abs() < 1e-6, "{missed}");
         // From a line onto its tangent arc there is nothing to turn, only to bend.
         let centre = V::new(0.0, 0.02);
-        let onto = Segment::arc(
+        let onto = PathSegment::arc(
             V::zeros(),
             centre,
             V::new(0.0, 0.01),

@@ -68,10 +68,10 @@ impl<S: Scalar> Curve<S> {
     /// Position, velocity and acceleration at s, moving with ṡ [m/s] and s̈ [m/s²]:
     /// r, r′ ṡ and r″ ṡ² + r′ s̈.
     #[inline(always)]
-    pub(super) fn motion(&self, s: S, rate: S, acceleration: S) -> [Vector2<S>; 3] {
+    pub(super) fn motion(&self, s: S, s_dot: S, s_ddot: S) -> [Vector2<S>; 3] {
         match *self {
             Self::Line { start, tangent } => {
-                [start + tangent * s, tangent * rate, tangent * acceleration]
+                [start + tangent * s, tangent * s_dot, tangent * s_ddot]
             }
             Self::Arc {
                 start,
@@ -84,9 +84,8 @@ impl<S: Scalar> Curve<S> {
                 let direction = chord * (cos + cos) - tangent;
                 [
                     start + chord * (S::TWO * sin / curvature),
-                    direction * rate,
-                    direction.perpendicular() * (curvature * (rate * rate))
-                        + direction * acceleration,
+                    direction * s_dot,
+                    direction.perpendicular() * (curvature * (s_dot * s_dot)) + direction * s_ddot,
                 ]
             }
             Self::Blend {
@@ -101,8 +100,8 @@ impl<S: Scalar> Curve<S> {
                 let (p, d, e) = (p * u + c1, d * u + p, e * u + d);
                 let (p, d, e) = (p * u + c0, d * u + p, e * u + d);
                 // u̇ and ü.
-                let (rate, acceleration) = (rate * inverse_length, acceleration * inverse_length);
-                [p, d * rate, e * (S::TWO * rate * rate) + d * acceleration]
+                let (s_dot, s_ddot) = (s_dot * inverse_length, s_ddot * inverse_length);
+                [p, d * s_dot, e * (S::TWO * s_dot * s_dot) + d * s_ddot]
             }
         }
     }

@@ -1,15 +1,15 @@
-//! What the arm may do: everything a path is held against before it is accepted.
+//! The constraints that a path must satisfy before it is accepted.
 
-use super::ramp::Caps;
+use super::ramp::MotionLimits;
 use crate::dynamics::Arm;
 use crate::five_bar::Workspace;
 
-/// Torques that a path may ask for.
+/// The torques that a path may demand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TorqueLimits<S> {
-    /// The masses.
+    /// The arm with its masses.
     pub arm: Arm<S>,
-    /// Greatest torque of joint 1 and joint 4 [N·m], friction not counted.
+    /// Greatest torque of joint 1 and joint 4 [N·m], without friction.
     pub torque: [S; 2],
 }
 
@@ -18,16 +18,18 @@ pub struct TorqueLimits<S> {
 pub struct Envelope<S> {
     /// Where the tool may be: arm, tool, working mode, joint limits, singularity margin.
     /// Leg 1's singularity is the tool's: A, B and the tool in line. Where joint limits
-    /// leave more than a turn, a path starts on the turn that `JointLimits::admit` gives.
+    /// span more than one turn, a path starts at the angles that
+    /// `JointLimits::angles_within` returns.
     pub workspace: Workspace<S>,
     /// Greatest speed of joints 1 and 4 [rad/s].
     pub joint_speed: [S; 2],
     /// Greatest acceleration of joints 1 and 4 [rad/s²].
     pub joint_acceleration: [S; 2],
-    /// Greatest torques, where the masses are known.
+    /// Greatest torques; `None` where the masses are unknown.
     pub torque: Option<TorqueLimits<S>>,
     /// Greatest speed, acceleration and jerk of the tool.
-    pub tool_motion: Caps<S>,
-    /// How far a rounded corner may leave the path [m]; 0 stops at corners.
+    pub tool_motion: MotionLimits<S>,
+    /// Greatest distance of a rounded corner from the path [m]. With 0 the motion stops at
+    /// corners.
     pub corner_tolerance: S,
 }

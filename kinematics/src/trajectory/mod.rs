@@ -1,44 +1,44 @@
 //! Trajectories: from moves of the tool to the reference that the tick follows.
 //!
 //! ```text
-//! Segment::line, Segment::arc        the geometry of a move
-//!   │ Envelope::admit                the whole of it checked, and how fast it may go
+//! PathSegment::line, PathSegment::arc   the geometry of a move
+//!   │ Envelope::check                   the whole path checked; gives its motion limits
 //!   ▼
-//! LookAhead::push                    corners rounded or stopped at, speeds planned
-//!   │ LookAhead::next_piece          committed
+//! LookaheadPlanner::push                corners rounded or stopped at, speeds planned
+//!   │ LookaheadPlanner::next_segment    committed
 //!   ▼
-//! Piece::evaluate(t) → Reference     position, velocity, acceleration, each tick
+//! TrajectorySegment::evaluate(t)        Reference: position, velocity, acceleration, each tick
 //! ```
 //!
-//! Geometry and time are kept apart. The path is a row of curves whose tangent and
-//! curvature run on where they meet, or that are stopped between; along it a single
-//! jerk-limited time law s(t), a cubic from one change of jerk to the next, runs through
-//! corners and all. A [`Piece`] is one curve and one cubic, so that the tick evaluates
-//! polynomials, and one sine and cosine on an arc.
+//! Geometry and time are separate. The path is a sequence of curves. Where two curves meet,
+//! tangent and curvature are continuous, or the motion stops. One jerk-limited time law s(t)
+//! runs along the whole path; between two changes of jerk it is a cubic. A
+//! [`TrajectorySegment`] is one curve and one cubic, so the tick evaluates polynomials, and
+//! one sine and cosine on an arc.
 
-mod admission;
 mod blend;
 mod bounds;
+mod check;
 mod curve;
 mod envelope;
-mod horizon;
-mod look_ahead;
+mod error;
+mod lookahead;
+mod motion_limits;
 mod number;
-mod piece;
-mod plan;
+mod path_segment;
+mod profile;
 mod queue;
 mod ramp;
 mod reference;
-mod refusal;
-mod segment;
-mod speed_cap;
-mod walk;
+mod trajectory_segment;
+mod verify;
+mod window;
 
 pub use curve::{Curve, CurvePoint};
 pub use envelope::{Envelope, TorqueLimits};
-pub use look_ahead::{LookAhead, PushError};
-pub use piece::{Piece, Progress, TimeLaw};
-pub use ramp::Caps;
+pub use error::{ConstraintViolation, PathError};
+pub use lookahead::{LookaheadPlanner, PushError};
+pub use path_segment::{PathSegment, PathSegmentError, Sense};
+pub use ramp::MotionLimits;
 pub use reference::Reference;
-pub use refusal::{Obstacle, Refusal};
-pub use segment::{Segment, SegmentError, Sense};
+pub use trajectory_segment::{PathState, TimeLaw, TrajectorySegment};

@@ -1,4 +1,4 @@
-//! The few functions of numbers that planning needs beyond [`Scalar`]'s.
+//! Functions of numbers that planning needs beyond [`Scalar`]'s.
 
 use crate::Scalar;
 
@@ -17,8 +17,8 @@ pub(super) fn max<S: Scalar>(a: S, b: S) -> S {
 /// ∛x for x ≥ 0.
 ///
 /// ⅓ = ¼ + 1/16 + 1/64 + …, so repeated fourth roots multiply up to ∛x. Six of them leave
-/// a factor x^(1/12288), under 1 % for any f32 of a machine's making, and two Newton
-/// steps square that error twice.
+/// a factor x^(1/12288), an error under 1 % for any f32 that occurs here. Each of the three
+/// Newton steps squares that error.
 pub(super) fn cube_root<S: Scalar>(x: S) -> S {
     if x <= S::ZERO {
         return S::ZERO;

@@ -1,27 +1,27 @@
-//! The spans ahead, first in, first out.
+//! The planned segments, first in, first out.
 
-use super::piece::Shape;
-use super::ramp::Caps;
+use super::ramp::MotionLimits;
+use super::trajectory_segment::Shape;
 use crate::Scalar;
 
-/// A shape and how it may be moved along.
+/// A shape and the limits of the motion along it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Span<S> {
+pub(super) struct PlannedSegment<S> {
     pub(super) shape: Shape<S>,
-    /// How far it goes: [m], for joints [rad], at rest [s].
+    /// Length: of a curve [m], of a joint move [rad], of a dwell [s].
     pub(super) length: S,
-    /// How much of its end the next corner may take [m].
+    /// The part of its end that the next corner may replace [m].
     pub(super) free: S,
-    pub(super) caps: Caps<S>,
+    pub(super) limits: MotionLimits<S>,
     pub(super) tag: u32,
-    /// It must be entered from rest.
+    /// The motion along it must start from rest.
     pub(super) from_rest: bool,
 }
 
-/// A ring of spans.
+/// A ring buffer of planned segments.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Queue<S, const N: usize> {
-    spans: [Option<Span<S>>; N],
+    segments: [Option<PlannedSegment<S>>; N],
     head: usize,
     len: usize,
 }
@@ -32,7 +32,7 @@ impl<S: Scalar, const N: usize> Queue<S, N> {
             assert!(N >= 4, "a look-ahead of fewer than two moves is none");
         }
         Self {
-            spans: [None; N],
+            segments: [None; N],
             head: 0,
             len: 0,
         }
@@ -42,38 +42,38 @@ impl<S: Scalar, const N: usize> Queue<S, N> {
         self.len
     }
 
-    /// The span `index` places behind the first.
-    pub(super) fn get(&self, index: usize) -> Option<&Span<S>> {
+    /// The segment `index` places after the first.
+    pub(super) fn get(&self, index: usize) -> Option<&PlannedSegment<S>> {
         if index < self.len {
-            self.spans.get((self.head + index) % N)?.as_ref()
+            self.segments.get((self.head + index) % N)?.as_ref()
         } else {
             None
         }
     }
 
-    pub(super) fn first(&self) -> Option<&Span<S>> {
+    pub(super) fn first(&self) -> Option<&PlannedSegment<S>> {
         self.get(0)
     }
 
-    pub(super) fn last(&self) -> Option<&Span<S>> {
+    pub(super) fn last(&self) -> Option<&PlannedSegment<S>> {
         self.get(self.len.checked_sub(1)?)
     }
 
-    pub(super) fn iter(&self) -> impl Iterator<Item = &Span<S>> {
+    pub(super) fn iter(&self) -> impl Iterator<Item = &PlannedSegment<S>> {
         (0..self.len).filter_map(|index| self.get(index))
     }
 
-    /// Append; the caller has made sure of the room.
-    pub(super) fn push(&mut self, span: Span<S>) {
-        if let Some(slot) = self.spans.get_mut((self.head + self.len) % N)
+    /// Appends a segment; the caller has checked that a slot is free.
+    pub(super) fn push(&mut self, planned: PlannedSegment<S>) {
+        if let Some(slot) = self.segments.get_mut((self.head + self.len) % N)
             && self.len < N
         {
-            *slot = Some(span);
+            *slot = Some(planned);
             self.len += 1;
         }
     }
 
-    /// Drop the first.
+    /// Removes the first.
     pub(super) fn pop(&mut self) {
         if self.len > 0 {
             self.head = (self.head + 1) % N;
@@ -81,24 +81,24 @@ impl<S: Scalar, const N: usize> Queue<S, N> {
         }
     }
 
-    /// Drop the last `count`.
+    /// Removes the last `count`.
     pub(super) fn drop_last(&mut self, count: usize) {
         self.len = self.len.saturating_sub(count);
     }
 
-    /// Take `length` off the end of the last.
+    /// Shortens the last by `length` at its end.
     pub(super) fn shorten_last(&mut self, length: S) {
         if self.len > 0
-            && let Some(Some(last)) = self.spans.get_mut((self.head + self.len - 1) % N)
+            && let Some(Some(last)) = self.segments.get_mut((self.head + self.len - 1) % N)
         {
             last.length = last.length - length;
             last.free = S::ZERO;
         }
     }
 
-    /// How many spans, the first included, are moved along without coming to rest.
+    /// The number of segments, the first included, that are passed without a stop.
     pub(super) fn run(&self) -> usize {
-        match self.iter().skip(1).position(|span| span.from_rest) {
+        match self.iter().skip(1).position(|planned| planned.from_rest) {
             Some(further) => further + 1,
             None => self.len,
         }

@@ -2,8 +2,8 @@
 //!
 //! From speed v₀ and acceleration a₀ to speed V and no acceleration, as fast as
 //! |s̈| ≤ a and |s⃛| ≤ j allow: jerk σj until the acceleration peaks at σâ, hold it, jerk
-//! −σj until it is gone. Letting a₀ go at once would end at v₀ + a₀|a₀|/2j, and σ is the
-//! side of it on which V lies. The speed gained on the way up and down gives
+//! −σj until it is zero. Reducing a₀ to zero at once would end at v₀ + a₀|a₀|/2j; σ is the
+//! side of that speed on which V lies. The speed gained on the way up and down gives
 //!
 //! â² = j σ(V−v₀) + ½a₀², t₁ = (â − σa₀)/j, t₃ = â/j,
 //!
@@ -12,9 +12,9 @@
 use super::number::{cube_root, max, min};
 use crate::Scalar;
 
-/// The limits along a path. Of a joint move, in rad instead of m.
+/// The limits of the motion along a path; for a joint move in rad instead of m.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Caps<S> {
+pub struct MotionLimits<S> {
     /// |ṡ| [m/s].
     pub speed: S,
     /// |s̈| [m/s²].
@@ -23,12 +23,12 @@ pub struct Caps<S> {
     pub jerk: S,
 }
 
-impl<S: Scalar> Caps<S> {
-    /// All positive and finite.
-    pub(super) fn are_sound(&self) -> bool {
+impl<S: Scalar> MotionLimits<S> {
+    /// Whether all are positive and finite.
+    pub(super) fn are_valid(&self) -> bool {
         [self.speed, self.acceleration, self.jerk]
             .iter()
-            .all(|&cap| cap > S::ZERO && cap.is_finite())
+            .all(|&limit| limit > S::ZERO && limit.is_finite())
     }
 
     /// The lesser of each.
@@ -41,7 +41,7 @@ impl<S: Scalar> Caps<S> {
     }
 }
 
-/// A time of constant jerk.
+/// A phase of constant jerk.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Phase<S> {
     /// [s].
@@ -55,7 +55,7 @@ pub(super) struct Phase<S> {
 }
 
 impl<S: Scalar> Phase<S> {
-    /// A time that takes no time.
+    /// A phase of no duration.
     pub(super) fn none() -> Self {
         Self {
             duration: S::ZERO,
@@ -65,7 +65,7 @@ impl<S: Scalar> Phase<S> {
         }
     }
 
-    /// The way covered in it [m].
+    /// The distance covered in it [m].
     pub(super) fn distance(&self) -> S {
         let t = self.duration;
         let sixth = S::from_f64(1.0 / 6.0);
@@ -84,7 +84,7 @@ impl<S: Scalar> Phase<S> {
     }
 }
 
-/// The speed reached if the acceleration is let go at once, jerk-limited.
+/// The speed reached when the acceleration is reduced to zero at once, within the jerk.
 pub(super) fn speed_after_release<S: Scalar>(speed: S, acceleration: S, jerk: S) -> S {
     speed + acceleration * acceleration.abs() / (S::TWO * jerk)
 }
@@ -94,9 +94,9 @@ pub(super) fn ramp<S: Scalar>(
     speed: S,
     acceleration: S,
     target: S,
-    caps: &Caps<S>,
+    limits: &MotionLimits<S>,
 ) -> [Phase<S>; 3] {
-    let (a, j) = (caps.acceleration, caps.jerk);
+    let (a, j) = (limits.acceleration, limits.jerk);
     let side = if target < speed_after_release(speed, acceleration, j) {
         -S::ONE
     } else {
@@ -122,7 +122,7 @@ pub(super) fn ramp<S: Scalar>(
     [up, hold, down]
 }
 
-/// The way that phases cover [m].
+/// The distance that phases cover [m].
 pub(super) fn distance<S: Scalar>(phases: &[Phase<S>]) -> S {
     phases
         .iter()
@@ -136,8 +136,12 @@ pub(super) fn distance<S: Scalar>(phases: &[Phase<S>]) -> S {
 /// that would pass the acceleration a. With y = √(v−w) the first is y³ + 2wy = d√j, a
 /// convex function whose Newton steps from above fall to the root; the second is a
 /// quadratic in v.
-pub(super) fn greatest_entry_speed<S: Scalar>(target: S, distance: S, caps: &Caps<S>) -> S {
-    let (w, a, j) = (target, caps.acceleration, caps.jerk);
+pub(super) fn greatest_entry_speed<S: Scalar>(
+    target: S,
+    distance: S,
+    limits: &MotionLimits<S>,
+) -> S {
+    let (w, a, j) = (target, limits.acceleration, limits.jerk);
     if distance <= S::ZERO {
         return w;
     }
@@ -164,8 +168,8 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn caps(a: f64, j: f64) -> Caps<f64> {
-        Caps {
+    fn limits(a: f64, j: f64) -> MotionLimits<f64> {
+        MotionLimits {
             speed: 10.0,
             acceleration: a,
             jerk: j,
@@ -178,8 +182,8 @@ mod tests {
             v0 in 0.0..2.0, share in -1.0..1.0, target in 0.0..2.0, a in 0.1..20.0, j in 1.0..500.0,
         ) {
             let a0 = share * a;
-            let caps = caps(a, j);
-            let phases = ramp(v0, a0, target, &caps);
+            let limits = limits(a, j);
+            let phases = ramp(v0, a0, target, &limits);
             let end = phases[2].then(0.0, 0.0, 0.0);
             prop_assert!((end.speed - target).abs() < 1e-12 * (1.0 + a * a / j));
             let mut acceleration = a0;
@@ -197,9 +201,9 @@ mod tests {
         fn the_greatest_entry_speed_uses_up_the_distance(
             w in 0.0..1.0, d in 1e-6..0.5, a in 0.1..20.0, j in 1.0..500.0,
         ) {
-            let caps = caps(a, j);
-            let v = greatest_entry_speed(w, d, &caps);
-            let used = distance(&ramp(v, 0.0, w, &caps));
+            let limits = limits(a, j);
+            let v = greatest_entry_speed(w, d, &limits);
+            let used = distance(&ramp(v, 0.0, w, &limits));
             // The answer is rounded to half an ε of v, and the way goes with √(v − w).
             let bound = 1e-12 + f64::EPSILON * v / (v - w);
             prop_assert!((used / d - 1.0).abs() < bound, "{used} of {d}");

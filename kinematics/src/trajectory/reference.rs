@@ -1,8 +1,8 @@
-//! What the tick is given to follow.
+//! The reference that the tick follows.
 
 use nalgebra::Vector2;
 
-/// Where the arm should be, and how it should be moving.
+/// The reference position of the arm with its derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Reference<S> {
     /// Of the tool.

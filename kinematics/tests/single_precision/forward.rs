@@ -23,7 +23,7 @@ fn geometries() -> (Geometry<f32>, Geometry<f64>) {
     (single, Geometry::new(BENCHTOP.map(f64::from)).unwrap())
 }
 
-/// Driven angles and an assembly that `f64` says are a pose at least [`MARGIN`] from where B,
+/// ActuatedJointState angles and an assembly that `f64` says are a pose at least [`MARGIN`] from where B,
 /// C and D are in line, and that pose.
 fn poses() -> impl Strategy<Value = ([f32; 2], Side, Pose<f64>)> {
     let angle = || single(-3.1..3.1);

@@ -3,8 +3,8 @@
 //!
 //! ε = 2⁻²⁴ is half the distance of neighbours at 1.
 
+mod actuated;
 mod arms;
-mod driven;
 mod forward;
 mod refusals;
 mod tool_beside_c;

@@ -53,7 +53,7 @@ fn points_are_refused_alike_but_at_the_border() {
             prop_assert_eq!(exact.is_none(), verdict == Verdict::Reached);
             let inverse = arms.single.geometry().inverse(c, mode).err();
             prop_assert_eq!(inverse, exact, "inverse at {:?}", c);
-            let driven = arms.single.driven(c, Vector2::zeros(), Vector2::zeros(), mode).err();
+            let driven = arms.single.actuated_joints(c, Vector2::zeros(), Vector2::zeros(), mode).err();
             prop_assert_eq!(driven, exact, "driven at {:?}", c);
         }
     });

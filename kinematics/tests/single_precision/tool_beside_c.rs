@@ -1,4 +1,4 @@
-//! The driven joints with the tool beside C, by `Tool::driven`.
+//! The driven joints with the tool beside C, by `Tool::actuated_joints`.
 //!
 //! |BT| = r is rounded: to 3 ε r, as the square root of a sum of squares. That turns link 1 by
 //! 3 ε r/(l1 |sin1|) beyond the bound with the tool at C. B so displaced turns w, from T to C,
@@ -65,7 +65,10 @@ impl Case {
     /// Asserts that the point is accepted; the errors of θ1 and θ4 [rad].
     fn errors(&self) -> Result<[f64; 2], TestCaseError> {
         let zero = Vector2::zeros();
-        let found = self.arms.single.driven(self.t, zero, zero, self.mode);
+        let found = self
+            .arms
+            .single
+            .actuated_joints(self.t, zero, zero, self.mode);
         prop_assert!(found.is_ok(), "{found:?} of {self:?}");
         let exact = self.arms.double.inverse(wide(self.t), self.mode).unwrap();
         let [u1, u4] = found.unwrap().direction.map(|u| f64::from(u.polar_angle()));

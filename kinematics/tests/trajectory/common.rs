@@ -2,7 +2,9 @@
 //! the checks that every motion must stand.
 
 use fivebar_kinematics::five_bar::{Geometry, Side, Tool, WorkingMode, Workspace};
-use fivebar_kinematics::trajectory::{Caps, Envelope, LookAhead, Piece, Reference, Segment};
+use fivebar_kinematics::trajectory::{
+    Envelope, LookaheadPlanner, MotionLimits, PathSegment, Reference, TrajectorySegment,
+};
 use fivebar_kinematics::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 
@@ -25,7 +27,7 @@ pub(crate) fn envelope<S: Scalar>(corner_tolerance: f64) -> Envelope<S> {
         joint_speed: [c(100.0); 2],
         joint_acceleration: [c(10_000.0); 2],
         torque: None,
-        tool_motion: Caps {
+        tool_motion: MotionLimits {
             speed: c(0.3),
             acceleration: c(5.0),
             jerk: c(500.0),
@@ -35,9 +37,9 @@ pub(crate) fn envelope<S: Scalar>(corner_tolerance: f64) -> Envelope<S> {
 }
 
 /// Position, velocity and acceleration of the tool.
-pub(crate) fn tool<S: Scalar>(piece: &Piece<S>, t: S) -> (V, V, V) {
+pub(crate) fn tool<S: Scalar>(trajectory_segment: &TrajectorySegment<S>, t: S) -> (V, V, V) {
     let wide = |v: Vector2<S>| V::new(v.x.to_f64(), v.y.to_f64());
-    match piece.evaluate(t) {
+    match trajectory_segment.evaluate(t) {
         Reference::Tool {
             position,
             velocity,
@@ -49,26 +51,26 @@ pub(crate) fn tool<S: Scalar>(piece: &Piece<S>, t: S) -> (V, V, V) {
 
 /// Runs segments through the look-ahead with its queue as full as it allows.
 pub(crate) fn run<S: Scalar>(
-    segments: &[Segment<S>],
+    segments: &[PathSegment<S>],
     feed: S,
     envelope: &Envelope<S>,
-) -> Vec<Piece<S>> {
-    let mut look_ahead = LookAhead::<S, 32>::new();
-    let mut pieces = Vec::new();
+) -> Vec<TrajectorySegment<S>> {
+    let mut lookahead = LookaheadPlanner::<S, 32>::new();
+    let mut trajectory = Vec::new();
     for (tag, segment) in segments.iter().enumerate() {
-        let caps = envelope.admit(segment, feed).unwrap();
-        while !look_ahead.has_room() {
-            pieces.push(look_ahead.next_piece().unwrap());
+        let limits = envelope.check(segment, feed).unwrap();
+        while !lookahead.has_free_slot() {
+            trajectory.push(lookahead.next_segment().unwrap());
         }
-        look_ahead
-            .push(segment, caps, tag as u32, envelope)
+        lookahead
+            .push(segment, limits, tag as u32, envelope)
             .unwrap();
     }
-    while let Some(piece) = look_ahead.next_piece() {
-        pieces.push(piece);
+    while let Some(trajectory_segment) = lookahead.next_segment() {
+        trajectory.push(trajectory_segment);
     }
-    assert!(look_ahead.is_empty());
-    pieces
+    assert!(lookahead.is_empty());
+    trajectory
 }
 
 /// How far two neighbouring references may be apart: rounding.
@@ -81,26 +83,26 @@ pub(crate) struct Rounding {
 /// Continuous from rest at `start` to rest at `end`, within the limits everywhere; gives
 /// the time it takes.
 pub(crate) fn assert_sound<S: Scalar>(
-    pieces: &[Piece<S>],
+    trajectory: &[TrajectorySegment<S>],
     [start, end]: [V; 2],
-    limits: &Caps<f64>,
+    limits: &MotionLimits<f64>,
     rounding: &Rounding,
 ) -> f64 {
     const STEPS: u32 = 12;
     let mut last = (start, V::zeros(), V::zeros());
     let mut time = 0.0;
-    for (index, piece) in pieces.iter().enumerate() {
-        let first = tool(piece, S::ZERO);
+    for (index, trajectory_segment) in trajectory.iter().enumerate() {
+        let first = tool(trajectory_segment, S::ZERO);
         let near = (first.0 - last.0).length() <= rounding.position
             && (first.1 - last.1).length() <= rounding.velocity
             && (first.2 - last.2).length() <= rounding.acceleration;
-        assert!(near, "piece {index}: {first:?} after {last:?}");
-        let duration = piece.duration().to_f64();
+        assert!(near, "trajectory_segment {index}: {first:?} after {last:?}");
+        let duration = trajectory_segment.duration().to_f64();
         assert!(duration > 0.0);
         let dt = duration / f64::from(STEPS);
         let mut before = first;
         for step in 1..=STEPS {
-            let now = tool(piece, S::from_f64(dt * f64::from(step)));
+            let now = tool(trajectory_segment, S::from_f64(dt * f64::from(step)));
             assert!(now.1.length() <= limits.speed * (1.0 + 1e-5));
             assert!(now.2.length() <= limits.acceleration * (1.0 + 1e-5) + rounding.acceleration);
             // The mean of the jerk, and of the acceleration, over a step.
@@ -108,14 +110,14 @@ pub(crate) fn assert_sound<S: Scalar>(
             assert!(
                 (now.2 - before.2).length()
                     <= limits.jerk * dt * (1.0 + 1e-5) + rounding.acceleration,
-                "piece {index}: jerk {jerk}"
+                "trajectory_segment {index}: jerk {jerk}"
             );
             let middle = (before.1 + now.1) * 0.5;
             let moved = now.0 - before.0 - middle * dt;
             assert!(moved.length() <= limits.jerk * dt * dt * dt + rounding.position);
             before = now;
         }
-        last = tool(piece, S::from_f64(duration));
+        last = tool(trajectory_segment, S::from_f64(duration));
         time += duration;
     }
     assert!(
@@ -127,7 +129,7 @@ pub(crate) fn assert_sound<S: Scalar>(
 }
 
 /// Distance from a segment to a point, densely sampled and refined [m].
-pub(crate) fn distance_to<S: Scalar>(segment: &Segment<S>, point: V) -> f64 {
+pub(crate) fn distance_to<S: Scalar>(segment: &PathSegment<S>, point: V) -> f64 {
     let length = segment.length().to_f64();
     let at = |s: f64| {
         let p = segment.at(S::from_f64(s)).position;

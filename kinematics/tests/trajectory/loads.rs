@@ -6,7 +6,8 @@ use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::dynamics::{Arm, Link};
 use fivebar_kinematics::five_bar::{Joint, Side, Singularity};
 use fivebar_kinematics::trajectory::{
-    Caps, Envelope, LookAhead, Obstacle, Reference, Segment, Sense, TorqueLimits,
+    ConstraintViolation, Envelope, LookaheadPlanner, MotionLimits, PathSegment, Reference, Sense,
+    TorqueLimits,
 };
 use fivebar_testkit::Tally;
 use nalgebra::Vector2;
@@ -41,16 +42,16 @@ fn joints(envelope: &Envelope<f64>, arm: &Arm<f64>, (p, v, a): (V, V, V)) -> [[f
 }
 
 /// A path from the middle towards any side, to just short of where it is refused.
-fn to_the_brink(envelope: &Envelope<f64>, direction: f64, bend: Option<f64>) -> Segment<f64> {
+fn to_the_brink(envelope: &Envelope<f64>, direction: f64, bend: Option<f64>) -> PathSegment<f64> {
     let from = V::new(MIDDLE[0], MIDDLE[1]);
     let reach = |length: f64| {
         let to = from + V::unit(direction) * length;
         match bend {
-            None => Segment::line(from, to),
+            None => PathSegment::line(from, to),
             Some(bend) => {
                 let chord = to - from;
                 let centre = from + chord * 0.5 + chord.perpendicular() * bend;
-                Segment::arc(from, to, centre, Sense::CounterClockwise, 1e-9)
+                PathSegment::arc(from, to, centre, Sense::CounterClockwise, 1e-9)
             }
         }
         .unwrap()
@@ -58,7 +59,7 @@ fn to_the_brink(envelope: &Envelope<f64>, direction: f64, bend: Option<f64>) -> 
     let (mut good, mut bad) = (1e-3, 0.5);
     for _ in 0..30 {
         let middle = (good + bad) / 2.0;
-        match envelope.admit(&reach(middle), 1.0) {
+        match envelope.check(&reach(middle), 1.0) {
             Ok(_) => good = middle,
             Err(_) => bad = middle,
         }
@@ -75,7 +76,7 @@ fn bound_by_joints(
     let mut envelope = envelope(1e-4);
     let arm = arm(&envelope);
     envelope.workspace.margin = 0.1;
-    envelope.tool_motion = Caps {
+    envelope.tool_motion = MotionLimits {
         speed: 1.0,
         acceleration: 50.0,
         jerk: 5e4,
@@ -91,15 +92,18 @@ fn bound_by_joints(
 fn greatest_shares(envelope: &Envelope<f64>, direction: f64, bend: Option<f64>) -> [f64; 3] {
     let arm = arm(envelope);
     let out = to_the_brink(envelope, direction, bend);
-    let back = Segment::line(out.end(), out.start()).unwrap();
+    let back = PathSegment::line(out.end(), out.start()).unwrap();
     let mut path = vec![out];
-    let returns = envelope.admit(&back, 1.0).is_ok();
+    let returns = envelope.check(&back, 1.0).is_ok();
     assert!(returns || bend.is_some(), "the same line is admitted");
     path.extend(returns.then_some(back));
     let mut greatest = [0.0_f64; 3];
-    for piece in run(&path, 1.0, envelope) {
+    for trajectory_segment in run(&path, 1.0, envelope) {
         for step in 0..=20 {
-            let reference = tool(&piece, piece.duration() * f64::from(step) / 20.0);
+            let reference = tool(
+                &trajectory_segment,
+                trajectory_segment.duration() * f64::from(step) / 20.0,
+            );
             let [speed, acceleration, load] = joints(envelope, &arm, reference);
             for joint in 0..2 {
                 let torque = envelope.torque.map(|limits| limits.torque[joint]);
@@ -159,19 +163,19 @@ fn joint_moves_run_from_rest_to_rest_and_arrive_together() {
         let from = [std::f64::consts::PI - start[0], start[1]];
         let to = [from[0] + turn[0], from[1] + turn[1]];
         // Some meet B, C and D in line on their way.
-        let admitted = envelope.admit_joint_move(from, to, Side::Left, share);
+        let admitted = envelope.check_joint_move(from, to, Side::Left, share);
         if !accepted.count(admitted.is_ok()) {
             return Ok(());
         }
-        let (caps, _) = admitted.unwrap();
-        let mut look_ahead = LookAhead::<f64, 8>::new();
-        look_ahead.push_joint(from, to, caps, 7).unwrap();
+        let (limits, _) = admitted.unwrap();
+        let mut lookahead = LookaheadPlanner::<f64, 8>::new();
+        lookahead.push_joint(from, to, limits, 7).unwrap();
         let mut last = (from, [0.0; 2], [0.0; 2]);
-        while let Some(piece) = look_ahead.next_piece() {
-            prop_assert_eq!(piece.tag(), 7);
+        while let Some(trajectory_segment) = lookahead.next_segment() {
+            prop_assert_eq!(trajectory_segment.tag(), 7);
             for step in 0..=20 {
-                let t = piece.duration() * f64::from(step) / 20.0;
-                let Reference::Joint { angles, rates, accelerations } = piece.evaluate(t) else {
+                let t = trajectory_segment.duration() * f64::from(step) / 20.0;
+                let Reference::Joint { angles, rates, accelerations } = trajectory_segment.evaluate(t) else {
                     panic!("a joint move moves the joints");
                 };
                 for joint in 0..2 {
@@ -202,12 +206,12 @@ fn near_a_singularity_the_path_slows_down() {
     envelope.workspace.margin = 0.02;
     envelope.joint_speed = [2.0; 2];
     // Two lines as long as each other, one in the open, one out to the straight leg.
-    let cap = |from: [f64; 2], to: [f64; 2]| {
-        let line = Segment::line(V::new(from[0], from[1]), V::new(to[0], to[1])).unwrap();
-        envelope.admit(&line, 1.0).unwrap().speed
+    let limit = |from: [f64; 2], to: [f64; 2]| {
+        let line = PathSegment::line(V::new(from[0], from[1]), V::new(to[0], to[1])).unwrap();
+        envelope.check(&line, 1.0).unwrap().speed
     };
-    let open = cap([MIDDLE[0], 0.30], [MIDDLE[0], 0.32]);
-    let far = cap([MIDDLE[0], 0.4185], [MIDDLE[0], 0.4385]);
+    let open = limit([MIDDLE[0], 0.30], [MIDDLE[0], 0.32]);
+    let far = limit([MIDDLE[0], 0.4185], [MIDDLE[0], 0.4385]);
     assert!(open > 0.2 && far < 0.25 * open, "{open} m/s and {far} m/s");
 }
 
@@ -220,10 +224,10 @@ fn a_torque_too_small_to_hold_the_arm_is_refused() {
         torque: [1.0, 0.01],
     });
     let from = V::new(MIDDLE[0], MIDDLE[1]);
-    let line = Segment::line(from, from + V::new(0.01, 0.0)).unwrap();
+    let line = PathSegment::line(from, from + V::new(0.01, 0.0)).unwrap();
     assert_eq!(
-        envelope.admit(&line, 0.1).unwrap_err().obstacle,
-        Obstacle::Torque(Joint::Joint4)
+        envelope.check(&line, 0.1).unwrap_err().violation,
+        ConstraintViolation::Torque(Joint::Joint4)
     );
 }
 
@@ -240,15 +244,15 @@ fn a_joint_move_may_change_the_working_mode_but_not_the_assembly() {
     let to = [theta1 - 0.9, theta4];
     let side = start.assembly();
     let (_, end) = envelope
-        .admit_joint_move([theta1, theta4], to, side, 1.0)
+        .check_joint_move([theta1, theta4], to, side, 1.0)
         .unwrap();
     assert_ne!(end.working_mode(), start.working_mode());
     assert_eq!(end.assembly(), side);
     // On through type 2 it is refused.
     let refusal = envelope
-        .admit_joint_move([theta1, theta4], [theta1 + 2.5, theta4], side, 1.0)
+        .check_joint_move([theta1, theta4], [theta1 + 2.5, theta4], side, 1.0)
         .unwrap_err();
-    let parallel = fivebar_kinematics::five_bar::Outside::Margin(Singularity::Parallel);
-    assert_eq!(refusal.obstacle, Obstacle::Outside(parallel));
+    let parallel = fivebar_kinematics::five_bar::WorkspaceViolation::Margin(Singularity::Parallel);
+    assert_eq!(refusal.violation, ConstraintViolation::Workspace(parallel));
     assert!(refusal.fraction > 0.0 && refusal.fraction < 1.0);
 }

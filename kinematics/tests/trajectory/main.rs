@@ -3,6 +3,6 @@
 
 mod common;
 mod loads;
-mod look_ahead;
+mod lookahead;
 mod refusals;
 mod validation;

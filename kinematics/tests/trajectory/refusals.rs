@@ -2,8 +2,8 @@
 
 use crate::common::{V, distance_to, envelope, run, tool};
 use fivebar_kinematics::PlanarVector;
-use fivebar_kinematics::five_bar::{Joint, JointLimits, Outside, PoseError, Side};
-use fivebar_kinematics::trajectory::{Envelope, Obstacle, Segment, Sense};
+use fivebar_kinematics::five_bar::{Joint, JointLimits, PoseError, Side, WorkspaceViolation};
+use fivebar_kinematics::trajectory::{ConstraintViolation, Envelope, PathSegment, Sense};
 use fivebar_testkit::Tally;
 use proptest::prelude::*;
 
@@ -12,8 +12,8 @@ fn refusals_name_the_obstacle_and_the_place() {
     let mut envelope = envelope::<f64>(0.0);
     let from = V::new(0.1375, 0.3);
     let refusal = |envelope: &Envelope<f64>, to: V| {
-        let line = Segment::line(from, to).unwrap();
-        envelope.admit(&line, 0.1).unwrap_err()
+        let line = PathSegment::line(from, to).unwrap();
+        envelope.check(&line, 0.1).unwrap_err()
     };
     // Straight up: leg 1 straightens where |AC| comes to the margin's ring, and the
     // margin's 1 % to spare before that.
@@ -22,7 +22,10 @@ fn refusals_name_the_obstacle_and_the_place() {
     let ring = 0.23 * (2.0 + 2.0 * (1.0 - margin * margin).sqrt()).sqrt();
     let height = (ring * ring - 0.1375 * 0.1375).sqrt();
     assert!((up.point.y - height).abs() < 2e-5, "{up:?}");
-    assert!(matches!(up.obstacle, Obstacle::Outside(Outside::Margin(_))));
+    assert!(matches!(
+        up.violation,
+        ConstraintViolation::Workspace(WorkspaceViolation::Margin(_))
+    ));
     // Straight down: elbows out, C comes into line with B and D.
     let down = refusal(&envelope, V::new(0.1375, 0.05));
     assert!(
@@ -30,7 +33,7 @@ fn refusals_name_the_obstacle_and_the_place() {
         "{down:?}"
     );
     // A joint limit on the way, though both ends are within it.
-    let dip = Segment::arc(
+    let dip = PathSegment::arc(
         from,
         from + V::new(0.0, 1e-3),
         from + V::new(-0.03, 5e-4),
@@ -38,7 +41,7 @@ fn refusals_name_the_obstacle_and_the_place() {
         1e-6,
     )
     .unwrap();
-    assert!(envelope.admit(&dip, 0.1).is_ok());
+    assert!(envelope.check(&dip, 0.1).is_ok());
     let theta1 = |point| {
         let pose = envelope
             .workspace
@@ -48,10 +51,10 @@ fn refusals_name_the_obstacle_and_the_place() {
     };
     let greatest = theta1(from).max(theta1(dip.end())) + 0.05;
     envelope.workspace.limits = Some(JointLimits::new([0.0, greatest], [-1.0, 3.0]).unwrap());
-    let limited = envelope.admit(&dip, 0.1).unwrap_err();
+    let limited = envelope.check(&dip, 0.1).unwrap_err();
     assert_eq!(
-        limited.obstacle,
-        Obstacle::Outside(Outside::Joint(Joint::Joint1))
+        limited.violation,
+        ConstraintViolation::Workspace(WorkspaceViolation::Joint(Joint::Joint1))
     );
     assert!(limited.fraction > 0.01 && limited.fraction < 0.5);
 }
@@ -59,19 +62,19 @@ fn refusals_name_the_obstacle_and_the_place() {
 #[test]
 fn what_is_not_a_number_is_refused() {
     let envelope = envelope::<f64>(0.0);
-    let line = Segment::line(V::new(0.1, 0.3), V::new(0.15, 0.3)).unwrap();
+    let line = PathSegment::line(V::new(0.1, 0.3), V::new(0.15, 0.3)).unwrap();
     for feed in [f64::NAN, 0.0, -0.1] {
         assert_eq!(
-            envelope.admit(&line, feed).unwrap_err().obstacle,
-            Obstacle::Limits
+            envelope.check(&line, feed).unwrap_err().violation,
+            ConstraintViolation::Limits
         );
     }
-    let moved = envelope.admit_joint_move([f64::NAN, 1.0], [1.0, 1.0], Side::Left, 0.5);
+    let moved = envelope.check_joint_move([f64::NAN, 1.0], [1.0, 1.0], Side::Left, 0.5);
     assert_eq!(
-        moved.unwrap_err().obstacle,
-        Obstacle::Outside(Outside::Pose(PoseError::NotFinite))
+        moved.unwrap_err().violation,
+        ConstraintViolation::Workspace(WorkspaceViolation::Pose(PoseError::NotFinite))
     );
-    assert!(Segment::line(V::new(0.1, f64::NAN), V::new(0.1, 0.3)).is_err());
+    assert!(PathSegment::line(V::new(0.1, f64::NAN), V::new(0.1, 0.3)).is_err());
 }
 
 /// The peers drop a bad stretch in mid-path, or look at its ends only. Here a path is
@@ -87,23 +90,23 @@ fn no_segment_is_dropped_or_cut() {
         let (from, to) = (V::new(from[0], from[1]), V::new(to[0], to[1]));
         let chord = to - from;
         let segment = match bulge {
-            None => Segment::line(from, to),
+            None => PathSegment::line(from, to),
             Some(bulge) => {
                 let centre = from + chord * 0.5 + chord.perpendicular() * bulge;
-                Segment::arc(from, to, centre, Sense::Clockwise, 1e-9)
+                PathSegment::arc(from, to, centre, Sense::Clockwise, 1e-9)
             }
         }
         .unwrap();
-        if !accepted.count(envelope.admit(&segment, 0.2).is_ok()) {
+        if !accepted.count(envelope.check(&segment, 0.2).is_ok()) {
             return Ok(());
         }
         let mut covered = 0.0;
         let mut last = from;
-        for piece in run(&[segment], 0.2, &envelope) {
+        for trajectory_segment in run(&[segment], 0.2, &envelope) {
             for step in 0..=16 {
-                let here = tool(&piece, piece.duration() * f64::from(step) / 16.0).0;
+                let here = tool(&trajectory_segment, trajectory_segment.duration() * f64::from(step) / 16.0).0;
                 prop_assert!(distance_to(&segment, here) < 1e-9);
-                prop_assert!(envelope.workspace.admit(here).is_ok());
+                prop_assert!(envelope.workspace.check(here).is_ok());
                 covered += (here - last).norm();
                 last = here;
             }

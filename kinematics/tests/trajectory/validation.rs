@@ -3,9 +3,9 @@
 use crate::common::{V, envelope};
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::{
-    Geometry, JointLimits, Outside, Pose, Side, Tool, WorkingMode, Workspace,
+    Geometry, JointLimits, Pose, Side, Tool, WorkingMode, Workspace, WorkspaceViolation,
 };
-use fivebar_kinematics::trajectory::{Envelope, Segment, Sense};
+use fivebar_kinematics::trajectory::{Envelope, PathSegment, Sense};
 use fivebar_testkit::{Tally, side};
 use proptest::prelude::*;
 
@@ -54,14 +54,14 @@ fn within(workspace: &Workspace<f64>, pose: &Pose<f64>, keep: &Keep) -> bool {
         ranges.iter().all(|[a, b]| a < b)
             && JointLimits::new(ranges[0], ranges[1])
                 .unwrap()
-                .admit(pose.u1.polar_angle(), pose.u4.polar_angle())
+                .angles_within(pose.u1.polar_angle(), pose.u4.polar_angle())
                 .is_ok()
     });
     clear && free
 }
 
 /// Dense sampling: is every sample within, and the assembly the same throughout?
-fn sampled(envelope: &Envelope<f64>, segment: &Segment<f64>, keep: &Keep) -> bool {
+fn sampled(envelope: &Envelope<f64>, segment: &PathSegment<f64>, keep: &Keep) -> bool {
     let workspace = &envelope.workspace;
     let mut assembly = None;
     (0..=SAMPLES).all(|i| {
@@ -122,17 +122,17 @@ fn a_place_is_admitted_as_a_path_through_it_is_with_any_tool() {
         for [x, y] in points {
             let point = V::new(x, y);
             let pose = workspace.tool.inverse(point, workspace.mode);
-            let admitted = workspace.admit(point);
+            let admitted = workspace.check(point);
             if !reached.count(pose.is_ok()) {
-                prop_assert!(matches!(admitted, Err(Outside::Pose(_))));
+                prop_assert!(matches!(admitted, Err(WorkspaceViolation::Pose(_))));
                 continue;
             }
             let pose = pose.unwrap();
             within_limits.count(admitted.is_ok());
             prop_assert_eq!(admitted.is_ok(), within(workspace, &pose, &BARELY));
             // As short as a path can be, and far shorter than what is spared.
-            let speck = Segment::line(point, point + V::new(1e-8, 0.0)).unwrap();
-            let path = envelope.admit(&speck, 0.1);
+            let speck = PathSegment::line(point, point + V::new(1e-8, 0.0)).unwrap();
+            let path = envelope.check(&speck, 0.1);
             prop_assert!(path.is_err() || admitted.is_ok());
             prop_assert!(path.is_ok() || !within(workspace, &pose, &CLEARLY));
         }
@@ -159,13 +159,13 @@ fn starts() -> impl Strategy<Value = (Envelope<f64>, V)> {
 }
 
 /// A line or an arc from `from`.
-fn segments(from: V) -> impl Strategy<Value = (Segment<f64>, Option<f64>)> {
+fn segments(from: V) -> impl Strategy<Value = (PathSegment<f64>, Option<f64>)> {
     let bulge = prop::option::of(-2.0..2.0_f64);
     (-3.0..3.0_f64, -3.0..-0.3_f64, bulge, any::<bool>()).prop_map(
         move |(direction, size, bulge, clockwise)| {
             let to = from + V::unit(direction) * 10_f64.powf(size);
             let segment = match bulge {
-                None => Segment::line(from, to),
+                None => PathSegment::line(from, to),
                 Some(bulge) => {
                     let chord = to - from;
                     let centre = from + chord * 0.5 + chord.perpendicular() * bulge;
@@ -174,7 +174,7 @@ fn segments(from: V) -> impl Strategy<Value = (Segment<f64>, Option<f64>)> {
                     } else {
                         Sense::CounterClockwise
                     };
-                    Segment::arc(from, to, centre, sense, 1e-9)
+                    PathSegment::arc(from, to, centre, sense, 1e-9)
                 }
             };
             (segment.unwrap(), bulge)
@@ -187,7 +187,7 @@ fn nothing_bad_is_accepted_and_nothing_good_is_refused() {
     let (accepted, sampled_before) = (Tally::default(), Tally::default());
     let cases = starts().prop_flat_map(|(envelope, from)| (Just(envelope), segments(from)));
     proptest!(ProptestConfig::with_cases(2000), |((envelope, (segment, bulge)) in cases)| {
-        let outcome = envelope.admit(&segment, 0.1);
+        let outcome = envelope.check(&segment, 0.1);
         accepted.count(outcome.is_ok());
         let Err(refusal) = outcome else {
             prop_assert!(sampled(&envelope, &segment, &BARELY));
@@ -201,7 +201,7 @@ fn nothing_bad_is_accepted_and_nothing_good_is_refused() {
         prop_assert!(pose.is_err() || !within(workspace, &pose.unwrap(), &SPARED));
         prop_assert!(refusal.fraction > 0.0, "it starts where it may be");
         if sampled_before.count(bulge.is_none()) {
-            let before = Segment::line(segment.start(), refusal.point).unwrap();
+            let before = PathSegment::line(segment.start(), refusal.point).unwrap();
             let nearly = Keep { margin: MARGIN * 0.999, angle: 0.0 };
             prop_assert!(sampled(&envelope, &before, &nearly));
         }
@@ -230,14 +230,14 @@ fn joint_moves_keep_the_assembly_all_along() {
             let ranges = limits.ranges();
             (0..2).all(|i| [from[i], to[i]].iter().all(|q| ranges[i][0] <= *q && *q <= ranges[i][1]))
         });
-        let outcome = envelope.admit_joint_move(from, to, assembly, 0.5);
+        let outcome = envelope.check_joint_move(from, to, assembly, 0.5);
         accepted.count(outcome.is_ok());
         match outcome {
-            Ok((caps, end)) => {
+            Ok((limits, end)) => {
                 prop_assert!(allowed && kept(MARGIN));
                 let direct = geometry.forward(to[0], to[1], assembly).unwrap();
                 prop_assert_eq!(end, direct);
-                prop_assert!(caps.speed > 0.0 && caps.speed <= 0.5 * 100.0);
+                prop_assert!(limits.speed > 0.0 && limits.speed <= 0.5 * 100.0);
             }
             Err(refusal) => {
                 prop_assert!(!(allowed && kept(SPARED.margin)), "{refusal:?}");

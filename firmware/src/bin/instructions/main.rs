@@ -122,13 +122,13 @@ fn report(counter: &InstructionCounter) {
         &cases,
         ours::inverse_dynamics,
     );
-    if let Some([line, corner, arc]) = paths::pieces() {
-        for (name, piece) in [
+    if let Some([line, corner, arc]) = paths::segments() {
+        for (name, segment) in [
             ("reference on a line", line),
             ("reference on a rounded corner", corner),
             ("reference on an arc", arc),
         ] {
-            count(counter, name, &[piece], paths::reference);
+            count(counter, name, &[segment], paths::reference);
         }
     }
     for course in &tick::COURSES {

@@ -1,14 +1,15 @@
-//! Pieces of path, as the tick evaluates them.
+//! Segments of path, as the tick evaluates them.
 
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::{Geometry, Side, Tool, WorkingMode, Workspace};
 use fivebar_kinematics::trajectory::{
-    Caps, Curve, Envelope, LookAhead, Piece, Reference, Segment, Sense,
+    Curve, Envelope, LookaheadPlanner, MotionLimits, PathSegment, Reference, Sense,
+    TrajectorySegment,
 };
 use nalgebra::Vector2;
 
-/// The pieces on the line, the corner and the arc of a short path, in this order.
-pub(crate) fn pieces() -> Option<[Piece<f32>; 3]> {
+/// The segments on the line, the corner and the arc of a short path, in this order.
+pub(crate) fn segments() -> Option<[TrajectorySegment<f32>; 3]> {
     let geometry = Geometry::new([0.12, 0.16, 0.16, 0.12, 0.10]).ok()?;
     let envelope = Envelope {
         workspace: Workspace {
@@ -20,7 +21,7 @@ pub(crate) fn pieces() -> Option<[Piece<f32>; 3]> {
         joint_speed: [30.0; 2],
         joint_acceleration: [1000.0; 2],
         torque: None,
-        tool_motion: Caps {
+        tool_motion: MotionLimits {
             speed: 0.2,
             acceleration: 4.0,
             jerk: 1000.0,
@@ -29,30 +30,30 @@ pub(crate) fn pieces() -> Option<[Piece<f32>; 3]> {
     };
     let [a, b, c] = [[0.03, 0.16], [0.06, 0.18], [0.08, 0.18]].map(|[x, y]| Vector2::new(x, y));
     let centre = Vector2::new(0.07, 0.17);
-    let line = Segment::line(a, b).ok()?;
-    let arc = Segment::arc(b, c, centre, Sense::Clockwise, 1e-6).ok()?;
-    let mut look_ahead = LookAhead::<f32, 8>::new();
+    let line = PathSegment::line(a, b).ok()?;
+    let arc = PathSegment::arc(b, c, centre, Sense::Clockwise, 1e-6).ok()?;
+    let mut lookahead = LookaheadPlanner::<f32, 8>::new();
     for segment in [line, arc] {
-        let caps = envelope.admit(&segment, 0.1).ok()?;
-        look_ahead.push(&segment, caps, 0, &envelope).ok()?;
+        let motion_limits = envelope.check(&segment, 0.1).ok()?;
+        lookahead.push(&segment, motion_limits, 0, &envelope).ok()?;
     }
     let mut found = [None; 3];
-    while let Some(piece) = look_ahead.next_piece() {
-        let kind = match piece.curve()? {
+    while let Some(segment) = lookahead.next_segment() {
+        let kind = match segment.curve()? {
             Curve::Line { .. } => 0,
             Curve::Blend { .. } => 1,
             Curve::Arc { .. } => 2,
         };
         if let Some(slot) = found.get_mut(kind) {
-            *slot = Some(piece);
+            *slot = Some(segment);
         }
     }
     let [line, corner, arc] = found;
     Some([line?, corner?, arc?])
 }
 
-/// The reference half-way through a piece.
+/// The reference half-way through a segment.
 #[inline(never)]
-pub(crate) fn reference(piece: &Piece<f32>) -> Reference<f32> {
-    piece.evaluate(0.5 * piece.duration())
+pub(crate) fn reference(segment: &TrajectorySegment<f32>) -> Reference<f32> {
+    segment.evaluate(0.5 * segment.duration())
 }

@@ -2,7 +2,7 @@
 //!
 //! The controller gets the samples of an arm that is exactly where it should be, with the
 //! currents that it should have. The courses beyond the plain line have the longest ticks that
-//! we found how to make: pieces shorter than a tick, corners and arcs, stops in the midst of
+//! we found how to make: segments shorter than a tick, corners and arcs, stops in the midst of
 //! them, a fault that brakes the arm, and a tool beside C.
 
 use core::hint::black_box;

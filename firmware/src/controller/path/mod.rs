@@ -1,9 +1,9 @@
-//! The pieces of path that the tick follows, and the clock by which it does.
+//! The segments of path that the tick follows, and the clock by which it does.
 //!
-//! The clock counts ticks from the beginning of a piece, so that it stays true however long
-//! the piece: a sum of `f32` periods would lose minutes in an hour.
+//! The clock counts ticks from the beginning of a segment, so that it stays true however long
+//! the segment: a sum of `f32` periods would lose minutes in an hour.
 //!
-//! Pieces come one by one, and ticks come between them. So a path that ends at rest goes on
+//! Segments come one by one, and ticks come between them. So a path that ends at rest goes on
 //! only when what follows is enough to stop on, however long planning it takes.
 
 mod brake;
@@ -11,26 +11,26 @@ mod queue;
 
 use crate::safety::Limits;
 use brake::{Brake, TimeScaling};
-use fivebar_kinematics::trajectory::{Piece, Reference};
+use fivebar_kinematics::trajectory::{Reference, TrajectorySegment};
 use queue::PathQueue;
 
 pub(crate) use brake::stopping_time;
-pub use queue::PIECES;
+pub use queue::QUEUED_SEGMENTS;
 
-/// With so many pieces to come or more, the planner is not behind, however short they are.
-const FEW_PIECES: u32 = PIECES as u32 / 2;
+/// With so many segments to come or more, the planner is not behind, however short they are.
+const FEW_SEGMENTS: u32 = QUEUED_SEGMENTS as u32 / 2;
 
 /// A path that breaks off in motion is committed with so much in hand beyond a stop [s].
 const READY: f32 = 0.02;
 
-/// Pieces that one tick may leave behind; more make the path wait for the next tick.
-const PIECES_PER_TICK: u32 = 2;
+/// Segments that one tick may leave behind; more make the path wait for the next tick.
+const SEGMENTS_PER_TICK: u32 = 2;
 
-/// A piece of path and what the tick must know about it.
+/// A segment of path and what the tick must know about it.
 #[derive(Clone, Copy, Debug)]
 pub struct Stretch {
-    /// The piece.
-    pub piece: Piece<f32>,
+    /// The segment.
+    pub segment: TrajectorySegment<f32>,
     /// It ends in motion: another must follow in time.
     pub open: bool,
     /// The limits for which its move goes slower than was asked for.
@@ -42,9 +42,9 @@ pub struct Stretch {
 /// [`Controller`]: super::Controller
 #[repr(C)]
 pub(crate) struct Path {
-    /// Ticks at full rate in the first piece.
+    /// Ticks at full rate in the first segment.
     ticks: u32,
-    /// Time into the first piece before those ticks [s].
+    /// Time into the first segment before those ticks [s].
     offset: f32,
     /// Committed time left, as of the last tick [s].
     committed_left: f32,
@@ -98,7 +98,7 @@ impl Path {
         self.queue.finish();
     }
 
-    /// Whether there is no room for another piece.
+    /// Whether there is no room for another segment.
     pub(crate) fn is_full(&self) -> bool {
         self.queue.is_full()
     }
@@ -122,7 +122,7 @@ impl Path {
     }
 
     /// Whether the path breaks off in motion, and all that is left of it is needed to stop
-    /// on, in few pieces: the planner is behind. A queue of many pieces can be as short while
+    /// on, in few segments: the planner is behind. A queue of many segments can be as short while
     /// the planner keeps it full.
     #[inline(always)]
     pub(crate) fn runs_short(&self) -> bool {
@@ -130,12 +130,12 @@ impl Path {
         self.committed_left < self.least
             && self.queue.ends_in_motion()
             && self.brake.is_none()
-            && self.queue.len() < FEW_PIECES
+            && self.queue.len() < FEW_SEGMENTS
     }
 
-    /// Tag of the piece in progress.
+    /// Tag of the segment in progress.
     pub(crate) fn tag(&self) -> Option<u32> {
-        self.queue.first().map(|first| first.stretch.piece.tag())
+        self.queue.first().map(|first| first.stretch.segment.tag())
     }
 
     /// Appends a stretch, unless the queue is full.
@@ -153,7 +153,7 @@ impl Path {
         let begins = self.queue.is_empty();
         self.committed_left += self.queue.commit();
         if let (true, Some(first)) = (begins, self.queue.first()) {
-            self.committed_left += first.stretch.piece.duration();
+            self.committed_left += first.stretch.segment.duration();
         }
     }
 
@@ -187,10 +187,10 @@ impl Path {
         };
         let advance = scaling.as_ref().map_or(0.0, |scaling| scaling.advance);
         let mut time = self.offset + self.period * self.ticks as f32 + advance;
-        let mut duration = first.stretch.piece.duration();
+        let mut duration = first.stretch.segment.duration();
         let mut ended = false;
         if time >= duration {
-            for _ in 0..PIECES_PER_TICK {
+            for _ in 0..SEGMENTS_PER_TICK {
                 if self.queue.is_last() {
                     ended = true;
                     break;
@@ -198,7 +198,7 @@ impl Path {
                 time -= duration;
                 self.queue.pass();
                 first = self.queue.first()?;
-                duration = first.stretch.piece.duration();
+                duration = first.stretch.segment.duration();
                 if time < duration {
                     break;
                 }
@@ -211,16 +211,16 @@ impl Path {
             self.offset = time - advance;
         }
         self.committed_left = duration - time + self.queue.behind(first);
-        let mut progress = first.stretch.piece.progress(time);
+        let mut path_state = first.stretch.segment.path_state(time);
         if let Some(TimeScaling {
             sigma, sigma_dot, ..
         }) = scaling
         {
-            progress = progress.clocked(sigma, sigma_dot);
+            path_state = path_state.time_scaled(sigma, sigma_dot);
         }
         Some(Step {
             at_rest: ended || scaling.is_some_and(|scaling| scaling.stands),
-            reference: first.stretch.piece.reference(progress),
+            reference: first.stretch.segment.reference(path_state),
             limits: first.stretch.limits,
         })
     }

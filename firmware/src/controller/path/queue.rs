@@ -8,11 +8,11 @@
 
 use super::Stretch;
 use crate::safety::Limits;
-use fivebar_kinematics::trajectory::Piece;
+use fivebar_kinematics::trajectory::TrajectorySegment;
 use nalgebra::Vector2;
 
 /// Segments that wait for the tick: the committed future of the arm.
-pub const PIECES: usize = 32;
+pub const QUEUED_SEGMENTS: usize = 32;
 
 /// The longest that a segment counts for [µs]: nobody asks how much more there is, and the
 /// sum of all stays far from overflow.
@@ -29,7 +29,7 @@ pub(super) struct Timed {
 /// How far the path goes.
 #[derive(Clone, Copy)]
 struct Extent {
-    /// Segments so far, those passed included; wrapping, and `PIECES` divides the range.
+    /// Segments so far, those passed included; wrapping, and `QUEUED_SEGMENTS` divides the range.
     count: u32,
     /// Where the last one ends [µs].
     end: u32,
@@ -46,13 +46,13 @@ pub(super) struct PathQueue {
     passed: u32,
     committed: Extent,
     pushed: Extent,
-    slots: [Timed; PIECES],
+    slots: [Timed; QUEUED_SEGMENTS],
 }
 
 impl PathQueue {
     pub(super) fn new() -> Self {
         let nothing = Stretch {
-            piece: Piece::rest(Vector2::zeros(), 0.0, 0),
+            segment: TrajectorySegment::rest(Vector2::zeros(), 0.0, 0),
             open: false,
             limits: Limits::NONE,
         };
@@ -68,7 +68,7 @@ impl PathQueue {
             slots: [Timed {
                 stretch: nothing,
                 end: 0,
-            }; PIECES],
+            }; QUEUED_SEGMENTS],
         }
     }
 
@@ -98,7 +98,7 @@ impl PathQueue {
 
     /// Whether there is no room for another segment.
     pub(super) fn is_full(&self) -> bool {
-        self.pushed.count.wrapping_sub(self.passed) == PIECES as u32
+        self.pushed.count.wrapping_sub(self.passed) == QUEUED_SEGMENTS as u32
     }
 
     /// Whether one segment is all that is committed.
@@ -143,7 +143,7 @@ impl PathQueue {
         let Some(slot) = self.slots.get_mut(slot(self.pushed.count)) else {
             return Err(stretch);
         };
-        let duration = ((stretch.piece.duration() * 1e6) as u32).min(LONGEST);
+        let duration = ((stretch.segment.duration() * 1e6) as u32).min(LONGEST);
         self.pushed = Extent {
             count: self.pushed.count.wrapping_add(1),
             end: self.pushed.end.wrapping_add(duration),
@@ -179,25 +179,25 @@ impl PathQueue {
 /// The slot of the n-th segment ever.
 #[inline(always)]
 fn slot(n: u32) -> usize {
-    n as usize % PIECES
+    n as usize % QUEUED_SEGMENTS
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::safety::Limits;
-    use fivebar_kinematics::trajectory::Piece;
+    use fivebar_kinematics::trajectory::TrajectorySegment;
     use nalgebra::Vector2;
 
     fn dwell(duration: f32) -> Stretch {
         Stretch {
-            piece: Piece::rest(Vector2::zeros(), duration, 0),
+            segment: TrajectorySegment::rest(Vector2::zeros(), duration, 0),
             open: false,
             limits: Limits::NONE,
         }
     }
 
-    /// After months of pieces: its clock is about to wrap.
+    /// After months of segments: its clock is about to wrap.
     fn old() -> PathQueue {
         let mut queue = PathQueue::new();
         queue.pushed.count = u32::MAX - 5;
@@ -220,7 +220,7 @@ mod tests {
             let duration = 1e-3 * f32::from(n);
             behind -= duration;
             let first = queue.first().expect("a stretch");
-            assert_eq!(first.stretch.piece.duration(), duration);
+            assert_eq!(first.stretch.segment.duration(), duration);
             // Each was cut to whole microseconds.
             assert!((queue.behind(first) - behind).abs() <= 1e-5, "{n}");
             assert_eq!(queue.is_last(), n == 10);
@@ -234,14 +234,14 @@ mod tests {
     #[test]
     fn a_full_queue_gives_a_stretch_back_and_keeps_what_it_has() {
         let mut queue = old();
-        for n in 0..PIECES {
+        for n in 0..QUEUED_SEGMENTS {
             assert!(!queue.is_full());
             queue.push(dwell(1e-3 * n as f32)).expect("room");
         }
         assert!(queue.is_full() && queue.push(dwell(9.0)).is_err());
         queue.commit();
         assert_eq!(
-            queue.first().map(|first| first.stretch.piece.duration()),
+            queue.first().map(|first| first.stretch.segment.duration()),
             Some(0.0)
         );
         queue.pass();
@@ -257,7 +257,7 @@ mod tests {
         queue.pass();
         let first = queue.first().expect("the committed one");
         assert_eq!(
-            (first.stretch.piece.duration(), queue.behind(first)),
+            (first.stretch.segment.duration(), queue.behind(first)),
             (1.0, 0.0)
         );
         assert!(queue.is_last());
@@ -265,13 +265,13 @@ mod tests {
         assert!(queue.first().is_none());
         queue.commit();
         let first = queue.first().expect("the other one");
-        assert_eq!(first.stretch.piece.duration(), 2.0);
+        assert_eq!(first.stretch.segment.duration(), 2.0);
     }
 
     #[test]
     fn days_of_waiting_count_as_minutes() {
         let mut queue = old();
-        for _ in 0..PIECES {
+        for _ in 0..QUEUED_SEGMENTS {
             queue.push(dwell(86_400.0)).expect("room");
         }
         queue.commit();

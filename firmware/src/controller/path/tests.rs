@@ -1,57 +1,55 @@
-//! The path's clock over hours, stops and thousands of pieces.
+//! The path's clock over hours, stops and thousands of segments.
 
 use super::*;
-use fivebar_kinematics::trajectory::{Caps, LookAhead};
+use fivebar_kinematics::trajectory::{LookaheadPlanner, MotionLimits};
 use nalgebra::Vector2;
 
 const PERIOD: f32 = 1e-4;
 const STOPPING_TIME: f32 = 0.1;
 
-fn path_of(look_ahead: &mut LookAhead<f32, 4>) -> Path {
+fn path_of(lookahead: &mut LookaheadPlanner<f32, 4>) -> Path {
     let mut path = Path::new(STOPPING_TIME, PERIOD);
-    while let Some(piece) = look_ahead.next_piece() {
-        path.push(stretch(piece));
+    while let Some(segment) = lookahead.next_segment() {
+        path.push(stretch(segment));
     }
     path
 }
 
-fn stretch(piece: Piece<f32>) -> Stretch {
+fn stretch(segment: TrajectorySegment<f32>) -> Stretch {
     Stretch {
-        piece,
+        segment,
         open: false,
         limits: Limits::NONE,
     }
 }
 
 fn dwell(duration: f32) -> Path {
-    let mut look_ahead = LookAhead::new();
-    look_ahead
-        .push_dwell(Vector2::zeros(), duration, 0)
-        .unwrap();
-    path_of(&mut look_ahead)
+    let mut lookahead = LookaheadPlanner::new();
+    lookahead.push_dwell(Vector2::zeros(), duration, 0).unwrap();
+    path_of(&mut lookahead)
 }
 
 /// Joint 1 by 1 rad at `speed` [rad/s]; lasts 1/speed and what speeding up takes.
 fn turn(speed: f32) -> Path {
-    let caps = Caps {
+    let motion_limits = MotionLimits {
         speed,
         acceleration: 10.0,
         jerk: 1e4,
     };
-    let mut look_ahead = LookAhead::new();
-    look_ahead
-        .push_joint([0.0; 2], [1.0, 0.0], caps, 0)
+    let mut lookahead = LookaheadPlanner::new();
+    lookahead
+        .push_joint([0.0; 2], [1.0, 0.0], motion_limits, 0)
         .unwrap();
-    path_of(&mut look_ahead)
+    path_of(&mut lookahead)
 }
 
-/// How many pieces wait, and how long they last [s].
+/// How many segments wait, and how long they last [s].
 fn waiting(path: Path) -> (u32, f64) {
     let mut queue = path.queue;
     let (mut count, mut duration) = (0, 0.0);
     while let Some(first) = queue.first() {
         count += 1;
-        duration += f64::from(first.stretch.piece.duration());
+        duration += f64::from(first.stretch.segment.duration());
         if queue.is_last() {
             break;
         }
@@ -127,22 +125,22 @@ fn a_stop_is_as_smooth_late_in_a_long_piece_as_early() {
 #[test]
 fn the_time_left_is_that_of_the_pieces_after_any_number_of_them() {
     let mut path = dwell(0.01);
-    let mut pieces = [0.000_31_f32, 0.0117, 0.0008, 0.0042].into_iter().cycle();
+    let mut segments = [0.000_31_f32, 0.0117, 0.0008, 0.0042].into_iter().cycle();
     for _ in 0..200_000 {
         while path.left() < 0.05 && !path.is_full() {
-            let piece = dwell(pieces.next().expect("endless"))
+            let segment = dwell(segments.next().expect("endless"))
                 .queue
                 .first()
-                .expect("a piece")
+                .expect("a segment")
                 .stretch;
-            path.push(piece);
+            path.push(segment);
         }
         path.step().expect("a path");
     }
     let passed = f64::from(path.offset) + 1e-4 * f64::from(path.ticks);
     let left = f64::from(path.committed_left);
     let (_, all) = waiting(path);
-    // Each of at most 32 pieces was cut to whole microseconds.
+    // Each of at most 32 segments was cut to whole microseconds.
     assert!((left - (all - passed)).abs() < 4e-5);
 }
 
@@ -151,11 +149,11 @@ fn the_time_left_is_that_of_the_pieces_after_any_number_of_them() {
 fn pieces_shorter_than_a_tick_are_passed_two_at_a_time() {
     let mut path = Path::new(STOPPING_TIME, PERIOD);
     for tag in 0..6 {
-        let mut look_ahead = LookAhead::<f32, 4>::new();
-        look_ahead
+        let mut lookahead = LookaheadPlanner::<f32, 4>::new();
+        lookahead
             .push_dwell(Vector2::zeros(), 0.2 * PERIOD, tag)
             .unwrap();
-        path.push(stretch(look_ahead.next_piece().unwrap()));
+        path.push(stretch(lookahead.next_segment().unwrap()));
     }
     for (tag, at_rest) in [(2, false), (4, false), (5, true)] {
         let step = path.step().expect("a path");

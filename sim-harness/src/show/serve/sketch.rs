@@ -6,7 +6,7 @@ use fivebar_firmware::planner::{MoveRefusal, Planner};
 use fivebar_firmware::settings::SettingsError;
 use fivebar_firmware::{Move, MoveKind, Settings, Status};
 use fivebar_kinematics::five_bar::{Pose, Side, Tool, WorkingMode};
-use fivebar_kinematics::trajectory::{Segment, Sense};
+use fivebar_kinematics::trajectory::{PathSegment, Sense};
 use nalgebra::Vector2;
 
 /// Longest straight piece of a drawn arc [m].
@@ -131,7 +131,7 @@ fn points(from: [f32; 2], kind: &MoveKind) -> Vec<[f32; 2]> {
             } else {
                 Sense::CounterClockwise
             };
-            let arc = Segment::arc(vec2(from), vec2(to), vec2(center), sense, ARC_TOLERANCE);
+            let arc = PathSegment::arc(vec2(from), vec2(to), vec2(center), sense, ARC_TOLERANCE);
             let Ok(arc) = arc else { return vec![to] };
             let count = (arc.length() / CHORD).ceil().max(1.0) as u32;
             let at = |index: u32| arc.at(arc.length() * index as f32 / count as f32).position;

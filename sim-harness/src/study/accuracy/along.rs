@@ -3,7 +3,7 @@
 use super::state::{Analysis, State, analyse};
 use crate::input::job::{Action, Job};
 use crate::input::robot::Robot;
-use fivebar_kinematics::trajectory::{Segment, Sense};
+use fivebar_kinematics::trajectory::{PathSegment, Sense};
 use nalgebra::Vector2;
 
 /// Samples are no farther apart than this along the path [m] …
@@ -110,7 +110,7 @@ pub fn along(robot: &Robot, job: &Job, force: Vector2<f64>) -> Result<Along, Str
     Ok(Along { stations, flips })
 }
 
-fn segment(from: Vector2<f64>, to: Vector2<f64>, action: &Action) -> Option<Segment<f64>> {
+fn segment(from: Vector2<f64>, to: Vector2<f64>, action: &Action) -> Option<PathSegment<f64>> {
     match *action {
         Action::Arc {
             center, clockwise, ..
@@ -121,9 +121,9 @@ fn segment(from: Vector2<f64>, to: Vector2<f64>, action: &Action) -> Option<Segm
                 Sense::CounterClockwise
             };
             let centre = Vector2::new(center[0], center[1]);
-            Segment::arc(from, to, centre, sense, ARC_MISMATCH).ok()
+            PathSegment::arc(from, to, centre, sense, ARC_MISMATCH).ok()
         }
-        _ => Segment::line(from, to).ok(),
+        _ => PathSegment::line(from, to).ok(),
     }
 }
 

@@ -250,7 +250,9 @@ impl InverseDynamics {
             .inverse_dynamics(&pose, &velocities, &accelerations, force)
             .map_err(refuse)?;
         let mass = arm.mass_matrix(&pose).map_err(refuse)?;
-        let bias_torque = arm.bias(&pose, &velocities, force).map_err(refuse)?;
+        let bias_torque = arm
+            .nonlinear_effects(&pose, &velocities, force)
+            .map_err(refuse)?;
         let reactions = arm
             .reactions(&pose, &velocities, &accelerations, force)
             .map_err(refuse)?;

@@ -5,11 +5,11 @@ use super::{RunReport, spaced};
 use crate::run::simulation::Sample;
 use crate::show::report::{Chart, Page, Point};
 use crate::show::text::quantity;
-use fivebar_kinematics::dynamics::{ShareTotals, TorqueShares};
+use fivebar_kinematics::dynamics::{ShareTotals, TorqueComponents};
 
 /// Samples looked at for the shares of the torques.
 const SHARE_SAMPLES: usize = 20_000;
-/// The parts of a torque, in the order of [`TorqueShares::parts`].
+/// The parts of a torque, in the order of [`TorqueComponents::parts`].
 const CAUSES: [&str; 5] = [
     "inertia",
     "velocity products",
@@ -40,7 +40,7 @@ impl RunReport<'_> {
         let Ok(model) = ShareModel::new(self.robot) else {
             return;
         };
-        let shares: Vec<(f64, TorqueShares<f64>)> = spaced(self.trace.samples(), SHARE_SAMPLES)
+        let shares: Vec<(f64, TorqueComponents<f64>)> = spaced(self.trace.samples(), SHARE_SAMPLES)
             .filter_map(|sample| Some((sample.time, model.shares(sample).ok()?)))
             .collect();
         let mut totals = ShareTotals::default();

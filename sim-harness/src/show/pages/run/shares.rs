@@ -3,7 +3,7 @@
 use crate::input::robot::{KinematicsOnly, Robot};
 use crate::run::simulation::Sample;
 use fivebar_kinematics::control::FrictionCompensation;
-use fivebar_kinematics::dynamics::{Arm, TorqueShares};
+use fivebar_kinematics::dynamics::{Arm, TorqueComponents};
 use fivebar_kinematics::five_bar::{PoseError, Side};
 use nalgebra::Vector2;
 
@@ -37,7 +37,7 @@ impl<'a> ShareModel<'a> {
     ///
     /// # Errors
     /// A reference out of reach or singular.
-    pub(super) fn shares(&self, sample: &Sample) -> Result<TorqueShares<f64>, PoseError> {
+    pub(super) fn shares(&self, sample: &Sample) -> Result<TorqueComponents<f64>, PoseError> {
         let geometry = self.arm.geometry();
         let [theta1, theta4] = sample.reference_angle;
         let [omega1, omega4] = sample.reference_velocity;
@@ -48,6 +48,6 @@ impl<'a> ShareModel<'a> {
         let friction = [0, 1].map(|j| self.friction[j].torque(sample.reference_velocity[j]));
         let free = Vector2::zeros();
         self.arm
-            .torque_shares(&pose, &velocities, &accelerations, free, friction)
+            .torque_components(&pose, &velocities, &accelerations, free, friction)
     }
 }

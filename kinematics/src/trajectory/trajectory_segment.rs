@@ -1,4 +1,4 @@
-//! What the tick follows: one shape and one cubic time law.
+//! The trajectory segment that the tick follows: one shape and one cubic time law.
 
 use super::curve::Curve;
 use super::reference::Reference;
@@ -13,61 +13,57 @@ pub struct TimeLaw<S> {
 }
 
 impl<S: Scalar> TimeLaw<S> {
-    /// From place, rate and acceleration at t = 0, and a constant jerk.
+    /// From s, ṡ and s̈ at t = 0, and the constant jerk s⃛.
     #[inline]
-    pub fn new(place: S, rate: S, acceleration: S, jerk: S) -> Self {
+    pub fn new(s: S, s_dot: S, s_ddot: S, jerk: S) -> Self {
         Self {
-            coefficients: [
-                place,
-                rate,
-                acceleration * S::HALF,
-                jerk * S::from_f64(1.0 / 6.0),
-            ],
+            coefficients: [s, s_dot, s_ddot * S::HALF, jerk * S::from_f64(1.0 / 6.0)],
         }
     }
 
     /// s, ṡ and s̈ at time `t` [s].
     #[inline(always)]
-    pub fn at(&self, t: S) -> Progress<S> {
+    pub fn at(&self, t: S) -> PathState<S> {
         let [c0, c1, c2, c3] = self.coefficients;
         // Horner's scheme thrice over: s, ṡ and ½ s̈.
         let (p, d) = (c3 * t + c2, c3);
         let (p, d, e) = (p * t + c1, d * t + p, c3);
         let (p, d, e) = (p * t + c0, d * t + p, e * t + d);
-        Progress {
-            place: p,
-            rate: d,
-            acceleration: e + e,
+        PathState {
+            s: p,
+            s_dot: d,
+            s_ddot: e + e,
         }
     }
 }
 
-/// How far along its shape a piece is, and how fast; units of the shape's length.
+/// The state of the motion along a path: s, ṡ and s̈. The unit of s is [m] along a curve,
+/// [rad] of the joint that turns further in a joint move.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Progress<S> {
-    /// s.
-    pub place: S,
-    /// ṡ [1/s].
-    pub rate: S,
-    /// s̈ [1/s²].
-    pub acceleration: S,
+pub struct PathState<S> {
+    /// Distance from the start of the segment, s [m or rad].
+    pub s: S,
+    /// ṡ [m/s or rad/s].
+    pub s_dot: S,
+    /// s̈ [m/s² or rad/s²].
+    pub s_ddot: S,
 }
 
-impl<S: Scalar> Progress<S> {
-    /// The same place passed with the piece's clock running at `rate` σ and changing by
-    /// `slope` σ̇ [1/s]: at σ ṡ and σ² s̈ + σ̇ ṡ.
+impl<S: Scalar> PathState<S> {
+    /// The state at the same s when time along the path runs at the rate σ, which changes
+    /// by σ̇ [1/s]: the speed is σ ṡ, the acceleration σ² s̈ + σ̇ ṡ.
     #[inline(always)]
     #[must_use]
-    pub fn clocked(self, rate: S, slope: S) -> Self {
+    pub fn time_scaled(self, sigma: S, sigma_dot: S) -> Self {
         Self {
-            place: self.place,
-            rate: self.rate * rate,
-            acceleration: self.acceleration * (rate * rate) + self.rate * slope,
+            s: self.s,
+            s_dot: self.s_dot * sigma,
+            s_ddot: self.s_ddot * (sigma * sigma) + self.s_dot * sigma_dot,
         }
     }
 }
 
-/// What is moved along.
+/// What a segment moves along.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Shape<S> {
     /// The tool along a curve, s in metres.
@@ -79,17 +75,17 @@ pub(super) enum Shape<S> {
     Joint { from: [S; 2], direction: [S; 2] },
 }
 
-/// A time-bounded piece of motion, continuous with its neighbours in position, velocity
+/// A segment of motion with a duration, continuous with its neighbours in position, velocity
 /// and acceleration.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Piece<S> {
+pub struct TrajectorySegment<S> {
     pub(super) shape: Shape<S>,
     pub(super) law: TimeLaw<S>,
     pub(super) duration: S,
     pub(super) tag: u32,
 }
 
-impl<S: Scalar> Piece<S> {
+impl<S: Scalar> TrajectorySegment<S> {
     /// The tool at rest at `position` [m] for `duration` [s].
     pub fn rest(position: Vector2<S>, duration: S, tag: u32) -> Self {
         Self {
@@ -100,20 +96,20 @@ impl<S: Scalar> Piece<S> {
         }
     }
 
-    /// How long it lasts [s]; may be shorter than a tick.
+    /// Its duration [s]; may be shorter than a tick.
     #[inline]
     pub fn duration(&self) -> S {
         self.duration
     }
 
-    /// The name that the mover gave the move this piece belongs to. A rounded corner
-    /// carries the name of the move that it leads into.
+    /// The tag of the move to which this segment belongs. A rounded corner has the tag of the
+    /// move after it.
     #[inline]
     pub fn tag(&self) -> u32 {
         self.tag
     }
 
-    /// The curve that it moves the tool along, if it does.
+    /// The curve along which it moves the tool; `None` for a dwell or a joint move.
     pub fn curve(&self) -> Option<&Curve<S>> {
         match &self.shape {
             Shape::Path(curve) => Some(curve),
@@ -121,29 +117,25 @@ impl<S: Scalar> Piece<S> {
         }
     }
 
-    /// s, ṡ and s̈ at time `t` [s] into the piece, 0 ≤ t ≤ duration.
+    /// s, ṡ and s̈ at time `t` [s] into the segment, 0 ≤ t ≤ duration.
     #[inline(always)]
-    pub fn progress(&self, t: S) -> Progress<S> {
+    pub fn path_state(&self, t: S) -> PathState<S> {
         self.law.at(t)
     }
 
-    /// The reference at time `t` [s] into the piece, 0 ≤ t ≤ duration.
+    /// The reference at time `t` [s] into the segment, 0 ≤ t ≤ duration.
     #[inline(always)]
     pub fn evaluate(&self, t: S) -> Reference<S> {
-        self.reference(self.progress(t))
+        self.reference(self.path_state(t))
     }
 
-    /// The reference so far along the piece, and so fast.
+    /// The reference at a state of the motion along the segment.
     #[inline(always)]
-    pub fn reference(&self, progress: Progress<S>) -> Reference<S> {
-        let Progress {
-            place,
-            rate,
-            acceleration,
-        } = progress;
+    pub fn reference(&self, path_state: PathState<S>) -> Reference<S> {
+        let PathState { s, s_dot, s_ddot } = path_state;
         match &self.shape {
             Shape::Path(curve) => {
-                let [position, velocity, acceleration] = curve.motion(place, rate, acceleration);
+                let [position, velocity, acceleration] = curve.motion(s, s_dot, s_ddot);
                 Reference::Tool {
                     position,
                     velocity,
@@ -159,9 +151,9 @@ impl<S: Scalar> Piece<S> {
                 let [from1, from4] = *from;
                 let [d1, d4] = *direction;
                 Reference::Joint {
-                    angles: [from1 + d1 * place, from4 + d4 * place],
-                    rates: [d1 * rate, d4 * rate],
-                    accelerations: [d1 * acceleration, d4 * acceleration],
+                    angles: [from1 + d1 * s, from4 + d4 * s],
+                    rates: [d1 * s_dot, d4 * s_dot],
+                    accelerations: [d1 * s_ddot, d4 * s_ddot],
                 }
             }
         }

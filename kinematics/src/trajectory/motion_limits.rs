@@ -1,4 +1,4 @@
-//! How fast a stretch of path may be passed.
+//! How fast a path segment may be passed.
 //!
 //! Along a path r̈ = r″ ṡ² + r′ s̈ and r⃛ = r‴ ṡ³ + 3 r″ ṡ s̈ + r′ s⃛. Where it is straight
 //! all of the tool's acceleration and jerk is for s̈ and s⃛. Where it bends they are
@@ -13,30 +13,34 @@
 //! The driven joints follow with θ̇ = θ′ ṡ, θ̈ = θ″ ṡ² + θ′ s̈, and their torques with
 //! τ = τ_g + τ_v ṡ² + τ_a s̈: gravity's, that of passing at unit speed, that of unit
 //! acceleration from rest. Of the acceleration, and of the torque that gravity leaves,
-//! ṡ² and s̈ get half each. θ′, θ″ and τ are sampled on the walk that proves the path,
+//! ṡ² and s̈ get half each. θ′, θ″ and τ are sampled while the path is verified,
 //! which steps closely near singularities; a twentieth is kept back for what lies
 //! between the samples.
 
 use super::bounds::CurveBounds;
 use super::curve::CurvePoint;
 use super::envelope::Envelope;
+use super::error::ConstraintViolation;
 use super::number::{cube_root, max, min};
-use super::ramp::Caps;
-use super::refusal::Obstacle;
-use super::segment::Segment;
+use super::path_segment::PathSegment;
+use super::ramp::MotionLimits;
 use crate::Scalar;
-use crate::five_bar::{Accelerations, Joint, Outside, Pose, PoseError, Velocities};
+use crate::five_bar::{Accelerations, Joint, Pose, PoseError, Velocities, WorkspaceViolation};
 use nalgebra::Vector2;
 
 /// What the limits allow once a twentieth is kept back.
 const USABLE: f64 = 0.95;
 
-/// The caps that keep the tool's own limits on a segment, moved along at no more than
+/// The limits that keep the tool's own limits on a segment, moved along at no more than
 /// `speed` [m/s].
-pub(super) fn tool_caps<S: Scalar>(segment: &Segment<S>, speed: S, tool: &Caps<S>) -> Caps<S> {
+pub(super) fn tool_limits<S: Scalar>(
+    segment: &PathSegment<S>,
+    speed: S,
+    tool: &MotionLimits<S>,
+) -> MotionLimits<S> {
     let bounds = CurveBounds::of(segment.curve());
     let first = max(bounds.first, S::ONE);
-    let straight = Caps {
+    let straight = MotionLimits {
         speed: min(speed, tool.speed) / first,
         acceleration: tool.acceleration / first,
         jerk: tool.jerk / first,
@@ -47,7 +51,7 @@ pub(super) fn tool_caps<S: Scalar>(segment: &Segment<S>, speed: S, tool: &Caps<S
     share_out(&straight, &bounds)
 }
 
-fn share_out<S: Scalar>(straight: &Caps<S>, bounds: &CurveBounds<S>) -> Caps<S> {
+fn share_out<S: Scalar>(straight: &MotionLimits<S>, bounds: &CurveBounds<S>) -> MotionLimits<S> {
     let c = S::from_f64;
     let (a, j) = (straight.acceleration, straight.jerk);
     let (bending, turning) = if bounds.apart {
@@ -65,7 +69,7 @@ fn share_out<S: Scalar>(straight: &Caps<S>, bounds: &CurveBounds<S>) -> Caps<S> 
     // 3 |r″| ṡ s̈ within its share: first less s̈, below a twentieth less ṡ.
     let product = turning * j / (c(3.0) * bounds.second);
     let acceleration = max(min(along * a, product / speed), c(0.05) * a);
-    Caps {
+    MotionLimits {
         speed: min(speed, product / acceleration),
         acceleration,
         jerk: c(0.3) * j,
@@ -74,7 +78,7 @@ fn share_out<S: Scalar>(straight: &Caps<S>, bounds: &CurveBounds<S>) -> Caps<S> 
 
 /// The greatest demands that passing a path makes on the driven joints.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct JointLoad<S> {
+pub(super) struct JointDemand<S> {
     /// |θ′| of each joint [rad/m].
     rate: [S; 2],
     /// |θ″| [rad/m²].
@@ -85,7 +89,7 @@ pub(super) struct JointLoad<S> {
     starting: S,
 }
 
-impl<S: Scalar> JointLoad<S> {
+impl<S: Scalar> JointDemand<S> {
     pub(super) fn none() -> Self {
         Self {
             rate: [S::ZERO; 2],
@@ -101,7 +105,7 @@ impl<S: Scalar> JointLoad<S> {
         envelope: &Envelope<S>,
         point: &CurvePoint<S>,
         pose: &Pose<S>,
-    ) -> Result<(), Obstacle> {
+    ) -> Result<(), ConstraintViolation> {
         let tool = &envelope.workspace.tool;
         let solve = || {
             let rest = tool.inverse_velocities(pose, Vector2::zeros())?;
@@ -123,7 +127,7 @@ impl<S: Scalar> JointLoad<S> {
         envelope: &Envelope<S>,
         [d1, d4]: [S; 2],
         pose: &Pose<S>,
-    ) -> Result<(), Obstacle> {
+    ) -> Result<(), ConstraintViolation> {
         let geometry = envelope.workspace.tool.geometry();
         let solve = || {
             let rest = geometry.forward_velocities(pose, S::ZERO, S::ZERO)?;
@@ -145,7 +149,7 @@ impl<S: Scalar> JointLoad<S> {
         pose: &Pose<S>,
         (rest, starting): (&Velocities<S>, &Accelerations<S>),
         (passing, bending): (&Velocities<S>, &Accelerations<S>),
-    ) -> Result<(), Obstacle> {
+    ) -> Result<(), ConstraintViolation> {
         let [w1, _, _, w4] = passing.omega;
         let [a1, _, _, a4] = bending.alpha;
         self.rate = greater(self.rate, [w1, w4]);
@@ -172,7 +176,7 @@ impl<S: Scalar> JointLoad<S> {
         {
             let room = limit * S::from_f64(USABLE) - gravity.abs();
             if room <= S::ZERO {
-                return Err(Obstacle::Torque(joint));
+                return Err(ConstraintViolation::Torque(joint));
             }
             self.starting = max(self.starting, (start - gravity).abs() / room);
             self.passing = max(self.passing, (pass - gravity).abs() / room);
@@ -180,10 +184,14 @@ impl<S: Scalar> JointLoad<S> {
         Ok(())
     }
 
-    /// `caps` tightened until the joints are within their limits too; `None` where a
+    /// `limits` tightened until the joints are within their limits too; `None` where a
     /// limit is not a positive finite number.
-    pub(super) fn within(&self, caps: &Caps<S>, envelope: &Envelope<S>) -> Option<Caps<S>> {
-        let mut caps = *caps;
+    pub(super) fn within(
+        &self,
+        limits: &MotionLimits<S>,
+        envelope: &Envelope<S>,
+    ) -> Option<MotionLimits<S>> {
+        let mut limits = *limits;
         let usable = S::from_f64(USABLE);
         let half = S::HALF * usable;
         for (((rate, bend), speed), acceleration) in self
@@ -193,23 +201,28 @@ impl<S: Scalar> JointLoad<S> {
             .zip(envelope.joint_speed)
             .zip(envelope.joint_acceleration)
         {
-            caps.speed = cap(caps.speed, speed * usable, rate);
-            caps.speed = cap_root(caps.speed, acceleration * half, bend);
-            caps.acceleration = cap(caps.acceleration, acceleration * half, rate);
+            limits.speed = bounded_by(limits.speed, speed * usable, rate);
+            limits.speed = bounded_by_root(limits.speed, acceleration * half, bend);
+            limits.acceleration = bounded_by(limits.acceleration, acceleration * half, rate);
         }
-        caps.speed = cap_root(caps.speed, S::HALF, self.passing);
-        caps.acceleration = cap(caps.acceleration, S::HALF, self.starting);
-        caps.are_sound().then_some(caps)
+        limits.speed = bounded_by_root(limits.speed, S::HALF, self.passing);
+        limits.acceleration = bounded_by(limits.acceleration, S::HALF, self.starting);
+        limits.are_valid().then_some(limits)
     }
 
-    /// The caps of a joint move, at `share` of the greatest joint speeds; the jerk is
+    /// The limits of a joint move, at `share` of the greatest joint speeds; the jerk is
     /// `ratio` [1/s] times the acceleration.
-    pub(super) fn joint_caps(&self, share: S, ratio: S, envelope: &Envelope<S>) -> Option<Caps<S>> {
+    pub(super) fn joint_move_limits(
+        &self,
+        share: S,
+        ratio: S,
+        envelope: &Envelope<S>,
+    ) -> Option<MotionLimits<S>> {
         let fastest = |[first, second]: [S; 2]| max(first, second);
         let acceleration = fastest(envelope.joint_acceleration);
-        // The joint that turns further turns at ṡ, so no cap is above the greater limit.
-        let mut caps = self.within(
-            &Caps {
+        // The joint that turns further turns at ṡ, so no limit is above the greater limit.
+        let mut limits = self.within(
+            &MotionLimits {
                 speed: fastest(envelope.joint_speed),
                 acceleration,
                 jerk: acceleration * ratio,
@@ -217,13 +230,13 @@ impl<S: Scalar> JointLoad<S> {
             envelope,
         )?;
         let valid = S::ZERO < share && share <= S::ONE;
-        caps.speed = caps.speed * share;
-        (valid && caps.are_sound()).then_some(caps)
+        limits.speed = limits.speed * share;
+        (valid && limits.are_valid()).then_some(limits)
     }
 }
 
-fn no_pose(error: PoseError) -> Obstacle {
-    Obstacle::Outside(Outside::Pose(error))
+fn no_pose(error: PoseError) -> ConstraintViolation {
+    ConstraintViolation::Workspace(WorkspaceViolation::Pose(error))
 }
 
 fn greater<S: Scalar>([a1, a4]: [S; 2], [b1, b4]: [S; 2]) -> [S; 2] {
@@ -231,7 +244,7 @@ fn greater<S: Scalar>([a1, a4]: [S; 2], [b1, b4]: [S; 2]) -> [S; 2] {
 }
 
 /// The lesser of `value` and `limit`/`per`, where that is a limit at all.
-fn cap<S: Scalar>(value: S, limit: S, per: S) -> S {
+fn bounded_by<S: Scalar>(value: S, limit: S, per: S) -> S {
     if value * per > limit {
         limit / per
     } else {
@@ -240,7 +253,7 @@ fn cap<S: Scalar>(value: S, limit: S, per: S) -> S {
 }
 
 /// The lesser of `value` and √(`limit`/`per`), where that is a limit at all.
-fn cap_root<S: Scalar>(value: S, limit: S, per: S) -> S {
+fn bounded_by_root<S: Scalar>(value: S, limit: S, per: S) -> S {
     if value * value * per > limit {
         (limit / per).sqrt()
     } else {

@@ -1,4 +1,4 @@
-//! The equations of motion regrouped for the tick: each mass parameter once.
+//! The equations of motion base_parameters for the tick: each mass parameter once.
 //!
 //! In Kane's equations, as [`Arm::inverse_dynamics`] evaluates them body by body, masses,
 //! centres and inertias come up only in a few sums (the base parameters of the
@@ -35,7 +35,7 @@ use nalgebra::Vector2;
 
 /// An arm's equations of motion, its masses summed up.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Regrouped<S> {
+pub struct BaseParameterModel<S> {
     /// (p2, q2), (p3, q3) [kg].
     first: [Vector2<S>; 2],
     /// J1…J4 [kg·m²].
@@ -44,7 +44,7 @@ pub struct Regrouped<S> {
     weight: [Vector2<S>; 4],
 }
 
-impl<S: Scalar> Regrouped<S> {
+impl<S: Scalar> BaseParameterModel<S> {
     /// The equations of an arm.
     pub fn new(arm: &Arm<S>) -> Self {
         let geometry = arm.geometry();

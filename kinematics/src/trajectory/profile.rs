@@ -1,11 +1,11 @@
-//! One stretch of the time law: up or down to a speed, hold it, down to the speed wanted
-//! at the end of the stretch.
+//! A velocity profile: change to a speed, hold it, then slow down to the speed required at
+//! the end.
 
 use super::number::{max, min};
-use super::ramp::{Caps, Phase, distance, ramp, speed_after_release};
+use super::ramp::{MotionLimits, Phase, distance, ramp, speed_after_release};
 use crate::Scalar;
 
-/// The state that a plan starts from.
+/// The state that a profile starts from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Motion<S> {
     /// ṡ [m/s].
@@ -25,48 +25,48 @@ impl<S: Scalar> Motion<S> {
 
 /// Seven phases of constant jerk.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Plan<S> {
+pub(super) struct VelocityProfile<S> {
     phases: [Phase<S>; 7],
     /// The phase in progress, and the time already spent in it [s].
     current: usize,
     elapsed: S,
-    /// How many spans it covers, counted from the one in progress.
-    pub(super) spans: usize,
+    /// The number of segments it covers, counted from the one in progress.
+    pub(super) segments: usize,
     /// The speed it ends with, without acceleration [m/s].
     pub(super) exit: S,
 }
 
-impl<S: Scalar> Plan<S> {
-    /// The fastest plan of this form over `length` [m], ending at `exit` [m/s] or, where
-    /// that cannot be reached, as fast as can be. `None` where `length` is too short to
-    /// slow down in or for a plan that holds `least` [m/s], or the motion is already past
-    /// the caps: too fast, or slowing down so hard that it could not be let go before the
-    /// motion turns back.
+impl<S: Scalar> VelocityProfile<S> {
+    /// The fastest profile of this form over `length` [m]. It ends at `exit` [m/s] or, where
+    /// that cannot be reached, at the greatest speed possible. `None` where `length` is too
+    /// short to slow down or to hold `least` [m/s], or where the start already violates the
+    /// limits: it is too fast, or it decelerates so hard that the motion would reverse
+    /// before the deceleration could be removed.
     ///
-    /// The way needed grows with the speed held, so that speed is found by bisection, and
-    /// what rounding leaves over lengthens the time it is held.
+    /// The distance needed grows with the speed held, so bisection finds that speed. The
+    /// remainder from rounding is added to the time at that speed.
     pub(super) fn over(
         length: S,
         start: Motion<S>,
         exit: S,
         least: S,
-        caps: &Caps<S>,
-        spans: usize,
+        limits: &MotionLimits<S>,
+        segments: usize,
     ) -> Option<Self> {
         let hair = S::from_f64(1e-5);
-        let released = speed_after_release(start.speed, start.acceleration, caps.jerk);
-        let within = max(start.speed, released) <= caps.speed * (S::ONE + hair)
-            && released >= -(caps.speed * hair)
-            && start.acceleration.abs() <= caps.acceleration * (S::ONE + hair)
-            && least <= caps.speed;
+        let released = speed_after_release(start.speed, start.acceleration, limits.jerk);
+        let within = max(start.speed, released) <= limits.speed * (S::ONE + hair)
+            && released >= -(limits.speed * hair)
+            && start.acceleration.abs() <= limits.acceleration * (S::ONE + hair)
+            && least <= limits.speed;
         if !within {
             return None;
         }
         let lowest = max(max(released, S::ZERO), least);
-        let fastest = max(caps.speed, lowest);
+        let fastest = max(limits.speed, lowest);
         let ramps = |held: S| {
-            let up = ramp(start.speed, start.acceleration, held, caps);
-            let down = ramp(held, S::ZERO, min(held, exit), caps);
+            let up = ramp(start.speed, start.acceleration, held, limits);
+            let down = ramp(held, S::ZERO, min(held, exit), limits);
             (up, down)
         };
         let needed = |held: S| {
@@ -105,25 +105,25 @@ impl<S: Scalar> Plan<S> {
             phases: [p0, p1, p2, hold, p4, p5, p6],
             current: 0,
             elapsed: S::ZERO,
-            spans,
+            segments,
             exit: min(held, exit),
         })
     }
 
-    /// To rest as soon as the caps allow, however far that takes.
-    pub(super) fn stop(start: Motion<S>, caps: &Caps<S>, spans: usize) -> Self {
-        let [p0, p1, p2] = ramp(start.speed, start.acceleration, S::ZERO, caps);
+    /// To rest as soon as the limits allow, over whatever distance that needs.
+    pub(super) fn stop(start: Motion<S>, limits: &MotionLimits<S>, segments: usize) -> Self {
+        let [p0, p1, p2] = ramp(start.speed, start.acceleration, S::ZERO, limits);
         let none = Phase::none();
         Self {
             phases: [p0, p1, p2, none, none, none, none],
             current: 0,
             elapsed: S::ZERO,
-            spans,
+            segments,
             exit: S::ZERO,
         }
     }
 
-    /// What is left of the phase in progress, `None` when the plan is done.
+    /// The rest of the phase in progress; `None` when the profile is finished.
     pub(super) fn phase(&mut self) -> Option<Phase<S>> {
         loop {
             let phase = self.phases.get(self.current)?;
@@ -141,18 +141,18 @@ impl<S: Scalar> Plan<S> {
         }
     }
 
-    /// Leave the phase in progress behind.
+    /// Ends the phase in progress.
     pub(super) fn skip_phase(&mut self) {
         self.current += 1;
         self.elapsed = S::ZERO;
     }
 
-    /// Let `t` [s] of the phase in progress go by.
+    /// Advances the phase in progress by `t` [s].
     pub(super) fn pass(&mut self, t: S) {
         self.elapsed = self.elapsed + t;
     }
 
-    /// The time still to go [s], and the greatest speed on the way [m/s].
+    /// The remaining time [s] and the greatest remaining speed [m/s].
     pub(super) fn outlook(&self) -> (S, S) {
         let mut time = -self.elapsed;
         let mut peak = self.exit;
@@ -166,8 +166,8 @@ impl<S: Scalar> Plan<S> {
 
 /// The time at which a phase has covered `way` [m], 0 ≤ `way` ≤ its distance.
 ///
-/// The speed is never negative, so the way grows with time: Newton's steps, kept in the
-/// bracket by bisection.
+/// The speed is never negative, so the distance grows with time: Newton's method, kept in
+/// its bracket by bisection.
 pub(super) fn time_to_cover<S: Scalar>(phase: &Phase<S>, way: S) -> S {
     if way <= S::ZERO {
         return S::ZERO;

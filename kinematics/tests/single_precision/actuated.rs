@@ -1,4 +1,4 @@
-//! The driven angles from a point with the tool at C, by `Tool::driven`, which the tick
+//! The driven angles from a point with the tool at C, by `Tool::actuated_joints`, which the tick
 //! calls, and by `Geometry::inverse`: within 5e-7 rad.
 //!
 //! C is a given number, so only the solution errs. Near a stretched leg the small rest
@@ -27,7 +27,7 @@ fn angles(arms: &Arms, c: Vector2<f32>, mode: WorkingMode) -> Result<[[f32; 2]; 
     let pose = arms.single.geometry().inverse(c, mode)?;
     let driven = arms
         .single
-        .driven(c, Vector2::zeros(), Vector2::zeros(), mode)?;
+        .actuated_joints(c, Vector2::zeros(), Vector2::zeros(), mode)?;
     Ok([[pose.u1, pose.u4], driven.direction].map(|pair| pair.map(Vector2::polar_angle)))
 }
 
@@ -116,8 +116,8 @@ fn rates_of_any_arm_are_within_a_millionth() {
         let size = arms.single.geometry().l1();
         let [v, a] = motion.map(|[x, y]| Vector2::new(x, y) * size);
         for mode in WorkingMode::ALL {
-            let found = arms.single.driven(c, v, a, mode).unwrap();
-            let exact = arms.double.driven(wide(c), wide(v), wide(a), mode).unwrap();
+            let found = arms.single.actuated_joints(c, v, a, mode).unwrap();
+            let exact = arms.double.actuated_joints(wide(c), wide(v), wide(a), mode).unwrap();
             let pose = arms.double.inverse(wide(c), mode).unwrap();
             let rates = arms.double.inverse_velocities(&pose, wide(v)).unwrap();
             let [l1, l2, l3, l4, _] = arms.double.geometry().lengths();

@@ -8,7 +8,7 @@ use nalgebra::Vector2;
 
 /// The parts of the driving torques, each [joint 1, joint 4]; they add up to the torque.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TorqueShares<S> {
+pub struct TorqueComponents<S> {
     /// M q̈: the accelerations asked for, rotors included.
     pub inertia: [S; 2],
     /// Velocity products (centripetal and Coriolis).
@@ -21,11 +21,11 @@ pub struct TorqueShares<S> {
     pub friction: [S; 2],
 }
 
-impl<S: Scalar> TorqueShares<S> {
-    /// Names of the parts, in the order of [`TorqueShares::parts`].
+impl<S: Scalar> TorqueComponents<S> {
+    /// Names of the parts, in the order of [`TorqueComponents::parts`].
     pub const NAMES: [&'static str; 5] = ["inertia", "velocity", "gravity", "external", "friction"];
 
-    /// The parts in the order of [`TorqueShares::NAMES`].
+    /// The parts in the order of [`TorqueComponents::NAMES`].
     pub fn parts(&self) -> [[S; 2]; 5] {
         [
             self.inertia,
@@ -50,19 +50,19 @@ impl<S: Scalar> Arm<S> {
     ///
     /// # Errors
     /// `Singular` at type 2.
-    pub fn torque_shares(
+    pub fn torque_components(
         &self,
         pose: &Pose<S>,
         velocities: &Velocities<S>,
         accelerations: &Accelerations<S>,
         external_force: Vector2<S>,
         friction: [S; 2],
-    ) -> Result<TorqueShares<S>, PoseError> {
+    ) -> Result<TorqueComponents<S>, PoseError> {
         let geometry = self.geometry();
         let [alpha1, _, _, alpha4] = accelerations.alpha;
         let coasting = geometry.forward_accelerations(pose, velocities, S::ZERO, S::ZERO)?;
         let weightless = self.weightless();
-        Ok(TorqueShares {
+        Ok(TorqueComponents {
             inertia: (self.mass_matrix(pose)? * Vector2::new(alpha1, alpha4)).into(),
             velocity: weightless.inverse_dynamics(pose, velocities, &coasting, Vector2::zeros())?,
             gravity: self.gravity_torque(pose)?,
@@ -75,7 +75,7 @@ impl<S: Scalar> Arm<S> {
 /// Torque parts summed along a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShareTotals<S> {
-    /// ∫|τ| dt of each part [N·m·s], in the order of [`TorqueShares::NAMES`].
+    /// ∫|τ| dt of each part [N·m·s], in the order of [`TorqueComponents::NAMES`].
     impulse: [[S; 2]; 5],
     /// The largest |τ| of each part so far [N·m].
     peak: [[S; 2]; 5],
@@ -92,7 +92,7 @@ impl<S: Scalar> Default for ShareTotals<S> {
 
 impl<S: Scalar> ShareTotals<S> {
     /// Adds a moment that lasts `dt` [s].
-    pub fn add(&mut self, shares: &TorqueShares<S>, dt: S) {
+    pub fn add(&mut self, shares: &TorqueComponents<S>, dt: S) {
         let sums = self.impulse.iter_mut().zip(&mut self.peak);
         for (part, (impulse, peak)) in shares.parts().iter().zip(sums) {
             for ((torque, impulse), peak) in part.iter().zip(impulse).zip(peak) {

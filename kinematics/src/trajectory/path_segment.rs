@@ -1,4 +1,4 @@
-//! A stretch of path: a curve and how much of it.
+//! A path segment: a curve and its length.
 
 use super::curve::{Curve, CurvePoint};
 use crate::{PlanarVector, Scalar};
@@ -7,15 +7,15 @@ use nalgebra::Vector2;
 
 /// A line, an arc or a blend of a given length.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Segment<S> {
+pub struct PathSegment<S> {
     curve: Curve<S>,
     length: S,
 }
 
-/// Why numbers are not a segment.
+/// Why a path segment cannot be made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum SegmentError {
+pub enum PathSegmentError {
     /// A number is infinite or not a number.
     NotFinite,
     /// The end is the start: there is no direction to go. Nothing is lost by skipping it.
@@ -26,7 +26,7 @@ pub enum SegmentError {
     RadiusMismatch,
 }
 
-impl fmt::Display for SegmentError {
+impl fmt::Display for PathSegmentError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::NotFinite => "a number given is infinite or not a number",
@@ -37,7 +37,7 @@ impl fmt::Display for SegmentError {
     }
 }
 
-impl core::error::Error for SegmentError {}
+impl core::error::Error for PathSegmentError {}
 
 /// Which way an arc turns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,20 +49,20 @@ pub enum Sense {
     Clockwise,
 }
 
-impl<S: Scalar> Segment<S> {
+impl<S: Scalar> PathSegment<S> {
     /// Straight from `from` to `to` [m].
     ///
     /// # Errors
     /// `NotFinite`; `ZeroLength` where the points coincide.
-    pub fn line(from: Vector2<S>, to: Vector2<S>) -> Result<Self, SegmentError> {
+    pub fn line(from: Vector2<S>, to: Vector2<S>) -> Result<Self, PathSegmentError> {
         let d = to - from;
         let length = d.length();
         if !(length.is_finite() && from.length_squared().is_finite()) {
-            return Err(SegmentError::NotFinite);
+            return Err(PathSegmentError::NotFinite);
         }
         // Below the least normal square, d/|d| is no unit vector any more.
         if length <= S::from_f64(1e-15) {
-            return Err(SegmentError::ZeroLength);
+            return Err(PathSegmentError::ZeroLength);
         }
         let tangent = d * (S::ONE / length);
         Ok(Self {
@@ -89,10 +89,10 @@ impl<S: Scalar> Segment<S> {
         centre: Vector2<S>,
         sense: Sense,
         tolerance: S,
-    ) -> Result<Self, SegmentError> {
+    ) -> Result<Self, PathSegmentError> {
         let sizes = from.length_squared() + to.length_squared() + centre.length_squared();
         if !(sizes.is_finite() && tolerance.is_finite()) {
-            return Err(SegmentError::NotFinite);
+            return Err(PathSegmentError::NotFinite);
         }
         let chord = to - from;
         let closed = chord.length_squared() == S::ZERO;
@@ -105,14 +105,14 @@ impl<S: Scalar> Segment<S> {
             let shift = chord * share;
             let consistent = shift.length() <= tolerance;
             if !consistent {
-                return Err(SegmentError::RadiusMismatch);
+                return Err(PathSegmentError::RadiusMismatch);
             }
             centre + shift
         };
         let (r0, r1) = (from - centre, to - centre);
         let radius = r0.length();
         if radius <= S::from_f64(1e-9) {
-            return Err(SegmentError::ZeroRadius);
+            return Err(PathSegmentError::ZeroRadius);
         }
         let turn = S::from_f64(core::f64::consts::TAU);
         let angle = r0.cross_z(r1).atan2(r0.dot(&r1));

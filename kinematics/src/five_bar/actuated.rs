@@ -18,7 +18,7 @@ use nalgebra::Vector2;
 
 /// The motion of the driven joints; index 0 is joint 1, index 1 joint 4.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Driven<S> {
+pub struct ActuatedJointState<S> {
     /// u(θ1), u(θ4).
     pub direction: [Vector2<S>; 2],
     /// ω1, ω4 [rad/s].
@@ -83,13 +83,13 @@ impl<S: Scalar> Tool<S> {
     /// # Errors
     /// As [`Tool::inverse`] and [`Tool::inverse_velocities`].
     #[inline(always)]
-    pub fn driven(
+    pub fn actuated_joints(
         &self,
         t: Vector2<S>,
         v: Vector2<S>,
         a: Vector2<S>,
         mode: WorkingMode,
-    ) -> Result<Driven<S>, PoseError> {
+    ) -> Result<ActuatedJointState<S>, PoseError> {
         let geometry = self.geometry();
         let [per_l1, _, _, per_l4] = geometry.per_length();
 
@@ -114,7 +114,7 @@ impl<S: Scalar> Tool<S> {
         let dyad = geometry.leg4();
         let closed = dyad.solve_precisely_to(c, mode.elbow4.opposite());
         let leg4 = Leg::new(&closed.map_err(refusal4)?, c - geometry.e(), v);
-        Ok(Driven {
+        Ok(ActuatedJointState {
             direction: [leg1.driven * per_l1, leg4.driven * per_l4],
             omega: [leg1.near_velocity, leg4.near_velocity],
             alpha: [alpha1, leg4.near_acceleration(dyad, a)],

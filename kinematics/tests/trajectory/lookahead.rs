@@ -3,7 +3,9 @@
 
 use crate::common::{MIDDLE, Rounding, V, assert_sound, distance_to, envelope, run, tool};
 use fivebar_kinematics::PlanarVector;
-use fivebar_kinematics::trajectory::{Caps, Curve, LookAhead, Piece, Reference, Segment, Sense};
+use fivebar_kinematics::trajectory::{
+    Curve, LookaheadPlanner, MotionLimits, PathSegment, Reference, Sense, TrajectorySegment,
+};
 use nalgebra::Vector2;
 use proptest::prelude::*;
 
@@ -21,7 +23,7 @@ const SINGLE: Rounding = Rounding {
 
 /// Lines and arcs from corner to corner, from 10^`finest` m to decimetres, all within 60 mm
 /// of the middle.
-fn paths(finest: f64) -> impl Strategy<Value = Vec<Segment<f64>>> {
+fn paths(finest: f64) -> impl Strategy<Value = Vec<PathSegment<f64>>> {
     let step = (
         -1.0..1.0_f64,
         -1.0..1.0_f64,
@@ -41,12 +43,12 @@ fn paths(finest: f64) -> impl Strategy<Value = Vec<Segment<f64>>> {
             let chord = to - from;
             let centre = from + chord * 0.5 + chord.perpendicular() * bulge;
             let radius = (centre - from).norm();
-            let arc = Segment::arc(from, to, centre, Sense::Clockwise, 1e-9);
+            let arc = PathSegment::arc(from, to, centre, Sense::Clockwise, 1e-9);
             let fits = (centre - middle).norm() + radius < 0.07;
             segments.push(if fits && !line {
                 arc.unwrap()
             } else {
-                Segment::line(from, to).unwrap()
+                PathSegment::line(from, to).unwrap()
             });
             from = to;
         }
@@ -62,18 +64,18 @@ proptest! {
         feed in 0.01..0.3_f64,
     ) {
         let envelope = envelope(tolerance);
-        let pieces = run(&segments, feed, &envelope);
-        let limits = Caps { speed: feed, ..envelope.tool_motion };
+        let trajectory = run(&segments, feed, &envelope);
+        let limits = MotionLimits { speed: feed, ..envelope.tool_motion };
         let ends = [segments[0].start(), segments.last().unwrap().end()];
-        assert_sound(&pieces, ends, &limits, &DOUBLE);
+        assert_sound(&trajectory, ends, &limits, &DOUBLE);
 
         // Everything moved through is on the path, and all of the path is moved through.
         let mut reached = vec![false; segments.len()];
-        for piece in &pieces {
-            let tag = piece.tag() as usize;
+        for trajectory_segment in &trajectory {
+            let tag = trajectory_segment.tag() as usize;
             reached[tag] = true;
             for step in 0..=6 {
-                let position = tool(piece, piece.duration() * f64::from(step) / 6.0).0;
+                let position = tool(trajectory_segment, trajectory_segment.duration() * f64::from(step) / 6.0).0;
                 let mut distance = distance_to(&segments[tag], position);
                 // A blend carries the name of the segment that it leads into.
                 if distance > tolerance && tag > 0 {
@@ -89,28 +91,28 @@ proptest! {
     #[test]
     fn moves_that_come_late_are_joined_to_the_motion_at_hand(
         segments in paths(-5.0),
-        // Pieces taken before each push.
+        // Trajectory segments taken before each push.
         haste in prop::collection::vec(0..9_usize, 30),
         feed in 0.01..0.3_f64,
     ) {
         let envelope = envelope(1e-4);
-        let mut look_ahead = LookAhead::<f64, 16>::new();
-        let mut pieces = Vec::new();
+        let mut lookahead = LookaheadPlanner::<f64, 16>::new();
+        let mut trajectory = Vec::new();
         for ((tag, segment), haste) in segments.iter().enumerate().zip(haste) {
-            let before = pieces.len() + haste;
-            while pieces.len() < before || look_ahead.room() == 0 {
-                let Some(piece) = look_ahead.next_piece() else { break };
-                pieces.push(piece);
+            let before = trajectory.len() + haste;
+            while trajectory.len() < before || lookahead.free_slots() == 0 {
+                let Some(trajectory_segment) = lookahead.next_segment() else { break };
+                trajectory.push(trajectory_segment);
             }
-            let caps = envelope.admit(segment, feed).unwrap();
-            look_ahead.push(segment, caps, tag as u32, &envelope).unwrap();
+            let limits = envelope.check(segment, feed).unwrap();
+            lookahead.push(segment, limits, tag as u32, &envelope).unwrap();
         }
-        while let Some(piece) = look_ahead.next_piece() {
-            pieces.push(piece);
+        while let Some(trajectory_segment) = lookahead.next_segment() {
+            trajectory.push(trajectory_segment);
         }
-        let limits = Caps { speed: feed, ..envelope.tool_motion };
+        let limits = MotionLimits { speed: feed, ..envelope.tool_motion };
         let ends = [segments[0].start(), segments.last().unwrap().end()];
-        assert_sound(&pieces, ends, &limits, &DOUBLE);
+        assert_sound(&trajectory, ends, &limits, &DOUBLE);
     }
 
     /// In single precision the same path is followed, to a micrometre.
@@ -120,16 +122,16 @@ proptest! {
         feed in 0.01..0.3_f64,
     ) {
         const TOLERANCE: f64 = 5e-5;
-        let single: Vec<Segment<f32>> = segments.iter().map(narrow).collect();
+        let single: Vec<PathSegment<f32>> = segments.iter().map(narrow).collect();
         let envelope = envelope::<f32>(TOLERANCE);
-        let pieces = run(&single, feed as f32, &envelope);
-        let limits = Caps { speed: feed, acceleration: 5.0, jerk: 500.0 };
+        let trajectory = run(&single, feed as f32, &envelope);
+        let limits = MotionLimits { speed: feed, acceleration: 5.0, jerk: 500.0 };
         let ends = [segments[0].start(), segments.last().unwrap().end()];
-        let single_time = assert_sound(&pieces, ends, &limits, &SINGLE);
-        for piece in &pieces {
-            let tag = piece.tag() as usize;
+        let single_time = assert_sound(&trajectory, ends, &limits, &SINGLE);
+        for trajectory_segment in &trajectory {
+            let tag = trajectory_segment.tag() as usize;
             for step in 0..=4_u8 {
-                let position = tool(piece, piece.duration() * f32::from(step) / 4.0).0;
+                let position = tool(trajectory_segment, trajectory_segment.duration() * f32::from(step) / 4.0).0;
                 let mut distance = distance_to(&segments[tag], position);
                 if tag > 0 {
                     distance = distance.min(distance_to(&segments[tag - 1], position));
@@ -138,7 +140,7 @@ proptest! {
             }
         }
         let double = run(&segments, feed, &crate::common::envelope(TOLERANCE));
-        let double_time: f64 = double.iter().map(Piece::duration).sum();
+        let double_time: f64 = double.iter().map(TrajectorySegment::duration).sum();
         prop_assert!((single_time / double_time - 1.0).abs() < 0.05, "{single_time} s, {double_time} s");
     }
 
@@ -147,14 +149,14 @@ proptest! {
     fn a_slowed_clock_gives_the_derivatives_of_the_slowed_motion(
         segments in paths(-5.0), at in 0.1..0.9_f64, rate in 0.0..1.0_f64, slope in -30.0..30.0_f64,
     ) {
-        let pieces = run(&segments, 0.2, &envelope(1e-4));
-        let piece = pieces[((pieces.len() - 1) as f64 * at) as usize];
-        let tau = piece.duration() * at;
+        let trajectory = run(&segments, 0.2, &envelope(1e-4));
+        let trajectory_segment = trajectory[((trajectory.len() - 1) as f64 * at) as usize];
+        let tau = trajectory_segment.duration() * at;
         let dt = 1e-6;
-        let place = |t: f64| tool(&piece, tau + (rate + 0.5 * slope * t) * t).0;
+        let place = |t: f64| tool(&trajectory_segment, tau + (rate + 0.5 * slope * t) * t).0;
         let (before, now, after) = (place(-dt), place(0.0), place(dt));
         let Reference::Tool { position, velocity, acceleration } =
-            piece.reference(piece.progress(tau).clocked(rate, slope)) else { panic!() };
+            trajectory_segment.reference(trajectory_segment.path_state(tau).time_scaled(rate, slope)) else { panic!() };
         prop_assert_eq!(position, now);
         prop_assert!(((after - before) * (0.5 / dt) - velocity).norm() < 1e-8);
         let second = (after - now - (now - before)) * (1.0 / (dt * dt));
@@ -162,7 +164,7 @@ proptest! {
     }
 }
 
-fn narrow(segment: &Segment<f64>) -> Segment<f32> {
+fn narrow(segment: &PathSegment<f64>) -> PathSegment<f32> {
     let narrow = |v: V| Vector2::new(v.x as f32, v.y as f32);
     let [from, to] = [narrow(segment.start()), narrow(segment.end())];
     match *segment.curve() {
@@ -177,9 +179,9 @@ fn narrow(segment: &Segment<f64>) -> Segment<f32> {
             } else {
                 Sense::Clockwise
             };
-            Segment::arc(from, to, centre, sense, 1e-5)
+            PathSegment::arc(from, to, centre, sense, 1e-5)
         }
-        _ => Segment::line(from, to),
+        _ => PathSegment::line(from, to),
     }
     .unwrap()
 }
@@ -192,14 +194,14 @@ fn a_fine_polyline_is_passed_at_full_speed() {
         .collect();
     let segments: Vec<_> = points
         .windows(2)
-        .map(|ends| Segment::line(ends[0], ends[1]).unwrap())
+        .map(|ends| PathSegment::line(ends[0], ends[1]).unwrap())
         .collect();
-    let pieces = run(&segments, 0.058, &envelope);
-    let limits = Caps {
+    let trajectory = run(&segments, 0.058, &envelope);
+    let limits = MotionLimits {
         speed: 0.058,
         ..envelope.tool_motion
     };
-    let time = assert_sound(&pieces, [points[0], points[999]], &limits, &DOUBLE);
+    let time = assert_sound(&trajectory, [points[0], points[999]], &limits, &DOUBLE);
     let ideal = 0.04 * 0.005 * 999.0 / 0.058;
     assert!(time < ideal * 1.02, "{time} s instead of {ideal} s");
 }
@@ -210,11 +212,11 @@ fn slow_corners_do_not_slow_what_lies_between() {
     let point = V::new(MIDDLE[0], MIDDLE[1]);
     let circles: Vec<_> = (0..6)
         .map(|turn| point + V::unit(f64::from(turn)) * 0.016)
-        .map(|centre| Segment::arc(point, point, centre, Sense::Clockwise, 1e-5).unwrap())
+        .map(|centre| PathSegment::arc(point, point, centre, Sense::Clockwise, 1e-5).unwrap())
         .collect();
     let time = |corner_tolerance| -> f64 {
-        let pieces = run(&circles, 0.25, &envelope(corner_tolerance));
-        pieces.iter().map(Piece::duration).sum()
+        let trajectory = run(&circles, 0.25, &envelope(corner_tolerance));
+        trajectory.iter().map(TrajectorySegment::duration).sum()
     };
     let (rounded, stopped) = (time(5e-5), time(0.0));
     assert!(rounded < stopped, "{rounded} s against {stopped} s");
@@ -224,9 +226,15 @@ fn slow_corners_do_not_slow_what_lies_between() {
 fn corners_without_tolerance_are_stopped_at() {
     let envelope = envelope(0.0);
     let [a, b, c] = [[0.10, 0.30], [0.15, 0.30], [0.15, 0.33]].map(|[x, y]| V::new(x, y));
-    let segments = [Segment::line(a, b).unwrap(), Segment::line(b, c).unwrap()];
-    let pieces = run(&segments, 0.1, &envelope);
-    let stop = pieces.iter().find(|piece| piece.tag() == 1).unwrap();
+    let segments = [
+        PathSegment::line(a, b).unwrap(),
+        PathSegment::line(b, c).unwrap(),
+    ];
+    let trajectory = run(&segments, 0.1, &envelope);
+    let stop = trajectory
+        .iter()
+        .find(|trajectory_segment| trajectory_segment.tag() == 1)
+        .unwrap();
     let (position, velocity, acceleration) = tool(stop, 0.0);
     assert!((position - b).norm() < 1e-15);
     assert_eq!((velocity, acceleration), (V::zeros(), V::zeros()));
@@ -235,15 +243,17 @@ fn corners_without_tolerance_are_stopped_at() {
 #[test]
 fn a_queue_that_runs_dry_ends_at_rest_and_goes_on() {
     let envelope = envelope(1e-4);
-    let mut look_ahead = LookAhead::<f64, 16>::new();
+    let mut lookahead = LookaheadPlanner::<f64, 16>::new();
     let points = [[0.10, 0.30], [0.15, 0.30], [0.15, 0.33]].map(|[x, y]| V::new(x, y));
     for (tag, ends) in points.windows(2).enumerate() {
-        let line = Segment::line(ends[0], ends[1]).unwrap();
-        let caps = envelope.admit(&line, 0.1).unwrap();
-        look_ahead.push(&line, caps, tag as u32, &envelope).unwrap();
+        let line = PathSegment::line(ends[0], ends[1]).unwrap();
+        let limits = envelope.check(&line, 0.1).unwrap();
+        lookahead
+            .push(&line, limits, tag as u32, &envelope)
+            .unwrap();
         let mut last = None;
-        while let Some(piece) = look_ahead.next_piece() {
-            last = Some(tool(&piece, piece.duration()));
+        while let Some(trajectory_segment) = lookahead.next_segment() {
+            last = Some(tool(&trajectory_segment, trajectory_segment.duration()));
         }
         let (position, velocity, acceleration) = last.unwrap();
         assert!((position - ends[1]).norm() < 1e-12);
@@ -257,34 +267,41 @@ fn a_queue_that_runs_dry_ends_at_rest_and_goes_on() {
 fn a_move_that_comes_while_the_arm_stops_does_not_turn_it_back() {
     let envelope = envelope(1e-4);
     let points = [[0.1232, 0.3248], [0.1297, 0.3416], [0.1374, 0.36]].map(|[x, y]| V::new(x, y));
-    let [before, after] = [0, 1].map(|i| Segment::line(points[i], points[i + 1]).unwrap());
-    let push = |look_ahead: &mut LookAhead<f64, 16>, segment: &Segment<f64>| {
-        let caps = envelope.admit(segment, 0.01).unwrap();
-        look_ahead.push(segment, caps, 0, &envelope).unwrap();
+    let [before, after] = [0, 1].map(|i| PathSegment::line(points[i], points[i + 1]).unwrap());
+    let push = |lookahead: &mut LookaheadPlanner<f64, 16>, segment: &PathSegment<f64>| {
+        let limits = envelope.check(segment, 0.01).unwrap();
+        lookahead.push(segment, limits, 0, &envelope).unwrap();
     };
     let mut joined = 0;
     for taken in 1.. {
-        let mut look_ahead = LookAhead::new();
-        push(&mut look_ahead, &before);
-        let mut pieces: Vec<_> = (0..taken).map_while(|_| look_ahead.next_piece()).collect();
-        if pieces.len() < taken {
+        let mut lookahead = LookaheadPlanner::new();
+        push(&mut lookahead, &before);
+        let mut trajectory: Vec<_> = (0..taken).map_while(|_| lookahead.next_segment()).collect();
+        if trajectory.len() < taken {
             break;
         }
-        push(&mut look_ahead, &after);
-        pieces.extend(core::iter::from_fn(|| look_ahead.next_piece()));
-        let limits = Caps {
+        push(&mut lookahead, &after);
+        trajectory.extend(core::iter::from_fn(|| lookahead.next_segment()));
+        let limits = MotionLimits {
             speed: 0.01,
             ..envelope.tool_motion
         };
-        assert_sound(&pieces, [points[0], points[2]], &limits, &DOUBLE);
+        assert_sound(&trajectory, [points[0], points[2]], &limits, &DOUBLE);
         let forwards = (points[2] - points[0]) * (1.0 / (points[2] - points[0]).norm());
-        let slowest = pieces
+        let slowest = trajectory
             .iter()
-            .flat_map(|piece| (0..=12).map(|i| tool(piece, piece.duration() * f64::from(i) / 12.0)))
+            .flat_map(|trajectory_segment| {
+                (0..=12).map(|i| {
+                    tool(
+                        trajectory_segment,
+                        trajectory_segment.duration() * f64::from(i) / 12.0,
+                    )
+                })
+            })
             .map(|(_, velocity, _)| velocity.dot(&forwards))
             .fold(f64::INFINITY, f64::min);
-        assert!(slowest > -1e-9, "{slowest} m/s, {taken} pieces taken");
+        assert!(slowest > -1e-9, "{slowest} m/s, {taken} trajectory taken");
         joined += 1;
     }
-    assert!(joined > 4, "{joined} pieces");
+    assert!(joined > 4, "{joined} trajectory");
 }

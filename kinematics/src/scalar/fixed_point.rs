@@ -8,7 +8,7 @@ use super::Scalar;
 /// to it, into 2³⁰…2³¹ units. Good for lengths from 1e-14 to 1e19 m, whose squares `f32` can
 /// hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FixedSquare {
+pub struct FixedPointSquare {
     /// Units per metre.
     scale: f32,
     /// 2³² square units [m²].
@@ -19,7 +19,7 @@ pub struct FixedSquare {
     square: i64,
 }
 
-impl FixedSquare {
+impl FixedPointSquare {
     /// Of the sum of two positive lengths, for coordinates of which x counts from `pivot`
     /// ≥ 0 [m].
     pub fn of_sum<S: Scalar>(first: S, second: S, pivot: S) -> Self {
@@ -89,7 +89,7 @@ mod tests {
             let y = (sum * radius * sin) as f32;
             let along = f64::from(x) - f64::from(pivot);
             let exact = sum * sum - along * along - f64::from(y) * f64::from(y);
-            let fixed = FixedSquare::of_sum(first, second, pivot);
+            let fixed = FixedPointSquare::of_sum(first, second, pivot);
             let error = f64::from(fixed.less_from_pivot(x, y)) - exact;
             if pivot == 0.0 {
                 prop_assert_eq!(fixed.less_from_pivot(x, y), fixed.less(x, y));
@@ -106,7 +106,7 @@ mod tests {
     fn a_point_beyond_the_sum_leaves_less_than_nothing() {
         for first in [0.7_f32, 1.0, 1.999_999] {
             for pivot in [0.0_f32, 0.6, 30.0] {
-                let fixed = FixedSquare::of_sum(first, 1e-7, pivot);
+                let fixed = FixedPointSquare::of_sum(first, 1e-7, pivot);
                 for x in [2.0_f32 + pivot, 1e5, 1e30, f32::MAX, f32::INFINITY] {
                     for [x, y] in [[x, 0.0], [-x, -x], [0.1, -x]] {
                         let rest = fixed.less_from_pivot(x, y);

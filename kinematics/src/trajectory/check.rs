@@ -1,0 +1,67 @@
+//! Whether a move may be made, and how fast: the whole path is verified, and the motion
+//! limits follow from what it demands of the joints.
+
+use super::envelope::Envelope;
+use super::error::{ConstraintViolation, PathError};
+use super::motion_limits::{JointDemand, tool_limits};
+use super::path_segment::PathSegment;
+use super::ramp::MotionLimits;
+use crate::Scalar;
+use crate::five_bar::{Pose, Side};
+
+impl<S: Scalar> Envelope<S> {
+    /// Checks the whole of a path segment against the envelope. Returns its motion limits,
+    /// with a speed of at most `speed` [m/s].
+    ///
+    /// # Errors
+    /// The first point of the path that violates a constraint, and which constraint.
+    pub fn check(
+        &self,
+        segment: &PathSegment<S>,
+        speed: S,
+    ) -> Result<MotionLimits<S>, PathError<S>> {
+        let mut demand = JointDemand::none();
+        self.verify_path(segment, |point, pose| demand.add_path(self, point, pose))?;
+        demand
+            .within(&tool_limits(segment, speed, &self.tool_motion), self)
+            .ok_or(PathError {
+                fraction: S::ZERO,
+                point: segment.start(),
+                violation: ConstraintViolation::Limits,
+            })
+    }
+
+    /// Checks the whole of a straight joint move against the envelope. Links 2 and 3 must
+    /// stay in the given assembly mode and keep the margin from the type 2 singularity, and
+    /// the joints must stay within their limits. The move may pass a type 1 singularity:
+    /// this is how the arm changes its working mode. `share`, in 0…1, is the share of the
+    /// greatest joint speeds.
+    ///
+    /// Returns the motion limits of the joint that turns further, and the pose at the end.
+    ///
+    /// # Errors
+    /// The first point of the path that violates a constraint, and which constraint.
+    pub fn check_joint_move(
+        &self,
+        from: [S; 2],
+        to: [S; 2],
+        assembly: Side,
+        share: S,
+    ) -> Result<(MotionLimits<S>, Pose<S>), PathError<S>> {
+        let mut demand = JointDemand::none();
+        let end = self.verify_joint_path(from, to, assembly, |direction, pose| {
+            demand.add_joint_path(self, direction, pose)
+        })?;
+        let ratio = self.tool_motion.jerk / self.tool_motion.acceleration;
+        let limits = demand.joint_move_limits(share, ratio, self);
+        let point = self.workspace.tool.point(&end);
+        Ok((
+            limits.ok_or(PathError {
+                fraction: S::ZERO,
+                point,
+                violation: ConstraintViolation::Limits,
+            })?,
+            end,
+        ))
+    }
+}

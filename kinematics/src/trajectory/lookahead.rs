@@ -1,0 +1,376 @@
+//! Look-ahead: turns a bounded queue of moves into trajectory segments.
+//!
+//! The queue holds planned segments: path segments, the blends that round the corners
+//! between them, joint moves and dwells. The plan for the queued segments always ends at rest.
+//!
+//! **Commitment.** A segment returned by [`LookaheadPlanner::next_segment`] is committed. All
+//! other segments are planned again when more are pushed. A corner is rounded if the present
+//! motion still allows it; otherwise the motion stops there.
+
+use super::blend::blend;
+use super::envelope::Envelope;
+use super::number::{max, min};
+use super::path_segment::PathSegment;
+use super::profile::{Motion, VelocityProfile, time_to_cover};
+use super::queue::{PlannedSegment, Queue};
+use super::ramp::{MotionLimits, distance, greatest_entry_speed, ramp};
+use super::trajectory_segment::{Shape, TimeLaw, TrajectorySegment};
+use super::window::LookaheadWindow;
+use crate::Scalar;
+use nalgebra::Vector2;
+
+/// Why a move is not accepted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum PushError {
+    /// The queue is full: take segments out first.
+    Full,
+    /// A limit is not a positive finite number, or a length or duration is not finite or is
+    /// negative.
+    NotFinite,
+}
+
+/// A queue of up to `N` segments; a move takes one, and one more for the corner before it.
+#[derive(Clone, Copy, Debug)]
+pub struct LookaheadPlanner<S, const N: usize> {
+    queue: Queue<S, N>,
+    /// The end of the committed motion, as distance in the first planned segment [m].
+    place: S,
+    motion: Motion<S>,
+    profile: Option<VelocityProfile<S>>,
+    /// The first planned segment has changed since the last planning.
+    stale: bool,
+}
+
+impl<S: Scalar, const N: usize> Default for LookaheadPlanner<S, N> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<S: Scalar, const N: usize> LookaheadPlanner<S, N> {
+    /// An empty queue, at rest.
+    pub fn new() -> Self {
+        Self {
+            queue: Queue::new(),
+            place: S::ZERO,
+            motion: Motion::at_rest(),
+            profile: None,
+            stale: false,
+        }
+    }
+
+    /// Whether any move can be pushed now.
+    pub fn has_free_slot(&self) -> bool {
+        self.free_slots() > 0
+    }
+
+    /// The number of moves of any kind that can be pushed now.
+    pub fn free_slots(&self) -> usize {
+        (N - self.queue.len()) / 2
+    }
+
+    /// Whether all pushed moves have been returned as trajectory segments.
+    pub fn is_empty(&self) -> bool {
+        self.queue.len() == 0
+    }
+
+    /// Appends a path segment that starts where the last one ends. The motion keeps `limits`,
+    /// which come from [`Envelope::check`]. The corner before the segment is rounded within
+    /// the envelope's tolerance where possible; otherwise the motion stops there.
+    ///
+    /// # Errors
+    /// `Full`, `NotFinite`; the queue is unchanged then.
+    pub fn push(
+        &mut self,
+        segment: &PathSegment<S>,
+        limits: MotionLimits<S>,
+        tag: u32,
+        envelope: &Envelope<S>,
+    ) -> Result<(), PushError> {
+        self.check(&limits, segment.length())?;
+        if !self.push_rounded(segment, limits, tag, envelope) {
+            self.queue.push(PlannedSegment {
+                shape: Shape::Path(*segment.curve()),
+                length: segment.length(),
+                free: segment.length() * S::HALF,
+                limits,
+                tag,
+                from_rest: true,
+            });
+        }
+        Ok(())
+    }
+
+    /// Appends a straight move of both joints from rest to rest, `from` and `to` in rad. The
+    /// limits are those of the joint that turns further, in rad. A move of length zero is
+    /// skipped.
+    ///
+    /// # Errors
+    /// `Full`, `NotFinite`; the queue is unchanged then.
+    pub fn push_joint(
+        &mut self,
+        from: [S; 2],
+        to: [S; 2],
+        limits: MotionLimits<S>,
+        tag: u32,
+    ) -> Result<(), PushError> {
+        let [from1, from4] = from;
+        let [to1, to4] = to;
+        let (d1, d4) = (to1 - from1, to4 - from4);
+        let length = max(d1.abs(), d4.abs());
+        self.check(&limits, d1.abs() + d4.abs())?;
+        if length > S::ZERO {
+            self.queue.push(PlannedSegment {
+                shape: Shape::Joint {
+                    from,
+                    direction: [d1 / length, d4 / length],
+                },
+                length,
+                free: S::ZERO,
+                limits,
+                tag,
+                from_rest: true,
+            });
+        }
+        Ok(())
+    }
+
+    /// Appends a dwell of `duration` [s] with the tool at `position` [m].
+    ///
+    /// # Errors
+    /// `Full`, `NotFinite`; the queue is unchanged then.
+    pub fn push_dwell(
+        &mut self,
+        position: Vector2<S>,
+        duration: S,
+        tag: u32,
+    ) -> Result<(), PushError> {
+        let any = MotionLimits {
+            speed: S::ONE,
+            acceleration: S::ONE,
+            jerk: S::ONE,
+        };
+        self.check(&any, duration)?;
+        self.queue.push(PlannedSegment {
+            shape: Shape::Rest(position),
+            length: duration,
+            free: S::ZERO,
+            limits: any,
+            tag,
+            from_rest: true,
+        });
+        Ok(())
+    }
+
+    fn check(&self, limits: &MotionLimits<S>, length: S) -> Result<(), PushError> {
+        if !self.has_free_slot() {
+            return Err(PushError::Full);
+        }
+        if !(limits.are_valid() && length.is_finite() && length >= S::ZERO) {
+            return Err(PushError::NotFinite);
+        }
+        Ok(())
+    }
+
+    /// Pushes the segment with its corner rounded. Returns false, with the queue unchanged,
+    /// where the corner cannot be rounded.
+    fn push_rounded(
+        &mut self,
+        segment: &PathSegment<S>,
+        limits: MotionLimits<S>,
+        tag: u32,
+        envelope: &Envelope<S>,
+    ) -> bool {
+        let Some(last) = self.queue.last() else {
+            return false;
+        };
+        let Shape::Path(curve) = last.shape else {
+            return false;
+        };
+        let done = if self.queue.len() == 1 {
+            self.place
+        } else {
+            S::ZERO
+        };
+        let reach = [
+            min(last.free, last.length - done),
+            segment.length() * S::HALF,
+        ];
+        let before = PathSegment::new(curve, last.length);
+        let speed = min(last.limits.speed, limits.speed);
+        let Some((corner, corner_limits)) =
+            blend(&before, segment, envelope.corner_tolerance, reach)
+                .and_then(|corner| Some((corner, envelope.check(&corner, speed).ok()?)))
+        else {
+            return false;
+        };
+        let half = corner.length() * S::HALF;
+        let in_hand = self.queue.run() == self.queue.len();
+        let middle = S::HALF * min(before.length(), segment.length());
+        if !saves_time(&corner_limits, half, middle, &last.limits.tightest(&limits)) {
+            return false;
+        }
+        let unshortened = *last;
+        self.queue.shorten_last(half);
+        self.queue.push(PlannedSegment {
+            shape: Shape::Path(*corner.curve()),
+            length: corner.length(),
+            free: S::ZERO,
+            limits: corner_limits,
+            tag,
+            from_rest: false,
+        });
+        let rest = segment.part(half, segment.length());
+        self.queue.push(PlannedSegment {
+            shape: Shape::Path(*rest.curve()),
+            length: rest.length(),
+            free: segment.length() * S::HALF,
+            limits,
+            tag,
+            from_rest: false,
+        });
+        if !in_hand {
+            // A point of rest lies before it, so planning starts there.
+            return true;
+        }
+        // The present profile may end at the former corner.
+        let kept = self
+            .profile
+            .filter(|profile| profile.segments + 2 < self.queue.run());
+        self.profile = match self.window().best_profile(kept) {
+            None if self.motion != Motion::at_rest() => {
+                self.queue.drop_last(3);
+                self.queue.push(unshortened);
+                return false;
+            }
+            profile => profile,
+        };
+        true
+    }
+
+    /// The next trajectory segment, starting where the last one ended; `None` when all moves
+    /// have been returned. The last segment before `None` ends at rest.
+    pub fn next_segment(&mut self) -> Option<TrajectorySegment<S>> {
+        // Each pass returns a segment or finishes a planned segment or a profile.
+        for _ in 0..4 * N {
+            let head = *self.queue.first()?;
+            if let Shape::Rest(position) = head.shape {
+                self.leave_segment();
+                if head.length <= S::ZERO {
+                    continue;
+                }
+                return Some(TrajectorySegment::rest(position, head.length, head.tag));
+            }
+            if let Some(segment) = self.advance(&head) {
+                return Some(segment);
+            }
+        }
+        None
+    }
+
+    /// Advances to the end of the profile's phase or of the first planned segment, whichever
+    /// comes first.
+    fn advance(&mut self, head: &PlannedSegment<S>) -> Option<TrajectorySegment<S>> {
+        if self.stale || self.profile.is_none() {
+            self.profile = self.window().best_profile(self.profile);
+            self.stale = false;
+        }
+        let left = head.length - self.place;
+        let Some(mut profile) = self.profile else {
+            if left <= S::ZERO || self.motion == Motion::at_rest() {
+                // The rest of this run has no length.
+                self.leave_segment();
+            } else {
+                debug_assert!(false, "a committed motion can always be carried on");
+                self.profile = Some(VelocityProfile::stop(
+                    self.motion,
+                    &head.limits,
+                    self.queue.run(),
+                ));
+            }
+            return None;
+        };
+        let Some(phase) = profile.phase() else {
+            self.profile = None;
+            // By rounding, a profile may end just before the end of its last segment but one.
+            if profile.segments <= 1 || left <= head.length * S::from_f64(1e-6) {
+                self.leave_segment();
+            }
+            return None;
+        };
+        let law = TimeLaw::new(self.place, phase.speed, phase.acceleration, phase.jerk);
+        let way = phase.distance();
+        // In its last segment a profile runs to its own end, which is the segment's end apart
+        // from rounding.
+        let whole = way <= left || profile.segments <= 1;
+        let duration = if whole {
+            profile.skip_phase();
+            self.place = self.place + way;
+            phase.duration
+        } else {
+            let t = time_to_cover(&phase, max(left, S::ZERO));
+            profile.pass(t);
+            t
+        };
+        self.motion = match profile.phase() {
+            Some(next) => Motion {
+                speed: next.speed,
+                acceleration: next.acceleration,
+            },
+            None => Motion {
+                speed: profile.exit,
+                acceleration: S::ZERO,
+            },
+        };
+        self.profile = Some(profile);
+        if !whole {
+            self.leave_segment();
+            if let Some(profile) = &mut self.profile {
+                profile.segments -= 1;
+            }
+        }
+        // A remainder of under a nanosecond moves nothing, so it is dropped.
+        (duration > S::from_f64(1e-9)).then_some(TrajectorySegment {
+            shape: head.shape,
+            law,
+            duration,
+            tag: head.tag,
+        })
+    }
+
+    fn window(&self) -> LookaheadWindow<'_, S, N> {
+        LookaheadWindow {
+            queue: &self.queue,
+            place: self.place,
+            motion: self.motion,
+        }
+    }
+
+    fn leave_segment(&mut self) {
+        self.queue.pop();
+        self.place = S::ZERO;
+        self.stale = true;
+    }
+}
+
+/// Whether passing a corner at its speed limit is faster than stopping there. Compares the
+/// times from `middle` [m] before the corner, half of the corner's blend at its speed limit.
+///
+/// With a low jerk, the speed limit of a tight corner can be so low, and apply for so long,
+/// that a stop takes less time.
+fn saves_time<S: Scalar>(
+    corner: &MotionLimits<S>,
+    half: S,
+    middle: S,
+    straight: &MotionLimits<S>,
+) -> bool {
+    let time = |speed: S, way: S| {
+        let fast = min(greatest_entry_speed(speed, way, straight), straight.speed);
+        let slowing = ramp(fast, S::ZERO, speed, straight);
+        let rest = max(way - distance(&slowing), S::ZERO) / fast;
+        slowing.iter().fold(rest, |sum, phase| sum + phase.duration)
+    };
+    let rounded = half / corner.speed + time(corner.speed, middle - half);
+    rounded < time(S::ZERO, middle)
+}

@@ -1,0 +1,173 @@
+//! Planning of the speed over the queued segments.
+//!
+//! Backward pass: from the next point of rest, each boundary between segments gets the
+//! greatest speed that, without acceleration, still allows all later limits to be kept.
+//! Forward pass: from the present motion, a [`VelocityProfile`] (change the speed, hold it,
+//! slow down) is computed to each of these boundaries, within the tightest limits up to
+//! there. The profile that reaches furthest is chosen, unless one with a nearer end is
+//! faster and saves time in total. A profile may be replaced before its end: at each
+//! boundary, and with each push, planning starts again from the present speed and
+//! acceleration, and the present profile is kept unless a better one is found. So a run of
+//! thousands of short segments is passed as if it were one segment.
+
+use super::number::{max, min};
+use super::profile::{Motion, VelocityProfile};
+use super::queue::{PlannedSegment, Queue};
+use super::ramp::{MotionLimits, greatest_entry_speed};
+use crate::Scalar;
+
+/// The queued segments and the present motion.
+pub(super) struct LookaheadWindow<'a, S, const N: usize> {
+    pub(super) queue: &'a Queue<S, N>,
+    /// The distance already covered in the first segment [m].
+    pub(super) place: S,
+    pub(super) motion: Motion<S>,
+}
+
+impl<S: Scalar, const N: usize> LookaheadWindow<'_, S, N> {
+    /// The best profile from the present motion. `kept` is the rest of the previous profile.
+    // Large and called in two places: not inlined, to save flash.
+    #[inline(never)]
+    pub(super) fn best_profile(
+        &self,
+        kept: Option<VelocityProfile<S>>,
+    ) -> Option<VelocityProfile<S>> {
+        let segments = self.queue.run();
+        let entry = self.entry_speeds(segments);
+        let speed_at = |boundary: usize| entry.get(boundary).copied().unwrap_or(S::ZERO);
+        // For each boundary: the distance up to it and the tightest limits on the way.
+        let first = self.queue.first()?;
+        let mut ahead = [(S::ZERO, first.limits); N];
+        let (mut way, mut limits) = (-self.place, first.limits);
+        for (planned, slot) in self.queue.iter().take(segments).zip(&mut ahead) {
+            way = way + planned.length;
+            limits = limits.tightest(&planned.limits);
+            *slot = (way, limits);
+        }
+        let mut best: Option<(VelocityProfile<S>, S, S)> = None;
+        let on_time = S::from_f64(0.99);
+        // Lower bound on the remaining time: from the boundary to the end of the run, each
+        // boundary passed at its speed. Too short for a profile that still accelerates, so
+        // such a profile wins only if its peak speed is higher.
+        let mut rest = S::ZERO;
+        for boundary in (1..=segments).rev() {
+            let &(way, limits) = ahead.get(boundary - 1)?;
+            if let Some(planned) = self.queue.get(boundary).filter(|_| boundary < segments) {
+                rest = rest + passing_time(planned, speed_at(boundary), speed_at(boundary + 1));
+            }
+            // A profile slower than both its boundary and the best one cannot win.
+            let least = best.as_ref().map_or(S::ZERO, |&(_, best_peak, _)| {
+                min(best_peak, speed_at(boundary) * on_time)
+            });
+            let exit = speed_at(boundary);
+            let fresh = VelocityProfile::over(way, self.motion, exit, least, &limits, boundary);
+            let kept = kept.filter(|profile| {
+                profile.segments == boundary && profile.exit <= exit * S::from_f64(1.0 + 1e-5)
+            });
+            for profile in [fresh, kept].into_iter().flatten() {
+                let (time, peak) = profile.outlook();
+                let total = time + rest;
+                let better = best.as_ref().is_none_or(|&(_, best_peak, best_total)| {
+                    total < best_total && (profile.exit >= exit * on_time || peak > best_peak)
+                });
+                if better {
+                    best = Some((profile, peak, total));
+                }
+            }
+        }
+        best.map(|(profile, ..)| profile)
+    }
+
+    /// The greatest speed at the start of each segment, without acceleration, from which all
+    /// limits of the rest of the run can be kept.
+    fn entry_speeds(&self, segments: usize) -> [S; N] {
+        let mut entry = [S::ZERO; N];
+        for boundary in (1..segments).rev() {
+            let mut best = S::ZERO;
+            let mut way = S::ZERO;
+            let Some(mut limits) = self.queue.get(boundary).map(|planned| planned.limits) else {
+                continue;
+            };
+            for (index, planned) in self.queue.iter().enumerate().take(segments).skip(boundary) {
+                limits = limits.tightest(&planned.limits);
+                way = way + planned.length;
+                if limits.speed <= best {
+                    break;
+                }
+                let exit = entry.get(index + 1).copied().unwrap_or(S::ZERO);
+                let speed = with_reserve(exit, way, &limits);
+                best = max(best, min(speed, limits.speed));
+            }
+            let before = self
+                .queue
+                .get(boundary - 1)
+                .map(|planned| planned.limits.speed);
+            if let (Some(slot), Some(before)) = (entry.get_mut(boundary), before) {
+                *slot = min(best, before);
+            }
+        }
+        entry
+    }
+}
+
+/// The time [s] to pass a segment from one speed to another: with constant acceleration, or
+/// by a profile of its own where that is shorter.
+///
+/// On a long segment between two slow corners the speed is mostly far above that of both
+/// corners. Such segments are rare and a profile is expensive, so one is computed only where
+/// the limit of the acceleration alone, v² = ½(v₀² + v₁²) + aℓ, allows twice the speed.
+fn passing_time<S: Scalar>(planned: &PlannedSegment<S>, from: S, to: S) -> S {
+    let (sum, limits) = (from + to, &planned.limits);
+    let plain = (sum > S::ZERO).then(|| S::TWO * planned.length / sum);
+    let peak_squared = (from * from + to * to) * S::HALF + limits.acceleration * planned.length;
+    let planned = if limits.speed > sum && peak_squared > sum * sum {
+        let start = Motion {
+            speed: from,
+            acceleration: S::ZERO,
+        };
+        VelocityProfile::over(planned.length, start, to, S::ZERO, limits, 1)
+            .filter(|profile| profile.exit >= to * S::from_f64(0.99))
+            .map(|profile| profile.outlook().0)
+    } else {
+        None
+    };
+    match (plain, planned) {
+        (Some(plain), Some(planned)) => min(plain, planned),
+        (one, other) => one.or(other).unwrap_or(S::ZERO),
+    }
+}
+
+/// The greatest speed from which `exit` can be reached within `way`, with a reserve for
+/// rounding between the planning of a speed and its use: a thousandth of acceleration and
+/// jerk, and the last bits of the speed. Within a micrometre rounding costs no more.
+fn with_reserve<S: Scalar>(exit: S, way: S, limits: &MotionLimits<S>) -> S {
+    let share = S::from_f64(0.999);
+    let limits = MotionLimits {
+        speed: limits.speed,
+        acceleration: limits.acceleration * share,
+        jerk: limits.jerk * share,
+    };
+    let speed = greatest_entry_speed(exit, way, &limits);
+    max(exit, speed - S::from_f64(4.0) * S::EPSILON * speed)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Also over a micrometre, where single precision resolves few speeds.
+        #[test]
+        fn a_speed_in_reserve_can_be_kept_in_single_precision(
+            exit in 0.0..0.5_f64, exponent in -7.0..-1.0_f64, a in 0.1..20.0_f64, j in 1.0..500.0_f64,
+        ) {
+            let (exit, way) = (exit as f32, 10_f64.powf(exponent) as f32);
+            let limits = MotionLimits { speed: 10.0, acceleration: a as f32, jerk: j as f32 };
+            let speed = with_reserve(exit, way, &limits);
+            let start = Motion { speed, acceleration: 0.0 };
+            let profile = VelocityProfile::over(way, start, exit, 0.0, &limits, 1);
+            prop_assert!(profile.is_some_and(|profile| profile.exit == exit), "{speed} to {exit} in {way} m");
+        }
+    }
+}
