@@ -4,7 +4,7 @@ use super::ServeError;
 use super::feed::{Feed, Turn};
 use super::message::{FaultNews, JobNews, MachineSide, News, State};
 use super::pace::Speed;
-use super::pilot::{Client, Pilot};
+use super::pilot::{PageId, Pilot};
 use super::refusal::sentence;
 use super::simulated::SteppedArm;
 use super::sketch::Sketch;
@@ -99,8 +99,8 @@ impl Machine {
     }
 
     fn turn(&mut self) -> Result<(), LinkError> {
-        while let Ok((client, event)) = self.pages.events.try_recv() {
-            self.hear(client, event)?;
+        while let Ok((page, event)) = self.pages.events.try_recv() {
+            self.hear(page, event)?;
         }
         // Where the page in control falls silent, so does the host.
         if self.pilot.is_alive(Instant::now()) {
@@ -202,7 +202,7 @@ impl Machine {
             speed: self.speed.at(time, now),
             joints: pose.map(|pose| [pose.b, pose.c, pose.d].map(|point| [point.x, point.y])),
             elbows: pose.map(|pose| self.sketch.elbows(&pose)),
-            control: self.pilot.client(),
+            control: self.pilot.page(),
             alive: self.pilot.is_alive(now),
             progress: self.feed.progress(),
         }));
@@ -219,7 +219,7 @@ impl Machine {
     }
 
     /// Tells a page, or all, of something that was not done.
-    pub(super) fn refuse(&self, to: Option<Client>, text: String) {
+    pub(super) fn refuse(&self, to: Option<PageId>, text: String) {
         self.pages.tell(&News::Notice {
             to,
             refused: true,

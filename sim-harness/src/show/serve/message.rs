@@ -1,6 +1,6 @@
 //! What pages and server say to each other, as JSON; docs/live-page.md tells it to others.
 
-use super::pilot::Client;
+use super::pilot::PageId;
 use axum::extract::ws::Utf8Bytes;
 use fivebar_firmware::Status;
 use fivebar_firmware::controller::{Request, Snapshot};
@@ -120,7 +120,7 @@ pub(super) enum News<'a> {
     /// A sentence for one page, or for all.
     Notice {
         /// The page it is for.
-        to: Option<Client>,
+        to: Option<PageId>,
         /// Something was not done.
         refused: bool,
         /// The sentence.
@@ -146,7 +146,7 @@ pub(super) struct State<'a> {
     /// The working mode that the arm stands in; none until it is homed.
     pub(super) elbows: Option<[Side; 2]>,
     /// The page in control.
-    pub(super) control: Option<Client>,
+    pub(super) control: Option<PageId>,
     /// Whether that page lives.
     pub(super) alive: bool,
     /// Moves of the running job that are handed over, and all of them.
@@ -187,13 +187,13 @@ pub(super) struct Stroke {
 /// The pages' end of both channels.
 #[derive(Clone)]
 pub(super) struct WebSide {
-    pub(super) events: mpsc::Sender<(Client, Event)>,
+    pub(super) events: mpsc::Sender<(PageId, Event)>,
     pub(super) news: broadcast::Sender<Utf8Bytes>,
 }
 
 /// The machine's end of both channels.
 pub(super) struct MachineSide {
-    pub(super) events: mpsc::Receiver<(Client, Event)>,
+    pub(super) events: mpsc::Receiver<(PageId, Event)>,
     news: broadcast::Sender<Utf8Bytes>,
 }
 

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 /// A page's number, given when it connects.
-pub(super) type Client = u64;
+pub(super) type PageId = u64;
 
 /// A page in control that has not been heard for so long is taken to be lost. Pages say
 /// that they are alive every 50 ms, hidden ones too.
@@ -12,13 +12,13 @@ const PATIENCE: Duration = Duration::from_millis(500);
 /// The page in control, if there is one. Time is told by the caller.
 #[derive(Debug, Default)]
 pub(super) struct Pilot {
-    in_control: Option<(Client, Instant)>,
+    in_control: Option<(PageId, Instant)>,
 }
 
 impl Pilot {
     /// The page in control.
-    pub(super) fn client(&self) -> Option<Client> {
-        self.in_control.map(|(client, _)| client)
+    pub(super) fn page(&self) -> Option<PageId> {
+        self.in_control.map(|(page, _)| page)
     }
 
     /// Whether there is one, and it has been heard lately.
@@ -29,17 +29,17 @@ impl Pilot {
 
     /// Gives control to a page: while the arm rests to any, else only where no living page
     /// has it. Whether it has it now.
-    pub(super) fn take(&mut self, client: Client, now: Instant, rests: bool) -> bool {
-        if rests || self.client() == Some(client) || !self.is_alive(now) {
-            self.in_control = Some((client, now));
+    pub(super) fn take(&mut self, page: PageId, now: Instant, rests: bool) -> bool {
+        if rests || self.page() == Some(page) || !self.is_alive(now) {
+            self.in_control = Some((page, now));
         }
-        self.client() == Some(client)
+        self.page() == Some(page)
     }
 
     /// Notes that a page has been heard. Whether it is in control.
-    pub(super) fn hear(&mut self, client: Client, now: Instant) -> bool {
+    pub(super) fn hear(&mut self, page: PageId, now: Instant) -> bool {
         match &mut self.in_control {
-            Some((pilot, heard)) if *pilot == client => {
+            Some((pilot, heard)) if *pilot == page => {
                 *heard = now;
                 true
             }
@@ -48,8 +48,8 @@ impl Pilot {
     }
 
     /// A page has gone. Whether it was in control.
-    pub(super) fn leave(&mut self, client: Client) -> bool {
-        let left = self.in_control.take_if(|(pilot, _)| *pilot == client);
+    pub(super) fn leave(&mut self, page: PageId) -> bool {
+        let left = self.in_control.take_if(|(pilot, _)| *pilot == page);
         left.is_some()
     }
 }
@@ -74,8 +74,8 @@ mod tests {
             !pilot.hear(1, late + PATIENCE),
             "the first page was given up"
         );
-        assert!(!pilot.leave(1) && pilot.client() == Some(2));
-        assert!(pilot.leave(2) && pilot.client().is_none());
+        assert!(!pilot.leave(1) && pilot.page() == Some(2));
+        assert!(pilot.leave(2) && pilot.page().is_none());
     }
 
     #[test]

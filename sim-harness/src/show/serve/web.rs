@@ -3,7 +3,7 @@
 use super::ServeError;
 use super::guard::{Admission, Guard};
 use super::message::{Event, WebSide, Wish};
-use super::pilot::Client;
+use super::pilot::PageId;
 use axum::Router;
 use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
 use axum::extract::{Request, State};
@@ -137,21 +137,21 @@ async fn admit(State(guard): State<Arc<Guard>>, request: Request, next: Next) ->
 }
 
 async fn live(State(pages): State<WebSide>, upgrade: WebSocketUpgrade) -> Response {
-    static CLIENTS: AtomicU64 = AtomicU64::new(1);
-    let client = CLIENTS.fetch_add(1, Ordering::Relaxed);
+    static PAGES: AtomicU64 = AtomicU64::new(1);
+    let page = PAGES.fetch_add(1, Ordering::Relaxed);
     upgrade
         .max_message_size(LONGEST)
-        .on_upgrade(move |socket| attend(socket, client, pages))
+        .on_upgrade(move |socket| attend(socket, page, pages))
 }
 
 /// Carries messages both ways until the page is gone.
-async fn attend(mut socket: WebSocket, client: Client, pages: WebSide) {
+async fn attend(mut socket: WebSocket, page: PageId, pages: WebSide) {
     let mut news = pages.news.subscribe();
-    let hello = format!(r#"{{"hello":{client}}}"#);
+    let hello = format!(r#"{{"hello":{page}}}"#);
     if socket.send(Message::Text(hello.into())).await.is_err() {
         return;
     }
-    let tell = |event| pages.events.send((client, event));
+    let tell = |event| pages.events.send((page, event));
     let _ = tell(Event::Joined);
     let mut second = (Instant::now(), 0);
     loop {

@@ -3,7 +3,7 @@
 use super::feed::{End, takes_moves};
 use super::machine::{Loaded, Machine};
 use super::message::{Event, JobNews, Joint, News, Wanted, Wish};
-use super::pilot::Client;
+use super::pilot::PageId;
 use super::refusal::sentence;
 use super::sketch::nearest;
 use crate::input::scenario::Scenario;
@@ -21,31 +21,31 @@ type Refused = String;
 
 impl Machine {
     /// Takes note of what happens at a page.
-    pub(super) fn hear(&mut self, client: Client, event: Event) -> Result<(), LinkError> {
+    pub(super) fn hear(&mut self, page: PageId, event: Event) -> Result<(), LinkError> {
         let now = Instant::now();
         match event {
             Event::Joined => {
                 // A moving arm whose page is lost comes to rest before another one gets it.
                 if self.rests() && !self.pilot.is_alive(now) {
-                    self.pilot.take(client, now, false);
+                    self.pilot.take(page, now, false);
                     self.feed.clear();
                 }
                 self.tell_again();
             }
             Event::Missed => self.tell_again(),
             Event::Left => {
-                if self.pilot.leave(client) {
+                if self.pilot.leave(page) {
                     self.feed.clear();
                 }
             }
             Event::Strange(error) => self.refuse(
-                Some(client),
+                Some(page),
                 format!("This page is not of this server's version; load it again ({error})."),
             ),
             Event::Wish(wish) => {
-                let in_control = self.pilot.hear(client, now);
-                if let Err(why) = self.grant(client, in_control, wish)? {
-                    self.refuse(Some(client), why);
+                let in_control = self.pilot.hear(page, now);
+                if let Err(why) = self.grant(page, in_control, wish)? {
+                    self.refuse(Some(page), why);
                 }
             }
         }
@@ -62,13 +62,13 @@ impl Machine {
 
     fn grant(
         &mut self,
-        client: Client,
+        page: PageId,
         in_control: bool,
         wish: Wish,
     ) -> Result<Result<(), Refused>, LinkError> {
         Ok(match wish {
             Wish::Alive => Ok(()),
-            Wish::Control => self.hand_over(client),
+            Wish::Control => self.hand_over(page),
             Wish::Request(wanted) if in_control || wanted.is_open_to_all() => {
                 return self.request(wanted);
             }
@@ -91,15 +91,15 @@ impl Machine {
         })
     }
 
-    fn hand_over(&mut self, client: Client) -> Result<(), Refused> {
-        let before = self.pilot.client();
-        if !self.pilot.take(client, Instant::now(), self.rests()) {
+    fn hand_over(&mut self, page: PageId) -> Result<(), Refused> {
+        let before = self.pilot.page();
+        if !self.pilot.take(page, Instant::now(), self.rests()) {
             return Err(
                 "Another page is in control of a moving arm: stop the arm, then take control."
                     .into(),
             );
         }
-        if before != Some(client) {
+        if before != Some(page) {
             self.feed.clear();
             if before.is_some() {
                 self.refuse(before, "Another page has taken control.".into());
