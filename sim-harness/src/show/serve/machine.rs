@@ -2,9 +2,9 @@
 
 use super::ServeError;
 use super::feed::{Feed, Turn};
+use super::lease::{ControlLease, PageId};
 use super::message::{FaultNews, JobNews, MachineSide, News, State};
 use super::pace::Speed;
-use super::pilot::{PageId, Pilot};
 use super::refusal::sentence;
 use super::simulated::SteppedArm;
 use super::sketch::Sketch;
@@ -39,7 +39,7 @@ pub(super) struct Machine {
     pub(super) robot: Robot,
     pub(super) settings: Settings,
     pub(super) sketch: Sketch,
-    pub(super) pilot: Pilot,
+    pub(super) lease: ControlLease,
     pub(super) feed: Feed,
     pub(super) status: Status,
     /// The fault, or its absence, that all pages have been told of.
@@ -80,7 +80,7 @@ impl Machine {
             robot,
             settings,
             sketch: Sketch::new(&settings)?,
-            pilot: Pilot::default(),
+            lease: ControlLease::default(),
             feed: Feed::default(),
             status,
             told: None,
@@ -103,7 +103,7 @@ impl Machine {
             self.hear(page, event)?;
         }
         // Where the page in control falls silent, so does the host.
-        if self.pilot.is_alive(Instant::now()) {
+        if self.lease.is_alive(Instant::now()) {
             self.attend()?;
         }
         self.pass_time()?;
@@ -202,8 +202,8 @@ impl Machine {
             speed: self.speed.at(time, now),
             joints: pose.map(|pose| [pose.b, pose.c, pose.d].map(|point| [point.x, point.y])),
             elbows: pose.map(|pose| self.sketch.elbows(&pose)),
-            control: self.pilot.page(),
-            alive: self.pilot.is_alive(now),
+            control: self.lease.holder(),
+            alive: self.lease.is_alive(now),
             progress: self.feed.progress(),
         }));
         Ok(())

@@ -1,6 +1,6 @@
 //! What pages and server say to each other, as JSON; docs/live-page.md tells it to others.
 
-use super::pilot::PageId;
+use super::lease::PageId;
 use axum::extract::ws::Utf8Bytes;
 use fivebar_firmware::Status;
 use fivebar_firmware::controller::{Request, Snapshot};

@@ -15,7 +15,7 @@
 //! | `machine`, `feed` | the conversation, the moves in hand |
 //! | `wishes`, `refusal` | what pages wish, and why not in sentences |
 //! | `sketch` | the arm and its jobs as lines to draw |
-//! | `pilot` | which page is in control, and whether it lives |
+//! | `lease` | which page is in control, and whether it lives |
 //! | `message` | what pages and server say to each other |
 //! | `guard` | who may connect |
 //! | `web` | the pages and their websockets |
@@ -23,11 +23,11 @@
 mod arm;
 mod feed;
 mod guard;
+mod lease;
 mod machine;
 mod maps;
 mod message;
 mod pace;
-mod pilot;
 mod refusal;
 mod simulated;
 mod sketch;

@@ -2,8 +2,8 @@
 
 use super::ServeError;
 use super::guard::{Admission, Guard};
+use super::lease::PageId;
 use super::message::{Event, WebSide, Wish};
-use super::pilot::PageId;
 use axum::Router;
 use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
 use axum::extract::{Request, State};

@@ -1,9 +1,9 @@
 //! What pages wish becomes orders, aims and jobs, or a refusal.
 
 use super::feed::{End, takes_moves};
+use super::lease::PageId;
 use super::machine::{Loaded, Machine};
 use super::message::{Event, JobNews, Joint, News, Wanted, Wish};
-use super::pilot::PageId;
 use super::refusal::sentence;
 use super::sketch::nearest;
 use crate::input::scenario::Scenario;
@@ -26,15 +26,15 @@ impl Machine {
         match event {
             Event::Joined => {
                 // A moving arm whose page is lost comes to rest before another one gets it.
-                if self.rests() && !self.pilot.is_alive(now) {
-                    self.pilot.take(page, now, false);
+                if self.rests() && !self.lease.is_alive(now) {
+                    self.lease.acquire(page, now, false);
                     self.feed.clear();
                 }
                 self.tell_again();
             }
             Event::Missed => self.tell_again(),
             Event::Left => {
-                if self.pilot.leave(page) {
+                if self.lease.release(page) {
                     self.feed.clear();
                 }
             }
@@ -43,7 +43,7 @@ impl Machine {
                 format!("This page is not of this server's version; load it again ({error})."),
             ),
             Event::Wish(wish) => {
-                let in_control = self.pilot.hear(page, now);
+                let in_control = self.lease.renew(page, now);
                 if let Err(why) = self.grant(page, in_control, wish)? {
                     self.refuse(Some(page), why);
                 }
@@ -92,8 +92,8 @@ impl Machine {
     }
 
     fn hand_over(&mut self, page: PageId) -> Result<(), Refused> {
-        let before = self.pilot.page();
-        if !self.pilot.take(page, Instant::now(), self.rests()) {
+        let before = self.lease.holder();
+        if !self.lease.acquire(page, Instant::now(), self.rests()) {
             return Err(
                 "Another page is in control of a moving arm: stop the arm, then take control."
                     .into(),
