@@ -2,7 +2,7 @@
 //! benchmark of a slider-crank whose piston pin is worn.
 
 use fivebar::input::robot::{Contact, Restitution};
-use fivebar::run::contact::{Adaptive, Eccentricity, Hybrid, Journal, Phase};
+use fivebar::run::contact::{DormandPrince45, Eccentricity, HybridSystem, Journal, Phase};
 use nalgebra::{SVector, Vector2};
 use serde_json::Value;
 
@@ -22,19 +22,19 @@ fn eccentricity(x: &Vector2<f64>) -> Eccentricity {
     }
 }
 
-impl Hybrid<2> for Thrown {
+impl HybridSystem<2> for Thrown {
     fn rates(&self, x: &Vector2<f64>) -> Vector2<f64> {
         let touch = self.journal.touch(self.phase, &eccentricity(x));
         Vector2::new(x.y, touch.map_or(0.0, |touch| touch.force.x))
     }
-    fn is_due(&self, x: &Vector2<f64>) -> bool {
-        self.journal.is_due(self.phase, Vector2::new(x.x, 0.0))
+    fn guard(&self, x: &Vector2<f64>) -> bool {
+        self.journal.guard(self.phase, Vector2::new(x.x, 0.0))
     }
-    fn turn(&mut self, x: &Vector2<f64>) {
+    fn transition(&mut self, x: &Vector2<f64>) {
         if matches!(self.phase, Phase::Touching { .. }) {
             self.rebound = Some(-x.y);
         }
-        self.phase = self.journal.turned(self.phase, &eccentricity(x));
+        self.phase = self.journal.after_transition(self.phase, &eccentricity(x));
     }
     fn note(&mut self, _: &Vector2<f64>, _: f64) {}
 }
@@ -53,7 +53,7 @@ fn rebound(law: Restitution, restitution: f64, speed: f64) -> f64 {
         rebound: None,
     };
     let mut x = Vector2::new(0.0, speed);
-    let mut method = Adaptive::new(Vector2::new(1e-12, 1e-8 * speed));
+    let mut method = DormandPrince45::new(Vector2::new(1e-12, 1e-8 * speed));
     // Some time of flight for the impact, then on until the pin is back.
     method.advance(&mut thrown, &mut x, clearance / speed);
     while thrown.rebound.is_none() {
@@ -151,7 +151,7 @@ impl SliderCrank {
     }
 }
 
-impl Hybrid<5> for SliderCrank {
+impl HybridSystem<5> for SliderCrank {
     fn rates(&self, x: &Crank) -> Crank {
         let force = self.force(x);
         let (u, w) = (direction(x[0]), direction(x[1]));
@@ -169,10 +169,10 @@ impl Hybrid<5> for SliderCrank {
             force.x / self.slider_mass,
         ])
     }
-    fn is_due(&self, x: &Crank) -> bool {
-        self.journal.is_due(self.phase, self.eccentricity(x).offset)
+    fn guard(&self, x: &Crank) -> bool {
+        self.journal.guard(self.phase, self.eccentricity(x).offset)
     }
-    fn turn(&mut self, x: &Crank) {
+    fn transition(&mut self, x: &Crank) {
         let motion = self.eccentricity(x);
         match self.phase {
             Phase::Flight if self.first.speed == 0.0 => {
@@ -185,7 +185,7 @@ impl Hybrid<5> for SliderCrank {
             }
             _ => (),
         }
-        self.phase = self.journal.turned(self.phase, &motion);
+        self.phase = self.journal.after_transition(self.phase, &motion);
     }
     fn note(&mut self, x: &Crank, step: f64) {
         self.time += step;
@@ -229,7 +229,7 @@ fn the_worn_slider_crank_strikes_first_as_the_benchmark_says() {
     let straight = mechanism.crank + mechanism.rod;
     let swing = -omega * mechanism.crank / mechanism.rod;
     let mut x = Crank::from([0.0, 0.0, straight, swing, 0.0]);
-    let mut method = Adaptive::new(Crank::from([1e-10, 1e-10, 1e-11, 1e-6, 1e-6]));
+    let mut method = DormandPrince45::new(Crank::from([1e-10, 1e-10, 1e-11, 1e-6, 1e-6]));
     // So many short stretches that the greatest values are seen where they are.
     for _ in 0..6000 {
         method.advance(&mut mechanism, &mut x, 5e-8);

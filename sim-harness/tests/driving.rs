@@ -3,14 +3,14 @@
 mod arm;
 
 use fivebar::run::drive::{Drive, DriveError, Homing};
-use fivebar::run::link::{Conversation, Loopback};
+use fivebar::run::link::{Client, Loopback};
 use fivebar_firmware::protocol::{Order, SectionKey};
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::{Move, MoveKind, Request};
 use std::cell::Cell;
 
-fn conversation() -> Conversation<Loopback> {
-    Conversation::open(arm::driving()).expect("a line").0
+fn client() -> Client<Loopback> {
+    Client::open(arm::driving()).expect("a line").0
 }
 
 /// Two seconds of going to and fro.
@@ -32,8 +32,8 @@ fn long_job() -> Vec<Move> {
 
 #[test]
 fn a_job_is_done_whole_and_the_bridges_are_off_afterwards() {
-    let mut conversation = conversation();
-    let mut drive = Drive::new(&mut conversation, &|| false);
+    let mut client = client();
+    let mut drive = Drive::new(&mut client, &|| false);
     drive
         .agree_on(&arm::settings(), false)
         .expect("the same settings");
@@ -43,7 +43,7 @@ fn a_job_is_done_whole_and_the_bridges_are_off_afterwards() {
         .follow(&long_job(), &arm::settings(), &mut |taken, _| most = taken)
         .expect("the job can be done");
     assert_eq!(most, 40);
-    let (status, _) = conversation.status().expect("a line");
+    let (status, _) = client.status().expect("a line");
     assert_eq!((status.state, status.fault), (State::Stopped, None));
     let [x, y] = arm::robot().best_point().expect("a point");
     let [tool_x, tool_y] = status.tool.expect("homed").map(f64::from);
@@ -57,14 +57,14 @@ fn a_wish_to_stop_brings_the_arm_to_rest_and_unpowers_it() {
         asked.set(asked.get() + 1);
         asked.get() > 120
     };
-    let mut conversation = conversation();
-    let mut drive = Drive::new(&mut conversation, &|| false);
+    let mut client = client();
+    let mut drive = Drive::new(&mut client, &|| false);
     drive.home(Homing::Switches).expect("the switches work");
-    let mut drive = Drive::new(&mut conversation, &wants_stop);
+    let mut drive = Drive::new(&mut client, &wants_stop);
     let outcome = drive.follow(&long_job(), &arm::settings(), &mut |_, _| ());
     let stopped = matches!(outcome, Err(DriveError::Stopped(Some(2..=39))));
     assert!(stopped, "{outcome:?}");
-    let (status, _) = conversation.status().expect("a line");
+    let (status, _) = client.status().expect("a line");
     assert_eq!((status.state, status.fault), (State::Stopped, None));
 }
 
@@ -75,8 +75,8 @@ fn a_move_that_cannot_be_done_is_refused_before_anything_moves() {
         to: [3.0, 0.0],
         feed: 0.1,
     };
-    let mut conversation = conversation();
-    let mut drive = Drive::new(&mut conversation, &|| false);
+    let mut client = client();
+    let mut drive = Drive::new(&mut client, &|| false);
     drive.home(Homing::Switches).expect("the switches work");
     let outcome = drive.follow(&job, &arm::settings(), &mut |_, _| panic!("it moves"));
     match outcome {
@@ -86,7 +86,7 @@ fn a_move_that_cannot_be_done_is_refused_before_anything_moves() {
         }
         other => panic!("{other:?}"),
     }
-    let (status, _) = conversation.status().expect("a line");
+    let (status, _) = client.status().expect("a line");
     assert_eq!(status.state, State::Stopped);
 }
 
@@ -95,8 +95,8 @@ fn another_arms_settings_are_refused_until_they_are_uploaded() {
     let mut other = arm::settings();
     other.payload += 0.01;
     other.axes[1].gear_ratio += 1.0;
-    let mut conversation = conversation();
-    let mut drive = Drive::new(&mut conversation, &|| false);
+    let mut client = client();
+    let mut drive = Drive::new(&mut client, &|| false);
     match drive.agree_on(&other, false) {
         Err(DriveError::OtherSettings(differing)) => {
             assert_eq!(differing, [SectionKey::Payload, SectionKey::Axis(1)]);
@@ -105,16 +105,16 @@ fn another_arms_settings_are_refused_until_they_are_uploaded() {
     }
     drive.agree_on(&other, true).expect("an upload");
     drive.agree_on(&other, false).expect("the same settings");
-    assert_eq!(conversation.line().saved(), Some(&other));
+    assert_eq!(client.line().saved(), Some(&other));
 }
 
 #[test]
 fn a_latched_fault_is_told_and_keeps_the_arm_still_until_cleared() {
-    let mut conversation = conversation();
+    let mut client = client();
     let stop = Order::Request(Request::EmergencyStop);
-    conversation.order(stop).expect("a line").expect("obeyed");
-    conversation.listen().expect("a line");
-    let mut drive = Drive::new(&mut conversation, &|| false);
+    client.command(stop).expect("a line").expect("obeyed");
+    client.poll().expect("a line");
+    let mut drive = Drive::new(&mut client, &|| false);
     let outcome = drive.home(Homing::Switches);
     let Err(error @ DriveError::Fault(Fault::EmergencyStop)) = outcome else {
         panic!("{outcome:?}");

@@ -4,7 +4,7 @@ mod arm;
 
 use arm::{driving, settings};
 use fivebar::run::link::{
-    Conversation, Faulty, InProcess, LinkError, Lockstep, Loopback, Mishaps, Tracer,
+    Client, FaultInjector, FaultRates, InProcess, LinkError, Lockstep, Loopback, Tracer,
 };
 use fivebar_firmware::protocol::{Order, Reply};
 use fivebar_firmware::safety::{Fault, State};
@@ -41,51 +41,57 @@ fn one_other_gain_is_told_by_its_first_bits() {
 
 #[test]
 fn no_mishap_of_a_line_changes_a_bit_of_the_run() {
-    let one = |change: fn(&mut Mishaps)| {
-        let mut mishaps = Mishaps::default();
-        change(&mut mishaps);
-        mishaps
+    let one = |change: fn(&mut FaultRates)| {
+        let mut rates = FaultRates::default();
+        change(&mut rates);
+        rates
     };
-    let all = Mishaps {
+    let all = FaultRates {
         dropped: 0.01,
         repeated: 0.01,
-        overtaken: 0.01,
+        reordered: 0.01,
         corrupt: 0.01,
         garbage: 0.01,
     };
     let cases = [
         ("dropped", one(|m| m.dropped = 0.02)),
         ("repeated", one(|m| m.repeated = 0.05)),
-        ("overtaken", one(|m| m.overtaken = 0.02)),
+        ("reordered", one(|m| m.reordered = 0.02)),
         ("corrupt", one(|m| m.corrupt = 0.02)),
         ("garbage", one(|m| m.garbage = 0.05)),
         ("all", all),
     ];
-    for (seed, (name, mishaps)) in (1..).zip(cases) {
-        let line = Faulty::new(lockstep(), mishaps, seed);
+    for (seed, (name, rates)) in (1..).zip(cases) {
+        let line = FaultInjector::new(lockstep(), rates, seed);
         let (mut there, _) = Lockstep::begin(line, &settings(), &settings()).expect("a line");
         let record = arm::run(&mut there);
         assert_eq!(there.first_difference(), None, "{name}");
         assert!(record.faults.is_empty(), "{name}: {:?}", record.faults);
-        let mishaps = there.conversation().line().mishaps();
-        assert!(mishaps > 50, "{name}: {mishaps} mishaps prove little");
+        let injected = there.client().line().injected();
+        assert!(
+            injected > 50,
+            "{name}: {injected} injected faults prove little"
+        );
     }
 }
 
 #[test]
 fn a_silent_controller_is_told_in_words() {
-    let mut line = Faulty::new(lockstep(), Mishaps::default(), 1);
-    line.fall_silent_after(0);
-    let error = Conversation::open(line).err().expect("nobody is there");
+    let mut line = FaultInjector::new(lockstep(), FaultRates::default(), 1);
+    line.cut_after(0);
+    let error = Client::open(line).err().expect("nobody is there");
     assert!(matches!(error, LinkError::Silent));
-    assert!(error.to_string().contains("is it powered"), "{error}");
+    assert!(
+        error.to_string().contains("check that it is powered"),
+        "{error}"
+    );
 }
 
 #[test]
 fn a_host_that_falls_silent_lets_the_arm_stop_on_its_path() {
-    let line = Faulty::new(driving(), Mishaps::default(), 1);
-    let (mut conversation, _) = Conversation::open(line).expect("a line");
-    let mut order = |order| conversation.order(order).expect("a line").expect("obeyed");
+    let line = FaultInjector::new(driving(), FaultRates::default(), 1);
+    let (mut client, _) = Client::open(line).expect("a line");
+    let mut order = |order| client.command(order).expect("a line").expect("obeyed");
     let theta = arm::plant();
     let angles = [theta.angle(0), theta.angle(1)].map(|angle| angle as f32);
     order(Order::Request(Request::SetAngles(angles)));
@@ -103,15 +109,13 @@ fn a_host_that_falls_silent_lets_the_arm_stop_on_its_path() {
     }));
     // The arm moves, and nothing is said for 0.3 s.
     for _ in 0..30 {
-        conversation.listen().expect("a line");
+        client.poll().expect("a line");
     }
-    let (status, _) = conversation.status().expect("a line");
+    let (status, _) = client.status().expect("a line");
     assert_eq!(status.state, State::Fault);
     assert_eq!(status.fault, Some(Fault::CommandTimeout));
     assert_eq!(status.missed_ticks, 0);
-    let reply = conversation
-        .ask(Order::Request(Request::Arm))
-        .expect("a line");
+    let reply = client.call(Order::Request(Request::Arm)).expect("a line");
     assert!(matches!(reply, Reply::Refused(_)), "{reply:?}");
 }
 
@@ -119,9 +123,9 @@ fn a_host_that_falls_silent_lets_the_arm_stop_on_its_path() {
 fn a_tracer_writes_down_both_sides() {
     let mut log = Vec::new();
     let line = Tracer::new(lockstep(), &mut log);
-    let (mut conversation, _) = Conversation::open(line).expect("a line");
-    conversation.status().expect("a line");
-    drop(conversation);
+    let (mut client, _) = Client::open(line).expect("a line");
+    client.status().expect("a line");
+    drop(client);
     let log = String::from_utf8(log).expect("text");
     let lines: Vec<_> = log.lines().collect();
     assert_eq!(lines.len(), 4, "{log}");

@@ -1,5 +1,5 @@
-//! `fivebar pil` with an image of another release. The emulator is a script that answers
-//! whatever it is asked with the same frame.
+//! `fivebar pil` with an image of another release. The emulator is a script that replies
+//! to everything with the same frame.
 #![cfg(unix)]
 
 use fivebar_firmware::protocol::{ControllerMessage, Refusal, Reply, Sequence, VERSION, encode};
@@ -7,8 +7,8 @@ use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::process::Command;
 
-/// Connects to both addresses of its arguments; after the first byte heard on the serial
-/// line, says what is in `answer` and listens on.
+/// Connects to both addresses in its arguments. After the first byte on the serial line it
+/// sends the file `answer`; then it reads on.
 const EMULATOR: &str = r#"#!/usr/bin/env bash
 for word; do
     case $word in tcp:*) address=${word#tcp:}; ports+=("${address//[!0-9:]/}") ;; esac
@@ -20,7 +20,7 @@ cat <&3 >/dev/null
 "#;
 
 #[test]
-fn an_image_of_another_release_is_told_with_the_way_to_build_it() {
+fn the_error_for_an_image_of_another_release_says_how_to_build_it() {
     let folder = tempfile::tempdir().unwrap();
     let emulator = folder.path().join("qemu-system-arm");
     fs::write(&emulator, EMULATOR).unwrap();
@@ -31,7 +31,7 @@ fn an_image_of_another_release_is_told_with_the_way_to_build_it() {
     };
     fs::write(folder.path().join("answer"), &*encode(&answer).unwrap()).unwrap();
     let image = folder.path().join("old image");
-    fs::write(&image, "not looked into").unwrap();
+    fs::write(&image, "never read").unwrap();
 
     let path = std::env::var("PATH").unwrap();
     let output = Command::new(env!("CARGO_BIN_EXE_fivebar"))
@@ -41,13 +41,13 @@ fn an_image_of_another_release_is_told_with_the_way_to_build_it() {
         .current_dir(folder.path())
         .output()
         .unwrap();
-    let words = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(1), "{words}");
-    for said in [
-        "speaks version 2 of the protocol",
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{stderr}");
+    for part in [
+        "uses version 2 of the protocol",
         &image.display().to_string(),
         "scripts/firmware.sh",
     ] {
-        assert!(words.contains(said), "{said:?} is not in {words}");
+        assert!(stderr.contains(part), "{part:?} is not in {stderr}");
     }
 }

@@ -90,7 +90,7 @@ fn ctrl_c_stops_the_arm_and_says_on_which_line() {
     assert!(killed.expect("kill").success());
     let (status, _, err) = end(child);
     assert_eq!(status, Some(1), "{err}");
-    assert!(err.contains("stopped as asked on line"), "{err}");
+    assert!(err.contains("stopped by the user on line"), "{err}");
     let log = std::fs::read_to_string(log.path()).expect("a log");
     assert!(log.contains("Request(Stop)") && log.contains("Request(Disarm)"));
 }

@@ -2,7 +2,7 @@
 
 use fivebar::input::robot::Robot;
 use fivebar::input::scenario::Scenario;
-use fivebar::run::link::{Conversation, Emulator, Instructions, Lockstep};
+use fivebar::run::link::{Client, Emulator, Instructions, Lockstep};
 use fivebar::run::simulation::{Record, Summary};
 use fivebar::show::doctor::answers_alike;
 use fivebar_firmware::protocol::{Board, Order, Reply};
@@ -77,8 +77,8 @@ fn a_gain_changed_on_one_side_is_found() {
     );
 }
 
-fn status(conversation: &mut Conversation<Emulator>) -> Status {
-    match conversation.ask(Order::Status).expect("an answer") {
+fn status(client: &mut Client<Emulator>) -> Status {
+    match client.call(Order::Status).expect("an answer") {
         Reply::Status { status, .. } => status,
         other => panic!("{other:?}"),
     }
@@ -88,22 +88,20 @@ fn status(conversation: &mut Conversation<Emulator>) -> Status {
 #[test]
 fn the_production_image_boots_to_the_clock_fault_and_refuses_to_arm() {
     let board = Emulator::start(&Emulator::built_image("stm32f405")).expect("an emulated board");
-    let (mut conversation, identity) = Conversation::open(board).expect("an answer");
+    let (mut client, identity) = Client::open(board).expect("an answer");
     assert_eq!(identity.board, Board::Stm32f405);
-    let before = status(&mut conversation);
+    let before = status(&mut client);
     assert_eq!(before.state, State::Fault);
     assert_eq!(before.fault, Some(Fault::ClockFailure));
     for request in [Request::Arm, Request::Home] {
-        let reply = conversation
-            .ask(Order::Request(request))
-            .expect("an answer");
+        let reply = client.call(Order::Request(request)).expect("an answer");
         assert!(matches!(reply, Reply::Refused(_)), "{request:?}: {reply:?}");
     }
     // The clock does not mend, and so the fault comes back however often it is cleared.
-    let cleared = conversation.ask(Order::Request(Request::ClearFault));
+    let cleared = client.call(Order::Request(Request::ClearFault));
     assert!(cleared.is_ok());
     std::thread::sleep(std::time::Duration::from_millis(200));
-    let after = status(&mut conversation);
+    let after = status(&mut client);
     assert!(after.tick > before.tick, "the slow tick goes on");
     assert_eq!(after.fault, Some(Fault::ClockFailure));
     assert_eq!(after.duty, [0.0; 2]);

@@ -24,7 +24,7 @@ fn a_reset_in_motion() {
     let mut bench = Bench::moving(line());
     let board = bench.board.line().line();
     board.reset().expect("the emulator lives");
-    let mut ask = |order| bench.board.ask(order).expect("an answer");
+    let mut ask = |order| bench.board.call(order).expect("an answer");
     // Until it is reset it may answer once more.
     let stranger = Reply::Refused(Refusal::NoSession);
     let reset = (0..100).any(|_| ask(Order::Status) == stranger);

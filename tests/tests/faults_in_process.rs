@@ -24,7 +24,7 @@ fn a_reset_by_the_watchdog_in_motion() {
     let mut bench = Bench::moving(line());
     let board = bench.board.line().line();
     board.restart(Reset::Watchdog).expect("sound settings");
-    let mut ask = |order| bench.board.ask(order).expect("an answer");
+    let mut ask = |order| bench.board.call(order).expect("an answer");
     let sensed = bench.plant.sense();
     let stranger = Reply::Refused(Refusal::NoSession);
     assert_eq!(ask(Order::Tick(sensed)), stranger);

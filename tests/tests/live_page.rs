@@ -4,7 +4,7 @@
 
 use fivebar::input::robot::Robot;
 use fivebar::input::scenario::Scenario;
-use fivebar::run::link::{Conversation, Loopback, SerialLine};
+use fivebar::run::link::{Client, Loopback, SerialLine};
 use fivebar::show::serve::{Guard, ServeError, Source, serve};
 use fivebar_firmware::safety::State;
 use serde_json::{Value, json};
@@ -287,8 +287,8 @@ fn an_arm_is_disarmed_when_the_server_ends() {
     page.state_named("Running");
     server.end().expect("it was running").expect("no error");
     let line = SerialLine::open(&port).expect("a port that is free again");
-    let (mut conversation, _) = Conversation::open(line).expect("a controller");
-    let (status, _) = conversation.status().expect("an answer");
+    let (mut client, _) = Client::open(line).expect("a controller");
+    let (status, _) = client.status().expect("an answer");
     assert_eq!((status.state, status.fault), (State::Stopped, None));
 }
 

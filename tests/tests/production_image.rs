@@ -3,7 +3,7 @@
 
 mod flash;
 
-use fivebar::run::link::{Conversation, Emulator};
+use fivebar::run::link::{Client, Emulator};
 use fivebar_firmware::Request;
 use fivebar_firmware::Settings;
 use fivebar_firmware::protocol::{Board, Identity, Order, Refusal, Reply};
@@ -16,14 +16,14 @@ use std::io::Write;
 const SETTINGS: u32 = 0x0808_0000;
 
 /// Boots the image with these bytes in its memory.
-fn boot(address: u32, bytes: &[u8]) -> (Conversation<Emulator>, Identity) {
+fn boot(address: u32, bytes: &[u8]) -> (Client<Emulator>, Identity) {
     let mut file = tempfile::NamedTempFile::new().expect("a file");
     file.write_all(bytes).expect("room");
     let image = Emulator::built_image("stm32f405");
     let board = Emulator::start_with(&image, &[(address, file.path())]).expect("a board");
-    let (conversation, identity) = Conversation::open(board).expect("an answer");
+    let (client, identity) = Client::open(board).expect("an answer");
     assert_eq!(identity.board, Board::Stm32f405);
-    (conversation, identity)
+    (client, identity)
 }
 
 /// The flash of a board that has stored these settings.
@@ -42,12 +42,12 @@ fn other_settings() -> Settings {
 }
 
 /// The settings in use, and why nothing can be armed.
-fn in_use(conversation: &mut Conversation<Emulator>) -> (Settings, Refusal) {
+fn in_use(client: &mut Client<Emulator>) -> (Settings, Refusal) {
     let mut settings = Settings::BENCHTOP;
-    conversation.read_settings(&mut settings).expect("answers");
-    let arm = conversation.order(Order::Request(Request::Arm));
+    client.read_settings(&mut settings).expect("answers");
+    let arm = client.command(Order::Request(Request::Arm));
     let refusal = arm.expect("an answer").expect_err("its clock has failed");
-    let (status, _) = conversation.status().expect("an answer");
+    let (status, _) = client.status().expect("an answer");
     assert_eq!(
         (status.state, status.fault),
         (State::Fault, Some(Fault::ClockFailure))
@@ -59,8 +59,8 @@ fn in_use(conversation: &mut Conversation<Emulator>) -> (Settings, Refusal) {
 #[test]
 fn stored_settings_are_used() {
     let flash = stored(&other_settings());
-    let (mut conversation, _) = boot(SETTINGS, &flash.bytes);
-    let (settings, refusal) = in_use(&mut conversation);
+    let (mut client, _) = boot(SETTINGS, &flash.bytes);
+    let (settings, refusal) = in_use(&mut client);
     assert_eq!(settings, other_settings());
     let fault = fivebar_firmware::controller::Refusal::State(State::Fault);
     assert_eq!(
@@ -75,12 +75,12 @@ fn a_damaged_page_of_settings_is_not_used() {
     let mut flash = stored(&other_settings());
     // Every item of the log, the newest included.
     flash.bytes.iter_mut().for_each(|byte| *byte ^= 0x10);
-    let (mut conversation, _) = boot(SETTINGS, &flash.bytes);
-    let (settings, refusal) = in_use(&mut conversation);
+    let (mut client, _) = boot(SETTINGS, &flash.bytes);
+    let (settings, refusal) = in_use(&mut client);
     assert_eq!(settings, Settings::BENCHTOP);
     assert_eq!(refusal, Refusal::NoSettings);
     assert_eq!(
-        conversation.ask(Order::SaveSettings).expect("an answer"),
+        client.call(Order::SaveSettings).expect("an answer"),
         Reply::Refused(Refusal::Request(
             fivebar_firmware::controller::Refusal::State(State::Fault)
         ))

@@ -3,7 +3,7 @@
 mod bench;
 
 use bench::Bench;
-use fivebar::run::link::{Conversation, Emulator};
+use fivebar::run::link::{Client, Emulator};
 use fivebar_firmware::protocol::{Order, Reply, StackUse};
 use fivebar_firmware::{Move, MoveKind, Request};
 
@@ -76,20 +76,20 @@ fn a_job_on_the_emulated_board_leaves_half_of_its_stack() {
 #[test]
 fn the_production_image_leaves_half_of_its_stack() {
     let board = Emulator::start(&Emulator::built_image("stm32f405")).expect("an emulated board");
-    let (mut conversation, _) = Conversation::open(board).expect("an answer");
+    let (mut client, _) = Client::open(board).expect("an answer");
     let settings = bench::robot().settings().expect("masses");
-    let refused = conversation.write_settings(&settings).expect("answers");
+    let refused = client.write_settings(&settings).expect("answers");
     assert!(refused.is_err(), "its clock has failed");
     let kind = MoveKind::Dwell { duration: 0.01 };
     let a_move = Order::Move(Move { tag: 1, kind });
     for order in [a_move, Order::SaveSettings, Order::Telemetry { every: 1 }] {
-        conversation.ask(order).expect("an answer");
+        client.call(order).expect("an answer");
     }
     let ticks = (0..1000).any(|_| {
-        conversation.listen().expect("a line");
-        conversation.take_telemetry().is_some()
+        client.poll().expect("a line");
+        client.take_telemetry().is_some()
     });
     assert!(ticks, "no telemetry");
-    let used = conversation.stack().expect("an answer");
+    let used = client.stack().expect("an answer");
     fits(used.expect("it knows"), committed().stack);
 }

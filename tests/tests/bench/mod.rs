@@ -6,7 +6,7 @@
 
 use fivebar::input::robot::Robot;
 use fivebar::input::scenario::{FaultKind, Mismatch};
-use fivebar::run::link::{Conversation, Faulty, Loopback, Mishaps};
+use fivebar::run::link::{Client, FaultInjector, FaultRates, Loopback};
 use fivebar::run::plant::Plant;
 use fivebar_firmware::protocol::{
     ControllerMessage, Order, Refusal, Reply, Sequence, Ticked, encode,
@@ -63,8 +63,8 @@ const REQUESTS: [Request; 5] = [
 const TALK_EVERY: u32 = 400;
 
 pub(crate) struct Bench<L> {
-    pub(crate) board: Conversation<Faulty<L>>,
-    twin: Conversation<Loopback>,
+    pub(crate) board: Client<FaultInjector<L>>,
+    twin: Client<Loopback>,
     pub(crate) plant: Plant,
     pub(crate) settings: Settings,
     /// The host says something now and then.
@@ -85,11 +85,11 @@ pub(crate) fn ends() -> [[f32; 2]; 2] {
 impl<L: Read + Write> Bench<L> {
     /// Both controllers have the benchtop arm's settings; nothing is homed.
     pub(crate) fn new(line: L) -> Self {
-        Self::with(line, Mishaps::default(), |_| ())
+        Self::with(line, FaultRates::default(), |_| ())
     }
 
     /// A bad line, and settings that differ from the benchtop arm's.
-    pub(crate) fn with(line: L, mishaps: Mishaps, change: impl FnOnce(&mut Settings)) -> Self {
+    pub(crate) fn with(line: L, rates: FaultRates, change: impl FnOnce(&mut Settings)) -> Self {
         let robot = robot();
         let mut settings = robot.settings().expect("masses");
         change(&mut settings);
@@ -99,8 +99,8 @@ impl<L: Read + Write> Bench<L> {
             .inverse(Vector2::new(x, y), robot.elbows)
             .expect("within reach");
         let twin = Loopback::lockstep(&settings).expect("sound settings");
-        let (mut board, _) = Conversation::open(Faulty::new(line, mishaps, 1)).expect("a board");
-        let (twin, _) = Conversation::open(twin).expect("a twin");
+        let (mut board, _) = Client::open(FaultInjector::new(line, rates, 1)).expect("a board");
+        let (twin, _) = Client::open(twin).expect("a twin");
         board
             .write_settings(&settings)
             .expect("a line")
@@ -119,12 +119,12 @@ impl<L: Read + Write> Bench<L> {
 
     /// On its way along a line at 0.1 m/s.
     pub(crate) fn moving(line: L) -> Self {
-        Self::moving_on(line, Mishaps::default())
+        Self::moving_on(line, FaultRates::default())
     }
 
     /// The same on a bad line.
-    pub(crate) fn moving_on(line: L, mishaps: Mishaps) -> Self {
-        let mut bench = Self::with(line, mishaps, |_| ());
+    pub(crate) fn moving_on(line: L, rates: FaultRates) -> Self {
+        let mut bench = Self::with(line, rates, |_| ());
         let angles = [0, 1].map(|joint| bench.plant.angle(joint) as f32);
         bench.is_done(Order::Request(Request::SetAngles(angles)));
         bench.is_done(Order::Request(Request::Arm));
@@ -159,8 +159,8 @@ impl<L: Read + Write> Bench<L> {
     /// What both answer.
     #[track_caller]
     pub(crate) fn ask(&mut self, order: Order) -> Reply {
-        let there = self.board.ask(order).expect("an answer");
-        let here = self.twin.ask(order).expect("an answer");
+        let there = self.board.call(order).expect("an answer");
+        let here = self.twin.call(order).expect("an answer");
         assert_eq!(
             bits(there),
             bits(here),

@@ -4,7 +4,7 @@
 
 use crate::bench::{Bench, Stated, stated};
 use fivebar::input::scenario::FaultKind;
-use fivebar::run::link::Mishaps;
+use fivebar::run::link::FaultRates;
 use fivebar_firmware::Request;
 use fivebar_firmware::controller::Refusal as Denied;
 use fivebar_firmware::protocol::{Order, Refusal};
@@ -141,7 +141,7 @@ pub(crate) fn a_pressed_emergency_stop(line: impl Read + Write) {
 /// Homing where a switch never changes. Faster than usual, and within a narrow range, so
 /// that an emulator need not search for long.
 fn searches<L: Read + Write>(line: L, pressed: bool, stated: Stated) -> Bench<L> {
-    let mut bench = Bench::with(line, Mishaps::default(), |settings| {
+    let mut bench = Bench::with(line, FaultRates::default(), |settings| {
         settings.homing.speed = 3.0;
         settings.homing.back_off = 0.02;
         settings.axes[0].angle_limits = [2.1, 2.3];
@@ -214,34 +214,37 @@ pub(crate) fn late_ticks(line: impl Read + Write) {
 /// The protocol repairs what befalls the frames: no bit of any answer changes, and the
 /// arm does not stop.
 #[track_caller]
-fn is_repaired(line: impl Read + Write, repeats: bool, mishap: fn(&mut Mishaps)) {
-    let mut mishaps = Mishaps::default();
-    mishap(&mut mishaps);
-    let mut bench = Bench::moving_on(line, mishaps);
+fn is_repaired(line: impl Read + Write, repeats: bool, set: fn(&mut FaultRates)) {
+    let mut rates = FaultRates::default();
+    set(&mut rates);
+    let mut bench = Bench::moving_on(line, rates);
     bench.is_moving();
-    let befallen = bench.board.line().mishaps();
-    assert!(befallen > 10, "{befallen} mishaps prove little");
+    let injected = bench.board.line().injected();
+    assert!(injected > 10, "{injected} injected faults prove little");
     // An order whose frame or reply is lost is sent again, and that is counted.
     assert!(bench.board.repeats() > 0 || !repeats);
-    println!("{befallen} mishaps, {} repeats", bench.board.repeats());
+    println!(
+        "{injected} injected faults, {} repeats",
+        bench.board.repeats()
+    );
 }
 
 pub(crate) fn dropped_frames(line: impl Read + Write) {
-    is_repaired(line, true, |mishaps| mishaps.dropped = 0.03);
+    is_repaired(line, true, |rates| rates.dropped = 0.03);
 }
 
 pub(crate) fn repeated_frames(line: impl Read + Write) {
-    is_repaired(line, false, |mishaps| mishaps.repeated = 0.1);
+    is_repaired(line, false, |rates| rates.repeated = 0.1);
 }
 
 pub(crate) fn reordered_frames(line: impl Read + Write) {
-    is_repaired(line, true, |mishaps| mishaps.overtaken = 0.03);
+    is_repaired(line, true, |rates| rates.reordered = 0.03);
 }
 
 pub(crate) fn corrupt_frames(line: impl Read + Write) {
-    is_repaired(line, true, |mishaps| mishaps.corrupt = 0.03);
+    is_repaired(line, true, |rates| rates.corrupt = 0.03);
 }
 
 pub(crate) fn garbage_between_frames(line: impl Read + Write) {
-    is_repaired(line, false, |mishaps| mishaps.garbage = 0.1);
+    is_repaired(line, false, |rates| rates.garbage = 0.1);
 }

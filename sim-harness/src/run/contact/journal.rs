@@ -118,7 +118,7 @@ impl Journal {
 
     /// Whether pin and bearing must have met, or parted, by now.
     #[inline]
-    pub fn is_due(&self, phase: Phase, offset: Vector2<f64>) -> bool {
+    pub fn guard(&self, phase: Phase, offset: Vector2<f64>) -> bool {
         match phase {
             Phase::Flight => self.penetration(offset) > 0.0,
             Phase::Touching { .. } => self.penetration(offset) < 0.0,
@@ -126,7 +126,7 @@ impl Journal {
     }
 
     /// The phase that begins where the other one ends, with this motion.
-    pub fn turned(&self, phase: Phase, motion: &Eccentricity) -> Phase {
+    pub fn after_transition(&self, phase: Phase, motion: &Eccentricity) -> Phase {
         match phase {
             Phase::Flight => Phase::Touching {
                 approach: motion.opening_rate().max(SLOWEST_APPROACH),

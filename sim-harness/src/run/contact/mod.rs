@@ -4,13 +4,13 @@
 //! |---|---|
 //! | `law` | the laws of restitution |
 //! | `journal` | the force between pin and bearing, and when they meet and part |
-//! | `adaptive` | integration with a step that suits the contact, from event to event |
+//! | `dormand_prince` | integration with a step that suits the contact, from event to event |
 //!
 //! None of this knows of any mechanism.
 
-mod adaptive;
+mod dormand_prince;
 mod journal;
 mod law;
 
-pub use adaptive::{Adaptive, Hybrid};
+pub use dormand_prince::{DormandPrince45, HybridSystem};
 pub use journal::{Eccentricity, Journal, NoJournal, Phase, Touch};

@@ -10,24 +10,24 @@ use fivebar_firmware::settings::SettingsError;
 /// Why a job was not driven to its end.
 #[derive(Debug, thiserror::Error)]
 pub enum DriveError {
-    /// The line is silent or broken.
+    /// The controller is silent or the connection failed.
     #[error(transparent)]
     Link(#[from] LinkError),
-    /// The controller believes in another arm.
+    /// The controller has settings for another arm.
     #[error(
-        "the controller's settings are not this robot's: {0:?} differ; give the robot it \
-         has by --robot, or this robot's settings to it by --upload"
+        "the controller's settings differ from this robot's in {0:?}; choose the controller's \
+         robot with --robot, or store this robot's settings with --upload"
     )]
     OtherSettings(Vec<SectionKey>),
-    /// The robot's settings make no sense.
-    #[error("the robot's settings make no sense: {0}")]
-    Unsound(SettingsError),
-    /// The controller refused something.
+    /// The robot's settings are not valid.
+    #[error("the robot's settings are not valid: {0}")]
+    Settings(SettingsError),
+    /// The controller refused a command.
     #[error("the controller refuses to {what}: {refusal}")]
     Refused {
-        /// What was asked.
+        /// The action that was requested.
         what: &'static str,
-        /// Why not.
+        /// The reason.
         refusal: Refusal,
     },
     /// A move cannot be done.
@@ -35,24 +35,27 @@ pub enum DriveError {
     Move(#[from] MoveRefusal),
     /// A fault is latched.
     #[error(
-        "the controller stopped the arm by fault {}, {}; mend the cause, then drive with \
+        "the controller stopped the arm with fault {}, {}; repair the cause, then drive with \
          --clear",
         .0.number(),
         fault_name(*.0)
     )]
     Fault(Fault),
-    /// The user wants it.
-    #[error("stopped as asked{}; the bridges are off", at_line(*.0))]
+    /// The user stopped the job.
+    #[error("stopped by the user{}; the bridges are off", at_line(*.0))]
     Stopped(Option<u32>),
-    /// The switches were not found.
+    /// Homing did not find the switches.
     #[error("the joints did not find their home switches within 60 s")]
     NeverHomed,
-    /// The measured angles close no arm.
-    #[error("the controller does not know where its tool is")]
+    /// No pose on the branch has the measured angles.
+    #[error(
+        "no pose on the arm's branch has the measured joint angles, so the position of the tool \
+         is unknown; home the arm again"
+    )]
     NoTool,
-    /// The answer is not one to the question.
-    #[error("the controller answers a move with {0}")]
-    Confused(String),
+    /// The reply does not belong to the command.
+    #[error("the controller replied to a move with {0}, which is no reply to it")]
+    UnexpectedReply(String),
 }
 
 impl DriveError {

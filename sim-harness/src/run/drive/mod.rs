@@ -1,8 +1,8 @@
-//! A job done by a controller that drives motors: prepared, streamed, stopped.
+//! Driving a job on a controller with motors: settings, homing, streaming, stopping.
 
 mod error;
 
-use crate::run::link::{Conversation, LinkError};
+use crate::run::link::{Client, LinkError};
 use fivebar_firmware::planner::Reason;
 use fivebar_firmware::protocol::{Order, Refusal, Reply, SectionKey};
 use fivebar_firmware::safety::State;
@@ -11,43 +11,40 @@ use std::io::{Read, Write};
 
 pub use error::DriveError;
 
-/// Reads in vain after which homing counts as failed: 60 s.
+/// Homing has failed after so many reads: 60 s.
 const LONGEST_HOMING: u32 = 6000;
-/// Reads in vain after which a stopping arm counts as not stopping: 5 s.
+/// Waiting for the arm to stop ends after so many reads: 5 s.
 const LONGEST_STOP: u32 = 500;
 
 /// How the joint angles become known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Homing {
-    /// By driving to the home switches.
+    /// The controller searches for the home switches.
     Switches,
-    /// The arm has been put to these angles θ1, θ4 by hand [rad].
+    /// The user has turned the joints to these angles θ1, θ4 by hand [rad].
     At([f32; 2]),
 }
 
-/// A controller that drives motors, and someone who may want it to stop.
+/// Drives jobs on a controller with motors.
 pub struct Drive<'a, L> {
-    conversation: &'a mut Conversation<L>,
+    client: &'a mut Client<L>,
     wants_stop: &'a dyn Fn() -> bool,
 }
 
 impl<'a, L: Read + Write> Drive<'a, L> {
-    /// Drives over this conversation until `wants_stop` says otherwise.
-    pub fn new(conversation: &'a mut Conversation<L>, wants_stop: &'a dyn Fn() -> bool) -> Self {
-        Self {
-            conversation,
-            wants_stop,
-        }
+    /// Drives over `client`. Homing and jobs stop as soon as `wants_stop` returns true.
+    pub fn new(client: &'a mut Client<L>, wants_stop: &'a dyn Fn() -> bool) -> Self {
+        Self { client, wants_stop }
     }
 
-    /// Sees to it that the controller uses these settings: uploads and stores them if it
-    /// may, else refuses any others.
+    /// Makes sure that the controller uses `settings`: with `upload` it sends and stores
+    /// them, without it only compares them.
     ///
     /// # Errors
     /// The sections that differ, or a refused upload.
     pub fn agree_on(&mut self, settings: &Settings, upload: bool) -> Result<(), DriveError> {
         let mut theirs = *settings;
-        self.conversation.read_settings(&mut theirs)?;
+        self.client.read_settings(&mut theirs)?;
         let differing: Vec<_> = SectionKey::ALL
             .into_iter()
             .filter(|key| key.of(settings) != key.of(&theirs))
@@ -58,29 +55,29 @@ impl<'a, L: Read + Write> Drive<'a, L> {
         if !upload {
             return Err(DriveError::OtherSettings(differing));
         }
-        self.conversation
+        self.client
             .write_settings(settings)?
             .map_err(|refusal| DriveError::refused("use the settings", refusal))?;
-        self.order("store the settings", Order::SaveSettings)
+        self.command("store the settings", Order::SaveSettings)
     }
 
-    /// Leaves a latched fault, if there is one.
+    /// Clears a latched fault, if there is one.
     ///
     /// # Errors
-    /// The arm still moves, or the fault does not let itself be cleared.
+    /// The controller refuses, for example because the arm still moves.
     pub fn clear_fault(&mut self) -> Result<(), DriveError> {
-        match self.conversation.status()?.0.fault {
+        match self.client.status()?.0.fault {
             Some(_) => self.request(Request::ClearFault),
             None => Ok(()),
         }
     }
 
-    /// Makes the joint angles known, if they are not.
+    /// Homes the arm, unless it is homed.
     ///
     /// # Errors
-    /// A latched fault, a refusal, switches that are not found.
+    /// A latched fault, a refusal, or switches that are not found.
     pub fn home(&mut self, homing: Homing) -> Result<(), DriveError> {
-        if self.sound_status()?.homed {
+        if self.fault_free_status()?.homed {
             return Ok(());
         }
         match homing {
@@ -88,7 +85,7 @@ impl<'a, L: Read + Write> Drive<'a, L> {
             Homing::Switches => self.request(Request::Home)?,
         }
         for _ in 0..LONGEST_HOMING {
-            let status = self.sound_status()?;
+            let status = self.fault_free_status()?;
             if status.homed && status.state == State::Stopped {
                 return Ok(());
             }
@@ -96,38 +93,40 @@ impl<'a, L: Read + Write> Drive<'a, L> {
                 self.request(Request::Stop)?;
                 return Err(DriveError::Stopped(None));
             }
-            self.conversation.listen()?;
+            self.client.poll()?;
         }
         self.request(Request::Stop)?;
         Err(DriveError::NeverHomed)
     }
 
-    /// Arms, does the moves and disarms. Everything is checked from where the tool stands
-    /// before anything moves. `progress` is told, a hundred times a second or so, how many
-    /// moves the controller has taken and what it is doing.
-    /// However it ends, the arm is brought to rest and the bridges are off.
+    /// Arms, does the moves and disarms.
+    ///
+    /// All moves are checked, from the tool's position on, before anything moves.
+    /// `progress` is called about a hundred times a second with the number of moves that
+    /// the controller has accepted and its status. In the end, also after an error, the arm
+    /// rests and its bridges are off.
     ///
     /// # Errors
-    /// A move that cannot be done, a fault, a wish to stop, a line that breaks.
+    /// A move that cannot be done, a fault, a stop by the user, a failed connection.
     pub fn follow(
         &mut self,
         moves: &[Move],
         settings: &Settings,
         progress: &mut dyn FnMut(usize, &Status),
     ) -> Result<(), DriveError> {
-        let status = self.sound_status()?;
-        let planner = Planner::new(settings).map_err(DriveError::Unsound)?;
+        let status = self.fault_free_status()?;
+        let planner = Planner::new(settings).map_err(DriveError::Settings)?;
         let mut tool = status.tool.ok_or(DriveError::NoTool)?;
-        for order in moves {
-            tool = planner.check(tool, order)?;
+        for next in moves {
+            tool = planner.check(tool, next)?;
         }
         self.request(Request::Arm)?;
         let outcome = self.stream(moves, progress);
         if outcome.is_err() {
             self.bring_to_rest()?;
         }
-        // Where a fault is latched the bridges are off or the arm is held: either way it
-        // says so, and takes no disarming.
+        // With a latched fault the bridges are off or the arm is held, and the controller
+        // refuses to disarm; `outcome` then holds the fault.
         let disarmed = self.request(Request::Disarm);
         outcome.and(disarmed)
     }
@@ -137,18 +136,18 @@ impl<'a, L: Read + Write> Drive<'a, L> {
         moves: &[Move],
         progress: &mut dyn FnMut(usize, &Status),
     ) -> Result<(), DriveError> {
-        let (_, all_room) = self.conversation.status()?;
+        let (_, all_room) = self.client.status()?;
         let mut taken = 0;
         let mut idle_since = None;
         loop {
-            let (status, room) = self.conversation.status()?;
+            let (status, room) = self.client.status()?;
             progress(taken, &status);
-            sound(&status)?;
+            check_fault(&status)?;
             if (self.wants_stop)() {
                 return Err(DriveError::Stopped(status.tag));
             }
             taken += self.offer(moves.get(taken..).unwrap_or(&[]))?;
-            // Between two ticks a queue may be empty and its last piece not begun.
+            // Between two ticks the queue may be empty while its last segment has not begun.
             let is_idle = status.state == State::Armed && room == all_room;
             idle_since = idle_since.filter(|_| is_idle && taken == moves.len());
             match idle_since {
@@ -157,20 +156,20 @@ impl<'a, L: Read + Write> Drive<'a, L> {
                 None if taken == moves.len() => idle_since = Some(status.tick),
                 None => {}
             }
-            self.conversation.listen()?;
+            self.client.poll()?;
         }
     }
 
-    /// Offers moves until one finds no room; how many were taken.
+    /// Offers moves until the queue is full; returns how many were accepted.
     fn offer(&mut self, moves: &[Move]) -> Result<usize, DriveError> {
-        for (taken, order) in moves.iter().enumerate() {
-            match self.conversation.ask(Order::Move(*order))? {
+        for (taken, next) in moves.iter().enumerate() {
+            match self.client.call(Order::Move(*next))? {
                 Reply::Taken { .. } => {}
                 Reply::Refused(Refusal::Move(refusal)) if refusal.reason == Reason::Full => {
                     return Ok(taken);
                 }
                 Reply::Refused(Refusal::Move(refusal)) => return Err(refusal.into()),
-                reply => return Err(DriveError::Confused(format!("{reply:?}"))),
+                reply => return Err(DriveError::UnexpectedReply(format!("{reply:?}"))),
             }
         }
         Ok(moves.len())
@@ -178,22 +177,22 @@ impl<'a, L: Read + Write> Drive<'a, L> {
 
     /// Stops on the path and waits for rest.
     fn bring_to_rest(&mut self) -> Result<(), LinkError> {
-        // Refused where a fault is latched: then it is at rest or comes to it by itself.
-        let _ = self.conversation.order(Order::Request(Request::Stop))?;
+        // Refused if a fault is latched: then the controller itself brings the arm to rest.
+        let _ = self.client.command(Order::Request(Request::Stop))?;
         for _ in 0..LONGEST_STOP {
-            let (status, _) = self.conversation.status()?;
+            let (status, _) = self.client.status()?;
             match status.state {
-                State::Running | State::Stopping | State::Homing => self.conversation.listen()?,
+                State::Running | State::Stopping | State::Homing => self.client.poll()?,
                 State::Stopped | State::Armed | State::Fault => break,
             }
         }
         Ok(())
     }
 
-    /// The status, unless a fault is latched.
-    fn sound_status(&mut self) -> Result<Status, DriveError> {
-        let (status, _) = self.conversation.status()?;
-        sound(&status)?;
+    /// The status; the fault as an error if one is latched.
+    fn fault_free_status(&mut self) -> Result<Status, DriveError> {
+        let (status, _) = self.client.status()?;
+        check_fault(&status)?;
         Ok(status)
     }
 
@@ -207,17 +206,17 @@ impl<'a, L: Read + Write> Drive<'a, L> {
             Request::EmergencyStop => "stop at once",
             Request::ClearFault => "clear the fault",
         };
-        self.order(what, Order::Request(request))
+        self.command(what, Order::Request(request))
     }
 
-    fn order(&mut self, what: &'static str, order: Order) -> Result<(), DriveError> {
-        self.conversation
-            .order(order)?
+    fn command(&mut self, what: &'static str, command: Order) -> Result<(), DriveError> {
+        self.client
+            .command(command)?
             .map_err(|refusal| DriveError::refused(what, refusal))
     }
 }
 
-fn sound(status: &Status) -> Result<(), DriveError> {
+fn check_fault(status: &Status) -> Result<(), DriveError> {
     status
         .fault
         .map_or(Ok(()), |fault| Err(DriveError::Fault(fault)))

@@ -1,7 +1,7 @@
-//! An emulated STM32F405 in a process of its own, its serial line a local TCP connection.
+//! An emulated STM32F405 in its own process. A local TCP connection is its serial line.
 
 use super::READ;
-use super::kept_child::KeptChild;
+use super::supervised_child::SupervisedChild;
 use std::ffi::OsString;
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -22,65 +22,66 @@ const BOARD: [&str; 6] = [
 /// How long the emulator may take to start.
 const START: Duration = Duration::from_secs(10);
 
-/// A running emulated board; it ends with this value, and with this process.
+/// A running emulated board. It ends when this value is dropped or this process ends.
 #[derive(Debug)]
 pub struct Emulator {
-    _process: KeptChild,
+    _process: SupervisedChild,
     line: TcpStream,
-    /// The emulator's own command line.
+    /// The emulator's control connection.
     monitor: TcpStream,
 }
 
-/// Why no emulated board runs.
+/// Why an emulated board does not run.
 #[derive(Debug, thiserror::Error)]
 pub enum EmulatorError {
-    /// There is no image.
+    /// The image does not exist.
     #[error("there is no firmware image at {}; build it with scripts/firmware.sh", .0.display())]
     NoImage(PathBuf),
-    /// There is no emulator.
+    /// The emulator is not installed.
     #[error(
-        "there is no {QEMU} on this machine; install your system's package of that name \
+        "{QEMU} is not installed; install your system's package of that name \
          (Debian: apt-get install qemu-system-arm)"
     )]
     NoQemu,
-    /// The emulator ended before it began.
+    /// The emulator ended during its start.
     #[error("{QEMU} ended at once: {0}")]
     Ended(String),
     /// The emulator did not connect.
     #[error("{QEMU} did not connect within {} s", START.as_secs())]
     NoConnection,
-    /// The machine refused something.
+    /// The operating system reported an error.
     #[error("cannot start {QEMU}: {0}")]
     Io(#[from] io::Error),
 }
 
 impl Emulator {
-    /// The image of the emulated board, where `scripts/firmware.sh` leaves it.
+    /// The path at which `scripts/firmware.sh` leaves the image `name`.
     pub fn built_image(name: &str) -> PathBuf {
         Path::new(env!("CARGO_MANIFEST_DIR"))
             .join("../target/firmware/thumbv7em-none-eabihf/firmware")
             .join(name)
     }
 
-    /// What is likely where a board with this image does not answer as this program does.
-    pub fn suspicion(image: &Path) -> String {
+    /// The likely cause if a board with this image gives other outputs than this program,
+    /// or no reply.
+    pub fn likely_cause(image: &Path) -> String {
         format!(
-            "its image {} is likely older than this program: build it anew with \
+            "its image {} is likely older than this program: build it again with \
              scripts/firmware.sh",
             image.display()
         )
     }
 
-    /// Starts a board that runs `image`, one instruction per nanosecond of its time.
+    /// Starts a board that runs `image`; each instruction takes 1 ns of emulated time.
     ///
     /// # Errors
-    /// No image, no emulator, or an emulator that does not start.
+    /// The image does not exist, or the emulator is not installed or does not start.
     pub fn start(image: &Path) -> Result<Self, EmulatorError> {
         Self::start_with(image, &[])
     }
 
-    /// Starts a board whose memory holds these files from these addresses on, after the
-    /// image has been loaded; at each reset they are there anew.
+    /// Starts a board with these files in its memory at these addresses, on top of the
+    /// image. Each reset loads them again.
     ///
     /// # Errors
     /// As [`Emulator::start`].
@@ -102,7 +103,7 @@ impl Emulator {
             loader.push(file);
             arguments.extend(["-device".into(), loader]);
         }
-        let mut process = KeptChild::start(QEMU, &arguments).map_err(not_started)?;
+        let mut process = SupervisedChild::start(QEMU, &arguments).map_err(not_started)?;
         let line = connection(&serial, &mut process)?;
         line.set_read_timeout(Some(READ))?;
         let monitor = connection(&monitor, &mut process)?;
@@ -113,8 +114,7 @@ impl Emulator {
         })
     }
 
-    /// Presses the board's reset button. It starts again soon after; what it was told
-    /// before may or may not have been heard.
+    /// Resets the board. It restarts soon after; bytes sent shortly before may be lost.
     ///
     /// # Errors
     /// The emulator has ended.
@@ -123,8 +123,11 @@ impl Emulator {
     }
 }
 
-/// Waits for the emulator's connection, its end or its time to run out.
-fn connection(listener: &TcpListener, process: &mut KeptChild) -> Result<TcpStream, EmulatorError> {
+/// Waits for the emulator to connect, to end, or to use up its time.
+fn connection(
+    listener: &TcpListener,
+    process: &mut SupervisedChild,
+) -> Result<TcpStream, EmulatorError> {
     listener.set_nonblocking(true)?;
     let deadline = Instant::now() + START;
     loop {
@@ -139,7 +142,7 @@ fn connection(listener: &TcpListener, process: &mut KeptChild) -> Result<TcpStre
         }
         match process.end() {
             Ok(None) => {}
-            Ok(Some((_, words))) => return Err(EmulatorError::Ended(words.trim().to_owned())),
+            Ok(Some((_, text))) => return Err(EmulatorError::Ended(text.trim().to_owned())),
             Err(error) => return Err(not_started(error)),
         }
         if Instant::now() > deadline {
@@ -163,7 +166,7 @@ impl Read for Emulator {
                 ErrorKind::ConnectionAborted,
                 format!("{QEMU} ended"),
             )),
-            // What a read timeout is called differs from system to system.
+            // Some systems report a read timeout as `WouldBlock`.
             Err(error) if error.kind() == ErrorKind::WouldBlock => Err(ErrorKind::TimedOut.into()),
             other => other,
         }
@@ -186,7 +189,7 @@ mod tests {
     use std::path::Path;
 
     #[test]
-    fn a_missing_image_is_refused_with_the_way_to_build_it() {
+    fn the_error_for_a_missing_image_says_how_to_build_it() {
         let error = Emulator::start(Path::new("/nowhere/qemu")).expect_err("no such image");
         assert!(matches!(error, EmulatorError::NoImage(_)));
         assert!(error.to_string().contains("scripts/firmware.sh"), "{error}");

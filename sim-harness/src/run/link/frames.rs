@@ -1,9 +1,9 @@
-//! A stream of bytes cut into frames.
+//! A stream of bytes, split into frames.
 
 use fivebar_firmware::protocol::MAX_FRAME;
 
-/// Collects bytes into frames, borders included. What never ends in a border is cut where
-/// the longest frame would end.
+/// Collects bytes into frames, delimiters included. Bytes without a delimiter are cut at
+/// the length of the longest frame.
 #[derive(Debug, Default)]
 pub(super) struct Frames {
     part: Vec<u8>,
@@ -13,7 +13,7 @@ impl Frames {
     /// The frame that ends with this byte, if one does.
     pub(super) fn feed(&mut self, byte: u8) -> Option<Vec<u8>> {
         if byte == 0 && self.part.iter().all(|&byte| byte == 0) {
-            // The border in front.
+            // The delimiter in front.
             self.part.clear();
             self.part.push(0);
             return None;

@@ -14,10 +14,10 @@ pub struct InProcess {
 }
 
 impl InProcess {
-    /// A controller with these settings, just reset.
+    /// A controller with these settings, as after a reset.
     ///
     /// # Errors
-    /// The first setting that is not sound.
+    /// The first setting that is not valid.
     pub fn new(settings: &Settings) -> Result<Self, SettingsError> {
         Ok(Self {
             controller: Controller::new(settings)?,
@@ -28,7 +28,7 @@ impl InProcess {
 
 impl Target for InProcess {
     fn tick(&mut self, sensed: &Sensed) -> Result<(Command, Status), TargetError> {
-        // The host is the one that is calling: it cannot be silent.
+        // This call is the host's sign of life.
         self.controller.feed_host_timeout();
         self.planner.run(&mut self.controller);
         let command = self.controller.tick(sensed);

@@ -1,7 +1,8 @@
-//! A controller at the other end of a line, its plant at this end, and a twin of it in this
-//! process that is told the same and must answer with the same bits.
+//! A controller at the other end of a connection, in lockstep with a plant at this end. A
+//! twin of the controller in this process gets the same inputs and must give outputs with
+//! the same bits.
 
-use super::{Conversation, InProcess, LinkError, Target, TargetError};
+use super::{Client, InProcess, LinkError, Target, TargetError};
 use fivebar_firmware::controller::Request;
 use fivebar_firmware::planner::Reason;
 use fivebar_firmware::protocol::{Identity, Order, Refusal, Reply, Ticked};
@@ -10,12 +11,13 @@ use fivebar_firmware::{Command, Move, Sensed, Settings, Status};
 use serde::Serialize;
 use std::io::{Read, Write};
 
-/// Ticks without another order after which the status is asked for, as a sign of life.
+/// After so many ticks without another command the host requests the status, as a sign of
+/// life.
 const LONGEST_SILENCE: u32 = 400;
 
-/// A [`Target`] that makes its ticks elsewhere and checks each.
+/// A [`Target`] that runs each tick at the other end and in the twin, and compares them.
 pub struct Lockstep<L> {
-    conversation: Conversation<L>,
+    client: Client<L>,
     twin: InProcess,
     silence: u32,
     instructions: Instructions,
@@ -23,7 +25,7 @@ pub struct Lockstep<L> {
     first_difference: Option<Difference>,
 }
 
-/// Instructions per tick, as counted at the other end.
+/// Instructions per tick, counted at the other end.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Instructions {
     /// Fewest in a tick.
@@ -34,63 +36,63 @@ pub struct Instructions {
     pub total: u64,
 }
 
-/// The first bits that differ.
+/// The first difference between board and twin.
 #[derive(Clone, Debug, PartialEq, Serialize, thiserror::Error)]
 #[error("tick {tick}: {field} is {there} on the board and {here} in this process")]
 pub struct Difference {
     /// The tick, counted from 1.
     pub tick: u64,
-    /// What differs.
+    /// The output that differs.
     pub field: &'static str,
-    /// In this process.
+    /// Its value in this process.
     pub here: String,
-    /// At the other end.
+    /// Its value at the other end.
     pub there: String,
 }
 
 /// Why a run in lockstep cannot begin.
 #[derive(Debug, thiserror::Error)]
 pub enum LockstepError {
-    /// The line is silent or broken.
+    /// The controller is silent or the connection failed.
     #[error(transparent)]
     Link(#[from] LinkError),
-    /// The twin's settings are not sound.
+    /// The twin's settings are not valid.
     #[error(transparent)]
     Settings(#[from] SettingsError),
-    /// The other end has a clock of its own.
+    /// The other end has its own clock.
     #[error(
-        "this controller makes its own ticks, as one that drives motors does; a run in \
-         lockstep needs a board with the image `qemu`"
+        "this controller has its own clock, because it drives motors; a run in lockstep needs \
+         a board with the image `qemu`"
     )]
     OwnClock,
-    /// The other end does not take the settings.
+    /// The other end refuses the settings.
     #[error("the controller refuses the settings: {0:?}")]
     Refused(Refusal),
 }
 
 impl<L: Read + Write> Lockstep<L> {
-    /// Gives the other end `settings` and the twin `twin`'s, which are the same except
-    /// where a difference is wanted.
+    /// Sends `settings` to the other end and applies the settings `twin` to the twin. They
+    /// are the same, except in tests that need a difference.
     ///
     /// # Errors
-    /// No conversation, no lockstep, or refused settings.
+    /// A silent controller, one with its own clock, or refused settings.
     pub fn begin(
         line: L,
         settings: &Settings,
         twin: &Settings,
     ) -> Result<(Self, Identity), LockstepError> {
         let twin = InProcess::new(twin)?;
-        let (mut conversation, identity) = Conversation::open(line)?;
-        // Asked before its settings are changed; the tick is forgotten with the old ones.
-        let tick = conversation.ask(Order::Tick(Sensed::default()))?;
+        let (mut client, identity) = Client::open(line)?;
+        // Checked before the settings change; applying settings resets what this tick did.
+        let tick = client.call(Order::Tick(Sensed::default()))?;
         if tick == Reply::Refused(Refusal::Unsupported) {
             return Err(LockstepError::OwnClock);
         }
-        conversation
+        client
             .write_settings(settings)?
             .map_err(LockstepError::Refused)?;
         let lockstep = Self {
-            conversation,
+            client,
             twin,
             silence: 0,
             instructions: Instructions::default(),
@@ -100,7 +102,7 @@ impl<L: Read + Write> Lockstep<L> {
         Ok((lockstep, identity))
     }
 
-    /// Ticks made.
+    /// Ticks run so far.
     pub fn ticks(&self) -> u64 {
         self.ticks
     }
@@ -110,22 +112,22 @@ impl<L: Read + Write> Lockstep<L> {
         self.instructions
     }
 
-    /// The first bits that were not the twin's.
+    /// The first output whose bits differ from the twin's.
     pub fn first_difference(&self) -> Option<&Difference> {
         self.first_difference.as_ref()
     }
 
-    /// The conversation with the other end.
-    pub fn conversation(&mut self) -> &mut Conversation<L> {
-        &mut self.conversation
+    /// The client of the other end.
+    pub fn client(&mut self) -> &mut Client<L> {
+        &mut self.client
     }
 
-    fn ask(&mut self, order: Order) -> Result<Reply, TargetError> {
+    fn call(&mut self, command: Order) -> Result<Reply, TargetError> {
         self.silence = 0;
-        Ok(self.conversation.ask(order)?)
+        Ok(self.client.call(command)?)
     }
 
-    fn note(&mut self, difference: Option<(&'static str, String, String)>) {
+    fn note_difference(&mut self, difference: Option<(&'static str, String, String)>) {
         if let (None, Some((field, here, there))) = (&self.first_difference, difference) {
             self.first_difference = Some(Difference {
                 tick: self.ticks,
@@ -152,9 +154,9 @@ impl<L: Read + Write> Target for Lockstep<L> {
     fn tick(&mut self, sensed: &Sensed) -> Result<(Command, Status), TargetError> {
         self.silence += 1;
         if self.silence >= LONGEST_SILENCE {
-            self.ask(Order::Status)?;
+            self.call(Order::Status)?;
         }
-        let there = match self.conversation.ask(Order::Tick(*sensed))? {
+        let there = match self.client.call(Order::Tick(*sensed))? {
             Reply::Ticked(ticked) => ticked,
             reply => return Err(unexpected(&reply)),
         };
@@ -162,7 +164,7 @@ impl<L: Read + Write> Target for Lockstep<L> {
         let here = Ticked::new(command, &status, there.instructions);
         self.ticks += 1;
         self.count(there.instructions);
-        self.note(difference(&here, &there));
+        self.note_difference(difference(&here, &there));
         let status = Status {
             state: there.state,
             fault: there.fault,
@@ -177,7 +179,7 @@ impl<L: Read + Write> Target for Lockstep<L> {
 
     fn request(&mut self, request: Request) -> Result<(), TargetError> {
         let here = self.twin.request(request);
-        let there = match self.ask(Order::Request(request))? {
+        let there = match self.call(Order::Request(request))? {
             Reply::Done => Ok(()),
             Reply::Refused(Refusal::Request(refusal)) => {
                 Err(TargetError::Request { request, refusal })
@@ -185,21 +187,21 @@ impl<L: Read + Write> Target for Lockstep<L> {
             reply => Err(unexpected(&reply)),
         };
         if here.is_ok() != there.is_ok() {
-            self.note(Some(("request", words(&here), words(&there))));
+            self.note_difference(Some(("request", text(&here), text(&there))));
         }
         there
     }
 
     fn offer(&mut self, next: &Move) -> Result<bool, TargetError> {
         let here = self.twin.offer(next);
-        let there = match self.ask(Order::Move(*next))? {
+        let there = match self.call(Order::Move(*next))? {
             Reply::Taken { .. } => Ok(true),
             Reply::Refused(Refusal::Move(refusal)) if refusal.reason == Reason::Full => Ok(false),
             Reply::Refused(Refusal::Move(refusal)) => Err(TargetError::Move(refusal)),
             reply => Err(unexpected(&reply)),
         };
-        if words(&here) != words(&there) {
-            self.note(Some(("move", words(&here), words(&there))));
+        if text(&here) != text(&there) {
+            self.note_difference(Some(("move", text(&here), text(&there))));
         }
         there
     }
@@ -213,14 +215,14 @@ fn unexpected(reply: &Reply) -> TargetError {
     TargetError::Unexpected(format!("{reply:?}"))
 }
 
-fn words<T: std::fmt::Debug>(outcome: &Result<T, TargetError>) -> String {
+fn text<T: std::fmt::Debug>(outcome: &Result<T, TargetError>) -> String {
     match outcome {
         Ok(value) => format!("{value:?}"),
         Err(error) => error.to_string(),
     }
 }
 
-/// The first field whose bits differ, as it is here and there.
+/// The first field whose bits differ: its name, its value here and its value there.
 fn difference(here: &Ticked, there: &Ticked) -> Option<(&'static str, String, String)> {
     let bits = |pair: [f32; 2]| pair.map(f32::to_bits);
     let tool = |ticked: &Ticked| ticked.tool.map(bits);

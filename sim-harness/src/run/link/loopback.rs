@@ -1,4 +1,4 @@
-//! A controller in this process behind a line of bytes, as if it were a board.
+//! A controller in this process behind a stream of bytes, like a board on a serial line.
 
 use fivebar_firmware::protocol::{Board as Kind, Decoder, HostMessage, Identity, Reset};
 use fivebar_firmware::session::{Board, Session, fault_at_start};
@@ -8,14 +8,15 @@ use fivebar_firmware::{Command, Controller, Planner, Sensed, Settings};
 use std::collections::VecDeque;
 use std::io::{self, ErrorKind, Read, Write};
 
-/// Ticks that pass while a read waits in vain: 10 ms at 10 kHz.
+/// Ticks that pass while a read waits: 10 ms at 10 kHz.
 const TICKS_PER_READ: u32 = 100;
 
-/// What moves between two ticks of a controller that has its own clock.
+/// What moves between two ticks of a controller that has its own clock: from the
+/// controller's outputs to the next samples of its sensors.
 pub type Plant = Box<dyn FnMut(&Command) -> Sensed + Send>;
 
-/// Both ends of a perfect line, and the firmware's session behind it. Time passes only
-/// while the host waits, so what happens does not depend on how fast this machine is.
+/// Both ends of a connection without faults, and the firmware's session behind it. Time
+/// passes only while the host waits, so the result does not depend on this machine's speed.
 pub struct Loopback {
     session: Session,
     controller: Controller,
@@ -26,10 +27,10 @@ pub struct Loopback {
     out: VecDeque<u8>,
 }
 
-/// The board: settings are kept as long as it lives.
+/// The board. It stores settings in memory.
 struct Desktop {
     saved: Option<Settings>,
-    /// Its own plant and its last command; none in lockstep with the host.
+    /// The board's plant and the last outputs; none in lockstep with the host.
     plant: Option<(Plant, Command)>,
 }
 
@@ -48,18 +49,18 @@ impl Board for Desktop {
 }
 
 impl Loopback {
-    /// A board whose sensors and bridges are the host's frames.
+    /// A board in lockstep: the host's frames replace its sensors and bridges.
     ///
     /// # Errors
-    /// The first setting that is not sound.
+    /// The first setting that is not valid.
     pub fn lockstep(settings: &Settings) -> Result<Self, SettingsError> {
         Self::new(settings, None)
     }
 
-    /// A board that ticks by itself and moves `plant`.
+    /// A board with its own clock that moves `plant`.
     ///
     /// # Errors
-    /// The first setting that is not sound.
+    /// The first setting that is not valid.
     pub fn driving(settings: &Settings, plant: Plant) -> Result<Self, SettingsError> {
         Self::new(settings, Some((plant, Command::default())))
     }
@@ -76,10 +77,10 @@ impl Loopback {
         })
     }
 
-    /// The board starts again, for this reason, on the settings it had.
+    /// Restarts the board with the settings it had; `reset` is the reason.
     ///
     /// # Errors
-    /// The first of them that is not sound.
+    /// The first setting that is not valid.
     pub fn restart(&mut self, reset: Reset) -> Result<(), SettingsError> {
         let settings = *self.controller.settings();
         let identity = Identity::new(Kind::Desktop, reset);
@@ -94,12 +95,12 @@ impl Loopback {
         Ok(())
     }
 
-    /// The settings saved last.
+    /// The settings stored last.
     pub fn saved(&self) -> Option<&Settings> {
         self.board.saved.as_ref()
     }
 
-    /// Lets a board with its own clock go on.
+    /// Runs the ticks of one read on a board with its own clock.
     fn pass_time(&mut self) {
         let Some((plant, command)) = &mut self.board.plant else {
             return;

@@ -1,25 +1,27 @@
-//! The ways to a controller: in this process, or as a stream of bytes whose reads give up
-//! in time, to an emulated board or over a serial line. A [`Conversation`] asks its
-//! questions over such a stream; [`Faulty`] and [`Tracer`] stand between the two. A run
-//! needs a [`Target`], wherever that is.
+//! Connections to a controller.
+//!
+//! A controller runs in this process, on an emulated board or behind a serial line. The
+//! last two are streams of bytes whose reads time out. A [`Client`] sends host commands
+//! over such a stream; [`FaultInjector`] and [`Tracer`] can wrap the stream. A run uses
+//! any controller through the trait [`Target`].
 
-mod conversation;
+mod client;
 mod emulator;
-mod faulty;
+mod fault_injector;
 mod frames;
 mod in_process;
-mod kept_child;
 mod lockstep;
 mod loopback;
 mod serial;
+mod supervised_child;
 mod target;
 mod tracer;
 
 use std::time::Duration;
 
-pub use conversation::{Conversation, LinkError};
+pub use client::{Client, LinkError};
 pub use emulator::{Emulator, EmulatorError};
-pub use faulty::{Faulty, Mishaps};
+pub use fault_injector::{FaultInjector, FaultRates};
 pub use in_process::InProcess;
 pub use lockstep::{Difference, Instructions, Lockstep, LockstepError};
 pub use loopback::{Loopback, Plant};
@@ -27,6 +29,6 @@ pub use serial::{BAUD, PortError, SerialLine};
 pub use target::{Target, TargetError};
 pub use tracer::Tracer;
 
-/// How long a read of a line waits before it gives up with
-/// [`TimedOut`](std::io::ErrorKind::TimedOut).
+/// A read from a connection fails with [`TimedOut`](std::io::ErrorKind::TimedOut) after
+/// this time.
 pub const READ: Duration = Duration::from_millis(10);

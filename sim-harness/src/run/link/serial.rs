@@ -5,47 +5,47 @@ use serialport::{ErrorKind as PortErrorKind, SerialPort};
 use std::io::{self, ErrorKind, Read, Write};
 use std::path::Path;
 
-/// Symbols per second of the boards here.
+/// Baud rate of the boards of this project [1/s].
 pub const BAUD: u32 = 1_000_000;
 
-/// An open serial port, ours alone.
+/// An open serial port; no other program can open it meanwhile.
 pub struct SerialLine {
     port: Box<dyn SerialPort>,
 }
 
-/// Why a port is not open.
+/// Why a port cannot be opened.
 #[derive(Debug, thiserror::Error)]
 pub enum PortError {
-    /// No such port.
-    #[error("there is no port {port}; {}", what_there_is(.others))]
+    /// The port does not exist.
+    #[error("there is no port {port}; {}", available(.others))]
     Absent {
         /// The port asked for.
         port: String,
-        /// The ports there are.
+        /// The ports of this machine.
         others: Vec<String>,
     },
-    /// Someone else has it.
+    /// Another program uses the port.
     #[error("port {0} is busy: close the program that uses it (a monitor, a terminal)")]
     Busy(String),
-    /// This user may not use it.
+    /// The user has no permission for the port.
     #[error(
-        "port {0} refuses this user; on Linux, join the group that owns it (often `dialout`) \
-         and log in anew"
+        "this user has no permission for port {0}; on Linux, join the group that owns it (often \
+         `dialout`) and log in again"
     )]
     Denied(String),
-    /// It is something else.
+    /// The port cannot be used for another reason.
     #[error("{port} does not work as a serial port: {error}")]
     Unusable {
         /// The port asked for.
         port: String,
-        /// What the system says.
+        /// The system's message.
         error: String,
     },
 }
 
-fn what_there_is(ports: &[String]) -> String {
+fn available(ports: &[String]) -> String {
     if ports.is_empty() {
-        "this machine has none: plug the board in".into()
+        "this machine has no serial port: plug the board in".into()
     } else {
         format!("this machine has {}", ports.join(", "))
     }
@@ -55,7 +55,7 @@ impl SerialLine {
     /// Opens a port at [`BAUD`], 8 bits, no parity, one stop bit.
     ///
     /// # Errors
-    /// An absent, busy or refused port, or none at all.
+    /// The port does not exist, is busy, needs a permission or is no serial port.
     pub fn open(port: &str) -> Result<Self, PortError> {
         serialport::new(port, BAUD)
             .timeout(READ)
@@ -66,14 +66,14 @@ impl SerialLine {
 }
 
 fn describe(port: &str, error: &serialport::Error) -> PortError {
-    let is_there = Path::new(port).exists();
+    let exists = Path::new(port).exists();
     match error.kind() {
         PortErrorKind::Io(ErrorKind::PermissionDenied) if cfg!(windows) => {
             PortError::Busy(port.to_owned())
         }
         PortErrorKind::Io(ErrorKind::PermissionDenied) => PortError::Denied(port.to_owned()),
-        // What the library says of a port that another program has locked.
-        PortErrorKind::NoDevice if is_there => PortError::Busy(port.to_owned()),
+        // The library's error for a port that another program has locked.
+        PortErrorKind::NoDevice if exists => PortError::Busy(port.to_owned()),
         PortErrorKind::NoDevice | PortErrorKind::Io(ErrorKind::NotFound) => PortError::Absent {
             port: port.to_owned(),
             others: serialport::available_ports()
@@ -94,7 +94,7 @@ impl Read for SerialLine {
         match self.port.read(bytes) {
             Ok(0) => Err(io::Error::new(
                 ErrorKind::ConnectionAborted,
-                "the port is gone; was the board unplugged?",
+                "the port disappeared; check that the board is plugged in",
             )),
             other => other,
         }

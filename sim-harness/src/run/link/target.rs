@@ -1,4 +1,4 @@
-//! What a run needs of a controller.
+//! What a run needs from a controller.
 
 use super::LinkError;
 use fivebar_firmware::controller::{Refusal, Request};
@@ -7,58 +7,59 @@ use fivebar_firmware::{Command, Move, Sensed, Status};
 
 /// A controller, run in lockstep with a plant.
 ///
-/// What it answers depends on nothing but what it was told and in which order, so that two
-/// targets told the same give the same bits.
+/// Its outputs depend only on its inputs and their order: two targets with the same inputs
+/// give the same bits.
 pub trait Target {
-    /// Hands over one tick's samples; the bridges' command and the state after the tick.
+    /// Runs one tick on these samples; returns its outputs and the status after it.
     ///
     /// # Errors
-    /// The other end does not answer.
+    /// The controller does not reply.
     fn tick(&mut self, sensed: &Sensed) -> Result<(Command, Status), TargetError>;
 
-    /// Asks for something other than a move.
+    /// Makes a request of the controller.
     ///
     /// # Errors
-    /// The controller refuses it, or does not answer.
+    /// The controller refuses it or does not reply.
     fn request(&mut self, request: Request) -> Result<(), TargetError>;
 
-    /// Offers the next move of the job. False if there is no room for it yet.
+    /// Offers the next move of the job. False if the controller has no room for it yet.
     ///
     /// # Errors
-    /// The move cannot be done from where the last one ends, or there is no answer.
+    /// The move cannot be done from the end of the last one, or the controller does not
+    /// reply.
     fn offer(&mut self, next: &Move) -> Result<bool, TargetError>;
 
-    /// Whether all moves taken have been done and the arm holds still.
+    /// Whether all accepted moves are done and the arm holds its position.
     fn is_idle(&self) -> bool;
 }
 
-/// What a target could not do.
+/// Why a run cannot go on.
 #[derive(Debug, thiserror::Error)]
 pub enum TargetError {
     /// The controller refused a request.
     #[error("the controller refuses to {request:?}: {refusal:?}")]
     Request {
-        /// What was asked.
+        /// The request.
         request: Request,
-        /// Why not.
+        /// The reason.
         refusal: Refusal,
     },
     /// The controller refused a move.
     #[error("line {}: {_0}", _0.tag)]
     Move(MoveRefusal),
-    /// There is no answer.
+    /// The controller did not reply.
     #[error(transparent)]
     Link(#[from] LinkError),
-    /// The answer is not one to the question.
-    #[error("the controller answers a question of the run with {0}")]
+    /// The reply does not belong to the command.
+    #[error("the controller sent an unexpected reply: {0}")]
     Unexpected(String),
     /// A joint did not find its home switch in time.
     #[error(
-        "the joints did not find their home switches within {0} s; they look for them at 2 % of \
-         the lesser `max_speed` of [limits]"
+        "the joints did not find their home switches within {0} s; they search at 2 % of the \
+         lower `max_speed` of [limits]"
     )]
     NeverHomed(f64),
-    /// Whoever began the run wants it no longer.
+    /// The user interrupted the run.
     #[error("the run was interrupted")]
     Interrupted,
 }

@@ -1,11 +1,11 @@
-//! Everything said on a line, written down.
+//! A log of all frames on a connection.
 
 use super::frames::Frames;
 use fivebar_firmware::protocol::{ControllerMessage, Decoder, HostMessage, Message};
 use std::io::{self, Read, Write};
 
-/// A line `L` whose frames are written to `log`, one a line: `>` from the host, `<` from
-/// the controller, and what it says or its bytes if it says nothing.
+/// A connection `L` whose frames are written to `log`, one frame per line of text: `>` from
+/// the host, `<` from the controller, then the message, or the bytes if there is none.
 pub struct Tracer<L, W> {
     line: L,
     log: W,
@@ -14,7 +14,7 @@ pub struct Tracer<L, W> {
 }
 
 impl<L, W: Write> Tracer<L, W> {
-    /// Writes down what is said on `line`.
+    /// Logs the frames of `line`.
     pub fn new(line: L, log: W) -> Self {
         Self {
             line,
@@ -25,7 +25,7 @@ impl<L, W: Write> Tracer<L, W> {
     }
 }
 
-/// One line for a frame.
+/// One line of text for a frame.
 fn describe<M: Message + std::fmt::Debug>(frame: &[u8]) -> String {
     let mut decoder = Decoder::<M>::new();
     let message = frame.iter().find_map(|&byte| decoder.feed(byte));

@@ -9,7 +9,7 @@ use super::chain::{Arms, JOINTS, PerJoint};
 use super::dynamics::{Loads, Model, State};
 use super::planar::Planar;
 use crate::input::robot::Contact;
-use crate::run::contact::{Adaptive, Eccentricity, Hybrid, Journal, NoJournal, Phase, Touch};
+use crate::run::contact::{DormandPrince45, Eccentricity, HybridSystem, Journal, NoJournal, Phase, Touch};
 use nalgebra::{SVector, Vector2};
 
 /// Twelve coordinates, their rates, two currents.
@@ -57,7 +57,7 @@ pub struct Wear {
     journals: [Option<Journal>; JOINTS],
     phases: [Phase; JOINTS],
     tally: [JointTally; JOINTS],
-    method: Adaptive<NUMBERS>,
+    method: DormandPrince45<NUMBERS>,
 }
 
 /// The arm during one tick.
@@ -93,7 +93,7 @@ impl Wear {
             journals,
             phases: [Phase::Flight; JOINTS],
             tally: [JointTally::default(); JOINTS],
-            method: Adaptive::new(tolerance),
+            method: DormandPrince45::new(tolerance),
         })
     }
 
@@ -230,12 +230,12 @@ impl Rattling<'_> {
     fn due(&self, x: &Numbers) -> [Option<Journal>; JOINTS] {
         let gaps = self.model.chain.gaps(&unpacked(x).q);
         std::array::from_fn(|k| {
-            self.journals[k].filter(|journal| journal.is_due(self.phases[k], gaps[k]))
+            self.journals[k].filter(|journal| journal.guard(self.phases[k], gaps[k]))
         })
     }
 }
 
-impl Hybrid<NUMBERS> for Rattling<'_> {
+impl HybridSystem<NUMBERS> for Rattling<'_> {
     fn rates(&self, x: &Numbers) -> Numbers {
         let state = unpacked(x);
         let (a, _) = self.accelerations(&state);
@@ -246,11 +246,11 @@ impl Hybrid<NUMBERS> for Rattling<'_> {
         })
     }
 
-    fn is_due(&self, x: &Numbers) -> bool {
+    fn guard(&self, x: &Numbers) -> bool {
         self.due(x).iter().any(Option::is_some)
     }
 
-    fn turn(&mut self, x: &Numbers) {
+    fn transition(&mut self, x: &Numbers) {
         let state = unpacked(x);
         let arms = self.model.chain.arms(&state.q);
         let motions = motions(self.model, &arms, &state);
@@ -264,7 +264,7 @@ impl Hybrid<NUMBERS> for Rattling<'_> {
                 }
                 Phase::Touching { .. } => tally.flights += 1,
             }
-            self.phases[k] = journal.turned(self.phases[k], &motions[k]);
+            self.phases[k] = journal.after_transition(self.phases[k], &motions[k]);
         }
     }
 

@@ -48,14 +48,14 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
 
     let _folder = args.log.prepare()?;
     let interrupted = interrupted()?;
-    let (mut conversation, identity) = args.port.open()?;
+    let (mut client, identity) = args.port.open()?;
     if identity.board == Board::Emulated {
         return Err(Failure::Refused(
             "an emulated board has no motors; run the job on it with `fivebar pil`".into(),
         ));
     }
     let wants_stop = || interrupted.load(Ordering::Relaxed);
-    let mut drive = Drive::new(&mut conversation, &wants_stop);
+    let mut drive = Drive::new(&mut client, &wants_stop);
     let bar = ProgressBar::new(moves.len() as u64).with_style(
         ProgressStyle::with_template("{bar:40} {pos}/{len} moves  {elapsed}  {msg}")
             .unwrap_or_else(|_| ProgressStyle::default_bar()),

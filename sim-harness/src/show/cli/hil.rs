@@ -21,7 +21,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let board = Other {
         name: &args.port,
         unit: "ns",
-        suspicion: "if its image `qemu` is older than this program, build it anew with \
+        likely_cause: "if its image `qemu` is older than this program, build it anew with \
                     scripts/firmware.sh and flash it",
     };
     lockstep::run(&args.run, &board, || {

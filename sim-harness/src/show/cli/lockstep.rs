@@ -52,7 +52,7 @@ pub(super) struct Other<'a> {
     /// What it counts of a tick.
     pub(super) unit: &'a str,
     /// What to suspect where it does not answer as this program does.
-    pub(super) suspicion: &'a str,
+    pub(super) likely_cause: &'a str,
 }
 
 /// Runs the job on the controller at the other end of `line`.
@@ -64,7 +64,7 @@ pub(super) fn run(
     let Other {
         name,
         unit,
-        suspicion,
+        likely_cause,
     } = other;
     let scenario = args.run.scenario()?;
     let folders = args.run.output.prepare()?;
@@ -83,7 +83,7 @@ pub(super) fn run(
     let (mut lockstep, _) =
         Lockstep::begin(line()?, &settings, &settings).map_err(|error| match error {
             LockstepError::Link(_) | LockstepError::Refused(_) => {
-                refused(format_args!("{name}: {error}; {suspicion}"))
+                refused(format_args!("{name}: {error}; {likely_cause}"))
             }
             other => refused(format_args!("{name}: {other}")),
         })?;
@@ -94,7 +94,7 @@ pub(super) fn run(
     bar.finish_and_clear();
     let (mut summary, record) = ran.map_err(|error| match error {
         RunError::Target(TargetError::Link(_) | TargetError::Unexpected(_)) => {
-            refused(format_args!("{name}: {error}; {suspicion}"))
+            refused(format_args!("{name}: {error}; {likely_cause}"))
         }
         other => refusal(&scenario, &other),
     })?;
@@ -128,7 +128,7 @@ pub(super) fn run(
         tell(&figures, lockstep.ticks(), unit)?;
     }
     if let Some(difference) = lockstep.first_difference() {
-        return Err(refused(format_args!("{difference}; {suspicion}")));
+        return Err(refused(format_args!("{difference}; {likely_cause}")));
     }
     outcome(&scenario, &record)
 }

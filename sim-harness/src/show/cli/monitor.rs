@@ -35,10 +35,10 @@ fn rate(text: &str) -> Result<f32, String> {
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let interrupted = interrupted()?;
-    let (mut conversation, _) = args.port.open()?;
+    let (mut client, _) = args.port.open()?;
 
-    let tick_rate = match conversation
-        .ask(Order::GetSection(SectionKey::Control))
+    let tick_rate = match client
+        .call(Order::GetSection(SectionKey::Control))
         .map_err(refused)?
     {
         Reply::Section(Section::Control(control)) => control.tick_rate,
@@ -49,8 +49,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         }
     };
     let every = (tick_rate / args.rate).round().clamp(1.0, 65535.0) as u16;
-    conversation
-        .order(Order::Telemetry { every })
+    client
+        .command(Order::Telemetry { every })
         .map_err(refused)?
         .map_err(|refusal| refused(format_args!("it sends no telemetry: {refusal}")))?;
 
@@ -59,7 +59,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let mut shown = 0;
     let mut quiet = 0;
     while !interrupted.load(Ordering::Relaxed) && args.samples.is_none_or(|most| shown < most) {
-        match conversation.take_telemetry() {
+        match client.take_telemetry() {
             Some(sample) => {
                 losses.count(&sample);
                 match show(&sample.status, losses.lost, is_terminal) {
@@ -73,11 +73,11 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
                 quiet = 0;
             }
             None => {
-                conversation.listen().map_err(refused)?;
+                client.poll().map_err(refused)?;
                 quiet += 1;
                 if quiet % QUIET == 0 {
                     // It may be asked for less than one sample in this time.
-                    conversation.status().map_err(refused)?;
+                    client.status().map_err(refused)?;
                 }
             }
         }
@@ -85,12 +85,12 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     if is_terminal {
         say("")?;
     }
-    conversation
-        .order(Order::Telemetry { every: 0 })
+    client
+        .command(Order::Telemetry { every: 0 })
         .map_err(refused)?
         .map_err(refused)?;
     say(format_args!("{shown} samples, {} lost", losses.lost))?;
-    if let Some(StackUse { most, size }) = conversation.stack().map_err(refused)? {
+    if let Some(StackUse { most, size }) = client.stack().map_err(refused)? {
         say(format_args!("stack: {most} of {size} bytes used at most"))?;
     }
     Ok(())

@@ -26,7 +26,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let board = Other {
         name: "the emulated board",
         unit: "instructions",
-        suspicion: &Emulator::suspicion(&image),
+        likely_cause: &Emulator::likely_cause(&image),
     };
     lockstep::run(&args.run, &board, || {
         Ok(Box::new(Emulator::start(&image).map_err(refused)?))

@@ -2,7 +2,7 @@
 
 use super::failure::{Failure, refused};
 use super::say::warn;
-use crate::run::link::{Conversation, SerialLine, Tracer};
+use crate::run::link::{Client, SerialLine, Tracer};
 use fivebar_firmware::protocol::{Board, Identity, Reset};
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -21,12 +21,12 @@ pub(super) struct PortArgs {
     trace: Option<PathBuf>,
 }
 
-/// A conversation over a serial port.
-pub(super) type PortConversation = Conversation<Tracer<SerialLine, Box<dyn Write>>>;
+/// A client over a serial port.
+pub(super) type PortClient = Client<Tracer<SerialLine, Box<dyn Write>>>;
 
 impl PortArgs {
     /// Opens the port, says hello and tells who answers.
-    pub(super) fn open(&self) -> Result<(PortConversation, Identity), Failure> {
+    pub(super) fn open(&self) -> Result<(PortClient, Identity), Failure> {
         let log: Box<dyn Write> = match &self.trace {
             None => Box::new(io::sink()),
             Some(path) => Box::new(BufWriter::new(File::create(path).map_err(|error| {
@@ -34,7 +34,7 @@ impl PortArgs {
             })?)),
         };
         let line = SerialLine::open(&self.port).map_err(refused)?;
-        let (conversation, identity) = Conversation::open(Tracer::new(line, log))
+        let (client, identity) = Client::open(Tracer::new(line, log))
             .map_err(|error| refused(format_args!("{}: {error}", self.port)))?;
         let [major, minor, patch] = identity.firmware;
         warn(format_args!(
@@ -43,7 +43,7 @@ impl PortArgs {
             board(identity.board),
             cause(identity.reset)
         ));
-        Ok((conversation, identity))
+        Ok((client, identity))
     }
 }
 

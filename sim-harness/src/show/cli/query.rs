@@ -28,5 +28,5 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         }
         Mechanism::Slider(robot) => serve(input, output, |request| slider::answer(&robot, request)),
     }
-    .map_err(|error| refused(format_args!("the conversation broke off: {error}")))
+    .map_err(|error| refused(format_args!("the client broke off: {error}")))
 }

@@ -74,7 +74,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let served = serve(&robot, source, args.listen, guard, ready, ends);
     served.map_err(|error| match error {
         ServeError::Link(_) | ServeError::Refused(_) if args.emulated => {
-            refused(format_args!("{error}; {}", Emulator::suspicion(&image)))
+            refused(format_args!("{error}; {}", Emulator::likely_cause(&image)))
         }
         other => refused(other),
     })

@@ -32,7 +32,7 @@ pub(super) fn of_emulated_board() -> State {
     }
     match answers_alike(&image) {
         Ok(()) => found,
-        Err(reason) => State::Outdated(format!("{reason}; {}", Emulator::suspicion(&image))),
+        Err(reason) => State::Outdated(format!("{reason}; {}", Emulator::likely_cause(&image))),
     }
 }
 

@@ -1,16 +1,16 @@
 //! The thread that talks with the controller.
 
 use super::ServeError;
-use super::feed::{Feed, Turn};
 use super::lease::{ControlLease, PageId};
 use super::message::{FaultNews, JobNews, MachineSide, News, State};
+use super::move_feeder::{MoveFeeder, Turn};
 use super::pace::Speed;
+use super::preview::Preview;
 use super::refusal::sentence;
 use super::simulated::SteppedArm;
-use super::sketch::Sketch;
 use crate::input::job::Job;
 use crate::input::robot::Robot;
-use crate::run::link::{Conversation, LinkError};
+use crate::run::link::{Client, LinkError};
 use crate::run::simulation::fault_name;
 use fivebar_firmware::planner::Reason;
 use fivebar_firmware::protocol::{Order, Refusal, Reply};
@@ -32,15 +32,15 @@ impl<L: Read + Write + Send> Line for L {}
 
 /// One controller and all who look at it.
 pub(super) struct Machine {
-    pub(super) conversation: Conversation<Box<dyn Line>>,
+    pub(super) client: Client<Box<dyn Line>>,
     /// The arm of a board that makes no ticks by itself.
     stepped: Option<SteppedArm>,
     pub(super) pages: MachineSide,
     pub(super) robot: Robot,
     pub(super) settings: Settings,
-    pub(super) sketch: Sketch,
+    pub(super) preview: Preview,
     pub(super) lease: ControlLease,
-    pub(super) feed: Feed,
+    pub(super) feeder: MoveFeeder,
     pub(super) status: Status,
     /// The fault, or its absence, that all pages have been told of.
     pub(super) told: Option<Option<Fault>>,
@@ -59,7 +59,7 @@ pub(super) struct Loaded {
 impl Machine {
     /// Has the controller send samples.
     pub(super) fn new(
-        mut conversation: Conversation<Box<dyn Line>>,
+        mut client: Client<Box<dyn Line>>,
         stepped: Option<SteppedArm>,
         robot: Robot,
         settings: Settings,
@@ -71,17 +71,17 @@ impl Machine {
             SAMPLES
         };
         let every = (settings.control.tick_rate / samples) as u16;
-        conversation.ask(Order::Telemetry { every })?;
-        let (status, _) = conversation.status()?;
+        client.call(Order::Telemetry { every })?;
+        let (status, _) = client.status()?;
         Ok(Self {
-            conversation,
+            client,
             stepped,
             pages,
             robot,
             settings,
-            sketch: Sketch::new(&settings)?,
+            preview: Preview::new(&settings)?,
             lease: ControlLease::default(),
-            feed: Feed::default(),
+            feeder: MoveFeeder::default(),
             status,
             told: None,
             loaded: None,
@@ -107,11 +107,11 @@ impl Machine {
             self.attend()?;
         }
         self.pass_time()?;
-        while let Some(sample) = self.conversation.take_telemetry() {
+        while let Some(sample) = self.client.take_telemetry() {
             let homed = sample.status.homed && !self.status.homed;
             self.status = sample.status;
             if homed {
-                self.preview();
+                self.preview_job();
             }
             self.tell_state()?;
         }
@@ -120,32 +120,32 @@ impl Machine {
 
     fn pass_time(&mut self) -> Result<(), LinkError> {
         match &mut self.stepped {
-            Some(arm) => arm.step(&mut self.conversation),
-            None => self.conversation.listen(),
+            Some(arm) => arm.step(&mut self.client),
+            None => self.client.poll(),
         }
     }
 
     /// Shows the controller that its host lives, and gives it moves.
     fn attend(&mut self) -> Result<(), LinkError> {
-        let (status, mut room) = self.conversation.status()?;
-        match self.feed.look(&status, room) {
+        let (status, mut room) = self.client.status()?;
+        match self.feeder.look(&status, room) {
             Turn::Quiet => {}
             Turn::Finished => self.notice("The job is done."),
             Turn::Abandoned => self.notice("The rest of the job is forgotten."),
         }
-        while let Some(order) = self.feed.next(room) {
-            match self.conversation.ask(Order::Move(order))? {
+        while let Some(order) = self.feeder.next(room) {
+            match self.client.call(Order::Move(order))? {
                 Reply::Refused(Refusal::Move(refusal)) if refusal.reason == Reason::Full => break,
                 Reply::Refused(refusal) => {
-                    self.feed.refused();
+                    self.feeder.refused();
                     self.refuse(None, sentence(&refusal));
                 }
                 Reply::Taken { room: left } => {
-                    self.feed.taken(&order);
+                    self.feeder.taken(&order);
                     room = left;
                 }
                 other => {
-                    self.feed.refused();
+                    self.feeder.refused();
                     self.refuse(None, format!("The controller answers a move by {other:?}."));
                 }
             }
@@ -165,15 +165,15 @@ impl Machine {
     fn leave(&mut self) -> Result<(), LinkError> {
         let deadline = Instant::now() + LONGEST_STOP;
         // Either is refused where a fault is latched: then the arm rests by itself.
-        let _ = self.conversation.order(Order::Request(Request::Stop))?;
+        let _ = self.client.command(Order::Request(Request::Stop))?;
         loop {
-            (self.status, _) = self.conversation.status()?;
+            (self.status, _) = self.client.status()?;
             if self.rests() || Instant::now() > deadline {
                 break;
             }
             self.pass_time()?;
         }
-        let _ = self.conversation.order(Order::Request(Request::Disarm))?;
+        let _ = self.client.command(Order::Request(Request::Disarm))?;
         Ok(())
     }
 
@@ -181,7 +181,7 @@ impl Machine {
         if self.told != Some(self.status.fault) {
             self.told = Some(self.status.fault);
             let snapshot = match self.status.fault {
-                Some(_) => self.conversation.ask(Order::Snapshot)?,
+                Some(_) => self.client.call(Order::Snapshot)?,
                 None => Reply::Snapshot(None),
             };
             if let Reply::Snapshot(snapshot) = snapshot {
@@ -195,16 +195,16 @@ impl Machine {
         let status = &self.status;
         let time = f64::from(status.tick) / f64::from(self.settings.control.tick_rate);
         let now = Instant::now();
-        let pose = self.sketch.pose(status);
+        let pose = self.preview.pose(status);
         self.pages.tell(&News::State(State {
             status,
             time,
             speed: self.speed.at(time, now),
             joints: pose.map(|pose| [pose.b, pose.c, pose.d].map(|point| [point.x, point.y])),
-            elbows: pose.map(|pose| self.sketch.elbows(&pose)),
+            elbows: pose.map(|pose| self.preview.elbows(&pose)),
             control: self.lease.holder(),
             alive: self.lease.is_alive(now),
-            progress: self.feed.progress(),
+            progress: self.feeder.progress(),
         }));
         Ok(())
     }

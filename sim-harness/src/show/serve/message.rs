@@ -17,14 +17,14 @@ const WAITING: usize = 64;
 /// version.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub(super) enum Wish {
+pub(super) enum ClientRequest {
     /// Nothing: it is alive.
     Alive,
     /// To be in control: given to any page while the arm rests, and while it moves where
     /// the page in control is lost.
     Control,
     /// Something of the controller.
-    Request(Wanted),
+    Request(ControllerRequest),
     /// To move the tool by this much, straight.
     Jog([f64; 2]),
     /// To have the tool follow to this point; a later one takes its place.
@@ -67,7 +67,7 @@ pub(super) enum Joint {
 /// The controller's requests, as pages name them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub(super) enum Wanted {
+pub(super) enum ControllerRequest {
     Arm,
     Disarm,
     Home,
@@ -76,22 +76,22 @@ pub(super) enum Wanted {
     ClearFault,
 }
 
-impl Wanted {
+impl ControllerRequest {
     /// Whether anyone may ask it: it makes the arm safer.
     pub(super) fn is_open_to_all(self) -> bool {
         matches!(self, Self::Stop | Self::EmergencyStop)
     }
 }
 
-impl From<Wanted> for Request {
-    fn from(wanted: Wanted) -> Self {
+impl From<ControllerRequest> for Request {
+    fn from(wanted: ControllerRequest) -> Self {
         match wanted {
-            Wanted::Arm => Self::Arm,
-            Wanted::Disarm => Self::Disarm,
-            Wanted::Home => Self::Home,
-            Wanted::Stop => Self::Stop,
-            Wanted::EmergencyStop => Self::EmergencyStop,
-            Wanted::ClearFault => Self::ClearFault,
+            ControllerRequest::Arm => Self::Arm,
+            ControllerRequest::Disarm => Self::Disarm,
+            ControllerRequest::Home => Self::Home,
+            ControllerRequest::Stop => Self::Stop,
+            ControllerRequest::EmergencyStop => Self::EmergencyStop,
+            ControllerRequest::ClearFault => Self::ClearFault,
         }
     }
 }
@@ -102,7 +102,7 @@ pub(super) enum Event {
     /// It has connected.
     Joined,
     /// It asks for something.
-    Wish(Wish),
+    Request(ClientRequest),
     /// It asks for something that there is not: what the reader says.
     Strange(String),
     /// It has missed some news.
@@ -220,7 +220,7 @@ impl MachineSide {
 
 #[cfg(test)]
 mod tests {
-    use super::{State, Wish};
+    use super::{ClientRequest, State};
     use fivebar_firmware::{Controller, Settings};
 
     const DOCUMENT: &str = include_str!("../../../../docs/live-page.md");
@@ -232,15 +232,15 @@ mod tests {
         let mut seen = [false; 9];
         for example in examples.lines() {
             let kind = match serde_json::from_str(example).expect(example) {
-                Wish::Alive => 0,
-                Wish::Control => 1,
-                Wish::Request(_) => 2,
-                Wish::Jog(_) => 3,
-                Wish::Follow(_) => 4,
-                Wish::JogJoint { .. } | Wish::Turn { .. } => 5,
-                Wish::Mode(_) => 6,
-                Wish::Load { .. } => 7,
-                Wish::Run => 8,
+                ClientRequest::Alive => 0,
+                ClientRequest::Control => 1,
+                ClientRequest::Request(_) => 2,
+                ClientRequest::Jog(_) => 3,
+                ClientRequest::Follow(_) => 4,
+                ClientRequest::JogJoint { .. } | ClientRequest::Turn { .. } => 5,
+                ClientRequest::Mode(_) => 6,
+                ClientRequest::Load { .. } => 7,
+                ClientRequest::Run => 8,
             };
             seen[kind] = true;
         }
@@ -278,7 +278,10 @@ mod tests {
             r#""emergency""#,
             "",
         ] {
-            assert!(serde_json::from_str::<Wish>(text).is_err(), "{text}");
+            assert!(
+                serde_json::from_str::<ClientRequest>(text).is_err(),
+                "{text}"
+            );
         }
     }
 }

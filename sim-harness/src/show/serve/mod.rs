@@ -1,10 +1,10 @@
 //! The live page: an arm in a browser, moved by its controller and by nothing else.
 //!
-//! A thread of its own, the `Machine`, holds the conversation with the controller: a
+//! A thread of its own, the `Machine`, holds the client with the controller: a
 //! simulated arm that takes as long as a real one, or a board on a port. Pages reach it by
 //! websocket. What they ask goes to the controller as orders, so every limit and every
 //! refusal is the controller's own. One page is in control, the others watch; anyone may
-//! stop the arm. The machine keeps up the conversation only as long as the page in control
+//! stop the arm. The machine keeps up the client only as long as the page in control
 //! shows signs of life: when it falls silent, so does the host, and the controller's
 //! command timeout brings the arm to rest.
 //!
@@ -12,33 +12,33 @@
 //! |---|---|
 //! | `simulated`, `pace` | the simulated arm in real time, or beside a board that is stepped |
 //! | `arm`, `maps` | the arm and its workspace as pages know them before it moves |
-//! | `machine`, `feed` | the conversation, the moves in hand |
-//! | `wishes`, `refusal` | what pages wish, and why not in sentences |
-//! | `sketch` | the arm and its jobs as lines to draw |
+//! | `machine`, `move_feeder` | the client, the moves in hand |
+//! | `requests`, `refusal` | what pages request, and why not in sentences |
+//! | `preview` | the arm and its jobs as lines to draw |
 //! | `lease` | which page is in control, and whether it lives |
 //! | `message` | what pages and server say to each other |
 //! | `guard` | who may connect |
 //! | `web` | the pages and their websockets |
 
 mod arm;
-mod feed;
 mod guard;
 mod lease;
 mod machine;
 mod maps;
 mod message;
+mod move_feeder;
 mod pace;
+mod preview;
 mod refusal;
+mod requests;
 mod simulated;
-mod sketch;
 mod web;
-mod wishes;
 
 pub use guard::Guard;
 
 use crate::input::robot::{NoHome, NoWorkspace, Robot};
 use crate::run::drive::{Drive, DriveError};
-use crate::run::link::{Conversation, Emulator, EmulatorError, LinkError, PortError, SerialLine};
+use crate::run::link::{Client, Emulator, EmulatorError, LinkError, PortError, SerialLine};
 use crate::run::simulation::RunError;
 use fivebar_design::workspace::GridError;
 use fivebar_firmware::protocol::{Board, Refusal};
@@ -132,11 +132,11 @@ pub fn serve(
         Source::Emulated(image) => Box::new(Emulator::start(image)?),
         Source::Port { name, .. } => Box::new(SerialLine::open(name)?),
     };
-    let (mut conversation, identity) = Conversation::open(line)?;
+    let (mut client, identity) = Client::open(line)?;
     let settings = robot.settings().map_err(RunError::from)?;
     let (place, stepped) = match identity.board {
         Board::Emulated => {
-            let answer = conversation.write_settings(&settings)?;
+            let answer = client.write_settings(&settings)?;
             answer.map_err(ServeError::Refused)?;
             (
                 "emulated controller, simulated arm",
@@ -145,7 +145,7 @@ pub fn serve(
         }
         Board::Desktop | Board::Stm32f405 => {
             let upload = matches!(source, Source::Port { upload: true, .. });
-            Drive::new(&mut conversation, &|| false).agree_on(&settings, upload)?;
+            Drive::new(&mut client, &|| false).agree_on(&settings, upload)?;
             match source {
                 Source::Port { name, .. } => (name, None),
                 Source::Simulated | Source::Emulated(_) => ("simulated", None),
@@ -155,7 +155,7 @@ pub fn serve(
     let arm = arm::describe(robot, place)?;
     let maps = maps::describe(robot, settings.assembly())?;
     let (pages, machine_side) = message::channels();
-    let machine = Machine::new(conversation, stepped, robot.clone(), settings, machine_side)?;
+    let machine = Machine::new(client, stepped, robot.clone(), settings, machine_side)?;
     ready(listener.local_addr()?);
     let site = web::Site {
         guard,

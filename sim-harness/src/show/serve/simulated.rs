@@ -4,7 +4,7 @@
 use super::pace::Pace;
 use crate::input::robot::Robot;
 use crate::input::scenario::Scenario;
-use crate::run::link::{Conversation, LinkError, Loopback};
+use crate::run::link::{Client, LinkError, Loopback};
 use crate::run::plant::Plant;
 use crate::run::simulation::RunError;
 use fivebar_firmware::Command;
@@ -53,10 +53,7 @@ impl SteppedArm {
     }
 
     /// Makes some ticks, and moves as they command.
-    pub(super) fn step<L: Read + Write>(
-        &mut self,
-        board: &mut Conversation<L>,
-    ) -> Result<(), LinkError> {
+    pub(super) fn step<L: Read + Write>(&mut self, board: &mut Client<L>) -> Result<(), LinkError> {
         for _ in 0..TICKS_PER_STEP {
             let ticked = board.tick(self.plant.sense())?;
             self.plant.step(&ticked.command, self.period);

@@ -3,7 +3,7 @@
 use super::ServeError;
 use super::guard::{Admission, Guard};
 use super::lease::PageId;
-use super::message::{Event, WebSide, Wish};
+use super::message::{ClientRequest, Event, WebSide};
 use axum::Router;
 use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
 use axum::extract::{Request, State};
@@ -163,8 +163,8 @@ async fn attend(mut socket: WebSocket, page: PageId, pages: WebSide) {
                 _ if second.1 == MOST => break,
                 Some(Ok(Message::Text(text))) => {
                     second.1 += 1;
-                    match serde_json::from_str::<Wish>(&text) {
-                        Ok(wish) => Event::Wish(wish),
+                    match serde_json::from_str::<ClientRequest>(&text) {
+                        Ok(request) => Event::Request(request),
                         Err(error) => Event::Strange(error.to_string()),
                     }
                 }

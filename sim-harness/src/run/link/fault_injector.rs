@@ -1,128 +1,131 @@
-//! A bad line: frames get lost, doubled, overtaken and damaged, as a seed will have it.
+//! A line with injected faults: it drops, repeats, reorders and corrupts frames, and
+//! inserts garbage. A seed decides where.
 
 use super::frames::Frames;
 use oorandom::Rand32;
 use std::collections::VecDeque;
 use std::io::{self, Read, Write};
 
-/// How often each mishap befalls a frame, 0…1.
+/// The probability of each fault for one frame, 0…1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Mishaps {
-    /// It does not arrive.
+pub struct FaultRates {
+    /// The frame does not arrive.
     pub dropped: f32,
-    /// It arrives twice.
+    /// The frame arrives twice.
     pub repeated: f32,
-    /// The next one overtakes it.
-    pub overtaken: f32,
-    /// One of its bytes arrives changed.
+    /// The frame arrives after the next one.
+    pub reordered: f32,
+    /// One byte of the frame arrives changed.
     pub corrupt: f32,
-    /// Garbage arrives before it.
+    /// Random bytes arrive before the frame.
     pub garbage: f32,
 }
 
-/// A line `L` on which frames meet mishaps, both ways. The same seed and the same traffic
-/// give the same mishaps.
-pub struct Faulty<L> {
+/// A line `L` whose frames suffer faults in both directions. The same seed and the same
+/// traffic give the same faults.
+pub struct FaultInjector<L> {
     line: L,
     to_line: Direction,
     from_line: Direction,
-    /// Bytes for the reader.
+    /// Bytes that wait for the reader.
     arrived: VecDeque<u8>,
-    /// Frames the host may still send before it falls silent.
+    /// Frames of the host that still arrive; none: all of them do.
     frames_left: Option<u32>,
 }
 
-/// One direction.
+/// One direction of the line.
 struct Direction {
-    mishaps: Mishaps,
+    rates: FaultRates,
     random: Rand32,
     frames: Frames,
-    /// A frame that waits to be overtaken.
-    held: Option<Vec<u8>>,
-    /// Mishaps so far.
+    /// A frame that is sent after the next one.
+    delayed: Option<Vec<u8>>,
+    /// Faults injected so far.
     count: u32,
 }
 
-impl<L> Faulty<L> {
-    /// A bad line.
-    pub fn new(line: L, mishaps: Mishaps, seed: u64) -> Self {
+impl<L> FaultInjector<L> {
+    /// Injects faults at these rates; `seed` starts the pseudo-random numbers.
+    pub fn new(line: L, rates: FaultRates, seed: u64) -> Self {
         Self {
             line,
-            to_line: Direction::new(mishaps, seed),
-            from_line: Direction::new(mishaps, seed ^ u64::MAX),
+            to_line: Direction::new(rates, seed),
+            from_line: Direction::new(rates, seed ^ u64::MAX),
             arrived: VecDeque::new(),
             frames_left: None,
         }
     }
 
-    /// Nothing the host sends arrives after so many more frames.
-    pub fn fall_silent_after(&mut self, frames: u32) {
+    /// Lets this many more frames of the host arrive, and none after them.
+    pub fn cut_after(&mut self, frames: u32) {
         self.frames_left = Some(frames);
     }
 
-    /// Mishaps so far, both ways.
-    pub fn mishaps(&self) -> u32 {
+    /// Faults injected so far, in both directions.
+    pub fn injected(&self) -> u32 {
         self.to_line.count + self.from_line.count
     }
 
-    /// The line itself.
+    /// The line behind the injector.
     pub fn line(&mut self) -> &mut L {
         &mut self.line
     }
 }
 
 impl Direction {
-    fn new(mishaps: Mishaps, seed: u64) -> Self {
+    fn new(rates: FaultRates, seed: u64) -> Self {
         Self {
-            mishaps,
+            rates,
             random: Rand32::new(seed),
             frames: Frames::default(),
-            held: None,
+            delayed: None,
             count: 0,
         }
     }
 
-    fn strikes(&mut self, chance: f32) -> bool {
-        let strikes = self.random.rand_float() < chance;
-        self.count += u32::from(strikes);
-        strikes
+    /// Whether a fault of this probability happens now; counts it.
+    fn happens(&mut self, probability: f32) -> bool {
+        let happens = self.random.rand_float() < probability;
+        self.count += u32::from(happens);
+        happens
     }
 
-    /// What arrives when this byte is sent.
+    /// The bytes that arrive when this byte is sent.
     fn pass(&mut self, byte: u8) -> Vec<u8> {
         let Some(mut frame) = self.frames.feed(byte) else {
             return Vec::new();
         };
-        let mishaps = self.mishaps;
+        let rates = self.rates;
         let mut arriving = Vec::new();
-        if self.strikes(mishaps.garbage) {
+        if self.happens(rates.garbage) {
             let length = self.random.rand_range(1..40);
             arriving.extend((0..length).map(|_| self.random.rand_u32() as u8));
         }
-        if self.strikes(mishaps.dropped) {
+        if self.happens(rates.dropped) {
             return arriving;
         }
-        if self.strikes(mishaps.corrupt) {
+        if self.happens(rates.corrupt) {
             let at = self.random.rand_range(0..frame.len() as u32) as usize;
             frame[at] ^= self.random.rand_range(1..256) as u8;
         }
-        if self.held.is_none() && self.strikes(mishaps.overtaken) {
-            self.held = Some(frame);
+        if self.delayed.is_none() && self.happens(rates.reordered) {
+            self.delayed = Some(frame);
             return arriving;
         }
-        let twice = self.strikes(mishaps.repeated);
+        let twice = self.happens(rates.repeated);
         arriving.extend(&frame);
         if twice {
             arriving.extend(&frame);
         }
-        arriving.extend(self.held.take().into_iter().flatten());
+        arriving.extend(self.delayed.take().into_iter().flatten());
         arriving
     }
 }
 
-impl<L: Read> Read for Faulty<L> {
+impl<L: Read> Read for FaultInjector<L> {
     fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
-        // A frame may come in many parts; only a silent line is silence.
+        // A frame may come in several reads: read on until one is complete or the line
+        // times out.
         while self.arrived.is_empty() {
             let count = self.line.read(bytes)?;
             for &byte in bytes.iter().take(count) {
@@ -133,7 +136,7 @@ impl<L: Read> Read for Faulty<L> {
     }
 }
 
-impl<L: Write> Write for Faulty<L> {
+impl<L: Write> Write for FaultInjector<L> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         for &byte in bytes {
             let arriving = self.to_line.pass(byte);

@@ -5,7 +5,7 @@ use fivebar_firmware::{Move, MoveKind, Status};
 
 /// The moves that wait for the controller to have room.
 #[derive(Debug, Default)]
-pub(super) struct Feed {
+pub(super) struct MoveFeeder {
     /// The running job and how many of its moves have been taken.
     job: Option<(Vec<Move>, usize)>,
     /// Where to go as soon as the queue is nearly empty.
@@ -49,7 +49,7 @@ pub(super) enum Turn {
     Abandoned,
 }
 
-impl Feed {
+impl MoveFeeder {
     pub(super) fn is_running(&self) -> bool {
         self.job.is_some()
     }

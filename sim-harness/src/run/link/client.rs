@@ -1,4 +1,5 @@
-//! Asking a controller: one order at a time, asked again while the line is silent.
+//! The host's end of a connection to a controller: it sends one command at a time, and
+//! repeats it until the reply arrives.
 
 use super::READ;
 use fivebar_firmware::protocol::{
@@ -11,27 +12,27 @@ use std::io::{self, ErrorKind, Read, Write};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-/// How long to wait for a reply before asking again. Two such waits, the second twice as
-/// long, stay under the 0.1 s of silence at which a moving arm stops: two lost frames in a
-/// row do not stop it.
+/// Wait for a reply before the first repetition. This wait and the next, twice as long,
+/// end before the command timeout of 0.1 s: two lost frames in a row do not stop a moving
+/// arm.
 const FIRST_WAIT: Duration = Duration::from_millis(30);
-/// Each wait is twice the one before, up to this: a controller that is only slow, such as
-/// an emulated one on a busy machine, is not flooded with repetitions.
+/// Each wait is twice the one before, up to this: a slow controller, such as an emulated
+/// one on a busy machine, gets few repetitions.
 const LONGEST_WAIT: Duration = Duration::from_millis(480);
-/// How often to ask before the controller counts as silent: over 6 s, in which the
-/// controller may be erasing flash.
+/// After so many attempts, over more than 6 s, the controller counts as silent. Erasing
+/// its flash takes it less.
 const ATTEMPTS: u32 = 16;
 
-/// How long to wait after each time of asking.
+/// The wait after each attempt.
 fn waits() -> impl Iterator<Item = Duration> {
     let doubled = |wait: &Duration| Some((2 * *wait).min(LONGEST_WAIT));
     std::iter::successors(Some(FIRST_WAIT), doubled).take(ATTEMPTS as usize)
 }
 
-/// A conversation with a controller over a line whose reads give up in time
+/// A client of a controller over the connection `L`, whose reads time out
 /// ([`ErrorKind::TimedOut`]).
 #[derive(Debug)]
-pub struct Conversation<L> {
+pub struct Client<L> {
     line: L,
     decoder: Decoder<ControllerMessage>,
     last: Sequence,
@@ -40,42 +41,42 @@ pub struct Conversation<L> {
     repeats: u32,
 }
 
-/// Why there is no answer.
+/// Why there is no usable reply.
 #[derive(Debug, thiserror::Error)]
 pub enum LinkError {
-    /// Nothing came.
+    /// No reply arrived.
     #[error(
-        "the controller is silent: asked {ATTEMPTS} times in {:.0} s; is it powered and connected, \
-         and is its firmware of this release?",
+        "the controller is silent: no reply to {ATTEMPTS} attempts in {:.0} s; check that it is \
+         powered and connected, and that its firmware is of this release",
         waits().sum::<Duration>().as_secs_f64()
     )]
     Silent,
-    /// The controller speaks another version.
+    /// The controller uses another version of the protocol.
     #[error(
-        "the controller speaks version {0} of the protocol, this program {VERSION}: its firmware is of \
-         another release"
+        "the controller uses version {0} of the protocol and this program version {VERSION}: install \
+         firmware and program of the same release"
     )]
     Version(u16),
-    /// The line broke.
-    #[error("the line to the controller broke: {0}")]
-    Line(#[from] io::Error),
-    /// The controller said something that does not answer the question.
-    #[error("the controller answered {order} with {reply}")]
-    Confused {
-        /// The order, as it was put.
-        order: String,
-        /// The reply, as it came.
+    /// The connection failed.
+    #[error("the connection to the controller failed: {0}")]
+    Connection(#[from] io::Error),
+    /// The reply does not belong to the command.
+    #[error("the controller replied to {command} with {reply}, which is no reply to it")]
+    UnexpectedReply {
+        /// The command, as sent.
+        command: String,
+        /// The reply, as received.
         reply: String,
     },
 }
 
-impl<L: Read + Write> Conversation<L> {
-    /// Begins a conversation: says hello until the controller answers.
+impl<L: Read + Write> Client<L> {
+    /// Opens a session: sends `Hello` until the controller replies.
     ///
     /// # Errors
-    /// A silent or broken line, or another version of the protocol.
+    /// A silent controller, a failed connection, or another version of the protocol.
     pub fn open(line: L) -> Result<(Self, Identity), LinkError> {
-        let mut conversation = Self {
+        let mut client = Self {
             line,
             decoder: Decoder::new(),
             last: Sequence(0),
@@ -87,23 +88,26 @@ impl<L: Read + Write> Conversation<L> {
             version: VERSION,
             session: new_session(),
         };
-        match conversation.ask(hello)? {
-            Reply::Hello(identity) if identity.version == VERSION => Ok((conversation, identity)),
+        match client.call(hello)? {
+            Reply::Hello(identity) if identity.version == VERSION => Ok((client, identity)),
             Reply::Hello(identity) => Err(LinkError::Version(identity.version)),
             Reply::Refused(Refusal::Version(version)) => Err(LinkError::Version(version)),
-            other => Err(confused(&hello, &other)),
+            other => Err(unexpected(&hello, &other)),
         }
     }
 
-    /// Asks and waits for the reply, refusals included.
+    /// Sends a command and returns its reply, which may be a refusal.
     ///
     /// # Errors
-    /// A silent or broken line.
-    pub fn ask(&mut self, order: Order) -> Result<Reply, LinkError> {
+    /// A silent controller or a failed connection.
+    pub fn call(&mut self, command: Order) -> Result<Reply, LinkError> {
         let sequence = self.last.next();
-        let message = HostMessage { sequence, order };
+        let message = HostMessage {
+            sequence,
+            order: command,
+        };
         let frame = encode(&message).ok_or_else(|| {
-            io::Error::new(ErrorKind::InvalidInput, "an order is longer than a frame")
+            io::Error::new(ErrorKind::InvalidInput, "a command is longer than a frame")
         })?;
         for (attempt, wait) in waits().enumerate() {
             self.repeats += u32::from(attempt > 0);
@@ -117,124 +121,124 @@ impl<L: Read + Write> Conversation<L> {
         Err(LinkError::Silent)
     }
 
-    /// Asks for something that is either done or refused.
+    /// Sends a command that is either done or refused.
     ///
     /// # Errors
-    /// A silent or broken line, or a reply that is neither; a refusal is the inner error.
-    pub fn order(&mut self, order: Order) -> Result<Result<(), Refusal>, LinkError> {
-        match self.ask(order)? {
+    /// A silent controller, a failed connection or an unexpected reply. A refusal is the
+    /// inner error.
+    pub fn command(&mut self, command: Order) -> Result<Result<(), Refusal>, LinkError> {
+        match self.call(command)? {
             Reply::Done | Reply::Taken { .. } => Ok(Ok(())),
             Reply::Refused(refusal) => Ok(Err(refusal)),
-            other => Err(confused(&order, &other)),
+            other => Err(unexpected(&command, &other)),
         }
     }
 
-    /// The controller's status, and how many moves it can take.
+    /// The controller's status, and how many more moves it accepts now.
     ///
     /// # Errors
-    /// A silent or broken line.
+    /// A silent controller or a failed connection.
     pub fn status(&mut self) -> Result<(Status, u8), LinkError> {
-        match self.ask(Order::Status)? {
+        match self.call(Order::Status)? {
             Reply::Status { status, room } => Ok((status, room)),
-            other => Err(confused(&Order::Status, &other)),
+            other => Err(unexpected(&Order::Status, &other)),
         }
     }
 
-    /// Has a board that is stepped make one tick.
+    /// Runs one tick on a board in lockstep.
     ///
     /// # Errors
-    /// A silent or broken line, or a board that ticks by itself.
+    /// A silent controller, a failed connection, or a board with its own clock.
     pub fn tick(&mut self, sensed: Sensed) -> Result<Ticked, LinkError> {
-        let order = Order::Tick(sensed);
-        match self.ask(order)? {
+        let command = Order::Tick(sensed);
+        match self.call(command)? {
             Reply::Ticked(ticked) => Ok(ticked),
-            other => Err(confused(&order, &other)),
+            other => Err(unexpected(&command, &other)),
         }
     }
 
-    /// How much of its stack the controller has used; none where it does not know.
+    /// How much of its stack the controller has used; none if it does not measure it.
     ///
     /// # Errors
-    /// A silent or broken line.
+    /// A silent controller or a failed connection.
     pub fn stack(&mut self) -> Result<Option<StackUse>, LinkError> {
-        match self.ask(Order::Stack)? {
+        match self.call(Order::Stack)? {
             Reply::Stack(used) => Ok(Some(used)),
             Reply::Refused(Refusal::Unsupported) => Ok(None),
-            other => Err(confused(&Order::Stack, &other)),
+            other => Err(unexpected(&Order::Stack, &other)),
         }
     }
 
-    /// The settings in use, section by section into `settings`.
+    /// Reads the settings in use, section by section, into `settings`.
     ///
     /// # Errors
-    /// A silent or broken line.
+    /// A silent controller or a failed connection.
     pub fn read_settings(&mut self, settings: &mut Settings) -> Result<(), LinkError> {
         for key in SectionKey::ALL {
-            let order = Order::GetSection(key);
-            match self.ask(order)? {
+            let command = Order::GetSection(key);
+            match self.call(command)? {
                 Reply::Section(section) if section.put(settings).is_some() => {}
-                other => return Err(confused(&order, &other)),
+                other => return Err(unexpected(&command, &other)),
             }
         }
         Ok(())
     }
 
-    /// Puts settings to use, whole or not at all.
+    /// Sends settings and applies them: all of them, or none if one is refused.
     ///
     /// # Errors
-    /// A silent or broken line; a refusal is the inner error.
+    /// A silent controller or a failed connection. A refusal is the inner error.
     pub fn write_settings(
         &mut self,
         settings: &Settings,
     ) -> Result<Result<(), Refusal>, LinkError> {
         for section in SectionKey::ALL.iter().filter_map(|key| key.of(settings)) {
-            if let Err(refusal) = self.order(Order::SetSection(section))? {
+            if let Err(refusal) = self.command(Order::SetSection(section))? {
                 return Ok(Err(refusal));
             }
         }
-        self.order(Order::ApplySettings)
+        self.command(Order::ApplySettings)
     }
 
-    /// Lets one read's time pass and keeps the samples that come.
+    /// Reads once and keeps a sample of telemetry that arrives.
     ///
     /// # Errors
-    /// A broken line.
-    pub fn listen(&mut self) -> Result<(), LinkError> {
+    /// A failed connection.
+    pub fn poll(&mut self) -> Result<(), LinkError> {
         if let Some(ControllerMessage::Telemetry(sample)) = self.next_message()? {
             self.telemetry.push_back(sample);
         }
         Ok(())
     }
 
-    /// The oldest sample that came meanwhile.
+    /// Takes the oldest sample received.
     pub fn take_telemetry(&mut self) -> Option<Telemetry> {
         self.telemetry.pop_front()
     }
 
-    /// The line itself.
+    /// The connection itself.
     pub fn line(&mut self) -> &mut L {
         &mut self.line
     }
 
-    /// How often an order had to be sent again.
+    /// How many times a command was sent again.
     pub fn repeats(&self) -> u32 {
         self.repeats
     }
 
-    /// The reply with this number, if it comes in time.
+    /// The reply with this sequence number; none if it does not arrive within `wait`.
     fn reply_to(&mut self, sequence: Sequence, wait: Duration) -> Result<Option<Reply>, LinkError> {
         let deadline = Instant::now() + wait;
-        // Reads in vain that amount to the same: on a line in this process they take no
-        // time.
-        let most = wait.as_millis() / READ.as_millis();
+        // On a connection within this process reads take no time: count timed-out reads too.
+        let max_idle_reads = wait.as_millis() / READ.as_millis();
         let mut idle_reads = 0;
-        while Instant::now() < deadline && idle_reads < most {
+        while Instant::now() < deadline && idle_reads < max_idle_reads {
             match self.next_message()? {
                 Some(ControllerMessage::Reply { sequence: s, reply }) if s == sequence => {
                     return Ok(Some(reply));
                 }
                 Some(ControllerMessage::Telemetry(sample)) => self.telemetry.push_back(sample),
-                // A late reply to an order asked twice.
+                // A late reply to a command that was sent twice.
                 Some(ControllerMessage::Reply { .. }) => {}
                 None => idle_reads += u128::from(self.unread.is_empty()),
             }
@@ -242,7 +246,7 @@ impl<L: Read + Write> Conversation<L> {
         Ok(None)
     }
 
-    /// The next whole message of the line; nothing if none comes before a read gives up.
+    /// The next whole message; none if a read times out first.
     fn next_message(&mut self) -> Result<Option<ControllerMessage>, LinkError> {
         while let Some(byte) = self.unread.pop_front() {
             if let Some(Ok(message)) = self.decoder.feed(byte) {
@@ -260,7 +264,7 @@ impl<L: Read + Write> Conversation<L> {
     }
 }
 
-/// A number that no conversation has had lately.
+/// A session number that no recent session has used.
 fn new_session() -> u32 {
     static OPENED: AtomicU32 = AtomicU32::new(0);
     let opened = OPENED.fetch_add(1, Ordering::Relaxed);
@@ -270,9 +274,9 @@ fn new_session() -> u32 {
         .wrapping_add(std::process::id() << 16)
 }
 
-fn confused(order: &Order, reply: &Reply) -> LinkError {
-    LinkError::Confused {
-        order: format!("{order:?}"),
+fn unexpected(command: &Order, reply: &Reply) -> LinkError {
+    LinkError::UnexpectedReply {
+        command: format!("{command:?}"),
         reply: format!("{reply:?}"),
     }
 }
@@ -283,10 +287,10 @@ mod tests {
     use std::time::Duration;
 
     #[test]
-    fn two_lost_frames_do_not_stop_an_arm_and_a_slow_controller_is_not_flooded() {
+    fn two_lost_frames_stay_within_the_command_timeout_and_a_slow_controller_gets_few_repeats() {
         let until = |count| waits().take(count).sum::<Duration>();
         assert!(until(2) < Duration::from_millis(100), "{:?}", until(2));
-        // Asked five times in all by the end of a second's stall.
+        // Five attempts in all during a stall of one second.
         assert!(until(5) > Duration::from_millis(900), "{:?}", until(5));
         assert!(until(usize::MAX) > Duration::from_secs(6));
     }

@@ -8,20 +8,20 @@
 use nalgebra::SVector;
 
 /// A system that moves by one law until an event changes it to another.
-pub trait Hybrid<const N: usize> {
+pub trait HybridSystem<const N: usize> {
     /// ẋ by the law in force.
     fn rates(&self, x: &SVector<f64, N>) -> SVector<f64, N>;
     /// Whether the law in force no longer holds at `x`.
-    fn is_due(&self, x: &SVector<f64, N>) -> bool;
+    fn guard(&self, x: &SVector<f64, N>) -> bool;
     /// Changes the law at `x`, where it is due.
-    fn turn(&mut self, x: &SVector<f64, N>);
+    fn transition(&mut self, x: &SVector<f64, N>);
     /// Notes a state, `step` [s] after the one before it.
     fn note(&mut self, x: &SVector<f64, N>, step: f64);
 }
 
 /// The integrator: what error it allows, and the step that it last found good.
 #[derive(Clone, Debug)]
-pub struct Adaptive<const N: usize> {
+pub struct DormandPrince45<const N: usize> {
     /// Error allowed in each component, for each step.
     tolerance: SVector<f64, N>,
     step: f64,
@@ -77,7 +77,7 @@ const DENSE: [f64; 7] = [
 ];
 
 /// One step tried: where it began and ended, and the rates on the way.
-struct Trial<const N: usize> {
+struct TrialStep<const N: usize> {
     x0: SVector<f64, N>,
     x1: SVector<f64, N>,
     k: [SVector<f64, N>; 7],
@@ -92,9 +92,9 @@ fn sum<const N: usize>(weights: &[f64], k: &[SVector<f64, N>]) -> SVector<f64, N
     total
 }
 
-impl<const N: usize> Trial<N> {
+impl<const N: usize> TrialStep<N> {
     /// A step of `h` from `x0`, where the rates are `k1`.
-    fn new(system: &impl Hybrid<N>, x0: SVector<f64, N>, k1: SVector<f64, N>, h: f64) -> Self {
+    fn new(system: &impl HybridSystem<N>, x0: SVector<f64, N>, k1: SVector<f64, N>, h: f64) -> Self {
         let mut k = [k1; 7];
         for (stage, weights) in [&A2[..], &A3, &A4, &A5, &A6].into_iter().enumerate() {
             k[stage + 1] = system.rates(&(x0 + sum(weights, &k) * h));
@@ -122,11 +122,11 @@ impl<const N: usize> Trial<N> {
     }
 
     /// The share of the step after which the system's law is first found due.
-    fn event(&self, system: &impl Hybrid<N>) -> f64 {
+    fn event(&self, system: &impl HybridSystem<N>) -> f64 {
         let (mut before, mut after) = (0.0, 1.0);
         for _ in 0..BISECTIONS {
             let middle = 0.5 * (before + after);
-            if system.is_due(&self.at(middle)) {
+            if system.guard(&self.at(middle)) {
                 after = middle;
             } else {
                 before = middle;
@@ -136,7 +136,7 @@ impl<const N: usize> Trial<N> {
     }
 }
 
-impl<const N: usize> Adaptive<N> {
+impl<const N: usize> DormandPrince45<N> {
     /// An integrator that lets each step err by so much, component by component.
     pub fn new(tolerance: SVector<f64, N>) -> Self {
         Self {
@@ -146,12 +146,12 @@ impl<const N: usize> Adaptive<N> {
     }
 
     /// Moves the system on by `time` [s].
-    pub fn advance(&mut self, system: &mut impl Hybrid<N>, x: &mut SVector<f64, N>, time: f64) {
+    pub fn advance(&mut self, system: &mut impl HybridSystem<N>, x: &mut SVector<f64, N>, time: f64) {
         let mut left = time;
         let mut k1 = system.rates(x);
         while left > 0.0 {
             let h = self.step.min(left);
-            let trial = Trial::new(system, *x, k1, h);
+            let trial = TrialStep::new(system, *x, k1, h);
             let error = trial.error(&self.tolerance);
             // Written so that what is not a number goes on rather than round for ever.
             if error > 1.0 && h > SHORTEST {
@@ -159,11 +159,11 @@ impl<const N: usize> Adaptive<N> {
                 continue;
             }
             let is_last = h >= left;
-            if system.is_due(&trial.x1) {
+            if system.guard(&trial.x1) {
                 let share = trial.event(system);
                 *x = trial.at(share);
                 system.note(x, share * h);
-                system.turn(x);
+                system.transition(x);
                 k1 = system.rates(x);
                 left = if is_last && share >= 1.0 {
                     0.0
@@ -194,7 +194,7 @@ fn factor(error: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{Adaptive, Hybrid};
+    use super::{DormandPrince45, HybridSystem};
     use nalgebra::{SVector, Vector2};
 
     /// A ball thrown up at 5 m/s that falls at half its speed and then rests: height and
@@ -205,7 +205,7 @@ mod tests {
         noted: f64,
     }
 
-    impl Hybrid<2> for Ball {
+    impl HybridSystem<2> for Ball {
         fn rates(&self, x: &Vector2<f64>) -> Vector2<f64> {
             match self.law {
                 0 => Vector2::new(x.y, -10.0),
@@ -213,14 +213,14 @@ mod tests {
                 _ => Vector2::zeros(),
             }
         }
-        fn is_due(&self, x: &Vector2<f64>) -> bool {
+        fn guard(&self, x: &Vector2<f64>) -> bool {
             match self.law {
                 0 => x.y < 0.0,
                 1 => x.x < 0.0,
                 _ => false,
             }
         }
-        fn turn(&mut self, _: &Vector2<f64>) {
+        fn transition(&mut self, _: &Vector2<f64>) {
             self.law += 1;
         }
         fn note(&mut self, _: &Vector2<f64>, step: f64) {
@@ -232,7 +232,7 @@ mod tests {
     fn finds_the_instants_at_which_the_law_changes() {
         let mut ball = Ball::default();
         let mut x = Vector2::new(0.0, 5.0);
-        let mut method = Adaptive::new(Vector2::repeat(1e-10));
+        let mut method = DormandPrince45::new(Vector2::repeat(1e-10));
         // Up for 0.5 s to 1.25 m; down by 2.5 t².
         let fall = 0.5_f64.sqrt();
         method.advance(&mut ball, &mut x, 0.5 + fall - 1e-6);
@@ -245,14 +245,14 @@ mod tests {
 
     struct Oscillator;
 
-    impl Hybrid<2> for Oscillator {
+    impl HybridSystem<2> for Oscillator {
         fn rates(&self, x: &Vector2<f64>) -> Vector2<f64> {
             Vector2::new(x.y, -x.x)
         }
-        fn is_due(&self, _: &SVector<f64, 2>) -> bool {
+        fn guard(&self, _: &SVector<f64, 2>) -> bool {
             false
         }
-        fn turn(&mut self, _: &SVector<f64, 2>) {}
+        fn transition(&mut self, _: &SVector<f64, 2>) {}
         fn note(&mut self, _: &SVector<f64, 2>, _: f64) {}
     }
 
@@ -260,7 +260,7 @@ mod tests {
     fn errs_by_about_what_it_is_allowed() {
         for tolerance in [1e-6, 1e-9, 1e-12] {
             let mut x = Vector2::new(1.0, 0.0);
-            Adaptive::new(Vector2::repeat(tolerance)).advance(&mut Oscillator, &mut x, 20.0);
+            DormandPrince45::new(Vector2::repeat(tolerance)).advance(&mut Oscillator, &mut x, 20.0);
             let error = (x - Vector2::new(20.0_f64.cos(), -20.0_f64.sin())).amax();
             assert!(error < 200.0 * tolerance, "{error:e} for {tolerance:e}");
             assert!(error > 0.0);

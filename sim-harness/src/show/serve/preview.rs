@@ -15,13 +15,13 @@ const CHORD: f32 = 1e-3;
 const ARC_TOLERANCE: f32 = 1e-4;
 
 /// The arm of a controller's settings.
-pub(super) struct Sketch {
+pub(super) struct Preview {
     tool: Tool<f32>,
     assembly: Side,
     settings: Settings,
 }
 
-impl Sketch {
+impl Preview {
     pub(super) fn new(settings: &Settings) -> Result<Self, SettingsError> {
         Ok(Self {
             tool: settings.tool(&settings.arm()?)?,

@@ -1,11 +1,11 @@
 //! What pages wish becomes orders, aims and jobs, or a refusal.
 
-use super::feed::{End, takes_moves};
 use super::lease::PageId;
 use super::machine::{Loaded, Machine};
-use super::message::{Event, JobNews, Joint, News, Wanted, Wish};
+use super::message::{ClientRequest, ControllerRequest, Event, JobNews, Joint, News};
+use super::move_feeder::{End, takes_moves};
+use super::preview::nearest;
 use super::refusal::sentence;
-use super::sketch::nearest;
 use crate::input::scenario::Scenario;
 use crate::run::link::LinkError;
 use fivebar_firmware::MoveKind;
@@ -28,23 +28,23 @@ impl Machine {
                 // A moving arm whose page is lost comes to rest before another one gets it.
                 if self.rests() && !self.lease.is_alive(now) {
                     self.lease.acquire(page, now, false);
-                    self.feed.clear();
+                    self.feeder.clear();
                 }
                 self.tell_again();
             }
             Event::Missed => self.tell_again(),
             Event::Left => {
                 if self.lease.release(page) {
-                    self.feed.clear();
+                    self.feeder.clear();
                 }
             }
             Event::Strange(error) => self.refuse(
                 Some(page),
                 format!("This page is not of this server's version; load it again ({error})."),
             ),
-            Event::Wish(wish) => {
+            Event::Request(request) => {
                 let in_control = self.lease.renew(page, now);
-                if let Err(why) = self.grant(page, in_control, wish)? {
+                if let Err(why) = self.grant(page, in_control, request)? {
                     self.refuse(Some(page), why);
                 }
             }
@@ -64,30 +64,32 @@ impl Machine {
         &mut self,
         page: PageId,
         in_control: bool,
-        wish: Wish,
+        request: ClientRequest,
     ) -> Result<Result<(), Refused>, LinkError> {
-        Ok(match wish {
-            Wish::Alive => Ok(()),
-            Wish::Control => self.hand_over(page),
-            Wish::Request(wanted) if in_control || wanted.is_open_to_all() => {
+        Ok(match request {
+            ClientRequest::Alive => Ok(()),
+            ClientRequest::Control => self.hand_over(page),
+            ClientRequest::Request(wanted) if in_control || wanted.is_open_to_all() => {
                 return self.request(wanted);
             }
             _ if !in_control => Err("This page watches: take control first.".into()),
-            Wish::Request(wanted) => return self.request(wanted),
-            _ if self.feed.is_running() => Err("A job is running: stop it first.".into()),
-            Wish::Load { name, text } => self.load(&name, text),
-            Wish::Run => self.begin(),
+            ClientRequest::Request(wanted) => return self.request(wanted),
+            _ if self.feeder.is_running() => Err("A job is running: stop it first.".into()),
+            ClientRequest::Load { name, text } => self.load(&name, text),
+            ClientRequest::Run => self.begin(),
             _ if !takes_moves(self.status.state) => {
                 Err("The arm is not armed: home it, then arm it.".into())
             }
-            Wish::Jog(by) => self.jog(by.map(single)),
-            Wish::Follow(to) => {
+            ClientRequest::Jog(by) => self.jog(by.map(single)),
+            ClientRequest::Follow(to) => {
                 self.aim(to.map(single));
                 Ok(())
             }
-            Wish::JogJoint { joint, by } => self.turn_joint(joint, |angle| angle + single(by)),
-            Wish::Turn { joint, to } => self.turn_joint(joint, |_| single(to)),
-            Wish::Mode(elbows) => self.change_mode(elbows),
+            ClientRequest::JogJoint { joint, by } => {
+                self.turn_joint(joint, |angle| angle + single(by))
+            }
+            ClientRequest::Turn { joint, to } => self.turn_joint(joint, |_| single(to)),
+            ClientRequest::Mode(elbows) => self.change_mode(elbows),
         })
     }
 
@@ -100,7 +102,7 @@ impl Machine {
             );
         }
         if before != Some(page) {
-            self.feed.clear();
+            self.feeder.clear();
             if before.is_some() {
                 self.refuse(before, "Another page has taken control.".into());
             }
@@ -108,11 +110,11 @@ impl Machine {
         Ok(())
     }
 
-    fn request(&mut self, wanted: Wanted) -> Result<Result<(), Refused>, LinkError> {
+    fn request(&mut self, wanted: ControllerRequest) -> Result<Result<(), Refused>, LinkError> {
         if wanted.is_open_to_all() {
-            self.feed.clear();
+            self.feeder.clear();
         }
-        let answer = self.conversation.order(Order::Request(wanted.into()))?;
+        let answer = self.client.command(Order::Request(wanted.into()))?;
         Ok(answer.map_err(|refusal| sentence(&refusal)))
     }
 
@@ -124,7 +126,7 @@ impl Machine {
 
     fn aim(&mut self, to: [f32; 2]) {
         let feed = self.settings.motion.max_speed;
-        self.feed.aim_at(MoveKind::Line { to, feed });
+        self.feeder.aim_at(MoveKind::Line { to, feed });
     }
 
     /// Turns a joint from where the next move begins, the other one staying.
@@ -143,7 +145,7 @@ impl Machine {
     fn change_mode(&mut self, elbows: [Side; 2]) -> Result<(), Refused> {
         let tool = self.tool_end();
         let angles = tool
-            .and_then(|tool| self.sketch.joints(tool, elbows))
+            .and_then(|tool| self.preview.joints(tool, elbows))
             .ok_or(
                 "These elbows hold the tool there only beyond links 2 and 3 in line, or not at \
                  all: move the tool first.",
@@ -155,7 +157,7 @@ impl Machine {
     fn aim_joints(&mut self, angles: [f32; 2]) {
         let [to1, to4] = angles;
         let [now1, now4] = self.status.angle;
-        self.feed.aim_at(MoveKind::Joint {
+        self.feeder.aim_at(MoveKind::Joint {
             to: [nearest(to1, now1), nearest(to4, now4)],
             speed: JOINT_SPEED,
         });
@@ -163,19 +165,19 @@ impl Machine {
 
     /// Where the tool is when all moves are done [m].
     fn tool_end(&self) -> Option<[f32; 2]> {
-        match self.feed.end() {
+        match self.feeder.end() {
             Some(End::Tool(tool)) => Some(tool),
-            Some(End::Joints(angles)) => self.sketch.tool_at(angles),
+            Some(End::Joints(angles)) => self.preview.tool_at(angles),
             None => self.status.reference,
         }
     }
 
     /// θ1, θ4 when all moves are done [rad], the working mode being today's.
     fn joints_end(&self) -> Option<[f32; 2]> {
-        match self.feed.end() {
+        match self.feeder.end() {
             Some(End::Tool(tool)) => {
-                let pose = self.sketch.pose(&self.status)?;
-                self.sketch.joints(tool, self.sketch.elbows(&pose))
+                let pose = self.preview.pose(&self.status)?;
+                self.preview.joints(tool, self.preview.elbows(&pose))
             }
             Some(End::Joints(angles)) => Some(angles),
             None => Some(self.status.joint_reference?.angle),
@@ -195,7 +197,7 @@ impl Machine {
                         ..JobNews::default()
                     },
                 });
-                self.preview();
+                self.preview_job();
             }
             Err(error) => {
                 self.loaded = None;
@@ -211,11 +213,11 @@ impl Machine {
 
     /// Holds the loaded job against what the controller would take from where the tool
     /// stands now, and shows its path.
-    pub(super) fn preview(&mut self) {
+    pub(super) fn preview_job(&mut self) {
         let Some(Loaded { job, moves, news }) = &mut self.loaded else {
             return;
         };
-        *news = self.sketch.job(&news.name, job, moves, &self.status);
+        *news = self.preview.job(&news.name, job, moves, &self.status);
         self.pages.tell(&News::Job(news));
     }
 
@@ -225,12 +227,12 @@ impl Machine {
         if !takes_moves(self.status.state) {
             return Err("The arm is not armed: home it, then arm it.".into());
         }
-        self.preview();
+        self.preview_job();
         let loaded = self.loaded.as_ref().ok_or("There is no job: load one.")?;
         if let Some(why) = &loaded.news.refusal {
             return Err(format!("The job cannot be done. {why}"));
         }
-        self.feed.run(loaded.moves.clone());
+        self.feeder.run(loaded.moves.clone());
         self.notice("The job begins.");
         Ok(())
     }
