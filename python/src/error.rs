@@ -55,7 +55,7 @@ pub(crate) fn run(py: Python<'_>, job_file: &str, error: RunError) -> PyErr {
         RunError::Target(error) => raise(py, "RunError", (error.to_string(),)),
         RunError::KinematicsOnly(_)
         | RunError::NoHome(_)
-        | RunError::NoJournal(_)
+        | RunError::ClearanceError(_)
         | RunError::Settings { .. } => robot(py, error),
     }
 }

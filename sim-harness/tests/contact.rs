@@ -24,19 +24,19 @@ fn eccentricity(x: &Vector2<f64>) -> Eccentricity {
 
 impl HybridSystem<2> for Thrown {
     fn rates(&self, x: &Vector2<f64>) -> Vector2<f64> {
-        let touch = self.journal.touch(self.phase, &eccentricity(x));
-        Vector2::new(x.y, touch.map_or(0.0, |touch| touch.force.x))
+        let contact = self.journal.contact_force(self.phase, &eccentricity(x));
+        Vector2::new(x.y, contact.map_or(0.0, |contact| contact.force.x))
     }
     fn guard(&self, x: &Vector2<f64>) -> bool {
         self.journal.guard(self.phase, Vector2::new(x.x, 0.0))
     }
     fn transition(&mut self, x: &Vector2<f64>) {
-        if matches!(self.phase, Phase::Touching { .. }) {
+        if matches!(self.phase, Phase::Contact { .. }) {
             self.rebound = Some(-x.y);
         }
-        self.phase = self.journal.after_transition(self.phase, &eccentricity(x));
+        self.phase = self.journal.next_phase(self.phase, &eccentricity(x));
     }
-    fn note(&mut self, _: &Vector2<f64>, _: f64) {}
+    fn record(&mut self, _: &Vector2<f64>, _: f64) {}
 }
 
 /// The share of its speed that the pin keeps.
@@ -146,8 +146,10 @@ impl SliderCrank {
     }
 
     fn force(&self, x: &Crank) -> Vector2<f64> {
-        let touch = self.journal.touch(self.phase, &self.eccentricity(x));
-        touch.map_or_else(Vector2::zeros, |touch| touch.force)
+        let contact = self
+            .journal
+            .contact_force(self.phase, &self.eccentricity(x));
+        contact.map_or_else(Vector2::zeros, |contact| contact.force)
     }
 }
 
@@ -178,16 +180,16 @@ impl HybridSystem<5> for SliderCrank {
             Phase::Flight if self.first.speed == 0.0 => {
                 self.first.time = self.time;
                 self.first.theta = x[0];
-                self.first.speed = motion.opening_rate();
+                self.first.speed = motion.penetration_rate();
             }
-            Phase::Touching { .. } if self.first.parted.is_none() => {
-                self.first.parted = Some((self.time, -motion.opening_rate()));
+            Phase::Contact { .. } if self.first.parted.is_none() => {
+                self.first.parted = Some((self.time, -motion.penetration_rate()));
             }
             _ => (),
         }
-        self.phase = self.journal.after_transition(self.phase, &motion);
+        self.phase = self.journal.next_phase(self.phase, &motion);
     }
-    fn note(&mut self, x: &Crank, step: f64) {
+    fn record(&mut self, x: &Crank, step: f64) {
         self.time += step;
         if self.first.parted.is_none() {
             let offset = self.eccentricity(x).offset;

@@ -250,7 +250,7 @@ fn codes_tell_current_and_bus_voltage() {
 fn faults_come_to_pass_at_their_time() {
     let at = |kind| PlantFault { at: 0.01, kind };
     let mut plant = plant(5);
-    plant.break_later(&[
+    plant.schedule_faults(&[
         at(FaultKind::EncoderDead { joint: 0 }),
         at(FaultKind::EncoderJump {
             joint: 1,

@@ -3,7 +3,7 @@
 use fivebar::input::robot::Contact;
 use fivebar::input::robot::Robot;
 use fivebar::input::scenario::Mismatch;
-use fivebar::run::plant::{Loads, Model, Plant, State, Wear};
+use fivebar::run::plant::{Loads, Model, Plant, State, WornJoints};
 use fivebar_design::accuracy::arm::DrivenJointMotion;
 use fivebar_design::accuracy::clearance_equilibrium::clearance_equilibrium;
 use fivebar_firmware::Command;
@@ -19,10 +19,10 @@ const FREE: Loads = Loads {
 
 /// The benchtop arm hanging in gravity, thrown from home at these speeds of its cranks,
 /// with these clearances.
-fn thrown(contact: &Contact, clearance: [f64; 5], omega: [f64; 2]) -> (Model, State, Wear) {
+fn thrown(contact: &Contact, clearance: [f64; 5], omega: [f64; 2]) -> (Model, State, WornJoints) {
     let robot = Robot::load("benchtop").unwrap();
     let mut model = Model::new(&robot, &Mismatch::NONE).unwrap();
-    let wear = Wear::new(contact, clearance).unwrap();
+    let wear = WornJoints::new(contact, clearance).unwrap();
     model.gravity = Vector2::new(0.0, -9.81);
     model.chain.held = wear.held();
     let pose = robot.home_pose().unwrap();
@@ -50,7 +50,7 @@ proptest! {
             motor.viscous_friction = 0.0;
             motor.coulomb_friction = 0.0;
         }
-        let energy = |wear: &Wear, state: &State| model.energy(state) + wear.energy(&model, state);
+        let energy = |wear: &WornJoints, state: &State| model.energy(state) + wear.energy(&model, state);
         let mut least = energy(&wear, &state);
         // A step may err by 1 µm/s: so much energy for a momentum of 0.05 kg·m/s or so.
         let rounding = 5e-8 + 1e-6 * model.kinetic_energy(&state);
@@ -62,7 +62,7 @@ proptest! {
             let shares = wear.eccentricity(&model, &state);
             prop_assert!(shares.iter().flatten().all(|&share| share < 1.5), "{shares:?}");
         }
-        let impacts: u32 = wear.take_tally().iter().map(|tally| tally.impacts).sum();
+        let impacts: u32 = wear.take_statistics().iter().map(|joint| joint.impacts).sum();
         prop_assert_eq!(impacts > 0, clearance.iter().any(|&c| c > 0.0));
     }
 }
@@ -104,7 +104,7 @@ fn the_same_run_gives_the_same_bits() {
         for _ in 0..200 {
             wear.step(&model, &mut state, &FREE, TICK);
         }
-        (state, wear.take_tally())
+        (state, wear.take_statistics())
     };
     assert_eq!(run(), run());
 }
@@ -117,11 +117,11 @@ fn pushed(robot: &Robot, clearance: [f64; 5]) -> Plant {
         ..Contact::default()
     };
     let pose = robot.home_pose().unwrap();
-    let wear = Wear::new(&contact, clearance).unwrap();
+    let wear = WornJoints::new(&contact, clearance).unwrap();
     let mut plant = Plant::new(robot, &Mismatch::NONE, &pose, 1)
         .unwrap()
         .worn(wear);
-    plant.push(Vector2::new(0.0, -5.0));
+    plant.set_tool_force(Vector2::new(0.0, -5.0));
     for _ in 0..3000 {
         plant.step(&Command::default(), TICK);
     }

@@ -1,38 +1,41 @@
-//! Integration with a step that suits the contact, from event to event.
+//! Integration of a hybrid system with adaptive steps and event location.
 //!
-//! Dormand and Prince's method of order 5(4), with its dense output of order 4 (Hairer,
-//! Nørsett, Wanner, *Solving Ordinary Differential Equations I*, II.4–II.6). Where a step
-//! has passed an event, its instant is found by bisection on the dense output, the step
-//! ends there, and the laws of motion change.
+//! The method is Dormand and Prince's of order 5(4), with its dense output of order 4
+//! (Hairer, Nørsett, Wanner, *Solving Ordinary Differential Equations I*, II.4–II.6). If a
+//! guard holds at the end of a step, the integrator finds the event by bisection on the
+//! dense output, ends the step there, and makes the transition.
 
 use nalgebra::SVector;
 
-/// A system that moves by one law until an event changes it to another.
+/// A system with discrete modes: in each mode one law of motion ẋ = f(x) holds, until an
+/// event changes the mode.
 pub trait HybridSystem<const N: usize> {
-    /// ẋ by the law in force.
+    /// ẋ in the present mode.
     fn rates(&self, x: &SVector<f64, N>) -> SVector<f64, N>;
-    /// Whether the law in force no longer holds at `x`.
+    /// Whether the present mode ends at `x`.
     fn guard(&self, x: &SVector<f64, N>) -> bool;
-    /// Changes the law at `x`, where it is due.
+    /// Changes the mode at `x`, where [`guard`](Self::guard) holds.
     fn transition(&mut self, x: &SVector<f64, N>);
-    /// Notes a state, `step` [s] after the one before it.
-    fn note(&mut self, x: &SVector<f64, N>, step: f64);
+    /// Records the state `x`, `step` [s] after the one before.
+    fn record(&mut self, x: &SVector<f64, N>, step: f64);
 }
 
-/// The integrator: what error it allows, and the step that it last found good.
+/// The integrator: its error tolerance and its present step size.
 #[derive(Clone, Debug)]
 pub struct DormandPrince45<const N: usize> {
-    /// Error allowed in each component, for each step.
+    /// Greatest error of each component in one step.
     tolerance: SVector<f64, N>,
+    /// Size of the next step [s].
     step: f64,
 }
 
-/// The step that no error makes shorter [s]: a hundred-thousandth of a short impact.
+/// Least step size [s], whatever the error: 10⁻⁵ of a short impact.
 const SHORTEST: f64 = 1e-11;
-/// An event is found to this share of its step: 2⁻³².
+/// Bisections of an event: they find it to 2⁻³² of the step.
 const BISECTIONS: u32 = 32;
 
-// The method: rows of Runge–Kutta weights, those of the error, those of the dense output.
+// The coefficients: rows of the Runge–Kutta matrix, the weights of the solution (B), of its
+// error, and of the dense output.
 const A2: [f64; 1] = [1.0 / 5.0];
 const A3: [f64; 2] = [3.0 / 40.0, 9.0 / 40.0];
 const A4: [f64; 3] = [44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0];
@@ -76,7 +79,7 @@ const DENSE: [f64; 7] = [
     69_997_945.0 / 29_380_423.0,
 ];
 
-/// One step tried: where it began and ended, and the rates on the way.
+/// One step before it is accepted: its first and last state, and the rates of its stages.
 struct TrialStep<const N: usize> {
     x0: SVector<f64, N>,
     x1: SVector<f64, N>,
@@ -93,8 +96,13 @@ fn sum<const N: usize>(weights: &[f64], k: &[SVector<f64, N>]) -> SVector<f64, N
 }
 
 impl<const N: usize> TrialStep<N> {
-    /// A step of `h` from `x0`, where the rates are `k1`.
-    fn new(system: &impl HybridSystem<N>, x0: SVector<f64, N>, k1: SVector<f64, N>, h: f64) -> Self {
+    /// A step of size `h` from `x0`, where the rates are `k1`.
+    fn new(
+        system: &impl HybridSystem<N>,
+        x0: SVector<f64, N>,
+        k1: SVector<f64, N>,
+        h: f64,
+    ) -> Self {
         let mut k = [k1; 7];
         for (stage, weights) in [&A2[..], &A3, &A4, &A5, &A6].into_iter().enumerate() {
             k[stage + 1] = system.rates(&(x0 + sum(weights, &k) * h));
@@ -104,14 +112,14 @@ impl<const N: usize> TrialStep<N> {
         Self { x0, x1, k, h }
     }
 
-    /// The greatest error in any component, as a share of what is allowed there.
+    /// The greatest ratio of error to tolerance over all components.
     fn error(&self, tolerance: &SVector<f64, N>) -> f64 {
         (sum(&ERROR, &self.k) * self.h)
             .component_div(tolerance)
             .amax()
     }
 
-    /// The state a share `s` of the step from its beginning.
+    /// The state at the fraction `s` of the step, by dense output.
     fn at(&self, s: f64) -> SVector<f64, N> {
         let rise = self.x1 - self.x0;
         let bend = self.k[0] * self.h - rise;
@@ -121,7 +129,7 @@ impl<const N: usize> TrialStep<N> {
         self.x0 + (rise + (bend + (twist + rest * r) * s) * r) * s
     }
 
-    /// The share of the step after which the system's law is first found due.
+    /// The fraction of the step at which the guard begins to hold.
     fn event(&self, system: &impl HybridSystem<N>) -> f64 {
         let (mut before, mut after) = (0.0, 1.0);
         for _ in 0..BISECTIONS {
@@ -137,7 +145,7 @@ impl<const N: usize> TrialStep<N> {
 }
 
 impl<const N: usize> DormandPrince45<N> {
-    /// An integrator that lets each step err by so much, component by component.
+    /// An integrator with this greatest error per step, in each component.
     pub fn new(tolerance: SVector<f64, N>) -> Self {
         Self {
             tolerance,
@@ -145,37 +153,43 @@ impl<const N: usize> DormandPrince45<N> {
         }
     }
 
-    /// Moves the system on by `time` [s].
-    pub fn advance(&mut self, system: &mut impl HybridSystem<N>, x: &mut SVector<f64, N>, time: f64) {
+    /// Integrates the system over `time` [s].
+    pub fn advance(
+        &mut self,
+        system: &mut impl HybridSystem<N>,
+        x: &mut SVector<f64, N>,
+        time: f64,
+    ) {
         let mut left = time;
         let mut k1 = system.rates(x);
         while left > 0.0 {
             let h = self.step.min(left);
             let trial = TrialStep::new(system, *x, k1, h);
             let error = trial.error(&self.tolerance);
-            // Written so that what is not a number goes on rather than round for ever.
+            // This comparison is false for NaN, so that a NaN cannot repeat the step for ever.
             if error > 1.0 && h > SHORTEST {
                 self.step = (h * factor(error)).max(SHORTEST);
                 continue;
             }
             let is_last = h >= left;
             if system.guard(&trial.x1) {
-                let share = trial.event(system);
-                *x = trial.at(share);
-                system.note(x, share * h);
+                let fraction = trial.event(system);
+                *x = trial.at(fraction);
+                system.record(x, fraction * h);
                 system.transition(x);
                 k1 = system.rates(x);
-                left = if is_last && share >= 1.0 {
+                left = if is_last && fraction >= 1.0 {
                     0.0
                 } else {
-                    left - share * h
+                    left - fraction * h
                 };
             } else {
                 *x = trial.x1;
-                system.note(x, h);
+                system.record(x, h);
                 k1 = trial.k[6];
                 left = if is_last { 0.0 } else { left - h };
-                // A step cut short by the end says little of the next.
+                // The last step is short only because the time ends: it must not shorten
+                // the next.
                 if !is_last || factor(error) * h > self.step || self.step.is_infinite() {
                     self.step = h * factor(error);
                 }
@@ -184,7 +198,7 @@ impl<const N: usize> DormandPrince45<N> {
     }
 }
 
-/// How much longer the next step should be.
+/// Ratio of the next step size to this one.
 fn factor(error: f64) -> f64 {
     if error.is_nan() {
         return 1.0;
@@ -197,49 +211,49 @@ mod tests {
     use super::{DormandPrince45, HybridSystem};
     use nalgebra::{SVector, Vector2};
 
-    /// A ball thrown up at 5 m/s that falls at half its speed and then rests: height and
-    /// speed under 10 m/s².
+    /// A ball under a gravity of 10 m/s², thrown up at 5 m/s. State: height and speed. In
+    /// mode 1, while it falls, its height changes at half its speed; in mode 2 it rests.
     #[derive(Default)]
     struct Ball {
-        law: u32,
-        noted: f64,
+        mode: u32,
+        recorded: f64,
     }
 
     impl HybridSystem<2> for Ball {
         fn rates(&self, x: &Vector2<f64>) -> Vector2<f64> {
-            match self.law {
+            match self.mode {
                 0 => Vector2::new(x.y, -10.0),
                 1 => Vector2::new(0.5 * x.y, -10.0),
                 _ => Vector2::zeros(),
             }
         }
         fn guard(&self, x: &Vector2<f64>) -> bool {
-            match self.law {
+            match self.mode {
                 0 => x.y < 0.0,
                 1 => x.x < 0.0,
                 _ => false,
             }
         }
         fn transition(&mut self, _: &Vector2<f64>) {
-            self.law += 1;
+            self.mode += 1;
         }
-        fn note(&mut self, _: &Vector2<f64>, step: f64) {
-            self.noted += step;
+        fn record(&mut self, _: &Vector2<f64>, step: f64) {
+            self.recorded += step;
         }
     }
 
     #[test]
-    fn finds_the_instants_at_which_the_law_changes() {
+    fn finds_the_instants_at_which_the_mode_changes() {
         let mut ball = Ball::default();
         let mut x = Vector2::new(0.0, 5.0);
         let mut method = DormandPrince45::new(Vector2::repeat(1e-10));
         // Up for 0.5 s to 1.25 m; down by 2.5 t².
         let fall = 0.5_f64.sqrt();
         method.advance(&mut ball, &mut x, 0.5 + fall - 1e-6);
-        assert_eq!(ball.law, 1);
+        assert_eq!(ball.mode, 1);
         method.advance(&mut ball, &mut x, 2e-6);
-        assert_eq!(ball.law, 2);
-        assert!((ball.noted - (0.5 + fall + 1e-6)).abs() < 1e-12);
+        assert_eq!(ball.mode, 2);
+        assert!((ball.recorded - (0.5 + fall + 1e-6)).abs() < 1e-12);
         assert!((x - Vector2::new(0.0, -10.0 * fall)).amax() < 1e-8, "{x}");
     }
 
@@ -253,11 +267,11 @@ mod tests {
             false
         }
         fn transition(&mut self, _: &SVector<f64, 2>) {}
-        fn note(&mut self, _: &SVector<f64, 2>, _: f64) {}
+        fn record(&mut self, _: &SVector<f64, 2>, _: f64) {}
     }
 
     #[test]
-    fn errs_by_about_what_it_is_allowed() {
+    fn its_error_is_of_the_order_of_the_tolerance() {
         for tolerance in [1e-6, 1e-9, 1e-12] {
             let mut x = Vector2::new(1.0, 0.0);
             DormandPrince45::new(Vector2::repeat(tolerance)).advance(&mut Oscillator, &mut x, 20.0);

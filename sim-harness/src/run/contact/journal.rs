@@ -1,22 +1,22 @@
-//! The force between a pin and its bearing, and when they meet and part.
+//! The contact force between a pin and its bearing, and when contact begins and ends.
 //!
-//! The pin's centre lies at g from the bearing's, along n = g/|g|; they overlap by
-//! d = |g| − c, where c = R_B − R_J is the clearance. In contact the pin feels
+//! The pin's centre lies at g from the bearing's centre, n = g/|g|. The penetration is
+//! d = |g| − c, where c = R_B − R_J is the clearance. In contact the force on the pin is
 //!
 //! −F n − μ F s(u/u₀) t, F = K d^1.5 (1 + D ḋ/v₀) ≥ 0, K = 2E/(3(1−ν²)) √(R_B R_J/c),
 //!
-//! where t is n turned by +90°, u the sliding of pin on bearing and s(x) = x/√(1 + x²) the
-//! regularised sign. F acts on both at one point, R_B n from the bearing's centre, so that
-//! it adds no momentum; all that is not elastic in it opposes the motion, so that it adds
-//! no energy.
+//! where t is n rotated by +90°, u the sliding speed of the pin on the bearing and
+//! s(x) = x/√(1 + x²) the regularised sign. F acts on both bodies at the same point, at
+//! R_B n from the bearing's centre, so that it adds no momentum. Its inelastic part opposes
+//! the motion, so that it adds no energy.
 
 use crate::input::robot::Contact;
 use nalgebra::Vector2;
 
-/// Sliding speed u₀ over which friction turns round [m/s].
+/// Sliding speed u₀ at which friction changes its sign smoothly [m/s].
 const SLIDING_WIDTH: f64 = 1e-3;
-/// v₀ is never less than this [m/s]. The laws are of impacts: as v₀ → 0 the damping would
-/// grow without bound. Touches slower than this lose a smaller share of their speed.
+/// Least value of v₀ [m/s]: as v₀ → 0 the damping of the impact laws would grow without
+/// bound. Slower impacts lose a smaller share of their speed than the law says.
 const SLOWEST_APPROACH: f64 = 1e-3;
 
 /// A pin in a bearing.
@@ -29,62 +29,62 @@ pub struct Journal {
     friction: f64,
 }
 
-/// Where the pin is in the bearing and how both move.
+/// Position of the pin in the bearing, and the motion of both.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Eccentricity {
     /// g: the pin's centre from the bearing's [m].
     pub offset: Vector2<f64>,
-    /// Its rate [m/s].
+    /// ġ [m/s].
     pub rate: Vector2<f64>,
-    /// How fast the pin turns [rad/s].
+    /// Angular velocity of the pin [rad/s].
     pub pin_spin: f64,
-    /// How fast the bearing turns [rad/s].
+    /// Angular velocity of the bearing [rad/s].
     pub bearing_spin: f64,
 }
 
 /// Whether pin and bearing touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Phase {
-    /// They do not.
+    /// The pin is free in its clearance.
     Flight,
-    /// They do.
-    Touching {
-        /// v₀: how fast they met, at least as fast as the laws of impact hold [m/s].
+    /// Pin and bearing touch.
+    Contact {
+        /// v₀: the penetration rate at first touch, at least 1 mm/s [m/s].
         approach: f64,
     },
 }
 
-/// A force of contact and its arms.
+/// A contact force and its lever arms.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Touch {
-    /// On the pin; the bearing feels the opposite [N].
+pub struct ContactForce {
+    /// The force on the pin [N]; the force on the bearing is the opposite.
     pub force: Vector2<f64>,
-    /// Where it acts, from the pin's centre [m].
+    /// From the pin's centre to the point of contact [m].
     pub on_pin: Vector2<f64>,
-    /// Where it acts, from the bearing's centre [m].
+    /// From the bearing's centre to the point of contact [m].
     pub on_bearing: Vector2<f64>,
 }
 
-/// A clearance that leaves no pin.
+/// The clearance is not between 0 and the bearing's radius.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
     "a clearance of {clearance} m leaves no pin in a bearing of radius {bearing_radius} m: \
-     it must be above 0 and below that (`bearing_radius` of [contact])"
+     it must be above 0 and below `bearing_radius` of [contact]"
 )]
-pub struct NoJournal {
+pub struct ClearanceError {
     clearance: f64,
     bearing_radius: f64,
 }
 
 impl Journal {
-    /// A pin with this radial clearance [m] in a bearing of this kind.
+    /// A pin with this radial clearance [m] in a bearing with these parameters.
     ///
     /// # Errors
-    /// A clearance that is not above 0 or not below the bearing's radius.
-    pub fn new(contact: &Contact, clearance: f64) -> Result<Self, NoJournal> {
+    /// The clearance is not above 0 or not below the bearing's radius.
+    pub fn new(contact: &Contact, clearance: f64) -> Result<Self, ClearanceError> {
         let bearing_radius = contact.bearing_radius;
         if !(clearance > 0.0 && clearance < bearing_radius) {
-            return Err(NoJournal {
+            return Err(ClearanceError {
                 clearance,
                 bearing_radius,
             });
@@ -110,35 +110,35 @@ impl Journal {
         self.stiffness
     }
 
-    /// d [m]: below zero, how far the pin is from the bearing.
+    /// The penetration d [m]; below zero it is the distance of pin and bearing.
     #[inline]
     pub fn penetration(&self, offset: Vector2<f64>) -> f64 {
         offset.norm() - self.clearance
     }
 
-    /// Whether pin and bearing must have met, or parted, by now.
+    /// Whether this phase ends at this offset: contact begins in flight, or ends in contact.
     #[inline]
     pub fn guard(&self, phase: Phase, offset: Vector2<f64>) -> bool {
         match phase {
             Phase::Flight => self.penetration(offset) > 0.0,
-            Phase::Touching { .. } => self.penetration(offset) < 0.0,
+            Phase::Contact { .. } => self.penetration(offset) < 0.0,
         }
     }
 
-    /// The phase that begins where the other one ends, with this motion.
-    pub fn after_transition(&self, phase: Phase, motion: &Eccentricity) -> Phase {
+    /// The phase that follows `phase`, when it ends in this motion.
+    pub fn next_phase(&self, phase: Phase, motion: &Eccentricity) -> Phase {
         match phase {
-            Phase::Flight => Phase::Touching {
-                approach: motion.opening_rate().max(SLOWEST_APPROACH),
+            Phase::Flight => Phase::Contact {
+                approach: motion.penetration_rate().max(SLOWEST_APPROACH),
             },
-            Phase::Touching { .. } => Phase::Flight,
+            Phase::Contact { .. } => Phase::Flight,
         }
     }
 
-    /// The force in contact; none in flight, nor from the bearing's middle.
+    /// The contact force; none in flight, or without penetration.
     #[inline]
-    pub fn touch(&self, phase: Phase, motion: &Eccentricity) -> Option<Touch> {
-        let Phase::Touching { approach } = phase else {
+    pub fn contact_force(&self, phase: Phase, motion: &Eccentricity) -> Option<ContactForce> {
+        let Phase::Contact { approach } = phase else {
             return None;
         };
         let distance = motion.offset.norm();
@@ -155,7 +155,7 @@ impl Journal {
             motion.rate.dot(&t) + motion.pin_spin * pin_arm - motion.bearing_spin * bearing_arm;
         let x = sliding / SLIDING_WIDTH;
         let tangential = self.friction * normal * x / (1.0 + x * x).sqrt();
-        Some(Touch {
+        Some(ContactForce {
             force: -n * normal - t * tangential,
             on_pin: n * pin_arm,
             on_bearing: n * bearing_arm,
@@ -166,7 +166,7 @@ impl Journal {
     pub fn energy(&self, phase: Phase, offset: Vector2<f64>) -> f64 {
         match phase {
             Phase::Flight => 0.0,
-            Phase::Touching { .. } => {
+            Phase::Contact { .. } => {
                 let d = self.penetration(offset).max(0.0);
                 0.4 * self.stiffness * d * d * d.sqrt()
             }
@@ -175,8 +175,8 @@ impl Journal {
 }
 
 impl Eccentricity {
-    /// ḋ [m/s].
-    pub fn opening_rate(&self) -> f64 {
+    /// The penetration rate ḋ [m/s].
+    pub fn penetration_rate(&self) -> f64 {
         let distance = self.offset.norm();
         if distance > 0.0 {
             self.rate.dot(&self.offset) / distance

@@ -1,7 +1,7 @@
-//! The laws of restitution: how much of an impact a contact gives back.
+//! Contact laws with restitution: how much of its speed an impact returns.
 //!
-//! F = K d^1.5 (1 + D ḋ/v₀) for a penetration d, v₀ being its rate at first touch. The
-//! restitution e of slow impacts decides the hysteresis D:
+//! F = K d^1.5 (1 + D ḋ/v₀) for a penetration d; v₀ is ḋ at first touch. The coefficient of
+//! restitution e sets the hysteresis factor D:
 //!
 //! | law | D |
 //! |---|---|
@@ -9,13 +9,13 @@
 //! | Hunt and Crossley 1975 | 3/2 (1 − e) |
 //! | Flores, Machado, Silva, Martins 2011 | 8 (1 − e)/(5 e) |
 //!
-//! What two free bodies really give back, e′, is not quite e: it satisfies
-//! ln((1 + D)/(1 − D e′)) = D (1 + e′) for any such law.
+//! The restitution e′ that two free bodies show differs a little from e. For every such law
+//! it satisfies ln((1 + D)/(1 − D e′)) = D (1 + e′).
 
 use crate::input::robot::Restitution;
 
 impl Restitution {
-    /// The hysteresis D of contacts that give back a share `e` of the speed, in (0, 1].
+    /// The hysteresis factor D for a coefficient of restitution `e` in (0, 1].
     pub fn hysteresis(self, e: f64) -> f64 {
         match self {
             Self::LankaraniNikravesh => 0.75 * (1.0 - e * e),

@@ -1,16 +1,16 @@
-//! A journal in a bearing with clearance: contact, impact, flight.
+//! A pin (journal) in a bearing with clearance: contact, impact, flight.
 //!
 //! | module | what it holds |
 //! |---|---|
-//! | `law` | the laws of restitution |
-//! | `journal` | the force between pin and bearing, and when they meet and part |
-//! | `dormand_prince` | integration with a step that suits the contact, from event to event |
+//! | `law` | contact laws with restitution |
+//! | `journal` | the contact force between pin and bearing, and when contact begins and ends |
+//! | `dormand_prince` | integration with adaptive steps and event location |
 //!
-//! None of this knows of any mechanism.
+//! Nothing here depends on a particular mechanism.
 
 mod dormand_prince;
 mod journal;
 mod law;
 
 pub use dormand_prince::{DormandPrince45, HybridSystem};
-pub use journal::{Eccentricity, Journal, NoJournal, Phase, Touch};
+pub use journal::{ClearanceError, ContactForce, Eccentricity, Journal, Phase};

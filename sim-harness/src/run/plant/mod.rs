@@ -8,21 +8,21 @@
 //! | `chain` | the joints A to E and the forces in them |
 //! | `motor`, `brake` | windings, gears, friction; what holds an unpowered joint |
 //! | `dynamics` | the state and its integration |
-//! | `wear` | worn joints: pins with clearance in their bearings |
+//! | `worn_joints` | worn joints: pins with clearance in their bearings |
 //! | `sensors`, `noise` | what the controller gets to know |
-//! | `faults` | what has broken |
+//! | `active_faults` | what has faults |
 //! | `build` | all this from a robot file |
 
+mod active_faults;
 mod brake;
 mod build;
 mod chain;
 mod dynamics;
-mod faults;
 mod motor;
 mod noise;
 mod planar;
 mod sensors;
-mod wear;
+mod worn_joints;
 
 pub use chain::{Chain, JOINTS, PerJoint};
 pub use dynamics::{Loads, Model, State};
@@ -30,13 +30,13 @@ pub use motor::Motor;
 pub use noise::Noise;
 pub use planar::{Body, Planar};
 pub use sensors::JointSensors;
-pub use wear::{JointTally, Wear};
+pub use worn_joints::{ContactStatistics, WornJoints};
 
 use crate::input::robot::{KinematicsOnly, Robot};
 use crate::input::scenario::{FaultKind, Mismatch, PlantFault};
+use active_faults::ActiveFaults;
 use brake::Brake;
 use dynamics::DRIVEN;
-use faults::Broken;
 use fivebar_firmware::{Command, Sensed};
 use fivebar_kinematics::five_bar::Pose;
 use nalgebra::Vector2;
@@ -51,7 +51,7 @@ const HELD: f64 = 1e6;
 pub struct Plant {
     model: Model,
     state: State,
-    wear: Option<Wear>,
+    wear: Option<WornJoints>,
     sensors: [JointSensors; 2],
     brakes: [Brake; 2],
     /// Inertia of the driven links when they are free to turn [kg·m²].
@@ -65,7 +65,7 @@ pub struct Plant {
     time: f64,
     /// Faults yet to come, the last one first.
     pending: Vec<PlantFault>,
-    broken: Broken,
+    faults: ActiveFaults,
     /// Ticks that the controller is about to miss.
     late_by: u32,
     /// Ticks that it missed last.
@@ -106,7 +106,7 @@ impl Plant {
             },
             time: 0.0,
             pending: Vec::new(),
-            broken: Broken::default(),
+            faults: ActiveFaults::default(),
             late_by: 0,
             missed_ticks: 0,
             tool_force: Vector2::zeros(),
@@ -116,14 +116,14 @@ impl Plant {
     /// The same arm with worn joints, from now on integrated with a step that suits their
     /// contacts, and watched joint by joint.
     #[must_use]
-    pub fn worn(mut self, wear: Wear) -> Self {
+    pub fn worn(mut self, wear: WornJoints) -> Self {
         self.model.chain.held = wear.held();
         self.wear = Some(wear);
         self
     }
 
     /// Lets these faults come to pass, each so long from now.
-    pub fn break_later(&mut self, faults: &[PlantFault]) {
+    pub fn schedule_faults(&mut self, faults: &[PlantFault]) {
         self.pending.extend(faults.iter().map(|fault| PlantFault {
             at: self.time + fault.at,
             ..*fault
@@ -135,11 +135,11 @@ impl Plant {
     pub fn sense(&mut self) -> Sensed {
         let counts = [0, 1].map(|j| {
             let counted = || self.sensors[j].counts(self.angle(j), self.count_origin[j]);
-            self.broken.frozen_counts[j].unwrap_or_else(counted)
+            self.faults.frozen_counts[j].unwrap_or_else(counted)
         });
         let home = [0, 1].map(|j| {
             let followed = || self.sensors[j].at_home(self.angle(j));
-            self.broken.stuck_switch[j].unwrap_or_else(followed)
+            self.faults.stuck_switch[j].unwrap_or_else(followed)
         });
         let current = self.state.current;
         Sensed {
@@ -147,8 +147,8 @@ impl Plant {
             current: [0, 1].map(|j| self.sensors[j].current_code(current[j], &mut self.noise)),
             bus_voltage: sensors::adc_code(self.bus_voltage / self.volts_per_code),
             home,
-            emergency_stop: self.broken.emergency_stop,
-            driver_fault: self.broken.driver_fault,
+            emergency_stop: self.faults.emergency_stop,
+            driver_fault: self.faults.driver_fault,
             missed_ticks: self.missed_ticks,
         }
     }
@@ -157,14 +157,14 @@ impl Plant {
     /// bridges carry out the command of the tick before, as PWM registers load at the end of
     /// their period.
     pub fn step(&mut self, command: &Command, period: f64) {
-        self.break_what_is_due();
+        self.inject_due_faults();
         self.missed_ticks = std::mem::take(&mut self.late_by);
         for _ in 0..=self.missed_ticks {
-            self.pass(command, period);
+            self.advance(command, period);
         }
     }
 
-    fn pass(&mut self, command: &Command, period: f64) {
+    fn advance(&mut self, command: &Command, period: f64) {
         let applied = std::mem::replace(&mut self.active, *command);
         let loads = Loads {
             voltage: [0, 1].map(|j| self.terminal_voltage(&applied, j)),
@@ -183,9 +183,9 @@ impl Plant {
     }
 
     fn terminal_voltage(&self, command: &Command, joint: usize) -> Option<f64> {
-        let off = self.broken.disconnected[joint]
-            || self.broken.driver_fault[joint]
-            || self.broken.emergency_stop;
+        let off = self.faults.disconnected[joint]
+            || self.faults.driver_fault[joint]
+            || self.faults.emergency_stop;
         if off || !command.enable[joint] {
             return None;
         }
@@ -215,12 +215,12 @@ impl Plant {
             self.model.chain.bodies[link].inertia = HELD;
             self.state.v[link] = Planar::ZERO;
             self.model.chain.close(&mut self.state.q, &mut self.state.v);
-        } else if !self.broken.stalled[joint] {
+        } else if !self.faults.stalled[joint] {
             self.model.chain.bodies[link].inertia = self.free_inertia[joint];
         }
     }
 
-    fn break_what_is_due(&mut self) {
+    fn inject_due_faults(&mut self) {
         while let Some(fault) = self.pending.pop_if(|fault| fault.at <= self.time) {
             self.inject(fault.kind);
         }
@@ -228,22 +228,22 @@ impl Plant {
 
     /// Lets a fault come to pass now.
     pub fn inject(&mut self, fault: FaultKind) {
-        let broken = &mut self.broken;
+        let faults = &mut self.faults;
         match fault {
             FaultKind::EncoderDead { joint } => {
                 let counts = self.sensors[joint].counts(
                     self.state.q[DRIVEN[joint]].angular,
                     self.count_origin[joint],
                 );
-                broken.frozen_counts[joint] = Some(counts);
+                faults.frozen_counts[joint] = Some(counts);
             }
             FaultKind::EncoderJump { joint, counts } => {
                 self.count_origin[joint] = self.count_origin[joint].wrapping_add(counts);
             }
-            FaultKind::SwitchStuck { joint, pressed } => broken.stuck_switch[joint] = Some(pressed),
-            FaultKind::MotorDisconnected { joint } => broken.disconnected[joint] = true,
+            FaultKind::SwitchStuck { joint, pressed } => faults.stuck_switch[joint] = Some(pressed),
+            FaultKind::MotorDisconnected { joint } => faults.disconnected[joint] = true,
             FaultKind::MotorStalled { joint } => {
-                broken.stalled[joint] = true;
+                faults.stalled[joint] = true;
                 self.hold(joint, true);
             }
             FaultKind::CurrentOffset { joint, amperes } => {
@@ -251,14 +251,14 @@ impl Plant {
                 sensor.current_offset += amperes / sensor.current_per_code;
             }
             FaultKind::BusVoltage { volts } => self.bus_voltage = volts,
-            FaultKind::DriverFault { joint } => broken.driver_fault[joint] = true,
-            FaultKind::EmergencyStop => broken.emergency_stop = true,
+            FaultKind::DriverFault { joint } => faults.driver_fault[joint] = true,
+            FaultKind::EmergencyStop => faults.emergency_stop = true,
             FaultKind::TicksMissed { ticks } => self.late_by = ticks,
         }
     }
 
     /// Pushes on the tool from now on [N].
-    pub fn push(&mut self, force: Vector2<f64>) {
+    pub fn set_tool_force(&mut self, force: Vector2<f64>) {
         self.tool_force = force;
     }
 
@@ -298,7 +298,7 @@ impl Plant {
     }
 
     /// The worn joints, where the arm was given some.
-    pub fn wear(&mut self) -> Option<&mut Wear> {
+    pub fn wear(&mut self) -> Option<&mut WornJoints> {
         self.wear.as_mut()
     }
 }

@@ -3,7 +3,7 @@
 use super::{JointHistory, Sample, TipError, Trace};
 use crate::input::scenario::PlantFault;
 use crate::run::link::{Target, TargetError};
-use crate::run::plant::{Plant, Wear};
+use crate::run::plant::{Plant, WornJoints};
 use fivebar_firmware::controller::Request;
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::{Move, Status};
@@ -87,7 +87,7 @@ impl<'a, T: Target> Simulation<'a, T> {
         if self.wait_for_home()? {
             self.target.request(Request::Arm)?;
             self.record.begun = Some(self.now());
-            self.plant.break_later(faults);
+            self.plant.schedule_faults(faults);
             self.follow(moves, progress)?;
         }
         self.ended = true;
@@ -156,13 +156,13 @@ impl<'a, T: Target> Simulation<'a, T> {
 
     /// Notes what the joints went through during the tick.
     fn watch_joints(&mut self) {
-        let Some(tally) = self.plant.wear().map(Wear::take_tally) else {
+        let Some(statistics) = self.plant.wear().map(WornJoints::take_statistics) else {
             return;
         };
         if let Some(begun) = self.record.begun
             && !self.ended
         {
-            self.record.joints.note(self.now() - begun, tally);
+            self.record.joints.record(self.now() - begun, statistics);
         }
     }
 

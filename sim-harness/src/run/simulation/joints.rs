@@ -1,6 +1,6 @@
 //! What the joints went through in a run that watches them.
 
-use crate::run::plant::{JOINTS, JointTally};
+use crate::run::plant::{ContactStatistics, JOINTS};
 
 /// Greatest forces are kept for stretches of this length [s].
 const STRETCH: f64 = 1e-3;
@@ -20,16 +20,16 @@ pub struct JointHistory {
     /// For how long they were watched [s].
     pub watched: f64,
     /// All in all.
-    pub total: [JointTally; JOINTS],
+    pub total: [ContactStatistics; JOINTS],
     /// The greatest forces, millisecond by millisecond.
     pub peaks: Vec<Peak>,
 }
 
 impl JointHistory {
     /// Adds what came to pass in the tick that ended at `time` [s].
-    pub(super) fn note(&mut self, time: f64, tally: [JointTally; JOINTS]) {
+    pub(super) fn record(&mut self, time: f64, statistics: [ContactStatistics; JOINTS]) {
         self.watched = time;
-        let force = tally.map(|joint| joint.peak_force);
+        let force = statistics.map(|joint| joint.peak_force);
         match self.peaks.last_mut() {
             Some(peak) if time < peak.time + STRETCH => {
                 for (most, force) in peak.force.iter_mut().zip(force) {
@@ -38,8 +38,8 @@ impl JointHistory {
             }
             _ => self.peaks.push(Peak { time, force }),
         }
-        for (total, tally) in self.total.iter_mut().zip(tally) {
-            *total = total.with(&tally);
+        for (total, statistics) in self.total.iter_mut().zip(statistics) {
+            *total = total.with(&statistics);
         }
     }
 }

@@ -1,23 +1,23 @@
 //! A run: a scenario simulated from power-up to the end of its job, and what it comes to.
 
 mod control_loop;
+mod demo_scale;
 mod joints;
 mod summary;
 mod trace;
-mod trial;
 
 pub use control_loop::{Record, Simulation};
+pub use demo_scale::{DemoScaleError, find_demo_scale};
 pub use joints::{JointHistory, Peak};
 pub use summary::{Summary, TipError, fault_name};
 pub use trace::{Sample, Trace};
-pub use trial::{TrialError, trial};
 
 use crate::input::job::Job;
 use crate::input::robot::{KinematicsOnly, NoHome, in_words_of_its_file};
 use crate::input::scenario::{Scenario, ScenarioError};
-use crate::run::contact::NoJournal;
+use crate::run::contact::ClearanceError;
 use crate::run::link::{InProcess, Target, TargetError};
-use crate::run::plant::{Plant, Wear};
+use crate::run::plant::{Plant, WornJoints};
 use fivebar_firmware::settings::SettingsError;
 use fivebar_firmware::{Move, Planner};
 use std::time::Instant;
@@ -30,7 +30,7 @@ pub enum RunError {
     Scenario(#[from] ScenarioError),
     /// A joint is worn out.
     #[error(transparent)]
-    NoJournal(#[from] NoJournal),
+    ClearanceError(#[from] ClearanceError),
     /// The robot has no masses.
     #[error(transparent)]
     KinematicsOnly(#[from] KinematicsOnly),
@@ -96,7 +96,7 @@ impl Scenario {
         let pose = self.robot.pose_near_home(before)?;
         let mut plant = Plant::new(&self.robot, &self.mismatch, &pose, self.seed)?;
         if let Some(clearance) = self.clearance {
-            plant = plant.worn(Wear::new(&self.robot.contact, clearance)?);
+            plant = plant.worn(WornJoints::new(&self.robot.contact, clearance)?);
         }
         for &fault in &self.broken {
             plant.inject(fault);

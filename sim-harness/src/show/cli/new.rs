@@ -4,7 +4,7 @@ use super::failure::{Failure, refused};
 use super::questions::{ARM, MOTOR, Question, asks_for_own_motor};
 use super::say::{hint, say, warn};
 use crate::input::robot::{BuiltIn, Draft};
-use crate::run::simulation::trial;
+use crate::run::simulation::find_demo_scale;
 use crate::show::files::write_new;
 use crate::show::text::no_trial;
 use std::io::{self, BufRead};
@@ -50,7 +50,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     }
     let robot = draft.check().map_err(refused)?;
     let command = format!("fivebar sim --robot {}", in_shell(&file.to_string()));
-    let invitation = match trial(&robot) {
+    let invitation = match find_demo_scale(&robot) {
         Ok(1.0) => format!("Try it: {command}"),
         Ok(scale) => {
             format!("It is small for the demonstration. Try it: {command} --scale {scale}")

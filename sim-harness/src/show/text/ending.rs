@@ -3,7 +3,7 @@
 use super::quantity;
 use crate::input::scenario::Scenario;
 use crate::run::link::TargetError;
-use crate::run::simulation::{Record, RunError, TrialError, fault_name};
+use crate::run::simulation::{DemoScaleError, Record, RunError, fault_name};
 use fivebar_firmware::safety::Fault;
 
 /// Why a run of this scenario was refused or broke off. A refused move is one of the
@@ -71,16 +71,16 @@ fn homing_torques(scenario: &Scenario) -> Option<String> {
 }
 
 /// Why an arm cannot draw the demonstration.
-pub fn no_trial(error: &TrialError) -> String {
+pub fn no_trial(error: &DemoScaleError) -> String {
     match error {
-        TrialError::Scenario(error) => error.to_string(),
-        TrialError::TooLarge(scenario, error) => format!(
+        DemoScaleError::Scenario(error) => error.to_string(),
+        DemoScaleError::TooLarge(scenario, error) => format!(
             "{}, even at a scale of {}",
             refusal(scenario, error),
             scenario.scale
         ),
-        TrialError::Run(scenario, error) => refusal(scenario, error),
-        TrialError::Stopped(scenario, record) => {
+        DemoScaleError::Run(scenario, error) => refusal(scenario, error),
+        DemoScaleError::Stopped(scenario, record) => {
             stopped_by(scenario, record).unwrap_or_else(|| error.to_string())
         }
     }

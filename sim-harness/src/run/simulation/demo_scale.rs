@@ -10,7 +10,7 @@ const SCALES: [f64; 7] = [1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01];
 
 /// Why an arm does not draw the demonstration, with what was tried.
 #[derive(Debug, thiserror::Error)]
-pub enum TrialError {
+pub enum DemoScaleError {
     /// The robot or the job makes no sense.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
@@ -49,18 +49,18 @@ impl Scenario {
 ///
 /// # Errors
 /// Why it does at none.
-pub fn trial(robot: &Robot) -> Result<f64, TrialError> {
+pub fn find_demo_scale(robot: &Robot) -> Result<f64, DemoScaleError> {
     let mut scenario = Box::new(Scenario::demonstration(robot.clone()));
     match scenario.fit() {
         Ok(()) => {}
-        Err(RunError::Scenario(error)) => return Err(TrialError::Scenario(error)),
-        Err(error @ RunError::Target(_)) => return Err(TrialError::TooLarge(scenario, error)),
-        Err(error) => return Err(TrialError::Run(scenario, error)),
+        Err(RunError::Scenario(error)) => return Err(DemoScaleError::Scenario(error)),
+        Err(error @ RunError::Target(_)) => return Err(DemoScaleError::TooLarge(scenario, error)),
+        Err(error) => return Err(DemoScaleError::Run(scenario, error)),
     }
     let job = scenario.job()?;
     match scenario.simulate(&job, true, &mut |_| ()) {
         Ok((_, record)) if record.faults.is_empty() => Ok(scenario.scale),
-        Ok((_, record)) => Err(TrialError::Stopped(scenario, Box::new(record))),
-        Err(error) => Err(TrialError::Run(scenario, error)),
+        Ok((_, record)) => Err(DemoScaleError::Stopped(scenario, Box::new(record))),
+        Err(error) => Err(DemoScaleError::Run(scenario, error)),
     }
 }

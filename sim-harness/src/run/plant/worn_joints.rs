@@ -9,7 +9,9 @@ use super::chain::{Arms, JOINTS, PerJoint};
 use super::dynamics::{Loads, Model, State};
 use super::planar::Planar;
 use crate::input::robot::Contact;
-use crate::run::contact::{DormandPrince45, Eccentricity, HybridSystem, Journal, NoJournal, Phase, Touch};
+use crate::run::contact::{
+    ClearanceError, ContactForce, DormandPrince45, Eccentricity, HybridSystem, Journal, Phase,
+};
 use nalgebra::{SVector, Vector2};
 
 /// Twelve coordinates, their rates, two currents.
@@ -25,7 +27,7 @@ const CURRENT_ERROR: f64 = 1e-6; // A
 
 /// What one joint went through.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct JointTally {
+pub struct ContactStatistics {
     /// Greatest force [N].
     pub peak_force: f64,
     /// How often the pin struck its bearing.
@@ -38,7 +40,7 @@ pub struct JointTally {
     pub flight: f64,
 }
 
-impl JointTally {
+impl ContactStatistics {
     /// This and what came after it.
     pub fn with(&self, later: &Self) -> Self {
         Self {
@@ -53,29 +55,29 @@ impl JointTally {
 
 /// The joints that are worn, and what goes on in them.
 #[derive(Clone, Debug)]
-pub struct Wear {
+pub struct WornJoints {
     journals: [Option<Journal>; JOINTS],
     phases: [Phase; JOINTS],
-    tally: [JointTally; JOINTS],
+    statistics: [ContactStatistics; JOINTS],
     method: DormandPrince45<NUMBERS>,
 }
 
 /// The arm during one tick.
-struct Rattling<'a> {
+struct WornArm<'a> {
     model: &'a Model,
     loads: &'a Loads,
     journals: &'a [Option<Journal>; JOINTS],
     phases: &'a mut [Phase; JOINTS],
-    tally: &'a mut [JointTally; JOINTS],
+    statistics: &'a mut [ContactStatistics; JOINTS],
 }
 
-impl Wear {
+impl WornJoints {
     /// Joints A to E with these clearances [m], their pins in the middle; 0 is a joint
     /// that is not worn.
     ///
     /// # Errors
     /// A clearance that leaves no pin.
-    pub fn new(contact: &Contact, clearance: [f64; JOINTS]) -> Result<Self, NoJournal> {
+    pub fn new(contact: &Contact, clearance: [f64; JOINTS]) -> Result<Self, ClearanceError> {
         let mut journals = [None; JOINTS];
         for (journal, clearance) in journals.iter_mut().zip(clearance) {
             if clearance != 0.0 {
@@ -92,7 +94,7 @@ impl Wear {
         Ok(Self {
             journals,
             phases: [Phase::Flight; JOINTS],
-            tally: [JointTally::default(); JOINTS],
+            statistics: [ContactStatistics::default(); JOINTS],
             method: DormandPrince45::new(tolerance),
         })
     }
@@ -106,21 +108,21 @@ impl Wear {
     pub fn step(&mut self, model: &Model, state: &mut State, loads: &Loads, time: f64) {
         state.float(loads);
         let mut x = packed(state);
-        let mut rattling = Rattling {
+        let mut worn_arm = WornArm {
             model,
             loads,
             journals: &self.journals,
             phases: &mut self.phases,
-            tally: &mut self.tally,
+            statistics: &mut self.statistics,
         };
-        self.method.advance(&mut rattling, &mut x, time);
+        self.method.advance(&mut worn_arm, &mut x, time);
         *state = unpacked(&x);
         model.chain.close(&mut state.q, &mut state.v);
     }
 
     /// What the joints went through since this was last asked.
-    pub fn take_tally(&mut self) -> [JointTally; JOINTS] {
-        std::mem::take(&mut self.tally)
+    pub fn take_statistics(&mut self) -> [ContactStatistics; JOINTS] {
+        std::mem::take(&mut self.statistics)
     }
 
     /// Accelerations of the bodies and the force that each joint passes on, by contact or
@@ -193,8 +195,8 @@ fn accelerations(
     let mut free = model.free_accelerations(state, torque, tool_force);
     let mut contacts = [Vector2::zeros(); JOINTS];
     for k in 0..JOINTS {
-        let touch = journals[k].and_then(|journal| journal.touch(phases[k], &motions[k]));
-        let Some(Touch {
+        let touch = journals[k].and_then(|journal| journal.contact_force(phases[k], &motions[k]));
+        let Some(ContactForce {
             force,
             on_pin,
             on_bearing,
@@ -219,7 +221,7 @@ fn accelerations(
     (a, forces)
 }
 
-impl Rattling<'_> {
+impl WornArm<'_> {
     fn accelerations(&self, state: &State) -> ([Planar; 4], PerJoint) {
         let torque = self.model.joint_torque(state, self.loads);
         let force = self.loads.tool_force;
@@ -235,7 +237,7 @@ impl Rattling<'_> {
     }
 }
 
-impl HybridSystem<NUMBERS> for Rattling<'_> {
+impl HybridSystem<NUMBERS> for WornArm<'_> {
     fn rates(&self, x: &Numbers) -> Numbers {
         let state = unpacked(x);
         let (a, _) = self.accelerations(&state);
@@ -256,24 +258,25 @@ impl HybridSystem<NUMBERS> for Rattling<'_> {
         let motions = motions(self.model, &arms, &state);
         for (k, journal) in self.due(x).into_iter().enumerate() {
             let Some(journal) = journal else { continue };
-            let tally = &mut self.tally[k];
+            let statistics = &mut self.statistics[k];
             match self.phases[k] {
                 Phase::Flight => {
-                    tally.impacts += 1;
-                    tally.fastest_impact = tally.fastest_impact.max(motions[k].opening_rate());
+                    statistics.impacts += 1;
+                    statistics.fastest_impact =
+                        statistics.fastest_impact.max(motions[k].penetration_rate());
                 }
-                Phase::Touching { .. } => tally.flights += 1,
+                Phase::Contact { .. } => statistics.flights += 1,
             }
-            self.phases[k] = journal.after_transition(self.phases[k], &motions[k]);
+            self.phases[k] = journal.next_phase(self.phases[k], &motions[k]);
         }
     }
 
-    fn note(&mut self, x: &Numbers, step: f64) {
+    fn record(&mut self, x: &Numbers, step: f64) {
         let (_, forces) = self.accelerations(&unpacked(x));
-        for (k, (tally, force)) in self.tally.iter_mut().zip(forces).enumerate() {
-            tally.peak_force = tally.peak_force.max(force.norm());
+        for (k, (statistics, force)) in self.statistics.iter_mut().zip(forces).enumerate() {
+            statistics.peak_force = statistics.peak_force.max(force.norm());
             if self.journals[k].is_some() && self.phases[k] == Phase::Flight {
-                tally.flight += step;
+                statistics.flight += step;
             }
         }
     }

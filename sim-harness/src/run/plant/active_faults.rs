@@ -2,7 +2,7 @@
 
 /// The faults that have come to pass.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Broken {
+pub(super) struct ActiveFaults {
     pub(super) frozen_counts: [Option<i32>; 2],
     pub(super) stuck_switch: [Option<bool>; 2],
     pub(super) disconnected: [bool; 2],
