@@ -130,9 +130,9 @@ fn change(mismatch: &mut Mismatch, figures: BTreeMap<String, f64>) -> PyResult<(
             }
         } = value;
     }
-    mismatch.check().map_err(|unsound| {
-        let name = unsound.name;
-        PyValueError::new_err(format!("`{name}` of the mismatch {unsound}"))
+    mismatch.check().map_err(|invalid| {
+        let name = invalid.name;
+        PyValueError::new_err(format!("`{name}` of the mismatch {invalid}"))
     })
 }
 

@@ -24,7 +24,7 @@ fn thrown(contact: &Contact, clearance: [f64; 5], omega: [f64; 2]) -> (Model, St
     let mut model = Model::new(&robot, &Mismatch::NONE).unwrap();
     let wear = WornJoints::new(contact, clearance).unwrap();
     model.gravity = Vector2::new(0.0, -9.81);
-    model.chain.held = wear.held();
+    model.chain.constrained = wear.constrained();
     let pose = robot.home_pose().unwrap();
     let [omega1, omega4] = omega;
     let rates = robot.geometry.forward_velocities(&pose, omega1, omega4);

@@ -83,7 +83,7 @@ def keys_alone_home_arm_jog_and_stop(page):
     browser.script("document.activeElement.blur();")
     browser.press(SPACE)
     page.wait_for("Armed")
-    browser.wait("the end of the job", lambda: "forgotten" in browser.text("#notice") or page.at_rest())
+    browser.wait("the end of the job", lambda: "cancelled" in browser.text("#notice") or page.at_rest())
 
 
 def what_is_out_of_reach_is_refused_with_the_reason(page):

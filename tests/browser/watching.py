@@ -31,7 +31,7 @@ def wait_for_lost_page(watcher):
     watcher.wait_for("Fault")
     words = watcher.browser.text
     watcher.browser.wait("the fault", lambda: "command timeout (12)" in words("#fault"))
-    assert "fell silent" in words("#cause") and "Running" in words("#snapshot")
+    assert "disconnected or suspended" in words("#cause") and "Running" in words("#snapshot")
     # The fault is shown as the arm begins to slow down; its job would last half a minute.
     watcher.browser.wait("rest", lambda: has_stood_still(watcher), timeout=3)
 
@@ -95,7 +95,7 @@ def a_page_cut_off_keeps_its_emergency_stop(watcher, server):
     wire.whole.clear()
     pilot.wait_for("offline")
     browser.press(ESCAPE)
-    pilot.wait_for_notice("sent as soon as there is one")
+    pilot.wait_for_notice("sent as soon as there is a connection")
     watcher.show()
     wait_for_lost_page(watcher)
     wire.whole.set()

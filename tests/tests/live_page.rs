@@ -5,7 +5,7 @@
 use fivebar::input::robot::Robot;
 use fivebar::input::scenario::Scenario;
 use fivebar::run::link::{Client, Loopback, SerialLine};
-use fivebar::show::serve::{Guard, ServeError, Source, serve};
+use fivebar::show::serve::{ControllerSource, Guard, ServeError, serve};
 use fivebar_firmware::safety::State;
 use serde_json::{Value, json};
 use serialport::{SerialPort, TTYPort};
@@ -50,7 +50,7 @@ fn benchtop() -> Robot {
 
 /// A server of the benchtop arm, and where it is.
 fn server(
-    source: impl FnOnce() -> Source<'static> + Send + 'static,
+    source: impl FnOnce() -> ControllerSource<'static> + Send + 'static,
 ) -> (Until<Result<(), ServeError>>, SocketAddr) {
     let (ready, at) = mpsc::channel();
     let server = Until::start(move |ends| {
@@ -88,14 +88,14 @@ impl Page {
         Self { socket, spoke }
     }
 
-    fn wish(&mut self, wish: &Value) {
+    fn send(&mut self, message: &Value) {
         self.spoke = Instant::now();
-        let message = Message::text(wish.to_string());
+        let message = Message::text(message.to_string());
         self.socket.send(message).expect("the server listens");
     }
 
     fn request(&mut self, name: &str) {
-        self.wish(&json!({ "request": name }));
+        self.send(&json!({ "request": name }));
     }
 
     /// The next news for which `wanted` gives something.
@@ -104,7 +104,7 @@ impl Page {
         let mut last = String::new();
         while Instant::now() < deadline {
             if self.spoke.elapsed() > Duration::from_millis(50) {
-                self.wish(&json!("alive"));
+                self.send(&json!("alive"));
             }
             match self.socket.read() {
                 Ok(Message::Text(text)) => {
@@ -194,10 +194,10 @@ fn board() -> (Until<()>, String) {
     (board, name)
 }
 
-fn at_port(name: &str) -> impl FnOnce() -> Source<'static> + Send + use<> {
+fn at_port(name: &str) -> impl FnOnce() -> ControllerSource<'static> + Send + use<> {
     let name: &'static str = name.to_owned().leak();
     let upload = false;
-    move || Source::Port { name, upload }
+    move || ControllerSource::Port { name, upload }
 }
 
 #[test]
@@ -211,18 +211,18 @@ fn an_arm_on_a_port_is_homed_jogged_and_stopped_from_a_page() {
     });
     page.request("arm");
     let before = page.state_named("Armed");
-    page.wish(&json!({ "jog": [0.0, 0.002] }));
+    page.send(&json!({ "jog": [0.0, 0.002] }));
     page.state("the jog", |state| {
         let moved = number(&state["tool"][1]) - number(&before["tool"][1]);
         state["state"] == "Armed" && (moved - 0.002).abs() < 5e-5
     });
     // A number that no single can hold is a place that no arm can reach.
-    page.wish(&json!({ "jog": [1e39, 0.0] }));
+    page.send(&json!({ "jog": [1e39, 0.0] }));
     let refused = page.wait("a refusal", refusal);
     assert!(refused.contains("refused"), "{refused}");
     // A watcher may not move the arm, but stop it.
     let mut watcher = Page::open(address);
-    watcher.wish(&json!({ "jog": [0.0, 0.002] }));
+    watcher.send(&json!({ "jog": [0.0, 0.002] }));
     let refused = watcher.wait("a refusal", refusal);
     assert!(refused.contains("take control first"), "{refused}");
     watcher.request("emergency_stop");
@@ -231,12 +231,12 @@ fn an_arm_on_a_port_is_homed_jogged_and_stopped_from_a_page() {
 }
 
 #[test]
-fn a_page_that_talks_without_end_is_let_go() {
-    let (_server, address) = server(|| Source::Simulated);
-    let mut wild = Page::open(address);
+fn a_page_that_sends_too_many_messages_is_disconnected() {
+    let (_server, address) = server(|| ControllerSource::Simulated);
+    let mut flooding = Page::open(address);
     let alive = || Message::text(r#""alive""#);
     let deadline = Instant::now() + Duration::from_secs(60);
-    while wild.socket.send(alive()).is_ok() {
+    while flooding.socket.send(alive()).is_ok() {
         assert!(Instant::now() < deadline, "it still has its connection");
     }
     let mut page = Page::open(address);
@@ -254,10 +254,10 @@ fn an_arm_on_a_port_comes_to_rest_when_its_page_is_lost() {
     });
     page.request("arm");
     page.state_named("Armed");
-    page.wish(&json!({ "jog_joint": { "joint": "theta1", "by": -0.1 } }));
+    page.send(&json!({ "jog_joint": { "joint": "theta1", "by": -0.1 } }));
     page.state_named("Armed");
-    page.wish(&json!({ "load": { "name": "lines", "text": "G21 F600\nG1 X20\nG1 X0\nG1 X20\n" } }));
-    page.wish(&json!("run"));
+    page.send(&json!({ "load": { "name": "lines", "text": "G21 F600\nG1 X20\nG1 X0\nG1 X20\n" } }));
+    page.send(&json!("run"));
     page.state_named("Running");
     // It is there still, and says nothing.
     let mut watcher = Page::open(address);
@@ -283,7 +283,7 @@ fn an_arm_is_disarmed_when_the_server_ends() {
     });
     page.request("arm");
     page.state_named("Armed");
-    page.wish(&json!({ "jog": [0.0, 0.02] }));
+    page.send(&json!({ "jog": [0.0, 0.02] }));
     page.state_named("Running");
     server.end().expect("it was running").expect("no error");
     let line = SerialLine::open(&port).expect("a port that is free again");
@@ -313,7 +313,7 @@ fn a_controller_of_another_arm_is_refused() {
 fn an_emulated_controller_homes_its_arm_and_stops_it_when_the_page_is_lost() {
     use fivebar::run::link::Emulator;
     let image: &'static std::path::Path = Emulator::built_image("qemu").leak();
-    let (mut server, address) = server(move || Source::Emulated(image));
+    let (mut server, address) = server(move || ControllerSource::Emulated(image));
     let mut page = Page::open(address);
     let start = page.state_named("Stopped");
     page.request("home");
@@ -327,7 +327,7 @@ fn an_emulated_controller_homes_its_arm_and_stops_it_when_the_page_is_lost() {
     // A page that comes now does not take the place of the lost one.
     let mut page = Page::open(address);
     assert_eq!(page.fault(), ("command timeout".into(), "Homing".into()));
-    page.wish(&json!("control"));
+    page.send(&json!("control"));
     page.request("clear_fault");
     page.state_named("Stopped");
     server.end().expect("it was running").expect("no error");

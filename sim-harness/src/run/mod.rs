@@ -1,4 +1,4 @@
-//! What is run: the simulated arm, ways to a controller, and jobs done by both.
+//! Runs: the simulated arm, connections to a controller, and jobs on both.
 
 pub mod contact;
 pub mod drive;

@@ -211,10 +211,10 @@ fn check<T>(
     sound: fn(f64) -> bool,
 ) -> Result<(), FileError> {
     let key = Key::In("tolerance", key);
-    let unsound = |value: f64| source.refuse(key, format!("cannot be {value:?}"));
+    let invalid = |value: f64| source.refuse(key, format!("cannot be {value:?}"));
     let values = match given {
         ForAllOrEach::All(value) if sound(*value) => return Ok(()),
-        ForAllOrEach::All(value) => return Err(unsound(*value)),
+        ForAllOrEach::All(value) => return Err(invalid(*value)),
         ForAllOrEach::Each(values) => values,
     };
     for (name, value) in values {
@@ -223,7 +223,7 @@ fn check<T>(
             return Err(source.refuse(key, reason));
         }
         if let Some(&wrong) = numbers(value).iter().find(|value| !sound(**value)) {
-            return Err(unsound(wrong));
+            return Err(invalid(wrong));
         }
     }
     Ok(())

@@ -126,7 +126,7 @@ fn check(source: &Source<'_>, file: &ScenarioFile) -> Result<(), FileError> {
     }
     file.mismatch
         .check()
-        .map_err(|unsound| source.refuse(Key::In("mismatch", unsound.name), unsound))
+        .map_err(|invalid| source.refuse(Key::In("mismatch", invalid.name), invalid))
 }
 
 /// A file named in another one, from where that lies.

@@ -1,6 +1,6 @@
-//! What has broken so far.
+//! The injected faults of the plant.
 
-/// The faults that have come to pass.
+/// The faults that are active.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ActiveFaults {
     pub(super) frozen_counts: [Option<i32>; 2],

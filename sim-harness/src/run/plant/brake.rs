@@ -1,14 +1,14 @@
-//! Holding brakes: engaged when unpowered, so that an arm in gravity does not fall.
+//! Holding brakes. They engage when unpowered, so that an arm in gravity does not fall.
 
-/// A joint slower than this is caught [rad/s]; a faster one is slowed down first.
-const CATCHING: f64 = 0.2;
+/// A joint slower than this is held at once [rad/s]; a faster one is slowed down first.
+const HOLDING_SPEED: f64 = 0.2;
 
 /// The brake of one joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Brake {
-    /// With what it slows its joint down [N·m]; zero where none is fitted.
+    /// Torque that slows the joint down [N·m]; zero without a brake.
     pub(super) torque: f64,
-    /// It holds the joint.
+    /// Whether it holds the joint.
     pub(super) holding: bool,
 }
 
@@ -23,10 +23,10 @@ impl Brake {
     /// Engages or releases it with the joint at `omega` [rad/s].
     pub(super) fn set(&mut self, engaged: bool, omega: f64) {
         let fitted = self.torque > 0.0;
-        self.holding = fitted && engaged && (self.holding || omega.abs() <= CATCHING);
+        self.holding = fitted && engaged && (self.holding || omega.abs() <= HOLDING_SPEED);
     }
 
-    /// Its torque on a joint that it does not hold yet [N·m].
+    /// Its torque while it slows the joint down [N·m].
     pub(super) fn slowing(&self, engaged: bool, omega: f64) -> f64 {
         if engaged && !self.holding {
             -self.torque * omega.signum()

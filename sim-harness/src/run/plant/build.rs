@@ -1,9 +1,9 @@
-//! From a robot file, and what is wrong with it, to the simulated arm.
+//! The plant's model from a robot file and a mismatch.
 
 use super::chain::{Chain, JOINTS};
 use super::dynamics::{Model, State};
 use super::motor::Motor;
-use super::planar::{Body, Planar, perp, turn};
+use super::planar::{Body, PlanarVector, perp, rotation};
 use super::sensors::JointSensors;
 use crate::input::robot::{KinematicsOnly, Robot};
 use crate::input::scenario::Mismatch;
@@ -16,10 +16,10 @@ fn vector(v: Vector2<f64>) -> Vector2<f64> {
 }
 
 impl Model {
-    /// The arm of a robot file with these differences.
+    /// The arm of a robot with this mismatch.
     ///
     /// # Errors
-    /// A robot known by its lengths alone.
+    /// The robot has lengths only, no masses.
     pub fn new(robot: &Robot, mismatch: &Mismatch) -> Result<Self, KinematicsOnly> {
         let arm = robot.arm()?;
         let [l1, l2, l3, l4, base] = robot.geometry.lengths();
@@ -33,8 +33,8 @@ impl Model {
             viscous_friction: drive.viscous_friction * (1.0 + mismatch.friction),
             coulomb_friction: drive.coulomb_friction * (1.0 + mismatch.friction),
         });
-        // In the frame of its proximal joint, link j has its joints at 0 and (lj, 0).
-        // Along the chain from A to E, links 3 and 4 are passed from their far ends.
+        // In its own frame, link j has its joints at (0, 0) and (lj, 0). Along the chain from
+        // A to E, links 3 and 4 run from their far ends to their origins.
         let ends = [(0.0, l1), (0.0, l2), (l3, 0.0), (l4, 0.0)];
         let mut bodies = [0, 1, 2, 3].map(|i| {
             let link = &arm.links()[i];
@@ -48,7 +48,7 @@ impl Model {
             }
         });
         let payload = arm.payload() + mismatch.payload;
-        let shift = load(&mut bodies[1], payload);
+        let shift = add_point_mass(&mut bodies[1], payload);
         for (body, motor) in [(0, &motors[0]), (3, &motors[1])] {
             bodies[body].inertia += motor.rotor_inertia * motor.gear_ratio * motor.gear_ratio;
         }
@@ -58,7 +58,7 @@ impl Model {
             chain: Chain {
                 bodies,
                 pivots: [Vector2::zeros(), Vector2::new(base, 0.0)],
-                held: [true; JOINTS],
+                constrained: [true; JOINTS],
             },
             motors,
             gravity: vector(arm.gravity()),
@@ -66,17 +66,17 @@ impl Model {
         })
     }
 
-    /// The arm in a pose, its links turning at `omega`, ω1…ω4 [rad/s], without currents.
+    /// The arm in a pose with the angular velocities `omega`, ω1…ω4 [rad/s], without currents.
     pub fn state_at(&self, pose: &Pose<f64>, omega: [f64; 4]) -> State {
         let angles = pose.angles();
-        let mut q = [Planar::ZERO; 4];
-        let mut v = [Planar::ZERO; 4];
-        // Outwards from both pivots: where each link begins, and how fast that place moves.
+        let mut q = [PlanarVector::ZERO; 4];
+        let mut v = [PlanarVector::ZERO; 4];
+        // Outwards from both pivots: position and velocity of each link's first point.
         for (leg, pivot) in [
             ([0, 1], self.chain.pivots[0]),
             ([3, 2], self.chain.pivots[1]),
         ] {
-            let (mut place, mut speed) = (pivot, Vector2::zeros());
+            let (mut start, mut velocity) = (pivot, Vector2::zeros());
             for i in leg {
                 let body = &self.chain.bodies[i];
                 let (proximal, distal) = if i < 2 {
@@ -84,22 +84,22 @@ impl Model {
                 } else {
                     (body.far, body.near)
                 };
-                let turn = turn(angles[i]);
-                let to_com = -(turn * proximal);
-                let to_end = turn * (distal - proximal);
-                q[i] = Planar {
-                    linear: place + to_com,
+                let rotation = rotation(angles[i]);
+                let to_com = -(rotation * proximal);
+                let to_end = rotation * (distal - proximal);
+                q[i] = PlanarVector {
+                    linear: start + to_com,
                     angular: angles[i],
                 };
-                v[i] = Planar {
-                    linear: speed + perp(to_com) * omega[i],
+                v[i] = PlanarVector {
+                    linear: velocity + perp(to_com) * omega[i],
                     angular: omega[i],
                 };
-                place += to_end;
-                speed += perp(to_end) * omega[i];
+                start += to_end;
+                velocity += perp(to_end) * omega[i];
             }
         }
-        self.chain.close(&mut q, &mut v);
+        self.chain.close_joints(&mut q, &mut v);
         State {
             q,
             v,
@@ -108,9 +108,9 @@ impl Model {
     }
 }
 
-/// Fixes a point mass at the far end of a body: one rigid body of both. Returns how far
-/// its centre of mass moved.
-fn load(body: &mut Body, mass: f64) -> Vector2<f64> {
+/// Adds a point mass [kg] at the far end of a body. Returns the shift of its centre of
+/// mass [m].
+fn add_point_mass(body: &mut Body, mass: f64) -> Vector2<f64> {
     let total = body.mass + mass;
     let shift = body.far * (mass / total);
     // Steiner: m₁ m₂/(m₁ + m₂) d².
@@ -122,7 +122,7 @@ fn load(body: &mut Body, mass: f64) -> Vector2<f64> {
 }
 
 impl JointSensors {
-    /// The sensors that the controller's settings describe.
+    /// The sensors of a joint, 0 or 1, as in the controller's settings, with this mismatch.
     pub fn new(settings: &Settings, mismatch: &Mismatch, joint: usize) -> Self {
         let axis = &settings.axes[joint];
         Self {

@@ -1,19 +1,19 @@
-//! The closed chain A–B–C–D–E in full coordinates, held together by constraint forces.
+//! The closed chain A–B–C–D–E in full coordinates with constraint forces.
 //!
-//! Four bodies with three coordinates each; five joints, k = 0…4 for A…E, each between
-//! body k−1 and body k (the ground stands at both ends). Joint k closes when
+//! Four bodies have three coordinates each; five joints, k = 0…4 for A…E, connect body k−1
+//! and body k (the ground is at both ends). Joint k is closed when
 //!
 //! gₖ = (pₖ + near) − (pₖ₋₁ + far) = 0,
 //!
-//! and Fₖ is the force that passes through it onto body k. With the accelerations a₀ that
-//! the applied forces alone would give, g̈ = J a₀ + J M⁻¹Jᵀ F + (centripetal terms) = 0
-//! makes F. Each joint shares a body with its two neighbours only, so J M⁻¹Jᵀ is
-//! block-tridiagonal, five blocks of 2 × 2, and is solved by block elimination.
+//! and Fₖ is the force of the joint on body k. a₀ are the accelerations that the applied
+//! forces alone would give. F follows from g̈ = J a₀ + J M⁻¹Jᵀ F + (centripetal terms) = 0.
+//! Each joint shares a body with its two neighbours only, so J M⁻¹Jᵀ is block-tridiagonal
+//! with five 2 × 2 blocks on its diagonal, and block elimination solves it.
 //!
-//! This shares nothing with the controller's model: no partial velocities, no closed-form
-//! solution of the loop.
+//! This shares nothing with the controller's model: it has no partial velocities and no
+//! closed-form solution of the loop.
 
-use super::planar::{Body, Planar, perp, turn};
+use super::planar::{Body, PlanarVector, perp, rotation};
 use nalgebra::{Matrix2, Vector2};
 use std::array::from_fn;
 
@@ -23,41 +23,40 @@ pub const JOINTS: usize = 5;
 /// One vector for each joint, A to E.
 pub type PerJoint = [Vector2<f64>; JOINTS];
 
-/// The bodies and where the ends of the chain are held.
+/// The bodies, and the ground pivots at the ends of the chain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chain {
     /// Links 1, 2, 3, 4: from A to E along the chain.
     pub bodies: [Body; 4],
     /// The ground pivots A and E [m].
     pub pivots: [Vector2<f64>; 2],
-    /// The joints that are held together by constraint; the others are left to whatever
-    /// forces act in them.
-    pub held: [bool; JOINTS],
+    /// Whether each joint is closed by a constraint. In the others only contact forces act.
+    pub constrained: [bool; JOINTS],
 }
 
-/// The bodies' joints, seen from their centres of mass in the plane's directions.
+/// The vectors from the bodies' centres of mass to their joints, in the frame of the base [m].
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Arms {
+pub(super) struct LeverArms {
     pub(super) near: [Vector2<f64>; 4],
     pub(super) far: [Vector2<f64>; 4],
 }
 
-impl Arms {
-    /// Adds what the joint forces do to the accelerations of the bodies.
+impl LeverArms {
+    /// Adds the accelerations that the joint forces give to the bodies.
     #[inline]
-    fn push(&self, chain: &Chain, forces: &PerJoint, motion: &mut [Planar; 4]) {
+    fn apply(&self, chain: &Chain, forces: &PerJoint, motion: &mut [PlanarVector; 4]) {
         for i in 0..4 {
             let body = &chain.bodies[i];
             motion[i] = motion[i]
-                + body.pushed(self.near[i], forces[i])
-                + body.pushed(self.far[i], -forces[i + 1]);
+                + body.acceleration_by(self.near[i], forces[i])
+                + body.acceleration_by(self.far[i], -forces[i + 1]);
         }
     }
 
-    /// Of each joint, the relative velocity of the bodies that move so, or their relative
-    /// acceleration without the centripetal terms: J a.
+    /// J v: the relative velocity of the two bodies at each joint; with accelerations, their
+    /// relative acceleration without the centripetal terms.
     #[inline]
-    pub(super) fn opening(&self, motion: &[Planar; 4]) -> PerJoint {
+    pub(super) fn joint_motion(&self, motion: &[PlanarVector; 4]) -> PerJoint {
         let at = |i: usize, r: Vector2<f64>| motion[i].linear + perp(r) * motion[i].angular;
         [
             at(0, self.near[0]),
@@ -70,23 +69,23 @@ impl Arms {
 }
 
 impl Chain {
-    /// The joints' places seen from the centres of mass, at these coordinates.
+    /// The lever arms at these coordinates.
     #[inline]
-    pub(super) fn arms(&self, q: &[Planar; 4]) -> Arms {
-        let turns = q.map(|q| turn(q.angular));
-        Arms {
-            near: from_fn(|i| turns[i] * self.bodies[i].near),
-            far: from_fn(|i| turns[i] * self.bodies[i].far),
+    pub(super) fn arms(&self, q: &[PlanarVector; 4]) -> LeverArms {
+        let rotations = q.map(|q| rotation(q.angular));
+        LeverArms {
+            near: from_fn(|i| rotations[i] * self.bodies[i].near),
+            far: from_fn(|i| rotations[i] * self.bodies[i].far),
         }
     }
 
-    /// How far each joint has come apart, gₖ [m].
-    pub fn gaps(&self, q: &[Planar; 4]) -> PerJoint {
+    /// The gap gₖ of each joint [m].
+    pub fn gaps(&self, q: &[PlanarVector; 4]) -> PerJoint {
         self.gaps_with(&self.arms(q), q)
     }
 
     #[inline]
-    pub(super) fn gaps_with(&self, arms: &Arms, q: &[Planar; 4]) -> PerJoint {
+    pub(super) fn gaps_with(&self, arms: &LeverArms, q: &[PlanarVector; 4]) -> PerJoint {
         let near = |i: usize| q[i].linear + arms.near[i];
         let far = |i: usize| q[i].linear + arms.far[i];
         [
@@ -98,9 +97,9 @@ impl Chain {
         ]
     }
 
-    /// The matrix J M⁻¹Jᵀ at these arms.
+    /// The matrix J M⁻¹Jᵀ at these lever arms.
     #[inline]
-    pub(super) fn schur(&self, arms: &Arms) -> Tridiagonal {
+    pub(super) fn schur(&self, arms: &LeverArms) -> Tridiagonal {
         let body = &self.bodies;
         let (near, far) = (&arms.near, &arms.far);
         let mut matrix = Tridiagonal {
@@ -108,72 +107,72 @@ impl Chain {
             upper: [Matrix2::zeros(); JOINTS - 1],
         };
         for i in 0..4 {
-            matrix.diagonal[i] += body[i].mobility(near[i], near[i]);
-            matrix.diagonal[i + 1] += body[i].mobility(far[i], far[i]);
-            matrix.upper[i] = -body[i].mobility(near[i], far[i]);
+            matrix.diagonal[i] += body[i].inverse_inertia(near[i], near[i]);
+            matrix.diagonal[i + 1] += body[i].inverse_inertia(far[i], far[i]);
+            matrix.upper[i] = -body[i].inverse_inertia(near[i], far[i]);
         }
-        for k in (0..JOINTS).filter(|&k| !self.held[k]) {
-            matrix.leave_out(k);
+        for k in (0..JOINTS).filter(|&k| !self.constrained[k]) {
+            matrix.decouple(k);
         }
         matrix
     }
 
-    /// What the joint forces are made from, for the joints that are held.
+    /// Sets the entries of the joints without constraint to zero.
     #[inline]
-    fn of_held(&self, mut each: PerJoint) -> PerJoint {
-        for (each, held) in each.iter_mut().zip(self.held) {
-            if !held {
+    fn constrained_only(&self, mut each: PerJoint) -> PerJoint {
+        for (each, constrained) in each.iter_mut().zip(self.constrained) {
+            if !constrained {
                 *each = Vector2::zeros();
             }
         }
         each
     }
 
-    /// Accelerations of the bodies, and the joint forces, when the applied forces alone
-    /// would accelerate them by `free` (a₀ = M⁻¹ f).
+    /// Accelerations of the bodies and the joint forces; `free` are the accelerations by the
+    /// applied forces alone, a₀ = M⁻¹ f.
     #[inline]
     pub(super) fn accelerations(
         &self,
-        arms: &Arms,
-        v: &[Planar; 4],
-        free: &[Planar; 4],
-    ) -> ([Planar; 4], PerJoint) {
-        let mut opening = arms.opening(free);
+        arms: &LeverArms,
+        v: &[PlanarVector; 4],
+        free: &[PlanarVector; 4],
+    ) -> ([PlanarVector; 4], PerJoint) {
+        let mut relative = arms.joint_motion(free);
         for i in 0..4 {
             // A point at r from the centre also accelerates by −ω² r.
             let omega_squared = v[i].angular * v[i].angular;
-            opening[i] -= arms.near[i] * omega_squared;
-            opening[i + 1] += arms.far[i] * omega_squared;
+            relative[i] -= arms.near[i] * omega_squared;
+            relative[i + 1] += arms.far[i] * omega_squared;
         }
-        let opening = self.of_held(opening);
-        let forces = self.schur(arms).factored().solve(&opening).map(|f| -f);
+        let relative = self.constrained_only(relative);
+        let forces = self.schur(arms).factored().solve(&relative).map(|f| -f);
         let mut accelerations = *free;
-        arms.push(self, &forces, &mut accelerations);
+        arms.apply(self, &forces, &mut accelerations);
         (accelerations, forces)
     }
 
-    /// Brings the joints that are held together again, places and speeds, by the least change in the
-    /// sense of the bodies' inertia.
-    pub(super) fn close(&self, q: &mut [Planar; 4], v: &mut [Planar; 4]) {
-        // Newton's method; what is left after an integration step is so small that the
-        // first pass ends it.
+    /// Projects positions and velocities onto the constraints, by the least change in the
+    /// metric of the bodies' inertia.
+    pub(super) fn close_joints(&self, q: &mut [PlanarVector; 4], v: &mut [PlanarVector; 4]) {
+        // Newton's method. After an integration step the gaps are so small that one pass is
+        // enough.
         for _ in 0..MAX_PASSES {
             let arms = self.arms(q);
-            let gaps = self.of_held(self.gaps_with(&arms, q));
+            let gaps = self.constrained_only(self.gaps_with(&arms, q));
             let matrix = self.schur(&arms).factored();
             if gaps.iter().all(|gap| gap.amax() <= CLOSED) {
-                let opening = self.of_held(arms.opening(v));
-                arms.push(self, &matrix.solve(&opening).map(|f| -f), v);
+                let relative = self.constrained_only(arms.joint_motion(v));
+                arms.apply(self, &matrix.solve(&relative).map(|f| -f), v);
                 return;
             }
-            arms.push(self, &matrix.solve(&gaps).map(|f| -f), q);
+            arms.apply(self, &matrix.solve(&gaps).map(|f| -f), q);
         }
     }
 }
 
-/// Joints nearer than this are together [m]: well below 1e-10 m, well above rounding.
+/// A joint with a smaller gap is closed [m]: well below 1e-10 m, well above rounding.
 const CLOSED: f64 = 1e-13;
-/// Passes after which a chain is taken not to close; a step of integration needs one.
+/// Most passes; after an integration step one is enough.
 const MAX_PASSES: usize = 20;
 
 /// A symmetric block-tridiagonal matrix.
@@ -184,7 +183,7 @@ pub(super) struct Tridiagonal {
     upper: [Matrix2<f64>; JOINTS - 1],
 }
 
-/// The same after block elimination: D′ₖ = Dₖ − Uₖ₋₁ᵀ D′ₖ₋₁⁻¹ Uₖ₋₁.
+/// The matrix after block elimination: D′ₖ = Dₖ − Uₖ₋₁ᵀ D′ₖ₋₁⁻¹ Uₖ₋₁.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Factored {
     inverse: [Matrix2<f64>; JOINTS],
@@ -192,8 +191,8 @@ pub(super) struct Factored {
 }
 
 impl Tridiagonal {
-    /// Parts joint k from the others: with nothing on the right, its force is nothing.
-    fn leave_out(&mut self, k: usize) {
+    /// Decouples joint k from the others: with a right-hand side of zero its force is zero.
+    fn decouple(&mut self, k: usize) {
         self.diagonal[k] = Matrix2::identity();
         for beside in [k.checked_sub(1), Some(k)].into_iter().flatten() {
             if let Some(block) = self.upper.get_mut(beside) {
@@ -234,8 +233,8 @@ impl Factored {
 
 /// The inverse of a symmetric positive definite block.
 ///
-/// With all links in one line the last block loses its rank: the forces along the line
-/// are not determined. Keeping the determinant above its rounding error picks finite ones.
+/// With all links in one line the last block is singular: the forces along the line are
+/// undetermined. A determinant kept above its rounding error gives finite ones.
 #[inline]
 fn inverted(m: Matrix2<f64>) -> Matrix2<f64> {
     let (a, b, c, d) = (m[(0, 0)], m[(0, 1)], m[(1, 0)], m[(1, 1)]);

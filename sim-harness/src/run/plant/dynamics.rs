@@ -1,40 +1,40 @@
-//! Motion of the chain under its motors: the state and its integration.
+//! The state of the arm with its motors, and its integration.
 
 use super::chain::{Chain, PerJoint};
 use super::motor::Motor;
-use super::planar::{Body, Planar, perp, turn};
+use super::planar::{Body, PlanarVector, perp, rotation};
 use nalgebra::Vector2;
 
-/// What moves the bodies, besides the joints that hold them.
+/// The chain with motors, gravity and tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Model {
-    /// The bodies. Links 1 and 4 turn with their rotors, link 2 carries the payload.
+    /// The bodies. Links 1 and 4 include their rotors, link 2 includes the payload.
     pub chain: Chain,
     /// The drives at A and E.
     pub motors: [Motor; 2],
     /// In-plane gravity [m/s²].
     pub gravity: Vector2<f64>,
-    /// The tool on link 2, from its centre of mass in its frame [m].
+    /// The tool on link 2, from the link's centre of mass, in the link's frame [m].
     pub tool: Vector2<f64>,
 }
 
-/// Places, speeds and currents.
+/// Positions, velocities and currents.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State {
     /// Centres of mass [m] and angles θ1…θ4 of the links [rad].
-    pub q: [Planar; 4],
+    pub q: [PlanarVector; 4],
     /// Their rates.
-    pub v: [Planar; 4],
+    pub v: [PlanarVector; 4],
     /// Motor currents [A].
     pub current: [f64; 2],
 }
 
-/// What acts on the arm from outside during a step.
+/// The inputs of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Loads {
-    /// Voltage at each motor's terminals [V]; none where they float.
+    /// Voltage at each motor's terminals [V]; none if they float.
     pub voltage: [Option<f64>; 2],
-    /// Torque on each driven joint besides its motor's and its friction [N·m].
+    /// Torque on each driven joint besides those of motor and friction [N·m].
     pub joint_torque: [f64; 2],
     /// Force on the tool [N].
     pub tool_force: Vector2<f64>,
@@ -45,21 +45,21 @@ pub(super) const DRIVEN: [usize; 2] = [0, 3];
 /// The link that carries the tool.
 const CARRIER: usize = 1;
 
-/// No integration step is shorter [s]: it resolves the fastest winding that a robot file
-/// may have, and friction that turns round faster has done so within a step.
+/// Least integration step [s]. It resolves the fastest winding that a robot file may have;
+/// friction that changes its sign faster does so within one step.
 const SHORTEST_STEP: f64 = 1e-6;
 
 /// Rates of change of a [`State`].
 #[derive(Clone, Copy)]
 struct Rates {
-    v: [Planar; 4],
-    a: [Planar; 4],
+    v: [PlanarVector; 4],
+    a: [PlanarVector; 4],
     current: [f64; 2],
 }
 
 impl State {
-    /// Floating terminals carry no current: the diodes end it within microseconds.
-    pub(super) fn float(&mut self, loads: &Loads) {
+    /// Sets the currents of floating terminals to zero: diodes end them within microseconds.
+    pub(super) fn clear_floating_currents(&mut self, loads: &Loads) {
         for (current, voltage) in self.current.iter_mut().zip(loads.voltage) {
             if voltage.is_none() {
                 *current = 0.0;
@@ -89,28 +89,27 @@ impl Model {
         })
     }
 
-    /// Accelerations of the bodies and the force that each joint passes on, from body
-    /// k−1 to body k [N].
+    /// Accelerations of the bodies, and the force of each joint on body k [N].
     pub fn accelerations(
         &self,
         state: &State,
         torque: [f64; 2],
         tool_force: Vector2<f64>,
-    ) -> ([Planar; 4], PerJoint) {
+    ) -> ([PlanarVector; 4], PerJoint) {
         let free = self.free_accelerations(state, torque, tool_force);
         let arms = self.chain.arms(&state.q);
         self.chain.accelerations(&arms, &state.v, &free)
     }
 
-    /// What the applied forces alone would make of the bodies' motion.
+    /// The accelerations that the applied forces alone would give.
     #[inline]
     pub(super) fn free_accelerations(
         &self,
         state: &State,
         torque: [f64; 2],
         tool_force: Vector2<f64>,
-    ) -> [Planar; 4] {
-        let mut free = [Planar {
+    ) -> [PlanarVector; 4] {
+        let mut free = [PlanarVector {
             linear: self.gravity,
             angular: 0.0,
         }; 4];
@@ -119,38 +118,39 @@ impl Model {
         }
         if tool_force != Vector2::zeros() {
             let arm = self.tool_arm(state);
-            free[CARRIER] = free[CARRIER] + self.chain.bodies[CARRIER].pushed(arm, tool_force);
+            free[CARRIER] =
+                free[CARRIER] + self.chain.bodies[CARRIER].acceleration_by(arm, tool_force);
         }
         free
     }
 
-    /// The tool, from the centre of mass of its link.
+    /// The tool from its link's centre of mass, in the frame of the base [m].
     fn tool_arm(&self, state: &State) -> Vector2<f64> {
-        turn(state.q[CARRIER].angular) * self.tool
+        rotation(state.q[CARRIER].angular) * self.tool
     }
 
-    /// The tool [m].
+    /// The tool's position [m].
     pub fn tool(&self, state: &State) -> Vector2<f64> {
         state.q[CARRIER].linear + self.tool_arm(state)
     }
 
-    /// Its velocity [m/s].
+    /// The tool's velocity [m/s].
     pub fn tool_velocity(&self, state: &State) -> Vector2<f64> {
         let v = state.v[CARRIER];
         v.linear + perp(self.tool_arm(state)) * v.angular
     }
 
-    /// Kinetic energy [J], the rotors' included.
+    /// Kinetic energy, with the rotors' [J].
     pub fn kinetic_energy(&self, state: &State) -> f64 {
-        let of = |(body, v): (&Body, &Planar)| {
+        let of = |(body, v): (&Body, &PlanarVector)| {
             0.5 * (body.mass * v.linear.norm_squared() + body.inertia * v.angular * v.angular)
         };
         self.chain.bodies.iter().zip(&state.v).map(of).sum()
     }
 
-    /// Kinetic energy and that in gravity [J].
+    /// Kinetic and potential energy [J].
     pub fn energy(&self, state: &State) -> f64 {
-        let height = |(body, q): (&Body, &Planar)| body.mass * self.gravity.dot(&q.linear);
+        let height = |(body, q): (&Body, &PlanarVector)| body.mass * self.gravity.dot(&q.linear);
         let fallen: f64 = self.chain.bodies.iter().zip(&state.q).map(height).sum();
         self.kinetic_energy(state) - fallen
     }
@@ -166,7 +166,7 @@ impl Model {
         (1.0 / rates[0].max(rates[1])).max(SHORTEST_STEP)
     }
 
-    /// Torque of each drive and of what else acts at its joint [N·m].
+    /// All torque on each driven joint [N·m].
     #[inline]
     pub(super) fn joint_torque(&self, state: &State, loads: &Loads) -> [f64; 2] {
         let [torque1, torque4] = self.drive_torque(state);
@@ -195,10 +195,10 @@ impl Model {
         })
     }
 
-    /// The state after `time` [s]: one step of the classic fourth-order Runge–Kutta
-    /// method, then the joints are brought together again.
+    /// Advances the state by `time` [s]: one step of the classic fourth-order Runge–Kutta
+    /// method, then the projection onto the constraints.
     pub fn step(&self, state: &mut State, loads: &Loads, time: f64) {
-        state.float(loads);
+        state.clear_floating_currents(loads);
         let k1 = self.rates(state, loads);
         let k2 = self.rates(&state.after(&k1, 0.5 * time), loads);
         let k3 = self.rates(&state.after(&k2, 0.5 * time), loads);
@@ -207,7 +207,7 @@ impl Model {
         next = next.after(&k2, time / 3.0);
         next = next.after(&k3, time / 3.0);
         next = next.after(&k4, time / 6.0);
-        self.chain.close(&mut next.q, &mut next.v);
+        self.chain.close_joints(&mut next.q, &mut next.v);
         *state = next;
     }
 }

@@ -1,17 +1,18 @@
-//! The simulated arm: a plant of its own make, in full coordinates with constraint forces,
-//! that never uses the controller's model, so that a simulation cannot confirm the
-//! controller's mistakes.
+//! The simulated arm.
+//!
+//! Its equations use full coordinates with constraint forces and share nothing with the
+//! controller's model, so that a simulation cannot confirm the controller's mistakes.
 //!
 //! | module | what it holds |
 //! |---|---|
 //! | `planar` | bodies and their motion in the plane |
 //! | `chain` | the joints A to E and the forces in them |
-//! | `motor`, `brake` | windings, gears, friction; what holds an unpowered joint |
+//! | `motor`, `brake` | windings, gears, friction; holding brakes |
 //! | `dynamics` | the state and its integration |
 //! | `worn_joints` | worn joints: pins with clearance in their bearings |
-//! | `sensors`, `noise` | what the controller gets to know |
-//! | `active_faults` | what has faults |
-//! | `build` | all this from a robot file |
+//! | `sensors`, `noise` | encoder counts, ADC codes, switches; pseudo-random numbers |
+//! | `active_faults` | the injected faults that are active |
+//! | `build` | the plant from a robot file and a mismatch |
 
 mod active_faults;
 mod brake;
@@ -28,7 +29,7 @@ pub use chain::{Chain, JOINTS, PerJoint};
 pub use dynamics::{Loads, Model, State};
 pub use motor::Motor;
 pub use noise::Noise;
-pub use planar::{Body, Planar};
+pub use planar::{Body, PlanarVector};
 pub use sensors::JointSensors;
 pub use worn_joints::{ContactStatistics, WornJoints};
 
@@ -41,12 +42,12 @@ use fivebar_firmware::{Command, Sensed};
 use fivebar_kinematics::five_bar::Pose;
 use nalgebra::Vector2;
 
-/// Steps of the timer that makes the PWM: 168 MHz for 20 kHz, counting up and down.
+/// Steps of the PWM timer: 168 MHz at 20 kHz, counting up and down.
 const PWM_STEPS: f64 = 4200.0;
-/// A joint that is held or jammed is one whose link is too heavy to turn [kg·m²].
+/// A braked or jammed joint is modelled by this inertia of its link [kg·m²].
 const HELD: f64 = 1e6;
 
-/// An arm with its motors, bridges and sensors, and the wear of its seed.
+/// An arm with its motors, bridges and sensors.
 #[derive(Clone, Debug)]
 pub struct Plant {
     model: Model,
@@ -54,30 +55,31 @@ pub struct Plant {
     wear: Option<WornJoints>,
     sensors: [JointSensors; 2],
     brakes: [Brake; 2],
-    /// Inertia of the driven links when they are free to turn [kg·m²].
+    /// Inertia of the driven links while nothing holds them [kg·m²].
     free_inertia: [f64; 2],
     bus_voltage: f64,
     volts_per_code: f64,
     count_origin: [i32; 2],
     noise: Noise,
-    /// The command that the bridges carry out now; the latest waits for the next period.
+    /// The outputs that the bridges apply now; the latest ones wait for the next period.
     active: Command,
     time: f64,
-    /// Faults yet to come, the last one first.
+    /// Scheduled faults, the last one first.
     pending: Vec<PlantFault>,
     faults: ActiveFaults,
-    /// Ticks that the controller is about to miss.
+    /// Ticks that the controller is going to miss.
     late_by: u32,
-    /// Ticks that it missed last.
+    /// Ticks that it missed before this one.
     missed_ticks: u32,
     tool_force: Vector2<f64>,
 }
 
 impl Plant {
-    /// The arm of `robot` with these differences from it, at rest in `pose`.
+    /// The arm of `robot` with this mismatch, at rest in `pose`. `seed` starts the sensors'
+    /// noise.
     ///
     /// # Errors
-    /// A robot known by its lengths alone.
+    /// The robot has lengths only, no masses.
     pub fn new(
         robot: &Robot,
         mismatch: &Mismatch,
@@ -113,16 +115,16 @@ impl Plant {
         })
     }
 
-    /// The same arm with worn joints, from now on integrated with a step that suits their
-    /// contacts, and watched joint by joint.
+    /// The same arm with worn joints. It is integrated with adaptive steps, and each joint's
+    /// contacts are recorded.
     #[must_use]
     pub fn worn(mut self, wear: WornJoints) -> Self {
-        self.model.chain.held = wear.held();
+        self.model.chain.constrained = wear.constrained();
         self.wear = Some(wear);
         self
     }
 
-    /// Lets these faults come to pass, each so long from now.
+    /// Injects each of these faults at its time from now.
     pub fn schedule_faults(&mut self, faults: &[PlantFault]) {
         self.pending.extend(faults.iter().map(|fault| PlantFault {
             at: self.time + fault.at,
@@ -153,9 +155,9 @@ impl Plant {
         }
     }
 
-    /// Moves on by one tick of `period` [s], and by those that the controller misses. The
-    /// bridges carry out the command of the tick before, as PWM registers load at the end of
-    /// their period.
+    /// Advances by one tick of `period` [s], and by the ticks that the controller misses.
+    /// The bridges apply the outputs of the tick before, because PWM registers load at the
+    /// end of their period.
     pub fn step(&mut self, command: &Command, period: f64) {
         self.inject_due_faults();
         self.missed_ticks = std::mem::take(&mut self.late_by);
@@ -189,13 +191,13 @@ impl Plant {
         if off || !command.enable[joint] {
             return None;
         }
-        // The compare register holds whole steps; not a number is 0 there.
+        // The compare register holds whole steps; NaN becomes 0.
         let duty = f64::from(command.duty[joint]).clamp(-1.0, 1.0);
         let register = (duty * PWM_STEPS).round() as i32;
         Some(f64::from(register) / PWM_STEPS * self.bus_voltage)
     }
 
-    /// Engages or releases a brake; its torque while it slows its joint down [N·m].
+    /// Engages or releases a brake; returns its torque while it slows its joint down [N·m].
     fn brake(&mut self, joint: usize, engaged: bool) -> f64 {
         let omega = self.state.v[DRIVEN[joint]].angular;
         let brake = &mut self.brakes[joint];
@@ -208,13 +210,15 @@ impl Plant {
         slowing
     }
 
-    /// Stops a joint from turning, or lets it turn again if nothing else stops it.
+    /// Holds a joint, or releases it unless it is also jammed.
     fn hold(&mut self, joint: usize, hold: bool) {
         let link = DRIVEN[joint];
         if hold {
             self.model.chain.bodies[link].inertia = HELD;
-            self.state.v[link] = Planar::ZERO;
-            self.model.chain.close(&mut self.state.q, &mut self.state.v);
+            self.state.v[link] = PlanarVector::ZERO;
+            self.model
+                .chain
+                .close_joints(&mut self.state.q, &mut self.state.v);
         } else if !self.faults.stalled[joint] {
             self.model.chain.bodies[link].inertia = self.free_inertia[joint];
         }
@@ -226,7 +230,7 @@ impl Plant {
         }
     }
 
-    /// Lets a fault come to pass now.
+    /// Injects a fault now.
     pub fn inject(&mut self, fault: FaultKind) {
         let faults = &mut self.faults;
         match fault {
@@ -257,7 +261,7 @@ impl Plant {
         }
     }
 
-    /// Pushes on the tool from now on [N].
+    /// Sets the external force on the tool [N].
     pub fn set_tool_force(&mut self, force: Vector2<f64>) {
         self.tool_force = force;
     }
@@ -266,7 +270,7 @@ impl Plant {
     pub fn model(&self) -> &Model {
         &self.model
     }
-    /// Places, speeds and currents.
+    /// Positions, velocities and currents.
     pub fn state(&self) -> &State {
         &self.state
     }
@@ -278,7 +282,7 @@ impl Plant {
     pub fn angle(&self, joint: usize) -> f64 {
         self.state.q[DRIVEN[joint]].angular
     }
-    /// True place of the tool [m].
+    /// True position of the tool [m].
     pub fn tool(&self) -> Vector2<f64> {
         self.model.tool(&self.state)
     }
@@ -286,7 +290,7 @@ impl Plant {
     pub fn bus_voltage(&self) -> f64 {
         self.bus_voltage
     }
-    /// The force that each joint passes on, A to E, from the body nearer to A [N].
+    /// The force through each joint, A to E, on the body nearer to E [N].
     pub fn reactions(&self) -> PerJoint {
         let (model, state) = (&self.model, &self.state);
         let torque = model.drive_torque(state);
@@ -297,7 +301,7 @@ impl Plant {
         forces
     }
 
-    /// The worn joints, where the arm was given some.
+    /// The worn joints, if the arm has any.
     pub fn wear(&mut self) -> Option<&mut WornJoints> {
         self.wear.as_mut()
     }

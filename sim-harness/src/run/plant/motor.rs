@@ -1,7 +1,7 @@
 //! One driven joint: a brushed motor behind a gear, and friction.
 //!
-//! L di/dt = u − R i − k n ω; torque at the joint: n k i − b ω − c s(ω/ω₀), with
-//! s(x) = x/√(1 + x²) for the sign. The rotor's inertia, n² J at the joint, is part of
+//! L di/dt = u − R i − k n ω. The torque at the joint is n k i − b ω − c s(ω/ω₀), with the
+//! smooth sign s(x) = x/√(1 + x²). The rotor's inertia, n² J at the joint, is included in
 //! the link's.
 
 /// A motor, its gear and the friction at its joint.
@@ -23,8 +23,8 @@ pub struct Motor {
     pub coulomb_friction: f64,
 }
 
-/// Joint speed ω₀ over which Coulomb friction turns round [rad/s]: far below any speed of
-/// work, wide enough for an integration step.
+/// Joint speed ω₀ at which Coulomb friction changes its sign smoothly [rad/s]: far below
+/// working speeds, yet wide enough for an integration step.
 const SIGN_WIDTH: f64 = 0.02;
 
 impl Motor {
@@ -34,22 +34,23 @@ impl Motor {
         self.gear_ratio * self.torque_constant * current
     }
 
-    /// Friction torque at the joint [N·m], against its speed `omega` [rad/s].
+    /// Friction torque at the joint [N·m] at its speed `omega` [rad/s].
     #[inline]
     pub fn friction(&self, omega: f64) -> f64 {
         let x = omega / SIGN_WIDTH;
         -self.viscous_friction * omega - self.coulomb_friction * x / (1.0 + x * x).sqrt()
     }
 
-    /// di/dt [A/s] under `voltage` at the terminals [V].
+    /// di/dt [A/s] under `voltage` [V] at the terminals, with `current` [A] and the joint's
+    /// speed `omega` [rad/s].
     #[inline]
     pub fn current_rate(&self, voltage: f64, current: f64, omega: f64) -> f64 {
         let back_emf = self.gear_ratio * self.torque_constant * omega;
         (voltage - self.resistance * current - back_emf) / self.inductance
     }
 
-    /// The fastest rate at which the motor and the friction on a link of `inertia`
-    /// [kg·m²] settle [1/s]; an integration step must not be much longer.
+    /// The fastest decay rate of the winding's current and of friction on a link of `inertia`
+    /// [kg·m²] [1/s]. An integration step must not be much longer than its inverse.
     pub(super) fn fastest_rate(&self, inertia: f64) -> f64 {
         let friction = self.viscous_friction + self.coulomb_friction / SIGN_WIDTH;
         (self.resistance / self.inductance).max(friction / inertia)

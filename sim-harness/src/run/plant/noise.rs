@@ -1,9 +1,9 @@
-//! Random numbers from a seed, the same on every platform.
+//! Pseudo-random numbers from a seed, the same on every platform.
 
 use oorandom::Rand64;
 use std::f64::consts::TAU;
 
-/// A stream of random numbers.
+/// A stream of pseudo-random numbers.
 #[derive(Clone, Debug)]
 pub struct Noise {
     uniform: Rand64,
@@ -19,17 +19,17 @@ impl Noise {
         }
     }
 
-    /// Any of the 32-bit integers, equally likely.
+    /// A 32-bit integer; all are equally likely.
     pub fn integer(&mut self) -> i32 {
         self.uniform.rand_u64() as u32 as i32
     }
 
-    /// Uniform in 0…1.
+    /// Uniform in [0, 1).
     pub fn uniform(&mut self) -> f64 {
         self.uniform.rand_float()
     }
 
-    /// Normal with mean 0 and standard deviation 1, by Box and Muller's pairs.
+    /// Normal with mean 0 and standard deviation 1, by the Box–Muller transform.
     pub fn normal(&mut self) -> f64 {
         if let Some(spare) = self.spare.take() {
             return spare;

@@ -1,27 +1,27 @@
-//! Rigid motion in the plane: three numbers a body, for its place, its speed or its
-//! acceleration.
+//! Rigid bodies in the plane: three numbers for a body's position, velocity or acceleration.
 
 use nalgebra::{Matrix2, Vector2};
 use std::ops::{Add, Mul};
 
-/// The body's centre of mass [m] and its turn [rad], or a time derivative of both.
+/// Position of a body's centre of mass [m] and the body's angle [rad], or a time derivative
+/// of both.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Planar {
-    /// Of the centre of mass.
+pub struct PlanarVector {
+    /// The linear part, of the centre of mass.
     pub linear: Vector2<f64>,
-    /// About it, counter-clockwise.
+    /// The angular part, counter-clockwise.
     pub angular: f64,
 }
 
-impl Planar {
-    /// Nothing moved.
+impl PlanarVector {
+    /// Zero.
     pub const ZERO: Self = Self {
         linear: Vector2::new(0.0, 0.0),
         angular: 0.0,
     };
 }
 
-impl Add for Planar {
+impl Add for PlanarVector {
     type Output = Self;
     #[inline]
     fn add(self, other: Self) -> Self {
@@ -32,7 +32,7 @@ impl Add for Planar {
     }
 }
 
-impl Mul<f64> for Planar {
+impl Mul<f64> for PlanarVector {
     type Output = Self;
     #[inline]
     fn mul(self, factor: f64) -> Self {
@@ -43,21 +43,21 @@ impl Mul<f64> for Planar {
     }
 }
 
-/// The vector turned by +90°.
+/// The vector rotated by +90°.
 #[inline]
 pub(super) fn perp(r: Vector2<f64>) -> Vector2<f64> {
     Vector2::new(-r.y, r.x)
 }
 
-/// The rotation by `angle` [rad]. By libm, the same bits on every platform, so that a seed
-/// gives one run everywhere.
+/// The rotation by `angle` [rad]. libm gives the same bits on every platform, so that a
+/// seed gives the same run everywhere.
 #[inline]
-pub(super) fn turn(angle: f64) -> Matrix2<f64> {
+pub(super) fn rotation(angle: f64) -> Matrix2<f64> {
     let (sin, cos) = libm::sincos(angle);
     Matrix2::new(cos, -sin, sin, cos)
 }
 
-/// A rigid body: its inertia, and its two joints as seen from its centre of mass.
+/// A rigid body: its inertia, and its two joints from its centre of mass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
     /// Mass [kg].
@@ -71,10 +71,10 @@ pub struct Body {
 }
 
 impl Body {
-    /// How a force at `s` accelerates the point `r` (both from the centre of mass, in the
-    /// plane): I/m + r⊥ s⊥ᵀ/J [1/kg].
+    /// The acceleration of the point `r` per force at the point `s`, both from the centre of
+    /// mass in the frame of the base: I/m + r⊥ s⊥ᵀ/J [1/kg].
     #[inline]
-    pub(super) fn mobility(&self, r: Vector2<f64>, s: Vector2<f64>) -> Matrix2<f64> {
+    pub(super) fn inverse_inertia(&self, r: Vector2<f64>, s: Vector2<f64>) -> Matrix2<f64> {
         let (r, s) = (perp(r) / self.inertia, perp(s));
         let per_mass = 1.0 / self.mass;
         Matrix2::new(
@@ -85,10 +85,10 @@ impl Body {
         )
     }
 
-    /// The acceleration that a force at `r` gives.
+    /// The acceleration that a force [N] at `r` [m] gives.
     #[inline]
-    pub(super) fn pushed(&self, r: Vector2<f64>, force: Vector2<f64>) -> Planar {
-        Planar {
+    pub(super) fn acceleration_by(&self, r: Vector2<f64>, force: Vector2<f64>) -> PlanarVector {
+        PlanarVector {
             linear: force / self.mass,
             angular: perp(r).dot(&force) / self.inertia,
         }

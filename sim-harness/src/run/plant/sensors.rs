@@ -1,4 +1,4 @@
-//! What the controller can know: counts, codes and switches.
+//! The sensors: encoder counts, ADC codes and switches.
 
 use super::noise::Noise;
 use std::f64::consts::TAU;
@@ -10,13 +10,14 @@ pub struct JointSensors {
     pub counts_per_turn: f64,
     /// Joint angle at the home switch [rad].
     pub home: f64,
-    /// Whether the joint's angle grows towards its switch, which stays pressed beyond.
+    /// Whether the joint's angle increases towards its switch; beyond, the switch stays
+    /// pressed.
     pub home_forward: bool,
     /// Motor current per ADC code [A].
     pub current_per_code: f64,
     /// ADC code at zero current.
     pub current_zero_code: f64,
-    /// Error of that zero [codes].
+    /// Error of the code at zero current [codes].
     pub current_offset: f64,
     /// Standard deviation of the current samples [codes].
     pub current_noise: f64,
@@ -31,11 +32,11 @@ pub(super) fn adc_code(value: f64) -> u16 {
 }
 
 impl JointSensors {
-    /// Counts at a joint angle [rad], wrapping like the hardware's, from `origin`.
+    /// Encoder counts at a joint angle [rad], from `origin`, wrapping like the hardware's.
     #[inline]
     pub(super) fn counts(&self, angle: f64, origin: i32) -> i32 {
         let turns = (angle / TAU * self.counts_per_turn).floor();
-        // Keeps the low 32 bits, as a counter does.
+        // Keep the low 32 bits, as the counter does.
         origin.wrapping_add(turns as i64 as i32)
     }
 

@@ -1,13 +1,13 @@
-//! The chain with worn joints: pins that fly, strike and slide in their bearings.
+//! The chain with worn joints, whose pins fly, strike and slide in their bearings.
 //!
-//! A worn joint is not held by constraint: between body k−1, which has the bearing, and
-//! body k, which has the pin, act the forces of [`Journal`] alone. The joints that are not
-//! worn are held as ever. Coordinates, speeds and currents are integrated together, with a
-//! step that suits the contacts, from one touch or parting to the next.
+//! A worn joint has no constraint. Body k−1 has its bearing, body k its pin, and the contact
+//! forces of [`Journal`] act between them. The other joints keep their constraints.
+//! Positions, velocities and currents are integrated together with adaptive steps, from one
+//! change of contact to the next.
 
-use super::chain::{Arms, JOINTS, PerJoint};
+use super::chain::{JOINTS, LeverArms, PerJoint};
 use super::dynamics::{Loads, Model, State};
-use super::planar::Planar;
+use super::planar::PlanarVector;
 use crate::input::robot::Contact;
 use crate::run::contact::{
     ClearanceError, ContactForce, DormandPrince45, Eccentricity, HybridSystem, Journal, Phase,
@@ -15,54 +15,54 @@ use crate::run::contact::{
 use nalgebra::{SVector, Vector2};
 
 /// Twelve coordinates, their rates, two currents.
-const NUMBERS: usize = 26;
-type Numbers = SVector<f64, NUMBERS>;
+const STATES: usize = 26;
+type StateVector = SVector<f64, STATES>;
 
-/// What a step may err by. Loads of a newton press a pin some 10 nm into its bearing.
-const PLACE_ERROR: f64 = 1e-10; // m
+// Tolerances of one step. A load of 1 N presses a pin about 10 nm into its bearing.
+const POSITION_ERROR: f64 = 1e-10; // m
 const ANGLE_ERROR: f64 = 1e-9; // rad
 const SPEED_ERROR: f64 = 1e-6; // m/s
 const SPIN_ERROR: f64 = 1e-5; // rad/s
 const CURRENT_ERROR: f64 = 1e-6; // A
 
-/// What one joint went through.
+/// Forces and contacts of one joint over a time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactStatistics {
     /// Greatest force [N].
     pub peak_force: f64,
-    /// How often the pin struck its bearing.
+    /// Number of impacts.
     pub impacts: u32,
-    /// The fastest of these [m/s].
+    /// Greatest speed of an impact [m/s].
     pub fastest_impact: f64,
-    /// How often it left it.
+    /// Number of times that the pin left its bearing.
     pub flights: u32,
     /// Time without contact [s].
-    pub flight: f64,
+    pub flight_time: f64,
 }
 
 impl ContactStatistics {
-    /// This and what came after it.
-    pub fn with(&self, later: &Self) -> Self {
+    /// The statistics of two times together.
+    pub fn combined(&self, later: &Self) -> Self {
         Self {
             peak_force: self.peak_force.max(later.peak_force),
             impacts: self.impacts + later.impacts,
             fastest_impact: self.fastest_impact.max(later.fastest_impact),
             flights: self.flights + later.flights,
-            flight: self.flight + later.flight,
+            flight_time: self.flight_time + later.flight_time,
         }
     }
 }
 
-/// The joints that are worn, and what goes on in them.
+/// The worn joints and their contacts.
 #[derive(Clone, Debug)]
 pub struct WornJoints {
     journals: [Option<Journal>; JOINTS],
     phases: [Phase; JOINTS],
     statistics: [ContactStatistics; JOINTS],
-    method: DormandPrince45<NUMBERS>,
+    method: DormandPrince45<STATES>,
 }
 
-/// The arm during one tick.
+/// The arm with worn joints during one tick, as the integrator sees it.
 struct WornArm<'a> {
     model: &'a Model,
     loads: &'a Loads,
@@ -72,11 +72,11 @@ struct WornArm<'a> {
 }
 
 impl WornJoints {
-    /// Joints A to E with these clearances [m], their pins in the middle; 0 is a joint
-    /// that is not worn.
+    /// Joints A to E with these clearances [m]. Their pins begin in the centres of their
+    /// bearings. A joint with clearance 0 is not worn.
     ///
     /// # Errors
-    /// A clearance that leaves no pin.
+    /// A clearance that is not between 0 and the bearing's radius.
     pub fn new(contact: &Contact, clearance: [f64; JOINTS]) -> Result<Self, ClearanceError> {
         let mut journals = [None; JOINTS];
         for (journal, clearance) in journals.iter_mut().zip(clearance) {
@@ -84,8 +84,8 @@ impl WornJoints {
                 *journal = Some(Journal::new(contact, clearance)?);
             }
         }
-        let tolerance = Numbers::from_fn(|i, _| match i {
-            0..12 if i % 3 < 2 => PLACE_ERROR,
+        let tolerance = StateVector::from_fn(|i, _| match i {
+            0..12 if i % 3 < 2 => POSITION_ERROR,
             0..12 => ANGLE_ERROR,
             12..24 if i % 3 < 2 => SPEED_ERROR,
             12..24 => SPIN_ERROR,
@@ -99,14 +99,14 @@ impl WornJoints {
         })
     }
 
-    /// Which joints constraints must hold.
-    pub fn held(&self) -> [bool; JOINTS] {
+    /// Which joints need a constraint.
+    pub fn constrained(&self) -> [bool; JOINTS] {
         self.journals.map(|journal| journal.is_none())
     }
 
-    /// Moves the arm on by `time` [s] under constant loads.
+    /// Advances the arm by `time` [s] under constant loads.
     pub fn step(&mut self, model: &Model, state: &mut State, loads: &Loads, time: f64) {
-        state.float(loads);
+        state.clear_floating_currents(loads);
         let mut x = packed(state);
         let mut worn_arm = WornArm {
             model,
@@ -117,23 +117,23 @@ impl WornJoints {
         };
         self.method.advance(&mut worn_arm, &mut x, time);
         *state = unpacked(&x);
-        model.chain.close(&mut state.q, &mut state.v);
+        model.chain.close_joints(&mut state.q, &mut state.v);
     }
 
-    /// What the joints went through since this was last asked.
+    /// Takes the statistics since the last call.
     pub fn take_statistics(&mut self) -> [ContactStatistics; JOINTS] {
         std::mem::take(&mut self.statistics)
     }
 
-    /// Accelerations of the bodies and the force that each joint passes on, by contact or
-    /// by constraint.
+    /// Accelerations of the bodies, and the force through each joint, by contact or by
+    /// constraint [N].
     pub fn accelerations(
         &self,
         model: &Model,
         state: &State,
         torque: [f64; 2],
         tool_force: Vector2<f64>,
-    ) -> ([Planar; 4], PerJoint) {
+    ) -> ([PlanarVector; 4], PerJoint) {
         accelerations(
             model,
             &self.journals,
@@ -153,8 +153,8 @@ impl WornJoints {
         (0..JOINTS).map(stored).sum()
     }
 
-    /// How far each pin is from its bearing's middle, as a share of the clearance; none
-    /// where the joint is not worn.
+    /// The distance of each pin from its bearing's centre, as a share of the clearance; none
+    /// for a joint that is not worn.
     pub fn eccentricity(&self, model: &Model, state: &State) -> [Option<f64>; JOINTS] {
         let gaps = model.chain.gaps(&state.q);
         std::array::from_fn(|k| {
@@ -166,9 +166,9 @@ impl WornJoints {
 
 /// The motion of each pin in its bearing.
 #[inline]
-fn motions(model: &Model, arms: &Arms, state: &State) -> [Eccentricity; JOINTS] {
+fn motions(model: &Model, arms: &LeverArms, state: &State) -> [Eccentricity; JOINTS] {
     let gaps = model.chain.gaps_with(arms, &state.q);
-    let rates = arms.opening(&state.v);
+    let rates = arms.joint_motion(&state.v);
     let spin = |body: Option<usize>| {
         let body = body.and_then(|i| state.v.get(i));
         body.map_or(0.0, |v| v.angular)
@@ -188,7 +188,7 @@ fn accelerations(
     state: &State,
     torque: [f64; 2],
     tool_force: Vector2<f64>,
-) -> ([Planar; 4], PerJoint) {
+) -> ([PlanarVector; 4], PerJoint) {
     let chain = &model.chain;
     let arms = chain.arms(&state.q);
     let motions = motions(model, &arms, state);
@@ -207,11 +207,11 @@ fn accelerations(
         contacts[k] = force;
         if k < 4 {
             let arm = arms.near[k] + on_pin;
-            free[k] = free[k] + chain.bodies[k].pushed(arm, force);
+            free[k] = free[k] + chain.bodies[k].acceleration_by(arm, force);
         }
         if k > 0 {
             let arm = arms.far[k - 1] + on_bearing;
-            free[k - 1] = free[k - 1] + chain.bodies[k - 1].pushed(arm, -force);
+            free[k - 1] = free[k - 1] + chain.bodies[k - 1].acceleration_by(arm, -force);
         }
     }
     let (a, mut forces) = chain.accelerations(&arms, &state.v, &free);
@@ -222,14 +222,14 @@ fn accelerations(
 }
 
 impl WornArm<'_> {
-    fn accelerations(&self, state: &State) -> ([Planar; 4], PerJoint) {
+    fn accelerations(&self, state: &State) -> ([PlanarVector; 4], PerJoint) {
         let torque = self.model.joint_torque(state, self.loads);
         let force = self.loads.tool_force;
         accelerations(self.model, self.journals, self.phases, state, torque, force)
     }
 
-    /// The worn joints whose phase must change.
-    fn due(&self, x: &Numbers) -> [Option<Journal>; JOINTS] {
+    /// The worn joints whose phase ends at `x`.
+    fn due(&self, x: &StateVector) -> [Option<Journal>; JOINTS] {
         let gaps = self.model.chain.gaps(&unpacked(x).q);
         std::array::from_fn(|k| {
             self.journals[k].filter(|journal| journal.guard(self.phases[k], gaps[k]))
@@ -237,8 +237,8 @@ impl WornArm<'_> {
     }
 }
 
-impl HybridSystem<NUMBERS> for WornArm<'_> {
-    fn rates(&self, x: &Numbers) -> Numbers {
+impl HybridSystem<STATES> for WornArm<'_> {
+    fn rates(&self, x: &StateVector) -> StateVector {
         let state = unpacked(x);
         let (a, _) = self.accelerations(&state);
         packed(&State {
@@ -248,11 +248,11 @@ impl HybridSystem<NUMBERS> for WornArm<'_> {
         })
     }
 
-    fn guard(&self, x: &Numbers) -> bool {
+    fn guard(&self, x: &StateVector) -> bool {
         self.due(x).iter().any(Option::is_some)
     }
 
-    fn transition(&mut self, x: &Numbers) {
+    fn transition(&mut self, x: &StateVector) {
         let state = unpacked(x);
         let arms = self.model.chain.arms(&state.q);
         let motions = motions(self.model, &arms, &state);
@@ -271,19 +271,19 @@ impl HybridSystem<NUMBERS> for WornArm<'_> {
         }
     }
 
-    fn record(&mut self, x: &Numbers, step: f64) {
+    fn record(&mut self, x: &StateVector, step: f64) {
         let (_, forces) = self.accelerations(&unpacked(x));
         for (k, (statistics, force)) in self.statistics.iter_mut().zip(forces).enumerate() {
             statistics.peak_force = statistics.peak_force.max(force.norm());
             if self.journals[k].is_some() && self.phases[k] == Phase::Flight {
-                statistics.flight += step;
+                statistics.flight_time += step;
             }
         }
     }
 }
 
-fn packed(state: &State) -> Numbers {
-    let mut x = Numbers::zeros();
+fn packed(state: &State) -> StateVector {
+    let mut x = StateVector::zeros();
     for (i, part) in state.q.iter().chain(&state.v).enumerate() {
         let three = [part.linear.x, part.linear.y, part.angular];
         x.fixed_rows_mut::<3>(3 * i).copy_from_slice(&three);
@@ -292,8 +292,8 @@ fn packed(state: &State) -> Numbers {
     x
 }
 
-fn unpacked(x: &Numbers) -> State {
-    let part = |i: usize| Planar {
+fn unpacked(x: &StateVector) -> State {
+    let part = |i: usize| PlanarVector {
         linear: Vector2::new(x[3 * i], x[3 * i + 1]),
         angular: x[3 * i + 2],
     };

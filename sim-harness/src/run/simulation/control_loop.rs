@@ -1,4 +1,4 @@
-//! The loop of a run: sense, tick, step; home, arm, moves, done.
+//! The loop of a run: sense, tick and step, through homing, arming and the moves.
 
 use super::{JointHistory, Sample, TipError, Trace};
 use crate::input::scenario::PlantFault;
@@ -8,74 +8,75 @@ use fivebar_firmware::controller::Request;
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::{Move, Status};
 
-/// Simulated time in which both joints must have found their switches [s].
+/// Longest simulated time of homing [s].
 const LONGEST_HOMING: f64 = 60.0;
-/// The joints run out after homing before they are held [s].
+/// Time between homing and arming, in which the joints come to rest [s].
 const SETTLING: f64 = 0.1;
-/// What follows the end of the job, or a fault, is watched for so long [s].
+/// Time that is simulated after the end of the job, or after a fault [s].
 const AFTERMATH: f64 = 0.1;
 
-/// A run under one controller, from power-up to its end.
+/// The record of a run under one controller, from power-up to its end.
 #[derive(Clone, Debug, Default)]
 pub struct Record {
-    /// The job sample by sample; its time begins with the job, after homing.
+    /// The samples of the job. Their time begins with the job, after homing.
     pub trace: Trace,
     /// Ticks from power-up to the end.
     pub ticks: u64,
-    /// All of it [s].
+    /// Simulated time from power-up to the end [s].
     pub simulated: f64,
-    /// When the job began, the arm being homed [s]; never, if it was not.
+    /// Time from power-up to the beginning of the job [s]; none if homing failed.
     pub begun: Option<f64>,
-    /// How far the tool was from its reference during the job.
+    /// Tip error during the job.
     pub tip_error: TipError,
     /// Greatest torque of each motor, at its joint [N·m].
     pub peak_torque: [f64; 2],
     /// Ticks of the job in which a torque was limited.
     pub saturated_ticks: u64,
-    /// What the joints went through during the job, where the run watches them.
+    /// Forces and contacts of the joints during the job, if joints are worn.
     pub joints: JointHistory,
-    /// The faults raised, in their order, each with its time from power-up [s].
+    /// The faults in order, each with its time from power-up [s].
     pub faults: Vec<(f64, Fault)>,
 }
 
-/// A controller and the arm it moves, in lockstep.
+/// A controller and the simulated arm in lockstep.
 pub struct Simulation<'a, T> {
     target: &'a mut T,
     plant: Plant,
-    /// From one tick to the next [s].
+    /// Period of the tick [s].
     period: f64,
     record: Record,
-    job: Tally,
-    /// The job has come to its end, one way or another.
+    job: JobSums,
+    /// Whether the job is done or cancelled.
     ended: bool,
 }
 
 /// Sums over the ticks of the job.
 #[derive(Clone, Copy, Debug, Default)]
-struct Tally {
+struct JobSums {
     ticks: u64,
+    /// Sum of the squared tip errors [m²].
     squares: f64,
 }
 
 impl<'a, T: Target> Simulation<'a, T> {
-    /// Everything unpowered, nothing homed.
+    /// A run before power-up; `tick_rate` is in Hz.
     pub fn new(target: &'a mut T, plant: Plant, tick_rate: f64) -> Self {
         Self {
             target,
             plant,
             period: 1.0 / tick_rate,
             record: Record::default(),
-            job: Tally::default(),
+            job: JobSums::default(),
             ended: false,
         }
     }
 
-    /// Homes the arm, does the moves and tells what happened. `faults` come to pass at
-    /// their time from the beginning of the job; `progress` is told how many of the moves
-    /// have been handed over. A fault ends the run and is part of the record.
+    /// Homes the arm, does the moves and returns the record. `faults` are injected at their
+    /// times from the beginning of the job. `progress` is called with the number of moves
+    /// that the controller has accepted. A fault ends the run and is part of the record.
     ///
     /// # Errors
-    /// The controller refuses a request or a move, or does not answer.
+    /// The controller refuses a request or a move, or does not reply.
     pub fn run(
         mut self,
         moves: &[Move],
@@ -88,14 +89,14 @@ impl<'a, T: Target> Simulation<'a, T> {
             self.target.request(Request::Arm)?;
             self.record.begun = Some(self.now());
             self.plant.schedule_faults(faults);
-            self.follow(moves, progress)?;
+            self.run_moves(moves, progress)?;
         }
         self.ended = true;
         self.pause(AFTERMATH)?;
         Ok(self.finished())
     }
 
-    /// Whether the arm was homed; else a fault is on record.
+    /// Waits until the arm is homed. False if a fault ended homing; the record has it.
     fn wait_for_home(&mut self) -> Result<bool, TargetError> {
         while self.now() < LONGEST_HOMING {
             let status = self.tick()?;
@@ -110,7 +111,7 @@ impl<'a, T: Target> Simulation<'a, T> {
         Err(TargetError::NeverHomed(LONGEST_HOMING))
     }
 
-    fn follow(
+    fn run_moves(
         &mut self,
         moves: &[Move],
         progress: &mut dyn FnMut(usize),
@@ -147,15 +148,15 @@ impl<'a, T: Target> Simulation<'a, T> {
     fn tick(&mut self) -> Result<Status, TargetError> {
         let sensed = self.plant.sense();
         let (command, status) = self.target.tick(&sensed)?;
-        self.observe(&status);
+        self.record_sample(&status);
         self.plant.step(&command, self.period);
         self.record.ticks += 1;
-        self.watch_joints();
+        self.record_joints();
         Ok(status)
     }
 
-    /// Notes what the joints went through during the tick.
-    fn watch_joints(&mut self) {
+    /// Records the forces and contacts of the joints during the tick.
+    fn record_joints(&mut self) {
         let Some(statistics) = self.plant.wear().map(WornJoints::take_statistics) else {
             return;
         };
@@ -166,8 +167,8 @@ impl<'a, T: Target> Simulation<'a, T> {
         }
     }
 
-    /// Notes the instant of the samples that the tick has answered.
-    fn observe(&mut self, status: &Status) {
+    /// Records the state at the instant of the tick's samples.
+    fn record_sample(&mut self, status: &Status) {
         let now = self.now();
         let record = &mut self.record;
         if let Some(fault) = status.fault
@@ -183,7 +184,7 @@ impl<'a, T: Target> Simulation<'a, T> {
         let Some(begun) = record.begun else {
             return;
         };
-        let Some(told) = Sample::told(status, now - begun) else {
+        let Some(reported) = Sample::reported(status, now - begun) else {
             return;
         };
         let sample = Sample {
@@ -191,7 +192,7 @@ impl<'a, T: Target> Simulation<'a, T> {
             angle: [0, 1].map(|j| self.plant.angle(j)),
             torque,
             current: state.current,
-            ..told
+            ..reported
         };
         record.trace.push(sample);
         if !self.ended {

@@ -1,23 +1,22 @@
-//! The demonstration, tried on an arm that nobody has seen move yet.
+//! The scale at which a new arm can draw the demonstration.
 
 use super::{Record, RunError};
 use crate::input::robot::Robot;
 use crate::input::scenario::{Scenario, ScenarioError};
 
-/// Sizes at which a job is tried, the largest first: metres in the plane per metre in the
-/// job.
+/// The scales that are tried, the largest first: metres in the plane per metre in the job.
 const SCALES: [f64; 7] = [1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01];
 
-/// Why an arm does not draw the demonstration, with what was tried.
+/// Why an arm cannot draw the demonstration, with the scenario that was tried.
 #[derive(Debug, thiserror::Error)]
 pub enum DemoScaleError {
-    /// The robot or the job makes no sense.
+    /// The robot or the job is not valid.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
-    /// The job cannot be done, the least of the sizes neither.
+    /// The job cannot be done, even at the least scale.
     #[error("{1}, even at a scale of {scale}", scale = .0.scale)]
     TooLarge(Box<Scenario>, RunError),
-    /// The run was refused or broken off.
+    /// The run was refused or ended early.
     #[error("{1}")]
     Run(Box<Scenario>, RunError),
     /// A fault stopped the arm.
@@ -26,17 +25,16 @@ pub enum DemoScaleError {
 }
 
 impl Scenario {
-    /// Makes the job as large as the arm has room for: of a few scales the greatest at which
-    /// the controller takes it.
+    /// Sets the greatest of a few scales at which the controller accepts the job.
     ///
     /// # Errors
-    /// The refusal at the smallest scale, or what else keeps the job from being run.
+    /// The refusal at the least scale, or an error other than a refused move.
     pub fn fit(&mut self) -> Result<(), RunError> {
         let mut refused = Ok(());
         for scale in SCALES {
             self.scale = scale;
             match self.check(&self.job()?) {
-                // What is too large here may fit if it is smaller.
+                // A job that is too large may fit at a smaller scale.
                 Err(error @ RunError::Target(_)) => refused = Err(error),
                 other => return other,
             }
@@ -45,10 +43,11 @@ impl Scenario {
     }
 }
 
-/// The greatest of a few scales at which the arm draws the demonstration, by trying.
+/// The greatest of a few scales at which the controller accepts the demonstration, if the
+/// arm draws it at this scale in simulation.
 ///
 /// # Errors
-/// Why it does at none.
+/// The reason if it does so at no scale.
 pub fn find_demo_scale(robot: &Robot) -> Result<f64, DemoScaleError> {
     let mut scenario = Box::new(Scenario::demonstration(robot.clone()));
     match scenario.fit() {

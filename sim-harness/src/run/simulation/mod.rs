@@ -1,4 +1,4 @@
-//! A run: a scenario simulated from power-up to the end of its job, and what it comes to.
+//! A run: the simulation of a scenario from power-up to the end of its job, and its results.
 
 mod control_loop;
 mod demo_scale;
@@ -8,7 +8,7 @@ mod trace;
 
 pub use control_loop::{Record, Simulation};
 pub use demo_scale::{DemoScaleError, find_demo_scale};
-pub use joints::{JointHistory, Peak};
+pub use joints::{JointHistory, PeakForce};
 pub use summary::{Summary, TipError, fault_name};
 pub use trace::{Sample, Trace};
 
@@ -22,35 +22,35 @@ use fivebar_firmware::settings::SettingsError;
 use fivebar_firmware::{Move, Planner};
 use std::time::Instant;
 
-/// Why a scenario was not run to its end, faults of the arm aside.
+/// Why a run ended early. Faults of the controller are no errors here; the record has them.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
-    /// The scenario or its job makes no sense.
+    /// The scenario or its job is not valid.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
-    /// A joint is worn out.
+    /// A clearance is not between 0 and the bearing's radius.
     #[error(transparent)]
     ClearanceError(#[from] ClearanceError),
     /// The robot has no masses.
     #[error(transparent)]
     KinematicsOnly(#[from] KinematicsOnly),
-    /// The robot has no place to start from.
+    /// The robot has no home pose.
     #[error(transparent)]
     NoHome(#[from] NoHome),
-    /// The controller refuses the robot.
+    /// The controller refuses the robot's settings.
     #[error("robot `{robot}`: {}", in_words_of_its_file(*.error))]
     Settings {
         /// The robot's name.
         robot: String,
-        /// The setting at fault.
+        /// The setting that is not valid.
         error: SettingsError,
     },
-    /// The controller refuses the job, or something else asked of it.
+    /// The controller refuses the job or a request, or does not reply.
     #[error(transparent)]
     Target(#[from] TargetError),
 }
 
-/// How far each joint stands before its home switch at power-up [rad].
+/// Angle of each joint before its home switch at power-up [rad].
 const BEFORE_HOME: f64 = 0.1;
 
 impl Scenario {
@@ -59,31 +59,31 @@ impl Scenario {
         job.moves(self.robot.motion.max_speed).collect()
     }
 
-    /// Holds every move of the job against what the arm may do, before anything moves.
+    /// Checks all moves of the job against the arm's envelope, before anything moves.
     ///
     /// # Errors
     /// The first line that cannot be done, with the point and the reason.
     pub fn check(&self, job: &Job) -> Result<(), RunError> {
-        let planner = Planner::new(&self.robot.settings()?).map_err(|e| self.unsound(e))?;
+        let planner = Planner::new(&self.robot.settings()?).map_err(|e| self.settings_error(e))?;
         let [x, y] = self.robot.tool_at(&self.robot.home_pose()?);
         let mut tool = [x as f32, y as f32];
-        for order in self.moves(job) {
-            tool = planner.check(tool, &order).map_err(TargetError::Move)?;
+        for next in self.moves(job) {
+            tool = planner.check(tool, &next).map_err(TargetError::Move)?;
         }
         Ok(())
     }
 
-    fn unsound(&self, error: SettingsError) -> RunError {
+    fn settings_error(&self, error: SettingsError) -> RunError {
         RunError::Settings {
             robot: self.robot.name.clone(),
             error,
         }
     }
 
-    /// The simulated arm, unpowered, somewhat before its home switches.
+    /// The simulated arm, unpowered, with each joint 0.1 rad before its home switch.
     ///
     /// # Errors
-    /// A robot without masses, or without a home.
+    /// The robot has no masses or no home pose.
     pub fn plant(&self) -> Result<Plant, RunError> {
         let settings = self.robot.settings()?;
         let before = settings.axes.map(|axis| {
@@ -104,11 +104,11 @@ impl Scenario {
         Ok(plant)
     }
 
-    /// Runs the job in this process, by the arm's model or by PD alone. `progress` is told
-    /// how many of the job's moves the controller has taken.
+    /// Runs the job in this process, by computed torque or by PD alone. Calls `progress` with
+    /// the number of moves that the controller has accepted.
     ///
     /// # Errors
-    /// Whatever keeps the run from its end, faults aside: those are part of the record.
+    /// Anything that ends the run early, except faults: the record has those.
     pub fn simulate(
         &self,
         job: &Job,
@@ -119,20 +119,20 @@ impl Scenario {
         self.run_on(&mut target, &self.moves(job), progress)
     }
 
-    /// The controller in this process, by the arm's model or by PD alone, just reset.
+    /// A controller in this process, as after a reset, with computed torque or PD alone.
     ///
     /// # Errors
-    /// A robot without masses, or settings that the controller refuses.
+    /// The robot has no masses, or the controller refuses its settings.
     pub fn controller(&self, computed_torque: bool) -> Result<InProcess, RunError> {
         let mut settings = self.robot.settings()?;
         settings.control.computed_torque = computed_torque;
-        InProcess::new(&settings).map_err(|e| self.unsound(e))
+        InProcess::new(&settings).map_err(|e| self.settings_error(e))
     }
 
-    /// Runs moves on a controller, wherever it is; else as [`Scenario::simulate`].
+    /// Runs moves on any controller, else as [`Scenario::simulate`].
     ///
     /// # Errors
-    /// As there.
+    /// As [`Scenario::simulate`].
     pub fn run_on(
         &self,
         target: &mut impl Target,

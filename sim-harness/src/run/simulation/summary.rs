@@ -1,18 +1,18 @@
-//! What a run comes to, in the words of its JSON.
+//! The results of a run, with the keys of its JSON.
 
 use fivebar_firmware::safety::Fault;
 use serde::Serialize;
 
-/// How far the tool was from its reference, over all ticks of the job.
+/// The tip error over all ticks of the job.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct TipError {
-    /// Root of the mean square [m].
+    /// Root mean square [m].
     pub rms_m: f64,
-    /// Greatest [m].
+    /// Greatest value [m].
     pub max_m: f64,
 }
 
-/// A run in figures: `summary.json`, and the last line of `--json`.
+/// The figures of a run: `summary.json`, and the last line with `--json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Summary {
     /// The robot's name.
@@ -21,13 +21,13 @@ pub struct Summary {
     pub scenario: String,
     /// Simulated time [s].
     pub simulated_s: f64,
-    /// Time the run took [s].
+    /// Real time of the run [s].
     pub wall_s: f64,
     /// Ticks of the controller.
     pub ticks: u64,
-    /// How far the tool was from its reference.
+    /// The tip error.
     pub tip_error: TipError,
-    /// The same for the same run under PD alone, where it was made.
+    /// The tip error of the same run under PD alone, if it was made.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pd_tip_error: Option<TipError>,
     /// Greatest torque of each motor, at its joint [N·m].
@@ -53,16 +53,16 @@ pub fn fault_name(fault: Fault) -> String {
 }
 
 impl Summary {
-    /// Simulated time per time taken, to two digits or more.
+    /// Simulated time per real time, to two digits or more.
     pub fn speed(&self) -> String {
         let speed = self.simulated_s / self.wall_s;
         let decimals = if speed < 10.0 { 2 } else { 0 };
         format!("{speed:.decimals$}")
     }
 
-    /// How many times as large the tip error is under PD; none where a fault cut the run
-    /// short, so that there is too little to compare.
-    pub fn times_as_large(&self, pd: TipError) -> Option<f64> {
+    /// Ratio of the RMS tip error under PD alone to this one; none if a fault ended the run
+    /// early, because the runs are then not comparable.
+    pub fn ratio_to(&self, pd: TipError) -> Option<f64> {
         let is_whole = self.faults.is_empty() && self.tip_error.rms_m > 0.0;
         is_whole.then(|| pd.rms_m / self.tip_error.rms_m)
     }

@@ -1,9 +1,9 @@
-//! What happened in a run, sample by sample.
+//! The trace of a run: its samples over time.
 
 use fivebar_firmware::Status;
 use fivebar_firmware::safety::Limits;
 
-/// One moment of a run. Pairs are of joint 1 and joint 4; positions are in the frame of
+/// One instant of a run. Pairs are of joint 1 and joint 4; positions are in the frame of
 /// the base.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
@@ -11,13 +11,13 @@ pub struct Sample {
     pub time: f64,
     /// Tag of the move in progress: the line of the job.
     pub line: u32,
-    /// Where the tool should be [m].
+    /// The tool's reference [m].
     pub reference: [f64; 2],
-    /// Where it truly is [m].
+    /// The tool's true position [m].
     pub tool: [f64; 2],
-    /// The joints' angles, as they truly are: θ1, θ4 [rad].
+    /// The true joint angles θ1, θ4 [rad].
     pub angle: [f64; 2],
-    /// What the reference asks of the joints: θ1, θ4 [rad].
+    /// θ1, θ4 of the reference [rad].
     pub reference_angle: [f64; 2],
     /// ω1, ω4 of the reference [rad/s].
     pub reference_velocity: [f64; 2],
@@ -36,9 +36,9 @@ pub struct Sample {
 }
 
 impl Sample {
-    /// A moment `time` [s] after the start as the controller tells it: tool and joints where
-    /// its encoders say that they are, torques as demanded. None while the bridges are off.
-    pub fn told(status: &Status, time: f64) -> Option<Self> {
+    /// A sample from the controller's status `time` [s] after the start: tool and joints as
+    /// measured by the encoders, torques as demanded. None while the bridges are off.
+    pub fn reported(status: &Status, time: f64) -> Option<Self> {
         let double = |pair: [f32; 2]| pair.map(f64::from);
         let joints = status.joint_reference?;
         Some(Self {
@@ -59,14 +59,14 @@ impl Sample {
         })
     }
 
-    /// Distance of the tool from where it should be [m].
+    /// Distance of the tool from its reference [m].
     pub fn tip_error(&self) -> f64 {
         (self.tool[0] - self.reference[0]).hypot(self.tool[1] - self.reference[1])
     }
 }
 
-/// A run's samples, in time. A long run keeps every second, fourth, … of them, so that
-/// what it takes has a bound.
+/// The samples of a run. A long run keeps every second, fourth, … sample, so that the memory
+/// is bounded.
 #[derive(Clone, Debug)]
 pub struct Trace {
     samples: Vec<Sample>,
@@ -74,8 +74,8 @@ pub struct Trace {
     seen: u64,
 }
 
-/// Samples kept at most.
-const MOST: usize = 50_000;
+/// Most samples kept.
+const MAX_SAMPLES: usize = 50_000;
 
 impl Default for Trace {
     fn default() -> Self {
@@ -88,10 +88,10 @@ impl Default for Trace {
 }
 
 impl Trace {
-    /// Takes the next sample of the run.
+    /// Adds the next sample of the run.
     pub fn push(&mut self, sample: Sample) {
         if self.seen.is_multiple_of(self.stride) {
-            if self.samples.len() == MOST {
+            if self.samples.len() == MAX_SAMPLES {
                 let mut keep = false;
                 self.samples.retain(|_| {
                     keep = !keep;
@@ -99,7 +99,7 @@ impl Trace {
                 });
                 self.stride *= 2;
             }
-            // Of the samples at the old stride, only every second is one of the new.
+            // Only every second sample at the old stride is one at the new stride.
             if self.seen.is_multiple_of(self.stride) {
                 self.samples.push(sample);
             }
@@ -107,7 +107,7 @@ impl Trace {
         self.seen += 1;
     }
 
-    /// What was kept, evenly spaced.
+    /// The samples kept, evenly spaced in time.
     pub fn samples(&self) -> &[Sample] {
         &self.samples
     }
@@ -120,19 +120,19 @@ impl Trace {
 
 #[cfg(test)]
 mod tests {
-    use super::{MOST, Sample, Trace};
+    use super::{MAX_SAMPLES, Sample, Trace};
 
     #[test]
     fn thins_a_long_run_evenly() {
         let mut trace = Trace::default();
-        for tick in 0..5 * MOST as u64 + 3 {
+        for tick in 0..5 * MAX_SAMPLES as u64 + 3 {
             trace.push(Sample {
                 time: tick as f64,
                 ..Sample::default()
             });
         }
         assert_eq!(trace.stride(), 8);
-        assert!(trace.samples().len() <= MOST && trace.samples().len() > MOST / 2);
+        assert!(trace.samples().len() <= MAX_SAMPLES && trace.samples().len() > MAX_SAMPLES / 2);
         for pair in trace.samples().windows(2) {
             assert_eq!(pair[1].time - pair[0].time, 8.0);
         }

@@ -77,7 +77,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         drive.follow(&moves, &settings, &mut |taken, status| {
             bar.set_position(taken as u64);
             let ticks = status.tick.wrapping_sub(*start.get_or_insert(status.tick));
-            if let Some(sample) = Sample::told(status, f64::from(ticks) / tick_rate) {
+            if let Some(sample) = Sample::reported(status, f64::from(ticks) / tick_rate) {
                 trace.push(sample);
             }
         })

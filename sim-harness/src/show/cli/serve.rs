@@ -54,12 +54,12 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let image = args.image.clone();
     let image = image.unwrap_or_else(|| Emulator::built_image("qemu"));
     let source = match &args.port {
-        Some(name) => Source::Port {
+        Some(name) => ControllerSource::Port {
             name,
             upload: args.upload,
         },
-        None if args.emulated => Source::Emulated(&image),
-        None => Source::Simulated,
+        None if args.emulated => ControllerSource::Emulated(&image),
+        None => ControllerSource::Simulated,
     };
     let ready = |address| {
         say(format_args!(

@@ -119,7 +119,7 @@ fn print_errors(summary: &Summary) -> Result<(), Failure> {
     let Some(pd) = summary.pd_tip_error else {
         return Ok(());
     };
-    let ratio = summary.times_as_large(pd);
+    let ratio = summary.ratio_to(pd);
     let ratio = ratio.map(|ratio| format!(": {ratio:.1} times as much"));
     say(format_args!(
         "  PD alone    {}{}",

@@ -1,26 +1,26 @@
-//! The arm as pages know it before it moves.
+//! The description of the arm for pages, sent before the arm moves.
 
 use crate::input::robot::{NoHome, Robot};
 use serde::Serialize;
 
-/// Places [m], angles [rad].
+/// Positions [m], angles [rad].
 #[derive(Debug, Serialize)]
 struct Arm<'a> {
     name: &'a str,
-    /// Where its controller is.
+    /// Where its controller runs.
     place: &'a str,
     base: f64,
     tool_offset: [f64; 2],
-    /// θ1 and θ4: least and greatest.
+    /// Least and greatest θ1 and θ4.
     angle_limits: [[f64; 2]; 2],
     /// B, C, D and the tool at home.
     home: [[f64; 2]; 4],
 }
 
-/// A robot, as JSON.
+/// The description as JSON.
 ///
 /// # Errors
-/// It has no home.
+/// The robot has no home pose.
 pub(super) fn describe(robot: &Robot, place: &str) -> Result<String, NoHome> {
     let pose = robot.home_pose()?;
     let [b, c, d] = [pose.b, pose.c, pose.d].map(|point| [point.x, point.y]);

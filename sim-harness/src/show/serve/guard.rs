@@ -1,56 +1,56 @@
-//! Who may connect: it moves a machine.
+//! Decides which web requests are served, because the page moves a machine.
 
 use axum::http::{HeaderMap, StatusCode, Uri, header};
 use std::net::IpAddr;
 use subtle::ConstantTimeEq as _;
 
-/// What a request must show. Away from the loopback address, a token.
+/// The access rules of the server. Outside the loopback address a request needs a token.
 #[derive(Clone, Debug)]
 pub struct Guard {
     token: Option<String>,
 }
 
-/// What is to be done with a request that may come in.
+/// How to answer a request that is allowed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Admission {
-    /// It is served.
+    /// Serve it.
     Serve,
-    /// It has shown the token for the first time: it is given this cookie and sent to `/`.
-    Welcome {
+    /// It brings the token in its address: set this cookie and redirect it to `/`.
+    SetCookie {
         /// The value of `Set-Cookie`.
         cookie: String,
     },
 }
 
 impl Guard {
-    /// No token: for the loopback address, which only this machine reaches.
+    /// No token: for the loopback address, which only this computer can reach.
     pub fn of_loopback() -> Self {
         Self { token: None }
     }
 
-    /// A token of 128 random bits, to be shown as `?token=` by who comes first.
+    /// A token of 128 random bits, which the first request brings as `?token=`.
     ///
     /// # Errors
-    /// The system has no random numbers.
+    /// The system gives no random numbers.
     pub fn with_new_token() -> Result<Self, getrandom::Error> {
         let token = format!("{:016x}{:016x}", getrandom::u64()?, getrandom::u64()?);
         Ok(Self { token: Some(token) })
     }
 
-    /// The token, where there is one.
+    /// The token, if there is one.
     pub fn token(&self) -> Option<&str> {
         self.token.as_deref()
     }
 
     /// Whether a request may be served.
     ///
-    /// A page of another site that reaches for this server gives itself away by its
-    /// `Origin`; one that has its own name lead here (DNS rebinding), by its `Host`. The
-    /// token comes once in the address that was printed and from then on in a cookie, so
-    /// that it stands in no history and in no address that is passed on.
+    /// The header `Origin` shows a page of another site, and `Host` shows a foreign name
+    /// that was made to lead to this server (DNS rebinding). The token comes once in the
+    /// printed address and afterwards in a cookie, so that no browser history and no copied
+    /// address contains it.
     ///
     /// # Errors
-    /// The status to answer with, and why.
+    /// The status and the reason to answer with.
     pub(super) fn admit(
         &self,
         uri: &Uri,
@@ -84,7 +84,7 @@ impl Guard {
         let mut shown = uri.query().unwrap_or("").split('&');
         if uri.path() == "/" && shown.any(|pair| is_value(pair, "token", token)) {
             let cookie = format!("{name}={token}; HttpOnly; SameSite=Lax; Path=/");
-            return Ok(Admission::Welcome { cookie });
+            return Ok(Admission::SetCookie { cookie });
         }
         Err((
             StatusCode::UNAUTHORIZED,
@@ -93,7 +93,8 @@ impl Guard {
     }
 }
 
-/// Cookies are shared by the ports of a host; servers at several ports are not.
+/// A name for each port: browsers send the cookies of a host to all its ports, but each
+/// server has its own token.
 fn cookie_name(host: &str) -> String {
     let port = host.rsplit(':').next().filter(|port| is_number(port));
     format!("fivebar{}", port.unwrap_or("80"))
@@ -140,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn its_own_pages_are_served_and_foreign_ones_refused() {
+    fn own_pages_are_served_and_pages_of_other_origins_are_refused() {
         let guard = Guard::of_loopback();
         for host in [
             "127.0.0.1:8080",
@@ -168,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn a_token_is_asked_for_where_there_is_one() {
+    fn requests_without_the_right_token_are_refused() {
         let guard = Guard::with_new_token().unwrap();
         let token = guard.token().unwrap();
         assert_eq!(token.len(), 32);
@@ -192,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn the_token_is_changed_into_a_cookie_that_opens_everything_at_this_port() {
+    fn the_token_becomes_a_cookie_that_is_valid_for_this_port_only() {
         let guard = Guard::with_new_token().unwrap();
         let token = guard.token().unwrap();
         let admit = |uri: &str, host: &str, cookie: &str| {
@@ -202,7 +203,8 @@ mod tests {
             guard.admit(&uri.parse().unwrap(), &headers)
         };
         let (here, there) = ("192.168.0.7:8080", "192.168.0.7:8081");
-        let Ok(Admission::Welcome { cookie }) = admit(&format!("/?token={token}"), here, "") else {
+        let Ok(Admission::SetCookie { cookie }) = admit(&format!("/?token={token}"), here, "")
+        else {
             panic!("the token is right");
         };
         let (pair, attributes) = cookie.split_once("; ").unwrap();

@@ -1,15 +1,15 @@
-//! Which page is in control, and whether it lives.
+//! The control lease: which page may move the arm, and for how long.
 
 use std::time::{Duration, Instant};
 
-/// A page's number, given when it connects.
+/// The number that a page gets when it connects.
 pub(super) type PageId = u64;
 
-/// A page in control that has not been heard for so long is taken to be lost. Pages say
-/// that they are alive every 50 ms, hidden ones too.
+/// The page in control counts as lost after this time without a message. Every page, also a
+/// hidden one, sends a sign of life every 50 ms.
 const TIMEOUT: Duration = Duration::from_millis(500);
 
-/// The page in control, if there is one. Time is told by the caller.
+/// The page in control, if there is one. The caller passes the time.
 #[derive(Debug, Default)]
 pub(super) struct ControlLease {
     held_by: Option<(PageId, Instant)>,
@@ -21,14 +21,14 @@ impl ControlLease {
         self.held_by.map(|(page, _)| page)
     }
 
-    /// Whether there is one, and it has been heard lately.
+    /// Whether a page is in control and its lease has not run out.
     pub(super) fn is_alive(&self, now: Instant) -> bool {
         self.held_by
             .is_some_and(|(_, renewed)| now.saturating_duration_since(renewed) < TIMEOUT)
     }
 
-    /// Gives control to a page: while the arm rests to any, else only where no living page
-    /// has it. Whether it has it now.
+    /// Gives control to a page: to any page while the arm rests, else only if no living page
+    /// has it. Returns whether the page has control now.
     pub(super) fn acquire(&mut self, page: PageId, now: Instant, rests: bool) -> bool {
         if rests || self.holder() == Some(page) || !self.is_alive(now) {
             self.held_by = Some((page, now));
@@ -36,7 +36,7 @@ impl ControlLease {
         self.holder() == Some(page)
     }
 
-    /// Notes that a page has been heard. Whether it is in control.
+    /// Renews the lease if this page holds it. Returns whether it does.
     pub(super) fn renew(&mut self, page: PageId, now: Instant) -> bool {
         match &mut self.held_by {
             Some((holder, renewed)) if *holder == page => {
@@ -47,7 +47,7 @@ impl ControlLease {
         }
     }
 
-    /// A page has gone. Whether it was in control.
+    /// Ends the lease if this page holds it. Returns whether it did.
     pub(super) fn release(&mut self, page: PageId) -> bool {
         let left = self.held_by.take_if(|(holder, _)| *holder == page);
         left.is_some()
@@ -72,7 +72,7 @@ mod tests {
         assert!(lease.acquire(2, late + TIMEOUT, false));
         assert!(
             !lease.renew(1, late + TIMEOUT),
-            "the first page was given up"
+            "the second page has control now"
         );
         assert!(!lease.release(1) && lease.holder() == Some(2));
         assert!(lease.release(2) && lease.holder().is_none());

@@ -1,4 +1,4 @@
-//! Where the arm can take its tool, in each working mode, as pages draw it.
+//! The workspace in each working mode, as pages draw it.
 
 use super::ServeError;
 use crate::input::robot::Robot;
@@ -6,34 +6,35 @@ use fivebar_design::workspace::{Cell, Grid, WorkspaceMap, singularity_curves};
 use fivebar_kinematics::five_bar::{Side, Singularity, WorkingMode};
 use serde::Serialize;
 
-/// Cells along the reach.
+/// Cells across the reach.
 const CELLS: f64 = 200.0;
-/// What is not reached.
+/// Code of a cell out of reach.
 const OUTSIDE: i16 = -1;
-/// Added where the arm may not go, though it reaches.
+/// Added to the code of a cell within reach that is not allowed.
 const FORBIDDEN: i16 = 200;
 
-/// The map of a working mode. Places [m].
+/// The map of a working mode. Positions [m].
 #[derive(Debug, Serialize)]
-struct Drawn {
+struct ModeMap {
     elbows: [Side; 2],
     /// The grid's corners.
     low: [f64; 2],
     high: [f64; 2],
     columns: usize,
-    /// Row by row from the lower left: σmin/σmax in hundredths, plus [`FORBIDDEN`] beyond
-    /// joint limits, margin or type 2; [`OUTSIDE`] out of reach.
+    /// Row by row from the lower left: [`OUTSIDE`] out of reach, else 100 σmin/σmax, plus
+    /// [`FORBIDDEN`] beyond a joint limit, within the singularity margin or on the other
+    /// assembly mode.
     cells: Vec<i16>,
-    /// Singularities of type 1 and of type 2.
+    /// The curves of the singularities of type 1 and of type 2.
     type1: Vec<Vec<[f64; 2]>>,
     type2: Vec<Vec<[f64; 2]>>,
 }
 
-/// The maps of all working modes, as JSON. `assembly` is the branch that the arm is on and
+/// The maps of all working modes, as JSON. `assembly` is the arm's assembly mode, which it
 /// does not leave.
 ///
 /// # Errors
-/// A tool or limits that describe no workspace.
+/// Tool or limits that allow no workspace.
 pub(super) fn describe(robot: &Robot, assembly: Side) -> Result<String, ServeError> {
     let mut maps = Vec::new();
     for mode in WorkingMode::ALL {
@@ -51,7 +52,7 @@ pub(super) fn describe(robot: &Robot, assembly: Side) -> Result<String, ServeErr
                 .collect()
         };
         let [low, high] = [map.grid().low(), map.grid().high()];
-        maps.push(Drawn {
+        maps.push(ModeMap {
             elbows: [mode.elbow1, mode.elbow4],
             low: [low.x, low.y],
             high: [high.x, high.y],
@@ -73,7 +74,7 @@ fn code(cell: &Cell, assembly: Side) -> i16 {
     }
 }
 
-/// To micrometres: pictures need no more.
+/// Rounded to micrometres, which is enough for a drawing.
 fn rounded(place: [f64; 2]) -> [f64; 2] {
     place.map(|x| (1e6 * x).round() / 1e6)
 }
@@ -85,7 +86,7 @@ mod tests {
     use fivebar_kinematics::five_bar::Side;
 
     #[test]
-    fn the_arm_may_be_at_home_in_its_own_mode_and_on_its_own_branch_only() {
+    fn the_home_position_is_allowed_in_one_working_mode_and_on_one_assembly_mode_only() {
         let robot = Robot::load(BuiltIn::DEFAULT).unwrap();
         let home = robot.home_pose().unwrap();
         let [x, y] = robot.tool_at(&home);

@@ -1,4 +1,4 @@
-//! What pages and server say to each other, as JSON; docs/live-page.md tells it to others.
+//! The JSON messages between pages and server; docs/live-page.md describes them.
 
 use super::lease::PageId;
 use axum::extract::ws::Utf8Bytes;
@@ -9,62 +9,63 @@ use serde::{Deserialize, Serialize};
 use std::sync::mpsc;
 use tokio::sync::broadcast;
 
-/// Messages to pages that may wait for a slow one before it misses the oldest.
+/// Messages that may wait for a slow page before it loses the oldest ones.
 const WAITING: usize = 64;
 
-/// What a page asks. Places are of the tool [m], in the frame of the base. A number may be
-/// greater than the controller's: that is a place out of reach, not a message of another
-/// version.
+/// A request of a page. Positions are of the tool [m], in the frame of the base. Numbers
+/// are read as `f64`: one too large for the controller's `f32` is a position out of reach
+/// and is refused as such.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub(super) enum ClientRequest {
-    /// Nothing: it is alive.
+    /// A sign of life.
     Alive,
-    /// To be in control: given to any page while the arm rests, and while it moves where
-    /// the page in control is lost.
+    /// Take control. Any page gets it while the arm rests; while the arm moves, only if the
+    /// page in control is lost.
     Control,
-    /// Something of the controller.
+    /// A request for the controller.
     Request(ControllerRequest),
-    /// To move the tool by this much, straight.
+    /// Move the tool by this much, in a straight line.
     Jog([f64; 2]),
-    /// To have the tool follow to this point; a later one takes its place.
+    /// Move the tool to this point. A later one replaces it.
     Follow([f64; 2]),
-    /// To turn a joint by so much [rad].
+    /// Turn a joint by an angle.
     JogJoint {
         /// The joint.
-        joint: Joint,
+        joint: DrivenJoint,
         /// The change of θ1 or θ4 [rad].
         by: f64,
     },
-    /// To turn a joint to an angle; a later one takes its place.
+    /// Turn a joint to an angle. A later one replaces it.
     Turn {
         /// The joint.
-        joint: Joint,
-        /// θ1 or θ4 [rad], whole turns aside.
+        joint: DrivenJoint,
+        /// θ1 or θ4, up to whole turns [rad].
         to: f64,
     },
-    /// To bring the elbows to the working mode, the tool staying where it is.
+    /// Change to this working mode (the sides of elbows 1 and 4) with the same position of
+    /// the tool.
     Mode([Side; 2]),
-    /// To load a job and see its path.
+    /// Load a job and show its path.
     Load {
         /// Its name.
         name: String,
         /// The G-code.
         text: String,
     },
-    /// To do the job that is loaded.
+    /// Run the loaded job.
     Run,
 }
 
 /// A driven joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub(super) enum Joint {
+pub(super) enum DrivenJoint {
     Theta1,
     Theta4,
 }
 
-/// The controller's requests, as pages name them.
+/// The controller's requests, by the names that pages use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum ControllerRequest {
@@ -77,7 +78,7 @@ pub(super) enum ControllerRequest {
 }
 
 impl ControllerRequest {
-    /// Whether anyone may ask it: it makes the arm safer.
+    /// Whether any page may make the request, because it makes the arm safer.
     pub(super) fn is_open_to_all(self) -> bool {
         matches!(self, Self::Stop | Self::EmergencyStop)
     }
@@ -96,137 +97,137 @@ impl From<ControllerRequest> for Request {
     }
 }
 
-/// What happens at a page.
+/// An event of a page.
 #[derive(Clone, Debug)]
-pub(super) enum Event {
-    /// It has connected.
+pub(super) enum PageEvent {
+    /// The page has connected.
     Joined,
-    /// It asks for something.
+    /// The page makes a request.
     Request(ClientRequest),
-    /// It asks for something that there is not: what the reader says.
-    Strange(String),
-    /// It has missed some news.
-    Missed,
-    /// It has gone.
+    /// The page's request cannot be read, for this reason.
+    Malformed(String),
+    /// The page has missed messages.
+    Lagged,
+    /// The page has disconnected.
     Left,
 }
 
-/// What the server tells the pages.
+/// A message of the server to the pages.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub(super) enum News<'a> {
-    /// The controller, some thirty times a second.
-    State(State<'a>),
+pub(super) enum ServerMessage<'a> {
+    /// The controller's state, about 30 times a second.
+    State(StateMessage<'a>),
     /// A sentence for one page, or for all.
     Notice {
-        /// The page it is for.
+        /// The page that it is for; none: all pages.
         to: Option<PageId>,
-        /// Something was not done.
+        /// Whether something was refused.
         refused: bool,
         /// The sentence.
         text: String,
     },
-    /// The tick that raised the fault; none: it is cleared.
-    Fault(Option<FaultNews>),
-    /// The job that is loaded, to be drawn.
-    Job(&'a JobNews),
+    /// The latched fault; none: no fault is latched.
+    Fault(Option<FaultMessage>),
+    /// The loaded job.
+    Job(&'a JobMessage),
 }
 
-/// The controller and its job.
+/// The state of the controller and its job.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub(super) struct State<'a> {
+pub(super) struct StateMessage<'a> {
     #[serde(flatten)]
     pub(super) status: &'a Status,
-    /// Its time since its start [s].
+    /// Time since the controller's start [s].
     pub(super) time: f64,
-    /// Its seconds per second of the clock; none in the first second.
+    /// Seconds of the controller per real second; none in the first second.
     pub(super) speed: Option<f32>,
-    /// B, C, D [m]; none until it is homed.
+    /// Positions of B, C, D [m]; none until the arm is homed.
     pub(super) joints: Option<[[f32; 2]; 3]>,
-    /// The working mode that the arm stands in; none until it is homed.
+    /// The arm's working mode; none until the arm is homed.
     pub(super) elbows: Option<[Side; 2]>,
     /// The page in control.
     pub(super) control: Option<PageId>,
-    /// Whether that page lives.
+    /// Whether that page is alive.
     pub(super) alive: bool,
-    /// Moves of the running job that are handed over, and all of them.
+    /// Moves of the running job that the controller has accepted, and all its moves.
     pub(super) progress: Option<[usize; 2]>,
 }
 
-/// A fault, named, with what its tick saw.
+/// A fault by name, with the snapshot of the tick that raised it.
 #[derive(Clone, Debug, Serialize)]
-pub(super) struct FaultNews {
+pub(super) struct FaultMessage {
     pub(super) name: String,
     #[serde(flatten)]
     pub(super) snapshot: Snapshot,
 }
 
-/// A job to be drawn before it is done.
+/// A job and its path, to be drawn before it runs.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub(super) struct JobNews {
+pub(super) struct JobMessage {
     pub(super) name: String,
-    /// How many moves it has.
+    /// The number of its moves.
     pub(super) moves: usize,
-    /// Its way.
+    /// Its path.
     pub(super) strokes: Vec<Stroke>,
     /// Why it cannot be done.
     pub(super) refusal: Option<String>,
-    /// The place of it that cannot be passed [m].
+    /// The position at which it is refused [m].
     pub(super) at: Option<[f32; 2]>,
 }
 
-/// Part of a way.
+/// A part of the path.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct Stroke {
     /// Whether the pen is down.
     pub(super) down: bool,
-    /// Points of it [m].
+    /// Its points [m].
     pub(super) points: Vec<[f32; 2]>,
 }
 
-/// The pages' end of both channels.
+/// The end of both channels at the websockets.
 #[derive(Clone)]
-pub(super) struct WebSide {
-    pub(super) events: mpsc::Sender<(PageId, Event)>,
-    pub(super) news: broadcast::Sender<Utf8Bytes>,
+pub(super) struct WebEnd {
+    pub(super) events: mpsc::Sender<(PageId, PageEvent)>,
+    pub(super) messages: broadcast::Sender<Utf8Bytes>,
 }
 
-/// The machine's end of both channels.
-pub(super) struct MachineSide {
-    pub(super) events: mpsc::Receiver<(PageId, Event)>,
-    news: broadcast::Sender<Utf8Bytes>,
+/// The end of both channels at the controller's thread.
+pub(super) struct ControllerEnd {
+    pub(super) events: mpsc::Receiver<(PageId, PageEvent)>,
+    messages: broadcast::Sender<Utf8Bytes>,
 }
 
-/// The channels between pages and machine.
-pub(super) fn channels() -> (WebSide, MachineSide) {
+/// The channels between the websockets and the controller's thread.
+pub(super) fn channels() -> (WebEnd, ControllerEnd) {
     let (event_sender, events) = mpsc::channel();
-    let (news, _) = broadcast::channel(WAITING);
-    let web = WebSide {
+    let (messages, _) = broadcast::channel(WAITING);
+    let web = WebEnd {
         events: event_sender,
-        news: news.clone(),
+        messages: messages.clone(),
     };
-    (web, MachineSide { events, news })
+    (web, ControllerEnd { events, messages })
 }
 
-impl MachineSide {
-    /// Tells all pages.
-    pub(super) fn tell(&self, news: &News<'_>) {
-        if let Ok(text) = serde_json::to_string(news) {
-            // Nobody may be there to hear.
-            let _ = self.news.send(text.into());
+impl ControllerEnd {
+    /// Sends a message to all pages.
+    pub(super) fn send(&self, message: &ServerMessage<'_>) {
+        if let Ok(text) = serde_json::to_string(message) {
+            // This fails only if no page is connected.
+            let _ = self.messages.send(text.into());
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{ClientRequest, State};
+    use super::{ClientRequest, StateMessage};
     use fivebar_firmware::{Controller, Settings};
 
     const DOCUMENT: &str = include_str!("../../../../docs/live-page.md");
 
     #[test]
-    fn every_wish_of_the_document_is_understood_and_every_kind_is_there() {
+    fn every_request_in_the_document_is_read_and_every_kind_has_an_example() {
         let (_, rest) = DOCUMENT.split_once("```json\n").unwrap();
         let (examples, _) = rest.split_once("```").unwrap();
         let mut seen = [false; 9];
@@ -251,7 +252,7 @@ mod tests {
     fn every_key_of_a_state_is_in_the_document() {
         let controller = Controller::new(&Settings::BENCHTOP).expect("sound settings");
         let status = &controller.status();
-        let state = State {
+        let state = StateMessage {
             status,
             time: 0.0,
             speed: None,
@@ -269,7 +270,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_wish_is_not_understood() {
+    fn malformed_requests_are_refused() {
         for text in [
             r#"{"request": "set_angles"}"#,
             r#"{"turn": {"joint": "theta2", "to": 0.5}}"#,

@@ -1,29 +1,29 @@
-//! The live page: an arm in a browser, moved by its controller and by nothing else.
+//! The live page: browsers show an arm and control it through its controller.
 //!
-//! A thread of its own, the `Machine`, holds the client with the controller: a
-//! simulated arm that takes as long as a real one, or a board on a port. Pages reach it by
-//! websocket. What they ask goes to the controller as orders, so every limit and every
-//! refusal is the controller's own. One page is in control, the others watch; anyone may
-//! stop the arm. The machine keeps up the client only as long as the page in control
-//! shows signs of life: when it falls silent, so does the host, and the controller's
-//! command timeout brings the arm to rest.
+//! One thread, the `ControllerThread`, is the host of the controller. The controller runs
+//! in this process with a simulated arm in real time, on an emulated board, or on a board
+//! behind a serial port. Pages connect by websocket. Their requests go to the controller as
+//! host commands, so that all limits and refusals are the controller's own. One page holds
+//! the control lease; the others watch, and any page may stop the arm. The thread sends to
+//! the controller only while the page in control shows signs of life. Otherwise the
+//! controller's command timeout brings the arm to rest.
 //!
 //! | module | what it holds |
 //! |---|---|
-//! | `simulated`, `pace` | the simulated arm in real time, or beside a board that is stepped |
-//! | `arm`, `maps` | the arm and its workspace as pages know them before it moves |
-//! | `machine`, `move_feeder` | the client, the moves in hand |
-//! | `requests`, `refusal` | what pages request, and why not in sentences |
+//! | `simulated`, `pace` | the simulated arm in real time, also in lockstep with a board |
+//! | `arm`, `maps` | the arm and its workspace, sent to pages before the arm moves |
+//! | `controller_thread`, `move_feeder` | the exchange with the controller; the moves that wait |
+//! | `requests`, `refusal` | what each request of a page does; refusals as sentences |
 //! | `preview` | the arm and its jobs as lines to draw |
-//! | `lease` | which page is in control, and whether it lives |
-//! | `message` | what pages and server say to each other |
-//! | `guard` | who may connect |
-//! | `web` | the pages and their websockets |
+//! | `lease` | which page is in control, and whether it is alive |
+//! | `message` | the messages between pages and server |
+//! | `guard` | which web requests are served |
+//! | `web` | the page's files and the websockets |
 
 mod arm;
+mod controller_thread;
 mod guard;
 mod lease;
-mod machine;
 mod maps;
 mod message;
 mod move_feeder;
@@ -40,40 +40,40 @@ use crate::input::robot::{NoHome, NoWorkspace, Robot};
 use crate::run::drive::{Drive, DriveError};
 use crate::run::link::{Client, Emulator, EmulatorError, LinkError, PortError, SerialLine};
 use crate::run::simulation::RunError;
+use controller_thread::{ControllerThread, Line};
 use fivebar_design::workspace::GridError;
 use fivebar_firmware::protocol::{Board, Refusal};
-use machine::{Line, Machine};
 use simulated::SteppedArm;
 use std::io;
 use std::net::{SocketAddr, TcpListener};
 use std::path::Path;
 
-/// The controller that pages look at.
+/// The controller that the live page shows.
 #[derive(Clone, Copy, Debug)]
-pub enum Source<'a> {
-    /// In this process, moving the simulated arm in real time.
+pub enum ControllerSource<'a> {
+    /// A controller in this process with the simulated arm in real time.
     Simulated,
-    /// The firmware's image on an emulated board, moving the simulated arm.
+    /// This firmware image on an emulated board, with the simulated arm.
     Emulated(&'a Path),
-    /// On a serial port, moving its own arm; a board with the image `qemu` moves the
-    /// simulated one.
+    /// A controller on a serial port with its own arm. A board with the image `qemu` gets
+    /// the simulated arm.
     Port {
-        /// The port.
+        /// The port's name.
         name: &'a str,
-        /// Whether the robot's settings are given to it and stored there.
+        /// Whether to store the robot's settings on the controller.
         upload: bool,
     },
 }
 
-/// Why the page is not, or no longer, served.
+/// Why the page cannot be served.
 #[derive(Debug, thiserror::Error)]
 pub enum ServeError {
-    /// The address cannot be had.
-    #[error("cannot listen on {address}: {source}; choose another one with --listen")]
+    /// The server cannot listen on the address.
+    #[error("cannot listen on {address}: {source}; choose another address with --listen")]
     Listen {
-        /// The address asked for.
+        /// The address.
         address: SocketAddr,
-        /// What the system says.
+        /// The system's error.
         source: io::Error,
     },
     /// The web server failed.
@@ -82,44 +82,44 @@ pub enum ServeError {
     /// The robot cannot be simulated.
     #[error(transparent)]
     Simulation(#[from] RunError),
-    /// The robot has no place to start from.
+    /// The robot has no home pose.
     #[error(transparent)]
     NoHome(#[from] NoHome),
     /// The robot's workspace cannot be mapped.
     #[error(transparent)]
     NoWorkspace(#[from] NoWorkspace),
-    /// Nor can it with these links.
+    /// The grid of the map cannot be made.
     #[error("the robot's workspace: {0}")]
     Grid(#[from] GridError),
-    /// The port cannot be had.
+    /// The port cannot be opened.
     #[error(transparent)]
     Port(#[from] PortError),
-    /// No emulated board runs.
+    /// The emulated board does not run.
     #[error(transparent)]
     Emulator(#[from] EmulatorError),
-    /// The controller believes in another arm.
+    /// The controller has settings for another arm, or refuses the robot's.
     #[error(transparent)]
     OtherArm(#[from] DriveError),
-    /// An emulated board does not take the robot's settings.
+    /// The emulated board refuses the robot's settings.
     #[error("the emulated board refuses the robot's settings: {0}")]
     Refused(Refusal),
-    /// The controller does not answer, or no longer.
+    /// The controller does not reply.
     #[error(transparent)]
     Link(#[from] LinkError),
-    /// The controller's settings describe no arm.
+    /// The controller's settings are not valid.
     #[error("the controller's settings: {0}")]
     Settings(#[from] fivebar_firmware::settings::SettingsError),
 }
 
-/// Serves the page at `address` until `ends` says so or the controller's line breaks.
-/// `ready` is told the address once pages are served.
+/// Serves the page at `address` until `ends` returns true or the connection to the
+/// controller fails. Calls `ready` with the address as soon as pages are served.
 ///
 /// # Errors
-/// An address or a port that cannot be had, a robot that cannot be simulated, a controller
-/// of another arm, or one that does not answer or no longer does.
+/// The address or the port cannot be opened, the robot cannot be simulated, or the
+/// controller has settings for another arm or does not reply.
 pub fn serve(
     robot: &Robot,
-    source: Source<'_>,
+    source: ControllerSource<'_>,
     address: SocketAddr,
     guard: Guard,
     ready: impl FnOnce(SocketAddr),
@@ -127,10 +127,10 @@ pub fn serve(
 ) -> Result<(), ServeError> {
     let listener = TcpListener::bind(address);
     let listener = listener.map_err(|source| ServeError::Listen { address, source })?;
-    let line: Box<dyn Line> = match source {
-        Source::Simulated => Box::new(simulated::line(robot)?),
-        Source::Emulated(image) => Box::new(Emulator::start(image)?),
-        Source::Port { name, .. } => Box::new(SerialLine::open(name)?),
+    let line: Box<dyn Connection> = match source {
+        ControllerSource::Simulated => Box::new(simulated::line(robot)?),
+        ControllerSource::Emulated(image) => Box::new(Emulator::start(image)?),
+        ControllerSource::Port { name, .. } => Box::new(SerialLine::open(name)?),
     };
     let (mut client, identity) = Client::open(line)?;
     let settings = robot.settings().map_err(RunError::from)?;
@@ -144,18 +144,18 @@ pub fn serve(
             )
         }
         Board::Desktop | Board::Stm32f405 => {
-            let upload = matches!(source, Source::Port { upload: true, .. });
+            let upload = matches!(source, ControllerSource::Port { upload: true, .. });
             Drive::new(&mut client, &|| false).agree_on(&settings, upload)?;
             match source {
-                Source::Port { name, .. } => (name, None),
-                Source::Simulated | Source::Emulated(_) => ("simulated", None),
+                ControllerSource::Port { name, .. } => (name, None),
+                ControllerSource::Simulated | ControllerSource::Emulated(_) => ("simulated", None),
             }
         }
     };
     let arm = arm::describe(robot, place)?;
     let maps = maps::describe(robot, settings.assembly())?;
-    let (pages, machine_side) = message::channels();
-    let machine = Machine::new(client, stepped, robot.clone(), settings, machine_side)?;
+    let (pages, controller_end) = message::channels();
+    let machine = ControllerThread::new(client, stepped, robot.clone(), settings, controller_end)?;
     ready(listener.local_addr()?);
     let site = web::Site {
         guard,

@@ -1,34 +1,34 @@
-//! What the controller is to be given next: a job move by move, or the latest aim.
+//! The moves that wait for the controller: a job, or the latest target.
 
 use fivebar_firmware::safety::State;
 use fivebar_firmware::{Move, MoveKind, Status};
 
-/// The moves that wait for the controller to have room.
+/// Gives the controller a move whenever its queue has room.
 #[derive(Debug, Default)]
 pub(super) struct MoveFeeder {
-    /// The running job and how many of its moves have been taken.
+    /// The running job, and how many of its moves the controller has accepted.
     job: Option<(Vec<Move>, usize)>,
-    /// Where to go as soon as the queue is nearly empty.
-    aim: Option<MoveKind>,
-    /// Where the queue ends; none: where the arm is held.
-    end: Option<End>,
-    /// Room of the controller's empty queue.
+    /// The next target; it is sent as soon as the queue is nearly empty.
+    target: Option<MoveKind>,
+    /// The end of the last accepted move; none: the arm's present reference.
+    end: Option<MoveEnd>,
+    /// How many moves the controller's empty queue takes.
     empty: u8,
-    /// The tick since which the controller has had nothing to do.
+    /// The tick since which the controller has had no moves.
     idle_since: Option<u32>,
 }
 
-/// Where a move ends, as it was asked for.
+/// The end of a move, as it was requested.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum End {
-    /// The tool [m].
+pub(super) enum MoveEnd {
+    /// The tool's position [m].
     Tool([f32; 2]),
     /// θ1, θ4 [rad].
     Joints([f32; 2]),
 }
 
-impl End {
-    /// The end of a move; none for one that goes nowhere.
+impl MoveEnd {
+    /// The end of a move; none for a dwell.
     fn of(kind: &MoveKind) -> Option<Self> {
         match *kind {
             MoveKind::Line { to, .. } | MoveKind::Arc { to, .. } => Some(Self::Tool(to)),
@@ -38,15 +38,15 @@ impl End {
     }
 }
 
-/// What a look at the controller has brought.
+/// How the job has changed since the last update.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Turn {
-    /// Nothing to tell.
-    Quiet,
-    /// The job has come to its end.
+pub(super) enum JobStatus {
+    /// The job goes on, or there is none.
+    Unchanged,
+    /// The job is done.
     Finished,
-    /// The controller takes no moves any more: the rest of the job is forgotten.
-    Abandoned,
+    /// The controller no longer accepts moves: the rest of the job is cancelled.
+    Cancelled,
 }
 
 impl MoveFeeder {
@@ -54,57 +54,57 @@ impl MoveFeeder {
         self.job.is_some()
     }
 
-    /// Moves of the job that have been taken, and all.
+    /// Accepted moves of the job, and all its moves.
     pub(super) fn progress(&self) -> Option<[usize; 2]> {
         let (moves, taken) = self.job.as_ref()?;
         Some([*taken, moves.len()])
     }
 
-    /// Begins a job.
+    /// Starts a job.
     pub(super) fn run(&mut self, moves: Vec<Move>) {
-        self.aim = None;
+        self.target = None;
         self.job = Some((moves, 0));
     }
 
-    /// Takes the place of an aim not yet given to the controller.
-    pub(super) fn aim_at(&mut self, aim: MoveKind) {
-        self.aim = Some(aim);
+    /// Replaces a target that the controller has not accepted yet.
+    pub(super) fn set_target(&mut self, target: MoveKind) {
+        self.target = Some(target);
     }
 
-    /// Where the next move begins; none: where the arm is held.
-    pub(super) fn end(&self) -> Option<End> {
-        self.aim.as_ref().and_then(End::of).or(self.end)
+    /// The point at which the next move begins; none: the arm's present reference.
+    pub(super) fn end(&self) -> Option<MoveEnd> {
+        self.target.as_ref().and_then(MoveEnd::of).or(self.end)
     }
 
-    /// Forgets everything.
+    /// Removes job and target.
     pub(super) fn clear(&mut self) {
         self.job = None;
-        self.aim = None;
+        self.target = None;
         self.end = None;
     }
 
     /// Looks at the controller, which has room for so many moves.
-    pub(super) fn look(&mut self, status: &Status, room: u8) -> Turn {
+    pub(super) fn update(&mut self, status: &Status, room: u8) -> JobStatus {
         self.empty = self.empty.max(room);
         if !takes_moves(status.state) {
             let abandoned = self.is_running();
             self.clear();
             return if abandoned {
-                Turn::Abandoned
+                JobStatus::Cancelled
             } else {
-                Turn::Quiet
+                JobStatus::Unchanged
             };
         }
         if !self.is_idle(status, room) {
-            return Turn::Quiet;
+            return JobStatus::Unchanged;
         }
         self.end = None;
         match &self.job {
             Some((moves, taken)) if *taken == moves.len() => {
                 self.job = None;
-                Turn::Finished
+                JobStatus::Finished
             }
-            _ => Turn::Quiet,
+            _ => JobStatus::Unchanged,
         }
     }
 
@@ -118,34 +118,34 @@ impl MoveFeeder {
         *self.idle_since.get_or_insert(status.tick) != status.tick
     }
 
-    /// The move to be given now, if there is one.
+    /// The move to send now, if there is one.
     pub(super) fn next(&self, room: u8) -> Option<Move> {
         if let Some((moves, taken)) = &self.job {
             return moves.get(*taken).filter(|_| room > 0).copied();
         }
-        // An aim waits until hardly anything is before it, so that the latest counts.
-        let kind = self.aim.filter(|_| room + 1 >= self.empty)?;
+        // A target waits until the queue is nearly empty, so that the latest one is sent.
+        let kind = self.target.filter(|_| room + 1 >= self.empty)?;
         Some(Move { tag: 0, kind })
     }
 
-    /// The controller has taken that move.
+    /// Records that the controller has accepted the move.
     pub(super) fn taken(&mut self, order: &Move) {
         match &mut self.job {
             Some((_, taken)) => *taken += 1,
-            None => self.aim = None,
+            None => self.target = None,
         }
-        self.end = End::of(&order.kind).or(self.end);
+        self.end = MoveEnd::of(&order.kind).or(self.end);
         self.idle_since = None;
     }
 
-    /// The controller has refused it.
+    /// Records that the controller has refused the move: job and target end.
     pub(super) fn refused(&mut self) {
         self.job = None;
-        self.aim = None;
+        self.target = None;
     }
 }
 
-/// Whether a controller in this state takes moves.
+/// Whether a controller in this state accepts moves.
 pub(super) fn takes_moves(state: State) -> bool {
     matches!(state, State::Armed | State::Running)
 }

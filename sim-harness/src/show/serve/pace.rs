@@ -1,28 +1,29 @@
-//! The controller's time and the clock on the wall.
+//! The controller's time against real time.
 
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Time that passes between two looks at the clock.
-const LOOK: Duration = Duration::from_millis(1);
-/// A simulation this late goes on from where it is, slower than time, instead of racing.
+/// Time between two comparisons with the clock.
+const INTERVAL: Duration = Duration::from_millis(1);
+/// A simulation that is later than this does not catch up: it continues slower than real
+/// time.
 const TOO_LATE: Duration = Duration::from_millis(100);
-/// Speed is measured over so long.
+/// Time over which the speed is measured.
 const SPAN: Duration = Duration::from_secs(1);
 
-/// Holds ticks back to the clock.
-pub(super) struct Pace {
-    ticks_per_look: u32,
+/// Delays ticks so that they keep real time.
+pub(super) struct Pacer {
+    ticks_per_interval: u32,
     ticks: u32,
-    /// When the next look is due.
+    /// When the next interval begins.
     due: Instant,
 }
 
-impl Pace {
-    /// For so many ticks a second.
+impl Pacer {
+    /// A pacer for `tick_rate` ticks per second [Hz].
     pub(super) fn new(tick_rate: f64) -> Self {
         Self {
-            ticks_per_look: ((LOOK.as_secs_f64() * tick_rate) as u32).max(1),
+            ticks_per_interval: ((INTERVAL.as_secs_f64() * tick_rate) as u32).max(1),
             ticks: 0,
             due: Instant::now(),
         }
@@ -31,11 +32,11 @@ impl Pace {
     /// Waits until the next tick is due.
     pub(super) fn tick(&mut self) {
         self.ticks += 1;
-        if self.ticks < self.ticks_per_look {
+        if self.ticks < self.ticks_per_interval {
             return;
         }
         self.ticks = 0;
-        self.due += LOOK;
+        self.due += INTERVAL;
         let now = Instant::now();
         match self.due.checked_duration_since(now) {
             Some(early) => thread::sleep(early),
@@ -45,14 +46,14 @@ impl Pace {
     }
 }
 
-/// Measures how fast a controller's time goes.
-pub(super) struct Speed {
+/// Measures the speed of a controller's time.
+pub(super) struct SpeedMeter {
     since: (f64, Instant),
     latest: Option<f32>,
 }
 
-impl Speed {
-    /// Begins where the controller's time is `time` [s].
+impl SpeedMeter {
+    /// Starts measuring when the controller's time is `time` [s].
     pub(super) fn from(time: f64, now: Instant) -> Self {
         Self {
             since: (time, now),
@@ -60,7 +61,7 @@ impl Speed {
         }
     }
 
-    /// Seconds of the controller per second of the clock; none in the first second.
+    /// Seconds of the controller per real second; none in the first second.
     pub(super) fn at(&mut self, time: f64, now: Instant) -> Option<f32> {
         let (before, then) = self.since;
         let passed = now.saturating_duration_since(then);
@@ -74,12 +75,12 @@ impl Speed {
 
 #[cfg(test)]
 mod tests {
-    use super::{Duration, Instant, Pace, SPAN, Speed};
+    use super::{Duration, Instant, Pacer, SPAN, SpeedMeter};
 
     #[test]
-    fn ticks_take_as_long_as_they_should() {
+    fn ticks_are_not_faster_than_real_time() {
         let start = Instant::now();
-        let mut pace = Pace::new(10_000.0);
+        let mut pace = Pacer::new(10_000.0);
         for _ in 0..500 {
             pace.tick();
         }
@@ -90,7 +91,7 @@ mod tests {
     #[test]
     fn speed_is_known_after_a_second() {
         let start = Instant::now();
-        let mut speed = Speed::from(2.0, start);
+        let mut speed = SpeedMeter::from(2.0, start);
         assert_eq!(speed.at(2.05, start + SPAN / 2), None);
         assert_eq!(speed.at(2.25, start + SPAN), Some(0.25));
         assert_eq!(speed.at(2.75, start + 2 * SPAN), Some(0.5));

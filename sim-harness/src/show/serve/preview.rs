@@ -1,6 +1,6 @@
 //! The arm and its jobs as lines to draw.
 
-use super::message::{JobNews, Stroke};
+use super::message::{JobMessage, Stroke};
 use crate::input::job::Job;
 use fivebar_firmware::planner::{MoveRefusal, Planner};
 use fivebar_firmware::settings::SettingsError;
@@ -9,12 +9,12 @@ use fivebar_kinematics::five_bar::{Pose, Side, Tool, WorkingMode};
 use fivebar_kinematics::trajectory::{PathSegment, Sense};
 use nalgebra::Vector2;
 
-/// Longest straight piece of a drawn arc [m].
+/// Greatest length of the chords of a drawn arc [m].
 const CHORD: f32 = 1e-3;
-/// How far an arc's centre may be off in a drawing [m].
+/// Greatest error of an arc's centre in a drawing [m].
 const ARC_TOLERANCE: f32 = 1e-4;
 
-/// The arm of a controller's settings.
+/// Draws the arm of a controller's settings, and checks its jobs.
 pub(super) struct Preview {
     tool: Tool<f32>,
     assembly: Side,
@@ -30,7 +30,7 @@ impl Preview {
         })
     }
 
-    /// The arm as the controller believes it to stand; none until it is homed.
+    /// The pose that the controller measures; none until the arm is homed.
     pub(super) fn pose(&self, status: &Status) -> Option<Pose<f32>> {
         let [theta1, theta4] = status.angle;
         let geometry = self.tool.geometry();
@@ -44,7 +44,7 @@ impl Preview {
         [mode.elbow1, mode.elbow4]
     }
 
-    /// The tool at θ1, θ4 [rad], in metres; none where they close no arm.
+    /// The tool's position [m] at θ1, θ4 [rad]; none if no pose has these angles.
     pub(super) fn tool_at(&self, [theta1, theta4]: [f32; 2]) -> Option<[f32; 2]> {
         let geometry = self.tool.geometry();
         let pose = geometry.forward(theta1, theta4, self.assembly).ok()?;
@@ -52,9 +52,9 @@ impl Preview {
         Some([tool.x, tool.y])
     }
 
-    /// θ1, θ4 [rad] that hold the tool at `point` [m] with these elbows. None out of reach,
-    /// or where only another assembly branch has it, which no motion that keeps clear of
-    /// type 2 leads to.
+    /// θ1, θ4 [rad] with the tool at `point` [m] and these elbows. None if the point is out
+    /// of reach, or belongs to the other assembly mode: no path reaches that mode without a
+    /// singularity of type 2.
     pub(super) fn joints(&self, point: [f32; 2], [elbow1, elbow4]: [Side; 2]) -> Option<[f32; 2]> {
         let mode = WorkingMode::new(elbow1, elbow4);
         let pose = self.tool.inverse(vec2(point), mode).ok()?;
@@ -62,17 +62,18 @@ impl Preview {
         (pose.assembly() == self.assembly).then_some([theta1, theta4])
     }
 
-    /// A job to be drawn, held as a whole against what the controller would take from where
-    /// the tool stands.
-    pub(super) fn job(&self, name: &str, job: &Job, moves: &[Move], status: &Status) -> JobNews {
-        let mut news = JobNews {
+    /// The path of a job, checked as a whole from the tool's present position, as the
+    /// controller would check it.
+    pub(super) fn job(&self, name: &str, job: &Job, moves: &[Move], status: &Status) -> JobMessage {
+        let mut message = JobMessage {
             name: name.into(),
             moves: moves.len(),
-            ..JobNews::default()
+            ..JobMessage::default()
         };
         let Some(mut from) = status.reference.or(status.tool) else {
-            news.refusal = Some("The way to its start is not known yet: home first.".into());
-            return news;
+            message.refusal =
+                Some("The arm's position is unknown: home it, then the job is checked.".into());
+            return message;
         };
         let checked = self
             .planner(status)
@@ -80,26 +81,26 @@ impl Preview {
         match checked {
             Ok(Ok(())) => {}
             Ok(Err(refusal)) => {
-                news.refusal = Some(format!("Line {}: {refusal}.", refusal.tag));
-                news.at = refusal.point;
+                message.refusal = Some(format!("Line {}: {refusal}.", refusal.tag));
+                message.at = refusal.point;
             }
-            Err(error) => news.refusal = Some(format!("The settings: {error}.")),
+            Err(error) => message.refusal = Some(format!("The settings: {error}.")),
         }
         for (step, order) in job.steps.iter().zip(moves) {
             let (start, points) = (from, points(from, &order.kind));
             from = *points.last().unwrap_or(&from);
-            match news.strokes.last_mut() {
+            match message.strokes.last_mut() {
                 Some(stroke) if stroke.down == step.pen_down => stroke.points.extend(points),
-                _ => news.strokes.push(Stroke {
+                _ => message.strokes.push(Stroke {
                     down: step.pen_down,
                     points: std::iter::once(start).chain(points).collect(),
                 }),
             }
         }
-        news
+        message
     }
 
-    /// A planner like the controller's, in the working mode that the arm stands in.
+    /// A planner like the controller's, in the arm's present working mode.
     fn planner(&self, status: &Status) -> Result<Planner, SettingsError> {
         let mut settings = self.settings;
         if let Some(pose) = self.pose(status) {
@@ -116,7 +117,7 @@ fn check(planner: &Planner, mut from: [f32; 2], moves: &[Move]) -> Result<(), Mo
     Ok(())
 }
 
-/// Points of a move after its start [m].
+/// The points of a move after its start [m].
 fn points(from: [f32; 2], kind: &MoveKind) -> Vec<[f32; 2]> {
     match *kind {
         MoveKind::Line { to, .. } => vec![to],
@@ -144,7 +145,7 @@ fn points(from: [f32; 2], kind: &MoveKind) -> Vec<[f32; 2]> {
     }
 }
 
-/// `angle` [rad] by whole turns, nearest to `to`.
+/// `angle` plus whole turns, as near to `to` as possible [rad].
 pub(super) fn nearest(angle: f32, to: f32) -> f32 {
     use std::f32::consts::TAU;
     angle + TAU * ((to - angle) / TAU).round()

@@ -1,29 +1,31 @@
-//! The controller's refusals in sentences with a way out.
+//! The controller's refusals as sentences that say what to do.
 
 use fivebar_firmware::controller;
 use fivebar_firmware::protocol::Refusal;
 use fivebar_firmware::safety::State;
 
-/// Why an order was not obeyed.
+/// Why a command was refused.
 pub(super) fn sentence(refusal: &Refusal) -> String {
     match refusal {
         Refusal::Move(refusal) if refusal.tag == 0 => format!("The move is refused: {refusal}."),
         Refusal::Move(refusal) => format!("Line {} is refused: {refusal}.", refusal.tag),
         Refusal::Request(refusal) => match refusal {
-            controller::Refusal::State(state) => format!("Not {}.", while_in(*state)),
-            controller::Refusal::NotHomed => "The joint angles are not known: home first.".into(),
+            controller::Refusal::State(state) => format!("Not allowed {}.", while_in(*state)),
+            controller::Refusal::NotHomed => "The joint angles are unknown: home first.".into(),
             controller::Refusal::OutsideLimits => {
-                "A joint is outside its limits: turn it back by hand, disarmed.".into()
+                "A joint is outside its limits: disarm, then turn the joint back by hand.".into()
             }
             controller::Refusal::NearSingularity => {
-                "The arm is too near a singularity: turn it out of there by hand, disarmed.".into()
+                "The arm is too near a singularity: disarm, then move the arm away by hand.".into()
             }
             controller::Refusal::NotOnBranch => {
-                "The angles close no arm on the branch of the settings: home again.".into()
+                "No pose on the arm's branch has these joint angles: home again.".into()
             }
-            controller::Refusal::Moving => "The arm still moves: wait until it rests.".into(),
+            controller::Refusal::Moving => "The arm is still moving: wait until it rests.".into(),
         },
-        Refusal::NoSettings => "The controller has no settings yet: store the robot's.".into(),
+        Refusal::NoSettings => {
+            "The controller has no settings: store the robot's settings with --upload.".into()
+        }
         other => format!("The controller refuses: {other:?}."),
     }
 }

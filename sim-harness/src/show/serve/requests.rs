@@ -1,9 +1,11 @@
-//! What pages wish becomes orders, aims and jobs, or a refusal.
+//! Turns the requests of pages into host commands, targets and jobs, or into a refusal.
 
+use super::controller_thread::{ControllerThread, LoadedJob};
 use super::lease::PageId;
-use super::machine::{Loaded, Machine};
-use super::message::{ClientRequest, ControllerRequest, Event, JobNews, Joint, News};
-use super::move_feeder::{End, takes_moves};
+use super::message::{
+    ClientRequest, ControllerRequest, DrivenJoint, JobMessage, PageEvent, ServerMessage,
+};
+use super::move_feeder::{MoveEnd, takes_moves};
 use super::preview::nearest;
 use super::refusal::sentence;
 use crate::input::scenario::Scenario;
@@ -13,38 +15,39 @@ use fivebar_firmware::protocol::Order;
 use fivebar_kinematics::five_bar::Side;
 use std::time::Instant;
 
-/// Share of the joints' greatest speed at which a joint is turned and the mode changed.
+/// Speed of joint moves, as a share of the joints' greatest speed.
 const JOINT_SPEED: f32 = 0.4;
 
-/// Why a wish is not done.
+/// Why a request is refused, as a sentence.
 type Refused = String;
 
-impl Machine {
-    /// Takes note of what happens at a page.
-    pub(super) fn hear(&mut self, page: PageId, event: Event) -> Result<(), LinkError> {
+impl ControllerThread {
+    /// Handles an event of a page.
+    pub(super) fn handle_event(&mut self, page: PageId, event: PageEvent) -> Result<(), LinkError> {
         let now = Instant::now();
         match event {
-            Event::Joined => {
-                // A moving arm whose page is lost comes to rest before another one gets it.
+            PageEvent::Joined => {
+                // After a page is lost, a moving arm comes to rest before another page may
+                // get control without asking.
                 if self.rests() && !self.lease.is_alive(now) {
                     self.lease.acquire(page, now, false);
                     self.feeder.clear();
                 }
-                self.tell_again();
+                self.resend();
             }
-            Event::Missed => self.tell_again(),
-            Event::Left => {
+            PageEvent::Lagged => self.resend(),
+            PageEvent::Left => {
                 if self.lease.release(page) {
                     self.feeder.clear();
                 }
             }
-            Event::Strange(error) => self.refuse(
+            PageEvent::Malformed(error) => self.refuse(
                 Some(page),
-                format!("This page is not of this server's version; load it again ({error})."),
+                format!("The server does not know this request; load the page again ({error})."),
             ),
-            Event::Request(request) => {
+            PageEvent::Request(request) => {
                 let in_control = self.lease.renew(page, now);
-                if let Err(why) = self.grant(page, in_control, request)? {
+                if let Err(why) = self.handle_request(page, in_control, request)? {
                     self.refuse(Some(page), why);
                 }
             }
@@ -52,15 +55,15 @@ impl Machine {
         Ok(())
     }
 
-    /// What a page that was not there, or too slow, has not heard.
-    fn tell_again(&mut self) {
-        self.told = None;
+    /// Sends fault and job again, for a page that is new or has missed messages.
+    fn resend(&mut self) {
+        self.sent_fault = None;
         if let Some(loaded) = &self.loaded {
-            self.pages.tell(&News::Job(&loaded.news));
+            self.pages.send(&ServerMessage::Job(&loaded.message));
         }
     }
 
-    fn grant(
+    fn handle_request(
         &mut self,
         page: PageId,
         in_control: bool,
@@ -68,32 +71,32 @@ impl Machine {
     ) -> Result<Result<(), Refused>, LinkError> {
         Ok(match request {
             ClientRequest::Alive => Ok(()),
-            ClientRequest::Control => self.hand_over(page),
+            ClientRequest::Control => self.give_control(page),
             ClientRequest::Request(wanted) if in_control || wanted.is_open_to_all() => {
                 return self.request(wanted);
             }
             _ if !in_control => Err("This page watches: take control first.".into()),
             ClientRequest::Request(wanted) => return self.request(wanted),
             _ if self.feeder.is_running() => Err("A job is running: stop it first.".into()),
-            ClientRequest::Load { name, text } => self.load(&name, text),
-            ClientRequest::Run => self.begin(),
+            ClientRequest::Load { name, text } => self.load_job(&name, text),
+            ClientRequest::Run => self.run_job(),
             _ if !takes_moves(self.status.state) => {
                 Err("The arm is not armed: home it, then arm it.".into())
             }
             ClientRequest::Jog(by) => self.jog(by.map(single)),
             ClientRequest::Follow(to) => {
-                self.aim(to.map(single));
+                self.move_tool(to.map(single));
                 Ok(())
             }
             ClientRequest::JogJoint { joint, by } => {
-                self.turn_joint(joint, |angle| angle + single(by))
+                self.move_joint(joint, |angle| angle + single(by))
             }
-            ClientRequest::Turn { joint, to } => self.turn_joint(joint, |_| single(to)),
+            ClientRequest::Turn { joint, to } => self.move_joint(joint, |_| single(to)),
             ClientRequest::Mode(elbows) => self.change_mode(elbows),
         })
     }
 
-    fn hand_over(&mut self, page: PageId) -> Result<(), Refused> {
+    fn give_control(&mut self, page: PageId) -> Result<(), Refused> {
         let before = self.lease.holder();
         if !self.lease.acquire(page, Instant::now(), self.rests()) {
             return Err(
@@ -119,26 +122,34 @@ impl Machine {
     }
 
     fn jog(&mut self, [dx, dy]: [f32; 2]) -> Result<(), Refused> {
-        let [x, y] = self.tool_end().ok_or("The arm is not held anywhere.")?;
-        self.aim([x + dx, y + dy]);
+        let [x, y] = self
+            .tool_end()
+            .ok_or("The arm is not armed: home it, then arm it.")?;
+        self.move_tool([x + dx, y + dy]);
         Ok(())
     }
 
-    fn aim(&mut self, to: [f32; 2]) {
+    fn move_tool(&mut self, to: [f32; 2]) {
         let feed = self.settings.motion.max_speed;
-        self.feeder.aim_at(MoveKind::Line { to, feed });
+        self.feeder.set_target(MoveKind::Line { to, feed });
     }
 
-    /// Turns a joint from where the next move begins, the other one staying.
-    fn turn_joint(&mut self, joint: Joint, to: impl FnOnce(f32) -> f32) -> Result<(), Refused> {
-        let mut angles = self.joints_end().ok_or("The arm is not held anywhere.")?;
+    /// Turns one joint, from the angles at which the next move begins; the other stays.
+    fn move_joint(
+        &mut self,
+        joint: DrivenJoint,
+        to: impl FnOnce(f32) -> f32,
+    ) -> Result<(), Refused> {
+        let mut angles = self
+            .joints_end()
+            .ok_or("The arm is not armed: home it, then arm it.")?;
         let [theta1, theta4] = &mut angles;
         let angle = match joint {
-            Joint::Theta1 => theta1,
-            Joint::Theta4 => theta4,
+            DrivenJoint::Theta1 => theta1,
+            DrivenJoint::Theta4 => theta4,
         };
         *angle = to(*angle);
-        self.aim_joints(angles);
+        self.move_joints(angles);
         Ok(())
     }
 
@@ -147,106 +158,112 @@ impl Machine {
         let angles = tool
             .and_then(|tool| self.preview.joints(tool, elbows))
             .ok_or(
-                "These elbows hold the tool there only beyond links 2 and 3 in line, or not at \
-                 all: move the tool first.",
+                "With these elbows the tool cannot be at this position on the present assembly \
+                 mode: move the tool first.",
             )?;
-        self.aim_joints(angles);
+        self.move_joints(angles);
         Ok(())
     }
 
-    fn aim_joints(&mut self, angles: [f32; 2]) {
+    fn move_joints(&mut self, angles: [f32; 2]) {
         let [to1, to4] = angles;
         let [now1, now4] = self.status.angle;
-        self.feeder.aim_at(MoveKind::Joint {
+        self.feeder.set_target(MoveKind::Joint {
             to: [nearest(to1, now1), nearest(to4, now4)],
             speed: JOINT_SPEED,
         });
     }
 
-    /// Where the tool is when all moves are done [m].
+    /// The position of the tool after all pending moves [m].
     fn tool_end(&self) -> Option<[f32; 2]> {
         match self.feeder.end() {
-            Some(End::Tool(tool)) => Some(tool),
-            Some(End::Joints(angles)) => self.preview.tool_at(angles),
+            Some(MoveEnd::Tool(tool)) => Some(tool),
+            Some(MoveEnd::Joints(angles)) => self.preview.tool_at(angles),
             None => self.status.reference,
         }
     }
 
-    /// θ1, θ4 when all moves are done [rad], the working mode being today's.
+    /// θ1, θ4 after all pending moves [rad], in the present working mode.
     fn joints_end(&self) -> Option<[f32; 2]> {
         match self.feeder.end() {
-            Some(End::Tool(tool)) => {
+            Some(MoveEnd::Tool(tool)) => {
                 let pose = self.preview.pose(&self.status)?;
                 self.preview.joints(tool, self.preview.elbows(&pose))
             }
-            Some(End::Joints(angles)) => Some(angles),
+            Some(MoveEnd::Joints(angles)) => Some(angles),
             None => Some(self.status.joint_reference?.angle),
         }
     }
 
-    fn load(&mut self, name: &str, text: String) -> Result<(), Refused> {
-        self.only_at_rest()?;
+    fn load_job(&mut self, name: &str, text: String) -> Result<(), Refused> {
+        self.require_rest()?;
         let scenario = Scenario::new(name, self.robot.clone(), name, text);
         match scenario.job() {
             Ok(job) => {
-                self.loaded = Some(Loaded {
+                self.loaded = Some(LoadedJob {
                     moves: scenario.moves(&job),
                     job,
-                    news: JobNews {
+                    message: JobMessage {
                         name: name.into(),
-                        ..JobNews::default()
+                        ..JobMessage::default()
                     },
                 });
                 self.preview_job();
             }
             Err(error) => {
                 self.loaded = None;
-                self.pages.tell(&News::Job(&JobNews {
+                self.pages.send(&ServerMessage::Job(&JobMessage {
                     name: name.into(),
                     refusal: Some(error.to_string()),
-                    ..JobNews::default()
+                    ..JobMessage::default()
                 }));
             }
         }
         Ok(())
     }
 
-    /// Holds the loaded job against what the controller would take from where the tool
-    /// stands now, and shows its path.
+    /// Checks the loaded job from the tool's present position, as the controller would, and
+    /// sends its path to the pages.
     pub(super) fn preview_job(&mut self) {
-        let Some(Loaded { job, moves, news }) = &mut self.loaded else {
+        let Some(LoadedJob {
+            job,
+            moves,
+            message,
+        }) = &mut self.loaded
+        else {
             return;
         };
-        *news = self.preview.job(&news.name, job, moves, &self.status);
-        self.pages.tell(&News::Job(news));
+        *message = self.preview.job(&message.name, job, moves, &self.status);
+        self.pages.send(&ServerMessage::Job(message));
     }
 
-    /// Begins the job, if all of it can be done from here.
-    fn begin(&mut self) -> Result<(), Refused> {
-        self.only_at_rest()?;
+    /// Starts the job, if all of it can be done from the tool's present position.
+    fn run_job(&mut self) -> Result<(), Refused> {
+        self.require_rest()?;
         if !takes_moves(self.status.state) {
             return Err("The arm is not armed: home it, then arm it.".into());
         }
         self.preview_job();
         let loaded = self.loaded.as_ref().ok_or("There is no job: load one.")?;
-        if let Some(why) = &loaded.news.refusal {
+        if let Some(why) = &loaded.message.refusal {
             return Err(format!("The job cannot be done. {why}"));
         }
         self.feeder.run(loaded.moves.clone());
-        self.notice("The job begins.");
+        self.notice("The job has started.");
         Ok(())
     }
 
-    /// A long job takes its time to be looked through, in which the host is silent.
-    fn only_at_rest(&self) -> Result<(), Refused> {
+    /// Refuses while the arm moves: checking a long job takes time, and the host sends
+    /// nothing meanwhile.
+    fn require_rest(&self) -> Result<(), Refused> {
         match self.rests() {
             true => Ok(()),
-            false => Err("The arm moves: wait until it rests, or stop it.".into()),
+            false => Err("The arm is moving: stop it or wait until it rests.".into()),
         }
     }
 }
 
-/// A page's number as the controller has it; infinite where it has none so great.
+/// A page's number in the controller's precision; infinite if it is too large.
 fn single(value: f64) -> f32 {
     value as f32
 }

@@ -1,7 +1,7 @@
-//! The simulated arm: moved by a controller in this process in real time, or by one that
-//! is stepped.
+//! The simulated arm, moved by a controller in this process in real time or by a board in
+//! lockstep.
 
-use super::pace::Pace;
+use super::pace::Pacer;
 use crate::input::robot::Robot;
 use crate::input::scenario::Scenario;
 use crate::run::link::{Client, LinkError, Loopback};
@@ -10,19 +10,19 @@ use crate::run::simulation::RunError;
 use fivebar_firmware::Command;
 use std::io::{Read, Write};
 
-/// Ticks between two looks at the pages: few against the controller's command timeout.
+/// Ticks between two rounds of the thread: short against the controller's command timeout.
 const TICKS_PER_STEP: u32 = 20;
 
 fn scenario(robot: &Robot) -> Scenario {
     Scenario::new("page", robot.clone(), "page", String::new())
 }
 
-/// A board that moves the robot's arm and takes as long as a real one.
+/// A controller in this process that moves the simulated arm in real time.
 pub(super) fn line(robot: &Robot) -> Result<Loopback, RunError> {
     let mut plant = scenario(robot).plant()?;
     let settings = robot.settings()?;
     let rate = robot.control.tick_rate;
-    let mut pace = Pace::new(rate);
+    let mut pace = Pacer::new(rate);
     let arm = move |command: &Command| {
         pace.tick();
         plant.step(command, 1.0 / rate);
@@ -34,12 +34,12 @@ pub(super) fn line(robot: &Robot) -> Result<Loopback, RunError> {
     })
 }
 
-/// The arm of a board whose sensors and bridges are frames: no faster than time, and as
-/// much slower as the board is.
+/// The simulated arm of a board in lockstep. It runs at most in real time, and slower if the
+/// board is slower.
 pub(super) struct SteppedArm {
     plant: Plant,
     period: f64,
-    pace: Pace,
+    pace: Pacer,
 }
 
 impl SteppedArm {
@@ -48,11 +48,11 @@ impl SteppedArm {
         Ok(Self {
             plant: scenario(robot).plant()?,
             period: 1.0 / rate,
-            pace: Pace::new(rate),
+            pace: Pacer::new(rate),
         })
     }
 
-    /// Makes some ticks, and moves as they command.
+    /// Runs some ticks on the board and moves the arm by their outputs.
     pub(super) fn step<L: Read + Write>(&mut self, board: &mut Client<L>) -> Result<(), LinkError> {
         for _ in 0..TICKS_PER_STEP {
             let ticked = board.tick(self.plant.sense())?;

@@ -1,9 +1,9 @@
-//! The pages and their websockets.
+//! The page's files and the websockets.
 
 use super::ServeError;
 use super::guard::{Admission, Guard};
 use super::lease::PageId;
-use super::message::{ClientRequest, Event, WebSide};
+use super::message::{ClientRequest, PageEvent, WebEnd};
 use axum::Router;
 use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
 use axum::extract::{Request, State};
@@ -19,18 +19,18 @@ use std::time::{Duration, Instant};
 use tokio::sync::broadcast::error::RecvError;
 use tokio::sync::oneshot;
 
-/// The longest message of a page: a job of a few hundred thousand moves.
-const LONGEST: usize = 16 << 20;
+/// Longest message of a page [bytes]: a job of a few hundred thousand moves.
+const MAX_MESSAGE_SIZE: usize = 16 << 20;
 
-/// Messages of a page in a second, several times what hands and clocks make. One that says
-/// more has gone wild and is let go as if it were lost: neither does it keep others from
-/// stopping the arm, nor does the arm obey what has waited in line.
-const MOST: u32 = 1000;
+/// Most messages of a page per second, several times what a user and the signs of life
+/// produce. A page that sends more is disconnected. Its messages then neither delay another
+/// page's stop nor move the arm late.
+const MAX_MESSAGES_PER_SECOND: u32 = 1000;
 
-/// Nothing but what this server sends is loaded, and no other page frames it.
+/// Browsers load only what this server sends, and show the page in no frame of another.
 const POLICY: &str = "default-src 'self'; frame-ancestors 'none'; base-uri 'none'";
 
-/// A file of the page: its path, what it is, its text.
+/// A file of the page: its path, its media type, its text.
 type Asset = (&'static str, &'static str, &'static str);
 
 const SCRIPT: &str = "text/javascript; charset=utf-8";
@@ -51,7 +51,7 @@ const ASSETS: [Asset; 12] = [
     ("/colour.js", SCRIPT, include_str!("page/colour.js")),
     ("/connection.js", SCRIPT, include_str!("page/connection.js")),
     ("/drawing.js", SCRIPT, include_str!("page/drawing.js")),
-    ("/hand.js", SCRIPT, include_str!("page/hand.js")),
+    ("/drag.js", SCRIPT, include_str!("page/drag.js")),
     ("/map.js", SCRIPT, include_str!("page/map.js")),
     ("/panel.js", SCRIPT, include_str!("page/panel.js")),
     ("/plots.js", SCRIPT, include_str!("page/plots.js")),
@@ -62,32 +62,32 @@ const ASSETS: [Asset; 12] = [
     ),
 ];
 
-/// What is served: the files of the page, the arm, and the way to the machine.
+/// What is served besides the page's files.
 pub(super) struct Site {
     pub(super) guard: Guard,
-    pub(super) pages: WebSide,
-    /// The arm as pages know it before it moves, in JSON.
+    pub(super) pages: WebEnd,
+    /// The description of the arm, as JSON.
     pub(super) arm: String,
-    /// The maps of its workspace, in JSON.
+    /// The maps of its workspace, as JSON.
     pub(super) maps: String,
 }
 
-/// Serves until `machine`, which is given a thread of its own, returns.
+/// Runs `controller` in its own thread and serves pages until it returns.
 pub(super) fn run(
     listener: TcpListener,
     site: Site,
-    machine: Box<dyn FnOnce() -> Result<(), ServeError> + Send>,
+    controller: Box<dyn FnOnce() -> Result<(), ServeError> + Send>,
 ) -> Result<(), ServeError> {
     let mut runtime = tokio::runtime::Builder::new_current_thread();
     runtime.enable_all().build()?.block_on(async {
         listener.set_nonblocking(true)?;
         let listener = tokio::net::TcpListener::from_std(listener)?;
         let (ended, end) = oneshot::channel();
-        thread::spawn(move || ended.send(machine()));
+        thread::spawn(move || ended.send(controller()));
         tokio::select! {
             served = axum::serve(listener, router(site)) => Ok(served?),
             outcome = end => outcome.unwrap_or_else(|_| {
-                Err(std::io::Error::other("the machine's thread panicked").into())
+                Err(std::io::Error::other("the controller's thread panicked").into())
             }),
         }
     })
@@ -118,7 +118,7 @@ fn router(site: Site) -> Router {
 async fn admit(State(guard): State<Arc<Guard>>, request: Request, next: Next) -> Response {
     let mut response = match guard.admit(request.uri(), request.headers()) {
         Ok(Admission::Serve) => next.run(request).await,
-        Ok(Admission::Welcome { cookie }) => {
+        Ok(Admission::SetCookie { cookie }) => {
             let headers = [(header::LOCATION, "/".into()), (header::SET_COOKIE, cookie)];
             (StatusCode::SEE_OTHER, headers).into_response()
         }
@@ -136,36 +136,36 @@ async fn admit(State(guard): State<Arc<Guard>>, request: Request, next: Next) ->
     response
 }
 
-async fn live(State(pages): State<WebSide>, upgrade: WebSocketUpgrade) -> Response {
+async fn live(State(pages): State<WebEnd>, upgrade: WebSocketUpgrade) -> Response {
     static PAGES: AtomicU64 = AtomicU64::new(1);
     let page = PAGES.fetch_add(1, Ordering::Relaxed);
     upgrade
-        .max_message_size(LONGEST)
-        .on_upgrade(move |socket| attend(socket, page, pages))
+        .max_message_size(MAX_MESSAGE_SIZE)
+        .on_upgrade(move |socket| exchange(socket, page, pages))
 }
 
-/// Carries messages both ways until the page is gone.
-async fn attend(mut socket: WebSocket, page: PageId, pages: WebSide) {
-    let mut news = pages.news.subscribe();
+/// Passes messages in both directions until the page disconnects.
+async fn exchange(mut socket: WebSocket, page: PageId, pages: WebEnd) {
+    let mut messages = pages.messages.subscribe();
     let hello = format!(r#"{{"hello":{page}}}"#);
     if socket.send(Message::Text(hello.into())).await.is_err() {
         return;
     }
-    let tell = |event| pages.events.send((page, event));
-    let _ = tell(Event::Joined);
+    let report = |event| pages.events.send((page, event));
+    let _ = report(PageEvent::Joined);
     let mut second = (Instant::now(), 0);
     loop {
         if second.0.elapsed() >= Duration::from_secs(1) {
             second = (Instant::now(), 0);
         }
         let event = tokio::select! {
-            heard = socket.recv() => match heard {
-                _ if second.1 == MOST => break,
+            received = socket.recv() => match received {
+                _ if second.1 == MAX_MESSAGES_PER_SECOND => break,
                 Some(Ok(Message::Text(text))) => {
                     second.1 += 1;
                     match serde_json::from_str::<ClientRequest>(&text) {
-                        Ok(request) => Event::Request(request),
-                        Err(error) => Event::Strange(error.to_string()),
+                        Ok(request) => PageEvent::Request(request),
+                        Err(error) => PageEvent::Malformed(error.to_string()),
                     }
                 }
                 Some(Ok(Message::Ping(_) | Message::Pong(_))) => {
@@ -174,18 +174,18 @@ async fn attend(mut socket: WebSocket, page: PageId, pages: WebSide) {
                 }
                 Some(Ok(Message::Binary(_) | Message::Close(_)) | Err(_)) | None => break,
             },
-            told = news.recv() => match told {
+            message = messages.recv() => match message {
                 Ok(text) => match socket.send(Message::Text(text)).await {
                     Ok(()) => continue,
                     Err(_) => break,
                 },
-                Err(RecvError::Lagged(_)) => Event::Missed,
+                Err(RecvError::Lagged(_)) => PageEvent::Lagged,
                 Err(RecvError::Closed) => break,
             },
         };
-        if tell(event).is_err() {
+        if report(event).is_err() {
             break;
         }
     }
-    let _ = tell(Event::Left);
+    let _ = report(PageEvent::Left);
 }

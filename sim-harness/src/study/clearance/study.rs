@@ -38,7 +38,7 @@ impl Outcome {
         let joints = &self.record.joints;
         joints
             .total
-            .map(|joint| joint.flight / joints.watched.max(f64::MIN_POSITIVE))
+            .map(|joint| joint.flight_time / joints.duration.max(f64::MIN_POSITIVE))
     }
 }
 

@@ -5,5 +5,5 @@ mod summary;
 
 pub(crate) use parts::{branch, moment, slides};
 pub use summary::{
-    Assembly, BranchChangeFound, LimitFound, Peak, Range, SHOWN_ASSEMBLIES, Summary,
+    Assembly, BranchChangeFound, LimitFound, PeakReaction, Range, SHOWN_ASSEMBLIES, Summary,
 };

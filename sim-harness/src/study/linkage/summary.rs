@@ -26,7 +26,7 @@ pub struct Summary {
     /// Extremes of each driving torque or force.
     pub driving: Vec<Range>,
     /// The greatest force and moment in each joint.
-    pub peak_reactions: Vec<Peak>,
+    pub peak_reactions: Vec<PeakReaction>,
     /// Where the motion ends and begins.
     pub limits: Vec<LimitFound>,
     /// Where a smooth motion would go over to another branch.
@@ -50,7 +50,7 @@ pub struct Range {
 
 /// The greatest force and moment in a joint.
 #[derive(Clone, Debug, Serialize)]
-pub struct Peak {
+pub struct PeakReaction {
     /// The joint, by its two links.
     pub joint: String,
     /// The force [N].
@@ -143,7 +143,7 @@ impl DrivenLinkage {
         }
     }
 
-    fn peak_reactions(&self, sweep: &Sweep) -> Vec<Peak> {
+    fn peak_reactions(&self, sweep: &Sweep) -> Vec<PeakReaction> {
         let names = reaction_names(&self.linkage).into_iter().enumerate();
         names
             .filter_map(|(k, joint)| {
@@ -154,7 +154,7 @@ impl DrivenLinkage {
                 let moments = sweep
                     .solved()
                     .map(|(_, solved)| moment(&solved.forces.reactions[k]).abs());
-                Some(Peak {
+                Some(PeakReaction {
                     joint,
                     force_n,
                     time_s,

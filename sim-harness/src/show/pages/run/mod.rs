@@ -104,7 +104,7 @@ impl RunReport<'_> {
                         },
                     ),
                 );
-                match self.summary.times_as_large(theirs) {
+                match self.summary.ratio_to(theirs) {
                     None => page,
                     Some(ratio) => page.paragraph(&format!(
                         "The same arm, job, bandwidth and damping without the model: the RMS \

@@ -1,14 +1,14 @@
-// The page: what the server tells becomes text and pictures, what hands do becomes wishes.
+// The page: shows the server's messages, and sends what the user does as requests.
 import { Connection } from "./connection.js";
 import { Drawing } from "./drawing.js";
-import { Hand } from "./hand.js";
+import { DragHandler } from "./drag.js";
 import { WorkspaceMap } from "./map.js";
-import { doing, showFault, showJob, showNotice, showNumbers } from "./panel.js";
+import { stateText, showFault, showJob, showNotice, showNumbers } from "./panel.js";
 import { Plot } from "./plots.js";
 
 const DEGREE = Math.PI / 180;
 
-// A page that fails must not look like one that works.
+// An error of a script is shown, so that a failed page is not taken for a working one.
 const fail = (reason) => showNotice(`This page failed: ${reason}. Load it again.`, true);
 addEventListener("error", (event) => fail(event.message));
 addEventListener("unhandledrejection", (event) => fail(event.reason));
@@ -19,40 +19,40 @@ const arm = await json("arm.json");
 const map = new WorkspaceMap(await json("maps.json"));
 const connection = new Connection();
 const drawing = new Drawing(at("arm"), arm, map);
-const hand = new Hand(at("arm"), drawing);
+const drag = new DragHandler(at("arm"), drawing);
 const plots = {
   error: new Plot(at("error"), ["--one"]),
   torque: new Plot(at("torque"), ["--one", "--four"]),
   current: new Plot(at("current"), ["--one", "--four"]),
 };
 let me = null; // this page's number
-let elbows = null; // where the arm's are
+let elbows = null; // the sides of the arm's elbows
 
-// What the server tells.
+// Messages of the server.
 
-connection.onNews = (news) => {
-  if (news.hello) me = news.hello;
-  if (news.state) showState(news.state);
-  if (news.notice && (news.notice.to ?? me) === me) showNotice(news.notice.text, news.notice.refused);
-  if ("fault" in news) showFault(news.fault);
-  if (news.job) {
-    drawing.job = news.job;
-    showJob(news.job);
+connection.onMessage = (message) => {
+  if (message.hello) me = message.hello;
+  if (message.state) showState(message.state);
+  if (message.notice && (message.notice.to ?? me) === me) showNotice(message.notice.text, message.notice.refused);
+  if ("fault" in message) showFault(message.fault);
+  if (message.job) {
+    drawing.job = message.job;
+    showJob(message.job);
     redraw();
   }
 };
 
-connection.onLost = () => showDoing("offline", "No connection: an arm that moves comes to rest by itself");
+connection.onLost = () => showStateText("offline", "No connection: a moving arm comes to rest");
 
-function showDoing(state, words) {
+function showStateText(state, text) {
   document.body.dataset.state = state;
-  if (at("state").textContent !== words) at("state").textContent = words;
+  if (at("state").textContent !== text) at("state").textContent = text;
   document.title = `${state} · ${at("name").textContent}`;
 }
 
 function showState(state) {
   const watching = state.control !== me;
-  showDoing(state.state, doing(state, watching));
+  showStateText(state.state, stateText(state, watching));
   document.body.classList.toggle("watching", watching);
   showNumbers(state);
   if (state.elbows && String(state.elbows) !== elbows) {
@@ -68,7 +68,7 @@ function showState(state) {
   redraw();
 }
 
-// Whose map is shown, and where "Change branch" goes.
+// Chooses the branch whose map is shown and to which "Change branch" leads.
 function chooseBranch(branch) {
   at("mode").value = branch;
   map.choose(branch);
@@ -83,7 +83,7 @@ function showLegend() {
   }));
 }
 
-// Draws at the next frame, once for all that changes before it.
+// Draws once at the browser's next frame, for all changes before it.
 let willDraw = false;
 function redraw() {
   if (willDraw) return;
@@ -95,41 +95,41 @@ function redraw() {
   });
 }
 
-// What hands do.
+// Actions of the user.
 
-function wish(what) {
+function send(request) {
   showNotice("");
-  if (!connection.send(what)) showNotice("Not sent: there is no connection.", true);
+  if (!connection.send(request)) showNotice("Not sent: there is no connection.", true);
 }
 
 function emergencyStop() {
   if (!connection.emergencyStop()) {
-    showNotice("No connection: an arm that moves comes to rest by itself. The emergency stop "
-      + "is sent as soon as there is one.", true);
+    showNotice("No connection: a moving arm comes to rest. The emergency stop is sent as soon "
+      + "as there is a connection.", true);
   }
 }
 
 function jog(x, y) {
   const step = Number(at("step").value);
-  wish({ jog: [x * step, y * step] });
+  send({ jog: [x * step, y * step] });
 }
 
 function jogJoint(joint, sign) {
-  wish({ jog_joint: { joint, by: sign * Number(at("turn").value) * DEGREE } });
+  send({ jog_joint: { joint, by: sign * Number(at("turn").value) * DEGREE } });
 }
 
-const load = (name, text) => wish({ load: { name, text } });
+const load = (name, text) => send({ load: { name, text } });
 
 document.addEventListener("click", ({ target }) => {
   const { request, jog: direction, turn } = target.closest("button")?.dataset ?? {};
-  if (request) wish({ request });
+  if (request) send({ request });
   if (direction) jog(...direction.split(",").map(Number));
   if (turn) jogJoint(turn.slice(0, -1), turn.endsWith("+") ? 1 : -1);
 });
 at("emergency").onclick = emergencyStop;
-at("control").onclick = () => wish("control");
-at("run").onclick = () => wish("run");
-at("change").onclick = () => wish({ mode: at("mode").value.split(",") });
+at("control").onclick = () => send("control");
+at("run").onclick = () => send("run");
+at("change").onclick = () => send({ mode: at("mode").value.split(",") });
 at("mode").onchange = () => chooseBranch(at("mode").value);
 at("map").onchange = () => {
   map.shown = at("map").checked;
@@ -150,7 +150,7 @@ const KEYS = {
   ArrowUp: () => jog(0, 1),
   ArrowDown: () => jog(0, -1),
 };
-const SHIFTED = {
+const SHIFT_KEYS = {
   ArrowLeft: () => jogJoint("theta1", 1),
   ArrowRight: () => jogJoint("theta1", -1),
   ArrowUp: () => jogJoint("theta4", 1),
@@ -160,16 +160,16 @@ document.addEventListener("keydown", (event) => {
   const { key, target } = event;
   if (key === "Escape") return emergencyStop();
   if (target.closest("select, input") || event.ctrlKey || event.altKey || event.metaKey) return;
-  const act = (event.shiftKey ? SHIFTED : KEYS)[key];
-  if (key === " " && !target.closest("button")) wish({ request: "stop" });
+  const act = (event.shiftKey ? SHIFT_KEYS : KEYS)[key];
+  if (key === " " && !target.closest("button")) send({ request: "stop" });
   else if (act) act();
   else return;
   event.preventDefault();
 });
 
-hand.onTake = () => showNotice("");
-hand.onFollow = (point) => connection.send({ follow: point });
-hand.onTurn = (joint, angle) => connection.send({ turn: { joint, to: angle } });
+drag.onStart = () => showNotice("");
+drag.onFollow = (point) => connection.send({ follow: point });
+drag.onTurn = (joint, angle) => connection.send({ turn: { joint, to: angle } });
 
 at("name").textContent = arm.name;
 at("place").textContent = arm.place;

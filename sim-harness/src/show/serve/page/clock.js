@@ -1,5 +1,6 @@
-// Ticks for the page. The timers of a page that is hidden are slowed to one a second or
-// less; a worker's go on. A page that hangs or is put to sleep hears none, as it should be.
+// A timer for the page, in a worker. Browsers slow the timers of a hidden page to one a
+// second or less, but not those of a worker. A page that hangs or is suspended gets no
+// ticks, and so sends no signs of life.
 const TICK = 50; // ms
 
 setInterval(() => postMessage(null), TICK);

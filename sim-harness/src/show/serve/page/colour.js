@@ -1,3 +1,3 @@
-// A colour of the style sheet, by its name there: light or dark as the page is.
+// A colour of the style sheet by its name, in the page's light or dark scheme.
 export const colour = (name) =>
   getComputedStyle(document.documentElement).getPropertyValue(name).trim();

@@ -1,14 +1,14 @@
-// The line to the server. It tells that this page lives, notices when the server falls
-// silent, connects again, and keeps an emergency stop until it can be sent.
+// The connection to the server. It sends signs of life, detects a lost server, connects
+// again, and keeps an emergency stop until it can be sent.
 
-const SILENCE = 3000; // ms after which the server counts as lost
+const TIMEOUT = 3000; // ms without a message after which the server counts as lost
 const RETRY = 1000; // ms
 
 export class Connection {
   #socket = null;
-  #heard = 0; // when the server was heard last, or when it was called
+  #received = 0; // time of the last message, or of the attempt to connect [ms]
   #emergency = false; // an emergency stop waits to be sent
-  onNews = () => {};
+  onMessage = () => {};
   onLost = () => {};
 
   open() {
@@ -19,11 +19,11 @@ export class Connection {
   #connect() {
     const socket = new WebSocket(`ws://${location.host}/live`);
     this.#socket = socket;
-    this.#heard = performance.now();
+    this.#received = performance.now();
     socket.onopen = () => { if (this.#emergency) this.emergencyStop(); };
     socket.onmessage = (event) => {
-      this.#heard = performance.now();
-      this.onNews(JSON.parse(event.data));
+      this.#received = performance.now();
+      this.onMessage(JSON.parse(event.data));
     };
     socket.onclose = () => this.#lose(socket);
   }
@@ -38,20 +38,21 @@ export class Connection {
   #tick() {
     this.send("alive");
     const socket = this.#socket;
-    if (socket && performance.now() - this.#heard > SILENCE) {
+    if (socket && performance.now() - this.#received > TIMEOUT) {
       this.#lose(socket);
       socket.close();
     }
   }
 
-  // Whether it went out.
-  send(wish) {
+  // Sends a request; returns whether it was sent.
+  send(request) {
     if (this.#socket?.readyState !== WebSocket.OPEN) return false;
-    this.#socket.send(JSON.stringify(wish));
+    this.#socket.send(JSON.stringify(request));
     return true;
   }
 
-  // Whether it went out; if not, it will as soon as there is a connection.
+  // Sends an emergency stop, or keeps it until there is a connection; returns whether it was
+  // sent.
   emergencyStop() {
     this.#emergency = !this.send({ request: "emergency_stop" });
     return !this.#emergency;

@@ -12,7 +12,7 @@ export class Drawing {
   #state = null;
   #trail = [];
   job = null;
-  target = null; // where a hand pulls [m]
+  target = null; // where the pointer drags [m]
 
   constructor(canvas, arm, map) {
     this.#canvas = canvas;
@@ -25,7 +25,7 @@ export class Drawing {
     return this.#arm.base;
   }
 
-  // What a hand can take, by name; none until the arm is homed.
+  // What can be dragged, by name; null until the arm is homed.
   get handles() {
     const state = this.#state;
     if (!state?.joints || !state.tool) return null;
@@ -34,7 +34,7 @@ export class Drawing {
 
   show(state) {
     this.#state = state;
-    // Where a hand, or a test, finds them.
+    // Their pixels, for tests.
     for (const [name, point] of Object.entries(this.handles ?? {})) {
       this.#canvas.dataset[name] = this.pixel(point);
     }
@@ -51,20 +51,20 @@ export class Drawing {
     return [scale, width / 2 - (scale * (x0 + x1)) / 2, height / 2 + (scale * (y0 + y1)) / 2];
   }
 
-  // The pixel of a place, counted from the canvas's corner.
+  // The pixel of a position [m], counted from the canvas's corner.
   pixel([x, y]) {
     const [scale, left, top] = this.#scale();
     return [left + scale * x, top - scale * y];
   }
 
-  // The place under a pointer [m].
-  place({ clientX, clientY }) {
+  // The position under a pointer [m].
+  position({ clientX, clientY }) {
     const [scale, left, top] = this.#scale();
     const corner = this.#canvas.getBoundingClientRect();
     return [(clientX - corner.left - left) / scale, (top - (clientY - corner.top)) / scale];
   }
 
-  // Between two places, in pixels.
+  // The distance of two positions, in pixels.
   distance([x0, y0], [x1, y1]) {
     return this.#scale()[0] * Math.hypot(x1 - x0, y1 - y0);
   }
@@ -79,7 +79,7 @@ export class Drawing {
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     context.clearRect(0, 0, width, height);
     context.lineCap = context.lineJoin = "round";
-    this.#map.draw(context, (place) => this.pixel(place), (...line) => this.#line(...line));
+    this.#map.draw(context, (point) => this.pixel(point), (...line) => this.#line(...line));
     this.#drawJob();
     this.#line(this.#trail, "--good", 2);
     if (this.#state?.joints) this.#drawArm(this.#state);
@@ -100,7 +100,7 @@ export class Drawing {
     if (this.job?.at) this.#cross(this.job.at);
   }
 
-  // Pale, because nobody knows yet where the arm really is.
+  // The home pose, pale, because the arm's real pose is unknown until it is homed.
   #drawHome() {
     const [b, c, d, tool] = this.#arm.home;
     this.#context.globalAlpha = 0.3;
@@ -123,7 +123,7 @@ export class Drawing {
     if (this.target) this.#dot(this.target, "--quiet", 4);
   }
 
-  // A length to compare with.
+  // The scale bar.
   #drawBar(height) {
     const context = this.#context;
     const length = BARS.findLast((bar) => this.#scale()[0] * bar < 120) ?? BARS[0];

@@ -1,12 +1,12 @@
-// The workspace under the arm: how well the tool moves where, and where it is singular.
+// The map of the workspace under the arm: condition number and singularities.
 import { colour } from "./colour.js";
 
-// As the server writes its cells.
+// The codes of cells, as in maps.rs.
 const OUTSIDE = -1;
 const FORBIDDEN = 200;
 
 const STEPS = 10;
-const PALE = 0.35; // where the arm may not go
+const PALE = 0.35; // opacity of cells that are not allowed
 
 export class WorkspaceMap {
   #maps;
@@ -46,7 +46,7 @@ export class WorkspaceMap {
     return this.#ramp.map((channels) => `rgb(${channels})`);
   }
 
-  // To be done again when the style sheet's colours change.
+  // Draws the map's picture; call it again when the style sheet's colours change.
   paint() {
     if (!this.#map) return;
     const { cells, columns } = this.#map;
@@ -60,14 +60,14 @@ export class WorkspaceMap {
       const forbidden = cell >= FORBIDDEN;
       const condition = forbidden ? cell - FORBIDDEN : cell;
       const step = Math.min(STEPS - 1, Math.floor((condition * STEPS) / 100));
-      // A picture's rows go down.
+      // The picture's rows begin at the top.
       const pixel = (rows - 1 - Math.floor(index / columns)) * columns + (index % columns);
       image.data.set([...ramp[step], forbidden ? 255 * PALE : 255], 4 * pixel);
     });
     context.putImageData(image, 0, 0);
   }
 
-  // Draws it where `pixel` says that places are, lines by `line`.
+  // Draws the map: `pixel` gives the pixel of a position, `line` draws a curve.
   draw(context, pixel, line) {
     if (!this.#map || !this.shown) return;
     const { low, high, type1, type2 } = this.#map;
@@ -81,5 +81,5 @@ export class WorkspaceMap {
   }
 }
 
-// Of a colour such as #1d2430.
+// Red, green and blue of a colour such as #1d2430.
 const channels = (hex) => [1, 3, 5].map((start) => parseInt(hex.slice(start, start + 2), 16));

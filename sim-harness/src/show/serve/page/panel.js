@@ -1,12 +1,12 @@
-// What the server tells, in words and numbers.
+// The server's messages as text and numbers.
 
 const LIMITS = ["torque", "voltage", "speed"]; // by bit
 
-// What is known of a fault, by its number, beyond its name and its snapshot.
+// What to add to a fault's name and snapshot, by its number.
 const CAUSES = {
   10: "The bridges are off and the brake is on.",
-  12: "The page in control fell silent while the arm moved: it was closed, cut off "
-    + "or put to sleep. The arm came to rest on its path and is held.",
+  12: "The page in control was closed, disconnected or suspended while the arm moved. The arm "
+    + "came to rest on its path and is held.",
 };
 
 const at = (id) => document.getElementById(id);
@@ -14,12 +14,12 @@ const degrees = (angle) => `${((angle * 180) / Math.PI).toFixed(2)}°`.replace("
 const numbers = (values, digits) => values.map((v) => v.toFixed(digits).replace("-", "−")).join(", ");
 const sides = ([elbow1, elbow4]) => `1 ${elbow1}, 4 ${elbow4}`;
 
-// What the arm does, in a few words.
-export function doing(state, watching) {
-  const words = [state.homed ? state.state : `${state.state}, not homed`];
-  if (watching) words.push("this page watches");
-  if (!state.alive) words.push("no page is in control");
-  return words.join(" · ");
+// The state of the arm and of the page in a few words.
+export function stateText(state, watching) {
+  const parts = [state.homed ? state.state : `${state.state}, not homed`];
+  if (watching) parts.push("this page watches");
+  if (!state.alive) parts.push("no page is in control");
+  return parts.join(" · ");
 }
 
 export function showNumbers(state) {
@@ -27,10 +27,10 @@ export function showNumbers(state) {
   at("theta4").textContent = state.homed ? degrees(state.angle[1]) : "–";
   at("tool").textContent = state.tool ? `${numbers(state.tool.map((x) => 1000 * x), 2)} mm` : "–";
   at("elbows").textContent = state.elbows ? sides(state.elbows) : "–";
-  at("limits").textContent = LIMITS.filter((_, bit) => state.limits & (1 << bit)).join(", ") || "nothing";
+  at("limits").textContent = LIMITS.filter((_, bit) => state.limits & (1 << bit)).join(", ") || "none";
   at("bus").textContent = `${state.bus_voltage.toFixed(1)} V`;
   at("line").textContent = state.tag || "–";
-  at("speed").textContent = state.speed === null ? "–" : `${state.speed.toFixed(2)} × real`;
+  at("speed").textContent = state.speed === null ? "–" : `${state.speed.toFixed(2)}×`;
   const [done, all] = state.progress ?? [0, 1];
   at("progress").value = done / all;
 }
@@ -44,9 +44,9 @@ export function showFault(fault) {
   at("fault").hidden = !fault;
   if (!fault) return;
   at("fault-name").textContent = `${fault.name} (${fault.fault})`;
-  at("cause").textContent = `${CAUSES[fault.fault] ?? ""} Mend the cause, clear the fault, arm.`;
+  at("cause").textContent = `${CAUSES[fault.fault] ?? ""} Repair the cause, clear the fault, arm.`;
   const rows = [
-    ["while", fault.state],
+    ["state", fault.state],
     ["tick", fault.tick],
     ["θ1, θ4", fault.angle.map(degrees).join(", ")],
     ["ω1, ω4", `${numbers(fault.velocity, 3)} rad/s`],

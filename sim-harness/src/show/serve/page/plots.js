@@ -1,4 +1,4 @@
-// A curve or two over the last seconds.
+// A plot of one or two curves over the last seconds.
 import { colour } from "./colour.js";
 
 const SPAN = 10; // s
@@ -69,7 +69,7 @@ export class Plot {
   }
 }
 
-// The least of 1, 2, 5 times a power of ten that is no less than a value; 0 for 0.
+// The least of 1, 2, 5 times a power of ten that is at least the value; 0 for 0.
 function niceAbove(value) {
   if (!(value > 0)) return 0;
   const power = 10 ** Math.floor(Math.log10(value));

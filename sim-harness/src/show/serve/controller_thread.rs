@@ -1,10 +1,10 @@
-//! The thread that talks with the controller.
+//! The thread that exchanges messages with the controller.
 
 use super::ServeError;
 use super::lease::{ControlLease, PageId};
-use super::message::{FaultNews, JobNews, MachineSide, News, State};
-use super::move_feeder::{MoveFeeder, Turn};
-use super::pace::Speed;
+use super::message::{ControllerEnd, FaultMessage, JobMessage, ServerMessage, StateMessage};
+use super::move_feeder::{JobStatus, MoveFeeder};
+use super::pace::SpeedMeter;
 use super::preview::Preview;
 use super::refusal::sentence;
 use super::simulated::SteppedArm;
@@ -19,51 +19,51 @@ use fivebar_firmware::{Move, Request, Settings, Status};
 use std::io::{Read, Write};
 use std::time::{Duration, Instant};
 
-/// Samples that pages are shown in a second.
+/// States sent to pages per second of the controller's time [Hz].
 const SAMPLES: f32 = 30.0;
-/// The same of a board that is stepped, whose seconds are long ones.
+/// The same for a board in lockstep, whose time runs slower than real time [Hz].
 const SAMPLES_STEPPED: f32 = 200.0;
-/// How long the arm may take to come to rest when the program ends.
+/// Longest time for the arm to come to rest when the program ends.
 const LONGEST_STOP: Duration = Duration::from_secs(5);
 
 /// A stream of bytes to a controller.
-pub(super) trait Line: Read + Write + Send {}
-impl<L: Read + Write + Send> Line for L {}
+pub(super) trait Connection: Read + Write + Send {}
+impl<L: Read + Write + Send> Connection for L {}
 
-/// One controller and all who look at it.
-pub(super) struct Machine {
-    pub(super) client: Client<Box<dyn Line>>,
-    /// The arm of a board that makes no ticks by itself.
+/// One controller and the pages that show it.
+pub(super) struct ControllerThread {
+    pub(super) client: Client<Box<dyn Connection>>,
+    /// The simulated arm of a board in lockstep.
     stepped: Option<SteppedArm>,
-    pub(super) pages: MachineSide,
+    pub(super) pages: ControllerEnd,
     pub(super) robot: Robot,
     pub(super) settings: Settings,
     pub(super) preview: Preview,
     pub(super) lease: ControlLease,
     pub(super) feeder: MoveFeeder,
     pub(super) status: Status,
-    /// The fault, or its absence, that all pages have been told of.
-    pub(super) told: Option<Option<Fault>>,
-    pub(super) loaded: Option<Loaded>,
-    speed: Speed,
+    /// The fault last sent to all pages, or that there is none; `None` before the first.
+    pub(super) sent_fault: Option<Option<Fault>>,
+    pub(super) loaded: Option<LoadedJob>,
+    speed: SpeedMeter,
 }
 
-/// A job that waits to be done.
-pub(super) struct Loaded {
+/// A job that can be run.
+pub(super) struct LoadedJob {
     pub(super) job: Job,
     pub(super) moves: Vec<Move>,
-    /// What pages have been told of it.
-    pub(super) news: JobNews,
+    /// The message about it to the pages.
+    pub(super) message: JobMessage,
 }
 
-impl Machine {
-    /// Has the controller send samples.
+impl ControllerThread {
+    /// Starts the controller's telemetry.
     pub(super) fn new(
-        mut client: Client<Box<dyn Line>>,
+        mut client: Client<Box<dyn Connection>>,
         stepped: Option<SteppedArm>,
         robot: Robot,
         settings: Settings,
-        pages: MachineSide,
+        pages: ControllerEnd,
     ) -> Result<Self, ServeError> {
         let samples = if stepped.is_some() {
             SAMPLES_STEPPED
@@ -83,28 +83,28 @@ impl Machine {
             lease: ControlLease::default(),
             feeder: MoveFeeder::default(),
             status,
-            told: None,
+            sent_fault: None,
             loaded: None,
-            speed: Speed::from(0.0, Instant::now()),
+            speed: SpeedMeter::from(0.0, Instant::now()),
         })
     }
 
-    /// Goes on until the line breaks or `ends` says so; then the arm is brought to rest
-    /// and its bridges are off.
+    /// Runs until `ends` returns true or the connection fails. In the first case it then
+    /// brings the arm to rest and disarms it.
     pub(super) fn run(mut self, ends: &dyn Fn() -> bool) -> Result<(), ServeError> {
         while !ends() {
-            self.turn()?;
+            self.cycle()?;
         }
-        Ok(self.leave()?)
+        Ok(self.stop_arm()?)
     }
 
-    fn turn(&mut self) -> Result<(), LinkError> {
+    fn cycle(&mut self) -> Result<(), LinkError> {
         while let Ok((page, event)) = self.pages.events.try_recv() {
-            self.hear(page, event)?;
+            self.handle_event(page, event)?;
         }
-        // Where the page in control falls silent, so does the host.
+        // Without a sign of life from the page in control, the host sends nothing either.
         if self.lease.is_alive(Instant::now()) {
-            self.attend()?;
+            self.feed_controller()?;
         }
         self.pass_time()?;
         while let Some(sample) = self.client.take_telemetry() {
@@ -113,7 +113,7 @@ impl Machine {
             if homed {
                 self.preview_job();
             }
-            self.tell_state()?;
+            self.send_state()?;
         }
         Ok(())
     }
@@ -125,13 +125,13 @@ impl Machine {
         }
     }
 
-    /// Shows the controller that its host lives, and gives it moves.
-    fn attend(&mut self) -> Result<(), LinkError> {
+    /// Gives the controller a sign of life and the moves that wait.
+    fn feed_controller(&mut self) -> Result<(), LinkError> {
         let (status, mut room) = self.client.status()?;
-        match self.feeder.look(&status, room) {
-            Turn::Quiet => {}
-            Turn::Finished => self.notice("The job is done."),
-            Turn::Abandoned => self.notice("The rest of the job is forgotten."),
+        match self.feeder.update(&status, room) {
+            JobStatus::Unchanged => {}
+            JobStatus::Finished => self.notice("The job is done."),
+            JobStatus::Cancelled => self.notice("The rest of the job is cancelled."),
         }
         while let Some(order) = self.feeder.next(room) {
             match self.client.call(Order::Move(order))? {
@@ -146,14 +146,14 @@ impl Machine {
                 }
                 other => {
                     self.feeder.refused();
-                    self.refuse(None, format!("The controller answers a move by {other:?}."));
+                    self.refuse(None, format!("Unexpected reply to a move: {other:?}."));
                 }
             }
         }
         Ok(())
     }
 
-    /// Whether the arm rests, powered or not.
+    /// Whether the arm rests, with bridges on or off.
     pub(super) fn rests(&self) -> bool {
         use safety::State::{Armed, Fault, Homing, Running, Stopped, Stopping};
         match self.status.state {
@@ -162,9 +162,10 @@ impl Machine {
         }
     }
 
-    fn leave(&mut self) -> Result<(), LinkError> {
+    fn stop_arm(&mut self) -> Result<(), LinkError> {
         let deadline = Instant::now() + LONGEST_STOP;
-        // Either is refused where a fault is latched: then the arm rests by itself.
+        // Both requests are refused if a fault is latched: then the controller itself
+        // brings the arm to rest.
         let _ = self.client.command(Order::Request(Request::Stop))?;
         loop {
             (self.status, _) = self.client.status()?;
@@ -177,18 +178,20 @@ impl Machine {
         Ok(())
     }
 
-    fn tell_state(&mut self) -> Result<(), LinkError> {
-        if self.told != Some(self.status.fault) {
-            self.told = Some(self.status.fault);
+    fn send_state(&mut self) -> Result<(), LinkError> {
+        if self.sent_fault != Some(self.status.fault) {
+            self.sent_fault = Some(self.status.fault);
             let snapshot = match self.status.fault {
                 Some(_) => self.client.call(Order::Snapshot)?,
                 None => Reply::Snapshot(None),
             };
             if let Reply::Snapshot(snapshot) = snapshot {
                 self.pages
-                    .tell(&News::Fault(snapshot.map(|snapshot| FaultNews {
-                        name: fault_name(snapshot.fault),
-                        snapshot,
+                    .send(&ServerMessage::Fault(snapshot.map(|snapshot| {
+                        FaultMessage {
+                            name: fault_name(snapshot.fault),
+                            snapshot,
+                        }
                     })));
             }
         }
@@ -196,7 +199,7 @@ impl Machine {
         let time = f64::from(status.tick) / f64::from(self.settings.control.tick_rate);
         let now = Instant::now();
         let pose = self.preview.pose(status);
-        self.pages.tell(&News::State(State {
+        self.pages.send(&ServerMessage::State(StateMessage {
             status,
             time,
             speed: self.speed.at(time, now),
@@ -209,18 +212,18 @@ impl Machine {
         Ok(())
     }
 
-    /// Tells all pages of something that was done.
+    /// Sends a notice to all pages.
     pub(super) fn notice(&self, text: &str) {
-        self.pages.tell(&News::Notice {
+        self.pages.send(&ServerMessage::Notice {
             to: None,
             refused: false,
             text: text.into(),
         });
     }
 
-    /// Tells a page, or all, of something that was not done.
+    /// Sends a refusal to one page, or to all.
     pub(super) fn refuse(&self, to: Option<PageId>, text: String) {
-        self.pages.tell(&News::Notice {
+        self.pages.send(&ServerMessage::Notice {
             to,
             refused: true,
             text,
