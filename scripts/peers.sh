@@ -14,7 +14,7 @@ mkdir -p "$out"
 fivebar() { cargo run --quiet --release -- "$@"; }
 fivebar export mjcf usp_2dof --out "$out/arm.xml"
 fivebar export urdf usp_2dof --out "$out/arm.urdf"
-fivebar sim sim-harness/scenarios/as_believed.toml --robot usp_2dof \
+fivebar sim sim-harness/scenarios/no_mismatch.toml --robot usp_2dof \
     --out "$out" --log "$out/run.mcap" >"$out/run.log"
 "$venv/bin/python" tests/peers/mujoco_motion.py "$out/arm.xml" "$out/arm.urdf" "$out/trace.csv"
 "$venv/bin/python" tests/peers/mcap_counts.py "$out/run.mcap" "$out/trace.csv"

@@ -40,7 +40,7 @@ pub(crate) fn scenario(py: Python<'_>, error: ScenarioError) -> PyErr {
             JobError::Line { line, .. } => raise(py, "JobError", (message, line)),
             JobError::NoMotion => raise(py, "JobError", (message,)),
         },
-        ScenarioError::NoHome(error) => robot(py, error),
+        ScenarioError::HomeError(error) => robot(py, error),
     }
 }
 
@@ -53,8 +53,8 @@ pub(crate) fn run(py: Python<'_>, job_file: &str, error: RunError) -> PyErr {
             raise(py, "JobError", (message, refusal.tag, refusal.point))
         }
         RunError::Target(error) => raise(py, "RunError", (error.to_string(),)),
-        RunError::KinematicsOnly(_)
-        | RunError::NoHome(_)
+        RunError::MissingMasses(_)
+        | RunError::HomeError(_)
         | RunError::ClearanceError(_)
         | RunError::Settings { .. } => robot(py, error),
     }

@@ -38,7 +38,7 @@ def test_a_job_comes_to_the_same_figures_to_the_last_bit(arm, program, tmp_path)
     assert pd.summary["tip_error"] == expected["pd_tip_error"]
     text = arm.simulate(job.read_text(), origin=[0.03, 0.2], scale=1.5)
     assert without(text.summary, *OWN, "scenario") == without(expected, *OWN, "scenario")
-    assert run.warnings == ["line 4: M117 is not understood and skipped"]
+    assert run.warnings == ["line 4: M117 is not supported and is skipped"]
 
 
 def test_the_trace_is_that_of_the_report(arm, program, tmp_path):
@@ -66,7 +66,7 @@ def test_the_trace_is_that_of_the_report(arm, program, tmp_path):
                  rows["tool_y_m"] - rows["reference_y_m"]).max(), abs=2e-9)
 
 
-@pytest.mark.parametrize("name", ["as_believed", "encoder_dies"])
+@pytest.mark.parametrize("name", ["no_mismatch", "encoder_dies"])
 def test_a_scenario_comes_to_the_same_figures(program, tmp_path, name):
     scenario = HARNESS / f"scenarios/{name}.toml"
     expected, status = figures(program, tmp_path, scenario)
@@ -78,11 +78,11 @@ def test_a_scenario_comes_to_the_same_figures(program, tmp_path, name):
 
 def test_another_arm_stands_in_for_a_scenarios_own():
     arm = fivebar.Arm.load("usp_2dof")
-    run = arm.simulate(HARNESS / "scenarios/as_believed.toml")
+    run = arm.simulate(HARNESS / "scenarios/no_mismatch.toml")
     assert run.summary["robot"] == "usp_2dof"
 
 
-def test_an_arm_as_believed_is_followed_more_closely(arm):
+def test_an_arm_without_mismatch_is_followed_more_closely(arm):
     job = {"job": "G1 X20 F3000\nG1 Y10", "origin": (0.03, 0.2)}
     declared = arm.simulate(**job).summary["tip_error"]["rms_m"]
     believed = arm.simulate(**job, mismatch=fivebar.NO_MISMATCH).summary["tip_error"]["rms_m"]

@@ -1,6 +1,6 @@
 //! G-code as programs of the field write it: numbered, summed, in old encodings.
 
-use fivebar::input::job::{self, Job, JobError, Placement, Reason};
+use fivebar::input::job::{self, GcodeError, Job, JobError, Placement};
 use proptest::prelude::*;
 
 const AS_WRITTEN: Placement = Placement {
@@ -13,7 +13,7 @@ fn job(text: &str) -> Job {
     Job::parse(text, &AS_WRITTEN).unwrap_or_else(|refusal| panic!("{text}\n{refusal}"))
 }
 
-fn refusal(text: &str) -> (u32, Reason) {
+fn refusal(text: &str) -> (u32, GcodeError) {
     match Job::parse(text, &AS_WRITTEN) {
         Err(JobError::Line { line, reason, .. }) => (line, reason),
         other => panic!("{text:?} gave {other:?}"),
@@ -48,7 +48,7 @@ fn a_damaged_line_is_refused_with_both_sums() {
     let damaged = format!("G1 F60 X0\n{}", summed("N2 G1 X10").replace("X10", "X90"));
     let (line, reason) = refusal(&damaged);
     assert_eq!(line, 2);
-    let Reason::Checksum { stated, found } = reason else {
+    let GcodeError::Checksum { stated, found } = reason else {
         panic!("{reason}");
     };
     assert_eq!(stated ^ found, b'1' ^ b'9');
@@ -71,7 +71,7 @@ fn stars_that_are_no_checksums_stay_what_they_are() {
         "G1 F60 X1*2",
         "N1 G1 X1*1*2",
     ] {
-        assert!(!matches!(refusal(stray).1, Reason::Checksum { .. }) || stray.contains("1*2"));
+        assert!(!matches!(refusal(stray).1, GcodeError::Checksum { .. }) || stray.contains("1*2"));
     }
     // A message keeps its star.
     assert_eq!(job("M117 half*2\nG1 F60 X1").steps.len(), 1);

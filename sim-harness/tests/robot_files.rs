@@ -245,7 +245,7 @@ fn a_robot_known_by_its_lengths_alone_says_so_when_masses_are_needed() {
     let duet = Robot::load("duet").unwrap();
     let message = duet.settings().unwrap_err().to_string();
     assert!(
-        message.contains("duet") && message.contains("lengths alone"),
+        message.contains("duet") && message.contains("lengths only"),
         "{message}"
     );
 }

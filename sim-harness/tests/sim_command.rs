@@ -213,7 +213,7 @@ fn a_line_across_a_singularity_is_refused_with_the_place() {
 #[test]
 fn robots_that_cannot_be_simulated_are_refused() {
     let bench = Bench::new();
-    bench.assert_refused(&[PETAL, "--robot", "haply"], 1, &["haply", "lengths alone"]);
+    bench.assert_refused(&[PETAL, "--robot", "haply"], 1, &["haply", "lengths only"]);
     bench.assert_refused(&[PETAL, "--robot", "nosuch"], 1, &["nosuch", "benchtop"]);
     let benchtop = include_str!("../robots/benchtop.toml");
     let long = bench.file("long.toml", &benchtop.replace("base = 0.08", "base = 8.0"));
@@ -327,7 +327,7 @@ fn scenario_files_that_make_no_sense_are_refused_with_their_line() {
 fn every_scenario_that_comes_along_ends_as_it_says() {
     let bench = Bench::new();
     for (name, fault) in [
-        ("as_believed", None),
+        ("no_mismatch", None),
         ("bus_sags", Some("under voltage")),
         ("emergency_stop", Some("emergency stop")),
         ("encoder_dies", Some("following error")),

@@ -1,4 +1,4 @@
-//! Classes of tolerance: what making a dimension so exact costs.
+//! Classes of tolerance: the standard deviation of a dimension, and its cost.
 
 use super::source::Source;
 use fivebar_design::accuracy::allocation::ToleranceClass;
@@ -26,7 +26,7 @@ impl Classes {
     /// Reads a file of classes.
     ///
     /// # Errors
-    /// A sentence naming the file and what is wrong.
+    /// A sentence with the file and the reason.
     pub fn read(path: &Path) -> Result<Self, String> {
         let shown = path.display();
         let text = std::fs::read_to_string(path).map_err(|error| format!("{shown}: {error}"))?;
@@ -35,7 +35,7 @@ impl Classes {
             text: &text,
         };
         let classes: Self = source.parse().map_err(|error| error.to_string())?;
-        let sound = |entry: &ClassEntry| {
+        let is_valid = |entry: &ClassEntry| {
             entry.sd >= 0.0 && entry.sd.is_finite() && entry.cost >= 0.0 && entry.cost.is_finite()
         };
         if classes.input.is_empty() || classes.length.is_empty() {
@@ -47,7 +47,7 @@ impl Classes {
             .input
             .iter()
             .chain(&classes.length)
-            .find(|entry| !sound(entry))
+            .find(|entry| !is_valid(entry))
         {
             Some(entry) => Err(format!(
                 "{shown}: class {:?}: sd and cost must be finite and not negative",
@@ -57,12 +57,12 @@ impl Classes {
         }
     }
 
-    /// What the driven angles may have.
+    /// The classes of the driven angles.
     pub fn inputs(&self) -> Vec<ToleranceClass> {
         self.input.iter().map(ClassEntry::class).collect()
     }
 
-    /// What the lengths may have.
+    /// The classes of the lengths.
     pub fn lengths(&self) -> Vec<ToleranceClass> {
         self.length.iter().map(ClassEntry::class).collect()
     }
@@ -70,7 +70,8 @@ impl Classes {
     /// Each dimension with the name of its class.
     ///
     /// # Panics
-    /// For a choice that [`cheapest`](crate::study::accuracy::cheapest) did not make from these.
+    /// If the choice is not one of [`cheapest`](crate::study::accuracy::cheapest) from these
+    /// classes.
     pub fn names(&self, choice: &[usize]) -> Vec<(&'static str, String)> {
         let dimensions = ["θ1", "θ4", "l1", "l2", "l3", "l4", "base"];
         let name = |(dimension, (index, &class)): (&'static str, (usize, &usize))| {

@@ -1,4 +1,4 @@
-//! What is read: files that say what is built and what it is to do, checked once.
+//! Input files: robots, jobs, scenarios, linkages and mechanisms, read and checked once.
 
 pub mod accuracy_classes;
 pub mod job;

@@ -1,21 +1,21 @@
-//! Why a robot, or any other of the TOML files, is refused: file, line, key, reason.
+//! Errors of TOML files, with file, line, key and reason.
 
 use std::fmt;
 use toml::de::{DeTable, DeValue};
 
-/// A refused file.
+/// Why a file is refused.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{file}{}: {reason}", line.map(|line| format!(", line {line}")).unwrap_or_default())]
 pub struct FileError {
     /// The file, as the user named it.
     pub file: String,
-    /// The line at fault, from 1.
+    /// The line of the error, from 1.
     pub line: Option<usize>,
-    /// What is wrong, naming the key.
+    /// The reason, with the key.
     pub reason: String,
 }
 
-/// The place of a value in a file.
+/// The key of a value in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Key {
     /// A key of the file itself.
@@ -36,7 +36,7 @@ impl fmt::Display for Key {
     }
 }
 
-/// A file's name and text, for errors that name their line.
+/// The name and text of a file, for errors with their line.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Source<'a> {
     pub(crate) file: &'a str,
@@ -67,8 +67,8 @@ impl<'a> Source<'a> {
             let reason = error.message().to_owned();
             refused(error, &reason)
         })?;
-        // That takes the first two of three numbers for a pair and drops the third. A table
-        // of values does not, but it knows keys instead of lines.
+        // `from_str` reads the first two of three numbers as a pair and drops the third. A
+        // table of values refuses the third, but its errors have no line.
         toml::from_str::<toml::Table>(self.text)
             .and_then(toml::Table::try_into::<T>)
             .map_err(|error| {
@@ -78,7 +78,7 @@ impl<'a> Source<'a> {
         Ok(read)
     }
 
-    /// The refusal of a value that was read well but makes no sense.
+    /// The error for a value that can be read but is not valid.
     pub(crate) fn refuse(&self, key: Key, reason: impl fmt::Display) -> FileError {
         FileError {
             file: self.file.into(),
@@ -87,7 +87,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// Whether the file gives a key its value.
+    /// Whether the file has a value for a key.
     pub(crate) fn holds(&self, key: Key) -> bool {
         self.place_of(key).is_some_and(|(_, held)| held)
     }
@@ -97,7 +97,8 @@ impl<'a> Source<'a> {
         self.place_of(key).map(|(start, _)| self.line(start))
     }
 
-    /// Where a key's value begins; or, and then false, the section that should hold it.
+    /// The offset of a key's value, and true; without a value, the offset of its section, and
+    /// false.
     fn place_of(&self, key: Key) -> Option<(usize, bool)> {
         let document = DeTable::parse(self.text).ok()?;
         let document = document.get_ref();

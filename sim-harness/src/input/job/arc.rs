@@ -1,29 +1,29 @@
-//! The centre of an arc, from either way of writing it.
+//! The centre of an arc, from I and J or from R.
 
-use super::Reason;
+use super::GcodeError;
 
-/// How far the two radii of an arc may differ, as a share of the radius [1] and as a
-/// length [m]: files are written with two or three decimals of a millimetre.
+/// Greatest difference of the two radii of an arc, as a share of the radius [1] and as a
+/// length [m]: files have two or three decimals of a millimetre.
 const RADIUS_SHARE: f64 = 1e-3;
 const RADIUS_LENGTH: f64 = 2e-5;
 
 /// The centre of the arc from `start` to `end` [m], from I and J.
 ///
-/// Rounding in the file leaves start and end at slightly unlike distances from the centre
-/// as written; it is moved along the chord to where both are equal.
+/// Rounding in the file makes the distances from the centre to start and end slightly
+/// different. The centre is moved along the chord to the point at which they are equal.
 pub(super) fn center_by_offset(
     start: [f64; 2],
     end: [f64; 2],
     offset: [f64; 2],
-) -> Result<[f64; 2], Reason> {
+) -> Result<[f64; 2], GcodeError> {
     let center = [start[0] + offset[0], start[1] + offset[1]];
     let radius = offset[0].hypot(offset[1]);
     if radius == 0.0 {
-        return Err(Reason::ArcRadius);
+        return Err(GcodeError::ArcRadius);
     }
     let end_radius = (end[0] - center[0]).hypot(end[1] - center[1]);
     if (radius - end_radius).abs() > RADIUS_LENGTH.max(RADIUS_SHARE * radius) {
-        return Err(Reason::ArcEnds(1e3 * radius, 1e3 * end_radius));
+        return Err(GcodeError::ArcEnds(1e3 * radius, 1e3 * end_radius));
     }
     let chord = [end[0] - start[0], end[1] - start[1]];
     let chord_squared = chord[0] * chord[0] + chord[1] * chord[1];
@@ -36,26 +36,26 @@ pub(super) fn center_by_offset(
     Ok([center[0] + along * chord[0], center[1] + along * chord[1]])
 }
 
-/// The centre of the arc from `start` to `end` [m], from R: at most half a turn where it
-/// is positive, more where it is negative.
+/// The centre of the arc from `start` to `end` [m], from R: the arc is at most half a turn
+/// if R is positive, and more if R is negative.
 pub(super) fn center_by_radius(
     start: [f64; 2],
     end: [f64; 2],
     radius: f64,
     clockwise: bool,
-) -> Result<[f64; 2], Reason> {
+) -> Result<[f64; 2], GcodeError> {
     if radius == 0.0 {
-        return Err(Reason::ArcRadius);
+        return Err(GcodeError::ArcRadius);
     }
     let chord = [end[0] - start[0], end[1] - start[1]];
     let half = 0.5 * chord[0].hypot(chord[1]);
     let height_squared = radius * radius - half * half;
-    // A half circle written with rounded numbers may miss its ends by as little.
+    // With rounded numbers, the radius of a half circle may be slightly too small.
     if half == 0.0 || height_squared < -RADIUS_SHARE * radius * radius {
-        return Err(Reason::ArcChord);
+        return Err(GcodeError::ArcChord);
     }
     let height = height_squared.max(0.0).sqrt() / (2.0 * half);
-    // Counter-clockwise by the short way, the centre lies left of the chord.
+    // For a counter-clockwise arc of less than half a turn, the centre lies left of the chord.
     let left = if clockwise == (radius < 0.0) {
         height
     } else {
@@ -67,9 +67,9 @@ pub(super) fn center_by_radius(
     ])
 }
 
-/// Whether an arc has its end less than `shortest` [m] ahead of its start: no motion worth
-/// the name, though one step of rounding would make a full turn of it.
-pub(super) fn is_a_speck(
+/// Whether the end of an arc is less than `shortest` [m] ahead of its start. Such an arc is
+/// no motion, and rounding could make a full turn of it.
+pub(super) fn is_negligible(
     start: [f64; 2],
     end: [f64; 2],
     center: [f64; 2],

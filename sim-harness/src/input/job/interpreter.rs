@@ -1,14 +1,14 @@
-//! What the lines mean: the modes that last from line to line, and the steps they make.
+//! The interpreter: it keeps the modes from line to line and makes the steps.
 
 use super::error::quoted;
 use super::words::{Code, Line, spelled};
-use super::{Action, Job, JobError, Placement, Reason, Step, Warning, WarningKind, arc};
+use super::{Action, GcodeError, Job, JobError, Placement, Step, Warning, WarningKind, arc};
 use fivebar_firmware::planner::LONGEST;
 
 /// Coordinates beyond this [m] are a mistake in the units.
-const FARTHEST: f64 = 1e3;
-/// Motions shorter than this [m] are none: `f32` metres cannot tell their ends apart.
-const SHORTEST: f64 = 1e-7;
+const MAX_COORDINATE: f64 = 1e3;
+/// Shorter motions [m] are dropped: their ends may be the same in `f32`.
+const MIN_LENGTH: f64 = 1e-7;
 /// M300 S up to this puts the pen down, above it lifts it (S255 turns its servo off).
 const PEN_DOWN_ANGLE: f64 = 40.0;
 
@@ -34,9 +34,9 @@ pub(super) fn interpret(text: &str, placement: &Placement) -> Result<Job, JobErr
     }
 }
 
-/// The motions, which last until another is asked for.
+/// The motion mode. It lasts until another one is set.
 #[derive(Clone, Copy, PartialEq)]
-enum Motion {
+enum MotionMode {
     Rapid,
     Line,
     Clockwise,
@@ -45,8 +45,8 @@ enum Motion {
 
 /// What a line does with its coordinates.
 #[derive(Clone, Copy, PartialEq)]
-enum Use {
-    Motion(Motion),
+enum CoordinateUse {
+    Motion(MotionMode),
     Dwell,
     Home,
     Shift,
@@ -58,13 +58,13 @@ struct Interpreter<'a> {
     /// Metres per unit of the file.
     unit: f64,
     relative: bool,
-    motion: Option<Motion>,
+    motion: Option<MotionMode>,
     /// Speed [m/s].
     feed: Option<f64>,
     pen_down: bool,
-    /// Where the tool is in the job [m], before placement.
+    /// The tool's position in the job's frame, before placement [m].
     position: [f64; 2],
-    /// The point at which X0 Y0 lies in the job [m], moved by G92.
+    /// The position of X0 Y0 in the job's frame; G92 moves it [m].
     zero: [f64; 2],
     /// The end of the last motion as placed [m]; none before the first.
     placed: Option<[f64; 2]>,
@@ -91,9 +91,10 @@ impl<'a> Interpreter<'a> {
         }
     }
 
-    /// Does one line; true where it ends the job. As in every dialect, what stands on the
-    /// line takes effect in a set order: feed and pen, modes, then the motion.
-    fn line(&mut self, number: u32, text: &str) -> Result<bool, Reason> {
+    /// Interprets one line; returns whether it ends the job. As in every dialect, the parts
+    /// of a line take effect in a fixed order: the pen, the modes, the feed rate in the units
+    /// of these modes, then the motion.
+    fn line(&mut self, number: u32, text: &str) -> Result<bool, GcodeError> {
         let mut line = Line::read(text)?;
         let mut ends = false;
         for &(code, speed) in &line.miscellaneous {
@@ -110,36 +111,36 @@ impl<'a> Interpreter<'a> {
         let wanted = self.modes(&line.general)?;
         if let Some(feed) = line.take('F') {
             if feed <= 0.0 {
-                return Err(Reason::Feed);
+                return Err(GcodeError::Feed);
             }
             self.feed = Some(feed * self.unit / 60.0);
         }
         match wanted {
-            Some(Use::Dwell) => self.dwell(number, &mut line)?,
-            Some(Use::Home) => self.home(number, &mut line)?,
-            Some(Use::Shift) => self.shift(number, &mut line)?,
-            Some(Use::Motion(_)) | None => self.motion(number, &mut line)?,
+            Some(CoordinateUse::Dwell) => self.dwell(number, &mut line)?,
+            Some(CoordinateUse::Home) => self.home(number, &mut line)?,
+            Some(CoordinateUse::Shift) => self.shift(number, &mut line)?,
+            Some(CoordinateUse::Motion(_)) | None => self.motion(number, &mut line)?,
         }
-        // The speed of a spindle that a pen does not have.
+        // A spindle's speed; a pen has none.
         line.take('S');
         match line.left_over() {
-            Some(letter) => Err(Reason::StrayWord(letter)),
+            Some(letter) => Err(GcodeError::StrayWord(letter)),
             None => Ok(ends),
         }
     }
 
-    /// Sets the modes and finds what the coordinates of the line are for.
-    fn modes(&mut self, codes: &[Code]) -> Result<Option<Use>, Reason> {
-        let mut wanted: Option<(Use, Code)> = None;
+    /// Sets the modes; returns what the line does with its coordinates.
+    fn modes(&mut self, codes: &[Code]) -> Result<Option<CoordinateUse>, GcodeError> {
+        let mut wanted: Option<(CoordinateUse, Code)> = None;
         for &code in codes {
             let asks = match code {
-                ('G', 0, 0) => Use::Motion(Motion::Rapid),
-                ('G', 1, 0) => Use::Motion(Motion::Line),
-                ('G', 2, 0) => Use::Motion(Motion::Clockwise),
-                ('G', 3, 0) => Use::Motion(Motion::CounterClockwise),
-                ('G', 4, 0) => Use::Dwell,
-                ('G', 28, 0) => Use::Home,
-                ('G', 92, 0) => Use::Shift,
+                ('G', 0, 0) => CoordinateUse::Motion(MotionMode::Rapid),
+                ('G', 1, 0) => CoordinateUse::Motion(MotionMode::Line),
+                ('G', 2, 0) => CoordinateUse::Motion(MotionMode::Clockwise),
+                ('G', 3, 0) => CoordinateUse::Motion(MotionMode::CounterClockwise),
+                ('G', 4, 0) => CoordinateUse::Dwell,
+                ('G', 28, 0) => CoordinateUse::Home,
+                ('G', 92, 0) => CoordinateUse::Shift,
                 ('G', 20, 0) => {
                     self.unit = 25.4e-3;
                     continue;
@@ -156,26 +157,26 @@ impl<'a> Interpreter<'a> {
                     self.relative = true;
                     continue;
                 }
-                unknown => return Err(Reason::UnknownGCode(spelled(unknown))),
+                unknown => return Err(GcodeError::UnknownGCode(spelled(unknown))),
             };
             if let Some((_, other)) = wanted {
-                return Err(Reason::Conflict(spelled(other), spelled(code)));
+                return Err(GcodeError::Conflict(spelled(other), spelled(code)));
             }
             wanted = Some((asks, code));
         }
-        if let Some((Use::Motion(motion), _)) = wanted {
+        if let Some((CoordinateUse::Motion(motion), _)) = wanted {
             self.motion = Some(motion);
         }
         Ok(wanted.map(|(asks, _)| asks))
     }
 
-    fn dwell(&mut self, number: u32, line: &mut Line) -> Result<(), Reason> {
+    fn dwell(&mut self, number: u32, line: &mut Line) -> Result<(), GcodeError> {
         let milliseconds = line.take('P').map(|p| 1e-3 * p);
         let duration = milliseconds
             .or_else(|| line.take('S'))
-            .ok_or(Reason::Dwell)?;
+            .ok_or(GcodeError::Dwell)?;
         if !(0.0..=f64::from(LONGEST)).contains(&duration) {
-            return Err(Reason::Dwell);
+            return Err(GcodeError::Dwell);
         }
         if duration > 0.0 {
             self.push(number, Action::Dwell { duration });
@@ -183,8 +184,9 @@ impl<'a> Interpreter<'a> {
         Ok(())
     }
 
-    /// G28: both arms go home whatever axes are named, since they cannot go one by one.
-    fn home(&mut self, number: u32, line: &mut Line) -> Result<(), Reason> {
+    /// G28: the tool goes home in x and y, whichever of them is named, because the arm's
+    /// joints cannot move along one axis alone.
+    fn home(&mut self, number: u32, line: &mut Line) -> Result<(), GcodeError> {
         let (x, y) = (line.take('X'), line.take('Y'));
         if self.skip_height(number, line) && x.is_none() && y.is_none() {
             return Ok(());
@@ -198,12 +200,12 @@ impl<'a> Interpreter<'a> {
         self.go(number, None)
     }
 
-    /// G92: from here on, the tool stands at these coordinates.
-    fn shift(&mut self, number: u32, line: &mut Line) -> Result<(), Reason> {
+    /// G92: gives the tool's present position these coordinates.
+    fn shift(&mut self, number: u32, line: &mut Line) -> Result<(), GcodeError> {
         self.skip_height(number, line);
         let named = ['X', 'Y'].map(|letter| line.take(letter));
         for axis in 0..2 {
-            // Without coordinates, here is (0, 0).
+            // Without coordinates, the present position becomes (0, 0).
             let value = match named {
                 [None, None] => Some(0.0),
                 _ => named[axis],
@@ -215,7 +217,7 @@ impl<'a> Interpreter<'a> {
         Ok(())
     }
 
-    fn motion(&mut self, number: u32, line: &mut Line) -> Result<(), Reason> {
+    fn motion(&mut self, number: u32, line: &mut Line) -> Result<(), GcodeError> {
         let start = self.position;
         let mut end = start;
         let mut moves = false;
@@ -238,37 +240,41 @@ impl<'a> Interpreter<'a> {
         if !moves && !bends {
             return Ok(());
         }
-        let motion = self.motion.ok_or(Reason::NoMode)?;
-        if matches!(motion, Motion::Rapid | Motion::Line) {
+        let motion = self.motion.ok_or(GcodeError::NoMode)?;
+        if matches!(motion, MotionMode::Rapid | MotionMode::Line) {
             if bends {
-                return Err(Reason::StrayWord(if radius.is_some() { 'R' } else { 'I' }));
+                return Err(GcodeError::StrayWord(if radius.is_some() {
+                    'R'
+                } else {
+                    'I'
+                }));
             }
             let feed = match motion {
-                Motion::Rapid => None,
-                _ => Some(self.feed.ok_or(Reason::NoFeed)?),
+                MotionMode::Rapid => None,
+                _ => Some(self.feed.ok_or(GcodeError::NoFeed)?),
             };
             self.position = end;
             return self.go(number, feed);
         }
-        let feed = self.feed.ok_or(Reason::NoFeed)?;
-        let clockwise = motion == Motion::Clockwise;
+        let feed = self.feed.ok_or(GcodeError::NoFeed)?;
+        let clockwise = motion == MotionMode::Clockwise;
         let center = match (offset, radius) {
             ([None, None], Some(radius)) => arc::center_by_radius(start, end, radius, clockwise)?,
-            ([None, None], None) | (_, Some(_)) => return Err(Reason::ArcForm),
+            ([None, None], None) | (_, Some(_)) => return Err(GcodeError::ArcForm),
             (offset, None) => {
                 let offset = offset.map(|value| value.unwrap_or(0.0) * self.unit);
                 arc::center_by_offset(start, end, offset)?
             }
         };
-        // An arc starts where the job says the tool is, even if nothing has moved it there.
+        // An arc starts at the job's position, even if no motion has brought the tool there.
         self.go(number, None)?;
         self.position = end;
-        if arc::is_a_speck(
+        if arc::is_negligible(
             start,
             end,
             center,
             clockwise,
-            SHORTEST / self.placement.scale,
+            MIN_LENGTH / self.placement.scale,
         ) {
             return Ok(());
         }
@@ -287,20 +293,20 @@ impl<'a> Interpreter<'a> {
         Ok(())
     }
 
-    /// A straight step to where the job now is, unless the tool stands there.
-    fn go(&mut self, number: u32, feed: Option<f64>) -> Result<(), Reason> {
+    /// Adds a straight step to the job's position, unless the tool is there.
+    fn go(&mut self, number: u32, feed: Option<f64>) -> Result<(), GcodeError> {
         let to = self.place(self.position)?;
         let length = self.placed.map_or(f64::INFINITY, |from| {
             (to[0] - from[0]).hypot(to[1] - from[1])
         });
-        if length >= SHORTEST {
+        if length >= MIN_LENGTH {
             self.placed = Some(to);
             self.push(number, Action::Line { to, feed });
         }
         Ok(())
     }
 
-    fn place(&self, point: [f64; 2]) -> Result<[f64; 2], Reason> {
+    fn place(&self, point: [f64; 2]) -> Result<[f64; 2], GcodeError> {
         let Placement { origin, scale, .. } = *self.placement;
         let [x, y] = [0, 1].map(|axis| origin[axis] + scale * point[axis]);
         Ok([within_reach(x)?, within_reach(y)?])
@@ -315,7 +321,7 @@ impl<'a> Interpreter<'a> {
         });
     }
 
-    /// Takes Z off the line; true where there was one.
+    /// Takes Z from the line; returns whether there was one.
     fn skip_height(&mut self, number: u32, line: &mut Line) -> bool {
         let found = line.take('Z').is_some();
         if found && !self.height_warned {
@@ -330,10 +336,10 @@ impl<'a> Interpreter<'a> {
     }
 }
 
-fn within_reach(coordinate: f64) -> Result<f64, Reason> {
-    if coordinate.abs() <= FARTHEST {
+fn within_reach(coordinate: f64) -> Result<f64, GcodeError> {
+    if coordinate.abs() <= MAX_COORDINATE {
         Ok(coordinate)
     } else {
-        Err(Reason::TooFar(coordinate))
+        Err(GcodeError::TooFar(coordinate))
     }
 }

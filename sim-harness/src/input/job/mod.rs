@@ -1,24 +1,24 @@
-//! G-code jobs: text in, steps of the tool in metres out, each with the line it is from.
+//! G-code jobs: from text to steps of the tool in metres, each with its line.
 //!
-//! Understood: G0 G1 G2 G3 (I J or R) G4 (P in ms, S in s) G20 G21 G28 G90 G91 G92, F in
-//! mm/min or inch/min, M3 M4 M5 and M300 S for the pen, M2 and M30 as the end, comments
-//! in parentheses and after a semicolon, line numbers and their checksums, and lines of
-//! coordinates alone, which repeat the motion before. Other M codes are skipped with a
-//! warning, their text too; anything else is refused with its line. Nothing of a job is
-//! dropped: a step of no length is no motion, and every other one is kept.
+//! Supported: G0 G1 G2 G3 (I J or R) G4 (P in ms, S in s) G20 G21 G28 G90 G91 G92, F in
+//! mm/min or inch/min, M3 M4 M5 and M300 S for the pen, M2 and M30 as the end, comments in
+//! parentheses and after a semicolon, line numbers and their checksums. A line with
+//! coordinates only repeats the motion before. Other M codes are skipped with a warning,
+//! together with their text. Anything else is refused with its line. Every step of the job
+//! is kept, except steps of no length.
 
 mod arc;
 mod error;
 mod interpreter;
 mod words;
 
-pub use error::{JobError, Reason, Warning, WarningKind};
+pub use error::{GcodeError, JobError, Warning, WarningKind};
 
 use fivebar_firmware::{Move, MoveKind};
 use std::path::Path;
 
-/// The text of a job's file. G-code is ASCII, but comments come in any encoding: what is not
-/// UTF-8 becomes U+FFFD, which is refused with its line anywhere but in a comment.
+/// Reads the text of a job's file. G-code is ASCII, but comments have any encoding. Bytes
+/// that are not UTF-8 become U+FFFD, which is refused outside comments.
 ///
 /// # Errors
 /// The file cannot be read.
@@ -26,48 +26,48 @@ pub fn read(path: &Path) -> std::io::Result<String> {
     std::fs::read(path).map(|bytes| String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// Where a job's coordinates lie in the frame of the base.
+/// The placement of a job in the frame of the base.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
-    /// Where the job's (0, 0) is [m].
+    /// The position of the job's (0, 0) [m].
     pub origin: [f64; 2],
     /// Metres in the plane per metre in the job. Feed rates are not scaled.
     pub scale: f64,
-    /// Where G28 sends the tool [m].
+    /// The position to which G28 moves the tool [m].
     pub home: [f64; 2],
 }
 
 /// A job, read and placed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Job {
-    /// What the tool does, in order.
+    /// The steps, in order.
     pub steps: Vec<Step>,
-    /// What was skipped.
+    /// The parts that are skipped.
     pub warnings: Vec<Warning>,
 }
 
-/// One thing the tool does.
+/// One action of the tool, with its line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
-    /// The line of the source that asks for it, from 1.
+    /// The line of the file, from 1.
     pub line: u32,
-    /// Whether the pen is down meanwhile.
+    /// Whether the pen is down during the action.
     pub pen_down: bool,
-    /// What it does.
+    /// The action.
     pub action: Action,
 }
 
-/// What a step does. Positions are of the tool in the frame of the base [m].
+/// An action of the tool. Positions are of the tool in the frame of the base [m].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Action {
-    /// Straight to a point.
+    /// A straight line.
     Line {
         /// The end [m].
         to: [f64; 2],
-        /// Speed [m/s]; as fast as the arm may where there is none.
+        /// Speed [m/s]; none: the arm's greatest speed.
         feed: Option<f64>,
     },
-    /// Along a circle; a full turn where the end is the start.
+    /// An arc; a full turn if the end is the start.
     Arc {
         /// The end [m].
         to: [f64; 2],
@@ -78,15 +78,15 @@ pub enum Action {
         /// Speed [m/s].
         feed: f64,
     },
-    /// Stand still.
+    /// A pause.
     Dwell {
-        /// For how long [s].
+        /// Its length [s].
         duration: f64,
     },
 }
 
 impl Action {
-    /// Where the tool is afterwards [m]; none where it stays.
+    /// The position of the tool afterwards [m]; none for a dwell.
     pub fn end(&self) -> Option<[f64; 2]> {
         match *self {
             Self::Line { to, .. } | Self::Arc { to, .. } => Some(to),
@@ -99,7 +99,7 @@ impl Job {
     /// Reads G-code.
     ///
     /// # Errors
-    /// The first line that cannot be done as written, or a job without motion.
+    /// The first line that is not valid, or a job without motion.
     pub fn parse(text: &str, placement: &Placement) -> Result<Self, JobError> {
         interpreter::interpret(text, placement)
     }

@@ -1,33 +1,33 @@
 //! One line of G-code as codes and words, by the crate `gcode`.
 //!
-//! The crate is given a line at a time without its comments: it would let a parenthesis
-//! left open swallow the rest of the job. It keeps numbers as `f32`, so values are read
-//! again from the text that it points to.
+//! The crate gets one line at a time, without comments, because an open parenthesis would
+//! make it skip the rest of the job. It keeps numbers as `f32`, so this module reads the
+//! values again, as `f64`, from the text at the positions that the crate gives.
 
-use super::Reason;
+use super::GcodeError;
 use super::error::quoted;
 
 /// A code by letter, number and decimal: G91.1 is `('G', 91, 1)`.
 pub(super) type Code = (char, u32, u32);
 
-/// What stands on a line.
+/// The content of a line.
 #[derive(Debug, Default)]
 pub(super) struct Line {
     /// The G codes, in order.
     pub(super) general: Vec<Code>,
-    /// The M and T codes, in order, with their S where they have one.
+    /// The M and T codes, in order, each with its S if it has one.
     pub(super) miscellaneous: Vec<(Code, Option<f64>)>,
-    /// The words of the G codes and those that stand alone.
+    /// The words of the G codes, and the words without a code.
     words: Vec<(char, f64)>,
 }
 
 impl Line {
     /// Reads a line.
-    pub(super) fn read(text: &str) -> Result<Self, Reason> {
+    pub(super) fn read(text: &str) -> Result<Self, GcodeError> {
         let text = without_comments(without_checksum(text)?)?;
         match (Self::words(&text), unknown_m_code(&text)) {
-            // Whatever follows an unknown M code is its own, and need not be words; after
-            // these it is a message even where it looks like words.
+            // The text after an unknown M code belongs to the code and may be anything. After
+            // M117 and M118 it is a message, even if it looks like words.
             (_, Some(number @ (117 | 118))) | (Err(_), Some(number)) => Ok(Self {
                 miscellaneous: vec![(('M', number, 0), None)],
                 ..Self::default()
@@ -37,19 +37,19 @@ impl Line {
     }
 
     /// Reads a line of words.
-    fn words(text: &str) -> Result<Self, Reason> {
+    fn words(text: &str) -> Result<Self, GcodeError> {
         if has_overlong_code(text) {
-            return Err(Reason::Syntax("no code has that many digits".into()));
+            return Err(GcodeError::Syntax("no code has that many digits".into()));
         }
         let program = gcode::parse(text).map_err(|diagnostics| {
             let first = diagnostics.iter().next();
-            Reason::Syntax(first.map_or_else(String::new, |found| explain(&found.kind)))
+            GcodeError::Syntax(first.map_or_else(String::new, |found| explain(&found.kind)))
         })?;
         let value_at = |span: gcode::core::Span| {
             let word = text.get(span.start + 1..span.end()).unwrap_or_default();
             let number: String = word.split_whitespace().collect();
             let value = number.parse::<f64>().ok().filter(|value| value.is_finite());
-            value.ok_or_else(|| Reason::Syntax(format!("\"{}\" is not a number", quoted(word))))
+            value.ok_or_else(|| GcodeError::Syntax(format!("\"{}\" is not a number", quoted(word))))
         };
         let mut line = Self::default();
         for block in program.blocks {
@@ -68,7 +68,7 @@ impl Line {
                             .find(|word| word.letter.eq_ignore_ascii_case(&'S'));
                         let speed = speed.map(|word| value_at(word.span)).transpose()?;
                         line.miscellaneous.push((named('M', code.number), speed));
-                        // Coordinates after an M code are the line's all the same.
+                        // Coordinates after an M code belong to the line.
                         for word in code.args {
                             if "XYZIJRF".contains(word.letter.to_ascii_uppercase()) {
                                 line.push(word.letter, value_at(word.span)?)?;
@@ -78,7 +78,7 @@ impl Line {
                     gcode::Code::ToolChange(code) => {
                         line.miscellaneous.push((named('T', code.number), None));
                     }
-                    other => return Err(Reason::Syntax(format!("{other} is not understood"))),
+                    other => return Err(GcodeError::Syntax(format!("{other} is not supported"))),
                 }
             }
             for word in block.word_addresses {
@@ -88,22 +88,22 @@ impl Line {
         Ok(line)
     }
 
-    fn push(&mut self, letter: char, value: f64) -> Result<(), Reason> {
+    fn push(&mut self, letter: char, value: f64) -> Result<(), GcodeError> {
         let letter = letter.to_ascii_uppercase();
         if self.words.iter().any(|&(other, _)| other == letter) {
-            return Err(Reason::Repeated(letter));
+            return Err(GcodeError::Repeated(letter));
         }
         self.words.push((letter, value));
         Ok(())
     }
 
-    /// The value of a word, which is then used up.
+    /// Takes the value of a word from the line.
     pub(super) fn take(&mut self, letter: char) -> Option<f64> {
         let index = self.words.iter().position(|&(other, _)| other == letter)?;
         Some(self.words.swap_remove(index).1)
     }
 
-    /// A word that nothing has used.
+    /// A word that has not been taken.
     pub(super) fn left_over(&self) -> Option<char> {
         self.words.first().map(|&(letter, _)| letter)
     }
@@ -122,9 +122,9 @@ pub(super) fn spelled((letter, major, minor): Code) -> String {
     }
 }
 
-/// A line without its checksum, as hosts add it to the lines they number: `N10 G1 X1*82`
-/// ends with the exclusive or of all bytes before the star.
-fn without_checksum(text: &str) -> Result<&str, Reason> {
+/// A line without its checksum. Hosts add one to numbered lines: `N10 G1 X1*82` ends with
+/// the exclusive or of all bytes before the star.
+fn without_checksum(text: &str) -> Result<&str, GcodeError> {
     let line = text.trim_start();
     let code = line.split(';').next().unwrap_or_default();
     let Some((summed, checksum)) = code.rsplit_once('*') else {
@@ -141,12 +141,12 @@ fn without_checksum(text: &str) -> Result<&str, Reason> {
     if found == stated {
         Ok(summed)
     } else {
-        Err(Reason::Checksum { stated, found })
+        Err(GcodeError::Checksum { stated, found })
     }
 }
 
 /// The text before a semicolon and outside parentheses, which do not nest.
-fn without_comments(text: &str) -> Result<String, Reason> {
+fn without_comments(text: &str) -> Result<String, GcodeError> {
     let mut kept = String::with_capacity(text.len());
     let mut rest = text;
     while let Some(start) = rest.find(['(', ';']) {
@@ -155,15 +155,15 @@ fn without_comments(text: &str) -> Result<String, Reason> {
         if rest[start..].starts_with(';') {
             return Ok(kept);
         }
-        let end = rest[start..].find(')').ok_or(Reason::OpenComment)?;
+        let end = rest[start..].find(')').ok_or(GcodeError::OpenComment)?;
         rest = &rest[start + end + 1..];
     }
     kept.push_str(rest);
     Ok(kept)
 }
 
-/// The number of the M code that a line begins with, after its own number, if it is none
-/// of those that mean something here.
+/// The number of the M code with which a line begins, after its line number, if this code is
+/// not supported.
 fn unknown_m_code(text: &str) -> Option<u32> {
     let digits = |text: &str| text.bytes().take_while(u8::is_ascii_digit).count();
     let mut text = text.trim_start();

@@ -1,14 +1,14 @@
-//! The robots that come with the program.
+//! The built-in robots.
 
 use super::Robot;
 use crate::input::source::FileError;
 
-/// A robot file that comes with the program.
+/// A robot file that is part of the program.
 #[derive(Clone, Copy, Debug)]
 pub struct BuiltIn {
-    /// What `--robot` calls it.
+    /// Its name for `--robot`.
     pub name: &'static str,
-    /// Its file.
+    /// The text of its file.
     pub text: &'static str,
 }
 
@@ -21,7 +21,7 @@ macro_rules! built_in {
     };
 }
 
-/// All of them; the first is the default.
+/// All built-in robots; the first is the default.
 pub const BUILT_IN: &[BuiltIn] = built_in![
     "benchtop",
     "usp_2dof",
@@ -33,23 +33,23 @@ pub const BUILT_IN: &[BuiltIn] = built_in![
 ];
 
 impl BuiltIn {
-    /// The one used where none is named.
+    /// The default robot.
     pub const DEFAULT: &'static str = "benchtop";
 
-    /// The built-in robot of that name.
+    /// The built-in robot with this name.
     pub fn find(name: &str) -> Option<&'static Self> {
         BUILT_IN.iter().find(|robot| robot.name == name)
     }
 
-    /// The robot, read.
+    /// Reads the robot.
     ///
     /// # Errors
-    /// None that the tests have let through.
+    /// None: tests read every built-in robot.
     pub fn robot(&self) -> Result<Robot, FileError> {
         Robot::parse(&format!("built-in robot {}", self.name), self.text)
     }
 
-    /// What the file's leading comment says of the robot, in its first line.
+    /// A summary of the robot: the first line of its file's leading comment.
     pub fn summary(&self) -> &'static str {
         let first = self.text.lines().next().unwrap_or_default();
         first.trim_start_matches('#').trim()

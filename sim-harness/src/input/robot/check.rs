@@ -1,11 +1,11 @@
-//! From the file as written to a robot that makes sense, or the key that does not.
+//! Checks a robot file and makes a robot of it.
 
 use super::file::{LinkFile, RobotFile};
 use super::home::best_conditioned;
 use super::value::{
     LONGEST, POSITIVE, SHORTEST, finite, increasing, near, not_negative, positive, sized,
 };
-use super::{Actuator, Robot, fit, tolerance};
+use super::{Actuator, Robot, consistency, tolerance};
 use crate::input::source::{FileError, Key, Source};
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::dynamics::{Arm, Link};
@@ -18,7 +18,7 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
     if file.name.trim().is_empty() {
         return Err(source.refuse(Key::Top("name"), "must not be empty"));
     }
-    // Neither XML nor a table has a place for others.
+    // XML and tables cannot hold control characters.
     if file.name.contains(char::is_control) {
         return Err(source.refuse(Key::Top("name"), "must be one line of plain characters"));
     }
@@ -40,7 +40,7 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
     let arm = match inertias(&source, &links)? {
         None => None,
         Some(_) if file.payload.is_none() => {
-            let reason = "is missing: where the links have masses it is stated, 0.0 for none";
+            let reason = "is missing: links with masses need it; write 0.0 for no payload";
             return Err(source.refuse(Key::Top("payload"), reason));
         }
         Some(inertias) => {
@@ -84,14 +84,14 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
         tolerance: tolerance::read(&source, &file.tolerance)?,
         contact: file.contact,
     };
-    if let Some((key, value, must)) = robot.contact.unsound() {
+    if let Some((key, value, must)) = robot.contact.first_invalid() {
         return Err(source.refuse(Key::In("contact", key), format!("{must}, not {value:?}")));
     }
     sections(&source, &robot)?;
     if file.home.is_some() {
         home_fits(&source, &robot)?;
     }
-    fit::check(&source, &robot)?;
+    consistency::check(&source, &robot)?;
     Ok(robot)
 }
 
@@ -143,7 +143,8 @@ fn geometry(
     })
 }
 
-/// The links' inertias: for every link, or for none (a robot known by its lengths alone).
+/// The links' masses, centres of mass and inertias: of every link, or of none (a robot with
+/// lengths only).
 fn inertias(
     source: &Source<'_>,
     links: &[LinkFile; 4],
@@ -162,8 +163,8 @@ fn inertias(
         let missing = |name| {
             source.refuse(
                 key(name),
-                "is missing: every link needs mass, com and inertia (or none of the four \
-                 has any, for kinematics alone)",
+                "is missing: every link needs mass, com and inertia; for kinematics only, leave \
+                 them out of all four",
             )
         };
         let mass = link.mass.ok_or_else(|| missing("mass"))?;
@@ -196,8 +197,8 @@ fn actuators(
         let key = |name| Key::Of("actuator", index, name);
         if a.gear_ratio == 0.0 || !a.gear_ratio.is_finite() {
             let reason = format!(
-                "must be a finite number but 0, below zero where the motor turns against its \
-                 joint, not {:?}",
+                "must be finite and must not be 0 (negative if the motor turns against its joint), \
+                 not {:?}",
                 a.gear_ratio
             );
             return Err(source.refuse(key("gear_ratio"), reason));
@@ -300,7 +301,7 @@ fn sections(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
     Ok(())
 }
 
-/// Home must be a pose in the working mode and within the joints' limits.
+/// Checks that home is a pose in the working mode and within the joint limits.
 fn home_fits(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
     let [theta1, theta4] = robot.home;
     if !robot.limits.contain(robot.home) {
@@ -312,7 +313,7 @@ fn home_fits(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
     }
     robot.home_pose().map(|_| ()).map_err(|_| {
         let reason =
-            format!("[{theta1:?}, {theta4:?}] rad is no pose of this arm in its working mode");
+            format!("[{theta1:?}, {theta4:?}] rad: the arm has no pose there in its working mode");
         source.refuse(Key::Top("home"), reason)
     })
 }

@@ -1,20 +1,20 @@
-//! `[contact]` of a robot file: what pins and bearings are made of.
+//! `[contact]` of a robot file: material and contact law of pins and bearings.
 
 use serde::Deserialize;
 
-/// A law of restitution.
+/// A contact law; see [`hysteresis`](Self::hysteresis).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Restitution {
-    /// For e near 1.
+    /// Lankarani and Nikravesh 1990, for e near 1.
     LankaraniNikravesh,
-    /// For e near 1.
+    /// Hunt and Crossley 1975, for e near 1.
     HuntCrossley,
-    /// For any e.
+    /// Flores, Machado, Silva, Martins 2011, for any e.
     Flores,
 }
 
-/// `[contact]` of a robot file: pins and bearings of like material.
+/// `[contact]` of a robot file; pins and bearings are of the same material.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Contact {
@@ -24,17 +24,17 @@ pub struct Contact {
     pub poisson_ratio: f64,
     /// Radius of the bearings [m].
     pub bearing_radius: f64,
-    /// Share of the speed that an impact gives back, 0 … 1 [1].
+    /// Coefficient of restitution e, 0 … 1 [1].
     pub restitution: f64,
-    /// How the contact loses the rest.
+    /// The law of the energy loss.
     pub law: Restitution,
     /// Coefficient of Coulomb friction [1].
     pub friction: f64,
 }
 
 impl Default for Contact {
-    /// Steel in steel on pins of 8 mm, lubricated, with the restitution that studies of
-    /// such joints take.
+    /// Steel on steel, lubricated, with pins of 8 mm and the coefficient of restitution that
+    /// is usual in studies of such joints.
     fn default() -> Self {
         Self {
             elastic_modulus: 207e9,
@@ -48,8 +48,8 @@ impl Default for Contact {
 }
 
 impl Contact {
-    /// The first key whose value makes no sense, and what it must be.
-    pub fn unsound(&self) -> Option<(&'static str, f64, &'static str)> {
+    /// The first key whose value is not valid, the value, and what it must be.
+    pub fn first_invalid(&self) -> Option<(&'static str, f64, &'static str)> {
         let positive = |x: f64| x > 0.0 && x.is_finite();
         [
             (
@@ -84,6 +84,6 @@ impl Contact {
             ),
         ]
         .into_iter()
-        .find_map(|(sound, key, value, must)| (!sound).then_some((key, value, must)))
+        .find_map(|(is_valid, key, value, must)| (!is_valid).then_some((key, value, must)))
     }
 }

@@ -1,17 +1,17 @@
-//! The few figures that make an arm, and the file that they fill.
+//! A new arm: the few values that define it, and the robot file made from them.
 
 use super::{Robot, template};
 use crate::input::source::{FileError, Key};
 use fivebar_firmware::settings::SettingsError;
 use std::fmt;
 
-/// Of the arm in docs/robot-file.md: crank per base, coupler per crank, and the mass of
-/// either per length [kg/m].
+/// Ratios of the arm in docs/robot-file.md: crank to base, coupler to crank, and the mass of
+/// cranks and couplers per length [kg/m].
 const CRANK_PER_BASE: f64 = 1.25;
 const COUPLER_PER_CRANK: f64 = 1.6;
 const CRANK_DENSITY: f64 = 0.7;
 const COUPLER_DENSITY: f64 = 0.3;
-/// [m/s²].
+/// Acceleration of gravity [m/s²].
 const GRAVITY: f64 = 9.81;
 
 /// A new arm. Pairs are of leg 1 and leg 4.
@@ -19,46 +19,46 @@ const GRAVITY: f64 = 9.81;
 pub struct Draft {
     /// Its name.
     pub name: String,
-    /// Whether its plane stands upright; else it lies flat.
+    /// Whether its plane is vertical; else it is horizontal.
     pub upright: bool,
-    /// A to E [m].
+    /// Distance from A to E [m].
     pub base: f64,
-    /// Links 1 and 4 [m].
+    /// Lengths of links 1 and 4 [m].
     pub cranks: [f64; 2],
-    /// Links 2 and 3 [m].
+    /// Lengths of links 2 and 3 [m].
     pub couplers: [f64; 2],
-    /// Of links 1 and 4 [kg].
+    /// Masses of links 1 and 4 [kg].
     pub crank_masses: [f64; 2],
-    /// Of links 2 and 3 [kg].
+    /// Masses of links 2 and 3 [kg].
     pub coupler_masses: [f64; 2],
-    /// At C [kg].
+    /// Point mass at C [kg].
     pub payload: f64,
-    /// Both motors; none: ideal torque sources.
+    /// The motor of both joints; none: ideal torque sources.
     pub motor: Option<Motor>,
-    /// Of the bus [V].
+    /// Bus voltage [V].
     pub voltage: f64,
 }
 
-/// A motor with its gear and encoder, as the keys of `[[actuator]]` have them.
+/// A motor with its gear and encoder; the fields are the keys of `[[actuator]]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Motor {
     /// Motor turns per joint turn.
     pub gear_ratio: f64,
-    /// At the motor shaft [kg·m²].
+    /// Rotor inertia at the motor shaft [kg·m²].
     pub rotor_inertia: f64,
-    /// [N·m/A].
+    /// Torque constant [N·m/A].
     pub torque_constant: f64,
-    /// [Ω].
+    /// Winding resistance [Ω].
     pub resistance: f64,
-    /// [H].
+    /// Winding inductance [H].
     pub inductance: f64,
-    /// Per motor turn, after quadrature.
+    /// Encoder counts per motor turn, after quadrature.
     pub encoder_counts: u32,
-    /// [A].
+    /// Peak current [A].
     pub peak_current: f64,
-    /// [A].
+    /// Continuous current [A].
     pub continuous_current: f64,
-    /// [s].
+    /// Time constant of the motor's heating [s].
     pub thermal_time_constant: f64,
 }
 
@@ -77,18 +77,18 @@ impl Motor {
     };
 }
 
-/// Why a draft makes no arm that can be simulated.
+/// Why the arm of a draft cannot be simulated.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Unfit(String);
+pub struct DraftError(String);
 
-impl fmt::Display for Unfit {
+impl fmt::Display for DraftError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.0)
     }
 }
 
 impl Draft {
-    /// An arm of the benchtop arm's size and motors.
+    /// An arm with the size and the motors of the benchtop arm.
     pub fn new(name: &str) -> Self {
         let mut draft = Self {
             name: name.into(),
@@ -106,13 +106,13 @@ impl Draft {
         draft
     }
 
-    /// Sets the base [m], and all that is not known better from it.
+    /// Sets the base [m], and the links from it.
     pub fn set_base(&mut self, base: f64) {
         self.base = base;
         self.set_cranks([tidy(CRANK_PER_BASE * base); 2]);
     }
 
-    /// Sets links 1 and 4 [m], and all that is not known better from them: couplers long
+    /// Sets links 1 and 4 [m], and from them their masses and the couplers, which become long
     /// enough to meet across the base.
     pub fn set_cranks(&mut self, cranks: [f64; 2]) {
         self.cranks = cranks;
@@ -129,34 +129,36 @@ impl Draft {
     /// The robot file.
     pub fn text(&self) -> String {
         let header = format!(
-            "# {}: begun with `fivebar new`. What is commented out is as it is when left out.\n\
-             # com and inertia are those of slender rods: put the figures of your links there.\n\n",
+            "# {}: made by `fivebar new`. Keys that are commented out have these default values.\n\
+             # com and inertia are those of slender rods: replace them by those of your links.\n\n",
             self.name.escape_debug()
         );
         header + &template::filled(&self.values())
     }
 
-    /// Reads the robot file and what the controller will be told of it.
+    /// Checks the robot file and the controller's settings that follow from it.
     ///
     /// # Errors
-    /// The first thing that makes no sense.
-    pub fn check(&self) -> Result<Robot, Unfit> {
+    /// The first value that is not valid.
+    pub fn check(&self) -> Result<Robot, DraftError> {
         let robot = Robot::parse(&self.name, &self.text())
-            .map_err(|FileError { reason, .. }| Unfit(reason))?;
-        let settings = robot.settings().map_err(|error| Unfit(error.to_string()))?;
+            .map_err(|FileError { reason, .. }| DraftError(reason))?;
+        let settings = robot
+            .settings()
+            .map_err(|error| DraftError(error.to_string()))?;
         settings.validate().map_err(|error| match error {
-            SettingsError::NoPose => Unfit(
-                "both elbows turned outwards, the arm has no pose clear of singularities: are \
-                 the couplers long enough to meet?"
+            SettingsError::NoPose => DraftError(
+                "with both elbows outwards, the arm has no pose outside the singularity margin: \
+                 make the couplers longer"
                     .into(),
             ),
-            other => Unfit(other.to_string()),
+            other => DraftError(other.to_string()),
         })?;
         Ok(robot)
     }
 
-    /// Torque [N·m] that holds the unpowered arm upright in any pose: all its mass at the
-    /// end of a straight leg.
+    /// Torque [N·m] that holds an upright arm in any pose: all its mass at the end of a
+    /// straight leg.
     fn brake_torque(&self) -> f64 {
         if !self.upright {
             return 0.0;
@@ -188,7 +190,7 @@ impl Draft {
             .into_iter()
             .enumerate()
         {
-            // A slender rod about its middle: m l²/12.
+            // The inertia of a slender rod about its middle is m l²/12.
             for (name, value) in [
                 ("length", format!("{length:?}")),
                 ("mass", format!("{mass:?}")),
@@ -223,7 +225,7 @@ impl Draft {
     }
 }
 
-/// A number to four digits, as a person would write it.
+/// A number rounded to four significant digits.
 fn tidy(value: f64) -> f64 {
     format!("{value:.3e}").parse().unwrap_or(value)
 }

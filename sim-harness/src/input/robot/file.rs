@@ -1,6 +1,6 @@
-//! The robot file as written: its sections, their keys and their defaults.
+//! The robot file: its sections, their keys and their defaults.
 //!
-//! SI units and radians throughout. Keys that are not named here are refused.
+//! All values are in SI units and radians. Unknown keys are refused.
 
 use super::Contact;
 use serde::Deserialize;
@@ -13,7 +13,7 @@ pub(super) struct RobotFile {
     pub(super) name: String,
     pub(super) gravity: [f64; 2],
     pub(super) base: f64,
-    /// May be left out where the links have no masses.
+    /// Required if the links have masses.
     pub(super) payload: Option<f64>,
     #[serde(default = "elbows_out")]
     pub(super) working_mode: [String; 2],
@@ -26,7 +26,7 @@ pub(super) struct RobotFile {
     #[serde(default)]
     pub(super) limits: Limits,
     #[serde(default)]
-    pub(super) motion: Motion,
+    pub(super) motion: ToolLimits,
     #[serde(default)]
     pub(super) control: Control,
     #[serde(default)]
@@ -57,7 +57,7 @@ pub(super) struct LinkFile {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Actuator {
-    /// Motor turns per joint turn, below zero where the motor turns against its joint.
+    /// Motor turns per joint turn, negative if the motor turns against its joint.
     pub gear_ratio: f64,
     /// Rotor inertia at the motor shaft [kg·m²].
     pub rotor_inertia: f64,
@@ -73,29 +73,29 @@ pub struct Actuator {
     /// Coulomb friction at the joint [N·m].
     #[serde(default)]
     pub coulomb_friction: f64,
-    /// Torque of the holding brake at the joint [N·m]; zero where none is fitted. An arm
-    /// that gravity pulls needs one: it falls while unpowered else.
+    /// Torque of the holding brake at the joint [N·m]; zero without a brake. An upright arm
+    /// without brakes falls while it is unpowered.
     #[serde(default)]
     pub brake_torque: f64,
     /// Encoder counts per motor turn, after quadrature.
     pub encoder_counts: u32,
     /// Peak motor current [A].
     pub peak_current: f64,
-    /// Current the motor bears for ever [A].
+    /// Continuous motor current [A].
     pub continuous_current: f64,
     /// Time constant of the motor's heating [s].
     pub thermal_time_constant: f64,
-    /// Motor current per ADC code [A]; without it ±2 × `peak_current` fills 12 bits.
+    /// Motor current per ADC code [A]; by default ±2 × `peak_current` fills 12 bits.
     pub current_per_code: Option<f64>,
 }
 
 impl Actuator {
-    /// What it gives its joint at peak current [N·m].
+    /// Torque at the joint at peak current [N·m].
     pub fn peak_torque(&self) -> f64 {
         self.peak_current * self.torque_per_ampere()
     }
 
-    /// What an ampere gives its joint, either way [N·m/A].
+    /// Torque at the joint per current, without sign [N·m/A].
     pub(super) fn torque_per_ampere(&self) -> f64 {
         self.torque_constant * self.gear_ratio.abs()
     }
@@ -105,11 +105,11 @@ impl Actuator {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Tool {
-    /// The tool from C, along link 2 and to its left [m].
+    /// Offset of the tool from C, along link 2 and to its left [m].
     pub offset: [f64; 2],
 }
 
-/// `[limits]` of the driven joints, and the distance kept from singularities.
+/// `[limits]` of the driven joints, and the singularity margin.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Limits {
@@ -119,14 +119,14 @@ pub struct Limits {
     pub max_speed: [f64; 2],
     /// Greatest acceleration of each driven joint [rad/s²].
     pub max_acceleration: [f64; 2],
-    /// Greatest torque at each driven joint [N·m], where less than the motor's own.
+    /// Greatest torque at each driven joint [N·m], if it is less than the motor's.
     pub max_torque: Option<[f64; 2]>,
-    /// Least |sin| of the angle at an elbow or at C.
+    /// Least allowed |sin| of the angles at the elbows and at C.
     pub singularity_margin: f64,
 }
 
 impl Default for Limits {
-    /// A turn either way, the speeds of small gearmotors, 0.1 of a right angle's sine.
+    /// One turn in both directions, speeds of small gearmotors, a margin of 0.1.
     fn default() -> Self {
         Self {
             angle: [[-TAU, TAU]; 2],
@@ -150,18 +150,19 @@ impl Limits {
 /// `[motion]`: limits of the tool's motion.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct Motion {
+pub struct ToolLimits {
     /// Greatest speed along the path [m/s].
     pub max_speed: f64,
     /// Greatest acceleration of the tool [m/s²].
     pub max_acceleration: f64,
     /// Greatest jerk of the tool [m/s³].
     pub max_jerk: f64,
-    /// How far a rounded corner may leave the path [m]; 0 stops at corners.
+    /// Greatest distance of a rounded corner from the path [m]; with 0 the tool stops at
+    /// corners.
     pub corner_tolerance: f64,
 }
 
-impl Default for Motion {
+impl Default for ToolLimits {
     fn default() -> Self {
         Self {
             max_speed: 0.3,
@@ -172,7 +173,7 @@ impl Default for Motion {
     }
 }
 
-/// `[control]`: how the loops are closed.
+/// `[control]`: tick rate and bandwidths of the control loops.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Control {
@@ -180,9 +181,9 @@ pub struct Control {
     pub tick_rate: f64,
     /// Bandwidth of the position loop [rad/s].
     pub bandwidth: f64,
-    /// Its damping ratio.
+    /// Damping ratio of the position loop.
     pub damping: f64,
-    /// Rate at which the integral action takes up a steady error [rad/s]; 0: none.
+    /// Rate at which the integral action removes a steady error [rad/s]; 0: no integral.
     pub integral_rate: f64,
     /// Bandwidth of the velocity observer [rad/s].
     pub observer_bandwidth: f64,
@@ -191,7 +192,8 @@ pub struct Control {
 }
 
 impl Default for Control {
-    /// Each inner loop well above the one around it, all well below a 10 kHz tick.
+    /// Each inner loop is much faster than the loop around it; all are much slower than the
+    /// tick of 10 kHz.
     fn default() -> Self {
         Self {
             tick_rate: 10_000.0,
@@ -204,15 +206,15 @@ impl Default for Control {
     }
 }
 
-/// `[supply]`: the bus that feeds the bridges.
+/// `[supply]`: the bus that powers the bridges.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Supply {
     /// Nominal bus voltage [V].
     pub voltage: f64,
-    /// Bus voltage below and above which the arm stops [V]; else ∓30 % of nominal.
+    /// Bus voltage below and above which the arm stops [V]; by default nominal ∓30 %.
     pub range: Option<[f64; 2]>,
-    /// Bus voltage per ADC code [V]; else 12 bits hold twice the nominal.
+    /// Bus voltage per ADC code [V]; by default twice the nominal voltage fills 12 bits.
     pub voltage_per_code: Option<f64>,
 }
 
@@ -226,17 +228,17 @@ impl Default for Supply {
     }
 }
 
-/// `[protection]`: the other trip points.
+/// `[protection]`: the trip points of the other monitors.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Protection {
     /// Greatest joint position error [rad].
     pub following_error: f64,
-    /// Joint speed that is a fault, as a multiple of `limits.max_speed`.
+    /// Greatest joint speed, as a multiple of `limits.max_speed`.
     pub over_speed: f64,
-    /// Motor current that is a fault, as a multiple of its peak.
+    /// Greatest motor current, as a multiple of the peak current.
     pub over_current: f64,
-    /// Silence of the host that is a fault while moving [s].
+    /// Longest time without a sign of life of the host while the arm moves [s].
     pub command_timeout: f64,
 }
 
@@ -251,7 +253,7 @@ impl Default for Protection {
     }
 }
 
-/// `[tolerance]` as written: each key one number for all, or one for each.
+/// `[tolerance]` as written: each key has one number for all, or a list.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct ToleranceFile {
@@ -261,7 +263,7 @@ pub(super) struct ToleranceFile {
     pub(super) clearance_radius: OneOrEach,
 }
 
-/// One number for all, or one for each.
+/// One number for all, or a list with one number for each.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(untagged, expecting = "expected a number or a list of numbers")]
 pub(super) enum OneOrEach {

@@ -1,43 +1,43 @@
-//! Where a robot stands when nothing has moved it yet, and where it moves best.
+//! The home pose of a robot, and the point where it moves best.
 
 use super::{Limits, Robot};
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::{GeometryError, Pose, Side, Tool, WorkingMode};
 use nalgebra::Vector2;
 
-/// The home of a robot is not a pose of its working mode, or what lies before it is not.
+/// The robot has no pose in its working mode at home, or just before the home switches.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "robot `{0}` has no pose in its working mode at home, or just before it, where a run begins: \
-     state another `home = [θ1, θ4]` in radians, and `working_mode` if its elbows do not point \
-     outwards"
+    "robot `{0}` has no pose in its working mode at home, or just before the home switches, where \
+     a run begins: give another `home = [θ1, θ4]` in radians, and `working_mode` if its elbows do \
+     not point outwards"
 )]
-pub struct NoHome(pub String);
+pub struct HomeError(pub String);
 
 impl Robot {
-    /// The pose at home, its elbows as the file says.
+    /// The pose at home, with the elbows of the file.
     ///
     /// # Errors
-    /// None of the assembly branches has such elbows there.
-    pub fn home_pose(&self) -> Result<Pose<f64>, NoHome> {
+    /// At home no assembly mode gives these elbows.
+    pub fn home_pose(&self) -> Result<Pose<f64>, HomeError> {
         self.pose_near_home([0.0; 2])
     }
 
-    /// The pose with the joints turned from home by these angles [rad].
+    /// The pose with the joints at these angles from home [rad].
     ///
     /// # Errors
     /// As [`Robot::home_pose`].
-    pub fn pose_near_home(&self, turned: [f64; 2]) -> Result<Pose<f64>, NoHome> {
+    pub fn pose_near_home(&self, turned: [f64; 2]) -> Result<Pose<f64>, HomeError> {
         let [theta1, theta4] = [self.home[0] + turned[0], self.home[1] + turned[1]];
         Side::BOTH
             .into_iter()
             .filter_map(|assembly| self.geometry.forward(theta1, theta4, assembly).ok())
             .find(|pose| pose.working_mode() == self.elbows)
-            .ok_or_else(|| NoHome(self.name.clone()))
+            .ok_or_else(|| HomeError(self.name.clone()))
     }
 
-    /// The working mode in which the robot is homed, leg 1 being A–B–tool: what the
-    /// controller and the workspace mean by it. Without a home it is that of the file.
+    /// The working mode of the tool at home, where leg 1 is A–B–tool. The controller and the
+    /// workspace use this one. Without a home pose it is that of the file.
     pub fn working_mode(&self) -> WorkingMode {
         match (self.tool_on_link(), self.home_pose()) {
             (Ok(tool), Ok(home)) => tool.working_mode(&home),
@@ -45,24 +45,24 @@ impl Robot {
         }
     }
 
-    /// The tool in a pose [m].
+    /// The tool's position in a pose [m].
     pub fn tool_at(&self, pose: &Pose<f64>) -> [f64; 2] {
         let point = self.tool_on_link().map_or(pose.c, |tool| tool.point(pose));
         [point.x, point.y]
     }
 
-    /// Where the tool is farthest from every singularity while C is in front of the middle of
-    /// the base, and no singularity lies between there and home; at home, if there is no such
-    /// place [m].
+    /// The tool's position with the greatest distance from singularities, of those with C in
+    /// front of the middle of the base and on the branch of home; the home position, if there
+    /// is none [m].
     ///
     /// # Errors
     /// As [`Robot::home_pose`].
-    pub fn best_point(&self) -> Result<[f64; 2], NoHome> {
+    pub fn best_point(&self) -> Result<[f64; 2], HomeError> {
         let home = self.home_pose()?;
         let best = self.tool_on_link().ok().and_then(|tool| {
             let branch = |pose: &Pose<f64>| (tool.working_mode(pose), pose.assembly());
-            let is_homes = |pose: &Pose<f64>| branch(pose) == branch(&home);
-            best_conditioned(&tool, self.elbows, &self.limits, is_homes)
+            let is_on_branch = |pose: &Pose<f64>| branch(pose) == branch(&home);
+            best_conditioned(&tool, self.elbows, &self.limits, is_on_branch)
         });
         Ok(self.tool_at(&best.unwrap_or(home)))
     }
@@ -70,15 +70,15 @@ impl Robot {
     /// The arm with its tool.
     ///
     /// # Errors
-    /// A tool on the elbow.
+    /// The tool is at the elbow.
     pub(super) fn tool_on_link(&self) -> Result<Tool<f64>, GeometryError> {
         let [along, left] = self.tool.offset;
         Tool::new(self.geometry, Vector2::new(along, left))
     }
 }
 
-/// The pose with C in front of the middle of the base that keeps farthest from every
-/// singularity of the arm with its tool, of those that are `wanted`.
+/// Of the poses with C in front of the middle of the base that `allowed` accepts, the one with
+/// the greatest distance from singularities of the arm with its tool.
 pub(super) fn best_conditioned(
     tool: &Tool<f64>,
     elbows: WorkingMode,

@@ -1,12 +1,12 @@
-//! Robots: read from TOML, checked once, turned into what the models and the controller
-//! take.
+//! Robots: read from TOML and checked once; models and the controller's settings are made
+//! from them.
 
 mod builtin;
 mod check;
+mod consistency;
 mod contact;
 mod draft;
 mod file;
-mod fit;
 mod home;
 mod settings;
 mod slider;
@@ -16,29 +16,29 @@ mod value;
 mod workspace;
 
 pub use builtin::{BUILT_IN, BuiltIn};
+pub(crate) use consistency::robot_file_message;
 pub use contact::{Contact, Restitution};
-pub use draft::{Draft, Motor, Unfit};
-pub use file::{Actuator, Control, Limits, Motion, Protection, Supply, Tool};
-pub(crate) use fit::in_words_of_its_file;
-pub use home::NoHome;
+pub use draft::{Draft, DraftError, Motor};
+pub use file::{Actuator, Control, Limits, Protection, Supply, Tool, ToolLimits};
+pub use home::HomeError;
 pub use slider::{Mechanism, SliderRobot, SliderTolerance};
-pub use workspace::NoWorkspace;
+pub use workspace::WorkspaceError;
 
 use crate::input::source::{FileError, Key, Source};
 use fivebar_kinematics::dynamics::Arm;
 use fivebar_kinematics::five_bar::{Geometry, WorkingMode};
 
-/// A robot as its file describes it, checked.
+/// A robot from a file, checked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Robot {
     /// Its name.
     pub name: String,
-    /// l1…l4 and the base, proven able to close.
+    /// l1…l4 and the base; they can be assembled.
     pub geometry: Geometry<f64>,
-    /// Its equations of motion, rotors included; none where the masses are not known.
+    /// The equations of motion with the rotors; none for a robot with lengths only.
     arm: Option<Arm<f64>>,
-    /// Which way the elbows of the legs A–B–C and E–D–C turn, as the file says: the working
-    /// mode of C. That of the tool: [`Robot::working_mode`].
+    /// The sides to which the elbows of the legs A–B–C and E–D–C turn, from the file: the
+    /// working mode of C. [`Robot::working_mode`] is that of the tool.
     pub elbows: WorkingMode,
     /// θ1, θ4 at the home switches [rad].
     pub home: [f64; 2],
@@ -49,20 +49,20 @@ pub struct Robot {
     /// The joints' limits.
     pub limits: Limits,
     /// The tool's limits.
-    pub motion: Motion,
-    /// The loops.
+    pub motion: ToolLimits,
+    /// The control loops.
     pub control: Control,
     /// The bus.
     pub supply: Supply,
     /// The trip points.
     pub protection: Protection,
-    /// How exact its parts are.
+    /// The tolerances of its parts.
     pub tolerance: Tolerance,
-    /// What its pins and bearings are made of.
+    /// Material and contact law of its pins and bearings.
     pub contact: Contact,
 }
 
-/// `[tolerance]`: how exact the parts are.
+/// `[tolerance]`: the tolerances of the parts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tolerance {
     /// Standard deviation of l1…l4 and the base [m].
@@ -75,16 +75,16 @@ pub struct Tolerance {
     pub clearance_radius: [f64; 5],
 }
 
-/// A robot whose masses are not known was asked for what needs them.
+/// The robot has lengths only, but dynamics need masses.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "robot `{0}` is known by its lengths alone: give every [[link]] mass, com and inertia \
-     to simulate it or to ask for forces"
+    "robot `{0}` has lengths only: give every [[link]] mass, com and inertia to simulate it or \
+     to compute forces"
 )]
-pub struct KinematicsOnly(pub String);
+pub struct MissingMasses(pub String);
 
 impl Robot {
-    /// The robot that `--robot` names: a built-in one, or else a file.
+    /// The robot with this name, as for `--robot`: a built-in one, or else a file.
     ///
     /// # Errors
     /// A file that cannot be read, or that [`Robot::parse`] refuses.
@@ -95,25 +95,26 @@ impl Robot {
         }
     }
 
-    /// The robot described by the text of a file called `file`.
+    /// The robot from the text of a file called `file`.
     ///
     /// # Errors
-    /// An unknown or missing key, or a value that makes no sense, with its line.
+    /// An unknown or missing key, or a value that is not valid, with its line.
     pub fn parse(file: &str, text: &str) -> Result<Self, FileError> {
         let source = Source { file, text };
-        if slider::is_one(source) {
-            let reason = "is \"slider\", and this takes a five-bar; `fivebar query` takes either";
+        if slider::is_slider(source) {
+            let reason = "is \"slider\", but a five-bar is needed; only `fivebar query` and \
+                          `fivebar accuracy` take sliders";
             return Err(source.refuse(Key::Top("mechanism"), reason));
         }
         check::robot(source)
     }
 
-    /// The arm's equations of motion, rotors included.
+    /// The arm's equations of motion, with the rotors.
     ///
     /// # Errors
-    /// A robot known by its lengths alone.
-    pub fn arm(&self) -> Result<&Arm<f64>, KinematicsOnly> {
-        let unknown = || KinematicsOnly(self.name.clone());
+    /// The robot has lengths only, no masses.
+    pub fn arm(&self) -> Result<&Arm<f64>, MissingMasses> {
+        let unknown = || MissingMasses(self.name.clone());
         self.arm.as_ref().ok_or_else(unknown)
     }
 }
@@ -126,7 +127,7 @@ fn read(path: &str) -> Result<String, FileError> {
             file: path.into(),
             line: None,
             reason: format!(
-                "no such robot: not a built-in one ({}), and as a file: {error}",
+                "no such robot: it is no built-in robot ({}), and as a file: {error}",
                 names.join(", ")
             ),
         }

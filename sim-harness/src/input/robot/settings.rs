@@ -1,6 +1,6 @@
-//! What the controller is told about a robot.
+//! The controller's settings for a robot.
 
-use super::{Actuator, KinematicsOnly, Robot};
+use super::{Actuator, MissingMasses, Robot};
 use fivebar_firmware::Settings;
 use fivebar_firmware::settings::{
     AxisSettings, ControlSettings, HomingSettings, LinkSettings, MotionSettings, ProtectionSettings,
@@ -10,15 +10,15 @@ use fivebar_kinematics::five_bar::Side;
 
 /// Codes of the 12-bit converters.
 pub(super) const ADC_CODES: f64 = 4096.0;
-/// Zero current lies in the middle of the range.
+/// The code of zero current, in the middle of the range.
 const ZERO_CODE: u16 = 2048;
 
 impl Robot {
-    /// The controller's settings for this robot, in its numbers: SI units, `f32`.
+    /// The controller's settings for this robot: SI units, `f32`.
     ///
     /// # Errors
-    /// A robot known by its lengths alone.
-    pub fn settings(&self) -> Result<Settings, KinematicsOnly> {
+    /// The robot has lengths only, no masses.
+    pub fn settings(&self) -> Result<Settings, MissingMasses> {
         let arm = self.arm()?;
         let actuators = self.drives()?;
         let gravity = arm.gravity();
@@ -79,11 +79,11 @@ impl Robot {
         })
     }
 
-    /// The drives of the joints: as given, or ideal torque sources.
+    /// The drives of the joints: those of the file, or ideal torque sources.
     ///
     /// # Errors
-    /// A robot known by its lengths alone.
-    pub fn drives(&self) -> Result<[Actuator; 2], KinematicsOnly> {
+    /// The robot has lengths only, no masses.
+    pub fn drives(&self) -> Result<[Actuator; 2], MissingMasses> {
         let arm = self.arm()?;
         let drives = self.actuators.unwrap_or_else(|| {
             [0, 1].map(|joint| {
@@ -97,8 +97,8 @@ impl Robot {
         Ok([0, 1].map(|joint| self.limited(joint, drives[joint])))
     }
 
-    /// Greatest current while homing [A]: what holds the arm's weight at home, and 0.3 of
-    /// the peak to move it, which bends nothing where a switch is missed.
+    /// Greatest current while homing [A]: the current that holds the arm's weight at home, and
+    /// 0.3 of the peak current to move it. So little bends no part if a switch is missed.
     fn homing_current(&self, arm: &Arm<f64>, actuators: &[Actuator; 2]) -> f64 {
         let weight = self.home_pose().ok();
         let weight = weight.and_then(|home| arm.gravity_torque(&home).ok());
@@ -108,7 +108,7 @@ impl Robot {
         (0.3 * peak + held.fold(0.0, f64::max)).min(peak)
     }
 
-    /// A drive with no more current than its joint's greatest torque asks for.
+    /// A drive whose currents are limited to the joint's greatest torque.
     pub(super) fn limited(&self, joint: usize, drive: Actuator) -> Actuator {
         let Some(torque) = self.limits.max_torque else {
             return drive;
@@ -159,11 +159,11 @@ impl Robot {
     }
 }
 
-/// As good as an ideal torque source: a frictionless direct drive without inertia whose
-/// voltage never runs short. Of the bus voltage V, a quarter meets the back-EMF at full
-/// speed, k ω = V/4; a quarter drives the peak current, R i = V/4; the rest makes the
-/// current follow, with L/R of 1 ms. The encoder has 2²⁰ counts a turn, the brake holds as
-/// much as the motor.
+/// A drive close to an ideal torque source: a frictionless direct drive without inertia that
+/// always has enough voltage. A quarter of the bus voltage V equals the back-EMF at full
+/// speed, k ω = V/4, and a quarter drives the peak current, R i = V/4; the rest changes the
+/// current, with L/R = 1 ms. The encoder has 2²⁰ counts per turn; the brake holds the torque
+/// of the motor.
 fn ideal_torque_source(torque: f64, max_speed: f64, voltage: f64) -> Actuator {
     let torque_constant = 0.25 * voltage / max_speed;
     let peak_current = torque / torque_constant;
@@ -185,8 +185,8 @@ fn ideal_torque_source(torque: f64, max_speed: f64, voltage: f64) -> Actuator {
     }
 }
 
-/// A torque [N·m] that no motion within the limits needs: twice all the mass, at the end
-/// of a straight leg, held against gravity and accelerated.
+/// More torque [N·m] than any motion within the limits needs: for twice the whole mass at the
+/// end of a straight leg, against gravity and with this acceleration [m/s²].
 fn ample_torque(arm: &Arm<f64>, acceleration: f64) -> f64 {
     let [l1, l2, l3, l4, _] = arm.geometry().lengths();
     let mass = arm.payload() + arm.links().iter().map(|link| link.mass).sum::<f64>();

@@ -1,4 +1,5 @@
-//! Robot files with `mechanism = "slider"`: the slider-driven sibling of the five-bar.
+//! Robot files with `mechanism = "slider"`: the slider-driven mechanism, which is related to
+//! the five-bar.
 
 use super::file::ToleranceFile;
 use super::tolerance::each;
@@ -8,7 +9,7 @@ use fivebar_design::linkage::dyad::SlideBranch;
 use fivebar_design::slider::{Geometry, GeometryError, Limb, Travel, WorkingMode};
 use serde::Deserialize;
 
-/// What a robot file describes.
+/// The mechanism of a robot file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Mechanism {
     /// The arm with four links.
@@ -17,22 +18,22 @@ pub enum Mechanism {
     Slider(SliderRobot),
 }
 
-/// A slider-driven mechanism as its file describes it, checked.
+/// A slider-driven mechanism from a file, checked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SliderRobot {
     /// Its name.
     pub name: String,
     /// l3, l7 and l5.
     pub geometry: Geometry<f64>,
-    /// Where each slider stands as seen from the platform.
+    /// The side of the platform on which each slider is.
     pub working_mode: WorkingMode,
-    /// How far the sliders go, if the file says so.
+    /// Least and greatest position of the sliders, if the file gives them.
     pub travel: Option<Travel<f64>>,
-    /// How exact its parts are.
+    /// The tolerances of its parts.
     pub tolerance: SliderTolerance,
 }
 
-/// How exact the parts of a slider-driven mechanism are.
+/// The tolerances of a slider-driven mechanism.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SliderTolerance {
     /// Standard deviation of l3, l7 and l5 [m].
@@ -63,7 +64,7 @@ struct SliderFile {
     tolerance: ToleranceFile,
 }
 
-/// `[travel]`: least and greatest place of each slider [m].
+/// `[travel]`: least and greatest position of each slider [m].
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct TravelFile {
@@ -76,24 +77,25 @@ fn apart() -> [SlideBranch; 2] {
     [left, right]
 }
 
-/// The one key that tells the mechanisms apart.
+/// The key that distinguishes the mechanisms.
 #[derive(Deserialize)]
 struct Tag {
     mechanism: Option<String>,
 }
 
-/// Whether a file says that it is of this mechanism.
-pub(super) fn is_one(source: Source<'_>) -> bool {
+/// Whether the file is of a slider-driven mechanism.
+pub(super) fn is_slider(source: Source<'_>) -> bool {
     source
         .parse()
         .is_ok_and(|tag: Tag| tag.mechanism.as_deref() == Some("slider"))
 }
 
 impl Mechanism {
-    /// The mechanism that `--robot` names: a built-in robot, or else a file of either kind.
+    /// The mechanism with this name, as for `--robot`: a built-in robot, or else a file of
+    /// either kind.
     ///
     /// # Errors
-    /// A file that cannot be read or makes no sense.
+    /// A file that cannot be read or is not valid.
     pub fn load(name_or_path: &str) -> Result<Self, FileError> {
         let five_bar = |robot| Self::FiveBar(Box::new(robot));
         if let Some(built_in) = BuiltIn::find(name_or_path) {
@@ -104,7 +106,7 @@ impl Mechanism {
             file: name_or_path,
             text: &text,
         };
-        if is_one(source) {
+        if is_slider(source) {
             SliderRobot::parse(name_or_path, &text).map(Self::Slider)
         } else {
             Robot::parse(name_or_path, &text).map(five_bar)
@@ -113,10 +115,10 @@ impl Mechanism {
 }
 
 impl SliderRobot {
-    /// The mechanism described by the text of a file called `file`.
+    /// The mechanism from the text of a file called `file`.
     ///
     /// # Errors
-    /// An unknown or missing key, or a value that makes no sense, with its line.
+    /// An unknown or missing key, or a value that is not valid, with its line.
     pub fn parse(file: &str, text: &str) -> Result<Self, FileError> {
         let source = Source { file, text };
         let file: SliderFile = source.parse()?;
@@ -130,7 +132,7 @@ impl SliderRobot {
                 GeometryError::Limb(Limb::Right) => "right_link",
                 GeometryError::Platform => "platform",
             };
-            source.refuse(Key::Top(key), format!("makes no mechanism: {error}"))
+            source.refuse(Key::Top(key), format!("cannot make a mechanism: {error}"))
         })?;
         let travel = file.travel.map(|travel| Travel {
             left: travel.left,
@@ -144,7 +146,7 @@ impl SliderRobot {
                 least.is_finite() && greatest.is_finite() && least < greatest
             };
             if range.is_some_and(|range| !ordered(range)) {
-                let reason = "must be two finite numbers of metres, the lesser first";
+                let reason = "must be two finite numbers of metres, the smaller first";
                 return Err(source.refuse(Key::In("travel", key), reason));
             }
         }

@@ -1,11 +1,11 @@
-//! A robot file to be filled in. It explains every key in the words of docs/robot-file.md,
+//! The template of a robot file. It explains every key with the words of docs/robot-file.md,
 //! which shows the same text.
 
 use crate::input::source::Key;
 
 const TEMPLATE: &str = include_str!("template.toml");
 
-/// Which section a line is in.
+/// The section of a line.
 #[derive(Clone, Copy)]
 enum Section {
     Top,
@@ -24,8 +24,8 @@ impl Section {
     }
 }
 
-/// The template's robot with these values in place of its own. The keys that have none are
-/// commented out: they are optional, and stand there with their defaults.
+/// The template's robot with these values. Keys without a value are optional; they are
+/// commented out and show their defaults.
 pub(super) fn filled(values: &[(Key, String)]) -> String {
     let value_of = |key: Key| {
         let found = values.iter().find(|(of, _)| *of == key);
@@ -65,7 +65,7 @@ fn between(line: &'static str, open: &str, close: &str) -> Option<&'static str> 
     Some(line.strip_prefix(open)?.split_once(close)?.0)
 }
 
-/// The line with another value, its comment in the same column where there is room.
+/// The line with another value; its comment stays in the same column if there is room.
 fn with_value(line: &str, name: &str, value: &str) -> String {
     let filled = format!("{name} = {value}");
     match line.split_once('#') {
@@ -107,7 +107,7 @@ mod tests {
             .iter()
             .filter(|line| line.contains(" = ") && !line.starts_with('#'));
         assert_eq!(active.count(), 3);
-        // Only the second link is there, and every section that has a name of its own.
+        // Only the second link is active, and every section that occurs once.
         let heads = |head: &str| lines.iter().filter(|line| line.starts_with(head)).count();
         assert_eq!((heads("[[link]]"), heads("# [[link]]")), (1, 3));
         assert_eq!((heads("[[actuator]]"), heads("# [[actuator]]")), (0, 2));

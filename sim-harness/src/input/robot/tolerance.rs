@@ -1,4 +1,4 @@
-//! `[tolerance]`: one number for all, or one for each.
+//! `[tolerance]`: reads one number for all, or one for each.
 
 use super::Tolerance;
 use super::file::{OneOrEach, ToleranceFile};

@@ -1,14 +1,15 @@
-//! What a single value of a robot file must be.
+//! Checks of single values of a robot file.
 
 use crate::input::source::{FileError, Key, Source};
 use nalgebra::Vector2;
 use std::ops::RangeInclusive;
 
-/// Longest link or base [m]: what is longer was meant in millimetres. And the shortest.
+/// Greatest and least length of a link or the base [m]. Greater numbers are probably in
+/// millimetres.
 pub(super) const LONGEST: f64 = 20.0;
 pub(super) const SHORTEST: f64 = 1e-6;
 
-/// What an arm's quantities lie within; the controller's single precision ends not far beyond.
+/// Least and greatest size of a value: a little less than the range of single precision.
 const SIZES: RangeInclusive<f64> = 1e-30..=1e30;
 
 pub(super) const POSITIVE: &str = "must be a positive finite number";
@@ -56,7 +57,7 @@ pub(super) fn finite(
     }
 }
 
-/// A point of a link, which is not in millimetres.
+/// A point of a link [m]. Numbers that are probably in millimetres are refused.
 pub(super) fn near(
     source: &Source<'_>,
     key: Key,

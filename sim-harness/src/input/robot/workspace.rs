@@ -1,28 +1,28 @@
-//! Where a robot may take its tool.
+//! The workspace of a robot.
 
 use super::Robot;
 use fivebar_kinematics::five_bar::{GeometryError, Joint, JointLimits, WorkingMode, Workspace};
 
-/// A robot's tool or limits describe no workspace.
+/// Why a robot has no workspace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum NoWorkspace {
-    /// The tool's offset.
+pub enum WorkspaceError {
+    /// The tool's offset is not valid.
     #[error(transparent)]
     Tool(#[from] GeometryError),
-    /// The angles of a joint.
-    #[error("limits.angle of {0} must be within one and a half turns of 0, the lesser first")]
+    /// The angle limits of a joint are not valid.
+    #[error("limits.angle of {0} must be within one and a half turns of 0, the smaller first")]
     Limits(Joint),
 }
 
 impl Robot {
-    /// Where the robot may take its tool in a working mode: within its joints' limits, and
-    /// its margin away from singularities.
+    /// The workspace of a working mode: within the joint limits and outside the singularity
+    /// margin.
     ///
     /// # Errors
-    /// A tool on the elbow, or limits that make no sense.
-    pub fn workspace(&self, mode: WorkingMode) -> Result<Workspace<f64>, NoWorkspace> {
+    /// The tool is at the elbow, or the limits are not valid.
+    pub fn workspace(&self, mode: WorkingMode) -> Result<Workspace<f64>, WorkspaceError> {
         let [limits1, limits4] = self.limits.angle;
-        let limits = JointLimits::new(limits1, limits4).map_err(NoWorkspace::Limits)?;
+        let limits = JointLimits::new(limits1, limits4).map_err(WorkspaceError::Limits)?;
         Ok(Workspace {
             tool: self.tool_on_link()?,
             mode,

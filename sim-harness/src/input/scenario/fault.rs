@@ -1,6 +1,6 @@
-//! Things that go wrong on a real arm, at a chosen time.
+//! Injected faults of the simulated arm.
 
-/// What goes wrong. `joint` is an index, 0 for joint 1 (at A) and 1 for joint 4 (at E).
+/// A fault to inject. `joint` is an index, 0 for joint 1 (at A) and 1 for joint 4 (at E).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FaultKind {
     /// The encoder's counts stop.
@@ -12,14 +12,14 @@ pub enum FaultKind {
     EncoderJump {
         /// 0 or 1.
         joint: usize,
-        /// By how much.
+        /// The change of the counts.
         counts: i32,
     },
     /// The home switch no longer follows the joint.
     SwitchStuck {
         /// 0 or 1.
         joint: usize,
-        /// What it says.
+        /// Whether it stays pressed.
         pressed: bool,
     },
     /// The motor's lead breaks.
@@ -36,12 +36,12 @@ pub enum FaultKind {
     CurrentOffset {
         /// 0 or 1.
         joint: usize,
-        /// By how much [A].
+        /// The shift [A].
         amperes: f64,
     },
-    /// The bus voltage changes: sags, or is pumped up.
+    /// The bus voltage changes: it sags or rises.
     BusVoltage {
-        /// To this [V].
+        /// The new voltage [V].
         volts: f64,
     },
     /// A bridge raises its fault output and turns itself off.
@@ -49,11 +49,11 @@ pub enum FaultKind {
         /// 0 or 1.
         joint: usize,
     },
-    /// Somebody presses the emergency stop.
+    /// The emergency stop is pressed.
     EmergencyStop,
-    /// The controller is late once: the arm goes on with its last command meanwhile.
+    /// The controller misses ticks once: the arm goes on with the last outputs meanwhile.
     TicksMissed {
-        /// By how many ticks.
+        /// The number of ticks.
         ticks: u32,
     },
 }
@@ -61,8 +61,8 @@ pub enum FaultKind {
 /// A fault and its time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlantFault {
-    /// When [s].
+    /// The time [s].
     pub at: f64,
-    /// What.
+    /// The fault.
     pub kind: FaultKind,
 }

@@ -1,6 +1,6 @@
-//! The scenario file as written, and its reading.
+//! The scenario file: its keys and its reading.
 
-use super::faults::FaultEntry;
+use super::fault_entry::FaultEntry;
 use super::{Mismatch, PlantFault, Scenario, ScenarioError};
 use crate::input::job;
 use crate::input::robot::{BuiltIn, Robot};
@@ -13,28 +13,28 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ScenarioFile {
-    /// What it is called; the file's own name without it.
+    /// The scenario's name; none: the name of the file.
     name: Option<String>,
-    /// A built-in robot or a robot file, from the folder of this one.
+    /// A built-in robot, or a robot file relative to this file's folder.
     #[serde(default = "default_robot")]
     robot: String,
-    /// The G-code file, from the folder of this one.
+    /// The G-code file, relative to this file's folder.
     job: String,
-    /// Where the job's (0, 0) lies [m].
+    /// The position of the job's (0, 0) [m].
     origin: Option<[f64; 2]>,
     /// Metres in the plane per metre in the job.
     #[serde(default = "one")]
     scale: f64,
-    /// Seed of every random number of the run.
+    /// Seed of all pseudo-random numbers of the run.
     #[serde(default = "first")]
     seed: u64,
-    /// Control by the arm's model; else by a PD at each joint.
+    /// Whether control is by computed torque; else by a PD at each joint.
     #[serde(default = "yes")]
     computed_torque: bool,
-    /// How the arm differs from what the controller believes.
+    /// How the arm differs from the controller's model.
     #[serde(default)]
     mismatch: Mismatch,
-    /// What breaks, and when.
+    /// The faults to inject.
     #[serde(default)]
     fault: Vec<FaultEntry>,
 }
@@ -53,10 +53,10 @@ fn yes() -> bool {
 }
 
 impl Scenario {
-    /// Reads a scenario file and what it names.
+    /// Reads a scenario file with its robot and job.
     ///
     /// # Errors
-    /// A file that cannot be read, or a key or a value that makes no sense.
+    /// A file that cannot be read, or a key or a value that is not valid.
     pub fn load(path: &str) -> Result<Self, ScenarioError> {
         let text = read(path)?;
         let source = Source {
@@ -67,7 +67,7 @@ impl Scenario {
             if Robot::parse(path, &text).is_err() {
                 return error;
             }
-            let reason = format!("this is a robot, not a scenario: give it as --robot {path}");
+            let reason = format!("this is a robot file, no scenario: give it as --robot {path}");
             FileError {
                 line: None,
                 reason,
@@ -75,10 +75,10 @@ impl Scenario {
             }
         })?;
         check(&source, &file)?;
-        let (mut broken, mut faults) = (Vec::new(), Vec::new());
+        let (mut initial_faults, mut faults) = (Vec::new(), Vec::new());
         for (index, entry) in file.fault.iter().enumerate() {
             match entry.fault(&source, index)? {
-                (None, kind) => broken.push(kind),
+                (None, kind) => initial_faults.push(kind),
                 (Some(at), kind) => faults.push(PlantFault { at, kind }),
             }
         }
@@ -98,13 +98,13 @@ impl Scenario {
             seed: file.seed,
             mismatch: file.mismatch,
             clearance: None,
-            broken,
+            initial_faults,
             faults,
             computed_torque: file.computed_torque,
         })
     }
 
-    /// The declared mismatch and the job of a G-code file.
+    /// A scenario with the job of a G-code file and the declared mismatch.
     ///
     /// # Errors
     /// A file that cannot be read.
@@ -129,7 +129,7 @@ fn check(source: &Source<'_>, file: &ScenarioFile) -> Result<(), FileError> {
         .map_err(|invalid| source.refuse(Key::In("mismatch", invalid.name), invalid))
 }
 
-/// A file named in another one, from where that lies.
+/// The path of a file that `file` names relative to its own folder.
 fn beside(file: &str, named: &str) -> String {
     let folder = Path::new(file)
         .parent()

@@ -1,4 +1,4 @@
-//! How the plant differs from what the controller believes.
+//! How the plant differs from the controller's model.
 
 use serde::Deserialize;
 
@@ -6,11 +6,11 @@ use serde::Deserialize;
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Mismatch {
-    /// Masses and inertias of the links, as a share more: 0.1 is 10 % more.
+    /// Excess of the links' masses and inertias, as a share: 0.1 is 10 % more.
     pub link_mass: f64,
-    /// Friction of the joints, as a share more.
+    /// Excess of the joints' friction, as a share.
     pub friction: f64,
-    /// Payload at C that the controller does not know of [kg].
+    /// Excess of the payload at C [kg].
     pub payload: f64,
     /// Standard deviation of the current samples [ADC codes].
     pub current_noise: f64,
@@ -19,8 +19,8 @@ pub struct Mismatch {
 }
 
 impl Mismatch {
-    /// An arm that is exactly as believed, with perfect current sensors. Counts are still
-    /// quantised and commands still take a tick.
+    /// No mismatch, and perfect current sensors. Encoder counts are still quantised, and the
+    /// outputs still act one tick later.
     pub const NONE: Self = Self {
         link_mass: 0.0,
         friction: 0.0,
@@ -29,13 +29,13 @@ impl Mismatch {
         current_offset: 0.0,
     };
 
-    /// Whether such an arm can be.
+    /// Checks the values.
     ///
     /// # Errors
-    /// The first figure that makes no sense.
-    pub fn check(&self) -> Result<(), UnsoundMismatch> {
+    /// The first value that is not valid.
+    pub fn check(&self) -> Result<(), MismatchError> {
         for (name, value, least) in [
-            // All of a link's mass gone is no link.
+            // −1 would be a link without mass.
             ("link_mass", self.link_mass, -0.99),
             ("friction", self.friction, -1.0),
             ("payload", self.payload, 0.0),
@@ -43,27 +43,27 @@ impl Mismatch {
             ("current_offset", self.current_offset, -2048.0),
         ] {
             if !(value >= least && value.is_finite()) {
-                return Err(UnsoundMismatch { name, value, least });
+                return Err(MismatchError { name, value, least });
             }
         }
         Ok(())
     }
 }
 
-/// A figure of a mismatch that makes no sense.
+/// A value of a mismatch that is not valid.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("must be finite and at least {least}, not {value:?}")]
-pub struct UnsoundMismatch {
-    /// Which one.
+pub struct MismatchError {
+    /// Its name.
     pub name: &'static str,
-    /// What it is.
+    /// Its value.
     pub value: f64,
-    /// The least it can be.
+    /// The least valid value.
     pub least: f64,
 }
 
 impl Default for Mismatch {
-    /// The declared mismatch, under which every figure of accuracy is stated.
+    /// The declared mismatch. All stated figures of accuracy are under this mismatch.
     fn default() -> Self {
         Self {
             link_mass: 0.1,

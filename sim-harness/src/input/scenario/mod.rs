@@ -1,45 +1,45 @@
-//! What is to be run: a robot, a job, and what is wrong with the arm.
+//! Scenarios: a robot, a job, a mismatch and injected faults.
 
 mod fault;
-mod faults;
+mod fault_entry;
 mod file;
 mod mismatch;
 
 pub use fault::{FaultKind, PlantFault};
-pub use mismatch::{Mismatch, UnsoundMismatch};
+pub use mismatch::{Mismatch, MismatchError};
 
 use crate::input::job::{Job, JobError, Placement};
-use crate::input::robot::{NoHome, Robot};
+use crate::input::robot::{HomeError, Robot};
 use crate::input::source::FileError;
 
-/// A run, ready to be done.
+/// Everything that defines a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scenario {
     /// Its name.
     pub name: String,
-    /// The arm as the controller believes it to be.
+    /// The arm as the controller's model has it.
     pub robot: Robot,
     /// The job's file, as the user named it.
     pub job_file: String,
     /// The job's G-code.
     pub job_text: String,
-    /// Where the job's (0, 0) lies in the frame of the base [m]; without it the middle of
-    /// the drawing goes where the arm moves best.
+    /// The position of the job's (0, 0) in the frame of the base [m]; none: the middle of the
+    /// drawing is at the point where the arm moves best.
     pub origin: Option<[f64; 2]>,
     /// Metres in the plane per metre in the job.
     pub scale: f64,
-    /// Seed of every random number of the run.
+    /// Seed of all pseudo-random numbers of the run.
     pub seed: u64,
-    /// How the arm differs from what the controller believes.
+    /// How the arm differs from the controller's model.
     pub mismatch: Mismatch,
-    /// Radial clearance of the joints A to E [m], 0 for a joint that is not worn, in a run
-    /// that watches what they go through; without it all are ideal and none is watched.
+    /// Radial clearance of the joints A to E [m], 0 for a joint that is not worn. The run then
+    /// records forces and contacts of all joints. None: ideal joints, nothing recorded.
     pub clearance: Option<[f64; 5]>,
-    /// What is broken from power-up.
-    pub broken: Vec<FaultKind>,
-    /// What breaks later, at its time from the beginning of the job.
+    /// Faults that are active from power-up.
+    pub initial_faults: Vec<FaultKind>,
+    /// Faults that are injected during the job; their times count from its beginning.
     pub faults: Vec<PlantFault>,
-    /// Control by the arm's model; else by a PD at each joint.
+    /// Whether control is by computed torque; else by a PD at each joint.
     pub computed_torque: bool,
 }
 
@@ -51,7 +51,7 @@ pub enum ScenarioError {
     Read {
         /// The file, as the user named it.
         file: String,
-        /// What the system says.
+        /// The system's error.
         source: std::io::Error,
     },
     /// A key or a value of the scenario's or the robot's file.
@@ -62,16 +62,16 @@ pub enum ScenarioError {
     Job {
         /// The job's file.
         file: String,
-        /// What is wrong.
+        /// The error.
         error: JobError,
     },
-    /// The robot has no place to start from.
+    /// The robot has no home pose.
     #[error(transparent)]
-    NoHome(#[from] NoHome),
+    HomeError(#[from] HomeError),
 }
 
 impl Scenario {
-    /// The declared mismatch, a job and an arm.
+    /// A scenario with this robot and this job, under the declared mismatch.
     pub fn new(name: &str, robot: Robot, job_file: &str, job_text: String) -> Self {
         Self {
             name: name.into(),
@@ -83,15 +83,15 @@ impl Scenario {
             seed: 1,
             mismatch: Mismatch::default(),
             clearance: None,
-            broken: Vec::new(),
+            initial_faults: Vec::new(),
             faults: Vec::new(),
             computed_torque: true,
         }
     }
 
-    /// The demonstration, done by this arm.
+    /// The demonstration job on this arm.
     pub fn demonstration(robot: Robot) -> Self {
-        /// The job, which comes with the program.
+        /// The built-in job.
         const JOB: &str = include_str!("../../../jobs/fivebar.gcode");
         Self::new(
             "the demonstration",
@@ -104,7 +104,7 @@ impl Scenario {
     /// The job, read and placed.
     ///
     /// # Errors
-    /// A line that cannot be done as written, or a robot without a home.
+    /// A line that is not valid, or a robot without a home pose.
     pub fn job(&self) -> Result<Job, ScenarioError> {
         let home = self.robot.tool_at(&self.robot.home_pose()?);
         let placed = |origin| {
@@ -127,7 +127,7 @@ impl Scenario {
     }
 }
 
-/// Middle of what a job draws, or of its motions where it never puts the pen down [m].
+/// The middle of what a job draws, or of all its motions if the pen is never down [m].
 fn middle(job: &Job) -> [f64; 2] {
     let bounds = |drawn: bool| {
         job.steps

@@ -5,7 +5,7 @@ use super::dynamics::{Model, State};
 use super::motor::Motor;
 use super::planar::{Body, PlanarVector, perp, rotation};
 use super::sensors::JointSensors;
-use crate::input::robot::{KinematicsOnly, Robot};
+use crate::input::robot::{MissingMasses, Robot};
 use crate::input::scenario::Mismatch;
 use fivebar_firmware::Settings;
 use fivebar_kinematics::five_bar::Pose;
@@ -20,7 +20,7 @@ impl Model {
     ///
     /// # Errors
     /// The robot has lengths only, no masses.
-    pub fn new(robot: &Robot, mismatch: &Mismatch) -> Result<Self, KinematicsOnly> {
+    pub fn new(robot: &Robot, mismatch: &Mismatch) -> Result<Self, MissingMasses> {
         let arm = robot.arm()?;
         let [l1, l2, l3, l4, base] = robot.geometry.lengths();
         let heavier = 1.0 + mismatch.link_mass;

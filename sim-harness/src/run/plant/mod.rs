@@ -33,7 +33,7 @@ pub use planar::{Body, PlanarVector};
 pub use sensors::JointSensors;
 pub use worn_joints::{ContactStatistics, WornJoints};
 
-use crate::input::robot::{KinematicsOnly, Robot};
+use crate::input::robot::{MissingMasses, Robot};
 use crate::input::scenario::{FaultKind, Mismatch, PlantFault};
 use active_faults::ActiveFaults;
 use brake::Brake;
@@ -85,7 +85,7 @@ impl Plant {
         mismatch: &Mismatch,
         pose: &Pose<f64>,
         seed: u64,
-    ) -> Result<Self, KinematicsOnly> {
+    ) -> Result<Self, MissingMasses> {
         let model = Model::new(robot, mismatch)?;
         let settings = robot.settings()?;
         let drives = robot.drives()?;

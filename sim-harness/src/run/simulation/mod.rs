@@ -13,7 +13,7 @@ pub use summary::{Summary, TipError, fault_name};
 pub use trace::{Sample, Trace};
 
 use crate::input::job::Job;
-use crate::input::robot::{KinematicsOnly, NoHome, in_words_of_its_file};
+use crate::input::robot::{HomeError, MissingMasses, robot_file_message};
 use crate::input::scenario::{Scenario, ScenarioError};
 use crate::run::contact::ClearanceError;
 use crate::run::link::{InProcess, Target, TargetError};
@@ -33,12 +33,12 @@ pub enum RunError {
     ClearanceError(#[from] ClearanceError),
     /// The robot has no masses.
     #[error(transparent)]
-    KinematicsOnly(#[from] KinematicsOnly),
+    MissingMasses(#[from] MissingMasses),
     /// The robot has no home pose.
     #[error(transparent)]
-    NoHome(#[from] NoHome),
+    HomeError(#[from] HomeError),
     /// The controller refuses the robot's settings.
-    #[error("robot `{robot}`: {}", in_words_of_its_file(*.error))]
+    #[error("robot `{robot}`: {}", robot_file_message(*.error))]
     Settings {
         /// The robot's name.
         robot: String,
@@ -98,7 +98,7 @@ impl Scenario {
         if let Some(clearance) = self.clearance {
             plant = plant.worn(WornJoints::new(&self.robot.contact, clearance)?);
         }
-        for &fault in &self.broken {
+        for &fault in &self.initial_faults {
             plant.inject(fault);
         }
         Ok(plant)

@@ -6,7 +6,7 @@ use super::say::{hint, say, warn};
 use crate::input::robot::{BuiltIn, Draft};
 use crate::run::simulation::find_demo_scale;
 use crate::show::files::write_new;
-use crate::show::text::no_trial;
+use crate::show::text::no_demo_scale;
 use std::io::{self, BufRead};
 use std::path::PathBuf;
 
@@ -58,7 +58,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         Err(error) => {
             warn(format_args!(
                 "As it is, it cannot draw the demonstration: {}.",
-                no_trial(&error)
+                no_demo_scale(&error)
             ));
             format!("Once that is mended in it: {command}")
         }

@@ -5,7 +5,7 @@ use super::port::interrupted;
 use super::say::{say, warn};
 use crate::input::robot::{BuiltIn, Robot};
 use crate::run::link::Emulator;
-use crate::show::serve::{Guard, ServeError, Source, serve};
+use crate::show::serve::{ControllerSource, Guard, ServeError, serve};
 use std::net::{IpAddr, SocketAddr, UdpSocket};
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;

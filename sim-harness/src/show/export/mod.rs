@@ -20,7 +20,7 @@ pub use trace_csv::trace_csv;
 pub use urdf::urdf;
 pub use workspace_csv::workspace_csv;
 
-use crate::input::robot::{KinematicsOnly, NoHome, Robot};
+use crate::input::robot::{HomeError, MissingMasses, Robot};
 use fivebar_kinematics::dynamics::{Arm, Link};
 use nalgebra::Vector2;
 
@@ -44,7 +44,7 @@ struct Body {
 }
 
 /// Links 1 to 4, the payload taken into link 2, which carries it at C.
-fn bodies(robot: &Robot) -> Result<[Body; 4], KinematicsOnly> {
+fn bodies(robot: &Robot) -> Result<[Body; 4], MissingMasses> {
     let arm = robot.arm()?;
     let [l1, l2, l3, l4, _] = robot.geometry.lengths();
     let [link1, link2, link3, link4] = *arm.links();

@@ -1,6 +1,6 @@
 //! The description of the arm for pages, sent before the arm moves.
 
-use crate::input::robot::{NoHome, Robot};
+use crate::input::robot::{HomeError, Robot};
 use serde::Serialize;
 
 /// Positions [m], angles [rad].
@@ -21,7 +21,7 @@ struct Arm<'a> {
 ///
 /// # Errors
 /// The robot has no home pose.
-pub(super) fn describe(robot: &Robot, place: &str) -> Result<String, NoHome> {
+pub(super) fn describe(robot: &Robot, place: &str) -> Result<String, HomeError> {
     let pose = robot.home_pose()?;
     let [b, c, d] = [pose.b, pose.c, pose.d].map(|point| [point.x, point.y]);
     let arm = Arm {

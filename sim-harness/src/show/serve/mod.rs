@@ -36,11 +36,11 @@ mod web;
 
 pub use guard::Guard;
 
-use crate::input::robot::{NoHome, NoWorkspace, Robot};
+use crate::input::robot::{HomeError, Robot, WorkspaceError};
 use crate::run::drive::{Drive, DriveError};
 use crate::run::link::{Client, Emulator, EmulatorError, LinkError, PortError, SerialLine};
 use crate::run::simulation::RunError;
-use controller_thread::{ControllerThread, Line};
+use controller_thread::{Connection, ControllerThread};
 use fivebar_design::workspace::GridError;
 use fivebar_firmware::protocol::{Board, Refusal};
 use simulated::SteppedArm;
@@ -84,10 +84,10 @@ pub enum ServeError {
     Simulation(#[from] RunError),
     /// The robot has no home pose.
     #[error(transparent)]
-    NoHome(#[from] NoHome),
+    HomeError(#[from] HomeError),
     /// The robot's workspace cannot be mapped.
     #[error(transparent)]
-    NoWorkspace(#[from] NoWorkspace),
+    WorkspaceError(#[from] WorkspaceError),
     /// The grid of the map cannot be made.
     #[error("the robot's workspace: {0}")]
     Grid(#[from] GridError),

@@ -1,9 +1,9 @@
-//! The conditions of a run, for its report.
+//! The conditions of a run, as its report lists them.
 
 use super::quantity;
 use crate::input::scenario::{Mismatch, Scenario};
 
-/// The conditions of the run by name and value, for its report.
+/// The conditions of a run: pairs of name and value.
 pub fn conditions(scenario: &Scenario) -> Vec<(String, String)> {
     let Mismatch {
         link_mass,
@@ -12,15 +12,15 @@ pub fn conditions(scenario: &Scenario) -> Vec<(String, String)> {
         current_noise,
         current_offset,
     } = scenario.mismatch;
-    let broken = scenario
-        .broken
+    let initial = scenario
+        .initial_faults
         .iter()
         .map(|kind| format!("{kind:?} from power-up"));
-    let breaking = scenario
+    let later = scenario
         .faults
         .iter()
         .map(|f| format!("{:?} at {} s", f.kind, f.at));
-    let faults: Vec<_> = broken.chain(breaking).collect();
+    let faults: Vec<_> = initial.chain(later).collect();
     let control = if scenario.computed_torque {
         "computed torque"
     } else {
@@ -33,12 +33,12 @@ pub fn conditions(scenario: &Scenario) -> Vec<(String, String)> {
             format!("{:+.0} %", 100.0 * link_mass),
         ),
         ("friction", format!("{:+.0} %", 100.0 * friction)),
-        ("payload not known of", quantity(payload, "kg")),
+        ("payload above the model's", quantity(payload, "kg")),
         (
             "current noise, offset",
             format!("{current_noise}, {current_offset} ADC codes"),
         ),
-        ("from samples to bridges", "one tick".into()),
+        ("delay from samples to bridges", "one tick".into()),
         ("seed", scenario.seed.to_string()),
     ];
     if !faults.is_empty() {

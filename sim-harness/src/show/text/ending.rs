@@ -1,4 +1,4 @@
-//! Why a run was refused or did not come to its end, in a sentence.
+//! Sentences that say why a run was refused or ended early.
 
 use super::quantity;
 use crate::input::scenario::Scenario;
@@ -6,8 +6,8 @@ use crate::run::link::TargetError;
 use crate::run::simulation::{DemoScaleError, Record, RunError, fault_name};
 use fivebar_firmware::safety::Fault;
 
-/// Why a run of this scenario was refused or broke off. A refused move is one of the
-/// job's: its line is a line of that file.
+/// Why a run of this scenario was refused or ended early. A refused move is a line of the
+/// job's file.
 pub fn refusal(scenario: &Scenario, error: &RunError) -> String {
     match error {
         RunError::Target(error @ TargetError::Move(_)) => {
@@ -17,7 +17,7 @@ pub fn refusal(scenario: &Scenario, error: &RunError) -> String {
     }
 }
 
-/// By which fault the arm was stopped, and when; none if it was not.
+/// Which fault stopped the arm, and when; none without a fault.
 pub fn stopped_by(scenario: &Scenario, record: &Record) -> Option<String> {
     let (time, fault) = record.faults.first()?;
     let when = match record.begun {
@@ -25,7 +25,7 @@ pub fn stopped_by(scenario: &Scenario, record: &Record) -> Option<String> {
         None => format!("{time:.4} s after power-up, while homing"),
     };
     let (number, name) = (fault.number(), fault_name(*fault));
-    let sentence = format!("the arm stopped {when} by fault {number}, {name}");
+    let sentence = format!("the arm stopped {when} with fault {number}, {name}");
     if *fault != Fault::FollowingError {
         return Some(sentence);
     }
@@ -36,7 +36,7 @@ pub fn stopped_by(scenario: &Scenario, record: &Record) -> Option<String> {
     Some(sentence + &cause.unwrap_or_default())
 }
 
-/// Whether the arm falls once homed, until it is powered again for the job.
+/// If the arm falls between homing and the job, while it is unpowered: a sentence about it.
 fn falls(scenario: &Scenario) -> Option<String> {
     let home = scenario.robot.home_pose().ok()?;
     let weight = scenario.robot.arm().ok()?.gravity_torque(&home).ok()?;
@@ -47,16 +47,15 @@ fn falls(scenario: &Scenario) -> Option<String> {
     })?;
     let [needed, brake] = [weight[joint].abs(), drives[joint].brake_torque];
     Some(format!(
-        ". Unpowered it falls: holding it up at home takes {} at joint {}, its `brake_torque` \
-         is {}",
+        ". Unpowered it falls: at home its weight needs {} at joint {}, but the `brake_torque` of \
+         this joint is {}",
         quantity(needed, "N·m"),
         [1, 4][joint],
         quantity(brake, "N·m")
     ))
 }
 
-/// What homing has to move the arm with: most arms that cannot be homed are too heavy
-/// for it.
+/// The torques of homing: most arms that cannot be homed are too heavy for them.
 fn homing_torques(scenario: &Scenario) -> Option<String> {
     let settings = scenario.robot.settings().ok()?;
     let [torque1, torque4] = settings.axes.map(|axis| {
@@ -65,13 +64,13 @@ fn homing_torques(scenario: &Scenario) -> Option<String> {
         quantity(torque.abs(), "N·m")
     });
     Some(format!(
-        ". Homing moves it with {torque1} at joint 1 and {torque4} at joint 4 at most: what \
-         holds it up at home, and 0.3 of the lesser `peak_current`"
+        ". Homing uses at most {torque1} at joint 1 and {torque4} at joint 4: the torque that \
+         holds the arm at home, and that of 0.3 times the lower `peak_current`"
     ))
 }
 
 /// Why an arm cannot draw the demonstration.
-pub fn no_trial(error: &DemoScaleError) -> String {
+pub fn no_demo_scale(error: &DemoScaleError) -> String {
     match error {
         DemoScaleError::Scenario(error) => error.to_string(),
         DemoScaleError::TooLarge(scenario, error) => format!(

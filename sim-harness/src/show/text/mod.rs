@@ -7,7 +7,7 @@ mod quantity;
 mod workspace;
 
 pub use conditions::conditions;
-pub use ending::{no_trial, refusal, stopped_by};
+pub use ending::{no_demo_scale, refusal, stopped_by};
 pub use mobility::explain;
 pub(crate) use mobility::steps;
 pub use quantity::quantity;

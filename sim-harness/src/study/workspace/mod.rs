@@ -5,7 +5,7 @@
 
 mod answer;
 
-use crate::input::robot::{NoWorkspace, Robot};
+use crate::input::robot::{Robot, WorkspaceError};
 use fivebar_design::workspace::{Areas, Grid, GridError, Rectangle, WorkspaceMap, reach_bounds};
 use fivebar_kinematics::five_bar::{Side, WorkingMode};
 use nalgebra::Vector2;
@@ -22,7 +22,7 @@ const LEAST: f64 = 1e-6;
 pub enum StudyError {
     /// The robot's tool or limits make no sense.
     #[error("robot `{0}`: {1}")]
-    Robot(String, NoWorkspace),
+    Robot(String, WorkspaceError),
     /// The cells are of no use.
     #[error("cells of {pitch:.1e} m: {error}; give another --resolution")]
     Grid {

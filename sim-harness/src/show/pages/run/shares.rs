@@ -1,6 +1,6 @@
 //! What each joint's torque goes into along the reference, by the controller's model.
 
-use crate::input::robot::{KinematicsOnly, Robot};
+use crate::input::robot::{MissingMasses, Robot};
 use crate::run::simulation::Sample;
 use fivebar_kinematics::control::FrictionCompensation;
 use fivebar_kinematics::dynamics::{Arm, TorqueComponents};
@@ -15,7 +15,7 @@ pub(super) struct ShareModel<'a> {
 }
 
 impl<'a> ShareModel<'a> {
-    pub(super) fn new(robot: &'a Robot) -> Result<Self, KinematicsOnly> {
+    pub(super) fn new(robot: &'a Robot) -> Result<Self, MissingMasses> {
         let settings = robot.settings()?;
         let assembly = if settings.assembly_left {
             Side::Left

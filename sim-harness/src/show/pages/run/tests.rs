@@ -101,7 +101,7 @@ fn shows_the_whole_run_in_one_small_offline_page() {
         "Torque of joint 4 by cause",
         "velocity products",
         "motor current [A]",
-        "line 1: M18 is not understood",
+        "line 1: M18 is not supported",
         "link masses",
     ] {
         assert!(html.contains(part), "{part}");

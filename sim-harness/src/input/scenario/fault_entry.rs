@@ -1,14 +1,14 @@
-//! `[[fault]]`: what breaks, and when.
+//! `[[fault]]` of a scenario file: a fault to inject, and its time.
 
 use super::FaultKind;
 use crate::input::source::{FileError, Key, Source};
 use serde::Deserialize;
 
-/// One fault as written; what it needs besides its time depends on its kind.
+/// One fault as written. Its kind decides which keys it needs.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct FaultEntry {
-    /// When [s], from the beginning of the job; from power-up without it.
+    /// Time from the beginning of the job [s]; none: from power-up.
     at: Option<f64>,
     kind: Kind,
     /// 1 or 4.
@@ -45,7 +45,8 @@ impl FaultEntry {
         if let Some(at) = self.at
             && !(at >= 0.0 && at.is_finite())
         {
-            let reason = format!("must be a time in seconds from the job's beginning, not {at:?}");
+            let reason =
+                format!("must be a time in seconds after the beginning of the job, not {at:?}");
             return Err(source.refuse(key("at"), reason));
         }
         let missing = |name, what: &str| source.refuse(key(name), format!("is missing: {what}"));
@@ -66,7 +67,7 @@ impl FaultEntry {
                 joint: joint()?,
                 counts: self
                     .counts
-                    .ok_or_else(|| missing("counts", "by how many"))?,
+                    .ok_or_else(|| missing("counts", "the change of the counts"))?,
             },
             Kind::SwitchStuck => FaultKind::SwitchStuck {
                 joint: joint()?,
@@ -78,10 +79,14 @@ impl FaultEntry {
             Kind::MotorStalled => FaultKind::MotorStalled { joint: joint()? },
             Kind::CurrentOffset => FaultKind::CurrentOffset {
                 joint: joint()?,
-                amperes: finite("amperes", self.amperes, "the shift of the zero [A]")?,
+                amperes: finite(
+                    "amperes",
+                    self.amperes,
+                    "the shift of the sensor's zero [A]",
+                )?,
             },
             Kind::BusVoltage => FaultKind::BusVoltage {
-                volts: finite("volts", self.volts, "the voltage from then on [V]")?,
+                volts: finite("volts", self.volts, "the new bus voltage [V]")?,
             },
             Kind::DriverFault => FaultKind::DriverFault { joint: joint()? },
             Kind::EmergencyStop => FaultKind::EmergencyStop,
@@ -92,7 +97,7 @@ impl FaultEntry {
                         let reason = format!("is 1 to 10000, not {other}");
                         return Err(source.refuse(key("ticks"), reason));
                     }
-                    None => return Err(missing("ticks", "by how many, 1 to 10000")),
+                    None => return Err(missing("ticks", "a number from 1 to 10000")),
                 },
             },
         };

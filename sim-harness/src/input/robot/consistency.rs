@@ -1,63 +1,63 @@
-//! Whether a robot's values fit together, and whether its controller takes them: told by
-//! the file's own keys, not by the settings that are made of them.
+//! Checks that a robot's values are consistent and that its controller accepts them. Errors
+//! name the keys of the robot file, from which the settings are made.
 
 use super::Robot;
 use super::settings::ADC_CODES;
 use crate::input::source::{FileError, Key, Source};
 use fivebar_firmware::settings::{AxisField, Field, SettingsError};
 
-/// Least and greatest time constant of a winding [s]; real ones have 20 µs to 50 ms. Beyond,
-/// the current loop has no digits left.
+/// Least and greatest time constant of a winding [s]; real ones have 20 µs to 50 ms. Beyond
+/// them single precision is not enough for the current loop.
 const WINDING: [f64; 2] = [1e-6, 1.0];
 
-/// A value as a person would write it, its unit and what it must be instead.
-type Misfit = (Key, String, &'static str, String);
+/// A key, its value as text, the value's unit, and what the value must be.
+type InvalidValue = (Key, String, &'static str, String);
 
-/// Looks at values that make sense each for itself.
+/// Checks values that are valid on their own.
 pub(super) fn check(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
-    let misfit = motors(robot).or_else(|| bus(robot));
-    if let Some(misfit) = misfit {
-        return Err(refusal(source, misfit));
+    let invalid = motors(robot).or_else(|| bus(robot));
+    if let Some(invalid) = invalid {
+        return Err(refusal(source, invalid));
     }
-    // An arm known by its lengths alone has no controller.
+    // An arm with lengths only has no controller.
     let Ok(settings) = robot.settings() else {
         return Ok(());
     };
     match settings.validate() {
-        // What has no pose to control can still be analysed.
+        // An arm without a pose to control can still be analysed.
         Ok(())
         | Err(SettingsError::Geometry(_) | SettingsError::Inertia(_) | SettingsError::NoPose) => {
             Ok(())
         }
         Err(error) => Err(match setting(robot, error) {
-            Some(misfit) => refusal(source, misfit),
+            Some(invalid) => refusal(source, invalid),
             None => FileError {
                 file: source.file.into(),
                 line: None,
-                reason: format!("the controller refuses it: {error}"),
+                reason: format!("the controller refuses this robot: {error}"),
             },
         }),
     }
 }
 
-/// Why the controller refuses a robot whose file makes sense.
-pub(crate) fn in_words_of_its_file(error: SettingsError) -> String {
+/// Why the controller refuses a robot whose file is valid, with the keys of the file.
+pub(crate) fn robot_file_message(error: SettingsError) -> String {
     match error {
         SettingsError::NoPose => {
-            "it has no pose to control: over the `angle` of [limits], none with \
-             its elbows as `working_mode` says keeps the `singularity_margin` of [limits]"
+            "no pose in its `working_mode` and within the `angle` of [limits] keeps the \
+             `singularity_margin` of [limits]"
                 .into()
         }
         other => other.to_string(),
     }
 }
 
-fn refusal(source: &Source<'_>, (key, value, unit, must): Misfit) -> FileError {
+fn refusal(source: &Source<'_>, (key, value, unit, must): InvalidValue) -> FileError {
     let space = if unit.is_empty() { "" } else { " " };
     let default = if source.holds(key) {
         ""
     } else {
-        ", as it is when left out"
+        ", the default"
     };
     source.refuse(key, format!("{must}, not {value}{space}{unit}{default}"))
 }
@@ -66,7 +66,7 @@ fn written(value: f64) -> String {
     format!("{value:?}")
 }
 
-fn motors(robot: &Robot) -> Option<Misfit> {
+fn motors(robot: &Robot) -> Option<InvalidValue> {
     let motors = robot.actuators.iter().flatten().enumerate();
     motors.into_iter().find_map(|(index, motor)| {
         let key = |name| Key::Of("actuator", index, name);
@@ -84,7 +84,7 @@ fn motors(robot: &Robot) -> Option<Misfit> {
             let current = written(motor.continuous_current);
             return Some((key("continuous_current"), current, "A", must));
         }
-        // Zero lies in the middle of the codes.
+        // Zero current is in the middle of the codes.
         let needed = robot.limited(index, *motor).peak_current / (0.5 * ADC_CODES - 1.0);
         let per_code = motor.current_per_code.filter(|&amperes| amperes < needed)?;
         let must = format!("must be at least {needed:.3e} A for 12 bits to hold the peak current");
@@ -92,8 +92,8 @@ fn motors(robot: &Robot) -> Option<Misfit> {
     })
 }
 
-/// The bus must read as sound while it is, and as too high once it is.
-fn bus(robot: &Robot) -> Option<Misfit> {
+/// The converter must resolve the bus's range, and also a voltage above it.
+fn bus(robot: &Robot) -> Option<InvalidValue> {
     let voltage = robot.supply.voltage;
     let [low, high] = robot.bus_range();
     if low <= 0.0 {
@@ -111,16 +111,16 @@ fn bus(robot: &Robot) -> Option<Misfit> {
         return None;
     }
     let must = format!(
-        "must be {least:.3e} to {greatest:.3e} V for 12 bits to tell when the bus leaves {low} to \
-         {high} V"
+        "must be {least:.3e} to {greatest:.3e} V, so that 12 bits show when the bus leaves {low} \
+         to {high} V"
     );
     let key = Key::In("supply", "voltage_per_code");
     Some((key, written(per_code), "V", must))
 }
 
-/// What the controller refuses, as the file has it; none for what the reader of the file
-/// lets through in no robot that could be built.
-fn setting(robot: &Robot, error: SettingsError) -> Option<Misfit> {
+/// The key and value of the robot file behind an error of the settings; none for errors that
+/// the checks of the file already exclude.
+fn setting(robot: &Robot, error: SettingsError) -> Option<InvalidValue> {
     let Robot {
         control,
         limits,
@@ -132,8 +132,8 @@ fn setting(robot: &Robot, error: SettingsError) -> Option<Misfit> {
             let index = usize::from(joint != 1);
             let motor = &robot.actuators?[index];
             let must = format!(
-                "times `gear_ratio` must be at most 4194304 a turn of the joint, what single \
-                 precision tells apart: {:.0} at this gear",
+                "times `gear_ratio` must be at most 4194304 per turn of the joint, the resolution \
+                 of single precision: at most {:.0} with this gear",
                 4_194_304.0 / motor.gear_ratio.abs()
             );
             let key = Key::Of("actuator", index, "encoder_counts");
