@@ -108,7 +108,7 @@ fn refuses_what_it_cannot_do_and_writes_nothing() {
     refused(
         &["no_such", "--out", out_dir],
         1,
-        "neither a shipped example nor a file",
+        "neither a built-in example nor a file",
     );
     assert!(!out.exists());
     let taken = folder.path().join("taken");

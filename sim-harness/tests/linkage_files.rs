@@ -116,7 +116,7 @@ fn each_slip_is_named_with_its_line_and_key() {
             "every length must be a positive finite number of metres",
         ),
         ("at = [0.10", "at = [inf", "every number must be finite"),
-        ("at = [0.10", "at = [1e12", "surely a slip"),
+        ("at = [0.10", "at = [1e12", "check its unit"),
         (
             "\"coupler\"",
             "\"coupler\", mass = -1.0",
@@ -199,7 +199,7 @@ fn files_that_cannot_be_read_say_so() {
     assert!(
         missing
             .to_string()
-            .contains("neither a shipped example nor a file")
+            .contains("neither a built-in example nor a file")
     );
     let binary = folder.path().join("binary.toml");
     std::fs::write(&binary, [0xff; 64]).unwrap();

@@ -1,6 +1,6 @@
 //! Mobility: 26 mechanisms of the literature in every figure, and what must not matter.
 
-use fivebar::input::mobility::{EXAMPLES, Study, parse};
+use fivebar::input::mobility::{EXAMPLES, MobilityCase, parse};
 use fivebar::study::mobility::{Finding, answer};
 use fivebar_design::mobility::{Freedom, Joint, MechanismGraph, Screw, analyse_graph};
 use nalgebra::Vector3;
@@ -89,7 +89,7 @@ proptest! {
     }
 }
 
-fn example(name: &str) -> (Study, Finding) {
+fn example(name: &str) -> (MobilityCase, Finding) {
     let (_, text) = EXAMPLES.iter().find(|(known, _)| *known == name).unwrap();
     let study = parse(name, text).unwrap().remove(0);
     let finding = study.analyse();
@@ -272,7 +272,7 @@ fn unsound_descriptions_are_refused_in_one_sentence() {
         joint("b", "c"),
         joint("c", "a")
     );
-    assert!(refusal(&ring).contains("nothing holds the mechanism"));
+    assert!(refusal(&ring).contains("connect a body to it"));
     let odd = format!(
         "name = \"x\"\nplatform = \"a\"\n{}colour = 1\n",
         joint("ground", "a")

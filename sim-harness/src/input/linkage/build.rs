@@ -1,4 +1,4 @@
-//! From the file as written to a linkage that can be solved, or the key that is wrong.
+//! Builds the linkage of a file, or reports the key that is wrong.
 
 use super::DrivenLinkage;
 use super::file::{ElementFile, GuideFile, LinkFile, LinkageFile, PointFile};
@@ -38,7 +38,7 @@ pub(super) fn linkage(source: Source<'_>) -> Result<DrivenLinkage, FileError> {
     })
 }
 
-/// The linkage under construction, with what its names stand for so far.
+/// The linkage under construction, with the points and links defined so far.
 struct Builder<'a> {
     source: Source<'a>,
     file: &'a LinkageFile,
@@ -76,7 +76,7 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    /// Shapes the links that are slender bars, now that their points are there.
+    /// Sets the mass and inertia of links with a section; their points must be defined.
     fn sections(&mut self, index: usize, element: &ElementFile) -> Result<(), FileError> {
         let key = Key::Of("element", index, "links");
         for link in element.links() {
@@ -88,7 +88,7 @@ impl<'a> Builder<'a> {
                 self.source.refuse(key, reason)
             };
             if link.mass != 0.0 || link.inertia != 0.0 || link.com != [0.0; 2] {
-                let reason = "mass, com and inertia follow from it and are left out beside it";
+                let reason = "mass, com and inertia follow from it, so leave them out";
                 return Err(refuse(reason.into()));
             }
             let section = BarSection {
@@ -109,7 +109,8 @@ impl<'a> Builder<'a> {
         for (index, PointFile { link, .. }) in self.file.point.iter().enumerate() {
             if link != "ground" && !names.contains(&link.as_str()) {
                 let known = listed(names.iter().chain([&"ground"]));
-                let reason = format!("names a link `{link}`; there are {known}");
+                let reason =
+                    format!("names a link `{link}`, which does not exist; there are {known}");
                 return Err(self.source.refuse(Key::Of("point", index, "link"), reason));
             }
         }
@@ -207,12 +208,12 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    /// Names a link, gives it its mass, and places the points that are fixed in it.
+    /// Names a link, sets its mass and inertia, and adds the points that are fixed in it.
     fn link(&mut self, index: usize, id: LinkId, link: &'a LinkFile) -> Result<(), FileError> {
         let key = Key::Of("element", index, "links");
         name(&self.source, key, &link.name)?;
         if self.links.insert(&link.name, id).is_some() {
-            let reason = format!("name `{}`, which another link has already", link.name);
+            let reason = format!("name `{}`, which another link has", link.name);
             return Err(self.source.refuse(key, reason));
         }
         let inertia = Link {
@@ -223,7 +224,7 @@ impl<'a> Builder<'a> {
         self.linkage
             .set_link(id, &link.name, inertia)
             .map_err(|error| {
-                let reason = format!("give `{}` what it cannot have: {error}", link.name);
+                let reason = format!("of `{}` are not valid: {error}", link.name);
                 self.source.refuse(key, reason)
             })?;
         self.points_on(&link.name, id)
@@ -258,7 +259,7 @@ impl<'a> Builder<'a> {
         match self.points.insert(point, id) {
             None => Ok(()),
             Some(_) => {
-                let reason = format!("`{point}` is the name of another point already");
+                let reason = format!("`{point}` is the name of another point");
                 Err(self.source.refuse(key, reason))
             }
         }
@@ -272,11 +273,8 @@ impl<'a> Builder<'a> {
             frequency,
             phase,
         } = law;
-        let sound = |value: &f64| value.abs() <= LARGEST;
-        if ![start, speed, amplitude, frequency, phase]
-            .iter()
-            .all(sound)
-        {
+        let is_valid = |value: &f64| value.abs() <= LARGEST;
+        if ![start, speed, amplitude, frequency, phase].iter().all(is_valid) {
             let reason = format!("must hold finite numbers below {LARGEST:e}");
             return Err(self.source.refuse(key, reason));
         }
@@ -295,7 +293,7 @@ impl<'a> Builder<'a> {
         })
     }
 
-    /// The point of that name, if it is known already.
+    /// The point with this name, if it is defined so far.
     fn find(&self, key: Key, name: &str) -> Result<PointId, FileError> {
         if let Some(&id) = self.points.get(name) {
             return Ok(id);
@@ -307,12 +305,13 @@ impl<'a> Builder<'a> {
         let reason = if known_later {
             format!(
                 "names `{name}`, which is known only once this or a later element is solved: \
-                 elements stand on earlier ones, so change their order, or break the circle"
+                 an element can use points of earlier elements only, so change their order, or \
+                 remove the circular reference"
             )
         } else {
             let known = listed(self.points.keys());
             format!(
-                "names a point `{name}` that the file does not define; so far there are {known}"
+                "names a point `{name}`, which the file does not define; defined so far: {known}"
             )
         };
         Err(self.source.refuse(key, reason))
@@ -323,7 +322,7 @@ fn vec2([x, y]: [f64; 2]) -> Vector2<f64> {
     Vector2::new(x, y)
 }
 
-/// A few names in order, for a message.
+/// At most twelve names, sorted, for a message.
 fn listed<'n>(names: impl Iterator<Item = &'n &'n str>) -> String {
     let mut names: Vec<_> = names.map(|name| format!("`{name}`")).collect();
     names.sort_unstable();

@@ -1,14 +1,14 @@
-//! The linkages that come with the program.
+//! The built-in example linkages.
 
 use super::DrivenLinkage;
 use crate::input::source::FileError;
 
-/// A linkage file that comes with the program.
+/// A linkage file that is part of the program.
 #[derive(Clone, Copy, Debug)]
 pub struct Example {
-    /// What the command line calls it.
+    /// Its name on the command line.
     pub name: &'static str,
-    /// Its file.
+    /// The text of its file.
     pub text: &'static str,
 }
 
@@ -21,7 +21,7 @@ macro_rules! examples {
     };
 }
 
-/// All of them.
+/// All examples.
 pub const EXAMPLES: &[Example] = examples![
     "four_bar",
     "slider_crank",
@@ -36,20 +36,20 @@ pub const EXAMPLES: &[Example] = examples![
 ];
 
 impl Example {
-    /// The example of that name.
+    /// The example with this name.
     pub fn find(name: &str) -> Option<&'static Self> {
         EXAMPLES.iter().find(|example| example.name == name)
     }
 
-    /// The linkage, read.
+    /// Reads the linkage.
     ///
     /// # Errors
-    /// None that the tests have let through.
+    /// None: tests read every example.
     pub fn linkage(&self) -> Result<DrivenLinkage, FileError> {
         DrivenLinkage::parse(&format!("example {}", self.name), self.text)
     }
 
-    /// What the file's leading comment says of the linkage, in its first line.
+    /// A summary of the linkage: the first line of its file's leading comment.
     pub fn summary(&self) -> &'static str {
         let first = self.text.lines().next().unwrap_or_default();
         first.trim_start_matches('#').trim()

@@ -1,6 +1,6 @@
-//! The linkage file as written: its sections, their keys and their defaults.
+//! The linkage file: its sections, their keys and their defaults.
 //!
-//! SI units; angles in degrees where the key says so. Keys that are not named here are
+//! Values are in SI units; angles are in degrees if the key ends in `_deg`. Unknown keys are
 //! refused.
 
 use super::tolerance::ToleranceFile;
@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 #[serde(deny_unknown_fields)]
 pub(super) struct LinkageFile {
     pub(super) name: String,
-    /// In the plane [m/s²].
+    /// Gravity in the plane [m/s²].
     #[serde(default)]
     pub(super) gravity: [f64; 2],
     pub(super) sweep: SweepFile,
@@ -32,7 +32,7 @@ pub(super) struct LinkageFile {
     pub(super) tolerance: ToleranceFile,
 }
 
-/// `[sweep]`: how long the driven links follow their `drive`, in how many steps.
+/// `[sweep]`: for how long the driven links follow their `drive`, and in how many steps.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SweepFile {
@@ -153,7 +153,7 @@ pub(super) struct CrankDrive {
     pub(super) phase_deg: f64,
 }
 
-/// `drive` of a slider, alike, in metres.
+/// `drive` of a slider: the same in metres.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct SliderDrive {
@@ -188,7 +188,7 @@ pub(super) struct LoadFile {
 }
 
 impl ElementFile {
-    /// The name of its inner pin.
+    /// The name of its inner joint.
     pub(super) fn joint(&self) -> Option<&str> {
         match self {
             Self::Rrr { joint, .. } | Self::Rrp { joint, .. } | Self::Prp { joint, .. } => {
@@ -210,7 +210,7 @@ impl ElementFile {
         }
     }
 
-    /// Whether it can be assembled in two ways.
+    /// Whether it has two branches.
     pub(super) fn has_branch(&self) -> bool {
         matches!(self, Self::Rrr { .. } | Self::Rrp { .. } | Self::Rpr { .. })
     }

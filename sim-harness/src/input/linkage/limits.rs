@@ -1,18 +1,18 @@
-//! Bounds on what a file may ask for, so that no file takes more time or memory than any
-//! use deserves.
+//! Limits on the size of a linkage file, so that no file takes unreasonable time or memory.
 
 use super::file::LinkageFile;
 use crate::input::source::{FileError, Key, Source};
 use fivebar_design::linkage::Linkage;
 
-/// A hundred elements are more than any planar linkage in use has.
+/// Most elements; no planar linkage in use has so many.
 const MOST_ELEMENTS: usize = 100;
 const MOST_POINTS: usize = 1_000;
-/// Samples times elements that a sweep may keep: some hundred megabytes.
+/// Most samples times elements of a sweep: some hundred megabytes.
 const MOST_SOLUTIONS: usize = 200_000;
-/// Assemblies double with each dyad that has two branches.
+/// Most dyads with two branches; each of them doubles the number of assemblies.
 const MOST_BRANCHES: usize = 10;
-/// Numbers beyond this, in SI units, are slips; their squares would still be finite.
+/// Greatest number in SI units. Greater ones are probably mistakes; squares of this one are
+/// still finite.
 pub(super) const LARGEST: f64 = 1e9;
 const LONGEST_NAME: usize = 60;
 
@@ -27,8 +27,8 @@ pub(super) fn sizes(source: &Source<'_>, file: &LinkageFile) -> Result<(), FileE
     let branches = file.element.iter().filter(|e| e.has_branch()).count();
     if branches > MOST_BRANCHES {
         let reason = format!(
-            "has {branches} dyads with two branches each; more than {MOST_BRANCHES} have too \
-             many assemblies to go through"
+            "has {branches} dyads with two branches each; with more than {MOST_BRANCHES} there are \
+             too many assemblies to compute"
         );
         return Err(source.refuse(Key::Top("element"), reason));
     }
@@ -51,7 +51,7 @@ pub(super) fn sizes(source: &Source<'_>, file: &LinkageFile) -> Result<(), FileE
     Ok(())
 }
 
-/// Refuses numbers that are surely slips.
+/// Refuses numbers that are probably mistakes.
 pub(super) fn largest(source: &Source<'_>, linkage: &Linkage<f64>) -> Result<(), FileError> {
     let mut too_large = None;
     linkage.map_parameters(|parameter, value: f64| {
@@ -61,7 +61,7 @@ pub(super) fn largest(source: &Source<'_>, linkage: &Linkage<f64>) -> Result<(),
         value
     });
     too_large.map_or(Ok(()), |what| {
-        let reason = format!("{what} is beyond {LARGEST:e} in SI units: surely a slip");
+        let reason = format!("{what} is beyond {LARGEST:e} in SI units: check its unit");
         Err(FileError {
             file: source.file.into(),
             line: None,
@@ -70,12 +70,12 @@ pub(super) fn largest(source: &Source<'_>, linkage: &Linkage<f64>) -> Result<(),
     })
 }
 
-/// Refuses names that a table could not show.
+/// Refuses names that a table cannot show.
 pub(super) fn name(source: &Source<'_>, key: Key, name: &str) -> Result<(), FileError> {
-    let sound = !name.trim().is_empty()
+    let is_valid = !name.trim().is_empty()
         && name.chars().count() <= LONGEST_NAME
         && !name.chars().any(char::is_control);
-    if sound {
+    if is_valid {
         Ok(())
     } else {
         let reason = format!("must be a name of 1 to {LONGEST_NAME} characters in one line");

@@ -1,4 +1,4 @@
-//! Linkages, and how they are driven: read from TOML, checked once.
+//! Linkages and their drives: read from TOML and checked once.
 
 mod build;
 mod builtin;
@@ -15,28 +15,28 @@ use crate::input::source::{FileError, Source};
 use fivebar_design::linkage::{DriveLaw, Linkage};
 use std::io::Read as _;
 
-/// A linkage and how its file drives it.
+/// A linkage with the motion of its driven links.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DrivenLinkage {
     /// Its name.
     pub name: String,
-    /// What is solved.
+    /// The linkage.
     pub linkage: Linkage<f64>,
-    /// One law of motion for each driven link.
+    /// The law of motion of each driven link.
     pub laws: Vec<DriveLaw>,
-    /// How long it is driven [s].
+    /// Duration of the sweep [s].
     pub duration: f64,
-    /// In how many steps.
+    /// Number of its steps.
     pub steps: usize,
-    /// How exact its parts are.
+    /// The tolerances of its parts.
     pub tolerance: LinkageTolerance,
 }
 
-/// No sound linkage file comes near this [bytes].
+/// Greatest size of a linkage file [bytes]; real ones are far smaller.
 const LARGEST_FILE: u64 = 1 << 20;
 
 impl DrivenLinkage {
-    /// The linkage that a command line names: a shipped example, or else a file.
+    /// The linkage with this name on the command line: a built-in example, or else a file.
     ///
     /// # Errors
     /// A file that cannot be read, or that [`DrivenLinkage::parse`] refuses.
@@ -51,7 +51,7 @@ impl DrivenLinkage {
         };
         let mut text = String::new();
         let file = std::fs::File::open(name_or_path)
-            .map_err(|error| refuse(format!("neither a shipped example nor a file: {error}")))?;
+            .map_err(|error| refuse(format!("neither a built-in example nor a file: {error}")))?;
         file.take(LARGEST_FILE + 1)
             .read_to_string(&mut text)
             .map_err(|error| refuse(format!("cannot be read as text: {error}")))?;
@@ -63,8 +63,8 @@ impl DrivenLinkage {
         Self::parse(name_or_path, &text)
     }
 
-    /// Whether a command line names a linkage: an example, or a file with a `[sweep]`. A file
-    /// that cannot be read is none.
+    /// Whether this names a linkage: an example, or a file with a `[sweep]`. False for a file
+    /// that cannot be read.
     pub fn is_named(name_or_path: &str) -> bool {
         let has_sweep = |text: String| {
             let table = text.parse::<toml::Table>();
@@ -74,11 +74,11 @@ impl DrivenLinkage {
             || std::fs::read_to_string(name_or_path).is_ok_and(has_sweep)
     }
 
-    /// The linkage described by the text of a file called `file`.
+    /// The linkage from the text of a file called `file`.
     ///
     /// # Errors
-    /// An unknown or missing key, a name that stands for nothing yet, or a number that
-    /// makes no sense, with its line.
+    /// An unknown or missing key, a name that is not defined yet, or a number that is not
+    /// valid, with its line.
     pub fn parse(file: &str, text: &str) -> Result<Self, FileError> {
         build::linkage(Source { file, text })
     }

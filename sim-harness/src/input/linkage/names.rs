@@ -1,8 +1,8 @@
-//! What the parts of a linkage are called: by their links.
+//! Names of the parts of a linkage, made from the names of links.
 
 use fivebar_design::linkage::{Group, LinkId, Linkage};
 
-/// The driven links with the unit of their coordinate.
+/// The driven links, each with the unit of its coordinate.
 pub(crate) fn driven_links(linkage: &Linkage<f64>) -> impl Iterator<Item = (&str, &'static str)> {
     linkage.elements().iter().filter_map(|element| {
         let unit = match element.group {
@@ -15,7 +15,7 @@ pub(crate) fn driven_links(linkage: &Linkage<f64>) -> impl Iterator<Item = (&str
     })
 }
 
-/// The dyads by their place among the elements, called after their two links.
+/// The dyads: index of the element, and the names of its two links.
 pub(crate) fn dyads(linkage: &Linkage<f64>) -> Vec<(usize, String)> {
     let elements = linkage.elements().iter().enumerate();
     elements
@@ -24,7 +24,7 @@ pub(crate) fn dyads(linkage: &Linkage<f64>) -> Vec<(usize, String)> {
         .collect()
 }
 
-/// "coupler–rocker".
+/// The names of links, joined: "coupler–rocker".
 pub(crate) fn links_of(linkage: &Linkage<f64>, links: impl Iterator<Item = LinkId>) -> String {
     let names: Vec<_> = links
         .map(|link| linkage.links()[link.index()].name.as_str())
@@ -32,7 +32,8 @@ pub(crate) fn links_of(linkage: &Linkage<f64>, links: impl Iterator<Item = LinkI
     names.join("–")
 }
 
-/// "crank on coupler", in the order of a motion's reactions.
+/// The names of the reactions, such as "crank on coupler", in the order of a motion's
+/// reactions.
 pub(crate) fn reaction_names(linkage: &Linkage<f64>) -> Vec<String> {
     let name = |link: LinkId| &linkage.links()[link.index()].name;
     let joints = linkage.joint_links();

@@ -1,4 +1,4 @@
-//! `[tolerance]` of a linkage file: how exact its parts are.
+//! `[tolerance]` of a linkage file: the tolerances of its parts.
 
 use super::names::{driven_links, reaction_names};
 use crate::input::source::{FileError, Key, Source};
@@ -6,8 +6,8 @@ use fivebar_design::linkage::{Linkage, Parameter, ParameterKind};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
-/// `[tolerance]` as written: each key one number for all, or a table with one for each name.
-/// Standard deviations, except where a key says otherwise.
+/// `[tolerance]` as written: each key has one number for all, or a table with one for each
+/// name. Keys that end in `_sd` are standard deviations.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct ToleranceFile {
@@ -30,7 +30,7 @@ pub(super) struct ToleranceFile {
     /// Bearing radius less pin radius, by pin [m].
     clearance_radius: ForAllOrEach<f64>,
     clearance_radius_sd: ForAllOrEach<f64>,
-    /// Where pins lie, by pin [rad]: not a deviation.
+    /// The direction in which a pin lies in its bearing, by pin [rad].
     clearance_angle: ForAllOrEach<f64>,
     clearance_angle_sd: ForAllOrEach<f64>,
 }
@@ -39,7 +39,7 @@ pub(super) struct ToleranceFile {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(
     untagged,
-    expecting = "expected a number, or a table with what belongs to each name"
+    expecting = "expected a number, or a table with a value for each name"
 )]
 enum ForAllOrEach<T> {
     All(f64),
@@ -61,10 +61,10 @@ impl ForAllOrEach<f64> {
     }
 }
 
-/// How exact a linkage's parts are.
+/// The tolerances of a linkage's parts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LinkageTolerance {
-    /// Standard deviations of q, q̇ and q̈ of each driven link [rad or m, a second, …].
+    /// Standard deviations of q, q̇ and q̈ of each driven link [rad or m, and per s, s²].
     pub input_sd: [Vec<f64>; 3],
     /// Greatest error of each driving coordinate [rad or m].
     pub input_max: Vec<f64>,
@@ -79,22 +79,22 @@ pub struct LinkageTolerance {
 /// A pin with clearance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pin {
-    /// Its joint, among the linkage's.
+    /// The index of its joint among the linkage's joints.
     pub joint: usize,
-    /// "crank on coupler".
+    /// Its name, such as "crank on coupler".
     pub name: String,
     /// Bearing radius less pin radius [m].
     pub radius: f64,
-    /// The standard deviation of that [m].
+    /// Standard deviation of `radius` [m].
     pub radius_sd: f64,
-    /// Where it lies [rad]; else where its reaction presses it.
+    /// The direction in which it lies [rad]; none: in the direction of its reaction.
     pub angle: Option<f64>,
-    /// The standard deviation of that [rad].
+    /// Standard deviation of `angle` [rad].
     pub angle_sd: f64,
 }
 
 impl LinkageTolerance {
-    /// The standard deviation of a parameter that is not a pin's; zero where none is given.
+    /// The standard deviation of a parameter that is not a pin's; zero if none is given.
     pub fn deviation(&self, parameter: Parameter<'_>) -> f64 {
         let Parameter { part, kind } = parameter;
         let given = match kind {
@@ -112,7 +112,7 @@ impl LinkageTolerance {
 }
 
 impl ToleranceFile {
-    /// The tolerances of this linkage, where every name and number makes sense.
+    /// Checks all names and numbers against this linkage.
     pub(super) fn checked(
         self,
         source: &Source<'_>,
@@ -201,28 +201,31 @@ fn not_negative(value: f64) -> bool {
     value >= 0.0 && value.is_finite()
 }
 
-/// Refuses a name that is not there, and a number that makes no sense.
+/// Refuses unknown names and numbers that are not valid.
 fn check<T>(
     source: &Source<'_>,
     key: &'static str,
     given: &ForAllOrEach<T>,
     names: &[&str],
     numbers: fn(&T) -> &[f64],
-    sound: fn(f64) -> bool,
+    is_valid: fn(f64) -> bool,
 ) -> Result<(), FileError> {
     let key = Key::In("tolerance", key);
     let invalid = |value: f64| source.refuse(key, format!("cannot be {value:?}"));
     let values = match given {
-        ForAllOrEach::All(value) if sound(*value) => return Ok(()),
+        ForAllOrEach::All(value) if is_valid(*value) => return Ok(()),
         ForAllOrEach::All(value) => return Err(invalid(*value)),
         ForAllOrEach::Each(values) => values,
     };
     for (name, value) in values {
         if !names.contains(&name.as_str()) {
-            let reason = format!("names `{name}`; there are {}", names.join(", "));
+            let reason = format!(
+                "names `{name}`, which does not exist; there are {}",
+                names.join(", ")
+            );
             return Err(source.refuse(key, reason));
         }
-        if let Some(&wrong) = numbers(value).iter().find(|value| !sound(**value)) {
+        if let Some(&wrong) = numbers(value).iter().find(|value| !is_valid(**value)) {
             return Err(invalid(wrong));
         }
     }

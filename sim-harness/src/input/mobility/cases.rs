@@ -1,6 +1,6 @@
-//! Lists of cases in JSON: twists as six numbers, in limbs or in a graph.
+//! Mechanisms as lists of cases in JSON: twists of six numbers, in limbs or in a graph.
 
-use super::{Mechanism, Study};
+use super::{Mechanism, MobilityCase};
 use fivebar_design::mobility::{Freedom, Joint, MechanismGraph, ParallelMechanism, Screw};
 use nalgebra::Vector6;
 use serde::Deserialize;
@@ -38,7 +38,7 @@ struct GraphJoint {
     twists: Vec<[f64; 6]>,
 }
 
-pub(super) fn parse(text: &str) -> Result<Vec<Study>, String> {
+pub(super) fn parse(text: &str) -> Result<Vec<MobilityCase>, String> {
     let cases = read(text)?;
     if cases.parallel.is_empty() && cases.graph.is_empty() {
         return Err("no case: expected a list under \"parallel\" or \"graph\"".into());
@@ -50,7 +50,7 @@ pub(super) fn parse(text: &str) -> Result<Vec<Study>, String> {
             .map(|limb| limb.iter().map(|t| joint(0, 0, &[*t])).collect());
         let mechanism = ParallelMechanism::new(limbs.collect())
             .map_err(|error| format!("case {:?}: {error}", case.name))?;
-        Ok(Study {
+        Ok(MobilityCase {
             name: case.name,
             description: case.description,
             mechanism: Mechanism::Parallel(mechanism),
@@ -64,7 +64,7 @@ pub(super) fn parse(text: &str) -> Result<Vec<Study>, String> {
             .collect();
         let mechanism = MechanismGraph::new(case.bodies, case.platform_body, joints)
             .map_err(|error| format!("case {:?}: {error}", case.name))?;
-        Ok(Study {
+        Ok(MobilityCase {
             name: case.name,
             description: case.description,
             mechanism: Mechanism::Graph(mechanism),
@@ -73,7 +73,7 @@ pub(super) fn parse(text: &str) -> Result<Vec<Study>, String> {
     parallel.chain(graph).collect()
 }
 
-/// A file holds lists of cases, or one case by itself.
+/// Reads a file with lists of cases, or with a single case.
 fn read(text: &str) -> Result<Cases, String> {
     let value: serde_json::Value = serde_json::from_str(text).map_err(|e| e.to_string())?;
     let alone = |key| value.get(key).is_some_and(serde_json::Value::is_array);

@@ -1,26 +1,26 @@
-//! Mechanisms whose mobility is asked for: read from TOML or JSON.
+//! Mechanisms for the analysis of mobility: read from TOML or JSON.
 
 mod cases;
-mod described;
+mod mechanism_file;
 
 use crate::input::source::Source;
 use fivebar_design::mobility::{MechanismGraph, ParallelMechanism};
 use std::path::Path;
 
-/// The largest file that is read: a mechanism within the limits needs far less.
+/// Greatest size of a file [bytes]: a mechanism within the limits needs far less.
 const LARGEST_FILE: u64 = 4 << 20;
 
-/// A mechanism to analyse, under its name.
-pub struct Study {
-    /// What it is called.
+/// A mechanism to analyse, with its name.
+pub struct MobilityCase {
+    /// Its name.
     pub name: String,
-    /// What it is, in a sentence; may be empty.
+    /// A sentence about it; may be empty.
     pub description: String,
-    /// How it is built.
+    /// The mechanism.
     pub mechanism: Mechanism,
 }
 
-/// The two ways of describing a mechanism.
+/// A mechanism in one of two descriptions.
 pub enum Mechanism {
     /// A platform on limbs.
     Parallel(ParallelMechanism),
@@ -28,40 +28,40 @@ pub enum Mechanism {
     Graph(MechanismGraph),
 }
 
-/// The studies in a file: TOML with one mechanism, or JSON with lists of cases.
+/// Reads the mechanisms of a file: TOML with one mechanism, or JSON with lists of cases.
 ///
 /// # Errors
-/// A sentence naming the file, the place and what is wrong.
-pub fn read(path: &Path) -> Result<Vec<Study>, String> {
+/// A sentence with the file, the line or case, and the reason.
+pub fn read(path: &Path) -> Result<Vec<MobilityCase>, String> {
     let shown = path.display();
     let size = std::fs::metadata(path)
         .map_err(|error| format!("{shown}: {error}"))?
         .len();
     if size > LARGEST_FILE {
         return Err(format!(
-            "{shown}: {size} bytes, more than any mechanism within the limits needs ({LARGEST_FILE})"
+            "{shown}: the file has {size} bytes; at most {LARGEST_FILE} are read"
         ));
     }
     let text = std::fs::read_to_string(path).map_err(|error| format!("{shown}: {error}"))?;
     parse(&shown.to_string(), &text)
 }
 
-/// The studies in the text of a file called `file`: cases in JSON if its name ends so, else
-/// a mechanism in TOML.
+/// The mechanisms in the text of a file called `file`: cases in JSON if its name ends in
+/// `.json`, else one mechanism in TOML.
 ///
 /// # Errors
-/// A sentence naming the file, the place and what is wrong.
-pub fn parse(file: &str, text: &str) -> Result<Vec<Study>, String> {
+/// A sentence with the file, the line or case, and the reason.
+pub fn parse(file: &str, text: &str) -> Result<Vec<MobilityCase>, String> {
     if Path::new(file).extension().is_some_and(|e| e == "json") {
         cases::parse(text).map_err(|reason| format!("{file}: {reason}"))
     } else {
-        described::parse(Source { file, text })
+        mechanism_file::parse(Source { file, text })
             .map(|study| vec![study])
             .map_err(|error| error.to_string())
     }
 }
 
-/// The examples that come with the program, by name.
+/// The built-in examples: name and text.
 pub const EXAMPLES: [(&str, &str); 9] = [
     ("five-bar", include_str!("../../../mobility/five-bar.toml")),
     (

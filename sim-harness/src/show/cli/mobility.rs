@@ -2,7 +2,7 @@
 
 use super::failure::{Failure, refused};
 use super::say::say;
-use crate::input::mobility::{EXAMPLES, Study, parse, read};
+use crate::input::mobility::{EXAMPLES, MobilityCase, parse, read};
 use crate::show::files::write_whole;
 use crate::show::pages;
 use crate::show::text::explain;
@@ -28,7 +28,7 @@ pub(super) struct Args {
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let studies = studies(args.file.as_deref()).map_err(refused)?;
     let bar = ProgressBar::new(studies.len() as u64);
-    let studied: Vec<(Study, Finding)> = studies
+    let studied: Vec<(MobilityCase, Finding)> = studies
         .into_par_iter()
         .map(|study| {
             let finding = study.analyse();
@@ -51,7 +51,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     Ok(())
 }
 
-fn studies(file: Option<&str>) -> Result<Vec<Study>, String> {
+fn studies(file: Option<&str>) -> Result<Vec<MobilityCase>, String> {
     let example = |(name, text): &(&str, &str)| {
         parse(&format!("example {name}"), text).map(|mut studies| studies.remove(0))
     };

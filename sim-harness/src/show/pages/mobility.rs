@@ -1,12 +1,12 @@
 //! The answer as a page to hand to a student.
 
-use crate::input::mobility::Study;
+use crate::input::mobility::MobilityCase;
 use crate::show::report::Page;
 use crate::show::text::steps;
 use crate::study::mobility::Finding;
 
 /// The report of one or more studies.
-pub fn mobility(studies: &[(Study, Finding)]) -> Page {
+pub fn mobility(studies: &[(MobilityCase, Finding)]) -> Page {
     let mut page = Page::new("Mobility by screw theory");
     page.paragraph(
         "A twist (ω; v) or a wrench (f; m) is a screw. A limb can only push on the platform \

@@ -1,6 +1,6 @@
 //! The answer in words, step by step as a textbook takes them.
 
-use crate::input::mobility::Study;
+use crate::input::mobility::MobilityCase;
 use crate::study::mobility::Finding;
 use fivebar_design::mobility::{
     GraphAnalysis, Mobility, ParallelAnalysis, Pitch, RANK_TOLERANCE, ScrewAxis,
@@ -24,7 +24,7 @@ pub(crate) fn steps(finding: &Finding) -> Vec<Step> {
 }
 
 /// The finding explained as plain text.
-pub fn explain(study: &Study, finding: &Finding) -> String {
+pub fn explain(study: &MobilityCase, finding: &Finding) -> String {
     let mut text = format!("{}\n", study.name);
     if !study.description.is_empty() {
         let _ = writeln!(text, "{}", study.description);

@@ -4,7 +4,7 @@ mod answer;
 
 pub use answer::answer;
 
-use crate::input::mobility::{Mechanism, Study};
+use crate::input::mobility::{Mechanism, MobilityCase};
 use fivebar_design::mobility::{
     GraphAnalysis, Mobility, ParallelAnalysis, analyse_graph, analyse_parallel,
 };
@@ -27,7 +27,7 @@ impl Finding {
     }
 }
 
-impl Study {
+impl MobilityCase {
     /// Analyses the mechanism.
     pub fn analyse(&self) -> Finding {
         match &self.mechanism {

@@ -1,6 +1,6 @@
-//! One mechanism in TOML, as a person writes it: joints by kind, axis and point.
+//! One mechanism in TOML: joints by kind, axis and point.
 
-use super::{Mechanism, Study};
+use super::{Mechanism, MobilityCase};
 use crate::input::source::{FileError, Source};
 use fivebar_design::mobility::{Freedom, Joint, MechanismGraph, ParallelMechanism, Screw};
 use nalgebra::Vector3;
@@ -77,8 +77,8 @@ enum JointEntry {
     },
     /// Spherical: three revolute axes through a point.
     S { point: [f64; 3] },
-    /// A parallelogram taken whole: `rod` from its near to its far joint, turning about
-    /// `axis`.
+    /// A parallelogram as one joint: `rod` is the vector from its near to its far joint; it
+    /// turns about `axis`.
     Pa {
         axis: [f64; 3],
         rod: [f64; 3],
@@ -145,14 +145,14 @@ impl JointEntry {
     }
 }
 
-pub(super) fn parse(source: Source<'_>) -> Result<Study, FileError> {
+pub(super) fn parse(source: Source<'_>) -> Result<MobilityCase, FileError> {
     let file: File = source.parse()?;
     let mechanism = mechanism(&file).map_err(|reason| FileError {
         file: source.file.into(),
         line: None,
         reason,
     })?;
-    Ok(Study {
+    Ok(MobilityCase {
         name: file.name,
         description: file.description,
         mechanism,
@@ -170,7 +170,7 @@ fn mechanism(file: &File) -> Result<Mechanism, String> {
 
 fn parallel(limbs: &[LimbEntry], platform: Option<&str>) -> Result<Mechanism, String> {
     if platform.is_some() {
-        return Err("platform: limbs end on the platform by themselves; leave the key out".into());
+        return Err("platform: all limbs end on the platform; leave the key out".into());
     }
     let limbs = limbs
         .iter()
@@ -182,7 +182,7 @@ fn parallel(limbs: &[LimbEntry], platform: Option<&str>) -> Result<Mechanism, St
 }
 
 fn graph(entries: &[GraphEntry], platform: Option<&str>) -> Result<Mechanism, String> {
-    let platform = platform.ok_or("platform: name the body whose freedoms are asked for")?;
+    let platform = platform.ok_or("platform: name the body whose freedoms are to be analysed")?;
     let mut bodies: std::collections::HashMap<&str, usize> = [(GROUND, 0)].into();
     for body in entries.iter().flat_map(|entry| &entry.between) {
         let next = bodies.len();
@@ -193,7 +193,7 @@ fn graph(entries: &[GraphEntry], platform: Option<&str>) -> Result<Mechanism, St
         .any(|entry| entry.between.iter().any(|body| body == GROUND))
     {
         return Err(format!(
-            "no joint names the body {GROUND:?}: nothing holds the mechanism"
+            "no joint names the body {GROUND:?}: connect a body to it"
         ));
     }
     let platform = *bodies
