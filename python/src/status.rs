@@ -1,6 +1,6 @@
 //! What became of a row, as a number: `fivebar.Status` gives the numbers their names.
 
-use fivebar::study::query::Kind;
+use fivebar::study::query::QueryErrorKind;
 use fivebar_kinematics::five_bar::{PoseError, Singularity, Unreachable};
 use pyo3::pyfunction;
 
@@ -67,12 +67,12 @@ impl Problem {
     fn kind(self) -> &'static str {
         let kind = match self {
             Self::Pose(error) => error.into(),
-            Self::NoSide | Self::TooLarge => Kind::Invalid,
+            Self::NoSide | Self::TooLarge => QueryErrorKind::Invalid,
         };
         match kind {
-            Kind::Unreachable => "unreachable",
-            Kind::Singular => "singular",
-            Kind::Invalid => "invalid",
+            QueryErrorKind::Unreachable => "unreachable",
+            QueryErrorKind::Singular => "singular",
+            QueryErrorKind::Invalid => "invalid",
         }
     }
 

@@ -263,7 +263,7 @@ fn what_cannot_be_mapped_is_refused_with_the_reason() {
     );
     let said = refusal(&["--resolution", "1000"], 1);
     assert!(
-        said.contains("reaches no place that a map could show"),
+        said.contains("reaches no position that a map can show"),
         "{said}"
     );
     // A base as long as all the links together leaves the legs one point.
@@ -273,7 +273,7 @@ fn what_cannot_be_mapped_is_refused_with_the_reason() {
     let text = format!("name = \"stretched\"\ngravity = [0.0, 0.0]\nbase = 0.4\n{links}");
     std::fs::write(&file, text).unwrap();
     let said = refusal(&[file.to_str().unwrap()], 1);
-    assert!(said.contains("`stretched` reaches no place"), "{said}");
+    assert!(said.contains("`stretched` reaches no position"), "{said}");
     for (option, value) in [
         ("--resolution", "-1"),
         ("--resolution", "fine"),

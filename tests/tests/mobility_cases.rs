@@ -1,7 +1,7 @@
 //! Mobility: 26 mechanisms of the literature in every figure, and what must not matter.
 
 use fivebar::input::mobility::{EXAMPLES, MobilityCase, parse};
-use fivebar::study::mobility::{Finding, answer};
+use fivebar::study::mobility::{MobilityAnalysis, answer};
 use fivebar_design::mobility::{Freedom, Joint, MechanismGraph, Screw, analyse_graph};
 use nalgebra::Vector3;
 use proptest::prelude::*;
@@ -89,17 +89,17 @@ proptest! {
     }
 }
 
-fn example(name: &str) -> (MobilityCase, Finding) {
+fn example(name: &str) -> (MobilityCase, MobilityAnalysis) {
     let (_, text) = EXAMPLES.iter().find(|(known, _)| *known == name).unwrap();
     let study = parse(name, text).unwrap().remove(0);
-    let finding = study.analyse();
-    (study, finding)
+    let analysis = study.analyse();
+    (study, analysis)
 }
 
 /// λ, d, v, M by (7), instantaneous, finite, left free by held drives.
 fn figures(name: &str) -> [i64; 7] {
-    let (study, finding) = example(name);
-    let found = answer(&study.name, &finding);
+    let (study, analysis) = example(name);
+    let found = answer(&study.name, &analysis);
     let keys = [
         "lambda",
         "d",
@@ -131,8 +131,8 @@ fn a_flat_arm_has_a_third_freedom_for_an_instant() {
 #[test]
 fn huangs_worked_examples_from_their_drawings() {
     let huang = |name| {
-        let (study, finding) = example(name);
-        answer(&study.name, &finding)
+        let (study, analysis) = example(name);
+        answer(&study.name, &analysis)
     };
     let first = huang("huang-3rrr");
     let keys = [
@@ -199,8 +199,8 @@ fn a_shaky_structure_beside_a_real_freedom_counts_only_the_real_one() {
 #[test]
 fn constraints_do_no_work_on_freedoms() {
     for (name, _) in EXAMPLES {
-        let (study, finding) = example(name);
-        let found = answer(&study.name, &finding);
+        let (study, analysis) = example(name);
+        let found = answer(&study.name, &analysis);
         let screw = |value: &Value| {
             let vector = |v: &Value| Vector3::from_fn(|i, _| v[i].as_f64().unwrap());
             let axis = vector(&value["axis"]);

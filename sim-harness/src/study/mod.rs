@@ -1,4 +1,4 @@
-//! What is studied: figures of arms, linkages and mechanisms, without any picture.
+//! Studies of arms, linkages and mechanisms, as figures and JSON.
 
 pub mod accuracy;
 pub mod clearance;

@@ -83,7 +83,7 @@ pub(super) fn best_conditioned(
     tool: &Tool<f64>,
     elbows: WorkingMode,
     limits: &Limits,
-    wanted: impl Fn(&Pose<f64>) -> bool,
+    allowed: impl Fn(&Pose<f64>) -> bool,
 ) -> Option<Pose<f64>> {
     const STEPS: u32 = 400;
     let geometry = tool.geometry();
@@ -92,8 +92,8 @@ pub(super) fn best_conditioned(
     let poses = (1..STEPS).filter_map(|step| {
         let c = Vector2::new(0.5 * base, reach * f64::from(step) / f64::from(STEPS));
         let pose = geometry.inverse(c, elbows).ok()?;
-        let allowed = limits.contain([pose.u1.polar_angle(), pose.u4.polar_angle()]);
-        (allowed && wanted(&pose)).then_some(pose)
+        let within_limits = limits.contain([pose.u1.polar_angle(), pose.u4.polar_angle()]);
+        (within_limits && allowed(&pose)).then_some(pose)
     });
     let margin = |pose: &Pose<f64>| tool.nearest_singularity(pose).1;
     poses.max_by(|a, b| margin(a).total_cmp(&margin(b)))

@@ -9,7 +9,7 @@ use crate::show::files::OutputFolder;
 use crate::show::pages;
 use crate::show::text::conditions;
 use crate::show::text::quantity;
-use crate::study::clearance::{NAMES, Outcome, Study, answer, study};
+use crate::study::clearance::{ClearanceStudy, NAMES, Outcome, answer, study};
 use indicatif::ProgressBar;
 use std::path::{Path, PathBuf};
 
@@ -127,7 +127,7 @@ fn clearances(args: &Args, robot: &Robot) -> Result<Vec<[f64; 5]>, Failure> {
     Ok(vec![clearance])
 }
 
-fn print(study: &Study, folder: &Path) -> Result<(), Failure> {
+fn print(study: &ClearanceStudy, folder: &Path) -> Result<(), Failure> {
     say(format_args!("{} does {}", study.robot, study.scenario))?;
     for outcome in &study.outcomes {
         print_one(outcome)?;
@@ -188,7 +188,7 @@ fn print_one(outcome: &Outcome) -> Result<(), Failure> {
 }
 
 /// A run that a fault ended is no success, though its report is there.
-fn outcome(study: &Study) -> Result<(), Failure> {
+fn outcome(study: &ClearanceStudy) -> Result<(), Failure> {
     let faulted = study.outcomes.iter().find_map(|outcome| {
         let fault = outcome.summary.faults.first()?;
         Some((outcome.largest_clearance(), fault))

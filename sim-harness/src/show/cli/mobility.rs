@@ -6,7 +6,7 @@ use crate::input::mobility::{EXAMPLES, MobilityCase, parse, read};
 use crate::show::files::write_whole;
 use crate::show::pages;
 use crate::show::text::explain;
-use crate::study::mobility::{Finding, answer};
+use crate::study::mobility::{MobilityAnalysis, answer};
 use indicatif::ProgressBar;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use std::path::PathBuf;
@@ -28,12 +28,12 @@ pub(super) struct Args {
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let studies = studies(args.file.as_deref()).map_err(refused)?;
     let bar = ProgressBar::new(studies.len() as u64);
-    let studied: Vec<(MobilityCase, Finding)> = studies
+    let studied: Vec<(MobilityCase, MobilityAnalysis)> = studies
         .into_par_iter()
         .map(|study| {
-            let finding = study.analyse();
+            let analysis = study.analyse();
             bar.inc(1);
-            (study, finding)
+            (study, analysis)
         })
         .collect();
     bar.finish_and_clear();
@@ -41,11 +41,11 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         let path = folder.join("report.html");
         write_whole(&path, pages::mobility(&studied).render()).map_err(refused)?;
     }
-    for (study, finding) in &studied {
+    for (study, analysis) in &studied {
         if args.json {
-            say(answer(&study.name, finding))?;
+            say(answer(&study.name, analysis))?;
         } else {
-            say(explain(study, finding))?;
+            say(explain(study, analysis))?;
         }
     }
     Ok(())

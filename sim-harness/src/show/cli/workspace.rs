@@ -7,7 +7,7 @@ use crate::show::export::workspace_csv;
 use crate::show::files::OutputFolder;
 use crate::show::picture::{png, svg};
 use crate::show::text;
-use crate::study::workspace::Study;
+use crate::study::workspace::WorkspaceStudy;
 use fivebar_kinematics::five_bar::{Side, WorkingMode};
 use std::path::PathBuf;
 
@@ -60,7 +60,7 @@ fn millimetres(text: &str) -> Result<f64, String> {
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let robot = Robot::load(&args.robot).map_err(refused)?;
     let folder = OutputFolder::prepare(&args.out, "--out").map_err(refused)?;
-    let study = Study::new(&robot, args.resolution).map_err(refused)?;
+    let study = WorkspaceStudy::new(&robot, args.resolution).map_err(refused)?;
     let mode = args.branch.unwrap_or(robot.working_mode());
     let picture = svg(&study, mode).map_err(refused)?;
     let image = png(&picture).map_err(refused)?;

@@ -3,7 +3,7 @@
 
 use super::table::Table;
 use crate::input::linkage::{DrivenLinkage, driven_links, dyads, reaction_names};
-use crate::study::linkage::{moment, slides};
+use crate::study::linkage::{moment, sliding_joints};
 use fivebar_design::linkage::{
     Coordinate, LinkMotion, Linkage, PointMotion, Reaction, SolvedSample, Sweep,
 };
@@ -100,7 +100,7 @@ fn columns(linkage: &Linkage<f64>) -> Vec<Column> {
             format!("{name}.transmission_angle_rad"),
             Box::new(move |s| dyad(s).map_or(f64::NAN, |dyad| dyad.transmission_angle())),
         );
-        for k in 0..slides(&linkage.elements()[i].group) {
+        for k in 0..sliding_joints(&linkage.elements()[i].group) {
             for (what, part) in OF_SLIDES {
                 let slide = move |s: &SolvedSample| dyad(s)?.slides[k];
                 let header = format!("{name}.slide{}_{what}", k + 1);

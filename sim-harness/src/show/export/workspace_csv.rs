@@ -1,7 +1,7 @@
 //! The places of a study as a table.
 
 use super::table::Table;
-use crate::study::workspace::Study;
+use crate::study::workspace::WorkspaceStudy;
 
 /// The columns: sines and the condition number have no unit, flags are 0 or 1.
 const HEADER: [&str; 11] = [
@@ -19,7 +19,7 @@ const HEADER: [&str; 11] = [
 ];
 
 /// A line for every place in every working mode that reaches it.
-pub fn workspace_csv(study: &Study<'_>) -> String {
+pub fn workspace_csv(study: &WorkspaceStudy<'_>) -> String {
     let mut table = Table::new(HEADER);
     // To a micrometre; of smaller cells to a thousandth.
     let decimals = (3.0 - study.resolution().log10().floor()).max(6.0) as usize;

@@ -2,10 +2,10 @@
 
 use crate::show::report::{Chart, Page, Point};
 use crate::show::text::quantity;
-use crate::study::clearance::{NAMES, Outcome, Study};
+use crate::study::clearance::{ClearanceStudy, NAMES, Outcome};
 
 /// Every run beside the new arm's.
-pub fn clearance(study: &Study, conditions: &[(String, String)]) -> Page {
+pub fn clearance(study: &ClearanceStudy, conditions: &[(String, String)]) -> Page {
     let mut page = Page::new(format!("{} worn: {}", study.robot, study.scenario));
     page.paragraph(
         "The same job under the production control loop, by the arm as new and with \
@@ -75,7 +75,7 @@ fn row(outcome: &Outcome) -> Vec<String> {
     ]
 }
 
-fn add_prediction(page: &mut Page, study: &Study) {
+fn add_prediction(page: &mut Page, study: &ClearanceStudy) {
     page.heading("Against the models without contact");
     let rows: Vec<_> = study
         .outcomes
@@ -114,7 +114,7 @@ fn add_prediction(page: &mut Page, study: &Study) {
     );
 }
 
-fn add_errors(page: &mut Page, study: &Study) {
+fn add_errors(page: &mut Page, study: &ClearanceStudy) {
     let mut chart = Chart::new("Tip error", "time [s]", "distance [m]");
     for outcome in study.outcomes.iter().rev() {
         let samples = outcome.record.trace.samples().iter();
@@ -124,7 +124,7 @@ fn add_errors(page: &mut Page, study: &Study) {
     page.chart(&chart);
 }
 
-fn add_joints(page: &mut Page, study: &Study) {
+fn add_joints(page: &mut Page, study: &ClearanceStudy) {
     page.heading("Joints");
     let mut rows = Vec::new();
     for outcome in &study.outcomes {

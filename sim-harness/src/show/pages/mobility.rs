@@ -3,10 +3,10 @@
 use crate::input::mobility::MobilityCase;
 use crate::show::report::Page;
 use crate::show::text::steps;
-use crate::study::mobility::Finding;
+use crate::study::mobility::MobilityAnalysis;
 
-/// The report of one or more studies.
-pub fn mobility(studies: &[(MobilityCase, Finding)]) -> Page {
+/// The analysis of one or more studies.
+pub fn mobility(studies: &[(MobilityCase, MobilityAnalysis)]) -> Page {
     let mut page = Page::new("Mobility by screw theory");
     page.paragraph(
         "A twist (ω; v) or a wrench (f; m) is a screw. A limb can only push on the platform \
@@ -16,8 +16,8 @@ pub fn mobility(studies: &[(MobilityCase, Finding)]) -> Page {
     );
     let summary: Vec<Vec<String>> = studies
         .iter()
-        .map(|(study, finding)| {
-            let m = finding.mobility();
+        .map(|(study, analysis)| {
+            let m = analysis.mobility();
             let mut row = vec![study.name.clone()];
             row.extend([m.lambda, m.order, m.redundant].map(|count| count.to_string()));
             row.push(m.m_eq7.to_string());
@@ -38,12 +38,12 @@ pub fn mobility(studies: &[(MobilityCase, Finding)]) -> Page {
         ],
         &summary,
     );
-    for (study, finding) in studies {
+    for (study, analysis) in studies {
         page.heading(&study.name);
         if !study.description.is_empty() {
             page.paragraph(&study.description);
         }
-        for (number, (heading, sentences)) in steps(finding).into_iter().enumerate() {
+        for (number, (heading, sentences)) in steps(analysis).into_iter().enumerate() {
             page.paragraph(&format!(
                 "{}. {heading}. {}",
                 number + 1,

@@ -1,7 +1,7 @@
 //! The picture's frame: from metres to its units, and the axes around it.
 
 use super::INK;
-use crate::study::workspace::StudyError;
+use crate::study::workspace::WorkspaceStudyError;
 use fivebar_design::workspace::{Grid, reach_bounds};
 use fivebar_kinematics::five_bar::Tool;
 use nalgebra::Vector2;
@@ -28,10 +28,10 @@ pub(super) struct Frame {
 
 impl Frame {
     /// Around all that the tool can reach.
-    pub(super) fn around(tool: &Tool<f64>) -> Result<Self, StudyError> {
+    pub(super) fn around(tool: &Tool<f64>) -> Result<Self, WorkspaceStudyError> {
         let [low, high] = reach_bounds(tool);
         let pitch = (high.x - low.x).max(high.y - low.y) / SIDE;
-        let refused = |error| StudyError::Grid { pitch, error };
+        let refused = |error| WorkspaceStudyError::Grid { pitch, error };
         let grid = Grid::over(tool, pitch).map_err(refused)?;
         Ok(Self { grid })
     }

@@ -9,7 +9,7 @@ mod png;
 
 pub use png::{PngError, png};
 
-use crate::study::workspace::{Study, StudyError};
+use crate::study::workspace::{WorkspaceStudy, WorkspaceStudyError};
 use arm::Shape;
 use fivebar_design::workspace::{Rectangle, SingularityCurve, WorkspaceMap, singularity_curves};
 use fivebar_kinematics::five_bar::{Singularity, WorkingMode};
@@ -28,9 +28,9 @@ const TYPE_2: &str = "#d81b60";
 ///
 /// # Errors
 /// Limits that make no sense.
-pub fn svg(study: &Study<'_>, mode: WorkingMode) -> Result<String, StudyError> {
+pub fn svg(study: &WorkspaceStudy<'_>, mode: WorkingMode) -> Result<String, WorkspaceStudyError> {
     let robot = study.robot;
-    let named = |error| StudyError::Robot(robot.name.clone(), error);
+    let named = |error| WorkspaceStudyError::Robot(robot.name.clone(), error);
     let workspace = robot.workspace(mode).map_err(named)?;
     let frame = Frame::around(&workspace.tool)?;
     // A cell is a unit of the picture, so that its steps are not seen.

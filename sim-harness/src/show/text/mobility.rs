@@ -1,7 +1,7 @@
 //! The answer in words, step by step as a textbook takes them.
 
 use crate::input::mobility::MobilityCase;
-use crate::study::mobility::Finding;
+use crate::study::mobility::MobilityAnalysis;
 use fivebar_design::mobility::{
     GraphAnalysis, Mobility, ParallelAnalysis, Pitch, RANK_TOLERANCE, ScrewAxis,
 };
@@ -15,21 +15,21 @@ const FREEDOMS: Kinds = ["rotation", "screw motion", "translation"];
 /// A heading and its sentences.
 pub(crate) type Step = (String, Vec<String>);
 
-/// The finding explained, a step at a time.
-pub(crate) fn steps(finding: &Finding) -> Vec<Step> {
-    match finding {
-        Finding::Parallel(analysis) => parallel(analysis),
-        Finding::Graph(analysis) => graph(analysis),
+/// The analysis explained, a step at a time.
+pub(crate) fn steps(analysis: &MobilityAnalysis) -> Vec<Step> {
+    match analysis {
+        MobilityAnalysis::Parallel(analysis) => parallel(analysis),
+        MobilityAnalysis::Graph(analysis) => graph(analysis),
     }
 }
 
-/// The finding explained as plain text.
-pub fn explain(study: &MobilityCase, finding: &Finding) -> String {
+/// The analysis explained as plain text.
+pub fn explain(study: &MobilityCase, analysis: &MobilityAnalysis) -> String {
     let mut text = format!("{}\n", study.name);
     if !study.description.is_empty() {
         let _ = writeln!(text, "{}", study.description);
     }
-    for (number, (heading, sentences)) in steps(finding).into_iter().enumerate() {
+    for (number, (heading, sentences)) in steps(analysis).into_iter().enumerate() {
         let _ = writeln!(text, "\n{}. {heading}", number + 1);
         for sentence in sentences {
             let _ = writeln!(text, "   {sentence}");

@@ -1,12 +1,12 @@
 //! The figures of a workspace, for people.
 
 use super::quantity;
-use crate::study::workspace::Study;
+use crate::study::workspace::WorkspaceStudy;
 use nalgebra::Vector2;
 use std::fmt::Write as _;
 
 /// A table of the branches, a line each.
-pub fn workspace(study: &Study<'_>) -> String {
+pub fn workspace(study: &WorkspaceStudy<'_>) -> String {
     let mut text = format!(
         "{}: cells of {}; singularity margin {}\n\n\
          elbows 1, 4   assembly   reached  in limits      clear  largest clear rectangle                      best 1/κ\n\

@@ -1,10 +1,10 @@
 //! The study as JSON.
 
-use super::{NAMES, Study};
+use super::{ClearanceStudy, NAMES};
 use serde_json::{Value, json};
 
-/// All figures; the new arm's run first.
-pub fn answer(study: &Study) -> Value {
+/// All figures; the run of the new arm is first.
+pub fn answer(study: &ClearanceStudy) -> Value {
     let runs: Vec<Value> = study
         .outcomes
         .iter()

@@ -1,5 +1,5 @@
-//! New against worn: one job done by the same arm with ideal joints and with joints of ever
-//! greater clearance, beside what the models without contact foretell.
+//! The study of wear: the same arm does one job with ideal joints and with greater and
+//! greater clearances. The results stand beside the predictions of models without contact.
 
 mod answer;
 mod prediction;
@@ -7,7 +7,7 @@ mod study;
 
 pub use answer::answer;
 pub use prediction::Prediction;
-pub use study::{Outcome, Study, study};
+pub use study::{ClearanceStudy, Outcome, study};
 
-/// The joints by name, in the order of everything here.
+/// The names of the joints, in the order of all arrays here.
 pub const NAMES: [&str; 5] = ["A", "B", "C", "D", "E"];

@@ -1,26 +1,27 @@
-//! What the models without contact foretell for a job (`docs/accuracy.md`).
+//! The predictions of the models without contact for a job (`docs/accuracy.md`).
 
 use crate::input::job::Job;
 use crate::input::robot::Robot;
 use crate::study::accuracy::along;
 use nalgebra::Vector2;
 
-/// Over a job at its feed rates: the greatest of each.
+/// The greatest values over a job at its feed rates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Prediction {
-    /// Displacement of C with every pin seated where its reaction presses it [m].
+    /// Displacement of C in clearance equilibrium: every pin lies where its reaction presses
+    /// it [m].
     pub seated: f64,
-    /// Exact worst case of the pins anywhere [m].
+    /// Exact worst displacement of C over all positions of the pins [m].
     pub worst: f64,
     /// Joint forces by statics and inertia, A to E [N].
     pub reaction: [f64; 5],
 }
 
 impl Prediction {
-    /// For a robot whose joints have these clearances [m].
+    /// The predictions for a robot with these clearances [m].
     ///
     /// # Errors
-    /// A sentence naming the first line that cannot be analysed.
+    /// A sentence with the first line that cannot be analysed.
     pub fn of(robot: &Robot, job: &Job, clearance: [f64; 5]) -> Result<Self, String> {
         let mut worn = robot.clone();
         worn.tolerance.clearance_radius = clearance;

@@ -1,4 +1,4 @@
-//! The runs of a study, side by side.
+//! The runs of the study.
 
 use super::Prediction;
 use crate::input::job::Job;
@@ -7,32 +7,32 @@ use crate::input::scenario::Scenario;
 use crate::run::simulation::{Record, RunError, Sample, Summary, TipError, Trace};
 use rayon::prelude::*;
 
-/// One arm's run.
+/// The run of one arm, with its prediction.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     /// Radial clearance of the joints A to E [m].
     pub clearance: [f64; 5],
-    /// The run in figures.
+    /// The figures of the run.
     pub summary: Summary,
-    /// The run sample by sample.
+    /// The record of the run.
     pub record: Record,
-    /// What the clearance adds to the tool's error on the job's path: the distance between this arm's error
-    /// and the new arm's at the same time of the job.
+    /// The error that the clearance adds on the job's path: the distance between this arm's
+    /// error vector and the new arm's at the same time of the job.
     pub added: TipError,
-    /// The part of it that the pins make: the distance of the tool from where an ideal arm
-    /// would have it at the same angles of the driven links.
+    /// The part of it due to the pins: the distance of the tool from its position in an ideal
+    /// arm with the same angles of the driven links.
     pub by_pins: TipError,
-    /// What the models without contact foretell.
+    /// The prediction of the models without contact.
     pub prediction: Prediction,
 }
 
 impl Outcome {
-    /// The largest of the joints' clearances [m].
+    /// The greatest clearance of the joints [m].
     pub fn largest_clearance(&self) -> f64 {
         self.clearance.iter().copied().fold(0.0, f64::max)
     }
 
-    /// The share of the job that each joint spends without contact; 0 for one that is not
+    /// The share of the job that each joint spends without contact; 0 for a joint that is not
     /// worn.
     pub fn flight_share(&self) -> [f64; 5] {
         let joints = &self.record.joints;
@@ -42,27 +42,28 @@ impl Outcome {
     }
 }
 
-/// A study: the new arm first, then the worn ones.
+/// The runs with their names.
 #[derive(Clone, Debug)]
-pub struct Study {
+pub struct ClearanceStudy {
     /// The robot's name.
     pub robot: String,
-    /// What it did.
+    /// The scenario's name.
     pub scenario: String,
-    /// The runs.
+    /// The runs: the new arm first, then the worn ones.
     pub outcomes: Vec<Outcome>,
 }
 
-/// Runs a scenario with ideal joints and with each of these clearances, on all cores.
+/// Runs a scenario with ideal joints and with each of these clearances [m], on all cores.
+/// Calls `done` after each run.
 ///
 /// # Errors
-/// A sentence: the run that could not be made and why. Faults are part of the outcome.
+/// A sentence with the run that failed and the reason. Faults are part of the outcome.
 pub fn study(
     scenario: &Scenario,
     job: &Job,
     clearances: &[[f64; 5]],
     done: &(dyn Fn() + Sync),
-) -> Result<Study, String> {
+) -> Result<ClearanceStudy, String> {
     let runs: Vec<[f64; 5]> = std::iter::once([0.0; 5])
         .chain(clearances.iter().copied())
         .collect();
@@ -80,7 +81,7 @@ pub fn study(
             outcome.added = added(&new.record.trace, on_path(&outcome.record.trace, job));
         }
     }
-    Ok(Study {
+    Ok(ClearanceStudy {
         robot: scenario.robot.name.clone(),
         scenario: scenario.name.clone(),
         outcomes,
@@ -106,12 +107,12 @@ fn run(scenario: &Scenario, job: &Job, clearance: [f64; 5]) -> Result<Outcome, S
     })
 }
 
-/// The tool from where it should be [m].
+/// The tool's error vector [m].
 fn error(sample: &Sample) -> [f64; 2] {
     [0, 1].map(|axis| sample.tool[axis] - sample.reference[axis])
 }
 
-/// Root of the mean square and the greatest of these distances [m].
+/// Root mean square and greatest of these distances [m].
 fn over(distances: impl Iterator<Item = f64>) -> TipError {
     let (mut squares, mut count, mut most) = (0.0, 0_u32, 0.0_f64);
     for distance in distances {
@@ -125,8 +126,8 @@ fn over(distances: impl Iterator<Item = f64>) -> TipError {
     }
 }
 
-/// The samples of the job's path, without the way from home to its beginning: what the
-/// models without contact look at too.
+/// The samples on the job's path, without the way from home to its beginning, which the
+/// predictions leave out too.
 fn on_path<'a>(trace: &'a Trace, job: &Job) -> impl Iterator<Item = &'a Sample> {
     let beginning = job.steps.first().map_or(0, |step| step.line);
     trace
@@ -135,7 +136,7 @@ fn on_path<'a>(trace: &'a Trace, job: &Job) -> impl Iterator<Item = &'a Sample> 
         .filter(move |sample| sample.line > beginning)
 }
 
-/// Between the errors of two runs at the same times.
+/// The distances between the error vectors of two runs at the same times.
 fn added<'a>(new: &Trace, worn: impl Iterator<Item = &'a Sample>) -> TipError {
     over(worn.filter_map(|sample| {
         let after = new.samples().partition_point(|s| s.time < sample.time);
@@ -144,7 +145,7 @@ fn added<'a>(new: &Trace, worn: impl Iterator<Item = &'a Sample>) -> TipError {
     }))
 }
 
-/// Of the tool from where the driven links' angles alone would put it.
+/// The distances of the tool from its position in an ideal arm with the same driven angles.
 fn by_pins<'a>(robot: &Robot, samples: impl Iterator<Item = &'a Sample>) -> TipError {
     let Ok(home) = robot.home_pose() else {
         return TipError::default();

@@ -1,10 +1,10 @@
-//! What a linkage's groups and joints are like.
+//! Properties of a linkage's groups and joints.
 
 use fivebar_design::linkage::dyad::SlideBranch;
 use fivebar_design::linkage::{Group, Reaction};
 use fivebar_kinematics::five_bar::Side;
 
-/// A dyad's branch, in the words of its file.
+/// A dyad's branch, with the word of its file; none for a group with one branch.
 pub(crate) fn branch(group: &Group<f64>) -> Option<&'static str> {
     let of_slide = |branch| match branch {
         SlideBranch::Ahead => "ahead",
@@ -21,8 +21,8 @@ pub(crate) fn branch(group: &Group<f64>) -> Option<&'static str> {
     })
 }
 
-/// How many sliding joints a group's solution has.
-pub(crate) fn slides(group: &Group<f64>) -> usize {
+/// The number of a group's sliding joints.
+pub(crate) fn sliding_joints(group: &Group<f64>) -> usize {
     match group {
         Group::Crank { .. } | Group::Slider { .. } | Group::Rrr { .. } => 0,
         Group::Rrp { .. } | Group::Rpr { .. } => 1,
@@ -30,8 +30,8 @@ pub(crate) fn slides(group: &Group<f64>) -> usize {
     }
 }
 
-/// The moment of a reaction about its joint's own centre [N·m]: of a pin its driving
-/// torque or nothing, of a slide what keeps the slider from tilting.
+/// The moment of a reaction about its joint's centre [N·m]: in a driven pin the driving
+/// torque, in a free pin zero, in a slide the moment that keeps the slider from tilting.
 pub(crate) fn moment(reaction: &Reaction<f64>) -> f64 {
     reaction.wrench.moment_about(reaction.joint.place())
 }

@@ -1,25 +1,25 @@
-//! What a sweep shows, in a few numbers: for people on a terminal and for programs.
+//! The summary of a sweep, for the terminal and as JSON.
 
 use super::parts::{branch, moment};
 use crate::input::linkage::{DrivenLinkage, driven_links, dyads, links_of, reaction_names};
 use fivebar_design::linkage::{Linkage, SolveError, Sweep, SweepSample};
 use serde::Serialize;
 
-/// Assemblies that people are shown; programs get all.
+/// Number of assemblies shown on a terminal or a page; the JSON has all.
 pub const SHOWN_ASSEMBLIES: usize = 16;
 
-/// The findings of a sweep.
+/// The results of a sweep.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
     /// The linkage's name.
     pub linkage: String,
-    /// How many links are driven.
+    /// Number of driven links.
     pub freedoms: usize,
-    /// Instants looked at.
+    /// Number of instants.
     pub samples: usize,
-    /// Instants at which it closes.
+    /// Number of instants at which the linkage closes.
     pub closed: usize,
-    /// A four-bar's type by Grashof's rule.
+    /// The type of a four-bar by Grashof's rule.
     pub grashof: Option<String>,
     /// Extremes of each dyad's transmission angle.
     pub transmission: Vec<Range>,
@@ -27,18 +27,18 @@ pub struct Summary {
     pub driving: Vec<Range>,
     /// The greatest force and moment in each joint.
     pub peak_reactions: Vec<PeakReaction>,
-    /// Where the motion ends and begins.
+    /// The limits at which the motion ends or begins.
     pub limits: Vec<LimitFound>,
-    /// Where a smooth motion would go over to another branch.
+    /// The points at which a smooth motion would change to another branch.
     pub branch_changes: Vec<BranchChangeFound>,
-    /// Every assembly, the file's own first.
+    /// All assemblies, the file's own first.
     pub assemblies: Vec<Assembly>,
 }
 
 /// The extremes of a quantity.
 #[derive(Clone, Debug, Serialize)]
 pub struct Range {
-    /// Whose it is.
+    /// The part whose quantity it is.
     pub of: String,
     /// Its unit.
     pub unit: &'static str,
@@ -55,58 +55,58 @@ pub struct PeakReaction {
     pub joint: String,
     /// The force [N].
     pub force_n: f64,
-    /// When [s].
+    /// Its time [s].
     pub time_s: f64,
-    /// The greatest moment about the joint's centre [N·m]: the driving torque in a driven
-    /// pin, what keeps a slider from tilting in a slide, nothing in a free pin.
+    /// The greatest moment about the joint's centre [N·m]: in a driven pin the driving
+    /// torque, in a slide the moment that keeps the slider from tilting, in a free pin zero.
     pub moment_nm: f64,
 }
 
-/// An edge of the motion.
+/// A limit of the motion.
 #[derive(Clone, Debug, Serialize)]
 pub struct LimitFound {
-    /// When [s].
+    /// Its time [s].
     pub time_s: f64,
     /// The driving coordinates there [rad or m].
     pub inputs: Vec<f64>,
     /// Whether the motion ends here; else it begins here.
     pub ends: bool,
-    /// What fails beyond.
+    /// Why the linkage does not close beyond it.
     pub reason: String,
 }
 
-/// A dead point passed.
+/// A dead point in the motion.
 #[derive(Clone, Debug, Serialize)]
 pub struct BranchChangeFound {
-    /// When, at the latest [s].
+    /// The first sample after it [s].
     pub time_s: f64,
     /// The dyad.
     pub dyad: String,
 }
 
-/// One way to assemble the linkage.
+/// An assembly of the linkage: one branch for each dyad.
 #[derive(Clone, Debug, Serialize)]
 pub struct Assembly {
     /// The branch of each dyad that has two, in order.
     pub branches: String,
-    /// The share of the sweep over which it closes, from 0 to 1.
+    /// The share of the sweep during which it closes, 0…1.
     pub closes: f64,
 }
 
 impl DrivenLinkage {
-    /// Drives it as its file says.
+    /// Computes the motion that its file describes.
     pub fn sweep(&self) -> Sweep {
         Sweep::new(&self.linkage, &self.laws, self.duration, self.steps)
     }
 
-    /// What failed, in words.
+    /// A failure as a sentence with the names of the links.
     pub fn explain(&self, failure: &SolveError) -> String {
         let element = &self.linkage.elements()[failure.element];
         let links = links_of(&self.linkage, element.links());
         format!("{links} {}", failure.reason)
     }
 
-    /// The findings of a sweep of this linkage.
+    /// The results of a sweep of this linkage.
     pub fn summary(&self, sweep: &Sweep) -> Summary {
         let linkage = &self.linkage;
         let range = |of: String, unit, value: &dyn Fn(usize) -> Option<f64>| {
@@ -190,7 +190,7 @@ impl DrivenLinkage {
     }
 
     fn assemblies(&self, sweep: &Sweep) -> Vec<Assembly> {
-        // Every assembly anew at every instant would cost 2ᵏ sweeps; a few instants tell.
+        // All assemblies at all instants would cost 2ᵏ sweeps; a few instants are enough.
         const INSTANTS: usize = 73;
         let step = sweep.samples.len().div_ceil(INSTANTS).max(1);
         let instants = || sweep.samples.iter().step_by(step);

@@ -1,16 +1,16 @@
-//! The answer as JSON, one object a case.
+//! The analysis as JSON, one object per mechanism.
 
-use super::Finding;
+use super::MobilityAnalysis;
 use fivebar_design::mobility::{Mobility, Pitch, ScrewAxis};
 use serde_json::{Map, Value, json};
 
-/// The finding as one JSON object; lengths in the file's unit.
-pub fn answer(name: &str, finding: &Finding) -> Value {
+/// The analysis as one JSON object; lengths in the file's unit.
+pub fn answer(name: &str, analysis: &MobilityAnalysis) -> Value {
     let mut object = Map::new();
     let mut put = |key: &str, value: Value| object.insert(key.into(), value);
     put("name", json!(name));
-    match finding {
-        Finding::Parallel(analysis) => {
+    match analysis {
+        MobilityAnalysis::Parallel(analysis) => {
             put("p", json!(analysis.limbs.len()));
             put(
                 "q",
@@ -34,7 +34,7 @@ pub fn answer(name: &str, finding: &Finding) -> Value {
             );
             put_mobility(&mut object, &analysis.mobility);
         }
-        Finding::Graph(analysis) => {
+        MobilityAnalysis::Graph(analysis) => {
             put("loops", json!(analysis.loops));
             put("rankJ", json!(analysis.jacobian_rank));
             put("platform_dof", json!(analysis.mobility.platform_dof));
@@ -87,7 +87,7 @@ fn wrenches(screws: &[ScrewAxis]) -> Value {
     screws.iter().map(|s| screw(s, kinds)).collect()
 }
 
-/// A screw by the words for zero, finite and infinite pitch.
+/// A screw; `zero`, `finite` and `infinite` are the words for its kinds of pitch.
 fn screw(screw: &ScrewAxis, [zero, finite, infinite]: [&str; 3]) -> Value {
     let axis = [screw.direction.x, screw.direction.y, screw.direction.z];
     let point = screw.point.map(|p| [p.x, p.y, p.z]);

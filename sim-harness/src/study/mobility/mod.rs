@@ -1,4 +1,4 @@
-//! Mobility by screw theory: what a mechanism can do, and the answer as JSON.
+//! The analysis of mobility by screw theory, and the analysis as JSON.
 
 mod answer;
 
@@ -9,16 +9,16 @@ use fivebar_design::mobility::{
     GraphAnalysis, Mobility, ParallelAnalysis, analyse_graph, analyse_parallel,
 };
 
-/// What the analysis found.
-pub enum Finding {
-    /// Of a platform on limbs.
+/// The result of the analysis.
+pub enum MobilityAnalysis {
+    /// For a platform on limbs.
     Parallel(ParallelAnalysis),
-    /// Of a graph.
+    /// For a graph.
     Graph(GraphAnalysis),
 }
 
-impl Finding {
-    /// What holds for every mechanism.
+impl MobilityAnalysis {
+    /// The part that all mechanisms have.
     pub fn mobility(&self) -> &Mobility {
         match self {
             Self::Parallel(analysis) => &analysis.mobility,
@@ -29,10 +29,10 @@ impl Finding {
 
 impl MobilityCase {
     /// Analyses the mechanism.
-    pub fn analyse(&self) -> Finding {
+    pub fn analyse(&self) -> MobilityAnalysis {
         match &self.mechanism {
-            Mechanism::Parallel(parallel) => Finding::Parallel(analyse_parallel(parallel)),
-            Mechanism::Graph(graph) => Finding::Graph(analyse_graph(graph)),
+            Mechanism::Parallel(parallel) => MobilityAnalysis::Parallel(analyse_parallel(parallel)),
+            Mechanism::Graph(graph) => MobilityAnalysis::Graph(analyse_graph(graph)),
         }
     }
 }

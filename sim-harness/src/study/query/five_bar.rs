@@ -1,6 +1,6 @@
-//! What a five-bar can be asked: positions, motion and dynamics both ways.
+//! Queries about a five-bar: positions, motion and dynamics, forward and inverse.
 
-use super::{Kind, Refusal};
+use super::{QueryError, QueryErrorKind};
 use crate::input::robot::Robot;
 use fivebar_kinematics::dynamics::Arm;
 use fivebar_kinematics::five_bar::{Accelerations, Pose, PoseError, Side, Velocities, WorkingMode};
@@ -8,33 +8,33 @@ use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-/// A question. SI units, absolute angles; C is the point where links 2 and 3 meet.
+/// A query. SI units, absolute angles; C is the point where links 2 and 3 meet.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(tag = "op", rename_all = "snake_case")]
-pub enum Request {
-    /// Where C is.
-    Forward(Driven),
-    /// How to bring C somewhere.
-    Inverse(Inverse),
-    /// Velocities and accelerations.
-    Motion(Motion),
-    /// The torques of a motion.
-    InverseDynamics(InverseDynamics),
-    /// The motion of torques.
-    ForwardDynamics(ForwardDynamics),
+pub enum Query {
+    /// The position of C from the driven angles.
+    Forward(ForwardQuery),
+    /// The driven angles from the position of C.
+    Inverse(InverseQuery),
+    /// Velocities and accelerations of the links and of C.
+    Motion(MotionQuery),
+    /// The torques that a motion needs.
+    InverseDynamics(InverseDynamicsQuery),
+    /// The accelerations that torques give.
+    ForwardDynamics(ForwardDynamicsQuery),
 }
 
-/// The driven angles [rad] and the forward branch.
+/// The driven angles [rad] and the assembly mode.
 #[derive(Clone, Copy, Debug, Deserialize)]
-pub struct Driven {
+pub struct ForwardQuery {
     theta1: f64,
     theta4: f64,
     assembly: Side,
 }
 
-/// C [m] and the inverse branch.
+/// C [m] and the working mode.
 #[derive(Clone, Copy, Debug, Deserialize)]
-pub struct Inverse {
+pub struct InverseQuery {
     c: [f64; 2],
     elbow1: Side,
     elbow4: Side,
@@ -42,9 +42,9 @@ pub struct Inverse {
 
 /// The driven joints' angles, rates [rad/s] and accelerations [rad/s²].
 #[derive(Clone, Copy, Debug, Deserialize)]
-pub struct Motion {
+pub struct MotionQuery {
     #[serde(flatten)]
-    driven: Driven,
+    driven: ForwardQuery,
     omega1: f64,
     omega4: f64,
     alpha1: f64,
@@ -53,17 +53,17 @@ pub struct Motion {
 
 /// A motion with a force [N] on C.
 #[derive(Clone, Copy, Debug, Deserialize)]
-pub struct InverseDynamics {
+pub struct InverseDynamicsQuery {
     #[serde(flatten)]
-    motion: Motion,
+    motion: MotionQuery,
     external_force: [f64; 2],
 }
 
 /// Angles and rates with torques [N·m] on links 1 and 4, and a force [N] on C.
 #[derive(Clone, Copy, Debug, Deserialize)]
-pub struct ForwardDynamics {
+pub struct ForwardDynamicsQuery {
     #[serde(flatten)]
-    driven: Driven,
+    driven: ForwardQuery,
     omega1: f64,
     omega4: f64,
     torque: [f64; 2],
@@ -124,22 +124,22 @@ struct ForwardDynamicsAnswer {
     alpha4: f64,
 }
 
-/// The answer to a question about a robot.
+/// The answer to a query about a robot.
 ///
 /// # Errors
-/// What has no answer, with the reason.
-pub fn answer(robot: &Robot, request: Request) -> Result<Value, Refusal> {
-    match request {
-        Request::Forward(driven) => driven.answer(robot).map(|answer| json!(answer)),
-        Request::Inverse(inverse) => inverse.answer(robot).map(|answer| json!(answer)),
-        Request::Motion(motion) => motion.answer(robot).map(|answer| json!(answer)),
-        Request::InverseDynamics(ask) => ask.answer(robot).map(|answer| json!(answer)),
-        Request::ForwardDynamics(ask) => ask.answer(robot).map(|answer| json!(answer)),
+/// The reason if there is no answer.
+pub fn answer(robot: &Robot, query: Query) -> Result<Value, QueryError> {
+    match query {
+        Query::Forward(driven) => driven.answer(robot).map(|answer| json!(answer)),
+        Query::Inverse(inverse) => inverse.answer(robot).map(|answer| json!(answer)),
+        Query::Motion(motion) => motion.answer(robot).map(|answer| json!(answer)),
+        Query::InverseDynamics(dynamics) => dynamics.answer(robot).map(|answer| json!(answer)),
+        Query::ForwardDynamics(dynamics) => dynamics.answer(robot).map(|answer| json!(answer)),
     }
 }
 
-impl Driven {
-    fn pose(&self, robot: &Robot) -> Result<Pose<f64>, Refusal> {
+impl ForwardQuery {
+    fn pose(&self, robot: &Robot) -> Result<Pose<f64>, QueryError> {
         let Self {
             theta1,
             theta4,
@@ -151,7 +151,7 @@ impl Driven {
             .map_err(|error| self.refuse(error))
     }
 
-    fn refuse(&self, error: PoseError) -> Refusal {
+    fn refuse(&self, error: PoseError) -> QueryError {
         let Self { theta1, theta4, .. } = self;
         refusal(
             error,
@@ -159,7 +159,7 @@ impl Driven {
         )
     }
 
-    fn answer(&self, robot: &Robot) -> Result<ForwardAnswer, Refusal> {
+    fn answer(&self, robot: &Robot) -> Result<ForwardAnswer, QueryError> {
         let pose = self.pose(robot)?;
         let [_, theta2, theta3, _] = pose.angles();
         let WorkingMode { elbow1, elbow4 } = pose.working_mode();
@@ -173,8 +173,8 @@ impl Driven {
     }
 }
 
-impl Inverse {
-    fn answer(&self, robot: &Robot) -> Result<InverseAnswer, Refusal> {
+impl InverseQuery {
+    fn answer(&self, robot: &Robot) -> Result<InverseAnswer, QueryError> {
         let [x, y] = self.c;
         let mode = WorkingMode::new(self.elbow1, self.elbow4);
         let pose = robot
@@ -192,15 +192,15 @@ impl Inverse {
     }
 }
 
-/// A motion in full.
+/// The solution of a motion.
 struct Solved {
     pose: Pose<f64>,
     velocities: Velocities<f64>,
     accelerations: Accelerations<f64>,
 }
 
-impl Motion {
-    fn solve(&self, robot: &Robot) -> Result<Solved, Refusal> {
+impl MotionQuery {
+    fn solve(&self, robot: &Robot) -> Result<Solved, QueryError> {
         let pose = self.driven.pose(robot)?;
         let geometry = &robot.geometry;
         let velocities = geometry
@@ -216,7 +216,7 @@ impl Motion {
         })
     }
 
-    fn answer(&self, robot: &Robot) -> Result<MotionAnswer, Refusal> {
+    fn answer(&self, robot: &Robot) -> Result<MotionAnswer, QueryError> {
         let Solved {
             pose,
             velocities,
@@ -236,8 +236,8 @@ impl Motion {
     }
 }
 
-impl InverseDynamics {
-    fn answer(&self, robot: &Robot) -> Result<InverseDynamicsAnswer, Refusal> {
+impl InverseDynamicsQuery {
+    fn answer(&self, robot: &Robot) -> Result<InverseDynamicsAnswer, QueryError> {
         let arm = masses(robot)?;
         let Solved {
             pose,
@@ -271,8 +271,8 @@ impl InverseDynamics {
     }
 }
 
-impl ForwardDynamics {
-    fn answer(&self, robot: &Robot) -> Result<ForwardDynamicsAnswer, Refusal> {
+impl ForwardDynamicsQuery {
+    fn answer(&self, robot: &Robot) -> Result<ForwardDynamicsAnswer, QueryError> {
         let arm = masses(robot)?;
         let pose = self.driven.pose(robot)?;
         let refuse = |error| self.driven.refuse(error);
@@ -287,11 +287,11 @@ impl ForwardDynamics {
     }
 }
 
-fn masses(robot: &Robot) -> Result<&Arm<f64>, Refusal> {
-    robot.arm().map_err(Refusal::invalid)
+fn masses(robot: &Robot) -> Result<&Arm<f64>, QueryError> {
+    robot.arm().map_err(QueryError::invalid)
 }
 
-impl From<PoseError> for Kind {
+impl From<PoseError> for QueryErrorKind {
     fn from(error: PoseError) -> Self {
         match error {
             PoseError::Unreachable(_) => Self::Unreachable,
@@ -301,8 +301,8 @@ impl From<PoseError> for Kind {
     }
 }
 
-fn refusal(error: PoseError, place: &str) -> Refusal {
-    Refusal {
+fn refusal(error: PoseError, place: &str) -> QueryError {
+    QueryError {
         error: error.into(),
         message: format!("{error}, {place}"),
     }

@@ -1,7 +1,7 @@
-//! Questions about a mechanism, one JSON object a line, each answered by one line.
+//! Queries about a mechanism: one JSON object per line, each answered by one line.
 //!
-//! A mechanism brings its own operations ([`five_bar`], [`slider`]); this module brings the lines,
-//! the refusals and the checks that hold for all of them.
+//! [`five_bar`] and [`slider`] define the queries of the two mechanisms. This module reads
+//! the lines, writes the answers and makes the checks that both need.
 
 pub mod five_bar;
 pub mod slider;
@@ -12,50 +12,50 @@ use serde_json::Value;
 use std::fmt;
 use std::io::{self, BufRead, Write};
 
-/// The kind of a refusal, as scripts tell them apart.
+/// The kind of an error, for scripts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Kind {
+pub enum QueryErrorKind {
     /// No pose exists there.
     Unreachable,
     /// The answer is not unique or not finite there.
     Singular,
-    /// The question makes no sense.
+    /// The query is not valid.
     Invalid,
 }
 
-/// A question that cannot be answered.
+/// Why a query has no answer.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Refusal {
+pub struct QueryError {
     /// Its kind.
-    pub error: Kind,
+    pub error: QueryErrorKind,
     /// The reason, in a sentence.
     pub message: String,
 }
 
-impl Refusal {
-    /// A question that makes no sense.
+impl QueryError {
+    /// The query is not valid, for this reason.
     pub fn invalid(reason: impl fmt::Display) -> Self {
         Self {
-            error: Kind::Invalid,
+            error: QueryErrorKind::Invalid,
             message: reason.to_string(),
         }
     }
 }
 
-/// Answers every line of `input` on `output`, each as soon as it is read, to the end of
-/// either. What cannot be answered is refused on its line and the next one read.
+/// Answers every line of `input` on `output` as soon as it is read, until one of them ends. A
+/// query without an answer gets an error on its line, and the next line is read.
 ///
 /// # Errors
-/// Reading or writing fails for another reason than that nobody reads any more.
-pub fn serve<Request: DeserializeOwned>(
+/// Reading or writing fails. A closed `output` is no error.
+pub fn serve<Query: DeserializeOwned>(
     mut input: impl BufRead,
     mut output: impl Write,
-    answer: impl Fn(Request) -> Result<Value, Refusal>,
+    answer: impl Fn(Query) -> Result<Value, QueryError>,
 ) -> io::Result<()> {
     let mut line = Vec::new();
     while input.read_until(b'\n', &mut line)? > 0 {
-        let reply = question(&line)
+        let reply = parse(&line)
             .and_then(&answer)
             .and_then(finite)
             .unwrap_or_else(|refusal| serde_json::json!(refusal));
@@ -69,21 +69,21 @@ pub fn serve<Request: DeserializeOwned>(
     Ok(())
 }
 
-/// The question on a line.
-fn question<Request: DeserializeOwned>(line: &[u8]) -> Result<Request, Refusal> {
+/// The query on a line.
+fn parse<Query: DeserializeOwned>(line: &[u8]) -> Result<Query, QueryError> {
     let read = serde_json::from_slice(line);
-    // A list would pass for an object whose keys are left out.
+    // The reader takes a list for an object without its keys.
     if read.is_ok() && line.trim_ascii_start().starts_with(b"[") {
-        return Err(Refusal::invalid(no_object("a list")));
+        return Err(QueryError::invalid(no_object("a list")));
     }
-    read.map_err(|error| Refusal::invalid(sentence(line, &error)))
+    read.map_err(|error| QueryError::invalid(sentence(line, &error)))
 }
 
 fn no_object(given: &str) -> String {
-    format!("a question is a JSON object with an \"op\", not {given}")
+    format!("a query is a JSON object with an \"op\", not {given}")
 }
 
-/// Why a line is not a question; its line number is always 1 and says nothing.
+/// Why a line is no query. The reader's line number, which is always 1, is left out.
 fn sentence(line: &[u8], error: &serde_json::Error) -> String {
     let given = match serde_json::from_slice(line) {
         Ok(Value::Null) => Some("null"),
@@ -102,14 +102,14 @@ fn sentence(line: &[u8], error: &serde_json::Error) -> String {
         .replace("variant identifier", "one of the names it can be");
     let reason = text.split(" at line ").next().unwrap_or(&text);
     if error.is_eof() {
-        format!("not one whole JSON object on the line: {reason}")
+        format!("the line is not one complete JSON object: {reason}")
     } else {
         reason.to_owned()
     }
 }
 
-/// The answer, unless a number in it is too large to write: JSON has only null for it.
-fn finite(answer: Value) -> Result<Value, Refusal> {
+/// The answer, if all its numbers are finite: JSON writes any other number as null.
+fn finite(answer: Value) -> Result<Value, QueryError> {
     fn holds_null(value: &Value) -> bool {
         match value {
             Value::Null => true,
@@ -119,8 +119,8 @@ fn finite(answer: Value) -> Result<Value, Refusal> {
         }
     }
     if holds_null(&answer) {
-        Err(Refusal::invalid(
-            "the numbers given are so large that the answer is not finite",
+        Err(QueryError::invalid(
+            "the given numbers are too large: the answer is not finite",
         ))
     } else {
         Ok(answer)
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn every_line_gets_one_answer_in_order_whatever_it_holds() {
+    fn every_line_gets_one_answer_in_order_whatever_its_content() {
         let answers = lines(b"1\n\nnot json\n\xff\xfe\n1e400\n1e308\nNaN\n{}\n2");
         assert_eq!(answers.len(), 9);
         assert_eq!(answers[0]["twice"], 2.0);
@@ -157,21 +157,21 @@ mod tests {
     }
 
     #[test]
-    fn json_that_is_no_object_is_refused_as_what_it_is() {
+    fn json_that_is_no_object_is_refused_by_its_kind() {
         let mut output = Vec::new();
         let answer = |_: std::collections::BTreeMap<String, f64>| Ok(Value::Bool(true));
         serve(&b"[1]\n\"forward\"\n7\nnull\n{}\n"[..], &mut output, answer).unwrap();
         let text = String::from_utf8(output).unwrap();
         for (line, given) in text.lines().zip(["a list", "a string", "a number", "null"]) {
-            assert!(line.contains("a question is a JSON object") && line.contains(given));
+            assert!(line.contains("a query is a JSON object") && line.contains(given));
         }
         assert_eq!(text.lines().last(), Some("true"));
     }
 
     #[test]
-    fn a_reader_that_has_left_ends_the_run_quietly() {
-        struct Gone;
-        impl Write for Gone {
+    fn a_closed_output_ends_the_run_without_error() {
+        struct Closed;
+        impl Write for Closed {
             fn write(&mut self, _: &[u8]) -> io::Result<usize> {
                 Err(io::ErrorKind::BrokenPipe.into())
             }
@@ -180,6 +180,6 @@ mod tests {
             }
         }
         let answer = |number: f64| Ok(serde_json::json!(number));
-        assert!(serve(&b"1\n2\n"[..], Gone, answer).is_ok());
+        assert!(serve(&b"1\n2\n"[..], Closed, answer).is_ok());
     }
 }

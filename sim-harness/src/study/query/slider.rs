@@ -1,7 +1,7 @@
-//! What a slider-driven mechanism can be asked: positions and motion both ways, error
+//! Queries about a slider-driven mechanism: positions and motion, forward and inverse, error
 //! transfer, reach.
 
-use super::{Kind, Refusal};
+use super::{QueryError, QueryErrorKind};
 use crate::input::robot::SliderRobot;
 use fivebar_design::linkage::dyad::SlideBranch;
 use fivebar_design::slider::{Accelerations, Pose, PoseError, Velocities, WorkingMode};
@@ -10,63 +10,63 @@ use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-/// A question. SI units; P is the middle of the platform.
+/// A query. SI units; P is the middle of the platform.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(tag = "op", rename_all = "snake_case")]
-pub enum Request {
-    /// Where P is.
-    Forward(Driven),
-    /// How to bring P somewhere.
-    Inverse(Inverse),
+pub enum Query {
+    /// The position of P from those of the sliders.
+    Forward(ForwardQuery),
+    /// The positions of the sliders from that of P.
+    Inverse(InverseQuery),
     /// Velocities and accelerations from those of the sliders.
-    Motion(Motion),
+    Motion(MotionQuery),
     /// Velocities and accelerations from those of P.
-    InverseMotion(InverseMotion),
-    /// How errors of lengths and inputs move P.
-    ErrorTransfer(Driven),
-    /// Where along the guide P can be at a height, within the sliders' travel.
-    Reach(Reach),
+    InverseMotion(InverseMotionQuery),
+    /// The displacement of P per error of each length and input.
+    ErrorTransfer(ForwardQuery),
+    /// The range of P along the guide at a height, within the sliders' travel.
+    Reach(ReachQuery),
 }
 
-/// The sliders [m] and the forward branch: `left` above the guide, `right` below.
+/// The sliders' positions [m] and the assembly mode: `left` above the guide, `right` below.
 #[derive(Clone, Copy, Debug, Deserialize)]
-pub struct Driven {
+pub struct ForwardQuery {
     x2: f64,
     x8: f64,
     assembly: Side,
 }
 
-/// P [m] and the inverse branch: the file's unless given.
+/// P [m] and the working mode; by default the file's.
 #[derive(Clone, Copy, Debug, Deserialize)]
-pub struct Inverse {
+pub struct InverseQuery {
     p: [f64; 2],
     left: Option<SlideBranch>,
     right: Option<SlideBranch>,
 }
 
-/// The sliders' places, velocities [m/s] and accelerations [m/s²].
+/// The sliders' positions [m], velocities [m/s] and accelerations [m/s²].
 #[derive(Clone, Copy, Debug, Deserialize)]
-pub struct Motion {
+pub struct MotionQuery {
     #[serde(flatten)]
-    driven: Driven,
+    driven: ForwardQuery,
     x2_velocity: f64,
     x8_velocity: f64,
     x2_acceleration: f64,
     x8_acceleration: f64,
 }
 
-/// P's place, velocity [m/s] and acceleration [m/s²].
+/// P's position [m], velocity [m/s] and acceleration [m/s²].
 #[derive(Clone, Copy, Debug, Deserialize)]
-pub struct InverseMotion {
+pub struct InverseMotionQuery {
     #[serde(flatten)]
-    place: Inverse,
+    position: InverseQuery,
     p_velocity: [f64; 2],
     p_acceleration: [f64; 2],
 }
 
-/// A height of P [m] and the inverse branch: the file's unless given.
+/// A height of P [m] and the working mode; by default the file's.
 #[derive(Clone, Copy, Debug, Deserialize)]
-pub struct Reach {
+pub struct ReachQuery {
     y: f64,
     left: Option<SlideBranch>,
     right: Option<SlideBranch>,
@@ -117,13 +117,13 @@ struct ErrorTransferAnswer {
     x8: [f64; 2],
 }
 
-/// The answer to a question about a mechanism.
+/// The answer to a query about a mechanism.
 ///
 /// # Errors
-/// What has no answer, with the reason.
-pub fn answer(robot: &SliderRobot, request: Request) -> Result<Value, Refusal> {
-    match request {
-        Request::Forward(driven) => {
+/// The reason if there is no answer.
+pub fn answer(robot: &SliderRobot, query: Query) -> Result<Value, QueryError> {
+    match query {
+        Query::Forward(driven) => {
             let pose = driven.pose(robot)?;
             let [alpha3, alpha7] = pose.angles();
             let WorkingMode { left, right } = pose.working_mode();
@@ -135,7 +135,7 @@ pub fn answer(robot: &SliderRobot, request: Request) -> Result<Value, Refusal> {
                 right,
             }))
         }
-        Request::Inverse(inverse) => {
+        Query::Inverse(inverse) => {
             let pose = inverse.pose(robot)?;
             let [alpha3, alpha7] = pose.angles();
             Ok(json!(InverseAnswer {
@@ -146,9 +146,9 @@ pub fn answer(robot: &SliderRobot, request: Request) -> Result<Value, Refusal> {
                 assembly: pose.assembly(),
             }))
         }
-        Request::Motion(motion) => motion.answer(robot),
-        Request::InverseMotion(motion) => motion.answer(robot),
-        Request::ErrorTransfer(driven) => {
+        Query::Motion(motion) => motion.answer(robot),
+        Query::InverseMotion(motion) => motion.answer(robot),
+        Query::ErrorTransfer(driven) => {
             let pose = driven.pose(robot)?;
             let transfer = robot.geometry.error_transfer(&pose);
             let transfer = transfer.map_err(|error| driven.refuse(error))?;
@@ -160,26 +160,26 @@ pub fn answer(robot: &SliderRobot, request: Request) -> Result<Value, Refusal> {
                 x8: array(transfer.x8),
             }))
         }
-        Request::Reach(reach) => reach.answer(robot),
+        Query::Reach(reach) => reach.answer(robot),
     }
 }
 
-impl Driven {
-    fn pose(&self, robot: &SliderRobot) -> Result<Pose<f64>, Refusal> {
+impl ForwardQuery {
+    fn pose(&self, robot: &SliderRobot) -> Result<Pose<f64>, QueryError> {
         robot
             .geometry
             .forward(self.x2, self.x8, self.assembly)
             .map_err(|error| self.refuse(error))
     }
 
-    fn refuse(&self, error: PoseError) -> Refusal {
+    fn refuse(&self, error: PoseError) -> QueryError {
         let Self { x2, x8, .. } = self;
         refusal(error, &format!("at x2 = {x2} m, x8 = {x8} m"))
     }
 }
 
-impl Inverse {
-    fn pose(&self, robot: &SliderRobot) -> Result<Pose<f64>, Refusal> {
+impl InverseQuery {
+    fn pose(&self, robot: &SliderRobot) -> Result<Pose<f64>, QueryError> {
         let mode = mode(robot, self.left, self.right);
         robot
             .geometry
@@ -187,14 +187,14 @@ impl Inverse {
             .map_err(|error| self.refuse(error))
     }
 
-    fn refuse(&self, error: PoseError) -> Refusal {
+    fn refuse(&self, error: PoseError) -> QueryError {
         let [x, y] = self.p;
         refusal(error, &format!("with P at ({x}, {y}) m"))
     }
 }
 
-impl Motion {
-    fn answer(&self, robot: &SliderRobot) -> Result<Value, Refusal> {
+impl MotionQuery {
+    fn answer(&self, robot: &SliderRobot) -> Result<Value, QueryError> {
         let pose = self.driven.pose(robot)?;
         let refuse = |error| self.driven.refuse(error);
         let rates = [self.x2_velocity, self.x8_velocity];
@@ -209,10 +209,10 @@ impl Motion {
     }
 }
 
-impl InverseMotion {
-    fn answer(&self, robot: &SliderRobot) -> Result<Value, Refusal> {
-        let pose = self.place.pose(robot)?;
-        let refuse = |error| self.place.refuse(error);
+impl InverseMotionQuery {
+    fn answer(&self, robot: &SliderRobot) -> Result<Value, QueryError> {
+        let pose = self.position.pose(robot)?;
+        let refuse = |error| self.position.refuse(error);
         let velocities = robot
             .geometry
             .inverse_velocities(&pose, vec2(self.p_velocity))
@@ -225,12 +225,12 @@ impl InverseMotion {
     }
 }
 
-impl Reach {
-    fn answer(&self, robot: &SliderRobot) -> Result<Value, Refusal> {
+impl ReachQuery {
+    fn answer(&self, robot: &SliderRobot) -> Result<Value, QueryError> {
         let travel = robot.travel.as_ref().ok_or_else(|| {
             let name = &robot.name;
-            Refusal::invalid(format!(
-                "the file of `{name}` has no [travel] of its sliders"
+            QueryError::invalid(format!(
+                "the file of `{name}` has no [travel]; add it to compute the reach"
             ))
         })?;
         let y = self.y;
@@ -273,16 +273,16 @@ fn motion_answer(
     })
 }
 
-fn refusal(error: PoseError, place: &str) -> Refusal {
+fn refusal(error: PoseError, place: &str) -> QueryError {
     let kind = match error {
-        PoseError::LimbPerpendicular(_) | PoseError::Parallel => Kind::Singular,
-        PoseError::NotFinite => Kind::Invalid,
+        PoseError::LimbPerpendicular(_) | PoseError::Parallel => QueryErrorKind::Singular,
+        PoseError::NotFinite => QueryErrorKind::Invalid,
         PoseError::LimbTooShort(_)
         | PoseError::SlidersTooFar
         | PoseError::SlidersTooNear
-        | PoseError::BeyondTravel => Kind::Unreachable,
+        | PoseError::BeyondTravel => QueryErrorKind::Unreachable,
     };
-    Refusal {
+    QueryError {
         error: kind,
         message: format!("{error}, {place}"),
     }

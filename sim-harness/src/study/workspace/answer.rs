@@ -1,12 +1,12 @@
-//! The figures of a study as JSON.
+//! The study as JSON.
 
-use super::{Branch, Study};
+use super::{Branch, WorkspaceStudy};
 use fivebar_design::workspace::reachable_area;
 use nalgebra::Vector2;
 use serde_json::{Value, json};
 
-impl Study<'_> {
-    /// One object; units in the keys.
+impl WorkspaceStudy<'_> {
+    /// One JSON object; the units are in the keys.
     pub fn answer(&self) -> Value {
         let branches: Vec<Value> = self.branches.iter().map(answer).collect();
         let mode = self.robot.working_mode();
@@ -25,7 +25,7 @@ impl Study<'_> {
         self.maps.first().map_or(0.0, |map| map.grid().pitch())
     }
 
-    /// What both legs reach [m²], if the tool is where they meet.
+    /// The exact area of the reach [m²], if the tool is C.
     pub fn exact_area(&self) -> Option<f64> {
         let at_c = self.robot.tool.offset == [0.0; 2];
         at_c.then(|| reachable_area(&self.robot.geometry))
@@ -33,7 +33,7 @@ impl Study<'_> {
 }
 
 fn answer(branch: &Branch) -> Value {
-    // To a tenth of a micrometre: the rest is noise.
+    // Rounded to 0.1 µm: further digits are noise.
     let pair = |point: Vector2<f64>| [point.x, point.y].map(|part| (1e7 * part).round() / 1e7);
     json!({
         "elbow1": branch.mode.elbow1,

@@ -1,7 +1,6 @@
-//! `fivebar workspace`: where an arm can take its tool, in every branch, as figures, as a
-//! table of places and as a picture.
+//! The study of an arm's workspace in all its branches.
 //!
-//! The mechanics is in [`fivebar_design::workspace`].
+//! The mechanics are in [`fivebar_design::workspace`].
 
 mod answer;
 
@@ -11,29 +10,29 @@ use fivebar_kinematics::five_bar::{Side, WorkingMode};
 use nalgebra::Vector2;
 use rayon::prelude::*;
 
-/// Unless told otherwise, the longer side of the reach has at least so many cells.
+/// By default, the longer side of the reach has at least so many cells.
 const CELLS: f64 = 160.0;
 
-/// A reach of less than this share of the base is rounding.
-const LEAST: f64 = 1e-6;
+/// A reach smaller than this share of the base is rounding.
+const LEAST_REACH: f64 = 1e-6;
 
 /// Why a workspace cannot be studied.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum StudyError {
-    /// The robot's tool or limits make no sense.
+pub enum WorkspaceStudyError {
+    /// The robot's tool or limits are not valid.
     #[error("robot `{0}`: {1}")]
     Robot(String, WorkspaceError),
-    /// The cells are of no use.
+    /// The size of the cells is not valid.
     #[error("cells of {pitch:.1e} m: {error}; give another --resolution")]
     Grid {
         /// Side of a cell [m].
         pitch: f64,
-        /// What is wrong with it.
+        /// The error.
         error: GridError,
     },
     /// No cell is reached.
     #[error(
-        "robot `{0}` reaches no place that a map could show: its legs hardly meet, or the cells \
+        "robot `{0}` reaches no position that a map can show: its legs hardly meet, or the cells \
          are too large; check the lengths, or give a finer --resolution"
     )]
     NothingReached(String),
@@ -42,22 +41,22 @@ pub enum StudyError {
 /// A working mode with an assembly mode.
 #[derive(Clone, Debug)]
 pub struct Branch {
-    /// The inverse branch.
+    /// The working mode.
     pub mode: WorkingMode,
-    /// The forward branch.
+    /// The assembly mode.
     pub assembly: Side,
     /// Its areas.
     pub areas: Areas,
-    /// The largest rectangle in which every place is clear.
+    /// The largest clear rectangle.
     pub rectangle: Option<Rectangle>,
-    /// The clear place where the tool moves most alike in all directions [m], and 1/κ.
+    /// The clear position with the least condition number κ [m], and 1/κ there.
     pub best: Option<(Vector2<f64>, f64)>,
 }
 
-/// The workspace of a robot, all its branches.
+/// The workspace of a robot in all branches.
 #[derive(Debug)]
-pub struct Study<'a> {
-    /// Whose it is.
+pub struct WorkspaceStudy<'a> {
+    /// The robot.
     pub robot: &'a Robot,
     /// One map for each of the four working modes.
     pub maps: Vec<WorkspaceMap>,
@@ -65,26 +64,27 @@ pub struct Study<'a> {
     pub branches: Vec<Branch>,
 }
 
-impl<'a> Study<'a> {
-    /// Studies a robot in cells of `resolution` [m], or in as many as make a good map.
+impl<'a> WorkspaceStudy<'a> {
+    /// Studies a robot with cells of `resolution` [m]; by default at least 160 cells along the
+    /// longer side.
     ///
     /// # Errors
-    /// Limits or cells that make no sense, or an arm that reaches nothing.
-    pub fn new(robot: &'a Robot, resolution: Option<f64>) -> Result<Self, StudyError> {
+    /// Limits or cells that are not valid, or an arm that reaches no cell.
+    pub fn new(robot: &'a Robot, resolution: Option<f64>) -> Result<Self, WorkspaceStudyError> {
         let workspace = |mode| {
-            let named = |error| StudyError::Robot(robot.name.clone(), error);
+            let named = |error| WorkspaceStudyError::Robot(robot.name.clone(), error);
             robot.workspace(mode).map_err(named)
         };
         let tool = workspace(robot.working_mode())?.tool;
         let [low, high] = reach_bounds(&tool);
         let size = (high.x - low.x).max(high.y - low.y);
-        let nothing = || StudyError::NothingReached(robot.name.clone());
-        if size < LEAST * tool.geometry().base() {
+        let nothing = || WorkspaceStudyError::NothingReached(robot.name.clone());
+        if size < LEAST_REACH * tool.geometry().base() {
             return Err(nothing());
         }
         let pitch = resolution.unwrap_or_else(|| round_down(size / CELLS));
         let grid = Grid::over(&tool, pitch);
-        let grid = grid.map_err(|error| StudyError::Grid { pitch, error })?;
+        let grid = grid.map_err(|error| WorkspaceStudyError::Grid { pitch, error })?;
         let maps = WorkingMode::ALL.into_par_iter();
         let maps: Vec<WorkspaceMap> = maps
             .map(|mode| Ok(WorkspaceMap::new(workspace(mode)?, grid)))
@@ -102,7 +102,7 @@ impl<'a> Study<'a> {
         })
     }
 
-    /// The largest rectangle of a working mode on either assembly branch.
+    /// The largest clear rectangle of a working mode, over both assembly modes.
     pub fn largest_rectangle(&self, mode: WorkingMode) -> Option<Rectangle> {
         let branches = self.branches.iter().filter(|branch| branch.mode == mode);
         let rectangles = branches.filter_map(|branch| branch.rectangle);
@@ -123,7 +123,7 @@ impl Branch {
     }
 }
 
-/// The next number below of 1, 2, 5, 10, 20, …
+/// The greatest number of 1, 2, 5, 10, 20, … that is at most `value`.
 fn round_down(value: f64) -> f64 {
     let decade = 10_f64.powf(value.log10().floor());
     let steps = [5.0, 2.0].into_iter().find(|step| step * decade <= value);

@@ -141,7 +141,7 @@ fn slides(page: &mut Page, driven: &DrivenLinkage, sweep: &Sweep) {
     let axis = Axis::of(driven);
     let mut chart = Chart::new("Sliding joints", axis.label(), "displacement [m]");
     for (dyad, name) in dyads(&driven.linkage) {
-        for k in 0..study::linkage::slides(&driven.linkage.elements()[dyad].group) {
+        for k in 0..study::linkage::sliding_joints(&driven.linkage.elements()[dyad].group) {
             let line = axis.line(sweep, |solved| {
                 let slide = solved.motion.dyads[dyad].and_then(|dyad| dyad.slides[k]);
                 slide.map_or(f64::NAN, |slide| slide.value)
