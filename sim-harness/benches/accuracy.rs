@@ -2,13 +2,13 @@
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use fivebar::input::robot::Robot;
-use fivebar::study::accuracy::{Sampling, State, analyse, sample_forces, sample_positions};
+use fivebar::study::accuracy::{Sampling, ToolState, analyse, sample_forces, sample_positions};
 use indicatif::ProgressBar;
 use nalgebra::Vector2;
 
 fn throughput(criterion: &mut Criterion) {
     let robot = Robot::load("benchtop").unwrap();
-    let state = State {
+    let state = ToolState {
         position: Vector2::new(0.04, 0.2),
         velocity: Vector2::new(0.1, 0.0),
         acceleration: Vector2::new(0.0, 1.0),

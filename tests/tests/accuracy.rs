@@ -3,7 +3,7 @@
 
 use fivebar::input::robot::Robot;
 use fivebar::study::accuracy::{
-    Analysis, Sampling, State, analyse, answer, cheapest, map, monte_carlo,
+    AccuracyAnalysis, Sampling, ToolState, analyse, accuracy_map, answer, cheapest_classes, monte_carlo,
 };
 use fivebar_design::accuracy::allocation::ToleranceClass;
 use indicatif::ProgressBar;
@@ -22,8 +22,8 @@ fn example() -> Robot {
     Robot::parse("example.toml", &text).unwrap()
 }
 
-fn at(x: f64, y: f64) -> State {
-    State {
+fn at(x: f64, y: f64) -> ToolState {
+    ToolState {
         position: Vector2::new(x, y),
         velocity: Vector2::zeros(),
         acceleration: Vector2::zeros(),
@@ -31,7 +31,7 @@ fn at(x: f64, y: f64) -> State {
     }
 }
 
-fn study(robot: &Robot, state: &State, samples: usize) -> (Analysis, Value) {
+fn study(robot: &Robot, state: &ToolState, samples: usize) -> (AccuracyAnalysis, Value) {
     let analysis = analyse(robot, state).unwrap();
     let sampling = Sampling { samples, seed: 5 };
     let sampled = monte_carlo(robot, state, &analysis, sampling, &ProgressBar::hidden());
@@ -115,7 +115,7 @@ fn compare(found: &Value) {
 
 #[test]
 fn analysis_and_samples_agree_on_the_example_in_motion() {
-    let state = State {
+    let state = ToolState {
         velocity: Vector2::new(0.3, -0.2),
         acceleration: Vector2::new(-2.0, 5.0),
         force: Vector2::new(1.0, 2.0),
@@ -130,7 +130,7 @@ proptest! {
     #[test]
     fn analysis_and_samples_agree_at_random_poses(x in 0.0..0.275_f64, y in 0.15..0.33_f64) {
         let robot = example();
-        let clear = |analysis: &Analysis| analysis.pose.nearest_singularity().1 > 0.3;
+        let clear = |analysis: &AccuracyAnalysis| analysis.pose.nearest_singularity().1 > 0.3;
         prop_assume!(analyse(&robot, &at(x, y)).is_ok_and(|analysis| clear(&analysis)));
         compare(&study(&robot, &at(x, y), 10_000).1);
     }
@@ -145,14 +145,14 @@ fn a_point_out_of_reach_is_refused_with_the_place() {
 #[test]
 fn the_cheapest_tolerances_hold_what_was_wanted() {
     let robot = example();
-    let map = map(&robot, Vector2::zeros(), Some([0.05, 0.2, 0.2, 0.3])).unwrap();
+    let map = accuracy_map(&robot, Vector2::zeros(), Some([0.05, 0.2, 0.2, 0.3])).unwrap();
     let class = |deviation, cost| ToleranceClass { deviation, cost };
     let inputs = [class(2e-4, 1.0), class(5e-5, 4.0)];
     let lengths = [class(50e-6, 1.0), class(20e-6, 3.0), class(5e-6, 10.0)];
-    let coarse = cheapest(&map, 2e-3, &inputs, &lengths).unwrap();
+    let coarse = cheapest_classes(&map, 2e-3, &inputs, &lengths).unwrap();
     assert_eq!(coarse.cost, 7.0);
-    let fine = cheapest(&map, 300e-6, &inputs, &lengths).unwrap();
+    let fine = cheapest_classes(&map, 300e-6, &inputs, &lengths).unwrap();
     assert!(fine.cost > coarse.cost);
     assert!(fine.worst_variance.sqrt() <= 300e-6);
-    assert_eq!(cheapest(&map, 1e-6, &inputs, &lengths), None);
+    assert_eq!(cheapest_classes(&map, 1e-6, &inputs, &lengths), None);
 }

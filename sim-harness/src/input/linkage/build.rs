@@ -274,7 +274,10 @@ impl<'a> Builder<'a> {
             phase,
         } = law;
         let is_valid = |value: &f64| value.abs() <= LARGEST;
-        if ![start, speed, amplitude, frequency, phase].iter().all(is_valid) {
+        if ![start, speed, amplitude, frequency, phase]
+            .iter()
+            .all(is_valid)
+        {
             let reason = format!("must hold finite numbers below {LARGEST:e}");
             return Err(self.source.refuse(key, reason));
         }

@@ -8,12 +8,13 @@ use crate::input::job::{self, Job, Placement};
 use crate::input::linkage::DrivenLinkage;
 use crate::input::robot::{Mechanism, Robot, SliderRobot, Tolerance};
 use crate::show::files::write_whole;
-use crate::show::pages::accuracy::{along_page, at_page, linkage_page, map_page, slider_page};
+use crate::show::pages::accuracy::{at_page, linkage_page, map_page, path_page, slider_page};
 use crate::show::report::Page;
 use crate::show::text::quantity;
 use crate::study::accuracy::{
-    Sampling, State, along, along_answer, analyse, analyse_slider, answer, cheapest, draws,
-    linkage_answer, map, map_answer, monte_carlo, sample_slider, slider_answer, study_linkage,
+    Sampling, ToolState, accuracy_map, analyse, analyse_slider, answer, cheapest_classes, draws,
+    linkage_answer, map_answer, monte_carlo, path_answer, sample_slider, slider_answer,
+    study_linkage,
 };
 use clap::ArgGroup;
 use indicatif::ProgressBar;
@@ -186,14 +187,15 @@ fn study(args: &Args, robot: &Robot) -> Result<(Value, Page), String> {
         let shown = path.display();
         let text = job::read(path).map_err(|error| format!("{shown}: {error}"))?;
         let job = Job::parse(&text, &placement).map_err(|error| format!("{shown}: {error}"))?;
-        let along = along(robot, &job, force).map_err(|error| format!("{shown}: {error}"))?;
+        let along =
+            path_accuracy(robot, &job, force).map_err(|error| format!("{shown}: {error}"))?;
         return Ok((
-            along_answer(&robot.name, &along),
-            along_page(&robot.name, &along),
+            path_answer(&robot.name, &along),
+            path_page(&robot.name, &along),
         ));
     }
     if let Some(at) = args.at {
-        let state = State {
+        let state = ToolState {
             position: vector(at),
             velocity: vector(args.velocity),
             acceleration: vector(args.acceleration),
@@ -207,12 +209,12 @@ fn study(args: &Args, robot: &Robot) -> Result<(Value, Page), String> {
         let page = at_page(&robot.name, &analysis, &sampled);
         return Ok((answer(&robot.name, &state, &analysis, &sampled), page));
     }
-    let map = map(robot, force, args.region)?;
+    let map = accuracy_map(robot, force, args.region)?;
     let mut answer = map_answer(&robot.name, &map);
     let mut page = map_page(&robot.name, &map);
     if let (Some(wanted), Some(path)) = (args.wanted, &args.classes) {
         let classes = Classes::read(path)?;
-        let allocation = cheapest(&map, wanted, &classes.inputs(), &classes.lengths())
+        let allocation = cheapest_classes(&map, wanted, &classes.inputs(), &classes.lengths())
             .ok_or_else(|| {
                 let wanted = quantity(wanted, "m");
                 format!("even the finest classes leave more than {wanted} somewhere: narrow the region with --region, or add finer classes")

@@ -1,16 +1,21 @@
-//! The analysis as JSON, analytic figures and their Monte Carlo twins under the same keys.
+//! The analysis as JSON; the Monte Carlo figures have the same keys as the analytic ones.
 
-use super::along::Along;
-use super::map::Map;
+use super::analysis::{AccuracyAnalysis, ToolState};
+use super::map::AccuracyMap;
 use super::monte_carlo::MonteCarlo;
+use super::path::PathAccuracy;
 use super::sampling::Moments;
-use super::state::{Analysis, State};
 use serde_json::{Value, json};
 
 pub(crate) const JOINTS: [&str; 5] = ["a", "b", "c", "d", "e"];
 
-/// One object; units in the keys: m, N·m (`nm`), N.
-pub fn answer(robot: &str, state: &State, analysis: &Analysis, sampled: &MonteCarlo) -> Value {
+/// One JSON object; the units are in the keys: m, N·m (`nm`), N.
+pub fn answer(
+    robot: &str,
+    state: &ToolState,
+    analysis: &AccuracyAnalysis,
+    sampled: &MonteCarlo,
+) -> Value {
     let deviations = analysis.position.deviations();
     let covariance = &analysis.position.covariance;
     let shares = [analysis.position.shares(0), analysis.position.shares(1)];
@@ -54,7 +59,7 @@ pub fn answer(robot: &str, state: &State, analysis: &Analysis, sampled: &MonteCa
     })
 }
 
-fn twins(analysis: &Analysis, sampled: &MonteCarlo) -> Value {
+fn twins(analysis: &AccuracyAnalysis, sampled: &MonteCarlo) -> Value {
     let position = &sampled.position;
     let variance = |m: &Moments<2>| m.covariance(0, 0) + m.covariance(1, 1);
     let total: f64 = sampled.alone.iter().map(variance).sum();
@@ -106,7 +111,7 @@ fn rows(entry: impl Fn(usize, usize) -> f64) -> Value {
     json!([[entry(0, 0), entry(0, 1)], [entry(1, 0), entry(1, 1)]])
 }
 
-/// The joints' forces follow the two torques.
+/// The forces in the joints; they follow the two torques.
 fn joints(deviation: impl Fn(usize) -> f64) -> Value {
     JOINTS
         .iter()
@@ -118,40 +123,40 @@ fn joints(deviation: impl Fn(usize) -> f64) -> Value {
         .collect()
 }
 
-/// The worst of a path and where it is.
-pub fn along_answer(robot: &str, along: &Along) -> Value {
-    let stations: Vec<Value> = along
-        .stations
+/// The greatest values along a path, and all its points.
+pub fn path_answer(robot: &str, along: &PathAccuracy) -> Value {
+    let points: Vec<Value> = along
+        .points
         .iter()
-        .map(|station| {
-            let mut figures = figures(&station.analysis);
-            figures["distance_m"] = json!(station.distance);
-            figures["line"] = json!(station.line);
+        .map(|point| {
+            let mut figures = figures(&point.analysis);
+            figures["distance_m"] = json!(point.distance);
+            figures["line"] = json!(point.line);
             figures
         })
         .collect();
-    let flips: Vec<Value> = along
-        .flips
+    let contact_losses: Vec<Value> = along
+        .contact_losses
         .iter()
-        .map(|flip| {
+        .map(|loss| {
             json!({
-                "joint": JOINTS[flip.joint],
-                "distance_m": flip.distance,
-                "line": flip.line,
+                "joint": JOINTS[loss.joint],
+                "distance_m": loss.distance,
+                "line": loss.line,
             })
         })
         .collect();
-    let analyses = along.stations.iter().map(|station| &station.analysis);
+    let analyses = along.points.iter().map(|point| &point.analysis);
     json!({
         "robot": robot,
         "worst": worst(analyses),
-        "contact_loss_expected": flips,
-        "stations": stations,
+        "contact_loss_expected": contact_losses,
+        "stations": points,
     })
 }
 
-/// The worst of a map, and every place of it.
-pub fn map_answer(robot: &str, map: &Map) -> Value {
+/// The greatest values of a map, and all its cells.
+pub fn map_answer(robot: &str, map: &AccuracyMap) -> Value {
     let places: Vec<Value> = map.reached().map(figures).collect();
     json!({
         "robot": robot,
@@ -162,7 +167,7 @@ pub fn map_answer(robot: &str, map: &Map) -> Value {
     })
 }
 
-fn figures(analysis: &Analysis) -> Value {
+fn figures(analysis: &AccuracyAnalysis) -> Value {
     let deviations = analysis.position.deviations();
     json!({
         "at_m": [analysis.pose.c.x, analysis.pose.c.y],
@@ -173,14 +178,14 @@ fn figures(analysis: &Analysis) -> Value {
     })
 }
 
-fn worst<'a>(analyses: impl Iterator<Item = &'a Analysis>) -> Value {
-    let analyses: Vec<&Analysis> = analyses.collect();
-    let greatest = |figure: fn(&Analysis) -> f64| {
+fn worst<'a>(analyses: impl Iterator<Item = &'a AccuracyAnalysis>) -> Value {
+    let analyses: Vec<&AccuracyAnalysis> = analyses.collect();
+    let greatest = |figure: fn(&AccuracyAnalysis) -> f64| {
         let figures = analyses.iter().map(|analysis| figure(analysis));
         figures.fold(0.0, f64::max)
     };
     json!({
-        "position_sd_radial_m": greatest(Analysis::radial_deviation),
+        "position_sd_radial_m": greatest(AccuracyAnalysis::radial_deviation),
         "input_worst_m": greatest(|analysis| analysis.input_worst),
         "clearance_worst_m": greatest(|analysis| analysis.clearance.worst),
         "clearance_rms_m": greatest(|analysis| analysis.clearance.rms),

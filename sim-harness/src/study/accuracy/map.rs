@@ -1,50 +1,54 @@
-//! Over the workspace: the scatter and the worst cases at every place of a grid, and the
-//! cheapest tolerances that hold a wanted scatter there.
+//! The accuracy over the workspace: scatter and worst cases in every cell of a grid, and the
+//! cheapest tolerances that keep the scatter within a bound.
 
-use super::state::{Analysis, State, analyse};
+use super::analysis::{AccuracyAnalysis, ToolState, analyse};
 use crate::input::robot::Robot;
 use fivebar_design::accuracy::allocation::{Allocation, ToleranceClass, allocate};
 use nalgebra::Vector2;
 use rayon::prelude::*;
 
-/// Places along the longer side of the grid.
-const PLACES: usize = 64;
+/// Cells along the longer side of the grid.
+const CELLS: usize = 64;
 
-/// One place of the grid.
+/// One cell of the grid.
 #[derive(Clone, Debug)]
-pub struct Cell {
+pub struct AccuracyCell {
     /// C [m].
     pub position: [f64; 2],
-    /// What is there; none out of reach or nearer to a singularity than the robot's margin.
-    pub analysis: Option<Analysis>,
+    /// The analysis there; none out of reach or within the robot's singularity margin.
+    pub analysis: Option<AccuracyAnalysis>,
 }
 
 /// A grid over the reach of an arm.
 #[derive(Clone, Debug)]
-pub struct Map {
-    /// Distance between places [m].
+pub struct AccuracyMap {
+    /// Distance between cells [m].
     pub pitch: f64,
-    /// Places in a row.
+    /// Cells in a row.
     pub columns: usize,
     /// Row by row from the lower left.
-    pub cells: Vec<Cell>,
+    pub cells: Vec<AccuracyCell>,
 }
 
-impl Map {
-    /// The places that the arm can take, with what is there.
-    pub fn reached(&self) -> impl Iterator<Item = &Analysis> {
+impl AccuracyMap {
+    /// The analyses of all cells that have one.
+    pub fn reached(&self) -> impl Iterator<Item = &AccuracyAnalysis> {
         self.cells.iter().filter_map(|cell| cell.analysis.as_ref())
     }
 }
 
-/// Maps a robot at rest under a force on its tool [N], over its reach or within `region`
-/// [x0, y0, x1, y1] of it [m].
+/// Maps the accuracy of a robot at rest under a force on its tool [N], over its reach or over
+/// `region`, which is [x0, y0, x1, y1] [m].
 ///
 /// # Errors
-/// A sentence where nothing of the region can be reached.
-pub fn map(robot: &Robot, force: Vector2<f64>, region: Option<[f64; 4]>) -> Result<Map, String> {
+/// A sentence if no cell of the region can be analysed.
+pub fn accuracy_map(
+    robot: &Robot,
+    force: Vector2<f64>,
+    region: Option<[f64; 4]>,
+) -> Result<AccuracyMap, String> {
     let [x0, y0, x1, y1] = region.unwrap_or_else(|| reach(robot));
-    let pitch = (x1 - x0).max(y1 - y0) / (PLACES - 1) as f64;
+    let pitch = (x1 - x0).max(y1 - y0) / (CELLS - 1) as f64;
     if !(pitch > 0.0 && pitch.is_finite()) {
         return Err("the region is empty: give X0,Y0,X1,Y1 with X0 < X1 and Y0 < Y1".into());
     }
@@ -53,33 +57,35 @@ pub fn map(robot: &Robot, force: Vector2<f64>, region: Option<[f64; 4]>) -> Resu
     let cell = |index: usize| {
         let (row, column) = (index / columns, index % columns);
         let position = Vector2::new(x0 + pitch * column as f64, y0 + pitch * row as f64);
-        let state = State {
+        let state = ToolState {
             position,
             velocity: Vector2::zeros(),
             acceleration: Vector2::zeros(),
             force,
         };
-        let clear = |analysis: &Analysis| {
+        let clear = |analysis: &AccuracyAnalysis| {
             analysis.pose.nearest_singularity().1 >= robot.limits.singularity_margin
         };
-        Cell {
+        AccuracyCell {
             position: [position.x, position.y],
             analysis: analyse(robot, &state).ok().filter(clear),
         }
     };
-    let cells: Vec<Cell> = (0..columns * rows).into_par_iter().map(cell).collect();
-    let map = Map {
+    let cells: Vec<AccuracyCell> = (0..columns * rows).into_par_iter().map(cell).collect();
+    let map = AccuracyMap {
         pitch,
         columns,
         cells,
     };
     if map.reached().next().is_none() {
-        return Err("no place of the region can be reached clear of singularities".into());
+        return Err(
+            "no position of the region is within reach and outside the singularity margin".into(),
+        );
     }
     Ok(map)
 }
 
-/// The box around both legs' reach.
+/// The box around the reach of both legs.
 fn reach(robot: &Robot) -> [f64; 4] {
     let geometry = &robot.geometry;
     let [_, outer1] = geometry.leg1_radii();
@@ -94,16 +100,16 @@ fn reach(robot: &Robot) -> [f64; 4] {
     ]
 }
 
-/// The cheapest classes for θ1, θ4, l1…l4 and the base that keep √(σx² + σy²) within
-/// `wanted` [m] all over a map; `inputs` are the classes of the two angles [rad], `lengths`
-/// those of the five lengths [m].
-pub fn cheapest(
-    map: &Map,
-    wanted: f64,
+/// The cheapest classes for θ1, θ4, l1…l4 and the base that keep √(σx² + σy²) within `bound`
+/// [m] in all cells of a map; none if no choice does. `inputs` are the classes of the two
+/// angles [rad], `lengths` those of the five lengths [m].
+pub fn cheapest_classes(
+    map: &AccuracyMap,
+    bound: f64,
     inputs: &[ToleranceClass],
     lengths: &[ToleranceClass],
 ) -> Option<Allocation> {
-    let weights: Vec<Vec<f64>> = map.reached().map(Analysis::weights).collect();
+    let weights: Vec<Vec<f64>> = map.reached().map(AccuracyAnalysis::weights).collect();
     let classes: Vec<Vec<ToleranceClass>> = (0..7)
         .map(|i| {
             if i < 2 {
@@ -113,5 +119,5 @@ pub fn cheapest(
             }
         })
         .collect();
-    allocate(&weights, &classes, wanted * wanted)
+    allocate(&weights, &classes, bound * bound)
 }

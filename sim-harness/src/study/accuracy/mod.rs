@@ -1,25 +1,25 @@
-//! Accuracy of a robot or a linkage: what its tolerances and clearances do to position and force, by
-//! analysis and by sampling, side by side.
+//! The accuracy of a robot or a linkage: the effect of its tolerances and clearances on
+//! positions and forces, by analysis and by sampling.
 
-mod along;
+mod analysis;
 mod answer;
 mod linkage;
 mod map;
 mod monte_carlo;
+mod path;
 mod sampling;
 mod slider;
-mod state;
 
-pub use along::{Along, Flip, Station, along};
+pub use analysis::{AccuracyAnalysis, ToolState, analyse};
 pub(crate) use answer::JOINTS;
-pub use answer::{along_answer, answer, map_answer};
+pub use answer::{answer, map_answer, path_answer};
 pub(crate) use linkage::drive_name;
 pub use linkage::{
-    LinkageAnalysis, LinkageStudy, Reach, analyse_linkage, linkage_answer, sample_linkage,
+    LinkageAnalysis, LinkageStudy, PointError, analyse_linkage, linkage_answer, sample_linkage,
     study_linkage,
 };
-pub use map::{Cell, Map, cheapest, map};
+pub use map::{AccuracyCell, AccuracyMap, accuracy_map, cheapest_classes};
 pub use monte_carlo::{MonteCarlo, draws, monte_carlo, sample_forces, sample_positions};
-pub use sampling::{Moments, Sampling, Spread, Sums, sample};
+pub use path::{ContactLoss, PathAccuracy, PathPoint, path_accuracy};
+pub use sampling::{Accumulator, Deviations, Moments, Sampling, sample};
 pub use slider::{SliderAnalysis, SliderMonteCarlo, analyse_slider, sample_slider, slider_answer};
-pub use state::{Analysis, State, analyse};

@@ -1,8 +1,8 @@
-//! The same figures by sampling: real arms with the wrong lengths, real pins anywhere in
-//! their bearings.
+//! The figures of the analysis by sampling: arms with random errors of their lengths, and pins
+//! at random positions in their bearings.
 
+use super::analysis::{AccuracyAnalysis, SCATTERED, ToolState};
 use super::sampling::{Moments, Sampling, sample};
-use super::state::{Analysis, SCATTERED, State};
 use crate::input::robot::Robot;
 use crate::run::plant::Noise;
 use fivebar_design::accuracy::DifferentiableModel as _;
@@ -15,20 +15,20 @@ use indicatif::ProgressBar;
 use nalgebra::Vector2;
 use std::f64::consts::TAU;
 
-/// What sampling finds for each figure of an [`Analysis`].
+/// The sampled figures of an [`AccuracyAnalysis`].
 #[derive(Clone, Debug)]
 pub struct MonteCarlo {
-    /// How it was sampled.
+    /// Number and seed of the samples.
     pub sampling: Sampling,
-    /// Displacement of C by inputs and lengths [m].
+    /// Displacement of C by errors of inputs and lengths [m].
     pub position: Moments<2>,
-    /// The same with one primitive varied at a time, in the order of
-    /// [`Analysis::primitives`].
+    /// The same with errors of one primitive at a time, in the order of
+    /// [`AccuracyAnalysis::primitives`].
     pub alone: Vec<Moments<2>>,
-    /// Distance of C from its place with input errors uniform in their square [m].
+    /// Distance of C from its ideal position with uniform errors of the inputs [m].
     pub input: Moments<1>,
-    /// Distance of C by pins anywhere in their bearings, on the rim in any direction for the
-    /// root mean square: exactly, and to first order [m].
+    /// Distance of C from its ideal position with all pins on the rims of their bearings in
+    /// random directions: exact, and to first order [m].
     pub clearance: Moments<2>,
     /// Ċ [m/s] and C̈ [m/s²]; none without masses.
     pub motion: Option<Moments<4>>,
@@ -39,12 +39,12 @@ pub struct MonteCarlo {
 /// Samples everything that [`analyse`](super::analyse) propagates.
 pub fn monte_carlo(
     robot: &Robot,
-    state: &State,
-    analysis: &Analysis,
+    state: &ToolState,
+    analysis: &AccuracyAnalysis,
     sampling: Sampling,
     progress: &ProgressBar,
 ) -> MonteCarlo {
-    let arms = Arms {
+    let arms = ArmSampler {
         robot,
         state,
         analysis,
@@ -73,12 +73,12 @@ pub fn monte_carlo(
 /// Displacements of C by inputs and lengths [m].
 pub fn sample_positions(
     robot: &Robot,
-    state: &State,
-    analysis: &Analysis,
+    state: &ToolState,
+    analysis: &AccuracyAnalysis,
     sampling: Sampling,
     progress: &ProgressBar,
 ) -> Moments<2> {
-    let arms = Arms {
+    let arms = ArmSampler {
         robot,
         state,
         analysis,
@@ -91,12 +91,12 @@ pub fn sample_positions(
 /// Torques [N·m] and joint forces [N]; none without masses.
 pub fn sample_forces(
     robot: &Robot,
-    state: &State,
-    analysis: &Analysis,
+    state: &ToolState,
+    analysis: &AccuracyAnalysis,
     sampling: Sampling,
     progress: &ProgressBar,
 ) -> Option<Moments<12>> {
-    let arms = Arms {
+    let arms = ArmSampler {
         robot,
         state,
         analysis,
@@ -108,20 +108,20 @@ pub fn sample_forces(
 }
 
 /// The number of samples that [`monte_carlo`] draws in all, for its progress.
-pub fn draws(analysis: &Analysis, sampling: Sampling) -> u64 {
+pub fn draws(analysis: &AccuracyAnalysis, sampling: Sampling) -> u64 {
     let kinds = 3 + analysis.primitives.len() + 2 * usize::from(analysis.forces.is_some());
     (kinds * sampling.samples) as u64
 }
 
-struct Arms<'a> {
+struct ArmSampler<'a> {
     robot: &'a Robot,
-    state: &'a State,
-    analysis: &'a Analysis,
+    state: &'a ToolState,
+    analysis: &'a AccuracyAnalysis,
 }
 
-impl Arms<'_> {
-    /// θ1, θ4, l1…l5 of an arm as made, those that do not vary at their means.
-    fn made(&self, noise: &mut Noise, varies: impl Fn(usize) -> bool) -> [f64; 7] {
+impl ArmSampler<'_> {
+    /// Random θ1, θ4, l1…l5; those that do not vary have their means.
+    fn random_primitives(&self, noise: &mut Noise, varies: impl Fn(usize) -> bool) -> [f64; 7] {
         std::array::from_fn(|i| {
             let primitive = &self.analysis.primitives[i];
             let error = if varies(i) { noise.normal() } else { 0.0 };
@@ -130,7 +130,7 @@ impl Arms<'_> {
     }
 
     fn displacement(&self, noise: &mut Noise, varies: impl Fn(usize) -> bool) -> Option<[f64; 2]> {
-        let [theta1, theta4, l1, l2, l3, l4, base] = self.made(noise, varies);
+        let [theta1, theta4, l1, l2, l3, l4, base] = self.random_primitives(noise, varies);
         let geometry = Geometry::new([l1, l2, l3, l4, base]).ok()?;
         let assembly = self.analysis.pose.assembly();
         let made = geometry.forward(theta1, theta4, assembly).ok()?.c;
@@ -149,7 +149,7 @@ impl Arms<'_> {
         Some([(pose.c - self.analysis.pose.c).norm()])
     }
 
-    /// Pins on the rims of their bearings, in any direction.
+    /// Pins on the rims of their bearings, in random directions.
     fn clearance_error(&self, noise: &mut Noise) -> Option<[f64; 2]> {
         let radii = self.robot.tolerance.clearance_radius;
         let offsets = radii.map(|radius| Vector2::unit(TAU * noise.uniform()) * radius);
@@ -163,7 +163,7 @@ impl Arms<'_> {
         Some([exact, linear.norm()])
     }
 
-    /// Position, motion, torques and forces of an arm as made, as [`ArmAccuracyModel`] has them.
+    /// Position, motion, torques and forces of an arm with random errors, in the order of [`ArmAccuracyModel`] has them.
     fn results(&self, arm: &Arm<f64>, noise: &mut Noise) -> Option<Vec<f64>> {
         let model = ArmAccuracyModel {
             arm,
@@ -171,7 +171,7 @@ impl Arms<'_> {
             external_force: self.state.force,
         };
         let mut primitives = model.primitives(&self.analysis.inputs);
-        let made = self.made(noise, |_| true);
+        let made = self.random_primitives(noise, |_| true);
         for (index, value) in SCATTERED.into_iter().zip(made) {
             primitives[index] = value;
         }

@@ -1,44 +1,44 @@
-//! Monte Carlo on all cores, the same numbers from the same seed whatever their number.
+//! Monte Carlo sampling on all cores. The results do not depend on the number of cores.
 //!
-//! The samples are drawn in blocks, each from a stream of its own that follows from the
-//! seed and the block's number; blocks are added up in their order.
+//! The samples are drawn in blocks. Each block has its own stream of pseudo-random numbers,
+//! from the seed and the block's number; the blocks are summed in their order.
 
 use crate::run::plant::Noise;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 
-/// Samples that share a stream.
+/// Samples in a block.
 const BLOCK: usize = 4096;
 
-/// How many samples, from which seed.
+/// Number and seed of the samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sampling {
     /// The number of samples.
     pub samples: usize,
-    /// Any number; the same one gives the same samples.
+    /// Any number; the same number gives the same samples.
     pub seed: u64,
 }
 
-/// What adds up over samples.
-pub trait Sums: Default + Send {
-    /// What a sample gives.
+/// Statistics that are accumulated over samples.
+pub trait Accumulator: Default + Send {
+    /// The values of one sample.
     type Values;
 
     /// Adds a sample.
     fn add(&mut self, values: &Self::Values);
     /// Counts a sample that could not be assembled.
     fn fail(&mut self);
-    /// The sums of both (Chan's update, exact but for rounding).
+    /// The statistics of both sets of samples together (Chan's update, exact up to rounding).
     #[must_use]
-    fn join(self, other: &Self) -> Self;
+    fn merge(self, other: &Self) -> Self;
 }
 
-/// Sums over samples of N results.
+/// Means and covariances over samples of N results.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Moments<const N: usize> {
-    /// Samples that had an answer.
+    /// Number of samples with results.
     pub count: usize,
-    /// Samples that could not be assembled.
+    /// Number of samples that could not be assembled.
     pub failed: usize,
     /// The means.
     pub mean: [f64; N],
@@ -60,7 +60,7 @@ impl<const N: usize> Default for Moments<N> {
     }
 }
 
-impl<const N: usize> Sums for Moments<N> {
+impl<const N: usize> Accumulator for Moments<N> {
     type Values = [f64; N];
 
     fn add(&mut self, values: &[f64; N]) {
@@ -82,7 +82,7 @@ impl<const N: usize> Sums for Moments<N> {
         self.failed += 1;
     }
 
-    fn join(mut self, other: &Self) -> Self {
+    fn merge(mut self, other: &Self) -> Self {
         self.failed += other.failed;
         if other.count == 0 {
             return self;
@@ -124,8 +124,7 @@ impl<const N: usize> Moments<N> {
         (self.products[i][i] / count + self.mean[i] * self.mean[i]).sqrt()
     }
 
-    /// The sampling error of a standard deviation, as a share of it: 1/√(2n) for normal
-    /// results.
+    /// The relative sampling error of a standard deviation: 1/√(2n) for normal results.
     pub fn relative_error(&self) -> f64 {
         relative_error(self.count)
     }
@@ -135,12 +134,12 @@ fn relative_error(count: usize) -> f64 {
     1.0 / (2.0 * count.max(1) as f64).sqrt()
 }
 
-/// Sums over samples of any number of results, without their correlation.
+/// Means and standard deviations over samples of any number of results.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Spread {
-    /// Samples that had an answer.
+pub struct Deviations {
+    /// Number of samples with results.
     pub count: usize,
-    /// Samples that could not be assembled.
+    /// Number of samples that could not be assembled.
     pub failed: usize,
     /// The means.
     pub mean: Vec<f64>,
@@ -148,7 +147,7 @@ pub struct Spread {
     squares: Vec<f64>,
 }
 
-impl Sums for Spread {
+impl Accumulator for Deviations {
     type Values = Vec<f64>;
 
     fn add(&mut self, values: &Vec<f64>) {
@@ -167,7 +166,7 @@ impl Sums for Spread {
         self.failed += 1;
     }
 
-    fn join(mut self, other: &Self) -> Self {
+    fn merge(mut self, other: &Self) -> Self {
         self.failed += other.failed;
         self.mean.resize(other.mean.len().max(self.mean.len()), 0.0);
         self.squares.resize(self.mean.len(), 0.0);
@@ -182,22 +181,22 @@ impl Sums for Spread {
     }
 }
 
-impl Spread {
-    /// The standard deviation of result `i`; zero where no sample had an answer.
+impl Deviations {
+    /// The standard deviation of result `i`; zero if no sample has results.
     pub fn deviation(&self, i: usize) -> f64 {
         let degrees = self.count.saturating_sub(1).max(1) as f64;
         let square = self.squares.get(i).copied().unwrap_or(0.0);
         (square / degrees).sqrt()
     }
 
-    /// The sampling error of a standard deviation, as a share of it, for normal results.
+    /// The relative sampling error of a standard deviation, for normal results.
     pub fn relative_error(&self) -> f64 {
         relative_error(self.count)
     }
 }
 
-/// Draws samples of `draw`, which gives none where a sample cannot be assembled.
-pub fn sample<M: Sums>(
+/// Accumulates samples of `draw`, which returns none if a sample cannot be assembled.
+pub fn sample<M: Accumulator>(
     sampling: Sampling,
     progress: &ProgressBar,
     draw: impl Fn(&mut Noise) -> Option<M::Values> + Sync,
@@ -219,10 +218,10 @@ pub fn sample<M: Sums>(
             sums
         })
         .collect();
-    sums.iter().fold(M::default(), M::join)
+    sums.iter().fold(M::default(), M::merge)
 }
 
-/// A seed for each block, far from its neighbours' (SplitMix64's finaliser).
+/// A seed for each block, unlike its neighbours' (SplitMix64's finaliser).
 fn stream(seed: u64, block: u64) -> u64 {
     let mut z = seed ^ block.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -251,13 +250,13 @@ mod tests {
     }
 
     #[test]
-    fn a_spread_is_that_of_the_moments_whatever_the_blocks() {
+    fn deviations_agree_with_moments_over_several_blocks() {
         let moments = scatter(20_000, 2);
         let sampling = Sampling {
             samples: 20_000,
             seed: 7,
         };
-        let spread: Spread = sample(sampling, &ProgressBar::hidden(), |noise| {
+        let spread: Deviations = sample(sampling, &ProgressBar::hidden(), |noise| {
             let x = 3.0 + 2.0 * noise.normal();
             Some(vec![x, 0.5 * x + noise.normal()])
         });
@@ -268,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn moments_are_those_of_what_was_drawn() {
+    fn moments_are_those_of_the_sampled_distribution() {
         let moments = scatter(100_000, 2);
         assert_eq!(moments.count, 100_000);
         let error = 4.0 * moments.relative_error();

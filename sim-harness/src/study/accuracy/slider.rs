@@ -1,5 +1,5 @@
-//! The slider-driven mechanism at one place of P: through its transfer coefficients (Tu 2005,
-//! corrected), and by sampling.
+//! The accuracy of the slider-driven mechanism at one position of P, by its transfer
+//! coefficients (Tu 2005, corrected) and by sampling.
 
 use super::sampling::{Moments, Sampling, sample};
 use crate::input::robot::SliderRobot;
@@ -18,34 +18,34 @@ use nalgebra::Vector2;
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
 
-/// What tolerance and clearance do to P.
+/// The effect of tolerances and clearances on P.
 #[derive(Clone, Debug)]
 pub struct SliderAnalysis {
     /// The pose.
     pub pose: Pose<f64>,
     /// x2, x8, l3, l7 and l5 with their scatter.
     pub primitives: Vec<Primitive>,
-    /// How P answers to each of them.
+    /// Displacement of P per error of each of them.
     pub transfer: ErrorTransfer<f64>,
     /// The scatter of P [m²].
     pub position: Scatter,
-    /// The farthest that the sliders' errors take P [m].
+    /// Greatest displacement of P by errors of the sliders [m].
     pub input_worst: f64,
-    /// How far clearances take P.
+    /// Displacement of P by clearances.
     pub clearance: ClearanceError,
     /// The pins as the force on P presses them, links without mass.
     pub equilibrium: ClearanceEquilibrium,
 }
 
-/// Its figures by sampling.
+/// The sampled figures of a [`SliderAnalysis`].
 #[derive(Clone, Debug)]
 pub struct SliderMonteCarlo {
-    /// How it was sampled.
+    /// Number and seed of the samples.
     pub sampling: Sampling,
-    /// Displacement of P by sliders and lengths [m].
+    /// Displacement of P by errors of sliders and lengths [m].
     pub position: Moments<2>,
-    /// Distance of P from its place: by sliders' errors uniform in their square, by pins on
-    /// the rims of their bearings in any direction [m].
+    /// Distance of P from its ideal position with uniform errors of the sliders, and with pins
+    /// on the rims of their bearings in random directions [m].
     pub distance: Moments<2>,
 }
 
@@ -65,7 +65,7 @@ impl SliderAnalysis {
 /// Analyses the mechanism with P at `at` [m] and a force on P [N].
 ///
 /// # Errors
-/// A sentence saying why P cannot be there.
+/// A sentence that says why P cannot be there.
 pub fn analyse_slider(
     robot: &SliderRobot,
     at: Vector2<f64>,
@@ -117,12 +117,12 @@ pub fn analyse_slider(
     })
 }
 
-/// In the order of the primitives.
+/// The displacements per error, in the order of the primitives.
 fn columns(by: &ErrorTransfer<f64>) -> [Vector2<f64>; 5] {
     [by.x2, by.x8, by.l3, by.l7, by.l5]
 }
 
-/// Samples the same by real mechanisms with the wrong numbers.
+/// Samples the same figures with random errors of the mechanism.
 pub fn sample_slider(
     robot: &SliderRobot,
     analysis: &SliderAnalysis,
@@ -156,7 +156,7 @@ pub fn sample_slider(
         let moved = geometry.forward(x2, x8, ideal.assembly()).ok()?.p;
         let rims = tolerance.clearance_radius;
         let [a, b, c, d] = rims.map(|radius| Vector2::unit(TAU * noise.uniform()) * radius);
-        // The limbs' lower ends, moved to where the platform's two ends are one.
+        // The limbs' lower ends, shifted so that the platform's two ends coincide.
         let left = ideal.p - ideal.u3 * geometry.l3();
         let right = ideal.p - ideal.u7 * geometry.l7();
         let loose = limbs.position(left + a + b, right + c + d).ok()?;
@@ -169,7 +169,7 @@ pub fn sample_slider(
     }
 }
 
-/// One object; units in the keys, Monte Carlo twins under the same keys.
+/// One JSON object; the units are in the keys. The Monte Carlo figures have the same keys.
 pub fn slider_answer(
     robot: &SliderRobot,
     analysis: &SliderAnalysis,

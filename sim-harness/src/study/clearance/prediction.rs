@@ -2,7 +2,7 @@
 
 use crate::input::job::Job;
 use crate::input::robot::Robot;
-use crate::study::accuracy::along;
+use crate::study::accuracy::path_accuracy;
 use nalgebra::Vector2;
 
 /// The greatest values over a job at its feed rates.
@@ -25,9 +25,9 @@ impl Prediction {
     pub fn of(robot: &Robot, job: &Job, clearance: [f64; 5]) -> Result<Self, String> {
         let mut worn = robot.clone();
         worn.tolerance.clearance_radius = clearance;
-        let along = along(&worn, job, Vector2::zeros())?;
+        let along = path_accuracy(&worn, job, Vector2::zeros())?;
         let mut most = Self::default();
-        for analysis in along.stations.iter().map(|station| &station.analysis) {
+        for analysis in along.points.iter().map(|point| &point.analysis) {
             most.worst = most.worst.max(analysis.clearance.worst);
             let Some(forces) = &analysis.forces else {
                 continue;

@@ -3,12 +3,12 @@
 use super::pareto::pareto;
 use crate::show::report::{Chart, Page};
 use crate::show::text::quantity;
-use crate::study::accuracy::{Along, Analysis, JOINTS, Map, MonteCarlo};
+use crate::study::accuracy::{AccuracyAnalysis, AccuracyMap, JOINTS, MonteCarlo, PathAccuracy};
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
 /// One figure of an analysis [m].
-type Figure = fn(&Analysis) -> f64;
+type Figure = fn(&AccuracyAnalysis) -> f64;
 
 /// What the models leave out, said on every page.
 const LIMITS: &str = "First order, except where a figure is called exact: errors are small \
@@ -16,7 +16,7 @@ const LIMITS: &str = "First order, except where a figure is called exact: errors
     stays in contact; impacts and flight need a contact run (fivebar clearance).";
 
 /// The page of one state.
-pub fn at_page(robot: &str, analysis: &Analysis, sampled: &MonteCarlo) -> Page {
+pub fn at_page(robot: &str, analysis: &AccuracyAnalysis, sampled: &MonteCarlo) -> Page {
     let mut page = Page::new(format!("Accuracy of {robot}"));
     let c = analysis.pose.c;
     page.paragraph(&format!(
@@ -110,47 +110,45 @@ pub fn at_page(robot: &str, analysis: &Analysis, sampled: &MonteCarlo) -> Page {
 }
 
 /// The page of a path.
-pub fn along_page(robot: &str, along: &Along) -> Page {
+pub fn path_page(robot: &str, along: &PathAccuracy) -> Page {
     let mut page = Page::new(format!("Accuracy of {robot} along a path"));
     page.paragraph(LIMITS);
-    let curve = |figure: &dyn Fn(&Analysis) -> f64| -> Vec<[f64; 2]> {
-        let stations = along.stations.iter();
-        stations
-            .map(|s| [s.distance, figure(&s.analysis)])
-            .collect()
+    let curve = |figure: &dyn Fn(&AccuracyAnalysis) -> f64| -> Vec<[f64; 2]> {
+        let points = along.points.iter();
+        points.map(|s| [s.distance, figure(&s.analysis)]).collect()
     };
     let microns = |figure: Figure| curve(&move |analysis| 1e6 * figure(analysis));
     page.chart(
         &Chart::new("Tool error", "distance along the path [m]", "error [µm]")
             .line(
                 "standard deviation, radial",
-                microns(Analysis::radial_deviation),
+                microns(AccuracyAnalysis::radial_deviation),
             )
             .line("input errors, worst", microns(|a| a.input_worst))
             .line("clearances, worst", microns(|a| a.clearance.worst))
             .line("clearances, rms", microns(|a| a.clearance.rms)),
     );
     let path = along
-        .stations
+        .points
         .iter()
         .map(|s| [s.analysis.pose.c.x, s.analysis.pose.c.y]);
     let mut plane =
         Chart::new("Where the tool is likely to be", "x [m]", "y [m]").line("path", path.collect());
     plane.equal_aspect = true;
-    let step = (along.stations.len() / 24).max(1);
-    for (index, station) in along.stations.iter().step_by(step).enumerate() {
+    let step = (along.points.len() / 24).max(1);
+    for (index, point) in along.points.iter().step_by(step).enumerate() {
         let name = if index == 0 {
             "2σ ellipses, 20 times enlarged"
         } else {
             ""
         };
-        plane = plane.line(name, ellipse(&station.analysis, 40.0));
+        plane = plane.line(name, ellipse(&point.analysis, 40.0));
     }
     page.chart(&plane);
-    if along.stations.iter().any(|s| s.analysis.forces.is_some()) {
+    if along.points.iter().any(|s| s.analysis.forces.is_some()) {
         let mut chart = Chart::new("Joint forces", "distance along the path [m]", "force [N]");
         for (joint, name) in JOINTS.iter().enumerate() {
-            let force = move |analysis: &Analysis| {
+            let force = move |analysis: &AccuracyAnalysis| {
                 analysis
                     .forces
                     .as_ref()
@@ -160,16 +158,16 @@ pub fn along_page(robot: &str, along: &Along) -> Page {
         }
         page.chart(&chart);
         page.heading("Where pins change sides");
-        if along.flips.is_empty() {
+        if along.contact_losses.is_empty() {
             page.paragraph("Nowhere: no reaction turns about, so every pin can keep contact.");
         } else {
             let rows: Vec<Vec<String>> = along
-                .flips
+                .contact_losses
                 .iter()
                 .take(200)
-                .map(|flip| {
-                    let joint = JOINTS[flip.joint].to_uppercase();
-                    vec![joint, quantity(flip.distance, "m"), flip.line.to_string()]
+                .map(|loss| {
+                    let joint = JOINTS[loss.joint].to_uppercase();
+                    vec![joint, quantity(loss.distance, "m"), loss.line.to_string()]
                 })
                 .collect();
             page.paragraph("A reaction turns about here: expect the pin to cross its bearing.");
@@ -180,11 +178,14 @@ pub fn along_page(robot: &str, along: &Along) -> Page {
 }
 
 /// The page of a map.
-pub fn map_page(robot: &str, map: &Map) -> Page {
+pub fn map_page(robot: &str, map: &AccuracyMap) -> Page {
     let mut page = Page::new(format!("Accuracy of {robot} over its workspace"));
     page.paragraph(LIMITS);
     let figures: [(&str, Figure); 4] = [
-        ("standard deviation, radial", Analysis::radial_deviation),
+        (
+            "standard deviation, radial",
+            AccuracyAnalysis::radial_deviation,
+        ),
         ("input errors, exact worst case", |a| a.input_worst),
         ("clearances, exact worst case", |a| a.clearance.worst),
         ("clearances, root mean square", |a| a.clearance.rms),
@@ -207,7 +208,7 @@ pub fn map_page(robot: &str, map: &Map) -> Page {
 }
 
 /// The covariance ellipse about C, `factor` standard deviations large.
-fn ellipse(analysis: &Analysis, factor: f64) -> Vec<[f64; 2]> {
+fn ellipse(analysis: &AccuracyAnalysis, factor: f64) -> Vec<[f64; 2]> {
     let covariance = &analysis.position.covariance;
     let eigen = covariance.clone().symmetric_eigen();
     (0..=32)
@@ -224,7 +225,7 @@ fn ellipse(analysis: &Analysis, factor: f64) -> Vec<[f64; 2]> {
 }
 
 /// The share of each dimension in the variance of the tool's position, largest first.
-fn position_shares(analysis: &Analysis) -> Vec<(&str, f64)> {
+fn position_shares(analysis: &AccuracyAnalysis) -> Vec<(&str, f64)> {
     let total = analysis.position.covariance.trace();
     let share = |i: usize| {
         let part: f64 = analysis.position.contributions.column(i).sum();
@@ -238,7 +239,7 @@ fn position_shares(analysis: &Analysis) -> Vec<(&str, f64)> {
     shares
 }
 
-fn heat_map(map: &Map, figure: Figure, least: f64, greatest: f64) -> String {
+fn heat_map(map: &AccuracyMap, figure: Figure, least: f64, greatest: f64) -> String {
     let rows = map.cells.len() / map.columns;
     let span = (greatest / least).ln().max(1e-9);
     let (width, height) = (8 * map.columns, 8 * rows);

@@ -5,6 +5,6 @@ mod linkage;
 mod pareto;
 mod slider;
 
-pub use five_bar::{along_page, at_page, map_page};
+pub use five_bar::{at_page, map_page, path_page};
 pub use linkage::linkage_page;
 pub use slider::slider_page;

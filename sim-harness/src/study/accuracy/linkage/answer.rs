@@ -1,14 +1,15 @@
-//! The study of a linkage as JSON, units in the keys, Monte Carlo twins under the same keys.
+//! The study of a linkage as JSON; the units are in the keys. The Monte Carlo figures have the
+//! same keys.
 
 use super::{LinkageAnalysis, LinkageStudy};
 use crate::input::linkage::{DrivenLinkage, driven_links, reaction_names};
 use fivebar_design::accuracy::linkage::ResultKind;
 use serde_json::{Map, Value, json};
 
-/// Contributors below this share of a variance are left out of its list.
+/// Least share of a variance for a contributor to be listed.
 const LEAST_SHARE: f64 = 1e-6;
 
-/// One object: the instant asked for in full, then the sweep.
+/// One JSON object: the chosen instant with all figures, then the sweep.
 pub fn linkage_answer(driven: &DrivenLinkage, study: &LinkageStudy) -> Value {
     let instant = &study.instant;
     let deviations = instant.scatter.deviations();
@@ -23,13 +24,13 @@ pub fn linkage_answer(driven: &DrivenLinkage, study: &LinkageStudy) -> Value {
     twins["seed"] = json!(study.sampling.seed);
     twins["failed"] = json!(sampled.failed);
     twins["relative_error_of_sd"] = json!(sampled.relative_error());
-    for (index, reach) in instant.reach.iter().enumerate() {
+    for (index, error) in instant.point_errors.iter().enumerate() {
         let name = &driven.linkage.points()[index].name;
-        if let Some(reach) = reach {
+        if let Some(error) = error {
             let point = &mut answer["points"][name];
-            point["clearance_worst_linear_m"] = json!(reach.clearance_worst);
-            point["clearance_rms_m"] = json!(reach.clearance_rms);
-            point["input_worst_m"] = json!(reach.input_worst);
+            point["clearance_worst_linear_m"] = json!(error.clearance_worst);
+            point["clearance_rms_m"] = json!(error.clearance_rms);
+            point["input_worst_m"] = json!(error.input_worst);
         }
     }
     for (row, result) in instant.results.iter().enumerate() {
@@ -55,7 +56,8 @@ pub fn linkage_answer(driven: &DrivenLinkage, study: &LinkageStudy) -> Value {
     answer
 }
 
-/// Who brings in how much of the variance of `rows` results from `row` on, largest first.
+/// The shares of all contributors in the variance of `rows` results from `row` on, the
+/// greatest first.
 fn contributors(analysis: &LinkageAnalysis, row: usize, rows: usize) -> Value {
     analysis
         .shares(row, rows)
@@ -138,7 +140,7 @@ fn by_figure(
     answer
 }
 
-/// A driven link, what drives it and the unit of that.
+/// The name of a driven link, and quantity and unit of its drive.
 pub(crate) fn drive_name(
     driven: &DrivenLinkage,
     drive: usize,
@@ -153,7 +155,7 @@ pub(crate) fn drive_name(
     (name.into(), what, unit)
 }
 
-/// Adds the keys of objects within objects.
+/// Merges `from` into `into`, also within nested objects.
 fn merge(into: &mut Value, from: Value) {
     match (into, from) {
         (Value::Object(into), Value::Object(from)) => {

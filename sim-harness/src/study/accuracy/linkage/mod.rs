@@ -1,14 +1,14 @@
-//! Accuracy of a linkage: the scatter of its motion and forces at an instant and over its
+//! The accuracy of a linkage: the scatter of its motion and forces at one instant and over its
 //! sweep, by analysis and by sampling.
 
 mod answer;
-mod reach;
+mod point_error;
 
 pub(crate) use answer::drive_name;
 pub use answer::linkage_answer;
-pub use reach::Reach;
+pub use point_error::PointError;
 
-use super::sampling::{Sampling, Spread, sample};
+use super::sampling::{Deviations, Sampling, sample};
 use crate::input::linkage::DrivenLinkage;
 use fivebar_design::accuracy::linkage::{LinkageAccuracyModel, ResultKind, clearance_equilibrium};
 use fivebar_design::accuracy::{DifferentiableModel as _, Primitive, Scatter, sensitivities};
@@ -16,25 +16,26 @@ use fivebar_design::linkage::{Clearance, Coordinate, Linkage, ParameterKind, Sol
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 
-/// What tolerance and clearance do to a linkage at an instant.
+/// The effect of tolerances and clearances on a linkage at one instant.
 #[derive(Clone, Debug)]
 pub struct LinkageAnalysis {
-    /// When [s].
+    /// The instant [s].
     pub time: f64,
     /// The driving coordinates.
     pub inputs: Vec<Coordinate<f64>>,
-    /// What is known of: motion and forces.
+    /// The results: motion and forces.
     pub results: Vec<ResultKind>,
-    /// Their nominal values, pins where they are taken to lie.
+    /// Their nominal values, with the pins at their assumed positions.
     pub values: Vec<f64>,
-    /// Everything that has a scatter: inputs and their rates, then parameters.
+    /// All primitives with a scatter: inputs and their rates, then parameters.
     pub primitives: Vec<Primitive>,
     /// The scatter of the results.
     pub scatter: Scatter,
-    /// How far pins and inputs may take each point; in the order of the linkage's points,
-    /// none for those of the frame.
-    pub reach: Vec<Option<Reach>>,
-    /// Whether the pins' directions settled; else some joint is about to lose contact.
+    /// Worst errors of each point by pins and inputs, in the order of the linkage's points; none
+    /// for points of the frame.
+    pub point_errors: Vec<Option<PointError>>,
+    /// Whether the search for the clearance equilibrium has converged; otherwise a joint is
+    /// about to lose contact.
     pub settled: bool,
     linkage: Linkage<f64>,
     varied: Vec<usize>,
@@ -53,23 +54,23 @@ impl LinkageAnalysis {
     }
 }
 
-/// The analysis over the sweep, with one instant in full.
+/// The analysis over the sweep, and one instant also by sampling.
 #[derive(Clone, Debug)]
 pub struct LinkageStudy {
-    /// The instant asked for.
+    /// The chosen instant.
     pub instant: LinkageAnalysis,
     /// Its results by sampling.
-    pub sampled: Spread,
-    /// How it was sampled.
+    pub sampled: Deviations,
+    /// Number and seed of the samples.
     pub sampling: Sampling,
-    /// Every instant of the sweep at which the linkage closes.
+    /// All instants of the sweep at which the linkage closes.
     pub sweep: Vec<LinkageAnalysis>,
 }
 
-/// Analyses a linkage over its sweep, and at `time` [s] by samples too.
+/// Analyses a linkage over its sweep, and at `time` [s] also by sampling.
 ///
 /// # Errors
-/// A sentence saying why the linkage has no results at that time.
+/// A sentence that says why the linkage has no results at this time.
 pub fn study_linkage(
     driven: &DrivenLinkage,
     time: f64,
@@ -91,14 +92,14 @@ pub fn study_linkage(
     })
 }
 
-/// The scatter of everything at one instant.
+/// Analyses a linkage at `time` [s].
 ///
 /// # Errors
 /// The element that cannot be solved.
 pub fn analyse_linkage(driven: &DrivenLinkage, time: f64) -> Result<LinkageAnalysis, SolveError> {
     let tolerance = &driven.tolerance;
     let inputs: Vec<_> = driven.laws.iter().map(|law| law.at(time)).collect();
-    let (linkage, settled) = with_pins(driven, &inputs)?;
+    let (linkage, settled) = with_pin_offsets(driven, &inputs)?;
     let (varied, mut parameters, pins) = varied(driven, &linkage);
     let model = LinkageAccuracyModel {
         linkage: &linkage,
@@ -131,8 +132,8 @@ pub fn analyse_linkage(driven: &DrivenLinkage, time: f64) -> Result<LinkageAnaly
         .map(|(radius, place)| (radius, 3 * inputs.len() + place))
         .collect();
     let motion = linkage.motion(&inputs)?;
-    let corners = reach::input_worst(&linkage, &inputs, &tolerance.input_max, &motion);
-    let reach = reach::reach(&motion, &pins, corners.as_deref(), &t, &results);
+    let corners = point_error::input_worst(&linkage, &inputs, &tolerance.input_max, &motion);
+    let point_errors = point_error::point_errors(&motion, &pins, corners.as_deref(), &t, &results);
     Ok(LinkageAnalysis {
         time,
         inputs,
@@ -140,16 +141,16 @@ pub fn analyse_linkage(driven: &DrivenLinkage, time: f64) -> Result<LinkageAnaly
         scatter: Scatter::propagate(&t, &primitives),
         results,
         primitives,
-        reach,
+        point_errors,
         settled,
         varied: model.varied,
         linkage,
     })
 }
 
-/// The linkage with its pins off their centres: where the file says, or else where their
-/// reactions press them.
-fn with_pins(
+/// The linkage with its pins out of their centres: at the angles of the file, or else in
+/// clearance equilibrium.
+fn with_pin_offsets(
     driven: &DrivenLinkage,
     inputs: &[Coordinate<f64>],
 ) -> Result<(Linkage<f64>, bool), SolveError> {
@@ -158,7 +159,7 @@ fn with_pins(
     for pin in &driven.tolerance.pins {
         if let Some(angle) = pin.angle {
             let radius = pin.radius;
-            // The file's pins are pins and its radii sound: nothing is refused.
+            // This cannot fail: the file's joints are pins and its radii are valid.
             let _ = linkage.set_clearance(pin.joint, Clearance { radius, angle });
         } else {
             radii[pin.joint] = pin.radius;
@@ -168,20 +169,20 @@ fn with_pins(
     Ok((equilibrium.linkage, equilibrium.converged))
 }
 
-/// The parameters that have a scatter or belong to a pin, by their place in the order of
-/// [`Linkage::map_parameters`], and what they are; of each pin its radius and the radius's place among
-/// them, before its angle's.
+/// The parameters that have a scatter or belong to a pin: their indices in the order of
+/// [`Linkage::map_parameters`], and the parameters; for each pin its radius and the index of
+/// the radius among them, which the angle follows.
 type Varied = (Vec<usize>, Vec<Primitive>, Vec<(f64, usize)>);
 
 fn varied(driven: &DrivenLinkage, linkage: &Linkage<f64>) -> Varied {
     let tolerance = &driven.tolerance;
-    let shaped = |name: &str| {
+    let has_section = |name: &str| {
         let mut links = linkage.links().iter();
         links.any(|link| link.name == name && link.section.is_some())
     };
     let (mut varied, mut primitives) = (Vec::new(), Vec::<Primitive>::new());
     let mut pins = Vec::new();
-    // A pin's radius comes before its angle, and the pins in the order of the joints.
+    // The pins come in the order of the joints, each with its radius before its angle.
     let mut radii = tolerance.pins.iter();
     let mut angles = tolerance.pins.iter();
     let mut number = 0;
@@ -197,7 +198,7 @@ fn varied(driven: &DrivenLinkage, linkage: &Linkage<f64>) -> Varied {
                 let pin = angles.next();
                 pin.map(|pin| (format!("clearance angle of {}", pin.name), pin.angle_sd))
             }
-            ParameterKind::Mass if mean == 0.0 || shaped(of) => None,
+            ParameterKind::Mass if mean == 0.0 || has_section(of) => None,
             kind => {
                 let what = match kind {
                     ParameterKind::Length => "length of",
@@ -225,12 +226,12 @@ fn varied(driven: &DrivenLinkage, linkage: &Linkage<f64>) -> Varied {
     (varied, primitives, pins)
 }
 
-/// Draws the results of linkages with the wrong numbers, normally distributed.
+/// Samples the results with normally distributed errors of all primitives.
 pub fn sample_linkage(
     analysis: &LinkageAnalysis,
     sampling: Sampling,
     progress: &ProgressBar,
-) -> Spread {
+) -> Deviations {
     let model = LinkageAccuracyModel {
         linkage: &analysis.linkage,
         varied: analysis.varied.clone(),

@@ -13,9 +13,9 @@ use fivebar_kinematics::five_bar::Pose;
 use nalgebra::DMatrix;
 use nalgebra::Vector2;
 
-/// How the tool stands and moves, and what pulls at it.
+/// Position and motion of the tool, and the force on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct State {
+pub struct ToolState {
     /// C [m].
     pub position: Vector2<f64>,
     /// Ċ [m/s].
@@ -26,28 +26,28 @@ pub struct State {
     pub force: Vector2<f64>,
 }
 
-/// What tolerance and clearance do at a state.
+/// The effect of tolerances and clearances at one state of the tool.
 #[derive(Clone, Debug)]
-pub struct Analysis {
+pub struct AccuracyAnalysis {
     /// The pose.
     pub pose: Pose<f64>,
     /// The driven joints' motion.
     pub inputs: DrivenJointMotion,
     /// θ1, θ4, l1…l4 and the base with their scatter.
     pub primitives: Vec<Primitive>,
-    /// How C answers to each of them, from the middle of the base.
+    /// Displacement of C per error of each of them, from the middle of the base.
     pub sensitivities: ToolSensitivities,
     /// The scatter of C, from the middle of the base [m²].
     pub position: Scatter,
-    /// The farthest that input errors take C [m].
+    /// Greatest displacement of C by errors of the inputs [m].
     pub input_worst: f64,
-    /// How far clearances take C.
+    /// Displacement of C by clearances.
     pub clearance: ClearanceError,
-    /// What needs masses; none for a robot known by its lengths alone.
+    /// The part that needs masses; none for a robot with lengths only.
     pub forces: Option<Forces>,
 }
 
-impl Analysis {
+impl AccuracyAnalysis {
     /// √(σx² + σy²) of the tool [m].
     pub fn radial_deviation(&self) -> f64 {
         self.position.covariance.trace().sqrt()
@@ -64,26 +64,26 @@ impl Analysis {
     }
 }
 
-/// Scatter of torques and joint forces, and the pins as the forces seat them.
+/// Scatter of torques and joint forces, and the clearance equilibrium.
 #[derive(Clone, Debug)]
 pub struct Forces {
-    /// Of Ċ [m/s] and C̈ [m/s²], x and y, the driven joints moving as asked.
+    /// Scatter of Ċ [m/s] and C̈ [m/s²], x and y, with the driven joints on their references.
     pub motion: Scatter,
-    /// Of τ1, τ4 [N·m] and the forces in A, B, C, D, E, x and y [N].
+    /// Scatter of τ1, τ4 [N·m] and of the forces in A, B, C, D, E, x and y [N].
     pub scatter: Scatter,
-    /// The pins pressed where the forces push them.
+    /// The clearance equilibrium under these forces.
     pub equilibrium: ClearanceEquilibrium,
 }
 
-/// The primitives that have a scatter: inputs and lengths, and their columns among those of
+/// The primitives with a scatter, inputs and lengths, by their columns among those of
 /// [`ArmAccuracyModel`].
 pub(super) const SCATTERED: [usize; 7] = [0, 1, 6, 7, 8, 9, 10];
 
 /// Analyses one state of a robot.
 ///
 /// # Errors
-/// A sentence saying why the state cannot be had.
-pub fn analyse(robot: &Robot, state: &State) -> Result<Analysis, String> {
+/// A sentence that says why the arm cannot be in this state.
+pub fn analyse(robot: &Robot, state: &ToolState) -> Result<AccuracyAnalysis, String> {
     let geometry = &robot.geometry;
     let place = || format!("at ({}, {}) m", state.position.x, state.position.y);
     let refuse = |error: &dyn std::fmt::Display| format!("{}: {error}", place());
@@ -136,7 +136,7 @@ pub fn analyse(robot: &Robot, state: &State) -> Result<Analysis, String> {
             })
         }
     };
-    Ok(Analysis {
+    Ok(AccuracyAnalysis {
         position: Scatter::propagate(&columns(&by), &primitives),
         sensitivities: by,
         input_worst: worst_input_error(geometry, &pose, tolerance.input_max)

@@ -1,34 +1,35 @@
-//! Along a job: the same analysis at its feed rates, and where pins change sides.
+//! The accuracy along a job at its feed rates, and the points at which pins lose contact.
 
-use super::state::{Analysis, State, analyse};
+use super::analysis::{AccuracyAnalysis, ToolState, analyse};
 use crate::input::job::{Action, Job};
 use crate::input::robot::Robot;
 use fivebar_kinematics::trajectory::{PathSegment, Sense};
 use nalgebra::Vector2;
 
-/// Samples are no farther apart than this along the path [m] …
+/// Distance of the samples along the path [m]; greater if there would be too many samples.
 const SPACING: f64 = 1e-3;
-/// … nor more than this in all.
-const MOST: usize = 4000;
+/// Most samples of a path.
+const MAX_SAMPLES: usize = 4000;
 
-/// Radii of an arc's ends may differ by this, as in a planned move [m].
+/// Greatest difference of the two radii of an arc, as in a planned move [m].
 const ARC_MISMATCH: f64 = 1e-4;
 
-/// One place of the path.
+/// One point of the path.
 #[derive(Clone, Debug)]
-pub struct Station {
+pub struct PathPoint {
     /// Distance along the path [m].
     pub distance: f64,
     /// The line of the job.
     pub line: u32,
-    /// What is there.
-    pub analysis: Analysis,
+    /// The analysis there.
+    pub analysis: AccuracyAnalysis,
 }
 
-/// A joint whose reaction turns about: its pin leaves one side of the bearing for the other.
+/// A joint whose reaction reverses: its pin leaves one side of the bearing and goes to the
+/// other.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Flip {
-    /// 0 to 4 for A to E.
+pub struct ContactLoss {
+    /// The joint, 0 to 4 for A to E.
     pub joint: usize,
     /// Distance along the path [m].
     pub distance: f64,
@@ -38,21 +39,21 @@ pub struct Flip {
 
 /// The analysis along a path.
 #[derive(Clone, Debug)]
-pub struct Along {
-    /// Its places in order.
-    pub stations: Vec<Station>,
-    /// Where contact is expected to be lost.
-    pub flips: Vec<Flip>,
+pub struct PathAccuracy {
+    /// The points in order.
+    pub points: Vec<PathPoint>,
+    /// The points at which a loss of contact is expected.
+    pub contact_losses: Vec<ContactLoss>,
 }
 
 /// Analyses a job's motion under a constant force on the tool [N].
 ///
-/// The tool is taken to move at the feed rate all along, turning where the path turns;
-/// ramps at corners are left out.
+/// The tool moves at the feed rate everywhere, with the acceleration of the path's curvature
+/// and without ramps at corners.
 ///
 /// # Errors
-/// A sentence naming the first line that cannot be analysed.
-pub fn along(robot: &Robot, job: &Job, force: Vector2<f64>) -> Result<Along, String> {
+/// A sentence with the first line that cannot be analysed.
+pub fn path_accuracy(robot: &Robot, job: &Job, force: Vector2<f64>) -> Result<PathAccuracy, String> {
     let mut pieces = Vec::new();
     let mut from: Option<Vector2<f64>> = None;
     for step in &job.steps {
@@ -70,16 +71,16 @@ pub fn along(robot: &Robot, job: &Job, force: Vector2<f64>) -> Result<Along, Str
         from = Some(to);
     }
     let total: f64 = pieces.iter().map(|(_, segment, _)| segment.length()).sum();
-    let spacing = SPACING.max(total / MOST as f64);
-    let mut stations: Vec<Station> = Vec::new();
-    let mut flips = Vec::new();
+    let spacing = SPACING.max(total / MAX_SAMPLES as f64);
+    let mut points: Vec<PathPoint> = Vec::new();
+    let mut contact_losses = Vec::new();
     let mut done = 0.0;
     for (line, segment, feed) in pieces {
         let count = (segment.length() / spacing).ceil().max(1.0) as usize;
         for index in 0..=count {
             let s = segment.length() * index as f64 / count as f64;
             let here = segment.at(s);
-            let state = State {
+            let state = ToolState {
                 position: here.position,
                 velocity: here.tangent * feed,
                 acceleration: here.curvature * (feed * feed),
@@ -88,15 +89,15 @@ pub fn along(robot: &Robot, job: &Job, force: Vector2<f64>) -> Result<Along, Str
             let analysis =
                 analyse(robot, &state).map_err(|error| format!("line {line}: {error}"))?;
             let distance = done + s;
-            if let Some(before) = stations.last() {
+            if let Some(before) = points.last() {
                 let turned = turned_about(&before.analysis, &analysis);
-                flips.extend(turned.map(|joint| Flip {
+                contact_losses.extend(turned.map(|joint| ContactLoss {
                     joint,
                     distance,
                     line,
                 }));
             }
-            stations.push(Station {
+            points.push(PathPoint {
                 distance,
                 line,
                 analysis,
@@ -104,10 +105,13 @@ pub fn along(robot: &Robot, job: &Job, force: Vector2<f64>) -> Result<Along, Str
         }
         done += segment.length();
     }
-    if stations.is_empty() {
-        return Err("the job has no path: nothing follows its first point".into());
+    if points.is_empty() {
+        return Err("the job has no path: add a motion after its first point".into());
     }
-    Ok(Along { stations, flips })
+    Ok(PathAccuracy {
+        points,
+        contact_losses,
+    })
 }
 
 fn segment(from: Vector2<f64>, to: Vector2<f64>, action: &Action) -> Option<PathSegment<f64>> {
@@ -128,7 +132,10 @@ fn segment(from: Vector2<f64>, to: Vector2<f64>, action: &Action) -> Option<Path
 }
 
 /// The joints whose reaction has turned by more than a right angle.
-fn turned_about<'a>(before: &'a Analysis, after: &'a Analysis) -> impl Iterator<Item = usize> + 'a {
+fn turned_about<'a>(
+    before: &'a AccuracyAnalysis,
+    after: &'a AccuracyAnalysis,
+) -> impl Iterator<Item = usize> + 'a {
     let forces = before.forces.as_ref().zip(after.forces.as_ref());
     forces.into_iter().flat_map(|(before, after)| {
         (0..5).filter(move |&joint| {
