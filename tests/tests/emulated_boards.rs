@@ -4,7 +4,7 @@ use fivebar::input::robot::Robot;
 use fivebar::input::scenario::Scenario;
 use fivebar::run::link::{Client, Emulator, Instructions, Lockstep};
 use fivebar::run::simulation::{Record, Summary};
-use fivebar::show::doctor::answers_alike;
+use fivebar::show::doctor::compare_outputs;
 use fivebar_firmware::protocol::{Board, Order, Reply};
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::{Request, Settings, Status};
@@ -54,9 +54,9 @@ fn the_emulated_board_gives_the_bits_of_this_process() {
 
 #[test]
 fn the_doctor_tells_this_programs_image_from_another() {
-    let qemu = answers_alike(&Emulator::built_image("qemu"));
+    let qemu = compare_outputs(&Emulator::built_image("qemu"));
     assert!(qemu.is_ok(), "{qemu:?}");
-    let other = answers_alike(&Emulator::built_image("stm32f405"));
+    let other = compare_outputs(&Emulator::built_image("stm32f405"));
     let reason = other.expect_err("it makes its own ticks").to_string();
     assert!(
         reason.contains("needs a board with the image `qemu`"),

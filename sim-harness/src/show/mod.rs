@@ -1,4 +1,4 @@
-//! What is shown: pages, files for other programs, the live page and the command line.
+//! The outputs: pages, files for other programs, the live page and the command line.
 
 #[cfg(feature = "program")]
 pub mod cli;

@@ -1,4 +1,4 @@
-//! `fivebar accuracy`: what tolerances and clearances do to position and force.
+//! `fivebar accuracy`: the effect of tolerances and clearances on positions and forces.
 
 use super::failure::{Failure, refused};
 use super::figures::figures;
@@ -13,8 +13,8 @@ use crate::show::report::Page;
 use crate::show::text::quantity;
 use crate::study::accuracy::{
     Sampling, ToolState, accuracy_map, analyse, analyse_slider, answer, cheapest_classes, draws,
-    linkage_answer, map_answer, monte_carlo, path_answer, sample_slider, slider_answer,
-    study_linkage,
+    linkage_answer, map_answer, monte_carlo, path_accuracy, path_answer, sample_slider,
+    slider_answer, study_linkage,
 };
 use clap::ArgGroup;
 use indicatif::ProgressBar;
@@ -22,22 +22,22 @@ use nalgebra::Vector2;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
-/// Position, motion and force under tolerance and clearance, analytic beside sampled.
+/// Computes the effect of tolerances and clearances, by analysis and by sampling.
 #[derive(clap::Args)]
 #[command(group = ArgGroup::new("where").args(["at", "path", "map", "time"]))]
 pub(super) struct Args {
-    /// A robot or a linkage (a file with [sweep]) with [tolerance], or a built-in one's name.
+    /// A robot or linkage file with [tolerance], or a built-in robot or example.
     file: String,
-    /// At one point X,Y of C, the far joint [m]; of a slider-driven robot at P.
+    /// Analyse one position X,Y of C [m]; for a slider-driven mechanism, of P.
     #[arg(long, value_name = "X,Y", value_parser = numbers::<2>, allow_hyphen_values = true)]
     at: Option<[f64; 2]>,
-    /// Along a G-code job, at its feed rates.
+    /// Analyse the path of a G-code job at its feed rates.
     #[arg(long, value_name = "JOB.gcode")]
     path: Option<PathBuf>,
-    /// Over the whole workspace.
+    /// Analyse the whole workspace.
     #[arg(long)]
     map: bool,
-    /// Of a linkage: the instant of its sweep to sample [s]; left out: its beginning.
+    /// For a linkage: the instant of its sweep to sample [s]; by default its beginning.
     #[arg(long, value_name = "SECONDS", value_parser = instant)]
     time: Option<f64>,
     /// With --at: velocity of C [m/s].
@@ -46,42 +46,42 @@ pub(super) struct Args {
     /// With --at: acceleration of C [m/s²].
     #[arg(long, value_name = "X,Y", value_parser = numbers::<2>, allow_hyphen_values = true, default_value = "0,0")]
     acceleration: [f64; 2],
-    /// A force on C [N].
+    /// Force on C [N].
     #[arg(long, value_name = "X,Y", value_parser = numbers::<2>, allow_hyphen_values = true, default_value = "0,0")]
     force: [f64; 2],
-    /// With --path: where the job's (0,0) is [m].
+    /// With --path: position of the job's (0,0) [m].
     #[arg(long, value_name = "X,Y", value_parser = numbers::<2>, allow_hyphen_values = true, default_value = "0,0")]
     origin: [f64; 2],
     /// With --path: metres in the plane per metre in the job.
     #[arg(long, default_value_t = 1.0)]
     scale: f64,
-    /// With --map: only within this rectangle [m].
+    /// With --map: analyse only this rectangle [m].
     #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = numbers::<4>, allow_hyphen_values = true)]
     region: Option<[f64; 4]>,
-    /// With --map: find the cheapest tolerances that keep the radial standard deviation
-    /// within this everywhere [m].
+    /// With --map: find the cheapest tolerances with a radial standard deviation of at most
+    /// this everywhere [m].
     #[arg(long, value_name = "METRES", requires_all = ["map", "classes"])]
     wanted: Option<f64>,
-    /// With --wanted: what each class of tolerance gives and costs (TOML).
+    /// With --wanted: the classes of tolerance with their deviations and costs (TOML).
     #[arg(long, value_name = "CLASSES.toml", requires = "wanted")]
     classes: Option<PathBuf>,
-    /// With --at, or of a linkage: samples of each Monte Carlo figure.
+    /// With --at, or for a linkage: number of Monte Carlo samples of each figure.
     #[arg(long, default_value_t = 100_000, value_parser = clap::value_parser!(u32).range(2..=100_000_000))]
     samples: u32,
     /// Seed of the samples.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Print the answer as one JSON object.
+    /// Print the result as one JSON object.
     #[arg(long)]
     json: bool,
-    /// Write the report as DIR/report.html.
+    /// Write a report to DIR/report.html.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
 
 fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
     let parsed: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
-    let wrong = || format!("expected {N} finite numbers with commas between");
+    let wrong = || format!("give {N} finite numbers, separated by commas");
     let numbers: [f64; N] = parsed
         .map_err(|_| wrong())?
         .try_into()
@@ -110,28 +110,30 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What the file is, is told by what it holds.
+/// Analyses the linkage or the robot of the file; its content shows which of them it is.
 fn subject(args: &Args) -> Result<(Value, Page), Failure> {
     if DrivenLinkage::is_named(&args.file) {
         if args.at.is_some() || args.path.is_some() || args.map {
-            let reason = "a linkage is studied over its sweep, and with --time at an instant; --at, --path and --map are for robots";
+            let reason = "--at, --path and --map are for robots; a linkage is analysed over its \
+                          sweep, and at one instant with --time";
             return Err(Failure::Usage(reason.into()));
         }
         let driven = DrivenLinkage::load(&args.file).map_err(refused)?;
         return linkage(args, &driven).map_err(refused);
     }
     if args.time.is_some() {
-        let reason = "--time is for linkages; of a robot say --at, --path or --map";
+        let reason = "--time is for linkages; for a robot give --at, --path or --map";
         return Err(Failure::Usage(reason.into()));
     }
     if args.at.is_none() && args.path.is_none() && !args.map {
-        return Err(Failure::Usage("say where: --at, --path or --map".into()));
+        let reason = "give the positions to analyse: --at, --path or --map";
+        return Err(Failure::Usage(reason.into()));
     }
     match Mechanism::load(&args.file).map_err(refused)? {
         Mechanism::FiveBar(robot) => study(args, &robot).map_err(refused),
         Mechanism::Slider(robot) => {
             let Some(at) = args.at else {
-                let reason = "of a slider-driven robot only --at is known";
+                let reason = "a slider-driven mechanism takes only --at";
                 return Err(Failure::Usage(reason.into()));
             };
             slider(args, &robot, at).map_err(refused)
@@ -171,7 +173,7 @@ fn study(args: &Args, robot: &Robot) -> Result<(Value, Page), String> {
     let force = vector(args.force);
     if robot.tolerance == Tolerance::default() && args.wanted.is_none() {
         warn(format_args!(
-            "{}: no [tolerance] is given, so that every deviation is 0; its keys are length_sd, \
+            "{}: the file has no [tolerance], so all deviations are 0; its keys are length_sd, \
              input_sd, input_max and clearance_radius",
             args.file
         ));
@@ -217,7 +219,10 @@ fn study(args: &Args, robot: &Robot) -> Result<(Value, Page), String> {
         let allocation = cheapest_classes(&map, wanted, &classes.inputs(), &classes.lengths())
             .ok_or_else(|| {
                 let wanted = quantity(wanted, "m");
-                format!("even the finest classes leave more than {wanted} somewhere: narrow the region with --region, or add finer classes")
+                format!(
+                    "even with the finest classes the deviation exceeds {wanted} somewhere: make \
+                     the region smaller with --region, or add finer classes"
+                )
             })?;
         let names = classes.names(&allocation.choice);
         page.heading("The cheapest tolerances");
@@ -230,7 +235,7 @@ fn study(args: &Args, robot: &Robot) -> Result<(Value, Page), String> {
         );
         let worst = allocation.worst_variance.sqrt();
         page.paragraph(&format!(
-            "They cost {} in all and leave a radial standard deviation of {} at worst.",
+            "Their total cost is {}; the greatest radial standard deviation is {}.",
             allocation.cost,
             quantity(worst, "m")
         ));

@@ -1,4 +1,4 @@
-//! `fivebar clearance`: a job done by the arm as new and with worn joints.
+//! `fivebar clearance`: a job on the new arm and with worn joints.
 
 use super::failure::{Failure, refused};
 use super::run_args::{point, scale};
@@ -13,26 +13,24 @@ use crate::study::clearance::{ClearanceStudy, NAMES, Outcome, answer, study};
 use indicatif::ProgressBar;
 use std::path::{Path, PathBuf};
 
-/// The job where none is named: the shortest worth running.
+/// The default job, a short one.
 const JOB: &str = include_str!("../../../jobs/petal.gcode");
 
-/// Simulate a job with clearance in the joints, new against worn: impacts, forces, error.
+/// Simulates a job with worn joints: impacts, forces and errors against the new arm.
 #[derive(clap::Args)]
 pub(super) struct Args {
     /// A robot file, or the name of a built-in robot.
     file: String,
-    /// What it does; a scenario's robot gives way to FILE. A petal of two arcs when left
-    /// out.
+    /// A scenario, whose robot is replaced by FILE, or a job; by default a petal of two arcs.
     #[arg(value_name = "SCENARIO.toml|JOB.gcode")]
     job: Option<String>,
-    /// Radial clearances to try, a run for each [m]; the robot's `clearance_radius` when
-    /// left out.
+    /// Radial clearances, one run for each [m]; by default the robot's `clearance_radius`.
     #[arg(long, value_name = "METRES,…", allow_hyphen_values = true, value_delimiter = ',', value_parser = positive)]
     radius: Vec<f64>,
     /// The joints that wear; the others stay ideal.
     #[arg(long, value_name = "A,B,…", value_delimiter = ',', value_parser = joint, default_value = "A,B,C,D,E")]
     joints: Vec<usize>,
-    /// Where the job's (0, 0) lies in the frame of the base [m].
+    /// Position of the job's (0, 0) in the frame of the base [m].
     #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
     origin: Option<[f64; 2]>,
     /// Metres in the plane per metre in the job.
@@ -102,7 +100,7 @@ fn scenario(args: &Args) -> Result<Scenario, Failure> {
     Ok(scenario)
 }
 
-/// The clearances of the runs, joint by joint.
+/// The clearances of all joints for each run.
 fn clearances(args: &Args, robot: &Robot) -> Result<Vec<[f64; 5]>, Failure> {
     let worn = |radii: [f64; 5]| {
         std::array::from_fn(|k| {
@@ -128,7 +126,7 @@ fn clearances(args: &Args, robot: &Robot) -> Result<Vec<[f64; 5]>, Failure> {
 }
 
 fn print(study: &ClearanceStudy, folder: &Path) -> Result<(), Failure> {
-    say(format_args!("{} does {}", study.robot, study.scenario))?;
+    say(format_args!("{}: {}", study.robot, study.scenario))?;
     for outcome in &study.outcomes {
         print_one(outcome)?;
     }
@@ -150,14 +148,14 @@ fn print_one(outcome: &Outcome) -> Result<(), Failure> {
     say(format_args!("  {name}"))?;
     let error = outcome.summary.tip_error;
     say(format_args!(
-        "    tip error   {} RMS, {} at most; clearance adds {} RMS, {} at most",
+        "    tip error   {} RMS, {} max; added by clearance {} RMS, {} max",
         quantity(error.rms_m, "m"),
         quantity(error.max_m, "m"),
         quantity(outcome.added.rms_m, "m"),
         quantity(outcome.added.max_m, "m")
     ))?;
     say(format_args!(
-        "    by the pins {} RMS, {} at most; foretold: {} seated, {} at worst",
+        "    by the pins {} RMS, {} max; predicted: {} in equilibrium, {} worst case",
         quantity(outcome.by_pins.rms_m, "m"),
         quantity(outcome.by_pins.max_m, "m"),
         quantity(outcome.prediction.seated, "m"),
@@ -165,13 +163,13 @@ fn print_one(outcome: &Outcome) -> Result<(), Failure> {
     ))?;
     let [torque1, torque4] = outcome.summary.peak_torque_nm;
     say(format_args!(
-        "    torque      {} and {} at most",
+        "    torque      {} and {} max",
         quantity(torque1, "N·m"),
         quantity(torque4, "N·m")
     ))?;
     let forces = joints.map(|joint| quantity(joint.peak_force, "N"));
     say(format_args!(
-        "    reactions   {} at most, A to E",
+        "    reactions   {} max, A to E",
         forces.join(", ")
     ))?;
     if clearance > 0.0 {
@@ -179,7 +177,7 @@ fn print_one(outcome: &Outcome) -> Result<(), Failure> {
             .flight_share()
             .map(|share| format!("{:.0} %", 100.0 * share));
         say(format_args!(
-            "    impacts     {}, in flight {} of the time, A to E",
+            "    impacts     {}; without contact {} of the time, A to E",
             joints.map(|joint| joint.impacts.to_string()).join(", "),
             flight.join(", ")
         ))?;
@@ -187,7 +185,7 @@ fn print_one(outcome: &Outcome) -> Result<(), Failure> {
     Ok(())
 }
 
-/// A run that a fault ended is no success, though its report is there.
+/// A failure if a fault ended a run; the report is written all the same.
 fn outcome(study: &ClearanceStudy) -> Result<(), Failure> {
     let faulted = study.outcomes.iter().find_map(|outcome| {
         let fault = outcome.summary.faults.first()?;
@@ -195,7 +193,7 @@ fn outcome(study: &ClearanceStudy) -> Result<(), Failure> {
     });
     faulted.map_or(Ok(()), |(clearance, fault)| {
         Err(refused(format_args!(
-            "with a clearance of {} the arm stopped by a fault, {fault}; the report shows it",
+            "with a clearance of {} the arm stopped with a fault, {fault}; see the report",
             quantity(clearance, "m")
         )))
     })

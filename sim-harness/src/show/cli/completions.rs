@@ -1,11 +1,11 @@
-//! `fivebar completions`: what a shell completes.
+//! `fivebar completions`: completion scripts for shells.
 
 use super::Failure;
 use super::command;
 use super::say::print;
 use clap_complete::{Shell, generate};
 
-/// Prints what a shell needs to complete commands and options.
+/// Prints a script with which a shell completes commands and options.
 #[derive(clap::Args)]
 pub(super) struct Args {
     /// The shell.

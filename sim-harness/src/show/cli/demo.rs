@@ -1,4 +1,4 @@
-//! Bare `fivebar`: the demonstration, a drawing job done by the default arm.
+//! `fivebar` without a command: the demonstration, a drawing job on the default arm.
 
 use super::failure::{Failure, refused};
 use super::output::OutputArgs;
@@ -18,8 +18,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     sim::simulate(&Scenario::demonstration(robot), &args.output)?;
     if !args.output.json {
         say(format_args!(
-            "\nOpen the report in a browser. `fivebar sim JOB.gcode` draws a job of yours, \
-             `fivebar help` tells what else there is."
+            "\nOpen the report in a browser. `fivebar sim JOB.gcode` draws your own job; \
+             `fivebar help` lists all commands."
         ))?;
     }
     Ok(())

@@ -1,4 +1,4 @@
-//! `fivebar drive`: a job done by a controller that drives motors.
+//! `fivebar drive`: a job on a controller that drives motors.
 
 use super::failure::{Failure, refused};
 use super::log::LogArgs;
@@ -18,14 +18,14 @@ pub(super) struct Args {
     job: JobArgs,
     #[command(flatten)]
     port: PortArgs,
-    /// Give the robot's settings to the controller and store them there.
+    /// Store the robot's settings on the controller.
     #[arg(long)]
     upload: bool,
     /// Clear a latched fault first.
     #[arg(long)]
     clear: bool,
-    /// The arm has been put to these joint angles by hand [rad]; without it, an arm that
-    /// is not homed looks for its switches.
+    /// Joint angles to which you have turned the arm by hand [rad]; without this option, an
+    /// arm that is not homed searches for its home switches.
     #[arg(long, value_name = "θ1,θ4", value_parser = super::run_args::point, allow_hyphen_values = true)]
     at: Option<[f64; 2]>,
     #[command(flatten)]
@@ -35,7 +35,7 @@ pub(super) struct Args {
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     if !args.job.names_a_job() {
         return Err(Failure::Usage(
-            "say which job the motors shall do: fivebar drive JOB.gcode --port PORT".into(),
+            "give a job: fivebar drive JOB.gcode --port PORT".into(),
         ));
     }
     let scenario = args.job.scenario()?;
@@ -84,10 +84,10 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     };
     let outcome = go();
     bar.finish_and_clear();
-    // Of a job that was refused there is nothing to keep.
+    // A refused job has no samples to log.
     let logged = match trace.samples() {
         [] => Ok(()),
-        _ => args.log.leave(&scenario.robot, &trace),
+        _ => args.log.write(&scenario.robot, &trace),
     };
     match outcome {
         Ok(()) => {

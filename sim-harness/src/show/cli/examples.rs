@@ -1,8 +1,8 @@
-//! The examples that end each command's help.
+//! The examples at the end of each command's help.
 
 use clap::Command;
 
-/// By command: what one may type.
+/// The examples of each command.
 const EXAMPLES: &[(&str, &[&str])] = &[
     (
         "accuracy",
@@ -105,7 +105,7 @@ const EXAMPLES: &[(&str, &[&str])] = &[
         "query",
         &[
             "echo '{\"op\":\"inverse\",\"c\":[0.04,0.2],\"elbow1\":\"right\",\"elbow4\":\"left\"}' | fivebar query",
-            "fivebar query --robot my-arm.toml < questions.jsonl",
+            "fivebar query --robot my-arm.toml < queries.jsonl",
         ],
     ),
     (
@@ -151,7 +151,7 @@ mod tests {
     use crate::show::cli::command;
 
     #[test]
-    fn every_command_has_examples_and_each_of_them_is_understood() {
+    fn every_command_has_examples_and_each_of_them_is_parsed() {
         let program = command();
         for subcommand in program.get_subcommands() {
             let name = subcommand.get_name();
@@ -169,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn the_command_line_is_sound() {
+    fn the_definition_of_the_command_line_is_consistent() {
         command().debug_assert();
     }
 }

@@ -15,27 +15,27 @@ pub(super) struct Args {
     /// A robot file, or the name of a built-in robot.
     #[arg(default_value = "benchtop")]
     robot: String,
-    /// The file to write; printed when left out.
+    /// The file to write; by default the text is printed.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
 
 #[derive(Clone, Copy, clap::ValueEnum)]
 enum Format {
-    /// MuJoCo, the loop closed by an equality constraint.
+    /// MuJoCo; an equality constraint closes the loop.
     Mjcf,
-    /// URDF, the loop cut at C.
+    /// URDF; the loop is open at C.
     Urdf,
     /// Links and joints as a graph.
     Dot,
 }
 
 impl Format {
-    /// What reads it.
+    /// The programs that read the format.
     fn reader(self) -> &'static str {
         match self {
             Self::Mjcf => "MuJoCo",
-            Self::Urdf => "readers of URDF, its loop cut at C",
+            Self::Urdf => "readers of URDF, with its loop open at C",
             Self::Dot => "Graphviz",
         }
     }
@@ -52,7 +52,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         Some(path) => {
             write_whole(path, text).map_err(refused)?;
             say(format_args!(
-                "{}, for {}, is in {}",
+                "wrote {} for {} to {}",
                 robot.name,
                 args.format.reader(),
                 path.display()

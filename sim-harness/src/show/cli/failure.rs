@@ -1,14 +1,14 @@
-//! How a command ends when it does not end well.
+//! Failures of commands and their exit statuses.
 
 use std::process::ExitCode;
 
-/// Why a command did not do what was asked, in a sentence for the person who asked.
+/// Why a command failed, as a sentence for the user.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
     /// The input was refused or the run faulted: exit status 1.
     #[error("{0}")]
     Refused(String),
-    /// The command line itself makes no sense: exit status 2.
+    /// The command line is not valid: exit status 2.
     #[error("{0}")]
     Usage(String),
 }
@@ -23,7 +23,7 @@ impl Failure {
     }
 }
 
-/// A refusal, with the reason that the error gives.
+/// A refusal with this reason.
 pub(super) fn refused(reason: impl std::fmt::Display) -> Failure {
     Failure::Refused(reason.to_string())
 }

@@ -1,10 +1,10 @@
-//! An answer in JSON as a person reads it: a figure a line, with its unit.
+//! A JSON object as text: one figure per line, with its unit.
 
 use crate::show::text::quantity;
 use serde_json::Value;
 use std::fmt::Write as _;
 
-/// How keys end, longer endings first, and the unit that each stands for.
+/// Endings of keys, longer ones first, with their units.
 const UNITS: [(&str, &str); 14] = [
     ("_rad_s2", "rad/s²"),
     ("_rad_s", "rad/s"),
@@ -22,10 +22,10 @@ const UNITS: [(&str, &str); 14] = [
     ("share_y", "%"),
 ];
 
-/// Lists of more objects than this are counted instead: --json has them.
+/// Most objects of a list that is shown; of a longer list only the length is shown.
 const LISTED: usize = 12;
 
-/// The figures of an answer, line by line, after what they are of.
+/// The figures of an object, one per line; the names come first.
 pub(super) fn figures(answer: &Value) -> String {
     let mut text = String::new();
     if let Value::Object(fields) = answer {
@@ -37,7 +37,7 @@ pub(super) fn figures(answer: &Value) -> String {
     text
 }
 
-/// `unit` is that of the key above, for keys that are names.
+/// Writes fields. `unit` is that of the key above; fields whose keys are names use it.
 fn block<'a>(
     text: &mut String,
     fields: impl IntoIterator<Item = (&'a String, &'a Value)>,
@@ -45,7 +45,7 @@ fn block<'a>(
     unit: &str,
 ) {
     for (key, value) in fields {
-        let (label, own) = parted(key);
+        let (label, own) = label_and_unit(key);
         let unit = if own.is_empty() { unit } else { own };
         let _ = write!(text, "{:1$}{label}:", "", 2 * depth);
         match value {
@@ -54,7 +54,7 @@ fn block<'a>(
                 block(text, inner, depth + 1, unit);
             }
             Value::Array(items) if items.iter().any(Value::is_object) && items.len() > LISTED => {
-                let _ = writeln!(text, " {} entries, which --json prints", items.len());
+                let _ = writeln!(text, " {} entries (printed with --json)", items.len());
             }
             Value::Array(items) if items.iter().any(Value::is_object) => {
                 text.push('\n');
@@ -69,14 +69,14 @@ fn block<'a>(
     }
 }
 
-/// The fields of an object on one line, its name first. A deviation is left out, whose unit
-/// depends on what is so named.
+/// The fields of an object on one line, its name first. The field `sd` is left out, because
+/// its unit depends on the name.
 fn row(item: &Value) -> String {
     let name = item.get("name").and_then(Value::as_str);
     let fields = item.as_object().into_iter().flatten();
     let rest = fields.filter(|(key, _)| !["name", "sd"].contains(&key.as_str()));
     let rest = rest.map(|(key, value)| {
-        let (label, unit) = parted(key);
+        let (label, unit) = label_and_unit(key);
         format!("{label} {}", plain(value, unit))
     });
     let rest: Vec<String> = rest.collect();
@@ -86,11 +86,11 @@ fn row(item: &Value) -> String {
     }
 }
 
-/// What a key says, and the unit at its end.
-fn parted(key: &str) -> (String, &'static str) {
+/// The label of a key, and the unit at its end.
+fn label_and_unit(key: &str) -> (String, &'static str) {
     let found = UNITS.iter().find(|(ending, _)| key.ends_with(ending));
     let (label, unit) = match found {
-        // The ending that is a word of its own is part of what the key says.
+        // An ending without underscore is part of the label.
         Some((ending, unit)) if ending.starts_with('_') => {
             (key.strip_suffix(ending).unwrap_or(key), *unit)
         }
@@ -124,7 +124,7 @@ fn measured(value: f64, unit: &str) -> String {
         "" if value == 0.0 || (1e-3..1e5).contains(&value.abs()) => format!("{value:.4}"),
         "" => format!("{value:.3e}"),
         "%" => format!("{:.1} %", 100.0 * value),
-        // A prefix would be squared with it.
+        // A prefix would be squared with the unit.
         "m²" => format!("{value:.3e} m²"),
         _ => quantity(value, unit),
     }
@@ -136,7 +136,7 @@ mod tests {
     use serde_json::json;
 
     #[test]
-    fn every_figure_stands_on_a_line_with_its_unit() {
+    fn every_figure_is_on_a_line_with_its_unit() {
         let text = figures(&json!({
             "robot": "benchtop",
             "position_sd_m": [2.2979e-5, 0.5],
@@ -158,7 +158,7 @@ mod tests {
                 "    a: 1.50 N, 0 N",
                 "  samples: 100",
                 "  torque sd: not known",
-                "places: 13 entries, which --json prints",
+                "places: 13 entries (printed with --json)",
                 "position covariance: 5.280e-10 m², 0.000e0 m²; 0.000e0 m², 4.450e-10 m²",
                 "position sd: 23.0 µm, 500 mm",
                 "settled: yes",

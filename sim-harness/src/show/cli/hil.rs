@@ -1,13 +1,14 @@
-//! `fivebar hil`: the firmware on a board, the arm simulated around it.
+//! `fivebar hil`: the firmware on a board, in lockstep with the simulated arm.
 
 use super::failure::{Failure, refused};
-use super::lockstep::{self, LockstepArgs, Other};
+use super::lockstep::{self, LockstepArgs, RemoteController};
 use crate::run::link::SerialLine;
 
 /// Runs a job on a board without motors, in lockstep with the simulated arm.
 ///
-/// Every bit is compared with the same run in this process. The board, on a serial port,
-/// carries the image `qemu`, whose bridges and sensors are frames; no motor moves.
+/// All outputs are compared bit by bit with the same run in this process. The board, on a
+/// serial port, has the image `qemu`, which exchanges frames instead of driving bridges and
+/// reading sensors; no motor moves.
 #[derive(clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]
@@ -18,11 +19,11 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    let board = Other {
+    let board = RemoteController {
         name: &args.port,
         unit: "ns",
-        likely_cause: "if its image `qemu` is older than this program, build it anew with \
-                    scripts/firmware.sh and flash it",
+        likely_cause: "if its image `qemu` is older than this program, build it again with \
+                       scripts/firmware.sh and flash it",
     };
     lockstep::run(&args.run, &board, || {
         Ok(Box::new(SerialLine::open(&args.port).map_err(refused)?))

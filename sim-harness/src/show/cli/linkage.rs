@@ -1,4 +1,4 @@
-//! `fivebar linkage`: a planar linkage through its motion.
+//! `fivebar linkage`: motion and forces of a planar linkage.
 
 use super::failure::{Failure, refused};
 use super::say::say;
@@ -9,17 +9,17 @@ use crate::show::pages;
 use crate::study::linkage::{SHOWN_ASSEMBLIES, Summary};
 use std::path::{Path, PathBuf};
 
-/// Positions, velocities, accelerations and forces of a planar linkage, dyad by dyad.
+/// Computes motion and forces of a planar linkage, dyad by dyad.
 ///
-/// Without FILE, lists the examples that come with the program.
+/// Without FILE, lists the built-in examples.
 #[derive(clap::Args)]
 pub(super) struct Args {
     /// A linkage in TOML, or the name of an example.
     file: Option<String>,
-    /// Where to write report.html, table.csv and summary.json.
+    /// The folder for report.html, table.csv and summary.json.
     #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
-    /// Print the findings as one JSON object.
+    /// Print the summary as one JSON object.
     #[arg(long)]
     json: bool,
 }
@@ -79,7 +79,7 @@ fn print(summary: &Summary, out: &Path) -> Result<(), Failure> {
     }
     for peak in &summary.peak_reactions {
         say(format_args!(
-            "  {}: at most {:.4} N, at {:.4} s, and {:.4} N·m",
+            "  {}: max {:.4} N (at {:.4} s), max {:.4} N·m",
             peak.joint, peak.force_n, peak.time_s, peak.moment_nm
         ))?;
     }
@@ -92,15 +92,15 @@ fn print(summary: &Summary, out: &Path) -> Result<(), Failure> {
     }
     for change in &summary.branch_changes {
         say(format_args!(
-            "  before {:.6} s {} passes a dead point onto its other branch",
-            change.time_s, change.dyad
+            "  {} changes its branch at a dead point before {:.6} s",
+            change.dyad, change.time_s
         ))?;
     }
     if summary.assemblies.len() > 1 {
         for assembly in summary.assemblies.iter().take(SHOWN_ASSEMBLIES) {
             let share = 100.0 * assembly.closes;
             say(format_args!(
-                "  assembly {}: closes over {share:.0} %",
+                "  assembly {}: closes over {share:.0} % of the sweep",
                 assembly.branches
             ))?;
         }

@@ -1,5 +1,5 @@
-//! What `pil` and `hil` share: a run in lockstep with a controller elsewhere, every bit of
-//! it held against the same run in this process.
+//! The common part of `pil` and `hil`: a run in lockstep with a controller outside this
+//! process, compared bit by bit with the same run in this process.
 
 use super::failure::{Failure, refused};
 use super::run_args::RunArgs;
@@ -12,16 +12,15 @@ use crate::show::text::conditions;
 use serde::Serialize;
 use std::io::{Read, Write};
 
-/// Moves of the demonstration that are run when no job is named: less than a minute's work
-/// for an emulator.
+/// Moves of the demonstration to run by default: less than a minute for an emulator.
 const MOVES_OF_THE_DEMONSTRATION: usize = 3;
 
 #[derive(clap::Args)]
 pub(super) struct LockstepArgs {
     #[command(flatten)]
     run: RunArgs,
-    /// Run only so many moves from the beginning of the job; of the demonstration 3, of a
-    /// named job all, when left out.
+    /// Run only this number of moves from the beginning of the job; by default 3 moves of the
+    /// demonstration, or all moves of a named job.
     #[arg(long, value_name = "COUNT")]
     moves: Option<usize>,
 }
@@ -32,12 +31,12 @@ struct LockstepSummary<'a> {
     #[serde(flatten)]
     run: &'a Summary,
     instructions_per_tick: PerTick,
-    /// Whether every duty, state and estimate had the bits of the run in this process.
+    /// Whether all duties, states and estimates have the same bits as in this process.
     bit_exact: bool,
     first_difference: Option<&'a Difference>,
 }
 
-/// Instructions that a tick took at the other end; 0 where they are not counted.
+/// Instructions of a tick at the other end; 0 if they are not counted.
 #[derive(Serialize)]
 struct PerTick {
     min: u32,
@@ -46,22 +45,22 @@ struct PerTick {
 }
 
 /// The controller at the other end.
-pub(super) struct Other<'a> {
-    /// What it is called.
+pub(super) struct RemoteController<'a> {
+    /// Its name in messages.
     pub(super) name: &'a str,
-    /// What it counts of a tick.
+    /// The unit in which it measures a tick.
     pub(super) unit: &'a str,
-    /// What to suspect where it does not answer as this program does.
+    /// The likely cause of other outputs, or of no reply.
     pub(super) likely_cause: &'a str,
 }
 
 /// Runs the job on the controller at the other end of `line`.
 pub(super) fn run(
     args: &LockstepArgs,
-    other: &Other<'_>,
-    line: impl FnOnce() -> Result<Box<dyn Line>, Failure>,
+    other: &RemoteController<'_>,
+    line: impl FnOnce() -> Result<Box<dyn Connection>, Failure>,
 ) -> Result<(), Failure> {
-    let Other {
+    let RemoteController {
         name,
         unit,
         likely_cause,
@@ -120,12 +119,12 @@ pub(super) fn run(
         conditions: &conditions(&scenario),
     };
     let text = serde_json::to_string_pretty(&figures).map_err(refused)?;
-    args.run.output.leave(&folders, &report, &text)?;
+    args.run.output.write(&folders, &report, &text)?;
     if args.run.output.json {
         say(serde_json::to_string(&figures).map_err(refused)?)?;
     } else {
         print(&summary, &record)?;
-        tell(&figures, lockstep.ticks(), unit)?;
+        print_comparison(&figures, lockstep.ticks(), unit)?;
     }
     if let Some(difference) = lockstep.first_difference() {
         return Err(refused(format_args!("{difference}; {likely_cause}")));
@@ -134,17 +133,17 @@ pub(super) fn run(
 }
 
 /// A stream of bytes to a controller.
-pub(super) trait Line: Read + Write {}
-impl<L: Read + Write> Line for L {}
+pub(super) trait Connection: Read + Write {}
+impl<L: Read + Write> Connection for L {}
 
-fn tell(figures: &LockstepSummary<'_>, ticks: u64, unit: &str) -> Result<(), Failure> {
+fn print_comparison(figures: &LockstepSummary<'_>, ticks: u64, unit: &str) -> Result<(), Failure> {
     let PerTick { min, mean, max } = figures.instructions_per_tick;
     say(format_args!(
         "  tick        {min} to {max} {unit}, {mean:.0} on average"
     ))?;
     if figures.bit_exact {
         say(format_args!(
-            "  bit exact   every duty, state and estimate of {ticks} ticks is that of this \
+            "  bit exact   all duties, states and estimates of {ticks} ticks equal those in this \
              process"
         ))?;
     }

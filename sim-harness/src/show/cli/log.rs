@@ -8,24 +8,24 @@ use crate::show::files::OutputFolder;
 use crate::show::files::write_whole;
 use std::path::{Path, PathBuf};
 
-/// Where a run's log goes.
+/// The option for the log of a run.
 #[derive(clap::Args)]
 pub(super) struct LogArgs {
-    /// Also log the run as MCAP, for Foxglove.
+    /// Also write a log of the run as MCAP, for Foxglove.
     #[arg(long, value_name = "FILE.mcap")]
     log: Option<PathBuf>,
 }
 
 impl LogArgs {
-    /// Makes sure, before anything is run, that the log can be written. The folder is to be
-    /// kept until the log is in it: an empty one is taken away again.
+    /// Makes sure, before the run, that the log can be written. Keep the folder until the log
+    /// is written: when it is dropped, an empty one is removed.
     pub(super) fn prepare(&self) -> Result<Option<OutputFolder>, Failure> {
         let Some(log) = &self.log else {
             return Ok(None);
         };
         if log.is_dir() {
             return Err(refused(format!(
-                "--log {} is a folder; name a file in it",
+                "--log {} is a folder; give a file in it",
                 log.display()
             )));
         }
@@ -34,8 +34,8 @@ impl LogArgs {
         folder.map(Some).map_err(refused)
     }
 
-    /// Leaves the log of a run, if one is asked for.
-    pub(super) fn leave(&self, robot: &Robot, trace: &Trace) -> Result<(), Failure> {
+    /// Writes the log of a run, if the option is given.
+    pub(super) fn write(&self, robot: &Robot, trace: &Trace) -> Result<(), Failure> {
         let Some(path) = &self.log else {
             return Ok(());
         };

@@ -1,4 +1,4 @@
-//! `fivebar man`: the manual pages, made of what `--help` knows.
+//! `fivebar man`: manual pages, made from the definition of the command line.
 
 use super::command;
 use super::failure::{Failure, refused};
@@ -7,10 +7,10 @@ use crate::show::files::write_whole;
 use clap_mangen::Man;
 use std::path::PathBuf;
 
-/// Prints the manual, or writes a page for each command.
+/// Prints the manual, or writes one page for each command.
 #[derive(clap::Args)]
 pub(super) struct Args {
-    /// The folder for fivebar.1, fivebar-sim.1 and so on; all are printed when left out.
+    /// The folder for fivebar.1, fivebar-sim.1 and so on; by default all pages are printed.
     dir: Option<PathBuf>,
 }
 
@@ -27,7 +27,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     }
     if let Some(folder) = &args.dir {
         say(format_args!(
-            "{} pages are in {}",
+            "wrote {} pages to {}",
             pages().count(),
             folder.display()
         ))?;
@@ -35,7 +35,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The page of the program, then one of each command.
+/// The page of the program, then the page of each command.
 fn pages() -> impl Iterator<Item = Man> {
     let mut program = command().disable_help_subcommand(true);
     program.build();

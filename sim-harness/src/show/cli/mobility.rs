@@ -1,4 +1,4 @@
-//! `fivebar mobility`: what a mechanism can do, and why.
+//! `fivebar mobility`: degrees of freedom of a mechanism, with an explanation.
 
 use super::failure::{Failure, refused};
 use super::say::say;
@@ -11,13 +11,13 @@ use indicatif::ProgressBar;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use std::path::PathBuf;
 
-/// Degrees of freedom by screw theory, explained step by step.
+/// Computes degrees of freedom by screw theory, explained step by step.
 #[derive(clap::Args)]
 pub(super) struct Args {
-    /// A mechanism in TOML, a list of cases in JSON, or the name of an example; all
-    /// examples when left out.
+    /// A mechanism in TOML, a list of cases in JSON, or the name of an example; by default
+    /// all examples.
     file: Option<String>,
-    /// Print one JSON object a case instead of the explanation.
+    /// Print one JSON object per mechanism instead of the explanation.
     #[arg(long)]
     json: bool,
     /// Also write the explanation as DIR/report.html.
@@ -65,7 +65,7 @@ fn studies(file: Option<&str>) -> Result<Vec<MobilityCase>, String> {
     if !path.exists() {
         let names: Vec<&str> = EXAMPLES.iter().map(|(name, _)| *name).collect();
         return Err(format!(
-            "{file}: no such file, and no example of that name; the examples are {}",
+            "{file}: there is no such file and no such example; the examples are {}",
             names.join(", ")
         ));
     }

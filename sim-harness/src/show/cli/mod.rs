@@ -1,6 +1,6 @@
 //! The command line: one module per subcommand, each with its arguments and a `run`.
 
-// Both panic when whoever reads has gone; `say` does not.
+// These macros panic if the output is closed; `say` does not.
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
 mod accuracy;
@@ -41,7 +41,7 @@ pub use failure::Failure;
 
 /// Simulate, check and drive a planar five-bar arm.
 ///
-/// Without a command: the demonstration, a drawing job done by the simulated default arm.
+/// Without a command, the default arm draws the demonstration in simulation.
 #[derive(Parser)]
 #[command(version, args_conflicts_with_subcommands = true)]
 struct Cli {
@@ -73,12 +73,12 @@ enum Command {
     Workspace(workspace::Args),
 }
 
-/// The command line: what is parsed, completed and printed as a manual.
+/// The definition of the command line: for parsing, completions and the manual.
 fn command() -> clap::Command {
     examples::with_examples(Cli::command())
 }
 
-/// Parses the arguments, runs the command and reports what went wrong.
+/// Parses the arguments, runs the command and reports its failure.
 pub fn main() -> ExitCode {
     let parsed = Cli::from_arg_matches(&command().get_matches());
     let cli = parsed.unwrap_or_else(|error| error.exit());

@@ -1,4 +1,4 @@
-//! `fivebar monitor`: what a controller is doing, live on the terminal.
+//! `fivebar monitor`: the state of a controller, live on the terminal.
 
 use super::failure::{Failure, refused};
 use super::port::{PortArgs, interrupted};
@@ -9,18 +9,19 @@ use fivebar_firmware::{Status, safety::Limits};
 use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::sync::atomic::Ordering;
 
-/// Reads in vain after which a monitor asks whether the controller still lives: 0.5 s.
+/// After so many reads without a sample, 0.5 s, the status is requested, to detect a lost
+/// controller.
 const QUIET: u32 = 50;
 
-/// Shows what a controller is doing until Ctrl-C.
+/// Shows the state of a controller until Ctrl-C.
 #[derive(clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]
     port: PortArgs,
-    /// Samples a second [Hz].
+    /// Samples per second [Hz].
     #[arg(long, default_value_t = 20.0, value_parser = rate)]
     rate: f32,
-    /// End after so many samples.
+    /// End after this number of samples.
     #[arg(long, value_name = "N")]
     samples: Option<u64>,
 }
@@ -44,7 +45,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         Reply::Section(Section::Control(control)) => control.tick_rate,
         reply => {
             return Err(refused(format_args!(
-                "the controller answers a question for its settings with {reply:?}"
+                "the controller replied to a request for its settings with {reply:?}"
             )));
         }
     };
@@ -52,7 +53,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     client
         .command(Order::Telemetry { every })
         .map_err(refused)?
-        .map_err(|refusal| refused(format_args!("it sends no telemetry: {refusal}")))?;
+        .map_err(|refusal| refused(format_args!("the controller sends no telemetry: {refusal}")))?;
 
     let is_terminal = io::stdout().is_terminal();
     let mut losses = Losses::default();
@@ -63,7 +64,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             Some(sample) => {
                 losses.count(&sample);
                 match show(&sample.status, losses.lost, is_terminal) {
-                    // Nobody watches any more.
+                    // The output is closed.
                     Err(error) if error.kind() == ErrorKind::BrokenPipe => break,
                     shown => {
                         shown.map_err(|error| refused(format_args!("cannot print: {error}")))?;
@@ -76,7 +77,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
                 client.poll().map_err(refused)?;
                 quiet += 1;
                 if quiet % QUIET == 0 {
-                    // It may be asked for less than one sample in this time.
+                    // Samples may be rarer than this: a reply shows that the controller works.
                     client.status().map_err(refused)?;
                 }
             }
@@ -91,12 +92,12 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         .map_err(refused)?;
     say(format_args!("{shown} samples, {} lost", losses.lost))?;
     if let Some(StackUse { most, size }) = client.stack().map_err(refused)? {
-        say(format_args!("stack: {most} of {size} bytes used at most"))?;
+        say(format_args!("stack: at most {most} of {size} bytes used"))?;
     }
     Ok(())
 }
 
-/// Gaps in the numbers of samples.
+/// Samples lost, by the gaps in their numbers.
 #[derive(Default)]
 struct Losses {
     next: u32,
@@ -110,7 +111,7 @@ impl Losses {
     }
 }
 
-/// One line for a status, over the one before on a terminal.
+/// Prints a status on one line; on a terminal it replaces the line before.
 fn show(status: &Status, lost: u32, is_terminal: bool) -> io::Result<()> {
     let mut out = io::stdout().lock();
     if is_terminal {
@@ -144,7 +145,7 @@ fn line(status: &Status, lost: u32) -> String {
     for (limit, name) in [
         (Limits::TORQUE, "torque limited"),
         (Limits::VOLTAGE, "voltage limited"),
-        (Limits::SPEED, "slowed"),
+        (Limits::SPEED, "speed limited"),
     ] {
         if status.limits.contains(limit) {
             line += &format!("  {name}");
@@ -168,7 +169,7 @@ mod tests {
     use fivebar_firmware::{Controller, Settings};
 
     #[test]
-    fn gaps_in_the_numbers_are_losses() {
+    fn gaps_in_the_numbers_are_counted_as_lost_samples() {
         let controller = Controller::new(&Settings::BENCHTOP).expect("sound settings");
         let mut losses = Losses::default();
         for number in [0, 1, 4, 5, 9] {

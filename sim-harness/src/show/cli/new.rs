@@ -1,4 +1,4 @@
-//! `fivebar new`: a robot file for an arm of one's own.
+//! `fivebar new`: a robot file for the user's own arm.
 
 use super::failure::{Failure, refused};
 use super::questions::{ARM, MOTOR, Question, asks_for_own_motor};
@@ -12,11 +12,11 @@ use std::path::PathBuf;
 
 /// Asks the few questions that an arm needs and writes its robot file.
 ///
-/// Answers are read line by line from the standard input, an empty one taking what stands in
-/// brackets; one that makes no sense is asked for again. The file holds every key with its
-/// unit, those not asked for as comments. A file that is there already is left alone. Before
-/// the file is written the arm draws the demonstration in simulation; if it cannot, you are told
-/// why.
+/// Answers are read line by line from the standard input. An empty line takes the default in
+/// brackets; a question is repeated until its answer is valid. The file holds all keys with
+/// their units; those without a question are comments. An existing file is not replaced.
+/// Before the file is written, the arm draws the demonstration in simulation; if it cannot,
+/// the reason is printed.
 #[derive(clap::Args)]
 pub(super) struct Args {
     /// The file to write, such as my-arm.toml.
@@ -31,7 +31,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let file = args.file.display();
     if args.file.exists() {
         return Err(refused(format_args!(
-            "{file} is there already; take another name, or move it away"
+            "{file} exists already; give another name or move the file"
         )));
     }
     if args
@@ -40,7 +40,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         .is_some_and(|name| BuiltIn::find(name).is_some())
     {
         return Err(refused(format_args!(
-            "{file} is the name of a built-in robot, which --robot would take instead; add .toml"
+            "{file} is the name of a built-in robot, which --robot would use instead; add .toml"
         )));
     }
     let stem = args.file.file_stem().unwrap_or_default();
@@ -50,24 +50,24 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     }
     let robot = draft.check().map_err(refused)?;
     let command = format!("fivebar sim --robot {}", in_shell(&file.to_string()));
-    let invitation = match find_demo_scale(&robot) {
+    let next_step = match find_demo_scale(&robot) {
         Ok(1.0) => format!("Try it: {command}"),
         Ok(scale) => {
-            format!("It is small for the demonstration. Try it: {command} --scale {scale}")
+            format!("The demonstration is too large for it: {command} --scale {scale}")
         }
         Err(error) => {
             warn(format_args!(
-                "As it is, it cannot draw the demonstration: {}.",
+                "This arm cannot draw the demonstration: {}.",
                 no_demo_scale(&error)
             ));
-            format!("Once that is mended in it: {command}")
+            format!("Change the file, then try it: {command}")
         }
     };
     write_new(&args.file, draft.text()).map_err(refused)?;
-    say(format_args!("{file} is written. {invitation}"))
+    say(format_args!("Wrote {file}. {next_step}"))
 }
 
-/// A file's name as a shell takes it for one word.
+/// A file's name, quoted for a shell if necessary.
 fn in_shell(name: &str) -> String {
     let is_plain = |letter: char| letter.is_alphanumeric() || "/\\:._-+".contains(letter);
     if name.chars().all(is_plain) {
@@ -90,8 +90,7 @@ fn interview(draft: &mut Draft, input: &mut impl BufRead) -> Result<(), Failure>
     Ok(())
 }
 
-/// Asks until an answer makes an arm; gives that answer. The reader of robot files is the
-/// judge.
+/// Repeats a question until its answer gives a valid robot file; returns the answer.
 fn ask(
     question: &Question,
     draft: &mut Draft,
@@ -104,8 +103,7 @@ fn ask(
         if input.read_line(&mut line).map_err(refused)? == 0 {
             warn("");
             return Err(refused(format_args!(
-                "the answers end at \"{}\"; an empty line takes the default, --defaults all of \
-                 them",
+                "the answers end at \"{}\"; an empty line takes a default, --defaults takes all",
                 question.text
             )));
         }
@@ -121,7 +119,7 @@ fn ask(
                 *draft = changed;
                 return Ok(answer);
             }
-            Err(reason) => warn(format_args!("  That cannot be: {reason}")),
+            Err(reason) => warn(format_args!("  Not valid: {reason}")),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! What a run leaves behind, and where.
+//! The files that a run writes.
 
 use super::failure::{Failure, refused};
 use super::log::LogArgs;
@@ -7,7 +7,7 @@ use crate::show::files::OutputFolder;
 use crate::show::pages::RunReport;
 use std::path::PathBuf;
 
-/// Where a run's report goes.
+/// The options for the results of a run.
 #[derive(clap::Args)]
 pub(super) struct OutputArgs {
     /// The folder for report.html, trace.csv and summary.json.
@@ -20,15 +20,15 @@ pub(super) struct OutputArgs {
     pub(super) json: bool,
 }
 
-/// The folders that a run leaves its files in.
+/// The folders for the files of a run.
 pub(super) struct Folders {
     pub(super) out: OutputFolder,
-    /// Kept until the log is in it: an empty one is taken away again.
+    /// Kept until the log is written: when it is dropped, an empty folder is removed.
     _log: Option<OutputFolder>,
 }
 
 impl OutputArgs {
-    /// Makes sure, before anything is run, that its files can be written.
+    /// Makes sure, before the run, that its files can be written.
     pub(super) fn prepare(&self) -> Result<Folders, Failure> {
         Ok(Folders {
             _log: self.log.prepare()?,
@@ -36,8 +36,8 @@ impl OutputArgs {
         })
     }
 
-    /// Leaves the report, its picture, the trace and the figures in the folder, and the log.
-    pub(super) fn leave(
+    /// Writes the report, its picture, the trace, the figures and the log.
+    pub(super) fn write(
         &self,
         folders: &Folders,
         report: &RunReport<'_>,
@@ -52,6 +52,6 @@ impl OutputArgs {
                 ("summary.json", &summary),
             ])
             .map_err(refused)?;
-        self.log.leave(report.robot, report.trace)
+        self.log.write(report.robot, report.trace)
     }
 }

@@ -1,14 +1,14 @@
-//! `fivebar pil`: the firmware on an emulated Cortex-M4F, the arm simulated around it.
+//! `fivebar pil`: the firmware on an emulated Cortex-M4F, in lockstep with the simulated arm.
 
 use super::failure::{Failure, refused};
-use super::lockstep::{self, LockstepArgs, Other};
+use super::lockstep::{self, LockstepArgs, RemoteController};
 use crate::run::link::Emulator;
 use std::path::PathBuf;
 
 /// Runs a job on the firmware on an emulated board, in lockstep with the simulated arm.
 ///
-/// Every bit is compared with the same run in this process. scripts/firmware.sh builds the
-/// image for the board.
+/// All outputs are compared bit by bit with the same run in this process.
+/// scripts/firmware.sh builds the image for the board.
 #[derive(clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]
@@ -23,7 +23,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         .image
         .clone()
         .unwrap_or_else(|| Emulator::built_image("qemu"));
-    let board = Other {
+    let board = RemoteController {
         name: "the emulated board",
         unit: "instructions",
         likely_cause: &Emulator::likely_cause(&image),

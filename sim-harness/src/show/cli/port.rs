@@ -1,4 +1,4 @@
-//! What the commands that talk to a controller share: its port, a log, Ctrl-C.
+//! The common part of commands with a controller on a port: the port, a log, Ctrl-C.
 
 use super::failure::{Failure, refused};
 use super::say::warn;
@@ -10,13 +10,13 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Which controller.
+/// The options for the controller's port.
 #[derive(clap::Args)]
 pub(super) struct PortArgs {
     /// The controller's serial port, such as /dev/ttyACM0 or COM3.
     #[arg(long)]
     port: String,
-    /// Write down everything said on the port.
+    /// Write a log of all frames on the port.
     #[arg(long, value_name = "FILE")]
     trace: Option<PathBuf>,
 }
@@ -25,7 +25,7 @@ pub(super) struct PortArgs {
 pub(super) type PortClient = Client<Tracer<SerialLine, Box<dyn Write>>>;
 
 impl PortArgs {
-    /// Opens the port, says hello and tells who answers.
+    /// Opens the port and a session, and prints which controller replied.
     pub(super) fn open(&self) -> Result<(PortClient, Identity), Failure> {
         let log: Box<dyn Write> = match &self.trace {
             None => Box::new(io::sink()),
@@ -38,7 +38,7 @@ impl PortArgs {
             .map_err(|error| refused(format_args!("{}: {error}", self.port)))?;
         let [major, minor, patch] = identity.firmware;
         warn(format_args!(
-            "{}: {}, firmware {major}.{minor}.{patch}, last started {}",
+            "{}: {}, firmware {major}.{minor}.{patch}, last reset {}",
             self.port,
             board(identity.board),
             cause(identity.reset)
@@ -49,7 +49,7 @@ impl PortArgs {
 
 fn board(board: Board) -> &'static str {
     match board {
-        Board::Desktop => "a controller in a desktop's process",
+        Board::Desktop => "a controller in a process on a desktop",
         Board::Emulated => "an emulated board",
         Board::Stm32f405 => "an STM32F405",
     }
@@ -57,20 +57,20 @@ fn board(board: Board) -> &'static str {
 
 fn cause(reset: Reset) -> &'static str {
     match reset {
-        Reset::Power => "by power or its reset pin",
-        Reset::Software => "by its program or a debugger",
-        Reset::Watchdog => "by its watchdog, which was not fed",
-        Reset::Panic => "by a panic of its program",
-        Reset::HardFault => "by a fault of its processor",
-        Reset::BrownOut => "by a sag of its supply",
+        Reset::Power => "by power-up or the reset pin",
+        Reset::Software => "by software or a debugger",
+        Reset::Watchdog => "by the watchdog",
+        Reset::Panic => "by a panic of the firmware",
+        Reset::HardFault => "by a hard fault of the processor",
+        Reset::BrownOut => "by a brown-out of the supply",
     }
 }
 
-/// True from the first Ctrl-C on.
+/// A flag that becomes true at the first Ctrl-C.
 pub(super) fn interrupted() -> Result<Arc<AtomicBool>, Failure> {
     let flag = Arc::new(AtomicBool::new(false));
     let raised = Arc::clone(&flag);
     ctrlc::set_handler(move || raised.store(true, Ordering::Relaxed))
-        .map_err(|error| refused(format_args!("cannot listen for Ctrl-C: {error}")))?;
+        .map_err(|error| refused(format_args!("cannot handle Ctrl-C: {error}")))?;
     Ok(flag)
 }

@@ -1,22 +1,22 @@
-//! What `fivebar new` asks, and how answers are taken.
+//! The questions of `fivebar new`, and the reading of their answers.
 
 use crate::input::robot::{Draft, Motor};
 use std::str::FromStr;
 
 /// A question about the arm.
 pub(super) struct Question {
-    /// What is asked, with the unit.
+    /// Its text, with the unit.
     pub(super) text: &'static str,
-    /// The answer that an empty line gives.
+    /// The answer of an empty line.
     pub(super) default: fn(&Draft) -> String,
-    /// Puts an answer into the draft, or tells why it is none.
+    /// Puts an answer into the draft, or returns why it is not valid.
     pub(super) take: fn(&mut Draft, &str) -> Result<(), String>,
 }
 
-/// The arm itself.
+/// The questions about the arm.
 pub(super) const ARM: [Question; 10] = [
     Question {
-        text: "Its name",
+        text: "Name of the arm",
         default: |draft| draft.name.clone(),
         take: |draft, answer| {
             draft.name = answer.into();
@@ -24,7 +24,7 @@ pub(super) const ARM: [Question; 10] = [
         },
     },
     Question {
-        text: "Does its plane lie flat or stand upright",
+        text: "Plane of the arm: flat (horizontal) or upright (vertical)",
         default: |_| "flat".into(),
         take: |draft, answer| {
             draft.upright = choice(answer, ["flat", "upright"])? == 1;
@@ -88,7 +88,7 @@ pub(super) const ARM: [Question; 10] = [
         },
     },
     Question {
-        text: "Motors: typical ones of 20 W, your own figures, or ideal torque sources",
+        text: "Motors: typical (20 W), own (your data), or ideal torque sources",
         default: |_| "typical".into(),
         take: |draft, answer| {
             draft.motor = match choice(answer, ["typical", "own", "ideal"])? {
@@ -124,7 +124,7 @@ macro_rules! of_motor {
     };
 }
 
-/// The motors, both alike.
+/// The questions about the motor; both joints have the same motor.
 pub(super) const MOTOR: [Question; 9] = [
     of_motor!("Gear ratio, motor turns per joint turn", gear_ratio),
     of_motor!("Rotor inertia [kg·m²]", rotor_inertia),
@@ -136,8 +136,8 @@ pub(super) const MOTOR: [Question; 9] = [
         encoder_counts
     ),
     of_motor!("Peak current [A]", peak_current),
-    of_motor!("Current it bears for ever [A]", continuous_current),
-    of_motor!("Time constant of its heating [s]", thermal_time_constant),
+    of_motor!("Continuous current [A]", continuous_current),
+    of_motor!("Time constant of heating [s]", thermal_time_constant),
 ];
 
 fn shown(value: impl Into<f64>) -> String {
@@ -161,7 +161,7 @@ fn number<T: FromStr>(answer: &str) -> Result<T, String> {
     let answer = answer.trim();
     let is_finite = answer.parse().is_ok_and(f64::is_finite);
     let number = answer.parse().ok().filter(|_| is_finite);
-    number.ok_or_else(|| format!("\"{answer}\" is not the number asked for"))
+    number.ok_or_else(|| format!("\"{answer}\" is no valid number here"))
 }
 
 fn length(answer: &str) -> Result<f64, String> {
@@ -169,11 +169,11 @@ fn length(answer: &str) -> Result<f64, String> {
     if length > 0.0 {
         Ok(length)
     } else {
-        Err(format!("a length is more than 0 m, not {length}"))
+        Err(format!("a length must be more than 0 m, not {length}"))
     }
 }
 
-/// One for both, or one for each.
+/// One value for both, or one for each.
 fn pair(answer: &str, one: fn(&str) -> Result<f64, String>) -> Result<[f64; 2], String> {
     match answer.split_once(',') {
         None => one(answer).map(|value| [value; 2]),
@@ -181,7 +181,7 @@ fn pair(answer: &str, one: fn(&str) -> Result<f64, String>) -> Result<[f64; 2], 
     }
 }
 
-/// Which of the words the answer is, or begins.
+/// The index of the word that the answer is, or with which it begins.
 fn choice<const N: usize>(answer: &str, words: [&str; N]) -> Result<usize, String> {
     let answer = answer.trim().to_lowercase();
     let chosen = words

@@ -1,13 +1,13 @@
-//! `fivebar robots`: the robots that come with the program.
+//! `fivebar robots`: the built-in robots.
 
 use super::Failure;
 use super::say::{print, say};
 use crate::input::robot::{BUILT_IN, BuiltIn};
 
-/// Lists the built-in robots, or prints the file of one as a start for your own.
+/// Lists the built-in robots, or prints the file of one.
 #[derive(clap::Args)]
 pub(super) struct Args {
-    /// The robot to show.
+    /// The robot whose file is printed.
     name: Option<String>,
 }
 
@@ -20,7 +20,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     };
     let robot = BuiltIn::find(name).ok_or_else(|| {
         Failure::Usage(format!(
-            "no built-in robot `{name}`; `fivebar robots` lists them"
+            "there is no built-in robot `{name}`; `fivebar robots` lists them"
         ))
     })?;
     print(robot.text)?;

@@ -1,4 +1,4 @@
-//! What the commands that do a job are told of it.
+//! The options of commands that run a job.
 
 use super::failure::{Failure, refused};
 use super::output::OutputArgs;
@@ -7,18 +7,18 @@ use crate::input::robot::{BuiltIn, Robot};
 use crate::input::scenario::Scenario;
 use std::path::Path;
 
-/// Which job is done, and by which arm.
+/// The job and the robot.
 #[derive(clap::Args)]
 pub(super) struct JobArgs {
-    /// A scenario in TOML, or a job in G-code; the demonstration when left out.
+    /// A scenario in TOML, or a job in G-code; by default the demonstration.
     #[arg(value_name = "SCENARIO.toml|JOB.gcode")]
     file: Option<String>,
-    /// A built-in robot (see `fivebar robots`) or a robot file; the scenario's, or else
-    /// the benchtop arm, when left out.
+    /// A built-in robot (see `fivebar robots`) or a robot file; by default the scenario's, or
+    /// else the benchtop arm.
     #[arg(long)]
     robot: Option<String>,
-    /// Where the job's (0, 0) lies in the frame of the base [m]; when left out, the middle
-    /// of the drawing goes where the arm moves best.
+    /// Position of the job's (0, 0) in the frame of the base [m]; by default the middle of
+    /// the drawing is at the point where the arm moves best.
     #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
     origin: Option<[f64; 2]>,
     /// Metres in the plane per metre in the job. When left out: the scenario's, or 1; the
@@ -27,7 +27,7 @@ pub(super) struct JobArgs {
     scale: Option<f64>,
 }
 
-/// Which job is done, by which arm, and where the report goes.
+/// The job, the robot and the results.
 #[derive(clap::Args)]
 pub(super) struct RunArgs {
     #[command(flatten)]
@@ -37,24 +37,24 @@ pub(super) struct RunArgs {
 }
 
 impl RunArgs {
-    /// Whether the job was named.
+    /// Whether a job is given.
     pub(super) fn names_a_job(&self) -> bool {
         self.job.names_a_job()
     }
 
-    /// The scenario, with what the command line says instead.
+    /// The scenario, with the changes by other options.
     pub(super) fn scenario(&self) -> Result<Scenario, Failure> {
         self.job.scenario()
     }
 }
 
 impl JobArgs {
-    /// Whether the job was named.
+    /// Whether a job is given.
     pub(super) fn names_a_job(&self) -> bool {
         self.file.is_some()
     }
 
-    /// The scenario, with what the command line says instead.
+    /// The scenario, with the changes by other options.
     pub(super) fn scenario(&self) -> Result<Scenario, Failure> {
         let load = |name: &str| Robot::load(name).map_err(refused);
         let robot = self.robot.as_deref().map(load).transpose()?;

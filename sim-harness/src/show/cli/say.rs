@@ -1,4 +1,4 @@
-//! What the commands print.
+//! Printing on standard output and standard error.
 
 use super::failure::{Failure, refused};
 use std::fmt::Display;
@@ -9,8 +9,8 @@ pub(super) fn say(line: impl Display) -> Result<(), Failure> {
     print(format_args!("{line}\n"))
 }
 
-/// Prints a text as it is. A reader that has gone, as in `fivebar robots | head -1`, is no
-/// failure: the command ends its work unheard, its exit status telling how.
+/// Prints a text without adding anything. A closed output, as in `fivebar robots | head -1`,
+/// is no failure: the command finishes its work, and its exit status shows the result.
 pub(super) fn print(text: impl Display) -> Result<(), Failure> {
     print_to(&mut io::stdout().lock(), text)
 }
@@ -24,14 +24,14 @@ fn print_to(out: &mut impl Write, text: impl Display) -> Result<(), Failure> {
     }
 }
 
-/// Prints a line to the standard error, where it can be read.
+/// Prints a line to the standard error.
 pub(super) fn warn(line: impl Display) {
     hint(format_args!("{line}\n"));
 }
 
-/// Prints a text to the standard error as it is.
+/// Prints a text to the standard error without adding anything.
 pub(super) fn hint(text: impl Display) {
-    // There is nowhere left to complain.
+    // If this fails, there is no place to report it.
     let _ = write!(io::stderr().lock(), "{text}");
 }
 
@@ -54,7 +54,7 @@ mod tests {
     }
 
     #[test]
-    fn a_reader_that_has_gone_is_no_failure_and_a_full_disk_is() {
+    fn a_closed_output_is_no_failure_but_a_full_disk_is() {
         assert!(print_to(&mut Failing(ErrorKind::BrokenPipe), "text").is_ok());
         let failure = print_to(&mut Failing(ErrorKind::StorageFull), "text").unwrap_err();
         assert!(failure.to_string().contains("cannot print"), "{failure}");

@@ -10,36 +10,36 @@ use std::net::{IpAddr, SocketAddr, UdpSocket};
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
-/// Serves a live page: an arm in a browser, to be watched, jogged and given jobs.
+/// Serves a live page on which a browser shows the arm, jogs it and runs jobs.
 ///
-/// The arm is simulated in real time unless another one is asked for.
+/// By default the arm is simulated in real time.
 #[derive(clap::Args)]
 pub(super) struct Args {
     /// A built-in robot (see `fivebar robots`) or a robot file.
     #[arg(long, default_value = BuiltIn::DEFAULT)]
     robot: String,
-    /// Run the firmware on an emulated Cortex-M4F with the simulated arm around it, slower
-    /// than real time.
+    /// Run the firmware on an emulated Cortex-M4F with the simulated arm; slower than real
+    /// time.
     #[arg(long)]
     emulated: bool,
     /// The image of the emulated board; scripts/firmware.sh builds it.
     #[arg(long, value_name = "FILE", requires = "emulated")]
     image: Option<PathBuf>,
-    /// A controller on this serial port, which drives motors.
+    /// Connect to the controller on this serial port, which drives motors.
     #[arg(long, conflicts_with = "emulated")]
     port: Option<String>,
-    /// Give the robot's settings to the controller on the port and store them there.
+    /// Store the robot's settings on the controller on the port.
     #[arg(long, requires = "port")]
     upload: bool,
-    /// Where to listen, port 0 being any free one. Away from this machine's own address,
-    /// only those may connect who show the token that is printed; it is sent unencrypted.
+    /// The address to listen on; port 0 is any free port. On an address that other computers
+    /// reach, the link contains a token, which is needed to connect. Nothing is encrypted.
     #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8105", value_parser = address)]
     listen: SocketAddr,
 }
 
 fn address(text: &str) -> Result<SocketAddr, String> {
     let address = text.parse();
-    address.map_err(|_| "give an address in numbers and a port, such as 127.0.0.1:9000".into())
+    address.map_err(|_| "give a numeric address and a port, such as 127.0.0.1:9000".into())
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
@@ -80,7 +80,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     })
 }
 
-/// Where others reach a server that listens at all of this machine's addresses.
+/// The address at which others reach a server that listens on all of this computer's
+/// addresses.
 fn reached(mut address: SocketAddr) -> SocketAddr {
     if address.ip().is_unspecified() {
         address.set_ip(own_address().unwrap_or_else(|| address.ip()));
@@ -88,8 +89,8 @@ fn reached(mut address: SocketAddr) -> SocketAddr {
     address
 }
 
-/// The address from which this machine would reach others. A socket for datagrams finds it
-/// by being connected; nothing is sent, to an address that is reserved for documents.
+/// This computer's address in its network. Connecting a datagram socket shows it; the remote
+/// address is one reserved for documentation, and nothing is sent.
 fn own_address() -> Option<IpAddr> {
     let socket = UdpSocket::bind("0.0.0.0:0").ok()?;
     socket.connect("192.0.2.1:9").ok()?;

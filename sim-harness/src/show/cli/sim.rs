@@ -1,4 +1,4 @@
-//! `fivebar sim`: a job done by the simulated arm under the production control loop.
+//! `fivebar sim`: a job on the simulated arm under the production control loop.
 
 use super::failure::{Failure, refused};
 use super::output::OutputArgs;
@@ -10,7 +10,7 @@ use crate::show::pages::RunReport;
 use crate::show::text::{self, conditions, quantity, stopped_by};
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// Simulates a job from power-up to its end and leaves a report.
+/// Simulates a job from power-up to its end and writes a report.
 #[derive(clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]
@@ -21,8 +21,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     simulate(&args.run.scenario()?, &args.run.output)
 }
 
-/// Runs a scenario, and once more by PD alone for comparison; writes and prints what came
-/// of it.
+/// Runs a scenario, and once more with PD alone for comparison; writes and prints the
+/// results.
 pub(super) fn simulate(scenario: &Scenario, output: &OutputArgs) -> Result<(), Failure> {
     let folders = output.prepare()?;
     let job = scenario.job().map_err(refused)?;
@@ -35,8 +35,8 @@ pub(super) fn simulate(scenario: &Scenario, output: &OutputArgs) -> Result<(), F
     let bar = progress_bar(scenario.moves(&job).len());
     let (ours, pd) = rayon::join(
         || {
-            let tell = &mut |done| bar.set_position(done as u64);
-            scenario.simulate(&job, scenario.computed_torque, tell)
+            let progress = &mut |done| bar.set_position(done as u64);
+            scenario.simulate(&job, scenario.computed_torque, progress)
         },
         || {
             let compared = scenario.computed_torque;
@@ -45,7 +45,7 @@ pub(super) fn simulate(scenario: &Scenario, output: &OutputArgs) -> Result<(), F
     );
     bar.finish_and_clear();
     let (mut summary, record) = ours.map_err(|error| refusal(scenario, &error))?;
-    // PD may fail where the model does not; then there is nothing to compare.
+    // PD alone may fail where computed torque does not; then there is no comparison.
     let pd = pd.and_then(Result::ok);
     summary.out_dir = folders.out.path().display().to_string();
     summary.pd_tip_error = pd.as_ref().map(|(pd, _)| pd.tip_error);
@@ -60,7 +60,7 @@ pub(super) fn simulate(scenario: &Scenario, output: &OutputArgs) -> Result<(), F
             .map(|(summary, record)| (summary, &record.trace)),
         conditions: &conditions(scenario),
     };
-    output.leave(&folders, &report, &text)?;
+    output.write(&folders, &report, &text)?;
     if output.json {
         say(serde_json::to_string(&summary).map_err(refused)?)?;
     } else {
@@ -79,7 +79,7 @@ pub(super) fn outcome(scenario: &Scenario, record: &Record) -> Result<(), Failur
 
 pub(super) fn progress_bar(moves: usize) -> ProgressBar {
     let style = ProgressStyle::with_template("{bar:40} {pos}/{len} moves  {elapsed}");
-    // The bar shows on a terminal only.
+    // The bar is visible on a terminal only.
     ProgressBar::new(moves as u64)
         .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
@@ -100,7 +100,7 @@ pub(super) fn print(summary: &Summary, record: &Record) -> Result<(), Failure> {
     }
     let [torque1, torque4] = summary.peak_torque_nm.map(|torque| quantity(torque, "N·m"));
     say(format_args!(
-        "  torque      {torque1} and {torque4} at most, limited in {} ticks",
+        "  torque      {torque1} and {torque4} max, limited in {} ticks",
         summary.saturated_ticks
     ))?;
     say(format_args!(
@@ -113,14 +113,14 @@ pub(super) fn print(summary: &Summary, record: &Record) -> Result<(), Failure> {
 fn print_errors(summary: &Summary) -> Result<(), Failure> {
     let figures = |error: TipError| {
         let [rms, max] = [error.rms_m, error.max_m].map(|error| quantity(error, "m"));
-        format!("{rms} RMS, {max} at most")
+        format!("{rms} RMS, {max} max")
     };
     say(format_args!("  tip error   {}", figures(summary.tip_error)))?;
     let Some(pd) = summary.pd_tip_error else {
         return Ok(());
     };
     let ratio = summary.ratio_to(pd);
-    let ratio = ratio.map(|ratio| format!(": {ratio:.1} times as much"));
+    let ratio = ratio.map(|ratio| format!(" ({ratio:.1}×)"));
     say(format_args!(
         "  PD alone    {}{}",
         figures(pd),

@@ -1,4 +1,4 @@
-//! `fivebar workspace`: where an arm can take its tool.
+//! `fivebar workspace`: the map of an arm's workspace.
 
 use super::failure::{Failure, refused};
 use super::say::{print, say};
@@ -11,10 +11,10 @@ use crate::study::workspace::WorkspaceStudy;
 use fivebar_kinematics::five_bar::{Side, WorkingMode};
 use std::path::PathBuf;
 
-/// Maps where an arm can take its tool, with areas, singularities, condition number.
+/// Maps the workspace of an arm: areas, singularities, condition number.
 ///
-/// Printed are the areas and the largest clear rectangle of every branch; workspace.svg and
-/// .png draw one, workspace.csv lists all.
+/// Prints the areas and the largest clear rectangle of every branch. workspace.svg and .png
+/// draw the map of one working mode, workspace.csv lists the cells of all.
 #[derive(clap::Args)]
 pub(super) struct Args {
     /// A robot file, or the name of a built-in robot.
@@ -23,11 +23,10 @@ pub(super) struct Args {
     /// The folder for workspace.svg, workspace.png and workspace.csv.
     #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
-    /// The working mode to draw, as the turns of elbows 1 and 4; left out: the robot's own.
+    /// The working mode to draw: the sides of elbows 1 and 4; by default the robot's own.
     #[arg(long, value_name = "ELBOW1,ELBOW4", value_parser = working_mode)]
     branch: Option<WorkingMode>,
-    /// Side of the cells that figures and table are made of [mm]; one that suits the arm's
-    /// size when left out.
+    /// Side of a cell [mm]; by default it suits the arm's size.
     #[arg(long, value_name = "MM", value_parser = millimetres)]
     resolution: Option<f64>,
     /// Print the figures as one JSON object.
@@ -43,17 +42,17 @@ fn working_mode(text: &str) -> Result<WorkingMode, String> {
     };
     let sides = text.split_once(',');
     let sides = sides.and_then(|(first, second)| Some((side(first)?, side(second)?)));
-    let (elbow1, elbow4) = sides.ok_or("expected left or right for each elbow: right,left")?;
+    let (elbow1, elbow4) = sides.ok_or("give left or right for each elbow, such as right,left")?;
     Ok(WorkingMode::new(elbow1, elbow4))
 }
 
 /// Millimetres as metres.
 fn millimetres(text: &str) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| "expected millimetres")?;
+    let value: f64 = text.parse().map_err(|_| "give a number of millimetres")?;
     if value > 0.0 && value.is_finite() {
         Ok(1e-3 * value)
     } else {
-        Err("expected millimetres above zero".into())
+        Err("give a positive number of millimetres".into())
     }
 }
 
@@ -78,7 +77,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     } else {
         print(text::workspace(&study))?;
         say(format_args!(
-            "drawn and listed in {}",
+            "wrote {}",
             folder.path().join("workspace.{svg,png,csv}").display()
         ))?;
     }

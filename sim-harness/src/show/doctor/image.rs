@@ -1,4 +1,4 @@
-//! The firmware's images, and whether the emulated board's is this program's.
+//! Checks of the firmware's images.
 
 use super::State;
 use crate::input::robot::{BuiltIn, Robot};
@@ -8,10 +8,10 @@ use fivebar_firmware::controller::Request;
 use std::error::Error;
 use std::path::Path;
 
-/// Ticks of homing that are held against this program's.
+/// Ticks of homing that are compared with this program's.
 const TICKS: usize = 200;
 
-/// An image, where it was built.
+/// Whether an image exists at the place where scripts/firmware.sh builds it.
 pub(super) fn state(name: &str) -> State {
     let path = Emulator::built_image(name);
     match path.canonicalize() {
@@ -23,27 +23,27 @@ pub(super) fn state(name: &str) -> State {
     }
 }
 
-/// The emulated board's image, which is of use only if it answers as this program does.
+/// The state of the emulated board's image. It must give the same outputs as this program.
 pub(super) fn of_emulated_board() -> State {
     let found = state("qemu");
     let image = Emulator::built_image("qemu");
     if matches!(found, State::Missing(_)) {
         return found;
     }
-    match answers_alike(&image) {
+    match compare_outputs(&image) {
         Ok(()) => found,
         Err(reason) => State::Outdated(format!("{reason}; {}", Emulator::likely_cause(&image))),
     }
 }
 
-/// Whether an emulated board with this image answers as this program does: begins a run as
-/// `fivebar pil` does, and holds the bits against this program's.
+/// Compares an emulated board with this image with this program: starts a run as
+/// `fivebar pil` does, and compares all outputs bit by bit.
 ///
 /// # Errors
-/// What went wrong, or the first bits that differ.
-pub fn answers_alike(image: &Path) -> Result<(), Box<dyn Error>> {
+/// The board does not run, or the first output that differs.
+pub fn compare_outputs(image: &Path) -> Result<(), Box<dyn Error>> {
     let board = match Emulator::start(image) {
-        // Without an emulator there is nobody to ask, and that is told of already.
+        // Without an emulator the image cannot be run; another check reports that.
         Err(EmulatorError::NoQemu) => return Ok(()),
         other => other?,
     };
@@ -67,12 +67,12 @@ pub fn answers_alike(image: &Path) -> Result<(), Box<dyn Error>> {
 
 #[cfg(test)]
 mod tests {
-    use super::answers_alike;
+    use super::compare_outputs;
     use std::path::Path;
 
     #[test]
-    fn what_is_no_image_does_not_pass_for_one() {
-        let error = answers_alike(Path::new("/nowhere/qemu")).expect_err("no such image");
+    fn a_missing_image_does_not_pass_the_check() {
+        let error = compare_outputs(Path::new("/nowhere/qemu")).expect_err("no such image");
         assert!(error.to_string().contains("scripts/firmware.sh"), "{error}");
     }
 }

@@ -1,20 +1,20 @@
-//! What this machine has of what some commands need, and how to get the rest.
+//! Checks of what some commands need besides this program, and how to get it.
 //!
-//! Simulating, analysing and reporting need nothing but the program itself; the rest is
-//! grouped by what one may want to do, a [`Task`].
+//! Simulation, analyses and reports need only the program itself. The checks are grouped by
+//! [`Task`].
 
 mod image;
 mod ports;
 mod probe;
 
-pub use image::answers_alike;
+pub use image::compare_outputs;
 use probe::{first_line, has_rust_target};
 use serde::Serialize;
 
 /// The compiler's name for the Cortex-M4F, as scripts/toolchain.sh has it.
 const TARGET: &str = "thumbv7em-none-eabihf";
 
-/// What one may want to do that needs more than this program.
+/// A task that needs more than this program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum Task {
@@ -22,9 +22,9 @@ pub enum Task {
     Firmware,
     /// Run the firmware on the emulated board: `fivebar pil`.
     Pil,
-    /// Put an image on a board.
+    /// Flash an image to a board.
     Flash,
-    /// Talk to a board: `fivebar drive`, `hil`, `monitor`, `serve --port`.
+    /// Connect to a board: `fivebar drive`, `hil`, `monitor`, `serve --port`.
     Port,
     /// Test the live page in a browser, as ci.sh does.
     Browser,
@@ -32,41 +32,41 @@ pub enum Task {
     Python,
 }
 
-/// One thing that was looked for.
+/// The check of one tool or device.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Check {
-    /// What was looked for.
+    /// Its name.
     pub what: &'static str,
-    /// What it is for.
+    /// Its purpose.
     pub purpose: &'static str,
-    /// The tasks that cannot be done without it.
+    /// The tasks that need it.
     pub needed_for: &'static [Task],
-    /// What was found.
+    /// The result.
     #[serde(flatten)]
     pub state: State,
 }
 
-/// Whether a thing is there.
+/// The result of a check.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum State {
-    /// It is: its version, or where it is.
+    /// It exists: its version or its path.
     Found(String),
-    /// It is not: how to get it.
+    /// It does not exist: how to get it.
     Missing(String),
-    /// It is, but not as this program needs it: why, and what to do.
+    /// It exists, but does not fit this program: the reason, and what to do.
     Outdated(String),
 }
 
 impl Check {
     /// Whether it is missing or outdated and one of these tasks needs it.
-    pub fn is_in_the_way_of(&self, tasks: &[Task]) -> bool {
+    pub fn blocks(&self, tasks: &[Task]) -> bool {
         let needed = self.needed_for.iter().any(|task| tasks.contains(task));
         needed && !matches!(self.state, State::Found(_))
     }
 }
 
-/// Looks for everything.
+/// Makes all checks.
 pub fn examine() -> Vec<Check> {
     vec![
         Check {
@@ -93,7 +93,7 @@ pub fn examine() -> Vec<Check> {
             needed_for: &[Task::Pil],
             state: program(
                 "qemu-system-arm",
-                "install your system's package of that name; scripts/toolchain.sh does on Debian",
+                "install your system's package of that name; on Debian scripts/toolchain.sh does so",
             ),
         },
         Check {
@@ -110,19 +110,19 @@ pub fn examine() -> Vec<Check> {
         },
         Check {
             what: "probe-rs",
-            purpose: "puts an image on a board by a debug probe",
+            purpose: "flashes an image to a board with a debug probe",
             needed_for: &[Task::Flash],
             state: program("probe-rs", "`cargo install probe-rs-tools`"),
         },
         Check {
             what: "serial port",
-            purpose: "the way to a board",
+            purpose: "connects to a board",
             needed_for: &[Task::Port],
             state: ports::state(),
         },
         Check {
             what: "chromium",
-            purpose: "shows the live page to its test",
+            purpose: "shows the live page in its test",
             needed_for: &[Task::Browser],
             state: program(
                 "chromium",
@@ -131,7 +131,7 @@ pub fn examine() -> Vec<Check> {
         },
         Check {
             what: "chromedriver",
-            purpose: "drives the browser in that test",
+            purpose: "controls the browser in that test",
             needed_for: &[Task::Browser],
             state: program(
                 "chromedriver",
@@ -149,7 +149,7 @@ pub fn examine() -> Vec<Check> {
         },
         Check {
             what: "maturin",
-            purpose: "builds the Python package by hand; pip fetches its own",
+            purpose: "builds the Python package by hand; pip installs its own",
             needed_for: &[],
             state: program("maturin", "`pip install maturin`"),
         },
@@ -168,7 +168,7 @@ mod tests {
     use super::{Check, State, Task, examine};
 
     #[test]
-    fn only_what_is_needed_and_missing_or_outdated_is_in_the_way() {
+    fn a_check_blocks_a_task_that_needs_what_is_missing_or_outdated() {
         let check = |state| Check {
             what: "",
             purpose: "",
@@ -176,11 +176,11 @@ mod tests {
             state,
         };
         let missing = check(State::Missing(String::new()));
-        assert!(missing.is_in_the_way_of(&[Task::Port, Task::Pil]));
-        assert!(!missing.is_in_the_way_of(&[Task::Port]));
-        assert!(!missing.is_in_the_way_of(&[]));
-        assert!(check(State::Outdated(String::new())).is_in_the_way_of(&[Task::Pil]));
-        assert!(!check(State::Found(String::new())).is_in_the_way_of(&[Task::Pil]));
+        assert!(missing.blocks(&[Task::Port, Task::Pil]));
+        assert!(!missing.blocks(&[Task::Port]));
+        assert!(!missing.blocks(&[]));
+        assert!(check(State::Outdated(String::new())).blocks(&[Task::Pil]));
+        assert!(!check(State::Found(String::new())).blocks(&[Task::Pil]));
     }
 
     #[test]

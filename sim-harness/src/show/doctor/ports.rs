@@ -1,9 +1,9 @@
-//! Serial ports, and whether this user may use them.
+//! The check of serial ports and of the user's permission to use them.
 
 use super::State;
 use std::process::Command;
 
-/// The ports of this machine.
+/// The state of this computer's ports.
 pub(super) fn state() -> State {
     let ports = serialport::available_ports().unwrap_or_default();
     let names: Vec<String> = ports.into_iter().map(|port| port.port_name).collect();
@@ -18,23 +18,23 @@ fn judge(ports: &[String], may_use: impl Fn(&str) -> bool) -> State {
     if !usable.is_empty() {
         State::Found(usable.join(", "))
     } else if refused.is_empty() {
-        State::Missing("plug the board in; this machine has no serial port".into())
+        State::Missing("plug the board in; this computer has no serial port".into())
     } else {
         State::Missing(format!(
-            "{} refuses this user: join the group that owns it, on most systems by `sudo \
-             usermod -aG dialout $USER`, and log in anew",
+            "this user has no permission for {}: join the group that owns it, on most systems with \
+             `sudo usermod -aG dialout $USER`, and log in again",
             refused.join(", ")
         ))
     }
 }
 
-/// Asks without opening the port: that would set its control lines, to which some boards
-/// answer with a reset.
+/// Tests the permission without opening the port, which would set its control lines and reset
+/// some boards.
 fn may_use(port: &str) -> bool {
     let asked = Command::new("test")
         .args(["-r", port, "-a", "-w", port])
         .status();
-    // Where there is no `test`, ports have no owners.
+    // On systems without `test`, ports have no owners.
     asked.map_or(true, |status| status.success())
 }
 
@@ -43,7 +43,7 @@ mod tests {
     use super::{State, judge};
 
     #[test]
-    fn a_port_that_refuses_is_told_from_none() {
+    fn a_port_without_permission_is_distinguished_from_no_port() {
         let ports = ["/dev/ttyUSB0".to_owned(), "/dev/ttyACM0".to_owned()];
         let of = |ports: &[String], allowed: &str| judge(ports, |port| port == allowed);
         assert_eq!(

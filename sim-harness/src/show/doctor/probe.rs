@@ -1,12 +1,12 @@
-//! Asking other programs.
+//! Calls of other programs.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// Where Debian's package rust-web-src keeps the library's source.
+/// The library's source in Debian's package rust-web-src.
 const DEBIAN_SOURCE: &str = "/usr/lib/rustlib/src/rust/library/core/src/lib.rs";
 
-/// The first line that a program prints; none where there is no such program or it fails.
+/// The first line that a program prints; none if the program does not exist or fails.
 pub(super) fn first_line(program: &str, arguments: &[&str]) -> Option<String> {
     let mut command = Command::new(program);
     let output = command.args(arguments).stdin(Stdio::null()).output().ok()?;
@@ -15,7 +15,7 @@ pub(super) fn first_line(program: &str, arguments: &[&str]) -> Option<String> {
     output.status.success().then(|| line.trim().to_owned())
 }
 
-/// Where the library for a target is, compiled or as Debian's source.
+/// The path of the library for a target, compiled or as Debian's source.
 pub(super) fn has_rust_target(target: &str) -> Option<String> {
     let compiled = first_line("rustc", &["--print", "sysroot"])
         .map(|sysroot| Path::new(&sysroot).join("lib/rustlib").join(target));

@@ -1,34 +1,34 @@
-//! The folder that a run leaves behind: report, trace and figures.
+//! The folder for the files of a run.
 
 use super::write::{WriteError, write_whole};
 use std::path::{Path, PathBuf};
 
-/// A folder that can be written to. If nothing is, those folders that were made for it are
-/// taken away again.
+/// A folder that can be written to. If no file is written, the folders that were made for it
+/// are removed when it is dropped.
 #[derive(Debug)]
 pub struct OutputFolder {
     path: PathBuf,
-    /// Outermost first.
+    /// The folders made, the outermost first.
     made: Vec<PathBuf>,
 }
 
-/// The folder cannot be used.
+/// The folder cannot be written to.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot write to folder {}: {source}; choose another with {option}", path.display())]
-pub struct Unwritable {
+pub struct FolderError {
     path: PathBuf,
     option: &'static str,
     source: std::io::Error,
 }
 
 impl OutputFolder {
-    /// Makes sure, before anything is run, that files can be written to `path`, which the
-    /// command line's `option` names.
+    /// Makes sure, before a run, that files can be written to `path`. `option` is the option
+    /// of the command line that names it.
     ///
     /// # Errors
-    /// What the system says.
-    pub fn prepare(path: &Path, option: &'static str) -> Result<Self, Unwritable> {
-        let refused = |source| Unwritable {
+    /// The system's error.
+    pub fn prepare(path: &Path, option: &'static str) -> Result<Self, FolderError> {
+        let refused = |source| FolderError {
             path: path.to_owned(),
             option,
             source,
@@ -67,7 +67,7 @@ impl OutputFolder {
 
 impl Drop for OutputFolder {
     fn drop(&mut self) {
-        // Only empty folders can be removed so: what was written stays.
+        // This removes empty folders only: written files stay.
         for made in self.made.iter().rev() {
             if std::fs::remove_dir(made).is_err() {
                 return;

@@ -1,7 +1,7 @@
-//! Files and folders that are left behind: whole or not at all.
+//! Output files, written completely or not at all, and their folders.
 
 mod folder;
 mod write;
 
-pub use folder::{OutputFolder, Unwritable};
+pub use folder::{FolderError, OutputFolder};
 pub use write::{WriteError, write_new, write_whole};

@@ -1,10 +1,10 @@
-//! Files written whole or not at all.
+//! Files that are written completely or not at all.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// A file could not be written; nothing is left behind in its place.
+/// A file could not be written; no part of it remains.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot write {}: {source}; choose another folder or free the file", path.display())]
 pub struct WriteError {
@@ -12,21 +12,21 @@ pub struct WriteError {
     source: std::io::Error,
 }
 
-/// Writes a file by way of a temporary one in the same folder, so that a reader finds
-/// the old file or the new one and never a part. Makes the folder if it is missing.
+/// Writes a temporary file in the same folder and renames it, so that a reader finds either
+/// the old or the new file, complete. Makes the folder if it does not exist.
 ///
 /// # Errors
-/// Whatever the file system refuses, with the path.
+/// The system's error, with the path.
 pub fn write_whole(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), WriteError> {
     written(path, bytes.as_ref())
         .and_then(|file| Ok(file.persist(path).map(drop)?))
         .map_err(|source| refusal(path, source))
 }
 
-/// As [`write_whole`], but leaves a file alone that is there already.
+/// Like [`write_whole`], but does not replace an existing file.
 ///
 /// # Errors
-/// As [`write_whole`], and a file of that name.
+/// As [`write_whole`], or the file exists.
 pub fn write_new(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), WriteError> {
     written(path, bytes.as_ref())
         .and_then(|file| Ok(file.persist_noclobber(path).map(drop)?))
@@ -48,7 +48,7 @@ fn written(path: &Path, bytes: &[u8]) -> std::io::Result<NamedTempFile> {
     };
     std::fs::create_dir_all(folder)?;
     let mut builder = tempfile::Builder::new();
-    // A temporary file is private by default; the finished one obeys the umask instead.
+    // A temporary file is private by default; the final file must obey the umask.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let mut file = builder.tempfile_in(folder)?;
@@ -61,7 +61,7 @@ mod tests {
     use super::{write_new, write_whole};
 
     #[test]
-    fn replaces_a_file_and_leaves_nothing_beside_it() {
+    fn replaces_a_file_and_leaves_no_temporary_file() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("deep/report.html");
         write_whole(&path, "old").unwrap();
@@ -72,7 +72,7 @@ mod tests {
     }
 
     #[test]
-    fn a_new_file_takes_no_others_place() {
+    fn a_new_file_does_not_replace_an_existing_one() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("arm.toml");
         write_new(&path, "first").unwrap();

@@ -1,6 +1,6 @@
-//! The arm in the picture.
+//! The drawing of the arm.
 
-use super::frame::Frame;
+use super::axes::PictureFrame;
 use super::{INK, PAPER, label};
 use crate::input::robot::Robot;
 use fivebar_kinematics::PlanarVector;
@@ -8,19 +8,19 @@ use fivebar_kinematics::five_bar::{Pose, WorkingMode};
 use nalgebra::Vector2;
 use std::fmt::Write as _;
 
-/// How far a joint's letter is from it, in the picture's units.
+/// Distance of a joint's letter from the joint, in the picture's units.
 const APART: f64 = 16.0;
 
 /// The arm in a pose.
-pub(super) struct Shape {
+pub(super) struct ArmDrawing {
     pose: Pose<f64>,
     e: Vector2<f64>,
-    /// The tool, where it is not at C.
+    /// The tool, if it is not at C.
     tool: Option<Vector2<f64>>,
 }
 
-impl Shape {
-    /// The arm at home; in a working mode that is not its own, at `best` [m].
+impl ArmDrawing {
+    /// The arm at home; in a working mode other than its own, with the tool at `best` [m].
     pub(super) fn of(robot: &Robot, mode: WorkingMode, best: Option<Vector2<f64>>) -> Option<Self> {
         let home = robot.home_pose().ok();
         let own = home.filter(|_| mode == robot.working_mode());
@@ -34,7 +34,7 @@ impl Shape {
         })
     }
 
-    /// Links 1, 2, 3 and 4, the way to the tool.
+    /// Links 1, 2, 3 and 4, and the line to the tool.
     pub(super) fn links(&self) -> Vec<[Vector2<f64>; 2]> {
         let Pose { b, c, d, .. } = self.pose;
         let links = [[Vector2::zeros(), b], [b, c], [d, c], [self.e, d]];
@@ -43,7 +43,7 @@ impl Shape {
     }
 
     /// The links with their joints and letters.
-    pub(super) fn drawn(&self, frame: &Frame) -> String {
+    pub(super) fn drawn(&self, frame: &PictureFrame) -> String {
         let base = [Vector2::zeros(), self.e];
         let links: String = self.links().iter().map(|ends| frame.path(ends)).collect();
         let mut svg = String::new();
@@ -69,7 +69,7 @@ impl Shape {
         let tool = self.tool.map(|tool| ("tool", tool));
         let joints: Vec<_> = joints.into_iter().chain(tool).collect();
         for &(_, joint) in &joints {
-            let [x, y] = frame.place(joint);
+            let [x, y] = frame.to_picture(joint);
             let _ = writeln!(
                 svg,
                 "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4.5\" fill=\"{PAPER}\" \
@@ -77,7 +77,7 @@ impl Shape {
             );
         }
         for (name, joint) in joints {
-            let [x, y] = frame.place(joint);
+            let [x, y] = frame.to_picture(joint);
             let out = self.away_from_links(joint, base);
             let wide = if name.len() > 1 { 1.6 } else { 1.0 };
             let middle = [x + wide * APART * out.x, y - APART * out.y + 4.5];
@@ -86,7 +86,7 @@ impl Shape {
         svg
     }
 
-    /// The direction in which no link leaves a joint, as far as may be.
+    /// A direction from a joint, away from its links.
     fn away_from_links(&self, joint: Vector2<f64>, base: [Vector2<f64>; 2]) -> Vector2<f64> {
         let mut sum = Vector2::zeros();
         let mut along = Vector2::new(1.0, 0.0);
@@ -104,7 +104,7 @@ impl Shape {
                 sum = sum + along;
             }
         }
-        // Links in line leave both sides free.
+        // With links in line, both sides are free.
         if sum.norm() < 1e-6 {
             sum = along.perpendicular();
         }
@@ -112,7 +112,7 @@ impl Shape {
     }
 }
 
-/// How far a point is from a line between two, in the picture.
+/// The distance of a point from a line segment, in the picture's units.
 pub(super) fn distance([x, y]: [f64; 2], [[x0, y0], [x1, y1]]: [[f64; 2]; 2]) -> f64 {
     let (from, way) = (Vector2::new(x0, y0), Vector2::new(x1 - x0, y1 - y0));
     let point = Vector2::new(x, y) - from;

@@ -1,12 +1,12 @@
-//! The condition number in bands of colour, cell by cell.
+//! The condition number of each cell in bands of colour.
 
 use super::PAPER;
-use super::frame::Frame;
+use super::axes::PictureFrame;
 use fivebar_design::workspace::{Cell, WorkspaceMap};
 use std::fmt::Write as _;
 
-/// From singular to alike in all directions: ten colours of viridis (by van der Walt and
-/// Smith, CC0), even to the eye and to those who see few colours.
+/// The colours from 1/κ = 0 to 1: ten colours of viridis (by van der Walt and Smith, CC0),
+/// whose steps look equal, also with colour blindness.
 pub(super) const BANDS: [[u8; 3]; 10] = [
     [0x44, 0x01, 0x54],
     [0x48, 0x28, 0x78],
@@ -20,7 +20,7 @@ pub(super) const BANDS: [[u8; 3]; 10] = [
     [0xfd, 0xe7, 0x25],
 ];
 
-/// How much paler a place is that limits or margin forbid.
+/// Share of white in the colour of a cell that is not allowed.
 const PALE: f64 = 0.62;
 
 /// The band of a cell, and whether it is pale.
@@ -29,7 +29,7 @@ fn band(cell: &Cell) -> (usize, bool) {
     (band.min(BANDS.len() - 1), !cell.clear)
 }
 
-/// A colour as SVG has it.
+/// A colour in the notation of SVG.
 pub(super) fn colour(band: [u8; 3], pale: bool) -> String {
     let white = if pale { PALE } else { 0.0 };
     let [red, green, blue] = band.map(|part| {
@@ -39,13 +39,13 @@ pub(super) fn colour(band: [u8; 3], pale: bool) -> String {
     format!("#{red:02x}{green:02x}{blue:02x}")
 }
 
-/// The stripes of what the joint limits forbid.
+/// The pattern of cells outside the joint limits.
 pub(super) const HATCH: &str = "<defs><pattern id=\"hatch\" width=\"7\" height=\"7\" \
      patternUnits=\"userSpaceOnUse\" patternTransform=\"rotate(45)\">\
      <path d=\"M0 0V7\" stroke=\"#5a6372\" stroke-width=\"1.6\"/></pattern></defs>\n";
 
-/// All that is reached.
-pub(super) fn cells(map: &WorkspaceMap, frame: &Frame) -> String {
+/// All cells within reach.
+pub(super) fn cells(map: &WorkspaceMap, frame: &PictureFrame) -> String {
     let [left, top] = frame.corner();
     let mut svg = format!(
         "{HATCH}<g transform=\"translate({left} {top})\" shape-rendering=\"crispEdges\">\n"
@@ -66,17 +66,17 @@ pub(super) fn cells(map: &WorkspaceMap, frame: &Frame) -> String {
     svg
 }
 
-/// Those cells, a rectangle for each run in a row.
-fn runs(map: &WorkspaceMap, wanted: impl Fn(&Cell) -> bool) -> String {
+/// A path around the selected cells: one rectangle for each run of them in a row.
+fn runs(map: &WorkspaceMap, selected: impl Fn(&Cell) -> bool) -> String {
     let rows = map.grid().rows();
     let mut path = String::new();
     for (row, cells) in map.cells().chunks(map.grid().columns()).enumerate() {
         let from_top = rows - 1 - row;
         let mut column = 0;
-        let is_wanted = |cell: &Option<Cell>| cell.as_ref().is_some_and(&wanted);
-        for run in cells.chunk_by(|a, b| is_wanted(a) == is_wanted(b)) {
+        let is_selected = |cell: &Option<Cell>| cell.as_ref().is_some_and(&selected);
+        for run in cells.chunk_by(|a, b| is_selected(a) == is_selected(b)) {
             let length = run.len();
-            if run.first().is_some_and(is_wanted) {
+            if run.first().is_some_and(is_selected) {
                 let _ = write!(path, "M{column} {from_top}h{length}v1h-{length}z");
             }
             column += length;
@@ -85,7 +85,7 @@ fn runs(map: &WorkspaceMap, wanted: impl Fn(&Cell) -> bool) -> String {
     path
 }
 
-/// The legend's scale of colours, from below up, with its numbers.
+/// The legend's colour scale with its numbers.
 pub(super) fn scale(left: f64, top: f64) -> String {
     const WIDTH: f64 = 24.0;
     const STEP: f64 = 17.0;

@@ -1,37 +1,37 @@
-//! What the picture's signs mean.
+//! The picture's legend.
 
 use super::bands::scale;
 use super::{INK, PAPER, TYPE_2, cross, dimensions};
 use nalgebra::Vector2;
 use std::fmt::Write as _;
 
-/// Between two lines of text, and between two entries.
+/// Distances of two lines of text, and of two entries.
 const LINE: f64 = 17.0;
 const ENTRY: f64 = 14.0;
-/// Width of a sign.
+/// Width of a symbol.
 const SIGN: f64 = 44.0;
 
-/// What there is to explain.
-pub(super) struct Shown {
+/// The content of the legend.
+pub(super) struct LegendContent {
     pub(super) left: f64,
     pub(super) top: f64,
-    /// Whether the joint limits forbid anything.
+    /// Whether the joint limits exclude any cell.
     pub(super) limits: bool,
     pub(super) margin: f64,
     /// Width and height of the rectangle [m].
     pub(super) rectangle: Option<Vector2<f64>>,
-    /// The best place [m] and 1/κ there.
+    /// The best-conditioned position [m] and 1/κ there.
     pub(super) best: Option<(Vector2<f64>, f64)>,
 }
 
 /// The legend.
-pub(super) fn legend(shown: &Shown) -> String {
-    let Shown { left, top, .. } = *shown;
+pub(super) fn legend(shown: &LegendContent) -> String {
+    let LegendContent { left, top, .. } = *shown;
     let mut svg = format!(
         "<text x=\"{left}\" y=\"{}\">1/κ = σmin/σmax of the Jacobian</text>\n\
-         <text x=\"{left}\" y=\"{}\">1: moves alike in all directions</text>\n\
+         <text x=\"{left}\" y=\"{}\">1: the same in all directions</text>\n\
          <text x=\"{left}\" y=\"{}\">0: singular</text>\n\
-         <text x=\"{left}\" y=\"{}\">left column: clear; right: forbidden</text>\n",
+         <text x=\"{left}\" y=\"{}\">left: clear; right: not allowed</text>\n",
         top + 12.0,
         top + 12.0 + LINE,
         top + 12.0 + 2.0 * LINE,
@@ -81,8 +81,8 @@ pub(super) fn legend(shown: &Shown) -> String {
     entry(
         &|y| scale_sample(left, y),
         &[
-            "pale: limits, or a sine".into(),
-            format!("below the margin {}", shown.margin),
+            "pale: outside the limits or".into(),
+            format!("within the margin of {}", shown.margin),
         ],
     );
     if let Some(size) = shown.rectangle {
@@ -109,7 +109,7 @@ pub(super) fn legend(shown: &Shown) -> String {
     svg
 }
 
-/// A pale colour beside its full one.
+/// A colour and its pale form.
 fn scale_sample(left: f64, y: f64) -> String {
     use super::bands::{BANDS, colour};
     let half = 0.5 * SIGN;

@@ -1,39 +1,38 @@
-//! The map of a working mode as an SVG file: the condition number in bands of colour,
-//! singularity curves, the arm at home, the largest clear rectangle, axes and a legend.
+//! The map of a working mode as SVG: the condition number in bands of colour, singularity
+//! curves, the arm at home, the largest clear rectangle, axes and a legend.
 
 mod arm;
+mod axes;
 mod bands;
-mod frame;
 mod legend;
 mod png;
 
 pub use png::{PngError, png};
 
 use crate::study::workspace::{WorkspaceStudy, WorkspaceStudyError};
-use arm::Shape;
+use arm::ArmDrawing;
+use axes::PictureFrame;
 use fivebar_design::workspace::{Rectangle, SingularityCurve, WorkspaceMap, singularity_curves};
 use fivebar_kinematics::five_bar::{Singularity, WorkingMode};
-use frame::Frame;
-use nalgebra::Vector2;
 use quick_xml::escape::escape;
 use std::fmt::Write as _;
 
-/// Line and text colour, and that of what lies beneath them.
+/// Colour of lines and text, and of the background.
 const INK: &str = "#1d2430";
 const PAPER: &str = "#ffffff";
-/// Lines of type 2; those of type 1 are ink.
+/// Colour of singularities of type 2; those of type 1 have the colour of lines.
 const TYPE_2: &str = "#d81b60";
 
-/// Draws a working mode.
+/// Draws the map of a working mode.
 ///
 /// # Errors
-/// Limits that make no sense.
+/// The robot's limits are not valid.
 pub fn svg(study: &WorkspaceStudy<'_>, mode: WorkingMode) -> Result<String, WorkspaceStudyError> {
     let robot = study.robot;
     let named = |error| WorkspaceStudyError::Robot(robot.name.clone(), error);
     let workspace = robot.workspace(mode).map_err(named)?;
-    let frame = Frame::around(&workspace.tool)?;
-    // A cell is a unit of the picture, so that its steps are not seen.
+    let frame = PictureFrame::around(&workspace.tool)?;
+    // A cell is one unit of the picture, so that steps between cells are not visible.
     let map = WorkspaceMap::new(workspace, *frame.grid());
     let rectangle = study.largest_rectangle(mode);
     let [width, height] = frame.picture_size();
@@ -54,7 +53,7 @@ pub fn svg(study: &WorkspaceStudy<'_>, mode: WorkingMode) -> Result<String, Work
     );
     svg.push_str(&frame.axes());
     svg.push_str(&bands::cells(&map, &frame));
-    // Those of type 1 last: where both touch, the other's paper must not cover them.
+    // Curves of type 1 come last: the background of the others must not cover them.
     for curve in singularity_curves(&workspace.tool, mode).iter().rev() {
         svg.push_str(&curve_path(curve, &frame));
     }
@@ -65,10 +64,10 @@ pub fn svg(study: &WorkspaceStudy<'_>, mode: WorkingMode) -> Result<String, Work
         svg.push_str(&outline(rectangle, &frame));
     }
     if let Some((place, _)) = best {
-        let [x, y] = frame.place(place);
+        let [x, y] = frame.to_picture(place);
         let _ = writeln!(svg, "{}", cross(x, y));
     }
-    let arm = Shape::of(robot, mode, best.map(|(place, _)| place));
+    let arm = ArmDrawing::of(robot, mode, best.map(|(place, _)| place));
     if let Some(arm) = &arm {
         svg.push_str(&arm.drawn(&frame));
     }
@@ -76,7 +75,7 @@ pub fn svg(study: &WorkspaceStudy<'_>, mode: WorkingMode) -> Result<String, Work
         let links = arm.map_or_else(Vec::new, |arm| arm.links());
         svg.push_str(&size_label(rectangle, &links, &frame));
     }
-    svg.push_str(&legend::legend(&legend::Shown {
+    svg.push_str(&legend::legend(&legend::LegendContent {
         left: frame.legend_left(),
         top: frame.top(),
         limits: map.reached().any(|(_, cell)| !cell.within_limits),
@@ -88,9 +87,9 @@ pub fn svg(study: &WorkspaceStudy<'_>, mode: WorkingMode) -> Result<String, Work
     Ok(svg)
 }
 
-/// A singularity curve: solid of type 1, dashed of type 2, which is drawn on paper so that
-/// it is seen on any colour.
-fn curve_path(curve: &SingularityCurve, frame: &Frame) -> String {
+/// A singularity curve: solid for type 1, dashed for type 2, which has a background of its own
+/// so that it is visible on any colour.
+fn curve_path(curve: &SingularityCurve, frame: &PictureFrame) -> String {
     let path = frame.path(&curve.points);
     match curve.singularity {
         Singularity::Leg1 | Singularity::Leg4 => {
@@ -104,10 +103,10 @@ fn curve_path(curve: &SingularityCurve, frame: &Frame) -> String {
     }
 }
 
-/// The rectangle.
-fn outline(rectangle: Rectangle, frame: &Frame) -> String {
-    let [x, y] = frame.place(Vector2::new(rectangle.low.x, rectangle.high.y));
-    let [right, bottom] = frame.place(Vector2::new(rectangle.high.x, rectangle.low.y));
+/// The outline of the rectangle.
+fn outline(rectangle: Rectangle, frame: &PictureFrame) -> String {
+    let [x, y] = frame.to_picture(Vector2::new(rectangle.low.x, rectangle.high.y));
+    let [right, bottom] = frame.to_picture(Vector2::new(rectangle.high.x, rectangle.low.y));
     let (width, height) = (right - x, bottom - y);
     let line = |colour, wide| {
         format!(
@@ -118,13 +117,13 @@ fn outline(rectangle: Rectangle, frame: &Frame) -> String {
     line(PAPER, 4) + &line(INK, 2)
 }
 
-/// The rectangle's size, in the corner of it that is farthest from the links; none where it
-/// is too small: the legend has it too.
-fn size_label(rectangle: Rectangle, links: &[[Vector2<f64>; 2]], frame: &Frame) -> String {
+/// The rectangle's size, in the corner that is farthest from the links; none if the rectangle
+/// is too small. The legend has it too.
+fn size_label(rectangle: Rectangle, links: &[[Vector2<f64>; 2]], frame: &PictureFrame) -> String {
     let text = dimensions(rectangle.size());
     let half = 4.2 * text.chars().count() as f64;
-    let [left, top] = frame.place(Vector2::new(rectangle.low.x, rectangle.high.y));
-    let [right, bottom] = frame.place(Vector2::new(rectangle.high.x, rectangle.low.y));
+    let [left, top] = frame.to_picture(Vector2::new(rectangle.low.x, rectangle.high.y));
+    let [right, bottom] = frame.to_picture(Vector2::new(rectangle.high.x, rectangle.low.y));
     if right - left < 2.0 * half + 14.0 || bottom - top < 56.0 {
         return String::new();
     }
@@ -133,14 +132,14 @@ fn size_label(rectangle: Rectangle, links: &[[Vector2<f64>; 2]], frame: &Frame) 
         .flat_map(|x| [top + 14.0, bottom - 14.0].map(|y| [x, y]));
     let links: Vec<_> = links
         .iter()
-        .map(|ends| ends.map(|end| frame.place(end)))
+        .map(|ends| ends.map(|end| frame.to_picture(end)))
         .collect();
-    let room = |middle: &[f64; 2]| {
-        let apart = links.iter().map(|&ends| arm::distance(*middle, ends));
-        apart.fold(f64::INFINITY, f64::min)
+    let clearance = |middle: &[f64; 2]| {
+        let distances = links.iter().map(|&ends| arm::distance(*middle, ends));
+        distances.fold(f64::INFINITY, f64::min)
     };
     let farthest = middles.reduce(|best, middle| {
-        if room(&middle) > room(&best) {
+        if clearance(&middle) > clearance(&best) {
             middle
         } else {
             best
@@ -154,7 +153,7 @@ fn dimensions(size: Vector2<f64>) -> String {
     format!("{:.0} × {:.0} mm", 1e3 * size.x, 1e3 * size.y)
 }
 
-/// Text around the middle of its base line, to be read on any colour.
+/// Text centred at a point of its base line, readable on any colour.
 fn label([x, y]: [f64; 2], text: &str) -> String {
     format!(
         "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"middle\" stroke=\"{PAPER}\" \
@@ -162,7 +161,7 @@ fn label([x, y]: [f64; 2], text: &str) -> String {
     )
 }
 
-/// The sign of the best place.
+/// The symbol of the best-conditioned position.
 fn cross(x: f64, y: f64) -> String {
     let arms = format!("M{:.1} {y:.1}h14M{x:.1} {:.1}v14", x - 7.0, y - 7.0);
     format!(

@@ -1,5 +1,4 @@
-//! A picture in pixels, the same on every machine: its letters are those of a font that
-//! comes with the program.
+//! A picture as PNG. It is the same on every computer, because the font is built in.
 
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{self, Tree};
@@ -7,24 +6,24 @@ use resvg::usvg::{self, Tree};
 /// Pixels per unit of the picture.
 const ZOOM: f32 = 2.0;
 
-/// Why a picture has no pixels.
+/// Why a picture cannot be made into an image.
 #[derive(Debug, thiserror::Error)]
 pub enum PngError {
-    /// It is no picture.
+    /// The SVG cannot be read.
     #[error("the picture cannot be read: {0}")]
     Svg(#[from] usvg::Error),
-    /// It has no size, or too great a one.
-    #[error("the picture has no size that an image can have")]
+    /// The size is zero or too large.
+    #[error("the picture's size is zero or too large for an image")]
     Size,
-    /// It cannot be encoded.
+    /// The image cannot be encoded.
     #[error("the image cannot be encoded: {0}")]
     Encoding(String),
 }
 
-/// An SVG file as a PNG file, twice as large.
+/// Converts an SVG file to a PNG file with two pixels per unit.
 ///
 /// # Errors
-/// A picture that is none, or has no size.
+/// The SVG cannot be read, has no valid size, or the image cannot be encoded.
 pub fn png(svg: &str) -> Result<Vec<u8>, PngError> {
     let mut options = usvg::Options::default();
     let fonts = options.fontdb_mut();

@@ -1,4 +1,4 @@
-//! The answer in words, step by step as a textbook takes them.
+//! The explanation of a mobility analysis, in the steps of a textbook.
 
 use crate::input::mobility::MobilityCase;
 use crate::study::mobility::MobilityAnalysis;
@@ -7,7 +7,7 @@ use fivebar_design::mobility::{
 };
 use std::fmt::Write as _;
 
-/// The words for zero, finite and infinite pitch.
+/// The words for a screw of zero, finite and infinite pitch.
 type Kinds = [&'static str; 3];
 const CONSTRAINTS: Kinds = ["force", "wrench", "couple"];
 const FREEDOMS: Kinds = ["rotation", "screw motion", "translation"];
@@ -92,7 +92,7 @@ fn parallel(analysis: &ParallelAnalysis) -> Vec<Step> {
         "They agree: every limb's screws are independent (ζ = 0).".into()
     } else {
         format!(
-            "They differ by ζ = {}: freedoms inside the limbs that do not move the platform.",
+            "They differ by ζ = {}, the number of freedoms inside the limbs that do not move the platform.",
             analysis.passive
         )
     });
@@ -118,7 +118,7 @@ fn graph(analysis: &GraphAnalysis) -> Vec<Step> {
             m.lambda, m.order
         ),
         format!(
-            "The loops could carry {}·{} = {} conditions; their Jacobian over all {} single freedoms has rank {}, so v = {} are redundant.",
+            "The loops give {}·{} = {} conditions. Their Jacobian over all {} single freedoms has rank {}, so v = {} conditions are redundant.",
             m.order,
             analysis.loops,
             m.order * analysis.loops,
@@ -144,42 +144,39 @@ fn graph(analysis: &GraphAnalysis) -> Vec<Step> {
 
 fn grubler(m: &Mobility) -> String {
     format!(
-        "Grübler's spatial count, blind to geometry: 6(n − g − 1) + Σf = 6·({} − {} − 1) + {} = {}.",
+        "Grübler's spatial count, which ignores the geometry: 6(n − g − 1) + Σf = 6·({} − {} − 1) + {} = {}.",
         m.bodies, m.joints, m.sum_f, m.grubler
     )
 }
 
 fn platform(m: &Mobility, constraints: &[ScrewAxis]) -> Step {
     let sentences = vec![
-        format!("Held by {}.", list(constraints, CONSTRAINTS, "nothing")),
+        format!("Constraints: {}.", list(constraints, CONSTRAINTS, "none")),
         format!(
-            "Free to move in {} ways ({}, {}): {}.",
+            "Degrees of freedom: {} ({}, {}): {}.",
             m.platform_dof,
             plural(m.rotations, "rotation"),
             plural(m.pure_translations, "translation"),
             list(&m.freedoms, FREEDOMS, "none")
         ),
     ];
-    (
-        "What the platform can do, at this instant".into(),
-        sentences,
-    )
+    ("The platform's freedoms in this pose".into(), sentences)
 }
 
 fn finite(m: &Mobility) -> Step {
     let mut sentences = vec![format!(
-        "The loop Jacobian leaves {} (pivots below {RANK_TOLERANCE:e} of the largest count as zero).",
+        "The loop Jacobian leaves {} (pivots below {RANK_TOLERANCE:e} times the largest count as zero).",
         plural(m.instantaneous, "freedom")
     )];
     sentences.push(match (m.instantaneous, m.finite) {
-        (0, _) => "Nothing moves: a structure.".into(),
-        (_, 0) => "Moved for real it runs back to where it started: a shaky structure, mobile only to first order.".into(),
-        (inst, real) if inst > real => format!("Moved for real by half a radian, {real} remain: this pose is singular, and the others are only instantaneous."),
-        (_, real) => format!("Moved for real by half a radian, all {real} remain: the mobility is finite."),
+        (0, _) => "The mechanism cannot move: it is a structure.".into(),
+        (_, 0) => "A finite motion is not possible: this is a shaky structure, mobile to first order only.".into(),
+        (inst, real) if inst > real => format!("After a finite motion of half a radian, {real} remain: this pose is singular, and the other freedoms are instantaneous only."),
+        (_, real) => format!("After a finite motion of half a radian, all {real} remain: the mobility is finite."),
     });
     if let Some(held) = m.with_drives_held {
         sentences.push(if held == 0 {
-            "With the actuated joints held, nothing moves: the drives hold the platform.".into()
+            "With the actuated joints held, the mechanism cannot move: the drives hold the platform.".into()
         } else {
             format!(
                 "With the actuated joints held, the mechanism keeps {}: the drives do not hold it here.",
@@ -187,10 +184,7 @@ fn finite(m: &Mobility) -> Step {
             )
         });
     }
-    (
-        "Is it real? Instantaneous against finite mobility".into(),
-        sentences,
-    )
+    ("Instantaneous and finite mobility".into(), sentences)
 }
 
 fn plural(count: usize, noun: &str) -> String {

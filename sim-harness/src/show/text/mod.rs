@@ -1,4 +1,4 @@
-//! Words for people: numbers with units, and sentences.
+//! Text for users: numbers with units, and sentences.
 
 mod conditions;
 mod ending;

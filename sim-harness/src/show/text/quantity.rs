@@ -1,9 +1,9 @@
-//! Numbers with units, as a person reads them.
+//! Numbers with SI prefixes and units.
 
 /// `value` [`unit`] to three significant digits with an SI prefix: `quantity(4.21e-5, "m")`
 /// is "42.1 µm".
 ///
-/// For plain units only; a prefix before "m/s²" is read right, before "kg" it is not.
+/// Use it for units that take a prefix, such as "m" or "m/s²", but not for "kg".
 pub fn quantity(value: f64, unit: &str) -> String {
     const PREFIXES: [(f64, &str); 6] = [
         (1e6, "M"),
@@ -16,7 +16,7 @@ pub fn quantity(value: f64, unit: &str) -> String {
     if !value.is_finite() {
         return format!("{value} {unit}");
     }
-    // Half a digit of room, so that 999.96 reads "1.00 k" rather than "1000".
+    // Rounded up by half a digit, so that 999.96 gives "1.00 k" and not "1000".
     let magnitude = value.abs() * 1.0005;
     let (scale, prefix) = PREFIXES
         .into_iter()
@@ -28,7 +28,7 @@ pub fn quantity(value: f64, unit: &str) -> String {
         below if below < 99.95 => 1,
         _ => 0,
     };
-    // What is below a hundredth of the least prefix is rounding.
+    // A value below a hundredth of the least prefix is rounding.
     if scaled.abs() < 0.005 {
         format!("0 {unit}")
     } else {
@@ -41,7 +41,7 @@ mod tests {
     use super::quantity;
 
     #[test]
-    fn picks_the_prefix_a_person_would() {
+    fn picks_the_usual_prefix() {
         for (value, unit, text) in [
             (4.21e-5, "m", "42.1 µm"),
             (0.0, "m", "0 m"),

@@ -1,11 +1,11 @@
-//! The figures of a workspace, for people.
+//! The figures of a workspace as a table of text.
 
 use super::quantity;
 use crate::study::workspace::WorkspaceStudy;
 use nalgebra::Vector2;
 use std::fmt::Write as _;
 
-/// A table of the branches, a line each.
+/// A table with one line for each branch.
 pub fn workspace(study: &WorkspaceStudy<'_>) -> String {
     let mut text = format!(
         "{}: cells of {}; singularity margin {}\n\n\
@@ -43,11 +43,7 @@ pub fn workspace(study: &WorkspaceStudy<'_>) -> String {
     }
     text.push_str("\n* the robot's own working mode\n");
     if let Some(exact) = study.exact_area() {
-        let _ = writeln!(
-            text,
-            "reached in every working mode, exactly: {:.1} cm²",
-            1e4 * exact
-        );
+        let _ = writeln!(text, "exact area of the reach: {:.1} cm²", 1e4 * exact);
     }
     text
 }

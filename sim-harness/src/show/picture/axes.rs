@@ -1,4 +1,4 @@
-//! The picture's frame: from metres to its units, and the axes around it.
+//! The picture's axes, and the conversion from metres to its units.
 
 use super::INK;
 use crate::study::workspace::WorkspaceStudyError;
@@ -9,25 +9,25 @@ use std::fmt::Write as _;
 
 /// The longer side of the reach, in the picture's units.
 const SIDE: f64 = 680.0;
-/// Around the reach within the axes.
+/// Space between the reach and the axes.
 const AIR: f64 = 14.0;
-/// Above the axes for the title, below and left of them for their numbers, and right of
-/// them for the legend.
+/// Space above the axes for the title, below and left of them for their numbers, and right
+/// of them for the legend.
 const TITLE: f64 = 70.0;
 const NUMBERS: f64 = 62.0;
 const LEGEND: f64 = 300.0;
-/// The legend has this height at least.
+/// Least height of the legend.
 const LEGEND_HEIGHT: f64 = 560.0;
-/// Numbers along the longer axis, at most.
+/// Most numbers along the longer axis.
 const TICKS: f64 = 12.0;
 
-/// Where the plane lies in the picture: a cell of its grid is a unit.
-pub(super) struct Frame {
+/// The position of the plane in the picture: one cell of its grid is one unit.
+pub(super) struct PictureFrame {
     grid: Grid,
 }
 
-impl Frame {
-    /// Around all that the tool can reach.
+impl PictureFrame {
+    /// A frame around the tool's reach.
     pub(super) fn around(tool: &Tool<f64>) -> Result<Self, WorkspaceStudyError> {
         let [low, high] = reach_bounds(tool);
         let pitch = (high.x - low.x).max(high.y - low.y) / SIDE;
@@ -36,7 +36,7 @@ impl Frame {
         Ok(Self { grid })
     }
 
-    /// The cells, a unit each.
+    /// The grid, with cells of one unit.
     pub(super) fn grid(&self) -> &Grid {
         &self.grid
     }
@@ -51,7 +51,7 @@ impl Frame {
         TITLE
     }
 
-    /// Where the first cell of the highest row lies.
+    /// The corner of the first cell of the highest row.
     pub(super) fn corner(&self) -> [f64; 2] {
         [NUMBERS + AIR, TITLE + AIR]
     }
@@ -73,8 +73,8 @@ impl Frame {
         [NUMBERS + width + LEGEND, TITLE + height + NUMBERS]
     }
 
-    /// A place in the picture.
-    pub(super) fn place(&self, point: Vector2<f64>) -> [f64; 2] {
+    /// A position [m] in the picture's units.
+    pub(super) fn to_picture(&self, point: Vector2<f64>) -> [f64; 2] {
         let [left, top] = self.corner();
         let (low, high) = (self.grid.low(), self.grid.high());
         let pitch = self.grid.pitch();
@@ -84,17 +84,17 @@ impl Frame {
         ]
     }
 
-    /// A line through places.
+    /// The path of a line through positions [m].
     pub(super) fn path(&self, points: &[Vector2<f64>]) -> String {
         let mut path = String::new();
         for (index, &point) in points.iter().enumerate() {
-            let [x, y] = self.place(point);
+            let [x, y] = self.to_picture(point);
             let _ = write!(path, "{}{x:.1} {y:.1}", if index == 0 { 'M' } else { 'L' });
         }
         path
     }
 
-    /// The axes with numbers in millimetres and a faint raster.
+    /// The axes with numbers in millimetres and a pale grid.
     pub(super) fn axes(&self) -> String {
         let ([left, top], [width, height]) = ([NUMBERS, TITLE], self.size());
         let (right, bottom) = (left + width, top + height);
@@ -110,7 +110,7 @@ impl Frame {
         let low = (self.grid.low() - Vector2::new(air, air)) * 1e3;
         let high = (self.grid.high() + Vector2::new(air, air)) * 1e3;
         for tick in along(low.x, high.x) {
-            let [x, _] = self.place(Vector2::new(1e-3 * tick, 0.0));
+            let [x, _] = self.to_picture(Vector2::new(1e-3 * tick, 0.0));
             let _ = writeln!(
                 svg,
                 "<path d=\"M{x:.1} {top}V{bottom}\" stroke=\"#e3e6ea\"/>\
@@ -120,7 +120,7 @@ impl Frame {
             );
         }
         for tick in along(low.y, high.y) {
-            let [_, y] = self.place(Vector2::new(0.0, 1e-3 * tick));
+            let [_, y] = self.to_picture(Vector2::new(0.0, 1e-3 * tick));
             let _ = writeln!(
                 svg,
                 "<path d=\"M{left} {y:.1}H{right}\" stroke=\"#e3e6ea\"/>\
@@ -144,7 +144,7 @@ impl Frame {
     }
 }
 
-/// The next number above of 1, 2, 5, 10, 20, …
+/// The least number of 1, 2, 5, 10, 20, … that is at least `value`.
 fn round_step(value: f64) -> f64 {
     let decade = 10_f64.powf(value.log10().floor());
     let steps = [1.0, 2.0, 5.0]
@@ -153,7 +153,7 @@ fn round_step(value: f64) -> f64 {
     steps.unwrap_or(10.0) * decade
 }
 
-/// A multiple of `step`, with the decimals that the step has.
+/// A multiple of `step` as text, with the step's decimals.
 fn number(value: f64, step: f64) -> String {
     let decimals = (-step.log10().floor()).clamp(0.0, 9.0) as usize;
     format!("{value:.decimals$}").replace('-', "−")
