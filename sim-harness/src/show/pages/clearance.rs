@@ -1,16 +1,19 @@
-//! The study as a page.
+//! The page of the study of wear.
 
 use crate::show::report::{Chart, Page, Point};
 use crate::show::text::quantity;
 use crate::study::clearance::{ClearanceStudy, NAMES, Outcome};
 
-/// Every run beside the new arm's.
+/// The page: all runs beside that of the new arm.
 pub fn clearance(study: &ClearanceStudy, conditions: &[(String, String)]) -> Page {
-    let mut page = Page::new(format!("{} worn: {}", study.robot, study.scenario));
+    let mut page = Page::new(format!(
+        "{} with worn joints: {}",
+        study.robot, study.scenario
+    ));
     page.paragraph(
-        "The same job under the production control loop, by the arm as new and with \
-         clearance in its joints. Pins fly, strike and slide in their bearings; the \
-         controller does not know of it and measures its driven links as ever.",
+        "The same job under the production control loop, with the new arm and with clearance in \
+         its joints. Pins fly, strike and slide in their bearings. The controller's model has no \
+         clearance, and its encoders measure the driven links.",
     );
     page.heading("New and worn");
     page.table(
@@ -28,8 +31,8 @@ pub fn clearance(study: &ClearanceStudy, conditions: &[(String, String)]) -> Pag
         &study.outcomes.iter().map(row).collect::<Vec<_>>(),
     );
     page.paragraph(
-        "Added by clearance is the distance between this arm's error and the new arm's at \
-         the same time, on the job's path without the way there from home.",
+        "Added by clearance: the distance between the error vectors of this arm and of the new \
+         arm at the same time, on the job's path without the way from home.",
     );
     add_prediction(&mut page, study);
     add_errors(&mut page, study);
@@ -76,7 +79,7 @@ fn row(outcome: &Outcome) -> Vec<String> {
 }
 
 fn add_prediction(page: &mut Page, study: &ClearanceStudy) {
-    page.heading("Against the models without contact");
+    page.heading("Predictions of the models without contact");
     let rows: Vec<_> = study
         .outcomes
         .iter()
@@ -95,22 +98,22 @@ fn add_prediction(page: &mut Page, study: &ClearanceStudy) {
     page.table(
         &[
             "radial clearance",
-            "pins seated",
-            "worst case",
+            "predicted, equilibrium",
+            "predicted, worst case",
             "simulated, by the pins",
-            "simulated, in all",
-            "peak reaction without contact",
+            "simulated, total",
+            "predicted peak reaction",
             "simulated",
         ],
         &rows,
     );
     page.paragraph(
-        "Pins seated: every pin where its reaction presses it, the greatest displacement of C \
-         along the job. Worst case: the pins anywhere, the driven links held to their angles. \
-         By the pins: the tool from where an ideal arm would have it at the angles that the \
-         driven links have. In all: with what the impacts make of those angles, which no \
-         model without contact knows. The reactions without contact are those of inertia at \
-         the feed rates, without ramps at corners.",
+        "Equilibrium: the greatest displacement of C along the job, with every pin where its \
+         reaction presses it. Worst case: over all positions of the pins, with the driven links \
+         at their angles. By the pins: the distance of the tool from its position in an ideal \
+         arm with the same angles of the driven links. Total: this includes the errors of these \
+         angles after impacts, which models without contact cannot predict. The predicted \
+         reactions are those of inertia at the feed rates, without ramps at corners.",
     );
 }
 
@@ -149,14 +152,14 @@ fn add_joints(page: &mut Page, study: &ClearanceStudy) {
             "joint",
             "peak reaction",
             "impacts",
-            "fastest",
+            "fastest impact",
             "flights",
-            "time in flight",
+            "time without contact",
         ],
         &rows,
     );
     for (k, name) in NAMES.into_iter().enumerate() {
-        let title = format!("Reaction in {name}: the greatest of every millisecond");
+        let title = format!("Reaction in {name}: greatest value of each millisecond");
         let mut chart = Chart::new(title, "time [s]", "force [N]");
         for outcome in study.outcomes.iter().rev() {
             let peaks = outcome.record.joints.peaks.iter();

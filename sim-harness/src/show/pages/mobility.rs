@@ -1,18 +1,18 @@
-//! The answer as a page to hand to a student.
+//! The page of mobility analyses.
 
 use crate::input::mobility::MobilityCase;
 use crate::show::report::Page;
 use crate::show::text::steps;
 use crate::study::mobility::MobilityAnalysis;
 
-/// The analysis of one or more studies.
+/// The page of one or more mechanisms.
 pub fn mobility(studies: &[(MobilityCase, MobilityAnalysis)]) -> Page {
     let mut page = Page::new("Mobility by screw theory");
     page.paragraph(
-        "A twist (ω; v) or a wrench (f; m) is a screw. A limb can only push on the platform \
-         by wrenches that do no work on any of its joints: those reciprocal to all its \
-         twists. Counting them, common ones, redundant ones and all, tells what the platform \
-         can do. Lengths are in the file's unit.",
+        "A twist (ω; v) or a wrench (f; m) is a screw. A limb constrains the platform by the \
+         wrenches that do no work on any of its joints: those reciprocal to all its twists. The \
+         numbers of these wrenches, and of the common and redundant ones among them, give the \
+         freedoms of the platform. Lengths are in the file's unit.",
     );
     let summary: Vec<Vec<String>> = studies
         .iter()

@@ -1,4 +1,4 @@
-//! One page for each thing that is run or studied.
+//! The HTML pages of runs and studies.
 
 pub mod accuracy;
 mod clearance;

@@ -1,4 +1,4 @@
-//! The accuracy of a five-bar: figures beside their samples, ellipses, maps.
+//! Pages of the accuracy of a five-bar: figures by analysis and sampling, ellipses, maps.
 
 use super::pareto::pareto;
 use crate::show::report::{Chart, Page};
@@ -10,10 +10,10 @@ use std::fmt::Write as _;
 /// One figure of an analysis [m].
 type Figure = fn(&AccuracyAnalysis) -> f64;
 
-/// What the models leave out, said on every page.
+/// The limits of the models, stated on every page.
 const LIMITS: &str = "First order, except where a figure is called exact: errors are small \
-    against lengths and distances from singularities. Clearances are kineto-static: every pin \
-    stays in contact; impacts and flight need a contact run (fivebar clearance).";
+    compared with lengths and distances from singularities. Clearances are kineto-static: every \
+    pin stays in contact. For impacts and flight, run `fivebar clearance`.";
 
 /// The page of one state.
 pub fn at_page(robot: &str, analysis: &AccuracyAnalysis, sampled: &MonteCarlo) -> Page {
@@ -101,7 +101,7 @@ pub fn at_page(robot: &str, analysis: &AccuracyAnalysis, sampled: &MonteCarlo) -
         }
     }
     page.table(&["figure", "analytic", "sampled"], &rows);
-    page.heading("Who contributes");
+    page.heading("Contributions");
     page.figure(
         &pareto(&position_shares(analysis)),
         "Share of each dimension in the variance of the tool's position.",
@@ -133,12 +133,12 @@ pub fn path_page(robot: &str, along: &PathAccuracy) -> Page {
         .iter()
         .map(|s| [s.analysis.pose.c.x, s.analysis.pose.c.y]);
     let mut plane =
-        Chart::new("Where the tool is likely to be", "x [m]", "y [m]").line("path", path.collect());
+        Chart::new("Scatter along the path", "x [m]", "y [m]").line("path", path.collect());
     plane.equal_aspect = true;
     let step = (along.points.len() / 24).max(1);
     for (index, point) in along.points.iter().step_by(step).enumerate() {
         let name = if index == 0 {
-            "2σ ellipses, 20 times enlarged"
+            "2σ ellipses, magnified 20×"
         } else {
             ""
         };
@@ -157,9 +157,9 @@ pub fn path_page(robot: &str, along: &PathAccuracy) -> Page {
             chart = chart.line(name.to_uppercase(), curve(&force));
         }
         page.chart(&chart);
-        page.heading("Where pins change sides");
+        page.heading("Expected losses of contact");
         if along.contact_losses.is_empty() {
-            page.paragraph("Nowhere: no reaction turns about, so every pin can keep contact.");
+            page.paragraph("None: no reaction reverses, so every pin can stay in contact.");
         } else {
             let rows: Vec<Vec<String>> = along
                 .contact_losses
@@ -170,7 +170,7 @@ pub fn path_page(robot: &str, along: &PathAccuracy) -> Page {
                     vec![joint, quantity(loss.distance, "m"), loss.line.to_string()]
                 })
                 .collect();
-            page.paragraph("A reaction turns about here: expect the pin to cross its bearing.");
+            page.paragraph("At these points a reaction reverses, so the pin crosses its bearing.");
             page.table(&["joint", "distance along the path", "line"], &rows);
         }
     }
@@ -200,14 +200,14 @@ pub fn map_page(robot: &str, map: &AccuracyMap) -> Page {
             let (from, to) = (quantity(least, "m"), quantity(greatest, "m"));
             page.figure(
                 &heat_map(map, figure, least, greatest),
-                &format!("{name}: {from} (pale) to {to} (dark), shaded by its logarithm."),
+                &format!("{name}: {from} (pale) to {to} (dark), on a logarithmic scale."),
             );
         }
     }
     page
 }
 
-/// The covariance ellipse about C, `factor` standard deviations large.
+/// The covariance ellipse about C for `factor` standard deviations.
 fn ellipse(analysis: &AccuracyAnalysis, factor: f64) -> Vec<[f64; 2]> {
     let covariance = &analysis.position.covariance;
     let eigen = covariance.clone().symmetric_eigen();
@@ -224,7 +224,7 @@ fn ellipse(analysis: &AccuracyAnalysis, factor: f64) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// The share of each dimension in the variance of the tool's position, largest first.
+/// The share of each dimension in the variance of the tool's position, the greatest first.
 fn position_shares(analysis: &AccuracyAnalysis) -> Vec<(&str, f64)> {
     let total = analysis.position.covariance.trace();
     let share = |i: usize| {

@@ -1,4 +1,4 @@
-//! The study of a linkage on a page.
+//! The page of a linkage's accuracy.
 
 use super::pareto::pareto;
 use crate::input::linkage::{DrivenLinkage, reaction_names};
@@ -10,10 +10,10 @@ use fivebar_design::accuracy::linkage::ResultKind;
 /// Whether a result belongs on a chart.
 type Belongs = fn(&ResultKind) -> bool;
 
-/// What the model leaves out, said on every page.
-const LIMITS: &str = "First order: errors are small against lengths and distances from \
-    singularities. Clearances are kineto-static, massless links between pin and bearing: \
-    every pin stays in contact. Forces keep the ideal moment arms.";
+/// The limits of the model, stated on the page.
+const LIMITS: &str = "First order: errors are small compared with lengths and distances from \
+    singularities. Clearances are kineto-static: massless links between pin and bearing, and \
+    every pin stays in contact. Forces have the ideal moment arms.";
 
 /// The page of a linkage.
 pub fn linkage_page(driven: &DrivenLinkage, study: &LinkageStudy) -> Page {
@@ -24,7 +24,10 @@ pub fn linkage_page(driven: &DrivenLinkage, study: &LinkageStudy) -> Page {
         instant.time, study.sampling.samples, study.sampling.seed
     ));
     if !instant.settled {
-        page.paragraph("The directions of the pins do not settle here: a reaction is near zero, and its pin is about to leave its bearing.");
+        page.paragraph(
+            "The search for the clearance equilibrium does not converge here: a reaction is near \
+             zero, and its pin is about to lose contact.",
+        );
     }
     let deviations = instant.scatter.deviations();
     let rows: Vec<Vec<String>> = instant
@@ -45,7 +48,7 @@ pub fn linkage_page(driven: &DrivenLinkage, study: &LinkageStudy) -> Page {
         })
         .collect();
     page.table(&["figure", "value", "standard deviation", "sampled"], &rows);
-    page.heading("Who contributes");
+    page.heading("Contributions");
     for (row, result) in instant.results.iter().enumerate() {
         let rows = match result {
             ResultKind::Position(_, 0) => 2,
@@ -93,7 +96,7 @@ pub fn linkage_page(driven: &DrivenLinkage, study: &LinkageStudy) -> Page {
     page
 }
 
-/// A result in words, and its unit.
+/// The name of a result, and its unit.
 fn named(driven: &DrivenLinkage, result: &ResultKind) -> (String, &'static str) {
     let point = |index: usize| &driven.linkage.points()[index].name;
     let link = |index: usize| &driven.linkage.links()[index].name;

@@ -1,4 +1,4 @@
-//! Accuracy on a page: figures beside their samples, and who contributes.
+//! Pages of accuracy: figures by analysis and sampling, and contributions.
 
 mod five_bar;
 mod linkage;

@@ -1,9 +1,9 @@
-//! Who brings in how much, as bars, the longest first.
+//! Contributions as horizontal bars.
 
 use quick_xml::escape::escape;
 use std::fmt::Write as _;
 
-/// Bars, one a name with its share, in the order given.
+/// One bar for each name and share, in the given order.
 pub(super) fn pareto(shares: &[(&str, f64)]) -> String {
     let height = 26 * shares.len();
     let longest = shares.iter().map(|(name, _)| name.chars().count()).max();

@@ -1,4 +1,4 @@
-//! The accuracy of the slider-driven mechanism at one place.
+//! The page of the accuracy of a slider-driven mechanism.
 
 use super::pareto::pareto;
 use crate::input::robot::SliderRobot;
@@ -6,7 +6,7 @@ use crate::show::report::Page;
 use crate::show::text::quantity;
 use crate::study::accuracy::{SliderAnalysis, SliderMonteCarlo};
 
-/// The page of one place.
+/// The page for one position of P.
 pub fn slider_page(
     robot: &SliderRobot,
     analysis: &SliderAnalysis,
@@ -15,8 +15,9 @@ pub fn slider_page(
     let mut page = Page::new(format!("Accuracy of {}", robot.name));
     let p = analysis.pose.p;
     page.paragraph(&format!(
-        "P at ({:.4}, {:.4}) m; {} samples from seed {}. Scatter to first order. Clearances \
-         are kineto-static, every pin in contact, and each parallelogram counts as one limb.",
+        "P at ({:.4}, {:.4}) m; {} samples from seed {}. The scatter is of first order. \
+         Clearances are kineto-static: every pin stays in contact. Each parallelogram counts as \
+         one limb.",
         p.x, p.y, sampled.sampling.samples, sampled.sampling.seed
     ));
     let deviations = analysis.position.deviations();

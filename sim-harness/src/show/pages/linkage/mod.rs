@@ -1,4 +1,4 @@
-//! The report of a sweep: how the linkage is solved, moving picture, curves, forces.
+//! The report of a sweep: animation, structure, curves, forces.
 
 mod motion;
 mod structure;
@@ -11,7 +11,7 @@ use crate::study::linkage::{Range, SHOWN_ASSEMBLIES, Summary};
 use fivebar_design::linkage::{LinkId, SolvedSample, Sweep};
 use fivebar_kinematics::PlanarVector;
 
-/// The page to hand to a student.
+/// The page of a sweep.
 pub fn linkage(driven: &DrivenLinkage, sweep: &Sweep, summary: &Summary) -> Page {
     let mut page = Page::new(&driven.name);
     key_figures(&mut page, summary);
@@ -51,12 +51,12 @@ fn key_figures(page: &mut Page, summary: &Summary) {
 }
 
 fn put_together(page: &mut Page, driven: &DrivenLinkage, summary: &Summary) {
-    page.heading("How it is put together");
+    page.heading("Structure");
     page.paragraph(
-        "Driven links come first; every further pair of links is an Assur dyad, which adds no \
-         freedom: its position, velocity and acceleration follow from those of the points and \
-         guides that carry it. So the linkage is solved element by element, in this order. \
-         Angles are counter-clockwise from +x, lengths in metres.",
+        "Driven links come first. Every other pair of links is an Assur dyad, which adds no \
+         degree of freedom: its position, velocity and acceleration follow from those of the \
+         points and guides that carry it. The linkage is solved element by element, in this \
+         order. Angles are counter-clockwise from +x, lengths in metres.",
     );
     let header = ["", "kind", "links", "carried by", "dimensions", "branch"];
     page.table(&header, &structure::elements(driven));
@@ -69,8 +69,8 @@ fn put_together(page: &mut Page, driven: &DrivenLinkage, summary: &Summary) {
     }
     if let Some(grashof) = &summary.grashof {
         page.paragraph(&format!(
-            "By Grashof's rule (shortest + longest against the sum of the other two lengths) \
-             the four-bar is a {grashof}."
+            "By Grashof's rule (shortest + longest length compared with the sum of the other \
+             two), the four-bar is a {grashof}."
         ));
     }
 }
@@ -86,8 +86,8 @@ fn curves(page: &mut Page, driven: &DrivenLinkage, sweep: &Sweep) {
 
     page.heading("Motion");
     page.paragraph(
-        "Rates and accelerations are solved exactly, not by differences; that they are the \
-         derivatives of the curves above them is tested.",
+        "Rates and accelerations are solved exactly, without differences. Tests compare them with \
+         the derivatives of the curves above.",
     );
     let points = linkage.points().iter().enumerate();
     let points: Vec<_> = points
@@ -157,9 +157,9 @@ fn slides(page: &mut Page, driven: &DrivenLinkage, sweep: &Sweep) {
 fn transmission(page: &mut Page, driven: &DrivenLinkage, sweep: &Sweep) {
     page.heading("Transmission angle");
     page.paragraph(
-        "μ of a dyad: sin μ is the determinant of its rate equations, made free of lengths. 90° \
-         passes motion and force on best; at 0° the dyad is singular. Below some 40° a machine \
-         runs rough.",
+        "μ of a dyad: sin μ is the determinant of its rate equations, divided by the lengths. \
+         90° transmits motion and force best; at 0° the dyad is singular. Below about 40° a \
+         machine runs roughly.",
     );
     let axis = Axis::of(driven);
     let mut chart = Chart::new("Transmission angle", axis.label(), "μ [°]");
@@ -177,8 +177,8 @@ fn limits(page: &mut Page, summary: &Summary) {
     page.heading("Limits of motion and branches");
     if summary.limits.is_empty() {
         let extent = match summary.closed {
-            0 => "The linkage closes nowhere in the sweep on this assembly.",
-            _ => "The linkage moves through the whole sweep without meeting a limit.",
+            0 => "The linkage does not close anywhere in the sweep on this assembly.",
+            _ => "The linkage moves through the whole sweep without a limit.",
         };
         page.paragraph(extent);
     } else {
@@ -201,15 +201,15 @@ fn limits(page: &mut Page, summary: &Summary) {
     }
     for change in &summary.branch_changes {
         page.paragraph(&format!(
-            "Shortly before {:.6} s, {} passes a dead point: a smooth motion would go on in its \
-             other branch, while the figures here keep the stated one.",
+            "Shortly before {:.6} s, {} passes a dead point. A smooth motion would continue on its \
+             other branch; the figures here are of the stated branch.",
             change.time_s, change.dyad
         ));
     }
     if summary.assemblies.len() > 1 {
         page.paragraph(
-            "The same links can be put together in these ways; each dyad with two branches \
-             doubles them. The first is the one shown.",
+            "The same links can be assembled in these ways; each dyad with two branches doubles \
+             their number. This report shows the first.",
         );
         let shown = summary.assemblies.iter().take(SHOWN_ASSEMBLIES);
         let rows = shown.map(|assembly| {
@@ -223,10 +223,10 @@ fn limits(page: &mut Page, summary: &Summary) {
 fn forces(page: &mut Page, driven: &DrivenLinkage, sweep: &Sweep, summary: &Summary) {
     page.heading("Forces");
     page.paragraph(
-        "With the inertia forces −m a and −I α counted among the loads (d'Alembert), each dyad \
-         is in equilibrium: six equations for the two unknowns of each of its three joints. \
-         Dyads are solved last to first, each loading the links that carry it; the driven link \
-         comes last and gives the driving torque or force. Joints are frictionless.",
+        "With the inertia forces −m a and −I α among the loads (d'Alembert), each dyad is in \
+         equilibrium: six equations for the two unknowns of each of its three joints. Dyads are \
+         solved from the last to the first, and each loads the links that carry it. The driven \
+         link comes last and gives the driving torque or force. Joints have no friction.",
     );
     let axis = Axis::of(driven);
     for (unit, title, label) in [
@@ -260,8 +260,8 @@ fn forces(page: &mut Page, driven: &DrivenLinkage, sweep: &Sweep, summary: &Summ
         ]
     });
     page.paragraph(
-        "The moment is taken about the joint's centre: in a driven pin it is the driving torque, \
-         in a slide it keeps the slider from tilting, a free pin has none.",
+        "The moment is about the joint's centre: in a driven pin it is the driving torque, in a \
+         slide it keeps the slider from tilting, in a free pin it is zero.",
     );
     page.table(
         &["joint", "peak force", "at", "peak moment"],
@@ -273,10 +273,10 @@ fn forces(page: &mut Page, driven: &DrivenLinkage, sweep: &Sweep, summary: &Summ
     page.chart(&frame);
 }
 
-/// What the curves are drawn over.
+/// The horizontal axis of the curves.
 #[derive(Clone, Copy)]
 enum Axis {
-    /// The angle of the only driven link, a crank that turns steadily [°].
+    /// The angle of the only driven link, a crank with constant speed [°].
     Crank,
     /// Time [s].
     Time,
@@ -300,7 +300,7 @@ impl Axis {
         }
     }
 
-    /// A quantity over this axis, broken where the linkage does not close.
+    /// A quantity over this axis, with gaps where the linkage does not close.
     fn line(self, sweep: &Sweep, value: impl Fn(&SolvedSample) -> f64) -> Vec<Point> {
         let samples = sweep.samples.iter();
         samples
@@ -315,7 +315,7 @@ impl Axis {
     }
 }
 
-/// Takes out the jumps of whole turns [°].
+/// Removes jumps of whole turns [°].
 fn unwrap(line: &mut [Point]) {
     let (mut turns, mut last) = (0.0, f64::NAN);
     for [_, angle] in line.iter_mut().filter(|[_, angle]| angle.is_finite()) {

@@ -1,4 +1,4 @@
-//! A linkage drawn moving: its links as outlines, its points' curves.
+//! The animation of a linkage: outlines of its links, curves of its points.
 
 use crate::input::linkage::DrivenLinkage;
 use crate::show::report::{Animation, Body, Point, Trace};
@@ -8,17 +8,17 @@ use fivebar_design::linkage::{
 use fivebar_kinematics::PlanarVector;
 use nalgebra::Vector2;
 
-/// A sweep takes at least so long to watch [s].
-const SHORTEST: f64 = 5.0;
-/// Sliders are drawn this long against the whole picture.
+/// Least duration of the animation [s].
+const MIN_DURATION: f64 = 5.0;
+/// Half length of a slider, as a share of the picture.
 const SLIDER: f64 = 0.04;
 
-/// The sweep as a moving picture, slowed down where it would be too quick to see.
+/// The animation of a sweep; a short sweep is slowed down.
 pub(super) fn animation(driven: &DrivenLinkage, sweep: &Sweep) -> Animation {
-    let slowing = (SHORTEST / driven.duration).max(1.0);
+    let slowing = (MIN_DURATION / driven.duration).max(1.0);
     let caption = if slowing > 1.0 {
         let slowing = (slowing * 100.0).round() / 100.0;
-        format!("{} in motion, {slowing} times slowed", driven.name)
+        format!("{} in motion, {slowing} times slower", driven.name)
     } else {
         format!("{} in motion", driven.name)
     };
@@ -51,8 +51,7 @@ pub(super) fn animation(driven: &DrivenLinkage, sweep: &Sweep) -> Animation {
     animation
 }
 
-/// The curves of all points that are not in the frame, broken where the linkage does not
-/// close.
+/// The curves of all points outside the frame, with gaps where the linkage does not close.
 pub(super) fn curves(driven: &DrivenLinkage, sweep: &Sweep) -> Vec<(String, Vec<Point>)> {
     let points = driven.linkage.points().iter().enumerate();
     points
@@ -68,7 +67,7 @@ pub(super) fn curves(driven: &DrivenLinkage, sweep: &Sweep) -> Vec<(String, Vec<
         .collect()
 }
 
-/// What one outline looks like at each instant: nowhere while the linkage does not close.
+/// One outline at each instant; a gap while the linkage does not close.
 fn body(sweep: &Sweep, outline: impl Fn(&SolvedSample) -> Vec<Point>) -> Body {
     let solved = |sample: &SweepSample| sample.solved.as_ref().ok().map(&outline);
     let count = sweep
@@ -95,8 +94,8 @@ fn is_slider(group: &Group<f64>, position: usize) -> bool {
     }
 }
 
-/// A link as the chain of its points from its origin to its far end; that of a bar is
-/// closed if it has more than two.
+/// A link as the chain of its points from its origin to its far end. The chain of a bar with
+/// more than two points is closed.
 fn chain(
     driven: &DrivenLinkage,
     element: &Element<f64>,
@@ -146,7 +145,7 @@ fn support(at: Vector2<f64>, size: f64) -> Vec<Point> {
     vec![[x, y], [x - half, down], [x + half, down], [x, y]]
 }
 
-/// The larger side of the box about everything that moves [m].
+/// The larger side of the box around all moving points [m].
 fn extent(sweep: &Sweep) -> f64 {
     let mut low = [f64::INFINITY; 2];
     let mut high = [f64::NEG_INFINITY; 2];

@@ -1,11 +1,11 @@
-//! A linkage in words: how it is put together and by which equations it is solved.
+//! The structure of a linkage, and the equations by which it is solved.
 
 use crate::input::linkage::{DrivenLinkage, links_of};
 use crate::study::linkage::branch;
 use fivebar_design::linkage::{Group, Guide, PointId};
 use fivebar_kinematics::PlanarVector;
 
-/// One element: kind, links, what carries it, dimensions and branch.
+/// A row for each element: kind, links, carriers, dimensions and branch.
 pub(super) fn elements(driven: &DrivenLinkage) -> Vec<Vec<String>> {
     let linkage = &driven.linkage;
     let point = |id: &PointId| linkage.points()[id.index()].name.clone();
@@ -65,7 +65,7 @@ pub(super) fn elements(driven: &DrivenLinkage) -> Vec<Vec<String>> {
         .collect()
 }
 
-/// The masses: of links in their own frames, and of points.
+/// A row for each mass: of links, in their own frames, and of points.
 pub(super) fn masses(driven: &DrivenLinkage) -> Vec<Vec<String>> {
     let links = driven.linkage.links().iter().skip(1).map(|link| {
         let body = &link.inertia;
@@ -92,7 +92,7 @@ pub(super) fn masses(driven: &DrivenLinkage) -> Vec<Vec<String>> {
     links.chain(points).collect()
 }
 
-/// The field's name of a group.
+/// The usual name of a group.
 fn kind(group: &Group<f64>) -> &'static str {
     match group {
         Group::Crank { .. } => "crank (driven)",
@@ -105,7 +105,7 @@ fn kind(group: &Group<f64>) -> &'static str {
     }
 }
 
-/// How each kind of dyad in the linkage is solved, once each.
+/// The solution of each kind of dyad in the linkage.
 pub(super) fn equations(driven: &DrivenLinkage) -> Vec<&'static str> {
     let mut equations: Vec<&str> = Vec::new();
     for element in driven.linkage.elements() {

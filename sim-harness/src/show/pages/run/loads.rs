@@ -1,4 +1,4 @@
-//! What the motion took: torques by share, currents, duties.
+//! The loads of a run: torques by cause, currents, duties.
 
 use super::shares::ShareModel;
 use super::{RunReport, spaced};
@@ -7,7 +7,7 @@ use crate::show::report::{Chart, Page, Point};
 use crate::show::text::quantity;
 use fivebar_kinematics::dynamics::{ShareTotals, TorqueComponents};
 
-/// Samples looked at for the shares of the torques.
+/// Samples for the causes of the torques.
 const SHARE_SAMPLES: usize = 20_000;
 /// The parts of a torque, in the order of [`TorqueComponents::parts`].
 const CAUSES: [&str; 5] = [
@@ -48,13 +48,13 @@ impl RunReport<'_> {
             totals.add(&pair[0].1, pair[1].0 - pair[0].0);
         }
         let (fractions, peaks) = (totals.fractions(), totals.peaks());
-        // What is nowhere asked for, such as gravity on a level table, is not drawn.
+        // A cause that is zero everywhere, such as gravity on a level table, is not drawn.
         let causes: Vec<usize> = (0..peaks.len())
             .filter(|&cause| peaks[cause].iter().any(|&peak| peak > 0.0))
             .collect();
         page.paragraph(
-            "What the reference motion asks of the motors by the controller's model, told \
-             apart by cause.",
+            "The motor torques that the reference motion needs by the controller's model, \
+             separated by cause.",
         );
         for (joint, name) in JOINTS.into_iter().enumerate() {
             let mut chart = Chart::new(
@@ -80,7 +80,7 @@ impl RunReport<'_> {
                 quantity(peak4, "N·m"),
             ]
         });
-        let header = ["cause", "joint 1", "at most", "joint 4", "at most"];
+        let header = ["cause", "joint 1", "greatest", "joint 4", "greatest"];
         page.table(&header, &rows.collect::<Vec<_>>());
         page.paragraph("Percentages are of ∫|τ| dt, summed over all causes.");
     }
@@ -107,7 +107,7 @@ impl RunReport<'_> {
             )
             .line("current", line(&|sample| sample.current[joint]))
             .line("set-point", line(&|sample| sample.current_set_point[joint]));
-            // A limit far away would flatten the curves, and tell nothing.
+            // A limit far away would make the curves flat.
             if greatest.fold(0.0, f64::max) > 0.5 * limit {
                 let ends = [samples.first(), samples.last()].into_iter().flatten();
                 let rim = |level: f64| ends.clone().map(|s| [s.time, level]).collect();
@@ -125,7 +125,7 @@ impl RunReport<'_> {
         let limited = |sample: &Sample| if sample.saturated { 1.0 } else { f64::NAN };
         if samples.iter().any(|sample| sample.saturated) {
             page.chart(
-                &Chart::new("Where a torque was limited", "time [s]", "limited [1]")
+                &Chart::new("Samples with a limited torque", "time [s]", "limited [1]")
                     .dots("limited", line(&limited)),
             );
         } else {

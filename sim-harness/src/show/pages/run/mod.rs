@@ -1,4 +1,4 @@
-//! The report of a run: the arm drawing, how well, and what it took.
+//! The report of a run: the motion, its errors and its loads.
 
 mod loads;
 mod motion;
@@ -13,16 +13,16 @@ use crate::run::simulation::{Sample, Summary, Trace};
 use crate::show::report::{Chart, Page, Point};
 use crate::show::text::quantity;
 
-/// What a report of a run is made from.
+/// The content of a run's report.
 #[derive(Clone, Copy, Debug)]
 pub struct RunReport<'a> {
     /// The arm that ran.
     pub robot: &'a Robot,
-    /// The job it did, where it was one.
+    /// The job, if the run had one.
     pub job: Option<&'a Job>,
-    /// The run in figures.
+    /// The figures of the run.
     pub summary: &'a Summary,
-    /// The run sample by sample.
+    /// The samples of the run.
     pub trace: &'a Trace,
     /// The same run under independent-joint PD of equal bandwidth.
     pub pd: Option<(&'a Summary, &'a Trace)>,
@@ -44,7 +44,7 @@ impl RunReport<'_> {
         let others = [
             ("peak torque", quantity(torque1.max(torque4), "N·m")),
             ("simulated", format!("{:.2} s", summary.simulated_s)),
-            ("speed against real time", format!("{}×", summary.speed())),
+            ("speed", format!("{}× real time", summary.speed())),
         ];
         if self.trace.samples().is_empty() {
             page.key_figures(&others);
@@ -66,11 +66,14 @@ impl RunReport<'_> {
             ""
         };
         if faults.is_empty() {
-            "The job was done to its end without a fault. Everything below is from the \
-             simulated arm itself, not from what the controller believes of it."
+            "The job was done without a fault. All figures below are of the simulated arm itself, \
+             not of the controller's estimates."
                 .into()
         } else {
-            format!("The run ended in a fault: {}.{unbegun}", faults.join(", "))
+            format!(
+                "The run ended with a fault: {}.{unbegun}",
+                faults.join(", ")
+            )
         }
     }
 
@@ -80,8 +83,8 @@ impl RunReport<'_> {
             trace.samples().iter().map(point).collect::<Vec<Point>>()
         };
         page.heading("Tip error").paragraph(
-            "Distance of the tool from where the reference has it at the same moment, so \
-             lag counts as error too.",
+            "Distance of the tool from its reference at the same instant, so that a lag is an \
+             error too.",
         );
         let chart = Chart::new("Tip error", "time [s]", "tip error [µm]");
         let own = microns(self.trace);
@@ -107,8 +110,8 @@ impl RunReport<'_> {
                 match self.summary.ratio_to(theirs) {
                     None => page,
                     Some(ratio) => page.paragraph(&format!(
-                        "The same arm, job, bandwidth and damping without the model: the RMS \
-                         error is {ratio:.1} times as large."
+                        "With the same arm, job, bandwidth and damping, but without the model, the \
+                         RMS error is {ratio:.1} times as large."
                     )),
                 }
             }
@@ -119,7 +122,7 @@ impl RunReport<'_> {
         let summary = self.summary;
         let mut rows = vec![
             row("simulated time", format!("{:.4} s", summary.simulated_s)),
-            row("time taken", quantity(summary.wall_s, "s")),
+            row("real time", quantity(summary.wall_s, "s")),
             row("ticks", summary.ticks.to_string()),
             row(
                 "ticks with a limited torque",
@@ -137,16 +140,16 @@ impl RunReport<'_> {
                 .iter()
                 .map(|(name, value)| row(name, value.clone())),
         );
-        page.heading("Figures").table(&["what", "value"], &rows);
+        page.heading("Figures").table(&["quantity", "value"], &rows);
         let warnings = self.job.map_or(&[][..], |job| &job.warnings);
         if !warnings.is_empty() {
             let text: Vec<_> = warnings.iter().map(ToString::to_string).collect();
-            page.heading("Left out of the job")
+            page.heading("Skipped parts of the job")
                 .paragraph(&text.join("; "));
         }
     }
 
-    /// Whether the tool draws during a sample; without a job it always does.
+    /// Whether the tool draws at a sample; without a job it always does.
     fn draws(&self, sample: &Sample) -> bool {
         self.job.is_none_or(|job| job.pen_down(sample.line))
     }

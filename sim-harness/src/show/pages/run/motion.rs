@@ -6,11 +6,11 @@ use crate::show::report::{Animation, Body, Chart, Page, Point, Trace as Drawn};
 use fivebar_kinematics::PlanarVector;
 use nalgebra::Vector2;
 
-/// Samples looked at for the drawn path.
+/// Samples for the drawn path.
 const PATH_SAMPLES: usize = 20_000;
-/// Frames of the arm.
+/// Frames of the animation.
 const FRAMES: usize = 600;
-/// Where the pen is up, nothing is drawn.
+/// A gap in a curve, for a pen that is up.
 const BREAK: Point = [f64::NAN; 2];
 
 impl RunReport<'_> {
@@ -21,7 +21,7 @@ impl RunReport<'_> {
 
         let frames: Vec<&Sample> = spaced(samples, FRAMES).collect();
         let times = frames.iter().map(|sample| sample.time).collect();
-        let mut animation = Animation::new("The arm at work", "m", times);
+        let mut animation = Animation::new("The arm in motion", "m", times);
         animation
             .fixed
             .push(("reference".into(), reference.clone()));
@@ -44,7 +44,7 @@ impl RunReport<'_> {
         });
         let chart = Chart::new("Path", "x [mm]", "y [mm]")
             .line(
-                format!("tool, its error drawn {factor}×"),
+                format!("tool (error magnified {factor}×)"),
                 magnified.collect(),
             )
             .dashed(
@@ -58,7 +58,7 @@ impl RunReport<'_> {
         page.heading("Path").chart(&chart);
     }
 
-    /// A point of every sample looked at, with breaks where the pen is up.
+    /// A point of each path sample, with gaps where the pen is up.
     pub(super) fn drawn_path(&self, point: fn(&Sample) -> Point) -> Vec<Point> {
         path_samples(self.trace.samples())
             .map(|sample| {
@@ -77,7 +77,7 @@ impl RunReport<'_> {
         let b = Vector2::unit(sample.angle[0]) * geometry.l1();
         let d = geometry.e() + Vector2::unit(sample.angle[1]) * geometry.l4();
         let tool = Vector2::new(sample.tool[0], sample.tool[1]);
-        // The tool from B is (l2 + along) u2 + left n2; undoing that turn gives u2.
+        // The tool from B is (l2 + along) u2 + left n2; the inverse rotation gives u2.
         let [along, left] = self.robot.tool.offset;
         let reach = Vector2::new(geometry.l2() + along, left);
         let u2 =
@@ -93,17 +93,17 @@ fn path_samples(samples: &[Sample]) -> impl Iterator<Item = &Sample> {
     spaced(samples, PATH_SAMPLES)
 }
 
-/// A round factor that makes the greatest error about a fiftieth of the drawing.
+/// A round factor by which the greatest error becomes about 1/50 of the drawing.
 fn magnification(path: &[Sample]) -> f64 {
     let greatest = path.iter().map(Sample::tip_error).fold(0.0, f64::max);
     let spread = |axis: usize| {
         let values = || path.iter().map(|sample| sample.reference[axis]);
         values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min)
     };
-    let wanted = 0.02 * spread(0).max(spread(1)) / greatest;
+    let exact = 0.02 * spread(0).max(spread(1)) / greatest;
     let rounds = [1000.0, 500.0, 200.0, 100.0, 50.0, 20.0, 10.0, 5.0, 2.0];
     rounds
         .into_iter()
-        .find(|&round| round <= wanted)
+        .find(|&round| round <= exact)
         .unwrap_or(1.0)
 }

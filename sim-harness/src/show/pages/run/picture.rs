@@ -1,4 +1,4 @@
-//! A run as one still picture: what was drawn, the arm at the end and on its way there.
+//! A run as one still picture: the drawing, the arm at the end and in earlier poses.
 
 use super::{RunReport, spaced};
 use crate::show::report::{Point, Range, is_finite, thin};
@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 /// Width of the picture [px].
 const WIDTH: f64 = 760.0;
 const AIR: f64 = 24.0;
-/// Poses of the arm on its way, drawn faintly.
+/// Number of earlier poses of the arm, which are drawn pale.
 const GHOSTS: usize = 7;
 
 const STYLE: &str = "\
@@ -19,7 +19,7 @@ const STYLE: &str = "\
     .arm,.ghost,.joint{stroke:#e4e8ee}}";
 
 impl RunReport<'_> {
-    /// The run as an SVG file; nothing where the trace is empty.
+    /// The run as an SVG file; none if the trace is empty.
     pub fn picture(&self) -> Option<String> {
         let samples = self.trace.samples();
         let last = samples.last()?;
@@ -40,7 +40,7 @@ impl RunReport<'_> {
         };
         let mut svg = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {height:.0}\" \
-             role=\"img\" aria-label=\"The arm and what it has drawn\">\n\
+             role=\"img\" aria-label=\"The arm and its drawing\">\n\
              <style>{STYLE}</style>\n\
              <rect class=\"paper\" width=\"100%\" height=\"100%\"/>\n"
         );

@@ -1,4 +1,4 @@
-//! What each joint's torque goes into along the reference, by the controller's model.
+//! The causes of each joint's torque along the reference, by the controller's model.
 
 use crate::input::robot::{MissingMasses, Robot};
 use crate::run::simulation::Sample;
@@ -7,7 +7,7 @@ use fivebar_kinematics::dynamics::{Arm, TorqueComponents};
 use fivebar_kinematics::five_bar::{PoseError, Side};
 use nalgebra::Vector2;
 
-/// The model by which a robot's torques are told apart: the controller's.
+/// The controller's model, which separates a robot's torques by cause.
 pub(super) struct ShareModel<'a> {
     arm: &'a Arm<f64>,
     assembly: Side,
@@ -33,11 +33,11 @@ impl<'a> ShareModel<'a> {
         })
     }
 
-    /// The parts of the torques that the reference of `sample` asks for.
+    /// The parts of the torques that the reference of `sample` needs.
     ///
     /// # Errors
-    /// A reference out of reach or singular.
-    pub(super) fn shares(&self, sample: &Sample) -> Result<TorqueComponents<f64>, PoseError> {
+    /// The reference is out of reach or singular.
+    pub(super) fn shares(&self, sample: &Sample) -> Result<TorqueShares<f64>, PoseError> {
         let geometry = self.arm.geometry();
         let [theta1, theta4] = sample.reference_angle;
         let [omega1, omega4] = sample.reference_velocity;

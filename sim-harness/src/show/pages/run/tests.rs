@@ -96,8 +96,8 @@ fn shows_the_whole_run_in_one_small_offline_page() {
         "benchtop draws circle",
         "20.0 µm",
         "10.0 times as large",
-        "40×",
-        "its error drawn 50×",
+        "40× real time",
+        "error magnified 50×",
         "Torque of joint 4 by cause",
         "velocity products",
         "motor current [A]",
@@ -161,7 +161,7 @@ fn a_run_that_ends_before_its_job_begins_shows_no_motion() {
         conditions: &[],
     };
     let html = report.page().render();
-    assert!(html.contains("ended in a fault: over-current. The job had not begun."));
+    assert!(html.contains("ended with a fault: over-current. The job had not begun."));
     for part in ["NaN", "Tip error", "There is nothing to show"] {
         assert!(!html.contains(part), "{part}");
     }
