@@ -3,7 +3,8 @@
 
 use fivebar::input::robot::Robot;
 use fivebar::study::accuracy::{
-    AccuracyAnalysis, Sampling, ToolState, analyse, accuracy_map, answer, cheapest_classes, monte_carlo,
+    AccuracyAnalysis, Sampling, ToolState, accuracy_map, analyse, answer, cheapest_classes,
+    monte_carlo,
 };
 use fivebar_design::accuracy::allocation::ToleranceClass;
 use indicatif::ProgressBar;

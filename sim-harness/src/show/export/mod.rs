@@ -30,10 +30,10 @@ use nalgebra::Vector2;
 pub enum ExportError {
     /// It has no masses.
     #[error(transparent)]
-    KinematicsOnly(#[from] KinematicsOnly),
+    MissingMasses(#[from] MissingMasses),
     /// It has no home.
     #[error(transparent)]
-    NoHome(#[from] NoHome),
+    HomeError(#[from] HomeError),
 }
 
 /// One rigid body of an exported model.

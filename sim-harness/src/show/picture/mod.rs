@@ -14,6 +14,7 @@ use arm::ArmDrawing;
 use axes::PictureFrame;
 use fivebar_design::workspace::{Rectangle, SingularityCurve, WorkspaceMap, singularity_curves};
 use fivebar_kinematics::five_bar::{Singularity, WorkingMode};
+use nalgebra::Vector2;
 use quick_xml::escape::escape;
 use std::fmt::Write as _;
 

@@ -53,7 +53,11 @@ pub struct PathAccuracy {
 ///
 /// # Errors
 /// A sentence with the first line that cannot be analysed.
-pub fn path_accuracy(robot: &Robot, job: &Job, force: Vector2<f64>) -> Result<PathAccuracy, String> {
+pub fn path_accuracy(
+    robot: &Robot,
+    job: &Job,
+    force: Vector2<f64>,
+) -> Result<PathAccuracy, String> {
     let mut pieces = Vec::new();
     let mut from: Option<Vector2<f64>> = None;
     for step in &job.steps {

@@ -37,7 +37,7 @@ impl<'a> ShareModel<'a> {
     ///
     /// # Errors
     /// The reference is out of reach or singular.
-    pub(super) fn shares(&self, sample: &Sample) -> Result<TorqueShares<f64>, PoseError> {
+    pub(super) fn shares(&self, sample: &Sample) -> Result<TorqueComponents<f64>, PoseError> {
         let geometry = self.arm.geometry();
         let [theta1, theta4] = sample.reference_angle;
         let [omega1, omega4] = sample.reference_velocity;
