@@ -14,7 +14,7 @@ fn area_within_boundary(geometry: &Geometry<f64>) -> f64 {
         .map(|arc| {
             let (from, to) = (Vector2::unit(arc.from), Vector2::unit(arc.to));
             let swept = arc.radius * arc.radius * (arc.to - arc.from)
-                + arc.radius * arc.center.cross_z(to - from);
+                + arc.radius * arc.centre.cross_z(to - from);
             if arc.outer { 0.5 * swept } else { -0.5 * swept }
         })
         .sum()
@@ -78,8 +78,8 @@ fn the_boundary_parts_what_is_reached_from_what_is_not() {
             let direction = Vector2::unit(arc.from + at * (arc.to - arc.from));
             // So small that the other leg, whose circles meet the arc at its ends, cannot
             // object, however flat they meet it.
-            let on_arc = arc.center + direction * arc.radius;
-            let spare = other_leg(&geometry, arc.center)
+            let on_arc = arc.centre + direction * arc.radius;
+            let spare = other_leg(&geometry, arc.centre)
                 .map(|(pivot, radius)| ((on_arc - pivot).norm() - radius).abs())
                 .fold(f64::INFINITY, f64::min);
             let step = (1e-4 * arc.radius).min(0.5 * spare);
@@ -87,8 +87,8 @@ fn the_boundary_parts_what_is_reached_from_what_is_not() {
                 continue;
             }
             let outwards = if arc.outer { step } else { -step };
-            let beyond = arc.center + direction * (arc.radius + outwards);
-            let within = arc.center + direction * (arc.radius - outwards);
+            let beyond = arc.centre + direction * (arc.radius + outwards);
+            let within = arc.centre + direction * (arc.radius - outwards);
             prop_assert!(geometry.reach(beyond).is_err());
             prop_assert!(geometry.reach(within).is_ok());
         }

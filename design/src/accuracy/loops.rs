@@ -74,7 +74,7 @@ pub struct Sensitivities {
 /// A complex number a + ib as a pair: all the arithmetic that a term needs.
 type Complex = [f64; 2];
 
-fn times([a, b]: Complex, [c, d]: Complex) -> Complex {
+fn complex_product([a, b]: Complex, [c, d]: Complex) -> Complex {
     [a * c - b * d, a * d + b * c]
 }
 
@@ -166,7 +166,7 @@ impl VectorLoops {
                         continue;
                     };
                     for (matrix, factor) in f.iter_mut().zip(factors) {
-                        let [x, y] = times(direction, factor);
+                        let [x, y] = complex_product(direction, factor);
                         matrix[(2 * row, column)] += x;
                         matrix[(2 * row + 1, column)] += y;
                     }

@@ -44,7 +44,7 @@ impl core::error::Error for LinkageError {}
 
 impl<S: Scalar> Group<S> {
     /// The group with unit directions, where its numbers make sense.
-    pub(super) fn checked(mut self) -> Result<Self, LinkageError> {
+    pub(super) fn validated(mut self) -> Result<Self, LinkageError> {
         match &mut self {
             Self::Crank { .. } => {}
             Self::Slider { guide } => normalise(&mut guide.direction)?,

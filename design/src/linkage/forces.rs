@@ -60,7 +60,7 @@ impl<S: Scalar> Linkage<S> {
                 joint,
                 wrench,
             };
-            let [gap1, gap12, gap2] = definition.gaps();
+            let [gap1, gap12, gap2] = definition.clearance_offsets();
             // What a joint exerts on one link acts back on the other at that link's own place.
             let mut pass = |reaction: Reaction<S>, gap: Vector2<S>, loads: &mut [Wrench<S>]| {
                 let LinkId(carrier) = reaction.from;

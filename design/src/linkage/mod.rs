@@ -7,12 +7,12 @@
 mod check;
 mod clearance;
 pub mod dyad;
-mod fitting;
 mod forces;
 mod four_bar;
 mod group;
 mod joint;
 mod model;
+mod modify;
 mod motion;
 mod parameters;
 mod section;

@@ -64,7 +64,7 @@ pub struct NamedLink<S> {
 
 /// What is solved when: in the order of building.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Step {
+pub(super) enum SolutionStep {
     Element(usize),
     Point(usize),
 }
@@ -76,7 +76,7 @@ pub struct Linkage<S> {
     pub(super) links: Vec<NamedLink<S>>,
     pub(super) points: Vec<Point<S>>,
     pub(super) elements: Vec<Element<S>>,
-    pub(super) steps: Vec<Step>,
+    pub(super) steps: Vec<SolutionStep>,
 }
 
 impl<S: Scalar> Linkage<S> {
@@ -123,12 +123,12 @@ impl<S: Scalar> Linkage<S> {
     /// # Errors
     /// A length or direction that makes no sense.
     pub fn add_group(&mut self, name: &str, group: Group<S>) -> Result<Element<S>, LinkageError> {
-        let group = group.checked()?;
+        let group = group.validated()?;
         let first_link = self.push_link(name);
         if !group.is_driven() {
             self.push_link(name);
         }
-        self.steps.push(Step::Element(self.elements.len()));
+        self.steps.push(SolutionStep::Element(self.elements.len()));
         let has_pin = matches!(
             group,
             Group::Rrr { .. } | Group::Rrp { .. } | Group::Prp { .. }
@@ -206,7 +206,7 @@ impl<S: Scalar> Linkage<S> {
     fn push_point(&mut self, name: &str, link: LinkId, local: Option<Vector2<S>>) -> PointId {
         let id = PointId(self.points.len());
         if local.is_some() {
-            self.steps.push(Step::Point(id.0));
+            self.steps.push(SolutionStep::Point(id.0));
         }
         self.points.push(Point {
             name: name.into(),

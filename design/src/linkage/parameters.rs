@@ -125,7 +125,7 @@ impl<S: Scalar> Linkage<S> {
             elements,
             steps: self.steps.clone(),
         };
-        linkage.reshape();
+        linkage.update_bar_inertias();
         linkage
     }
 }

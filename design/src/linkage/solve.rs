@@ -2,7 +2,7 @@
 
 use super::dyad::{DyadError, DyadMotion};
 use super::group::{Group, Guide, LinkId};
-use super::model::{Linkage, Step};
+use super::model::{Linkage, SolutionStep};
 use super::motion::{Coordinate, LinkMotion, PointMotion};
 use core::fmt;
 use fivebar_kinematics::{PlanarVector, Scalar};
@@ -89,13 +89,13 @@ impl<S: Scalar> Linkage<S> {
         let mut inputs = inputs.iter();
         for step in &self.steps {
             match *step {
-                Step::Point(index) => {
+                SolutionStep::Point(index) => {
                     let point = &self.points[index];
                     if let Some(local) = point.local {
                         motion.points[index] = motion.links[point.link.0].local_point(local);
                     }
                 }
-                Step::Element(index) => self.solve_element(index, &mut inputs, motion)?,
+                SolutionStep::Element(index) => self.solve_element(index, &mut inputs, motion)?,
             }
         }
         Ok(())
@@ -108,7 +108,7 @@ impl<S: Scalar> Linkage<S> {
         motion: &mut LinkageMotion<S>,
     ) -> Result<(), SolveError> {
         let element = &self.elements[index];
-        let [gap1, gap12, gap2] = element.gaps();
+        let [gap1, gap12, gap2] = element.clearance_offsets();
         // Link 1 is solved where its inner pin meets link 2's, then put back.
         let gap1 = gap1 + gap12;
         let solved = match &element.group {

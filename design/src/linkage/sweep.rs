@@ -93,7 +93,7 @@ pub struct Sweep {
 }
 
 /// Halvings of a step in search of a limit: to the rounding of the time.
-const HALVINGS: usize = 50;
+const BISECTIONS: usize = 50;
 
 /// Only a dyad with sin μ below this, on a sample beside, may have passed a dead point.
 const NEAR_DEAD_POINT: f64 = 0.3;
@@ -163,7 +163,7 @@ fn limit(
     if !matches!(failure.reason, DyadError::Unreachable(_)) {
         return None;
     }
-    for _ in 0..HALVINGS {
+    for _ in 0..BISECTIONS {
         let middle = 0.5 * (good + bad);
         match sample(linkage, laws, middle).solved {
             Ok(_) => good = middle,
@@ -196,11 +196,11 @@ fn branch_changes(
         return Vec::new();
     };
     let step = later.time - earlier.time;
-    let near = |motion: &LinkageMotion<f64>, element: usize| {
+    let near_dead_point = |motion: &LinkageMotion<f64>, element: usize| {
         motion.dyads[element].is_some_and(|dyad| Scalar::abs(dyad.sine) < NEAR_DEAD_POINT)
     };
     let changed = |&element: &usize| {
-        if !(near(&before.motion, element) && near(&now.motion, element)) {
+        if !(near_dead_point(&before.motion, element) && near_dead_point(&now.motion, element)) {
             return false;
         }
         let Some(other) = linkage.with_other_branch(element) else {
@@ -209,11 +209,14 @@ fn branch_changes(
         // The other branch must carry on clearly better: by half.
         other.motion(&later.inputs).is_ok_and(|other| {
             let links = linkage.elements()[element].links();
-            let miss = |motion: &LinkageMotion<f64>| -> f64 {
-                let miss = |link| turn_missed(&before.motion, motion, link, step);
-                links.clone().map(|link| miss(link.index())).sum()
+            let prediction_error = |motion: &LinkageMotion<f64>| -> f64 {
+                let prediction_error = |link| direction_error(&before.motion, motion, link, step);
+                links
+                    .clone()
+                    .map(|link| prediction_error(link.index()))
+                    .sum()
             };
-            miss(&other) < 0.5 * miss(&now.motion)
+            prediction_error(&other) < 0.5 * prediction_error(&now.motion)
         })
     };
     let elements = (0..linkage.elements().len()).filter(changed);
@@ -226,7 +229,7 @@ fn branch_changes(
 }
 
 /// How far a link's direction is from where its rates would have taken it in `step`.
-fn turn_missed(
+fn direction_error(
     before: &LinkageMotion<f64>,
     after: &LinkageMotion<f64>,
     link: usize,
@@ -246,7 +249,7 @@ impl<S: Scalar> Linkage<S> {
             .elements
             .get_mut(element)?
             .group
-            .flip()
+            .change_branch()
             .then_some(other)
     }
 
@@ -256,14 +259,14 @@ impl<S: Scalar> Linkage<S> {
     /// Beyond 16 such dyads: there would be too many to go through.
     pub fn assemblies(&self) -> impl Iterator<Item = Self> + '_ {
         let branching: Vec<usize> = (0..self.elements.len())
-            .filter(|&element| self.elements[element].group.clone().flip())
+            .filter(|&element| self.elements[element].group.clone().change_branch())
             .collect();
         assert!(branching.len() <= 16, "too many assemblies");
         (0..1_usize << branching.len()).map(move |mask| {
             let mut assembly = self.clone();
             for (bit, &element) in branching.iter().enumerate() {
                 if mask >> bit & 1 == 1 {
-                    assembly.elements[element].group.flip();
+                    assembly.elements[element].group.change_branch();
                 }
             }
             assembly
@@ -273,7 +276,7 @@ impl<S: Scalar> Linkage<S> {
 
 impl<S> Group<S> {
     /// Takes the other branch; false where there is none.
-    fn flip(&mut self) -> bool {
+    fn change_branch(&mut self) -> bool {
         match self {
             Self::Rrr { dyad, .. } => dyad.side = dyad.side.opposite(),
             Self::Rrp { dyad, .. } => dyad.branch = dyad.branch.opposite(),

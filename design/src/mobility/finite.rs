@@ -19,15 +19,15 @@ const TRAVEL: f64 = 0.5;
 /// One step along the null space [rad or sizes].
 const STEP: f64 = 0.05;
 /// Steps after which a motion that gets nowhere is given up.
-const MOST_STEPS: usize = 60;
+const MAX_STEPS: usize = 60;
 /// The small real steps at the far end: their curvature is this share of their length.
 const PROBE: f64 = 1e-3;
 /// A probe's direction counts when achieved to this share of what was asked.
 const ACHIEVED: f64 = 0.05;
 /// Closure to which Newton's method corrects.
-const CLOSED: f64 = 1e-12;
+const CLOSURE_TOLERANCE: f64 = 1e-12;
 /// Corrections to a structure that snaps back converge by halves or slower.
-const MOST_CORRECTIONS: usize = 120;
+const MAX_CORRECTIONS: usize = 120;
 /// Random motions tried; a singular pose may lie on several branches.
 const TRIALS: u128 = 6;
 
@@ -49,7 +49,7 @@ pub(super) fn finite_mobility(loops: &Loops) -> usize {
 fn travel(loops: &Loops, freedoms: &DMatrix<f64>, random: &mut Rand64) -> Option<DVector<f64>> {
     let mut q = DVector::zeros(loops.variables());
     let mut direction = unit(freedoms * somewhere(freedoms.ncols(), random))?;
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         let next = correct(loops, &q + &direction * STEP)?;
         let moved = &next - &q;
         // A step that is mostly undone has run into the end of a branch, or was none.
@@ -84,9 +84,9 @@ fn local_dimension(loops: &Loops, q: &DVector<f64>) -> usize {
 
 /// The closed configuration that Newton's method with least-norm steps reaches from `q`.
 fn correct(loops: &Loops, mut q: DVector<f64>) -> Option<DVector<f64>> {
-    for _ in 0..MOST_CORRECTIONS {
+    for _ in 0..MAX_CORRECTIONS {
         let residual = loops.residual(&q);
-        if residual.amax() < CLOSED {
+        if residual.amax() < CLOSURE_TOLERANCE {
             return Some(q);
         }
         let step = least_norm(&loops.jacobian(&q), &residual)?;

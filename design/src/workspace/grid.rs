@@ -6,7 +6,7 @@ use fivebar_kinematics::five_bar::Tool;
 use nalgebra::Vector2;
 
 /// Most cells that a grid may have: more are no picture and fill the memory.
-const MOST: f64 = 2e6;
+const MAX_CELLS: f64 = 2e6;
 
 /// Square cells, row by row from the lower left; a cell stands for what is at its middle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,7 +50,7 @@ impl Grid {
         let [low, high] = reach_bounds(tool);
         let cells = |size: f64| (size / pitch).ceil().max(1.0);
         let (columns, rows) = (cells(high.x - low.x), cells(high.y - low.y));
-        if columns * rows > MOST {
+        if columns * rows > MAX_CELLS {
             return Err(GridError::TooFine);
         }
         let half = Vector2::new(columns, rows) * (0.5 * pitch);
@@ -88,12 +88,12 @@ impl Grid {
     }
 
     /// All cells.
-    pub fn count(&self) -> usize {
+    pub fn cell_count(&self) -> usize {
         self.columns * self.rows
     }
 
     /// The middle of the cell of this index [m].
-    pub fn middle(&self, index: usize) -> Vector2<f64> {
+    pub fn cell_centre(&self, index: usize) -> Vector2<f64> {
         let (row, column) = (index / self.columns, index % self.columns);
         self.low + Vector2::new(column as f64 + 0.5, row as f64 + 0.5) * self.pitch
     }

@@ -73,7 +73,8 @@ pub struct WorkspaceMap {
 impl WorkspaceMap {
     /// Looks at the middle of every cell.
     pub fn new(workspace: Workspace<f64>, grid: Grid) -> Self {
-        let cells = (0..grid.count()).map(|index| Cell::at(&workspace, grid.middle(index)));
+        let cells =
+            (0..grid.cell_count()).map(|index| Cell::at(&workspace, grid.cell_centre(index)));
         Self {
             workspace,
             grid,
@@ -99,7 +100,7 @@ impl WorkspaceMap {
     /// The places that are reached [m], with what is there.
     pub fn reached(&self) -> impl Iterator<Item = (Vector2<f64>, &Cell)> {
         let cells = self.cells.iter().enumerate();
-        cells.filter_map(|(index, cell)| Some((self.grid.middle(index), cell.as_ref()?)))
+        cells.filter_map(|(index, cell)| Some((self.grid.cell_centre(index), cell.as_ref()?)))
     }
 
     /// The areas on an assembly branch.

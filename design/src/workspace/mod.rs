@@ -23,7 +23,7 @@
 //! let reached: f64 = Side::BOTH.map(|side| map.areas(side).reached).iter().sum();
 //! assert!((reached / reachable_area(&arm) - 1.0).abs() < 1e-2);
 //! // Row by row from the lower left, none out of reach: ready to be drawn.
-//! assert_eq!(map.cells().len(), map.grid().count());
+//! assert_eq!(map.cells().len(), map.grid().cell_count());
 //! for curve in singularity_curves(&workspace.tool, workspace.mode) {
 //!     assert!(curve.points.len() > 1);
 //! }

@@ -13,7 +13,7 @@ use std::f64::consts::PI;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arc<S> {
     /// The circle's centre [m].
-    pub center: Vector2<S>,
+    pub centre: Vector2<S>,
     /// Its radius [m].
     pub radius: S,
     /// Direction of the start from the centre [rad].
@@ -47,11 +47,11 @@ pub fn reach_boundary<S: Scalar>(geometry: &Geometry<S>) -> impl Iterator<Item =
     ]
     .into_iter()
     .filter(|&(_, radius, ..)| radius > S::ZERO)
-    .flat_map(move |(center, radius, outer, [near, far])| {
+    .flat_map(move |(centre, radius, outer, [near, far])| {
         // The distance from the other centre grows with the angle φ from the line to it.
         let low = angle_at_distance(radius, base, near);
         let high = angle_at_distance(radius, base, far);
-        let ranges = if center == a {
+        let ranges = if centre == a {
             [[low, high], [-high, -low]]
         } else {
             [[pi - high, pi - low], [pi + low, pi + high]]
@@ -60,7 +60,7 @@ pub fn reach_boundary<S: Scalar>(geometry: &Geometry<S>) -> impl Iterator<Item =
             .into_iter()
             .filter(|[from, to]| from < to)
             .map(move |[from, to]| Arc {
-                center,
+                centre,
                 radius,
                 from,
                 to,

@@ -76,8 +76,8 @@ impl WorkspaceMap {
         } = largest(&free, columns)?;
         self.fitted(
             Rectangle {
-                low: self.grid().middle(low * columns + left),
-                high: self.grid().middle((high - 1) * columns + right - 1),
+                low: self.grid().cell_centre(low * columns + left),
+                high: self.grid().cell_centre((high - 1) * columns + right - 1),
             },
             assembly,
         )

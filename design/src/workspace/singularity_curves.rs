@@ -31,9 +31,9 @@ const POINTS: u32 = 360;
 /// this share of the arm's reach, at most
 const CHORD: f64 = 0.004;
 /// so many times halved: links that nearly coincide take the tool far by a small turn.
-const FINEST: u32 = 12;
+const MAX_REFINEMENTS: u32 = 12;
 /// Halvings that find where a curve leaves its working mode: to 1e-12 of a turn.
-const HALVINGS: u32 = 32;
+const BISECTIONS: u32 = 32;
 
 /// A curve of places whose poses in a working mode are singular.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,9 +48,9 @@ pub struct SingularityCurve {
 /// type 2 part its assembly branches.
 pub fn singularity_curves(tool: &Tool<f64>, mode: WorkingMode) -> Vec<SingularityCurve> {
     let singularities = [Singularity::Leg1, Singularity::Leg4, Singularity::Parallel];
-    let families = singularities
-        .into_iter()
-        .flat_map(|singularity| [1.0, -1.0].map(|sign| Family::new(tool, singularity, sign)));
+    let families = singularities.into_iter().flat_map(|singularity| {
+        [1.0, -1.0].map(|sign| SingularFamily::new(tool, singularity, sign))
+    });
     let [_, far4] = tool.geometry().leg4_radii();
     let chord = CHORD * (tool.geometry().l1() + tool.reach()).min(far4);
     let mut curves = Vec::new();
@@ -60,7 +60,7 @@ pub fn singularity_curves(tool: &Tool<f64>, mode: WorkingMode) -> Vec<Singularit
                 let (place, elbows) = family.at(curve, t.rem_euclid(TAU))?;
                 family.is_in(elbows, mode).then_some(place)
             };
-            let pieces = pieces(place, chord);
+            let pieces = connected_pieces(place, chord);
             curves.extend(pieces.into_iter().map(|points| SingularityCurve {
                 singularity: family.singularity,
                 points,
@@ -72,10 +72,10 @@ pub fn singularity_curves(tool: &Tool<f64>, mode: WorkingMode) -> Vec<Singularit
 
 /// A place of the tool with the sides of both elbows; the side of a leg that is singular
 /// means nothing.
-type Place = (Vector2<f64>, [Side; 2]);
+type ToolAndElbows = (Vector2<f64>, [Side; 2]);
 
 /// All poses with one dyad straight, or folded.
-struct Family<'a> {
+struct SingularFamily<'a> {
     tool: &'a Tool<f64>,
     singularity: Singularity,
     /// +1 straight, −1 folded.
@@ -96,7 +96,7 @@ enum Curve {
     Between { middle: f64, half: f64 },
 }
 
-impl<'a> Family<'a> {
+impl<'a> SingularFamily<'a> {
     fn new(tool: &'a Tool<f64>, singularity: Singularity, sign: f64) -> Self {
         let geometry = tool.geometry();
         let [l1, l2, l3, l4, _] = geometry.lengths();
@@ -149,7 +149,7 @@ impl<'a> Family<'a> {
     }
 
     /// Where the tool is at t ∈ 0…2π of a curve; none where rounding keeps it from closing.
-    fn at(&self, curve: Curve, t: f64) -> Option<Place> {
+    fn at(&self, curve: Curve, t: f64) -> Option<ToolAndElbows> {
         let (chi, side) = match curve {
             Curve::Around(side) => (t, side),
             Curve::Between { middle, half } => {
@@ -209,7 +209,7 @@ fn in_line(tool: &Tool<f64>, sign: f64, u1: Vector2<f64>) -> Vector2<f64> {
 
 /// The pieces of a closed curve, t ∈ 0…2π, that have a place; their ends are found by
 /// bisection. No `chord` [m] is longer, as far as that can be had.
-fn pieces(place: impl Fn(f64) -> Option<Vector2<f64>>, chord: f64) -> Vec<Vec<Vector2<f64>>> {
+fn connected_pieces(place: impl Fn(f64) -> Option<Vector2<f64>>, chord: f64) -> Vec<Vec<Vector2<f64>>> {
     let step = TAU / f64::from(POINTS);
     // Halfway between whole steps no point is where both ways to close are alike.
     let t = |index: u32| (f64::from(index) + 0.5) * step;
@@ -217,7 +217,7 @@ fn pieces(place: impl Fn(f64) -> Option<Vector2<f64>>, chord: f64) -> Vec<Vec<Ve
     let closed = start.is_none();
     let start = start.unwrap_or(0);
     let edge = |mut inside: f64, mut outside: f64| {
-        for _ in 0..HALVINGS {
+        for _ in 0..BISECTIONS {
             let middle = 0.5 * (inside + outside);
             match place(middle) {
                 Some(_) => inside = middle,
@@ -230,7 +230,7 @@ fn pieces(place: impl Fn(f64) -> Option<Vector2<f64>>, chord: f64) -> Vec<Vec<Ve
     let extend = |piece: &mut Vec<(f64, Vector2<f64>)>, t: f64| {
         let Some(point) = place(t) else { return };
         if let Some(&last) = piece.last() {
-            between(&place, last, (t, point), chord, FINEST, piece);
+            between(&place, last, (t, point), chord, MAX_REFINEMENTS, piece);
         }
         piece.push((t, point));
     };

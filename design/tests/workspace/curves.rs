@@ -180,12 +180,12 @@ fn a_curve_lies_wherever_the_determinant_changes_sign() {
                 let (Some(one), Some(Some(other))) = (cell, map.cells().get(next)) else { continue };
                 if next % columns == 0 || one.assembly == other.assembly { continue }
                 prop_assert!(one.sin32 * other.sin32 <= 0.0);
-                let way = map.grid().middle(next) - map.grid().middle(index);
-                let between = |step: u32| map.grid().middle(index) + way * (f64::from(step) / 64.0);
+                let way = map.grid().cell_centre(next) - map.grid().cell_centre(index);
+                let between = |step: u32| map.grid().cell_centre(index) + way * (f64::from(step) / 64.0);
                 if !compared.count((0..64).all(|step| assembly(map.workspace(), between(step)).is_some())) {
                     continue;
                 }
-                let middle = (map.grid().middle(index) + map.grid().middle(next)) * 0.5;
+                let middle = (map.grid().cell_centre(index) + map.grid().cell_centre(next)) * 0.5;
                 // A chord is within half its length of its curve, however tight that bends.
                 let [nearest, half] = chords
                     .iter()

@@ -12,7 +12,7 @@ use nalgebra::Vector2;
 impl<S: Scalar> Element<S> {
     /// The offsets of its pins [m], in the order of its joints; zero in a slide.
     #[inline]
-    pub(super) fn gaps(&self) -> [Vector2<S>; 3] {
+    pub(super) fn clearance_offsets(&self) -> [Vector2<S>; 3] {
         self.clearances
             .map(|gap| gap.map_or(Vector2::zeros(), |gap| gap.offset()))
     }
@@ -21,7 +21,7 @@ impl<S: Scalar> Element<S> {
 impl<S: Scalar> Linkage<S> {
     /// The element of each joint and the joint's place in it, in the order of
     /// [`Linkage::joint_links`].
-    fn places(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+    fn joint_places(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         let elements = self.elements.iter().enumerate();
         elements
             .flat_map(|(index, element)| (0..element.group.pins().len()).map(move |k| (index, k)))
@@ -35,7 +35,7 @@ impl<S: Scalar> Linkage<S> {
 
     /// The clearance of each joint, in the order of [`Linkage::joint_links`].
     pub fn clearances(&self) -> impl Iterator<Item = Option<Clearance<S>>> + '_ {
-        let places = self.places();
+        let places = self.joint_places();
         places.map(|(element, k)| self.elements[element].clearances[k])
     }
 
@@ -49,7 +49,10 @@ impl<S: Scalar> Linkage<S> {
         joint: usize,
         clearance: Clearance<S>,
     ) -> Result<(), LinkageError> {
-        let (element, k) = self.places().nth(joint).ok_or(LinkageError::NotAPin)?;
+        let (element, k) = self
+            .joint_places()
+            .nth(joint)
+            .ok_or(LinkageError::NotAPin)?;
         let element = &mut self.elements[element];
         if !element.group.pins()[k] {
             return Err(LinkageError::NotAPin);
@@ -73,7 +76,7 @@ impl<S: Scalar> Linkage<S> {
     ) -> Result<(), LinkageError> {
         not_negative(section.area)?;
         not_negative(section.density)?;
-        let end = self.far_end(link).ok_or(LinkageError::NotABar)?;
+        let end = self.bar_end(link).ok_or(LinkageError::NotABar)?;
         let named = &mut self.links[link.0];
         named.section = Some(section);
         named.inertia = section.bar(end);
@@ -81,17 +84,17 @@ impl<S: Scalar> Linkage<S> {
     }
 
     /// The inertia of bars, from their lengths as they are now.
-    pub(super) fn reshape(&mut self) {
+    pub(super) fn update_bar_inertias(&mut self) {
         for link in 0..self.links.len() {
             let section = self.links[link].section;
-            if let Some((section, end)) = section.zip(self.far_end(LinkId(link))) {
+            if let Some((section, end)) = section.zip(self.bar_end(LinkId(link))) {
                 self.links[link].inertia = section.bar(end);
             }
         }
     }
 
     /// Where a link's bar ends, in its own frame.
-    fn far_end(&self, link: LinkId) -> Option<Vector2<S>> {
+    fn bar_end(&self, link: LinkId) -> Option<Vector2<S>> {
         let mut elements = self.elements.iter();
         let element = elements.find(|element| element.links().any(|own| own == link))?;
         let place = link.0 - element.first_link.0;
