@@ -74,7 +74,7 @@ fn singular_places_are_refused_by_name() {
     };
     assert_eq!(
         rrp.motion(&origin, &still_guide(0.0, 1.0, 0.0)),
-        singular(Singular::BarSquareToGuide)
+        singular(Singular::BarPerpendicularToGuide)
     );
     let rpr = |offset| Rpr {
         offset,

@@ -1,11 +1,11 @@
-//! What a piece of a linkage must satisfy to make sense.
+//! Checks of the parts of a linkage, and the error that names a wrong part.
 
 use super::group::Group;
 use core::fmt;
 use fivebar_kinematics::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 
-/// Why a piece makes no sense.
+/// Why a part of a linkage is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LinkageError {
     /// A length is not a positive finite number.
@@ -18,9 +18,9 @@ pub enum LinkageError {
     Inertia,
     /// A clearance is negative or not finite.
     Clearance,
-    /// A clearance is asked of a joint that is no pin.
+    /// A clearance was given to a joint other than a pin.
     NotAPin,
-    /// A section is given to a link that is no bar between two places.
+    /// A section was given to a link that is not a bar between two points.
     NotABar,
 }
 
@@ -32,9 +32,9 @@ impl fmt::Display for LinkageError {
             Self::NotFinite => "every number must be finite",
             Self::Inertia => "mass and inertia must be finite and not negative",
             Self::Clearance => "a clearance must be finite and not negative",
-            Self::NotAPin => "only a pin has a clearance",
+            Self::NotAPin => "only a pin may have a clearance",
             Self::NotABar => {
-                "only a crank with a point, or a dyad's bar of given length, has a section"
+                "only a crank with a point, or a dyad's bar of given length, may have a section"
             }
         })
     }
@@ -43,7 +43,7 @@ impl fmt::Display for LinkageError {
 impl core::error::Error for LinkageError {}
 
 impl<S: Scalar> Group<S> {
-    /// The group with unit directions, where its numbers make sense.
+    /// The same group with unit directions, if its numbers are valid.
     pub(super) fn validated(mut self) -> Result<Self, LinkageError> {
         match &mut self {
             Self::Crank { .. } => {}

@@ -1,9 +1,9 @@
-//! Pins that lie off their bearings' centres.
+//! Joint clearance: pins away from the centres of their bearings.
 //!
-//! A clearance is a massless link r e^{ia} in a joint (Shi 2005): it leads from the joint's
-//! place on the link that exerts to its place on the link acted on, and keeps its direction
-//! in the plane. The force in it is passed on from the one place to the other without a
-//! moment: along the massless link it has none.
+//! A clearance is a massless link r e^{ia} in a joint (Shi 2005). It leads from the joint's
+//! position on the link that exerts the reaction to its position on the link that receives
+//! it, and keeps its direction in the plane. Its force acts along this massless link, so it is
+//! transmitted between the two positions without a moment.
 
 use fivebar_kinematics::{PlanarVector, Scalar};
 use nalgebra::Vector2;

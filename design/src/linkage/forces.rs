@@ -1,8 +1,8 @@
-//! Back up the chain: joint reactions and driving forces, dyad by dyad.
+//! Joint reactions and driving forces, dyad by dyad, in the opposite order of the positions.
 //!
-//! Each link bears its weight, its inertia forces (d'Alembert) and what acts at its
-//! points. A dyad is solved for its three reactions; the opposites of the two outer ones
-//! then load the links that carry it, which are solved later. Last comes the frame.
+//! Each link is loaded by its weight, its inertia forces (d'Alembert) and the forces at its
+//! points. A dyad is solved for its three reactions. The opposites of the two outer ones
+//! load the links that carry it, which are solved later. The frame is last.
 
 use super::group::{Group, LinkId};
 use super::joint::Joint;
@@ -13,18 +13,18 @@ use super::wrench::Wrench;
 use fivebar_kinematics::Scalar;
 use nalgebra::Vector2;
 
-/// What a joint passes on.
+/// The force in a joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reaction<S> {
-    /// The element whose joint it is, its place in [`Linkage::elements`].
+    /// The element to which the joint belongs, an index in [`Linkage::elements`].
     pub element: usize,
     /// The link that exerts it.
     pub from: LinkId,
     /// The link on which it acts.
     pub on: LinkId,
-    /// The joint. A driven joint also passes on its driving torque or force.
+    /// The joint. A driven joint also transmits its driving torque or force.
     pub joint: Joint<S>,
-    /// The force, and the moment about the plane's origin.
+    /// The force [N], and its moment about the plane's origin [N·m].
     pub wrench: Wrench<S>,
 }
 
@@ -36,16 +36,17 @@ pub struct Forces<S> {
     /// The joints' reactions, in the order of the elements; of a dyad: carrier on first
     /// link, first link on second, carrier on second.
     pub reactions: Vec<Reaction<S>>,
-    /// What the linkage exerts on its frame: shaking force and moment, weight included.
+    /// The wrench of the linkage on its frame: shaking force and moment, with the weight.
     pub frame: Wrench<S>,
 }
 
 impl<S: Scalar> Linkage<S> {
-    /// The forces that the motion needs, with gravity, the inertia of links and point
-    /// masses, and the external forces on points. Joints without friction.
+    /// The forces that the motion needs, from gravity, the inertia of links and point
+    /// masses, and the external forces on points. The joints are frictionless.
     ///
     /// # Errors
-    /// None for a motion that [`Linkage::solve`] gave.
+    /// `Singular` where the loads do not determine a dyad's reactions. A motion from
+    /// [`Linkage::solve`] never gives this error.
     pub fn forces(&self, motion: &LinkageMotion<S>) -> Result<Forces<S>, SolveError> {
         let mut loads = self.loads(motion);
         let mut driving = Vec::new();
@@ -61,7 +62,7 @@ impl<S: Scalar> Linkage<S> {
                 wrench,
             };
             let [gap1, gap12, gap2] = definition.clearance_offsets();
-            // What a joint exerts on one link acts back on the other at that link's own place.
+            // The opposite of a reaction acts on the other link at that link's own position.
             let mut pass = |reaction: Reaction<S>, gap: Vector2<S>, loads: &mut [Wrench<S>]| {
                 let LinkId(carrier) = reaction.from;
                 loads[carrier] = loads[carrier] + -reaction.wrench.moved(-gap);
@@ -70,7 +71,8 @@ impl<S: Scalar> Linkage<S> {
             if let Some(dyad) = &motion.dyads[element] {
                 let second = LinkId(first.0 + 1);
                 let [joint1, joint12, joint2] = dyad.joints;
-                // Link 1 with all its loads is brought to where its inner pin meets link 2's.
+                // Link 1 with all its loads is shifted so that its inner pin coincides with
+                // that of link 2.
                 let joints = [joint1.moved(gap12), joint12, joint2];
                 let on_links = [loads[first.0].moved(gap12), loads[second.0]];
                 let [r1, r12, r2] = reactions(&joints, &on_links)
@@ -102,7 +104,8 @@ impl<S: Scalar> Linkage<S> {
         })
     }
 
-    /// Which link acts on which in each joint, in the order of [`Forces::reactions`].
+    /// For each joint the link that exerts the reaction and the link on which it acts, in the
+    /// order of [`Forces::reactions`].
     pub fn joint_links(&self) -> impl Iterator<Item = (LinkId, LinkId)> + '_ {
         self.elements.iter().flat_map(|element| {
             let first = element.first_link;
@@ -135,7 +138,7 @@ impl<S: Scalar> Linkage<S> {
         loads
     }
 
-    /// The links that carry a group's first and second outer joint; of a driven link,
+    /// The links that carry a group's first and second outer joint; for a driven link,
     /// its carrier twice.
     fn carriers(&self, group: &Group<S>) -> [LinkId; 2] {
         let points = match group {

@@ -1,8 +1,8 @@
 //! Four-bars and Grashof's rule.
 //!
 //! With s the shortest and l the longest of the four lengths, p and q the others: a link
-//! can turn fully against the rest if and only if s + l ≤ p + q, and then it is the
-//! shortest one. Equality leaves dead points that the motion can pass onto another branch.
+//! can turn fully relative to the others if and only if s + l ≤ p + q, and then it is the
+//! shortest one. With equality the motion can change to another branch at a dead point.
 
 use super::group::{Group, LinkId};
 use super::model::Linkage;
@@ -10,7 +10,7 @@ use core::fmt;
 use fivebar_kinematics::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 
-/// What a four-bar's driven and output link can do.
+/// Which links of a four-bar turn fully.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FourBarType {
     /// Shortest link the input: it turns fully, the output swings.
@@ -40,8 +40,8 @@ pub struct FourBar<S> {
     pub output: S,
 }
 
-/// s + l and p + q closer than this, relatively, count as equal: lengths are known from
-/// decimal numbers and coordinates, hence rounded.
+/// Relative difference below which s + l and p + q count as equal, because lengths come from
+/// decimal numbers and coordinates and are rounded.
 const EQUAL: f64 = 1e-12;
 
 impl<S: Scalar> FourBar<S> {
@@ -86,8 +86,8 @@ impl fmt::Display for FourBarType {
 }
 
 impl<S: Scalar> Linkage<S> {
-    /// The four-bar that the linkage starts with: a crank on the frame, and the first
-    /// RRR dyad between a point of that crank and a point of the frame.
+    /// The four-bar at the beginning of the linkage: the first RRR dyad between a point of a
+    /// crank on the frame and a point of the frame; none if there is no such dyad.
     pub fn four_bar(&self) -> Option<FourBar<S>> {
         self.elements().iter().find_map(|element| {
             let Group::Rrr { dyad, ends } = element.group else {

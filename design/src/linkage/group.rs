@@ -1,4 +1,4 @@
-//! What a linkage is put together of: driven links and dyads, and what carries them.
+//! The parts of a linkage: driven links and dyads, with the points and guides that carry them.
 
 use super::dyad::{Prp, Rpp, Rpr, Rrp, Rrr};
 use nalgebra::Vector2;
@@ -11,7 +11,7 @@ impl LinkId {
     /// The frame, at rest.
     pub const GROUND: Self = Self(0);
 
-    /// Its place in [`Linkage::links`](super::Linkage::links) and in a motion's `links`.
+    /// Its index in [`Linkage::links`](super::Linkage::links) and in a motion's `links`.
     pub fn index(self) -> usize {
         self.0
     }
@@ -22,27 +22,27 @@ impl LinkId {
 pub struct PointId(pub(super) usize);
 
 impl PointId {
-    /// Its place in [`Linkage::points`](super::Linkage::points) and in a motion's `points`.
+    /// Its index in [`Linkage::points`](super::Linkage::points) and in a motion's `points`.
     pub fn index(self) -> usize {
         self.0
     }
 }
 
-/// A straight guide, fixed in the link that `through` belongs to.
+/// A straight guide, fixed in the link to which the point `through` belongs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Guide<S> {
     /// A point of the guide.
     pub through: PointId,
-    /// Its direction in that link's frame. Any length: [`Linkage::add`](super::Linkage::add_group)
-    /// makes it 1.
+    /// Its direction in that link's frame, of any length:
+    /// [`Linkage::add_group`](super::Linkage::add_group) makes it a unit vector.
     pub direction: Vector2<S>,
 }
 
-/// A driven link or a dyad, with what carries it.
+/// A driven link or a dyad, with the points and guides that carry it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Group<S> {
-    /// A driven link that turns about a point. Its coordinate is its angle against the
-    /// link that the pivot belongs to [rad].
+    /// A driven link that turns about a point. Its coordinate is its angle [rad], measured
+    /// from the link to which the pivot belongs.
     Crank {
         /// The pivot, the origin of the crank's frame.
         pivot: PointId,
@@ -85,7 +85,7 @@ pub enum Group<S> {
     },
     /// A bar that slides in a slider.
     Rpp {
-        /// The direction of the bar against the guide; made a unit vector.
+        /// The direction of the bar in the guide's frame; it is made a unit vector.
         dyad: Rpp<S>,
         /// The point that carries the bar.
         end: PointId,
@@ -95,12 +95,14 @@ pub enum Group<S> {
 }
 
 impl<S> Group<S> {
-    /// Whether it is a driven link: one link and one joint, where a dyad has two and three.
+    /// Whether it is a driven link, with one link and one joint. A dyad has two links and
+    /// three joints.
     pub fn is_driven(&self) -> bool {
         matches!(self, Self::Crank { .. } | Self::Slider { .. })
     }
 
-    /// Which joints are pins, in the order of [`Forces::reactions`](super::Forces).
+    /// For each joint whether it is a pin, in the order of
+    /// [`Forces::reactions`](super::Forces).
     pub fn pins(&self) -> &'static [bool] {
         match self {
             Self::Crank { .. } => &[true],

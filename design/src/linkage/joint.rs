@@ -1,20 +1,20 @@
-//! The joints of a dyad and what they can carry.
+//! The joints of a dyad and the wrenches that they can transmit.
 
 use super::wrench::Wrench;
 use fivebar_kinematics::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 
-/// A joint of a dyad, where it is now. Frictionless.
+/// A joint of a dyad at its present position, without friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Joint<S> {
-    /// A pin: carries any force through its centre.
+    /// A pin: it transmits any force through its centre.
     Revolute {
         /// Its centre [m].
         at: Vector2<S>,
     },
-    /// A slide: carries a force square to its direction and a moment.
+    /// A slide: it transmits a force perpendicular to its direction, and a moment.
     Prismatic {
-        /// The slider's point at which the force is taken to act [m].
+        /// The slider's point at which the force acts [m].
         at: Vector2<S>,
         /// Its direction, a unit vector.
         axis: Vector2<S>,
@@ -22,14 +22,14 @@ pub enum Joint<S> {
 }
 
 impl<S: Scalar> Joint<S> {
-    /// The centre of the joint [m]: the point to refer its moment to.
+    /// The centre of the joint [m], the reference point of its moment.
     pub fn place(&self) -> Vector2<S> {
         match *self {
             Self::Revolute { at } | Self::Prismatic { at, .. } => at,
         }
     }
 
-    /// The same joint, `by` [m] away.
+    /// The same joint, shifted by `by` [m].
     pub(super) fn moved(&self, by: Vector2<S>) -> Self {
         match *self {
             Self::Revolute { at } => Self::Revolute { at: at + by },
@@ -37,7 +37,7 @@ impl<S: Scalar> Joint<S> {
         }
     }
 
-    /// The two wrenches that the joint can carry.
+    /// The two wrenches that the joint can transmit.
     #[inline]
     pub(super) fn basis(&self) -> [Wrench<S>; 2] {
         match *self {

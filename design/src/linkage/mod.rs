@@ -1,8 +1,8 @@
 //! Planar linkages, solved Assur group by Assur group (WUT).
 //!
-//! A linkage is a chain of driven links and [dyads](dyad), each carried by what was
-//! solved before it. Positions, velocities and accelerations go down the chain; forces
-//! come back up it, dyad by dyad.
+//! A linkage is a chain of driven links and [dyads](dyad). Each is carried by links that are
+//! solved before it. Positions, velocities and accelerations are solved in the order of the
+//! chain, forces in the opposite order.
 
 mod check;
 mod clearance;

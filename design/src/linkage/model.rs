@@ -1,7 +1,7 @@
-//! The linkage: what carries what, put together piece by piece.
+//! The linkage: its links, points, driven links and dyads, added one by one.
 //!
-//! Each piece may only stand on pieces added before it, so that every linkage built this
-//! way can be solved in the order of its building, without search.
+//! Each part may be carried only by parts that were added before it. So every linkage can be
+//! solved in the order in which it was built.
 
 use super::check::{LinkageError, finite, not_negative};
 use super::clearance::Clearance;
@@ -11,26 +11,26 @@ use fivebar_kinematics::Scalar;
 use fivebar_kinematics::dynamics::Link;
 use nalgebra::Vector2;
 
-/// A group in its place in the linkage.
+/// A group of a linkage, with its links.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Element<S> {
-    /// What it is.
+    /// The driven link or dyad.
     pub group: Group<S>,
     pub(super) first_link: LinkId,
     pub(super) inner_pin: Option<PointId>,
-    /// Of its pins, in the order of its joints.
+    /// The clearances of its pins, in the order of its joints.
     pub(super) clearances: [Option<Clearance<S>>; 3],
 }
 
 impl<S> Element<S> {
-    /// The driven link, or the dyad's two in its order.
+    /// The driven link, or the dyad's two links in its order.
     pub fn links(&self) -> impl Iterator<Item = LinkId> + Clone + use<S> {
         let first = self.first_link.0;
         let count = if self.group.is_driven() { 1 } else { 2 };
         (first..first + count).map(LinkId)
     }
 
-    /// The inner pin of RRR, RRP and PRP, a point of the dyad's first link.
+    /// The inner pin of RRR, RRP and PRP, a point of the dyad's first link; none for others.
     pub fn inner_pin(&self) -> Option<PointId> {
         self.inner_pin
     }
@@ -41,7 +41,7 @@ impl<S> Element<S> {
 pub struct Point<S> {
     /// Its name.
     pub name: String,
-    /// The link it belongs to, which takes up the forces that act at it.
+    /// The link to which it belongs; forces at the point act on this link.
     pub link: LinkId,
     /// Its coordinates in that link's frame [m]; none for a dyad's inner pin.
     pub local: Option<Vector2<S>>,
@@ -58,18 +58,18 @@ pub struct NamedLink<S> {
     pub name: String,
     /// Its mass, centre of mass in its own frame, and moment of inertia.
     pub inertia: Link<S>,
-    /// The section that its inertia follows from, if it was given as a slender bar.
+    /// The section of a slender bar, from which its inertia is computed; none for other links.
     pub section: Option<BarSection<S>>,
 }
 
-/// What is solved when: in the order of building.
+/// One step of the solution; the steps are in the order in which the linkage was built.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum SolutionStep {
     Element(usize),
     Point(usize),
 }
 
-/// Driven links, dyads and points, each standing on earlier ones.
+/// Driven links, dyads and points, each carried by earlier ones.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Linkage<S> {
     pub(super) gravity: Vector2<S>,
@@ -80,7 +80,7 @@ pub struct Linkage<S> {
 }
 
 impl<S: Scalar> Linkage<S> {
-    /// A frame alone, with `gravity` [m/s²] in the plane.
+    /// A linkage that has a frame and no other link, with `gravity` [m/s²] in the plane.
     ///
     /// # Errors
     /// `NotFinite`.
@@ -103,25 +103,24 @@ impl<S: Scalar> Linkage<S> {
     /// `NotFinite`.
     ///
     /// # Panics
-    /// If the link is of another linkage and not of this one.
+    /// If the link does not exist in this linkage.
     pub fn add_point(
         &mut self,
         name: &str,
         link: LinkId,
         local: Vector2<S>,
     ) -> Result<PointId, LinkageError> {
-        assert!(link.0 < self.links.len(), "a link of another linkage");
+        assert!(link.0 < self.links.len(), "the link is of another linkage");
         finite(local)?;
         Ok(self.push_point(name, link, Some(local)))
     }
 
-    /// Adds a driven link or a dyad. A dyad with an inner pin gets a point there, called
-    /// as the element.
-    ///
-    /// The new links are massless and called after the element; see [`Linkage::set_link`].
+    /// Adds a driven link or a dyad. A dyad with an inner pin gets a point there; the point
+    /// and the new links have the element's `name`. The links are massless; see
+    /// [`Linkage::set_link`].
     ///
     /// # Errors
-    /// A length or direction that makes no sense.
+    /// `Length`, `Direction` or `NotFinite`.
     pub fn add_group(&mut self, name: &str, group: Group<S>) -> Result<Element<S>, LinkageError> {
         let group = group.validated()?;
         let first_link = self.push_link(name);
@@ -150,7 +149,7 @@ impl<S: Scalar> Linkage<S> {
     /// `Inertia`, `NotFinite`.
     ///
     /// # Panics
-    /// If the link is of another linkage and not of this one.
+    /// If the link does not exist in this linkage.
     pub fn set_link(
         &mut self,
         link: LinkId,
@@ -174,7 +173,7 @@ impl<S: Scalar> Linkage<S> {
     /// `Inertia`, `NotFinite`.
     ///
     /// # Panics
-    /// If the point is of another linkage and not of this one.
+    /// If the point does not exist in this linkage.
     pub fn set_load(
         &mut self,
         point: PointId,
@@ -234,7 +233,7 @@ impl<S: Scalar> Linkage<S> {
     pub fn elements(&self) -> &[Element<S>] {
         &self.elements
     }
-    /// How many coordinates drive it: its degrees of freedom.
+    /// The number of its driving coordinates, one for each driven link.
     pub fn degrees_of_freedom(&self) -> usize {
         let driven = |element: &&Element<S>| element.group.is_driven();
         self.elements.iter().filter(driven).count()

@@ -1,5 +1,5 @@
-//! What a linkage that is put together is fitted with: clearances in its pins, and bars
-//! whose mass follows from their length.
+//! Changes to a built linkage: clearances of its pins, and bars whose mass follows from their
+//! length.
 
 use super::check::{LinkageError, not_negative};
 use super::clearance::Clearance;
@@ -10,7 +10,7 @@ use fivebar_kinematics::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 
 impl<S: Scalar> Element<S> {
-    /// The offsets of its pins [m], in the order of its joints; zero in a slide.
+    /// The offsets of its pins [m], in the order of its joints; zero for a slide.
     #[inline]
     pub(super) fn clearance_offsets(&self) -> [Vector2<S>; 3] {
         self.clearances
@@ -19,8 +19,8 @@ impl<S: Scalar> Element<S> {
 }
 
 impl<S: Scalar> Linkage<S> {
-    /// The element of each joint and the joint's place in it, in the order of
-    /// [`Linkage::joint_links`].
+    /// For each joint the index of its element and its index in that element, in the order
+    /// of [`Linkage::joint_links`].
     fn joint_places(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         let elements = self.elements.iter().enumerate();
         elements
@@ -39,10 +39,11 @@ impl<S: Scalar> Linkage<S> {
         places.map(|(element, k)| self.elements[element].clearances[k])
     }
 
-    /// Lays a joint's pin off its bearing's centre. `joint` counts as [`Linkage::joint_links`].
+    /// Moves a joint's pin away from the centre of its bearing. `joint` is an index in the
+    /// order of [`Linkage::joint_links`].
     ///
     /// # Errors
-    /// `NotAPin` for a slide or where there is no such joint, `Clearance` for a radius below
+    /// `NotAPin` for a slide or an index beyond the last joint, `Clearance` for a radius below
     /// zero or a number that is not finite.
     pub fn set_clearance(
         &mut self,
@@ -64,8 +65,8 @@ impl<S: Scalar> Linkage<S> {
         Ok(())
     }
 
-    /// Makes a link a slender bar: from its first to its second joint in a dyad, from the
-    /// pivot to the first other point in a crank. Call it when its points are there.
+    /// Makes a link a slender bar: in a dyad from its first to its second joint, in a crank
+    /// from the pivot to the first other point. Add the points of a crank before.
     ///
     /// # Errors
     /// `Inertia` for numbers below zero or not finite, `NotABar` for a link without a length.
@@ -83,7 +84,7 @@ impl<S: Scalar> Linkage<S> {
         Ok(())
     }
 
-    /// The inertia of bars, from their lengths as they are now.
+    /// Computes the inertia of the bars again, from their present lengths.
     pub(super) fn update_bar_inertias(&mut self) {
         for link in 0..self.links.len() {
             let section = self.links[link].section;
@@ -93,7 +94,7 @@ impl<S: Scalar> Linkage<S> {
         }
     }
 
-    /// Where a link's bar ends, in its own frame.
+    /// The end of a link's bar [m], in the link's frame.
     fn bar_end(&self, link: LinkId) -> Option<Vector2<S>> {
         let mut elements = self.elements.iter();
         let element = elements.find(|element| element.links().any(|own| own == link))?;

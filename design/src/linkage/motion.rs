@@ -1,4 +1,4 @@
-//! Positions with their first two time derivatives: of a coordinate, a point, a link.
+//! Position, velocity and acceleration of a coordinate, a point and a link.
 
 use fivebar_kinematics::{PlanarVector, Scalar};
 use nalgebra::Vector2;
@@ -26,7 +26,7 @@ pub struct PointMotion<S> {
 }
 
 impl<S: Scalar> PointMotion<S> {
-    /// A point at rest.
+    /// A point at rest at `position` [m].
     pub fn fixed(position: Vector2<S>) -> Self {
         Self {
             position,
@@ -35,7 +35,7 @@ impl<S: Scalar> PointMotion<S> {
         }
     }
 
-    /// The same motion, `by` [m] away.
+    /// The same motion, shifted by `by` [m].
     #[inline]
     pub(super) fn moved(&self, by: Vector2<S>) -> Self {
         Self {
@@ -45,9 +45,9 @@ impl<S: Scalar> PointMotion<S> {
     }
 }
 
-/// A rigid link: where its frame is, and how it moves.
+/// Position and motion of a rigid link's frame.
 ///
-/// A guide is described alike: a link whose frame lies on the guide, its axis along it.
+/// It also describes a guide, as a link whose frame lies on the guide with its axis along it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinkMotion<S> {
     /// The origin of the link's frame.
@@ -71,7 +71,7 @@ impl<S: Scalar> LinkMotion<S> {
         }
     }
 
-    /// The motion of the link's point that is at `position` [m] now:
+    /// The motion of the link's point that is at `position` [m] at this instant:
     /// v = v₀ + ω r⊥, a = a₀ + α r⊥ − ω² r.
     #[inline]
     pub fn point_at(&self, position: Vector2<S>) -> PointMotion<S> {
@@ -90,8 +90,8 @@ impl<S: Scalar> LinkMotion<S> {
         self.point_at(self.origin.position + local.to_base_frame(self.axis))
     }
 
-    /// This link as a guide through `point`, along `direction` (a unit vector in the
-    /// link's frame).
+    /// The guide of this link through `point` along `direction`, a unit vector in the link's
+    /// frame.
     #[inline]
     pub fn guide(&self, point: &PointMotion<S>, direction: Vector2<S>) -> Self {
         Self {
@@ -102,15 +102,15 @@ impl<S: Scalar> LinkMotion<S> {
     }
 
     /// A slider on this guide, displaced by `along` from the guide's origin:
-    /// v = v_G + ṡ u, a = a_G + 2 ω ṡ n + s̈ u, G being the guide's point now there.
+    /// v = v_G + ṡ u, a = a_G + 2 ω ṡ n + s̈ u, with G the guide's point at the slider.
     #[inline]
     pub fn slider_at(&self, along: &Coordinate<S>) -> Self {
         let here = self.point_at(self.origin.position + self.axis * along.value);
         self.with_origin(self.slider_motion(&here, along))
     }
 
-    /// The motion of what slides along this guide with `slide`'s rates, where the guide's
-    /// own point moves as `here`.
+    /// The motion of a point that slides along this guide with the rates of `slide`; `here`
+    /// is the motion of the guide's point at the same position.
     #[inline]
     pub(super) fn slider_motion(
         &self,
@@ -125,13 +125,13 @@ impl<S: Scalar> LinkMotion<S> {
         }
     }
 
-    /// The same motion, `by` [m] away.
+    /// The same motion, shifted by `by` [m].
     #[inline]
     pub(super) fn moved(&self, by: Vector2<S>) -> Self {
         self.with_origin(self.origin.moved(by))
     }
 
-    /// A link that keeps this one's direction, its origin moving as `origin`.
+    /// A link with the direction of this one and the given motion of its origin.
     #[inline]
     pub(super) fn with_origin(&self, origin: PointMotion<S>) -> Self {
         Self { origin, ..*self }

@@ -1,4 +1,4 @@
-//! The numbers of a linkage one by one: to list, perturb or differentiate by them.
+//! The parameters of a linkage one by one, for listing, perturbing or differentiating.
 
 use super::clearance::Clearance;
 use super::dyad::{Prp, Rpp, Rpr, Rrp, Rrr};
@@ -16,7 +16,7 @@ pub enum ParameterKind {
     Gravity(usize),
     /// The length of a dyad's link [m].
     Length,
-    /// How far a slider, or a bar that is a guide, runs beside its pin [m].
+    /// The offset of a slider, or of a bar that is a guide, from its pin [m].
     Offset,
     /// Coordinate 0 or 1 of a point in its link's frame [m].
     Local(usize),
@@ -28,8 +28,8 @@ pub enum ParameterKind {
     Inertia,
     /// Component 0 or 1 of the external force on a point [N].
     Force(usize),
-    /// The area of a bar's section [m²]. The inertia of such a link follows from it and from
-    /// the length.
+    /// The area of a bar's section [m²]. The inertia of such a link is computed from this
+    /// area and the length.
     Section,
     /// r, the clearance of an element's joint 0, 1 or 2 [m].
     Clearance(usize),
@@ -40,19 +40,19 @@ pub enum ParameterKind {
 /// A parameter of a linkage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Parameter<'a> {
-    /// The name of the link or point it belongs to, of a joint that of the element's first
-    /// link; empty for gravity.
+    /// The name of the link or point to which it belongs; for a clearance the name of the
+    /// element's first link; empty for gravity.
     pub part: &'a str,
-    /// What it measures.
+    /// What it measures, with the unit.
     pub kind: ParameterKind,
 }
 
 impl<S: Scalar> Linkage<S> {
-    /// The same linkage with every parameter replaced by what `f` makes of it, in an
-    /// order that depends on the linkage's structure alone.
+    /// The same linkage with every parameter replaced by the result of `f`. The order of the
+    /// parameters depends only on the linkage's structure.
     ///
     /// With dual numbers this seeds a derivative; with `T = S` it perturbs a dimension.
-    /// Directions of guides are carried over unchanged.
+    /// The directions of guides do not change.
     pub fn map_parameters<T: Scalar>(
         &self,
         mut f: impl FnMut(Parameter<'_>, S) -> T,
@@ -143,7 +143,7 @@ fn pair<S: Scalar, T: Scalar>(
     Vector2::new(one(0, value.x), one(1, value.y))
 }
 
-/// `one` is told which of the element's links a parameter belongs to.
+/// `one` gets the index, in the element, of the link to which a parameter belongs.
 fn map_group<S: Scalar, T: Scalar>(
     group: &Group<S>,
     mut one: impl FnMut(usize, ParameterKind, S) -> T,

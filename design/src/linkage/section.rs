@@ -1,10 +1,11 @@
-//! Bars whose mass follows from their length.
+//! Bars whose mass is computed from their length.
 
 use fivebar_kinematics::dynamics::Link;
 use fivebar_kinematics::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 
-/// A slender uniform bar: its mass, centre and moment of inertia follow from its length.
+/// The section of a slender uniform bar, whose mass, centre of mass and moment of inertia are
+/// computed from its length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BarSection<S> {
     /// S, the area of its section [m²].

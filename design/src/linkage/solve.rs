@@ -1,4 +1,4 @@
-//! Down the chain: positions, velocities and accelerations of the whole linkage.
+//! Positions, velocities and accelerations of the whole linkage.
 
 use super::dyad::{DyadError, DyadMotion};
 use super::group::{Group, Guide, LinkId};
@@ -8,23 +8,23 @@ use core::fmt;
 use fivebar_kinematics::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 
-/// Everything that moves in a linkage, at one instant.
+/// Position and motion of all links and points of a linkage at one instant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LinkageMotion<S> {
-    /// The links, as in [`Linkage::links`].
+    /// The links, in the order of [`Linkage::links`].
     pub links: Vec<LinkMotion<S>>,
-    /// The points, as in [`Linkage::points`].
+    /// The points, in the order of [`Linkage::points`].
     pub points: Vec<PointMotion<S>>,
-    /// The dyads, as in [`Linkage::elements`]; none for a driven link.
+    /// The dyads, in the order of [`Linkage::elements`]; none for a driven link.
     pub dyads: Vec<Option<DyadMotion<S>>>,
 }
 
-/// Which element has no solution, and why.
+/// The element that has no solution, and the reason.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SolveError {
-    /// Its place in [`Linkage::elements`].
+    /// Its index in [`Linkage::elements`].
     pub element: usize,
-    /// What it cannot do.
+    /// Why the dyad cannot be solved.
     pub reason: DyadError,
 }
 
@@ -37,7 +37,7 @@ impl fmt::Display for SolveError {
 impl core::error::Error for SolveError {}
 
 impl<S: Scalar> LinkageMotion<S> {
-    /// Room for the motion of `linkage`, to be filled by [`Linkage::solve`].
+    /// Storage for the motion of `linkage`, for [`Linkage::solve`].
     pub fn new(linkage: &Linkage<S>) -> Self {
         Self {
             links: vec![LinkMotion::ground(); linkage.links.len()],
@@ -46,7 +46,7 @@ impl<S: Scalar> LinkageMotion<S> {
         }
     }
 
-    /// A guide as it moves.
+    /// The motion of a guide.
     fn guide(&self, linkage: &Linkage<S>, guide: &Guide<S>) -> LinkMotion<S> {
         let through = guide.through.0;
         let LinkId(link) = linkage.points[through].link;
@@ -55,21 +55,21 @@ impl<S: Scalar> LinkageMotion<S> {
 }
 
 impl<S: Scalar> Linkage<S> {
-    /// The motion that the driving coordinates give, one for each driven link in order.
+    /// The motion for these driving coordinates, one for each driven link in order.
     ///
     /// # Errors
-    /// The first element that cannot close or is singular.
+    /// The first dyad that is out of reach or singular.
     ///
     /// # Panics
-    /// If there are not as many coordinates as driven links.
+    /// If the number of coordinates differs from the number of driven links.
     pub fn motion(&self, inputs: &[Coordinate<S>]) -> Result<LinkageMotion<S>, SolveError> {
         let mut motion = LinkageMotion::new(self);
         self.solve(inputs, &mut motion)?;
         Ok(motion)
     }
 
-    /// As [`Linkage::motion`], into room that is already there. What is left in `motion`
-    /// after an error is of no use.
+    /// As [`Linkage::motion`], into existing storage, which saves the allocation. After an
+    /// error the content of `motion` is not valid.
     ///
     /// # Errors
     /// As [`Linkage::motion`].
@@ -109,7 +109,7 @@ impl<S: Scalar> Linkage<S> {
     ) -> Result<(), SolveError> {
         let element = &self.elements[index];
         let [gap1, gap12, gap2] = element.clearance_offsets();
-        // Link 1 is solved where its inner pin meets link 2's, then put back.
+        // Link 1 is solved with its inner pin at that of link 2, then shifted back.
         let gap1 = gap1 + gap12;
         let solved = match &element.group {
             Group::Crank { pivot } => {
@@ -168,7 +168,7 @@ impl<S: Scalar> Linkage<S> {
     }
 }
 
-/// A link that turns by `angle` against its carrier, about `pivot`.
+/// A link that is turned by `angle` relative to its carrier, about `pivot`.
 fn turned<S: Scalar>(
     carrier: &LinkMotion<S>,
     pivot: &PointMotion<S>,

@@ -1,7 +1,7 @@
 //! Forces in a dyad: the six equations of equilibrium of its two links.
 //!
-//! By d'Alembert's principle the inertia forces count among the loads, so that the same
-//! equations serve at rest and in motion (kineto-statics).
+//! The inertia forces are part of the loads (d'Alembert), so the same equations hold at rest
+//! and in motion (kineto-statics).
 
 use super::dyad::{DyadError, Singular};
 use super::joint::Joint;
@@ -11,12 +11,12 @@ use fivebar_kinematics::Scalar;
 /// The wrenches in a dyad's joints, given the `loads` on its two links: on link 1 from
 /// its carrier, on link 2 from link 1, on link 2 from its carrier.
 ///
-/// R1 − R12 = −load1, R12 + R2 = −load2, each R a sum of the two wrenches its joint
-/// carries: six unknowns, by elimination with row pivoting.
+/// R1 − R12 = −load1, R12 + R2 = −load2, where each R is a sum of the two wrenches that its
+/// joint can transmit: six unknowns, by elimination with row pivoting.
 ///
 /// # Errors
-/// `Singular` where the loads do not determine the reactions. [`DyadMotion`] is never
-/// such a place, since statics and velocities share their determinant.
+/// `Singular` where the loads do not determine the reactions. This does not occur for the
+/// joints of a [`DyadMotion`], because statics and velocities have the same determinant.
 ///
 /// [`DyadMotion`]: super::dyad::DyadMotion
 pub fn reactions<S: Scalar>(
@@ -34,8 +34,8 @@ pub fn reactions<S: Scalar>(
         [zero, r2[1]],
         [-loads[0], -loads[1]],
     ];
-    // Moments are taken about the inner joint, so that rows stay of like size far from
-    // the origin.
+    // Moments are about the inner joint, so that the rows have similar size far from the
+    // origin too.
     let centre = joints[1].place();
     let mut rows = [[S::ZERO; 7]; 6];
     for (j, [on1, on2]) in columns.iter().enumerate() {

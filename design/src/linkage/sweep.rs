@@ -1,5 +1,5 @@
-//! A linkage driven through a stretch of time: its samples, where it stops being able to
-//! move, and where the branch it is on is not the one a smooth motion would keep.
+//! A linkage driven over an interval of time: its samples, the limits of its motion, and the
+//! instants at which a smooth motion changes to another branch.
 
 use super::dyad::DyadError;
 use super::forces::Forces;
@@ -11,7 +11,7 @@ use core::f64::consts::TAU;
 use fivebar_kinematics::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 
-/// How a driving coordinate moves: q(t) = start + speed t + amplitude sin(2π f t + φ).
+/// The motion of a driving coordinate: q(t) = start + speed t + amplitude sin(2π f t + φ).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DriveLaw {
     /// Its value at t = 0 without the oscillation [rad or m].
@@ -42,67 +42,68 @@ impl DriveLaw {
 /// The linkage at one instant, where it has a solution.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SolvedSample {
-    /// What moves, and how.
+    /// Positions, velocities and accelerations.
     pub motion: LinkageMotion<f64>,
-    /// The forces it takes.
+    /// The forces that the motion needs.
     pub forces: Forces<f64>,
 }
 
 /// One instant of a sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SweepSample {
-    /// When [s].
+    /// Time [s].
     pub time: f64,
     /// The driving coordinates.
     pub inputs: Vec<Coordinate<f64>>,
-    /// The linkage, or why it cannot be there.
+    /// Motion and forces, or the element that has no solution.
     pub solved: Result<SolvedSample, SolveError>,
 }
 
-/// An edge of the motion: on one side of it the linkage closes, on the other not.
+/// A limit of the motion: the linkage closes only on one side of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClosureLimit {
-    /// When it is met [s].
+    /// Time [s].
     pub time: f64,
-    /// The driving coordinates there [rad or m].
+    /// The driving coordinates at the limit [rad or m].
     pub inputs: Vec<f64>,
-    /// Whether the motion ends here; else it begins here.
+    /// True if the motion ends at the limit, false if it begins there.
     pub ends: bool,
-    /// What fails beyond it.
+    /// The element without a solution beyond the limit, and the reason.
     pub failure: SolveError,
 }
 
-/// A dead point that a smooth motion passes onto the other branch of a dyad.
+/// A dead point at which a smooth motion changes to the other branch of a dyad.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BranchChange {
-    /// The first sample after it, its place in the sweep.
+    /// The first sample after it, an index in [`Sweep::samples`].
     pub sample: usize,
-    /// The dyad, its place in [`Linkage::elements`].
+    /// The dyad, an index in [`Linkage::elements`].
     pub element: usize,
 }
 
-/// A linkage driven through a stretch of time.
+/// A linkage driven over an interval of time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sweep {
     /// The instants, evenly spaced from 0 to the end.
     pub samples: Vec<SweepSample>,
-    /// Where the motion ends and begins. Gaps shorter than a step go unseen.
+    /// Where the motion ends and begins. Gaps shorter than a step are not found.
     pub limits: Vec<ClosureLimit>,
-    /// Where the stated branch has a kink that a smooth motion has not.
+    /// Where a smooth motion leaves the stated branch of a dyad.
     pub branch_changes: Vec<BranchChange>,
 }
 
-/// Halvings of a step in search of a limit: to the rounding of the time.
+/// Bisections of a step to find a limit, enough to reach the rounding error of time.
 const BISECTIONS: usize = 50;
 
-/// Only a dyad with sin μ below this, on a sample beside, may have passed a dead point.
+/// A dyad may have passed a dead point only if |sin μ| is below this at both samples.
 const NEAR_DEAD_POINT: f64 = 0.3;
 
 impl Sweep {
-    /// Drives `linkage` by one law for each driven link, over `duration` [s] in `steps`.
+    /// Drives `linkage` by one law for each driven link, over `duration` [s] in `steps` equal
+    /// steps.
     ///
     /// # Panics
-    /// If there are not as many laws as driven links.
+    /// If the number of laws differs from the number of driven links.
     pub fn new(linkage: &Linkage<f64>, laws: &[DriveLaw], duration: f64, steps: usize) -> Self {
         let samples: Vec<_> = (0..=steps)
             .map(|i| sample(linkage, laws, duration * i as f64 / steps.max(1) as f64))
@@ -147,7 +148,7 @@ fn sample(linkage: &Linkage<f64>, laws: &[DriveLaw], time: f64) -> SweepSample {
     }
 }
 
-/// The edge between two samples of which one alone closes.
+/// The limit between two samples of which exactly one closes.
 fn limit(
     linkage: &Linkage<f64>,
     laws: &[DriveLaw],
@@ -159,7 +160,7 @@ fn limit(
         (Err(failure), Ok(_)) => (after.time, before.time, *failure),
         _ => return None,
     };
-    // A singular sample in the midst of a motion is a dead point, not an edge.
+    // A singular sample within a motion is a dead point. The motion goes on beyond it.
     if !matches!(failure.reason, DyadError::Unreachable(_)) {
         return None;
     }
@@ -169,7 +170,8 @@ fn limit(
             Ok(_) => good = middle,
             Err(why) => {
                 bad = middle;
-                // Within rounding of the edge the rates fail before the position does.
+                // Within rounding of the limit the rates are singular where the position
+                // still exists.
                 if matches!(why.reason, DyadError::Unreachable(_)) {
                     failure = why;
                 }
@@ -184,8 +186,8 @@ fn limit(
     })
 }
 
-/// The dyads whose other branch carries on the motion of the sample before better than
-/// the branch they are on.
+/// The dyads whose other branch continues the motion of the sample before better than their
+/// present branch.
 fn branch_changes(
     linkage: &Linkage<f64>,
     samples: &[SweepSample],
@@ -206,7 +208,7 @@ fn branch_changes(
         let Some(other) = linkage.with_other_branch(element) else {
             return false;
         };
-        // The other branch must carry on clearly better: by half.
+        // The error of the other branch must be less than half of the error of this one.
         other.motion(&later.inputs).is_ok_and(|other| {
             let links = linkage.elements()[element].links();
             let prediction_error = |motion: &LinkageMotion<f64>| -> f64 {
@@ -228,7 +230,8 @@ fn branch_changes(
         .collect()
 }
 
-/// How far a link's direction is from where its rates would have taken it in `step`.
+/// The distance of a link's direction after `step` [s] from the direction predicted by its
+/// rates before.
 fn direction_error(
     before: &LinkageMotion<f64>,
     after: &LinkageMotion<f64>,
@@ -242,7 +245,8 @@ fn direction_error(
 }
 
 impl<S: Scalar> Linkage<S> {
-    /// The same linkage with one dyad on its other branch; none where it has but one.
+    /// The same linkage with one dyad on its other branch; none if the element has only one.
+    /// `element` is an index in [`Linkage::elements`].
     pub fn with_other_branch(&self, element: usize) -> Option<Self> {
         let mut other = self.clone();
         other
@@ -253,10 +257,10 @@ impl<S: Scalar> Linkage<S> {
             .then_some(other)
     }
 
-    /// The linkage on every assembly, this one's own first: 2ᵏ for k dyads with branches.
+    /// All assemblies of the linkage, its own first: 2ᵏ for k dyads with two branches.
     ///
     /// # Panics
-    /// Beyond 16 such dyads: there would be too many to go through.
+    /// If k > 16, because there would be too many assemblies.
     pub fn assemblies(&self) -> impl Iterator<Item = Self> + '_ {
         let branching: Vec<usize> = (0..self.elements.len())
             .filter(|&element| self.elements[element].group.clone().change_branch())
@@ -275,7 +279,7 @@ impl<S: Scalar> Linkage<S> {
 }
 
 impl<S> Group<S> {
-    /// Takes the other branch; false where there is none.
+    /// Changes to the other branch; false if there is none.
     fn change_branch(&mut self) -> bool {
         match self {
             Self::Rrr { dyad, .. } => dyad.side = dyad.side.opposite(),

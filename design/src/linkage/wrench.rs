@@ -1,11 +1,11 @@
-//! A force with its moment.
+//! A wrench: a force with its moment.
 
 use super::motion::LinkMotion;
 use core::ops::{Add, Neg};
 use fivebar_kinematics::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 
-/// A force and the moment it has, with any couple, about the plane's origin.
+/// A force and its moment about the plane's origin, which includes any couple.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wrench<S> {
     /// Force [N].
@@ -45,13 +45,13 @@ impl<S: Scalar> Wrench<S> {
         self.moment - point.cross_z(self.force)
     }
 
-    /// The power [W] it gives to a link that moves so.
+    /// The power [W] of the wrench on a moving link.
     #[inline]
     pub fn power(&self, link: &LinkMotion<S>) -> S {
         self.force.dot(&link.origin.velocity) + self.moment_about(link.origin.position) * link.omega
     }
 
-    /// The same force and couple, acting `by` [m] away.
+    /// The same force and couple, with the line of action shifted by `by` [m].
     #[inline]
     pub(super) fn moved(&self, by: Vector2<S>) -> Self {
         Self {

@@ -1,4 +1,4 @@
-//! What a dyad cannot do, by name.
+//! Why a dyad cannot be solved.
 
 use core::fmt;
 
@@ -9,26 +9,27 @@ pub enum Unreachable {
     EndsTooFar,
     /// RRR: the ends are nearer than the difference of the lengths.
     EndsTooNear,
-    /// RRP: the guide passes farther from the end than the bar is long.
+    /// RRP: the distance from the end to the guide exceeds the bar's length.
     GuideTooFar,
     /// RPR: the ends are nearer than the guide's offset.
     InsideOffset,
 }
 
-/// Where a dyad's position or rates are not determined.
+/// Which singularity leaves a dyad's position or rates undetermined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Singular {
-    /// RRR with equal lengths, RPR without offset: the ends meet, any direction will do.
+    /// RRR with equal lengths, RPR without offset: the ends coincide, so every direction is a
+    /// solution.
     EndsMeet,
     /// RRR: the two bars are in line.
     BarsInLine,
-    /// RRP: the bar stands square to the guide.
-    BarSquareToGuide,
-    /// RPR: the slider is level with the pivot, at the foot of the offset.
+    /// RRP: the bar is perpendicular to the guide.
+    BarPerpendicularToGuide,
+    /// RPR: the slider is at the foot of the offset, s = 0.
     SliderAtPivot,
     /// PRP, RPP: the two sliding directions are parallel.
     GuidesParallel,
-    /// Any: the loads do not determine the reactions.
+    /// Any dyad: the loads do not determine the reactions.
     Reactions,
 }
 
@@ -59,14 +60,16 @@ impl fmt::Display for DyadError {
                 }
             },
             Self::Singular(which) => match which {
-                Singular::EndsMeet => "is singular: its two ends meet",
+                Singular::EndsMeet => "is singular: its two ends coincide",
                 Singular::BarsInLine => "is singular: its two bars are in line",
-                Singular::BarSquareToGuide => "is singular: its bar stands square to the guide",
+                Singular::BarPerpendicularToGuide => {
+                    "is singular: its bar is perpendicular to the guide"
+                }
                 Singular::SliderAtPivot => "is singular: its slider is level with the pivot",
                 Singular::GuidesParallel => "is singular: its two sliding directions are parallel",
                 Singular::Reactions => "is singular: its loads do not determine its reactions",
             },
-            Self::NotFinite => "was given a number that is infinite or not a number",
+            Self::NotFinite => "got a number that is infinite or not a number",
         })
     }
 }

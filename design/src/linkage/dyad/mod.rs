@@ -1,4 +1,4 @@
-//! Assur dyads: two links and three joints that add no freedom to what carries them.
+//! Assur dyads: two links and three joints that add no degree of freedom.
 //!
 //! | dyad | carried by | two links |
 //! |---|---|---|
@@ -8,12 +8,12 @@
 //! | [`Prp`] | two guides | two sliders pinned together |
 //! | [`Rpp`] | a point, a guide | a bar that slides in a slider |
 //!
-//! Positions are solved on a chosen assembly branch, velocities and accelerations are
-//! linear in those of the carrying points and guides. WUT derives RRR; the others follow
-//! in the same way, from one vector equation each, written above its code.
+//! Positions are solved on a chosen branch; velocities and accelerations are linear in those
+//! of the carrying points and guides. WUT derives RRR. The others are derived in the same way,
+//! each from one vector equation, which stands above its code.
 //!
-//! With sin μ the normalised determinant of that linear system, μ is the dyad's
-//! transmission angle: 90° is best, 0 singular.
+//! sin μ is the normalised determinant of that linear system, and μ is the dyad's transmission
+//! angle: 90° is best, 0 is singular.
 
 mod error;
 mod prp;
@@ -34,7 +34,7 @@ use super::motion::{Coordinate, LinkMotion, PointMotion};
 use fivebar_kinematics::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 
-/// Where along a guide: the assembly branch of a dyad with a slider.
+/// The branch of a dyad with a slider: which of its two solutions along the guide.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SlideBranch {
@@ -72,13 +72,13 @@ impl SlideBranch {
 pub struct DyadMotion<S> {
     /// The two links, in the dyad's order.
     pub links: [LinkMotion<S>; 2],
-    /// The point that the dyad adds: the inner pin or, without one, the slider.
+    /// The point that the dyad adds: the inner pin or, in RPR and RPP, the slider.
     pub inner_point: PointMotion<S>,
     /// The displacements of its sliding joints, in the dyad's order.
     pub slides: [Option<Coordinate<S>>; 2],
     /// Outer joint of the first link, inner joint, outer joint of the second link.
     pub joints: [Joint<S>; 3],
-    /// sin μ, signed by the branch.
+    /// sin μ; its sign depends on the branch.
     pub sine: S,
 }
 
@@ -92,18 +92,18 @@ impl<S: Scalar> DyadMotion<S> {
     }
 }
 
-/// Below this sine the rates have no correct digit: next to a singularity a position
-/// comes from √x with x rounded at 1e-16, hence is itself rounded at 1e-8.
+/// Below this sine the rates have no correct digit: close to a singularity a position
+/// is computed from √x, where x has a rounding error of 1e-16, so the position has one of 1e-8.
 const SMALLEST_SINE: f64 = 1e-8;
 
-/// Whether rates divided by this sine can be trusted.
+/// Whether rates divided by this sine have correct digits.
 #[inline]
 pub(crate) fn is_regular<S: Scalar>(sine: S) -> bool {
     let value = sine.to_f64();
     value.is_finite() && value.abs() > SMALLEST_SINE
 }
 
-/// `sine` where the rates can be trusted, else the singularity.
+/// `sine` if it is regular, else the singularity as an error.
 #[inline]
 fn regular<S: Scalar>(sine: S, singular: Singular) -> Result<S, DyadError> {
     if is_regular(sine) {
@@ -113,7 +113,7 @@ fn regular<S: Scalar>(sine: S, singular: Singular) -> Result<S, DyadError> {
     }
 }
 
-/// Refuses positions that are not numbers.
+/// An error if a coordinate is infinite or not a number.
 #[inline]
 fn finite<S: Scalar>(points: &[Vector2<S>]) -> Result<(), DyadError> {
     if points.iter().all(|p| p.x.is_finite() && p.y.is_finite()) {

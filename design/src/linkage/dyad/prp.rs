@@ -3,8 +3,8 @@
 //! P3 = G1 + s1 u1 = G2 + s2 u2, with G the offset e beside each guide's origin. With
 //! d = G2 − G1: s1 = d×u2 / (u1×u2), s2 = d×u1 / (u1×u2).
 //!
-//! The rates solve the same equations with d = v_G2 − v_G1, and with
-//! d = a_G2 + 2 ω2 ṡ2 n2 − a_G1 − 2 ω1 ṡ1 n1, of the guides' points now at P3.
+//! The velocities solve the same equations with d = v_G2 − v_G1, the accelerations with
+//! d = a_G2 + 2 ω2 ṡ2 n2 − a_G1 − 2 ω1 ṡ1 n1; G1 and G2 are here the guides' points at P3.
 
 use super::{DyadError, DyadMotion, Singular, beside, finite, regular};
 use crate::linkage::joint::Joint;
@@ -12,17 +12,17 @@ use crate::linkage::motion::{Coordinate, LinkMotion};
 use fivebar_kinematics::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 
-/// Two sliders pinned together. It has one assembly only.
+/// Two sliders pinned together. It has one branch only.
 ///
 /// Each slider's frame starts at P3 and keeps its guide's direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prp<S> {
-    /// e1 and e2, how far to the left of each guide's origin the pin runs [m].
+    /// e1 and e2, the offsets of the pin to the left of each guide's origin [m].
     pub offsets: [S; 2],
 }
 
 impl<S: Scalar> Prp<S> {
-    /// s1 and s2 [m], the places along the guides.
+    /// s1 and s2 [m], the displacements along the guides.
     ///
     /// # Errors
     /// `Singular` where the guides are parallel.

@@ -3,11 +3,11 @@
 //! P1 = K + s u + t w, with K the guide's origin, u its direction and w = u turned by the
 //! constant angle between the two slides: s = (P1−K)×w / (u×w), t = u×(P1−K) / (u×w).
 //!
-//! With v_G, a_G the motion of the guide's point now at P1, the rates solve the same
-//! equations with Ṗ1 − v_G, and with P̈1 − a_G − 2 ω (ṡ u + ṫ w)⊥.
+//! With v_G, a_G the motion of the guide's point at P1, the velocities solve the same
+//! equations with Ṗ1 − v_G, the accelerations with P̈1 − a_G − 2 ω (ṡ u + ṫ w)⊥.
 //!
-//! Neither link turns against the guide. An offset beside either slide would only shift
-//! the zeros of s and t.
+//! Neither link turns relative to the guide. An offset of either slide would only shift
+//! the zeros of s and t, so there is none.
 
 use super::{DyadError, DyadMotion, Singular, finite, regular};
 use crate::linkage::joint::Joint;
@@ -15,7 +15,7 @@ use crate::linkage::motion::{Coordinate, LinkMotion, PointMotion};
 use fivebar_kinematics::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 
-/// A bar that slides in a slider. It has one assembly only.
+/// A bar that slides in a slider. It has one branch only.
 ///
 /// The bar's frame starts at P1, its x axis along w; the slider's frame starts at K + s u
 /// and keeps the guide's direction.
@@ -26,7 +26,7 @@ pub struct Rpp<S> {
 }
 
 impl<S: Scalar> Rpp<S> {
-    /// s and t [m], the slider's place along the guide and P1's along the bar.
+    /// s and t [m], the displacements of the slider along the guide and of P1 along the bar.
     ///
     /// # Errors
     /// `Singular` where the two slides are parallel.

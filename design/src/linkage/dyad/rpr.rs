@@ -17,18 +17,18 @@ use nalgebra::Vector2;
 /// P2 with the same direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rpr<S> {
-    /// e, how far to the left of the pivot P1 the slider's pin runs [m].
+    /// e, the offset of the slider's pin to the left of the pivot P1 [m].
     pub offset: S,
     /// `Ahead` where the slider is ahead of the pivot along the bar's axis.
     pub branch: SlideBranch,
 }
 
 impl<S: Scalar> Rpr<S> {
-    /// s [m] and u, the slider's place along the bar and the bar's direction.
+    /// s [m] and u, the slider's displacement along the bar and the bar's direction.
     ///
     /// # Errors
     /// `Unreachable` where the ends are nearer than the offset, `Singular` where they
-    /// meet and there is none.
+    /// coincide and the offset is zero.
     #[inline]
     pub fn position(&self, p1: Vector2<S>, p2: Vector2<S>) -> Result<(S, Vector2<S>), DyadError> {
         finite(&[p1, p2])?;
@@ -51,7 +51,7 @@ impl<S: Scalar> Rpr<S> {
     /// Position, velocity and acceleration from those of the ends.
     ///
     /// # Errors
-    /// As [`Rpr::position`]; `Singular` where the slider is level with the pivot.
+    /// As [`Rpr::position`]; `Singular` where s = 0.
     #[inline]
     pub fn motion(
         &self,

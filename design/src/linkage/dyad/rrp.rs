@@ -5,10 +5,10 @@
 //!
 //! s = −w·u ± √(l² − (w·n)²).
 //!
-//! With v_G, a_G the motion of the guide's point now at P3:
+//! With v_G, a_G the motion of the guide's point at P3:
 //!
 //! Ṗ1 + ω1 r⊥ = v_G + ṡ u: ω1 = (v_G − Ṗ1)·n / (r·u), ṡ = (Ṗ1 − v_G)·r / (r·u);
-//! P̈1 + α1 r⊥ − ω1² r = a_G + 2 ω ṡ n + s̈ u, alike.
+//! P̈1 + α1 r⊥ − ω1² r = a_G + 2 ω ṡ n + s̈ u is solved in the same way.
 
 use super::{DyadError, DyadMotion, Singular, SlideBranch, Unreachable, beside, finite, regular};
 use crate::linkage::joint::Joint;
@@ -24,14 +24,14 @@ use nalgebra::Vector2;
 pub struct Rrp<S> {
     /// l, the bar [m].
     pub length: S,
-    /// e, how far to the left of the guide's origin the slider's pin runs [m].
+    /// e, the offset of the slider's pin to the left of the guide's origin [m].
     pub offset: S,
-    /// Which of the two places on the guide.
+    /// Which of the two positions on the guide.
     pub branch: SlideBranch,
 }
 
 impl<S: Scalar> Rrp<S> {
-    /// s [m], the slider's place along the guide.
+    /// s [m], the slider's displacement along the guide.
     ///
     /// # Errors
     /// `Unreachable` where the bar does not reach the guide.
@@ -50,7 +50,7 @@ impl<S: Scalar> Rrp<S> {
     /// Position, velocity and acceleration from those of the end and the guide.
     ///
     /// # Errors
-    /// As [`Rrp::position`]; `Singular` where the bar stands square to the guide.
+    /// As [`Rrp::position`]; `Singular` where the bar is perpendicular to the guide.
     #[inline]
     pub fn motion(
         &self,
@@ -63,7 +63,7 @@ impl<S: Scalar> Rrp<S> {
         let p3 = beside(guide, self.offset) + u * s;
         let r = p3 - end.position;
         let axis = r * (S::ONE / self.length);
-        let sine = regular(axis.dot(&u), Singular::BarSquareToGuide)?;
+        let sine = regular(axis.dot(u), Singular::BarPerpendicularToGuide)?;
         let per_ru = S::ONE / (self.length * sine);
         let g = guide.point_at(p3);
 

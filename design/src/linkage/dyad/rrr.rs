@@ -28,7 +28,7 @@ impl<S: Scalar> Rrr<S> {
     /// height h = √(l1²/|d|² − a²), P3 = P1 + a d ± h d⊥.
     ///
     /// # Errors
-    /// `Unreachable` where the bars cannot meet, `Singular` where the ends do.
+    /// `Unreachable` where the bars cannot meet, `Singular` where the ends coincide.
     #[inline]
     pub fn position(&self, p1: Vector2<S>, p2: Vector2<S>) -> Result<Vector2<S>, DyadError> {
         let (d, d_squared) = self.base(p1, p2)?;
@@ -46,8 +46,9 @@ impl<S: Scalar> Rrr<S> {
     /// A sin θ2 + B cos θ2 + C = 0 with A = 2 d l2 sin ω, B = 2 d l2 cos ω,
     /// C = d² + l2² − l1² and ω the angle of P1→P2; θ2 = 2 atan[(A ± √(A²+B²−C²))/(B−C)].
     ///
-    /// By atan2 in place of the lecture's rule for negative x, which also serves B = C. It
-    /// loses digits where A ± √ and B − C both cancel; [`Rrr::position`] never does.
+    /// It uses atan2 in place of the lecture's rule for negative x, so that B = C is no
+    /// special case. It loses digits where A ± √ and B − C both cancel;
+    /// [`Rrr::position`] does not.
     ///
     /// # Errors
     /// As [`Rrr::position`].
@@ -115,7 +116,7 @@ impl<S: Scalar> Rrr<S> {
         })
     }
 
-    /// d = P2 − P1 and |d|², where the two are numbers and differ.
+    /// d = P2 − P1 and |d|²; an error if a coordinate is not finite or if P1 = P2.
     #[inline]
     fn base(&self, p1: Vector2<S>, p2: Vector2<S>) -> Result<(Vector2<S>, S), DyadError> {
         finite(&[p1, p2])?;
