@@ -1,19 +1,19 @@
-//! Dual numbers: the desktop's number with one derivative carried along.
+//! Dual numbers: a value with one derivative, for automatic differentiation.
 
 use fivebar_kinematics::Scalar;
 use num_dual::{Dual64, DualNum};
 use num_traits::{One, Zero};
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
-/// A value and its derivative by one variable: the [`Scalar`] of sensitivities.
+/// A value and its derivative with respect to one variable: a [`Scalar`] for sensitivities.
 ///
-/// The arithmetic is num-dual's. Comparisons look at the value alone.
+/// The arithmetic is that of num-dual. Comparisons use the value only.
 ///
 /// ```
 /// use fivebar_design::Dual;
 /// use fivebar_kinematics::five_bar::{Geometry, Side};
 ///
-/// // How far C moves along x for every metre that link 2 grows.
+/// // ∂C.x/∂l2 [m/m].
 /// let [l1, l3, l4, base] = [0.1, 0.16, 0.11, 0.08].map(Dual::constant);
 /// let geometry = Geometry::new([l1, Dual::variable(0.15), l3, l4, base])?;
 /// let pose = geometry.forward(Dual::constant(2.0), Dual::constant(1.1), Side::Left)?;
@@ -34,17 +34,17 @@ impl Dual {
         Self::new(value, 1.0)
     }
 
-    /// A number with its derivative by the variable.
+    /// A number with its derivative with respect to the variable.
     pub fn new(value: f64, derivative: f64) -> Self {
         Self(Dual64::new(value, derivative))
     }
 
-    /// The number.
+    /// The value.
     pub fn value(self) -> f64 {
         self.0.re
     }
 
-    /// Its derivative by the variable.
+    /// The derivative with respect to the variable.
     pub fn derivative(self) -> f64 {
         self.0.eps
     }
@@ -70,8 +70,8 @@ impl Scalar for Dual {
         let (sin, cos) = self.0.sin_cos();
         (Self(sin), Self(cos))
     }
-    /// d atan2(y, x) = (x dy − y dx)/(x² + y²): finite at x = 0, where the quotient y/x that
-    /// num-dual differentiates is not.
+    /// d atan2(y, x) = (x dy − y dx)/(x² + y²). This is finite at x = 0; num-dual
+    /// differentiates the quotient y/x, which is infinite there.
     fn atan2(self, x: Self) -> Self {
         let (y, x) = (self.0, x.0);
         let norm_squared = y.re * y.re + x.re * x.re;
@@ -82,7 +82,7 @@ impl Scalar for Dual {
     }
 }
 
-/// A constant, in a constant expression.
+/// [`Dual::constant`] for constant expressions.
 const fn const_dual(value: f64) -> Dual {
     Dual(Dual64 {
         re: value,

@@ -1,4 +1,4 @@
-//! What the slider-driven mechanism cannot do, by name.
+//! Why the slider-driven mechanism has no pose or motion.
 
 use core::fmt;
 
@@ -11,7 +11,7 @@ pub enum Limb {
     Right,
 }
 
-/// Why three numbers are not this mechanism.
+/// Why the lengths are invalid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GeometryError {
     /// A limb's length is not a positive finite number.
@@ -20,21 +20,20 @@ pub enum GeometryError {
     Platform,
 }
 
-/// Why a pose or a motion cannot be given.
+/// Why a pose or a motion does not exist.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PoseError {
-    /// P is farther from the guide than a limb is long.
+    /// The distance of P from the guide exceeds a limb's length.
     LimbTooShort(Limb),
     /// The sliders are farther apart than both limbs and the platform reach.
     SlidersTooFar,
-    /// The limbs' circles lie one inside the other.
+    /// The sliders are so near that one limb's circle lies inside the other's.
     SlidersTooNear,
-    /// The sliders' travel does not let them stand as far apart, or as near, as asked.
+    /// The distance between the sliders that this height needs is beyond their travel.
     BeyondTravel,
-    /// Type 1: a limb stands square to the guide, its slider's place says nothing of y.
+    /// Type 1: a limb is perpendicular to the guide; its slider cannot move P along y.
     LimbPerpendicular(Limb),
-    /// Type 2: the limbs are parallel, or in line along the guide; the sliders do not
-    /// hold P.
+    /// Type 2: the limbs are parallel, or in line along the guide; the sliders cannot hold P.
     Parallel,
     /// An input is infinite or not a number.
     NotFinite,
@@ -62,7 +61,7 @@ impl fmt::Display for PoseError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::LimbTooShort(limb) => {
-                write!(f, "P is farther from the guide than {limb} is long")
+                write!(f, "the distance of P from the guide exceeds {limb}")
             }
             Self::SlidersTooFar => {
                 f.write_str("the sliders are farther apart than limbs and platform reach")
@@ -72,10 +71,13 @@ impl fmt::Display for PoseError {
             }
             Self::BeyondTravel => f.write_str("the sliders' travel does not allow this height"),
             Self::LimbPerpendicular(limb) => {
-                write!(f, "{limb} stands square to the guide (type 1)")
+                write!(
+                    f,
+                    "{limb} is perpendicular to the guide (type 1 singularity)"
+                )
             }
-            Self::Parallel => f.write_str("the limbs are parallel or in line (type 2)"),
-            Self::NotFinite => f.write_str("a number given is infinite or not a number"),
+            Self::Parallel => f.write_str("the limbs are parallel or in line (type 2 singularity)"),
+            Self::NotFinite => f.write_str("an input is infinite or not a number"),
         }
     }
 }

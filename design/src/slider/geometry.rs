@@ -1,4 +1,4 @@
-//! The three lengths, validated once.
+//! The three lengths, checked at construction.
 
 use super::{GeometryError, Limb};
 use fivebar_kinematics::Scalar;
@@ -12,8 +12,8 @@ pub struct Geometry<S> {
 }
 
 impl<S: Scalar> Geometry<S> {
-    /// The mechanism with limbs `left` = l3 and `right` = l7 and the width `platform` = l5
-    /// [m]; 0 for PRRRP.
+    /// The mechanism with the limbs `left` = l3 and `right` = l7 and the width `platform` = l5
+    /// [m]; l5 = 0 is PRRRP.
     ///
     /// # Errors
     /// A limb that is not positive and finite, or a platform that is negative or not finite.

@@ -1,5 +1,6 @@
-//! The slider-driven sibling of the five-bar: two sliders on one guide, two degrees of
-//! freedom (Tu 2005; the print's figure is lost and is reconstructed here).
+//! The slider-driven mechanism, related to the five-bar: two sliders on one guide carry a
+//! platform with two degrees of freedom (Tu 2005; its figure is lost and is reconstructed
+//! here).
 //!
 //! ```text
 //!            P
@@ -13,9 +14,9 @@
 //!
 //! xP = x2 + l3 cos α3 + l5/2 = x8 + l7 cos α7 − l5/2, yP = l3 sin α3 = l7 sin α7.
 //!
-//! The parallelograms carry the platform parallel to the guide; two more links, and a
-//! constraint said twice: a planar Grübler count gives one freedom where there are two.
-//! With l5 = 0 this is PRRRP, the plain form without parallelograms.
+//! The parallelograms keep the platform parallel to the guide. One of their constraints is
+//! redundant, so a planar Grübler count gives one degree of freedom; there are two.
+//! With l5 = 0 and single bars this is PRRRP.
 
 mod error;
 mod geometry;

@@ -1,9 +1,9 @@
-//! Velocities and accelerations, both ways.
+//! Velocities and accelerations, forward and inverse.
 //!
 //! Each limb keeps its length: with e = (1, 0), u·(ṙP − ẋ e) = 0 and
 //! u·(r̈P − ẍ e) = −|ṙP − ẋ e|²/l, for (u3, x2, l3) and (u7, x8, l7). Forward these are
-//! two linear equations with determinant S = sin(α7−α3); inverse, with yẏ/h = tan α ẏ,
-//! they are the print's
+//! two linear equations with determinant S = sin(α7−α3). Inverse, with yẏ/h = tan α ẏ,
+//! they are the equations of Tu 2005:
 //!
 //! ẋ2 = ẋP + yẏ/h3, ẍ2 = ẍP + yÿ/h3 + l3² ẏ²/h3³, and for x8 with −h7 for h3.
 
@@ -114,7 +114,8 @@ impl<S: Scalar> Geometry<S> {
         Accelerations { sliders, p, alpha }
     }
 
-    /// The part of P's rate, or acceleration, against each slider that turns its limb.
+    /// The limbs' angular rates from P's velocity relative to each slider, or their angular
+    /// accelerations from P's relative acceleration.
     fn turning(&self, pose: &Pose<S>, [x2, x8]: [S; 2], p: Vector2<S>) -> [S; 2] {
         let against = |x: S| p - Vector2::new(x, S::ZERO);
         [

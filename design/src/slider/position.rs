@@ -1,4 +1,4 @@
-//! Positions, both ways.
+//! Positions, forward and inverse.
 
 use super::{Geometry, Limb, PoseError};
 use crate::linkage::dyad::SlideBranch;
@@ -6,7 +6,8 @@ use fivebar_kinematics::five_bar::Side;
 use fivebar_kinematics::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 
-/// Where each slider is as seen from its end of the platform: the inverse branch.
+/// The branch of the inverse solution: for each slider whether it is behind or ahead of its
+/// end of the platform.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct WorkingMode {
     /// `Behind` where cos α3 > 0.
@@ -24,10 +25,10 @@ impl WorkingMode {
         Self::new(SlideBranch::Ahead, SlideBranch::Behind),
     ];
 
-    /// The usual one: the sliders stand outwards.
+    /// The usual mode: the sliders are outside the platform's ends.
     pub const APART: Self = Self::new(SlideBranch::Behind, SlideBranch::Ahead);
 
-    /// The mode with these slider places.
+    /// The mode with these sides of the left and right slider.
     pub const fn new(left: SlideBranch, right: SlideBranch) -> Self {
         Self { left, right }
     }
@@ -49,12 +50,12 @@ pub struct Pose<S> {
 }
 
 impl<S: Scalar> Pose<S> {
-    /// The forward branch: `Left` where P is above the guide, left of its direction +x.
+    /// The assembly mode: `Left` where P is above the guide, to the left of +x.
     pub fn assembly(&self) -> Side {
         Side::of(self.p.y)
     }
 
-    /// The inverse branch.
+    /// The working mode.
     pub fn working_mode(&self) -> WorkingMode {
         let branch = |cosine: S| {
             if cosine > S::ZERO {
@@ -134,7 +135,7 @@ impl<S: Scalar> Geometry<S> {
             if h_squared < S::ZERO {
                 return Err(PoseError::LimbTooShort(limb));
             }
-            // A slider behind stands under a limb that leans ahead.
+            // With the slider behind, the limb points ahead: cos α > 0.
             Ok(branch.opposite().sign(h_squared.sqrt()))
         };
         let (l3, l7) = (self.l3(), self.l7());

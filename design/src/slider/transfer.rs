@@ -1,28 +1,28 @@
-//! How small errors of lengths and inputs move P, the sliders being the inputs.
+//! The displacement of P by small errors of the lengths and of the sliders, to first order.
 //!
 //! e3 = δl3 + cos α3 (δl5/2 + δx2), e7 = δl7 + cos α7 (δx8 − δl5/2), S = sin(α7−α3):
 //!
 //! δxP = (sin α7 e3 − sin α3 e7)/S, δyP = (cos α3 e7 − cos α7 e3)/S.
 //!
-//! **Erratum**: Tu 2005 differentiates at fixed α, which gives δxP/δl3 = cos α3. With
-//! the sliders as inputs the limbs turn as their lengths change, and that is wrong.
+//! **Erratum**: Tu 2005 differentiates at fixed α, which gives δxP/δl3 = cos α3. That is
+//! wrong: with the sliders as inputs the limbs turn when their lengths change.
 
 use super::{Geometry, Pose, PoseError};
 use fivebar_kinematics::Scalar;
 use nalgebra::Vector2;
 
-/// ∂rP/∂ each length and input [m/m].
+/// The derivative of P's position with respect to each length and slider [m/m].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ErrorTransfer<S> {
-    /// To the left limb's length.
+    /// By the left limb's length.
     pub l3: Vector2<S>,
-    /// To the right limb's length.
+    /// By the right limb's length.
     pub l7: Vector2<S>,
-    /// To the platform's width.
+    /// By the platform's width.
     pub l5: Vector2<S>,
-    /// To the left slider's place.
+    /// By the left slider's position.
     pub x2: Vector2<S>,
-    /// To the right slider's place.
+    /// By the right slider's position.
     pub x8: Vector2<S>,
 }
 

@@ -1,14 +1,14 @@
-//! Where P can be, given how far the sliders travel.
+//! The reach of P within the sliders' travel.
 //!
-//! At each height y the sliders' travels are shifted by l5/2 ± h: P can be where both
-//! overlap, x ∈ [x2 + l5/2 + h3] ∩ [x8 − l5/2 + h7], for |y| ≤ min(l3, l7), with
-//! h = l cos α signed by the working mode.
+//! At each height y each slider's travel, shifted, is the interval of x that its limb allows.
+//! P reaches their intersection, x ∈ [x2 + l5/2 + h3] ∩ [x8 − l5/2 + h7], for
+//! |y| ≤ min(l3, l7), with h = l cos α; the working mode gives the sign of h.
 
 use super::{Geometry, Pose, PoseError, WorkingMode};
 use fivebar_kinematics::Scalar;
 use nalgebra::Vector2;
 
-/// Least and greatest x2, then x8 [m].
+/// The travel of each slider: its least and greatest position [m].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Travel<S> {
     /// Of slider 2.
@@ -26,18 +26,18 @@ impl<S: Scalar> Travel<S> {
 }
 
 impl<S: Scalar> Geometry<S> {
-    /// The stretch of x [m] that P can reach at height `y` [m] in a working mode.
+    /// The least and greatest x [m] that P can reach at height `y` [m] in a working mode.
     ///
     /// # Errors
-    /// `LimbTooShort` above and below the workspace, `BeyondTravel` where the sliders
-    /// cannot stand as far apart, or as near, as this height asks.
+    /// `LimbTooShort` above and below the workspace, `BeyondTravel` where the distance
+    /// between the sliders that this height needs is beyond their travel.
     pub fn reachable_at(
         &self,
         y: S,
         mode: WorkingMode,
         travel: &Travel<S>,
     ) -> Result<[S; 2], PoseError> {
-        // The sliders' offsets from P do not depend on where along the guide P is.
+        // The sliders' offsets from P are the same for all positions along the guide.
         let pose = self.inverse(Vector2::new(S::ZERO, y), mode)?;
         let from = |[least, greatest]: [S; 2], offset: S| [least - offset, greatest - offset];
         let [least3, greatest3] = from(travel.left, pose.x2);
@@ -55,9 +55,9 @@ impl<S: Scalar> Geometry<S> {
         }
     }
 
-    /// The area of the workspace on one side of the guide [m²], by the midpoint rule in
-    /// `slices` of equal angle: with y = l sin φ the slices thin out where the sections
-    /// change fastest, near the top.
+    /// The area of the workspace on one side of the guide [m²], by the midpoint rule with
+    /// `slices` of equal angle φ, y = l sin φ. So the slices are thinnest near the top, where
+    /// their width changes fastest.
     pub fn workspace_area(&self, mode: WorkingMode, travel: &Travel<S>, slices: u32) -> S {
         let (l3, l7) = (self.l3(), self.l7());
         let shorter = if l3 < l7 { l3 } else { l7 };
