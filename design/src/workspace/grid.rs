@@ -1,14 +1,14 @@
-//! Square cells over the reach of an arm.
+//! A grid of square cells over the reach of an arm.
 
 use core::fmt;
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::Tool;
 use nalgebra::Vector2;
 
-/// Most cells that a grid may have: more are no picture and fill the memory.
+/// The greatest number of cells; a finer grid would need too much memory.
 const MAX_CELLS: f64 = 2e6;
 
-/// Square cells, row by row from the lower left; a cell stands for what is at its middle.
+/// Square cells, row by row from the lower left. The centre of a cell represents the cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
     low: Vector2<f64>,
@@ -17,7 +17,7 @@ pub struct Grid {
     rows: usize,
 }
 
-/// Why there is no such grid.
+/// Why a grid is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GridError {
     /// The pitch is not a positive finite number.
@@ -38,11 +38,12 @@ impl fmt::Display for GridError {
 impl core::error::Error for GridError {}
 
 impl Grid {
-    /// A grid of this pitch [m] over all that the tool can reach, mirrored about the base
-    /// line as the reach is.
+    /// A grid of this pitch [m] over the reach of the tool, symmetric about the base line as
+    /// the reach is.
     ///
     /// # Errors
-    /// A pitch that is no length, or one too fine to be held.
+    /// `Pitch` for a pitch that is not positive and finite, `TooFine` for one that gives too
+    /// many cells.
     pub fn over(tool: &Tool<f64>, pitch: f64) -> Result<Self, GridError> {
         if !(pitch > 0.0 && pitch.is_finite()) {
             return Err(GridError::Pitch);
@@ -72,38 +73,39 @@ impl Grid {
         self.low + Vector2::new(self.columns as f64, self.rows as f64) * self.pitch
     }
 
-    /// Side of a cell [m].
+    /// The side of a cell [m].
     pub fn pitch(&self) -> f64 {
         self.pitch
     }
 
-    /// Cells in a row.
+    /// The number of cells in a row.
     pub fn columns(&self) -> usize {
         self.columns
     }
 
-    /// Rows of cells.
+    /// The number of rows.
     pub fn rows(&self) -> usize {
         self.rows
     }
 
-    /// All cells.
+    /// The number of cells.
     pub fn cell_count(&self) -> usize {
         self.columns * self.rows
     }
 
-    /// The middle of the cell of this index [m].
+    /// The centre of the cell with this index [m].
     pub fn cell_centre(&self, index: usize) -> Vector2<f64> {
         let (row, column) = (index / self.columns, index % self.columns);
         self.low + Vector2::new(column as f64 + 0.5, row as f64 + 0.5) * self.pitch
     }
 }
 
-/// Lower left and upper right corner of a box around the reach [m]: T is no farther from A
-/// than R1 = l1 + |BT|, nor from E than R4 = l4 + l3 + |CT|.
+/// The lower left and upper right corner of a box around the reach [m]. The tool T is within
+/// R1 = l1 + |BT| of A and within R4 = l4 + l3 + |CT| of E.
 ///
-/// The two circles meet at x = (l5² + R1² − R4²)/(2 l5). Between the pivots that is the
-/// highest point of what they share; else one of them has its own within the other.
+/// The two circles meet at x = (l5² + R1² − R4²)/(2 l5). If this x is between the pivots, it is
+/// the highest point of both discs' intersection; else the top of one circle is within the
+/// other.
 pub fn reach_bounds(tool: &Tool<f64>) -> [Vector2<f64>; 2] {
     let geometry = tool.geometry();
     let far1 = geometry.l1() + tool.reach();

@@ -1,30 +1,31 @@
-//! A working mode, place by place.
+//! The map of a working mode, cell by cell.
 
 use super::Grid;
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::{Side, Workspace};
 use nalgebra::Vector2;
 
-/// A place that the tool can reach.
+/// The properties of a position that the tool reaches.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cell {
-    /// The forward branch that its pose is on.
+    /// The assembly mode of its pose.
     pub assembly: Side,
-    /// Sines of the angles at the elbows of leg 1 (as the tool sees it) and of leg 4: zero
-    /// at type 1.
+    /// The sines of the angles at the elbows of leg 1 (A–B–T) and of leg 4: zero at a type 1
+    /// singularity.
     pub elbow_sines: [f64; 2],
-    /// sin(θ3−θ2): zero at type 2.
+    /// sin(θ3−θ2): zero at a type 2 singularity.
     pub sin32: f64,
     /// 1/κ = σmin/σmax of the tool's Jacobian, 0…1.
     pub inverse_condition: f64,
     /// Whether both driven joints are within their limits.
     pub within_limits: bool,
-    /// Whether they are, and the margin from singularities is kept too.
+    /// Whether the position is clear: within the joint limits and outside the singularity
+    /// margin.
     pub clear: bool,
 }
 
 impl Cell {
-    /// What is at `t` [m], if it can be reached.
+    /// The properties of the position `t` [m]; none if it is out of reach.
     fn at(workspace: &Workspace<f64>, t: Vector2<f64>) -> Option<Self> {
         let Workspace {
             tool,
@@ -33,12 +34,9 @@ impl Cell {
             margin,
         } = workspace;
         let pose = tool.inverse(t, *mode).ok()?;
-        let within_limits = limits.is_none_or(|limits| {
-            limits
-                .angles_within(pose.u1.polar_angle(), pose.u4.polar_angle())
-                .is_ok()
-        });
-        // At type 2 itself no bound is left to a direction's speed: κ is infinite.
+        let within_limits =
+            limits.is_none_or(|limits| limits.admit(pose.u1.polar_angle(), pose.u4.polar_angle()).is_ok());
+        // At a type 2 singularity κ is infinite, and there is no Jacobian.
         let jacobian = tool.jacobian(&pose);
         Some(Self {
             assembly: pose.assembly(),
@@ -51,18 +49,18 @@ impl Cell {
     }
 }
 
-/// Areas of a branch [m²], counted in cells.
+/// The areas of a branch [m²], counted in cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Areas {
-    /// All that is reached.
+    /// The reached area.
     pub reached: f64,
-    /// What the joint limits leave of it.
+    /// The part of it within the joint limits.
     pub within_limits: f64,
-    /// What the margin from singularities leaves of that.
+    /// The part of that outside the singularity margin.
     pub clear: f64,
 }
 
-/// A working mode on a grid.
+/// The map of one working mode on a grid.
 #[derive(Clone, Debug)]
 pub struct WorkspaceMap {
     workspace: Workspace<f64>,
@@ -71,7 +69,7 @@ pub struct WorkspaceMap {
 }
 
 impl WorkspaceMap {
-    /// Looks at the middle of every cell.
+    /// Solves the pose at the centre of every cell.
     pub fn new(workspace: Workspace<f64>, grid: Grid) -> Self {
         let cells =
             (0..grid.cell_count()).map(|index| Cell::at(&workspace, grid.cell_centre(index)));
@@ -82,28 +80,28 @@ impl WorkspaceMap {
         }
     }
 
-    /// What was mapped.
+    /// The arm, working mode, joint limits and singularity margin of the map.
     pub fn workspace(&self) -> &Workspace<f64> {
         &self.workspace
     }
 
-    /// Where the cells are.
+    /// The grid of the cells.
     pub fn grid(&self) -> &Grid {
         &self.grid
     }
 
-    /// The cells in the grid's order; none out of reach.
+    /// The cells in the order of the grid; none for a cell out of reach.
     pub fn cells(&self) -> &[Option<Cell>] {
         &self.cells
     }
 
-    /// The places that are reached [m], with what is there.
+    /// The reached positions [m] with their properties.
     pub fn reached(&self) -> impl Iterator<Item = (Vector2<f64>, &Cell)> {
         let cells = self.cells.iter().enumerate();
         cells.filter_map(|(index, cell)| Some((self.grid.cell_centre(index), cell.as_ref()?)))
     }
 
-    /// The areas on an assembly branch.
+    /// The areas of an assembly mode.
     pub fn areas(&self, assembly: Side) -> Areas {
         let cell_area = self.grid.pitch() * self.grid.pitch();
         let on_branch = |cell: &&Cell| cell.assembly == assembly;
@@ -118,8 +116,7 @@ impl WorkspaceMap {
         }
     }
 
-    /// The clear place on an assembly branch where the tool moves most alike in all
-    /// directions [m].
+    /// The clear position [m] of an assembly mode with the least condition number κ.
     pub fn best_conditioned(&self, assembly: Side) -> Option<(Vector2<f64>, &Cell)> {
         self.reached()
             .filter(|(_, cell)| cell.clear && cell.assembly == assembly)

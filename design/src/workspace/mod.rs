@@ -1,11 +1,10 @@
-//! Where an arm can take its tool, looked at as a whole: a [`WorkspaceMap`] of one working mode, the
-//! curves of its singularities ([`singularity_curves`]) and the largest [`Rectangle`] free of
-//! them.
+//! The workspace of an arm: the [`WorkspaceMap`] of one working mode, its
+//! [`singularity_curves`], and the largest clear [`Rectangle`].
 //!
-//! A *branch* here is a working mode with an assembly mode. In one working mode a place has
-//! one pose at most, so its assembly branches part the reach among them, and their border is
-//! the type 2 singularity. All four working modes reach the same places as long as the tool
-//! is at C.
+//! A *branch* is a working mode together with an assembly mode. In one working mode a
+//! position has at most one pose, so the two assembly modes divide the reach between them;
+//! the border is the type 2 singularity. All four working modes have the same reach if the
+//! tool is at C.
 //!
 //! ```
 //! use fivebar_kinematics::PlanarVector;
@@ -22,7 +21,7 @@
 //! let map = WorkspaceMap::new(workspace, Grid::over(&workspace.tool, 2e-3)?);
 //! let reached: f64 = Side::BOTH.map(|side| map.areas(side).reached).iter().sum();
 //! assert!((reached / reachable_area(&arm) - 1.0).abs() < 1e-2);
-//! // Row by row from the lower left, none out of reach: ready to be drawn.
+//! // Row by row from the lower left; `None` for a cell out of reach.
 //! assert_eq!(map.cells().len(), map.grid().cell_count());
 //! for curve in singularity_curves(&workspace.tool, workspace.mode) {
 //!     assert!(curve.points.len() > 1);

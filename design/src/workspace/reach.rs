@@ -1,8 +1,9 @@
 //! The region that both legs reach: its area and its boundary.
 //!
-//! Leg A–B–C reaches the annulus |l1 − l2| ≤ |rC − rA| ≤ l1 + l2, leg E–D–C likewise.
-//! The area of their common part by inclusion and exclusion of circular lenses,
-//! L(R1,R4) − L(r1,R4) − L(R1,r4) + L(r1,r4), and its boundary as arcs.
+//! Leg A–B–C reaches the annulus |l1 − l2| ≤ |rC − rA| ≤ l1 + l2, leg E–D–C likewise. With
+//! r and R the radii of an annulus and L the area of the lens that two discs have in common,
+//! the area of the intersection is L(R1,R4) − L(r1,R4) − L(R1,r4) + L(r1,r4). The boundary
+//! consists of arcs.
 
 use fivebar_kinematics::Scalar;
 use fivebar_kinematics::five_bar::Geometry;
@@ -16,11 +17,12 @@ pub struct Arc<S> {
     pub centre: Vector2<S>,
     /// Its radius [m].
     pub radius: S,
-    /// Direction of the start from the centre [rad].
+    /// Direction of the start, seen from the centre [rad].
     pub from: S,
     /// Direction of the end, greater than `from` [rad].
     pub to: S,
-    /// Whether the region lies within the circle (an outer limit of reach) or without.
+    /// True for an outer limit of the reach (the region is within the circle), false for an
+    /// inner limit (the region is outside).
     pub outer: bool,
 }
 
@@ -32,8 +34,8 @@ pub fn reachable_area<S: Scalar>(geometry: &Geometry<S>) -> S {
     lens(far1, far4) - lens(near1, far4) - lens(far1, near4) + lens(near1, near4)
 }
 
-/// The arcs that bound the reachable region, at most eight, in no order; those of
-/// circles without extent are left out.
+/// The arcs that bound the reachable region, at most eight, in no particular order. Circles
+/// of radius zero give no arcs.
 pub fn reach_boundary<S: Scalar>(geometry: &Geometry<S>) -> impl Iterator<Item = Arc<S>> {
     let [near1, far1] = geometry.leg1_radii();
     let [near4, far4] = geometry.leg4_radii();
@@ -48,7 +50,7 @@ pub fn reach_boundary<S: Scalar>(geometry: &Geometry<S>) -> impl Iterator<Item =
     .into_iter()
     .filter(|&(_, radius, ..)| radius > S::ZERO)
     .flat_map(move |(centre, radius, outer, [near, far])| {
-        // The distance from the other centre grows with the angle φ from the line to it.
+        // The distance from the other centre increases with the angle φ from the line to it.
         let low = angle_at_distance(radius, base, near);
         let high = angle_at_distance(radius, base, far);
         let ranges = if centre == a {
@@ -69,9 +71,10 @@ pub fn reach_boundary<S: Scalar>(geometry: &Geometry<S>) -> impl Iterator<Item =
     })
 }
 
-/// The angle φ in 0…π, from the line to a second centre `base` away, at which a circle's
-/// point is `distance` from that centre: cos φ = (radius² + base² − distance²)/(2 radius base).
-/// 0 or π where every point is farther or nearer.
+/// The angle φ [rad], 0…π, from the line to a second centre at the distance `base`, at which a
+/// point of the circle has the given `distance` from that centre:
+/// cos φ = (radius² + base² − distance²)/(2 radius base).
+/// 0 if every point of the circle is farther, π if every point is nearer.
 pub(super) fn angle_at_distance<S: Scalar>(radius: S, base: S, distance: S) -> S {
     let cos = (radius * radius + base * base - distance * distance) / (S::TWO * radius * base);
     if cos >= S::ONE {
@@ -83,8 +86,8 @@ pub(super) fn angle_at_distance<S: Scalar>(radius: S, base: S, distance: S) -> S
     }
 }
 
-/// Area common to two discs of these radii, `base` apart: two circular segments
-/// r² (φ − sin φ cos φ).
+/// The area that two discs of these radii, with centres `base` apart, have in common: two
+/// circular segments r² (φ − sin φ cos φ).
 fn lens_area<S: Scalar>(radius1: S, radius4: S, base: S) -> S {
     if radius1 == S::ZERO || radius4 == S::ZERO {
         return S::ZERO;

@@ -1,19 +1,19 @@
-//! The largest rectangle along the axes in which the tool may be anywhere.
+//! The largest rectangle parallel to the axes in which every position is clear.
 //!
-//! The largest one of clear cells is found exactly, in time proportional to the cells:
-//! row by row, the columns of free cells that end there are a histogram, whose largest
-//! rectangle is found with a stack of columns that still grow. Its sides are then moved, in
-//! eighths of a cell, to where the region ends between the cells.
+//! The largest rectangle of clear cells is exact, found in time proportional to the number of
+//! cells: in each row, the columns of clear cells that end there form a histogram, and a
+//! stack of increasing columns gives its largest rectangle. Then the sides are moved, in
+//! eighths of a cell, to the edge of the clear region between the cells.
 
 use super::WorkspaceMap;
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::Side;
 use nalgebra::Vector2;
 
-/// Sides are placed, and looked along, in steps of this share of a cell.
+/// The step in which sides are moved and checked, as a share of a cell.
 const STEP: f64 = 0.125;
 
-/// A rectangle along the axes.
+/// A rectangle parallel to the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rectangle {
     /// Lower left corner [m].
@@ -37,7 +37,7 @@ impl Rectangle {
         self.size().x > 0.0 && self.size().y > 0.0
     }
 
-    /// A side as the ends of a line [m]: left, right, bottom, top.
+    /// The end points of a side [m]; 0 left, 1 right, 2 bottom, 3 top.
     fn side(&self, side: usize) -> [Vector2<f64>; 2] {
         let Self { low, high } = *self;
         match side {
@@ -48,7 +48,7 @@ impl Rectangle {
         }
     }
 
-    /// The same with a side moved outwards by `step` [m].
+    /// The same rectangle with one side moved outwards by `step` [m].
     fn moved(mut self, side: usize, step: f64) -> Self {
         match side {
             0 => self.low.x -= step,
@@ -61,8 +61,8 @@ impl Rectangle {
 }
 
 impl WorkspaceMap {
-    /// The largest rectangle on an assembly branch in which every place is clear: within
-    /// the joint limits, and the margin away from every singularity.
+    /// The largest rectangle of an assembly mode in which every position is clear: within
+    /// the joint limits and outside the singularity margin. None if there is none.
     pub fn largest_rectangle(&self, assembly: Side) -> Option<Rectangle> {
         let free: Vec<bool> = self
             .cells()
@@ -83,8 +83,8 @@ impl WorkspaceMap {
         )
     }
 
-    /// Sides that leave the region drawn in, sides that do not pushed out; none if nothing
-    /// is left.
+    /// Moves sides that leave the clear region inwards, then all sides outwards as far as
+    /// they stay clear; none if no rectangle is left.
     fn fitted(&self, mut rectangle: Rectangle, assembly: Side) -> Option<Rectangle> {
         let step = STEP * self.grid().pitch();
         let free = |rectangle: &Rectangle, side| self.is_free(rectangle.side(side), assembly);
@@ -94,7 +94,8 @@ impl WorkspaceMap {
                 return None;
             }
         }
-        // The two sides that become longer do so by a step, with the new corner at its end.
+        // The two adjacent sides become longer by this step. Its end is a corner, which is
+        // checked with the moved side.
         for side in 0..4 {
             loop {
                 let larger = rectangle.moved(side, step);
@@ -107,7 +108,7 @@ impl WorkspaceMap {
         rectangle.has_extent().then_some(rectangle)
     }
 
-    /// Whether every place along a line is clear on an assembly branch.
+    /// Whether every position along a line is clear in an assembly mode.
     fn is_free(&self, [from, to]: [Vector2<f64>; 2], assembly: Side) -> bool {
         let way = to - from;
         let steps = (way.length() / (STEP * self.grid().pitch()))
@@ -121,7 +122,7 @@ impl WorkspaceMap {
     }
 }
 
-/// Cells from the first up to, but without, the last column and row.
+/// A block of cells as half-open ranges of columns and rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Cells {
     columns: [usize; 2],
@@ -134,7 +135,7 @@ impl Cells {
     }
 }
 
-/// The largest rectangle of `free` cells, of which `columns` make a row.
+/// The largest rectangle of `free` cells; a row has `columns` cells.
 fn largest(free: &[bool], columns: usize) -> Option<Cells> {
     let mut heights = vec![0; columns];
     let mut best: Option<Cells> = None;
@@ -142,7 +143,7 @@ fn largest(free: &[bool], columns: usize) -> Option<Cells> {
         for (height, &free) in heights.iter_mut().zip(cells) {
             *height = if free { *height + 1 } else { 0 };
         }
-        // Where a column begins, and how tall it can be: each taller than the one before.
+        // First column and height of each open rectangle, in order of increasing height.
         let mut growing: Vec<(usize, usize)> = Vec::new();
         for (column, height) in heights.iter().copied().chain([0]).enumerate() {
             let mut start = column;
@@ -167,7 +168,7 @@ mod tests {
     use super::{Cells, largest};
     use proptest::prelude::*;
 
-    /// Every rectangle of every grid, cell by cell.
+    /// The size of the largest rectangle, found by trying every rectangle.
     fn by_trying(free: &[bool], columns: usize) -> usize {
         let rows = free.len() / columns;
         let mut best = 0;
@@ -186,7 +187,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn none_is_larger_and_all_its_cells_are_free(
+        fn largest_rectangle_is_free_and_as_large_as_the_one_found_by_trying_all(
             columns in 1_usize..7,
             cells in prop::collection::vec(prop::bool::weighted(0.75), 1..42),
         ) {

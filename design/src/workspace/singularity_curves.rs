@@ -1,24 +1,24 @@
-//! The curves that the tool is on where its arm is singular.
+//! The curves on which the tool lies where the arm is singular.
 //!
-//! A singular arm is a four-bar: two links in line are as good as one, and the tool is on a
-//! coupler curve. With signs s = ±1 for straight and folded:
+//! A singular arm moves as a four-bar, because two links in line act as one, and the tool
+//! is on a coupler curve. With the sign s = +1 for straight and −1 for folded:
 //!
-//! | singularity | in line | turns | what remains to close |
+//! | singularity | in line | turns | dyad that closes |
 //! |---|---|---|---|
 //! | type 1, leg 1 | A–B–T, BT = s \|BT\| u1 | u1 | leg 4 to C |
 //! | type 1, leg 4 | E–D–C, C = E + (l4 + s l3) u4 | u4 | leg 1 to C |
 //! | type 2 | B–C–D, D = B + (l2 + s l3) u2 | u2 | link 1 from A, link 4 from E |
 //!
-//! In each the line that turns ends on a circle of radius ρ about one pivot, and the two
-//! links that remain close where that end is near enough to the other pivot and far enough
-//! from it: with χ its angle from the line of the pivots,
+//! In each case the line that turns ends on a circle of radius ρ about one pivot. With χ the
+//! angle of that end from the line of the pivots and p the vector from it to the other pivot,
+//! the dyad of the two other links, `near` and `far`, closes where
 //!
 //! |p|² = l5² + ρ² − 2 l5 ρ cos χ, |near − far| ≤ |p| ≤ near + far.
 //!
-//! That is an interval of χ and its mirror image, in which the remaining links have two
-//! ways to close, alike at its ends. χ = middle − half cos t, one way for t < π and the
-//! other beyond, runs once around a closed and smooth curve. Where l2 = l3 the folded arm
-//! has B = D, and its curve is circles about where the elbows meet.
+//! That is an interval of χ and its mirror image. In the interval the dyad has two branches,
+//! which coincide at the ends. χ = middle − half cos t, with one branch for t < π and the
+//! other for t ≥ π, runs once along a closed, smooth curve. If l2 = l3, the folded arm has
+//! B = D, and its curves are circles about the common position of the elbows.
 
 use super::reach::angle_at_distance;
 use fivebar_kinematics::PlanarVector;
@@ -26,26 +26,28 @@ use fivebar_kinematics::five_bar::{Dyad, Side, Singularity, Tool, WorkingMode};
 use nalgebra::Vector2;
 use std::f64::consts::{PI, TAU};
 
-/// Points looked at on every closed curve; more where they are farther apart than
+/// The number of points on each closed curve before refinement.
 const POINTS: u32 = 360;
-/// this share of the arm's reach, at most
+/// The greatest distance between neighbouring points, as a share of the arm's reach; larger
+/// steps are halved.
 const CHORD: f64 = 0.004;
-/// so many times halved: links that nearly coincide take the tool far by a small turn.
+/// How often a step is halved at most. Where two links nearly coincide, a small angle moves
+/// the tool far.
 const MAX_REFINEMENTS: u32 = 12;
-/// Halvings that find where a curve leaves its working mode: to 1e-12 of a turn.
+/// Bisections to find where a curve leaves its working mode, to 1e-12 of a turn.
 const BISECTIONS: u32 = 32;
 
-/// A curve of places whose poses in a working mode are singular.
+/// A curve of positions whose poses in a working mode are singular.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SingularityCurve {
     /// Which singularity it is.
     pub singularity: Singularity,
-    /// Places of the tool along it [m]; the last is the first again where it is closed.
+    /// Positions of the tool along it [m]. A closed curve ends with its first position.
     pub points: Vec<Vector2<f64>>,
 }
 
-/// The singularity curves of a working mode: those of type 1 bound its reach, those of
-/// type 2 part its assembly branches.
+/// The singularity curves of a working mode. Curves of type 1 bound its reach, curves of
+/// type 2 separate its assembly modes.
 pub fn singularity_curves(tool: &Tool<f64>, mode: WorkingMode) -> Vec<SingularityCurve> {
     let singularities = [Singularity::Leg1, Singularity::Leg4, Singularity::Parallel];
     let families = singularities.into_iter().flat_map(|singularity| {
@@ -70,11 +72,11 @@ pub fn singularity_curves(tool: &Tool<f64>, mode: WorkingMode) -> Vec<Singularit
     curves
 }
 
-/// A place of the tool with the sides of both elbows; the side of a leg that is singular
-/// means nothing.
+/// A position of the tool [m] with the sides of both elbows. The side of a singular leg is
+/// arbitrary.
 type ToolAndElbows = (Vector2<f64>, [Side; 2]);
 
-/// All poses with one dyad straight, or folded.
+/// All poses in which two given links are in line, straight or folded.
 struct SingularFamily<'a> {
     tool: &'a Tool<f64>,
     singularity: Singularity,
@@ -84,12 +86,14 @@ struct SingularFamily<'a> {
     radius: f64,
     /// χ less the angle of the links in line [rad].
     lead: f64,
-    /// The lengths that remain to close, near the other pivot and far from it [m].
+    /// The lengths of the dyad that closes [m]: of its link at the other pivot, and of its
+    /// second link.
     near: f64,
     far: f64,
 }
 
-/// χ = middle − half cos t on both ways to close; or, with one way, χ = t.
+/// A closed curve: χ = t on one branch of the dyad, or χ = middle − half cos t, which passes
+/// through both branches.
 #[derive(Clone, Copy)]
 enum Curve {
     Around(Side),
@@ -126,7 +130,7 @@ impl<'a> SingularFamily<'a> {
         }
     }
 
-    /// Its closed curves.
+    /// The closed curves of the family.
     fn curves(&self) -> Vec<Curve> {
         let base = self.tool.geometry().base();
         let [low, high] = [(self.near - self.far).abs(), self.near + self.far]
@@ -148,7 +152,8 @@ impl<'a> SingularFamily<'a> {
         }
     }
 
-    /// Where the tool is at t ∈ 0…2π of a curve; none where rounding keeps it from closing.
+    /// The tool and the elbows' sides at t ∈ 0…2π of a curve; none where the dyad does not
+    /// close because of rounding.
     fn at(&self, curve: Curve, t: f64) -> Option<ToolAndElbows> {
         let (chi, side) = match curve {
             Curve::Around(side) => (t, side),
@@ -187,7 +192,8 @@ impl<'a> SingularFamily<'a> {
         Some((t, elbows))
     }
 
-    /// Whether an arm with these elbows is in the working mode, or on its edge.
+    /// Whether an arm with these elbows is in the working mode. The side of a singular leg
+    /// does not count.
     fn is_in(&self, [elbow1, elbow4]: [Side; 2], mode: WorkingMode) -> bool {
         let (is1, is4) = (elbow1 == mode.elbow1, elbow4 == mode.elbow4);
         match self.singularity {
@@ -198,20 +204,21 @@ impl<'a> SingularFamily<'a> {
     }
 }
 
-/// C where link 1 has direction `u1` and A, B and the tool are in line.
+/// The position of C if link 1 has the direction `u1` and A, B and the tool are in line.
 fn in_line(tool: &Tool<f64>, sign: f64, u1: Vector2<f64>) -> Vector2<f64> {
     let bt = u1 * (sign * tool.reach());
     let along = Vector2::new(tool.geometry().l2(), 0.0) + tool.offset();
-    // Link 2 is turned back from B→T by what B→T is turned from link 2.
+    // Link 2's direction is that of B→T turned back by the angle from link 2 to B→T.
     let back = Vector2::new(along.x, -along.y) * (1.0 / along.norm_squared());
-    u1 * tool.geometry().l1() + back.to_base_frame(bt) * tool.geometry().l2()
+    u1 * tool.geometry().l1() + back.rotated_to(bt) * tool.geometry().l2()
 }
 
-/// The pieces of a closed curve, t ∈ 0…2π, that have a place; their ends are found by
-/// bisection. No `chord` [m] is longer, as far as that can be had.
+/// The pieces of a closed curve, t ∈ 0…2π, on which `place` gives a position. Their ends are
+/// found by bisection. Neighbouring points are at most `chord` [m] apart, within the limit
+/// of [`MAX_REFINEMENTS`].
 fn connected_pieces(place: impl Fn(f64) -> Option<Vector2<f64>>, chord: f64) -> Vec<Vec<Vector2<f64>>> {
     let step = TAU / f64::from(POINTS);
-    // Halfway between whole steps no point is where both ways to close are alike.
+    // Half a step of offset avoids the points at which both branches coincide.
     let t = |index: u32| (f64::from(index) + 0.5) * step;
     let start = (0..POINTS).find(|&index| place(t(index)).is_none());
     let closed = start.is_none();
@@ -253,7 +260,7 @@ fn connected_pieces(place: impl Fn(f64) -> Option<Vector2<f64>>, chord: f64) -> 
     pieces.into_iter().map(points).collect()
 }
 
-/// Adds the places between two that are farther apart than `chord`.
+/// Adds positions between two that are more than `chord` [m] apart.
 fn between(
     place: &impl Fn(f64) -> Option<Vector2<f64>>,
     from: (f64, Vector2<f64>),
