@@ -34,8 +34,11 @@ impl Cell {
             margin,
         } = workspace;
         let pose = tool.inverse(t, *mode).ok()?;
-        let within_limits =
-            limits.is_none_or(|limits| limits.admit(pose.u1.polar_angle(), pose.u4.polar_angle()).is_ok());
+        let within_limits = limits.is_none_or(|limits| {
+            limits
+                .angles_within(pose.u1.polar_angle(), pose.u4.polar_angle())
+                .is_ok()
+        });
         // At a type 2 singularity κ is infinite, and there is no Jacobian.
         let jacobian = tool.jacobian(&pose);
         Some(Self {

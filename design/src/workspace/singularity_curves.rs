@@ -210,13 +210,16 @@ fn in_line(tool: &Tool<f64>, sign: f64, u1: Vector2<f64>) -> Vector2<f64> {
     let along = Vector2::new(tool.geometry().l2(), 0.0) + tool.offset();
     // Link 2's direction is that of B→T turned back by the angle from link 2 to B→T.
     let back = Vector2::new(along.x, -along.y) * (1.0 / along.norm_squared());
-    u1 * tool.geometry().l1() + back.rotated_to(bt) * tool.geometry().l2()
+    u1 * tool.geometry().l1() + back.to_base_frame(bt) * tool.geometry().l2()
 }
 
 /// The pieces of a closed curve, t ∈ 0…2π, on which `place` gives a position. Their ends are
 /// found by bisection. Neighbouring points are at most `chord` [m] apart, within the limit
 /// of [`MAX_REFINEMENTS`].
-fn connected_pieces(place: impl Fn(f64) -> Option<Vector2<f64>>, chord: f64) -> Vec<Vec<Vector2<f64>>> {
+fn connected_pieces(
+    place: impl Fn(f64) -> Option<Vector2<f64>>,
+    chord: f64,
+) -> Vec<Vec<Vector2<f64>>> {
     let step = TAU / f64::from(POINTS);
     // Half a step of offset avoids the points at which both branches coincide.
     let t = |index: u32| (f64::from(index) + 0.5) * step;

@@ -63,7 +63,7 @@ impl<S: Scalar> Rrp<S> {
         let p3 = beside(guide, self.offset) + u * s;
         let r = p3 - end.position;
         let axis = r * (S::ONE / self.length);
-        let sine = regular(axis.dot(u), Singular::BarPerpendicularToGuide)?;
+        let sine = regular(axis.dot(&u), Singular::BarPerpendicularToGuide)?;
         let per_ru = S::ONE / (self.length * sine);
         let g = guide.point_at(p3);
 
