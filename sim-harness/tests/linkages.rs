@@ -134,7 +134,7 @@ fn forces_balance_energy_and_momentum() {
         let mut force = -forces.frame.force;
         let mut moment = -forces.frame.moment;
         let mut weigh = |mass: f64, place: Vector2<f64>| {
-            force = force + linkage.gravity() * mass;
+            force += linkage.gravity() * mass;
             moment += place.cross_z(linkage.gravity() * mass);
         };
         for (link, motion) in linkage.links().iter().zip(&motion.links) {
@@ -148,7 +148,7 @@ fn forces_balance_energy_and_momentum() {
         }
         for (point, motion) in linkage.points().iter().zip(&motion.points) {
             power += point.force.dot(&motion.velocity);
-            force = force + point.force;
+            force += point.force;
             moment += motion.position.cross_z(point.force);
         }
         let reactions = forces.reactions.iter().map(|r| r.wrench.force.norm());

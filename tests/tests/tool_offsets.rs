@@ -55,7 +55,11 @@ fn draws(robot: Robot) -> bool {
     let (summary, record) = scenario.simulate(&job, true, &mut |_| ()).expect("a run");
     assert_eq!(record.faults, [], "{what}");
     let end = record.trace.samples().last().expect("samples");
-    let last = job.steps.iter().filter_map(|step| step.action.end()).last();
+    let last = job
+        .steps
+        .iter()
+        .filter_map(|step| step.action.end())
+        .next_back();
     let [x, y] = last.expect("a motion");
     let missed = (end.tool[0] - x).hypot(end.tool[1] - y);
     println!(

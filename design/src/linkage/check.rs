@@ -101,7 +101,7 @@ pub(super) fn finite<S: Scalar>(vector: Vector2<S>) -> Result<(), LinkageError> 
 fn normalise<S: Scalar>(direction: &mut Vector2<S>) -> Result<(), LinkageError> {
     let norm = direction.length();
     if norm > S::ZERO && norm.is_finite() {
-        *direction = *direction * (S::ONE / norm);
+        *direction *= S::ONE / norm;
         Ok(())
     } else {
         Err(LinkageError::Direction)

@@ -67,7 +67,7 @@ fn eliminate<S: Scalar>(mut rows: [[S; 7]; 6]) -> Result<[S; 6], DyadError> {
         for row in &mut rows[k + 1..] {
             let factor = row[k] / pivot_row[k];
             for (entry, &above) in row.iter_mut().zip(&pivot_row).skip(k) {
-                *entry = *entry - factor * above;
+                *entry -= factor * above;
             }
         }
     }
@@ -75,7 +75,7 @@ fn eliminate<S: Scalar>(mut rows: [[S; 7]; 6]) -> Result<[S; 6], DyadError> {
     for k in (0..6).rev() {
         let mut rest = rows[k][6];
         for j in k + 1..6 {
-            rest = rest - rows[k][j] * x[j];
+            rest -= rows[k][j] * x[j];
         }
         x[k] = rest / rows[k][k];
     }

@@ -90,11 +90,11 @@ impl<S: Scalar> CurrentLoop<S> {
         let error = demand - current;
         let v = self.kp * error + state.0 + self.back_emf * velocity;
         let limited = v.abs() > bus.limit;
-        state.0 = state.0 + self.ki_period * error;
+        state.0 += self.ki_period * error;
         let mut given = v;
         if limited {
             given = if v > S::ZERO { bus.limit } else { -bus.limit };
-            state.0 = state.0 + self.tracking * (given - v);
+            state.0 += self.tracking * (given - v);
         }
         Drive {
             duty: given * bus.per_volt,

@@ -94,7 +94,7 @@ impl<S: Scalar> PositionLoop<S> {
         if limited && integral.0 * step >= S::ZERO {
             return;
         }
-        integral.0 = integral.0 + step;
+        integral.0 += step;
     }
 }
 

@@ -96,7 +96,7 @@ impl<S: Scalar> ShareTotals<S> {
         let sums = self.impulse.iter_mut().zip(&mut self.peak);
         for (part, (impulse, peak)) in shares.parts().iter().zip(sums) {
             for ((torque, impulse), peak) in part.iter().zip(impulse).zip(peak) {
-                *impulse = *impulse + torque.abs() * dt;
+                *impulse += torque.abs() * dt;
                 if torque.abs() > *peak {
                     *peak = torque.abs();
                 }

@@ -38,7 +38,7 @@ impl<S: Scalar> Arm<S> {
         let units = [pose.u1, pose.u2, pose.u3, pose.u4];
         let mut energy = -self.payload() * g.dot(&pose.c);
         for ((link, root), u) in self.links().iter().zip(roots).zip(units) {
-            energy = energy - link.mass * g.dot(&(root + link.com.to_base_frame(u)));
+            energy -= link.mass * g.dot(&(root + link.com.to_base_frame(u)));
         }
         energy
     }

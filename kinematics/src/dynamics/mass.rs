@@ -78,8 +78,8 @@ impl<S: Scalar> Arm<S> {
         let (_, points, [c1, c4]) = self.partial_motion(pose)?;
         let mut torque = [-self.payload() * g.dot(&c1), -self.payload() * g.dot(&c4)];
         for (link, [v1, v4]) in self.links().iter().zip(points) {
-            torque[0] = torque[0] - link.mass * g.dot(&v1);
-            torque[1] = torque[1] - link.mass * g.dot(&v4);
+            torque[0] -= link.mass * g.dot(&v1);
+            torque[1] -= link.mass * g.dot(&v4);
         }
         Ok(torque)
     }

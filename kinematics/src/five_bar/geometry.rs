@@ -32,7 +32,7 @@ impl<S: Scalar> Geometry<S> {
             if !(length > S::ZERO && length.is_finite()) {
                 return Err(GeometryError::NotPositive(index));
             }
-            sum = sum + length;
+            sum += length;
             if length > longest {
                 longest = length;
             }

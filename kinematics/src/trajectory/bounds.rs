@@ -72,14 +72,14 @@ fn of_quintic<S: Scalar>(coefficients: &[Vector2<S>; 6], inverse_length: S) -> C
         m2 = max(m2, second(u).length());
         m3 = max(m3, third(u).length());
         lean = max(lean, first(u).dot(&second(u)).abs());
-        u = u + step;
+        u += step;
     }
     // h²/8.
     let between = step * step * c(1.0 / 8.0);
-    m3 = m3 + between * m5;
-    m2 = m2 + between * m4;
-    lean = lean + between * (c(3.0) * m2 * m3 + (m1 + between * m3) * m4);
-    m1 = m1 + between * m3;
+    m3 += between * m5;
+    m2 += between * m4;
+    lean += between * (c(3.0) * m2 * m3 + (m1 + between * m3) * m4);
+    m1 += between * m3;
     let per = inverse_length;
     CurveBounds {
         first: m1 * per,

@@ -306,7 +306,7 @@ impl<S: Scalar, const N: usize> LookaheadPlanner<S, N> {
         let whole = way <= left || profile.segments <= 1;
         let duration = if whole {
             profile.skip_phase();
-            self.place = self.place + way;
+            self.place += way;
             phase.duration
         } else {
             let t = time_to_cover(&phase, max(left, S::ZERO));

@@ -230,7 +230,7 @@ impl<S: Scalar> JointDemand<S> {
             envelope,
         )?;
         let valid = S::ZERO < share && share <= S::ONE;
-        limits.speed = limits.speed * share;
+        limits.speed *= share;
         (valid && limits.are_valid()).then_some(limits)
     }
 }

@@ -27,7 +27,7 @@ pub(super) fn cube_root<S: Scalar>(x: S) -> S {
     let mut factor = x;
     for _ in 0..6 {
         factor = factor.sqrt().sqrt();
-        root = root * factor;
+        root *= factor;
     }
     for _ in 0..3 {
         root = root - (root - x / (root * root)) * S::from_f64(1.0 / 3.0);

@@ -149,7 +149,7 @@ impl<S: Scalar> VelocityProfile<S> {
 
     /// Advances the phase in progress by `t` [s].
     pub(super) fn pass(&mut self, t: S) {
-        self.elapsed = self.elapsed + t;
+        self.elapsed += t;
     }
 
     /// The remaining time [s] and the greatest remaining speed [m/s].
@@ -157,7 +157,7 @@ impl<S: Scalar> VelocityProfile<S> {
         let mut time = -self.elapsed;
         let mut peak = self.exit;
         for phase in self.phases.iter().skip(self.current) {
-            time = time + phase.duration;
+            time += phase.duration;
             peak = max(peak, phase.speed);
         }
         (time, peak)

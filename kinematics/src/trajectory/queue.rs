@@ -91,7 +91,7 @@ impl<S: Scalar, const N: usize> Queue<S, N> {
         if self.len > 0
             && let Some(Some(last)) = self.segments.get_mut((self.head + self.len - 1) % N)
         {
-            last.length = last.length - length;
+            last.length -= length;
             last.free = S::ZERO;
         }
     }

@@ -136,9 +136,9 @@ fn unwrap<S: Scalar>(angle: S, last: S) -> S {
     // Joint limits span three turns at most.
     for _ in 0..3 {
         if angle - last > pi {
-            angle = angle - turn;
+            angle -= turn;
         } else if last - angle > pi {
-            angle = angle + turn;
+            angle += turn;
         }
     }
     angle

@@ -40,7 +40,7 @@ impl<S: Scalar, const N: usize> LookaheadWindow<'_, S, N> {
         let mut ahead = [(S::ZERO, first.limits); N];
         let (mut way, mut limits) = (-self.place, first.limits);
         for (planned, slot) in self.queue.iter().take(segments).zip(&mut ahead) {
-            way = way + planned.length;
+            way += planned.length;
             limits = limits.tightest(&planned.limits);
             *slot = (way, limits);
         }
@@ -53,7 +53,7 @@ impl<S: Scalar, const N: usize> LookaheadWindow<'_, S, N> {
         for boundary in (1..=segments).rev() {
             let &(way, limits) = ahead.get(boundary - 1)?;
             if let Some(planned) = self.queue.get(boundary).filter(|_| boundary < segments) {
-                rest = rest + passing_time(planned, speed_at(boundary), speed_at(boundary + 1));
+                rest += passing_time(planned, speed_at(boundary), speed_at(boundary + 1));
             }
             // A profile slower than both its boundary and the best one cannot win.
             let least = best.as_ref().map_or(S::ZERO, |&(_, best_peak, _)| {
@@ -90,7 +90,7 @@ impl<S: Scalar, const N: usize> LookaheadWindow<'_, S, N> {
             };
             for (index, planned) in self.queue.iter().enumerate().take(segments).skip(boundary) {
                 limits = limits.tightest(&planned.limits);
-                way = way + planned.length;
+                way += planned.length;
                 if limits.speed <= best {
                     break;
                 }

@@ -101,7 +101,7 @@ impl ArmDrawing {
             let way = other - joint;
             if way.norm() > 0.0 {
                 along = way * (1.0 / way.norm());
-                sum = sum + along;
+                sum += along;
             }
         }
         // With links in line, both sides are free.

@@ -60,7 +60,7 @@ impl AccuracyAnalysis {
             .inputs
             .iter()
             .chain(&self.sensitivities.lengths);
-        columns.map(|by| by.norm_squared()).collect()
+        columns.map(nalgebra::Matrix::norm_squared).collect()
     }
 }
 
