@@ -5,7 +5,6 @@ use crate::error;
 use crate::motion::Motion;
 use crate::positions::{Numbers, Signs};
 use crate::robot::Robot;
-use fivebar_kinematics::PlanarVector;
 use nalgebra::Vector2;
 use fivebar_kinematics::dynamics::Arm;
 use pyo3::prelude::*;

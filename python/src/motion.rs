@@ -4,7 +4,6 @@ use crate::batch::{Answer, common, rows, solve};
 use crate::positions::{Numbers, Signs, number};
 use crate::robot::Robot;
 use crate::status::Problem;
-use fivebar_kinematics::PlanarVector;
 use nalgebra::Vector2;
 use fivebar_kinematics::five_bar::{Accelerations, Pose, Velocities};
 use pyo3::prelude::*;

@@ -3,7 +3,6 @@
 use crate::batch::{Answer, common, rows, solve};
 use crate::robot::{Robot, sign};
 use crate::status::Problem;
-use fivebar_kinematics::PlanarVector;
 use nalgebra::Vector2;
 use fivebar_kinematics::five_bar::{Pose, Side, WorkingMode};
 use numpy::PyReadonlyArrayDyn;

@@ -70,7 +70,7 @@ impl Classes {
     /// Each dimension with the name of its class.
     ///
     /// # Panics
-    /// If the choice is not one of [`cheapest`](crate::study::accuracy::cheapest) from these
+    /// If the choice is not one of [`cheapest_classes`](crate::study::accuracy::cheapest_classes) from these
     /// classes.
     pub fn names(&self, choice: &[usize]) -> Vec<(&'static str, String)> {
         let dimensions = ["θ1", "θ4", "l1", "l2", "l3", "l4", "base"];
