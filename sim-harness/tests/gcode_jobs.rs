@@ -1,8 +1,6 @@
-//! G-code in, steps out: what each code means, what is refused and how, and that no text
-//! whatever makes the reader fail in any other way.
+//! G-code in, steps out: what each code means, what is refused and how.
 
-use fivebar::input::job::GcodeError as Error;
-use fivebar::input::job::{Action, Job, JobError, Placement, Step, WarningKind};
+use fivebar::input::job::{Action, GcodeError, Job, JobError, Placement, Step, WarningKind};
 use proptest::prelude::*;
 use std::fmt::Write as _;
 
@@ -20,7 +18,7 @@ fn steps(text: &str) -> Vec<Step> {
     job(text).steps
 }
 
-fn error(text: &str) -> (u32, Error) {
+fn error(text: &str) -> (u32, GcodeError) {
     match Job::parse(text, &AS_WRITTEN) {
         Err(JobError::Line { line, reason, .. }) => (line, reason),
         other => panic!("{text:?} gave {other:?}"),
@@ -130,10 +128,8 @@ fn evens_out_radii_that_differ_by_rounding_and_refuses_others() {
     let (to, center, _) = only_arc("F100\nG2 X7.071 Y2.929 I0 J10.002");
     let radius = center[0].hypot(center[1]);
     assert!((radius - (to[0] - center[0]).hypot(to[1] - center[1])).abs() < 1e-15);
-    assert!(matches!(
-        error("F100\nG2 X5 Y5 I0 J9"),
-        (2, Error::ArcEnds(..))
-    ));
+    let found = error("F100\nG2 X5 Y5 I0 J9");
+    assert!(matches!(found, (2, GcodeError::ArcEnds(..))));
 }
 
 #[test]
@@ -175,7 +171,7 @@ fn skips_an_unknown_m_code_with_whatever_text_follows_it() {
     assert_eq!(ends(text), [[1.0, 0.0], [3.0, 0.0]]);
     let skipped = job(text).warnings;
     assert!(skipped.iter().map(|it| it.line).eq([1, 3, 4, 5]));
-    assert!(matches!(error("M3 Sfast"), (1, Error::Syntax(_))));
+    assert!(matches!(error("M3 Sfast"), (1, GcodeError::Syntax(_))));
 }
 
 #[test]
@@ -187,7 +183,7 @@ fn dwells_in_milliseconds_by_p_and_seconds_by_s() {
     assert_eq!(dwell("G0 X1\nG4 P160 (wait 160ms)"), 0.16);
     assert_eq!(dwell("G0 X1\nG4 S3600.5"), 3600.5);
     for bad in ["G4", "G4 P-1", "G4 S86401", "G4 X1"] {
-        assert_eq!(error(bad), (1, Error::Dwell), "{bad}");
+        assert_eq!(error(bad), (1, GcodeError::Dwell), "{bad}");
     }
 }
 
@@ -224,32 +220,36 @@ fn leaves_out_moves_of_no_length_and_nothing_else() {
 
 #[test]
 fn refuses_what_it_does_not_understand_with_line_and_reason() {
-    let unknown = |code: &str| Error::UnknownGCode(code.into());
+    let unknown = |code: &str| GcodeError::UnknownGCode(code.into());
     for (text, line, reason) in [
         ("G0 X1\nG38.2 X1", 2, unknown("G38.2")),
         ("G91.1", 1, unknown("G91.1")),
         ("G17", 1, unknown("G17")),
-        ("X1", 1, Error::NoMode),
-        ("G1 X1", 1, Error::NoFeed),
-        ("G1 X1 F0", 1, Error::Feed),
-        ("G1 X1 F-5", 1, Error::Feed),
-        ("G0 X1 X2", 1, Error::Repeated('X')),
-        ("G0 X1 E3", 1, Error::StrayWord('E')),
-        ("G0 X1 I3", 1, Error::StrayWord('I')),
-        ("G0 X1 P3", 1, Error::StrayWord('P')),
-        ("G0 G28 X1", 1, Error::Conflict("G0".into(), "G28".into())),
-        ("G0 X1\n(open", 2, Error::OpenComment),
-        ("G2 X1 F1", 1, Error::ArcForm),
-        ("G2 X1 R1 I1 F1", 1, Error::ArcForm),
-        ("G2 X1 R0 F1", 1, Error::ArcRadius),
-        ("G2 X1 I0 J0 F1", 1, Error::ArcRadius),
-        ("G2 X9 R1 F1", 1, Error::ArcChord),
-        ("G2 R1 F1", 1, Error::ArcChord),
+        ("X1", 1, GcodeError::NoMode),
+        ("G1 X1", 1, GcodeError::NoFeed),
+        ("G1 X1 F0", 1, GcodeError::Feed),
+        ("G1 X1 F-5", 1, GcodeError::Feed),
+        ("G0 X1 X2", 1, GcodeError::Repeated('X')),
+        ("G0 X1 E3", 1, GcodeError::StrayWord('E')),
+        ("G0 X1 I3", 1, GcodeError::StrayWord('I')),
+        ("G0 X1 P3", 1, GcodeError::StrayWord('P')),
+        (
+            "G0 G28 X1",
+            1,
+            GcodeError::Conflict("G0".into(), "G28".into()),
+        ),
+        ("G0 X1\n(open", 2, GcodeError::OpenComment),
+        ("G2 X1 F1", 1, GcodeError::ArcForm),
+        ("G2 X1 R1 I1 F1", 1, GcodeError::ArcForm),
+        ("G2 X1 R0 F1", 1, GcodeError::ArcRadius),
+        ("G2 X1 I0 J0 F1", 1, GcodeError::ArcRadius),
+        ("G2 X9 R1 F1", 1, GcodeError::ArcChord),
+        ("G2 R1 F1", 1, GcodeError::ArcChord),
     ] {
         assert_eq!(error(text), (line, reason), "{text}");
     }
-    assert!(matches!(error("G0 X1e9"), (1, Error::StrayWord('E'))));
-    assert!(matches!(error("G0 X1000001"), (1, Error::TooFar(_))));
+    assert!(matches!(error("G0 X1e9"), (1, GcodeError::StrayWord('E'))));
+    assert!(matches!(error("G0 X1000001"), (1, GcodeError::TooFar(_))));
 }
 
 #[test]
