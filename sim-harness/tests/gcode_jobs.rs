@@ -24,7 +24,6 @@ fn error(text: &str) -> (u32, GcodeError) {
         other => panic!("{text:?} gave {other:?}"),
     }
 }
-
 fn ends(text: &str) -> Vec<[f64; 2]> {
     let mut ends = Vec::new();
     for step in steps(text) {
