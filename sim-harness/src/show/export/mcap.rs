@@ -1,5 +1,5 @@
-//! A run as MCAP, the log format of Foxglove: a channel for each kind of figure, and a 3D
-//! scene of the arm. Messages are JSON with JSON schemas.
+//! A run as MCAP, the log format of Foxglove: one channel for each kind of figure, and a 3D
+//! scene of the arm. The messages are JSON with JSON schemas.
 
 use super::scene;
 use crate::input::robot::Robot;
@@ -10,10 +10,10 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::io::Cursor;
 
-/// The scene is for the eye: fewer frames than samples [s].
+/// Time between two frames of the scene [s].
 const FRAME: f64 = 0.02;
 
-/// A channel of numbers, one pair for joint 1 and joint 4 or x and y.
+/// A channel of numbers, in pairs for joints 1 and 4 or for x and y.
 struct Channel {
     topic: &'static str,
     /// Field and unit.
@@ -68,7 +68,7 @@ const CHANNELS: [Channel; 5] = [
 /// The run as the bytes of an MCAP file.
 ///
 /// # Errors
-/// What the format's writer refuses.
+/// The error of the format's writer.
 pub fn mcap(robot: &Robot, trace: &Trace) -> Result<Vec<u8>, McapError> {
     let mut bytes = Cursor::new(Vec::new());
     let options = WriteOptions::new().compression(None).profile("");
@@ -157,8 +157,8 @@ mod tests {
         trace
     }
 
-    /// Foxglove's reader takes a schema apart before it shows anything: parts that are not
-    /// described make it refuse the channel.
+    /// Foxglove's reader parses the whole schema first, and refuses the channel if any part
+    /// has no description.
     fn is_readable(schema: &Value) -> bool {
         match schema["type"].as_str() {
             Some("object") => schema["properties"]
@@ -170,7 +170,7 @@ mod tests {
         }
     }
 
-    /// Whether a value has the parts that a schema describes, those and no others.
+    /// Whether a value has exactly the parts that a schema describes.
     fn obeys(value: &Value, schema: &Value) -> bool {
         match (schema["type"].as_str(), value) {
             (Some("object"), Value::Object(parts)) => {
@@ -191,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn every_message_is_as_its_schema_says() {
+    fn every_message_matches_its_schema() {
         let robot = Robot::load(BuiltIn::DEFAULT).unwrap();
         let bytes = mcap(&robot, &short_run(&robot)).unwrap();
         for message in mcap::MessageStream::new(&bytes).unwrap() {
@@ -200,7 +200,7 @@ mod tests {
             let schema: Value = serde_json::from_slice(schema).unwrap();
             let value = serde_json::from_slice(&message.data).unwrap();
             assert!(is_readable(&schema), "{schema}");
-            assert!(obeys(&value, &schema), "{value} is not as {schema} says");
+            assert!(obeys(&value, &schema), "{value} does not match {schema}");
         }
     }
 

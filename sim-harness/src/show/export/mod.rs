@@ -1,5 +1,5 @@
-//! Files for other tools: robots for MuJoCo, URDF readers and graph drawings, runs for
-//! Foxglove, and tables.
+//! Files for other programs: robots for MuJoCo, URDF readers and Graphviz, runs for Foxglove,
+//! and tables.
 
 mod dot;
 mod linkage_csv;
@@ -28,10 +28,10 @@ use nalgebra::Vector2;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExportError {
-    /// It has no masses.
+    /// The robot has lengths only, no masses.
     #[error(transparent)]
     MissingMasses(#[from] MissingMasses),
-    /// It has no home.
+    /// The robot has no home pose.
     #[error(transparent)]
     HomeError(#[from] HomeError),
 }
@@ -43,7 +43,7 @@ struct Body {
     inertia: Link<f64>,
 }
 
-/// Links 1 to 4, the payload taken into link 2, which carries it at C.
+/// Links 1 to 4; link 2 includes the payload.
 fn bodies(robot: &Robot) -> Result<[Body; 4], MissingMasses> {
     let arm = robot.arm()?;
     let [l1, l2, l3, l4, _] = robot.geometry.lengths();
@@ -61,7 +61,7 @@ fn bodies(robot: &Robot) -> Result<[Body; 4], MissingMasses> {
     ])
 }
 
-/// A link with the point mass at its end: m = m2 + mp, moments about the common centre.
+/// A link with a point mass at its end: m = m2 + mp, moments about the common centre of mass.
 fn with_payload(arm: &Arm<f64>, link: Link<f64>, length: f64) -> Link<f64> {
     let payload = arm.payload();
     let mass = link.mass + payload;

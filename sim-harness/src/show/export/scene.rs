@@ -1,14 +1,14 @@
-//! The arm as a picture in space: Foxglove's message `foxglove.SceneUpdate`, in JSON.
+//! The arm in a 3D scene: Foxglove's message `foxglove.SceneUpdate`, in JSON.
 
 use crate::input::robot::Robot;
 use fivebar_kinematics::five_bar::Pose;
 use serde_json::{Value, json};
 
-/// What Foxglove calls such a message.
+/// Foxglove's name for the message.
 pub(super) const NAME: &str = "foxglove.SceneUpdate";
 
-/// The JSON schema of such a message. Foxglove reads every one of its parts: an array
-/// without `items` or an object without `properties` makes it refuse the channel.
+/// The JSON schema of the message. Foxglove reads all of its parts: it refuses the channel if
+/// an array has no `items` or an object no `properties`.
 pub(super) fn schema() -> Value {
     let [number, integer, flag, text] =
         ["number", "integer", "boolean", "string"].map(|kind| json!({ "type": kind }));
@@ -16,8 +16,8 @@ pub(super) fn schema() -> Value {
     let array = |items: &Value| json!({ "type": "array", "items": items });
     let time = object(json!({ "sec": integer, "nsec": integer }));
     let vector = object(json!({ "x": number, "y": number, "z": number }));
-    let turn = object(json!({ "x": number, "y": number, "z": number, "w": number }));
-    let pose = object(json!({ "position": vector, "orientation": turn }));
+    let rotation = object(json!({ "x": number, "y": number, "z": number, "w": number }));
+    let pose = object(json!({ "position": vector, "orientation": rotation }));
     let color = object(json!({ "r": number, "g": number, "b": number, "a": number }));
     let line = object(json!({
         "type": integer, "pose": pose, "thickness": number, "scale_invariant": flag,

@@ -3,7 +3,7 @@
 /// A table that is written row by row.
 pub(super) struct Table(csv::Writer<Vec<u8>>);
 
-const IN_MEMORY: &str = "a table in memory takes rows as wide as its header";
+const IN_MEMORY: &str = "writing to memory cannot fail, and all rows have the header's length";
 
 impl Table {
     /// A table without rows.
@@ -13,7 +13,7 @@ impl Table {
         table
     }
 
-    /// Adds a row, as wide as the header.
+    /// Adds a row, which must have the length of the header.
     pub(super) fn push<T: AsRef<[u8]>>(&mut self, row: impl IntoIterator<Item = T>) {
         self.0.write_record(row).expect(IN_MEMORY);
     }
@@ -21,6 +21,6 @@ impl Table {
     /// The table as text.
     pub(super) fn into_text(self) -> String {
         let bytes = self.0.into_inner().expect(IN_MEMORY);
-        String::from_utf8(bytes).expect("rows of text are text")
+        String::from_utf8(bytes).expect("the cells are UTF-8")
     }
 }

@@ -3,18 +3,18 @@
 use quick_xml::Writer;
 use std::io;
 
-/// What elements are written to.
+/// A writer of XML in memory.
 pub(super) type Xml = Writer<Vec<u8>>;
 
-/// The document that `write` writes, an element a line.
+/// The document that `write` writes, one element per line.
 pub(super) fn document(write: impl FnOnce(&mut Xml) -> io::Result<()>) -> String {
     let mut xml = Writer::new_with_indent(Vec::new(), b' ', 2);
-    write(&mut xml).expect("writing into memory does not fail");
-    let text = String::from_utf8(xml.into_inner()).expect("all that was written is text");
+    write(&mut xml).expect("writing to memory cannot fail");
+    let text = String::from_utf8(xml.into_inner()).expect("the elements are UTF-8");
     text + "\n"
 }
 
-/// An element with attributes and nothing in it. Attributes are escaped.
+/// Writes an empty element with attributes. The writer escapes them.
 pub(super) fn element(xml: &mut Xml, name: &str, attributes: &[(&str, &str)]) -> io::Result<()> {
     let element = xml.create_element(name);
     element
@@ -23,7 +23,7 @@ pub(super) fn element(xml: &mut Xml, name: &str, attributes: &[(&str, &str)]) ->
         .map(drop)
 }
 
-/// An element with attributes around what `inner` writes.
+/// Writes an element with attributes; `inner` writes its content.
 pub(super) fn around(
     xml: &mut Xml,
     name: &str,
