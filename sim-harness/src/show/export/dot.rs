@@ -1,8 +1,8 @@
-//! Graphviz: links as nodes, joints as edges.
+//! The mechanism as a graph for Graphviz: links are nodes, joints are edges.
 
 use crate::input::robot::Robot;
 
-/// The mechanism as a graph for Graphviz; driven joints are drawn bold.
+/// The mechanism as a graph for Graphviz. Driven joints are bold.
 pub fn dot(robot: &Robot) -> String {
     let [l1, l2, l3, l4, base] = robot.geometry.lengths();
     let name = robot.name.replace('\\', "\\\\").replace('"', "\\\"");

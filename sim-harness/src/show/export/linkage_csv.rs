@@ -1,5 +1,5 @@
-//! A sweep as a table: one row a sample, one column a quantity, blank where the linkage
-//! does not close.
+//! A sweep as a table: a row for each sample, a column for each quantity. Cells are empty where
+//! the linkage cannot be assembled.
 
 use super::table::Table;
 use crate::input::linkage::{DrivenLinkage, driven_links, dyads, reaction_names};
@@ -9,7 +9,7 @@ use fivebar_design::linkage::{
 };
 use fivebar_kinematics::PlanarVector;
 
-/// One quantity over a sweep.
+/// A quantity of a sample.
 struct Column {
     header: String,
     value: Box<dyn Fn(&SolvedSample) -> f64>,
@@ -44,7 +44,7 @@ const OF_REACTIONS: [Part<Reaction<f64>>; 3] = [
     ("moment_nm", moment),
 ];
 
-/// The sweep as comma-separated values, the units at the end of each header.
+/// The sweep as comma-separated values; each column's header ends in its unit.
 pub fn linkage_csv(driven: &DrivenLinkage, sweep: &Sweep) -> String {
     let linkage = &driven.linkage;
     let columns = columns(linkage);

@@ -1,7 +1,8 @@
-//! MuJoCo's MJCF: two chains from the base, their ends joined at C by an equality.
+//! The robot in MuJoCo's format MJCF: two chains from the base, whose ends are joined at C by an
+//! equality constraint.
 
 use super::xml::{Xml, around, document, element};
-use super::{Body, ExportError, bodies};
+use super::{NamedLink, ExportError, bodies};
 use crate::input::robot::Robot;
 use fivebar_kinematics::PlanarVector;
 use nalgebra::Vector2;
@@ -9,15 +10,15 @@ use quick_xml::events::{BytesText, Event};
 use std::f64::consts::PI;
 use std::io;
 
-/// The robot as MJCF, at its home pose as keyframe `home`.
+/// The robot as MJCF, with its home pose as keyframe `home`.
 ///
-/// MuJoCo's constraints are soft; the loop's is given a time constant of two steps, as stiff
-/// as MuJoCo allows, which leaves micrometres. Torque comes in as torque at the joints, up to
-/// what the motors give at peak current, rotor inertia as armature, friction as damping and
-/// friction loss.
+/// MuJoCo's constraints are soft. That of the loop has a time constant of two steps, the
+/// stiffest that MuJoCo allows; C then opens by micrometres. The actuators are torques at the
+/// joints, limited to the torque at the motors' peak current. Rotor inertia becomes armature;
+/// friction becomes damping and friction loss.
 ///
 /// # Errors
-/// A robot without masses or home.
+/// If the robot has no masses or no home pose.
 pub fn mjcf(robot: &Robot) -> Result<String, ExportError> {
     let [link1, link2, link3, link4] = bodies(robot)?;
     let [drive1, drive4] = robot.drives()?;
@@ -84,7 +85,7 @@ fn between(from: Vector2<f64>, to: Vector2<f64>) -> f64 {
     from.cross_z(to).atan2(from.dot(&to)).clamp(-PI, PI)
 }
 
-/// A driven joint: name, armature, damping and friction loss.
+/// The attributes of a driven joint: name, armature, damping and friction loss.
 type Driven = [(&'static str, String); 4];
 
 fn driven(robot: &Robot, index: usize) -> Result<Driven, ExportError> {
@@ -101,11 +102,11 @@ fn driven(robot: &Robot, index: usize) -> Result<Driven, ExportError> {
     ])
 }
 
-/// The two links of a leg from its ground pivot, `base` [m] from A, with sites in the far
+/// The two links of a leg, from its ground pivot at `base` [m] from A. `sites` are in the far
 /// link's frame.
 fn leg(
     xml: &mut Xml,
-    [near, far]: [&Body; 2],
+    [near, far]: [&NamedLink; 2],
     base: f64,
     driven: &Driven,
     elbow: &str,
@@ -119,10 +120,10 @@ fn leg(
         |xml| {
             let driven = driven.each_ref().map(|(key, value)| (*key, value.as_str()));
             element(xml, "joint", &[&driven[..], &[("axis", "0 0 1")]].concat())?;
-            matter(xml, near)?;
+            inertia_and_shape(xml, near)?;
             around(xml, "body", &[("name", far.name), ("pos", &end)], |xml| {
                 element(xml, "joint", &[("name", elbow), ("axis", "0 0 1")])?;
-                matter(xml, far)?;
+                inertia_and_shape(xml, far)?;
                 for (name, [x, y]) in sites {
                     let place = format!("{x} {y} 0");
                     let site = [("name", *name), ("pos", &place), ("size", "0.002")];
@@ -134,11 +135,11 @@ fn leg(
     )
 }
 
-/// A link's inertia and its shape.
-fn matter(xml: &mut Xml, body: &Body) -> io::Result<()> {
+/// A link's inertia and shape.
+fn inertia_and_shape(xml: &mut Xml, body: &NamedLink) -> io::Result<()> {
     let (link, length) = (&body.inertia, body.length);
     let centre = format!("{} {} 0", link.com.x, link.com.y);
-    // Only the moment about z matters in the plane; MuJoCo wants all three.
+    // The motion in the plane uses the moment about z only; MuJoCo requires all three.
     let moments = [link.inertia; 3].map(|i| i.to_string()).join(" ");
     let inertial = [
         ("pos", centre.as_str()),

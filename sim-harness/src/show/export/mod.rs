@@ -36,19 +36,19 @@ pub enum ExportError {
     HomeError(#[from] HomeError),
 }
 
-/// One rigid body of an exported model.
-struct Body {
+/// A link of an exported model.
+struct NamedLink {
     name: &'static str,
     length: f64,
     inertia: Link<f64>,
 }
 
 /// Links 1 to 4; link 2 includes the payload.
-fn bodies(robot: &Robot) -> Result<[Body; 4], MissingMasses> {
+fn bodies(robot: &Robot) -> Result<[NamedLink; 4], MissingMasses> {
     let arm = robot.arm()?;
     let [l1, l2, l3, l4, _] = robot.geometry.lengths();
     let [link1, link2, link3, link4] = *arm.links();
-    let body = |name, length, inertia| Body {
+    let body = |name, length, inertia| NamedLink {
         name,
         length,
         inertia,

@@ -1,4 +1,4 @@
-//! A trace as a table for other tools: one row per sample, units in the names.
+//! A trace as a table: a row for each sample; the columns' names contain the units.
 
 use super::table::Table;
 use crate::run::simulation::{Sample, Trace};
@@ -42,7 +42,7 @@ pub fn trace_csv(trace: &Trace) -> String {
     table.into_text()
 }
 
-/// The columns that come in pairs, in the order of the header.
+/// The columns that exist for both drives, in the order of the header.
 fn pairs(sample: &Sample) -> [[f64; 2]; 10] {
     [
         sample.reference,

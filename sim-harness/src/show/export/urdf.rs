@@ -1,19 +1,19 @@
-//! URDF: a tree, so the loop is cut at C.
+//! The robot in URDF. URDF describes trees only; therefore the loop is open at C.
 
 use super::xml::{Xml, around, document, element};
-use super::{Body, ExportError, bodies};
+use super::{NamedLink, ExportError, bodies};
 use crate::input::robot::Robot;
 use quick_xml::events::{BytesDecl, BytesText, Event};
 use std::io;
 
-const NOTE: &str = " A planar five-bar. URDF knows no closed loops: this one is cut at C. Keep the
-     frames c_of_link2 and c_of_link3 together by a constraint of your simulator. ";
+const NOTE: &str = " A planar five-bar. URDF has no closed loops: this one is open at C. Join the
+     frames c_of_link2 and c_of_link3 by a constraint of your simulator. ";
 
-/// The robot as URDF, its loop cut at C: link 3 ends at the frame `c_of_link3`, link 2 at
-/// `c_of_link2`, and whoever loads it must hold the two together.
+/// The robot as URDF, with its loop open at C: link 3 ends at the frame `c_of_link3`, link 2 at
+/// `c_of_link2`. The simulator that loads it must join the two.
 ///
 /// # Errors
-/// A robot without masses.
+/// If the robot has no masses.
 pub fn urdf(robot: &Robot) -> Result<String, ExportError> {
     let bodies = bodies(robot)?;
     let [l1, l2, l3, l4, base] = robot.geometry.lengths();
@@ -45,7 +45,7 @@ pub fn urdf(robot: &Robot) -> Result<String, ExportError> {
     }))
 }
 
-fn link(xml: &mut Xml, body: &Body) -> io::Result<()> {
+fn link(xml: &mut Xml, body: &NamedLink) -> io::Result<()> {
     let (link, length) = (&body.inertia, body.length);
     around(xml, "link", &[("name", body.name)], |xml| {
         around(xml, "inertial", &[], |xml| {
@@ -67,7 +67,7 @@ fn link(xml: &mut Xml, body: &Body) -> io::Result<()> {
     })
 }
 
-/// A joint at `at` [m] along its parent. The limits are those of angle, speed and torque.
+/// A joint at distance `at` [m] along its parent, with limits of angle, speed and torque.
 fn joint(
     xml: &mut Xml,
     [name, kind, parent, child]: [&str; 4],

@@ -1,9 +1,9 @@
-//! The places of a study as a table.
+//! The cells of a workspace study as a table.
 
 use super::table::Table;
 use crate::study::workspace::WorkspaceStudy;
 
-/// The columns: sines and the condition number have no unit, flags are 0 or 1.
+/// The columns. Sines and the condition number are dimensionless; flags are 0 or 1.
 const HEADER: [&str; 11] = [
     "x_m",
     "y_m",
@@ -18,10 +18,10 @@ const HEADER: [&str; 11] = [
     "condition_number",
 ];
 
-/// A line for every place in every working mode that reaches it.
+/// A row for each cell and each working mode that reaches it.
 pub fn workspace_csv(study: &WorkspaceStudy<'_>) -> String {
     let mut table = Table::new(HEADER);
-    // To a micrometre; of smaller cells to a thousandth.
+    // Positions to 1 µm, or to a thousandth of a cell if that is less.
     let decimals = (3.0 - study.resolution().log10().floor()).max(6.0) as usize;
     let flag = |flag: bool| u8::from(flag).to_string();
     let sine = |sine: f64| format!("{:.4}", sine.abs());

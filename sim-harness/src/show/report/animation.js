@@ -1,6 +1,6 @@
 "use strict";
-// Draws each animation of the page from the data beside it. Coordinates are whole steps of
-// `quantum` from `origin`; times are milliseconds.
+// Draws each animation of the page from the data in its script element. Coordinates are integer
+// multiples of `quantum` from `origin`; times are in milliseconds.
 for (const figure of document.querySelectorAll("figure.animation")) {
   const data = JSON.parse(figure.querySelector("script").textContent);
   const canvas = figure.querySelector("canvas");
@@ -15,10 +15,10 @@ for (const figure of document.querySelectorAll("figure.animation")) {
   slider.min = start; slider.max = Math.max(end, start + 1);
   const speeds = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20, 50];
   for (const speed of speeds) select.add(new Option(speed + "×", speed));
-  // As fast as it was, unless that takes more than half a minute.
+  // Real time, or the least speed at which the animation takes at most half a minute.
   select.value = speeds.find(speed => speed >= 1 && (end - start) / speed <= 3e4) || 50;
 
-  // Index of the last entry not after `time`, or -1.
+  // Index of the last entry at or before `time`, or -1.
   function before(list, time) {
     let low = 0, high = list.length;
     while (low < high) {
@@ -93,7 +93,7 @@ for (const figure of document.querySelectorAll("figure.animation")) {
       }
     }
 
-    // A scale bar: the longest of 1, 2, 5 × 10ⁿ that takes at most a quarter of the width.
+    // Scale bar: the greatest length 1, 2 or 5 × 10ⁿ within a quarter of the width.
     const widest = 0.25 * width / scale * data.quantum;
     const decade = 10 ** Math.floor(Math.log10(widest));
     const bar = [5, 2, 1].find(digit => digit * decade <= widest) * decade;
@@ -142,7 +142,7 @@ for (const figure of document.querySelectorAll("figure.animation")) {
   });
   new ResizeObserver(draw).observe(canvas);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
-  // A picture of the end says more than one of the start, for those who want no motion.
+  // For readers who prefer reduced motion, show the end of the animation, with all traces.
   if (matchMedia("(prefers-reduced-motion: reduce)").matches) now = end; else play(true);
   draw();
 }

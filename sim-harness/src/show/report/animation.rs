@@ -1,57 +1,57 @@
-//! A mechanism in motion: what moves, what stands still and what is drawn as it goes.
+//! An animation of a mechanism: moving bodies, fixed curves, and curves that grow with time.
 
 use super::Point;
-use super::decimate::{Range, is_finite};
+use super::decimate::{BoundingBox, is_finite};
 use quick_xml::escape::escape;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
-/// Something that moves: a chain of straight members, joined at its points.
+/// A moving body: a chain of straight members, joined at its points.
 #[derive(Clone, Debug)]
-pub struct Body {
-    /// What it is, for the legend.
+pub struct AnimatedBody {
+    /// Name in the legend.
     pub name: String,
-    /// Its points at each of the animation's times; as many in every frame.
+    /// Its points at each of the animation's times. All frames have the same number of points.
     pub frames: Vec<Vec<Point>>,
 }
 
 /// A curve that grows with time.
 #[derive(Clone, Debug)]
-pub struct Trace {
-    /// What it is, for the legend.
+pub struct AnimatedTrace {
+    /// Name in the legend.
     pub name: String,
-    /// When each point is drawn [s], not decreasing.
+    /// Time at which each point appears [s], not decreasing.
     pub times: Vec<f64>,
-    /// Its points; one that is not finite breaks the curve.
+    /// Its points. A point that is not finite is a gap in the curve.
     pub points: Vec<Point>,
 }
 
-/// A moving picture with play, pause and a slider for the time.
+/// An animation with play, pause and a slider for the time.
 #[derive(Clone, Debug)]
 pub struct Animation {
-    /// What it shows.
+    /// Caption.
     pub caption: String,
     /// Unit of the coordinates, for the scale bar.
     pub unit: String,
-    /// When each frame is shown [s], rising.
+    /// Times of the frames [s], increasing.
     pub times: Vec<f64>,
-    /// Curves that stand still, with their names.
+    /// Fixed curves with their names.
     pub fixed: Vec<(String, Vec<Point>)>,
-    /// What moves.
-    pub bodies: Vec<Body>,
-    /// What is drawn as it goes.
-    pub traces: Vec<Trace>,
+    /// Moving bodies.
+    pub bodies: Vec<AnimatedBody>,
+    /// Curves that grow with time.
+    pub traces: Vec<AnimatedTrace>,
 }
 
-/// Frames kept; the page moves smoothly between them.
+/// Most frames in the file. The page interpolates between them.
 const FRAMES: usize = 600;
-/// Points kept of each curve.
+/// Most points of a curve in the file.
 const POINTS: usize = 6_000;
-/// Steps across the picture to which coordinates are rounded.
+/// Coordinates are rounded to the picture's larger side divided by this.
 const STEPS: f64 = 16_000.0;
 
 impl Animation {
-    /// An empty picture over the given times [s], coordinates in `unit`.
+    /// An empty animation over the given times [s], with coordinates in `unit`.
     pub fn new(caption: impl Into<String>, unit: impl Into<String>, times: Vec<f64>) -> Self {
         Self {
             caption: caption.into(),
@@ -63,7 +63,7 @@ impl Animation {
         }
     }
 
-    /// The picture with its controls and its data.
+    /// The animation as HTML, with its controls and data.
     pub(super) fn to_html(&self) -> String {
         let caption = escape(&self.caption);
         let mut legend = String::new();
@@ -86,7 +86,8 @@ impl Animation {
                 }
             }
         }
-        // In JSON "<" stands in strings alone, and here there are only numbers and the unit.
+        // A "<" must not occur in a script element. In JSON it occurs in strings only, where it
+        // can be escaped.
         let data = self.data().to_string().replace('<', "\\u003c");
         format!(
             "<figure class=\"animation\"><figcaption><b>{caption}</b>{legend}</figcaption>\n\
@@ -95,7 +96,7 @@ impl Animation {
              <input type=\"range\" min=\"0\" max=\"1\" step=\"any\" value=\"0\" \
              aria-label=\"time\"><output></output>\
              <label>speed <select></select></label></div>\n\
-             <noscript>The moving picture needs JavaScript; the rest of the page does \
+             <noscript>The animation needs JavaScript; the rest of the page does \
              not.</noscript>\n\
              <script type=\"application/json\">{data}</script></figure>\n"
         )
@@ -112,7 +113,7 @@ impl Animation {
                     .flat_map(|body| body.frames.iter().flatten()),
             )
             .chain(self.traces.iter().flat_map(|trace| &trace.points));
-        let range = Range::of(all).unwrap_or(Range {
+        let range = BoundingBox::of(all).unwrap_or(BoundingBox {
             low: [0.0; 2],
             high: [1.0; 2],
         });
@@ -167,7 +168,7 @@ impl Animation {
     }
 }
 
-/// Every `step`th item and the last one.
+/// Every `step`th item and the last item.
 fn sample<T>(items: &[T], step: usize) -> impl Iterator<Item = &T> {
     let step = step.max(1);
     let last = items.len().saturating_sub(1);
@@ -184,19 +185,19 @@ fn milliseconds(seconds: f64) -> i64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{Animation, Body, Trace};
+    use super::{Animation, AnimatedBody, AnimatedTrace};
 
     #[test]
-    fn stays_small_whatever_the_length_of_the_run() {
+    fn the_data_of_a_long_run_stay_small() {
         let long = 200_000;
         let times: Vec<f64> = (0..long).map(|i| f64::from(i) * 1e-3).collect();
         let points: Vec<[f64; 2]> = times.iter().map(|t| [t.cos(), t.sin()]).collect();
         let mut animation = Animation::new("arm", "m", times.clone());
-        animation.bodies.push(Body {
+        animation.bodies.push(AnimatedBody {
             name: "arm".into(),
             frames: points.iter().map(|&tip| vec![[0.0, 0.0], tip]).collect(),
         });
-        animation.traces.push(Trace {
+        animation.traces.push(AnimatedTrace {
             name: "path".into(),
             times,
             points,
@@ -212,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn rounds_no_coarser_than_the_eye_can_see() {
+    fn coordinates_are_rounded_to_a_small_fraction_of_the_picture() {
         let mut animation = Animation::new("arm", "m", vec![0.0]);
         let point = [0.123_456_78, 0.25];
         animation

@@ -1,7 +1,7 @@
 //! Curves over two axes, drawn by plotters as SVG.
 
 use super::Point;
-use super::decimate::{Range, is_finite, thin};
+use super::decimate::{BoundingBox, is_finite, thin};
 use plotters::prelude::*;
 use quick_xml::escape::escape;
 use std::fmt::Write as _;
@@ -20,9 +20,9 @@ pub enum Stroke {
 /// One curve of a chart.
 #[derive(Clone, Debug)]
 pub struct Series {
-    /// What it is, for the legend; with an empty name it has no entry there.
+    /// Name in the legend. A series with an empty name has no entry there.
     pub name: String,
-    /// Its points, in the units of the axes; a point that is not finite breaks the line.
+    /// Its points, in the units of the axes. A point that is not finite is a gap in the line.
     pub points: Vec<Point>,
     /// How it is drawn.
     pub stroke: Stroke,
@@ -31,35 +31,35 @@ pub struct Series {
 /// Series over two labelled axes.
 #[derive(Clone, Debug)]
 pub struct Chart {
-    /// What the chart shows.
+    /// Title.
     pub title: String,
     /// Name and unit of the horizontal axis: "time [s]".
     pub x_label: String,
     /// Name and unit of the vertical axis: "tip error [µm]".
     pub y_label: String,
-    /// The curves, the first drawn first.
+    /// The curves, in the order of drawing.
     pub series: Vec<Series>,
-    /// Whether a unit is as long across as up, for paths in the plane.
+    /// Whether both axes have the same scale, for paths in the plane.
     pub equal_aspect: bool,
 }
 
-/// Plotters' SVG has whole coordinates only: drawing this much larger leaves a quarter
-/// of a pixel of resolution.
+/// Magnification of the drawing. Plotters' SVG has integer coordinates; this gives a resolution of
+/// a quarter of a pixel.
 const FINE: u32 = 4;
 const MARGIN: u32 = 8;
 const X_LABELS: u32 = 40;
 
-/// How large a chart is drawn [px]. The page scales it to the reader's screen, its text with
-/// it, and shows the one that needs the least of that.
+/// Dimensions of a drawing [px]. The page contains a drawing for wide and one for narrow screens,
+/// shows one of them, and scales it with its text to the screen.
 struct Size {
-    /// The class by which the style sheet knows it.
+    /// Its class in the style sheet.
     class: &'static str,
     width: u32,
     height: u32,
     text: u32,
-    /// What the numbers at the vertical axis and its name need.
+    /// Width of the vertical axis's numbers and name.
     y_labels: u32,
-    /// About how many numbers stand at either axis.
+    /// Approximate number of labels at each axis.
     ticks: [usize; 2],
 }
 
@@ -82,8 +82,8 @@ const SIZES: [Size; 2] = [
     },
 ];
 
-/// Stand-ins in plotters' output for the colours the style sheet sets, so that a chart
-/// follows the reader's light or dark mode.
+/// Colours in plotters' output that are replaced by the style sheet's, so that a chart follows
+/// the reader's light or dark mode.
 const INK: RGBColor = RGBColor(1, 1, 1);
 const GRID: RGBColor = RGBColor(2, 2, 2);
 const SERIES: [RGBColor; 6] = [
@@ -140,7 +140,7 @@ impl Chart {
         self.series(Stroke::Dots, name, points)
     }
 
-    /// Makes a unit as long across as up.
+    /// Gives both axes the same scale.
     #[must_use]
     pub fn with_equal_aspect(mut self) -> Self {
         self.equal_aspect = true;
@@ -165,8 +165,8 @@ impl Chart {
             }
         }
         let points = self.series.iter().flat_map(|series| &series.points);
-        let drawings = match Range::of(points) {
-            None => "<p>There is nothing to show.</p>".into(),
+        let drawings = match BoundingBox::of(points) {
+            None => "<p>No data to show.</p>".into(),
             Some(range) => SIZES
                 .map(|size| {
                     let svg = self.to_svg(range, &size);
@@ -181,14 +181,14 @@ impl Chart {
         )
     }
 
-    fn to_svg(&self, range: Range, size: &Size) -> String {
+    fn to_svg(&self, range: BoundingBox, size: &Size) -> String {
         let (range, height) = if self.equal_aspect {
             same_scale(range, size)
         } else {
             (widened(range), size.height)
         };
         let mut svg = String::new();
-        // Drawing into a string fails for no input: there is no device to refuse it.
+        // Drawing into a string cannot fail: there is no device that could return an error.
         self.draw(&mut svg, range, height, size)
             .expect("drawing into memory does not fail");
         themed(&svg)
@@ -197,7 +197,7 @@ impl Chart {
     fn draw(
         &self,
         svg: &mut String,
-        range: Range,
+        range: BoundingBox,
         height: u32,
         size: &Size,
     ) -> Result<(), Box<dyn std::error::Error>> {
@@ -249,8 +249,8 @@ impl Chart {
     }
 }
 
-/// A range with some air around it, and never empty.
-fn widened(Range { low, high }: Range) -> Range {
+/// The box with a margin around it; never empty.
+fn widened(BoundingBox { low, high }: BoundingBox) -> BoundingBox {
     let air = |low: f64, high: f64, share: f64| {
         if high > low {
             (high - low) * share
@@ -259,14 +259,14 @@ fn widened(Range { low, high }: Range) -> Range {
         }
     };
     let (x, y) = (air(low[0], high[0], 0.0), air(low[1], high[1], 0.05));
-    Range {
+    BoundingBox {
         low: [low[0] - x, low[1] - y],
         high: [high[0] + x, high[1] + y],
     }
 }
 
-/// The range and the chart's height [px] at which a unit is as long across as up.
-fn same_scale(range: Range, size: &Size) -> (Range, u32) {
+/// The box and the chart's height [px] for which both axes have the same scale.
+fn same_scale(range: BoundingBox, size: &Size) -> (BoundingBox, u32) {
     let plot_width = f64::from(size.width - 2 * MARGIN - size.y_labels);
     let frame = f64::from(2 * MARGIN + X_LABELS);
     let air = 0.04 * range.width().max(range.height()).max(1e-9);
@@ -275,14 +275,14 @@ fn same_scale(range: Range, size: &Size) -> (Range, u32) {
     let per_pixel = (width / plot_width).max(height / plot_height);
     let middle = [0, 1].map(|axis| 0.5 * (range.low[axis] + range.high[axis]));
     let half = [0.5 * per_pixel * plot_width, 0.5 * per_pixel * plot_height];
-    let widened = Range {
+    let widened = BoundingBox {
         low: [middle[0] - half[0], middle[1] - half[1]],
         high: [middle[0] + half[0], middle[1] + half[1]],
     };
     (widened, (plot_height + frame) as u32)
 }
 
-/// A number at an axis, with as many decimals as the axis's span calls for.
+/// The label of a number at an axis. The number of decimals follows from the axis's span.
 fn tick(value: f64, span: f64) -> String {
     let digits = (2.0 - span.log10().floor()).clamp(0.0, 12.0) as usize;
     let text = format!("{value:.digits$}");
@@ -296,7 +296,7 @@ fn tick(value: f64, span: f64) -> String {
     }
 }
 
-/// Puts the style sheet's colours for the stand-ins.
+/// Replaces the colours of plotters' output by the style sheet's.
 fn themed(svg: &str) -> String {
     let hex = |RGBColor(r, g, b)| format!("\"#{r:02X}{g:02X}{b:02X}\"");
     let mut svg = svg
@@ -310,10 +310,10 @@ fn themed(svg: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Chart, Range, SIZES, same_scale, tick};
+    use super::{Chart, BoundingBox, SIZES, same_scale, tick};
 
     #[test]
-    fn labels_axes_without_noise_digits() {
+    fn axis_labels_have_no_noise_digits() {
         assert_eq!(tick(0.1 + 0.2, 1.0), "0.3");
         assert_eq!(tick(-0.0, 1.0), "0");
         assert_eq!(tick(-25.0, 100.0), "−25");
@@ -322,13 +322,13 @@ mod tests {
     }
 
     #[test]
-    fn keeps_a_unit_as_long_across_as_up() {
+    fn equal_aspect_gives_both_axes_the_same_scale() {
         let low = [0.0, 0.0];
         for (high, size) in [[1.0, 1.0], [10.0, 1.0], [1.0, 10.0], low]
             .into_iter()
             .flat_map(|high| SIZES.map(|size| (high, size)))
         {
-            let (range, height) = same_scale(Range { low, high }, &size);
+            let (range, height) = same_scale(BoundingBox { low, high }, &size);
             let across = range.width() / f64::from(size.width - 16 - size.y_labels);
             let up = range.height() / f64::from(height - 16 - 40);
             assert!((across / up - 1.0).abs() < 1e-9);
@@ -337,7 +337,7 @@ mod tests {
     }
 
     #[test]
-    fn draws_breaks_flat_lines_and_nothing() {
+    fn gaps_flat_lines_and_empty_charts_are_drawn() {
         let broken = vec![[0.0, 1.0], [f64::NAN, f64::NAN], [1.0, 1.0], [2.0, 1.0]];
         let html = Chart::new("t", "x [s]", "y [m]")
             .line("a", broken)
@@ -346,6 +346,6 @@ mod tests {
         assert_eq!(html.matches("var(--s1)").count(), 4);
         assert!(html.contains("x [s]") && html.contains("y [m]"));
         let empty = Chart::new("t", "x", "y").line("a", vec![[f64::NAN, 0.0]]);
-        assert!(empty.to_html().contains("nothing to show"));
+        assert!(empty.to_html().contains("No data to show"));
     }
 }

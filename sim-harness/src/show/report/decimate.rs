@@ -1,12 +1,12 @@
-//! Fewer points, the same picture.
+//! Removes points of a curve that do not change its picture.
 
 use super::Point;
 
-/// Thins a curve to what can be seen at `pixels` along each axis of its range. A curve
-/// that runs left to right keeps the extremes of every column, so that no peak is lost;
-/// any other curve drops points nearer than one pixel to the last one kept. Breaks stay.
+/// Thins a curve to the resolution of `pixels` along each axis of its bounding box. A curve with
+/// increasing x keeps the extremes of every column, so that no peak is lost. Of any other curve,
+/// points within one pixel of the last kept point are dropped. Gaps are kept.
 pub(crate) fn thin(points: &[Point], pixels: f64) -> Vec<Point> {
-    let Some(range) = Range::of(points) else {
+    let Some(range) = BoundingBox::of(points) else {
         return Vec::new();
     };
     let mut kept = Vec::new();
@@ -33,12 +33,12 @@ pub(crate) fn is_finite(point: &Point) -> bool {
 
 /// The bounding box of the finite points.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Range {
+pub(crate) struct BoundingBox {
     pub(crate) low: Point,
     pub(crate) high: Point,
 }
 
-impl Range {
+impl BoundingBox {
     pub(crate) fn of<'a>(points: impl IntoIterator<Item = &'a Point>) -> Option<Self> {
         points
             .into_iter()
@@ -66,7 +66,7 @@ impl Range {
     }
 }
 
-/// First, least, greatest and last of each column, in the order they come.
+/// The first, least, greatest and last point of each column, in their order along the curve.
 fn thin_columns(points: &[Point], column: f64, kept: &mut Vec<Point>) {
     let column_of = |point: &Point| (point[0] / column).floor();
     for run in points.chunk_by(|a, b| column_of(a) == column_of(b)) {
@@ -100,20 +100,20 @@ fn thin_path(points: &[Point], step: Point, kept: &mut Vec<Point>) {
 
 #[cfg(test)]
 mod tests {
-    use super::{Point, Range, thin};
+    use super::{Point, BoundingBox, thin};
 
     #[test]
-    fn keeps_a_single_sample_peak_in_a_long_signal() {
+    fn a_peak_of_one_sample_in_a_long_signal_is_kept() {
         let mut signal: Vec<Point> = (0..100_000).map(|i| [f64::from(i), 0.0]).collect();
         signal[54_321][1] = 7.0;
         let thinned = thin(&signal, 500.0);
         assert!(thinned.len() <= 2_004, "{} points", thinned.len());
-        assert_eq!(Range::of(&thinned), Range::of(&signal));
+        assert_eq!(BoundingBox::of(&thinned), BoundingBox::of(&signal));
         assert!(thinned.contains(&[54_321.0, 7.0]));
     }
 
     #[test]
-    fn keeps_a_path_within_a_pixel() {
+    fn a_thinned_path_differs_by_about_a_pixel() {
         let circle: Vec<Point> = (0..=10_000)
             .map(|i| f64::from(i) * 1e-3)
             .map(|angle| [angle.cos(), angle.sin()])
@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn keeps_breaks_and_survives_nothing_finite() {
+    fn gaps_are_kept_and_a_curve_without_finite_points_is_empty() {
         let broken = [[0.0, 0.0], [f64::NAN, 0.0], [1.0, 1.0], [2.0, 1.0]];
         let thinned = thin(&broken, 100.0);
         assert_eq!(thinned.iter().filter(|point| point[0].is_nan()).count(), 1);

@@ -1,18 +1,18 @@
-//! Reports: one HTML file that opens offline, with nothing fetched from elsewhere.
+//! Reports: each is one HTML file that works offline and loads no other file.
 //!
-//! A [`Page`] is put together from headings, paragraphs, tables, [`Chart`]s, figures and
-//! [`Animation`]s, and rendered to a string. All text is escaped here, so
-//! callers pass plain text.
+//! A [`Page`] consists of headings, paragraphs, tables, [`Chart`]s, figures and [`Animation`]s,
+//! and is rendered to a string. Callers pass plain text; it is escaped here.
 
 mod animation;
 mod chart;
 mod decimate;
 mod page;
 
-pub use animation::{Animation, Body, Trace};
+pub use animation::{Animation, AnimatedBody, AnimatedTrace};
 pub use chart::{Chart, Series, Stroke};
-pub(crate) use decimate::{Range, is_finite, thin};
+pub(crate) use decimate::{BoundingBox, is_finite, thin};
 pub use page::Page;
 
-/// A point of a chart or of a drawing; a coordinate that is not finite breaks the curve.
+/// A point of a chart or a drawing. A point with a coordinate that is not finite is a gap in the
+/// curve.
 pub type Point = [f64; 2];

@@ -1,4 +1,4 @@
-//! The page: text, tables and pictures one below the other.
+//! The page of a report: text, tables and pictures, one below the other.
 
 use super::{Animation, Chart};
 use quick_xml::escape::escape;
@@ -13,7 +13,7 @@ pub struct Page {
 }
 
 impl Page {
-    /// A page with nothing but its title.
+    /// A page that has only a title.
     pub fn new(title: impl Into<String>) -> Self {
         Self {
             title: title.into(),
@@ -22,17 +22,17 @@ impl Page {
         }
     }
 
-    /// A heading of a section.
+    /// Adds the heading of a section.
     pub fn heading(&mut self, text: &str) -> &mut Self {
         self.push(&format!("<h2>{}</h2>\n", escape(text)))
     }
 
-    /// A paragraph.
+    /// Adds a paragraph.
     pub fn paragraph(&mut self, text: &str) -> &mut Self {
         self.push(&format!("<p>{}</p>\n", escape(text)))
     }
 
-    /// A row of figures that matter most, each with what it is: ("RMS tip error", "42 µm").
+    /// Adds a row of the most important figures, each with its name: ("RMS tip error", "42 µm").
     pub fn key_figures(&mut self, figures: &[(&str, String)]) -> &mut Self {
         self.push("<dl class=\"key\">\n");
         for (name, value) in figures {
@@ -45,7 +45,7 @@ impl Page {
         self.push("</dl>\n")
     }
 
-    /// A table. Columns whose cells all start like numbers are set to the right.
+    /// Adds a table. A column is right-aligned if all of its cells start with a number.
     pub fn table(&mut self, header: &[&str], rows: &[Vec<String>]) -> &mut Self {
         let numeric: Vec<bool> = (0..header.len())
             .map(|column| {
@@ -75,13 +75,13 @@ impl Page {
         self.push(&html)
     }
 
-    /// A chart.
+    /// Adds a chart.
     pub fn chart(&mut self, chart: &Chart) -> &mut Self {
         self.push(&chart.to_html())
     }
 
-    /// A picture of one's own making: SVG as it stands (it must be well formed and its
-    /// text escaped), and a caption.
+    /// Adds an SVG with a caption. The SVG is inserted unchanged: it must be well formed and its
+    /// text escaped.
     pub fn figure(&mut self, svg: &str, caption: &str) -> &mut Self {
         self.push(&format!(
             "<figure>{svg}<figcaption>{}</figcaption></figure>\n",
@@ -89,7 +89,7 @@ impl Page {
         ))
     }
 
-    /// A mechanism in motion.
+    /// Adds an animation of a mechanism.
     pub fn animation(&mut self, animation: &Animation) -> &mut Self {
         self.animated = true;
         self.push(&animation.to_html())
@@ -127,18 +127,18 @@ fn starts_like_a_number(cell: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::Page;
-    use crate::show::report::{Animation, Body, Chart, Trace};
+    use crate::show::report::{Animation, AnimatedBody, Chart, AnimatedTrace};
 
     #[test]
-    fn escapes_every_text_it_is_given() {
+    fn all_texts_are_escaped() {
         let evil = "<script>alert('\"&')</script>";
         let mut animation = Animation::new(evil, "m", vec![0.0, 1.0]);
         animation.fixed.push((evil.into(), vec![[0.0, 0.0]]));
-        animation.bodies.push(Body {
+        animation.bodies.push(AnimatedBody {
             name: evil.into(),
             frames: vec![vec![[0.0, 0.0]], vec![[1.0, 0.0]]],
         });
-        animation.traces.push(Trace {
+        animation.traces.push(AnimatedTrace {
             name: evil.into(),
             times: vec![0.0],
             points: vec![[0.0, 0.0]],
@@ -158,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn fetches_nothing_from_elsewhere() {
+    fn a_page_references_no_other_file() {
         let chart = Chart::new("t", "x", "y").line("s", vec![[0.0, 0.0], [1.0, 1.0]]);
         let animation = Animation::new("a", "m", vec![0.0]);
         let html = Page::new("p").chart(&chart).animation(&animation).render();
@@ -169,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn sets_numbers_right_and_words_left() {
+    fn numbers_are_right_aligned_and_words_left_aligned() {
         let rows = [
             vec!["peak".into(), "−3 N".into()],
             vec!["rms".into(), "≤ 1 N".into()],

@@ -1,7 +1,7 @@
 //! The animation of a linkage: outlines of its links, curves of its points.
 
 use crate::input::linkage::DrivenLinkage;
-use crate::show::report::{Animation, Body, Point, Trace};
+use crate::show::report::{Animation, AnimatedBody, Point, AnimatedTrace};
 use fivebar_design::linkage::{
     Element, Group, LinkId, LinkMotion, SolvedSample, Sweep, SweepSample,
 };
@@ -37,7 +37,7 @@ pub(super) fn animation(driven: &DrivenLinkage, sweep: &Sweep) -> Animation {
     }
     for (name, points) in curves(driven, sweep) {
         let times = times.clone();
-        animation.traces.push(Trace {
+        animation.traces.push(AnimatedTrace {
             name,
             times,
             points,
@@ -68,7 +68,7 @@ pub(super) fn curves(driven: &DrivenLinkage, sweep: &Sweep) -> Vec<(String, Vec<
 }
 
 /// One outline at each instant; a gap while the linkage does not close.
-fn body(sweep: &Sweep, outline: impl Fn(&SolvedSample) -> Vec<Point>) -> Body {
+fn body(sweep: &Sweep, outline: impl Fn(&SolvedSample) -> Vec<Point>) -> AnimatedBody {
     let solved = |sample: &SweepSample| sample.solved.as_ref().ok().map(&outline);
     let count = sweep
         .samples
@@ -77,7 +77,7 @@ fn body(sweep: &Sweep, outline: impl Fn(&SolvedSample) -> Vec<Point>) -> Body {
         .map_or(0, |outline| outline.len());
     let nowhere = vec![[f64::NAN; 2]; count];
     let frames = sweep.samples.iter();
-    Body {
+    AnimatedBody {
         name: String::new(),
         frames: frames
             .map(|sample| solved(sample).unwrap_or_else(|| nowhere.clone()))

@@ -2,7 +2,7 @@
 
 use super::{RunReport, spaced};
 use crate::run::simulation::Sample;
-use crate::show::report::{Animation, Body, Chart, Page, Point, Trace as Drawn};
+use crate::show::report::{Animation, AnimatedBody, Chart, Page, Point, AnimatedTrace};
 use fivebar_kinematics::PlanarVector;
 use nalgebra::Vector2;
 
@@ -25,11 +25,11 @@ impl RunReport<'_> {
         animation
             .fixed
             .push(("reference".into(), reference.clone()));
-        animation.bodies.push(Body {
+        animation.bodies.push(AnimatedBody {
             name: "arm".into(),
             frames: frames.iter().map(|sample| self.arm_at(sample)).collect(),
         });
-        animation.traces.push(Drawn {
+        animation.traces.push(AnimatedTrace {
             name: "drawn".into(),
             times: path_samples(samples).map(|sample| sample.time).collect(),
             points: tool.clone(),

@@ -1,7 +1,7 @@
 //! A run as one still picture: the drawing, the arm at the end and in earlier poses.
 
 use super::{RunReport, spaced};
-use crate::show::report::{Point, Range, is_finite, thin};
+use crate::show::report::{Point, BoundingBox, is_finite, thin};
 use std::fmt::Write as _;
 
 /// Width of the picture [px].
@@ -28,7 +28,7 @@ impl RunReport<'_> {
             .map(|sample| self.arm_at(sample))
             .collect();
         let arm = self.arm_at(last);
-        let range = Range::of(ghosts.iter().flatten().chain(&arm).chain(&drawn))?;
+        let range = BoundingBox::of(ghosts.iter().flatten().chain(&arm).chain(&drawn))?;
 
         let scale = (WIDTH - 2.0 * AIR) / range.width();
         let height = 2.0 * AIR + scale * range.height();

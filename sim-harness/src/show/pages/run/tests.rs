@@ -162,7 +162,7 @@ fn a_run_that_ends_before_its_job_begins_shows_no_motion() {
     };
     let html = report.page().render();
     assert!(html.contains("ended with a fault: over-current. The job had not begun."));
-    for part in ["NaN", "Tip error", "There is nothing to show"] {
+    for part in ["NaN", "Tip error", "No data to show"] {
         assert!(!html.contains(part), "{part}");
     }
 }
