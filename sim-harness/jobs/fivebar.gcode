@@ -17,7 +17,7 @@ G2 I-13.856 J-8
 G2 I-13.856 J8
 M5
 
-; The ring that holds them
+; The ring around them
 G0 X0 Y50
 M3
 G4 P40

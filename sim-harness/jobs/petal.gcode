@@ -1,4 +1,4 @@
-; The shortest job worth running: a petal of two arcs, about half a second of motion.
+; A short job: a petal of two arcs, about half a second of motion.
 G21 G90 F6000 ; millimetres, 0.1 m/s
 G0 X0 Y0
 M3

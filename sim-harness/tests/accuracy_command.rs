@@ -1,4 +1,4 @@
-//! `fivebar accuracy` from the outside: what it tells of linkages and sliders, and refuses.
+//! The command `fivebar accuracy`: its results for linkages and sliders, and its errors.
 
 use serde_json::Value;
 use std::process::{Command, Output};
@@ -10,8 +10,8 @@ fn accuracy(args: &[&str]) -> Output {
 
 fn answer(args: &[&str]) -> Value {
     let output = accuracy(&[args, &["--json"]].concat());
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{said}");
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{message}");
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
@@ -22,7 +22,8 @@ fn assert_close(found: &Value, expected: f64, relative: f64) {
     assert!(error <= relative, "{found} for {expected}: {error:e}");
 }
 
-/// Shi 2005's four-bar as a linkage file: bars whose mass follows from section and length.
+/// The four-bar of Shi 2005 as a linkage file. The masses of its bars follow from section and
+/// length.
 #[test]
 fn the_loose_four_bar_has_the_scatter_of_the_literature() {
     let folder = tempfile::tempdir().unwrap();
@@ -58,16 +59,24 @@ fn the_loose_four_bar_has_the_scatter_of_the_literature() {
         1e-4,
     );
 
-    // Samples within three of their own errors.
-    let twins = &found["monte_carlo"];
-    assert_eq!(twins["failed"], 0);
-    let error = 3.0 * twins["relative_error_of_sd"].as_f64().unwrap();
-    assert_close(&twins["driving"]["crank"]["torque_sd_nm"], 0.028125, error);
-    let sampled = &twins["reactions"]["ground on crank"]["force_sd_n"][0];
+    // The samples agree within three times their standard error.
+    let samples = &found["monte_carlo"];
+    assert_eq!(samples["failed"], 0);
+    let error = 3.0 * samples["relative_error_of_sd"].as_f64().unwrap();
+    assert_close(
+        &samples["driving"]["crank"]["torque_sd_nm"],
+        0.028125,
+        error,
+    );
+    let sampled = &samples["reactions"]["ground on crank"]["force_sd_n"][0];
     assert_close(sampled, 0.83995, error);
-    assert_close(&twins["links"]["rocker"]["angle_sd_rad"], 7.7263e-4, error);
+    assert_close(
+        &samples["links"]["rocker"]["angle_sd_rad"],
+        7.7263e-4,
+        error,
+    );
 
-    // The whole turn, and who is to blame.
+    // The sweep over the whole turn, and the contributions to the scatter.
     assert_eq!(found["sweep"]["stations"].as_array().unwrap().len(), 361);
     let first = &drive["contributors"][0];
     assert_eq!(first["name"], "crank rate");
@@ -79,7 +88,7 @@ fn the_loose_four_bar_has_the_scatter_of_the_literature() {
 }
 
 #[test]
-fn pins_without_a_stated_direction_lie_where_their_reactions_press_them() {
+fn pins_without_a_stated_direction_are_seated_by_their_reactions() {
     let text = include_str!("../linkages/four_bar.toml").to_string()
         + "\n[tolerance]\ninput_max = 1e-3\nclearance_radius = 1e-5\n";
     let folder = tempfile::tempdir().unwrap();
@@ -107,7 +116,7 @@ fn the_same_seed_gives_the_same_answer() {
 }
 
 #[test]
-fn a_person_gets_figures_with_units_and_no_json() {
+fn text_output_has_units_and_no_json() {
     let output = accuracy(&["benchtop", "--at", "0.04,0.2", "--samples", "100"]);
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(text.contains("clearance worst: 19.7 µm\n"), "{text}");
@@ -119,30 +128,30 @@ fn a_person_gets_figures_with_units_and_no_json() {
 }
 
 #[test]
-fn asks_for_what_fits_the_file() {
+fn options_that_do_not_fit_the_file_are_refused() {
     let slider = concat!(env!("CARGO_MANIFEST_DIR"), "/robots/slider.toml");
-    for (args, why) in [
+    for (args, reason) in [
         (vec!["benchtop"], "--at, --path or --map"),
         (vec!["benchtop", "--time", "0"], "--time is for linkages"),
         (vec!["four_bar", "--at", "0,0"], "--time"),
         (vec![slider, "--map"], "only --at"),
     ] {
         let output = accuracy(&args);
-        let said = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.code(), Some(2), "{args:?}: {said}");
-        assert!(said.contains(why), "{args:?}: {said}");
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{args:?}: {message}");
+        assert!(message.contains(reason), "{args:?}: {message}");
     }
     let output = accuracy(&[slider, "--at", "0,2"]);
     assert_eq!(output.status.code(), Some(1));
-    let said = String::from_utf8(output.stderr).unwrap();
-    assert!(said.contains("at (0, 2) m"), "{said}");
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert!(message.contains("at (0, 2) m"), "{message}");
 }
 
 #[test]
-fn refuses_tolerances_that_belong_to_nothing() {
+fn tolerances_of_unknown_links_joints_or_points_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("wrong.toml");
-    for (tolerance, why) in [
+    for (tolerance, reason) in [
         (
             "length_sd = { couplet = 1e-4 }",
             "names `couplet`; there are",
@@ -161,16 +170,16 @@ fn refuses_tolerances_that_belong_to_nothing() {
         std::fs::write(&file, text).unwrap();
         let output = accuracy(&[file.to_str().unwrap()]);
         assert_eq!(output.status.code(), Some(1));
-        let said = String::from_utf8(output.stderr).unwrap();
+        let message = String::from_utf8(output.stderr).unwrap();
         assert!(
-            said.contains(why) && said.contains(&format!("line {line}")),
-            "{said}"
+            message.contains(reason) && message.contains(&format!("line {line}")),
+            "{message}"
         );
     }
 }
 
 #[test]
-fn an_arm_without_tolerances_is_told_to_have_none() {
+fn an_arm_without_tolerances_gets_a_note() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("arm.toml");
     let output = Command::new(env!("CARGO_BIN_EXE_fivebar"))
@@ -179,12 +188,12 @@ fn an_arm_without_tolerances_is_told_to_have_none() {
         .output()
         .unwrap();
     assert!(output.status.success());
-    let said = |robot: &str| {
+    let warnings = |robot: &str| {
         let output = accuracy(&[robot, "--at", "0.04,0.2", "--samples", "100"]);
         assert!(output.status.success());
         String::from_utf8(output.stderr).unwrap()
     };
-    let words = said(file.to_str().unwrap());
-    assert!(words.contains("no [tolerance] is given"), "{words}");
-    assert!(!said("benchtop").contains("[tolerance]"));
+    let message = warnings(file.to_str().unwrap());
+    assert!(message.contains("no [tolerance] is given"), "{message}");
+    assert!(!warnings("benchtop").contains("[tolerance]"));
 }

@@ -1,4 +1,4 @@
-//! `fivebar clearance`: new against worn under the production control loop.
+//! The command `fivebar clearance`: the new and the worn arm under the production controller.
 
 use fivebar::input::robot::Robot;
 use fivebar::input::scenario::Scenario;
@@ -7,7 +7,7 @@ use fivebar_design::accuracy::five_bar::clearance_error;
 use serde_json::Value;
 use std::process::{Command, Output};
 
-/// A short line, so that the tests are short.
+/// A short line, so that the tests are fast.
 const LINE: &str = "G21 G90 F6000\nG0 X0 Y0\nM3\nG1 X10 Y0\nM5\n";
 
 fn fivebar(arguments: &[&str], out: &std::path::Path) -> Output {
@@ -21,7 +21,7 @@ fn fivebar(arguments: &[&str], out: &std::path::Path) -> Output {
 }
 
 #[test]
-fn compares_the_new_arm_with_the_worn_one() {
+fn the_new_arm_is_compared_with_the_worn_one() {
     let folder = tempfile::tempdir().unwrap();
     let job = folder.path().join("line.gcode");
     std::fs::write(&job, LINE).unwrap();
@@ -58,10 +58,10 @@ fn compares_the_new_arm_with_the_worn_one() {
     assert!(folder.path().join("summary.json").exists());
 }
 
-/// The unlike model of the worst case bounds what the simulation does: at every sample the
-/// tool is no farther from where its cranks alone would put it.
+/// The exact worst case is an independent model. At every sample, it bounds the distance of the
+/// simulated tool from the position that follows from the crank angles.
 #[test]
-fn pins_never_take_the_tool_beyond_the_exact_worst_case() {
+fn the_displacement_by_clearance_stays_within_the_exact_worst_case() {
     let robot = Robot::load("benchtop").unwrap();
     let scenario = Scenario::new("line", robot.clone(), "line", LINE.into());
     let job = scenario.job().unwrap();
@@ -79,18 +79,18 @@ fn pins_never_take_the_tool_beyond_the_exact_worst_case() {
         let [x, y] = [sample.tool[0] - pose.c.x, sample.tool[1] - pose.c.y];
         nearest = nearest.max(x.hypot(y) / worst);
     }
-    // Penetration adds a little.
+    // The penetration adds to the distance.
     assert!((0.3..1.01).contains(&nearest), "{nearest}");
 }
 
 #[test]
-fn refuses_what_makes_no_sense_and_says_why() {
+fn invalid_options_and_files_are_refused_with_the_reason() {
     let folder = tempfile::tempdir().unwrap();
     let refused = |arguments: &[&str], status: i32, reason: &str| {
         let output = fivebar(arguments, folder.path());
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(status), "{said}");
-        assert!(said.contains(reason), "{said}");
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(status), "{message}");
+        assert!(message.contains(reason), "{message}");
     };
     refused(&["benchtop", "--radius", "5e-3"], 1, "leaves no pin");
     refused(

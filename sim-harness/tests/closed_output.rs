@@ -1,10 +1,9 @@
-//! A reader that goes before all is said, as in `fivebar robots | head -1`, and an output
-//! that takes nothing.
+//! Outputs that are closed early, as in `fivebar robots | head -1`, or full.
 
 use std::process::{Command, Stdio};
 
-/// Ends a command whose standard output and error nobody reads; its exit status.
-fn unheard(arguments: &[&str]) -> Option<i32> {
+/// The exit status of a command whose standard output and error are closed.
+fn status_without_reader(arguments: &[&str]) -> Option<i32> {
     let folder = tempfile::tempdir().unwrap();
     let mut child = Command::new(env!("CARGO_BIN_EXE_fivebar"))
         .args(arguments)
@@ -19,7 +18,7 @@ fn unheard(arguments: &[&str]) -> Option<i32> {
 }
 
 #[test]
-fn commands_whose_reader_has_gone_end_as_if_they_were_heard() {
+fn commands_end_normally_if_their_output_is_closed() {
     let scenarios = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/");
     let dies = format!("{scenarios}encoder_dies.toml");
     for (arguments, status) in [
@@ -48,17 +47,21 @@ fn commands_whose_reader_has_gone_end_as_if_they_were_heard() {
         (&["robots", "no-such-robot"], 2),
         (&["sim", "--no-such-option"], 2),
     ] {
-        assert_eq!(unheard(arguments), Some(status), "{arguments:?}");
+        assert_eq!(
+            status_without_reader(arguments),
+            Some(status),
+            "{arguments:?}"
+        );
     }
 }
 
 #[cfg(target_os = "linux")]
 #[test]
-fn an_output_that_is_full_is_told() {
+fn a_full_output_device_is_reported() {
     let full = std::fs::File::create("/dev/full").unwrap();
     let mut command = Command::new(env!("CARGO_BIN_EXE_fivebar"));
     let output = command.arg("robots").stdout(full).output().unwrap();
     assert_eq!(output.status.code(), Some(1));
-    let words = String::from_utf8(output.stderr).unwrap();
-    assert!(words.starts_with("fivebar: cannot print: "), "{words}");
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert!(message.starts_with("fivebar: cannot print: "), "{message}");
 }

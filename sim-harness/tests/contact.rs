@@ -1,12 +1,12 @@
-//! Contact of a journal and its bearing: the rebound that the laws imply, and the published
-//! benchmark of a slider-crank whose piston pin is worn.
+//! Contact of a journal and its bearing: the rebound by the contact laws, and a published
+//! benchmark, a slider-crank with a worn piston pin.
 
 use fivebar::input::robot::{Contact, Restitution};
 use fivebar::run::contact::{DormandPrince45, Eccentricity, HybridSystem, Journal, Phase};
 use nalgebra::{SVector, Vector2};
 use serde_json::Value;
 
-/// A pin of 1 kg thrown against a bearing that stands still: where it is and how fast.
+/// A pin of 1 kg that hits a fixed bearing. The state is its position and velocity.
 struct Thrown {
     journal: Journal,
     phase: Phase,
@@ -39,7 +39,7 @@ impl HybridSystem<2> for Thrown {
     fn record(&mut self, _: &Vector2<f64>, _: f64) {}
 }
 
-/// The share of its speed that the pin keeps.
+/// The pin's speed after the impact as a share of its speed before.
 fn rebound(law: Restitution, restitution: f64, speed: f64) -> f64 {
     let contact = Contact {
         law,
@@ -54,17 +54,17 @@ fn rebound(law: Restitution, restitution: f64, speed: f64) -> f64 {
     };
     let mut x = Vector2::new(0.0, speed);
     let mut method = DormandPrince45::new(Vector2::new(1e-12, 1e-8 * speed));
-    // Some time of flight for the impact, then on until the pin is back.
+    // Until the impact, and then until the pin has left the bearing.
     method.advance(&mut thrown, &mut x, clearance / speed);
     while thrown.rebound.is_none() {
         method.advance(&mut thrown, &mut x, 1e-4);
-        assert!(x.x < 2.0 * clearance, "the pin went through the bearing");
+        assert!(x.x < 2.0 * clearance, "the pin passes through the bearing");
     }
     thrown.rebound.unwrap() / speed
 }
 
 #[test]
-fn gives_back_what_the_law_implies_at_any_speed() {
+fn the_rebound_follows_from_the_law_at_any_speed() {
     use Restitution::{Flores, HuntCrossley, LankaraniNikravesh};
     for (law, expected) in [
         (HuntCrossley, [0.5813, 0.6630, 0.7680, 0.9090]),
@@ -85,20 +85,20 @@ fn gives_back_what_the_law_implies_at_any_speed() {
 }
 
 #[test]
-fn a_perfectly_elastic_contact_gives_all_back() {
+fn a_perfectly_elastic_contact_returns_the_whole_speed() {
     let back = rebound(Restitution::Flores, 1.0, 0.2);
     assert!((back - 1.0).abs() < 1e-6, "{back}");
 }
 
 #[test]
-fn refuses_a_clearance_that_leaves_no_pin() {
+fn a_clearance_that_leaves_no_pin_is_refused() {
     for clearance in [0.0, -1e-6, 4e-3, f64::NAN] {
         assert!(Journal::new(&Contact::default(), clearance).is_err());
     }
 }
 
-/// Crank at constant speed, rod pinned to it, slider on the x axis; the clearance is
-/// between rod (bearing) and slider (pin). State: θ, φ, x, φ̇, ẋ.
+/// A crank with constant speed, a rod pinned to it, and a slider on the x axis. The clearance
+/// is between rod (bearing) and slider (pin). State: θ, φ, x, φ̇, ẋ.
 struct SliderCrank {
     crank: f64,
     rod: f64,
@@ -157,7 +157,7 @@ impl HybridSystem<5> for SliderCrank {
     fn rates(&self, x: &Crank) -> Crank {
         let force = self.force(x);
         let (u, w) = (direction(x[0]), direction(x[1]));
-        // About the crank pin, which accelerates by −l₁ω² u; no friction, so that the
+        // Moments about the crank pin, whose acceleration is −l₁ω² u. Without friction, the
         // force passes through the rod's end.
         let half = 0.5 * self.rod;
         let about_pin = self.rod_inertia + self.rod_mass * half * half;
@@ -200,7 +200,7 @@ impl HybridSystem<5> for SliderCrank {
 }
 
 #[test]
-fn the_worn_slider_crank_strikes_first_as_the_benchmark_says() {
+fn the_first_impact_of_the_worn_slider_crank_matches_the_benchmark() {
     let text = include_str!("../../tests/data/clearance_contact.json");
     let data: Value = serde_json::from_str(text).unwrap();
     let benchmark = &data["slider_crank_first_impact"];
@@ -232,7 +232,7 @@ fn the_worn_slider_crank_strikes_first_as_the_benchmark_says() {
     let swing = -omega * mechanism.crank / mechanism.rod;
     let mut x = Crank::from([0.0, 0.0, straight, swing, 0.0]);
     let mut method = DormandPrince45::new(Crank::from([1e-10, 1e-10, 1e-11, 1e-6, 1e-6]));
-    // So many short stretches that the greatest values are seen where they are.
+    // Short intervals, so that the greatest values are recorded accurately.
     for _ in 0..6000 {
         method.advance(&mut mechanism, &mut x, 5e-8);
     }
@@ -244,7 +244,7 @@ fn the_worn_slider_crank_strikes_first_as_the_benchmark_says() {
         penetration,
         parted,
     } = mechanism.first;
-    let (end, parting) = parted.expect("they part again");
+    let (end, parting) = parted.expect("the first contact ends");
     for (what, value, key) in [
         ("stiffness", mechanism.journal.stiffness(), "K"),
         ("time", time, "t_impact"),

@@ -1,18 +1,18 @@
-//! Bare `fivebar`, as a newcomer meets it.
+//! `fivebar` without arguments.
 
 use std::process::Command;
 
 #[test]
-fn draws_and_leaves_a_report_that_says_how_well() {
+fn fivebar_without_arguments_draws_and_writes_a_report() {
     let folder = tempfile::tempdir().unwrap();
     let output = Command::new(env!("CARGO_BIN_EXE_fivebar"))
         .args(["--out", "new/folder"])
         .current_dir(folder.path())
         .output()
         .unwrap();
-    let said = String::from_utf8(output.stdout).unwrap();
-    assert!(output.status.success(), "{said}");
-    assert!(said.contains("times real time") && said.contains("new/folder/report.html"));
+    let message = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success(), "{message}");
+    assert!(message.contains("times real time") && message.contains("new/folder/report.html"));
     let out = folder.path().join("new/folder");
     let read = |name: &str| std::fs::read_to_string(out.join(name)).unwrap();
     let report = read("report.html");

@@ -1,4 +1,4 @@
-//! `fivebar doctor` on machines that have everything, or nothing.
+//! The command `fivebar doctor` on machines with and without the programs that it checks.
 #![cfg(unix)]
 
 use serde_json::Value;
@@ -6,7 +6,7 @@ use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// Asks the doctor where only the programs of one folder are to be found.
+/// Runs `fivebar doctor` with only one folder in PATH.
 fn doctor(programs: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_fivebar"));
     let command = command.arg("doctor").args(arguments);
@@ -25,35 +25,35 @@ fn state<'a>(answer: &'a Value, what: &str) -> &'a Value {
 }
 
 #[test]
-fn a_bare_machine_is_well_unless_more_is_wanted() {
+fn missing_programs_fail_only_the_checks_that_are_named() {
     let empty = tempfile::tempdir().unwrap();
-    let well = doctor(empty.path(), &[]);
-    assert_eq!(well.status.code(), Some(0));
-    let text = String::from_utf8(well.stdout).unwrap();
+    let unrestricted = doctor(empty.path(), &[]);
+    assert_eq!(unrestricted.status.code(), Some(0));
+    let text = String::from_utf8(unrestricted.stdout).unwrap();
     assert!(text.contains("missing  qemu-system-arm"), "{text}");
     assert!(text.contains("cargo install probe-rs-tools"), "{text}");
 
-    let unwell = doctor(empty.path(), &["pil", "browser"]);
-    assert_eq!(unwell.status.code(), Some(1));
-    let said = String::from_utf8(unwell.stderr).unwrap();
+    let named = doctor(empty.path(), &["pil", "browser"]);
+    assert_eq!(named.status.code(), Some(1));
+    let message = String::from_utf8(named.stderr).unwrap();
     assert!(
-        said.contains("missing or outdated for pil and browser: "),
-        "{said}"
+        message.contains("missing or outdated for pil and browser: "),
+        "{message}"
     );
     for missing in ["qemu-system-arm", "chromium", "chromedriver", "python3"] {
-        assert!(said.contains(missing), "{said}");
+        assert!(message.contains(missing), "{message}");
     }
-    assert!(!said.contains("probe-rs"), "{said}");
+    assert!(!message.contains("probe-rs"), "{message}");
     assert_eq!(doctor(empty.path(), &["surgery"]).status.code(), Some(2));
 }
 
 #[test]
-fn what_is_there_is_told_with_its_version() {
+fn installed_programs_are_listed_with_their_version() {
     let folder = tempfile::tempdir().unwrap();
     for name in ["chromium", "chromedriver", "python3"] {
         install(folder.path(), name, "Version 7");
     }
-    // A program that does not even tell its version does not work.
+    // A program that does not print its version counts as missing.
     std::fs::write(folder.path().join("maturin"), "").unwrap();
     let output = doctor(folder.path(), &["browser", "--json"]);
     assert_eq!(output.status.code(), Some(0));

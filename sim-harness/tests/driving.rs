@@ -1,4 +1,4 @@
-//! Jobs streamed to a controller that drives motors.
+//! Jobs that are streamed to a controller with its own clock and motors.
 
 mod arm;
 
@@ -10,14 +10,14 @@ use fivebar_firmware::{Move, MoveKind, Request};
 use std::cell::Cell;
 
 fn client() -> Client<Loopback> {
-    Client::open(arm::driving()).expect("a line").0
+    Client::open(arm::driving()).expect("the link works").0
 }
 
-/// Two seconds of going to and fro.
+/// About two seconds of motion to and fro.
 fn long_job() -> Vec<Move> {
     let [x, y] = arm::robot()
         .best_point()
-        .expect("a point")
+        .expect("a reachable point")
         .map(|x| x as f32);
     (1..=40)
         .map(|tag| Move {
@@ -31,45 +31,45 @@ fn long_job() -> Vec<Move> {
 }
 
 #[test]
-fn a_job_is_done_whole_and_the_bridges_are_off_afterwards() {
+fn a_job_is_executed_completely_and_the_bridges_are_off_afterwards() {
     let mut client = client();
     let mut drive = Drive::new(&mut client, &|| false);
     drive
         .agree_on(&arm::settings(), false)
-        .expect("the same settings");
-    drive.home(Homing::Switches).expect("the switches work");
+        .expect("equal settings");
+    drive.home(Homing::Switches).expect("homing succeeds");
     let mut most = 0;
     drive
         .follow(&long_job(), &arm::settings(), &mut |taken, _| most = taken)
-        .expect("the job can be done");
+        .expect("the job is executed");
     assert_eq!(most, 40);
-    let (status, _) = client.status().expect("a line");
+    let (status, _) = client.status().expect("the link works");
     assert_eq!((status.state, status.fault), (State::Stopped, None));
-    let [x, y] = arm::robot().best_point().expect("a point");
-    let [tool_x, tool_y] = status.tool.expect("homed").map(f64::from);
+    let [x, y] = arm::robot().best_point().expect("a reachable point");
+    let [tool_x, tool_y] = status.tool.expect("the arm is homed").map(f64::from);
     assert!((tool_x - x).hypot(tool_y - y) < 5e-4, "{tool_x} {tool_y}");
 }
 
 #[test]
-fn a_wish_to_stop_brings_the_arm_to_rest_and_unpowers_it() {
-    let asked = Cell::new(0);
-    let wants_stop = || {
-        asked.set(asked.get() + 1);
-        asked.get() > 120
+fn a_request_to_stop_brings_the_arm_to_rest_and_removes_its_power() {
+    let calls = Cell::new(0);
+    let stop_requested = || {
+        calls.set(calls.get() + 1);
+        calls.get() > 120
     };
     let mut client = client();
     let mut drive = Drive::new(&mut client, &|| false);
-    drive.home(Homing::Switches).expect("the switches work");
-    let mut drive = Drive::new(&mut client, &wants_stop);
+    drive.home(Homing::Switches).expect("homing succeeds");
+    let mut drive = Drive::new(&mut client, &stop_requested);
     let outcome = drive.follow(&long_job(), &arm::settings(), &mut |_, _| ());
     let stopped = matches!(outcome, Err(DriveError::Stopped(Some(2..=39))));
     assert!(stopped, "{outcome:?}");
-    let (status, _) = client.status().expect("a line");
+    let (status, _) = client.status().expect("the link works");
     assert_eq!((status.state, status.fault), (State::Stopped, None));
 }
 
 #[test]
-fn a_move_that_cannot_be_done_is_refused_before_anything_moves() {
+fn an_infeasible_move_is_refused_before_the_arm_moves() {
     let mut job = long_job();
     job[39].kind = MoveKind::Line {
         to: [3.0, 0.0],
@@ -77,8 +77,8 @@ fn a_move_that_cannot_be_done_is_refused_before_anything_moves() {
     };
     let mut client = client();
     let mut drive = Drive::new(&mut client, &|| false);
-    drive.home(Homing::Switches).expect("the switches work");
-    let outcome = drive.follow(&job, &arm::settings(), &mut |_, _| panic!("it moves"));
+    drive.home(Homing::Switches).expect("homing succeeds");
+    let outcome = drive.follow(&job, &arm::settings(), &mut |_, _| panic!("the arm moves"));
     match outcome {
         Err(DriveError::Move(refusal)) => {
             assert_eq!(refusal.tag, 40);
@@ -86,12 +86,12 @@ fn a_move_that_cannot_be_done_is_refused_before_anything_moves() {
         }
         other => panic!("{other:?}"),
     }
-    let (status, _) = client.status().expect("a line");
+    let (status, _) = client.status().expect("the link works");
     assert_eq!(status.state, State::Stopped);
 }
 
 #[test]
-fn another_arms_settings_are_refused_until_they_are_uploaded() {
+fn different_settings_are_refused_until_they_are_uploaded() {
     let mut other = arm::settings();
     other.payload += 0.01;
     other.axes[1].gear_ratio += 1.0;
@@ -103,17 +103,20 @@ fn another_arms_settings_are_refused_until_they_are_uploaded() {
         }
         outcome => panic!("{outcome:?}"),
     }
-    drive.agree_on(&other, true).expect("an upload");
-    drive.agree_on(&other, false).expect("the same settings");
+    drive.agree_on(&other, true).expect("the upload succeeds");
+    drive.agree_on(&other, false).expect("equal settings");
     assert_eq!(client.line().saved(), Some(&other));
 }
 
 #[test]
-fn a_latched_fault_is_told_and_keeps_the_arm_still_until_cleared() {
+fn a_latched_fault_is_reported_and_prevents_motion_until_it_is_cleared() {
     let mut client = client();
     let stop = Order::Request(Request::EmergencyStop);
-    client.command(stop).expect("a line").expect("obeyed");
-    client.poll().expect("a line");
+    client
+        .command(stop)
+        .expect("the link works")
+        .expect("the command is accepted");
+    client.poll().expect("the link works");
     let mut drive = Drive::new(&mut client, &|| false);
     let outcome = drive.home(Homing::Switches);
     let Err(error @ DriveError::Fault(Fault::EmergencyStop)) = outcome else {
@@ -123,6 +126,6 @@ fn a_latched_fault_is_told_and_keeps_the_arm_still_until_cleared() {
         error.to_string().contains("fault 10, emergency stop"),
         "{error}"
     );
-    drive.clear_fault().expect("it can be cleared");
-    drive.home(Homing::Switches).expect("the switches work");
+    drive.clear_fault().expect("the fault is cleared");
+    drive.home(Homing::Switches).expect("homing succeeds");
 }

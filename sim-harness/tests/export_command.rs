@@ -1,5 +1,5 @@
-//! `fivebar export` from the outside; what the models hold is checked by their readers
-//! (scripts/peers.sh).
+//! The command `fivebar export`. The contents of the models are checked by the programs that
+//! read them (scripts/peers.sh).
 
 use resvg::usvg::roxmltree::Document;
 use std::path::Path;
@@ -11,7 +11,7 @@ fn export(arguments: &[&str]) -> Output {
 }
 
 #[test]
-fn prints_the_model_or_writes_it_and_says_so() {
+fn the_model_is_printed_or_written_to_the_named_file() {
     let folder = tempfile::tempdir().unwrap();
     for (format, begins) in [("mjcf", "<mujoco"), ("urdf", "<?xml"), ("dot", "graph")] {
         let printed = export(&[format, "usp_2dof"]);
@@ -24,13 +24,16 @@ fn prints_the_model_or_writes_it_and_says_so() {
         let written = export(&[format, "usp_2dof", "--out", path]);
         assert!(written.status.success());
         assert_eq!(std::fs::read_to_string(path).unwrap(), model);
-        let said = String::from_utf8(written.stdout).unwrap();
-        assert!(said.contains("usp_2dof") && said.contains(path), "{said}");
-        assert_eq!(said.lines().count(), 1);
+        let message = String::from_utf8(written.stdout).unwrap();
+        assert!(
+            message.contains("usp_2dof") && message.contains(path),
+            "{message}"
+        );
+        assert_eq!(message.lines().count(), 1);
     }
 }
 
-/// The benchtop arm with another name.
+/// The robot file of the benchtop arm with another name.
 fn named(folder: &Path, name: &str) -> String {
     let (_, benchtop) = include_str!("../robots/benchtop.toml")
         .split_once("name = \"benchtop\"")
@@ -41,7 +44,7 @@ fn named(folder: &Path, name: &str) -> String {
 }
 
 #[test]
-fn any_name_leaves_the_model_sound() {
+fn the_model_is_well_formed_with_any_name() {
     let folder = tempfile::tempdir().unwrap();
     let name = "a --- <b> & \"c\" 'd' --";
     let robot = named(folder.path(), name);
@@ -67,7 +70,7 @@ fn urdf_joints_have_the_torque_of_their_motors() {
 }
 
 #[test]
-fn mjcf_motors_take_as_much_as_they_give() {
+fn mjcf_motors_have_equal_control_and_force_ranges() {
     let model = String::from_utf8(export(&["mjcf", "benchtop"]).stdout).unwrap();
     let document = Document::parse(&model).unwrap();
     let motors = document
@@ -88,10 +91,13 @@ fn mjcf_motors_take_as_much_as_they_give() {
 }
 
 #[test]
-fn a_place_that_cannot_be_written_is_refused_by_name() {
+fn a_path_that_cannot_be_written_is_named_in_the_error() {
     let folder = tempfile::tempdir().unwrap();
     let refused = export(&["dot", "--out", folder.path().to_str().unwrap()]);
     assert_eq!(refused.status.code(), Some(1));
-    let words = String::from_utf8(refused.stderr).unwrap();
-    assert!(words.contains(folder.path().to_str().unwrap()), "{words}");
+    let message = String::from_utf8(refused.stderr).unwrap();
+    assert!(
+        message.contains(folder.path().to_str().unwrap()),
+        "{message}"
+    );
 }

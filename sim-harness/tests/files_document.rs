@@ -1,4 +1,4 @@
-//! `docs/robot-file.md` is true: its examples are read, and its defaults are the defaults.
+//! Checks docs/robot-file.md: its examples are valid, and its defaults are those of the program.
 
 use fivebar::input::robot::Robot;
 use fivebar::input::scenario::Scenario;
@@ -29,7 +29,7 @@ fn the_robot_of_the_document_is_read_with_every_section() {
     whole.settings().unwrap().validate().unwrap();
     bare.settings().unwrap().validate().unwrap();
     assert!(bare.actuators.is_none() && whole.actuators.is_some());
-    // What the document gives as defaults is what a file without them has.
+    // The document's defaults are the values of a file without these keys.
     assert_eq!(bare.tool, whole.tool);
     assert_eq!(bare.motion, whole.motion);
     assert_eq!(bare.control, whole.control);
@@ -43,7 +43,7 @@ fn the_robot_of_the_document_is_read_with_every_section() {
     );
     let range = |robot: &Robot| robot.settings().unwrap().protection.bus_voltage;
     assert_eq!(range(&bare), range(&whole));
-    // The built-in range holds 4096 codes.
+    // The default resolution has 4096 codes.
     let per_code = |robot: &Robot| (robot.voltage_per_code() * 1e5).round();
     assert_eq!(per_code(&bare), per_code(&whole));
 }

@@ -1,4 +1,5 @@
-//! G-code in, steps out: what each code means, what is refused and how.
+//! The G-code reader: the steps of each code, the errors for unsupported text, and random texts,
+//! on which it must not panic.
 
 use fivebar::input::job::{Action, GcodeError, Job, JobError, Placement, Step, WarningKind};
 use proptest::prelude::*;
@@ -55,7 +56,7 @@ fn only_arc(text: &str) -> ([f64; 2], [f64; 2], bool) {
 }
 
 #[test]
-fn moves_in_millimetres_and_inches_absolute_and_relative() {
+fn coordinates_are_in_millimetres_or_inches_absolute_or_relative() {
     assert_eq!(
         ends("G1 F600 X10 Y5\nG91 X1\nY-2\nG90 X0"),
         [[10.0, 5.0], [11.0, 5.0], [11.0, 3.0], [0.0, 3.0]]
@@ -64,7 +65,7 @@ fn moves_in_millimetres_and_inches_absolute_and_relative() {
 }
 
 #[test]
-fn reads_feeds_per_minute_in_the_unit_of_the_line_and_leaves_rapids_open() {
+fn feeds_are_per_minute_in_the_current_unit_and_rapid_moves_have_none() {
     let feed = |text| match steps(text).last().unwrap().action {
         Action::Line { feed, .. } => feed,
         other => panic!("{other:?}"),
@@ -76,7 +77,7 @@ fn reads_feeds_per_minute_in_the_unit_of_the_line_and_leaves_rapids_open() {
 }
 
 #[test]
-fn shifts_coordinates_with_g92_and_goes_home_with_g28() {
+fn g92_shifts_coordinates_and_g28_moves_home() {
     assert_eq!(
         ends("G0 X10 Y10\nG92 X0\nG0 X5 Y5\nG92\nG0 X1"),
         [[10.0, 10.0], [15.0, 5.0], [16.0, 5.0]]
@@ -88,7 +89,7 @@ fn shifts_coordinates_with_g92_and_goes_home_with_g28() {
 }
 
 #[test]
-fn places_the_job_by_origin_and_scale_but_not_its_feed() {
+fn origin_and_scale_apply_to_positions_and_not_to_feeds() {
     let placement = Placement {
         origin: [0.1, 0.2],
         scale: 2.0,
@@ -105,7 +106,7 @@ fn places_the_job_by_origin_and_scale_but_not_its_feed() {
 }
 
 #[test]
-fn finds_the_same_centre_from_offsets_and_from_the_radius() {
+fn arcs_by_offsets_and_by_radius_have_the_same_centre() {
     for (radius, center) in [(5.0, [5.0, 5.0]), (-5.0, [10.0, 10.0])] {
         let text = format!("G0 X10 Y5\nG3 X5 Y10 R{radius} F100");
         let (_, by_radius, clockwise) = only_arc(&text);
@@ -123,7 +124,7 @@ fn finds_the_same_centre_from_offsets_and_from_the_radius() {
 }
 
 #[test]
-fn evens_out_radii_that_differ_by_rounding_and_refuses_others() {
+fn radii_that_differ_by_rounding_are_made_equal_and_others_refused() {
     let (to, center, _) = only_arc("F100\nG2 X7.071 Y2.929 I0 J10.002");
     let radius = center[0].hypot(center[1]);
     assert!((radius - (to[0] - center[0]).hypot(to[1] - center[1])).abs() < 1e-15);
@@ -132,17 +133,17 @@ fn evens_out_radii_that_differ_by_rounding_and_refuses_others() {
 }
 
 #[test]
-fn makes_a_full_turn_where_the_end_is_the_start_but_not_of_a_speck() {
+fn an_arc_to_its_start_is_a_full_circle_and_a_negligible_arc_is_none() {
     let (to, center, _) = only_arc("F100\nG0 X10\nG2 I-10");
     assert_eq!((to, center), ([0.01, 0.0], [0.0, 0.0]));
-    let speck = steps("F100\nG0 X10\nG3 X10 Y0.00001 I-10");
-    assert_eq!(speck.len(), 1);
+    let negligible = steps("F100\nG0 X10\nG3 X10 Y0.00001 I-10");
+    assert_eq!(negligible.len(), 1);
     let nearly_full = steps("F100\nG0 X10\nG2 X10 Y0.00001 I-10");
     assert_eq!(nearly_full.len(), 2);
 }
 
 #[test]
-fn starts_an_arc_where_the_job_says_even_when_nothing_has_moved_yet() {
+fn an_arc_as_first_motion_is_preceded_by_a_line_to_its_start() {
     let steps = steps("G2 X10 I5 F100");
     assert!(matches!(
         steps[0].action,
@@ -156,7 +157,7 @@ fn starts_an_arc_where_the_job_says_even_when_nothing_has_moved_yet() {
 }
 
 #[test]
-fn follows_the_pen_of_both_dialects() {
+fn pen_commands_of_both_dialects_are_understood() {
     let text = "G0 X1\nM3\nG0 X2\nM5\nG0 X3\nM300 S30.00 (down)\nG0 X4\nM300 S50\nG0 X5\n\
                 M300 S5\nG0 X6\nM300 S255\nG0 X7";
     let pen: Vec<bool> = steps(text).iter().map(|step| step.pen_down).collect();
@@ -165,7 +166,7 @@ fn follows_the_pen_of_both_dialects() {
 }
 
 #[test]
-fn skips_an_unknown_m_code_with_whatever_text_follows_it() {
+fn an_unknown_m_code_is_skipped_with_its_text() {
     let text = "M117 Layer 3 (of 7)\nG0 X1\nN30 M486 A\"lid\" X9\nM118 X2 Y2\nm23 file.gco\nG0 X3";
     assert_eq!(ends(text), [[1.0, 0.0], [3.0, 0.0]]);
     let skipped = job(text).warnings;
@@ -174,7 +175,7 @@ fn skips_an_unknown_m_code_with_whatever_text_follows_it() {
 }
 
 #[test]
-fn dwells_in_milliseconds_by_p_and_seconds_by_s() {
+fn dwells_are_in_milliseconds_with_p_and_in_seconds_with_s() {
     let dwell = |text| match steps(text)[1].action {
         Action::Dwell { duration } => duration,
         other => panic!("{other:?}"),
@@ -187,7 +188,7 @@ fn dwells_in_milliseconds_by_p_and_seconds_by_s() {
 }
 
 #[test]
-fn keeps_line_numbers_through_comments_blanks_and_n_words() {
+fn line_numbers_count_comments_and_blank_lines_and_ignore_n_words() {
     let text = "%\n(head\tline)\n\nN10 G21 ; units\r\nN20 g1 x1 (a) y2 f100 (b)\n";
     let steps = steps(text);
     assert_eq!((steps.len(), steps[0].line), (1, 5));
@@ -196,7 +197,7 @@ fn keeps_line_numbers_through_comments_blanks_and_n_words() {
 }
 
 #[test]
-fn skips_unknown_m_codes_and_heights_with_a_warning() {
+fn unknown_m_codes_and_heights_are_skipped_with_a_warning() {
     let job = job("M18 (drives off)\nM01\nG1 X1 F100 Z5\nG1 Z0\nT1\nM300");
     let warned: Vec<_> = job.warnings.iter().map(|warning| warning.line).collect();
     assert_eq!(warned, [1, 2, 3, 5, 6]);
@@ -206,19 +207,19 @@ fn skips_unknown_m_codes_and_heights_with_a_warning() {
 }
 
 #[test]
-fn ends_at_m2_and_m30() {
+fn the_job_ends_at_m2_and_m30() {
     assert_eq!(ends("G0 X1\nM2\nG0 X2 garbage"), [[1.0, 0.0]]);
     assert_eq!(ends("G0 X1\nG0 X3 M30\nG0 X2"), [[1.0, 0.0], [3.0, 0.0]]);
 }
 
 #[test]
-fn leaves_out_moves_of_no_length_and_nothing_else() {
+fn only_moves_of_negligible_length_are_left_out() {
     let text = "F100\nG1 X0 Y0\nG1 X1\nG1 X1\nG1 X1.0002\nG1 X1.00025\nG1 X1.0004";
     assert_eq!(ends(text).len(), 4);
 }
 
 #[test]
-fn refuses_what_it_does_not_understand_with_line_and_reason() {
+fn unsupported_g_code_is_refused_with_line_and_reason() {
     let unknown = |code: &str| GcodeError::UnknownGCode(code.into());
     for (text, line, reason) in [
         ("G0 X1\nG38.2 X1", 2, unknown("G38.2")),
@@ -252,7 +253,7 @@ fn refuses_what_it_does_not_understand_with_line_and_reason() {
 }
 
 #[test]
-fn refuses_garbage_and_numbers_that_are_none() {
+fn malformed_words_and_numbers_are_refused() {
     for text in [
         "G0 Xnan",
         "G0 Xinf",
@@ -278,21 +279,21 @@ fn refuses_garbage_and_numbers_that_are_none() {
 }
 
 #[test]
-fn quotes_the_line_but_not_a_whole_book() {
+fn the_message_quotes_the_line_shortened() {
     let text = format!("G0 X1 \u{7}{}", "é".repeat(5_000));
-    let said = Job::parse(&text, &AS_WRITTEN).unwrap_err().to_string();
-    assert!(said.starts_with("line 1: \"G0 X1 \u{FFFD}éé") && said.contains('…'));
-    assert!(!said.contains('\u{7}'));
+    let message = Job::parse(&text, &AS_WRITTEN).unwrap_err().to_string();
+    assert!(message.starts_with("line 1: \"G0 X1 \u{FFFD}éé") && message.contains('…'));
+    assert!(!message.contains('\u{7}'));
 }
 
 #[test]
-fn refuses_a_job_without_motion() {
+fn a_job_without_motion_is_refused() {
     for text in ["", "\n\n", "(only words)", "G21\nG90\nM3\nM5", "G4 P100"] {
         assert_eq!(Job::parse(text, &AS_WRITTEN), Err(JobError::NoMotion));
     }
 }
 
-/// A step as any dialect would write it, in absolute millimetres.
+/// A step as G-code in absolute millimetres, which all dialects understand.
 fn written(step: &Step) -> String {
     let mm = |metres: f64| 1e3 * metres;
     let mut text = String::new();
@@ -310,7 +311,7 @@ fn written(step: &Step) -> String {
             mm(feed) * 60.0
         ),
         Action::Dwell { duration } => writeln!(text, "G4 P{:.6}", mm(duration)),
-        Action::Arc { .. } => unreachable!("arcs are written by their own test"),
+        Action::Arc { .. } => unreachable!("`any_step` makes no arcs"),
     };
     text
 }
@@ -329,16 +330,16 @@ fn any_step() -> impl Strategy<Value = Step> {
 
 proptest! {
     #[test]
-    fn reads_back_what_it_is_told(told in proptest::collection::vec(any_step(), 1..20)) {
-        let text: String = told.iter().map(written).collect();
+    fn written_steps_are_read_back(expected in proptest::collection::vec(any_step(), 1..20)) {
+        let text: String = expected.iter().map(written).collect();
         let moving = |step: &Step| !matches!(step.action, Action::Dwell { .. });
-        prop_assume!(told.iter().any(moving));
+        prop_assume!(expected.iter().any(moving));
         let read = steps(&text);
-        prop_assert_eq!(read.len(), told.len());
-        for (index, (read, told)) in read.iter().zip(&told).enumerate() {
+        prop_assert_eq!(read.len(), expected.len());
+        for (index, (read, expected)) in read.iter().zip(&expected).enumerate() {
             prop_assert_eq!(read.line as usize, 2 * index + 2);
-            prop_assert_eq!(read.pen_down, told.pen_down);
-            match (read.action, told.action) {
+            prop_assert_eq!(read.pen_down, expected.pen_down);
+            match (read.action, expected.action) {
                 (Action::Line { to: a, feed: f }, Action::Line { to: b, feed: g }) => {
                     prop_assert!((a[0] - b[0]).hypot(a[1] - b[1]) < 1e-9);
                     prop_assert_eq!(f.is_some(), g.is_some());
@@ -353,7 +354,7 @@ proptest! {
     }
 
     #[test]
-    fn an_arc_by_radius_passes_both_ends_on_the_side_its_sign_says(
+    fn an_arc_by_radius_passes_both_ends_on_the_side_of_its_sign(
         start in [-200.0..200.0, -200.0..200.0_f64],
         chord in [-50.0..50.0, -50.0..50.0_f64],
         excess in 1.0..3.0_f64,
@@ -373,7 +374,7 @@ proptest! {
         let (a, b) = (arm(from), arm(to));
         prop_assert!((a[0].hypot(a[1]) - 1e-3 * radius.abs()).abs() < 1e-9);
         prop_assert!((b[0].hypot(b[1]) - 1e-3 * radius.abs()).abs() < 1e-9);
-        // The angle swept in the sense of the arc, against half a turn.
+        // The angle of the arc in its direction, compared with half a turn.
         let turned = (a[0] * b[1] - a[1] * b[0]).atan2(a[0] * b[0] + a[1] * b[1]);
         let swept = (if clockwise { -turned } else { turned }).rem_euclid(std::f64::consts::TAU);
         if excess > 1.001 {
@@ -382,12 +383,12 @@ proptest! {
     }
 
     #[test]
-    fn never_panics_on_any_text(text in "\\PC{0,200}") {
+    fn the_reader_does_not_panic_on_any_text(text in "\\PC{0,200}") {
         let _ = Job::parse(&text, &AS_WRITTEN);
     }
 
     #[test]
-    fn never_panics_on_what_looks_like_g_code(
+    fn the_reader_does_not_panic_on_text_like_g_code(
         text in "([GMTNXYZIJRFPSgx%/;()#+\\- .\n][-+0-9.]{0,12}){0,40}"
     ) {
         if let Ok(job) = Job::parse(&text, &AS_WRITTEN) {

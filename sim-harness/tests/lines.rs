@@ -1,4 +1,4 @@
-//! Controllers behind good, bad and dead lines.
+//! Controllers over links without faults, with injected faults, and without reply.
 
 mod arm;
 
@@ -11,16 +11,17 @@ use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::{Move, MoveKind, Request};
 
 fn lockstep() -> Loopback {
-    Loopback::lockstep(&settings()).expect("sound settings")
+    Loopback::lockstep(&settings()).expect("valid settings")
 }
 
 #[test]
-fn a_run_over_a_line_is_the_run_in_this_process_bit_by_bit() {
-    let here = arm::run(&mut InProcess::new(&settings()).expect("sound settings"));
+fn a_run_over_a_link_is_bit_identical_to_the_run_in_process() {
+    let here = arm::run(&mut InProcess::new(&settings()).expect("valid settings"));
     assert!(here.faults.is_empty(), "{:?}", here.faults);
     assert!(here.ticks > 5000);
 
-    let (mut there, _) = Lockstep::begin(lockstep(), &settings(), &settings()).expect("a line");
+    let (mut there, _) =
+        Lockstep::begin(lockstep(), &settings(), &settings()).expect("the link works");
     let record = arm::run(&mut there);
     assert_eq!(there.first_difference(), None);
     assert_eq!(there.ticks(), here.ticks);
@@ -29,18 +30,18 @@ fn a_run_over_a_line_is_the_run_in_this_process_bit_by_bit() {
 }
 
 #[test]
-fn one_other_gain_is_told_by_its_first_bits() {
+fn a_different_gain_is_found_by_the_first_difference_in_bits() {
     let mut other = settings();
     other.control.bandwidth *= 1.0001;
-    let (mut there, _) = Lockstep::begin(lockstep(), &settings(), &other).expect("a line");
+    let (mut there, _) = Lockstep::begin(lockstep(), &settings(), &other).expect("the link works");
     arm::run(&mut there);
-    let difference = there.first_difference().expect("a difference");
+    let difference = there.first_difference().expect("the runs differ");
     assert_eq!(difference.field, "duty", "{difference:?}");
     assert_ne!(difference.here, difference.there);
 }
 
 #[test]
-fn no_mishap_of_a_line_changes_a_bit_of_the_run() {
+fn injected_link_faults_do_not_change_the_run() {
     let one = |change: fn(&mut FaultRates)| {
         let mut rates = FaultRates::default();
         change(&mut rates);
@@ -63,23 +64,21 @@ fn no_mishap_of_a_line_changes_a_bit_of_the_run() {
     ];
     for (seed, (name, rates)) in (1..).zip(cases) {
         let line = FaultInjector::new(lockstep(), rates, seed);
-        let (mut there, _) = Lockstep::begin(line, &settings(), &settings()).expect("a line");
+        let (mut there, _) =
+            Lockstep::begin(line, &settings(), &settings()).expect("the link works");
         let record = arm::run(&mut there);
         assert_eq!(there.first_difference(), None, "{name}");
         assert!(record.faults.is_empty(), "{name}: {:?}", record.faults);
         let injected = there.client().line().injected();
-        assert!(
-            injected > 50,
-            "{name}: {injected} injected faults prove little"
-        );
+        assert!(injected > 50, "{name}: only {injected} injected faults");
     }
 }
 
 #[test]
-fn a_silent_controller_is_told_in_words() {
+fn a_silent_controller_is_reported_with_advice() {
     let mut line = FaultInjector::new(lockstep(), FaultRates::default(), 1);
     line.cut_after(0);
-    let error = Client::open(line).err().expect("nobody is there");
+    let error = Client::open(line).err().expect("no controller answers");
     assert!(matches!(error, LinkError::Silent));
     assert!(
         error.to_string().contains("check that it is powered"),
@@ -88,17 +87,22 @@ fn a_silent_controller_is_told_in_words() {
 }
 
 #[test]
-fn a_host_that_falls_silent_lets_the_arm_stop_on_its_path() {
+fn the_arm_stops_on_its_path_if_the_host_falls_silent() {
     let line = FaultInjector::new(driving(), FaultRates::default(), 1);
-    let (mut client, _) = Client::open(line).expect("a line");
-    let mut order = |order| client.command(order).expect("a line").expect("obeyed");
+    let (mut client, _) = Client::open(line).expect("the link works");
+    let mut order = |order| {
+        client
+            .command(order)
+            .expect("the link works")
+            .expect("the command is accepted")
+    };
     let theta = arm::plant();
     let angles = [theta.angle(0), theta.angle(1)].map(|angle| angle as f32);
     order(Order::Request(Request::SetAngles(angles)));
     order(Order::Request(Request::Arm));
     let [x, y] = arm::robot()
         .best_point()
-        .expect("a point")
+        .expect("a reachable point")
         .map(|x| x as f32);
     order(Order::Move(Move {
         tag: 1,
@@ -107,26 +111,28 @@ fn a_host_that_falls_silent_lets_the_arm_stop_on_its_path() {
             feed: 0.05,
         },
     }));
-    // The arm moves, and nothing is said for 0.3 s.
+    // The arm moves, and the host sends no command for 0.3 s.
     for _ in 0..30 {
-        client.poll().expect("a line");
+        client.poll().expect("the link works");
     }
-    let (status, _) = client.status().expect("a line");
+    let (status, _) = client.status().expect("the link works");
     assert_eq!(status.state, State::Fault);
     assert_eq!(status.fault, Some(Fault::CommandTimeout));
     assert_eq!(status.missed_ticks, 0);
-    let reply = client.call(Order::Request(Request::Arm)).expect("a line");
+    let reply = client
+        .call(Order::Request(Request::Arm))
+        .expect("the link works");
     assert!(matches!(reply, Reply::Refused(_)), "{reply:?}");
 }
 
 #[test]
-fn a_tracer_writes_down_both_sides() {
+fn a_tracer_records_both_directions() {
     let mut log = Vec::new();
     let line = Tracer::new(lockstep(), &mut log);
-    let (mut client, _) = Client::open(line).expect("a line");
-    client.status().expect("a line");
+    let (mut client, _) = Client::open(line).expect("the link works");
+    client.status().expect("the link works");
     drop(client);
-    let log = String::from_utf8(log).expect("text");
+    let log = String::from_utf8(log).expect("UTF-8 text");
     let lines: Vec<_> = log.lines().collect();
     assert_eq!(lines.len(), 4, "{log}");
     assert!(lines[0].starts_with("> HostMessage") && lines[0].contains("Hello"));

@@ -1,4 +1,4 @@
-//! `fivebar linkage` from the outside: what it prints, writes and refuses.
+//! The command `fivebar linkage`: its output, files and errors.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -13,7 +13,7 @@ fn read(folder: &Path, name: &str) -> String {
 }
 
 #[test]
-fn lists_the_examples_when_none_is_named() {
+fn the_examples_are_listed_if_none_is_named() {
     let output = linkage(&[]);
     assert!(output.status.success());
     let text = String::from_utf8(output.stdout).unwrap();
@@ -24,7 +24,7 @@ fn lists_the_examples_when_none_is_named() {
 }
 
 #[test]
-fn leaves_a_report_a_table_and_the_findings() {
+fn the_report_the_table_and_the_summary_are_written() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().to_str().unwrap();
     let output = linkage(&["four_bar", "--out", out, "--json"]);
@@ -72,7 +72,7 @@ fn leaves_a_report_a_table_and_the_findings() {
 }
 
 #[test]
-fn tells_where_a_motion_ends_and_leaves_blanks_beyond() {
+fn the_ends_of_a_motion_are_printed_and_rows_beyond_are_empty() {
     let folder = tempfile::tempdir().unwrap();
     let text = include_str!("../linkages/four_bar.toml").replace("[0.30, 0.25]", "[0.15, 0.25]");
     let file = folder.path().join("short.toml");
@@ -81,12 +81,12 @@ fn tells_where_a_motion_ends_and_leaves_blanks_beyond() {
     let [file, out_dir] = [&file, &out].map(|path| path.to_str().unwrap());
     let output = linkage(&[file, "--out", out_dir]);
     assert!(output.status.success());
-    let said = String::from_utf8(output.stdout).unwrap();
+    let message = String::from_utf8(output.stdout).unwrap();
     assert!(
-        said.contains("motion ends") && said.contains("motion begins"),
-        "{said}"
+        message.contains("motion ends") && message.contains("motion begins"),
+        "{message}"
     );
-    assert!(said.contains("coupler–rocker cannot close"), "{said}");
+    assert!(message.contains("coupler–rocker cannot close"), "{message}");
     let table = read(&out, "table.csv");
     let blank = table.lines().filter(|row| row.contains("cannot close"));
     let blank: Vec<_> = blank.collect();
@@ -95,14 +95,14 @@ fn tells_where_a_motion_ends_and_leaves_blanks_beyond() {
 }
 
 #[test]
-fn refuses_what_it_cannot_do_and_writes_nothing() {
+fn refused_commands_write_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
-    let refused = |args: &[&str], status: i32, said: &str| {
+    let refused = |args: &[&str], status: i32, message: &str| {
         let output = linkage(args);
         assert_eq!(output.status.code(), Some(status));
         let text = String::from_utf8(output.stderr).unwrap();
-        assert!(text.contains(said), "{text}");
+        assert!(text.contains(message), "{text}");
     };
     let out_dir = out.to_str().unwrap();
     refused(

@@ -1,4 +1,4 @@
-//! Linkage files that make no sense: each refused in one sentence with its line, quickly.
+//! Invalid linkage files: each is refused quickly, with one sentence that names the line.
 
 use fivebar::input::linkage::DrivenLinkage;
 use std::time::{Duration, Instant};
@@ -29,28 +29,31 @@ link = "crank"
 at = [0.10, 0.0]
 "#;
 
-/// What is said of the good file with `from` replaced by `to`.
+/// The error for the valid file with `from` replaced by `to`.
 fn refusal(from: &str, to: &str) -> String {
     assert!(GOOD.contains(from), "{from}");
     let text = GOOD.replace(from, to);
     let started = Instant::now();
     let error = DrivenLinkage::parse("f.toml", &text).expect_err(to);
     assert!(started.elapsed() < Duration::from_secs(2), "{from} → {to}");
-    let said = error.to_string();
-    assert!(said.starts_with("f.toml") && !said.contains('\n'), "{said}");
-    assert!(said.len() < 400, "{said}");
-    said
+    let message = error.to_string();
+    assert!(
+        message.starts_with("f.toml") && !message.contains('\n'),
+        "{message}"
+    );
+    assert!(message.len() < 400, "{message}");
+    message
 }
 
 #[test]
-fn the_file_that_the_others_spoil_is_good() {
+fn the_unchanged_file_is_accepted() {
     let driven = DrivenLinkage::parse("f.toml", GOOD).unwrap();
     assert_eq!(driven.sweep().solved().count(), 37);
 }
 
 #[test]
-fn each_slip_is_named_with_its_line_and_key() {
-    for (from, to, said) in [
+fn each_mistake_is_reported_with_its_line_and_key() {
+    for (from, to, message) in [
         (
             "gravity",
             "gravitation",
@@ -146,14 +149,14 @@ fn each_slip_is_named_with_its_line_and_key() {
     ] {
         let sentence = refusal(from, to);
         assert!(
-            sentence.contains(said),
-            "{sentence:?} does not say {said:?}"
+            sentence.contains(message),
+            "{message:?} is missing in {sentence:?}"
         );
     }
 }
 
 #[test]
-fn a_linkage_without_a_drive_or_without_anything_is_refused() {
+fn a_linkage_without_elements_or_without_a_drive_is_refused() {
     let bare = "name = \"x\"\n[sweep]\nduration = 1.0\n";
     let error = DrivenLinkage::parse("f.toml", bare).unwrap_err();
     assert!(error.to_string().contains("must be given 1 to 100 times"));
@@ -167,7 +170,7 @@ fn a_linkage_without_a_drive_or_without_anything_is_refused() {
 }
 
 #[test]
-fn absurd_sizes_are_refused_in_bounded_time() {
+fn excessive_sizes_are_refused_in_bounded_time() {
     let dyad = |i: usize| {
         format!(
             "[[element]]\nkind = \"RRR\"\nends = [\"B\", \"D\"]\nlengths = [0.3, 0.25]\n\
@@ -176,24 +179,24 @@ fn absurd_sizes_are_refused_in_bounded_time() {
         )
     };
     let dyads = |count| -> String { (0..count).map(dyad).collect() };
-    let said = refusal("[[point]]", &(dyads(4_000) + "[[point]]"));
+    let message = refusal("[[point]]", &(dyads(4_000) + "[[point]]"));
     assert!(
-        said.contains("must be given 1 to 100 times, not 4002"),
-        "{said}"
+        message.contains("must be given 1 to 100 times, not 4002"),
+        "{message}"
     );
-    let said = refusal("[[point]]", &(dyads(20) + "[[point]]"));
-    assert!(said.contains("21 dyads with two branches"), "{said}");
+    let message = refusal("[[point]]", &(dyads(20) + "[[point]]"));
+    assert!(message.contains("21 dyads with two branches"), "{message}");
 
     let points: String = (0..5000).map(|i| format!("P{i} = [0.0, 0.0]\n")).collect();
-    let said = refusal("[ground]\n", &format!("[ground]\n{points}"));
-    assert!(said.contains("more than 1000"), "{said}");
+    let message = refusal("[ground]\n", &format!("[ground]\n{points}"));
+    assert!(message.contains("more than 1000"), "{message}");
 
     let nested = format!("at = {}{}", "[".repeat(100_000), "]".repeat(100_000));
     refusal("at = [0.10, 0.0]", &nested);
 }
 
 #[test]
-fn files_that_cannot_be_read_say_so() {
+fn unreadable_files_are_refused_with_the_reason() {
     let folder = tempfile::tempdir().unwrap();
     let missing = DrivenLinkage::load("no_such_linkage").unwrap_err();
     assert!(
@@ -212,7 +215,7 @@ fn files_that_cannot_be_read_say_so() {
 }
 
 #[test]
-fn the_file_in_the_documentation_is_one() {
+fn the_files_in_the_documentation_are_valid() {
     let text = include_str!("../../docs/linkages.md");
     let blocks = text.split("```toml\n").skip(1);
     let blocks: Vec<&str> = blocks

@@ -1,5 +1,5 @@
-//! Every shipped linkage on every assembly: rates against finite differences, forces
-//! against energy and momentum; and figures a textbook gives.
+//! All example linkages in all assemblies: velocities and accelerations compared with finite
+//! differences, forces with the change of energy and momentum; and results from textbooks.
 
 use fivebar::input::linkage::{DrivenLinkage, EXAMPLES};
 use fivebar_design::linkage::{Coordinate, DriveLaw, Linkage, LinkageMotion};
@@ -10,7 +10,7 @@ fn inputs(laws: &[DriveLaw], t: f64) -> Vec<Coordinate<f64>> {
     laws.iter().map(|law| law.at(t)).collect()
 }
 
-/// All positions, then their velocities, then their accelerations.
+/// Three lists: all positions, their velocities and their accelerations.
 fn coordinates(motion: &LinkageMotion<f64>) -> [Vec<f64>; 3] {
     let mut all = [vec![], vec![], vec![]];
     let mut add = |place: [Vector2<f64>; 3]| {
@@ -32,8 +32,8 @@ fn coordinates(motion: &LinkageMotion<f64>) -> [Vec<f64>; 3] {
     all
 }
 
-/// Kinetic and gravitational energy [J], momentum [N·s] and angular momentum about the
-/// plane's origin [N·m·s].
+/// The sum of kinetic and gravitational energy [J], the momentum's x and y [N·s], and the
+/// angular momentum about the plane's origin [N·m·s].
 fn energy_and_momentum(linkage: &Linkage<f64>, motion: &LinkageMotion<f64>) -> [f64; 4] {
     let mut sum = [0.0; 4];
     let mut add = |mass: f64, place: Vector2<f64>, velocity: Vector2<f64>| {
@@ -57,7 +57,7 @@ fn energy_and_momentum(linkage: &Linkage<f64>, motion: &LinkageMotion<f64>) -> [
     sum
 }
 
-/// The same linkage with every length, place, mass and load off by up to `spread`.
+/// The linkage with every length, position, mass and load changed by up to the share `spread`.
 fn varied(linkage: &Linkage<f64>, seed: u32, spread: f64) -> Linkage<f64> {
     let mut state = seed;
     linkage.map_parameters(|_, value| {
@@ -66,9 +66,8 @@ fn varied(linkage: &Linkage<f64>, seed: u32, spread: f64) -> Linkage<f64> {
     })
 }
 
-/// Runs `check` on every assembly of every example, as shipped and with its dimensions
-/// varied, at instants at which it is well away from singularities. Makes sure that the
-/// shipped ones were among them.
+/// Runs `check` on every assembly of every example, unchanged and with varied dimensions, at
+/// instants far from singularities. Asserts that the unchanged examples are among them.
 fn on_every_assembly(check: impl Fn(&str, &Linkage<f64>, &[DriveLaw], f64, &LinkageMotion<f64>)) {
     for example in EXAMPLES {
         let driven = example.linkage().unwrap();
@@ -95,11 +94,11 @@ fn on_every_assembly(check: impl Fn(&str, &Linkage<f64>, &[DriveLaw], f64, &Link
     }
 }
 
-/// Short against the fastest example, a tenth of a second a turn.
+/// Step of the finite differences [s]; short compared with a turn of the fastest example, 0.1 s.
 const STEP: f64 = 1e-6;
 
 #[test]
-fn rates_are_the_finite_differences_of_what_they_are_rates_of() {
+fn velocities_and_accelerations_match_finite_differences() {
     on_every_assembly(|name, linkage, laws, t, motion| {
         let beside = |dt: f64| coordinates(&linkage.motion(&inputs(laws, t + dt)).unwrap());
         let (before, now, after) = (beside(-STEP), coordinates(motion), beside(STEP));
@@ -113,7 +112,10 @@ fn rates_are_the_finite_differences_of_what_they_are_rates_of() {
                 );
             }
         }
-        assert!(now[1].iter().any(|v| v.abs() > 1e-3), "{name} stands still");
+        assert!(
+            now[1].iter().any(|v| v.abs() > 1e-3),
+            "{name} does not move"
+        );
     });
 }
 
@@ -130,7 +132,7 @@ fn forces_balance_energy_and_momentum() {
         let forces = linkage.forces(motion).unwrap();
         let drives = forces.driving.iter().zip(inputs(laws, t));
         let mut power: f64 = drives.map(|(drive, input)| drive * input.rate).sum();
-        // The frame pushes back with −frame; weights and loads act besides.
+        // External forces: the frame's reaction −frame, weights and loads.
         let mut force = -forces.frame.force;
         let mut moment = -forces.frame.moment;
         let mut weigh = |mass: f64, place: Vector2<f64>| {
@@ -165,13 +167,13 @@ fn forces_balance_energy_and_momentum() {
                 "{name} at {t} s: {found} for {expected}"
             );
         }
-        assert!(largest > 1.0, "{name} bears nothing");
+        assert!(largest > 1.0, "{name} has no reactions");
     });
 }
 
 #[test]
 fn reactions_at_rest_are_those_of_statics() {
-    // A slider-crank at rest with the piston pushed by F: the torque is F·dx/dθ.
+    // For a slider-crank at rest with a force F on the piston, the torque is F·dx/dθ.
     let text = EXAMPLES[1].text.replace("3600.0", "0.0");
     let driven = DrivenLinkage::parse("slider_crank", &text).unwrap();
     let at = |angle: f64, rate: f64| {
@@ -191,9 +193,9 @@ fn reactions_at_rest_are_those_of_statics() {
 }
 
 #[test]
-fn the_whitworth_quick_return_keeps_its_textbook_ratio() {
-    // The ram turns where the slotted arm is level: crank at 180° + 2β against 180° − 2β,
-    // sin β = frame / crank.
+fn the_whitworth_quick_return_has_its_textbook_ratio() {
+    // The ram reverses where the slotted arm is level: the crank turns 180° + 2β and 180° − 2β
+    // between, with sin β = frame / crank.
     let driven = DrivenLinkage::load("shaper").unwrap();
     let ram = driven.linkage.points().iter().position(|p| p.name == "F");
     let sweep = driven.sweep();
@@ -208,7 +210,7 @@ fn the_whitworth_quick_return_keeps_its_textbook_ratio() {
     let expected = (std::f64::consts::PI + 2.0 * beta) / (std::f64::consts::PI - 2.0 * beta);
     let ratio = slow / (steps as f64 - slow);
     assert!((ratio - expected).abs() < 0.01, "{ratio} for {expected}");
-    // The stroke is twice the arm that drives the rod.
+    // The stroke is twice the length of the arm that drives the rod.
     let places = sweep
         .solved()
         .map(|(_, s)| s.motion.points[ram.unwrap()].position.x);
@@ -241,7 +243,7 @@ fn the_scotch_yoke_moves_as_a_sine_and_the_tangent_mechanism_as_a_tangent() {
 }
 
 #[test]
-fn every_example_turns_through_its_whole_sweep_on_one_branch() {
+fn every_example_completes_its_sweep_on_one_branch() {
     for example in EXAMPLES {
         let driven = example.linkage().unwrap();
         let sweep = driven.sweep();

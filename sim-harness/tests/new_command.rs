@@ -1,4 +1,4 @@
-//! `fivebar new` from the outside, and the robot files it writes.
+//! The command `fivebar new` and the robot files that it writes.
 
 use fivebar::input::robot::{Draft, Robot};
 use proptest::prelude::*;
@@ -20,13 +20,13 @@ fn new(folder: &Path, arguments: &[&str], answers: &str) -> Output {
         .spawn()
         .unwrap();
     let mut input = program.stdin.take().unwrap();
-    // A program that asks nothing may have left already.
+    // A program without questions may have ended before the write.
     let _ = input.write_all(answers.as_bytes());
     drop(input);
     program.wait_with_output().unwrap()
 }
 
-fn said(output: &Output) -> String {
+fn message(output: &Output) -> String {
     String::from_utf8(output.stderr.clone()).unwrap()
 }
 
@@ -35,17 +35,17 @@ fn load(folder: &Path) -> Robot {
 }
 
 #[test]
-fn an_arm_by_default_is_simulated_at_once() {
+fn the_default_arm_can_be_simulated() {
     let folder = tempfile::tempdir().unwrap();
     let output = new(folder.path(), &["--defaults"], "");
-    assert!(output.status.success(), "{}", said(&output));
+    assert!(output.status.success(), "{}", message(&output));
     assert_eq!(load(folder.path()).name, "arm");
     let run = Command::new(env!("CARGO_BIN_EXE_fivebar"))
         .args(["sim", PETAL, "--robot", "arm.toml", "--json"])
         .current_dir(folder.path())
         .output()
         .unwrap();
-    assert!(run.status.success(), "{}", said(&run));
+    assert!(run.status.success(), "{}", message(&run));
     let figures: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
     assert!(
         figures["tip_error"]["rms_m"].as_f64().unwrap() < 5e-5,
@@ -54,7 +54,7 @@ fn an_arm_by_default_is_simulated_at_once() {
 }
 
 #[test]
-fn answers_come_line_by_line_and_bad_ones_are_asked_for_again_with_the_reason() {
+fn invalid_answers_are_explained_and_asked_again() {
     let folder = tempfile::tempdir().unwrap();
     let answers = [
         "left hand",
@@ -87,8 +87,8 @@ fn answers_come_line_by_line_and_bad_ones_are_asked_for_again_with_the_reason() 
         "",
     ];
     let output = new(folder.path(), &[], &(answers.join("\n") + "\n"));
-    let said = said(&output);
-    assert!(output.status.success(), "{said}");
+    let message = message(&output);
+    assert!(output.status.success(), "{message}");
     for reason in [
         "\"sideways\" is none of flat, upright",
         "a length is more than 0 m, not -1",
@@ -99,7 +99,10 @@ fn answers_come_line_by_line_and_bad_ones_are_asked_for_again_with_the_reason() 
         "`gear_ratio` of [[actuator]] 1 must be a finite number but 0",
         "\"4096.5\" is not the number",
     ] {
-        assert!(said.contains(reason), "`{reason}` is missing in: {said}");
+        assert!(
+            message.contains(reason),
+            "`{reason}` is missing in: {message}"
+        );
     }
     let robot = load(folder.path());
     assert_eq!(robot.name, "left hand");
@@ -113,25 +116,25 @@ fn answers_come_line_by_line_and_bad_ones_are_asked_for_again_with_the_reason() 
     assert_eq!(motor, other);
     assert_eq!((motor.gear_ratio, motor.encoder_counts), (-20.0, 4096));
     assert_eq!((motor.peak_current, motor.continuous_current), (6.0, 2.0));
-    // What gravity pulls must be held while unpowered.
+    // The brake must hold the arm against gravity while unpowered.
     assert!(motor.brake_torque > 0.5, "{}", motor.brake_torque);
 }
 
 #[test]
-fn answers_that_end_too_soon_leave_no_file() {
+fn no_file_is_written_if_the_answers_end_early() {
     let folder = tempfile::tempdir().unwrap();
     let output = new(folder.path(), &[], "name\n\n0.1\n");
     assert_eq!(output.status.code(), Some(1));
     assert!(
-        said(&output).contains("the answers end at \"Cranks"),
+        message(&output).contains("the answers end at \"Cranks"),
         "{}",
-        said(&output)
+        message(&output)
     );
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
 #[test]
-fn the_command_it_offers_runs_as_it_stands() {
+fn the_suggested_command_runs() {
     let folder = tempfile::tempdir().unwrap();
     let fivebar = Path::new(env!("CARGO_BIN_EXE_fivebar"));
     for name in ["arm.toml", "Lisa's Ärmchen.toml"] {
@@ -140,8 +143,10 @@ fn the_command_it_offers_runs_as_it_stands() {
             .current_dir(folder.path())
             .output()
             .unwrap();
-        let said = String::from_utf8(output.stdout).unwrap();
-        let (_, offered) = said.split_once("Try it: fivebar sim ").expect("an offer");
+        let message = String::from_utf8(output.stdout).unwrap();
+        let (_, offered) = message
+            .split_once("Try it: fivebar sim ")
+            .expect("a suggested command");
         let offered = format!(
             "workspace --resolution 8 {}",
             offered.replace("--robot ", "")
@@ -155,27 +160,27 @@ fn the_command_it_offers_runs_as_it_stands() {
     }
 }
 
-/// Makes an arm of these answers, runs what is offered with `fivebar sim`, and gives what was
-/// said of the arm, what was offered, and the run.
-fn tried(answers: [&str; 10]) -> (String, String, Output) {
+/// Makes an arm from these answers and runs the suggested `fivebar sim`. Returns the messages of
+/// `fivebar new`, the suggestion, and the output of the run.
+fn new_then_sim(answers: [&str; 10]) -> (String, String, Output) {
     let folder = tempfile::tempdir().unwrap();
     let output = new(folder.path(), &[], &(answers.join("\n") + "\n"));
-    let said = said(&output);
-    assert!(output.status.success(), "{said}");
+    let message = message(&output);
+    assert!(output.status.success(), "{message}");
     let offer = String::from_utf8(output.stdout).unwrap();
-    let (_, command) = offer.split_once("fivebar ").expect("an offer");
+    let (_, command) = offer.split_once("fivebar ").expect("a suggested command");
     let run = Command::new(env!("CARGO_BIN_EXE_fivebar"))
         .args(command.split_whitespace())
         .current_dir(folder.path())
         .output()
         .unwrap();
-    (said, offer, run)
+    (message, offer, run)
 }
 
 #[test]
-fn a_small_arm_is_offered_a_drawing_of_its_size() {
-    let (said, offer, run) = tried(["", "", "0.02", "", "", "", "", "", "", ""]);
-    assert!(!said.contains("cannot draw"), "{said}");
+fn the_command_for_a_small_arm_scales_the_drawing() {
+    let (message, offer, run) = new_then_sim(["", "", "0.02", "", "", "", "", "", "", ""]);
+    assert!(!message.contains("cannot draw"), "{message}");
     assert!(
         offer.contains("Try it: ") && offer.contains("--scale 0.2"),
         "{offer}"
@@ -184,15 +189,15 @@ fn a_small_arm_is_offered_a_drawing_of_its_size() {
 }
 
 #[test]
-fn homing_holds_an_upright_arm_up_and_has_torque_left_to_move_it() {
-    // Its weight takes 196 mN·m at home; 225 mN·m are what a level arm is homed with.
-    let (said, _, run) = tried(["", "up", "", "0.1", "0.5", "", "", "", "", ""]);
-    assert!(!said.contains("cannot draw"), "{said}");
+fn homing_holds_an_upright_arm_and_has_torque_left_to_move_it() {
+    // The weight needs 196 mN·m at home. A level arm is homed with 225 mN·m.
+    let (message, _, run) = new_then_sim(["", "up", "", "0.1", "0.5", "", "", "", "", ""]);
+    assert!(!message.contains("cannot draw"), "{message}");
     assert!(run.status.success(), "{run:?}");
 }
 
 #[test]
-fn an_arm_that_cannot_draw_is_told_of_with_the_reason_that_its_run_will_give() {
+fn an_arm_that_cannot_draw_is_reported_with_the_reason_of_its_run() {
     let heavy = ["", "", "", "", "", "", "", "10", "", ""];
     let homing = ["while homing", "225 mN·m at joint 1"];
     let upright = ["", "up", "", "", "", "", "", "1", "", ""];
@@ -201,32 +206,34 @@ fn an_arm_that_cannot_draw_is_told_of_with_the_reason_that_its_run_will_give() {
         "even at a scale",
     ];
     for (answers, words) in [(heavy, homing), (upright, holding)] {
-        let (told, offer, run) = tried(answers);
-        let (_, reason) = told.split_once("cannot draw the demonstration: ").unwrap();
+        let (message_of_new, offer, run) = new_then_sim(answers);
+        let (_, reason) = message_of_new
+            .split_once("cannot draw the demonstration: ")
+            .unwrap();
         for word in words {
             assert!(reason.contains(word), "`{word}` is missing in: {reason}");
         }
         assert!(!offer.contains("Try it"), "{offer}");
         assert_eq!(run.status.code(), Some(1));
-        // A run at full size meets the same reason, at a place of its own.
+        // A run at full size has the same reason, possibly at another position.
         let (same, _) = reason.split_once(" at (").unwrap_or((reason, ""));
         let same = same.trim().trim_end_matches('.');
-        assert!(said(&run).contains(same), "{} for {same}", said(&run));
+        assert!(message(&run).contains(same), "{} for {same}", message(&run));
     }
 }
 
 #[test]
-fn a_file_that_is_there_is_left_alone() {
+fn an_existing_file_is_not_overwritten() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("arm.toml"), "mine").unwrap();
     let output = new(folder.path(), &["--defaults"], "");
     assert_eq!(output.status.code(), Some(1));
-    assert!(said(&output).contains("there already"));
+    assert!(message(&output).contains("there already"));
     let left = std::fs::read_to_string(folder.path().join("arm.toml")).unwrap();
     assert_eq!(left, "mine");
 }
 
-/// The keys that the reader knows in a place, from what it says of one it does not.
+/// The keys of a section, taken from the reader's message for an unknown key.
 fn known_keys(text: &str) -> Vec<String> {
     let refusal = Robot::parse("arm.toml", text).unwrap_err().to_string();
     let (_, expected) = refusal
@@ -237,8 +244,8 @@ fn known_keys(text: &str) -> Vec<String> {
 }
 
 #[test]
-fn the_file_explains_every_key_that_the_reader_knows_with_its_unit() {
-    // Numbers that have no unit, and what is no number.
+fn the_file_explains_every_key_with_its_unit() {
+    // Dimensionless numbers, and values that are not numbers.
     const WITHOUT_UNIT: [&str; 12] = [
         "name",
         "working_mode",
@@ -254,7 +261,7 @@ fn the_file_explains_every_key_that_the_reader_knows_with_its_unit() {
         "friction",
     ];
     let text = Draft::new("arm").text();
-    // An unknown key on the line below each section's head, or on top of the file.
+    // The file with an unknown key at its top, and below each section's head.
     let heads: Vec<&str> = text.lines().filter(|line| line.starts_with('[')).collect();
     let inside = heads
         .iter()
@@ -274,7 +281,7 @@ fn the_file_explains_every_key_that_the_reader_knows_with_its_unit() {
         let line = text
             .lines()
             .find(|line| line.trim_start_matches("# ").starts_with(&assignment))
-            .unwrap_or_else(|| panic!("the file does not tell of `{key}`"));
+            .unwrap_or_else(|| panic!("the file does not contain `{key}`"));
         let (_, after) = line.split_once(" = ").unwrap();
         let (_, comment) = after
             .split_once('#')
@@ -288,8 +295,8 @@ fn the_file_explains_every_key_that_the_reader_knows_with_its_unit() {
 }
 
 #[test]
-fn a_commented_key_holds_its_default() {
-    // [tool] to [protection] as written, with every key in force, are the same robot.
+fn commented_keys_show_their_defaults() {
+    // With the commented keys of these sections active, the robot is the same.
     let text = Draft::new("arm").text();
     let in_force: String = text
         .lines()
@@ -306,7 +313,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
-    fn what_a_draft_says_is_what_the_reader_reads(
+    fn a_draft_is_read_back_with_the_same_values(
         name in "[^\\p{Cc}]{1,12}",
         base in 0.01..0.6_f64, cranks in prop::array::uniform2(0.01..0.6_f64),
         couplers in prop::array::uniform2(0.01..0.6_f64),
@@ -324,7 +331,7 @@ proptest! {
         if !driven {
             draft.motor = None;
         }
-        // Lengths that cannot be assembled are many, but far from all.
+        // Many random lengths cannot be assembled; most can.
         let checked = draft.check();
         prop_assume!(checked.is_ok());
         let robot = checked.unwrap();

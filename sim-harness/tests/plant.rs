@@ -1,4 +1,5 @@
-//! The simulated arm obeys mechanics, and the same seed gives the same run.
+//! The simulated arm: energy, constraints, motors, sensors, faults and brakes; runs with the same
+//! seed are equal.
 
 use fivebar::input::robot::Robot;
 use fivebar::input::scenario::{FaultKind, Mismatch, PlantFault};
@@ -40,7 +41,8 @@ fn largest_gap(model: &Model, state: &State) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Frictionless, its terminals floating, hanging in gravity, thrown from home.
+/// An arm without friction, with open motor terminals, hanging in gravity. It starts at home with
+/// an initial velocity.
 fn free() -> (Model, State) {
     let robot = benchtop();
     let mut model = Model::new(&robot, &Mismatch::default()).unwrap();
@@ -73,14 +75,15 @@ fn a_free_frictionless_arm_keeps_its_energy() {
         kinetic_least = kinetic_least.min(kinetic);
     }
     let drift = (model.energy(&state) - start).abs() / kinetic_most;
-    // It did move: energy went back and forth between its kinds.
+    // The arm moves: energy changes between kinetic and potential.
     assert!(kinetic_most > 5.0 * kinetic_least);
     assert!(drift < 1e-6, "relative drift {drift:e}");
 }
 
-/// Every power, integrated by the trapezium rule with its error of h², makes the energy.
+/// The supplied minus the dissipated power, integrated by the trapezoidal rule with an error of
+/// order h², is the change of the stored energy.
 #[test]
-fn power_in_is_energy_gained() {
+fn the_supplied_power_equals_the_change_of_energy() {
     let robot = benchtop();
     let model = Model::new(&robot, &Mismatch::default()).unwrap();
     let mut state = model.state_at(&robot.home_pose().unwrap(), [0.0; 4]);
@@ -90,7 +93,7 @@ fn power_in_is_energy_gained() {
         stored(0) + stored(1)
     };
     let start = model.energy(&state) + winding(&state);
-    let (mut gained, mut lost) = (0.0, 0.0);
+    let (mut supplied, mut lost) = (0.0, 0.0);
     for step in 0..20_000 {
         let phase = 40.0 * h * f64::from(step);
         let loads = Loads {
@@ -113,19 +116,22 @@ fn power_in_is_energy_gained() {
         let before = powers(&state);
         model.step(&mut state, &loads, h);
         let after = powers(&state);
-        gained += 0.5 * h * (before.0 + after.0);
+        supplied += 0.5 * h * (before.0 + after.0);
         lost += 0.5 * h * (before.1 + after.1);
     }
     let energy = model.energy(&state) + winding(&state) - start;
-    assert!(gained > 0.1 && lost > 0.01, "{gained} J in, {lost} J lost");
     assert!(
-        (gained - lost - energy).abs() < 1e-5 * gained,
-        "{gained} − {lost} ≠ {energy} J"
+        supplied > 0.1 && lost > 0.01,
+        "{supplied} J supplied, {lost} J lost"
+    );
+    assert!(
+        (supplied - lost - energy).abs() < 1e-5 * supplied,
+        "{supplied} − {lost} ≠ {energy} J"
     );
 }
 
 #[test]
-fn the_loop_stays_closed_to_1e_10_m_however_hard_it_is_driven() {
+fn the_loop_stays_closed_to_1e_10_m_at_full_drive() {
     let mut plant = plant(1);
     let mut fastest = 0.0_f64;
     for tick in 0..20_000 {
@@ -134,7 +140,10 @@ fn the_loop_stays_closed_to_1e_10_m_however_hard_it_is_driven() {
         assert!(largest_gap(plant.model(), plant.state()) <= 1e-10);
         fastest = fastest.max(plant.state().v[0].angular.abs());
     }
-    assert!(fastest > 10.0, "the arm hardly moved: {fastest} rad/s");
+    assert!(
+        fastest > 10.0,
+        "the arm is too slow for the test: {fastest} rad/s"
+    );
 }
 
 #[test]
@@ -189,7 +198,7 @@ fn a_command_takes_effect_one_tick_later() {
     assert_eq!(
         plant.state().current,
         [0.0; 2],
-        "floating terminals carry no current"
+        "open terminals carry no current"
     );
 }
 
@@ -207,7 +216,7 @@ fn a_stalled_motor_settles_at_its_resistive_current() {
 }
 
 #[test]
-fn counts_follow_the_joint_to_the_count() {
+fn encoder_counts_follow_the_joint_exactly() {
     let axis = benchtop().settings().unwrap().axes[0];
     let counts_per_turn = f64::from(axis.encoder_counts) * f64::from(axis.gear_ratio);
     let mut plant = plant(3);
@@ -225,7 +234,7 @@ fn counts_follow_the_joint_to_the_count() {
 }
 
 #[test]
-fn codes_tell_current_and_bus_voltage() {
+fn sensor_codes_match_current_and_bus_voltage() {
     let robot = benchtop();
     let mismatch = Mismatch::NONE;
     let mut plant = Plant::new(&robot, &mismatch, &robot.home_pose().unwrap(), 1).unwrap();
@@ -247,7 +256,7 @@ fn codes_tell_current_and_bus_voltage() {
 }
 
 #[test]
-fn faults_come_to_pass_at_their_time() {
+fn injected_faults_occur_at_their_time() {
     let at = |kind| PlantFault { at: 0.01, kind };
     let mut plant = plant(5);
     plant.schedule_faults(&[
@@ -292,7 +301,7 @@ fn faults_come_to_pass_at_their_time() {
 }
 
 #[test]
-fn brakes_hold_the_unpowered_arm_against_gravity_and_its_motion() {
+fn brakes_hold_the_unpowered_arm_against_gravity_and_stop_its_motion() {
     let text =
         include_str!("../robots/usp_2dof.toml").replace("[0.0, 0.0]\nbase", "[0.0, -9.81]\nbase");
     let robot = Robot::parse("hanging", &text).unwrap();
@@ -309,14 +318,17 @@ fn brakes_hold_the_unpowered_arm_against_gravity_and_its_motion() {
         }
     };
     run(&mut plant, &engaged, 1000);
-    assert!((plant.tool() - start).norm() < 1e-7, "it sags");
+    assert!((plant.tool() - start).norm() < 1e-7, "the arm sags");
     run(&mut plant, &Command::default(), 400);
     let speed = plant.state().v[0].angular;
-    assert!(speed.abs() > 1.0, "released, it falls");
-    // 2 N·m on some 3e-3 kg·m² stop this speed within milliseconds.
+    assert!(speed.abs() > 1.0, "the released arm falls");
+    // 2 N·m stop about 3e-3 kg·m² at this speed within milliseconds.
     run(&mut plant, &engaged, 300);
     let caught = plant.tool();
     run(&mut plant, &engaged, 1000);
-    assert!((plant.tool() - caught).norm() < 1e-7, "caught, it stays");
+    assert!(
+        (plant.tool() - caught).norm() < 1e-7,
+        "the stopped arm moves"
+    );
     assert!(largest_gap(plant.model(), plant.state()) <= 1e-10);
 }

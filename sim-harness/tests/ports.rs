@@ -1,4 +1,4 @@
-//! `fivebar monitor` and `fivebar drive` on a serial port, real but for the board.
+//! The commands `fivebar monitor` and `fivebar drive` on a pseudo-terminal with a simulated board.
 #![cfg(unix)]
 
 mod arm;
@@ -9,21 +9,22 @@ use std::io::Write;
 use std::process::Command;
 use std::time::Duration;
 
-/// A job of two seconds or so.
+/// A job of about two seconds.
 fn job() -> tempfile::NamedTempFile {
     let mut file = tempfile::Builder::new()
         .suffix(".gcode")
         .tempfile()
-        .expect("a file");
-    writeln!(file, "G21 G90 F9000\nG0 X0 Y0").expect("room");
+        .expect("a temporary file");
+    writeln!(file, "G21 G90 F9000\nG0 X0 Y0").expect("the file can be written");
     for _ in 0..10 {
-        writeln!(file, "G1 X20 Y0\nG1 X20 Y10\nG1 X0 Y10\nG1 X0 Y0").expect("room");
+        writeln!(file, "G1 X20 Y0\nG1 X20 Y10\nG1 X0 Y10\nG1 X0 Y0")
+            .expect("the file can be written");
     }
     file
 }
 
 fn drive(job: &tempfile::NamedTempFile) -> [&str; 2] {
-    ["drive", job.path().to_str().expect("text")]
+    ["drive", job.path().to_str().expect("UTF-8 text")]
 }
 
 #[test]
@@ -43,38 +44,38 @@ fn a_monitor_shows_samples_and_counts_losses() {
 }
 
 #[test]
-fn a_job_is_driven_over_a_port_to_its_end() {
+fn a_job_over_a_port_runs_to_its_end() {
     let board = Board::start(Some(arm::driving()));
     let job = job();
-    let log = tempfile::NamedTempFile::new().expect("a file");
-    let folder = tempfile::tempdir().expect("a folder");
+    let log = tempfile::NamedTempFile::new().expect("a temporary file");
+    let folder = tempfile::tempdir().expect("a temporary folder");
     let mcap = folder.path().join("logs/run.mcap");
-    let trace = ["--trace", log.path().to_str().expect("text")];
-    let trace = [&trace[..], &["--log", mcap.to_str().expect("text")]].concat();
+    let trace = ["--trace", log.path().to_str().expect("UTF-8 text")];
+    let trace = [&trace[..], &["--log", mcap.to_str().expect("UTF-8 text")]].concat();
     let (status, out, err) = end(board.fivebar(&[&drive(&job)[..], &trace].concat()));
     assert_eq!(status, Some(0), "{out}{err}");
     assert!(out.contains("41 moves done, bridges off"), "{out}");
-    let log = std::fs::read_to_string(log.path()).expect("a log");
+    let log = std::fs::read_to_string(log.path()).expect("the log is written");
     assert!(
         log.contains("> HostMessage") && log.contains("Taken"),
         "{log}"
     );
-    let mcap = std::fs::read(mcap).expect("a log");
+    let mcap = std::fs::read(mcap).expect("the log is written");
     let messages = mcap::MessageStream::new(&mcap).expect("MCAP");
-    let of_the_tool = messages.filter(|it| it.as_ref().unwrap().channel.topic == "/tool");
-    let count = of_the_tool.count();
-    // It is asked a hundred times a second, for two seconds or so.
+    let tool_messages = messages.filter(|it| it.as_ref().unwrap().channel.topic == "/tool");
+    let count = tool_messages.count();
+    // The tool's position is requested 100 times per second for about two seconds.
     assert!(count > 100, "{count} messages");
 }
 
 #[test]
-fn ctrl_c_stops_the_arm_and_says_on_which_line() {
+fn ctrl_c_stops_the_arm_and_the_line_is_reported() {
     let board = Board::start(Some(arm::driving()));
     let job = job();
-    let log = tempfile::NamedTempFile::new().expect("a file");
-    let trace = ["--trace", log.path().to_str().expect("text")];
+    let log = tempfile::NamedTempFile::new().expect("a temporary file");
+    let trace = ["--trace", log.path().to_str().expect("UTF-8 text")];
     let child = board.fivebar(&[&drive(&job)[..], &trace].concat());
-    // Homing is over and the arm moves when there are moves in the log.
+    // The log shows when homing has ended and the arm moves.
     let moves = || {
         let log = std::fs::read_to_string(log.path()).unwrap_or_default();
         log.matches("state: Running").count()
@@ -83,20 +84,20 @@ fn ctrl_c_stops_the_arm_and_says_on_which_line() {
         std::thread::sleep(Duration::from_millis(5));
         moves() > 5
     });
-    assert!(moving, "the arm never moved");
+    assert!(moving, "the arm does not move");
     let killed = Command::new("kill")
         .args(["-INT", &child.id().to_string()])
         .status();
-    assert!(killed.expect("kill").success());
+    assert!(killed.expect("`kill` starts").success());
     let (status, _, err) = end(child);
     assert_eq!(status, Some(1), "{err}");
     assert!(err.contains("stopped by the user on line"), "{err}");
-    let log = std::fs::read_to_string(log.path()).expect("a log");
+    let log = std::fs::read_to_string(log.path()).expect("the log is written");
     assert!(log.contains("Request(Stop)") && log.contains("Request(Disarm)"));
 }
 
 #[test]
-fn an_absent_port_is_told_with_those_there_are() {
+fn a_missing_port_is_reported_with_the_existing_ones() {
     let (status, _, err) = end(fivebar(&["monitor", "--port", "/dev/nothing"]));
     assert_eq!(status, Some(1));
     assert!(
@@ -106,11 +107,11 @@ fn an_absent_port_is_told_with_those_there_are() {
 }
 
 #[test]
-fn a_busy_port_is_told() {
+fn a_busy_port_is_reported() {
     let board = Board::start(Some(arm::driving()));
     let _ours = serialport::new(&board.port, 1_000_000)
         .open()
-        .expect("the port");
+        .expect("the port opens");
     let (status, _, err) = end(board.fivebar(&["monitor"]));
     assert_eq!(status, Some(1));
     assert!(
@@ -120,16 +121,16 @@ fn a_busy_port_is_told() {
 }
 
 #[test]
-fn a_file_is_no_port() {
-    let file = tempfile::NamedTempFile::new().expect("a file");
-    let path = file.path().to_str().expect("text");
+fn a_file_as_port_is_refused() {
+    let file = tempfile::NamedTempFile::new().expect("a temporary file");
+    let path = file.path().to_str().expect("UTF-8 text");
     let (status, _, err) = end(fivebar(&["monitor", "--port", path]));
     assert_eq!(status, Some(1));
     assert!(err.contains("does not work as a serial port"), "{err}");
 }
 
 #[test]
-fn a_silent_controller_is_given_up_in_seconds() {
+fn a_silent_controller_is_reported_within_seconds() {
     let board = Board::start(None);
     let (status, _, err) = end(board.fivebar(&["monitor"]));
     assert_eq!(status, Some(1));

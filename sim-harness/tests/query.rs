@@ -1,4 +1,4 @@
-//! `fivebar query` as a script meets it: the program itself, over its pipes.
+//! The command `fivebar query` as scripts use it, over pipes.
 
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Write};
@@ -25,7 +25,7 @@ fn robot_file(robot: &Value) -> String {
     text
 }
 
-/// The answers of `fivebar query` about this robot file to these lines.
+/// The answers of `fivebar query` to these lines for this robot file.
 fn ask(robot: &str, lines: &[String]) -> Vec<Value> {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("robot.toml");
@@ -37,7 +37,7 @@ fn ask(robot: &str, lines: &[String]) -> Vec<Value> {
         .stdout(Stdio::piped())
         .spawn()
         .unwrap();
-    // Each line is asked only once the one before is answered: no answer may wait.
+    // Each line is sent after the answer to the one before: answers must not be buffered.
     let mut questions = program.stdin.take().unwrap();
     let mut answers = BufReader::new(program.stdout.take().unwrap()).lines();
     let read = lines
@@ -49,13 +49,13 @@ fn ask(robot: &str, lines: &[String]) -> Vec<Value> {
         })
         .collect();
     drop(questions);
-    assert!(answers.next().is_none(), "one answer to a line");
+    assert!(answers.next().is_none(), "one answer for each line");
     assert!(program.wait().unwrap().success());
     read
 }
 
-/// Asserts that `actual` has every key of `expected` and no other, numbers to 1e-9 of the
-/// largest beside them.
+/// Asserts that `actual` has the same keys as `expected`, and equal numbers within 1e-9 of the
+/// greatest in the same list.
 #[track_caller]
 fn assert_same(what: &str, actual: &Value, expected: &Value) {
     match (actual, expected) {
@@ -97,7 +97,7 @@ fn only(object: &Value, keys: &[&str]) -> Value {
 }
 
 #[test]
-fn every_op_answers_all_180_reference_states() {
+fn every_op_matches_all_180_reference_states() {
     const STATE: [&str; 5] = ["theta1", "theta4", "omega1", "omega4", "assembly"];
     let ops: [(&str, Vec<&str>, Vec<&str>); 5] = [
         (
@@ -158,13 +158,13 @@ fn every_op_answers_all_180_reference_states() {
     assert_eq!(states, 180);
 }
 
-/// Four links of 0.23 m on a base of 0.275 m, masses unknown.
+/// Four links of 0.23 m on a base of 0.275 m, without masses.
 const TEXTBOOK: &str = "name = \"textbook\"\ngravity = [0.0, 0.0]\nbase = 0.275\n\
     [[link]]\nlength = 0.23\n[[link]]\nlength = 0.23\n\
     [[link]]\nlength = 0.23\n[[link]]\nlength = 0.23\n";
 
 #[test]
-fn what_has_no_answer_is_refused_by_kind_and_the_conversation_goes_on() {
+fn a_query_without_solution_gets_an_error_kind_and_the_next_is_answered() {
     let meeting = (0.1375_f64 / 0.23).acos();
     let flat = (0.1375_f64 / 0.23 - 1.0).acos();
     let driven = |op: &str, theta1: f64| {
@@ -243,8 +243,8 @@ fn a_point_on_the_rim_of_reach_is_answered() {
 }
 
 #[test]
-fn numbers_are_read_to_their_last_bit() {
-    // B meets D here, and the refusal names the angle as it was understood.
+fn numbers_are_read_exactly() {
+    // B and D coincide here, and the error contains the angle as it was read.
     let question = r#"{"op":"forward","theta1":0.9300098491833563,"theta4":2.211582804406437,
         "assembly":"left"}"#;
     let answers = ask(TEXTBOOK, &[question.replace('\n', " ")]);
@@ -253,7 +253,7 @@ fn numbers_are_read_to_their_last_bit() {
 }
 
 #[test]
-fn a_robot_that_is_not_there_is_refused_with_its_name() {
+fn a_missing_robot_is_named_in_the_error() {
     let output = Command::new(env!("CARGO_BIN_EXE_fivebar"))
         .args(["query", "--robot", "nowhere/none.toml"])
         .output()

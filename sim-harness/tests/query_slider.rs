@@ -1,4 +1,4 @@
-//! `fivebar query` about a slider-driven mechanism, and its robot file.
+//! Queries for a slider-driven mechanism, and its robot file.
 
 use fivebar::input::robot::{Mechanism, Robot, SliderRobot};
 use fivebar::study::query::{serve, slider};
@@ -40,7 +40,7 @@ fn assert_close(a: f64, b: f64) {
 }
 
 #[test]
-fn forward_undoes_inverse() {
+fn forward_is_the_inverse_of_inverse() {
     // sin α7 = 0.66/1.1 = 0.6, hence x8 = 0.3 + 0.88.
     let inverse = ask(json!({"op": "inverse", "p": [0.0, 0.66]}));
     assert_close(number(&inverse, "x8"), 1.18);
@@ -61,7 +61,7 @@ fn forward_undoes_inverse() {
 }
 
 #[test]
-fn motion_is_the_finite_difference_and_undone_by_its_inverse() {
+fn the_motion_matches_finite_differences_and_its_inverse() {
     let motion = |t: f64| {
         ask(json!({
             "op": "motion", "assembly": "left",
@@ -89,7 +89,7 @@ fn motion_is_the_finite_difference_and_undone_by_its_inverse() {
 }
 
 #[test]
-fn error_transfer_is_that_of_the_sliders_held() {
+fn the_error_transfer_holds_for_fixed_sliders() {
     let place = json!({"op": "error_transfer", "x2": -1.2, "x8": 1.1, "assembly": "left"});
     let transfer = ask(place);
     let p = |file: &str| {
@@ -108,7 +108,7 @@ fn error_transfer_is_that_of_the_sliders_held() {
             assert!((difference - pair(&transfer, key)[axis]).abs() < 1e-8);
         }
     }
-    // Both sliders shifted alike shift P alike.
+    // If both sliders shift by the same distance, P shifts by that distance.
     for axis in 0..2 {
         let both = pair(&transfer, "x2")[axis] + pair(&transfer, "x8")[axis];
         assert_close(both, [1.0, 0.0][axis]);
@@ -116,7 +116,7 @@ fn error_transfer_is_that_of_the_sliders_held() {
 }
 
 #[test]
-fn what_cannot_be_answered_says_which_kind() {
+fn queries_without_solution_get_their_error_kind() {
     let kinds = ask_of(
         FILE,
         &[
@@ -131,7 +131,7 @@ fn what_cannot_be_answered_says_which_kind() {
             json!({"op": "forward", "x2": 0.0}),
         ],
     );
-    let said: Vec<_> = kinds
+    let message: Vec<_> = kinds
         .iter()
         .map(|k| k["error"].as_str().unwrap_or("none"))
         .collect();
@@ -144,8 +144,8 @@ fn what_cannot_be_answered_says_which_kind() {
         "invalid",
         "invalid",
     ];
-    // The fourth pose has its limbs all but in line: 2.9 m = 1.2 + 1.1 + 0.6.
-    assert_eq!(said, expected, "{kinds:?}");
+    // In the fourth pose the limbs and the platform are in line: 2.9 m = 1.2 + 1.1 + 0.6.
+    assert_eq!(message, expected, "{kinds:?}");
     let [least, greatest] = pair(&kinds[2], "x");
     assert!(least < greatest);
     let untravelled = FILE.split("[travel]").next().unwrap();
@@ -159,7 +159,7 @@ fn what_cannot_be_answered_says_which_kind() {
 }
 
 #[test]
-fn the_file_says_which_mechanism_it_is() {
+fn the_mechanism_follows_from_the_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("slider.toml");
     std::fs::write(&path, FILE).unwrap();
@@ -177,8 +177,8 @@ fn the_file_says_which_mechanism_it_is() {
 }
 
 #[test]
-fn files_that_make_no_mechanism_are_refused_with_their_line() {
-    for (from, to, said) in [
+fn invalid_mechanisms_are_refused_with_their_line() {
+    for (from, to, message) in [
         (
             "left_link = 1.2 ",
             "left_link = -1.2 ",
@@ -204,6 +204,6 @@ fn files_that_make_no_mechanism_are_refused_with_their_line() {
     ] {
         assert!(FILE.contains(from), "{from}");
         let error = SliderRobot::parse("f.toml", &FILE.replace(from, to)).unwrap_err();
-        assert!(error.to_string().contains(said), "{error}");
+        assert!(error.to_string().contains(message), "{error}");
     }
 }

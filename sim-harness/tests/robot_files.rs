@@ -1,4 +1,4 @@
-//! Robot files: what is accepted, and how the rest is refused.
+//! Robot files: which are accepted, and how others are refused.
 
 use fivebar::input::robot::{BUILT_IN, BuiltIn, Robot};
 use fivebar::input::scenario::Mismatch;
@@ -34,7 +34,7 @@ inertia = 1.2e-4
 
 #[track_caller]
 fn assert_refused(text: &str, line: usize, words: &[&str]) {
-    let error = Robot::parse("arm.toml", text).expect_err("the file makes no sense");
+    let error = Robot::parse("arm.toml", text).expect_err("an invalid file is refused");
     let message = error.to_string();
     assert!(
         message.starts_with(&format!("arm.toml, line {line}: ")),
@@ -46,7 +46,7 @@ fn assert_refused(text: &str, line: usize, words: &[&str]) {
 }
 
 #[test]
-fn every_built_in_robot_reads_under_its_own_name() {
+fn every_built_in_robot_is_read_under_its_name() {
     assert_eq!(BUILT_IN[0].name, BuiltIn::DEFAULT);
     for built_in in BUILT_IN {
         let robot = built_in.robot().unwrap();
@@ -56,7 +56,7 @@ fn every_built_in_robot_reads_under_its_own_name() {
 }
 
 #[test]
-fn a_file_without_optional_sections_is_an_arm_of_ideal_torque_sources() {
+fn a_file_without_optional_sections_has_ideal_torque_sources() {
     let robot = Robot::parse("arm.toml", PLAIN).unwrap();
     let arm = robot.arm().unwrap();
     assert_eq!(arm.payload(), 0.15);
@@ -71,7 +71,7 @@ fn a_file_without_optional_sections_is_an_arm_of_ideal_torque_sources() {
 }
 
 #[test]
-fn the_payload_is_stated_where_the_links_have_masses() {
+fn a_robot_with_masses_must_state_its_payload() {
     let error = Robot::parse("arm.toml", &PLAIN.replace("payload = 0.15\n", "")).unwrap_err();
     let message = error.to_string();
     assert!(message.contains("`payload` is missing"), "{message}");
@@ -124,7 +124,7 @@ fn unknown_keys_are_refused_by_name() {
 }
 
 #[test]
-fn numbers_that_make_no_sense_are_refused_with_their_line() {
+fn invalid_numbers_are_refused_with_their_line() {
     for bad in ["-0.09", "0.0", "nan", "inf"] {
         let text = PLAIN.replace("length = 0.09", &format!("length = {bad}"));
         assert_refused(&text, 6, &["`length`", "[[link]] 1", "positive"]);
@@ -173,7 +173,7 @@ fn numbers_that_make_no_sense_are_refused_with_their_line() {
 }
 
 #[test]
-fn degrees_and_millimetres_are_refused_with_the_unit_that_is_meant() {
+fn degrees_and_millimetres_are_refused_with_the_right_unit() {
     let text = format!("{PLAIN}[limits]\nangle = [[0.0, 90.0], [0.0, 1.0]]\n");
     assert_refused(&text, 26, &["`angle`", "radians", "90.0"]);
     let text = PLAIN.replace("base = 0.118", "base = 118");
@@ -205,7 +205,7 @@ fn a_gear_may_reverse_but_not_be_zero() {
 }
 
 #[test]
-fn a_refused_number_is_printed_as_a_person_would_write_it() {
+fn a_refused_number_is_printed_as_in_the_file() {
     let text = PLAIN.replace("payload = 0.15", "payload = -1e300");
     assert_refused(&text, 4, &["not -1e300"]);
 }
@@ -226,7 +226,7 @@ fn a_pair_of_three_numbers_is_refused_by_its_key() {
 }
 
 #[test]
-fn three_links_or_one_actuator_are_not_an_arm() {
+fn three_links_or_one_actuator_are_refused() {
     let (three, _) = PLAIN.rsplit_once("[[link]]").unwrap();
     assert_refused(three, 5, &["four times, not 3"]);
     let actuator = BUILT_IN[0].text.split("[[actuator]]").nth(1).unwrap();
@@ -235,13 +235,13 @@ fn three_links_or_one_actuator_are_not_an_arm() {
 }
 
 #[test]
-fn a_home_that_is_no_pose_is_refused() {
+fn a_home_without_pose_is_refused() {
     let text = format!("home = [0.0, 0.0]\n{PLAIN}");
     assert_refused(&text, 1, &["`home`", "working mode"]);
 }
 
 #[test]
-fn a_robot_known_by_its_lengths_alone_says_so_when_masses_are_needed() {
+fn a_robot_without_masses_is_refused_where_masses_are_needed() {
     let duet = Robot::load("duet").unwrap();
     let message = duet.settings().unwrap_err().to_string();
     assert!(
@@ -259,8 +259,8 @@ fn a_name_that_is_neither_built_in_nor_a_file_lists_the_built_in_ones() {
     );
 }
 
-/// Every number of the default arm's file, one at a time, replaced by every odd one: the
-/// file is refused, or the arm it describes survives a few powered ticks.
+/// Each number of the default arm's file is replaced by each of several odd values. The file is
+/// refused, or its arm runs for a few powered ticks without a panic.
 #[test]
 fn no_number_in_a_robot_file_makes_the_program_panic_or_hang() {
     const ODD: [&str; 12] = [

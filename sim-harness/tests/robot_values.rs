@@ -1,10 +1,10 @@
-//! Values of a robot file that make sense each for itself, but not together or not to the
-//! controller: refused by the file's own line and key.
+//! Values of a robot file that are valid alone and inconsistent with others or with the
+//! controller's bounds. They are refused with the line and key of the file.
 
 use fivebar::input::robot::{BUILT_IN, Robot};
 use fivebar_firmware::settings::SettingsError;
 
-/// The default arm's file with every key in force that has a value when left out.
+/// The default arm's file with all keys that have defaults.
 fn whole() -> String {
     let mut text = BUILT_IN[0].text.to_owned();
     for (section, keys) in [
@@ -26,12 +26,12 @@ fn whole() -> String {
 
 fn refusal(text: &str) -> String {
     Robot::parse("arm.toml", text)
-        .expect_err("the file makes no sense")
+        .expect_err("an invalid file is refused")
         .to_string()
 }
 
 #[test]
-fn what_the_controller_would_refuse_is_refused_with_line_key_and_bound() {
+fn values_that_the_controller_would_refuse_are_refused_with_line_key_and_bound() {
     let text = whole();
     assert!(Robot::parse("arm.toml", &text).is_ok());
     for (key, odd, words) in [
@@ -97,26 +97,26 @@ fn what_the_controller_would_refuse_is_refused_with_line_key_and_bound() {
         let line = line.unwrap_or_else(|| panic!("no {key}"));
         let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
         lines[line] = format!("{assignment}{odd}");
-        let said = refusal(&lines.join("\n"));
+        let message = refusal(&lines.join("\n"));
         let place = format!("arm.toml, line {}: `{key}` of [", line + 1);
-        assert!(said.starts_with(&place), "{said}");
+        assert!(message.starts_with(&place), "{message}");
         for word in words {
-            assert!(said.contains(word), "`{word}` is missing in: {said}");
+            assert!(message.contains(word), "`{word}` is missing in: {message}");
         }
     }
 }
 
 #[test]
-fn a_value_left_out_is_named_with_what_it_is_then() {
+fn a_default_that_does_not_fit_is_named_with_its_value() {
     let text = BUILT_IN[0].text;
-    let said = refusal(&text.replace("[supply]", "[supply]\nrange = [16.8, 60.0]"));
+    let message = refusal(&text.replace("[supply]", "[supply]\nrange = [16.8, 60.0]"));
     for word in ["`voltage_per_code` of [supply]", "60 V", "left out"] {
-        assert!(said.contains(word), "`{word}` is missing in: {said}");
+        assert!(message.contains(word), "`{word}` is missing in: {message}");
     }
 }
 
 #[test]
-fn a_torque_limit_below_what_the_motor_bears_for_ever_is_no_contradiction() {
+fn a_torque_limit_below_the_continuous_torque_is_accepted() {
     let text = BUILT_IN[0]
         .text
         .replace("[limits]", "[limits]\nmax_torque = [0.1, 0.2]");
@@ -129,10 +129,10 @@ fn a_torque_limit_below_what_the_motor_bears_for_ever_is_no_contradiction() {
     assert_eq!(settings.validate(), Ok(()));
 }
 
-/// Every number of the file, times powers of ten either way: whatever the reader lets
-/// through the controller takes, unless there is no pose for it to control.
+/// Each number of the file is multiplied by powers of ten. The controller accepts every file that
+/// the reader accepts, except arms without a pose.
 #[test]
-fn what_the_reader_lets_through_the_controller_takes() {
+fn the_controller_accepts_every_file_that_the_reader_accepts() {
     let text = whole();
     let mut taken = 0;
     let mut refused = 0;
@@ -149,7 +149,7 @@ fn what_the_reader_lets_through_the_controller_takes() {
             match Robot::parse("arm.toml", &lines.join("\n")) {
                 Err(error) => {
                     refused += 1;
-                    // A value that is no whole number is refused before it is looked at.
+                    // Every error has a line, also for an integer that becomes a fraction.
                     assert!(error.line.is_some(), "{error}");
                 }
                 Ok(robot) => {
@@ -167,7 +167,7 @@ fn what_the_reader_lets_through_the_controller_takes() {
     );
 }
 
-/// A number or a list of numbers, each times `factor`; none for what is neither.
+/// A number or a list of numbers times `factor`; none for other values.
 fn scaled(value: &str, factor: f64) -> Option<String> {
     let value: toml::Table = toml::from_str(&format!("value = {value}")).ok()?;
     fn times(value: &toml::Value, factor: f64) -> Option<toml::Value> {

@@ -1,4 +1,4 @@
-//! Completions and manual pages, as shells and `man` take them.
+//! Completion scripts for shells, and manual pages.
 
 use std::process::{Command, Output};
 
@@ -32,14 +32,17 @@ fn every_shell_completes_every_command() {
     for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
         let script = printed(&["completions", shell]);
         for command in commands() {
-            assert!(script.contains(&command), "{shell} does not know {command}");
+            assert!(
+                script.contains(&command),
+                "{command} is missing for {shell}"
+            );
         }
-        assert!(script.contains("origin"), "{shell} knows no options");
+        assert!(script.contains("origin"), "options are missing for {shell}");
     }
     assert_eq!(fivebar(&["completions", "cmd.exe"]).status.code(), Some(2));
 }
 
-/// What bash offers for these words, the last being completed.
+/// Bash's completions of the last of these words.
 fn offered(words: &[&str]) -> Vec<String> {
     let script = printed(&["completions", "bash"]);
     let folder = tempfile::tempdir().unwrap();
@@ -55,7 +58,7 @@ fn offered(words: &[&str]) -> Vec<String> {
         words[words.len() - 2],
     );
     let bash = Command::new("bash").args(["--norc", "-c", &ask]).output();
-    let output = bash.expect("bash, which ci.sh needs too");
+    let output = bash.expect("bash starts");
     assert!(
         output.stderr.is_empty(),
         "{}",
@@ -66,7 +69,7 @@ fn offered(words: &[&str]) -> Vec<String> {
 }
 
 #[test]
-fn bash_answers_the_tabulator_key() {
+fn bash_completes_commands_options_and_values() {
     assert_eq!(offered(&["fivebar", "s"]), ["serve", "sim"]);
     let formats = offered(&["fivebar", "export", "m"]);
     assert!(formats.contains(&"mjcf".to_owned()), "{formats:?}");
@@ -77,11 +80,11 @@ fn bash_answers_the_tabulator_key() {
 #[test]
 fn every_command_has_a_manual_page_with_its_examples() {
     let folder = tempfile::tempdir().unwrap();
-    let said = printed(&["man", folder.path().to_str().unwrap()]);
+    let message = printed(&["man", folder.path().to_str().unwrap()]);
     let commands = commands();
     assert!(
-        said.starts_with(&format!("{} pages", commands.len() + 1)),
-        "{said}"
+        message.starts_with(&format!("{} pages", commands.len() + 1)),
+        "{message}"
     );
     let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
     let program = read("fivebar.1");

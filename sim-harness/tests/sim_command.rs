@@ -1,4 +1,4 @@
-//! `fivebar sim` as its users meet it: what it draws, prints, writes and refuses.
+//! The command `fivebar sim`: its accuracy, output, files and errors.
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -7,7 +7,7 @@ use std::process::{Command, Output};
 const PETAL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/jobs/petal.gcode");
 const SCENARIOS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios");
 
-/// A folder of its own for one test.
+/// A temporary folder for one test.
 struct Bench(tempfile::TempDir);
 
 impl Bench {
@@ -19,7 +19,7 @@ impl Bench {
         self.0.path().join(name)
     }
 
-    /// Writes a file and gives its path.
+    /// Writes a file and returns its path.
     fn file(&self, name: &str, text: &str) -> String {
         let path = self.path(name);
         std::fs::write(&path, text).unwrap();
@@ -36,8 +36,8 @@ impl Bench {
             .unwrap()
     }
 
-    /// Runs what must be refused with `status`, in a sentence with these words, and
-    /// without leaving anything behind.
+    /// Asserts that the command is refused with `status` and a message that contains these
+    /// words, and that it writes nothing.
     #[track_caller]
     fn assert_refused(&self, arguments: &[&str], status: i32, words: &[&str]) {
         let output = self.sim(arguments);
@@ -57,7 +57,7 @@ fn json(output: &Output) -> Value {
 }
 
 #[test]
-fn draws_within_50_micrometres_and_5_times_better_than_pd() {
+fn the_tip_error_is_below_50_micrometres_and_a_fifth_of_pds() {
     let bench = Bench::new();
     let output = bench.sim(&[PETAL, "--out", "deep/out", "--json"]);
     assert!(output.status.success(), "{output:?}");
@@ -87,7 +87,7 @@ fn draws_within_50_micrometres_and_5_times_better_than_pd() {
 }
 
 #[test]
-fn draws_the_demonstration_when_no_job_is_named() {
+fn without_a_job_the_demonstration_is_drawn() {
     let bench = Bench::new();
     let output = bench.sim(&["--robot", "usp_2dof", "--json"]);
     assert!(output.status.success(), "{output:?}");
@@ -98,7 +98,7 @@ fn draws_the_demonstration_when_no_job_is_named() {
 }
 
 #[test]
-fn draws_the_demonstration_with_tools_far_from_c_as_large_as_it_fits() {
+fn with_tools_far_from_c_the_demonstration_is_drawn_at_the_greatest_scale() {
     let bench = Bench::new();
     let benchtop = include_str!("../robots/benchtop.toml");
     for (offset, scale) in [
@@ -109,10 +109,11 @@ fn draws_the_demonstration_with_tools_far_from_c_as_large_as_it_fits() {
         let text = format!("{benchtop}\n[tool]\noffset = {offset:?}\n");
         let robot = bench.file("offset.toml", &text);
         let output = bench.sim(&["--robot", &robot, "--json"]);
-        let told = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "{offset:?}: {told}");
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{offset:?}: {message}");
         assert_eq!(
-            told.trim()
+            message
+                .trim()
                 .split_once("at a scale of ")
                 .map(|(_, scale)| scale),
             scale,
@@ -121,7 +122,7 @@ fn draws_the_demonstration_with_tools_far_from_c_as_large_as_it_fits() {
         let rms = json(&output)["tip_error"]["rms_m"].as_f64().unwrap();
         assert!(rms <= 50e-6, "{offset:?}: {rms} m");
     }
-    // A scale that is asked for is kept.
+    // A scale that is given is not changed.
     let offset = format!("{benchtop}\n[tool]\noffset = [-0.16, -0.1]\n");
     let robot = bench.file("offset.toml", &offset);
     let output = bench.sim(&["--robot", &robot, "--scale", "1"]);
@@ -129,7 +130,7 @@ fn draws_the_demonstration_with_tools_far_from_c_as_large_as_it_fits() {
 }
 
 #[test]
-fn a_job_that_would_take_for_ever_is_refused() {
+fn a_job_that_takes_too_long_is_refused() {
     let bench = Bench::new();
     let job = bench.file("slow.gcode", "G0 X0 Y0\nG1 X6 Y5 F0.0001\n");
     bench.assert_refused(&[&job], 1, &["slow.gcode, line 2", "longer than 86400 s"]);
@@ -154,7 +155,7 @@ fn a_job_out_of_reach_is_refused_with_line_and_point() {
 }
 
 #[test]
-fn a_refused_job_leaves_an_older_report_alone() {
+fn a_refused_job_leaves_an_older_report_unchanged() {
     let bench = Bench::new();
     std::fs::create_dir(bench.path("kept")).unwrap();
     std::fs::write(bench.path("kept/report.html"), "older").unwrap();
@@ -185,7 +186,7 @@ fn a_log_that_cannot_be_written_is_refused_before_the_run() {
 }
 
 #[test]
-fn jobs_that_make_no_sense_are_refused_with_their_line() {
+fn invalid_jobs_are_refused_with_their_line() {
     let bench = Bench::new();
     for (text, words) in [
         ("", ["job.gcode", "no motion"]),
@@ -203,9 +204,9 @@ fn jobs_that_make_no_sense_are_refused_with_their_line() {
 }
 
 #[test]
-fn a_line_across_a_singularity_is_refused_with_the_place() {
+fn a_line_across_a_singularity_is_refused_with_its_position() {
     let bench = Bench::new();
-    // Behind the base the elbows would have to turn the other way on the path there.
+    // Behind the base the elbows would have to be on the other side.
     let job = bench.file("job.gcode", "G21 G90 F3000\nG0 X40 Y160\nG1 X40 Y-160\n");
     bench.assert_refused(&[&job, "--origin", "0,0"], 1, &["line 3", "at ("]);
 }
@@ -232,29 +233,32 @@ fn robots_that_cannot_be_simulated_are_refused() {
         "fast.toml",
         &benchtop.replace("bandwidth = 250.0", "bandwidth = 9e9"),
     );
-    let said = ["fast.toml, line", "`bandwidth` of [control]"];
-    bench.assert_refused(&[PETAL, "--robot", &fast], 1, &said);
+    let words = ["fast.toml, line", "`bandwidth` of [control]"];
+    bench.assert_refused(&[PETAL, "--robot", &fast], 1, &words);
 }
 
 #[test]
-fn an_arm_that_falls_while_unpowered_is_told_what_its_brake_must_hold() {
+fn for_an_arm_that_falls_while_unpowered_the_brake_torque_is_stated() {
     let bench = Bench::new();
     let benchtop = include_str!("../robots/benchtop.toml");
     let upright = benchtop.replace("gravity = [0.0, 0.0]", "gravity = [0.0, -9.81]");
     let upright = bench.file("upright.toml", &upright);
     let run = bench.sim(&[PETAL, "--robot", &upright]);
     assert_eq!(run.status.code(), Some(1));
-    let said = String::from_utf8(run.stderr).unwrap();
+    let message = String::from_utf8(run.stderr).unwrap();
     for words in [
         "following error. Unpowered it falls",
         "`brake_torque` is 0 N·m",
     ] {
-        assert!(said.contains(words), "`{words}` is missing in: {said}");
+        assert!(
+            message.contains(words),
+            "`{words}` is missing in: {message}"
+        );
     }
 }
 
 #[test]
-fn command_lines_that_make_no_sense_exit_with_2() {
+fn invalid_command_lines_exit_with_2() {
     let bench = Bench::new();
     for arguments in [
         &[PETAL, "--origin", "0.1"][..],
@@ -268,7 +272,7 @@ fn command_lines_that_make_no_sense_exit_with_2() {
 }
 
 #[test]
-fn a_robot_given_for_a_scenario_is_told_where_it_belongs() {
+fn a_robot_file_given_as_scenario_is_refused_with_the_right_option() {
     let bench = Bench::new();
     let robot = fivebar::input::robot::BUILT_IN[0].text;
     let file = bench.file("arm.toml", robot);
@@ -278,7 +282,7 @@ fn a_robot_given_for_a_scenario_is_told_where_it_belongs() {
 }
 
 #[test]
-fn scenario_files_that_make_no_sense_are_refused_with_their_line() {
+fn invalid_scenario_files_are_refused_with_their_line() {
     let bench = Bench::new();
     let job = format!("job = '{PETAL}'\n");
     for (text, words) in [
@@ -324,7 +328,7 @@ fn scenario_files_that_make_no_sense_are_refused_with_their_line() {
 }
 
 #[test]
-fn every_scenario_that_comes_along_ends_as_it_says() {
+fn every_built_in_scenario_ends_as_described() {
     let bench = Bench::new();
     for (name, fault) in [
         ("no_mismatch", None),
@@ -354,14 +358,14 @@ fn every_scenario_that_comes_along_ends_as_it_says() {
 }
 
 #[test]
-fn a_run_that_a_fault_ends_early_has_no_comparison_with_pd() {
+fn a_run_that_ends_early_by_a_fault_has_no_comparison_with_pd() {
     let bench = Bench::new();
     for (name, is_begun) in [("encoder_dies", true), ("switch_missing", false)] {
         let file = Path::new(SCENARIOS).join(name).with_extension("toml");
         let output = bench.sim(&[file.to_str().unwrap(), "--out", name]);
-        let words = String::from_utf8(output.stdout).unwrap();
-        assert_eq!(words.contains("tip error"), is_begun, "{words}");
-        assert!(!words.contains("×"), "{words}");
+        let printed = String::from_utf8(output.stdout).unwrap();
+        assert_eq!(printed.contains("tip error"), is_begun, "{printed}");
+        assert!(!printed.contains("×"), "{printed}");
         let report = std::fs::read_to_string(bench.path(name).join("report.html")).unwrap();
         assert!(!report.contains("NaN"), "{name}");
         assert_eq!(report.contains("had not begun"), !is_begun, "{name}");

@@ -1,5 +1,4 @@
-//! `fivebar workspace` from the outside: its figures against the models, its files, its
-//! refusals.
+//! The command `fivebar workspace`: its results compared with the models, its files and errors.
 
 use fivebar::input::robot::{BUILT_IN, Robot};
 use fivebar_kinematics::five_bar::{Side, WorkingMode};
@@ -18,8 +17,8 @@ fn workspace(folder: &Path, args: &[&str]) -> Output {
 
 fn answer(folder: &Path, args: &[&str]) -> Value {
     let output = workspace(folder, &[args, &["--json"]].concat());
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{said}");
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{message}");
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
@@ -30,7 +29,7 @@ fn refusal(args: &[&str], status: i32) -> String {
     let output = workspace(&out, args);
     assert_eq!(output.status.code(), Some(status));
     assert!(output.stdout.is_empty());
-    assert!(!out.exists(), "a refusal leaves nothing behind");
+    assert!(!out.exists(), "a refused command wrote files");
     String::from_utf8(output.stderr).unwrap()
 }
 
@@ -51,7 +50,7 @@ fn vector(value: &Value) -> Vector2<f64> {
 }
 
 #[test]
-fn every_built_in_robot_is_mapped_and_its_branches_fill_the_exact_area() {
+fn every_built_in_robot_is_mapped_and_its_branches_have_the_exact_area() {
     let folder = tempfile::tempdir().unwrap();
     for built_in in BUILT_IN {
         let found = answer(folder.path(), &[built_in.name, "--resolution", "5"]);
@@ -65,7 +64,7 @@ fn every_built_in_robot_is_mapped_and_its_branches_fill_the_exact_area() {
             );
             let [one, other] = [&pair[0], &pair[1]].map(|b| b["reached_m2"].as_f64().unwrap());
             let counted = one + other;
-            // Of some thousand cells every tenth lies on the boundary, half in, half out.
+            // Of about a thousand cells, a tenth lie on the boundary, half of them inside.
             assert!(
                 (counted / exact - 1.0).abs() < 0.02,
                 "{}: {counted} for {exact} m²",
@@ -76,7 +75,7 @@ fn every_built_in_robot_is_mapped_and_its_branches_fill_the_exact_area() {
 }
 
 #[test]
-fn every_place_of_the_table_is_what_the_models_say() {
+fn every_row_of_the_table_matches_the_models() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("offset.toml");
     let text = BUILT_IN[0].text.to_owned() + "\n[tool]\noffset = [0.03, -0.02]\n";
@@ -87,7 +86,7 @@ fn every_place_of_the_table_is_what_the_models_say() {
     assert_eq!(
         found["reached_exactly_m2"],
         Value::Null,
-        "known for a tool at C only"
+        "the exact area exists for a tool at C only"
     );
 
     let table = std::fs::read_to_string(folder.path().join("workspace.csv")).unwrap();
@@ -132,7 +131,7 @@ fn every_place_of_the_table_is_what_the_models_say() {
         counts[1] += u32::from(fields[5] == "1");
         counts[2] += u32::from(clear);
     }
-    // The areas are those of the table's places.
+    // The areas are those of the table's cells.
     let cell = found["resolution_m"].as_f64().unwrap().powi(2);
     for (key, count) in ["reached_m2", "within_limits_m2", "clear_m2"]
         .into_iter()
@@ -149,7 +148,7 @@ fn every_place_of_the_table_is_what_the_models_say() {
 }
 
 #[test]
-fn the_arm_may_be_anywhere_in_the_rectangles_and_at_the_best_places() {
+fn the_rectangles_and_the_best_positions_are_clear() {
     let folder = tempfile::tempdir().unwrap();
     let found = answer(folder.path(), &["benchtop"]);
     let robot = Robot::load("benchtop").unwrap();
@@ -177,7 +176,7 @@ fn the_arm_may_be_anywhere_in_the_rectangles_and_at_the_best_places() {
         rectangles += 1;
     }
     assert!(rectangles >= 4);
-    // A drawing of A6 lies within the robot's own branch.
+    // A drawing of the size A6 fits into the robot's own branch.
     let own = &found["branches"][4];
     assert_eq!(mode(own), robot.working_mode());
     let size = vector(&own["clear_rectangle"]["size_m"]);
@@ -185,7 +184,7 @@ fn the_arm_may_be_anywhere_in_the_rectangles_and_at_the_best_places() {
 }
 
 #[test]
-fn places_of_the_smallest_arm_can_be_told_apart() {
+fn positions_of_the_smallest_arm_are_distinct() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("tiny.toml");
     let links = [1e-5, 2e-5, 2e-5, 1e-5].map(|length| format!("[[link]]\nlength = {length}\n"));
@@ -200,21 +199,21 @@ fn places_of_the_smallest_arm_can_be_told_apart() {
             .success()
     );
     let csv = std::fs::read_to_string(folder.path().join("workspace.csv")).unwrap();
-    // Place and working mode.
-    let place = |line: &str| line.splitn(5, ',').take(4).collect::<Vec<_>>().join(",");
-    let lines: Vec<String> = csv.lines().map(place).collect();
-    let apart: HashSet<&String> = lines.iter().collect();
-    assert!(lines.len() > 1000 && apart.len() == lines.len());
+    // Position and working mode.
+    let key = |line: &str| line.splitn(5, ',').take(4).collect::<Vec<_>>().join(",");
+    let lines: Vec<String> = csv.lines().map(key).collect();
+    let distinct: HashSet<&String> = lines.iter().collect();
+    assert!(lines.len() > 1000 && distinct.len() == lines.len());
 }
 
 #[test]
-fn the_picture_shows_what_there_is_and_needs_no_font_of_the_system() {
+fn the_picture_explains_its_areas_and_needs_no_system_font() {
     let folder = tempfile::tempdir().unwrap();
     let output = workspace(folder.path(), &["benchtop"]);
-    let said = String::from_utf8(output.stdout).unwrap();
+    let message = String::from_utf8(output.stdout).unwrap();
     assert!(
-        said.contains("right, left") && said.contains("[cm²]"),
-        "{said}"
+        message.contains("right, left") && message.contains("[cm²]"),
+        "{message}"
     );
     let svg = std::fs::read_to_string(folder.path().join("workspace.svg")).unwrap();
     for shown in [
@@ -231,12 +230,12 @@ fn the_picture_shows_what_there_is_and_needs_no_font_of_the_system() {
     let image = std::fs::read(folder.path().join("workspace.png")).unwrap();
     let image = Pixmap::decode_png(&image).unwrap();
     assert!(image.width() > 1500 && image.height() > 1200);
-    // The title's letters, which no line crosses.
+    // Pixels of the title, which no line crosses.
     let dark = |pixel: &&resvg::tiny_skia::PremultipliedColorU8| pixel.red() < 0x80;
     let title = 100 * image.width() as usize;
     assert!(image.pixels()[..title].iter().filter(dark).count() > 500);
 
-    // Without limits there is nothing to hatch; another branch can be drawn.
+    // A robot without limits has no hatched area. Another branch can be drawn.
     workspace(folder.path(), &["haply", "--branch", "left,left"]);
     let svg = std::fs::read_to_string(folder.path().join("workspace.svg")).unwrap();
     assert!(svg.contains("elbow of leg 1 to the left, of leg 4 to the left"));
@@ -244,54 +243,60 @@ fn the_picture_shows_what_there_is_and_needs_no_font_of_the_system() {
 }
 
 #[test]
-fn what_cannot_be_mapped_is_refused_with_the_reason() {
+fn robots_that_cannot_be_mapped_are_refused_with_the_reason() {
     let slider = concat!(env!("CARGO_MANIFEST_DIR"), "/robots/slider.toml");
-    let said = refusal(&[slider], 1);
+    let message = refusal(&[slider], 1);
     assert!(
-        said.contains("`mechanism` is \"slider\"") && said.contains("five-bar"),
-        "{said}"
+        message.contains("`mechanism` is \"slider\"") && message.contains("five-bar"),
+        "{message}"
     );
-    let said = refusal(&["nobody"], 1);
+    let message = refusal(&["nobody"], 1);
     assert!(
-        said.contains("no such robot") && said.contains("benchtop"),
-        "{said}"
+        message.contains("no such robot") && message.contains("benchtop"),
+        "{message}"
     );
-    let said = refusal(&["--resolution", "0.001"], 1);
+    let message = refusal(&["--resolution", "0.001"], 1);
     assert!(
-        said.contains("two million cells") && said.contains("--resolution"),
-        "{said}"
+        message.contains("two million cells") && message.contains("--resolution"),
+        "{message}"
     );
-    let said = refusal(&["--resolution", "1000"], 1);
+    let message = refusal(&["--resolution", "1000"], 1);
     assert!(
-        said.contains("reaches no position that a map can show"),
-        "{said}"
+        message.contains("reaches no position that a map can show"),
+        "{message}"
     );
-    // A base as long as all the links together leaves the legs one point.
+    // With a base as long as all links together, the legs reach one point only.
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("stretched.toml");
     let links = "[[link]]\nlength = 0.1\n".repeat(4);
     let text = format!("name = \"stretched\"\ngravity = [0.0, 0.0]\nbase = 0.4\n{links}");
     std::fs::write(&file, text).unwrap();
-    let said = refusal(&[file.to_str().unwrap()], 1);
-    assert!(said.contains("`stretched` reaches no position"), "{said}");
+    let message = refusal(&[file.to_str().unwrap()], 1);
+    assert!(
+        message.contains("`stretched` reaches no position"),
+        "{message}"
+    );
     for (option, value) in [
         ("--resolution", "-1"),
         ("--resolution", "fine"),
         ("--branch", "up,left"),
     ] {
-        let said = refusal(&[&format!("{option}={value}")], 2);
-        assert!(said.contains("expected"), "{said}");
+        let message = refusal(&[&format!("{option}={value}")], 2);
+        assert!(message.contains("expected"), "{message}");
     }
 }
 
 #[test]
-fn a_folder_that_cannot_be_written_is_refused_before_anything_is() {
+fn an_unwritable_folder_is_refused_before_anything_is_written() {
     let folder = tempfile::tempdir().unwrap();
     let taken = folder.path().join("taken");
     std::fs::write(&taken, "a file").unwrap();
     let output = workspace(&taken, &["haply"]);
     assert_eq!(output.status.code(), Some(1));
-    let said = String::from_utf8(output.stderr).unwrap();
-    assert!(said.contains("taken") && said.contains("--out"), "{said}");
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        message.contains("taken") && message.contains("--out"),
+        "{message}"
+    );
     assert_eq!(std::fs::read_to_string(&taken).unwrap(), "a file");
 }

@@ -1,4 +1,4 @@
-//! The arm with worn joints obeys mechanics, and is the ideal arm where the wear is not.
+//! The arm with worn joints: its energy, and its convergence to the ideal arm.
 
 use fivebar::input::robot::Contact;
 use fivebar::input::robot::Robot;
@@ -17,9 +17,9 @@ const FREE: Loads = Loads {
     tool_force: Vector2::new(0.0, 0.0),
 };
 
-/// The benchtop arm hanging in gravity, thrown from home at these speeds of its cranks,
-/// with these clearances.
-fn thrown(contact: &Contact, clearance: [f64; 5], omega: [f64; 2]) -> (Model, State, WornJoints) {
+/// The benchtop arm with these clearances, hanging in gravity. It starts at home with the crank
+/// speeds `omega`.
+fn initial(contact: &Contact, clearance: [f64; 5], omega: [f64; 2]) -> (Model, State, WornJoints) {
     let robot = Robot::load("benchtop").unwrap();
     let mut model = Model::new(&robot, &Mismatch::NONE).unwrap();
     let wear = WornJoints::new(contact, clearance).unwrap();
@@ -35,24 +35,24 @@ fn thrown(contact: &Contact, clearance: [f64; 5], omega: [f64; 2]) -> (Model, St
 proptest! {
     #![proptest_config(ProptestConfig { cases: 12, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Nothing drives the arm: kinetic energy, height and what the contacts store only
-    /// ever grow less, by impacts and friction.
+    /// Without drive, the sum of kinetic, gravitational and contact energy does not grow;
+    /// impacts and friction reduce it.
     #[test]
-    fn energy_never_grows_in_a_passive_run(
+    fn the_energy_of_a_passive_run_does_not_grow(
         clearance in prop::array::uniform5(prop_oneof![Just(0.0), 5e-6..2e-4_f64]),
         restitution in 0.5..1.0_f64,
         friction in 0.0..0.3_f64,
         omega in prop::array::uniform2(-8.0..8.0_f64),
     ) {
         let contact = Contact { restitution, friction, ..Contact::default() };
-        let (mut model, mut state, mut wear) = thrown(&contact, clearance, omega);
+        let (mut model, mut state, mut wear) = initial(&contact, clearance, omega);
         for motor in &mut model.motors {
             motor.viscous_friction = 0.0;
             motor.coulomb_friction = 0.0;
         }
         let energy = |wear: &WornJoints, state: &State| model.energy(state) + wear.energy(&model, state);
         let mut least = energy(&wear, &state);
-        // A step may err by 1 µm/s: so much energy for a momentum of 0.05 kg·m/s or so.
+        // A step may have an error of 1 µm/s, with a momentum of about 0.05 kg·m/s.
         let rounding = 5e-8 + 1e-6 * model.kinetic_energy(&state);
         for _ in 0..300 {
             wear.step(&model, &mut state, &FREE, TICK);
@@ -67,15 +67,15 @@ proptest! {
     }
 }
 
-/// How far the tool ever gets from where ideal joints would have it, in 50 ms. Without the
-/// pins' friction, which no smaller clearance takes away.
+/// The greatest distance of the tool from that of an ideal arm within 50 ms. The pins have no
+/// friction, because its effect does not vanish with the clearance.
 fn departure(clearance: [f64; 5]) -> f64 {
     let contact = Contact {
         friction: 0.0,
         ..Contact::default()
     };
-    let (model, mut worn, mut wear) = thrown(&contact, clearance, [-3.0, 2.0]);
-    let (ideal_model, mut ideal, _) = thrown(&contact, [0.0; 5], [-3.0, 2.0]);
+    let (model, mut worn, mut wear) = initial(&contact, clearance, [-3.0, 2.0]);
+    let (ideal_model, mut ideal, _) = initial(&contact, [0.0; 5], [-3.0, 2.0]);
     let mut most = 0.0_f64;
     for _ in 0..500 {
         wear.step(&model, &mut worn, &FREE, TICK);
@@ -86,13 +86,13 @@ fn departure(clearance: [f64; 5]) -> f64 {
 }
 
 #[test]
-fn becomes_the_ideal_arm_as_the_clearance_goes_to_zero() {
+fn the_motion_converges_to_the_ideal_arms_as_the_clearance_vanishes() {
     let departures = [1e-4, 1e-5, 1e-6].map(|c| departure([c; 5]));
     println!("100, 10, 1 µm: {departures:?} m");
     let [large, middle, small] = departures;
     assert!(small < 1e-5 && middle < 1e-4 && large < 1e-3);
     assert!(middle < 0.3 * large && small < 0.3 * middle);
-    // And without wear the adaptive method finds what the fixed steps find.
+    // Without wear, the adaptive integrator agrees with the fixed steps.
     let none = departure([0.0; 5]);
     assert!(none < 1e-7, "{none:e}");
 }
@@ -100,7 +100,7 @@ fn becomes_the_ideal_arm_as_the_clearance_goes_to_zero() {
 #[test]
 fn the_same_run_gives_the_same_bits() {
     let run = || {
-        let (model, mut state, mut wear) = thrown(&Contact::default(), [5e-5; 5], [4.0, -4.0]);
+        let (model, mut state, mut wear) = initial(&Contact::default(), [5e-5; 5], [4.0, -4.0]);
         for _ in 0..200 {
             wear.step(&model, &mut state, &FREE, TICK);
         }
@@ -109,8 +109,8 @@ fn the_same_run_gives_the_same_bits() {
     assert_eq!(run(), run());
 }
 
-/// The benchtop arm with stiff motors, pushed at its tool for 0.3 s: the unlike models of
-/// statics and of seated pins say where it comes to rest.
+/// The arm at rest, after 0.3 s with a force on its tool. Independent models, statics and the
+/// equilibrium of the pins, give its reactions and its position.
 fn pushed(robot: &Robot, clearance: [f64; 5]) -> Plant {
     let contact = Contact {
         restitution: 0.5,
@@ -137,7 +137,7 @@ fn with_stiff_motors() -> Robot {
 }
 
 #[test]
-fn a_worn_joint_at_rest_bears_what_an_ideal_one_bears() {
+fn a_worn_joint_at_rest_has_the_reaction_of_an_ideal_one() {
     let robot = with_stiff_motors();
     let ideal = pushed(&robot, [0.0; 5]).reactions();
     let worn = pushed(&robot, [1e-5; 5]).reactions();
@@ -149,7 +149,7 @@ fn a_worn_joint_at_rest_bears_what_an_ideal_one_bears() {
 }
 
 #[test]
-fn a_pushed_arm_rests_where_the_kineto_static_model_seats_its_pins() {
+fn a_pushed_arm_rests_at_the_position_of_the_kineto_static_model() {
     let robot = with_stiff_motors();
     let assembly = robot.home_pose().unwrap().assembly();
     for clearance in [1e-5, 5e-5] {
@@ -177,7 +177,7 @@ fn a_pushed_arm_rests_where_the_kineto_static_model_seats_its_pins() {
         let simulated = Vector2::new(tool.x, tool.y) - ideal.c;
         let off = (simulated - equilibrium.displacement).norm();
         println!("{simulated:?} for {:?}", equilibrium.displacement);
-        // The pins sink into their bearings by a few hundredths of a micrometre.
+        // The pins penetrate their bearings by a few hundredths of a micrometre.
         assert!(equilibrium.converged && equilibrium.displacement.norm() > clearance);
         assert!(
             off < 0.03 * equilibrium.displacement.norm(),

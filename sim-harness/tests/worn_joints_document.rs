@@ -1,12 +1,12 @@
-//! `docs/worn-joints.md` tells what its first command prints: to the digit where the motion
-//! is regular, and about so where it is chaotic.
+//! Compares docs/worn-joints.md with the output of its first command: all digits where the
+//! motion is regular, approximately where it is chaotic.
 
 use serde_json::Value;
 use std::process::Command;
 
 const DOCUMENT: &str = include_str!("../../docs/worn-joints.md");
 
-/// How a row's figure comes out of a run's JSON, and how far it may be from the document.
+/// A row of the table: its value in a run's JSON, and the tolerated difference.
 struct Row {
     name: &'static str,
     figure: fn(&Value) -> f64,
@@ -14,10 +14,10 @@ struct Row {
 }
 
 enum Bound {
-    /// The document's figure is the run's, rounded.
+    /// The document's value is the run's, rounded.
     Rounded,
-    /// The runs of worn joints are chaotic, that of new ones is not: the share by which the
-    /// figure may differ on another machine.
+    /// For worn joints, whose motion is chaotic, the value may differ by this share on another
+    /// machine. For new joints it is the run's, rounded.
     Chaotic(f64),
 }
 
@@ -99,14 +99,14 @@ fn read(cell: &str) -> (f64, f64) {
         "" | "N" => 1.0,
         "mN·m" | "mm/s" => 1e-3,
         "µm" => 1e-6,
-        other => panic!("a unit that the test does not know: {other}"),
+        other => panic!("unknown unit {other}"),
     };
     let decimals = number.split_once('.').map_or(0, |(_, after)| after.len());
     let half = 0.5 * 0.1_f64.powi(decimals as i32);
     (number.parse::<f64>().unwrap() * scale, half * scale)
 }
 
-/// The cells of the row of this name: new, then ever more worn.
+/// The cells of the row of this name: new, then with increasing wear.
 fn cells(name: &str) -> Vec<&'static str> {
     let row = DOCUMENT
         .lines()
@@ -138,13 +138,13 @@ fn the_table_is_what_the_first_command_prints() {
         for (index, (cell, run)) in cells.iter().zip(runs).enumerate() {
             let found = figure(run);
             if *cell == "–" {
-                assert_eq!(found, 0.0, "{name}: nothing was to be said");
+                assert_eq!(found, 0.0, "{name}: the document has no value");
                 continue;
             }
             let (written, half) = read(cell);
             let off = match bound {
                 Bound::Chaotic(share) if index > 0 => share * written,
-                // A figure of nothing has no digits to round.
+                // A zero has no digits to round.
                 _ if written == 0.0 => 1e-9,
                 _ => 1.0001 * half,
             };

@@ -1,4 +1,4 @@
-//! The benchtop arm, simulated, and a small drawing for it.
+//! The simulated benchtop arm and a small drawing for it.
 
 #![allow(dead_code, reason = "each test file uses its own part")]
 
@@ -13,23 +13,28 @@ pub(crate) fn robot() -> Robot {
     Robot::load(BuiltIn::DEFAULT).expect("the default robot")
 }
 
-/// The arm, somewhat before its home switches.
+/// The arm, 0.03 rad before its home switches.
 pub(crate) fn plant() -> Plant {
     let robot = robot();
-    let before = |joint: usize| match robot.settings().expect("masses").axes[joint].home_forward {
+    let before = |joint: usize| match robot.settings().expect("the robot has masses").axes[joint]
+        .home_forward
+    {
         true => -0.03,
         false => 0.03,
     };
     let pose = robot
         .pose_near_home([before(0), before(1)])
-        .expect("a pose");
-    Plant::new(&robot, &Mismatch::default(), &pose, 7).expect("masses")
+        .expect("a reachable pose");
+    Plant::new(&robot, &Mismatch::default(), &pose, 7).expect("the robot has masses")
 }
 
-/// A line, a half circle, a dwell and back, from wherever the tool is at home.
+/// A line from home, a half circle, a dwell and a line back.
 pub(crate) fn moves() -> Vec<Move> {
     let robot = robot();
-    let [x, y] = robot.best_point().expect("a point").map(|x| x as f32);
+    let [x, y] = robot
+        .best_point()
+        .expect("a reachable point")
+        .map(|x| x as f32);
     let feed = 0.3;
     let kinds = [
         MoveKind::Line { to: [x, y], feed },
@@ -48,15 +53,15 @@ pub(crate) fn moves() -> Vec<Move> {
         .collect()
 }
 
-/// The drawing under a controller.
+/// Draws with a controller.
 pub(crate) fn run(target: &mut impl Target) -> Record {
     let rate = robot().control.tick_rate;
     Simulation::new(target, plant(), rate)
         .run(&moves(), &[], &mut |_| ())
-        .expect("nothing is refused")
+        .expect("all moves are accepted")
 }
 
-/// The benchtop arm on a board with its own clock.
+/// The benchtop arm with a controller that has its own clock.
 pub(crate) fn driving() -> Loopback {
     let mut plant = plant();
     let period = 1.0 / robot().control.tick_rate;
@@ -64,9 +69,9 @@ pub(crate) fn driving() -> Loopback {
         plant.step(command, period);
         plant.sense()
     };
-    Loopback::driving(&settings(), Box::new(step)).expect("sound settings")
+    Loopback::driving(&settings(), Box::new(step)).expect("valid settings")
 }
 
 pub(crate) fn settings() -> Settings {
-    robot().settings().expect("masses")
+    robot().settings().expect("the robot has masses")
 }

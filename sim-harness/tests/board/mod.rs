@@ -1,4 +1,4 @@
-//! Boards at the far end of a serial port, and the program at the near one.
+//! Simulated boards at the far end of a serial port, and the program at the near end.
 
 #![allow(dead_code, reason = "each test file uses its own part")]
 
@@ -11,8 +11,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// Turns of a silent host for which the board's time goes on: 50 ms, so that a busy
-/// machine does not look like a silent host.
+/// Reads without data during which the board's time advances. They take about 50 ms, so that a
+/// busy machine does not look like a silent host.
 const PATIENCE: u32 = 5;
 
 /// A board at the far end of a pseudo-terminal.
@@ -23,16 +23,17 @@ pub(crate) struct Board {
 }
 
 impl Board {
-    /// A board that runs this controller, or one that never says anything.
+    /// A board with this controller, or a silent one.
     pub(crate) fn start(controller: Option<Loopback>) -> Self {
-        let (mut far, near) = TTYPort::pair().expect("a pseudo-terminal");
+        let (mut far, near) = TTYPort::pair().expect("a pseudo-terminal opens");
         far.set_timeout(Duration::from_millis(5))
-            .expect("a timeout");
-        let port = near.name().expect("a name");
+            .expect("the timeout can be set");
+        let port = near.name().expect("the port has a name");
         let ends = Arc::new(AtomicBool::new(false));
         let ended = Arc::clone(&ends);
         let thread = std::thread::spawn(move || {
-            // The near end stays open, or the far one would fail before the program comes.
+            // The near end stays open; otherwise reads of the far end fail before the program
+            // opens the port.
             let _near = near;
             let mut controller = controller;
             let mut silence = 0;
@@ -45,11 +46,11 @@ impl Board {
                 silence = if count > 0 { 0 } else { silence + 1 };
                 controller
                     .write_all(&bytes[..count])
-                    .expect("a perfect line");
+                    .expect("the loopback link works");
                 if silence < PATIENCE
                     && let Ok(count) = controller.read(&mut bytes)
                 {
-                    // A program that has ended reads no more.
+                    // The write fails if the program has ended.
                     let _ = far.write_all(&bytes[..count]);
                 }
             }
@@ -84,16 +85,16 @@ pub(crate) fn fivebar(arguments: &[&str]) -> Child {
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
-        .expect("the program")
+        .expect("the program starts")
 }
 
-/// Its status, what it said and what it complained of.
+/// The exit status, standard output and standard error.
 pub(crate) fn end(child: Child) -> (Option<i32>, String, String) {
     let Output {
         status,
         stdout,
         stderr,
-    } = child.wait_with_output().expect("an end");
-    let text = |bytes| String::from_utf8(bytes).expect("text");
+    } = child.wait_with_output().expect("the program ends");
+    let text = |bytes| String::from_utf8(bytes).expect("UTF-8 text");
     (status.code(), text(stdout), text(stderr))
 }

@@ -2,7 +2,7 @@
 //! equality constraint.
 
 use super::xml::{Xml, around, document, element};
-use super::{NamedLink, ExportError, bodies};
+use super::{ExportError, NamedLink, bodies};
 use crate::input::robot::Robot;
 use fivebar_kinematics::PlanarVector;
 use nalgebra::Vector2;

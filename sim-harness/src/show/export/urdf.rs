@@ -1,7 +1,7 @@
 //! The robot in URDF. URDF describes trees only; therefore the loop is open at C.
 
 use super::xml::{Xml, around, document, element};
-use super::{NamedLink, ExportError, bodies};
+use super::{ExportError, NamedLink, bodies};
 use crate::input::robot::Robot;
 use quick_xml::events::{BytesDecl, BytesText, Event};
 use std::io;

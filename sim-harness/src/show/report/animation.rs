@@ -185,7 +185,7 @@ fn milliseconds(seconds: f64) -> i64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{Animation, AnimatedBody, AnimatedTrace};
+    use super::{AnimatedBody, AnimatedTrace, Animation};
 
     #[test]
     fn the_data_of_a_long_run_stay_small() {

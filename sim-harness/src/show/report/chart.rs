@@ -310,7 +310,7 @@ fn themed(svg: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Chart, BoundingBox, SIZES, same_scale, tick};
+    use super::{BoundingBox, Chart, SIZES, same_scale, tick};
 
     #[test]
     fn axis_labels_have_no_noise_digits() {

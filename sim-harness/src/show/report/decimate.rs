@@ -100,7 +100,7 @@ fn thin_path(points: &[Point], step: Point, kept: &mut Vec<Point>) {
 
 #[cfg(test)]
 mod tests {
-    use super::{Point, BoundingBox, thin};
+    use super::{BoundingBox, Point, thin};
 
     #[test]
     fn a_peak_of_one_sample_in_a_long_signal_is_kept() {

@@ -8,7 +8,7 @@ mod chart;
 mod decimate;
 mod page;
 
-pub use animation::{Animation, AnimatedBody, AnimatedTrace};
+pub use animation::{AnimatedBody, AnimatedTrace, Animation};
 pub use chart::{Chart, Series, Stroke};
 pub(crate) use decimate::{BoundingBox, is_finite, thin};
 pub use page::Page;

@@ -127,7 +127,7 @@ fn starts_like_a_number(cell: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::Page;
-    use crate::show::report::{Animation, AnimatedBody, Chart, AnimatedTrace};
+    use crate::show::report::{AnimatedBody, AnimatedTrace, Animation, Chart};
 
     #[test]
     fn all_texts_are_escaped() {

@@ -1,7 +1,7 @@
 //! The animation of a linkage: outlines of its links, curves of its points.
 
 use crate::input::linkage::DrivenLinkage;
-use crate::show::report::{Animation, AnimatedBody, Point, AnimatedTrace};
+use crate::show::report::{AnimatedBody, AnimatedTrace, Animation, Point};
 use fivebar_design::linkage::{
     Element, Group, LinkId, LinkMotion, SolvedSample, Sweep, SweepSample,
 };

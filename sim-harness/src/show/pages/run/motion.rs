@@ -2,7 +2,7 @@
 
 use super::{RunReport, spaced};
 use crate::run::simulation::Sample;
-use crate::show::report::{Animation, AnimatedBody, Chart, Page, Point, AnimatedTrace};
+use crate::show::report::{AnimatedBody, AnimatedTrace, Animation, Chart, Page, Point};
 use fivebar_kinematics::PlanarVector;
 use nalgebra::Vector2;
 

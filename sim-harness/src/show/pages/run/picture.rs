@@ -1,7 +1,7 @@
 //! A run as one still picture: the drawing, the arm at the end and in earlier poses.
 
 use super::{RunReport, spaced};
-use crate::show::report::{Point, BoundingBox, is_finite, thin};
+use crate::show::report::{BoundingBox, Point, is_finite, thin};
 use std::fmt::Write as _;
 
 /// Width of the picture [px].
