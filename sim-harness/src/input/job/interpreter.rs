@@ -108,14 +108,14 @@ impl<'a> Interpreter<'a> {
                 unknown => self.warn(number, WarningKind::UnknownCode(spelled(unknown))),
             }
         }
-        let wanted = self.modes(&line.general)?;
+        let coordinate_use = self.modes(&line.general)?;
         if let Some(feed) = line.take('F') {
             if feed <= 0.0 {
                 return Err(GcodeError::Feed);
             }
             self.feed = Some(feed * self.unit / 60.0);
         }
-        match wanted {
+        match coordinate_use {
             Some(CoordinateUse::Dwell) => self.dwell(number, &mut line)?,
             Some(CoordinateUse::Home) => self.home(number, &mut line)?,
             Some(CoordinateUse::Shift) => self.shift(number, &mut line)?,
@@ -131,9 +131,9 @@ impl<'a> Interpreter<'a> {
 
     /// Sets the modes; returns what the line does with its coordinates.
     fn modes(&mut self, codes: &[Code]) -> Result<Option<CoordinateUse>, GcodeError> {
-        let mut wanted: Option<(CoordinateUse, Code)> = None;
+        let mut coordinate_use: Option<(CoordinateUse, Code)> = None;
         for &code in codes {
-            let asks = match code {
+            let action = match code {
                 ('G', 0, 0) => CoordinateUse::Motion(MotionMode::Rapid),
                 ('G', 1, 0) => CoordinateUse::Motion(MotionMode::Line),
                 ('G', 2, 0) => CoordinateUse::Motion(MotionMode::Clockwise),
@@ -159,15 +159,15 @@ impl<'a> Interpreter<'a> {
                 }
                 unknown => return Err(GcodeError::UnknownGCode(spelled(unknown))),
             };
-            if let Some((_, other)) = wanted {
+            if let Some((_, other)) = coordinate_use {
                 return Err(GcodeError::Conflict(spelled(other), spelled(code)));
             }
-            wanted = Some((asks, code));
+            coordinate_use = Some((action, code));
         }
-        if let Some((CoordinateUse::Motion(motion), _)) = wanted {
+        if let Some((CoordinateUse::Motion(motion), _)) = coordinate_use {
             self.motion = Some(motion);
         }
-        Ok(wanted.map(|(asks, _)| asks))
+        Ok(coordinate_use.map(|(action, _)| action))
     }
 
     fn dwell(&mut self, number: u32, line: &mut Line) -> Result<(), GcodeError> {

@@ -4,7 +4,7 @@ use super::file::LinkageFile;
 use crate::input::source::{FileError, Key, Source};
 use fivebar_design::linkage::Linkage;
 
-/// Most elements; no planar linkage in use has so many.
+/// Most elements; more than any planar linkage in use has.
 const MOST_ELEMENTS: usize = 100;
 const MOST_POINTS: usize = 1_000;
 /// Most samples times elements of a sweep: some hundred megabytes.

@@ -51,7 +51,7 @@ pub enum FaultKind {
     },
     /// The emergency stop is pressed.
     EmergencyStop,
-    /// The controller misses ticks once: the arm goes on with the last outputs meanwhile.
+    /// The controller misses ticks once; the arm moves on with the last outputs.
     TicksMissed {
         /// The number of ticks.
         ticks: u32,

@@ -29,7 +29,7 @@ pub struct DormandPrince45<const N: usize> {
     step: f64,
 }
 
-/// Least step size [s], whatever the error: 10⁻⁵ of a short impact.
+/// Least step size [s], even if the error is too great: 10⁻⁵ of a short impact.
 const SHORTEST: f64 = 1e-11;
 /// Bisections of an event: they find it to 2⁻³² of the step.
 const BISECTIONS: u32 = 32;

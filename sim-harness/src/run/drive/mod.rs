@@ -11,9 +11,9 @@ use std::io::{Read, Write};
 
 pub use error::DriveError;
 
-/// Homing has failed after so many reads: 60 s.
+/// Number of reads after which homing has failed: 60 s.
 const LONGEST_HOMING: u32 = 6000;
-/// Waiting for the arm to stop ends after so many reads: 5 s.
+/// Number of reads after which the wait for the arm's stop ends: 5 s.
 const LONGEST_STOP: u32 = 500;
 
 /// How the joint angles become known.

@@ -19,8 +19,8 @@ const FIRST_WAIT: Duration = Duration::from_millis(30);
 /// Each wait is twice the one before, up to this: a slow controller, such as an emulated
 /// one on a busy machine, gets few repetitions.
 const LONGEST_WAIT: Duration = Duration::from_millis(480);
-/// After so many attempts, over more than 6 s, the controller counts as silent. Erasing
-/// its flash takes it less.
+/// Number of attempts after which the controller counts as silent. They take more than 6 s,
+/// longer than the controller needs to erase its flash.
 const ATTEMPTS: u32 = 16;
 
 /// The wait after each attempt.

@@ -11,8 +11,8 @@ use fivebar_firmware::{Command, Move, Sensed, Settings, Status};
 use serde::Serialize;
 use std::io::{Read, Write};
 
-/// After so many ticks without another command the host requests the status, as a sign of
-/// life.
+/// Number of ticks without another command after which the host requests the status, so that
+/// the controller does not consider it silent.
 const LONGEST_SILENCE: u32 = 400;
 
 /// A [`Target`] that runs each tick at the other end and in the twin, and compares them.

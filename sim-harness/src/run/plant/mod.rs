@@ -55,7 +55,7 @@ pub struct Plant {
     wear: Option<WornJoints>,
     sensors: [JointSensors; 2],
     brakes: [Brake; 2],
-    /// Inertia of the driven links while nothing holds them [kg·m²].
+    /// Inertia of the driven links without the constraints of the loop [kg·m²].
     free_inertia: [f64; 2],
     bus_voltage: f64,
     volts_per_code: f64,

@@ -9,7 +9,7 @@ use fivebar_firmware::{Status, safety::Limits};
 use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::sync::atomic::Ordering;
 
-/// After so many reads without a sample, 0.5 s, the status is requested, to detect a lost
+/// Number of reads without a sample, 0.5 s, after which the status is requested to detect a lost
 /// controller.
 const QUIET: u32 = 50;
 
@@ -170,7 +170,7 @@ mod tests {
 
     #[test]
     fn gaps_in_the_numbers_are_counted_as_lost_samples() {
-        let controller = Controller::new(&Settings::BENCHTOP).expect("sound settings");
+        let controller = Controller::new(&Settings::BENCHTOP).expect("valid settings");
         let mut losses = Losses::default();
         for number in [0, 1, 4, 5, 9] {
             losses.count(&Telemetry {

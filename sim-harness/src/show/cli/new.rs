@@ -22,7 +22,7 @@ pub(super) struct Args {
     /// The file to write, such as my-arm.toml.
     #[arg(value_name = "ROBOT.toml")]
     file: PathBuf,
-    /// Ask nothing: take every default.
+    /// Use all defaults and ask no questions.
     #[arg(long)]
     defaults: bool,
 }

@@ -32,7 +32,8 @@ pub(super) struct Args {
     #[arg(long, requires = "port")]
     upload: bool,
     /// The address to listen on; port 0 is any free port. On an address that other computers
-    /// reach, the link contains a token, which is needed to connect. Nothing is encrypted.
+    /// reach, the link contains a token, which is needed to connect. The connection is not
+    /// encrypted.
     #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8105", value_parser = address)]
     listen: SocketAddr,
 }

@@ -171,17 +171,19 @@ mod tests {
     }
 
     /// Whether a value has exactly the parts that a schema describes.
-    fn obeys(value: &Value, schema: &Value) -> bool {
+    fn matches_schema(value: &Value, schema: &Value) -> bool {
         match (schema["type"].as_str(), value) {
             (Some("object"), Value::Object(parts)) => {
                 let described = schema["properties"].as_object().unwrap();
                 let mut each = parts.iter().zip(described);
                 parts.len() == described.len()
-                    && each.all(|((name, part), (known, of))| name == known && obeys(part, of))
+                    && each.all(|((name, part), (known, of))| {
+                        name == known && matches_schema(part, of)
+                    })
             }
-            (Some("array"), Value::Array(items)) => {
-                items.iter().all(|item| obeys(item, &schema["items"]))
-            }
+            (Some("array"), Value::Array(items)) => items
+                .iter()
+                .all(|item| matches_schema(item, &schema["items"])),
             (Some("number"), Value::Number(_))
             | (Some("boolean"), Value::Bool(_))
             | (Some("string"), Value::String(_)) => true,
@@ -200,7 +202,10 @@ mod tests {
             let schema: Value = serde_json::from_slice(schema).unwrap();
             let value = serde_json::from_slice(&message.data).unwrap();
             assert!(is_readable(&schema), "{schema}");
-            assert!(obeys(&value, &schema), "{value} does not match {schema}");
+            assert!(
+                matches_schema(&value, &schema),
+                "{value} does not match {schema}"
+            );
         }
     }
 

@@ -102,7 +102,7 @@ impl ControllerThread {
         while let Ok((page, event)) = self.pages.events.try_recv() {
             self.handle_event(page, event)?;
         }
-        // Without a sign of life from the page in control, the host sends nothing either.
+        // Without a message from the page in control, the host sends no command either.
         if self.lease.is_alive(Instant::now()) {
             self.feed_controller()?;
         }

@@ -41,7 +41,7 @@ impl MoveEnd {
 /// How the job has changed since the last update.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum JobStatus {
-    /// The job goes on, or there is none.
+    /// The job continues, or there is none.
     Unchanged,
     /// The job is done.
     Finished,
@@ -83,7 +83,7 @@ impl MoveFeeder {
         self.end = None;
     }
 
-    /// Looks at the controller, which has room for so many moves.
+    /// Updates the job from the controller's status and its room for further moves.
     pub(super) fn update(&mut self, status: &Status, room: u8) -> JobStatus {
         self.empty = self.empty.max(room);
         if !takes_moves(status.state) {

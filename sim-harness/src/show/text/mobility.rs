@@ -56,7 +56,7 @@ fn parallel(analysis: &ParallelAnalysis) -> Vec<Step> {
             limb.rank,
             limb.rank,
             limb.constraints.len(),
-            list(&limb.constraints, CONSTRAINTS, "it constrains nothing"),
+            list(&limb.constraints, CONSTRAINTS, "it has no constraints"),
         ));
     }
     let common = vec![

@@ -10,7 +10,7 @@ use fivebar_kinematics::five_bar::{Side, WorkingMode};
 use nalgebra::Vector2;
 use rayon::prelude::*;
 
-/// By default, the longer side of the reach has at least so many cells.
+/// Least number of cells along the longer side of the reach, by default.
 const CELLS: f64 = 160.0;
 
 /// A reach smaller than this share of the base is rounding.
