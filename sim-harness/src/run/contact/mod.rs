@@ -1,6 +1,6 @@
 //! A pin (journal) in a bearing with clearance: contact, impact, flight.
 //!
-//! | module | what it holds |
+//! | module | content |
 //! |---|---|
 //! | `law` | contact laws with restitution |
 //! | `journal` | the contact force between pin and bearing, and when contact begins and ends |

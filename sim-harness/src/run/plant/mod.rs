@@ -3,7 +3,7 @@
 //! Its equations use full coordinates with constraint forces and share nothing with the
 //! controller's model, so that a simulation cannot confirm the controller's mistakes.
 //!
-//! | module | what it holds |
+//! | module | content |
 //! |---|---|
 //! | `planar` | bodies and their motion in the plane |
 //! | `chain` | the joints A to E and the forces in them |

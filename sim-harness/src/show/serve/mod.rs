@@ -8,7 +8,7 @@
 //! the controller only while the page in control shows signs of life. Otherwise the
 //! controller's command timeout brings the arm to rest.
 //!
-//! | module | what it holds |
+//! | module | content |
 //! |---|---|
 //! | `simulated`, `pace` | the simulated arm in real time, also in lockstep with a board |
 //! | `arm`, `maps` | the arm and its workspace, sent to pages before the arm moves |
