@@ -12,19 +12,20 @@ const AS_WRITTEN: Placement = Placement {
 };
 
 fn job(text: &str) -> Job {
-    Job::parse(text, &AS_WRITTEN).unwrap_or_else(|error| panic!("{error}"))
+    Job::parse(text, &AS_WRITTEN).unwrap_or_else(|refusal| panic!("{refusal}"))
 }
 
 fn steps(text: &str) -> Vec<Step> {
     job(text).steps
 }
 
-fn error(text: &str) -> (u32, GcodeError) {
+fn refusal(text: &str) -> (u32, GcodeError) {
     match Job::parse(text, &AS_WRITTEN) {
         Err(JobError::Line { line, reason, .. }) => (line, reason),
         other => panic!("{text:?} gave {other:?}"),
     }
 }
+
 fn ends(text: &str) -> Vec<[f64; 2]> {
     let mut ends = Vec::new();
     for step in steps(text) {
@@ -171,7 +172,7 @@ fn an_unknown_m_code_is_skipped_with_its_text() {
     assert_eq!(ends(text), [[1.0, 0.0], [3.0, 0.0]]);
     let skipped = job(text).warnings;
     assert!(skipped.iter().map(|it| it.line).eq([1, 3, 4, 5]));
-    assert!(matches!(error("M3 Sfast"), (1, GcodeError::Syntax(_))));
+    assert!(matches!(refusal("M3 Sfast"), (1, GcodeError::Syntax(_))));
 }
 
 #[test]
@@ -183,7 +184,7 @@ fn dwells_are_in_milliseconds_with_p_and_in_seconds_with_s() {
     assert_eq!(dwell("G0 X1\nG4 P160 (wait 160ms)"), 0.16);
     assert_eq!(dwell("G0 X1\nG4 S3600.5"), 3600.5);
     for bad in ["G4", "G4 P-1", "G4 S86401", "G4 X1"] {
-        assert_eq!(error(bad), (1, GcodeError::Dwell), "{bad}");
+        assert_eq!(refusal(bad), (1, GcodeError::Dwell), "{bad}");
     }
 }
 
@@ -244,7 +245,7 @@ fn unsupported_g_code_is_refused_with_line_and_reason() {
         ("G2 X9 R1 F1", 1, GcodeError::ArcChord),
         ("G2 R1 F1", 1, GcodeError::ArcChord),
     ] {
-        assert_eq!(error(text), (line, reason), "{text}");
+        assert_eq!(refusal(text), (line, reason), "{text}");
     }
 
     assert!(matches!(refusal("G0 X1000001"), (1, GcodeError::TooFar(_))));
@@ -272,7 +273,7 @@ fn malformed_words_and_numbers_are_refused() {
         "G0 X.",
     ] {
         let both = format!("G0 X1\n{text}\n");
-        assert_eq!(error(&both).0, 2, "{text:?}");
+        assert_eq!(refusal(&both).0, 2, "{text:?}");
     }
 }
 
