@@ -94,7 +94,7 @@ fn the_arm_stops_on_its_path_if_the_host_falls_silent() {
         client
             .command(order)
             .expect("the link works")
-            .expect("the command is accepted")
+            .expect("the command is accepted");
     };
     let theta = arm::plant();
     let angles = [theta.angle(0), theta.angle(1)].map(|angle| angle as f32);
