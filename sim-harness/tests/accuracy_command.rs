@@ -154,7 +154,7 @@ fn tolerances_of_unknown_links_joints_or_points_are_refused() {
     for (tolerance, reason) in [
         (
             "length_sd = { couplet = 1e-4 }",
-            "names `couplet`; there are",
+            "names `couplet`, which does not exist; there are",
         ),
         ("length_sd = -1e-4", "cannot be -0.0001"),
         ("point_sd = { M = [1e-4, nan] }", "cannot be NaN"),
@@ -194,6 +194,6 @@ fn an_arm_without_tolerances_gets_a_note() {
         String::from_utf8(output.stderr).unwrap()
     };
     let message = warnings(file.to_str().unwrap());
-    assert!(message.contains("no [tolerance] is given"), "{message}");
+    assert!(message.contains("has no [tolerance]"), "{message}");
     assert!(!warnings("benchtop").contains("[tolerance]"));
 }

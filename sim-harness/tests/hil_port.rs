@@ -45,7 +45,7 @@ fn a_controller_that_drives_motors_is_refused() {
     let out = tempfile::tempdir().expect("a temporary folder");
     let (status, _, err) = hil(&board, out.path());
     assert_eq!(status, Some(1), "{err}");
-    assert!(err.contains("makes its own ticks"), "{err}");
+    assert!(err.contains("has its own clock"), "{err}");
 }
 
 #[test]

@@ -91,13 +91,13 @@ fn invalid_answers_are_explained_and_asked_again() {
     assert!(output.status.success(), "{message}");
     for reason in [
         "\"sideways\" is none of flat, upright",
-        "a length is more than 0 m, not -1",
-        "\"wide\" is not the number",
-        "\"nan\" is not the number",
-        "long enough to meet?",
+        "a length must be more than 0 m, not -1",
+        "\"wide\" is no valid number",
+        "\"nan\" is no valid number",
+        "make the couplers longer",
         "\"steam\" is none of",
-        "`gear_ratio` of [[actuator]] 1 must be a finite number but 0",
-        "\"4096.5\" is not the number",
+        "`gear_ratio` of [[actuator]] 1 must be finite and must not be 0",
+        "\"4096.5\" is no valid number",
     ] {
         assert!(
             message.contains(reason),
@@ -182,7 +182,7 @@ fn the_command_for_a_small_arm_scales_the_drawing() {
     let (message, offer, run) = new_then_sim(["", "", "0.02", "", "", "", "", "", "", ""]);
     assert!(!message.contains("cannot draw"), "{message}");
     assert!(
-        offer.contains("Try it: ") && offer.contains("--scale 0.2"),
+        offer.contains("fivebar sim --robot") && offer.contains("--scale 0.2"),
         "{offer}"
     );
     assert!(run.status.success(), "{run:?}");
@@ -228,7 +228,7 @@ fn an_existing_file_is_not_overwritten() {
     std::fs::write(folder.path().join("arm.toml"), "mine").unwrap();
     let output = new(folder.path(), &["--defaults"], "");
     assert_eq!(output.status.code(), Some(1));
-    assert!(message(&output).contains("there already"));
+    assert!(message(&output).contains("exists already"));
     let left = std::fs::read_to_string(folder.path().join("arm.toml")).unwrap();
     assert_eq!(left, "mine");
 }

@@ -182,12 +182,12 @@ fn invalid_mechanisms_are_refused_with_their_line() {
         (
             "left_link = 1.2 ",
             "left_link = -1.2 ",
-            "line 4: `left_link` makes no mechanism",
+            "line 4: `left_link` cannot make a mechanism",
         ),
         (
             "platform = 0.6",
             "platform = nan",
-            "line 6: `platform` makes no mechanism",
+            "line 6: `platform` cannot make a mechanism",
         ),
         (
             "right_link",

@@ -200,7 +200,11 @@ fn a_gear_may_reverse_but_not_be_zero() {
     let first = text.lines().position(|line| line == "gear_ratio = 8.0");
     let line = 1 + first.unwrap();
     for ratio in ["0", "nan"] {
-        assert_refused(&geared(ratio), line, &["`gear_ratio`", "but 0, below zero"]);
+        assert_refused(
+            &geared(ratio),
+            line,
+            &["`gear_ratio`", "must not be 0 (negative"],
+        );
     }
 }
 

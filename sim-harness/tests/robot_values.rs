@@ -67,7 +67,7 @@ fn values_that_the_controller_would_refuse_are_refused_with_line_key_and_bound()
         (
             "encoder_counts",
             "600000",
-            ["524288 at this gear", "600000"],
+            ["524288 with this gear", "600000"],
         ),
         (
             "continuous_current",
@@ -110,7 +110,7 @@ fn values_that_the_controller_would_refuse_are_refused_with_line_key_and_bound()
 fn a_default_that_does_not_fit_is_named_with_its_value() {
     let text = BUILT_IN[0].text;
     let message = refusal(&text.replace("[supply]", "[supply]\nrange = [16.8, 60.0]"));
-    for word in ["`voltage_per_code` of [supply]", "60 V", "left out"] {
+    for word in ["`voltage_per_code` of [supply]", "60 V", "the default"] {
         assert!(message.contains(word), "`{word}` is missing in: {message}");
     }
 }

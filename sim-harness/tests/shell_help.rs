@@ -83,7 +83,7 @@ fn every_command_has_a_manual_page_with_its_examples() {
     let message = printed(&["man", folder.path().to_str().unwrap()]);
     let commands = commands();
     assert!(
-        message.starts_with(&format!("{} pages", commands.len() + 1)),
+        message.starts_with(&format!("wrote {} pages", commands.len() + 1)),
         "{message}"
     );
     let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();

@@ -248,7 +248,7 @@ fn for_an_arm_that_falls_while_unpowered_the_brake_torque_is_stated() {
     let message = String::from_utf8(run.stderr).unwrap();
     for words in [
         "following error. Unpowered it falls",
-        "`brake_torque` is 0 N·m",
+        "`brake_torque` of this joint is 0 N·m",
     ] {
         assert!(
             message.contains(words),
