@@ -7,7 +7,7 @@
 //! tool is at C.
 //!
 //! ```
-//! use fivebar_kinematics::PlanarVector;
+//! use nalgebra::Vector2;
 //! use fivebar_kinematics::five_bar::{Geometry, Side, Tool, WorkingMode, Workspace};
 //! use fivebar_design::workspace::{Grid, WorkspaceMap, reachable_area, singularity_curves};
 //!
