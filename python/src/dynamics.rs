@@ -5,8 +5,8 @@ use crate::error;
 use crate::motion::Motion;
 use crate::positions::{Numbers, Signs};
 use crate::robot::Robot;
-use nalgebra::Vector2;
 use fivebar_kinematics::dynamics::Arm;
+use nalgebra::Vector2;
 use pyo3::prelude::*;
 
 /// θ, ω, α of the driven joints and the force on C to τ, M, h and the reactions in A

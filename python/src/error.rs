@@ -1,9 +1,9 @@
 //! Refusals as the exceptions of `fivebar._errors`, with what scripts ask of them.
 
 use fivebar::input::job::JobError;
-use fivebar::run::link::TargetError;
-use fivebar::input::source::FileError;
 use fivebar::input::scenario::ScenarioError;
+use fivebar::input::source::FileError;
+use fivebar::run::link::TargetError;
 use fivebar::run::simulation::RunError;
 use pyo3::call::PyCallArgs;
 use pyo3::prelude::*;

@@ -4,8 +4,8 @@ use crate::batch::{Answer, common, rows, solve};
 use crate::positions::{Numbers, Signs, number};
 use crate::robot::Robot;
 use crate::status::Problem;
-use nalgebra::Vector2;
 use fivebar_kinematics::five_bar::{Accelerations, Pose, Velocities};
+use nalgebra::Vector2;
 use pyo3::prelude::*;
 
 /// A motion in full.
@@ -68,7 +68,8 @@ pub(crate) fn inverse_motion<'py>(
         let [x, y] = velocity[row];
         let velocities = geometry.inverse_velocities(&pose, Vector2::new(x, y))?;
         let [x, y] = acceleration[row];
-        let accelerations = geometry.inverse_accelerations(&pose, &velocities, Vector2::new(x, y))?;
+        let accelerations =
+            geometry.inverse_accelerations(&pose, &velocities, Vector2::new(x, y))?;
         let [t1, t2, t3, t4] = pose.angles();
         let [w1, w2, w3, w4] = velocities.omega;
         let [a1, a2, a3, a4] = accelerations.alpha;

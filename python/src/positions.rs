@@ -3,8 +3,8 @@
 use crate::batch::{Answer, common, rows, solve};
 use crate::robot::{Robot, sign};
 use crate::status::Problem;
-use nalgebra::Vector2;
 use fivebar_kinematics::five_bar::{Pose, Side, WorkingMode};
+use nalgebra::Vector2;
 use numpy::PyReadonlyArrayDyn;
 use pyo3::prelude::*;
 

@@ -2,10 +2,10 @@
 
 use crate::error;
 use crate::robot::Robot;
-use fivebar::run::link::{InProcess, Target, TargetError};
-use fivebar::input::scenario::Mismatch;
 use fivebar::input::robot::BuiltIn;
+use fivebar::input::scenario::Mismatch;
 use fivebar::input::scenario::Scenario as Described;
+use fivebar::run::link::{InProcess, Target, TargetError};
 use fivebar::run::simulation::{Sample, fault_name};
 use fivebar_firmware::controller::Request;
 use fivebar_firmware::{Command, Move, Sensed, Status};
