@@ -103,7 +103,7 @@ proptest! {
         let c = jacobian.velocity(moving.omega);
         assert_close("ẋC", c.x, velocities.c.x, 1e-10);
         assert_close("ẏC", c.y, velocities.c.y, 1e-10);
-        let [omega1, omega4] = geometry.inverse_jacobian(&pose).unwrap().rates(c);
+        let [omega1, omega4] = geometry.inverse_jacobian(&pose).unwrap().joint_rates(c);
         assert_close("ω1", omega1, moving.omega[0], 1e-9);
         assert_close("ω4", omega4, moving.omega[1], 1e-9);
         // Virtual work: τ·q̇ = F·ṙC.

@@ -108,6 +108,8 @@ impl From<ConstraintViolation> for Reason {
                 Self::JointLimit(number(joint))
             }
             ConstraintViolation::Torque(joint) => Self::Torque(number(joint)),
+            // A constraint that has no reason of its own yet.
+            _ => Self::Unreachable,
         }
     }
 }
@@ -117,6 +119,7 @@ impl From<PathSegmentError> for Reason {
         match error {
             PathSegmentError::NotFinite | PathSegmentError::ZeroLength => Self::Number,
             PathSegmentError::ZeroRadius | PathSegmentError::RadiusMismatch => Self::Arc,
+            _ => Self::Unreachable,
         }
     }
 }

@@ -7,6 +7,18 @@
 use crate::Scalar;
 
 /// Friction of a driven joint as the controller believes it.
+///
+/// ```
+/// use fivebar_kinematics::control::FrictionCompensation;
+///
+/// // 0.02 N·m·s/rad, 0.3 N·m, smoothed over 0.01 rad/s.
+/// let friction = FrictionCompensation::new(0.02, 0.3, 0.01);
+/// assert_eq!(friction.torque(0.0), 0.0);
+/// // Half of Coulomb's torque at the smoothing velocity.
+/// assert!((friction.torque(0.01) - 0.1502_f64).abs() < 1e-12);
+/// // Almost all of it, and the viscous torque, at 10 rad/s.
+/// assert!((friction.torque(10.0) - 0.5_f64).abs() < 1e-3);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrictionCompensation<S> {
     viscous: S,

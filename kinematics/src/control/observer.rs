@@ -16,6 +16,21 @@ use super::discrete::decay;
 use crate::Scalar;
 
 /// The observer's constants.
+///
+/// ```
+/// use fivebar_kinematics::control::{ObserverState, VelocityObserver};
+///
+/// let (period, speed) = (1e-4, 5.0); // s, rad/s
+/// let count = core::f64::consts::TAU / 40_960.0; // rad
+/// let observer = VelocityObserver::new(800.0, period);
+/// let mut state = ObserverState::at_rest(0.0);
+/// for tick in 1..1000 {
+///     let angle = speed * period * f64::from(tick);
+///     observer.update(&mut state, (angle / count).round() * count, 0.0);
+/// }
+/// // The velocity comes from whole counts to within 800 rad/s times one count.
+/// assert!((state.velocity - speed).abs() < 800.0 * count);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VelocityObserver<S> {
     period: S,
@@ -25,6 +40,17 @@ pub struct VelocityObserver<S> {
 }
 
 /// What the observer holds of one joint.
+///
+/// ```
+/// use fivebar_kinematics::control::{ObserverState, VelocityObserver};
+///
+/// let observer = VelocityObserver::new(800.0, 1e-4);
+/// let mut state = ObserverState { angle: 0.3_f64, velocity: 2.0 }; // rad, rad/s
+/// // The measured angle is where the state predicts it, so only the angle advances.
+/// let innovation = observer.update(&mut state, 0.3 + 2.0 * 1e-4, 0.0);
+/// assert!(innovation.abs() < 1e-15);
+/// assert!((state.velocity - 2.0).abs() < 1e-9);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ObserverState<S> {
     /// θ̂: the estimated angle [rad].

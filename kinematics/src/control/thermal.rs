@@ -8,6 +8,17 @@
 use crate::Scalar;
 
 /// The heating of a motor.
+///
+/// ```
+/// use fivebar_kinematics::control::{MotorHeat, MotorHeating};
+///
+/// // 2 A continuous, a time constant of 5 s, ticks of 1 ms; 4 A flow.
+/// let heating = MotorHeating::new(2.0, 5.0, 1e-3);
+/// let mut heat = MotorHeat::cold();
+/// let ticks = (1..).find(|_| heating.update(&mut heat, 4.0_f64)).unwrap_or(0);
+/// // i²(1 − e^(−t/τ)) = 4 A² at t = τ ln(16/12) = 1.438 s.
+/// assert!((f64::from(ticks) * 1e-3 - 1.438).abs() < 2e-3);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotorHeating<S> {
     rate: S,
@@ -15,6 +26,17 @@ pub struct MotorHeating<S> {
 }
 
 /// How warm a motor is: x [A²], and what rounding has kept from it.
+///
+/// ```
+/// use fivebar_kinematics::control::{MotorHeat, MotorHeating};
+///
+/// let heating = MotorHeating::new(2.0, 5.0, 1e-3);
+/// let mut heat = MotorHeat::cold();
+/// for _ in 0..5000 { // one time constant at 1 A
+///     heating.update(&mut heat, 1.0_f64);
+/// }
+/// assert!((heat.squared_current() - (1.0 - f64::exp(-1.0))).abs() < 1e-3); // A²
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotorHeat<S> {
     x: S,

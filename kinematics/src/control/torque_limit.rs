@@ -3,6 +3,15 @@
 use crate::Scalar;
 
 /// The greatest torques of the two joints [N·m].
+///
+/// ```
+/// use fivebar_kinematics::control::TorqueLimit;
+///
+/// let limit = TorqueLimit([1.0, 1.0]); // N·m
+/// assert_eq!(limit.apply([0.4, -0.9]), ([0.4, -0.9], false));
+/// // Joint 4 asks for four times its limit: both torques are divided by four.
+/// assert_eq!(limit.apply([2.0, -4.0]), ([0.5, -1.0], true));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TorqueLimit<S>(pub [S; 2]);
 

@@ -34,6 +34,26 @@ use crate::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 
 /// An arm's equations of motion, its masses summed up.
+///
+/// ```
+/// use fivebar_kinematics::dynamics::{Arm, BaseParameterModel, Link};
+/// use fivebar_kinematics::five_bar::{Geometry, Links, Side};
+/// use fivebar_kinematics::nalgebra::Vector2;
+///
+/// let geometry = Geometry::new([0.10_f64, 0.16, 0.16, 0.10, 0.08])?;
+/// let rods = [0.10, 0.16, 0.16, 0.10].map(|length| Link::uniform_rod(0.06, length)); // kg, m
+/// let arm = Arm::new(geometry, rods, 0.03, Vector2::new(0.0, -9.81), [2e-5; 2])?;
+///
+/// let pose = geometry.forward(2.0, 1.1, Side::Left)?;
+/// let velocities = geometry.forward_velocities(&pose, 3.0, -1.0)?; // rad/s
+/// let accelerations = geometry.forward_accelerations(&pose, &velocities, 80.0, -20.0)?; // rad/s²
+/// let kane = arm.inverse_dynamics(&pose, &velocities, &accelerations, Vector2::zeros())?;
+/// let model = BaseParameterModel::new(&arm);
+/// let torque = model.torques(&Links::of(&pose, &geometry), [3.0, -1.0], [80.0, -20.0]);
+/// assert!(kane[0].abs() > 0.01); // N·m
+/// assert!((torque[0] - kane[0]).abs() < 1e-14);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BaseParameterModel<S> {
     /// (p2, q2), (p3, q3) [kg].

@@ -6,6 +6,19 @@ use core::fmt;
 use nalgebra::Vector2;
 
 /// The inertia of one link.
+///
+/// ```
+/// use fivebar_kinematics::dynamics::Link;
+/// use fivebar_kinematics::nalgebra::Vector2;
+///
+/// // A rod of 60 g and 160 mm; its inertia about the middle is m l²/12 [kg·m²].
+/// let rod = Link::uniform_rod(0.06_f64, 0.16);
+/// assert_eq!(rod.com, Vector2::new(0.08, 0.0));
+/// assert!((rod.inertia - 1.28e-4).abs() < 1e-18);
+/// // Measured values, the centre of mass 2 mm beside the link.
+/// let measured = Link { mass: 0.064, com: Vector2::new(0.075, 0.002), inertia: 1.5e-4 };
+/// assert!(measured.inertia > rod.inertia);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Link<S> {
     /// Mass [kg].
@@ -16,7 +29,36 @@ pub struct Link<S> {
     pub inertia: S,
 }
 
+impl<S: Scalar> Link<S> {
+    /// A uniform rod of this mass [kg] and length [m]: its centre of mass is in its middle,
+    /// its moment of inertia about that m l²/12.
+    pub fn uniform_rod(mass: S, length: S) -> Self {
+        Self {
+            mass,
+            com: Vector2::new(S::HALF * length, S::ZERO),
+            inertia: mass * length * length * S::from_f64(1.0 / 12.0),
+        }
+    }
+}
+
 /// Geometry and inertia of the whole arm: what its equations of motion need.
+///
+/// ```
+/// use fivebar_kinematics::dynamics::{Arm, Link};
+/// use fivebar_kinematics::five_bar::{Geometry, Side, WorkingMode};
+/// use fivebar_kinematics::nalgebra::Vector2;
+///
+/// let geometry = Geometry::new([0.10_f64, 0.16, 0.16, 0.10, 0.08])?;
+/// let rods = [0.10, 0.16, 0.16, 0.10].map(|length| Link::uniform_rod(0.06, length)); // kg, m
+/// let (payload, gravity) = (0.03, Vector2::new(0.0, -9.81)); // kg, m/s²
+/// let arm = Arm::new(geometry, rods, payload, gravity, [2e-5; 2])?;
+///
+/// // A symmetric pose needs opposite torques [N·m] to hold the arm up.
+/// let pose = geometry.inverse(Vector2::new(0.04, 0.20), WorkingMode::new(Side::Right, Side::Left))?;
+/// let [torque1, torque4] = arm.gravity_torque(&pose)?;
+/// assert!(torque1 < -0.01 && (torque1 + torque4).abs() < 1e-15);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arm<S> {
     geometry: Geometry<S>,
@@ -26,9 +68,23 @@ pub struct Arm<S> {
     rotor_inertia: [S; 2],
 }
 
-/// Why numbers are not an arm's inertia.
+/// Why an arm's masses and inertias are refused.
+///
+/// ```
+/// use fivebar_kinematics::dynamics::{Arm, Link, ModelError};
+/// use fivebar_kinematics::five_bar::Geometry;
+/// use fivebar_kinematics::nalgebra::Vector2;
+///
+/// let geometry = Geometry::new([0.10_f64, 0.16, 0.16, 0.10, 0.08])?;
+/// let mut rods = [0.10, 0.16, 0.16, 0.10].map(|length| Link::uniform_rod(0.06, length));
+/// rods[2].mass = -0.06;
+/// let arm = Arm::new(geometry, rods, 0.0, Vector2::zeros(), [0.0; 2]);
+/// assert_eq!(arm, Err(ModelError::Link(3)));
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum ModelError {
     /// Link `1..=4`: mass and inertia must be finite and not negative, the centre finite.
     Link(usize),
@@ -62,6 +118,7 @@ impl fmt::Display for ModelError {
 
 impl core::error::Error for ModelError {}
 
+/// Whether a mass or an inertia is finite and not negative.
 fn sound<S: Scalar>(value: S) -> bool {
     value >= S::ZERO && value.is_finite()
 }
@@ -72,7 +129,8 @@ impl<S: Scalar> Arm<S> {
     /// (gear ratio squared times the rotor's own).
     ///
     /// # Errors
-    /// The first of the numbers that is not sound.
+    /// The first value that is not finite or is negative, and a driven link without any
+    /// inertia about its joint.
     pub fn new(
         geometry: Geometry<S>,
         links: [Link<S>; 4],

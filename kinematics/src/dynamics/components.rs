@@ -7,6 +7,26 @@ use crate::five_bar::{Accelerations, Pose, PoseError, Velocities};
 use nalgebra::Vector2;
 
 /// The parts of the driving torques, each [joint 1, joint 4]; they add up to the torque.
+///
+/// ```
+/// use fivebar_kinematics::dynamics::{Arm, Link};
+/// use fivebar_kinematics::five_bar::{Geometry, Side};
+/// use fivebar_kinematics::nalgebra::Vector2;
+///
+/// let geometry = Geometry::new([0.10_f64, 0.16, 0.16, 0.10, 0.08])?;
+/// let rods = [0.10, 0.16, 0.16, 0.10].map(|length| Link::uniform_rod(0.06, length)); // kg, m
+/// let arm = Arm::new(geometry, rods, 0.03, Vector2::new(0.0, -9.81), [2e-5; 2])?;
+/// let pose = geometry.forward(2.0, 1.1, Side::Left)?;
+/// let velocities = geometry.forward_velocities(&pose, 3.0, -1.0)?; // rad/s
+/// let accelerations = geometry.forward_accelerations(&pose, &velocities, 40.0, 20.0)?; // rad/s²
+///
+/// let (force, friction) = (Vector2::new(1.0, 0.0), [0.002, 0.002]); // N, N·m
+/// let parts = arm.torque_components(&pose, &velocities, &accelerations, force, friction)?;
+/// let torque = arm.inverse_dynamics(&pose, &velocities, &accelerations, force)?;
+/// assert!((parts.total()[0] - torque[0] - friction[0]).abs() < 1e-14);
+/// assert!(parts.inertia[0].abs() > parts.velocity[0].abs());
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TorqueComponents<S> {
     /// M q̈: the accelerations asked for, rotors included.
@@ -73,6 +93,26 @@ impl<S: Scalar> Arm<S> {
 }
 
 /// Torque parts summed along a motion.
+///
+/// ```
+/// use fivebar_kinematics::dynamics::{ShareTotals, TorqueComponents};
+///
+/// let none = [0.0; 2];
+/// let mut totals = ShareTotals::default();
+/// for inertia in [0.3, -0.3] { // N·m, each for 1 ms
+///     let parts = TorqueComponents {
+///         inertia: [inertia; 2],
+///         gravity: [0.1; 2],
+///         velocity: none,
+///         external: none,
+///         friction: none,
+///     };
+///     totals.add(&parts, 1e-3);
+/// }
+/// let [inertia, _, gravity, ..] = totals.fractions();
+/// assert!((inertia[0] - 0.75_f64).abs() < 1e-15 && (gravity[0] - 0.25).abs() < 1e-15);
+/// assert_eq!(totals.peaks()[0], [0.3, 0.3]);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShareTotals<S> {
     /// ∫|τ| dt of each part [N·m·s], in the order of [`TorqueComponents::NAMES`].

@@ -18,6 +18,23 @@ use crate::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 
 /// Partial angular velocities of links 2 and 3 in the generalised speeds ω1 and ω4.
+///
+/// ```
+/// use fivebar_kinematics::dynamics::{Arm, Link};
+/// use fivebar_kinematics::five_bar::{Geometry, Side};
+/// use fivebar_kinematics::nalgebra::Vector2;
+///
+/// let geometry = Geometry::new([0.10_f64, 0.16, 0.16, 0.10, 0.08])?;
+/// let rods = [0.10, 0.16, 0.16, 0.10].map(|length| Link::uniform_rod(0.06, length)); // kg, m
+/// let arm = Arm::new(geometry, rods, 0.0, Vector2::zeros(), [0.0; 2])?;
+/// let pose = geometry.forward(2.0, 1.1, Side::Left)?;
+///
+/// // ω2 is linear in the generalised speeds ω1 = 3 and ω4 = −1 rad/s.
+/// let partial = arm.partial_velocities(&pose)?;
+/// let [_, omega2, ..] = geometry.forward_velocities(&pose, 3.0, -1.0)?.omega;
+/// assert!((3.0 * partial.omega21 - partial.omega24 - omega2).abs() < 1e-14);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PartialVelocities<S> {
     /// ∂ω2/∂ω1.

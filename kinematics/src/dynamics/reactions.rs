@@ -12,6 +12,25 @@ use crate::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 
 /// The forces that act in the joints [N].
+///
+/// ```
+/// use fivebar_kinematics::dynamics::{Arm, Link};
+/// use fivebar_kinematics::five_bar::{Geometry, Side};
+/// use fivebar_kinematics::nalgebra::Vector2;
+///
+/// let geometry = Geometry::new([0.10_f64, 0.16, 0.16, 0.10, 0.08])?;
+/// let rods = [0.10, 0.16, 0.16, 0.10].map(|length| Link::uniform_rod(0.06, length)); // kg, m
+/// let arm = Arm::new(geometry, rods, 0.03, Vector2::new(0.0, -9.81), [0.0; 2])?;
+/// let pose = geometry.forward(2.0, 1.1, Side::Left)?;
+/// let velocities = geometry.forward_velocities(&pose, 0.0, 0.0)?;
+/// let accelerations = geometry.forward_accelerations(&pose, &velocities, 0.0, 0.0)?;
+///
+/// // At rest, the ground carries the weight of four rods and the payload [N].
+/// let forces = arm.reactions(&pose, &velocities, &accelerations, Vector2::zeros())?;
+/// let weight = (4.0 * 0.06 + 0.03) * 9.81;
+/// assert!((forces.a + forces.e - Vector2::new(0.0, weight)).norm() < 1e-13);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reactions<S> {
     /// Of the ground on link 1, at A.

@@ -17,6 +17,23 @@ use crate::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 
 /// The motion of the driven joints; index 0 is joint 1, index 1 joint 4.
+///
+/// ```
+/// use fivebar_kinematics::five_bar::{Geometry, Side, Tool, WorkingMode};
+/// use fivebar_kinematics::nalgebra::Vector2;
+///
+/// let geometry = Geometry::new([0.10_f64, 0.16, 0.16, 0.10, 0.08])?;
+/// let tool = Tool::new(geometry, Vector2::zeros())?;
+/// let outwards = WorkingMode::new(Side::Right, Side::Left);
+///
+/// // C on the arm's axis of symmetry [m], moving along it at 0.5 m/s.
+/// let (t, v, a) = (Vector2::new(0.04, 0.20), Vector2::new(0.0, 0.5), Vector2::zeros());
+/// let joints = tool.actuated_joints(t, v, a, outwards)?;
+/// assert!(joints.omega[0] < -1.0); // rad/s, clockwise
+/// assert!((joints.omega[0] + joints.omega[1]).abs() < 1e-12);
+/// assert!((joints.alpha[0] + joints.alpha[1]).abs() < 1e-9);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ActuatedJointState<S> {
     /// u(θ1), u(θ4).

@@ -3,6 +3,17 @@
 use core::fmt;
 
 /// Left or right of a directed line, seen with the plane's normal towards the viewer.
+///
+/// ```
+/// use fivebar_kinematics::PlanarVector;
+/// use fivebar_kinematics::five_bar::Side;
+/// use fivebar_kinematics::nalgebra::Vector2;
+///
+/// let (x_axis, up) = (Vector2::new(1.0, 0.0), Vector2::new(0.2, 0.7));
+/// assert_eq!(Side::of(x_axis.cross_z(up)), Side::Left);
+/// assert_eq!(Side::Left.opposite(), Side::Right);
+/// assert_eq!(Side::Right.sign(0.3), -0.3);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -65,6 +76,18 @@ impl fmt::Display for Side {
 /// Leg 1 ends in the point P that the solution places: the tool T of a [`Tool`], C of a
 /// [`Geometry`], which has no tool. Where T is offset from C, one pose can have a mode of T
 /// and another of C; [`Tool::working_mode`] and [`Pose::working_mode`] tell them.
+///
+/// ```
+/// use fivebar_kinematics::five_bar::{Geometry, WorkingMode};
+/// use fivebar_kinematics::nalgebra::Vector2;
+///
+/// let geometry = Geometry::new([0.10_f64, 0.16, 0.16, 0.10, 0.08])?;
+/// for mode in WorkingMode::ALL {
+///     let pose = geometry.inverse(Vector2::new(0.06, 0.18), mode)?;
+///     assert_eq!(pose.working_mode(), mode);
+/// }
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 ///
 /// [`Geometry`]: super::Geometry
 /// [`Pose::working_mode`]: super::Pose::working_mode

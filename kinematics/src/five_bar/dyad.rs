@@ -13,9 +13,21 @@
 use super::Side;
 use crate::scalar::FixedPointSquare;
 use crate::{PlanarVector, Scalar};
+use core::fmt;
 use nalgebra::Vector2;
 
 /// Why two links have no definite joint between pivot and point.
+///
+/// ```
+/// use fivebar_kinematics::five_bar::{Dyad, DyadError, Side};
+/// use fivebar_kinematics::nalgebra::Vector2;
+///
+/// let dyad = Dyad::new(0.3, 0.4); // m
+/// let solve = |x: f64| dyad.solve(Vector2::new(x, 0.0), Side::Left);
+/// assert_eq!(solve(0.8), Err(DyadError::TooFar));
+/// assert_eq!(solve(0.05), Err(DyadError::TooNear));
+/// assert!(matches!(solve(0.7), Err(DyadError::InLine(_))));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DyadError<S> {
     /// They are in line to rounding: this is their joint [m], but their velocities are not
@@ -31,7 +43,32 @@ pub enum DyadError<S> {
     NotFinite,
 }
 
+impl<S: Scalar> fmt::Display for DyadError<S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::InLine(_) => "the two links are in line",
+            Self::TooFar => "the point is farther away than both links reach",
+            Self::TooNear => "the point is nearer than the difference of the links",
+            Self::Coincident => "the point is on the pivot, and the links are equal",
+            Self::NotFinite => "a number given is infinite or not a number",
+        })
+    }
+}
+
+impl<S: Scalar> core::error::Error for DyadError<S> {}
+
 /// Two links of given lengths, and what their solution needs of them.
+///
+/// ```
+/// use fivebar_kinematics::five_bar::{Dyad, Side};
+/// use fivebar_kinematics::nalgebra::Vector2;
+///
+/// // The right-angled triangle of sides 0.3, 0.4 and 0.5 m.
+/// let dyad = Dyad::new(0.3, 0.4);
+/// let joint = dyad.joint(Vector2::new(0.5, 0.0), Side::Left)?;
+/// assert!((joint - Vector2::new(0.18, 0.24)).norm() < 1e-15);
+/// # Ok::<(), fivebar_kinematics::five_bar::DyadError<f64>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dyad<S> {
     near: S,
@@ -53,6 +90,18 @@ pub struct Dyad<S> {
 }
 
 /// A dyad between its pivot and a point.
+///
+/// ```
+/// use fivebar_kinematics::five_bar::{Dyad, Side};
+/// use fivebar_kinematics::nalgebra::Vector2;
+///
+/// let point = Vector2::new(0.5, 0.0);
+/// let solution = Dyad::new(0.3, 0.4).solve(point, Side::Right)?;
+/// assert!((solution.joint.y + 0.24_f64).abs() < 1e-15);
+/// // Twice the area of the triangle, negative on the right of the ray to the point [m²].
+/// assert!((solution.cross + 0.12).abs() < 1e-15);
+/// # Ok::<(), fivebar_kinematics::five_bar::DyadError<f64>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DyadSolution<S> {
     /// The joint between the links, from the pivot [m].

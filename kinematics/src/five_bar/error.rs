@@ -3,8 +3,18 @@
 use core::fmt;
 
 /// Why five numbers are not a five-bar.
+///
+/// ```
+/// use fivebar_kinematics::five_bar::{Geometry, GeometryError};
+///
+/// let negative = Geometry::new([0.10_f64, 0.16, -0.16, 0.10, 0.08]);
+/// assert_eq!(negative, Err(GeometryError::NotPositive(2)));
+/// let open = Geometry::new([0.10_f64, 0.16, 0.16, 0.10, 0.90]);
+/// assert_eq!(open, Err(GeometryError::CannotAssemble));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum GeometryError {
     /// Length `0..=4` (l1…l4, base) is not a positive finite number.
     NotPositive(usize),
@@ -15,6 +25,16 @@ pub enum GeometryError {
 }
 
 /// Why no pose exists.
+///
+/// ```
+/// use fivebar_kinematics::five_bar::{Geometry, PoseError, Side, Unreachable};
+///
+/// // With both driven links pointing outwards, B and D are 0.50 m apart: 0.18 m too far.
+/// let geometry = Geometry::new([0.10_f64, 0.16, 0.16, 0.10, 0.30])?;
+/// let pose = geometry.forward(core::f64::consts::PI, 0.0, Side::Left);
+/// assert_eq!(pose, Err(PoseError::Unreachable(Unreachable::ElbowsTooFar)));
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Unreachable {
@@ -33,6 +53,20 @@ pub enum Unreachable {
 }
 
 /// A pose in which the arm loses or gains a freedom.
+///
+/// ```
+/// use fivebar_kinematics::five_bar::{Geometry, Side, Singularity, WorkingMode};
+/// use fivebar_kinematics::nalgebra::Vector2;
+///
+/// // C is 0.2598 m from A, 0.2 mm short of a straight leg 1.
+/// let geometry = Geometry::new([0.10_f64, 0.16, 0.20, 0.10, 0.08])?;
+/// let outwards = WorkingMode::new(Side::Right, Side::Left);
+/// let pose = geometry.inverse(Vector2::new(0.0, 0.2598), outwards)?;
+/// let (singularity, sine) = pose.nearest_singularity();
+/// assert_eq!(singularity, Singularity::Leg1);
+/// assert!(sine < 0.1);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Singularity {
@@ -45,6 +79,18 @@ pub enum Singularity {
 }
 
 /// Why a pose or a motion cannot be given.
+///
+/// ```
+/// use fivebar_kinematics::five_bar::{Geometry, PoseError, Side, Unreachable, WorkingMode};
+/// use fivebar_kinematics::nalgebra::Vector2;
+///
+/// let geometry = Geometry::new([0.10_f64, 0.16, 0.16, 0.10, 0.08])?;
+/// let outwards = WorkingMode::new(Side::Right, Side::Left);
+/// let error = geometry.inverse(Vector2::new(0.04, 0.50), outwards).unwrap_err();
+/// assert_eq!(error, PoseError::Unreachable(Unreachable::Leg1TooFar));
+/// assert_eq!(error.to_string(), "the point is farther from A than l1 + l2");
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PoseError {

@@ -6,6 +6,19 @@ use crate::Scalar;
 use nalgebra::Vector2;
 
 /// The lengths of a five-bar [m], proven positive and able to close.
+///
+/// ```
+/// use fivebar_kinematics::five_bar::{Geometry, Side};
+/// use core::f64::consts::FRAC_PI_2;
+///
+/// // l1 to l4 and the base [m].
+/// let geometry = Geometry::new([0.10_f64, 0.17, 0.17, 0.10, 0.16])?;
+/// // Both driven links point up: C is in the middle, 0.15 m above the elbows.
+/// let pose = geometry.forward(FRAC_PI_2, FRAC_PI_2, Side::Left)?;
+/// assert!((pose.c.x - 0.08).abs() < 1e-15);
+/// assert!((pose.c.y - 0.25).abs() < 1e-15);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Geometry<S> {
     lengths: [S; 5],

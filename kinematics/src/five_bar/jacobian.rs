@@ -14,6 +14,22 @@ use nalgebra::{Matrix2, Vector2};
 
 /// ṙC = J q̇ with q̇ = (ω1, ω4): the partial velocities of C, which are J's columns; of the
 /// tool in C's place where [`Tool::jacobian`] made it.
+///
+/// ```
+/// use fivebar_kinematics::five_bar::{Geometry, Side, WorkingMode};
+/// use fivebar_kinematics::nalgebra::Vector2;
+///
+/// let geometry = Geometry::new([0.10_f64, 0.16, 0.16, 0.10, 0.08])?;
+/// let pose = geometry.inverse(Vector2::new(0.06, 0.18), WorkingMode::new(Side::Right, Side::Left))?;
+/// let jacobian = geometry.jacobian(&pose)?;
+///
+/// // The power of a force on C is the power of the torques it causes: F·ṙC = τ·q̇.
+/// let (force, rates) = (Vector2::new(2.0, -5.0), [1.5, -0.5]); // N, rad/s
+/// let [torque1, torque4] = jacobian.torques(force); // N·m
+/// let power = force.dot(&jacobian.velocity(rates));
+/// assert!((power - (torque1 * rates[0] + torque4 * rates[1])).abs() < 1e-15);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jacobian<S> {
     /// vC1 = ∂ṙC/∂ω1 [m].
@@ -23,6 +39,18 @@ pub struct Jacobian<S> {
 }
 
 /// q̇ = J⁻¹ ṙC: the rows of J⁻¹, finite where J itself is not (type 2).
+///
+/// ```
+/// use fivebar_kinematics::five_bar::{Geometry, Side, WorkingMode};
+/// use fivebar_kinematics::nalgebra::{Matrix2, Vector2};
+///
+/// let geometry = Geometry::new([0.10_f64, 0.16, 0.16, 0.10, 0.08])?;
+/// let pose = geometry.inverse(Vector2::new(0.06, 0.18), WorkingMode::new(Side::Right, Side::Left))?;
+/// let inverse = geometry.inverse_jacobian(&pose)?;
+/// let product = inverse.matrix() * geometry.jacobian(&pose)?.matrix();
+/// assert!((product - Matrix2::identity()).norm() < 1e-14);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InverseJacobian<S> {
     /// ∂ω1/∂ṙC [1/m].
@@ -70,7 +98,7 @@ impl<S: Scalar> Tool<S> {
     pub fn jacobian(&self, pose: &Pose<S>) -> Result<Jacobian<S>, PoseError> {
         let of = |omega1, omega4| {
             let velocities = self.geometry().forward_velocities(pose, omega1, omega4)?;
-            Ok(self.velocity(pose, &velocities))
+            Ok::<_, PoseError>(self.velocity(pose, &velocities))
         };
         Ok(Jacobian {
             c1: of(S::ONE, S::ZERO)?,
@@ -145,7 +173,7 @@ impl<S: Scalar> InverseJacobian<S> {
 
     /// (ω1, ω4) [rad/s] of ṙC [m/s].
     #[inline]
-    pub fn rates(&self, c_velocity: Vector2<S>) -> [S; 2] {
+    pub fn joint_rates(&self, c_velocity: Vector2<S>) -> [S; 2] {
         [self.joint1.dot(&c_velocity), self.joint4.dot(&c_velocity)]
     }
 }

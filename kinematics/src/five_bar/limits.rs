@@ -5,6 +5,15 @@ use core::f64::consts::PI;
 use core::fmt;
 
 /// One of the driven joints.
+///
+/// ```
+/// use fivebar_kinematics::five_bar::{Joint, JointLimits};
+///
+/// // Joint 4 has no range of angles: its least limit exceeds its greatest.
+/// let error = JointLimits::new([-0.5, 2.6], [2.0, 1.0]).unwrap_err();
+/// assert_eq!(error.joint(), Joint::Joint4);
+/// assert_eq!(error.joint().to_string(), "joint 4");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Joint {
@@ -23,7 +32,60 @@ impl fmt::Display for Joint {
     }
 }
 
+/// Why angles are refused, and of which joint.
+///
+/// ```
+/// use fivebar_kinematics::five_bar::{Joint, JointLimitError, JointLimits};
+///
+/// let limits = JointLimits::new([0.5, 2.6], [-0.5, 1.6])?; // rad
+/// assert_eq!(limits.angles_within(2.7, 1.0), Err(JointLimitError::Outside(Joint::Joint1)));
+/// # Ok::<(), JointLimitError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum JointLimitError {
+    /// The limits given are not −3π ≤ least < greatest ≤ 3π.
+    Range(Joint),
+    /// The joint cannot point there within its limits.
+    Outside(Joint),
+}
+
+impl JointLimitError {
+    /// The joint.
+    pub fn joint(self) -> Joint {
+        match self {
+            Self::Range(joint) | Self::Outside(joint) => joint,
+        }
+    }
+}
+
+impl fmt::Display for JointLimitError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Range(joint) => write!(
+                f,
+                "the limits of {joint} must be within one and a half turns of 0, the smaller first"
+            ),
+            Self::Outside(joint) => write!(f, "{joint} would leave its limits"),
+        }
+    }
+}
+
+impl core::error::Error for JointLimitError {}
+
 /// Least and greatest angle of each driven joint [rad], within one and a half turns of 0.
+///
+/// ```
+/// use fivebar_kinematics::five_bar::JointLimits;
+/// use core::f64::consts::PI;
+///
+/// let limits = JointLimits::new([0.5, 4.0], [-1.0, 1.0])?; // rad
+/// // Link 1 at −170° is within its limits after a whole turn: 190° = 3.3 rad.
+/// let [theta1, theta4] = limits.angles_within(-170.0 * PI / 180.0, 0.2)?;
+/// assert!((theta1 - 190.0 * PI / 180.0).abs() < 1e-15);
+/// assert_eq!(theta4, 0.2);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointLimits<S> {
     joint1: [S; 2],
@@ -34,12 +96,12 @@ impl<S: Scalar> JointLimits<S> {
     /// Limits from `[least, greatest]` of θ1 and of θ4 [rad].
     ///
     /// # Errors
-    /// The joint whose limits are not −3π ≤ least < greatest ≤ 3π.
-    pub fn new(joint1: [S; 2], joint4: [S; 2]) -> Result<Self, Joint> {
+    /// `Range` with the joint whose limits are not −3π ≤ least < greatest ≤ 3π.
+    pub fn new(joint1: [S; 2], joint4: [S; 2]) -> Result<Self, JointLimitError> {
         for (joint, [least, greatest]) in [(Joint::Joint1, joint1), (Joint::Joint4, joint4)] {
             let bound = S::from_f64(3.0 * PI);
             if !(-bound <= least && least < greatest && greatest <= bound) {
-                return Err(joint);
+                return Err(JointLimitError::Range(joint));
             }
         }
         Ok(Self { joint1, joint4 })
@@ -54,11 +116,11 @@ impl<S: Scalar> JointLimits<S> {
     /// turn is added or taken where only that one is allowed.
     ///
     /// # Errors
-    /// The joint that cannot point there.
-    pub fn angles_within(&self, theta1: S, theta4: S) -> Result<[S; 2], Joint> {
+    /// `Outside` with the joint that cannot point there.
+    pub fn angles_within(&self, theta1: S, theta4: S) -> Result<[S; 2], JointLimitError> {
         Ok([
-            within(theta1, self.joint1).ok_or(Joint::Joint1)?,
-            within(theta4, self.joint4).ok_or(Joint::Joint4)?,
+            within(theta1, self.joint1).ok_or(JointLimitError::Outside(Joint::Joint1))?,
+            within(theta4, self.joint4).ok_or(JointLimitError::Outside(Joint::Joint4))?,
         ])
     }
 }
@@ -80,17 +142,19 @@ mod tests {
         assert_eq!(limits.angles_within(1.0, 0.0), Ok([1.0, 0.0]));
         let [theta1, _] = limits.angles_within(-2.9, 0.0).unwrap();
         assert!((theta1 - (2.0 * PI - 2.9)).abs() < 1e-15);
-        assert_eq!(limits.angles_within(0.4, 0.0), Err(Joint::Joint1));
-        assert_eq!(limits.angles_within(1.0, 1.1), Err(Joint::Joint4));
-        assert_eq!(limits.angles_within(f64::NAN, 0.0), Err(Joint::Joint1));
+        let outside = |joint| Err(JointLimitError::Outside(joint));
+        assert_eq!(limits.angles_within(0.4, 0.0), outside(Joint::Joint1));
+        assert_eq!(limits.angles_within(1.0, 1.1), outside(Joint::Joint4));
+        assert_eq!(limits.angles_within(f64::NAN, 0.0), outside(Joint::Joint1));
     }
 
     #[test]
     fn empty_boundless_or_undefined_limits_are_refused() {
         let good = [-1.0, 1.0];
         for bad in [[1.0, 1.0], [1.0, -1.0], [-1.0, 10.0], [f64::NAN, 1.0]] {
-            assert_eq!(JointLimits::new(bad, good), Err(Joint::Joint1));
-            assert_eq!(JointLimits::new(good, bad), Err(Joint::Joint4));
+            let refused = |joint| Err(JointLimitError::Range(joint));
+            assert_eq!(JointLimits::new(bad, good), refused(Joint::Joint1));
+            assert_eq!(JointLimits::new(good, bad), refused(Joint::Joint4));
         }
     }
 }

@@ -11,6 +11,21 @@ use crate::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 
 /// The links of a closed arm, away from the parallel singularity [m].
+///
+/// ```
+/// use fivebar_kinematics::PlanarVector;
+/// use fivebar_kinematics::five_bar::{Geometry, Side};
+/// use fivebar_kinematics::nalgebra::Vector2;
+///
+/// let geometry = Geometry::new([0.10_f64, 0.16, 0.16, 0.10, 0.08])?;
+/// let (u1, u4) = (Vector2::<f64>::unit(2.0), Vector2::unit(1.1)); // rad
+/// let links = geometry.links(u1, u4, Side::Left)?;
+/// // Both ways from A to C.
+/// let by_leg4 = geometry.e() + links.ed + links.dc;
+/// assert!((links.ab + links.bc - by_leg4).norm() < 1e-15);
+/// assert!((geometry.pose(&links).sin32() - links.cross / (0.16 * 0.16)).abs() < 1e-14);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Links<S> {
     /// r1, A to B.

@@ -26,7 +26,7 @@ pub use dyad::{Dyad, DyadError, DyadSolution};
 pub use error::{GeometryError, PoseError, Singularity, Unreachable};
 pub use geometry::Geometry;
 pub use jacobian::{InverseJacobian, Jacobian};
-pub use limits::{Joint, JointLimits};
+pub use limits::{Joint, JointLimitError, JointLimits};
 pub use links::Links;
 pub(crate) use motion::per_sine;
 pub use motion::{Accelerations, Velocities};

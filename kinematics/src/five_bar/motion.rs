@@ -18,6 +18,21 @@ use crate::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 
 /// Angular velocities of the links and the velocity of the tool.
+///
+/// ```
+/// use fivebar_kinematics::five_bar::{Geometry, Side};
+///
+/// let geometry = Geometry::new([0.10_f64, 0.16, 0.16, 0.10, 0.08])?;
+/// let pose = geometry.forward(2.0, 1.1, Side::Left)?; // rad
+/// let velocities = geometry.forward_velocities(&pose, 3.0, -1.0)?; // rad/s
+///
+/// // The difference quotient over a microsecond gives the same velocity of C [m/s].
+/// let dt = 1e-6;
+/// let later = geometry.forward(2.0 + 3.0 * dt, 1.1 - dt, Side::Left)?;
+/// assert!(velocities.c.norm() > 0.1);
+/// assert!(((later.c - pose.c) / dt - velocities.c).norm() < 1e-4);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Velocities<S> {
     /// ω1, ω2, ω3, ω4 [rad/s].
@@ -27,6 +42,23 @@ pub struct Velocities<S> {
 }
 
 /// Angular accelerations of the links and the acceleration of the tool.
+///
+/// ```
+/// use fivebar_kinematics::five_bar::{Geometry, Side, WorkingMode};
+/// use fivebar_kinematics::nalgebra::Vector2;
+///
+/// let geometry = Geometry::new([0.10_f64, 0.16, 0.16, 0.10, 0.08])?;
+/// let pose = geometry.inverse(Vector2::new(0.04, 0.20), WorkingMode::new(Side::Right, Side::Left))?;
+/// let velocities = geometry.inverse_velocities(&pose, Vector2::new(0.5, 0.0))?; // m/s
+/// let wanted = Vector2::new(0.0, 4.0); // m/s²
+/// let inverse = geometry.inverse_accelerations(&pose, &velocities, wanted)?;
+///
+/// // The driven accelerations [rad/s²] give C the acceleration that they were computed from.
+/// let [alpha1, _, _, alpha4] = inverse.alpha;
+/// let forward = geometry.forward_accelerations(&pose, &velocities, alpha1, alpha4)?;
+/// assert!((forward.c - wanted).norm() < 1e-12);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Accelerations<S> {
     /// α1, α2, α3, α4 [rad/s²].

@@ -8,6 +8,20 @@ use nalgebra::Vector2;
 ///
 /// Directions are kept as unit vectors, since everything downstream needs sines and
 /// cosines and hardly anything needs the angles.
+///
+/// ```
+/// use fivebar_kinematics::five_bar::{Geometry, Side, WorkingMode};
+/// use fivebar_kinematics::nalgebra::Vector2;
+///
+/// let geometry = Geometry::new([0.10_f64, 0.16, 0.16, 0.10, 0.08])?;
+/// let pose = geometry.inverse(Vector2::new(0.04, 0.20), WorkingMode::new(Side::Right, Side::Left))?;
+/// // C is on the arm's axis of symmetry, above the elbows.
+/// let [theta1, _, _, theta4] = pose.angles();
+/// assert!((theta1 + theta4 - core::f64::consts::PI).abs() < 1e-15);
+/// assert_eq!(pose.assembly(), Side::Left);
+/// assert!(((pose.c - pose.b).norm() - 0.16).abs() < 1e-15);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose<S> {
     /// u(θ1), A to B.

@@ -5,6 +5,20 @@ use crate::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 
 /// Distance from one singularity.
+///
+/// ```
+/// use fivebar_kinematics::five_bar::{Geometry, Side, WorkingMode};
+/// use fivebar_kinematics::nalgebra::Vector2;
+///
+/// let geometry = Geometry::new([0.10_f64, 0.16, 0.16, 0.10, 0.08])?;
+/// let c = Vector2::new(0.04, 0.20);
+/// let pose = geometry.inverse(c, WorkingMode::new(Side::Right, Side::Left))?;
+/// // C can move by l1 + l2 − |AC| = 56 mm before leg 1 is straight.
+/// let leg1 = geometry.clearances(&pose).leg1;
+/// assert!((leg1.length - (0.26 - c.norm())).abs() < 1e-15);
+/// assert!((leg1.sine - pose.sin21().abs()).abs() < 1e-15);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clearance<S> {
     /// |sin| of the angle that the singularity closes, 0…1.
@@ -15,6 +29,20 @@ pub struct Clearance<S> {
 }
 
 /// Distances from the three singularities of a pose.
+///
+/// ```
+/// use fivebar_kinematics::five_bar::{Geometry, Side, WorkingMode};
+/// use fivebar_kinematics::nalgebra::Vector2;
+///
+/// let geometry = Geometry::new([0.10_f64, 0.16, 0.16, 0.10, 0.08])?;
+/// let outwards = WorkingMode::new(Side::Right, Side::Left);
+/// let near = geometry.clearances(&geometry.inverse(Vector2::new(0.04, 0.20), outwards)?);
+/// let far = geometry.clearances(&geometry.inverse(Vector2::new(0.04, 0.25), outwards)?);
+/// // Both legs straighten as C moves away from the base.
+/// assert!(far.leg1.sine < near.leg1.sine && far.leg4.sine < near.leg4.sine);
+/// assert!((near.leg1.length - far.leg1.length - 0.0492).abs() < 1e-4); // m
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clearances<S> {
     /// Type 1 of leg A–B–C: the length is what C can move, at least.

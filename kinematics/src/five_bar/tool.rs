@@ -16,6 +16,20 @@ use crate::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 
 /// An arm with its tool point T.
+///
+/// ```
+/// use fivebar_kinematics::five_bar::{Geometry, Side, Tool, WorkingMode};
+/// use fivebar_kinematics::nalgebra::Vector2;
+///
+/// let geometry = Geometry::new([0.10_f64, 0.16, 0.16, 0.10, 0.08])?;
+/// // A pen 30 mm beyond C and 10 mm to the left of link 2.
+/// let tool = Tool::new(geometry, Vector2::new(0.03, 0.01))?;
+/// let target = Vector2::new(0.06, 0.20);
+/// let pose = tool.inverse(target, WorkingMode::new(Side::Right, Side::Left))?;
+/// assert!((tool.point(&pose) - target).norm() < 1e-15);
+/// assert!(((pose.c - target).norm() - tool.offset().norm()).abs() < 1e-15);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tool<S> {
     geometry: Geometry<S>,

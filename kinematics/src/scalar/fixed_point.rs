@@ -7,6 +7,20 @@ use super::Scalar;
 /// The unit of length is the power of two that puts the sum, and the pivot's distance added
 /// to it, into 2³⁰…2³¹ units. Good for lengths from 1e-14 to 1e19 m, whose squares `f32` can
 /// hold.
+///
+/// ```
+/// use fivebar_kinematics::Scalar;
+/// use fivebar_kinematics::scalar::FixedPointSquare;
+///
+/// // Close to a stretched leg of 0.26 m, 0.26² − x² is a small difference of large numbers.
+/// let (near, far, x) = (0.10_f32, 0.16_f32, 0.259_999_f32);
+/// let fixed = FixedPointSquare::of_sum(near, far, 0.0);
+/// let square = (near + far) * (near + far);
+/// let difference = f32::difference_of_squares(square, &fixed, x, 0.0);
+/// let sum = f64::from(near) + f64::from(far);
+/// let exact = sum * sum - f64::from(x) * f64::from(x);
+/// assert!((f64::from(difference) / exact - 1.0).abs() < 0.01);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FixedPointSquare {
     /// Units per metre.

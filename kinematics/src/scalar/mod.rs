@@ -20,6 +20,20 @@ use num_traits::{One, Zero};
 ///
 /// Comparisons look at the value alone, so that a dual number takes the same branch as
 /// the plain number it stands for.
+///
+/// ```
+/// use fivebar_kinematics::Scalar;
+///
+/// /// |(x, y)| of any of the crate's numbers.
+/// fn norm<S: Scalar>(x: S, y: S) -> S {
+///     (x * x + y * y).sqrt()
+/// }
+/// assert_eq!(norm(3.0_f32, 4.0), 5.0);
+/// assert_eq!(norm(0.3_f64, 0.4), 0.5);
+/// // The crate's own sine in f32 is within 9e-8.
+/// let (sin, _) = Scalar::sin_cos(0.5_f32);
+/// assert!((f64::from(sin) - 0.5_f64.sin()).abs() < 9e-8);
+/// ```
 pub trait Scalar:
     nalgebra::Scalar
     + Copy

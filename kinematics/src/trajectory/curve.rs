@@ -14,6 +14,20 @@ use crate::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 
 /// Position and its first two derivatives by path length.
+///
+/// ```
+/// use fivebar_kinematics::nalgebra::Vector2;
+/// use fivebar_kinematics::trajectory::{PathSegment, Sense};
+///
+/// // A quarter of a circle of 0.1 m about the origin.
+/// let (from, to) = (Vector2::new(0.1, 0.0), Vector2::new(0.0, 0.1));
+/// let arc = PathSegment::arc(from, to, Vector2::zeros(), Sense::CounterClockwise, 1e-6)?;
+/// let start = arc.at(0.0);
+/// assert!((start.tangent - Vector2::new(0.0, 1.0)).norm() < 1e-15);
+/// // The curvature points to the centre, 1/(0.1 m) long.
+/// assert!((start.curvature - Vector2::new(-10.0, 0.0)).norm() < 1e-13);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CurvePoint<S> {
     /// r [m].
@@ -25,6 +39,17 @@ pub struct CurvePoint<S> {
 }
 
 /// A shape by its length.
+///
+/// ```
+/// use fivebar_kinematics::nalgebra::Vector2;
+/// use fivebar_kinematics::trajectory::Curve;
+///
+/// let (start, tangent) = (Vector2::new(0.1, 0.0), Vector2::new(0.0, 1.0));
+/// // Turning left with a radius of 0.1 m, half a circle is π · 0.1 m long.
+/// let arc = Curve::Arc { start, tangent, curvature: 10.0 };
+/// let end = arc.at(core::f64::consts::PI * 0.1).position;
+/// assert!((end - Vector2::new(-0.1, 0.0)).norm() < 1e-15);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Curve<S> {
     /// Straight.

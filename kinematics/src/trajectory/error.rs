@@ -1,12 +1,25 @@
-//! Why a path is not accepted, and at which point.
+//! Why a path or a move is not accepted.
 
-use crate::five_bar::{Joint, WorkspaceViolation};
+use crate::Scalar;
+use crate::five_bar::{Joint, PoseError, WorkspaceViolation};
 use core::fmt;
 use nalgebra::Vector2;
 
 /// The constraint that a path violates.
+///
+/// ```
+/// use fivebar_kinematics::five_bar::{Singularity, WorkspaceViolation};
+/// use fivebar_kinematics::trajectory::ConstraintViolation;
+///
+/// let violation = ConstraintViolation::from(WorkspaceViolation::Margin(Singularity::Leg1));
+/// assert_eq!(
+///     violation.to_string(),
+///     "too near a singularity: leg A–B–C is straight or folded (type 1)",
+/// );
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum ConstraintViolation {
     /// The tool would be outside the workspace.
     Workspace(WorkspaceViolation),
@@ -17,6 +30,29 @@ pub enum ConstraintViolation {
 }
 
 /// The first point found on a path that violates a constraint.
+///
+/// ```
+/// use fivebar_kinematics::five_bar::{Geometry, Side, Tool, WorkingMode, Workspace};
+/// use fivebar_kinematics::nalgebra::Vector2;
+/// use fivebar_kinematics::trajectory::{Envelope, MotionLimits, PathSegment};
+///
+/// let geometry = Geometry::new([0.10_f64, 0.16, 0.16, 0.10, 0.08])?;
+/// let (tool, mode) = (Tool::new(geometry, Vector2::zeros())?, WorkingMode::new(Side::Right, Side::Left));
+/// let envelope = Envelope {
+///     workspace: Workspace { tool, mode, limits: None, margin: 0.15 },
+///     joint_speed: [20.0; 2],
+///     joint_acceleration: [2000.0; 2],
+///     torque: None,
+///     tool_motion: MotionLimits { speed: 1.0, acceleration: 10.0, jerk: 1000.0 },
+///     corner_tolerance: 0.0,
+/// };
+/// // The line leads out of reach: the error says where on it.
+/// let line = PathSegment::line(Vector2::new(0.04, 0.18), Vector2::new(0.04, 0.35))?;
+/// let error = envelope.check(&line, 0.3).unwrap_err();
+/// assert!(error.fraction > 0.2 && error.fraction < 0.5);
+/// assert!((error.point - line.at(error.fraction * 0.17).position).norm() < 1e-12);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathError<S> {
     /// The place along the path, as a share 0…1 of its length.
@@ -25,6 +61,31 @@ pub struct PathError<S> {
     pub point: Vector2<S>,
     /// The violated constraint.
     pub violation: ConstraintViolation,
+}
+
+/// Why a move is not accepted.
+///
+/// ```
+/// use fivebar_kinematics::nalgebra::Vector2;
+/// use fivebar_kinematics::trajectory::{LookaheadPlanner, PushError};
+///
+/// let mut planner = LookaheadPlanner::<f64, 4>::new();
+/// let place = Vector2::new(0.04, 0.18); // m
+/// assert_eq!(planner.push_dwell(place, -1.0, 0), Err(PushError::NotFinite));
+/// while planner.has_free_slot() {
+///     planner.push_dwell(place, 0.5, 1)?; // s
+/// }
+/// assert_eq!(planner.push_dwell(place, 0.5, 2), Err(PushError::Full));
+/// # Ok::<(), PushError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum PushError {
+    /// The queue is full: take segments out first.
+    Full,
+    /// A limit is not a positive finite number, or a length or duration is not finite or is
+    /// negative.
+    NotFinite,
 }
 
 impl fmt::Display for ConstraintViolation {
@@ -36,3 +97,44 @@ impl fmt::Display for ConstraintViolation {
         }
     }
 }
+
+impl core::error::Error for ConstraintViolation {}
+
+impl From<WorkspaceViolation> for ConstraintViolation {
+    fn from(violation: WorkspaceViolation) -> Self {
+        Self::Workspace(violation)
+    }
+}
+
+impl From<PoseError> for ConstraintViolation {
+    fn from(error: PoseError) -> Self {
+        Self::Workspace(WorkspaceViolation::Pose(error))
+    }
+}
+
+impl<S: Scalar> fmt::Display for PathError<S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let share = 100.0 * self.fraction.to_f64();
+        let [x, y] = [self.point.x, self.point.y].map(|coordinate| 1e3 * coordinate.to_f64());
+        write!(
+            f,
+            "at {share:.1} % of the path, ({x:.3}, {y:.3}) mm: {}",
+            self.violation
+        )
+    }
+}
+
+impl<S: Scalar> core::error::Error for PathError<S> {}
+
+impl fmt::Display for PushError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Full => "the queue is full",
+            Self::NotFinite => {
+                "a limit is not positive and finite, or a length or duration is negative or not finite"
+            }
+        })
+    }
+}
+
+impl core::error::Error for PushError {}

@@ -9,6 +9,7 @@
 
 use super::blend::blend;
 use super::envelope::Envelope;
+use super::error::PushError;
 use super::number::{max, min};
 use super::path_segment::PathSegment;
 use super::profile::{Motion, VelocityProfile, time_to_cover};
@@ -19,18 +20,27 @@ use super::window::LookaheadWindow;
 use crate::Scalar;
 use nalgebra::Vector2;
 
-/// Why a move is not accepted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum PushError {
-    /// The queue is full: take segments out first.
-    Full,
-    /// A limit is not a positive finite number, or a length or duration is not finite or is
-    /// negative.
-    NotFinite,
-}
-
 /// A queue of up to `N` segments; a move takes one, and one more for the corner before it.
+///
+/// ```
+/// use fivebar_kinematics::trajectory::{LookaheadPlanner, MotionLimits, Reference};
+///
+/// // Joint 1 turns by 0.5 rad, joint 4 by −0.2 rad, from rest to rest.
+/// let limits = MotionLimits { speed: 2.0, acceleration: 20.0, jerk: 1000.0 }; // rad/s, …
+/// let mut planner = LookaheadPlanner::<f64, 8>::new();
+/// planner.push_joint([2.0, 1.1], [2.5, 0.9], limits, 0)?;
+///
+/// let (mut time, mut last) = (0.0, None);
+/// while let Some(segment) = planner.next_segment() {
+///     time += segment.duration();
+///     last = Some(segment.evaluate(segment.duration()));
+/// }
+/// // 0.5/2 s at full speed, 2/20 s to gain and lose it, 20/1000 s for the jerk.
+/// assert!((time - 0.37).abs() < 1e-9);
+/// let Some(Reference::Joint { angles: [_, theta4], .. }) = last else { panic!("no motion") };
+/// assert!((theta4 - 0.9).abs() < 1e-12);
+/// # Ok::<(), fivebar_kinematics::trajectory::PushError>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct LookaheadPlanner<S, const N: usize> {
     queue: Queue<S, N>,

@@ -36,8 +36,8 @@ mod window;
 
 pub use curve::{Curve, CurvePoint};
 pub use envelope::{Envelope, TorqueLimits};
-pub use error::{ConstraintViolation, PathError};
-pub use lookahead::{LookaheadPlanner, PushError};
+pub use error::{ConstraintViolation, PathError, PushError};
+pub use lookahead::LookaheadPlanner;
 pub use path_segment::{PathSegment, PathSegmentError, Sense};
 pub use ramp::MotionLimits;
 pub use reference::Reference;

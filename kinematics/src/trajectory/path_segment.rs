@@ -6,6 +6,16 @@ use core::fmt;
 use nalgebra::Vector2;
 
 /// A line, an arc or a blend of a given length.
+///
+/// ```
+/// use fivebar_kinematics::nalgebra::Vector2;
+/// use fivebar_kinematics::trajectory::PathSegment;
+///
+/// let line = PathSegment::line(Vector2::new(0.01_f64, 0.18), Vector2::new(0.04, 0.22))?; // m
+/// assert!((line.length() - 0.05).abs() < 1e-15);
+/// assert!((line.at(0.025).position - Vector2::new(0.025, 0.20)).norm() < 1e-15);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathSegment<S> {
     curve: Curve<S>,
@@ -13,8 +23,21 @@ pub struct PathSegment<S> {
 }
 
 /// Why a path segment cannot be made.
+///
+/// ```
+/// use fivebar_kinematics::nalgebra::Vector2;
+/// use fivebar_kinematics::trajectory::{PathSegment, PathSegmentError, Sense};
+///
+/// let (from, to) = (Vector2::new(0.1, 0.0), Vector2::new(0.0, 0.1));
+/// assert_eq!(PathSegment::line(from, from), Err(PathSegmentError::ZeroLength));
+/// // 0.1 m and 0.09 m from the centre: more than the tolerance of 0.01 mm apart.
+/// let centre = Vector2::new(0.0, 0.01);
+/// let arc = PathSegment::arc(from, to, centre, Sense::Clockwise, 1e-5);
+/// assert_eq!(arc, Err(PathSegmentError::RadiusMismatch));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum PathSegmentError {
     /// A number is infinite or not a number.
     NotFinite,
@@ -40,6 +63,17 @@ impl fmt::Display for PathSegmentError {
 impl core::error::Error for PathSegmentError {}
 
 /// Which way an arc turns.
+///
+/// ```
+/// use fivebar_kinematics::nalgebra::Vector2;
+/// use fivebar_kinematics::trajectory::{PathSegment, Sense};
+///
+/// let (from, to) = (Vector2::new(0.1, 0.0), Vector2::new(0.0, 0.1));
+/// let length = |sense| PathSegment::arc(from, to, Vector2::zeros(), sense, 1e-6).map(|arc| arc.length());
+/// // A quarter of the circle one way, three quarters the other way.
+/// assert!((length(Sense::Clockwise)? / length(Sense::CounterClockwise)? - 3.0_f64).abs() < 1e-14);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Sense {

@@ -13,6 +13,21 @@ use super::number::{cube_root, max, min};
 use crate::Scalar;
 
 /// The limits of the motion along a path; for a joint move in rad instead of m.
+///
+/// ```
+/// use fivebar_kinematics::trajectory::{LookaheadPlanner, MotionLimits};
+///
+/// // The same joint move takes longer with a tenth of the jerk.
+/// let time = |jerk: f64| {
+///     let limits = MotionLimits { speed: 2.0, acceleration: 20.0, jerk };
+///     let mut planner = LookaheadPlanner::<f64, 4>::new();
+///     planner.push_joint([0.0, 0.0], [1.0, 0.0], limits, 0)?;
+///     Ok(std::iter::from_fn(|| planner.next_segment()).map(|segment| segment.duration()).sum())
+/// };
+/// let (stiff, soft): (f64, f64) = (time(1000.0)?, time(100.0)?);
+/// assert!((stiff - 0.62).abs() < 1e-9 && soft > stiff + 0.1); // s
+/// # Ok::<(), fivebar_kinematics::trajectory::PushError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotionLimits<S> {
     /// |ṡ| [m/s].

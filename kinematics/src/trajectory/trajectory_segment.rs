@@ -6,6 +6,16 @@ use crate::Scalar;
 use nalgebra::Vector2;
 
 /// s(t) = s₀ + ṡ₀ t + ½ s̈₀ t² + ⅙ s⃛ t³, units per second.
+///
+/// ```
+/// use fivebar_kinematics::trajectory::TimeLaw;
+///
+/// // From 0.1 m at 0.2 m/s and 1 m/s², with a jerk of 6 m/s³, for 0.1 s.
+/// let state = TimeLaw::new(0.1, 0.2, 1.0, 6.0).at(0.1);
+/// assert!((state.s - 0.126_f64).abs() < 1e-15);
+/// assert!((state.s_dot - 0.33_f64).abs() < 1e-15);
+/// assert!((state.s_ddot - 1.6_f64).abs() < 1e-15);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimeLaw<S> {
     /// s₀, ṡ₀, ½ s̈₀, ⅙ s⃛.
@@ -39,6 +49,15 @@ impl<S: Scalar> TimeLaw<S> {
 
 /// The state of the motion along a path: s, ṡ and s̈. The unit of s is [m] along a curve,
 /// [rad] of the joint that turns further in a joint move.
+///
+/// ```
+/// use fivebar_kinematics::trajectory::TimeLaw;
+///
+/// // 0.2 m/s and 1 m/s²; at half the rate of time the speed is halved, the acceleration quartered.
+/// let state = TimeLaw::new(0.1, 0.2, 1.0, 0.0).at(0.0);
+/// let slow = state.time_scaled(0.5, 0.0);
+/// assert_eq!((slow.s, slow.s_dot, slow.s_ddot), (0.1, 0.1, 0.25));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathState<S> {
     /// Distance from the start of the segment, s [m or rad].
@@ -77,6 +96,21 @@ pub(super) enum Shape<S> {
 
 /// A segment of motion with a duration, continuous with its neighbours in position, velocity
 /// and acceleration.
+///
+/// ```
+/// use fivebar_kinematics::trajectory::{LookaheadPlanner, MotionLimits, Reference};
+///
+/// let limits = MotionLimits { speed: 2.0, acceleration: 20.0, jerk: 1000.0 };
+/// let mut planner = LookaheadPlanner::<f64, 4>::new();
+/// planner.push_joint([2.0, 1.1], [2.5, 1.1], limits, 7)?;
+/// let first = planner.next_segment().ok_or("no segment")?;
+/// // The jerk builds up the acceleration within 20 ms.
+/// assert_eq!(first.tag(), 7);
+/// assert!((first.duration() - 0.02).abs() < 1e-12);
+/// let Reference::Joint { accelerations, .. } = first.evaluate(0.01) else { panic!("a joint move") };
+/// assert!((accelerations[0] - 10.0).abs() < 1e-9); // rad/s²
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrajectorySegment<S> {
     pub(super) shape: Shape<S>,

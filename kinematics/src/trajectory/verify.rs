@@ -70,9 +70,7 @@ impl<S: Scalar> AnnulusConstraint<S> {
         if reserve_near <= distance && distance <= reserve_far {
             Ok(min(distance - near, far - distance))
         } else {
-            Err(ConstraintViolation::Workspace(WorkspaceViolation::Margin(
-                self.singularity,
-            )))
+            Err(WorkspaceViolation::Margin(self.singularity).into())
         }
     }
 
@@ -105,9 +103,9 @@ impl<S: Scalar> JointTracker<S> {
         };
         let seen = [pose.u1.polar_angle(), pose.u4.polar_angle()];
         let [theta1, theta4] = match self.angles {
-            None => limits.angles_within(seen[0], seen[1]).map_err(|joint| {
-                ConstraintViolation::Workspace(WorkspaceViolation::Joint(joint))
-            })?,
+            None => limits
+                .angles_within(seen[0], seen[1])
+                .map_err(|error| WorkspaceViolation::Joint(error.joint()))?,
             Some(last) => [unwrap(seen[0], last[0]), unwrap(seen[1], last[1])],
         };
         self.angles = Some([theta1, theta4]);
@@ -115,11 +113,9 @@ impl<S: Scalar> JointTracker<S> {
         let clearance = |angle: S, [least, greatest]: [S; 2], joint| {
             let clearance = min(angle - least, greatest - angle);
             if clearance >= S::from_f64(RESERVE_ANGLE) {
-                Ok(clearance)
+                Ok::<_, ConstraintViolation>(clearance)
             } else {
-                Err(ConstraintViolation::Workspace(WorkspaceViolation::Joint(
-                    joint,
-                )))
+                Err(WorkspaceViolation::Joint(joint).into())
             }
         };
         Ok([
@@ -186,11 +182,7 @@ impl<S: Scalar> Envelope<S> {
             let here = |violation| refuse(s, point.position, violation);
             let pose = tool
                 .inverse(point.position, workspace.mode)
-                .map_err(|error| {
-                    here(ConstraintViolation::Workspace(WorkspaceViolation::Pose(
-                        error,
-                    )))
-                })?;
+                .map_err(|error| here(error.into()))?;
             let at = point.position.length();
             let ec = (pose.c - geometry.e()).length();
             let bd = (pose.d - pose.b).length();
@@ -224,19 +216,9 @@ impl<S: Scalar> Envelope<S> {
         }
         let pose = tool
             .inverse(point.position, workspace.mode)
-            .map_err(|error| {
-                refuse(
-                    s,
-                    point.position,
-                    ConstraintViolation::Workspace(WorkspaceViolation::Pose(error)),
-                )
-            })?;
+            .map_err(|error| refuse(s, point.position, error.into()))?;
         let nearest = WorkspaceViolation::Margin(tool.nearest_singularity(&pose).0);
-        Err(refuse(
-            s,
-            point.position,
-            ConstraintViolation::Workspace(nearest),
-        ))
+        Err(refuse(s, point.position, nearest.into()))
     }
 
     /// Steps along a straight joint move, calls `visit` at every step with the share of the
@@ -273,9 +255,7 @@ impl<S: Scalar> Envelope<S> {
             violation,
         };
         if !(is_finite(from) && is_finite(to)) {
-            return Err(nowhere(ConstraintViolation::Workspace(
-                WorkspaceViolation::Pose(PoseError::NotFinite),
-            )));
+            return Err(nowhere(PoseError::NotFinite.into()));
         }
         self.check_margin().map_err(nowhere)?;
         let mut s = S::ZERO;
@@ -296,11 +276,7 @@ impl<S: Scalar> Envelope<S> {
             };
             let pose = geometry
                 .forward(theta.x, theta.y, assembly)
-                .map_err(|error| {
-                    at(last)(ConstraintViolation::Workspace(WorkspaceViolation::Pose(
-                        error,
-                    )))
-                })?;
+                .map_err(|error| at(last)(error.into()))?;
             last = tool.point(&pose);
             let bd = (pose.d - pose.b).length();
             let clearance = annulus23.clearance(bd).map_err(at(last))?;
@@ -311,9 +287,7 @@ impl<S: Scalar> Envelope<S> {
                 ] {
                     let allowed = least <= angle && angle <= greatest;
                     if !allowed {
-                        return Err(at(last)(ConstraintViolation::Workspace(
-                            WorkspaceViolation::Joint(joint),
-                        )));
+                        return Err(at(last)(WorkspaceViolation::Joint(joint).into()));
                     }
                 }
             }
@@ -328,9 +302,7 @@ impl<S: Scalar> Envelope<S> {
         Err(PathError {
             fraction: s / length,
             point: last,
-            violation: ConstraintViolation::Workspace(WorkspaceViolation::Margin(
-                Singularity::Parallel,
-            )),
+            violation: WorkspaceViolation::Margin(Singularity::Parallel).into(),
         })
     }
 

@@ -140,6 +140,7 @@ fn geometry(
                  the longest exceeds the sum of the others"
             ),
         ),
+        _ => source.refuse(Key::Top("base"), error),
     })
 }
 

@@ -5,6 +5,7 @@ use fivebar_kinematics::five_bar::{GeometryError, Joint, JointLimits, WorkingMod
 
 /// Why a robot has no workspace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum WorkspaceError {
     /// The tool's offset is not valid.
     #[error(transparent)]
@@ -22,7 +23,8 @@ impl Robot {
     /// The tool is at the elbow, or the limits are not valid.
     pub fn workspace(&self, mode: WorkingMode) -> Result<Workspace<f64>, WorkspaceError> {
         let [limits1, limits4] = self.limits.angle;
-        let limits = JointLimits::new(limits1, limits4).map_err(WorkspaceError::Limits)?;
+        let limits = JointLimits::new(limits1, limits4)
+            .map_err(|error| WorkspaceError::Limits(error.joint()))?;
         Ok(Workspace {
             tool: self.tool_on_link()?,
             mode,

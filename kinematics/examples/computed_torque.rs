@@ -1,0 +1,114 @@
+//! Computed torque against a plant with other masses than the controller's model.
+//!
+//! The controller moves C along a circle: τ = M(q) (q̈d + Kd ė + Kp e) + h(q, q̇), the
+//! demanded acceleration put into inverse dynamics. The plant is integrated by Runge and
+//! Kutta's method of fourth order.
+//!
+//! `cargo run --example computed_torque`
+
+use fivebar_kinematics::control::{Integral, PositionLoop};
+use fivebar_kinematics::dynamics::{Arm, Link};
+use fivebar_kinematics::five_bar::{Geometry, PoseError, Side, WorkingMode};
+use fivebar_kinematics::nalgebra::{Vector2, Vector4};
+use std::error::Error;
+use std::f64::consts::TAU;
+
+const PERIOD: f64 = 1e-3; // s
+const MODE: WorkingMode = WorkingMode::new(Side::Right, Side::Left);
+
+/// (θ1, θ4, ω1, ω4) [rad, rad/s].
+type State = Vector4<f64>;
+
+/// A five-bar of four uniform rods [kg], with a payload [kg], in a vertical plane.
+fn arm(rod_mass: f64, payload: f64) -> Result<Arm<f64>, Box<dyn Error>> {
+    let geometry = Geometry::new([0.10, 0.16, 0.16, 0.10, 0.08])?;
+    let rods = [0.10, 0.16, 0.16, 0.10].map(|length| Link::uniform_rod(rod_mass, length));
+    let gravity = Vector2::new(0.0, -9.81);
+    Ok(Arm::new(geometry, rods, payload, gravity, [2e-5; 2])?)
+}
+
+/// Position, velocity and acceleration of C at time `t` [s]: 20 mm about (40, 190) mm, 1 Hz.
+fn reference(t: f64) -> [Vector2<f64>; 3] {
+    let (sin, cos) = (TAU * t).sin_cos();
+    let (radius, outwards) = (0.02, Vector2::new(cos, sin));
+    [
+        Vector2::new(0.04, 0.19) + outwards * radius,
+        Vector2::new(-sin, cos) * (radius * TAU),
+        outwards * (-radius * TAU * TAU),
+    ]
+}
+
+/// The rates of the plant's state.
+fn derivative(plant: &Arm<f64>, state: &State, torque: [f64; 2]) -> Result<State, PoseError> {
+    let geometry = plant.geometry();
+    let pose = geometry.forward(state.x, state.y, Side::Left)?;
+    let velocities = geometry.forward_velocities(&pose, state.z, state.w)?;
+    let [alpha1, alpha4] = plant.forward_dynamics(&pose, &velocities, torque, Vector2::zeros())?;
+    Ok(State::new(state.z, state.w, alpha1, alpha4))
+}
+
+fn step(plant: &Arm<f64>, x: &State, torque: [f64; 2]) -> Result<State, PoseError> {
+    let k1 = derivative(plant, x, torque)?;
+    let k2 = derivative(plant, &(x + k1 * (0.5 * PERIOD)), torque)?;
+    let k3 = derivative(plant, &(x + k2 * (0.5 * PERIOD)), torque)?;
+    let k4 = derivative(plant, &(x + k3 * PERIOD), torque)?;
+    Ok(x + (k1 + (k2 + k3) * 2.0 + k4) * (PERIOD / 6.0))
+}
+
+/// The greatest distance of C from the circle's moving point [m] over two seconds.
+fn worst_error(model: &Arm<f64>, plant: &Arm<f64>, bandwidth: f64) -> Result<f64, PoseError> {
+    let geometry = model.geometry();
+    let gains = PositionLoop::new(bandwidth, 1.0, 0.0, 0.0, PERIOD);
+    let [c, v, _] = reference(0.0);
+    let pose = geometry.inverse(c, MODE)?;
+    let [theta1, _, _, theta4] = pose.angles();
+    let [omega1, _, _, omega4] = geometry.inverse_velocities(&pose, v)?.omega;
+    let mut state = State::new(theta1, theta4, omega1, omega4);
+    let mut worst = 0.0_f64;
+    for tick in 0..2000 {
+        // The reference in the driven joints.
+        let [c, v, a] = reference(f64::from(tick) * PERIOD);
+        let desired = geometry.inverse(c, MODE)?;
+        let [theta1, _, _, theta4] = desired.angles();
+        let rates = geometry.inverse_velocities(&desired, v)?;
+        let accelerations = geometry.inverse_accelerations(&desired, &rates, a)?;
+        let demand = |theta: f64, joint: usize, position: f64, rate: f64| {
+            let (alpha, omega) = (accelerations.alpha[joint], rates.omega[joint]);
+            gains.acceleration(Integral(0.0), alpha, theta - position, omega - rate)
+        };
+        let alpha1 = demand(theta1, 0, state.x, state.z);
+        let alpha4 = demand(theta4, 3, state.y, state.w);
+
+        // The torque for that demand, at the measured state.
+        let pose = geometry.forward(state.x, state.y, Side::Left)?;
+        worst = worst.max((pose.c - c).norm());
+        let measured = geometry.forward_velocities(&pose, state.z, state.w)?;
+        let demanded = geometry.forward_accelerations(&pose, &measured, alpha1, alpha4)?;
+        let torque = model.inverse_dynamics(&pose, &measured, &demanded, Vector2::zeros())?;
+        state = step(plant, &state, torque)?;
+    }
+    Ok(worst)
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let (model, heavier) = (arm(0.06, 0.03)?, arm(0.066, 0.04)?);
+    let exact = worst_error(&model, &model, 60.0)?;
+    let soft = worst_error(&model, &heavier, 60.0)?;
+    let stiff = worst_error(&model, &heavier, 120.0)?;
+    println!("greatest error of C [mm]");
+    println!("true masses, 60 rad/s: {:.3}", 1e3 * exact);
+    println!(
+        "other masses, 60 rad/s: {:.3}, 120 rad/s: {:.3}",
+        1e3 * soft,
+        1e3 * stiff
+    );
+    // The error of wrong masses falls with the square of the bandwidth.
+    assert!(exact < 0.1e-3 && soft < 5e-3);
+    assert!((3.0..5.0).contains(&(soft / stiff)), "{soft} and {stiff}");
+    Ok(())
+}
+
+#[test]
+fn wrong_masses_cost_accuracy_that_bandwidth_restores() -> Result<(), Box<dyn Error>> {
+    main()
+}
