@@ -1,11 +1,11 @@
-//! What the tick takes in and gives out: raw samples and bridge commands, no HAL types.
+//! What the tick reads and writes: sensor samples and actuator commands, without HAL types.
 
 use serde::{Deserialize, Serialize};
 
 /// One tick's samples, as the peripherals deliver them. Index 0 is joint 1 (at A),
 /// index 1 is joint 4 (at E).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Sensed {
+pub struct SensorSample {
     /// Encoder counts, both latched together; they wrap.
     pub counts: [i32; 2],
     /// Phase currents [ADC codes].
@@ -18,13 +18,13 @@ pub struct Sensed {
     pub emergency_stop: bool,
     /// Fault outputs of the bridges, true when raised.
     pub driver_fault: [bool; 2],
-    /// Ticks that should have come since the last one and did not.
+    /// Ticks missed since the last one.
     pub missed_ticks: u32,
 }
 
-/// What the bridges are told until the next tick.
+/// What the bridges and the brake do until the next tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Command {
+pub struct ActuatorCommand {
     /// Duty of each bridge in −1…1: the mean voltage as a share of the bus voltage.
     pub duty: [f32; 2],
     /// Whether each bridge is powered. Off, its motor's terminals float.

@@ -15,7 +15,7 @@ pub mod settings;
 pub mod storage;
 
 pub use controller::{Controller, Request, Status};
-pub use io::{Command, Sensed};
+pub use io::{ActuatorCommand, SensorSample};
 pub use motion::{Move, MoveKind};
 pub use planner::Planner;
 pub use settings::Settings;

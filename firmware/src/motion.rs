@@ -1,13 +1,13 @@
-//! What the controller can be asked to do with its tool: the moves of the protocol and of
-//! the planner's queue.
+//! The moves that a host can ask for: in the protocol and in the planner's queue.
 
 use serde::{Deserialize, Serialize};
 
-/// One move, from wherever the one before it ends.
+/// One move. It starts where the move before it ends.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Move {
-    /// The sender's name for this move, given back in states and refusals: a line number.
+    /// The host's number for this move, such as a line of a job. It is repeated in the status
+    /// and in errors.
     pub tag: u32,
     /// What to do.
     pub kind: MoveKind,
@@ -24,7 +24,7 @@ pub enum MoveKind {
         /// Speed along the path [m/s]; the limits may slow it.
         feed: f32,
     },
-    /// Along a circle; a full turn where the end is the start.
+    /// Along a circle; a full turn if the end is the start.
     Arc {
         /// The end [m].
         to: [f32; 2],
@@ -40,11 +40,11 @@ pub enum MoveKind {
         /// For how long [s].
         duration: f32,
     },
-    /// Both driven joints straight to their angles, arriving together.
+    /// Both driven joints straight to their angles; both arrive at the same time.
     Joint {
         /// θ1, θ4 [rad].
         to: [f32; 2],
-        /// Share of the joints' greatest speed, in 0…1.
+        /// Share of the joints' greatest speed, 0 to 1.
         speed: f32,
     },
 }

@@ -3,9 +3,9 @@
 
 mod rig;
 
-use fivebar_firmware::controller::{Controller, Refusal, Request};
+use fivebar_firmware::controller::{Controller, Request, RequestError};
 use fivebar_firmware::safety::{Fault, Response, State};
-use fivebar_firmware::{Command, MoveKind, Settings};
+use fivebar_firmware::{ActuatorCommand, MoveKind, Settings};
 use rig::{Rig, START, settings};
 
 /// Runs a tick, and on until a fault is latched, at most `within` ticks, and holds it
@@ -16,7 +16,7 @@ fn powers_off(rig: &mut Rig, fault: Fault, number: u8, within: u32) {
     assert_eq!(fault.response(), Response::PowerOff);
     // One that is found between ticks is latched at once and powers off in the next tick.
     let between = rig.controller.fault().is_some();
-    let mut command = Command::default();
+    let mut command = ActuatorCommand::default();
     for _ in 0..within {
         command = rig.tick();
         if rig.controller.state() == State::Fault {
@@ -31,7 +31,7 @@ fn powers_off(rig: &mut Rig, fault: Fault, number: u8, within: u32) {
 }
 
 #[track_caller]
-fn stays_off(rig: &mut Rig, mut command: Command, fault: Fault) {
+fn stays_off(rig: &mut Rig, mut command: ActuatorCommand, fault: Fault) {
     let snapshot = *rig.controller.fault().unwrap();
     assert_eq!(snapshot.fault, fault);
     for _ in 0..200 {
@@ -40,12 +40,12 @@ fn stays_off(rig: &mut Rig, mut command: Command, fault: Fault) {
         assert!(command.brake);
         command = rig.tick();
     }
-    let state = Refusal::State(State::Fault);
+    let state = RequestError::State(State::Fault);
     for request in [Request::Arm, Request::Home, Request::Stop, Request::Disarm] {
         assert_eq!(rig.controller.request(request), Err(state));
     }
-    let refusal = rig.push(1, MoveKind::Dwell { duration: 1.0 }).unwrap_err();
-    assert_eq!(refusal.tag, 1);
+    let error = rig.push(1, MoveKind::Dwell { duration: 1.0 }).unwrap_err();
+    assert_eq!(error.tag, 1);
     let latched = rig.controller.fault().unwrap();
     assert_eq!((latched.fault, latched.tick), (fault, snapshot.tick));
 }
@@ -88,7 +88,10 @@ fn a_jumping_encoder() {
     powers_off(&mut rig, Fault::EncoderJump, 1, 1);
     clears(&mut rig);
     // Where the joint is, is not known any more.
-    assert_eq!(rig.controller.request(Request::Arm), Err(Refusal::NotHomed));
+    assert_eq!(
+        rig.controller.request(Request::Arm),
+        Err(RequestError::NotHomed)
+    );
 }
 
 #[test]
@@ -108,13 +111,13 @@ fn a_following_error() {
 fn a_dead_encoder_in_motion_is_a_following_error() {
     let mut rig = running();
     let frozen = rig.bench.sense();
-    let mut command = Command::default();
+    let mut command = ActuatorCommand::default();
     for _ in 0..3000 {
         rig.controller.feed_host_timeout();
         rig.planner.run(&mut rig.controller);
-        let mut sensed = rig.bench.sense();
-        sensed.counts[0] = frozen.counts[0];
-        command = rig.controller.tick(&sensed);
+        let mut sample = rig.bench.sense();
+        sample.counts[0] = frozen.counts[0];
+        command = rig.controller.tick(&sample);
         rig.bench.step(&command);
         if rig.controller.state() == State::Fault {
             break;
@@ -259,7 +262,7 @@ fn what_the_board_finds() {
 
 /// Runs until the arm rests under a held fault; gives the greatest distance off the line
 /// and how long it took.
-fn comes_to_rest(rig: &mut Rig, mut tick: impl FnMut(&mut Rig) -> Command) -> (f64, u32) {
+fn comes_to_rest(rig: &mut Rig, mut tick: impl FnMut(&mut Rig) -> ActuatorCommand) -> (f64, u32) {
     let y = rig.bench.tool()[1];
     let mut off = 0.0_f64;
     for ticks in 0..5000 {
@@ -295,7 +298,7 @@ fn a_silent_host_stops_the_arm_on_its_path_and_holds_it() {
     assert_eq!(Fault::CommandTimeout.number(), 12);
     assert_eq!(
         rig.controller.request(Request::ClearFault),
-        Err(Refusal::Moving)
+        Err(RequestError::Moving)
     );
     let (off, ticks) = comes_to_rest(&mut rig, alone);
     assert!(off < 3e-5, "{off} m off the line");

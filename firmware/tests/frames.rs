@@ -4,8 +4,8 @@ mod common;
 
 use common::{controller_message, host_message};
 use fivebar_firmware::protocol::{
-    ControllerMessage, Decoder, FrameError, HostMessage, MAX_CONTENT, Message, Order, Sequence,
-    encode,
+    ControllerMessage, Decoder, FrameError, HostCommand, HostMessage, MAX_CONTENT, Message,
+    Sequence, encode,
 };
 use proptest::prelude::*;
 
@@ -34,7 +34,7 @@ fn survives_garbage<M: Message>(garbage: &[u8], message: &M) -> Result<(), TestC
     Ok(())
 }
 
-/// Garbage that tries harder: random bytes, borders, segments of real frames.
+/// Garbage that tries harder: random bytes, delimiters, segments of real frames.
 fn garbage() -> impl Strategy<Value = Vec<u8>> {
     let segment = prop_oneof![
         prop::collection::vec(any::<u8>(), 0..300),
@@ -89,7 +89,7 @@ proptest! {
         at in any::<prop::sample::Index>(),
     ) {
         let mut frames = messages.each_ref().map(frame);
-        // Not a border: without one of them the frame is still whole.
+        // Not a delimiter: without one of them the frame is still whole.
         let lost = 1 + at.index(frames[1].len() - 2);
         frames[1].remove(lost);
         let heard: Vec<_> = decode(&mut Decoder::<HostMessage>::new(), &frames.concat())
@@ -101,7 +101,7 @@ proptest! {
 fn question() -> HostMessage {
     HostMessage {
         sequence: Sequence(7),
-        order: Order::Status,
+        command: HostCommand::Status,
     }
 }
 
@@ -150,7 +150,7 @@ fn whole_frames_that_are_no_message_are_refused() {
         [Ok(question())]
     );
     for (content, error) in [
-        (&b"H\x07\x63"[..], FrameError::Malformed), // no such order
+        (&b"H\x07\x63"[..], FrameError::Malformed), // no such command
         (&b"H\x07\x01\x00"[..], FrameError::Malformed), // bytes too many
         (&b"H\x07"[..], FrameError::Malformed),     // bytes too few
         (&b"X\x07\x07"[..], FrameError::Sender),

@@ -7,7 +7,7 @@ mod rig;
 use common::move_kind;
 use fivebar_firmware::controller::Request;
 use fivebar_firmware::safety::{Response, State};
-use fivebar_firmware::{Command, Controller, Move, MoveKind, Planner, Sensed};
+use fivebar_firmware::{ActuatorCommand, Controller, Move, MoveKind, Planner, SensorSample};
 use fivebar_testkit::Tally;
 use proptest::prelude::*;
 use rig::{Bench, START, settings};
@@ -18,9 +18,9 @@ enum Step {
     /// The samples of a real arm.
     Sound,
     /// These samples instead.
-    Garbage(Sensed),
+    Garbage(SensorSample),
     Ask(Request),
-    Order(MoveKind),
+    Move(MoveKind),
     Missed(u32),
 }
 
@@ -38,7 +38,7 @@ fn pair() -> impl Strategy<Value = [f32; 2]> {
     prop::array::uniform2(number())
 }
 
-fn sensed() -> impl Strategy<Value = Sensed> {
+fn sensor_sample() -> impl Strategy<Value = SensorSample> {
     (
         any::<[i32; 2]>(),
         any::<[u16; 2]>(),
@@ -47,13 +47,13 @@ fn sensed() -> impl Strategy<Value = Sensed> {
         prop::bool::weighted(0.1),
     )
         .prop_map(
-            |(counts, current, bus_voltage, home, emergency_stop)| Sensed {
+            |(counts, current, bus_voltage, home, emergency_stop)| SensorSample {
                 counts,
                 current,
                 bus_voltage,
                 home,
                 emergency_stop,
-                ..Sensed::default()
+                ..SensorSample::default()
             },
         )
 }
@@ -73,7 +73,7 @@ fn request() -> impl Strategy<Value = Request> {
 }
 
 /// Moves of any numbers, and some that the arm can make from where it starts.
-fn order() -> impl Strategy<Value = MoveKind> {
+fn motion() -> impl Strategy<Value = MoveKind> {
     prop_oneof![
         move_kind(number()),
         (-0.01..0.01_f32, -0.01..0.01_f32, 0.01..0.2_f32).prop_map(|(x, y, feed)| {
@@ -93,16 +93,16 @@ fn tool_at_start() -> [f32; 2] {
 fn step() -> impl Strategy<Value = Step> {
     prop_oneof![
         10 => Just(Step::Sound),
-        1 => sensed().prop_map(Step::Garbage),
+        1 => sensor_sample().prop_map(Step::Garbage),
         8 => request().prop_map(Step::Ask),
-        6 => order().prop_map(Step::Order),
+        6 => motion().prop_map(Step::Move),
         1 => (0..8_u32).prop_map(Step::Missed),
     ]
 }
 
 /// One tick, held against what holds for every tick.
-fn tick(controller: &mut Controller, sensed: &Sensed) -> Command {
-    let command = controller.tick(sensed);
+fn tick(controller: &mut Controller, sample: &SensorSample) -> ActuatorCommand {
+    let command = controller.tick(sample);
     let powered = match controller.state() {
         State::Stopped => false,
         State::Homing | State::Armed | State::Running | State::Stopping => true,
@@ -129,8 +129,8 @@ struct Seen {
 }
 
 impl Seen {
-    fn tick(&self, controller: &mut Controller, sensed: &Sensed) -> Command {
-        let command = tick(controller, sensed);
+    fn tick(&self, controller: &mut Controller, sample: &SensorSample) -> ActuatorCommand {
+        let command = tick(controller, sample);
         for (count, state) in self.ticks.iter().zip(State::ALL) {
             count.set(count.get() + u32::from(state == controller.state()));
         }
@@ -160,22 +160,22 @@ fn nothing_makes_the_tick_lose_its_head() {
                         bench.step(&command);
                     }
                 }
-                Step::Garbage(sensed) => {
-                    seen.tick(&mut controller, &sensed);
+                Step::Garbage(sample) => {
+                    seen.tick(&mut controller, &sample);
                 }
                 Step::Ask(request) => {
                     seen.requests.count(controller.request(request).is_ok());
                 }
-                Step::Order(kind) => {
+                Step::Move(kind) => {
                     let pushed = planner.push(&mut controller, &Move { tag: 0, kind });
                     seen.moves.count(pushed.is_ok());
                 }
                 Step::Missed(missed_ticks) => {
-                    let sensed = Sensed {
+                    let sample = SensorSample {
                         missed_ticks,
                         ..bench.sense()
                     };
-                    seen.tick(&mut controller, &sensed);
+                    seen.tick(&mut controller, &sample);
                 }
             }
         }
@@ -191,10 +191,10 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(300))]
 
     #[test]
-    fn samples_alone_never_power_a_bridge(samples in prop::collection::vec(sensed(), 1..200)) {
+    fn samples_alone_never_power_a_bridge(samples in prop::collection::vec(sensor_sample(), 1..200)) {
         let mut controller = Controller::new(&settings()).unwrap();
-        for sensed in samples {
-            let command = tick(&mut controller, &sensed);
+        for sample in samples {
+            let command = tick(&mut controller, &sample);
             prop_assert_eq!(command.enable, [false; 2]);
         }
     }

@@ -2,7 +2,7 @@
 
 mod rig;
 
-use fivebar_firmware::controller::{Refusal, Request};
+use fivebar_firmware::controller::{Request, RequestError};
 use fivebar_firmware::safety::{Fault, State};
 use rig::{Rig, START, settings};
 use std::f64::consts::TAU;
@@ -132,16 +132,16 @@ fn stops_searching_when_told_to() {
 fn arming_is_refused_until_homed_and_where_the_arm_may_not_be() {
     let arm = |rig: &mut Rig| rig.controller.request(Request::Arm);
     let mut rig = Rig::new(&settings());
-    assert_eq!(arm(&mut rig), Err(Refusal::NotHomed));
+    assert_eq!(arm(&mut rig), Err(RequestError::NotHomed));
     let mut set = |angles| rig.controller.request(Request::SetAngles(angles));
-    assert_eq!(set([f32::NAN, 0.9]), Err(Refusal::OutsideLimits));
-    assert_eq!(set([0.5, 0.9]), Err(Refusal::OutsideLimits));
+    assert_eq!(set([f32::NAN, 0.9]), Err(RequestError::OutsideLimits));
+    assert_eq!(set([0.5, 0.9]), Err(RequestError::OutsideLimits));
     // B meets D: cos θ1 = 0.04/0.1, θ4 = π − θ1.
-    assert_eq!(set([1.160, 1.982]), Err(Refusal::NearSingularity));
+    assert_eq!(set([1.160, 1.982]), Err(RequestError::NearSingularity));
     assert_eq!(set(START), Ok(()));
     assert_eq!(arm(&mut rig), Ok(()));
     let mut set = |angles| rig.controller.request(Request::SetAngles(angles));
-    assert_eq!(set(START), Err(Refusal::State(State::Armed)));
+    assert_eq!(set(START), Err(RequestError::State(State::Armed)));
     // Moved out by hand.
     rig.controller.request(Request::Disarm).unwrap();
     rig.bench.theta[0] = 3.61;
@@ -153,6 +153,6 @@ fn arming_is_refused_until_homed_and_where_the_arm_may_not_be() {
     rig2.run(800);
     assert_eq!(
         rig2.controller.request(Request::Arm),
-        Err(Refusal::OutsideLimits)
+        Err(RequestError::OutsideLimits)
     );
 }

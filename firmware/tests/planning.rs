@@ -4,7 +4,7 @@ mod rig;
 
 use fivebar_firmware::MoveKind;
 use fivebar_firmware::controller::Request;
-use fivebar_firmware::planner::Reason;
+use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::safety::{Limits, State};
 use fivebar_kinematics::five_bar::{Side, WorkingMode};
 use proptest::prelude::*;
@@ -44,8 +44,8 @@ fn a_polygon_of_many_short_lines_flows_through_the_queue() {
         let to = [x - radius + radius * cos, y + radius * sin];
         match rig.push(corner, MoveKind::Line { to, feed: 0.1 }) {
             Ok(()) => corner += 1,
-            Err(refusal) => {
-                assert_eq!(refusal.reason, Reason::Full);
+            Err(error) => {
+                assert_eq!(error.kind, MoveErrorKind::Full);
                 rig.tick();
                 assert!(rig.controller.fault().is_none());
             }
@@ -69,8 +69,13 @@ fn a_circle_of_lines_of_a_twentieth_of_a_millimetre_is_drawn_to_its_end() {
     for corner in 1..=corners {
         let (sin, cos) = (TAU * corner as f32 / corners as f32).sin_cos();
         let to = [x - radius + radius * cos, y + radius * sin];
-        while let Err(refusal) = rig.push(corner, MoveKind::Line { to, feed: 0.07 }) {
-            assert_eq!(refusal.reason, Reason::Full, "{:?}", rig.controller.fault());
+        while let Err(error) = rig.push(corner, MoveKind::Line { to, feed: 0.07 }) {
+            assert_eq!(
+                error.kind,
+                MoveErrorKind::Full,
+                "{:?}",
+                rig.controller.fault()
+            );
             rig.tick();
         }
     }
@@ -123,8 +128,8 @@ proptest! {
             let to = [place[0] + length * cos, place[1] + length * sin];
             let strays = (to[0] - x).hypot(to[1] - y) > 0.02;
             place = if strays { [x, y] } else { to };
-            while let Err(refusal) = rig.push(tag, MoveKind::Line { to: place, feed }) {
-                prop_assert_eq!(refusal.reason, Reason::Full, "{:?}", rig.controller.fault());
+            while let Err(error) = rig.push(tag, MoveKind::Line { to: place, feed }) {
+                prop_assert_eq!(error.kind, MoveErrorKind::Full, "{:?}", rig.controller.fault());
                 rig.tick();
             }
             for _ in 0..ticks {
@@ -207,7 +212,7 @@ fn lines_arcs_dwells_and_joint_moves_follow_each_other() {
 fn what_cannot_be_done_is_refused_with_reason_and_place() {
     let mut rig = Rig::armed(&settings());
     let [x, y] = rig.held();
-    let refusal = rig
+    let error = rig
         .push(
             11,
             MoveKind::Line {
@@ -216,29 +221,31 @@ fn what_cannot_be_done_is_refused_with_reason_and_place() {
             },
         )
         .unwrap_err();
-    assert_eq!(refusal.tag, 11);
-    let [px, py] = refusal.point.unwrap();
+    assert_eq!(error.tag, 11);
+    let [px, py] = error.point.unwrap();
     assert!((px - x).abs() < 1e-4 && py > y && py < 0.27, "({px}, {py})");
     assert!(
         matches!(
-            refusal.reason,
-            Reason::LegSingularity(_) | Reason::Unreachable | Reason::JointLimit(_)
+            error.kind,
+            MoveErrorKind::LegSingularity(_)
+                | MoveErrorKind::Unreachable
+                | MoveErrorKind::JointLimit(_)
         ),
-        "{refusal}"
+        "{error}"
     );
-    let reason = |rig: &mut Rig, kind| rig.push(1, kind).unwrap_err().reason;
+    let kind_of = |rig: &mut Rig, kind| rig.push(1, kind).unwrap_err().kind;
     let to = [x, y + 0.01];
     for feed in [0.0, -0.1, f32::NAN, f32::INFINITY] {
         assert_eq!(
-            reason(&mut rig, MoveKind::Line { to, feed }),
-            Reason::Number,
+            kind_of(&mut rig, MoveKind::Line { to, feed }),
+            MoveErrorKind::Number,
             "{feed}"
         );
     }
     let to = [f32::NAN, y];
     assert_eq!(
-        reason(&mut rig, MoveKind::Line { to, feed: 0.1 }),
-        Reason::Number
+        kind_of(&mut rig, MoveKind::Line { to, feed: 0.1 }),
+        MoveErrorKind::Number
     );
     let arc = MoveKind::Arc {
         to: [x + 0.01, y],
@@ -246,16 +253,22 @@ fn what_cannot_be_done_is_refused_with_reason_and_place() {
         clockwise: true,
         feed: 0.1,
     };
-    assert_eq!(reason(&mut rig, arc), Reason::Arc);
+    assert_eq!(kind_of(&mut rig, arc), MoveErrorKind::Arc);
     let joint = |to| MoveKind::Joint { to, speed: 0.1 };
-    assert_eq!(reason(&mut rig, joint([4.0, 0.9])), Reason::JointLimit(1));
-    assert_eq!(reason(&mut rig, joint([f32::NAN, 0.9])), Reason::Number);
+    assert_eq!(
+        kind_of(&mut rig, joint([4.0, 0.9])),
+        MoveErrorKind::JointLimit(1)
+    );
+    assert_eq!(
+        kind_of(&mut rig, joint([f32::NAN, 0.9])),
+        MoveErrorKind::Number
+    );
     for speed in [0.0, -0.1, 1.1, f32::NAN] {
         let kind = MoveKind::Joint {
             to: [2.1, 0.9],
             speed,
         };
-        assert_eq!(reason(&mut rig, kind), Reason::Number, "{speed}");
+        assert_eq!(kind_of(&mut rig, kind), MoveErrorKind::Number, "{speed}");
     }
     // These would take more than a day.
     for kind in [
@@ -269,12 +282,12 @@ fn what_cannot_be_done_is_refused_with_reason_and_place() {
             speed: 1e-8,
         },
     ] {
-        assert_eq!(reason(&mut rig, kind), Reason::TooLong, "{kind:?}");
+        assert_eq!(kind_of(&mut rig, kind), MoveErrorKind::TooLong, "{kind:?}");
     }
     for duration in [f32::NAN, f32::INFINITY] {
         assert_eq!(
-            reason(&mut rig, MoveKind::Dwell { duration }),
-            Reason::Number
+            kind_of(&mut rig, MoveKind::Dwell { duration }),
+            MoveErrorKind::Number
         );
     }
     // Nothing of all that has moved the arm or the end of the queue.
@@ -355,10 +368,10 @@ fn a_joint_move_through_a_straight_leg_changes_the_working_mode() {
 fn moves_are_taken_only_by_an_armed_arm() {
     let mut rig = Rig::new(&settings());
     let dwell = MoveKind::Dwell { duration: 0.1 };
-    let reason = |rig: &mut Rig| rig.push(5, dwell).unwrap_err().reason;
-    assert_eq!(reason(&mut rig), Reason::State(State::Stopped));
+    let kind_of = |rig: &mut Rig| rig.push(5, dwell).unwrap_err().kind;
+    assert_eq!(kind_of(&mut rig), MoveErrorKind::State(State::Stopped));
     rig.controller.request(Request::Home).unwrap();
-    assert_eq!(reason(&mut rig), Reason::State(State::Homing));
+    assert_eq!(kind_of(&mut rig), MoveErrorKind::State(State::Homing));
 }
 
 #[test]

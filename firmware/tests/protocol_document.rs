@@ -4,10 +4,10 @@ mod common;
 
 use fivebar_firmware::controller;
 use fivebar_firmware::protocol::{
-    Board, ControllerMessage, Decoder, HostMessage, Identity, Message, Order, Refusal, Reply,
-    Reset, SectionKey, Sequence, encode,
+    Board, CommandError, ControllerMessage, Decoder, HostCommand, HostMessage, Identity, Message,
+    Reply, Reset, SectionKey, Sequence, encode,
 };
-use fivebar_firmware::{Move, MoveKind, Request, Sensed};
+use fivebar_firmware::{Move, MoveKind, Request, SensorSample};
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::TestRunner;
 use std::collections::{BTreeMap, BTreeSet};
@@ -49,10 +49,10 @@ fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x} ")).collect()
 }
 
-fn order(sequence: u16, order: Order) -> HostMessage {
+fn command(sequence: u16, command: HostCommand) -> HostMessage {
     HostMessage {
         sequence: Sequence(sequence),
-        order,
+        command,
     }
 }
 
@@ -65,23 +65,23 @@ fn reply(sequence: u16, reply: Reply) -> ControllerMessage {
 
 #[test]
 fn every_example_is_what_the_library_writes_and_reads() {
-    let orders = [
+    let commands = [
         (
             "hello",
-            order(
+            command(
                 1,
-                Order::Hello {
+                HostCommand::Hello {
                     version: 1,
                     session: 7,
                 },
             ),
         ),
-        ("arm", order(301, Order::Request(Request::Arm))),
+        ("arm", command(301, HostCommand::Request(Request::Arm))),
         (
             "line",
-            order(
+            command(
                 300,
-                Order::Move(Move {
+                HostCommand::Move(Move {
                     tag: 12,
                     kind: MoveKind::Line {
                         to: [0.0, 0.125],
@@ -92,18 +92,18 @@ fn every_example_is_what_the_library_writes_and_reads() {
         ),
         (
             "get-section",
-            order(302, Order::GetSection(SectionKey::Axis(1))),
+            command(302, HostCommand::GetSection(SectionKey::Axis(1))),
         ),
         (
             "tick",
-            order(
+            command(
                 303,
-                Order::Tick(Sensed {
+                HostCommand::Tick(SensorSample {
                     counts: [-1, 1000],
                     current: [2048, 2050],
                     bus_voltage: 3000,
                     home: [false, true],
-                    ..Sensed::default()
+                    ..SensorSample::default()
                 }),
             ),
         ),
@@ -121,20 +121,23 @@ fn every_example_is_what_the_library_writes_and_reads() {
                 }),
             ),
         ),
-        ("version", reply(1, Reply::Refused(Refusal::Version(1)))),
+        (
+            "version",
+            reply(1, Reply::Refused(CommandError::Version(1))),
+        ),
         ("taken", reply(300, Reply::Taken { room: 15 })),
         (
             "refused",
             reply(
                 301,
-                Reply::Refused(Refusal::Request(controller::Refusal::NotHomed)),
+                Reply::Refused(CommandError::Request(controller::RequestError::NotHomed)),
             ),
         ),
     ];
 
     let mut examples = examples();
     let mut bytes = |name| examples.remove(name).unwrap_or_default();
-    for (name, message) in &orders {
+    for (name, message) in &commands {
         check(&bytes(name), message);
     }
     for (name, message) in &replies {
@@ -158,12 +161,12 @@ fn every_number_in_the_tables_is_the_one_on_the_wire() {
     let mut runner = TestRunner::deterministic();
     let mut numbers = BTreeSet::new();
     for message in draw(&common::host_message().boxed(), &mut runner) {
-        numbers.insert(variant(&message.order));
-        match message.order {
-            Order::Request(request) => numbers.insert(variant(&request)),
-            Order::Move(Move { kind, .. }) => numbers.insert(variant(&kind)),
-            Order::GetSection(key) => numbers.insert(variant(&key)),
-            Order::SetSection(section) => numbers.insert(variant(&section)),
+        numbers.insert(variant(&message.command));
+        match message.command {
+            HostCommand::Request(request) => numbers.insert(variant(&request)),
+            HostCommand::Move(Move { kind, .. }) => numbers.insert(variant(&kind)),
+            HostCommand::GetSection(key) => numbers.insert(variant(&key)),
+            HostCommand::SetSection(section) => numbers.insert(variant(&section)),
             _ => false,
         };
     }
@@ -172,8 +175,8 @@ fn every_number_in_the_tables_is_the_one_on_the_wire() {
             continue;
         };
         numbers.insert(variant(&reply));
-        if let Reply::Refused(refusal) = reply {
-            numbers.insert(variant(&refusal));
+        if let Reply::Refused(error) = reply {
+            numbers.insert(variant(&error));
         }
     }
 

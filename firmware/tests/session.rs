@@ -1,4 +1,4 @@
-//! A session obeys each order once, whatever the line does to it.
+//! A session executes each command once, whatever the line does to it.
 
 mod desk;
 mod nor;
@@ -6,25 +6,26 @@ mod rig;
 
 use desk::{Desk, HELLO, read};
 use fivebar_firmware::controller;
-use fivebar_firmware::planner::Reason;
+use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::protocol::{
-    ControllerMessage, Identity, Order, Refusal, Reply, Section, SectionKey, Sequence, VERSION,
+    CommandError, ControllerMessage, HostCommand, Identity, Reply, Section, SectionKey, Sequence,
+    VERSION,
 };
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::storage::{SettingsStorage, StorageError};
 use fivebar_firmware::{Move, MoveKind, Request};
 use nor::Nor;
 
-fn dwell(tag: u32) -> Order {
-    Order::Move(Move {
+fn dwell(tag: u32) -> HostCommand {
+    HostCommand::Move(Move {
         tag,
         kind: MoveKind::Dwell { duration: 0.5 },
     })
 }
 
-fn refused(reply: &Reply) -> Option<Refusal> {
+fn refused(reply: &Reply) -> Option<CommandError> {
     match *reply {
-        Reply::Refused(refusal) => Some(refusal),
+        Reply::Refused(error) => Some(error),
         _ => None,
     }
 }
@@ -32,11 +33,15 @@ fn refused(reply: &Reply) -> Option<Refusal> {
 #[test]
 fn before_a_hello_only_an_emergency_stop_is_obeyed() {
     let mut desk = Desk::new();
-    for order in [Order::Status, dwell(1), Order::Request(Request::Arm)] {
-        let reply = desk.ask(order);
-        assert_eq!(refused(&reply), Some(Refusal::NoSession));
+    for command in [
+        HostCommand::Status,
+        dwell(1),
+        HostCommand::Request(Request::Arm),
+    ] {
+        let reply = desk.ask(command);
+        assert_eq!(refused(&reply), Some(CommandError::NoSession));
     }
-    desk.ask(Order::Request(Request::EmergencyStop));
+    desk.ask(HostCommand::Request(Request::EmergencyStop));
     desk.controller.tick(&desk.bench.sense());
     assert_eq!(desk.controller.status().fault, Some(Fault::EmergencyStop));
 }
@@ -44,13 +49,16 @@ fn before_a_hello_only_an_emergency_stop_is_obeyed() {
 #[test]
 fn another_version_is_told_ours_and_disturbs_nothing() {
     let mut desk = Desk::greeted();
-    let stranger = Order::Hello {
+    let stranger = HostCommand::Hello {
         version: VERSION + 1,
         session: 9,
     };
     let reply = desk.reply_to(Sequence(77), stranger).expect("an answer");
-    assert_eq!(refused(&reply), Some(Refusal::Version(VERSION)));
-    assert!(matches!(desk.ask(Order::Status), Reply::Status { .. }));
+    assert_eq!(refused(&reply), Some(CommandError::Version(VERSION)));
+    assert!(matches!(
+        desk.ask(HostCommand::Status),
+        Reply::Status { .. }
+    ));
 }
 
 #[test]
@@ -67,7 +75,7 @@ fn an_order_sent_again_is_answered_alike_and_obeyed_once() {
     desk.last = next;
     let before = desk.controller.ticks();
     let next = desk.last.next();
-    let tick = Order::Tick(desk.bench.sense());
+    let tick = HostCommand::Tick(desk.bench.sense());
     assert_eq!(desk.send(next, tick), desk.send(next, tick));
     assert_eq!(desk.controller.ticks(), before + 1);
 }
@@ -84,7 +92,7 @@ fn late_orders_are_dropped_and_early_ones_told_what_is_next() {
     let reply = desk.reply_to(early, dwell(1)).expect("an answer");
     assert_eq!(
         refused(&reply),
-        Some(Refusal::OutOfSequence(desk.last.next()))
+        Some(CommandError::OutOfSequence(desk.last.next()))
     );
     assert_eq!(desk.planner.free_slots(), room);
 }
@@ -94,7 +102,7 @@ fn an_emergency_stop_is_obeyed_whatever_its_number() {
     for offset in [0u16, 1, 2, 100, 0x8000, 0xffff] {
         let mut desk = Desk::armed();
         let number = Sequence(desk.last.0.wrapping_add(offset));
-        desk.send(number, Order::Request(Request::EmergencyStop));
+        desk.send(number, HostCommand::Request(Request::EmergencyStop));
         let command = desk.controller.tick(&desk.bench.sense());
         assert_eq!(desk.controller.status().fault, Some(Fault::EmergencyStop));
         assert_eq!((command.duty, command.enable), ([0.0; 2], [false; 2]));
@@ -106,14 +114,14 @@ fn a_hello_sent_again_disturbs_nothing_and_a_new_one_begins_anew() {
     let mut desk = Desk::new();
     let first = desk.ask(HELLO);
     assert_eq!(desk.reply_to(desk.last, HELLO), Some(first));
-    desk.ask(Order::Telemetry { every: 1 });
+    desk.ask(HostCommand::Telemetry { every: 1 });
     let late = Sequence(desk.last.0.wrapping_sub(1));
     assert_eq!(desk.send(late, HELLO), None, "one that took its time");
     desk.tick();
     assert!(desk.session.telemetry(&mut desk.controller).is_some());
 
     desk.last = Sequence(500);
-    let other = Order::Hello {
+    let other = HostCommand::Hello {
         version: VERSION,
         session: 2,
     };
@@ -125,7 +133,7 @@ fn a_hello_sent_again_disturbs_nothing_and_a_new_one_begins_anew() {
 #[test]
 fn telemetry_comes_at_its_rate_and_skipped_samples_leave_a_gap() {
     let mut desk = Desk::greeted();
-    assert_eq!(desk.ask(Order::Telemetry { every: 10 }), Reply::Done);
+    assert_eq!(desk.ask(HostCommand::Telemetry { every: 10 }), Reply::Done);
     let mut numbers = Vec::new();
     for tick in 1..=100 {
         desk.tick();
@@ -158,7 +166,7 @@ fn settings_travel_whole_by_their_sections() {
     copy.payload = 7.0;
     copy.axes[1].resistance = 7.0;
     for key in SectionKey::ALL {
-        match desk.ask(Order::GetSection(key)) {
+        match desk.ask(HostCommand::GetSection(key)) {
             Reply::Section(section) => section.put(&mut copy).expect("a known section"),
             other => panic!("{key:?}: {other:?}"),
         }
@@ -170,8 +178,8 @@ fn settings_travel_whole_by_their_sections() {
         SectionKey::Axis(2),
         SectionKey::Axis(255),
     ] {
-        let reply = desk.ask(Order::GetSection(key));
-        assert_eq!(refused(&reply), Some(Refusal::NoSection));
+        let reply = desk.ask(HostCommand::GetSection(key));
+        assert_eq!(refused(&reply), Some(CommandError::NoSection));
     }
 }
 
@@ -179,36 +187,39 @@ fn settings_travel_whole_by_their_sections() {
 fn settings_are_used_when_applied_and_kept_when_saved() {
     let mut desk = Desk::greeted();
     desk.tick();
-    desk.ask(Order::SetSection(Section::Payload(0.02)));
+    desk.ask(HostCommand::SetSection(Section::Payload(0.02)));
     assert_eq!(*desk.controller.settings(), rig::settings());
-    assert_eq!(desk.ask(Order::ApplySettings), Reply::Done);
+    assert_eq!(desk.ask(HostCommand::ApplySettings), Reply::Done);
     assert_eq!(desk.controller.settings().payload, 0.02);
     assert!(!desk.controller.status().homed);
     assert!(desk.board.saved.is_empty());
-    assert_eq!(desk.ask(Order::SaveSettings), Reply::Done);
+    assert_eq!(desk.ask(HostCommand::SaveSettings), Reply::Done);
     assert_eq!(desk.board.saved, [*desk.controller.settings()]);
 
     desk.board.flash = Err(StorageError::Flash);
-    let reply = desk.ask(Order::SaveSettings);
-    assert_eq!(refused(&reply), Some(Refusal::Storage(StorageError::Flash)));
+    let reply = desk.ask(HostCommand::SaveSettings);
+    assert_eq!(
+        refused(&reply),
+        Some(CommandError::Storage(StorageError::Flash))
+    );
 }
 
 #[test]
 fn settings_that_make_no_sense_are_refused_whole() {
     let mut desk = Desk::greeted();
-    desk.ask(Order::SetSection(Section::Payload(0.02)));
-    desk.ask(Order::SetSection(Section::Lengths([f32::NAN; 5])));
-    let reply = desk.ask(Order::ApplySettings);
-    assert_eq!(refused(&reply), Some(Refusal::Settings));
+    desk.ask(HostCommand::SetSection(Section::Payload(0.02)));
+    desk.ask(HostCommand::SetSection(Section::Lengths([f32::NAN; 5])));
+    let reply = desk.ask(HostCommand::ApplySettings);
+    assert_eq!(refused(&reply), Some(CommandError::Settings));
     assert_eq!(*desk.controller.settings(), rig::settings());
 }
 
 #[test]
 fn settings_are_neither_applied_nor_saved_while_the_bridges_are_on() {
     let mut desk = Desk::armed();
-    let armed = Refusal::Request(controller::Refusal::State(State::Armed));
-    for order in [Order::ApplySettings, Order::SaveSettings] {
-        let reply = desk.ask(order);
+    let armed = CommandError::Request(controller::RequestError::State(State::Armed));
+    for command in [HostCommand::ApplySettings, HostCommand::SaveSettings] {
+        let reply = desk.ask(command);
         assert_eq!(refused(&reply), Some(armed));
     }
     assert!(desk.board.saved.is_empty());
@@ -219,23 +230,23 @@ fn settings_are_neither_applied_nor_saved_while_the_bridges_are_on() {
 fn nothing_moves_on_settings_that_nobody_gave() {
     let mut desk = Desk::without_settings();
     desk.tick();
-    desk.ask(Order::Request(Request::SetAngles(rig::START)));
+    desk.ask(HostCommand::Request(Request::SetAngles(rig::START)));
     for request in [Request::Arm, Request::Home] {
-        let reply = desk.ask(Order::Request(request));
-        assert_eq!(refused(&reply), Some(Refusal::NoSettings));
+        let reply = desk.ask(HostCommand::Request(request));
+        assert_eq!(refused(&reply), Some(CommandError::NoSettings));
         assert_eq!(desk.controller.state(), State::Stopped);
     }
-    let reply = desk.ask(Order::SaveSettings);
-    assert_eq!(refused(&reply), Some(Refusal::NoSettings));
+    let reply = desk.ask(HostCommand::SaveSettings);
+    assert_eq!(refused(&reply), Some(CommandError::NoSettings));
 
-    assert_eq!(desk.ask(Order::ApplySettings), Reply::Done);
+    assert_eq!(desk.ask(HostCommand::ApplySettings), Reply::Done);
     desk.tick();
-    desk.ask(Order::Request(Request::SetAngles(rig::START)));
-    assert_eq!(desk.ask(Order::Request(Request::Arm)), Reply::Done);
+    desk.ask(HostCommand::Request(Request::SetAngles(rig::START)));
+    assert_eq!(desk.ask(HostCommand::Request(Request::Arm)), Reply::Done);
 }
 
 /// A square of four lines around where the arm stands, over and over.
-fn line(desk: &Desk, tag: u32) -> Order {
+fn line(desk: &Desk, tag: u32) -> HostCommand {
     let [x, y] = desk.start;
     let to = match tag % 4 {
         0 => [x, y],
@@ -243,7 +254,7 @@ fn line(desk: &Desk, tag: u32) -> Order {
         2 => [x + 0.01, y + 0.01],
         _ => [x, y + 0.01],
     };
-    Order::Move(Move {
+    HostCommand::Move(Move {
         tag,
         kind: MoveKind::Line { to, feed: 0.1 },
     })
@@ -257,8 +268,8 @@ fn moves_flow_as_room_allows_and_all_are_followed() {
     while tag <= 60 {
         match desk.ask(line(&desk, tag)) {
             Reply::Taken { .. } => tag += 1,
-            Reply::Refused(Refusal::Move(refusal)) => {
-                assert_eq!((refusal.reason, refusal.tag), (Reason::Full, tag));
+            Reply::Refused(CommandError::Move(error)) => {
+                assert_eq!((error.kind, error.tag), (MoveErrorKind::Full, tag));
                 (0..100).for_each(|_| desk.tick());
                 waited += 1;
             }
@@ -268,7 +279,7 @@ fn moves_flow_as_room_allows_and_all_are_followed() {
     assert!(waited > 10, "the queue was never full");
     let mut tags = Vec::new();
     while desk.controller.state() != State::Armed {
-        desk.ask(Order::Status);
+        desk.ask(HostCommand::Status);
         (0..100).for_each(|_| desk.tick());
         tags.extend(desk.controller.status().tag);
     }
@@ -298,7 +309,7 @@ fn a_host_that_falls_silent_stops_the_arm_on_its_path() {
         );
     }
     assert_eq!(
-        refused(&desk.ask(line(&desk, 8))).map(|refusal| matches!(refusal, Refusal::Move(_))),
+        refused(&desk.ask(line(&desk, 8))).map(|error| matches!(error, CommandError::Move(_))),
         Some(true)
     );
 }
@@ -324,15 +335,18 @@ fn a_corrupt_settings_page_is_a_fault_and_nothing_moves_until_settings_are_given
         desk.tick();
         assert_eq!(desk.controller.status().duty, [0.0; 2]);
         for request in [Request::Arm, Request::Home] {
-            assert!(refused(&desk.ask(Order::Request(request))).is_some());
+            assert!(refused(&desk.ask(HostCommand::Request(request))).is_some());
         }
     }
-    assert_eq!(desk.ask(Order::Request(Request::ClearFault)), Reply::Done);
-    let reply = desk.ask(Order::Request(Request::Home));
-    assert_eq!(refused(&reply), Some(Refusal::NoSettings));
-    assert_eq!(desk.ask(Order::ApplySettings), Reply::Done);
+    assert_eq!(
+        desk.ask(HostCommand::Request(Request::ClearFault)),
+        Reply::Done
+    );
+    let reply = desk.ask(HostCommand::Request(Request::Home));
+    assert_eq!(refused(&reply), Some(CommandError::NoSettings));
+    assert_eq!(desk.ask(HostCommand::ApplySettings), Reply::Done);
     desk.tick();
-    assert_eq!(desk.ask(Order::Request(Request::Home)), Reply::Done);
+    assert_eq!(desk.ask(HostCommand::Request(Request::Home)), Reply::Done);
 }
 
 #[test]
@@ -341,8 +355,8 @@ fn settings_of_a_rate_that_the_board_does_not_tick_at_are_refused() {
     desk.board.tick_rate = Some(rig::settings().control.tick_rate);
     let mut control = rig::settings().control;
     control.tick_rate *= 0.5;
-    desk.ask(Order::SetSection(Section::Control(control)));
-    let reply = desk.ask(Order::ApplySettings);
-    assert_eq!(refused(&reply), Some(Refusal::Settings));
+    desk.ask(HostCommand::SetSection(Section::Control(control)));
+    let reply = desk.ask(HostCommand::ApplySettings);
+    assert_eq!(refused(&reply), Some(CommandError::Settings));
     assert_eq!(*desk.controller.settings(), rig::settings());
 }

@@ -8,7 +8,7 @@ use fivebar::input::scenario::Scenario as Described;
 use fivebar::run::link::{InProcess, Target, TargetError};
 use fivebar::run::simulation::{Sample, fault_name};
 use fivebar_firmware::controller::Request;
-use fivebar_firmware::{Command, Move, Sensed, Status};
+use fivebar_firmware::{ActuatorCommand, Move, SensorSample, Status};
 use numpy::{Element, IntoPyArray};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
@@ -182,7 +182,7 @@ struct Interruptible<'a> {
 const BETWEEN_LOOKS: u32 = 5_000;
 
 impl Target for Interruptible<'_> {
-    fn tick(&mut self, sensed: &Sensed) -> Result<(Command, Status), TargetError> {
+    fn tick(&mut self, sample: &SensorSample) -> Result<(ActuatorCommand, Status), TargetError> {
         self.ticks += 1;
         if self.ticks == BETWEEN_LOOKS {
             self.ticks = 0;
@@ -191,7 +191,7 @@ impl Target for Interruptible<'_> {
                 return Err(TargetError::Interrupted);
             }
         }
-        self.controller.tick(sensed)
+        self.controller.tick(sample)
     }
 
     fn request(&mut self, request: Request) -> Result<(), TargetError> {

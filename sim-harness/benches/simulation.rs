@@ -5,7 +5,7 @@ use fivebar::input::robot::Robot;
 use fivebar::input::scenario::Mismatch;
 use fivebar::input::scenario::Scenario;
 use fivebar::run::plant::Plant;
-use fivebar_firmware::Command;
+use fivebar_firmware::ActuatorCommand;
 use std::hint::black_box;
 
 const TICK: f64 = 1e-4;
@@ -25,7 +25,7 @@ fn plant(c: &mut Criterion) {
                 black_box(plant.sense());
                 let enable = [true; 2];
                 plant.step(
-                    &Command {
+                    &ActuatorCommand {
                         duty: [duty, -duty],
                         enable,
                         brake: false,

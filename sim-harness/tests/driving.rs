@@ -4,7 +4,7 @@ mod arm;
 
 use fivebar::run::drive::{Drive, DriveError, Homing};
 use fivebar::run::link::{Client, Loopback};
-use fivebar_firmware::protocol::{Order, SectionKey};
+use fivebar_firmware::protocol::{HostCommand, SectionKey};
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::{Move, MoveKind, Request};
 use std::cell::Cell;
@@ -111,7 +111,7 @@ fn different_settings_are_refused_until_they_are_uploaded() {
 #[test]
 fn a_latched_fault_is_reported_and_prevents_motion_until_it_is_cleared() {
     let mut client = client();
-    let stop = Order::Request(Request::EmergencyStop);
+    let stop = HostCommand::Request(Request::EmergencyStop);
     client
         .command(stop)
         .expect("the link works")

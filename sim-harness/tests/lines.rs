@@ -6,7 +6,7 @@ use arm::{driving, settings};
 use fivebar::run::link::{
     Client, FaultInjector, FaultRates, InProcess, LinkError, Lockstep, Loopback, Tracer,
 };
-use fivebar_firmware::protocol::{Order, Reply};
+use fivebar_firmware::protocol::{HostCommand, Reply};
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::{Move, MoveKind, Request};
 
@@ -90,21 +90,21 @@ fn a_silent_controller_is_reported_with_advice() {
 fn the_arm_stops_on_its_path_if_the_host_falls_silent() {
     let line = FaultInjector::new(driving(), FaultRates::default(), 1);
     let (mut client, _) = Client::open(line).expect("the link works");
-    let mut order = |order| {
+    let mut command = |command| {
         client
-            .command(order)
+            .command(command)
             .expect("the link works")
             .expect("the command is accepted");
     };
     let theta = arm::plant();
     let angles = [theta.angle(0), theta.angle(1)].map(|angle| angle as f32);
-    order(Order::Request(Request::SetAngles(angles)));
-    order(Order::Request(Request::Arm));
+    command(HostCommand::Request(Request::SetAngles(angles)));
+    command(HostCommand::Request(Request::Arm));
     let [x, y] = arm::robot()
         .best_point()
         .expect("a reachable point")
         .map(|x| x as f32);
-    order(Order::Move(Move {
+    command(HostCommand::Move(Move {
         tag: 1,
         kind: MoveKind::Line {
             to: [x, y],
@@ -120,7 +120,7 @@ fn the_arm_stops_on_its_path_if_the_host_falls_silent() {
     assert_eq!(status.fault, Some(Fault::CommandTimeout));
     assert_eq!(status.missed_ticks, 0);
     let reply = client
-        .call(Order::Request(Request::Arm))
+        .call(HostCommand::Request(Request::Arm))
         .expect("the link works");
     assert!(matches!(reply, Reply::Refused(_)), "{reply:?}");
 }
@@ -137,6 +137,6 @@ fn a_tracer_records_both_directions() {
     assert_eq!(lines.len(), 4, "{log}");
     assert!(lines[0].starts_with("> HostMessage") && lines[0].contains("Hello"));
     assert!(lines[1].starts_with("< Reply") && lines[1].contains("Desktop"));
-    assert!(lines[2].contains("order: Status"));
+    assert!(lines[2].contains("command: Status"));
     assert!(lines[3].contains("state: Stopped"));
 }

@@ -2,7 +2,9 @@
 //! to everything with the same frame.
 #![cfg(unix)]
 
-use fivebar_firmware::protocol::{ControllerMessage, Refusal, Reply, Sequence, VERSION, encode};
+use fivebar_firmware::protocol::{
+    CommandError, ControllerMessage, Reply, Sequence, VERSION, encode,
+};
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::process::Command;
@@ -27,7 +29,7 @@ fn the_error_for_an_image_of_another_release_says_how_to_build_it() {
     fs::set_permissions(&emulator, fs::Permissions::from_mode(0o755)).unwrap();
     let answer = ControllerMessage::Reply {
         sequence: Sequence(1),
-        reply: Reply::Refused(Refusal::Version(VERSION + 1)),
+        reply: Reply::Refused(CommandError::Version(VERSION + 1)),
     };
     fs::write(folder.path().join("answer"), &*encode(&answer).unwrap()).unwrap();
     let image = folder.path().join("old image");

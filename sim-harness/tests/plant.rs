@@ -4,7 +4,7 @@
 use fivebar::input::robot::Robot;
 use fivebar::input::scenario::{FaultKind, Mismatch, PlantFault};
 use fivebar::run::plant::{Loads, Model, Plant, State};
-use fivebar_firmware::Command;
+use fivebar_firmware::ActuatorCommand;
 use nalgebra::{Matrix, Vector2};
 
 const TICK: f64 = 1e-4;
@@ -24,8 +24,8 @@ fn plant(seed: u64) -> Plant {
     .unwrap()
 }
 
-fn driven_by(duty: [f32; 2]) -> Command {
-    Command {
+fn driven_by(duty: [f32; 2]) -> ActuatorCommand {
+    ActuatorCommand {
         duty,
         enable: [true; 2],
         brake: false,
@@ -192,9 +192,9 @@ fn a_command_takes_effect_one_tick_later() {
     let mut plant = plant(1);
     plant.step(&driven_by([0.5, 0.5]), TICK);
     assert_eq!(plant.state().current, [0.0; 2]);
-    plant.step(&Command::default(), TICK);
+    plant.step(&ActuatorCommand::default(), TICK);
     assert!(plant.state().current[0] > 1.0);
-    plant.step(&Command::default(), TICK);
+    plant.step(&ActuatorCommand::default(), TICK);
     assert_eq!(
         plant.state().current,
         [0.0; 2],
@@ -242,16 +242,16 @@ fn sensor_codes_match_current_and_bus_voltage() {
         plant.step(&driven_by([0.2, -0.2]), TICK);
     }
     let settings = robot.settings().unwrap();
-    let sensed = plant.sense();
+    let sample = plant.sense();
     for j in 0..2 {
         let axis = &settings.axes[j];
-        let codes = f64::from(sensed.current[j]) - f64::from(axis.current_zero_code);
+        let codes = f64::from(sample.current[j]) - f64::from(axis.current_zero_code);
         let current = codes * f64::from(axis.current_per_code);
         let half_code = 0.5001 * f64::from(axis.current_per_code);
         assert!((current - plant.state().current[j]).abs() <= half_code);
         assert!(current.abs() > 0.5);
     }
-    let volts = f64::from(sensed.bus_voltage) * f64::from(settings.protection.bus_voltage_per_code);
+    let volts = f64::from(sample.bus_voltage) * f64::from(settings.protection.bus_voltage_per_code);
     assert!((volts - 24.0).abs() < 0.01);
 }
 
@@ -307,19 +307,19 @@ fn brakes_hold_the_unpowered_arm_against_gravity_and_stop_its_motion() {
     let robot = Robot::parse("hanging", &text).unwrap();
     let home = robot.home_pose().unwrap();
     let mut plant = Plant::new(&robot, &Mismatch::NONE, &home, 1).unwrap();
-    let engaged = Command {
+    let engaged = ActuatorCommand {
         brake: true,
-        ..Command::default()
+        ..ActuatorCommand::default()
     };
     let start = plant.tool();
-    let run = |plant: &mut Plant, command: &Command, ticks| {
+    let run = |plant: &mut Plant, command: &ActuatorCommand, ticks| {
         for _ in 0..ticks {
             plant.step(command, TICK);
         }
     };
     run(&mut plant, &engaged, 1000);
     assert!((plant.tool() - start).norm() < 1e-7, "the arm sags");
-    run(&mut plant, &Command::default(), 400);
+    run(&mut plant, &ActuatorCommand::default(), 400);
     let speed = plant.state().v[0].angular;
     assert!(speed.abs() > 1.0, "the released arm falls");
     // 2 N·m stop about 3e-3 kg·m² at this speed within milliseconds.

@@ -3,7 +3,7 @@
 use fivebar::input::robot::{BUILT_IN, BuiltIn, Robot};
 use fivebar::input::scenario::Mismatch;
 use fivebar::run::plant::Plant;
-use fivebar_firmware::Command;
+use fivebar_firmware::ActuatorCommand;
 
 /// A small file with every key that has no default.
 const PLAIN: &str = r#"name = "asymmetric"
@@ -295,7 +295,7 @@ fn no_number_in_a_robot_file_makes_the_program_panic_or_hang() {
             for _ in 0..10 {
                 plant.sense();
                 plant.step(
-                    &Command {
+                    &ActuatorCommand {
                         duty: [0.5, -0.5],
                         enable: [true; 2],
                         brake: false,

@@ -6,7 +6,7 @@ use fivebar::input::scenario::Mismatch;
 use fivebar::run::plant::{Loads, Model, Plant, State, WornJoints};
 use fivebar_design::accuracy::arm::DrivenJointMotion;
 use fivebar_design::accuracy::clearance_equilibrium::clearance_equilibrium;
-use fivebar_firmware::Command;
+use fivebar_firmware::ActuatorCommand;
 use nalgebra::Vector2;
 use proptest::prelude::*;
 
@@ -123,7 +123,7 @@ fn pushed(robot: &Robot, clearance: [f64; 5]) -> Plant {
         .worn(wear);
     plant.set_tool_force(Vector2::new(0.0, -5.0));
     for _ in 0..3000 {
-        plant.step(&Command::default(), TICK);
+        plant.step(&ActuatorCommand::default(), TICK);
     }
     plant
 }

@@ -5,7 +5,7 @@ use fivebar::input::scenario::Scenario;
 use fivebar::run::link::{Client, Emulator, Instructions, Lockstep};
 use fivebar::run::simulation::{Record, Summary};
 use fivebar::show::doctor::compare_outputs;
-use fivebar_firmware::protocol::{Board, Order, Reply};
+use fivebar_firmware::protocol::{Board, HostCommand, Reply};
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::{Request, Settings, Status};
 
@@ -78,7 +78,7 @@ fn a_gain_changed_on_one_side_is_found() {
 }
 
 fn status(client: &mut Client<Emulator>) -> Status {
-    match client.call(Order::Status).expect("an answer") {
+    match client.call(HostCommand::Status).expect("an answer") {
         Reply::Status { status, .. } => status,
         other => panic!("{other:?}"),
     }
@@ -94,11 +94,13 @@ fn the_production_image_boots_to_the_clock_fault_and_refuses_to_arm() {
     assert_eq!(before.state, State::Fault);
     assert_eq!(before.fault, Some(Fault::ClockFailure));
     for request in [Request::Arm, Request::Home] {
-        let reply = client.call(Order::Request(request)).expect("an answer");
+        let reply = client
+            .call(HostCommand::Request(request))
+            .expect("an answer");
         assert!(matches!(reply, Reply::Refused(_)), "{request:?}: {reply:?}");
     }
     // The clock does not mend, and so the fault comes back however often it is cleared.
-    let cleared = client.call(Order::Request(Request::ClearFault));
+    let cleared = client.call(HostCommand::Request(Request::ClearFault));
     assert!(cleared.is_ok());
     std::thread::sleep(std::time::Duration::from_millis(200));
     let after = status(&mut client);

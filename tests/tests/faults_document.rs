@@ -13,7 +13,7 @@ const TESTS: [&str; 9] = [
     include_str!("emulated_faults.rs"),
     include_str!("emulated_boards.rs"),
     include_str!("production_image.rs"),
-    include_str!("mishaps/mod.rs"),
+    include_str!("injected_faults/mod.rs"),
 ];
 
 /// The cells of every row of the tables, their headings included.
@@ -52,7 +52,7 @@ fn every_fault_has_its_row_with_its_number_and_response() {
 }
 
 #[test]
-fn every_mishap_names_its_fault_by_number_and_name() {
+fn every_injected_fault_names_its_fault_by_number_and_name() {
     let rows = rows("## Injected faults");
     let named: Vec<_> = rows.iter().filter(|row| row.len() == 5).skip(1).collect();
     assert!(named.len() >= 14, "{named:?}");

@@ -1,20 +1,20 @@
-//! Every mishap of `docs/faults.md` with a controller in this process.
+//! Every injected fault of `docs/faults.md` with a controller in this process.
 
 mod bench;
-mod mishaps;
+mod injected_faults;
 
 use bench::{Bench, is_off, stated};
 use fivebar::run::link::Loopback;
 use fivebar_firmware::Request;
 use fivebar_firmware::controller;
-use fivebar_firmware::protocol::{Order, Refusal, Reply, Reset, VERSION};
+use fivebar_firmware::protocol::{CommandError, HostCommand, Reply, Reset, VERSION};
 use fivebar_firmware::safety::State;
 
 fn line() -> Loopback {
     Loopback::lockstep(&bench::robot().settings().expect("masses")).expect("sound settings")
 }
 
-mishaps::test_every_mishap!(line);
+injected_faults::test_every_injected_fault!(line);
 
 /// The watchdog resets the controller while the arm moves: it comes up unpowered with the
 /// fault latched, and knows neither the host nor where the arm is.
@@ -24,33 +24,33 @@ fn a_reset_by_the_watchdog_in_motion() {
     let mut bench = Bench::moving(line());
     let board = bench.board.line().line();
     board.restart(Reset::Watchdog).expect("sound settings");
-    let mut ask = |order| bench.board.call(order).expect("an answer");
-    let sensed = bench.plant.sense();
-    let stranger = Reply::Refused(Refusal::NoSession);
-    assert_eq!(ask(Order::Tick(sensed)), stranger);
+    let mut ask = |command| bench.board.call(command).expect("an answer");
+    let sample = bench.plant.sense();
+    let stranger = Reply::Refused(CommandError::NoSession);
+    assert_eq!(ask(HostCommand::Tick(sample)), stranger);
     let session = 99;
     let version = VERSION;
-    let Reply::Hello(identity) = ask(Order::Hello { version, session }) else {
+    let Reply::Hello(identity) = ask(HostCommand::Hello { version, session }) else {
         panic!("no hello");
     };
     assert_eq!(identity.reset, Reset::Watchdog);
     for _ in 0..50 {
-        let Reply::Ticked(ticked) = ask(Order::Tick(bench.plant.sense())) else {
+        let Reply::StepResult(result) = ask(HostCommand::Tick(bench.plant.sense())) else {
             panic!("no tick");
         };
         assert_eq!(
-            (ticked.state, ticked.fault),
+            (result.state, result.fault),
             (State::Fault, Some(stated.fault))
         );
-        is_off(&ticked);
-        bench.plant.step(&ticked.command, 1e-4);
+        is_off(&result);
+        bench.plant.step(&result.command, 1e-4);
         for request in [Request::Arm, Request::Home] {
-            let reply = ask(Order::Request(request));
-            let state = controller::Refusal::State(State::Fault);
-            assert_eq!(reply, Reply::Refused(Refusal::Request(state)));
+            let reply = ask(HostCommand::Request(request));
+            let state = controller::RequestError::State(State::Fault);
+            assert_eq!(reply, Reply::Refused(CommandError::Request(state)));
         }
     }
-    assert_eq!(ask(Order::Request(Request::ClearFault)), Reply::Done);
-    let unknown = Reply::Refused(Refusal::Request(controller::Refusal::NotHomed));
-    assert_eq!(ask(Order::Request(Request::Arm)), unknown);
+    assert_eq!(ask(HostCommand::Request(Request::ClearFault)), Reply::Done);
+    let unknown = Reply::Refused(CommandError::Request(controller::RequestError::NotHomed));
+    assert_eq!(ask(HostCommand::Request(Request::Arm)), unknown);
 }

@@ -6,7 +6,7 @@ mod flash;
 use fivebar::run::link::{Client, Emulator};
 use fivebar_firmware::Request;
 use fivebar_firmware::Settings;
-use fivebar_firmware::protocol::{Board, Identity, Order, Refusal, Reply};
+use fivebar_firmware::protocol::{Board, CommandError, HostCommand, Identity, Reply};
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::storage::SettingsStorage;
 use flash::Flash;
@@ -42,10 +42,10 @@ fn other_settings() -> Settings {
 }
 
 /// The settings in use, and why nothing can be armed.
-fn in_use(client: &mut Client<Emulator>) -> (Settings, Refusal) {
+fn in_use(client: &mut Client<Emulator>) -> (Settings, CommandError) {
     let mut settings = Settings::BENCHTOP;
     client.read_settings(&mut settings).expect("answers");
-    let arm = client.command(Order::Request(Request::Arm));
+    let arm = client.command(HostCommand::Request(Request::Arm));
     let refusal = arm.expect("an answer").expect_err("its clock has failed");
     let (status, _) = client.status().expect("an answer");
     assert_eq!(
@@ -62,10 +62,10 @@ fn stored_settings_are_used() {
     let (mut client, _) = boot(SETTINGS, &flash.bytes);
     let (settings, refusal) = in_use(&mut client);
     assert_eq!(settings, other_settings());
-    let fault = fivebar_firmware::controller::Refusal::State(State::Fault);
+    let fault = fivebar_firmware::controller::RequestError::State(State::Fault);
     assert_eq!(
         refusal,
-        Refusal::Request(fault),
+        CommandError::Request(fault),
         "the clock, not the settings"
     );
 }
@@ -78,11 +78,11 @@ fn a_damaged_page_of_settings_is_not_used() {
     let (mut client, _) = boot(SETTINGS, &flash.bytes);
     let (settings, refusal) = in_use(&mut client);
     assert_eq!(settings, Settings::BENCHTOP);
-    assert_eq!(refusal, Refusal::NoSettings);
+    assert_eq!(refusal, CommandError::NoSettings);
     assert_eq!(
-        client.call(Order::SaveSettings).expect("an answer"),
-        Reply::Refused(Refusal::Request(
-            fivebar_firmware::controller::Refusal::State(State::Fault)
+        client.call(HostCommand::SaveSettings).expect("an answer"),
+        Reply::Refused(CommandError::Request(
+            fivebar_firmware::controller::RequestError::State(State::Fault)
         ))
     );
 }

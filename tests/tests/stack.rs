@@ -4,7 +4,7 @@ mod bench;
 
 use bench::Bench;
 use fivebar::run::link::{Client, Emulator};
-use fivebar_firmware::protocol::{Order, Reply, StackUse};
+use fivebar_firmware::protocol::{HostCommand, Reply, StackUse};
 use fivebar_firmware::{Move, MoveKind, Request};
 
 /// As last committed [bytes].
@@ -58,15 +58,15 @@ fn a_job_on_the_emulated_board_leaves_half_of_its_stack() {
         },
     ];
     for (tag, kind) in (2..).zip(kinds) {
-        let reply = bench.ask(Order::Move(Move { tag, kind }));
+        let reply = bench.ask(HostCommand::Move(Move { tag, kind }));
         assert!(matches!(reply, Reply::Taken { .. }), "{reply:?}");
     }
     for _ in 0..300 {
         bench.tick();
     }
-    bench.is_done(Order::Request(Request::EmergencyStop));
+    bench.is_done(HostCommand::Request(Request::EmergencyStop));
     bench.tick();
-    bench.ask(Order::Snapshot);
+    bench.ask(HostCommand::Snapshot);
     let used = bench.board.stack().expect("an answer");
     fits(used.expect("it knows"), committed().stack_emulated);
 }
@@ -81,9 +81,13 @@ fn the_production_image_leaves_half_of_its_stack() {
     let refused = client.write_settings(&settings).expect("answers");
     assert!(refused.is_err(), "its clock has failed");
     let kind = MoveKind::Dwell { duration: 0.01 };
-    let a_move = Order::Move(Move { tag: 1, kind });
-    for order in [a_move, Order::SaveSettings, Order::Telemetry { every: 1 }] {
-        client.call(order).expect("an answer");
+    let a_move = HostCommand::Move(Move { tag: 1, kind });
+    for command in [
+        a_move,
+        HostCommand::SaveSettings,
+        HostCommand::Telemetry { every: 1 },
+    ] {
+        client.call(command).expect("an answer");
     }
     let ticks = (0..1000).any(|_| {
         client.poll().expect("a line");

@@ -1,9 +1,9 @@
 //! The emulated board: the controller, the planner and the session of the production
 //! image, their sensors and bridges replaced by frames from the host.
 //!
-//! The host steps the board in lockstep: each order `Tick` carries one tick's samples, and
-//! its reply what the bridges are told and how many instructions the tick took. Nothing
-//! else advances the controller, so a run depends on nothing but its orders.
+//! The host steps the board in lockstep: each command `Tick` carries one sensor sample, and its
+//! reply the actuator command and the number of instructions of the tick. Nothing else advances
+//! the controller, so a run depends on its commands only.
 #![no_std]
 #![no_main]
 #![allow(
@@ -23,7 +23,7 @@ mod app {
     use fivebar_firmware::protocol::{Board, Decoder, HostMessage, Identity, Reset, StackUse};
     use fivebar_firmware::session::{self, Session};
     use fivebar_firmware::storage::StorageError;
-    use fivebar_firmware::{Command, Controller, Sensed, Settings};
+    use fivebar_firmware::{ActuatorCommand, Controller, SensorSample, Settings};
     use heapless::spsc::{Consumer, Producer, Queue};
     use stm32f4xx_hal::prelude::*;
 
@@ -36,14 +36,14 @@ mod app {
     struct Local {
         receiver: serial::Receiver,
         arrived: Producer<'static, HostMessage>,
-        orders: Consumer<'static, HostMessage>,
+        commands: Consumer<'static, HostMessage>,
         sender: serial::Sender,
         planner: Planner,
         session: Session,
         lockstep: Lockstep,
     }
 
-    /// This board: it keeps nothing, and its ticks come from the host.
+    /// This board: it stores nothing, and its ticks come from the host.
     pub(crate) struct Lockstep {
         counter: InstructionCounter,
     }
@@ -53,11 +53,15 @@ mod app {
             Err(StorageError::Flash)
         }
 
-        fn tick(&mut self, controller: &mut Controller, sensed: &Sensed) -> Option<(Command, u32)> {
-            // As on a board, where nothing but an emergency stop interrupts a tick.
+        fn tick(
+            &mut self,
+            controller: &mut Controller,
+            sample: &SensorSample,
+        ) -> Option<(ActuatorCommand, u32)> {
+            // As on a board, where only an emergency stop interrupts a tick.
             Some(cortex_m::interrupt::free(|_| {
                 let start = self.counter.now();
-                let command = controller.tick(sensed);
+                let command = controller.tick(sample);
                 (command, self.counter.since(start))
             }))
         }
@@ -79,17 +83,17 @@ mod app {
         let (usart, dma) = (&cx.device.USART1, &cx.device.DMA2);
         let (buffers, bus) = (cx.local.buffers, source.second_bus());
         let (receiver, sender) = serial::new(usart, dma, pins, buffers, bus, &mut rcc);
-        let (arrived, orders) = cx.local.queue.split();
+        let (arrived, commands) = cx.local.queue.split();
         let settings = Settings::BENCHTOP;
         let identity = Identity::new(Board::Emulated, Reset::Power);
         let (Ok(controller), Ok(planner)) = (Controller::new(&settings), Planner::new(&settings))
         else {
-            panic!("the benchtop arm's settings are sound");
+            panic!("the benchtop arm's settings are valid");
         };
         let local = Local {
             receiver,
             arrived,
-            orders,
+            commands,
             sender,
             planner,
             session: Session::new(identity, &settings, false),
@@ -100,7 +104,8 @@ mod app {
         (Shared { controller }, local)
     }
 
-    /// Bytes into orders. One that finds the queue full is dropped; the host asks again.
+    /// From bytes to commands. A command for which the queue has no room is dropped; the host
+    /// sends it again.
     #[task(binds = USART1, priority = 2, local = [
         receiver,
         arrived,
@@ -115,11 +120,11 @@ mod app {
         });
     }
 
-    #[idle(shared = [controller], local = [orders, sender, planner, session, lockstep])]
+    #[idle(shared = [controller], local = [commands, sender, planner, session, lockstep])]
     fn converse(mut cx: converse::Context) -> ! {
         let local = cx.local;
         loop {
-            if let Some(message) = local.orders.dequeue() {
+            if let Some(message) = local.commands.dequeue() {
                 let answer = local.session.answer(
                     &message,
                     &mut cx.shared.controller,
@@ -133,9 +138,9 @@ mod app {
             if let Some(frame) = local.session.telemetry(&mut cx.shared.controller) {
                 local.sender.send(&frame);
             }
-            // Asleep until the next byte; one that comes in between wakes it at once.
+            // Sleeps until the next byte. A byte that has come since the check wakes it at once.
             cortex_m::interrupt::free(|_| {
-                if !local.orders.ready() {
+                if !local.commands.ready() {
                     cortex_m::asm::wfi();
                 }
             });
@@ -145,7 +150,7 @@ mod app {
 
 #[panic_handler]
 fn panic(_: &PanicInfo<'_>) -> ! {
-    // Silence; the host notices.
+    // The board stays silent, and the host reports that.
     loop {
         cortex_m::asm::wfi();
     }

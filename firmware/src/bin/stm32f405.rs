@@ -3,12 +3,12 @@
 //! | task | priority | deadline |
 //! |---|---|---|
 //! | `tripped`: the break input | 4 | none: the outputs are off before it runs |
-//! | `tick`: samples in, bridge commands out | 3 | the next tick, 100 µs; misses are counted |
-//! | `receive`: bytes into orders | 2 | the ring's 5 ms |
+//! | `tick`: sensor sample in, actuator command out | 3 | the next tick, 100 µs; misses are counted |
+//! | `receive`: from bytes to commands | 2 | the ring buffer's 5 ms |
 //! | `converse`: session, planner, telemetry, log, watchdog | idle | the watchdog's 50 ms |
 //!
-//! Without a crystal the PWM never starts. `slow_tick` then lets the tick run all the same,
-//! so that the controller tells of its clock fault, which cannot be cleared.
+//! Without a crystal the PWM does not start. `slow_tick` then starts the ticks, so that the
+//! controller can report its clock fault, which cannot be cleared.
 #![no_std]
 #![no_main]
 #![allow(
@@ -20,7 +20,7 @@
 use core::panic::PanicInfo;
 use cortex_m_rt::{ExceptionFrame, exception};
 use defmt_rtt as _;
-use fivebar_firmware::board::post_mortem::{Death, die};
+use fivebar_firmware::board::post_mortem::{EndCause, reset_after};
 use fivebar_firmware::board::pwm;
 
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
@@ -40,16 +40,16 @@ mod app {
     use fivebar_firmware::board::watchdog::Task;
     use fivebar_firmware::board::{post_mortem, serial};
     use fivebar_firmware::planner::Planner;
-    use fivebar_firmware::protocol::{Board, Decoder, HostMessage, Identity, Order};
+    use fivebar_firmware::protocol::{Board, Decoder, HostCommand, HostMessage, Identity};
     use fivebar_firmware::safety::Fault;
     use fivebar_firmware::session::{Session, fault_at_start};
     use fivebar_firmware::{Controller, Request, Settings};
     use heapless::spsc::{Consumer, Producer, Queue};
     use stm32f4xx_hal::pac::Interrupt;
 
-    /// The break input tripped, or the host ordered an emergency stop: for the next tick.
+    /// The break input tripped, or the host sent an emergency stop. The next tick reads this.
     static STOP: AtomicBool = AtomicBool::new(false);
-    /// The crystal did not start, or died.
+    /// The crystal did not start, or failed later.
     pub(crate) static CLOCK_FAILED: AtomicBool = AtomicBool::new(false);
 
     #[shared]
@@ -64,7 +64,7 @@ mod app {
         meter: CycleMeter,
         receiver: serial::Receiver,
         arrived: Producer<'static, HostMessage>,
-        orders: Consumer<'static, HostMessage>,
+        commands: Consumer<'static, HostMessage>,
         sender: serial::Sender,
         planner: Planner,
         session: Session,
@@ -99,7 +99,7 @@ mod app {
             source.second_bus(),
             &mut rcc,
         );
-        let (arrived, orders) = cx.local.queue.split();
+        let (arrived, commands) = cx.local.queue.split();
 
         let (services, stored) = BoardServices::start(device.FLASH, device.IWDG);
         let settings = stored.unwrap_or(Settings::BENCHTOP);
@@ -127,7 +127,7 @@ mod app {
             meter,
             receiver,
             arrived,
-            orders,
+            commands,
             sender,
             planner,
             session: Session::new(identity, &settings, stored.is_ok()),
@@ -137,7 +137,7 @@ mod app {
         (Shared { controller }, local)
     }
 
-    /// The break input has switched the outputs off; the controller is told.
+    /// The break input has switched the outputs off; this tells the controller.
     #[task(binds = TIM1_BRK_TIM9, priority = 4)]
     fn tripped(_: tripped::Context) {
         if PwmTimer::take_break() {
@@ -145,7 +145,7 @@ mod app {
         }
     }
 
-    /// Without the PWM timer's beat: the converter's interrupt, raised by hand.
+    /// Raises the converter's interrupt by software, because the PWM timer does not run.
     #[task(binds = SysTick, priority = 3)]
     fn slow_tick(_: slow_tick::Context) {
         NVIC::pend(Interrupt::ADC);
@@ -158,18 +158,19 @@ mod app {
         let missed = meter.missed(TICK_CYCLES);
         meter.measure(|| {
             let stopped = STOP.swap(false, Ordering::Relaxed);
-            let sensed = sensors.sample(missed, stopped);
+            let sample = sensors.sample(missed, stopped);
             cx.shared.controller.lock(|controller| {
                 if CLOCK_FAILED.load(Ordering::Relaxed) {
                     controller.latch_fault(Fault::ClockFailure);
                 }
-                outputs.apply(&controller.tick(&sensed));
+                outputs.apply(&controller.tick(&sample));
             });
         });
         Task::Tick.advanced();
     }
 
-    /// Bytes into orders. One that finds the queue full is dropped; the host asks again.
+    /// From bytes to commands. A command for which the queue has no room is dropped; the host
+    /// sends it again.
     #[task(binds = USART1, priority = 2, local = [
         receiver,
         arrived,
@@ -179,8 +180,8 @@ mod app {
         let (decoder, arrived) = (cx.local.decoder, cx.local.arrived);
         cx.local.receiver.drain(|byte| {
             if let Some(Ok(message)) = decoder.feed(byte) {
-                if message.order == Order::Request(Request::EmergencyStop) {
-                    // Ahead of the queue, which may wait for the planner.
+                if message.command == HostCommand::Request(Request::EmergencyStop) {
+                    // This does not wait in the queue behind the planner's work.
                     STOP.store(true, Ordering::Relaxed);
                 }
                 let _ = arrived.enqueue(message);
@@ -188,12 +189,12 @@ mod app {
         });
     }
 
-    #[idle(shared = [controller], local = [orders, sender, planner, session, services, log])]
+    #[idle(shared = [controller], local = [commands, sender, planner, session, services, log])]
     fn converse(mut cx: converse::Context) -> ! {
         let local = cx.local;
         loop {
             let controller = &mut cx.shared.controller;
-            if let Some(message) = local.orders.dequeue() {
+            if let Some(message) = local.commands.dequeue() {
                 let session = &mut *local.session;
                 if let Some(frame) =
                     session.answer(&message, controller, local.planner, local.services)
@@ -207,7 +208,7 @@ mod app {
             }
             local.log.update(controller);
             Task::Session.advanced();
-            local.services.watchdog.feed_if_all_advanced();
+            local.services.watchdog.refresh_if_all_advanced();
         }
     }
 }
@@ -215,16 +216,16 @@ mod app {
 #[panic_handler]
 fn panic(_: &PanicInfo<'_>) -> ! {
     pwm::unpower();
-    die(Death::Panic)
+    reset_after(EndCause::Panic)
 }
 
 #[exception]
 unsafe fn HardFault(_: &ExceptionFrame) -> ! {
     pwm::unpower();
-    die(Death::HardFault)
+    reset_after(EndCause::HardFault)
 }
 
-/// The crystal died: the core goes on from the internal oscillator, the break input has
+/// The crystal failed: the core now runs from the internal oscillator, and the break input has
 /// tripped.
 #[exception]
 unsafe fn NonMaskableInt() {

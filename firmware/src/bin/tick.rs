@@ -1,30 +1,34 @@
-//! The tick alone, to prove what is not in it. This image is linked, inspected and never
-//! run.
+//! The tick alone, to prove that it cannot panic or allocate. This image is linked and inspected,
+//! and never run.
 //!
-//! Its panic handler calls a function that does not exist: if any panic can be reached
-//! from the tick once the linker has dropped what cannot, the image does not link. It has
-//! no allocator, so nothing that allocates links either. `tests/tests/images.rs`
-//! looks through its symbols for double-precision and library arithmetic.
+//! Its panic handler calls a function that does not exist. The linker drops unreachable code, so
+//! the image links only if no panic is reachable from the tick. It has no allocator, so code that
+//! allocates does not link. `tests/tests/images.rs` checks its symbols for double-precision and
+//! library arithmetic.
 #![no_std]
 #![no_main]
-#![allow(unsafe_code, reason = "the tick's arguments come from nowhere")]
+#![allow(
+    unsafe_code,
+    reason = "the tick's arguments are at an address that the compiler does not know"
+)]
 
 use core::panic::PanicInfo;
 use core::ptr;
 use cortex_m_rt::entry;
-use fivebar_firmware::{Command, Controller, Sensed};
+use fivebar_firmware::{ActuatorCommand, Controller, SensorSample};
 use stm32f4xx_hal as _;
 
-/// An address that the compiler knows nothing about.
-const SOMEWHERE: *const *mut (Controller, Sensed, Command) = ptr::without_provenance(0x2000_0000);
+/// An address whose contents the compiler does not know.
+const SOMEWHERE: *const *mut (Controller, SensorSample, ActuatorCommand) =
+    ptr::without_provenance(0x2000_0000);
 
 #[entry]
 fn main() -> ! {
     loop {
-        // SAFETY: none; this program is not run. The volatile read keeps the compiler
-        // from knowing anything about the controller and its samples.
-        let (controller, sensed, command) = unsafe { &mut *ptr::read_volatile(SOMEWHERE) };
-        *command = controller.tick(sensed);
+        // SAFETY: none; this program is not run. The volatile read hides the values of the
+        // controller and its sample from the compiler.
+        let (controller, sample, command) = unsafe { &mut *ptr::read_volatile(SOMEWHERE) };
+        *command = controller.tick(sample);
     }
 }
 

@@ -5,8 +5,8 @@ use cortex_m::peripheral::syst::SystClkSource;
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::rcc::{Rcc, RccExt};
 
-/// How often a ready flag is looked at before the oscillator is given up. One look takes
-/// at least 5 cycles of the 16 MHz oscillator, so this is 60 ms or more: a crystal starts
+/// How often a ready flag is read before the start of an oscillator counts as failed. One read
+/// takes at least 5 cycles of the 16 MHz oscillator, so this is 60 ms or more: a crystal starts
 /// within 10 ms, the PLL locks within 0.3 ms.
 const PATIENCE: u32 = 200_000;
 
@@ -34,9 +34,9 @@ impl Source {
 
 /// Starts the clocks.
 ///
-/// The HAL's own start-up waits for ever for a crystal; this has a bound at every step. A
-/// crystal that dies later is caught by the clock security system: the core goes on from
-/// the internal oscillator, the timers' break input trips and the NMI is raised.
+/// The HAL's own start-up waits for a crystal without a bound; here every wait has one. If the
+/// crystal fails later, the clock security system switches the core to the internal oscillator,
+/// trips the timer's break input and raises the NMI.
 pub fn start(rcc: pac::RCC, flash: &pac::FLASH) -> (Rcc, Source) {
     let source = if crystal_runs(&rcc) && core_follows(&rcc, flash) {
         rcc.cr().modify(|_, w| w.csson().on());
@@ -92,7 +92,7 @@ fn within_patience(ready: impl Fn() -> bool) -> bool {
     (0..PATIENCE).any(|_| ready())
 }
 
-/// Lets SysTick interrupt at 1 kHz, where no crystal times the PWM and with it the tick.
+/// Starts SysTick's interrupt at 1 kHz: without a crystal no PWM starts the tick.
 pub fn start_slow_tick(systick: &mut SYST) {
     systick.set_clock_source(SystClkSource::Core);
     systick.set_reload(SLOW_TICK - 1);
@@ -101,11 +101,11 @@ pub fn start_slow_tick(systick: &mut SYST) {
     systick.enable_counter();
 }
 
-/// Takes the clock security system's interrupt: the crystal has died.
+/// Clears the interrupt of the clock security system: the crystal has failed.
 #[allow(unsafe_code)]
 pub fn acknowledge_failure() {
     // SAFETY: writing 1 to this flag clears it and touches nothing else; the handler of
-    // the interrupt that nothing can mask owns nothing.
+    // the NMI owns no peripheral.
     unsafe {
         (*pac::RCC::ptr()).cir().modify(|_, w| w.cssc().set_bit());
     }

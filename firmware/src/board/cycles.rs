@@ -21,7 +21,7 @@ impl CycleMeter {
         Self { began: None }
     }
 
-    /// How many periods of so many cycles went by unseen since the last span began.
+    /// Number of periods of `period` cycles that were missed since the last span began.
     #[inline]
     pub fn missed(&self, period: u32) -> u32 {
         let Some(began) = self.began else { return 0 };

@@ -1,28 +1,28 @@
 //! The log over the debug probe: transitions and faults by name, and how long the tick takes.
 //!
-//! The idle task logs what has changed since its last round, so the tick pays nothing. Its
-//! round takes up to a few milliseconds; of several transitions within one, the log shows the
-//! first state and the last. RTT is set up to drop a line that finds no room: it neither
-//! waits for a probe nor masks interrupts.
+//! The idle task logs what has changed since its last round, so the log costs the tick no
+//! instructions. A round takes up to a few milliseconds; of several transitions within one, the
+//! log shows the first state and the last. RTT drops a line for which it has no room, so it never
+//! waits for a probe or masks interrupts.
 
 use super::cycles;
 use crate::Controller;
 use crate::safety::{Fault, State};
 use rtic_core::Mutex;
 
-/// Ticks from one line about the tick's time to the next.
+/// Ticks between two lines about the tick's duration.
 const TIMING_EVERY: u32 = 10_000;
 
 /// What was logged last.
 pub struct EventLog {
     state: State,
     fault: Option<Fault>,
-    /// Tick of the last line about the tick's time.
+    /// Tick of the last line about the tick's duration.
     timing: u32,
 }
 
 impl EventLog {
-    /// A log of a controller that was made just now.
+    /// The log of a new controller.
     pub const fn new() -> Self {
         Self {
             state: State::Stopped,

@@ -1,7 +1,8 @@
-//! The STM32F405RG: all that touches registers. Nothing above knows which board it is on.
+//! The STM32F405RG: everything that accesses registers. The rest of the crate does not depend on
+//! the board.
 //!
-//! One driver a file; `docs/wiring.md` has the pins. No driver waits without a bound, and
-//! none has run on silicon yet: `docs/bring-up.md` says what an emulator could show.
+//! Each file holds one driver; `docs/wiring.md` lists the pins. Every wait has a bound. None of
+//! this has run on silicon yet: `docs/bring-up.md` says what the emulator has shown.
 
 pub mod analog;
 pub mod clocks;

@@ -1,8 +1,8 @@
-//! Everything a command reaches: both bridges, their timer and the brake.
+//! The outputs of an actuator command: both bridges, their timer and the brake.
 
 use super::pins::OutputPins;
 use super::pwm::{Channel, PwmTimer};
-use crate::Command;
+use crate::ActuatorCommand;
 use crate::drivers::Bridge;
 use embedded_hal::digital::OutputPin;
 use stm32f4xx_hal::gpio::{Output, PB14, PB15, PC6};
@@ -38,9 +38,9 @@ impl BoardOutputs {
 }
 
 impl<Sleep1: OutputPin, Sleep4: OutputPin, Brake: OutputPin> Outputs<Sleep1, Sleep4, Brake> {
-    /// Does what the controller says, from the timer's next update on.
+    /// Applies an actuator command, from the timer's next update on.
     #[inline]
-    pub fn apply(&mut self, command: &Command) {
+    pub fn apply(&mut self, command: &ActuatorCommand) {
         let [enable1, enable4] = command.enable;
         let [duty1, duty4] = command.duty;
         if enable1 {

@@ -1,4 +1,4 @@
-//! Which pin does what: the table of `docs/wiring.md` as types.
+//! The function of each pin: the table of `docs/wiring.md` as types.
 
 use super::pwm;
 use crate::drivers::Inputs;
@@ -10,11 +10,11 @@ use stm32f4xx_hal::pac::{GPIOA, GPIOB, GPIOC};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
 
-/// The home switches, the emergency stop and both bridges' fault outputs. The stop button is
-/// on the timer's break pin, which can be read all the same.
+/// The home switches, the emergency stop and both bridges' fault outputs. The emergency
+/// stop is on the timer's break pin, which can also be read as an input.
 pub type Switches = Inputs<PC4<Input>, PC5<Input>, PB12<Alternate<1>>, PB0<Input>, PB1<Input>>;
 
-/// The pins, by what they belong to.
+/// The pins by their function.
 pub struct Pins {
     /// Both bridges and the brake.
     pub outputs: OutputPins,
@@ -30,7 +30,7 @@ pub struct Pins {
     pub serial: (PB6<Alternate<7>>, PB7<Alternate<7>>),
 }
 
-/// What a command reaches.
+/// The pins of the outputs.
 pub struct OutputPins {
     /// IN1 and IN2 of both bridges.
     pub pwm: pwm::Pins,

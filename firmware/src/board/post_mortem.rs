@@ -1,4 +1,5 @@
-//! Why the chip started: the reset flags, and a note that a dying program leaves in RAM.
+//! Why the chip started: the reset flags, and a note in RAM that the handlers of panics and hard
+//! faults write.
 
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
@@ -24,31 +25,32 @@ static NOTE: Note = Note {
     mark: UnsafeCell::new(MaybeUninit::uninit()),
 };
 
-/// Marks that RAM holds by chance once in 2³¹ power-ups, and then harmlessly.
+/// RAM holds one of these marks by chance once in 2³¹ power-ups, and only a software reset reads
+/// them.
 const PANICKED: u32 = 0x5041_4e21;
 const FAULTED: u32 = 0x4641_5521;
 const NOTHING: u32 = 0;
 
-/// How the program ended.
+/// Why the program ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Death {
+pub enum EndCause {
     /// By a panic.
     Panic,
     /// By a hard fault.
     HardFault,
 }
 
-/// Leaves a note and resets the chip. Unpower the bridges first.
-pub fn die(death: Death) -> ! {
-    write(match death {
-        Death::Panic => PANICKED,
-        Death::HardFault => FAULTED,
+/// Writes the note and resets the chip. The caller switches the bridges off first.
+pub fn reset_after(cause: EndCause) -> ! {
+    write(match cause {
+        EndCause::Panic => PANICKED,
+        EndCause::HardFault => FAULTED,
     });
     cortex_m::asm::dsb();
     cortex_m::peripheral::SCB::sys_reset();
 }
 
-/// Why the chip started; takes the note and clears the flags, so ask once.
+/// Why the chip started. Clears the note and the flags, so it must be called only once.
 pub fn reset_reason(rcc: &RCC) -> Reset {
     let note = read();
     write(NOTHING);
@@ -71,8 +73,8 @@ pub fn reset_reason(rcc: &RCC) -> Reset {
 }
 
 fn read() -> u32 {
-    // SAFETY: the word is valid whatever it holds; the volatile read keeps the compiler
-    // from knowing that nothing initialised it.
+    // SAFETY: the word is valid whatever it holds; the volatile read hides from the compiler that
+    // it is not initialised.
     #[allow(unsafe_code)]
     unsafe {
         NOTE.mark.get().cast::<u32>().read_volatile()

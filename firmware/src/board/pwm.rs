@@ -1,4 +1,4 @@
-//! TIM1: four PWM channels for two bridges, the break input, the beat of the tick.
+//! TIM1: four PWM channels for two bridges, the break input, and the trigger of the tick.
 //!
 //! The break input (emergency stop, wired so that a broken wire trips it) and the clock
 //! security system force all four outputs low within nanoseconds, without the processor.
@@ -29,19 +29,19 @@ pub type Pins = (
     PA11<Alternate<1>>,
 );
 
-/// Unpowers both bridges by two register writes, from any context and in any state: for
-/// the handlers of panics and faults, which own nothing.
+/// Switches both bridges off by two register writes, from any context and in any state: for the
+/// handlers of panics and faults, which own no peripheral.
 #[allow(unsafe_code)]
 pub fn unpower() {
-    // SAFETY: both writes only switch off, and whoever calls this does not return to
-    // code that would switch on again.
+    // SAFETY: both writes only switch off, and the callers do not return to code that would
+    // switch on again.
     unsafe {
         (*TIM1::ptr()).bdtr().modify(|_, w| w.moe().clear_bit());
         (*GPIOB::ptr()).bsrr().write(|w| w.bits(SLEEP_PINS << 16));
     }
 }
 
-/// The timer: its start, its main output switch, its break flag.
+/// The timer: its start, its main output enable and its break flag.
 pub struct PwmTimer {
     timer: TIM1,
     powered: bool,
@@ -100,9 +100,8 @@ impl PwmTimer {
 
     /// Lets the timer run: PWM at 20 kHz, the converter and so the tick at 10 kHz.
     ///
-    /// The repetition counter is written after the start: so the update comes when the
-    /// counter is at its bottom, in the middle of the bridges' braking phase, rather than
-    /// at its top.
+    /// The repetition counter is written after the start, so that the update comes when the
+    /// counter is at its bottom: in the middle of the bridges' braking phase.
     pub fn start(&mut self) {
         self.timer
             .cr1()
@@ -114,7 +113,7 @@ impl PwmTimer {
 
     /// Connects the outputs when `on` turns true, disconnects them when it is false.
     ///
-    /// Outputs that the break input disconnected stay so while `on` stays true.
+    /// Outputs that the break input has disconnected stay disconnected while `on` stays true.
     #[inline]
     pub fn power(&mut self, on: bool) {
         if on != self.powered {
@@ -123,7 +122,7 @@ impl PwmTimer {
         }
     }
 
-    /// Takes the break interrupt's flag: true if the break input tripped.
+    /// Reads and clears the break interrupt's flag: true if the break input tripped.
     pub fn take_break() -> bool {
         // SAFETY: the flag is cleared by writing 0 to it alone; writing 1 to the others
         // leaves them.
@@ -152,7 +151,7 @@ impl<const N: usize> SetDutyCycle for Channel<N> {
         // SAFETY: channel N's compare register is written through this value alone.
         #[allow(unsafe_code)]
         let timer = unsafe { &*TIM1::ptr() };
-        // Only a compare value beyond the counter's top is high throughout.
+        // Only a compare value beyond the counter's top keeps the output high all the time.
         let compare = if duty < HALF_PERIOD {
             duty
         } else {

@@ -1,9 +1,9 @@
-//! Everything a tick's samples come from.
+//! The sources of a sensor sample.
 
 use super::analog::CurrentsAndBus;
 use super::encoders::Encoders;
 use super::pins::Switches;
-use crate::Sensed;
+use crate::SensorSample;
 
 /// Encoders, converter and switches.
 pub struct Sensors {
@@ -16,13 +16,13 @@ pub struct Sensors {
 }
 
 impl Sensors {
-    /// One tick's samples. `missed_ticks` came since the last ones and were not made;
+    /// One sensor sample. `missed_ticks` is the number of ticks missed since the last one;
     /// `stopped` is an emergency stop that the button no longer shows.
     #[inline]
-    pub fn sample(&mut self, missed_ticks: u32, stopped: bool) -> Sensed {
+    pub fn sample(&mut self, missed_ticks: u32, stopped: bool) -> SensorSample {
         let counts = self.encoders.latch();
         let samples = self.analog.take();
-        Sensed {
+        SensorSample {
             counts,
             current: samples.current,
             bus_voltage: samples.bus_voltage,

@@ -1,9 +1,9 @@
 //! USART1 at 1 Mbaud: received by DMA into a ring, sent by DMA from a buffer.
 //!
-//! At 1 Mbaud a byte comes every 10 µs; an interrupt for each would be late now and then
-//! behind the tick, so the DMA takes them and the interrupt comes when the line falls
-//! idle. Where the DMA does not answer (an emulator without one) an interrupt fetches
-//! each byte into the same ring, and bytes are sent by waiting for each.
+//! At 1 Mbaud a byte comes every 10 µs. An interrupt for each would sometimes wait too long for
+//! the tick, so the DMA receives the bytes, and the interrupt comes when the line is idle. If the
+//! DMA does not start (an emulator has none), an interrupt stores each byte in the same ring, and
+//! bytes are sent by waiting for each.
 
 use stm32f4xx_hal::gpio::{Alternate, PB6, PB7};
 use stm32f4xx_hal::pac::dma2::{RegisterBlock as DmaRegisters, ST};
@@ -14,16 +14,16 @@ use crate::protocol::{Frame, MAX_FRAME};
 
 /// Symbols per second.
 const BAUD: u32 = 1_000_000;
-/// The receive ring: 5 ms of a line that never rests.
+/// The receive ring: 5 ms of a line that is always busy.
 pub const RING: usize = 512;
 /// DMA2's streams and channel for USART1.
 const RECEIVE_STREAM: usize = 2;
 const SEND_STREAM: usize = 7;
 const CHANNEL: u8 = 4;
-/// How often a flag is looked at before a byte is given up: 100 byte times at 168 MHz.
+/// How often a flag is read before a byte is dropped: 100 byte times at 168 MHz.
 const PATIENCE: u32 = 30_000;
 
-/// Memory that the DMA reads and writes; it must live for ever.
+/// Memory that the DMA reads and writes; it must be `'static`.
 pub struct Buffers {
     ring: [u8; RING],
     out: [u8; MAX_FRAME],
@@ -45,7 +45,7 @@ impl Default for Buffers {
     }
 }
 
-/// The receiving half: the interrupt's.
+/// The receiving half, for the interrupt.
 pub struct Receiver {
     ring: *mut u8,
     /// Where the next byte is read.
@@ -61,7 +61,7 @@ pub struct Sender {
     dma: bool,
 }
 
-// SAFETY: the pointer is to a ring that lives for ever and that nothing else reads.
+// SAFETY: the pointer is to a static ring that nothing else reads.
 #[allow(unsafe_code)]
 unsafe impl Send for Receiver {}
 
@@ -108,10 +108,9 @@ pub fn new(
     (receiver, sender)
 }
 
-/// Lets the DMA fill the ring for ever; false if it does not take its orders.
+/// Starts the DMA, which fills the ring again and again; false if it does not start.
 fn start_receiving(stream: &ST, ring: *mut u8) -> bool {
-    // SAFETY: the addresses are the data register and a ring of RING bytes that lives
-    // for ever; the channel is 3 bits wide.
+    // SAFETY: the addresses are the data register and a static ring of RING bytes; the channel is 3 bits wide.
     #[allow(unsafe_code)]
     unsafe {
         stream
@@ -136,12 +135,12 @@ fn start_receiving(stream: &ST, ring: *mut u8) -> bool {
 }
 
 impl Receiver {
-    /// What came since the last call, byte by byte; from the interrupt, whose flags it
+    /// Hands over the bytes received since the last call. For the interrupt, whose flags it
     /// clears.
     pub fn drain(&mut self, mut byte: impl FnMut(u8)) {
         // SAFETY: shared access to the registers; the ring is written by the DMA at the
-        // head, which stays ahead of the tail unless the line outruns the program, when
-        // whole frames are lost and their checksums say so.
+        // head. If the program is slower than the line, the head passes the tail: frames are
+        // then damaged, and their checksums show it.
         #[allow(unsafe_code)]
         unsafe {
             let usart = &*USART1::ptr();
@@ -169,7 +168,7 @@ impl Receiver {
 }
 
 impl Sender {
-    /// Sends a frame; waits for the one before it to have left, with a bound.
+    /// Sends a frame. Waits, with a bound, until the frame before has been sent.
     pub fn send(&mut self, frame: &Frame) {
         // SAFETY: shared access to the registers; the buffer is not written while the
         // DMA reads it.
@@ -189,7 +188,7 @@ impl Sender {
 
     fn send_by_dma(&mut self, dma: &DmaRegisters, frame: &Frame) {
         let stream = dma.st(SEND_STREAM);
-        // A whole frame of the greatest length is 256 byte times.
+        // The longest frame takes 256 byte times.
         if !within_patience(|| stream.cr().read().en().is_disabled()) {
             return;
         }

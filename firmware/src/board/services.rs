@@ -1,4 +1,4 @@
-//! What the session asks of this board: settings stored in its flash.
+//! What the session needs from this board: settings stored in flash, and the stack's use.
 
 use super::pwm::TICK_RATE;
 use super::stack;
@@ -7,19 +7,19 @@ use super::watchdog::Watchdog;
 use crate::protocol::StackUse;
 use crate::session::Board;
 use crate::storage::{SettingsStorage, StorageError};
-use crate::{Command, Controller, Sensed, Settings};
+use crate::{ActuatorCommand, Controller, SensorSample, Settings};
 use stm32f4xx_hal::pac::{FLASH, IWDG};
 
-/// The settings' storage, and the watchdog that has to wait while they are written.
+/// The settings' storage, and the watchdog, whose timeout is longer while settings are written.
 pub struct BoardServices {
     storage: Option<SettingsStorage<SettingsFlash>>,
-    /// Fed where all tasks advance.
+    /// Refreshed when all tasks have advanced.
     pub watchdog: Watchdog,
 }
 
 impl BoardServices {
-    /// Opens the storage and starts the watchdog; also the stored settings, if there are any
-    /// that this board can use.
+    /// Opens the storage and starts the watchdog. Also returns the stored settings, if this board
+    /// can use them.
     pub fn start(flash: FLASH, watchdog: IWDG) -> (Self, Result<Settings, StorageError>) {
         let (storage, settings) =
             match SettingsStorage::new(SettingsFlash::new(flash), SettingsFlash::RANGE) {
@@ -46,14 +46,14 @@ fn usable(settings: Settings) -> Result<Settings, StorageError> {
 impl Board for BoardServices {
     fn save(&mut self, settings: &Settings) -> Result<(), StorageError> {
         let storage = self.storage.as_mut().ok_or(StorageError::Range)?;
-        self.watchdog.widened(|| storage.save(settings))
+        self.watchdog.with_erase_timeout(|| storage.save(settings))
     }
 
     fn tick_rate(&self) -> Option<f32> {
         Some(TICK_RATE)
     }
 
-    fn tick(&mut self, _: &mut Controller, _: &Sensed) -> Option<(Command, u32)> {
+    fn tick(&mut self, _: &mut Controller, _: &SensorSample) -> Option<(ActuatorCommand, u32)> {
         None
     }
 

@@ -1,7 +1,7 @@
-//! The last four sectors of the flash, 128 KiB each, as a place for the settings.
+//! The last four sectors of the flash, 128 KiB each, for the settings.
 //!
-//! A program or an erase stalls the core where it fetches from flash: a word for 16 µs,
-//! a sector for up to 2.6 s. So settings are written only while the arm is disarmed.
+//! Programming and erasing stall the core when it fetches from flash: a word for 16 µs, a sector
+//! for up to 2.6 s. Settings are therefore written only while the arm is disarmed.
 
 use core::sync::atomic::{Ordering, fence};
 use embedded_storage::nor_flash::{
@@ -18,9 +18,9 @@ const SECTOR: usize = 128 * 1024;
 const FIRST: u8 = 8;
 /// Sectors: two for each half of the settings storage.
 const SECTORS: usize = 4;
-/// What the key register wants to see.
+/// The sequence that unlocks the control register.
 const KEYS: [u32; 2] = [0x4567_0123, 0xcdef_89ab];
-/// How often the busy flag is looked at before an operation is given up: over 5 s.
+/// How often the busy flag is read before an operation counts as failed: over 5 s.
 const PATIENCE: u32 = 200_000_000;
 
 /// The sectors.
@@ -31,11 +31,11 @@ pub struct SettingsFlash {
 /// Why a sector was not read or written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FlashError {
-    /// Outside the sectors, or not on the border of a word or sector.
+    /// Outside the sectors, or not aligned to a word or sector.
     Address(NorFlashErrorKind),
     /// The flash did not finish in time.
     Timeout,
-    /// The flash reports an error of protection, alignment or sequence.
+    /// The flash reported an error of protection, alignment or sequence.
     Refused,
 }
 
@@ -55,7 +55,7 @@ impl NorFlashError for FlashError {
 }
 
 impl SettingsFlash {
-    /// All of it.
+    /// All addresses.
     pub const RANGE: core::ops::Range<u32> = 0..(SECTORS * SECTOR) as u32;
 
     /// Takes the flash controller.
@@ -63,10 +63,10 @@ impl SettingsFlash {
         Self { flash }
     }
 
-    /// Runs `operation` with the control register unlocked, waits for it, and looks how
-    /// it went.
+    /// Runs `operation` with the control register unlocked, waits for its end and checks its
+    /// status.
     fn unlocked(&mut self, operation: impl FnOnce(&FLASH)) -> Result<(), FlashError> {
-        // SAFETY: the keys in this order unlock, whatever else locks again.
+        // SAFETY: the keys in this sequence unlock the register.
         #[allow(unsafe_code)]
         for key in KEYS {
             self.flash.keyr().write(|w| unsafe { w.key().bits(key) });
@@ -107,7 +107,7 @@ impl ReadNorFlash for SettingsFlash {
         check_read(self, offset, bytes.len())?;
         for (index, byte) in (0..).zip(bytes) {
             let address = (START + offset + index) as *const u8;
-            // SAFETY: within the sectors, which are memory for ever.
+            // SAFETY: within the sectors, which are always readable.
             #[allow(unsafe_code)]
             unsafe {
                 *byte = address.read_volatile();
@@ -154,7 +154,7 @@ impl NorFlash for SettingsFlash {
             self.unlocked(|flash| {
                 flash.cr().write(|w| w.psize().psize32().pg().set_bit());
                 fence(Ordering::SeqCst);
-                // SAFETY: within the sectors, on a word's border.
+                // SAFETY: within the sectors, aligned to a word.
                 #[allow(unsafe_code)]
                 unsafe {
                     address.write_volatile(word);

@@ -1,13 +1,14 @@
-//! The independent watchdog, fed only when every task has advanced.
+//! The independent watchdog, refreshed only when every task has advanced.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 use stm32f4xx_hal::pac::IWDG;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
-/// Without food for this long the chip resets, and with it the bridges lose power [ms].
+/// Timeout [ms]: without a refresh the chip resets, and the bridges are off.
 const TIMEOUT: u32 = 50;
-/// Erasing a flash sector stalls the core for up to 2.6 s (4 s at low voltage) [ms].
+/// Timeout while settings are written [ms]: erasing a flash sector stalls the core for up to 2.6 s
+/// (4 s at low voltage).
 const ERASE_TIMEOUT: u32 = 8_000;
 
 /// One task's sign of life: a bit of [`ALIVE`].
@@ -19,9 +20,9 @@ pub enum Task {
     Session,
 }
 
-/// The tasks that advanced since the last meal.
+/// The tasks that have advanced since the last refresh.
 static ALIVE: AtomicU32 = AtomicU32::new(0);
-/// What [`ALIVE`] looks like when all did.
+/// [`ALIVE`] when all have advanced.
 const ALL: u32 = Task::Tick.bit() | Task::Session.bit();
 
 impl Task {
@@ -29,14 +30,14 @@ impl Task {
         1 << self as u32
     }
 
-    /// Says that this task advanced.
+    /// Reports that this task has advanced.
     #[inline]
     pub fn advanced(self) {
         ALIVE.fetch_or(self.bit(), Ordering::Relaxed);
     }
 }
 
-/// The watchdog; once started nothing but a reset stops it.
+/// The watchdog. Once started, only a reset stops it.
 pub struct Watchdog {
     iwdg: IndependentWatchdog,
 }
@@ -49,16 +50,16 @@ impl Watchdog {
         Self { iwdg }
     }
 
-    /// Feeds it if every task advanced since it was fed last.
-    pub fn feed_if_all_advanced(&mut self) {
+    /// Refreshes the watchdog if every task has advanced since the last refresh.
+    pub fn refresh_if_all_advanced(&mut self) {
         if ALIVE.load(Ordering::Relaxed) == ALL {
             ALIVE.store(0, Ordering::Relaxed);
             self.iwdg.feed();
         }
     }
 
-    /// Runs `work`, which may stall the core as long as erasing flash does.
-    pub fn widened<R>(&mut self, work: impl FnOnce() -> R) -> R {
+    /// Runs `work` with a timeout that is long enough for erasing flash.
+    pub fn with_erase_timeout<R>(&mut self, work: impl FnOnce() -> R) -> R {
         self.iwdg.start(ERASE_TIMEOUT.millis());
         let result = work();
         self.iwdg.start(TIMEOUT.millis());

@@ -1,45 +1,49 @@
-//! What a tick can find wrong, by the trip points of the [`Monitor`].
+//! The faults that a tick detects, by the trip points of the [`Monitor`].
 //!
 //! [`Monitor`]: crate::safety::Monitor
 
 use super::Controller;
-use super::tick::Samples;
-use crate::io::Sensed;
+use super::tick::Measurement;
+use crate::io::SensorSample;
 use crate::safety::{Fault, State, TOLERATED_TICKS};
 
 impl Controller {
-    /// The gravest fault that the samples alone show. Unpowered, only what makes the
-    /// angles or the stop button untrue counts.
+    /// The most serious fault that the sample alone shows. While the bridges are off, only the
+    /// emergency stop and an encoder jump are faults.
     #[inline(always)]
-    pub(super) fn sampled_fault(&self, sensed: &Sensed, samples: &Samples) -> Option<Fault> {
+    pub(super) fn sampled_fault(
+        &self,
+        sample: &SensorSample,
+        measurement: &Measurement,
+    ) -> Option<Fault> {
         let monitor = &self.model.monitor;
-        if sensed.emergency_stop {
+        if sample.emergency_stop {
             return Some(Fault::EmergencyStop);
         }
-        if monitor.jumped(samples.innovation) {
+        if monitor.jumped(measurement.innovation) {
             return Some(Fault::EncoderJump);
         }
         if !self.is_powered() {
             return None;
         }
-        let [driver1, driver4] = sensed.driver_fault;
+        let [driver1, driver4] = sample.driver_fault;
         if driver1 | driver4 {
             return Some(Fault::DriverFault);
         }
-        if monitor.over_current(samples.current) {
+        if monitor.over_current(measurement.current) {
             return Some(Fault::OverCurrent);
         }
-        if monitor.over_speed(samples.velocity) {
+        if monitor.over_speed(measurement.velocity) {
             return Some(Fault::OverSpeed);
         }
         if let Some(fault) = monitor.bus(self.bus_voltage) {
             return Some(fault);
         }
-        samples.too_hot.then_some(Fault::OverTemperature)
+        measurement.too_hot.then_some(Fault::OverTemperature)
     }
 
-    /// Ticks were missed. So many at once that the loops no longer know the arm are a
-    /// fault while the bridges are on; all are counted.
+    /// Counts missed ticks. More than [`TOLERATED_TICKS`] at once are a fault while the bridges
+    /// are on, because the observer and the loops then have lost the arm's motion.
     #[cold]
     pub(super) fn overrun(&mut self, missed: u32) {
         self.missed_ticks = self.missed_ticks.saturating_add(missed);
@@ -48,9 +52,8 @@ impl Controller {
         }
     }
 
-    /// The fault, if any, that stops the arm on its path. It is looked for when the tick's
-    /// work is done, and the braking begins with the next: the tick that latches a fault is
-    /// long enough.
+    /// The fault, if any, that stops the arm on its path. It is checked at the end of the tick,
+    /// and the stop begins with the next tick: the tick that latches a fault takes long enough.
     #[inline(always)]
     pub(super) fn stopping_fault(&self) -> Option<Fault> {
         match self.state {
@@ -63,14 +66,14 @@ impl Controller {
         }
     }
 
-    /// Whether the host has been silent for too long.
+    /// Whether the host has sent nothing for longer than the command timeout.
     #[inline(always)]
     pub(super) fn host_timed_out(&self) -> bool {
         let silence = self.ticks.wrapping_sub(self.heard_at);
         self.model.monitor.silent(silence)
     }
 
-    /// The host has been heard: its silence begins anew.
+    /// Restarts the command timeout: the host has given a sign of life.
     pub fn feed_host_timeout(&mut self) {
         self.heard_at = self.ticks;
     }

@@ -1,16 +1,16 @@
-//! One driven joint: from raw samples to its angle, velocity and current, and from a
-//! torque to its bridge's duty.
+//! One driven joint: from sensor samples to its angle, velocity and current, and from a torque
+//! to the duty of its bridge.
 
 use super::model::AxisModel;
 use fivebar_kinematics::control::{
     Bus, CurrentState, Drive, Integral, MotorHeat, ObserverState, VelocityObserver,
 };
 
-/// What one joint remembers from tick to tick, and what this tick measured.
+/// The state of one joint from tick to tick, and what this tick measured.
 pub(crate) struct Joint {
     /// Counts at the last tick.
     counts: i32,
-    /// The angle `angle_at_origin` belongs to these counts; the first ones until homed.
+    /// The counts at which the angle is `angle_at_origin`: those of the first tick until homed.
     origin: i32,
     angle_at_origin: f32,
     observer: ObserverState<f32>,
@@ -54,8 +54,8 @@ impl Joint {
         self.observer.velocity
     }
 
-    /// Takes in one tick's samples; `alpha` is the desired acceleration [rad/s²] of the
-    /// tick before. Gives the innovation, measured less predicted angle [rad].
+    /// Updates the joint from one tick's samples; `alpha` is the desired acceleration [rad/s²]
+    /// of the tick before. Returns the innovation, measured less predicted angle [rad].
     #[inline(always)]
     pub(crate) fn measure(
         &mut self,
@@ -71,21 +71,21 @@ impl Joint {
         observer.update(&mut self.observer, counted, alpha)
     }
 
-    /// Warms the motor by two ticks at its current; true while it is too hot.
+    /// Advances the motor's heat by two ticks at its current; true while it is too hot.
     #[inline(always)]
     pub(crate) fn warm(&mut self, model: &AxisModel) -> bool {
         model.heating.update(&mut self.heat, self.current)
     }
 
-    /// Takes the first counts ever. A counter may stand anywhere; angles are told from
-    /// there until homed, so that `f32` has its digits left for the motion.
+    /// Takes the counts of the first tick as the origin until homed. A counter may start at any
+    /// value, and `f32` angles far from 0 would lose resolution.
     #[cold]
     pub(crate) fn begin(&mut self, counts: i32) {
         self.origin = counts;
     }
 
-    /// The duty that brings the current to what `torque` [N·m] needs; true if the bus
-    /// could not.
+    /// Sets the duty that gives the current which `torque` [N·m] needs; true if the bus voltage
+    /// limits it.
     #[inline(always)]
     pub(crate) fn drive(&mut self, model: &AxisModel, torque: f32, bus: &Bus<f32>) -> bool {
         self.demand = torque * model.current_per_torque;
@@ -100,7 +100,7 @@ impl Joint {
         limited
     }
 
-    /// The counted angle [rad]. Counts wrap; how far they are from the origin does not.
+    /// The counted angle [rad]. Counts wrap; their wrapping difference from the origin is right.
     #[inline(always)]
     fn counted(&self, model: &AxisModel) -> f32 {
         let turned = self.counts.wrapping_sub(self.origin);
@@ -117,7 +117,7 @@ impl Joint {
         self.counts
     }
 
-    /// Declares that the joint's angle is `angle` [rad] where its counts are `counts`.
+    /// Sets the origin: the joint's angle is `angle` [rad] at `counts`.
     pub(crate) fn set_origin(&mut self, model: &AxisModel, counts: i32, angle: f32) {
         let before = self.counted(model);
         self.origin = counts;
@@ -125,7 +125,7 @@ impl Joint {
         self.observer.angle += self.counted(model) - before;
     }
 
-    /// Forgets the loops' integrals and outputs: the bridge is off.
+    /// Clears the loops' integrals and outputs: the bridge is off.
     pub(crate) fn release(&mut self) {
         self.current_state = CurrentState(0.0);
         self.integral = Integral(0.0);
@@ -133,7 +133,7 @@ impl Joint {
         self.duty = 0.0;
     }
 
-    /// Forgets all motion, the counts and the origin excepted.
+    /// Clears all motion; keeps the counts and the origin.
     pub(crate) fn settle(&mut self, model: &AxisModel) {
         self.release();
         self.observer = ObserverState::at_rest(self.counted(model));

@@ -1,5 +1,5 @@
-//! The controller: one tick from samples to bridge commands, and what it is asked for
-//! from below.
+//! The controller: the tick, from a sensor sample to an actuator command, and the requests that
+//! tasks below the tick make.
 
 mod faults;
 mod homing;
@@ -24,31 +24,31 @@ use model::Model;
 use nalgebra::Vector2;
 use path::Path;
 pub(crate) use path::stopping_time;
-pub use path::{QUEUED_SEGMENTS, Stretch};
+pub use path::{QUEUED_SEGMENTS, QueuedSegment};
 pub use planning::{Hold, PlanningSnapshot};
-pub use request::{Refusal, Request};
+pub use request::{Request, RequestError};
 use setpoint::Setpoint;
 pub use status::{JointReference, Snapshot, Status};
 
 /// The whole controller of an arm.
 ///
 /// What every tick needs comes first, here and in the model: a load of the FPU reaches 1 KiB
-/// from its base, and so they have one base in common.
+/// from its base register, so one base register serves both.
 #[repr(C)]
 pub struct Controller {
     joints: [Joint; 2],
     setpoint: Setpoint,
-    /// Position errors [rad] as last worked out.
+    /// Position errors [rad] as last computed.
     error: [f32; 2],
     bus_voltage: f32,
     ticks: u32,
-    /// The tick after which the host was heard last.
+    /// The tick in which the command timeout was last restarted.
     heard_at: u32,
     state: State,
     /// The working mode that the arm is in.
     mode: WorkingMode,
     limits: Limits,
-    /// There was a tick before.
+    /// The first tick has run.
     begun: bool,
     homed: bool,
     /// The latched fault allows a controlled stop: the bridges stay on.
@@ -60,7 +60,7 @@ pub struct Controller {
     /// The latched fault, as it was raised.
     latched: Option<Snapshot>,
     missed_ticks: u32,
-    /// Counts the paths forgotten before their end.
+    /// Goes up whenever the path is dropped before its end.
     path_generation: u32,
 }
 
@@ -118,7 +118,7 @@ impl Controller {
     }
 }
 
-/// A controller that nobody else shares needs no lock.
+/// A controller that is not shared needs no lock.
 impl rtic_core::Mutex for Controller {
     type T = Self;
 

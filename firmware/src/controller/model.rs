@@ -1,4 +1,4 @@
-//! Everything the tick needs to know, worked out from the settings once.
+//! The constants of the tick, computed once from the settings.
 
 use super::homing::HomingConfig;
 use crate::safety::Monitor;
@@ -11,11 +11,11 @@ use fivebar_kinematics::control::{
 use fivebar_kinematics::dynamics::BaseParameterModel;
 use fivebar_kinematics::five_bar::{Side, Tool};
 
-/// Share of the bus voltage that the bridges are asked for at most: their high sides and
-/// the sampling of the currents need the rest of each PWM period.
+/// Greatest duty: the bridges' high sides and the sampling of the currents need the rest of each
+/// PWM period.
 pub(crate) const DUTY_LIMIT: f32 = 0.95;
 
-/// The constants of the tick; what every tick needs in front, see [`Controller`].
+/// The constants of the tick. What every tick needs comes first, see [`Controller`].
 ///
 /// [`Controller`]: super::Controller
 #[repr(C)]
@@ -26,12 +26,12 @@ pub(crate) struct Model {
     pub(crate) torque_limit: TorqueLimit<f32>,
     pub(crate) monitor: Monitor,
     pub(crate) equations: BaseParameterModel<f32>,
-    /// The arm's lengths, and where the tool is.
+    /// The arm's lengths and the tool's position on link 2.
     pub(crate) tool: Tool<f32>,
     pub(crate) bus_voltage_per_code: f32,
     pub(crate) assembly: Side,
     pub(crate) computed_torque: bool,
-    /// Each joint's inertia for the loops that take it for constant [kg·m²].
+    /// Each joint's inertia [kg·m²] for the loops that assume a constant one.
     pub(crate) nominal_inertia: [f32; 2],
     /// T [s].
     pub(crate) period: f32,
@@ -47,7 +47,7 @@ pub(crate) struct AxisModel {
     pub(crate) radians_per_count: f32,
     /// [A].
     pub(crate) current_per_code: f32,
-    /// [A], at code 0.
+    /// Current at code 0 [A].
     pub(crate) current_offset: f32,
     /// Motor current per joint torque, 1/(N k) [A/(N·m)].
     pub(crate) current_per_torque: f32,
@@ -105,7 +105,7 @@ impl AxisModel {
                 axis.inductance,
                 torque_per_current,
             ),
-            // The joints take turns.
+            // Each joint's heat is updated in every other tick.
             heating: MotorHeating::new(
                 axis.continuous_current,
                 axis.thermal_time_constant,

@@ -1,35 +1,35 @@
-//! The planner's side of the controller: one snapshot of all that planning depends on, and
-//! the path that comes back.
+//! The controller's interface to the planner: one snapshot of everything that planning depends
+//! on, and the path that the planner appends.
 
-use super::{Controller, Stretch};
+use super::{Controller, QueuedSegment};
 use crate::safety::State;
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::{Side, Tool, WorkingMode};
 use nalgebra::Vector2;
 
-/// What the planner needs to know of the controller, all of one moment.
+/// What the planner needs to know of the controller, all at one instant.
 #[derive(Clone, Copy, Debug)]
 pub struct PlanningSnapshot {
     /// What the controller is doing.
     pub state: State,
-    /// Counts the paths forgotten before their end: what was planned to follow one of them
-    /// is void.
+    /// Goes up whenever the controller drops its path; what was planned to follow the dropped
+    /// path is then out of date.
     pub path_generation: u32,
     /// The working mode that the arm is in.
     pub working_mode: WorkingMode,
-    /// Where the arm is held; none while it is not.
+    /// Where the arm is held; none in every other state.
     pub hold: Option<Hold>,
-    /// Path handed over and not yet followed [s].
+    /// Time of the path that was handed over and is still ahead [s].
     pub path_left: f32,
-    /// There is no room for another segment.
+    /// The queue has no room for another segment.
     pub path_is_full: bool,
-    /// What was handed over ends at rest, fills the queue, or lasts some hundredths of a
+    /// What was handed over ends at rest, or fills the queue, or lasts some hundredths of a
     /// second longer than a stop takes.
     pub path_is_enough: bool,
 }
 
-/// A position held by both driven joints. Its solution is left to the reader, so that the
-/// controller is locked for a copy only.
+/// A position held by both driven joints. The reader solves it, so that the controller is
+/// locked only while it is copied.
 #[derive(Clone, Copy, Debug)]
 pub struct Hold {
     /// u(θ1d), u(θ4d): the set-point.
@@ -59,7 +59,7 @@ impl Hold {
 }
 
 impl Controller {
-    /// All that planning depends on.
+    /// Everything that planning depends on.
     pub fn planning_snapshot(&self) -> PlanningSnapshot {
         PlanningSnapshot {
             state: self.state,
@@ -75,20 +75,21 @@ impl Controller {
         }
     }
 
-    /// Adds to the path, from where it ends so far, or from where the arm is held. A stretch
-    /// that was planned to follow a path now forgotten is dropped, and so is one that finds
-    /// no room or an arm that follows no path; the next snapshot shows each of these.
-    pub fn extend_path(&mut self, path_generation: u32, stretch: Stretch) {
+    /// Appends a segment to the path's end, or starts a path where the arm is held. The segment
+    /// is dropped if it was planned to follow a path that has been dropped since, if the queue
+    /// is full, or if the arm follows no path in this state; the next snapshot shows each of
+    /// these.
+    pub fn extend_path(&mut self, path_generation: u32, queued: QueuedSegment) {
         let follows_paths = match self.state {
             State::Armed | State::Running => true,
             State::Stopped | State::Homing | State::Stopping | State::Fault => false,
         };
         if follows_paths && path_generation == self.path_generation {
-            self.path.push(stretch);
+            self.path.push(queued);
         }
     }
 
-    /// The tool [m] and θ1, θ4 [rad] where the arm is held; none while it is not.
+    /// The tool [m] and θ1, θ4 [rad] where the arm is held; none in every other state.
     pub fn hold_position(&self) -> Option<(Vector2<f32>, [f32; 2])> {
         let hold = self.planning_snapshot().hold?;
         let tool = hold.tool(&self.model.tool, self.model.assembly)?;

@@ -1,4 +1,4 @@
-//! What the controller tells about itself; worked out when asked, not in the tick.
+//! The controller's status, computed when it is asked for and outside the tick.
 
 use super::{Controller, JointReference, Snapshot, Status};
 use crate::safety::State;
@@ -43,7 +43,7 @@ impl Controller {
         }
     }
 
-    /// What it is doing.
+    /// The controller's state.
     pub fn state(&self) -> State {
         self.state
     }
@@ -53,13 +53,13 @@ impl Controller {
         self.mode
     }
 
-    /// The latched fault, with the tick that raised it.
+    /// The latched fault, with the measured values of the tick that raised it.
     pub fn fault(&self) -> Option<&Snapshot> {
         self.latched.as_ref()
     }
 
-    /// The set-point leads by the loop's lag d: turned back by ω d − ½ α d² it is where
-    /// the joints should be now.
+    /// Where the joints should be now: the set-point leads by the loop's lag d, so it is turned
+    /// back by ω d − ½ α d².
     fn reference_now(&self) -> [Vector2<f32>; 2] {
         let lag = self.model.position_loop.lag();
         let [d1, d4] = self.setpoint.direction;

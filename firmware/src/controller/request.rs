@@ -1,4 +1,4 @@
-//! Requests from below the tick, and why they are refused.
+//! Requests of the host, and why one can be refused.
 
 use super::{Controller, Setpoint};
 use crate::safety::{Event, Fault, State};
@@ -7,30 +7,30 @@ use fivebar_kinematics::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
-/// What the controller can be asked for, besides moves.
+/// What a host can ask of the controller, besides moves.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Request {
-    /// Power the bridges and hold.
+    /// Switch the bridges on and hold the arm.
     Arm,
-    /// Unpower the bridges.
+    /// Switch the bridges off.
     Disarm,
     /// Find the joint angles by driving to the home switches.
     Home,
-    /// Take the joint angles to be θ1, θ4 [rad], here and now.
+    /// Set the joints' present angles to θ1, θ4 [rad].
     SetAngles([f32; 2]),
-    /// Come to rest on the path, forget the rest of it and hold.
+    /// Come to rest on the path, drop the rest of it and hold.
     Stop,
-    /// Unpower the bridges at once and latch the fault.
+    /// Switch the bridges off at once and latch the fault.
     EmergencyStop,
     /// Leave the fault.
     ClearFault,
 }
 
-/// Why a request was refused. Nothing has changed then.
+/// Why a request was refused. A refused request changes nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Refusal {
+pub enum RequestError {
     /// The state does not allow it.
     State(State),
     /// The joint angles are not known: home first.
@@ -45,7 +45,7 @@ pub enum Refusal {
     Moving,
 }
 
-impl core::fmt::Display for Refusal {
+impl core::fmt::Display for RequestError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {
             Self::State(state) => return write!(f, "it is not possible while {state:?}"),
@@ -58,14 +58,14 @@ impl core::fmt::Display for Refusal {
     }
 }
 
-impl core::error::Error for Refusal {}
+impl core::error::Error for RequestError {}
 
 impl Controller {
-    /// Does what is asked, or says why not. Counts as a sign of life of the host.
+    /// Executes a request. Counts as a sign of life of the host.
     ///
     /// # Errors
-    /// The reason, nothing having changed.
-    pub fn request(&mut self, request: Request) -> Result<(), Refusal> {
+    /// Why the request is refused; nothing has changed then.
+    pub fn request(&mut self, request: Request) -> Result<(), RequestError> {
         self.feed_host_timeout();
         let event = match request {
             Request::Arm => {
@@ -80,34 +80,34 @@ impl Controller {
                 self.latch_fault(Fault::EmergencyStop);
                 return Ok(());
             }
-            Request::ClearFault if self.moves_under_fault() => return Err(Refusal::Moving),
+            Request::ClearFault if self.moves_under_fault() => return Err(RequestError::Moving),
             Request::ClearFault => Event::Clear,
         };
-        self.dispatch(event).map_err(Refusal::State)
+        self.dispatch(event).map_err(RequestError::State)
     }
 
-    /// Takes where the arm stands for its set-point, if it may be armed there. One that is
-    /// armed already keeps its own.
-    fn prepare_to_hold(&mut self) -> Result<(), Refusal> {
+    /// Sets the set-point to the arm's present position, if it may be armed there. An arm that
+    /// is armed already keeps its set-point.
+    fn prepare_to_hold(&mut self) -> Result<(), RequestError> {
         if self.state != State::Stopped {
             return Ok(());
         }
         if !self.homed {
-            return Err(Refusal::NotHomed);
+            return Err(RequestError::NotHomed);
         }
-        let pose = self.standing(self.angles())?;
+        let pose = self.pose_to_arm(self.angles())?;
         self.mode = self.model.tool.working_mode(&pose);
         self.setpoint = Setpoint::hold([pose.u1, pose.u4]);
         Ok(())
     }
 
-    fn set_angles(&mut self, angles: [f32; 2]) -> Result<(), Refusal> {
+    fn set_angles(&mut self, angles: [f32; 2]) -> Result<(), RequestError> {
         if self.state != State::Stopped {
-            return Err(Refusal::State(self.state));
+            return Err(RequestError::State(self.state));
         }
-        let pose = self.standing(angles)?;
+        let pose = self.pose_to_arm(angles)?;
         if self.model.tool.working_mode(&pose) != self.settings.working_mode() {
-            return Err(Refusal::NotOnBranch);
+            return Err(RequestError::NotOnBranch);
         }
         for ((joint, axis), angle) in self.joints.iter_mut().zip(&self.model.axes).zip(angles) {
             joint.set_origin(axis, joint.counts(), angle);
@@ -117,7 +117,7 @@ impl Controller {
     }
 
     /// The pose at these joint angles [rad], if the arm may be armed there.
-    fn standing(&self, [theta1, theta4]: [f32; 2]) -> Result<Pose<f32>, Refusal> {
+    fn pose_to_arm(&self, [theta1, theta4]: [f32; 2]) -> Result<Pose<f32>, RequestError> {
         let settings = &self.settings;
         let within = settings
             .axes
@@ -128,7 +128,7 @@ impl Controller {
                 low <= theta && theta <= high
             });
         if !within {
-            return Err(Refusal::OutsideLimits);
+            return Err(RequestError::OutsideLimits);
         }
         let pose = self
             .model
@@ -139,10 +139,10 @@ impl Controller {
                 Vector2::unit(theta4),
                 self.model.assembly,
             )
-            .map_err(|_| Refusal::NotOnBranch)?;
-        // Type 1 is no danger to an arm that is held or moved by its joints.
+            .map_err(|_| RequestError::NotOnBranch)?;
+        // Near type 1 the joints still determine the arm's position, so it may be armed there.
         if Scalar::abs(pose.sin32()) < settings.motion.singularity_margin {
-            return Err(Refusal::NearSingularity);
+            return Err(RequestError::NearSingularity);
         }
         Ok(pose)
     }

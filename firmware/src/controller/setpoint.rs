@@ -1,4 +1,5 @@
-//! Where the joints should be: a reference of the tool or of the joints, solved for both.
+//! The set-point: where the joints should be, solved from a reference of the tool or of the
+//! joints.
 
 use super::model::Model;
 use fivebar_kinematics::PlanarVector;
@@ -6,7 +7,7 @@ use fivebar_kinematics::five_bar::{ActuatedJointState, PoseError, WorkingMode};
 use fivebar_kinematics::trajectory::Reference;
 use nalgebra::Vector2;
 
-/// What the joints should do when the torque of this tick acts.
+/// What the joints should do at the time when this tick's torque acts.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Setpoint {
     /// u(θ1d), u(θ4d).
@@ -15,12 +16,12 @@ pub(crate) struct Setpoint {
     pub(crate) omega: [f32; 2],
     /// α1d, α4d [rad/s²].
     pub(crate) alpha: [f32; 2],
-    /// It comes from a move of the joints.
+    /// It comes from a joint move.
     pub(crate) of_joints: bool,
 }
 
 impl Setpoint {
-    /// Stand still in these directions.
+    /// At rest in these directions.
     #[inline]
     pub(crate) fn hold(direction: [Vector2<f32>; 2]) -> Self {
         Self {
@@ -31,7 +32,7 @@ impl Setpoint {
         }
     }
 
-    /// Stand still where it is.
+    /// Sets velocity and acceleration to zero; the directions stay.
     #[inline(always)]
     pub(crate) fn rest(&mut self) {
         self.omega = [0.0; 2];
@@ -39,7 +40,7 @@ impl Setpoint {
         self.of_joints = false;
     }
 
-    /// Do the joints' part of a reference, a tool's being solved in `mode`.
+    /// Sets the set-point to a reference; one of the tool is solved in working mode `mode`.
     #[inline(always)]
     pub(crate) fn follow(
         &mut self,

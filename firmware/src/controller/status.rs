@@ -1,17 +1,18 @@
-//! What the controller tells about itself.
+//! The status that the controller reports, and the snapshot of a fault.
 
 use crate::safety::{Fault, Limits, State};
 use serde::{Deserialize, Serialize};
 
-/// The controller at one tick, in which all angles and places are those of the moment when
-/// its samples were taken: `reference` is where the tool should have been then. Index 0 of a pair is joint 1, index 1 joint 4.
+/// The controller after one tick. All angles and positions are those of the time when the tick
+/// was sampled: `reference` is where the tool should have been then. Index 0 of a pair is joint
+/// 1, index 1 joint 4.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Status {
     /// Ticks since the reset.
     pub tick: u32,
     /// Ticks missed since the reset.
     pub missed_ticks: u32,
-    /// What it is doing.
+    /// The controller's state.
     pub state: State,
     /// The latched fault.
     pub fault: Option<Fault>,
@@ -25,9 +26,9 @@ pub struct Status {
     pub velocity: [f32; 2],
     /// The tool [m]; none until homed, or where the angles close no arm.
     pub tool: Option<[f32; 2]>,
-    /// Where the tool should be now [m]; none while the bridges are off.
+    /// Where the tool should be [m]; none while the bridges are off.
     pub reference: Option<[f32; 2]>,
-    /// What that asks of the joints.
+    /// The same for the joints.
     pub joint_reference: Option<JointReference>,
     /// The demanded torques τ1, τ4 [N·m].
     pub torque: [f32; 2],
@@ -43,7 +44,7 @@ pub struct Status {
     pub tag: Option<u32>,
 }
 
-/// What both driven joints should be doing.
+/// Where both driven joints should be, with velocity and acceleration.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct JointReference {
     /// θ1, θ4 [rad], in (−π, π].
@@ -67,11 +68,11 @@ pub struct Snapshot {
     pub angle: [f32; 2],
     /// ω̂1, ω̂4 [rad/s].
     pub velocity: [f32; 2],
-    /// Position errors [rad] as last worked out.
+    /// Position errors [rad] as last computed.
     pub error: [f32; 2],
     /// Measured currents [A].
     pub current: [f32; 2],
-    /// The demanded torques [N·m] as last worked out.
+    /// The demanded torques [N·m] as last computed.
     pub torque: [f32; 2],
     /// Bus voltage [V].
     pub bus_voltage: f32,

@@ -1,21 +1,21 @@
-//! The tick: samples in, bridge commands out.
+//! The tick: sensor sample in, actuator command out.
 
 use super::Controller;
 use super::model::DUTY_LIMIT;
-use crate::io::{Command, Sensed};
+use crate::io::{ActuatorCommand, SensorSample};
 use crate::safety::{Fault, Limits, State};
 use fivebar_kinematics::control::Bus;
 
-/// What the joints are to give.
+/// The torques that the joints should give.
 #[derive(Clone, Copy)]
 pub(super) struct TorqueCommand {
     /// τ1, τ4 [N·m].
     pub(super) torque: [f32; 2],
-    /// What has clipped so far.
+    /// The limits that have clipped so far.
     pub(super) limits: Limits,
 }
 
-/// What a tick has to do besides watching.
+/// What a tick does besides monitoring.
 enum ControlMode {
     /// Nothing: the bridges are off.
     Off,
@@ -25,8 +25,8 @@ enum ControlMode {
     Tracking,
 }
 
-/// What one tick's samples say that may be a fault.
-pub(super) struct Samples {
+/// What the tick measured, for the detection of faults.
+pub(super) struct Measurement {
     pub(super) innovation: [f32; 2],
     pub(super) current: [f32; 2],
     pub(super) velocity: [f32; 2],
@@ -34,23 +34,23 @@ pub(super) struct Samples {
 }
 
 impl Controller {
-    /// One tick: what the bridges are told until the next.
+    /// Runs one tick. The returned command acts from the next tick on.
     ///
-    /// Bounded: no loop but over the two joints and at most two segments of path. The
-    /// outputs act from the next tick on.
-    pub fn tick(&mut self, sensed: &Sensed) -> Command {
+    /// The work is bounded: the only loops are over the two joints and over at most two
+    /// segments of the path.
+    pub fn tick(&mut self, sample: &SensorSample) -> ActuatorCommand {
         self.ticks = self.ticks.wrapping_add(1);
-        self.bus_voltage = f32::from(sensed.bus_voltage) * self.model.bus_voltage_per_code;
-        let samples = self.measure(sensed);
-        if sensed.missed_ticks > 0 {
-            self.overrun(sensed.missed_ticks);
+        self.bus_voltage = f32::from(sample.bus_voltage) * self.model.bus_voltage_per_code;
+        let measurement = self.measure(sample);
+        if sample.missed_ticks > 0 {
+            self.overrun(sample.missed_ticks);
         }
-        if let Some(fault) = self.sampled_fault(sensed, &samples) {
+        if let Some(fault) = self.sampled_fault(sample, &measurement) {
             self.latch_fault(fault);
         }
         let torques = match self.control_mode() {
             ControlMode::Off => Ok(None),
-            ControlMode::Homing => self.home(sensed).map(Some),
+            ControlMode::Homing => self.home(sample).map(Some),
             ControlMode::Tracking => self.track().map(Some),
         };
         let command = match torques {
@@ -68,13 +68,13 @@ impl Controller {
     }
 
     #[inline(always)]
-    fn measure(&mut self, sensed: &Sensed) -> Samples {
+    fn measure(&mut self, sample: &SensorSample) -> Measurement {
         let [joint1, joint4] = &mut self.joints;
         let [model1, model4] = &self.model.axes;
         let observer = &self.model.observer;
         let [alpha1, alpha4] = self.setpoint.alpha;
-        let [counts1, counts4] = sensed.counts;
-        let [current1, current4] = sensed.current;
+        let [counts1, counts4] = sample.counts;
+        let [current1, current4] = sample.current;
         if !self.begun {
             self.begun = true;
             joint1.begin(counts1);
@@ -84,13 +84,13 @@ impl Controller {
             joint1.measure(observer, model1, counts1, current1, alpha1),
             joint4.measure(observer, model4, counts4, current4, alpha4),
         ];
-        // Motors warm slowly: each is looked at in every other tick.
+        // Motors warm slowly, so each one's heat is updated in every other tick.
         let too_hot = if self.ticks & 1 == 0 {
             joint1.warm(model1)
         } else {
             joint4.warm(model4)
         };
-        Samples {
+        Measurement {
             innovation,
             current: [joint1.current, joint4.current],
             velocity: [joint1.velocity(), joint4.velocity()],
@@ -98,7 +98,7 @@ impl Controller {
         }
     }
 
-    /// What a tick has to do in this state.
+    /// What the tick does in this state.
     #[inline(always)]
     fn control_mode(&self) -> ControlMode {
         match self.state {
@@ -118,10 +118,10 @@ impl Controller {
         }
     }
 
-    /// Sets the current loops to work. The last check before the bridges: nothing that is
-    /// not a number gets past it.
+    /// Runs the current loops. This is the last check before the bridges: a duty that is not a
+    /// number raises a fault.
     #[inline(always)]
-    fn drive(&mut self, command: TorqueCommand) -> Command {
+    fn drive(&mut self, command: TorqueCommand) -> ActuatorCommand {
         let bus = Bus::new(self.bus_voltage, DUTY_LIMIT);
         let [joint1, joint4] = &mut self.joints;
         let [model1, model4] = &self.model.axes;
@@ -130,13 +130,13 @@ impl Controller {
         let limited4 = joint4.drive(model4, torque4, &bus);
         self.limits = command.limits.with(Limits::VOLTAGE, limited1 || limited4);
         let duty = [joint1.duty, joint4.duty];
-        // Both are within ±1 or not numbers, and so is their sum.
+        // Each duty is within ±1 or not a number, so one look at their sum checks both.
         let [duty1, duty4] = duty;
         if !(duty1 + duty4).is_finite() {
             self.latch_fault(Fault::NotANumber);
             return self.off();
         }
-        Command {
+        ActuatorCommand {
             duty,
             enable: [true; 2],
             brake: false,
@@ -144,13 +144,13 @@ impl Controller {
     }
 
     /// Bridges off, brake on.
-    fn off(&mut self) -> Command {
+    fn off(&mut self) -> ActuatorCommand {
         self.limits = Limits::NONE;
         self.setpoint.rest();
         for joint in &mut self.joints {
             joint.release();
         }
-        Command {
+        ActuatorCommand {
             duty: [0.0; 2],
             enable: [false; 2],
             brake: true,

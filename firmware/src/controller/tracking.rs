@@ -1,4 +1,5 @@
-//! The powered part of the tick: from the reference to the torques.
+//! The part of the tick that follows the path or holds the arm: from the reference to the
+//! torques.
 
 use super::Controller;
 use super::setpoint::Setpoint;
@@ -12,7 +13,7 @@ impl Controller {
     /// One tick of holding or following the path: the torques.
     #[inline(always)]
     pub(super) fn track(&mut self) -> Result<TorqueCommand, Fault> {
-        // Where it should be, and where it will be, when the torque acts.
+        // Where the joints should be, and where they will be, when the torque acts.
         let limits = self.advance()?;
         let Setpoint {
             omega: [omega1d, omega4d],
@@ -27,15 +28,15 @@ impl Controller {
         let (u1, u4) = (Vector2::unit(theta1), Vector2::unit(theta4));
         let links = self.measured([u1, u4])?;
         if of_joints {
-            // They may change the working mode.
+            // A joint move may change the working mode.
             let pose = self.model.tool.geometry().pose(&links);
             self.mode = self.model.tool.working_mode(&pose);
         }
-        // e = sin(θd − θ): the error itself, for all that is not a fault.
+        // e = sin(θd − θ), which is the error itself as long as it is too small for a fault.
         let [d1, d4] = self.setpoint.direction;
         let (error1, error4) = (u1.cross_z(d1), u4.cross_z(d4));
         self.error = [error1, error4];
-        if self.model.monitor.lost_its_path(self.error) {
+        if self.model.monitor.following_error_exceeded(self.error) {
             return Err(Fault::FollowingError);
         }
 
@@ -53,7 +54,7 @@ impl Controller {
                 torque4 + axis4.friction.torque(omega4d),
             ]
         } else {
-            // Each joint for itself, its inertia taken for constant: plain PD.
+            // Independent PD control: each joint by itself, with a constant inertia.
             let [inertia1, inertia4] = self.model.nominal_inertia;
             [
                 inertia1 * position_loop.acceleration(joint1.integral, 0.0, error1, rate1),
@@ -71,7 +72,7 @@ impl Controller {
         })
     }
 
-    /// The measured arm, if it closes and stands inside its envelope.
+    /// The measured arm, if the angles belong to an arm inside its envelope.
     #[inline(always)]
     fn measured(&self, [u1, u4]: [Vector2<f32>; 2]) -> Result<Links<f32>, Fault> {
         let monitor = &self.model.monitor;
@@ -89,8 +90,8 @@ impl Controller {
         Ok(links)
     }
 
-    /// Moves the set-point on by one tick, and the state with it; gives the limits that
-    /// the reference keeps.
+    /// Advances the set-point by one tick, and the state with it. Returns the limits that slow
+    /// the reference.
     #[inline(always)]
     fn advance(&mut self) -> Result<Limits, Fault> {
         if self.state == State::Armed {
@@ -98,7 +99,7 @@ impl Controller {
                 self.setpoint.rest();
                 return Ok(Limits::NONE);
             }
-            // Armed takes it.
+            // Armed accepts this event.
             let _ = self.dispatch(Event::Begin);
         }
         let Some(step) = self.path.step() else {

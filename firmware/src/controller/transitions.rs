@@ -1,16 +1,15 @@
-//! The one door for events: only [`Controller::dispatch`] changes the state, by the table of
-//! [`State::after`], and does what the next state needs at its entry.
+//! Transitions: only [`Controller::dispatch`] changes the state, by the table of
+//! [`State::after`]. It also runs the entry action of the next state.
 
 use super::{Controller, Snapshot};
 use crate::safety::{Event, Fault, Response, State};
 
 impl Controller {
-    /// Gives an event to the state machine. What a request has to check beforehand, it has
-    /// checked.
+    /// Gives an event to the state machine. Requests check their conditions before they call it.
     ///
     /// # Errors
-    /// The state, unchanged, where it refuses the event or the event means nothing to it.
-    // Inlined, so that an event of the tick costs its own case and no call.
+    /// The present state, unchanged, if it does not accept the event.
+    // Inlined, so that each event in the tick compiles to its own case without a call.
     #[inline(always)]
     pub(super) fn dispatch(&mut self, event: Event) -> Result<(), State> {
         let before = self.state;
@@ -19,7 +18,7 @@ impl Controller {
         match (next, event) {
             (State::Stopped, _) => self.come_to_stopped(),
             (State::Homing, _) => self.start_homing(),
-            // What was handed over behind the end waits for more.
+            // Segments pushed behind the end of the path stay queued until more come.
             (State::Armed, Event::Finish) => self.path.finish(),
             (State::Armed, Event::Stop | Event::Rest) => self.forget_path(),
             (State::Stopping, _) => self.path.brake(),
@@ -29,15 +28,15 @@ impl Controller {
         Ok(())
     }
 
-    /// Latches a fault with a snapshot of how things stand, so that no request gets in
-    /// between; the next tick unpowers the bridges. The first fault stays latched; one that
-    /// powers off replaces one that only stops the arm.
+    /// Latches a fault with a snapshot of the present values, and enters [`State::Fault`]; the
+    /// next tick switches the bridges off. The first fault stays latched; a power-off fault
+    /// replaces one that only holds the arm.
     #[cold]
     #[inline(never)]
     pub fn latch_fault(&mut self, fault: Fault) {
         let controlled_stop = match fault.response() {
             Response::PowerOff => false,
-            // What stops under control needs a path or a place to hold.
+            // A controlled stop needs a path, or a position to hold.
             Response::ControlledStop => match self.state {
                 State::Armed | State::Running | State::Stopping => true,
                 State::Fault => self.controlled_stop,
@@ -61,29 +60,29 @@ impl Controller {
         if fault.loses_angles() {
             self.homed = false;
         }
-        // Every state takes it.
+        // Every state accepts this event.
         let _ = self.dispatch(Event::Fault);
     }
 
-    /// The arm has come to rest, at the end of its path or braked.
+    /// The arm has come to rest: at the end of its path, or after a stop.
     #[cold]
     pub(super) fn come_to_rest(&mut self) {
         let event = match self.state {
             State::Running => Event::Finish,
             State::Stopping => Event::Rest,
-            // Held until the fault is cleared.
+            // The arm is held until the fault is cleared.
             State::Fault => return self.forget_path(),
             State::Stopped | State::Homing | State::Armed => return,
         };
         let _ = self.dispatch(event);
     }
 
-    /// Whether the arm still comes to rest under a latched fault.
+    /// Whether the arm still moves while a fault is latched: its controlled stop is not over.
     pub(super) fn moves_under_fault(&self) -> bool {
         self.controlled_stop && !self.path.is_empty()
     }
 
-    /// Entry of Stopped: no fault, no path, and joints that start from their counts.
+    /// Entry of Stopped: clears the fault and the path; the joints start at rest at their counts.
     fn come_to_stopped(&mut self) {
         self.latched = None;
         self.controlled_stop = false;
@@ -93,7 +92,7 @@ impl Controller {
         }
     }
 
-    /// Forgets the path, and lets the planner know that its end does not hold any more.
+    /// Drops the path. The new path generation shows the planner that its plan is out of date.
     fn forget_path(&mut self) {
         self.path_generation = self.path_generation.wrapping_add(1);
         self.path.clear();

@@ -1,4 +1,4 @@
-//! An H-bridge with two PWM inputs and a sleep pin: DRV8874 and its kin in PWM mode.
+//! An H-bridge with two PWM inputs and a sleep pin: DRV8874 or similar, in PWM mode.
 
 use embedded_hal::digital::OutputPin;
 use embedded_hal::pwm::SetDutyCycle;
@@ -12,8 +12,8 @@ use embedded_hal::pwm::SetDutyCycle;
 /// | low | high | is driven backwards |
 /// | high | high | is braked |
 ///
-/// Forwards, IN1 is high throughout and IN2 for the share 1 − duty: the motor is driven
-/// and braked in turn (slow decay), and its mean voltage is duty times the bus voltage.
+/// Forwards, IN1 is high all the time and IN2 for the share 1 − duty of each period: the motor is
+/// driven and braked alternately (slow decay), and its mean voltage is duty times the bus voltage.
 pub struct Bridge<In1, In2, Sleep> {
     in1: In1,
     in2: In2,
@@ -21,14 +21,14 @@ pub struct Bridge<In1, In2, Sleep> {
 }
 
 impl<In1: SetDutyCycle, In2: SetDutyCycle, Sleep: OutputPin> Bridge<In1, In2, Sleep> {
-    /// The bridge on these pins; `sleep` is low when it sleeps. Unpowered.
+    /// The bridge on these pins, off; `sleep` low puts it to sleep.
     pub fn new(in1: In1, in2: In2, sleep: Sleep) -> Self {
         let mut bridge = Self { in1, in2, sleep };
         bridge.float();
         bridge
     }
 
-    /// Drives with `duty` in −1…1, clipped. Not a number lets the motor float.
+    /// Drives with `duty`, clipped to −1…1. If it is not a number, the motor floats.
     #[inline]
     pub fn drive(&mut self, duty: f32) {
         if duty.is_nan() {
@@ -53,10 +53,10 @@ impl<In1: SetDutyCycle, In2: SetDutyCycle, Sleep: OutputPin> Bridge<In1, In2, Sl
         }
     }
 
-    /// Unpowers the motor: both inputs low, asleep.
+    /// Switches the motor off: both inputs low, the bridge asleep.
     #[inline]
     pub fn float(&mut self) {
-        // Each of the three suffices; one that fails leaves the other two.
+        // Each of the three is enough; if one fails, the other two still switch off.
         let _ = self.in1.set_duty_cycle(0);
         let _ = self.in2.set_duty_cycle(0);
         let _ = self.sleep.set_low();

@@ -1,8 +1,8 @@
 //! The switches and the bridges' fault outputs.
 //!
-//! Every one is wired so that a broken wire reads as the unsafe case: normally closed
-//! contacts to ground with a pull-up, open meaning pressed; fault outputs low meaning
-//! fault; see `docs/wiring.md`.
+//! Each is wired so that a broken wire reads as the unsafe case: switches are normally closed to
+//! ground with a pull-up, so open is pressed; a fault output that is low is a fault. See
+//! `docs/wiring.md`.
 
 use embedded_hal::digital::InputPin;
 
@@ -23,7 +23,7 @@ pub struct Inputs<H1, H4, S, F1, F4> {
 impl<H1: InputPin, H4: InputPin, S: InputPin, F1: InputPin, F4: InputPin>
     Inputs<H1, H4, S, F1, F4>
 {
-    /// Home switches, pressed; one that cannot be read counts as pressed.
+    /// Whether each home switch is pressed; one that cannot be read counts as pressed.
     #[inline]
     pub fn home(&mut self) -> [bool; 2] {
         [
@@ -32,13 +32,13 @@ impl<H1: InputPin, H4: InputPin, S: InputPin, F1: InputPin, F4: InputPin>
         ]
     }
 
-    /// Emergency stop, pressed; one that cannot be read counts as pressed.
+    /// Whether the emergency stop is pressed; if it cannot be read, it counts as pressed.
     #[inline]
     pub fn emergency_stop(&mut self) -> bool {
         self.emergency_stop.is_high().unwrap_or(true)
     }
 
-    /// Bridge faults, raised; one that cannot be read counts as raised.
+    /// Whether each bridge reports a fault; one that cannot be read counts as a fault.
     #[inline]
     pub fn driver_fault(&mut self) -> [bool; 2] {
         [

@@ -1,5 +1,5 @@
-//! Drivers of what hangs on a board, in terms of the embedded-hal traits: they run on any
-//! board and are tested on a desktop.
+//! Drivers of the bridges and inputs over the traits of embedded-hal. They run on any board and
+//! are tested on a desktop.
 
 mod bridge;
 mod inputs;

@@ -1,13 +1,13 @@
-//! Moves held against the whole envelope, before any of them is taken.
+//! The check of a whole move against the envelope, before the move is accepted.
 
-use super::{End, MoveRefusal, Planner, Reason};
+use super::{End, MoveError, MoveErrorKind, Planner};
 use crate::motion::{Move, MoveKind};
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::WorkingMode;
 use fivebar_kinematics::trajectory::{MotionLimits, PathSegment, PathSegmentError, Sense};
 use nalgebra::Vector2;
 
-/// How far an arc's centre may be off by the rounding of its file [m].
+/// Greatest error of an arc's centre, from the rounding in its file [m].
 const ARC_TOLERANCE: f32 = 1e-4;
 
 /// A move that keeps the envelope along its whole length.
@@ -17,17 +17,17 @@ pub(super) enum CheckedMove {
         segment: PathSegment<f32>,
         /// How fast it may go.
         motion_limits: MotionLimits<f32>,
-        /// The speed asked for [m/s].
+        /// The requested speed [m/s].
         feed: f32,
     },
-    /// A line to where the tool already is.
+    /// A line of length zero.
     Nowhere,
-    /// Standing still.
+    /// A dwell.
     Dwell {
         /// [s].
         duration: f32,
     },
-    /// Both driven joints straight to their angles.
+    /// A joint move.
     Joint {
         /// θ1, θ4 [rad].
         from: [f32; 2],
@@ -41,29 +41,29 @@ pub(super) enum CheckedMove {
 }
 
 impl Planner {
-    /// Holds a move against the envelope as [`Planner::push`] would if the tool stood at
-    /// `from` [m] in the working mode, without taking it. Tells where the tool is after
-    /// it [m]: so a whole job is checked before anything moves.
+    /// Checks a move as [`Planner::push`] would with the tool at `from` [m] in the working mode,
+    /// without accepting it. Returns the tool's position after it [m]. A whole job can be
+    /// checked in this way before anything moves.
     ///
     /// # Errors
-    /// Why the move would be refused, and where.
-    pub fn check(&self, from: [f32; 2], order: &Move) -> Result<[f32; 2], MoveRefusal> {
+    /// Why the move would be refused, and at which point.
+    pub fn check(&self, from: [f32; 2], next: &Move) -> Result<[f32; 2], MoveError> {
         let start = End {
             tool: vec2(from),
             joints: None,
         };
-        let (_, end) = self.check_move(start, order)?;
+        let (_, end) = self.check_move(start, next)?;
         Ok([end.tool.x, end.tool.y])
     }
 
-    /// The move, if it keeps the envelope from `start` on, and where it ends.
+    /// The move, if it keeps the envelope from `start` on, and its end.
     pub(super) fn check_move(
         &self,
         start: End,
-        order: &Move,
-    ) -> Result<(CheckedMove, End), MoveRefusal> {
-        let tag = order.tag;
-        match order.kind {
+        next: &Move,
+    ) -> Result<(CheckedMove, End), MoveError> {
+        let tag = next.tag;
+        match next.kind {
             MoveKind::Line { to, feed } => {
                 let segment = PathSegment::line(start.tool, vec2(to));
                 self.check_path(tag, segment, start, to, feed)
@@ -78,7 +78,7 @@ impl Planner {
                 self.check_path(tag, segment, start, to, feed)
             }
             MoveKind::Dwell { duration } => {
-                MoveRefusal::unless_in_time(tag, duration, 1.0)?;
+                MoveError::unless_in_time(tag, duration, 1.0)?;
                 Ok((CheckedMove::Dwell { duration }, start))
             }
             MoveKind::Joint { to, speed } => self.check_joint_move(tag, start, to, speed),
@@ -92,22 +92,22 @@ impl Planner {
         start: End,
         to: [f32; 2],
         feed: f32,
-    ) -> Result<(CheckedMove, End), MoveRefusal> {
+    ) -> Result<(CheckedMove, End), MoveError> {
         let segment = match segment {
             Ok(segment) => segment,
             Err(PathSegmentError::ZeroLength) => return Ok((CheckedMove::Nowhere, start)),
-            Err(error) => return Err(MoveRefusal::new(tag, error.into())),
+            Err(error) => return Err(MoveError::new(tag, error.into())),
         };
         if !(feed > 0.0 && feed.is_finite()) {
-            return Err(MoveRefusal::new(tag, Reason::Number));
+            return Err(MoveError::new(tag, MoveErrorKind::Number));
         }
         let motion_limits = self
             .envelope
             .check(&segment, feed)
-            .map_err(|refusal| MoveRefusal::on_path(tag, &refusal))?;
-        MoveRefusal::unless_in_time(tag, segment.length(), motion_limits.speed)?;
-        // The end as ordered: the segment's own is rounded, and a full circle is recognised
-        // by its end being its start to the bit.
+            .map_err(|error| MoveError::on_path(tag, &error))?;
+        MoveError::unless_in_time(tag, segment.length(), motion_limits.speed)?;
+        // The end as requested: the segment's own end is rounded, and a full circle is
+        // recognised by an end with the same bits as its start.
         let end = End {
             tool: vec2(to),
             joints: None,
@@ -126,22 +126,22 @@ impl Planner {
         start: End,
         to: [f32; 2],
         share: f32,
-    ) -> Result<(CheckedMove, End), MoveRefusal> {
+    ) -> Result<(CheckedMove, End), MoveError> {
         if !(share > 0.0 && share <= 1.0) {
-            return Err(MoveRefusal::new(tag, Reason::Number));
+            return Err(MoveError::new(tag, MoveErrorKind::Number));
         }
         let from = match start.joints {
             Some(joints) => joints,
             None => self
                 .joints_at(start.tool)
-                .ok_or(MoveRefusal::new(tag, Reason::Unreachable))?,
+                .ok_or(MoveError::new(tag, MoveErrorKind::Unreachable))?,
         };
         let (motion_limits, pose) = self
             .envelope
             .check_joint_move(from, to, self.assembly, share)
-            .map_err(|refusal| MoveRefusal::on_path(tag, &refusal))?;
+            .map_err(|error| MoveError::on_path(tag, &error))?;
         let turn = (to[0] - from[0]).abs().max((to[1] - from[1]).abs());
-        MoveRefusal::unless_in_time(tag, turn, motion_limits.speed)?;
+        MoveError::unless_in_time(tag, turn, motion_limits.speed)?;
         let tool = &self.envelope.workspace.tool;
         let end = End {
             tool: tool.point(&pose),

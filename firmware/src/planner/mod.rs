@@ -1,16 +1,17 @@
-//! From moves to segments of path, below the tick.
+//! The planner: from moves to trajectory segments, below the tick.
 //!
-//! [`Planner::push`] holds a move against the whole envelope and either takes it, in which
-//! case it will be followed within tolerance along its whole length, or refuses it with
-//! the reason and the place. [`Planner::run`] hands the controller so much of the path as
-//! it needs to be able to stop on it, and keeps the rest open to replanning.
+//! [`Planner::push`] checks a move against the whole envelope. It either accepts the move, which
+//! is then followed within tolerance along its whole length, or refuses it with the reason and
+//! the point. [`Planner::run`] hands the controller as much of the path as it needs for a stop;
+//! the rest can still be replanned.
 //!
-//! Both end in bounded time: a push walks its move in at most a fixed number of steps; a
-//! run hands out at most [`SEGMENTS_PER_RUN`] segments, each from at most [`PLANNED_SEGMENTS`] spans. Only
-//! where these would end in motion with hardly room for a stop, it goes on until there is.
+//! Both take bounded time. A push checks its move in a bounded number of steps. A run hands out
+//! at most [`SEGMENTS_PER_RUN`] trajectory segments, each planned over at most
+//! [`PLANNED_SEGMENTS`] planned segments. It hands out more only if these would end in motion too
+//! near the end of the path for a stop.
 
 mod check;
-mod refusal;
+mod error;
 mod supply;
 
 use crate::controller::{Controller, PlanningSnapshot, QUEUED_SEGMENTS, stopping_time};
@@ -24,48 +25,47 @@ use heapless::HistoryBuf;
 use nalgebra::Vector2;
 use rtic_core::Mutex;
 
-pub use refusal::{LONGEST, MoveRefusal, Reason};
+pub use error::{LONGEST, MoveError, MoveErrorKind};
 pub use supply::SEGMENTS_PER_RUN;
 
-/// Spans of path that are planned together; a move takes one, and one more for a rounded
-/// corner.
+/// Planned segments in the look-ahead. A move takes one, and one more for a rounded corner.
 pub const PLANNED_SEGMENTS: usize = 32;
 
-/// Path that the controller is given beyond what a stop needs [s].
+/// Time of path that the controller gets beyond what a stop needs [s].
 const RESERVE: f32 = 0.03;
 
-/// Share of the asked speed below which a move counts as slowed: rounding is not.
+/// Share of the requested speed below which a move counts as slowed; above it, the difference is
+/// rounding.
 const SLOWED_BELOW: f32 = 0.999;
 
-/// Slowed moves that are remembered: as many as can be on their way.
+/// Number of slowed moves that are remembered: as many as can be queued.
 const SLOWED: usize = PLANNED_SEGMENTS + QUEUED_SEGMENTS;
 
-/// Share of the peak torque that paths are planned with; feedback and friction have the
-/// rest.
+/// Share of the peak torque that the planner uses. The rest is for feedback and friction.
 const TORQUE_SHARE: f32 = 0.8;
 
 /// The queue of moves and its look-ahead.
 pub struct Planner {
-    /// What the arm may do; its working mode is the one at the end of the queue.
+    /// The envelope of the arm, with the working mode at the end of the queue.
     envelope: Envelope<f32>,
     assembly: Side,
     lookahead: LookaheadPlanner<f32, PLANNED_SEGMENTS>,
-    /// Where the queue ends; none: where the arm is held.
+    /// The end of the queue; none if it is empty and the arm is held.
     end: Option<End>,
     /// The controller's path generation when the queue was begun.
     path_generation: u32,
-    /// Time of path that the controller should have [s].
+    /// Time of path that the controller should have queued [s].
     horizon: f32,
-    /// Tags of the latest moves that go slower than they were asked to.
+    /// Tags of the latest moves that go slower than requested.
     slowed: HistoryBuf<u32, SLOWED>,
 }
 
-/// An end of a move.
+/// The end of a move.
 #[derive(Clone, Copy)]
 struct End {
     /// The tool [m].
     tool: Vector2<f32>,
-    /// θ1, θ4 [rad], where they are known better than by the tool.
+    /// θ1, θ4 [rad], if they are known more exactly than from the tool.
     joints: Option<[f32; 2]>,
 }
 
@@ -109,34 +109,35 @@ impl Planner {
         })
     }
 
-    /// Takes a move behind those taken before, or refuses it whole. The controller is
-    /// locked only for its snapshot, not while the move is checked.
+    /// Accepts a move behind those accepted before, or refuses it as a whole. The controller is
+    /// locked only for its snapshot, and unlocked while the move is checked.
     ///
     /// # Errors
-    /// Why and where. Nothing has changed then; `Full` passes with time.
+    /// Why the move is refused, and at which point; nothing has changed then. `Full` passes with
+    /// time.
     pub fn push(
         &mut self,
         controller: &mut impl Mutex<T = Controller>,
-        order: &Move,
-    ) -> Result<(), MoveRefusal> {
+        next: &Move,
+    ) -> Result<(), MoveError> {
         let snapshot = controller.lock(|controller| controller.planning_snapshot());
         self.follow(&snapshot);
-        let refuse = |reason| MoveRefusal::new(order.tag, reason);
+        let refuse = |kind| MoveError::new(next.tag, kind);
         let start = match self.end.or_else(|| self.hold_position(&snapshot)) {
             Some(start) if accepts(snapshot.state) => start,
-            _ => return Err(refuse(Reason::State(snapshot.state))),
+            _ => return Err(refuse(MoveErrorKind::State(snapshot.state))),
         };
         if self.free_slots() == 0 {
-            return Err(refuse(Reason::Full));
+            return Err(refuse(MoveErrorKind::Full));
         }
-        let (checked, end) = self.check_move(start, order)?;
-        self.append(order.tag, &checked, start)?;
+        let (checked, end) = self.check_move(start, next)?;
+        self.append(next.tag, &checked, start)?;
         self.end = Some(end);
         Ok(())
     }
 
     /// Appends a checked move to the queue.
-    fn append(&mut self, tag: u32, checked: &CheckedMove, start: End) -> Result<(), MoveRefusal> {
+    fn append(&mut self, tag: u32, checked: &CheckedMove, start: End) -> Result<(), MoveError> {
         let appended = match checked {
             CheckedMove::Nowhere => Ok(()),
             CheckedMove::Path {
@@ -160,14 +161,14 @@ impl Planner {
                 ..
             } => self.lookahead.push_joint(*from, *to, *motion_limits, tag),
         };
-        appended.map_err(|error| MoveRefusal::new(tag, error.into()))?;
+        appended.map_err(|error| MoveError::new(tag, error.into()))?;
         if let CheckedMove::Joint { mode, .. } = checked {
             self.envelope.workspace.mode = *mode;
         }
         Ok(())
     }
 
-    /// How many more moves are sure to find room.
+    /// The number of further moves for which there is room.
     pub fn free_slots(&self) -> usize {
         self.lookahead.free_slots()
     }
@@ -177,7 +178,7 @@ impl Planner {
         self.lookahead.is_empty()
     }
 
-    /// Forgets the queue if the controller has forgotten its path, or takes none.
+    /// Clears the queue if the controller has dropped its path or follows none in its state.
     fn follow(&mut self, snapshot: &PlanningSnapshot) {
         if self.path_generation != snapshot.path_generation || !accepts(snapshot.state) {
             self.path_generation = snapshot.path_generation;

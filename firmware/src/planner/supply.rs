@@ -1,20 +1,18 @@
-//! The planner's hand-over: trajectory segments to the controller, as many as it needs to
-//! be able to stop on them.
+//! How the planner hands trajectory segments to the controller: as many as a stop needs.
 
 use super::Planner;
-use crate::controller::{Controller, QUEUED_SEGMENTS, Stretch};
+use crate::controller::{Controller, QUEUED_SEGMENTS, QueuedSegment};
 use crate::safety::Limits;
 use fivebar_kinematics::Scalar;
 use fivebar_kinematics::trajectory::{Reference, TrajectorySegment};
 use rtic_core::Mutex;
 
-/// Segments that one run hands out, unless these end in motion with hardly room for a stop.
+/// Segments that one run hands out, unless they end in motion too near the path's end for a stop.
 pub const SEGMENTS_PER_RUN: u32 = 4;
 
 impl Planner {
-    /// Hands the controller as much path as it should have. To be called at least every
-    /// few milliseconds while the arm moves. The controller is not locked while a segment is
-    /// planned.
+    /// Hands the controller as much path as it should have. To be called at least every few
+    /// milliseconds while the arm moves. The controller is unlocked while a segment is planned.
     pub fn run(&mut self, controller: &mut impl Mutex<T = Controller>) {
         let mut snapshot = controller.lock(|controller| controller.planning_snapshot());
         for handed in 0..QUEUED_SEGMENTS as u32 {
@@ -30,21 +28,21 @@ impl Planner {
                 .slowed
                 .oldest_ordered()
                 .any(|&tag| tag == segment.tag());
-            let stretch = Stretch {
+            let queued = QueuedSegment {
                 segment,
                 open: ends_in_motion(&segment),
                 limits: Limits::NONE.with(Limits::SPEED, slowed),
             };
             let generation = self.path_generation;
             snapshot = controller.lock(|controller| {
-                controller.extend_path(generation, stretch);
+                controller.extend_path(generation, queued);
                 controller.planning_snapshot()
             });
         }
     }
 }
 
-/// Whether another segment must follow this one: it ends with more than a rounding's speed.
+/// Whether another segment must follow this one: its speed at the end is more than rounding.
 fn ends_in_motion(segment: &TrajectorySegment<f32>) -> bool {
     match segment.evaluate(segment.duration()) {
         Reference::Tool { velocity, .. } => velocity.norm_squared() > 1e-6,

@@ -1,29 +1,29 @@
-//! Bytes into messages, one byte at a time.
+//! Decoding: from bytes to messages, one byte at a time.
 
-use super::frame::{BORDER, CRC, CRC_BYTES, FrameError, MAX_CONTENT, Message};
+use super::frame::{CRC, CRC_BYTES, DELIMITER, FrameError, MAX_CONTENT, Message};
 use cobs::{DecodeResult, DecoderState};
 use core::marker::PhantomData;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
-/// What a link has carried since it began; the counts stop at their greatest value.
+/// What a link has received since it began. The counts saturate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LinkCounts {
-    /// Frames that were messages.
+    /// Frames with a valid message.
     pub received: u32,
-    /// Frames dropped because their bytes were wrong: stuffing, length or checksum.
+    /// Frames dropped because they were damaged: stuffing, length or checksum.
     pub corrupt: u32,
-    /// Whole frames dropped because of what they said: the wrong sender or version.
+    /// Undamaged frames dropped for their content: the wrong sender or version.
     pub foreign: u32,
 }
 
-/// Reads messages `M` from a stream of bytes. Anything that is not one is dropped and
-/// counted, and reading goes on at the next border.
+/// Reads messages `M` from a stream of bytes. Frames without a valid message are dropped and
+/// counted; reading goes on at the next delimiter.
 #[derive(Debug)]
 pub struct Decoder<M> {
     stuffing: DecoderState,
     content: Vec<u8, MAX_CONTENT>,
-    /// Why the frame being read is already lost.
+    /// Why the present frame is already known to be invalid.
     lost: Option<FrameError>,
     counts: LinkCounts,
     message: PhantomData<fn() -> M>,
@@ -51,13 +51,13 @@ impl<M: Message> Decoder<M> {
         }
     }
 
-    /// What has been read so far.
+    /// What has been received so far.
     pub fn counts(&self) -> LinkCounts {
         self.counts
     }
 
-    /// Takes the next byte. `Some` at the end of each frame: its message, or why it has
-    /// none. The work is bounded by one frame's length.
+    /// Takes the next byte. `Some` at the end of each frame: its message, or why it is invalid.
+    /// The work is bounded by the length of one frame.
     pub fn feed(&mut self, byte: u8) -> Option<Result<M, FrameError>> {
         if self.lost.is_none() {
             match self.stuffing.feed(byte) {
@@ -76,7 +76,7 @@ impl<M: Message> Decoder<M> {
                 Err(_) => self.lost = Some(FrameError::Stuffing),
             }
         }
-        if byte != BORDER {
+        if byte != DELIMITER {
             return None;
         }
         self.stuffing = DecoderState::Idle;

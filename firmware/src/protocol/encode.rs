@@ -1,10 +1,10 @@
-//! Messages into frames.
+//! Encoding: from messages to frames.
 
-use super::frame::{BORDER, CRC, CRC_BYTES, Frame, MAX_CONTENT, MAX_FRAME, Message};
+use super::frame::{CRC, CRC_BYTES, DELIMITER, Frame, MAX_CONTENT, MAX_FRAME, Message};
 
-/// The frame of `message`; `None` if it were longer than [`MAX_FRAME`], which the tests
-/// show no message to be.
-// Large, and asked for wherever something is said.
+/// The frame of `message`; `None` if it would be longer than [`MAX_FRAME`]. The tests show that
+/// every message fits.
+// Large, and called in several places: not inlined, to save flash.
 #[inline(never)]
 pub fn encode<M: Message>(message: &M) -> Option<Frame> {
     let mut content = [0; MAX_CONTENT];
@@ -16,9 +16,9 @@ pub fn encode<M: Message>(message: &M) -> Option<Frame> {
     content.get_mut(checked..whole)?.copy_from_slice(&crc);
 
     let mut frame = Frame::new();
-    frame.resize(MAX_FRAME, BORDER).ok()?;
+    frame.resize(MAX_FRAME, DELIMITER).ok()?;
     let stuffed = cobs::try_encode(content.get(..whole)?, frame.get_mut(1..)?).ok()?;
     frame.truncate(1 + stuffed);
-    frame.push(BORDER).ok()?;
+    frame.push(DELIMITER).ok()?;
     Some(frame)
 }

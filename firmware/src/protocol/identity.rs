@@ -1,19 +1,19 @@
-//! Who answers a hello.
+//! The identity of a controller: its reply to a hello.
 
 use super::VERSION;
 use serde::{Deserialize, Serialize};
 
-/// Who answers.
+/// The identity of a controller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Identity {
     /// The controller's [`VERSION`].
     pub version: u16,
-    /// What it runs on.
+    /// The board that it runs on.
     pub board: Board,
     /// The firmware's version: major, minor, patch.
     pub firmware: [u8; 3],
-    /// Why it started last.
+    /// Why it started.
     pub reset: Reset,
 }
 
@@ -37,13 +37,13 @@ pub enum Reset {
     Power,
     /// A debugger or the program itself asked for it.
     Software,
-    /// The watchdog was not fed in time.
+    /// The watchdog was not refreshed in time.
     Watchdog,
     /// The program panicked.
     Panic,
-    /// The processor met an instruction or address it could not bear.
+    /// The processor raised a hard fault: an invalid instruction or address.
     HardFault,
-    /// The supply sagged.
+    /// The supply voltage was too low.
     BrownOut,
 }
 
@@ -66,7 +66,7 @@ const FIRMWARE: [u8; 3] = [
     number(env!("CARGO_PKG_VERSION_PATCH")),
 ];
 
-/// The number these digits write.
+/// The number that the digits stand for.
 const fn number(digits: &str) -> u8 {
     match u8::from_str_radix(digits, 10) {
         Ok(number) => number,

@@ -1,49 +1,50 @@
-//! What the host says.
+//! The messages of the host.
 
 use super::frame::{Message, Sender};
 use super::section::{Section, SectionKey};
 use super::sequence::Sequence;
-use crate::{Move, Request, Sensed};
+use crate::{Move, Request, SensorSample};
 use serde::{Deserialize, Serialize};
 
-/// One order, numbered.
+/// One host command with its number.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HostMessage {
-    /// One more than the last order's, or the same when the reply did not come.
+    /// One more than the last command's number, or the same if its reply did not come.
     pub sequence: Sequence,
-    /// What to do.
-    pub order: Order,
+    /// The command.
+    pub command: HostCommand,
 }
 
 impl Message for HostMessage {
     const SENDER: Sender = Sender::Host;
 }
 
-/// What the controller can be told to do.
+/// What a host can command the controller to do.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Order {
-    /// Begins a conversation: this order's number is where the counting starts. Whatever
-    /// came before is forgotten; telemetry stops.
+pub enum HostCommand {
+    /// Begins a session: commands are counted from this one's number on. The controller forgets
+    /// the session before, and telemetry stops.
     Hello {
         /// The host's [`VERSION`](super::VERSION).
         version: u16,
-        /// Any number the host did not use lately: tells a repeated hello from a new one.
+        /// A number that the host did not use recently. It distinguishes a repeated hello from a
+        /// new one.
         session: u32,
     },
-    /// Tell the status.
+    /// Report the status.
     Status,
-    /// Tell what the tick that raised the latched fault saw.
+    /// Report the measured values of the tick that raised the latched fault.
     Snapshot,
-    /// Arm, home, stop and the like. An emergency stop is obeyed whatever its number and
+    /// Arm, home, stop and so on. An emergency stop is executed whatever its number, also
     /// without a hello.
     Request(Request),
     /// Add a move to the queue.
     Move(Move),
-    /// Tell a section of the settings in use.
+    /// Report a section of the settings in use.
     GetSection(SectionKey),
-    /// Put a section into the draft, which starts as the settings in use.
+    /// Change a section of the draft, which starts as a copy of the settings in use.
     SetSection(Section),
-    /// Use the draft, if it makes sense as a whole and the arm is stopped.
+    /// Use the draft, if it is valid as a whole and the arm is stopped.
     ApplySettings,
     /// Store the settings in use, so that they survive a reset.
     SaveSettings,
@@ -52,8 +53,8 @@ pub enum Order {
         /// Ticks from one sample to the next.
         every: u16,
     },
-    /// Emulated boards only: these are the samples of the next tick, make it.
-    Tick(Sensed),
-    /// Tell how much of the stack has been used since the reset.
+    /// Emulated boards only: run the next tick on this sample.
+    Tick(SensorSample),
+    /// Report how much of the stack has been used since the reset.
     Stack,
 }

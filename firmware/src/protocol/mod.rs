@@ -1,11 +1,11 @@
-//! What a host and a controller say to each other, in two layers: a checked [frame](Frame)
-//! and a meaningful [message](HostMessage). Both ends use this module; the bytes are
-//! written out in `docs/protocol.md`.
+//! The protocol between a host and a controller, in two layers: a checked [frame](Frame) and the
+//! [message](HostMessage) in it. Both ends use this module; `docs/protocol.md` describes the
+//! bytes.
 //!
-//! The host asks, the controller answers: one [`Order`] at a time, each with a sequence
-//! number that its [`Reply`] repeats. An order that comes again with the same number is
-//! answered from memory and not obeyed twice, so a host that hears nothing just sends it
-//! again. [`Telemetry`] comes unasked between replies.
+//! The host sends commands, the controller replies: one [`HostCommand`] at a time, each with a sequence
+//! number that its [`Reply`] repeats. A command that comes again with the same number
+//! gets the stored reply and is executed only once, so a host that receives no reply sends its
+//! command again. [`Telemetry`] is sent between replies, without a command for each sample.
 
 mod decoder;
 mod encode;
@@ -15,19 +15,19 @@ mod message;
 mod reply;
 mod section;
 mod sequence;
-mod ticked;
+mod step_result;
 
 pub use decoder::{Decoder, LinkCounts};
 pub use encode::encode;
 pub use frame::{Frame, FrameError, MAX_CONTENT, MAX_FRAME, Message, Sender};
 pub use identity::{Board, Identity, Reset};
-pub use message::{HostMessage, Order};
-pub use reply::{ControllerMessage, Refusal, Reply, StackUse, Telemetry};
+pub use message::{HostCommand, HostMessage};
+pub use reply::{CommandError, ControllerMessage, Reply, StackUse, Telemetry};
 pub use section::{Section, SectionKey};
-pub use sequence::{Sequence, Turn};
-pub use ticked::Ticked;
+pub use sequence::{Sequence, SequenceCheck};
+pub use step_result::StepResult;
 
-/// Version of everything in this module. Both ends must have the same; [`Order::Hello`]
-/// and [`Refusal::Version`] keep their bytes in every version, so that two ends that
-/// differ can tell each other so.
+/// Version of everything in this module. Both ends must have the same; [`HostCommand::Hello`]
+/// and [`CommandError::Version`] keep their bytes in every version, so that two ends of
+/// different versions can find out.
 pub const VERSION: u16 = 1;

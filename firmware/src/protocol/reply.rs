@@ -1,23 +1,23 @@
-//! What the controller says.
+//! The messages of the controller.
 
 use super::frame::{Message, Sender};
 use super::identity::Identity;
 use super::section::Section;
 use super::sequence::Sequence;
-use super::ticked::Ticked;
+use super::step_result::StepResult;
 use crate::controller::{self, Snapshot, Status};
-use crate::planner::MoveRefusal;
+use crate::planner::MoveError;
 use crate::storage::StorageError;
 use serde::{Deserialize, Serialize};
 
-/// An answer, or a sample nobody asked for.
+/// A reply to a command, or a sample of telemetry.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ControllerMessage {
-    /// The answer to an order.
+    /// The reply to a command.
     Reply {
-        /// The order's number.
+        /// The command's number.
         sequence: Sequence,
-        /// The answer.
+        /// The reply.
         reply: Reply,
     },
     /// A sample.
@@ -28,67 +28,67 @@ impl Message for ControllerMessage {
     const SENDER: Sender = Sender::Controller;
 }
 
-/// The answer to an order.
+/// The reply to a command.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Reply {
-    /// The order was not obeyed, and nothing changed.
-    Refused(Refusal),
-    /// Done, or begun where it takes time: the status shows when it ends.
+    /// The command was not executed; nothing has changed.
+    Refused(CommandError),
+    /// Done, or begun if it takes time: the status shows when it has ended.
     Done,
     /// To a hello.
     Hello(Identity),
-    /// To [`Order::Status`](super::Order::Status).
+    /// To [`HostCommand::Status`](super::HostCommand::Status).
     Status {
         /// The controller after its last tick.
         status: Status,
-        /// How many moves can be taken now.
+        /// The number of moves that can be accepted now.
         room: u8,
     },
-    /// To [`Order::Snapshot`](super::Order::Snapshot): none where no fault is latched.
+    /// To [`HostCommand::Snapshot`](super::HostCommand::Snapshot): none where no fault is latched.
     Snapshot(Option<Snapshot>),
-    /// To a move: it was checked along its whole way and taken.
+    /// To a move: its whole path was checked, and it was accepted.
     Taken {
-        /// How many more can be taken now.
+        /// The number of further moves that can be accepted now.
         room: u8,
     },
-    /// To [`Order::GetSection`](super::Order::GetSection).
+    /// To [`HostCommand::GetSection`](super::HostCommand::GetSection).
     Section(Section),
-    /// To [`Order::Tick`](super::Order::Tick).
-    Ticked(Ticked),
-    /// To [`Order::Stack`](super::Order::Stack).
+    /// To [`HostCommand::Tick`](super::HostCommand::Tick).
+    StepResult(StepResult),
+    /// To [`HostCommand::Stack`](super::HostCommand::Stack).
     Stack(StackUse),
 }
 
 /// How much of the stack has been in use since the reset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StackUse {
-    /// At most [bytes].
+    /// The most that was used [bytes].
     pub most: u32,
     /// Its size [bytes].
     pub size: u32,
 }
 
-/// Why an order was not obeyed.
+/// Why a command was not executed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Refusal {
-    /// The host speaks another version than this.
+pub enum CommandError {
+    /// The host uses another version than this one, the controller's.
     Version(u16),
-    /// There was no hello since the reset.
+    /// No hello has come since the reset.
     NoSession,
-    /// The order is not the next one; this number is.
+    /// The command is not the next one; this number is.
     OutOfSequence(Sequence),
     /// This board cannot do that.
     Unsupported,
-    /// The controller refuses the request.
-    Request(controller::Refusal),
-    /// The planner does not take the move.
-    Move(MoveRefusal),
-    /// There are no stored settings, and none have been applied: nothing moves on settings
-    /// of the program's own choice.
+    /// The controller refused the request.
+    Request(controller::RequestError),
+    /// The planner refused the move.
+    Move(MoveError),
+    /// No settings are stored and none have been applied: the arm does not move on default
+    /// settings.
     NoSettings,
     /// No such section of the settings.
     NoSection,
-    /// The settings make no sense as a whole.
+    /// The draft of the settings is invalid as a whole.
     Settings,
     /// The settings could not be stored.
     Storage(StorageError),
@@ -97,27 +97,27 @@ pub enum Refusal {
 /// A sample of the status.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Telemetry {
-    /// Counts the samples due since telemetry began, sent or not: a gap is a loss.
+    /// Number of samples due since telemetry began, also of those not sent: a gap is a loss.
     pub number: u32,
     /// The sample.
     pub status: Status,
 }
 
-impl core::fmt::Display for Refusal {
+impl core::fmt::Display for CommandError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
-            Self::Version(version) => write!(f, "it speaks protocol version {version}"),
-            Self::NoSession => f.write_str("it has heard no hello since its reset"),
-            Self::OutOfSequence(Sequence(next)) => write!(f, "it expects order number {next}"),
+            Self::Version(version) => write!(f, "it uses protocol version {version}"),
+            Self::NoSession => f.write_str("it has received no hello since its reset"),
+            Self::OutOfSequence(Sequence(next)) => write!(f, "it expects command number {next}"),
             Self::Unsupported => f.write_str("this board cannot do that"),
-            Self::Request(refusal) => refusal.fmt(f),
-            Self::Move(refusal) => refusal.fmt(f),
+            Self::Request(error) => error.fmt(f),
+            Self::Move(error) => error.fmt(f),
             Self::NoSettings => f.write_str("it has no settings: upload the arm's"),
-            Self::NoSection => f.write_str("it knows no such section of the settings"),
-            Self::Settings => f.write_str("the settings make no sense as a whole"),
+            Self::NoSection => f.write_str("it has no such section of the settings"),
+            Self::Settings => f.write_str("the settings are invalid as a whole"),
             Self::Storage(error) => write!(f, "the settings were not stored: {error}"),
         }
     }
 }
 
-impl core::error::Error for Refusal {}
+impl core::error::Error for CommandError {}

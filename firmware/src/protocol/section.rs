@@ -6,7 +6,7 @@ use crate::settings::{
 };
 use serde::{Deserialize, Serialize};
 
-/// The name of a section.
+/// The key of a section.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SectionKey {
     /// l1…l4 and the base.
@@ -17,13 +17,13 @@ pub enum SectionKey {
     Payload,
     /// In-plane gravity.
     Gravity,
-    /// The tool from C.
+    /// The tool's position from C.
     ToolOffset,
     /// The working mode.
     Elbows,
     /// A driven joint: 0 is joint 1, 1 is joint 4.
     Axis(u8),
-    /// The loops.
+    /// The control loops.
     Control,
     /// The tool's limits.
     Motion,
@@ -65,8 +65,7 @@ pub enum Section {
 }
 
 impl SectionKey {
-    /// Every section: to read or write all of these is to read or write the settings
-    /// whole.
+    /// Every section. Together they are the whole settings.
     pub const ALL: [Self; 16] = [
         Self::Lengths,
         Self::Link(0),
@@ -86,7 +85,7 @@ impl SectionKey {
         Self::Homing,
     ];
 
-    /// This section of `settings`; `None` for a link or axis that is not there.
+    /// This section of `settings`; `None` if there is no such link or axis.
     pub fn of(self, settings: &Settings) -> Option<Section> {
         Some(match self {
             Self::Lengths => Section::Lengths(settings.lengths),
@@ -106,8 +105,8 @@ impl SectionKey {
 }
 
 impl Section {
-    /// Puts this section into `settings`; `None`, and nothing changed, for a link or axis
-    /// that is not there.
+    /// Puts this section into `settings`. `None`, without a change, if there is no such link or
+    /// axis.
     #[must_use]
     pub fn put(self, settings: &mut Settings) -> Option<()> {
         match self {

@@ -1,21 +1,21 @@
-//! Faults and limits: what happened, by stable numbers.
+//! Faults and limits, with stable numbers.
 
 use serde::{Deserialize, Serialize};
 
-/// A fault. It latches and is left only by an explicit clear. The numbers are stable:
-/// they are sent, logged and looked up.
+/// A fault. It stays latched until a host clears it. The numbers are stable, because they are
+/// sent, logged and looked up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[serde(into = "u8", try_from = "u8")]
 #[repr(u8)]
 pub enum Fault {
-    /// An encoder's counts left the observer's prediction by more than the joint can turn
-    /// in a tick. The joint angles are lost: home again.
+    /// An encoder's counts differ from the observer's prediction by more than the joint can turn
+    /// in a tick. The joint angles are unknown: home again.
     EncoderJump = 1,
-    /// The measured angles cannot belong to a closed arm on its branch. The joint angles
-    /// are lost: home again.
+    /// No pose on the arm's branch has the measured angles. The joint angles are unknown: home
+    /// again.
     EncoderDisagreement = 2,
-    /// A joint is too far from where it should be.
+    /// A joint is too far from its reference.
     FollowingError = 3,
     /// A joint turns too fast.
     OverSpeed = 4,
@@ -29,14 +29,14 @@ pub enum Fault {
     OverVoltage = 8,
     /// A bridge reports a fault.
     DriverFault = 9,
-    /// The emergency stop was pressed or ordered.
+    /// The emergency stop was pressed or requested.
     EmergencyStop = 10,
-    /// The arm left its envelope: joint limits, or too near a singularity; or a joint
-    /// searched its whole range without finding its switch.
+    /// The arm left its envelope (joint limits, or too near a singularity), or a joint searched
+    /// its whole range without finding its switch.
     Envelope = 11,
-    /// The host fell silent while the arm moved.
+    /// The host was silent while the arm moved.
     CommandTimeout = 12,
-    /// The path ran out while the arm moved along it.
+    /// The queue of the path was nearly empty while the arm moved: the planner was too late.
     QueueUnderrun = 13,
     /// Ticks were missed.
     TickOverrun = 14,
@@ -44,7 +44,7 @@ pub enum Fault {
     NotANumber = 15,
     /// The clock did not start or failed.
     ClockFailure = 16,
-    /// The watchdog had to reset the controller.
+    /// The watchdog reset the controller.
     WatchdogReset = 17,
     /// The stored settings are corrupt.
     SettingsCorrupt = 18,
@@ -54,7 +54,7 @@ pub enum Fault {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Response {
-    /// Both bridges off in the same tick, brake engaged.
+    /// Both bridges are off in the same tick, and the brake is engaged.
     PowerOff,
     /// The arm comes to rest on its path and is held there.
     ControlledStop,
@@ -88,9 +88,9 @@ impl Fault {
         self as u8
     }
 
-    /// What it does to the arm. Only two faults leave the loops sound enough to stop
-    /// under control: a silent host and a path that ran out. Outside the envelope the
-    /// branch, and with it the sign of the model, is no longer certain: power off.
+    /// What the fault does to the arm. A controlled stop needs loops that still work, which is
+    /// so for two faults: a silent host and a queue underrun. Outside the envelope the branch,
+    /// and with it the sign of the model, is uncertain, so the bridges are switched off.
     pub const fn response(self) -> Response {
         match self {
             Self::CommandTimeout | Self::QueueUnderrun => Response::ControlledStop,
@@ -113,7 +113,7 @@ impl Fault {
         }
     }
 
-    /// Whether the joint angles can no longer be trusted after it.
+    /// Whether the joint angles are unknown after it.
     pub(crate) const fn loses_angles(self) -> bool {
         matches!(self, Self::EncoderJump | Self::EncoderDisagreement)
     }
@@ -152,14 +152,14 @@ impl TryFrom<u8> for Fault {
 pub struct Limits(u8);
 
 impl Limits {
-    /// Nothing is limited.
+    /// No limit.
     pub const NONE: Self = Self(0);
-    /// The demanded torque exceeded what the motors may give.
+    /// The demanded torque exceeded the motors' peak torque.
     pub const TORQUE: Self = Self(1);
-    /// The bus voltage did not suffice for the demanded current.
+    /// The bus voltage was too low for the demanded current.
     pub const VOLTAGE: Self = Self(2);
-    /// The move goes slower than it was asked to: a limit of the tool or of a joint, or a
-    /// singularity, is near.
+    /// The move goes slower than requested: a limit of the tool or of a joint, or a singularity,
+    /// is near.
     pub const SPEED: Self = Self(4);
 
     /// The bits.

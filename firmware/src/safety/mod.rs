@@ -1,4 +1,4 @@
-//! What keeps arm and people whole: the states, the faults, and what raises them.
+//! Safety: the states, the faults, and the monitor that detects faults.
 
 mod fault;
 mod monitor;

@@ -1,8 +1,7 @@
-//! The detectors: measured numbers against trip points.
+//! The monitor compares measured values with their trip points.
 //!
-//! Each looks at one thing and names one fault; the tick asks them in the order of
-//! gravity. A NaN passes every comparison here and is caught by the tick itself, in what
-//! it is about to tell the bridges.
+//! Each function detects one fault; the tick calls them with the most serious fault first. A NaN
+//! passes every comparison here; the tick detects it in the duties, before the bridges get them.
 
 use super::Fault;
 use crate::settings::Settings;
@@ -10,15 +9,15 @@ use core::f32::consts::TAU;
 use fivebar_kinematics::Scalar;
 use fivebar_kinematics::five_bar::Links;
 
-/// An innovation of so many counts is noise of the encoder's edges, whatever the speed.
+/// An innovation of up to this many counts is noise of the encoder's edges at any speed.
 const JUMP_COUNTS: f32 = 4.0;
 
-/// Missed ticks at once that are only counted.
+/// So many missed ticks in a row are counted and raise no fault.
 pub(crate) const TOLERATED_TICKS: u32 = 2;
 
 /// The trip points.
 pub(crate) struct Monitor {
-    /// [rad], each joint's.
+    /// Greatest innovation of each joint [rad].
     jump: [f32; 2],
     /// [rad/s].
     over_speed: f32,
@@ -28,14 +27,14 @@ pub(crate) struct Monitor {
     following_error: f32,
     /// [V].
     bus: [f32; 2],
-    /// [rad], the middle of each joint's range.
+    /// The middle of each joint's range [rad].
     middle: [f32; 2],
-    /// [rad], how far from there it may be: half the range, and half of what a following
-    /// error may add.
+    /// Greatest distance from the middle [rad]: half the range, and half of the greatest
+    /// following error.
     reach: [f32; 2],
     /// Least |r2 × r3|: l2 l3 times the least |sin| at C [m²].
     margin: f32,
-    /// Ticks.
+    /// The command timeout [ticks].
     silence: u32,
 }
 
@@ -46,7 +45,7 @@ impl Monitor {
         let [_, l2, l3, ..] = settings.lengths;
         let slack = 0.5 * protection.following_error;
         Self {
-            // What the joint turns in a tick at the over-speed, or a few counts.
+            // The angle of one tick at the over-speed, or a few counts if that is more.
             jump: settings.axes.map(|axis| {
                 let count = TAU / (Scalar::abs(axis.gear_ratio) * axis.encoder_counts as f32);
                 (JUMP_COUNTS * count).max(protection.over_speed / rate)
@@ -68,14 +67,14 @@ impl Monitor {
         }
     }
 
-    /// A count that no joint can have turned.
+    /// Whether a joint's innovation [rad] is physically impossible.
     #[inline(always)]
     pub(crate) fn jumped(&self, innovation: [f32; 2]) -> bool {
         let ([innovation1, innovation4], [jump1, jump4]) = (innovation, self.jump);
         Scalar::abs(innovation1) > jump1 || Scalar::abs(innovation4) > jump4
     }
 
-    /// Bus voltage [V].
+    /// The fault of a bus voltage [V] outside its range.
     #[inline(always)]
     pub(crate) fn bus(&self, voltage: f32) -> Option<Fault> {
         let [low, high] = self.bus;
@@ -88,25 +87,25 @@ impl Monitor {
         }
     }
 
-    /// Motor currents [A].
+    /// Whether a motor's current [A] is too high.
     #[inline(always)]
     pub(crate) fn over_current(&self, current: [f32; 2]) -> bool {
         either_exceeds(current, self.over_current)
     }
 
-    /// Joint speeds [rad/s].
+    /// Whether a joint's speed [rad/s] is too high.
     #[inline(always)]
     pub(crate) fn over_speed(&self, velocity: [f32; 2]) -> bool {
         either_exceeds(velocity, self.over_speed)
     }
 
-    /// Position errors [rad].
+    /// Whether a position error [rad] is too large.
     #[inline(always)]
-    pub(crate) fn lost_its_path(&self, error: [f32; 2]) -> bool {
+    pub(crate) fn following_error_exceeded(&self, error: [f32; 2]) -> bool {
         either_exceeds(error, self.following_error)
     }
 
-    /// Joint angles [rad] outside their limits.
+    /// Whether a joint's angle [rad] is outside its limits.
     #[inline(always)]
     pub(crate) fn outside(&self, angle: [f32; 2]) -> bool {
         let ([angle1, angle4], [middle1, middle4]) = (angle, self.middle);
@@ -114,15 +113,16 @@ impl Monitor {
         Scalar::abs(angle1 - middle1) > reach1 || Scalar::abs(angle4 - middle4) > reach4
     }
 
-    /// Links 2 and 3 too nearly in line (type 2): the motors lose the tool. A leg straight
-    /// or folded (type 1) is no danger to the joints; paths of the tool are planned clear
-    /// of it, and the following error bounds how far the arm is from its path.
+    /// Whether links 2 and 3 are too nearly in line (type 2), where the motors cannot hold the
+    /// tool. A leg straight or folded (type 1) is not a fault: the joints stay controllable,
+    /// paths of the tool keep clear of it, and the following error bounds the distance from the
+    /// path.
     #[inline(always)]
     pub(crate) fn near_parallel(&self, links: &Links<f32>) -> bool {
         Scalar::abs(links.cross) < self.margin
     }
 
-    /// Ticks since the host was heard.
+    /// Whether the host has been silent for too many ticks.
     #[inline(always)]
     pub(crate) fn silent(&self, ticks: u32) -> bool {
         ticks > self.silence

@@ -1,4 +1,4 @@
-//! The states of the controller and every way between them.
+//! The states of the controller and every transition between them.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,7 +11,7 @@ pub enum State {
     /// Entry: after power-up, a disarm, a completed homing or a cleared fault.
     /// Exit: to Armed when the arm is homed and stands inside its envelope; to Homing.
     Stopped,
-    /// Driving both joints to their switches at limited current.
+    /// Moving both joints to their switches at limited current.
     ///
     /// Entry: by request from Stopped.
     /// Exit: to Stopped when both switches are found, or by a stop or disarm on the way.
@@ -23,13 +23,13 @@ pub enum State {
     Armed,
     /// Following the path.
     ///
-    /// Entry: from Armed when a segment of path is queued. Exit: to Armed at the path's end;
+    /// Entry: from Armed when a segment is queued. Exit: to Armed at the path's end;
     /// to Stopping by a stop; to Stopped, bridges off, by a disarm.
     Running,
     /// Coming to rest on the path.
     ///
     /// Entry: from Running by a stop. Exit: to Armed at rest, the rest of the path
-    /// forgotten; to Stopped, bridges off, by a disarm.
+    /// dropped; to Stopped, bridges off, by a disarm.
     Stopping,
     /// A fault is latched: bridges off, or at rest and held, by the fault's response.
     ///
@@ -38,16 +38,16 @@ pub enum State {
     Fault,
 }
 
-/// What can happen to a state. Whether an arm may be armed, and whether a fault may be
-/// cleared, is settled before the event is given.
+/// What can happen in a state. The conditions for arming and for clearing a fault are checked
+/// before the event is given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Event {
-    /// Power the bridges and hold.
+    /// Switch the bridges on and hold the arm.
     Arm,
-    /// Unpower the bridges.
+    /// Switch the bridges off.
     Disarm,
-    /// Look for the home switches.
+    /// Search for the home switches.
     Home,
     /// Both switches were found.
     Homed,
@@ -76,8 +76,7 @@ impl State {
         Self::Fault,
     ];
 
-    /// The state after `event`; `None` where it is refused or means nothing, and the
-    /// state stays.
+    /// The state after `event`; `None` if this state does not accept the event, and stays.
     #[inline]
     pub const fn after(self, event: Event) -> Option<Self> {
         match (self, event) {
@@ -169,7 +168,7 @@ mod tests {
         Clear,
     ];
 
-    /// Row by state, column by event; `None` for a refusal.
+    /// Row by state, column by event; `None` if the event is not accepted.
     const TABLE: [[Option<State>; 10]; 6] = {
         const S: Option<State> = Some(Stopped);
         const H: Option<State> = Some(Homing);
@@ -190,7 +189,7 @@ mod tests {
     };
 
     #[test]
-    fn every_state_answers_every_event_as_the_table_says() {
+    fn every_state_responds_to_every_event_as_the_table_says() {
         for (state, row) in State::ALL.into_iter().zip(TABLE) {
             for (event, expected) in EVENTS.into_iter().zip(row) {
                 assert_eq!(state.after(event), expected, "{state:?} after {event:?}");

@@ -1,8 +1,8 @@
-//! The conversation with a host: orders in, replies and telemetry out.
+//! The session with a host: commands in, replies and telemetry out.
 //!
-//! It runs below the tick, on every board the same. Its work per order is bounded by what
-//! the order asks for, and it holds the controller only for single requests, so the tick
-//! waits for it a few microseconds at most.
+//! It runs below the tick and is the same on every board. The work for one command is bounded,
+//! and the controller is locked only for single accesses, so the tick waits a few microseconds at
+//! most.
 
 mod sampler;
 mod start;
@@ -10,17 +10,17 @@ mod start;
 use crate::controller::{self, Controller};
 use crate::planner::Planner;
 use crate::protocol::{
-    ControllerMessage, Frame, HostMessage, Identity, Order, Refusal, Reply, Sequence, StackUse,
-    Telemetry, Ticked, Turn, VERSION, encode,
+    CommandError, ControllerMessage, Frame, HostCommand, HostMessage, Identity, Reply, Sequence,
+    SequenceCheck, StackUse, StepResult, Telemetry, VERSION, encode,
 };
 use crate::safety::State;
 use crate::storage::StorageError;
-use crate::{Command, Request, Sensed, Settings};
+use crate::{ActuatorCommand, Request, SensorSample, Settings};
 use rtic_core::Mutex;
 use sampler::Sampler;
 pub use start::fault_at_start;
 
-/// What the session needs of the board it runs on.
+/// What the session needs from its board.
 pub trait Board {
     /// Stores settings for the next start.
     ///
@@ -28,14 +28,18 @@ pub trait Board {
     /// Why they are not stored.
     fn save(&mut self, settings: &Settings) -> Result<(), StorageError>;
 
-    /// The only tick rate that the board has [Hz]; `None` where the host makes the ticks.
+    /// The board's tick rate [Hz], if it has only one; `None` where the host steps the ticks.
     fn tick_rate(&self) -> Option<f32> {
         None
     }
 
-    /// Makes one tick with samples from the host, and counts its instructions where that
-    /// is possible. `None` on a board whose sensors are its own.
-    fn tick(&mut self, controller: &mut Controller, sensed: &Sensed) -> Option<(Command, u32)>;
+    /// Runs one tick on a sample from the host. Returns the actuator command and the number of
+    /// instructions, 0 where they are not counted. `None` on a board with sensors of its own.
+    fn tick(
+        &mut self,
+        controller: &mut Controller,
+        sample: &SensorSample,
+    ) -> Option<(ActuatorCommand, u32)>;
 
     /// How much of the stack has been used; `None` where that is not measured.
     fn stack(&self) -> Option<StackUse> {
@@ -43,27 +47,28 @@ pub trait Board {
     }
 }
 
-/// What a session knows of its host.
+/// The state of the session with one host.
 struct Host {
     session: u32,
-    /// The order obeyed or refused last, and the reply to it.
+    /// The number of the command executed or refused last, and the reply to it.
     last: Sequence,
     reply: Frame,
 }
 
-/// One controller's side of the conversation.
+/// The controller's side of the sessions with its hosts.
 pub struct Session {
     identity: Identity,
     host: Option<Host>,
-    /// The settings in use were stored or applied, not made up.
+    /// The settings in use were stored or applied: they are not the default settings.
     has_settings: bool,
     draft: Settings,
     sampler: Sampler,
 }
 
 impl Session {
-    /// A session without a host. `settings` are those in use; `are_stored` tells that they
-    /// were loaded, not made up: until some are applied, nothing moves on made-up ones.
+    /// A session without a host. `settings` are those in use; `are_stored` is true if they were
+    /// loaded from the board's storage. On default settings the arm does not move until a host
+    /// applies its own.
     pub fn new(identity: Identity, settings: &Settings, are_stored: bool) -> Self {
         Self {
             identity,
@@ -74,7 +79,7 @@ impl Session {
         }
     }
 
-    /// Obeys or refuses an order; the frame that answers it, if it needs an answer.
+    /// Executes or refuses a command. Returns the frame of the reply, if the command gets one.
     pub fn answer(
         &mut self,
         message: &HostMessage,
@@ -82,47 +87,47 @@ impl Session {
         planner: &mut Planner,
         board: &mut impl Board,
     ) -> Option<Frame> {
-        let HostMessage { sequence, order } = *message;
-        if !matches!(order, Order::Tick(_)) {
-            // Samples are the plant's; all else is a sign of life of the host.
+        let HostMessage { sequence, command } = *message;
+        if !matches!(command, HostCommand::Tick(_)) {
+            // Every command except `Tick`, which comes from the plant, is a sign of life of the host.
             controller.lock(Controller::feed_host_timeout);
         }
-        if let Order::Request(Request::EmergencyStop) = order {
-            // Obeyed before anything is asked about its number.
+        if let HostCommand::Request(Request::EmergencyStop) = command {
+            // Executed whatever its sequence number.
             let _ = controller.lock(|controller| controller.request(Request::EmergencyStop));
         }
-        if let Order::Hello { version, session } = order {
+        if let HostCommand::Hello { version, session } = command {
             if version != VERSION {
-                return reply(sequence, Reply::Refused(Refusal::Version(VERSION)));
+                return reply(sequence, Reply::Refused(CommandError::Version(VERSION)));
             }
             if self
                 .host
                 .as_ref()
                 .is_none_or(|host| host.session != session)
             {
-                self.greet(controller);
-                return self.keep(session, sequence, Reply::Hello(self.identity));
+                self.begin_session(controller);
+                return self.store_reply(session, sequence, Reply::Hello(self.identity));
             }
         }
         let Some(host) = &self.host else {
-            return reply(sequence, Reply::Refused(Refusal::NoSession));
+            return reply(sequence, Reply::Refused(CommandError::NoSession));
         };
         let session = host.session;
-        match sequence.turn_after(host.last) {
-            Turn::Next => {
-                let answer = self.obey(order, controller, planner, board);
-                self.keep(session, sequence, answer)
+        match sequence.check_after(host.last) {
+            SequenceCheck::Next => {
+                let answer = self.execute(command, controller, planner, board);
+                self.store_reply(session, sequence, answer)
             }
-            Turn::Again => Some(host.reply.clone()),
-            Turn::Past => None,
-            Turn::Ahead => {
-                let next = Refusal::OutOfSequence(host.last.next());
+            SequenceCheck::Repeat => Some(host.reply.clone()),
+            SequenceCheck::Old => None,
+            SequenceCheck::Gap => {
+                let next = CommandError::OutOfSequence(host.last.next());
                 reply(sequence, Reply::Refused(next))
             }
         }
     }
 
-    /// The sample that is due, if one is; to be asked for when it can be sent.
+    /// The sample of telemetry that is due, if one is. To be called when it can be sent.
     pub fn telemetry(&mut self, controller: &mut impl Mutex<T = Controller>) -> Option<Frame> {
         let tick = controller.lock(|controller| controller.ticks());
         let number = self.sampler.due(tick)?;
@@ -130,13 +135,13 @@ impl Session {
         encode(&ControllerMessage::Telemetry(Telemetry { number, status }))
     }
 
-    /// Forgets what the host before left behind.
-    fn greet(&mut self, controller: &mut impl Mutex<T = Controller>) {
+    /// Clears the draft and the telemetry of the session before.
+    fn begin_session(&mut self, controller: &mut impl Mutex<T = Controller>) {
         self.draft = controller.lock(|controller| *controller.settings());
         self.sampler = Sampler::off();
     }
 
-    fn keep(&mut self, session: u32, last: Sequence, answer: Reply) -> Option<Frame> {
+    fn store_reply(&mut self, session: u32, last: Sequence, answer: Reply) -> Option<Frame> {
         let frame = reply(last, answer)?;
         self.host = Some(Host {
             session,
@@ -146,60 +151,63 @@ impl Session {
         Some(frame)
     }
 
-    fn obey(
+    fn execute(
         &mut self,
-        order: Order,
+        command: HostCommand,
         controller: &mut impl Mutex<T = Controller>,
         planner: &mut Planner,
         board: &mut impl Board,
     ) -> Reply {
-        let outcome = match order {
-            Order::Hello { .. } => {
-                self.greet(controller);
+        let outcome = match command {
+            HostCommand::Hello { .. } => {
+                self.begin_session(controller);
                 Ok(Reply::Hello(self.identity))
             }
-            Order::Status => Ok(Reply::Status {
+            HostCommand::Status => Ok(Reply::Status {
                 status: controller.lock(|controller| controller.status()),
                 room: free_slots(planner),
             }),
-            Order::Snapshot => Ok(Reply::Snapshot(
+            HostCommand::Snapshot => Ok(Reply::Snapshot(
                 controller.lock(|controller| controller.fault().copied()),
             )),
-            Order::Request(request) => self.request(request, controller),
-            Order::Move(a_move) => planner
+            HostCommand::Request(request) => self.request(request, controller),
+            HostCommand::Move(a_move) => planner
                 .push(controller, &a_move)
                 .map(|()| Reply::Taken {
                     room: free_slots(planner),
                 })
-                .map_err(Refusal::Move),
-            Order::GetSection(key) => {
+                .map_err(CommandError::Move),
+            HostCommand::GetSection(key) => {
                 let settings = controller.lock(|controller| *controller.settings());
                 key.of(&settings)
                     .map(Reply::Section)
-                    .ok_or(Refusal::NoSection)
+                    .ok_or(CommandError::NoSection)
             }
-            Order::SetSection(section) => section
+            HostCommand::SetSection(section) => section
                 .put(&mut self.draft)
                 .map(|()| Reply::Done)
-                .ok_or(Refusal::NoSection),
-            Order::ApplySettings => self.apply(controller, planner, board),
-            Order::SaveSettings => self.save(controller, board),
-            Order::Telemetry { every } => {
+                .ok_or(CommandError::NoSection),
+            HostCommand::ApplySettings => self.apply_settings(controller, planner, board),
+            HostCommand::SaveSettings => self.save_settings(controller, board),
+            HostCommand::Telemetry { every } => {
                 let tick = controller.lock(|controller| controller.ticks());
                 self.sampler.begin(every, tick);
                 Ok(Reply::Done)
             }
-            Order::Tick(sensed) => {
+            HostCommand::Tick(sample) => {
                 planner.run(controller);
                 controller
                     .lock(|controller| {
-                        let (command, instructions) = board.tick(controller, &sensed)?;
-                        Some(Ticked::new(command, &controller.status(), instructions))
+                        let (outputs, instructions) = board.tick(controller, &sample)?;
+                        Some(StepResult::new(outputs, &controller.status(), instructions))
                     })
-                    .map(Reply::Ticked)
-                    .ok_or(Refusal::Unsupported)
+                    .map(Reply::StepResult)
+                    .ok_or(CommandError::Unsupported)
             }
-            Order::Stack => board.stack().map(Reply::Stack).ok_or(Refusal::Unsupported),
+            HostCommand::Stack => board
+                .stack()
+                .map(Reply::Stack)
+                .ok_or(CommandError::Unsupported),
         };
         outcome.unwrap_or_else(Reply::Refused)
     }
@@ -208,30 +216,30 @@ impl Session {
         &mut self,
         request: Request,
         controller: &mut impl Mutex<T = Controller>,
-    ) -> Result<Reply, Refusal> {
+    ) -> Result<Reply, CommandError> {
         let powers = matches!(request, Request::Arm | Request::Home);
         if powers && !self.has_settings {
-            return Err(Refusal::NoSettings);
+            return Err(CommandError::NoSettings);
         }
         controller
             .lock(|controller| controller.request(request))
             .map(|()| Reply::Done)
-            .map_err(Refusal::Request)
+            .map_err(CommandError::Request)
     }
 
-    /// Puts the draft to use: a new controller, which has to be homed.
-    fn apply(
+    /// Checks the draft and puts it to use in a new controller, which must be homed.
+    fn apply_settings(
         &mut self,
         controller: &mut impl Mutex<T = Controller>,
         planner: &mut Planner,
         board: &mut impl Board,
-    ) -> Result<Reply, Refusal> {
+    ) -> Result<Reply, CommandError> {
         let rate = board.tick_rate();
         if rate.is_some_and(|rate| rate != self.draft.control.tick_rate) {
-            return Err(Refusal::Settings);
+            return Err(CommandError::Settings);
         }
-        let new_planner = Planner::new(&self.draft).map_err(|_| Refusal::Settings)?;
-        let new_controller = Controller::new(&self.draft).map_err(|_| Refusal::Settings)?;
+        let new_planner = Planner::new(&self.draft).map_err(|_| CommandError::Settings)?;
+        let new_controller = Controller::new(&self.draft).map_err(|_| CommandError::Settings)?;
         controller.lock(|controller| {
             only_stopped(controller)?;
             *controller = new_controller;
@@ -243,30 +251,32 @@ impl Session {
         Ok(Reply::Done)
     }
 
-    /// Stores the settings in use, with the bridges off: it may stall the core for seconds.
-    fn save(
+    /// Stores the settings in use, only with the bridges off: it may stall the core for seconds.
+    fn save_settings(
         &mut self,
         controller: &mut impl Mutex<T = Controller>,
         board: &mut impl Board,
-    ) -> Result<Reply, Refusal> {
+    ) -> Result<Reply, CommandError> {
         let settings = controller.lock(|controller| {
             only_stopped(controller)?;
             Ok(*controller.settings())
         })?;
         if !self.has_settings {
-            return Err(Refusal::NoSettings);
+            return Err(CommandError::NoSettings);
         }
         board
             .save(&settings)
             .map(|()| Reply::Done)
-            .map_err(Refusal::Storage)
+            .map_err(CommandError::Storage)
     }
 }
 
-fn only_stopped(controller: &Controller) -> Result<(), Refusal> {
+fn only_stopped(controller: &Controller) -> Result<(), CommandError> {
     match controller.state() {
         State::Stopped => Ok(()),
-        state => Err(Refusal::Request(controller::Refusal::State(state))),
+        state => Err(CommandError::Request(controller::RequestError::State(
+            state,
+        ))),
     }
 }
 

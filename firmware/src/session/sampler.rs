@@ -1,4 +1,4 @@
-//! When telemetry is due, and what number it has.
+//! When a sample of telemetry is due, and its number.
 
 /// Counts the samples that are due.
 pub(super) struct Sampler {
@@ -19,7 +19,7 @@ impl Sampler {
         }
     }
 
-    /// Begins anew at this tick.
+    /// Starts counting at this tick.
     pub(super) fn begin(&mut self, every: u16, tick: u32) {
         *self = Self {
             every,
@@ -28,7 +28,7 @@ impl Sampler {
         };
     }
 
-    /// Goes on counting where the ticks begin anew.
+    /// Goes on counting after the ticks were reset to 0.
     pub(super) fn restart_ticks(&mut self) {
         self.tick = 0;
     }

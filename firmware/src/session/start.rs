@@ -1,12 +1,12 @@
-//! What a board found out while it started.
+//! The fault with which a board starts.
 
 use crate::protocol::Reset;
 use crate::safety::Fault;
 use crate::storage::StorageError;
 
-/// The fault that a board starts with, the gravest first: a clock that does not run as it
-/// should, a watchdog that had to reset, settings that are damaged. Settings that were
-/// never stored are no fault; nothing moves without them all the same.
+/// The fault with which a board starts, the most serious first: a clock failure, a watchdog
+/// reset, damaged settings. A board on which no settings were ever stored starts without a fault,
+/// but the session lets nothing move until some are applied.
 pub fn fault_at_start(
     crystal_runs: bool,
     reset: Reset,
@@ -30,7 +30,7 @@ mod tests {
     use crate::storage::StorageError;
 
     #[test]
-    fn a_board_starts_with_the_gravest_of_what_it_found() {
+    fn a_board_starts_with_the_most_serious_fault() {
         let corrupt = Some(StorageError::Corrupt);
         let blank = Some(StorageError::Blank);
         for (crystal, reset, settings, fault) in [

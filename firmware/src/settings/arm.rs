@@ -6,7 +6,7 @@ use fivebar_kinematics::dynamics::{Arm, Link};
 use fivebar_kinematics::five_bar::{Geometry, Pose, Side, Tool, WorkingMode};
 use nalgebra::Vector2;
 
-/// Poses looked at across the range of each joint.
+/// Poses checked across the range of each joint.
 const GRID: u8 = 9;
 
 fn side(left: bool) -> Side {
@@ -51,23 +51,23 @@ impl Settings {
         side(self.assembly_left)
     }
 
-    /// What each motor gives its joint at peak current [N·m].
+    /// The torque of each joint at its motor's peak current [N·m].
     pub fn peak_torque(&self) -> [f32; 2] {
         self.axes
             .map(|axis| Scalar::abs(axis.gear_ratio) * axis.torque_constant * axis.peak_current)
     }
 
     /// Whether a pose is on the branch and keeps the margin from singularities.
-    fn stands_clear(&self, tool: &Tool<f32>, pose: &Pose<f32>) -> bool {
+    fn keeps_margin(&self, tool: &Tool<f32>, pose: &Pose<f32>) -> bool {
         tool.working_mode(pose) == self.working_mode()
             && tool.nearest_singularity(pose).1 >= self.motion.singularity_margin
     }
 
-    /// The inertia [kg·m²] that each joint shows, the other standing still, on the average
-    /// of the poses that the arm can take: the constant of independent-joint control.
+    /// The inertia [kg·m²] of each joint with the other joint at rest, averaged over the poses
+    /// that the arm can take: the constant of independent-joint control.
     ///
     /// # Errors
-    /// `NoPose` where the arm can take none.
+    /// `NoPose` if the arm can take no pose.
     pub(crate) fn nominal_inertia(
         &self,
         arm: &Arm<f32>,
@@ -85,7 +85,7 @@ impl Settings {
                     .geometry()
                     .forward(at(range1, i), at(range4, j), self.assembly());
                 let Ok(pose) = pose else { continue };
-                if !self.stands_clear(tool, &pose) {
+                if !self.keeps_margin(tool, &pose) {
                     continue;
                 }
                 if let Ok(matrix) = arm.mass_matrix(&pose) {

@@ -1,6 +1,6 @@
-//! The settings of the benchtop arm, `sim-harness/robots/benchtop.toml`, which says where
-//! each figure comes from: what a board without stored settings starts with, and what the
-//! arm's arithmetic is measured on.
+//! The settings of the benchtop arm, `sim-harness/robots/benchtop.toml`, which
+//! gives the source of each value. A board without stored settings starts with these, and the
+//! instruction counts are measured with them.
 
 use super::{
     AxisSettings, ControlSettings, HomingSettings, LinkSettings, MotionSettings,

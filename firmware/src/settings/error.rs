@@ -1,4 +1,4 @@
-//! What is wrong with settings, by field.
+//! Why settings are invalid, by field.
 
 use core::fmt;
 use fivebar_kinematics::dynamics::ModelError;
@@ -60,15 +60,15 @@ pub enum Field {
 /// Why settings are refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SettingsError {
-    /// The lengths are not a five-bar.
+    /// The lengths are not those of a five-bar.
     Geometry(GeometryError),
-    /// Masses or inertias are not sound.
+    /// A mass or an inertia is invalid.
     Inertia(ModelError),
     /// A field of joint 1 or 4.
     Axis(u8, AxisField),
     /// Another field.
     Field(Field),
-    /// No pose within the joint limits is on the branch and clear of singularities.
+    /// No pose within the joint limits is on the branch and keeps the singularity margin.
     NoPose,
 }
 

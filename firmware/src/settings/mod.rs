@@ -1,5 +1,6 @@
-//! Everything the controller is told about its arm: SI units, `f32`, one flat value that
-//! is stored, sent and validated whole.
+//! What the controller knows of its arm, in SI units and `f32`. [`Settings`] are one flat value
+//! that is stored and sent as a whole; [`Settings::check`] makes [`CheckedSettings`] of them, which
+//! the controller takes.
 
 mod arm;
 mod benchtop;
@@ -24,7 +25,7 @@ pub struct LinkSettings {
 /// One driven joint: its motor, gear, encoder and limits.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AxisSettings {
-    /// Motor turns per joint turn, below zero where the motor turns against its joint.
+    /// Motor turns per joint turn; negative if the motor turns against its joint.
     pub gear_ratio: f32,
     /// Rotor inertia at the motor shaft [kg·m²].
     pub rotor_inertia: f32,
@@ -52,7 +53,7 @@ pub struct AxisSettings {
     pub max_acceleration: f32,
     /// Peak motor current [A].
     pub peak_current: f32,
-    /// Current the motor bears for ever [A].
+    /// Continuous motor current [A].
     pub continuous_current: f32,
     /// Time constant of the motor's heating [s].
     pub thermal_time_constant: f32,
@@ -62,16 +63,16 @@ pub struct AxisSettings {
     pub current_zero_code: u16,
 }
 
-/// How the loops are closed.
+/// The control loops.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ControlSettings {
     /// Tick rate [Hz].
     pub tick_rate: f32,
     /// Bandwidth of the position loop [rad/s].
     pub bandwidth: f32,
-    /// Its damping ratio; the integral comes on top.
+    /// Its damping ratio, without the integral.
     pub damping: f32,
-    /// Rate at which the integral action takes up a steady error [rad/s]; 0 turns it off.
+    /// Rate at which the integral removes a constant error [rad/s]; 0 turns it off.
     pub integral_rate: f32,
     /// Bandwidth of the velocity observer [rad/s].
     pub observer_bandwidth: f32,
@@ -83,12 +84,12 @@ pub struct ControlSettings {
     pub computed_torque: bool,
 }
 
-/// How the joints look for their home switches.
+/// The search for the home switches.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HomingSettings {
-    /// Speed of the first approach [rad/s]; the second goes at an eighth of it.
+    /// Speed of the first approach [rad/s]; the second approach has an eighth of it.
     pub speed: f32,
-    /// How far to back off a closed switch [rad].
+    /// Distance to back off from a closed switch [rad].
     pub back_off: f32,
     /// Greatest motor current while homing [A].
     pub current: f32,
@@ -103,14 +104,15 @@ pub struct MotionSettings {
     pub max_acceleration: f32,
     /// Greatest jerk of the tool [m/s³].
     pub max_jerk: f32,
-    /// How far a rounded corner may leave the path [m]; 0 stops at corners.
+    /// Corner tolerance: greatest distance of a rounded corner from the path [m]; with 0 the tool
+    /// stops at corners.
     pub corner_tolerance: f32,
-    /// Least |sin| of the angle at an elbow or at C that is planned: the distance kept from
-    /// singularities. The arm trips at half of it.
+    /// Least |sin| of the angle at an elbow or at C on planned paths. At half of it, the arm has
+    /// left its envelope, which is a fault.
     pub singularity_margin: f32,
 }
 
-/// When protection trips.
+/// The trip points of the monitor.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ProtectionSettings {
     /// Greatest joint position error [rad].
@@ -119,15 +121,16 @@ pub struct ProtectionSettings {
     pub over_speed: f32,
     /// Motor current that is a fault [A].
     pub over_current: f32,
-    /// Bus voltage below and above which the arm stops [V].
+    /// Least and greatest bus voltage [V].
     pub bus_voltage: [f32; 2],
     /// Bus voltage per ADC code [V].
     pub bus_voltage_per_code: f32,
-    /// Silence of the host that is a fault while moving [s].
+    /// Silence of the host that is a fault while the arm moves [s].
     pub command_timeout: f32,
 }
 
-/// The controller's whole configuration. Index 0 of a pair is joint 1, index 1 joint 4.
+/// The controller's whole configuration, not checked yet. Index 0 of a pair is joint 1, index 1
+/// joint 4.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
     /// l1…l4 and the base [m].
@@ -138,7 +141,7 @@ pub struct Settings {
     pub payload: f32,
     /// In-plane gravity [m/s²].
     pub gravity: [f32; 2],
-    /// The tool from C, along link 2 and to its left [m].
+    /// The tool's position from C, along link 2 and to its left [m].
     pub tool_offset: [f32; 2],
     /// Whether each elbow turns left at home, leg 1 being A–B–tool: the working mode.
     pub elbows_left: [bool; 2],

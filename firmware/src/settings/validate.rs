@@ -1,13 +1,13 @@
-//! Every number looked at once, before a controller is made of it.
+//! The check of settings, field by field.
 
 use super::{AxisField, AxisSettings, Field, Settings, SettingsError};
 use core::f32::consts::TAU;
 use fivebar_kinematics::Scalar;
 
-/// Counts of a whole turn that `f32` still tells apart, with two bits to spare.
+/// Counts of a whole turn that `f32` can resolve, with two bits to spare.
 const MAX_COUNTS_PER_TURN: f32 = 4_194_304.0;
 
-// Asked for dozens of times, and never in a hurry.
+// Called in many places, not time-critical: not inlined, to save flash.
 #[inline(never)]
 fn positive(value: f32) -> bool {
     value > 0.0 && value.is_finite()
@@ -22,7 +22,7 @@ fn rising([low, high]: [f32; 2]) -> bool {
     low < high && low.is_finite() && high.is_finite()
 }
 
-/// The first rule that does not hold.
+/// The field of the first rule that is broken.
 fn first_broken<F: Copy>(rules: &[(bool, F)]) -> Option<F> {
     rules
         .iter()

@@ -1,4 +1,4 @@
-//! A flash whose driver waits, as the storage library wants it: asynchronous.
+//! A flash with a blocking driver behind the asynchronous traits that the storage library needs.
 
 use core::future::Future;
 use core::pin::pin;
@@ -6,7 +6,7 @@ use core::task::{Context, Poll, Waker};
 use embedded_storage::nor_flash::{NorFlash, ReadNorFlash};
 use embedded_storage_async::nor_flash as asynchronous;
 
-/// A flash whose operations are over when they return.
+/// A flash whose operations are complete when they return.
 pub(super) struct Blocking<F>(pub(super) F);
 
 impl<F: ReadNorFlash> asynchronous::ErrorType for Blocking<F> {
@@ -38,7 +38,7 @@ impl<F: NorFlash> asynchronous::NorFlash for Blocking<F> {
     }
 }
 
-/// The result of a future that only ever waits on [`Blocking`] flash: it is ready at the
+/// The result of a future that waits for [`Blocking`] flash only. Such a future is ready at its
 /// first poll, so no executor is needed.
 pub(super) fn finish<T>(future: impl Future<Output = T>) -> T {
     let mut future = pin!(future);

@@ -1,11 +1,11 @@
-//! Settings in flash that survive a power cut at any moment: old or new, never neither.
+//! Settings in flash that survive a power cut at any moment: the old or the new ones are there.
 //!
-//! Two halves, each a log of items by `sequential-storage` with a CRC-32 on every item. A
-//! save goes to the half that does *not* hold the newest settings, with a number one
-//! higher; a load takes the higher number. So nothing that a save writes, erases or leaves
-//! half erased can touch what would be needed if it failed. (One log would not do: it
-//! erases a sector soon after it copied the settings out of it, and a sector whose erase
-//! was cut short can look as if it were in use, which hides the copy.)
+//! The flash has two halves, each a log of items by `sequential-storage` with a CRC-32 on every
+//! item. A save goes to the half that does *not* hold the newest settings, with a number one
+//! higher; a load takes the item with the higher number. A save that fails therefore leaves the
+//! older settings in the other half untouched. (One log is not enough: it erases a sector soon
+//! after it has copied the settings out of it, and a sector whose erase was interrupted can look
+//! as if it were in use, which hides the copy.)
 
 mod blocking;
 
@@ -18,23 +18,23 @@ use sequential_storage::cache::{Cache, Uncached};
 use sequential_storage::map::{MapConfig, MapStorage, PostcardValue};
 use serde::{Deserialize, Serialize};
 
-/// Layout of the stored settings, the key they are stored by: another number for every
-/// change of [`Settings`], so that firmware never reads another's bytes as its own.
+/// Layout of the stored settings, and the key under which they are stored. Every change of
+/// [`Settings`] needs a new number, so that firmware never reads the bytes of another layout.
 pub const LAYOUT: u8 = 1;
 
-/// Room for an item, its key and its padding, in bytes.
+/// Room for an item, its key and its padding [bytes].
 const BUFFER: usize = 512;
 
-/// Why there are no settings, or none could be stored. In all cases the arm must not be
-/// armed with settings of the program's own choice.
+/// Why there are no settings, or why they could not be stored. In all cases the arm must not be
+/// armed on default settings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum StorageError {
     /// Nothing was ever stored: the flash is blank.
     Blank,
-    /// Something is stored, but no undamaged settings of this [`LAYOUT`].
+    /// The flash is not blank and holds no undamaged settings of this [`LAYOUT`].
     Corrupt,
-    /// The flash refused to be read, written or erased.
+    /// The flash could not be read, written or erased.
     Flash,
     /// The range is not two halves of two or more whole sectors each.
     Range,
@@ -49,20 +49,20 @@ struct Item {
 
 impl PostcardValue<'_> for Item {}
 
-/// The buffer, aligned as some flash controllers want what they write.
+/// The buffer, aligned as some flash controllers need it.
 #[repr(align(8))]
 struct Buffer([u8; BUFFER]);
 
 type Log<'f, F> = MapStorage<u8, Blocking<&'f mut F>, Cache<Uncached, Uncached, Uncached, u8>>;
 
-/// Settings kept in sectors of a flash `F` that nothing else uses.
+/// Settings in sectors of a flash `F` that nothing else uses.
 pub struct SettingsStorage<F> {
     flash: F,
     halves: [Range<u32>; 2],
 }
 
 impl<F: NorFlash> SettingsStorage<F> {
-    /// Storage in these addresses of `flash`: four sectors, or any multiple of two above.
+    /// Storage at these addresses of `flash`: four sectors, or a larger even number of them.
     ///
     /// # Errors
     /// [`StorageError::Range`].
@@ -75,7 +75,7 @@ impl<F: NorFlash> SettingsStorage<F> {
         Ok(Self { flash, halves })
     }
 
-    /// The settings saved last. May erase a sector that a power cut left half erased.
+    /// The settings saved last, not checked. May erase a sector that a power cut left half erased.
     ///
     /// # Errors
     /// [`StorageError::Blank`], [`StorageError::Corrupt`] or [`StorageError::Flash`].
@@ -87,19 +87,20 @@ impl<F: NorFlash> SettingsStorage<F> {
         }
     }
 
-    /// Stores settings. When this returns, they are what [`load`](Self::load) gives; if the
-    /// power fails meanwhile, it gives these or the ones before. Erasing a large sector
-    /// stalls an STM32F4 for up to 2.6 s: only while nothing moves.
+    /// Stores settings. Afterwards [`load`](Self::load) returns them; if the power fails
+    /// meanwhile, it returns these or the ones before. Erasing a large sector stalls an STM32F4
+    /// for up to 2.6 s: call it only while nothing moves.
     ///
     /// # Errors
-    /// [`StorageError::Flash`], or [`StorageError::Corrupt`] where the flash does not keep
-    /// what it is given.
+    /// [`StorageError::Flash`], or [`StorageError::Corrupt`] if the flash does not keep what is
+    /// written.
     pub fn save(&mut self, settings: &Settings) -> Result<(), StorageError> {
-        // Damage can hide a newer item until writing repairs it: then number past that one.
+        // Damage can hide a newer item until writing repairs it; the second pass then uses a
+        // higher number.
         for _ in 0..2 {
             let (item, half) = self.next(settings)?;
             if self.append(&half, &item).is_err() {
-                // Nothing in this half is newest, so it may be made anew.
+                // This half does not hold the newest item, so it may be erased.
                 finish(log(&mut self.flash, &half)?.erase_all())?;
                 self.append(&half, &item)?;
             }
@@ -122,8 +123,8 @@ impl<F: NorFlash> SettingsStorage<F> {
         Ok((Item { number, settings }, half))
     }
 
-    /// Appends an item to a half and reads it back: after damage, what is written need not
-    /// be what is found, and what was hidden can come to light with the same number.
+    /// Appends an item to a half and reads it back: after damage, another item may be read, even
+    /// a hidden one with the same number.
     fn append(&mut self, half: &Range<u32>, item: &Item) -> Result<(), StorageError> {
         let mut buffer = Buffer([0; BUFFER]);
         let mut log = log(&mut self.flash, half)?;
@@ -145,7 +146,7 @@ impl<F: NorFlash> SettingsStorage<F> {
                 Err(Error::Storage { .. }) => return Err(StorageError::Flash),
                 Ok(None) | Err(_) => continue,
             };
-            // Numbers wrap: of two, the one less than half a turn ahead is the newer.
+            // Numbers wrap: the newer one is ahead by less than half the range.
             let is_newer = newest
                 .as_ref()
                 .is_none_or(|(other, _)| item.number.wrapping_sub(other.number).cast_signed() > 0);
@@ -192,7 +193,7 @@ impl<E> From<Error<E>> for StorageError {
 impl core::fmt::Display for StorageError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {
-            Self::Blank => "no settings were ever stored",
+            Self::Blank => "no settings are stored",
             Self::Corrupt => "the stored settings are damaged or of another firmware",
             Self::Flash => "the flash memory could not be read or written",
             Self::Range => "the flash range is not two halves of two or more whole sectors",

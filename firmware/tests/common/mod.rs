@@ -3,17 +3,17 @@
 #![allow(dead_code, reason = "each test file uses its own part")]
 
 use fivebar_firmware::controller::{self, JointReference, Snapshot};
-use fivebar_firmware::planner::{MoveRefusal, Reason};
+use fivebar_firmware::planner::{MoveError, MoveErrorKind};
 use fivebar_firmware::protocol::{
-    Board, ControllerMessage, HostMessage, Identity, Order, Refusal, Reply, Reset, Section,
-    SectionKey, Sequence, StackUse, Telemetry, Ticked, VERSION,
+    Board, CommandError, ControllerMessage, HostCommand, HostMessage, Identity, Reply, Reset,
+    Section, SectionKey, Sequence, StackUse, StepResult, Telemetry, VERSION,
 };
 use fivebar_firmware::safety::{Fault, Limits, State};
 use fivebar_firmware::settings::{
     AxisSettings, ControlSettings, HomingSettings, LinkSettings, MotionSettings, ProtectionSettings,
 };
 use fivebar_firmware::storage::StorageError;
-use fivebar_firmware::{Command, Move, MoveKind, Request, Sensed, Status};
+use fivebar_firmware::{ActuatorCommand, Move, MoveKind, Request, SensorSample, Status};
 use proptest::prelude::*;
 
 /// Every bit pattern of an `f32`, those that are no number included.
@@ -51,7 +51,7 @@ fn a_move() -> impl Strategy<Value = Move> {
     (any::<u32>(), move_kind(number())).prop_map(|(tag, kind)| Move { tag, kind })
 }
 
-fn sensed() -> impl Strategy<Value = Sensed> {
+fn sensor_sample() -> impl Strategy<Value = SensorSample> {
     (
         any::<[i32; 2]>(),
         any::<[u16; 2]>(),
@@ -63,7 +63,7 @@ fn sensed() -> impl Strategy<Value = Sensed> {
     )
         .prop_map(
             |(counts, current, bus_voltage, home, emergency_stop, driver_fault, missed_ticks)| {
-                Sensed {
+                SensorSample {
                     counts,
                     current,
                     bus_voltage,
@@ -171,26 +171,26 @@ pub(crate) fn section() -> impl Strategy<Value = Section> {
 
 /// Any message of a host.
 pub(crate) fn host_message() -> impl Strategy<Value = HostMessage> {
-    let order = prop_oneof![
+    let command = prop_oneof![
         (any::<u16>(), any::<u32>())
-            .prop_map(|(version, session)| Order::Hello { version, session }),
+            .prop_map(|(version, session)| HostCommand::Hello { version, session }),
         prop::sample::select(vec![
-            Order::Status,
-            Order::Snapshot,
-            Order::ApplySettings,
-            Order::SaveSettings,
-            Order::Stack,
+            HostCommand::Status,
+            HostCommand::Snapshot,
+            HostCommand::ApplySettings,
+            HostCommand::SaveSettings,
+            HostCommand::Stack,
         ]),
-        request().prop_map(Order::Request),
-        a_move().prop_map(Order::Move),
-        section_key().prop_map(Order::GetSection),
-        section().prop_map(Order::SetSection),
-        any::<u16>().prop_map(|every| Order::Telemetry { every }),
-        sensed().prop_map(Order::Tick),
+        request().prop_map(HostCommand::Request),
+        a_move().prop_map(HostCommand::Move),
+        section_key().prop_map(HostCommand::GetSection),
+        section().prop_map(HostCommand::SetSection),
+        any::<u16>().prop_map(|every| HostCommand::Telemetry { every }),
+        sensor_sample().prop_map(HostCommand::Tick),
     ];
-    (any::<u16>(), order).prop_map(|(sequence, order)| HostMessage {
+    (any::<u16>(), command).prop_map(|(sequence, command)| HostMessage {
         sequence: Sequence(sequence),
-        order,
+        command,
     })
 }
 
@@ -289,48 +289,48 @@ fn snapshot() -> impl Strategy<Value = Snapshot> {
     )
 }
 
-fn ticked() -> impl Strategy<Value = Ticked> {
+fn step_result() -> impl Strategy<Value = StepResult> {
     (status(), any::<[bool; 3]>(), any::<u32>()).prop_map(|(status, on, instructions)| {
         let [enable1, enable4, brake] = on;
-        let command = Command {
+        let command = ActuatorCommand {
             duty: status.duty,
             enable: [enable1, enable4],
             brake,
         };
-        Ticked::new(command, &status, instructions)
+        StepResult::new(command, &status, instructions)
     })
 }
 
-fn move_refusal() -> impl Strategy<Value = MoveRefusal> {
-    let reason = prop_oneof![
-        state().prop_map(Reason::State),
-        Just(Reason::Full),
-        any::<u8>().prop_map(Reason::Torque),
-        Just(Reason::TooLong),
+fn move_error() -> impl Strategy<Value = MoveError> {
+    let kind = prop_oneof![
+        state().prop_map(MoveErrorKind::State),
+        Just(MoveErrorKind::Full),
+        any::<u8>().prop_map(MoveErrorKind::Torque),
+        Just(MoveErrorKind::TooLong),
     ];
-    (any::<u32>(), reason, prop::option::of(pair())).prop_map(|(tag, reason, point)| MoveRefusal {
+    (any::<u32>(), kind, prop::option::of(pair())).prop_map(|(tag, kind, point)| MoveError {
         tag,
-        reason,
+        kind,
         point,
     })
 }
 
-fn refusal() -> impl Strategy<Value = Refusal> {
+fn command_error() -> impl Strategy<Value = CommandError> {
     prop_oneof![
-        any::<u16>().prop_map(Refusal::Version),
-        any::<u16>().prop_map(|next| Refusal::OutOfSequence(Sequence(next))),
-        state().prop_map(|state| Refusal::Request(controller::Refusal::State(state))),
-        move_refusal().prop_map(Refusal::Move),
+        any::<u16>().prop_map(CommandError::Version),
+        any::<u16>().prop_map(|next| CommandError::OutOfSequence(Sequence(next))),
+        state().prop_map(|state| CommandError::Request(controller::RequestError::State(state))),
+        move_error().prop_map(CommandError::Move),
         prop::sample::select(vec![
-            Refusal::NoSession,
-            Refusal::Unsupported,
-            Refusal::Request(controller::Refusal::NotHomed),
-            Refusal::Request(controller::Refusal::Moving),
-            Refusal::NoSettings,
-            Refusal::NoSection,
-            Refusal::Settings,
-            Refusal::Storage(StorageError::Blank),
-            Refusal::Storage(StorageError::Range),
+            CommandError::NoSession,
+            CommandError::Unsupported,
+            CommandError::Request(controller::RequestError::NotHomed),
+            CommandError::Request(controller::RequestError::Moving),
+            CommandError::NoSettings,
+            CommandError::NoSection,
+            CommandError::Settings,
+            CommandError::Storage(StorageError::Blank),
+            CommandError::Storage(StorageError::Range),
         ]),
     ]
 }
@@ -356,14 +356,14 @@ pub(crate) fn controller_message() -> impl Strategy<Value = ControllerMessage> {
             reset,
         });
     let reply = prop_oneof![
-        refusal().prop_map(Reply::Refused),
+        command_error().prop_map(Reply::Refused),
         Just(Reply::Done),
         identity.prop_map(Reply::Hello),
         (status(), any::<u8>()).prop_map(|(status, room)| Reply::Status { status, room }),
         prop::option::of(snapshot()).prop_map(Reply::Snapshot),
         any::<u8>().prop_map(|room| Reply::Taken { room }),
         section().prop_map(Reply::Section),
-        ticked().prop_map(Reply::Ticked),
+        step_result().prop_map(Reply::StepResult),
         any::<[u32; 2]>().prop_map(|[most, size]| Reply::Stack(StackUse { most, size })),
     ];
     prop_oneof![

@@ -4,11 +4,11 @@ use crate::rig;
 use fivebar_firmware::controller::Controller;
 use fivebar_firmware::protocol::{Board as Kind, Reset};
 use fivebar_firmware::protocol::{
-    ControllerMessage, Decoder, Frame, HostMessage, Identity, Order, Reply, Sequence, VERSION,
+    ControllerMessage, Decoder, Frame, HostCommand, HostMessage, Identity, Reply, Sequence, VERSION,
 };
 use fivebar_firmware::session::{Board, Session};
 use fivebar_firmware::storage::StorageError;
-use fivebar_firmware::{Command, Planner, Request, Sensed, Settings};
+use fivebar_firmware::{ActuatorCommand, Planner, Request, SensorSample, Settings};
 
 /// A board in memory, whose plant is frames.
 pub(crate) struct Memory {
@@ -28,8 +28,12 @@ impl Board for Memory {
         self.tick_rate
     }
 
-    fn tick(&mut self, controller: &mut Controller, sensed: &Sensed) -> Option<(Command, u32)> {
-        Some((controller.tick(sensed), 0))
+    fn tick(
+        &mut self,
+        controller: &mut Controller,
+        sample: &SensorSample,
+    ) -> Option<(ActuatorCommand, u32)> {
+        Some((controller.tick(sample), 0))
     }
 }
 
@@ -45,7 +49,7 @@ pub(crate) struct Desk {
     pub(crate) start: [f32; 2],
 }
 
-pub(crate) const HELLO: Order = Order::Hello {
+pub(crate) const HELLO: HostCommand = HostCommand::Hello {
     version: VERSION,
     session: 1,
 };
@@ -91,28 +95,28 @@ impl Desk {
         let mut desk = Self::greeted();
         desk.tick();
         assert_eq!(
-            desk.ask(Order::Request(Request::SetAngles(rig::START))),
+            desk.ask(HostCommand::Request(Request::SetAngles(rig::START))),
             Reply::Done
         );
-        assert_eq!(desk.ask(Order::Request(Request::Arm)), Reply::Done);
+        assert_eq!(desk.ask(HostCommand::Request(Request::Arm)), Reply::Done);
         let (tool, _) = desk.controller.hold_position().expect("held");
         desk.start = [tool.x, tool.y];
         desk
     }
 
-    /// The frame that answers an order of this number.
-    pub(crate) fn send(&mut self, sequence: Sequence, order: Order) -> Option<Frame> {
+    /// The frame that answers a command of this number.
+    pub(crate) fn send(&mut self, sequence: Sequence, command: HostCommand) -> Option<Frame> {
         self.session.answer(
-            &HostMessage { sequence, order },
+            &HostMessage { sequence, command },
             &mut self.controller,
             &mut self.planner,
             &mut self.board,
         )
     }
 
-    /// The reply to an order of this number.
-    pub(crate) fn reply_to(&mut self, sequence: Sequence, order: Order) -> Option<Reply> {
-        let frame = self.send(sequence, order)?;
+    /// The reply to a command of this number.
+    pub(crate) fn reply_to(&mut self, sequence: Sequence, command: HostCommand) -> Option<Reply> {
+        let frame = self.send(sequence, command)?;
         match read(&frame) {
             ControllerMessage::Reply {
                 sequence: of,
@@ -125,17 +129,17 @@ impl Desk {
         }
     }
 
-    /// The reply to the next order.
-    pub(crate) fn ask(&mut self, order: Order) -> Reply {
+    /// The reply to the next command.
+    pub(crate) fn ask(&mut self, command: HostCommand) -> Reply {
         self.last = self.last.next();
-        self.reply_to(self.last, order).expect("an answer")
+        self.reply_to(self.last, command).expect("an answer")
     }
 
     /// One tick in lockstep.
     pub(crate) fn tick(&mut self) {
-        let sensed = self.bench.sense();
-        match self.ask(Order::Tick(sensed)) {
-            Reply::Ticked(ticked) => self.bench.step(&ticked.command),
+        let sample = self.bench.sense();
+        match self.ask(HostCommand::Tick(sample)) {
+            Reply::StepResult(result) => self.bench.step(&result.command),
             other => panic!("{other:?}"),
         }
     }

@@ -8,9 +8,9 @@
 )]
 
 use fivebar_firmware::controller::{Controller, Request};
-use fivebar_firmware::planner::{MoveRefusal, Planner};
+use fivebar_firmware::planner::{MoveError, Planner};
 use fivebar_firmware::settings::{AxisSettings, ControlSettings, ProtectionSettings, Settings};
-use fivebar_firmware::{Command, Move, MoveKind, Sensed};
+use fivebar_firmware::{ActuatorCommand, Move, MoveKind, SensorSample};
 use fivebar_kinematics::dynamics::{Arm, Link};
 use fivebar_kinematics::five_bar::{Geometry, Side};
 use nalgebra::Vector2;
@@ -59,12 +59,12 @@ pub(crate) struct Bench {
     /// Bus voltage [V].
     pub(crate) bus: f64,
     /// What the sensors would say besides.
-    pub(crate) overlay: Sensed,
+    pub(crate) overlay: SensorSample,
     /// What both switches say whatever the arm does.
     pub(crate) stuck: Option<[bool; 2]>,
     /// Added to the counts.
     pub(crate) extra_counts: [i32; 2],
-    command: Command,
+    command: ActuatorCommand,
 }
 
 impl Bench {
@@ -92,15 +92,15 @@ impl Bench {
             current: [0.0; 2],
             push: [0.0; 2],
             bus: 24.0,
-            overlay: Sensed::default(),
+            overlay: SensorSample::default(),
             stuck: None,
             extra_counts: [0; 2],
-            command: Command::default(),
+            command: ActuatorCommand::default(),
         }
     }
 
     /// The samples of this instant.
-    pub(crate) fn sense(&self) -> Sensed {
+    pub(crate) fn sense(&self) -> SensorSample {
         let axes = &self.settings.axes;
         let counts = |joint: usize| {
             let turns = self.theta[joint] / TAU * f64::from(axes[joint].gear_ratio);
@@ -116,7 +116,7 @@ impl Bench {
             let beyond = self.theta[joint] - f64::from(axis.home_angle);
             (beyond >= 0.0) == axis.home_forward
         };
-        Sensed {
+        SensorSample {
             home: self.stuck.unwrap_or([switch(0), switch(1)]),
             counts: [counts(0), counts(1)],
             current: [code(0), code(1)],
@@ -126,7 +126,7 @@ impl Bench {
     }
 
     /// Lets a tick pass; `command` acts from the next one on.
-    pub(crate) fn step(&mut self, command: &Command) {
+    pub(crate) fn step(&mut self, command: &ActuatorCommand) {
         const STEPS: u32 = 5;
         let acting = std::mem::replace(&mut self.command, *command);
         let dt = 1.0 / f64::from(self.settings.control.tick_rate) / f64::from(STEPS);
@@ -206,19 +206,19 @@ impl Rig {
     }
 
     /// Runs so many ticks and gives the last command.
-    pub(crate) fn run(&mut self, ticks: u32) -> Command {
-        (0..ticks).fold(Command::default(), |_, _| self.tick())
+    pub(crate) fn run(&mut self, ticks: u32) -> ActuatorCommand {
+        (0..ticks).fold(ActuatorCommand::default(), |_, _| self.tick())
     }
 
     /// One tick with a planner that keeps up and a host that is heard.
-    pub(crate) fn tick(&mut self) -> Command {
+    pub(crate) fn tick(&mut self) -> ActuatorCommand {
         self.controller.feed_host_timeout();
         self.planner.run(&mut self.controller);
         self.tick_alone()
     }
 
     /// One tick without planner and host.
-    pub(crate) fn tick_alone(&mut self) -> Command {
+    pub(crate) fn tick_alone(&mut self) -> ActuatorCommand {
         let command = self.controller.tick(&self.bench.sense());
         self.bench.step(&command);
         command
@@ -237,7 +237,7 @@ impl Rig {
     }
 
     /// Gives the planner a move.
-    pub(crate) fn push(&mut self, tag: u32, kind: MoveKind) -> Result<(), MoveRefusal> {
+    pub(crate) fn push(&mut self, tag: u32, kind: MoveKind) -> Result<(), MoveError> {
         self.planner.push(&mut self.controller, &Move { tag, kind })
     }
 

@@ -7,7 +7,7 @@ use fivebar::input::scenario::Mismatch;
 use fivebar::run::link::{Loopback, Target};
 use fivebar::run::plant::Plant;
 use fivebar::run::simulation::{Record, Simulation};
-use fivebar_firmware::{Command, Move, MoveKind, Sensed, Settings};
+use fivebar_firmware::{ActuatorCommand, Move, MoveKind, SensorSample, Settings};
 
 pub(crate) fn robot() -> Robot {
     Robot::load(BuiltIn::DEFAULT).expect("the default robot")
@@ -65,7 +65,7 @@ pub(crate) fn run(target: &mut impl Target) -> Record {
 pub(crate) fn driving() -> Loopback {
     let mut plant = plant();
     let period = 1.0 / robot().control.tick_rate;
-    let step = move |command: &Command| -> Sensed {
+    let step = move |command: &ActuatorCommand| -> SensorSample {
         plant.step(command, period);
         plant.sense()
     };

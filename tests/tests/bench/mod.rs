@@ -9,19 +9,19 @@ use fivebar::input::scenario::{FaultKind, Mismatch};
 use fivebar::run::link::{Client, FaultInjector, FaultRates, Loopback};
 use fivebar::run::plant::Plant;
 use fivebar_firmware::protocol::{
-    ControllerMessage, Order, Refusal, Reply, Sequence, Ticked, encode,
+    CommandError, ControllerMessage, HostCommand, Reply, Sequence, StepResult, encode,
 };
 use fivebar_firmware::safety::{Fault, Response, State};
 use fivebar_firmware::{Move, MoveKind, Request, Settings, Status};
 use nalgebra::Vector2;
 use std::io::{Read, Write};
 
-/// What `docs/faults.md` says of a mishap.
+/// What `docs/faults.md` says of a injected fault.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stated {
     /// The fault that it raises.
     pub(crate) fault: Fault,
-    /// The tick after the mishap in which that is latched at the latest.
+    /// The tick after the injected fault in which that is latched at the latest.
     pub(crate) within: u32,
     /// Ticks after that in which the arm has come to rest, where it is stopped and held.
     pub(crate) at_rest: Option<u32>,
@@ -30,14 +30,14 @@ pub(crate) struct Stated {
 /// The page that states what is tested.
 pub(crate) const DOCUMENT: &str = include_str!("../../../docs/faults.md");
 
-/// The row of the table of mishaps that names this test.
+/// The row of the table of injected faults that names this test.
 #[track_caller]
 pub(crate) fn stated(test: &str) -> Stated {
     let name = format!("`{test}`");
-    let (_, mishaps) = DOCUMENT
+    let (_, injected_faults) = DOCUMENT
         .split_once("## Injected faults")
         .expect("the table");
-    let row = mishaps
+    let row = injected_faults
         .lines()
         .map(|line| line.split('|').map(str::trim).collect::<Vec<_>>())
         .find(|cells| cells.len() == 7 && cells[5] == name)
@@ -126,8 +126,8 @@ impl<L: Read + Write> Bench<L> {
     pub(crate) fn moving_on(line: L, rates: FaultRates) -> Self {
         let mut bench = Self::with(line, rates, |_| ());
         let angles = [0, 1].map(|joint| bench.plant.angle(joint) as f32);
-        bench.is_done(Order::Request(Request::SetAngles(angles)));
-        bench.is_done(Order::Request(Request::Arm));
+        bench.is_done(HostCommand::Request(Request::SetAngles(angles)));
+        bench.is_done(HostCommand::Request(Request::Arm));
         let reply = bench.ask(bench.a_move());
         assert!(matches!(reply, Reply::Taken { .. }), "{reply:?}");
         for _ in 0..480 {
@@ -145,10 +145,10 @@ impl<L: Read + Write> Bench<L> {
     }
 
     /// A line to the other side.
-    fn a_move(&self) -> Order {
+    fn a_move(&self) -> HostCommand {
         let [_, to] = ends();
         let kind = MoveKind::Line { to, feed: 0.1 };
-        Order::Move(Move { tag: 1, kind })
+        HostCommand::Move(Move { tag: 1, kind })
     }
 
     /// Lets something go wrong now.
@@ -158,33 +158,33 @@ impl<L: Read + Write> Bench<L> {
 
     /// What both answer.
     #[track_caller]
-    pub(crate) fn ask(&mut self, order: Order) -> Reply {
-        let there = self.board.call(order).expect("an answer");
-        let here = self.twin.call(order).expect("an answer");
+    pub(crate) fn ask(&mut self, command: HostCommand) -> Reply {
+        let there = self.board.call(command).expect("an answer");
+        let here = self.twin.call(command).expect("an answer");
         assert_eq!(
             bits(there),
             bits(here),
-            "{order:?}: {there:?} on the board, {here:?} in this process"
+            "{command:?}: {there:?} on the board, {here:?} in this process"
         );
         there
     }
 
     #[track_caller]
-    pub(crate) fn is_done(&mut self, order: Order) {
-        assert_eq!(self.ask(order), Reply::Done, "{order:?}");
+    pub(crate) fn is_done(&mut self, command: HostCommand) {
+        assert_eq!(self.ask(command), Reply::Done, "{command:?}");
     }
 
     #[track_caller]
-    pub(crate) fn is_refused(&mut self, order: Order) -> Refusal {
-        match self.ask(order) {
+    pub(crate) fn is_refused(&mut self, command: HostCommand) -> CommandError {
+        match self.ask(command) {
             Reply::Refused(refusal) => refusal,
-            other => panic!("{order:?}: {other:?}"),
+            other => panic!("{command:?}: {other:?}"),
         }
     }
 
     #[track_caller]
     pub(crate) fn status(&mut self) -> Status {
-        match self.ask(Order::Status) {
+        match self.ask(HostCommand::Status) {
             Reply::Status { status, .. } => status,
             other => panic!("{other:?}"),
         }
@@ -192,17 +192,17 @@ impl<L: Read + Write> Bench<L> {
 
     /// One tick of arm and controllers.
     #[track_caller]
-    pub(crate) fn tick(&mut self) -> Ticked {
+    pub(crate) fn tick(&mut self) -> StepResult {
         self.ticks += 1;
         if self.host_talks && self.ticks.is_multiple_of(TALK_EVERY) {
             self.status();
         }
-        let sensed = self.plant.sense();
-        match self.ask(Order::Tick(sensed)) {
-            Reply::Ticked(ticked) => {
+        let sample = self.plant.sense();
+        match self.ask(HostCommand::Tick(sample)) {
+            Reply::StepResult(result) => {
                 let period = 1.0 / f64::from(self.settings.control.tick_rate);
-                self.plant.step(&ticked.command, period);
-                ticked
+                self.plant.step(&result.command, period);
+                result
             }
             other => panic!("{other:?}"),
         }
@@ -210,15 +210,15 @@ impl<L: Read + Write> Bench<L> {
 
     /// Ticks until the stated fault is latched, in time; the tick that latched it.
     #[track_caller]
-    pub(crate) fn faults(&mut self, stated: Stated) -> Ticked {
+    pub(crate) fn faults(&mut self, stated: Stated) -> StepResult {
         for count in 1..=stated.within {
-            let ticked = self.tick();
-            if ticked.state == State::Fault {
-                println!("{:?} in tick {count} of {}", ticked.fault, stated.within);
-                assert_eq!(ticked.fault, Some(stated.fault));
-                return ticked;
+            let result = self.tick();
+            if result.state == State::Fault {
+                println!("{:?} in tick {count} of {}", result.fault, stated.within);
+                assert_eq!(result.fault, Some(stated.fault));
+                return result;
             }
-            assert_eq!(ticked.fault, None);
+            assert_eq!(result.fault, None);
         }
         panic!("no fault within {} ticks", stated.within);
     }
@@ -228,21 +228,21 @@ impl<L: Read + Write> Bench<L> {
     #[track_caller]
     pub(crate) fn powers_off(&mut self, stated: Stated) {
         assert_eq!(stated.fault.response(), Response::PowerOff);
-        let ticked = self.faults(stated);
-        self.stays_off(ticked);
+        let result = self.faults(stated);
+        self.stays_off(result);
         self.is_cleared();
     }
 
     #[track_caller]
-    pub(crate) fn stays_off(&mut self, mut ticked: Ticked) {
-        let fault = ticked.fault;
+    pub(crate) fn stays_off(&mut self, mut result: StepResult) {
+        let fault = result.fault;
         for request in REQUESTS {
             for _ in 0..8 {
-                assert_eq!((ticked.state, ticked.fault), (State::Fault, fault));
-                is_off(&ticked);
-                ticked = self.tick();
+                assert_eq!((result.state, result.fault), (State::Fault, fault));
+                is_off(&result);
+                result = self.tick();
             }
-            self.is_refused(Order::Request(request));
+            self.is_refused(HostCommand::Request(request));
             self.is_refused(self.a_move());
         }
     }
@@ -255,14 +255,14 @@ impl<L: Read + Write> Bench<L> {
         let held = angles(&self.plant);
         for request in REQUESTS {
             for _ in 0..20 {
-                let ticked = self.tick();
-                assert_eq!(ticked.state, State::Fault);
-                assert_eq!(ticked.command.enable, [true; 2]);
+                let result = self.tick();
+                assert_eq!(result.state, State::Fault);
+                assert_eq!(result.command.enable, [true; 2]);
                 for (angle, held) in angles(&self.plant).into_iter().zip(held) {
                     assert!((angle - held).abs() < 1e-4, "{angle} after {held} rad");
                 }
             }
-            self.is_refused(Order::Request(request));
+            self.is_refused(HostCommand::Request(request));
             self.is_refused(self.a_move());
         }
     }
@@ -270,25 +270,25 @@ impl<L: Read + Write> Bench<L> {
     /// Clearing the fault leads to Stopped.
     #[track_caller]
     pub(crate) fn is_cleared(&mut self) {
-        self.is_done(Order::Request(Request::ClearFault));
-        let ticked = self.tick();
-        assert_eq!((ticked.state, ticked.fault), (State::Stopped, None));
-        is_off(&ticked);
+        self.is_done(HostCommand::Request(Request::ClearFault));
+        let result = self.tick();
+        assert_eq!((result.state, result.fault), (State::Stopped, None));
+        is_off(&result);
     }
 }
 
 /// Duties exactly zero, bridges off, brake on.
 #[track_caller]
-pub(crate) fn is_off(ticked: &Ticked) {
-    assert_eq!(ticked.command.duty.map(f32::to_bits), [0; 2], "{ticked:?}");
-    assert_eq!(ticked.command.enable, [false; 2]);
-    assert!(ticked.command.brake);
+pub(crate) fn is_off(result: &StepResult) {
+    assert_eq!(result.command.duty.map(f32::to_bits), [0; 2], "{result:?}");
+    assert_eq!(result.command.enable, [false; 2]);
+    assert!(result.command.brake);
 }
 
 /// An answer byte by byte, except for what only one end counts.
 fn bits(mut reply: Reply) -> Vec<u8> {
-    if let Reply::Ticked(ticked) = &mut reply {
-        ticked.instructions = 0;
+    if let Reply::StepResult(result) = &mut reply {
+        result.instructions = 0;
     }
     let sequence = Sequence(0);
     let message = ControllerMessage::Reply { sequence, reply };

@@ -1,4 +1,4 @@
-//! What the arm's mathematics costs on a Cortex-M4F, in executed instructions.
+//! The cost of the arm's mathematics on a Cortex-M4F, in executed instructions.
 //!
 //! Runs on the emulated board under `-icount shift=0` and prints a table by semihosting;
 //! `tests/data/instructions.txt` holds the table as last committed. Each line counts one
@@ -21,10 +21,10 @@ use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
 use fivebar_firmware::board::instructions::InstructionCounter;
 
-/// Repetitions of a call, so that the counter's step of 6 instructions divides away.
+/// Repetitions of a call: they divide the counter's step of 6 instructions.
 const REPETITIONS: u32 = 84;
 
-/// Counts `function` over `inputs`, the loop's own instructions taken off, and prints it.
+/// Counts `function` over `inputs`, without the instructions of the loop, and prints the result.
 fn count<I: Copy, O>(
     counter: &InstructionCounter,
     name: &str,
@@ -131,25 +131,25 @@ fn report(counter: &InstructionCounter) {
             count(counter, name, &[segment], paths::reference);
         }
     }
-    for course in &tick::COURSES {
-        count_ticks(counter, course);
+    for scenario in &tick::SCENARIOS {
+        count_ticks(counter, scenario);
     }
 }
 
-/// Counts every tick of a course, one call each.
-fn count_ticks(counter: &InstructionCounter, course: &tick::Course) {
-    let Some(mut run) = tick::Run::new(course) else {
-        hprintln!("the course was refused");
+/// Counts every tick of a scenario, one call each.
+fn count_ticks(counter: &InstructionCounter, scenario: &tick::Scenario) {
+    let Some(mut run) = tick::Run::new(scenario) else {
+        hprintln!("the scenario was refused");
         return;
     };
     let (mut ticks, mut sum, mut most) = (0, 0, 0);
-    while let Some(sensed) = run.next() {
-        let instructions = run.tick(counter, black_box(&sensed));
+    while let Some(sample) = run.next() {
+        let instructions = run.tick(counter, black_box(&sample));
         ticks += 1;
         sum += instructions;
         most = instructions.max(most);
     }
-    print(course.name, sum / ticks.max(1), most);
+    print(scenario.name, sum / ticks.max(1), most);
 }
 
 #[panic_handler]

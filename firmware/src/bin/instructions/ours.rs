@@ -1,5 +1,5 @@
-//! The library's solutions, each behind a call that cannot be inlined away, and the poses
-//! they are counted over.
+//! The library's solutions, each in a function that is not inlined, and the poses over which they
+//! are counted.
 
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::dynamics::{Arm, Link};
@@ -11,7 +11,7 @@ use nalgebra::Vector2;
 /// Elbows out: leg 1's to the left of the tool, leg 4's to the right.
 const MODE: WorkingMode = WorkingMode::new(Side::Right, Side::Left);
 
-/// One pose in motion, with all that the counted functions take.
+/// One pose in motion, with all inputs of the counted functions.
 #[derive(Clone, Copy)]
 pub(crate) struct Case {
     pub(crate) lengths: [f32; 5],

@@ -1,4 +1,4 @@
-//! Segments of path, as the tick evaluates them.
+//! Trajectory segments, as the tick evaluates them.
 
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::{Geometry, Side, Tool, WorkingMode, Workspace};

@@ -1,10 +1,10 @@
-//! The same solutions as one writes them at first: circle intersections with `libm`.
+//! The same solutions in their simplest form: circle intersections with `libm`.
 
 use crate::ours::Case;
 use fivebar_kinematics::PlanarVector;
 use nalgebra::Vector2;
 
-/// The tool point from the driven angles; nothing where links 2 and 3 cannot meet.
+/// The tool point from the driven angles; none where links 2 and 3 cannot meet.
 #[inline(never)]
 pub(crate) fn forward(case: &Case) -> Option<Vector2<f32>> {
     let [l1, l2, l3, l4, base] = case.lengths;
@@ -27,7 +27,7 @@ pub(crate) fn forward(case: &Case) -> Option<Vector2<f32>> {
     ))
 }
 
-/// The driven angles from the tool point; nothing where a leg cannot reach it.
+/// The driven angles from the tool point; none where a leg cannot reach it.
 #[inline(never)]
 pub(crate) fn inverse(case: &Case) -> Option<[f32; 2]> {
     let [l1, l2, l3, l4, base] = case.lengths;

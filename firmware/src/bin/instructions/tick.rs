@@ -1,39 +1,39 @@
 //! The whole tick: measuring, checking, following a path, computed torque, current loops.
 //!
-//! The controller gets the samples of an arm that is exactly where it should be, with the
-//! currents that it should have. The courses beyond the plain line have the longest ticks that
-//! we found how to make: segments shorter than a tick, corners and arcs, stops in the midst of
-//! them, a fault that brakes the arm, and a tool beside C.
+//! The controller gets the samples of an arm that is exactly at its reference, with the currents
+//! of the set-point. The scenarios after the plain line have the worst ticks that we could
+//! construct: segments shorter than a tick, corners and arcs, stops within them, a fault that
+//! stops the arm, and a tool beside C.
 
 use core::hint::black_box;
 use fivebar_firmware::board::instructions::InstructionCounter;
 use fivebar_firmware::planner::Planner;
 use fivebar_firmware::safety::State;
-use fivebar_firmware::{Controller, Move, MoveKind, Request, Sensed, Settings};
+use fivebar_firmware::{Controller, Move, MoveKind, Request, SensorSample, Settings};
 
-/// θ1, θ4 where the arm begins [rad].
+/// θ1, θ4 at the start [rad].
 const START: [f32; 2] = [2.2, 0.9];
 /// Bus voltage [ADC codes]: 24 V.
 const BUS: u16 = 2048;
 /// Speed of every move [m/s].
 const FEED: f32 = 0.3;
 
-/// A way to go, and what happens on it.
-pub(crate) struct Course {
+/// A path, and what happens along it.
+pub(crate) struct Scenario {
     pub(crate) name: &'static str,
-    /// The n-th move, its start being this far from the beginning [m].
+    /// The n-th move, in positions from the tool's start [m].
     moves: fn(u16) -> MoveKind,
-    /// How many there are at most.
+    /// Number of moves.
     count: u16,
     /// The tool from C [m].
     tool_offset: [f32; 2],
-    /// Ticks from one stop to the next.
+    /// Ticks between two stops.
     stop_every: u32,
-    /// Nobody says anything after the beginning.
+    /// The host is silent after the start.
     silent: bool,
 }
 
-const PLAIN: Course = Course {
+const PLAIN: Scenario = Scenario {
     name: "the whole tick along a line",
     moves: |_| line(0.04, 0.0),
     count: 1,
@@ -42,30 +42,30 @@ const PLAIN: Course = Course {
     silent: false,
 };
 
-/// What is run, in the order of the table.
-pub(crate) const COURSES: [Course; 7] = [
+/// The scenarios, in the order of the table.
+pub(crate) const SCENARIOS: [Scenario; 7] = [
     PLAIN,
-    Course {
+    Scenario {
         name: "the whole tick along lines shorter than a tick",
         moves: short,
         count: 400,
         ..PLAIN
     },
-    Course {
+    Scenario {
         name: "the whole tick along arcs, as the host falls silent",
         moves: arcs,
         count: 400,
         silent: true,
         ..PLAIN
     },
-    Course {
+    Scenario {
         name: "the whole tick in corners, stopped now and then",
         moves: corners,
         count: 400,
         stop_every: 97,
         ..PLAIN
     },
-    Course {
+    Scenario {
         name: "tool beside C: lines shorter than a tick, stops",
         moves: short,
         count: 400,
@@ -73,7 +73,7 @@ pub(crate) const COURSES: [Course; 7] = [
         stop_every: 97,
         ..PLAIN
     },
-    Course {
+    Scenario {
         name: "tool beside C: arcs, as the host falls silent",
         moves: arcs,
         count: 400,
@@ -81,7 +81,7 @@ pub(crate) const COURSES: [Course; 7] = [
         silent: true,
         ..PLAIN
     },
-    Course {
+    Scenario {
         name: "tool beside C: corners, stops",
         moves: corners,
         count: 400,
@@ -116,7 +116,7 @@ fn arcs(n: u16) -> MoveKind {
     }
 }
 
-/// `kind` with its places counted from `[x, y]` [m].
+/// `kind` with its positions shifted by `[x, y]` [m].
 fn shifted(kind: MoveKind, [x, y]: [f32; 2]) -> MoveKind {
     let by = |[dx, dy]: [f32; 2]| [x + dx, y + dy];
     match kind {
@@ -136,33 +136,33 @@ fn shifted(kind: MoveKind, [x, y]: [f32; 2]) -> MoveKind {
     }
 }
 
-/// A controller on its way, one tick at a time.
+/// A controller that runs a scenario, one tick at a time.
 pub(crate) struct Run<'a> {
-    course: &'a Course,
+    scenario: &'a Scenario,
     controller: Controller,
     planner: Planner,
-    /// Where the moves are counted from [m].
+    /// The origin of the moves [m].
     start: [f32; 2],
-    /// Moves given since.
+    /// Moves given from that origin.
     given: u16,
     ticks: u32,
 }
 
 impl<'a> Run<'a> {
-    /// An armed arm with its course before it. Nothing if any of it is refused.
-    pub(crate) fn new(course: &'a Course) -> Option<Self> {
+    /// An armed arm at the start of the scenario; none if a request is refused.
+    pub(crate) fn new(scenario: &'a Scenario) -> Option<Self> {
         let settings = Settings {
-            tool_offset: course.tool_offset,
+            tool_offset: scenario.tool_offset,
             ..Settings::BENCHTOP
         };
         let mut controller = Controller::new(&settings).ok()?;
         let planner = Planner::new(&settings).ok()?;
-        controller.tick(&sensed([0.0; 2], [0.0; 2]));
+        controller.tick(&sample([0.0; 2], [0.0; 2]));
         controller.request(Request::SetAngles(START)).ok()?;
         controller.request(Request::Arm).ok()?;
-        controller.tick(&sensed([0.0; 2], [0.0; 2]));
+        controller.tick(&sample([0.0; 2], [0.0; 2]));
         Some(Self {
-            course,
+            scenario,
             start: controller.status().tool?,
             controller,
             planner,
@@ -171,21 +171,21 @@ impl<'a> Run<'a> {
         })
     }
 
-    /// Plans on and gives the samples of the next tick, where the reference is now;
-    /// nothing once the arm is at rest at the end.
-    pub(crate) fn next(&mut self) -> Option<Sensed> {
+    /// Plans, and returns the sample of the next tick, at the present reference; none when the
+    /// arm is at rest at the end.
+    pub(crate) fn next(&mut self) -> Option<SensorSample> {
         self.ticks += 1;
-        if !self.course.silent {
+        if !self.scenario.silent {
             self.controller.feed_host_timeout();
         }
-        if self.ticks % self.course.stop_every == 0 {
+        if self.ticks % self.scenario.stop_every == 0 {
             self.controller.request(Request::Stop).ok()?;
         }
         self.give();
         self.planner.run(&mut self.controller);
         let status = self.controller.status();
         let at_rest = match status.state {
-            State::Armed => self.planner.is_empty() && self.given >= self.course.count,
+            State::Armed => self.planner.is_empty() && self.given >= self.scenario.count,
             State::Fault => status.tag.is_none(),
             _ => false,
         };
@@ -195,53 +195,53 @@ impl<'a> Run<'a> {
         let angles = status.joint_reference?.angle;
         let [start1, start4] = START;
         let [theta1, theta4] = angles;
-        Some(sensed(
+        Some(sample(
             [theta1 - start1, theta4 - start4],
             status.current_demand,
         ))
     }
 
-    /// As many moves as there is room for, counted anew where the arm was stopped.
+    /// Gives as many moves as there is room for; after a stop, from the arm's position.
     fn give(&mut self) {
         let held = self.planner.is_empty() && self.controller.state() == State::Armed;
         if let (true, Some((tool, _))) = (held && self.given > 0, self.controller.hold_position())
-            && self.course.stop_every < u32::MAX
-            && self.ticks < 20 * self.course.stop_every
+            && self.scenario.stop_every < u32::MAX
+            && self.ticks < 20 * self.scenario.stop_every
         {
             self.start = [tool.x, tool.y];
             self.given = 0;
         }
-        while self.given < self.course.count {
-            let order = Move {
+        while self.given < self.scenario.count {
+            let next = Move {
                 tag: 1,
-                kind: shifted((self.course.moves)(self.given), self.start),
+                kind: shifted((self.scenario.moves)(self.given), self.start),
             };
-            if self.planner.push(&mut self.controller, &order).is_err() {
+            if self.planner.push(&mut self.controller, &next).is_err() {
                 break;
             }
             self.given += 1;
         }
     }
 
-    /// The instructions of the tick itself.
+    /// Runs the tick and returns its instructions.
     #[inline(never)]
-    pub(crate) fn tick(&mut self, counter: &InstructionCounter, sensed: &Sensed) -> u32 {
+    pub(crate) fn tick(&mut self, counter: &InstructionCounter, sample: &SensorSample) -> u32 {
         let start = counter.now();
-        let command = self.controller.tick(sensed);
+        let command = self.controller.tick(sample);
         let instructions = counter.since(start);
         black_box(command);
         instructions
     }
 }
 
-/// What the sensors say with the joints turned by so much [rad], at these currents [A].
-fn sensed(turned: [f32; 2], currents: [f32; 2]) -> Sensed {
+/// The sample with the joints turned by these angles [rad], at these currents [A].
+fn sample(turned: [f32; 2], currents: [f32; 2]) -> SensorSample {
     let counts_per_radian = 8.0 * 16384.0 / core::f32::consts::TAU;
-    Sensed {
+    SensorSample {
         counts: turned.map(|angle| round(angle * counts_per_radian)),
         current: currents.map(|current| (2048.5 + current * 256.0) as u16),
         bus_voltage: BUS,
-        ..Sensed::default()
+        ..SensorSample::default()
     }
 }
 

@@ -1,5 +1,4 @@
-//! The tick while homing: each joint by itself follows its search for its switch, at limited
-//! torque.
+//! The tick while homing: each joint searches for its own switch, at limited torque.
 
 mod state;
 
@@ -7,7 +6,7 @@ use super::Controller;
 use super::joint::Joint;
 use super::model::{AxisModel, Model};
 use super::tick::TorqueCommand;
-use crate::io::Sensed;
+use crate::io::SensorSample;
 use crate::safety::{Event, Fault, Limits};
 use fivebar_kinematics::PlanarVector;
 use nalgebra::Vector2;
@@ -15,14 +14,14 @@ use state::limited;
 pub(super) use state::{HomingConfig, HomingState};
 
 impl Controller {
-    /// Entry of Homing: both joints begin to look for their switches where they stand.
+    /// Entry of Homing: both joints start their search at their present angles.
     pub(super) fn start_homing(&mut self) {
         self.homed = false;
         self.homing = self.angles().map(HomingState::new);
     }
 
     /// One tick of homing: the torques.
-    pub(super) fn home(&mut self, sensed: &Sensed) -> Result<TorqueCommand, Fault> {
+    pub(super) fn home(&mut self, sample: &SensorSample) -> Result<TorqueCommand, Fault> {
         if self.host_timed_out() {
             return Err(Fault::CommandTimeout);
         }
@@ -32,13 +31,13 @@ impl Controller {
         let [inertia1, inertia4] = model.nominal_inertia;
         let [state1, state4] = &mut self.homing;
         let [config1, config4] = &model.homing_configs;
-        let [closed1, closed4] = sensed.home;
+        let [closed1, closed4] = sample.home;
         let (error1, torque1) =
             homing_step(model, joint1, axis1, inertia1, state1, config1, closed1)?;
         let (error4, torque4) =
             homing_step(model, joint4, axis4, inertia4, state4, config4, closed4)?;
         self.error = [error1, error4];
-        if self.model.monitor.lost_its_path(self.error) {
+        if self.model.monitor.following_error_exceeded(self.error) {
             return Err(Fault::FollowingError);
         }
         let [state1, state4] = &self.homing;
@@ -51,8 +50,8 @@ impl Controller {
         })
     }
 
-    /// Both switches are found: the angles are absolute from now on, if they belong to an
-    /// arm on the branch of the settings.
+    /// Both switches are found. The angles are absolute from now on, if a pose on the branch of
+    /// the settings has them.
     fn finish_homing(&mut self, counts: [i32; 2]) -> Result<(), Fault> {
         for (((joint, axis), settings), counts) in self
             .joints
@@ -73,7 +72,7 @@ impl Controller {
             return Err(Fault::EncoderDisagreement);
         }
         self.homed = true;
-        // Homing takes it.
+        // Homing accepts this event.
         let _ = self.dispatch(Event::Homed);
         Ok(())
     }

@@ -1,21 +1,21 @@
-//! Homing to switches: each joint looks for its own, both at the same time.
+//! Homing to switches: each joint searches for its own switch, both at the same time.
 //!
-//! Approach until the switch closes, back off until it is open and `back_off` further,
-//! creep back at an eighth of the speed; the counts at which it closes then are the home
-//! angle. A joint that starts on its switch begins by backing off. A joint that goes
-//! through its whole range without finding the switch, or cannot leave it, gives up.
+//! A joint approaches until its switch closes, backs off until the switch is open and `back_off`
+//! further, and creeps back at an eighth of the speed. The counts at which the switch closes then
+//! belong to the home angle. A joint that starts on its switch begins by backing off. The search
+//! fails if the joint passes its whole range without finding the switch, or cannot leave it.
 
 use crate::settings::{AxisSettings, HomingSettings};
 use fivebar_kinematics::Scalar;
 
-/// How the search goes for one joint.
+/// The constants of one joint's search.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::controller) struct HomingConfig {
     /// Towards the switch, signed [rad/s].
     speed: f32,
     /// [rad].
     back_off: f32,
-    /// The whole range and what the search may overrun it [rad].
+    /// The longest approach [rad]: the joint's range and an allowance for overrun.
     range: f32,
     /// Greatest change of the reference's speed [rad/s²].
     acceleration: f32,
@@ -33,12 +33,12 @@ enum Phase {
 #[derive(Clone, Copy, Debug)]
 pub(in crate::controller) struct HomingState {
     phase: Phase,
-    /// Where the joint should be [rad] and how fast [rad/s], from an unknown origin.
+    /// Reference of the joint's angle [rad], from an unknown origin, and speed [rad/s].
     pub(in crate::controller) angle: f32,
     pub(in crate::controller) rate: f32,
 }
 
-/// The joint went as far as it may and found nothing.
+/// The joint went as far as it may and did not find its switch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::controller) struct SwitchNotFound;
 
@@ -54,15 +54,15 @@ impl HomingConfig {
             speed,
             back_off: homing.back_off,
             range: high - low + 2.0 * homing.back_off,
-            // The first approach is up to speed in a tenth of a second.
+            // The first approach reaches its speed in 0.1 s.
             acceleration: 10.0 * homing.speed,
         }
     }
 }
 
 impl HomingState {
-    /// A search that begins at `angle` [rad]. On a switch that is closed already it turns
-    /// to backing off with its first step.
+    /// A search that begins at `angle` [rad]. If the switch is closed already, its first step
+    /// begins to back off.
     pub(in crate::controller) fn new(angle: f32) -> Self {
         Self {
             phase: Phase::Approach { from: angle },
@@ -79,7 +79,7 @@ impl HomingState {
         }
     }
 
-    /// One tick of `period` [s]: the switch, the measured angle [rad] and its counts.
+    /// One tick of `period` [s], with the switch, the measured angle [rad] and its counts.
     pub(in crate::controller) fn step(
         &mut self,
         config: &HomingConfig,

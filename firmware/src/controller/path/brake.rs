@@ -1,9 +1,9 @@
-//! Stopping on the path by slowing its clock to a stand.
+//! A stop on the path by time scaling: the time along the path slows down to zero rate.
 //!
-//! With the clock's rate σ(x) = 1 − 3x² + 2x³, x = t/T, and σ̇ = −6x(1 − x)/T, the place p
-//! moves at σ p′ and accelerates by σ² p″ + σ̇ p′. From a steady speed v the braking takes
-//! 1.5 v/T at most and its jerk is 6 v/T² at most. The path gets ∫σ dt = T(x − x³ + ½x⁴)
-//! further, T/2 in all.
+//! With the rate σ(x) = 1 − 3x² + 2x³, x = t/T, and σ̇ = −6x(1 − x)/T, the point p moves at σ p′
+//! and accelerates by σ² p″ + σ̇ p′. From a constant speed v the deceleration is at most 1.5 v/T
+//! and the jerk at most 6 v/T². The time along the path advances by ∫σ dt = T(x − x³ + ½x⁴),
+//! T/2 in all.
 
 use crate::settings::Settings;
 use fivebar_kinematics::Scalar;
@@ -18,20 +18,20 @@ pub(super) struct Brake {
     rate: f32,
 }
 
-/// The clock while it is slowed.
+/// The time scaling at one tick of a stop.
 pub(super) struct TimeScaling {
-    /// ∫σ dt, by which it has advanced since [s].
+    /// ∫σ dt since the stop began [s].
     pub(super) advance: f32,
     /// σ.
     pub(super) sigma: f32,
     /// σ̇ [1/s].
     pub(super) sigma_dot: f32,
-    /// It stands.
+    /// The stop is complete.
     pub(super) stands: bool,
 }
 
-/// T [s] of every stop: so long that even from full speed no limit of the tool's or the
-/// joints' acceleration, or of the tool's jerk, is passed on a straight path.
+/// T [s] of every stop: long enough that a stop from full speed on a straight path keeps the
+/// limits of the tool's acceleration and jerk and of the joints' acceleration.
 pub(crate) fn stopping_time(settings: &Settings) -> f32 {
     let motion = &settings.motion;
     let mut time = Scalar::sqrt(6.0 * motion.max_speed / motion.max_jerk);
@@ -46,7 +46,7 @@ pub(crate) fn stopping_time(settings: &Settings) -> f32 {
 }
 
 impl Brake {
-    /// A stop that takes `time` [s].
+    /// A stop that takes T = `time` [s].
     pub(super) fn new(time: f32) -> Self {
         Self {
             phase: 0.0,
@@ -55,7 +55,7 @@ impl Brake {
         }
     }
 
-    /// One tick of the slowing clock.
+    /// Advances the stop by one tick of `period` [s].
     #[inline(always)]
     pub(super) fn step(&mut self, period: f32) -> TimeScaling {
         self.phase += period * self.rate;

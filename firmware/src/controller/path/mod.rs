@@ -1,10 +1,10 @@
-//! The segments of path that the tick follows, and the clock by which it does.
+//! The path that the tick follows: a queue of trajectory segments and the time along them.
 //!
-//! The clock counts ticks from the beginning of a segment, so that it stays true however long
-//! the segment: a sum of `f32` periods would lose minutes in an hour.
+//! Time is a count of ticks from the beginning of a segment, so its error does not grow with the
+//! segment's length: a sum of `f32` periods would be minutes off after an hour.
 //!
-//! Segments come one by one, and ticks come between them. So a path that ends at rest goes on
-//! only when what follows is enough to stop on, however long planning it takes.
+//! The planner hands segments over one by one, and ticks run in between. A path that ends at rest
+//! is therefore extended only when the segments behind it are long enough for a stop.
 
 mod brake;
 mod queue;
@@ -17,32 +17,33 @@ use queue::PathQueue;
 pub(crate) use brake::stopping_time;
 pub use queue::QUEUED_SEGMENTS;
 
-/// With so many segments to come or more, the planner is not behind, however short they are.
+/// With this many queued segments or more the planner is not late, even if they are short.
 const FEW_SEGMENTS: u32 = QUEUED_SEGMENTS as u32 / 2;
 
-/// A path that breaks off in motion is committed with so much in hand beyond a stop [s].
+/// A path that ends in motion is committed when it lasts this much longer than a stop [s].
 const READY: f32 = 0.02;
 
-/// Segments that one tick may leave behind; more make the path wait for the next tick.
+/// Segments that one tick may pass; if it should pass more, the path waits for the next tick.
 const SEGMENTS_PER_TICK: u32 = 2;
 
-/// A segment of path and what the tick must know about it.
+/// A trajectory segment, and what the tick must know about it.
 #[derive(Clone, Copy, Debug)]
-pub struct Stretch {
+pub struct QueuedSegment {
     /// The segment.
     pub segment: TrajectorySegment<f32>,
-    /// It ends in motion: another must follow in time.
+    /// It ends in motion, so another segment must follow in time.
     pub open: bool,
-    /// The limits for which its move goes slower than was asked for.
+    /// The limits that slow its move below the requested speed.
     pub limits: Limits,
 }
 
-/// The queue and the place in it; what every tick needs in front, see [`Controller`].
+/// The queue and the time in its first segment. What every tick needs comes first, see
+/// [`Controller`].
 ///
 /// [`Controller`]: super::Controller
 #[repr(C)]
 pub(crate) struct Path {
-    /// Ticks at full rate in the first segment.
+    /// Ticks in the first segment at full speed.
     ticks: u32,
     /// Time into the first segment before those ticks [s].
     offset: f32,
@@ -51,7 +52,7 @@ pub(crate) struct Path {
     brake: Option<Brake>,
     /// T [s].
     stopping_time: f32,
-    /// What a stop takes of the path, T/2 and two ticks [s].
+    /// Length of path that a stop needs: T/2 and two ticks [s].
     least: f32,
     /// [s].
     period: f32,
@@ -62,9 +63,9 @@ pub(crate) struct Path {
 pub(crate) struct Step {
     /// Where the arm should be.
     pub(crate) reference: Reference<f32>,
-    /// The limits for which its move goes slower than was asked for.
+    /// The limits that slow its move below the requested speed.
     pub(crate) limits: Limits,
-    /// The arm has come to rest, at the path's end or braked.
+    /// The arm has come to rest: at the end of the path, or after a stop.
     pub(crate) at_rest: bool,
 }
 
@@ -83,13 +84,13 @@ impl Path {
         }
     }
 
-    /// Forgets everything.
+    /// Drops all segments.
     pub(crate) fn clear(&mut self) {
         self.queue.clear();
         self.finish();
     }
 
-    /// Leaves all behind that was committed.
+    /// Drops the committed segments.
     pub(crate) fn finish(&mut self) {
         self.ticks = 0;
         self.offset = 0.0;
@@ -98,35 +99,35 @@ impl Path {
         self.queue.finish();
     }
 
-    /// Whether there is no room for another segment.
+    /// Whether the queue is full.
     pub(crate) fn is_full(&self) -> bool {
         self.queue.is_full()
     }
 
-    /// What is left of all that was pushed, as of the last tick [s].
+    /// Time of all pushed segments that is still ahead, as of the last tick [s].
     pub(crate) fn left(&self) -> f32 {
         self.committed_left + self.queue.uncommitted()
     }
 
-    /// Whether there is nothing to follow.
+    /// Whether no segment is committed.
     #[inline(always)]
     pub(crate) fn is_empty(&self) -> bool {
         self.queue.is_empty()
     }
 
-    /// Whether all that was pushed ends at rest, fills the queue, or is enough to begin with.
+    /// Whether the pushed segments end at rest, or fill the queue, or are long enough to begin.
     pub(crate) fn is_enough(&self) -> bool {
         !self.queue.pushed_ends_in_motion()
             || self.queue.is_full()
             || self.left() >= self.least + READY
     }
 
-    /// Whether the path breaks off in motion, and all that is left of it is needed to stop
-    /// on, in few segments: the planner is behind. A queue of many segments can be as short while
-    /// the planner keeps it full.
+    /// Whether the planner is late: the path ends in motion, a stop needs all that is left of it,
+    /// and few segments are queued. (Many segments can be as short in time while the planner
+    /// keeps the queue full.)
     #[inline(always)]
     pub(crate) fn runs_short(&self) -> bool {
-        // The first comparison is the one that mostly decides.
+        // The first comparison decides in nearly every tick.
         self.committed_left < self.least
             && self.queue.ends_in_motion()
             && self.brake.is_none()
@@ -135,12 +136,12 @@ impl Path {
 
     /// Tag of the segment in progress.
     pub(crate) fn tag(&self) -> Option<u32> {
-        self.queue.first().map(|first| first.stretch.segment.tag())
+        self.queue.first().map(|first| first.queued.segment.tag())
     }
 
-    /// Appends a stretch, unless the queue is full.
-    pub(crate) fn push(&mut self, stretch: Stretch) {
-        if self.queue.push(stretch).is_err() {
+    /// Appends a segment; drops it if the queue is full.
+    pub(crate) fn push(&mut self, queued: QueuedSegment) {
+        if self.queue.push(queued).is_err() {
             return;
         }
         // The committed path already ends in motion, so commit any extension at once.
@@ -153,12 +154,11 @@ impl Path {
         let begins = self.queue.is_empty();
         self.committed_left += self.queue.commit();
         if let (true, Some(first)) = (begins, self.queue.first()) {
-            self.committed_left += first.stretch.segment.duration();
+            self.committed_left += first.queued.segment.duration();
         }
     }
 
-    /// Begins to come to rest; sooner than usual where a path that breaks off leaves no
-    /// room for that.
+    /// Begins a stop. It is shorter than T where a path that ends in motion is too short for T.
     #[cold]
     pub(crate) fn brake(&mut self) {
         if self.brake.is_none() {
@@ -174,7 +174,7 @@ impl Path {
         }
     }
 
-    /// One tick along the path; `None` where there is none.
+    /// Advances by one tick; `None` where there is no path.
     #[inline(always)]
     pub(crate) fn step(&mut self) -> Option<Step> {
         let mut first = self.queue.first()?;
@@ -187,7 +187,7 @@ impl Path {
         };
         let advance = scaling.as_ref().map_or(0.0, |scaling| scaling.advance);
         let mut time = self.offset + self.period * self.ticks as f32 + advance;
-        let mut duration = first.stretch.segment.duration();
+        let mut duration = first.queued.segment.duration();
         let mut ended = false;
         if time >= duration {
             for _ in 0..SEGMENTS_PER_TICK {
@@ -198,20 +198,20 @@ impl Path {
                 time -= duration;
                 self.queue.pass();
                 first = self.queue.first()?;
-                duration = first.stretch.segment.duration();
+                duration = first.queued.segment.duration();
                 if time < duration {
                     break;
                 }
             }
             if time > duration {
-                // The path has ended, or waits.
+                // The path has ended, or waits for the next tick.
                 time = duration;
             }
             self.ticks = 0;
             self.offset = time - advance;
         }
         self.committed_left = duration - time + self.queue.behind(first);
-        let mut path_state = first.stretch.segment.path_state(time);
+        let mut path_state = first.queued.segment.path_state(time);
         if let Some(TimeScaling {
             sigma, sigma_dot, ..
         }) = scaling
@@ -220,8 +220,8 @@ impl Path {
         }
         Some(Step {
             at_rest: ended || scaling.is_some_and(|scaling| scaling.stands),
-            reference: first.stretch.segment.reference(path_state),
-            limits: first.stretch.limits,
+            reference: first.queued.segment.reference(path_state),
+            limits: first.queued.limits,
         })
     }
 }

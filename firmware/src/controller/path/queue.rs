@@ -1,48 +1,48 @@
-//! The segments of path that wait for the tick, and the time that they take.
+//! The queue of trajectory segments that the tick follows, and the time that they take.
 //!
-//! Each segment knows when it ends on a clock of the queue's own: the sum of all durations that
-//! were pushed, in whole microseconds, wrapping. The time behind a segment is then a difference
-//! of two such ends, however many were passed, and gathers no rounding.
+//! Each segment holds the time of its end: the sum of all durations that were pushed, in whole
+//! microseconds, wrapping. The time behind a segment is then the difference of two such ends, and
+//! rounding does not accumulate, however many segments were passed.
 //!
-//! What is pushed is out of the tick's sight until it is committed.
+//! The tick does not see a pushed segment before it is committed.
 
-use super::Stretch;
+use super::QueuedSegment;
 use crate::safety::Limits;
 use fivebar_kinematics::trajectory::TrajectorySegment;
 use nalgebra::Vector2;
 
-/// Segments that wait for the tick: the committed future of the arm.
+/// Room for segments in the queue.
 pub const QUEUED_SEGMENTS: usize = 32;
 
-/// The longest that a segment counts for [µs]: nobody asks how much more there is, and the
-/// sum of all stays far from overflow.
+/// The longest time that a segment counts for [µs]. No caller distinguishes longer times, and
+/// the sum of a full queue stays far from overflow.
 const LONGEST: u32 = 60_000_000;
 
-/// A segment and where it lies.
+/// A queued segment and the time of its end.
 #[derive(Clone, Copy)]
 pub(super) struct Timed {
-    pub(super) stretch: Stretch,
+    pub(super) queued: QueuedSegment,
     /// [µs].
     end: u32,
 }
 
-/// How far the path goes.
+/// The end of the committed or of the pushed path.
 #[derive(Clone, Copy)]
 struct Extent {
-    /// Segments so far, those passed included; wrapping, and `QUEUED_SEGMENTS` divides the range.
+    /// Segments so far, with those passed; wraps, and `QUEUED_SEGMENTS` divides its range.
     count: u32,
-    /// Where the last one ends [µs].
+    /// Time at which the last one ends [µs].
     end: u32,
     /// The last one ends in motion.
     in_motion: bool,
 }
 
-/// The queue, a ring; what every tick needs in front, see [`Controller`].
+/// The queue, a ring buffer. What every tick needs comes first, see [`Controller`].
 ///
 /// [`Controller`]: crate::Controller
 #[repr(C)]
 pub(super) struct PathQueue {
-    /// Segments that were passed.
+    /// Number of segments passed so far.
     passed: u32,
     committed: Extent,
     pushed: Extent,
@@ -51,7 +51,7 @@ pub(super) struct PathQueue {
 
 impl PathQueue {
     pub(super) fn new() -> Self {
-        let nothing = Stretch {
+        let nothing = QueuedSegment {
             segment: TrajectorySegment::rest(Vector2::zeros(), 0.0, 0),
             open: false,
             limits: Limits::NONE,
@@ -66,42 +66,42 @@ impl PathQueue {
             committed: start,
             pushed: start,
             slots: [Timed {
-                stretch: nothing,
+                queued: nothing,
                 end: 0,
             }; QUEUED_SEGMENTS],
         }
     }
 
-    /// Forgets everything.
+    /// Drops all segments.
     pub(super) fn clear(&mut self) {
         self.commit();
         self.finish();
     }
 
-    /// Passes all that was committed.
+    /// Passes all committed segments.
     pub(super) fn finish(&mut self) {
         self.passed = self.committed.count;
         self.committed.in_motion = false;
     }
 
-    /// Whether nothing is committed.
+    /// Whether no segment is committed.
     #[inline(always)]
     pub(super) fn is_empty(&self) -> bool {
         self.passed == self.committed.count
     }
 
-    /// Committed segments, the first one included.
+    /// Number of committed segments, with the first one.
     #[inline(always)]
     pub(super) fn len(&self) -> u32 {
         self.committed.count.wrapping_sub(self.passed)
     }
 
-    /// Whether there is no room for another segment.
+    /// Whether there is no room for another segment, committed or not.
     pub(super) fn is_full(&self) -> bool {
         self.pushed.count.wrapping_sub(self.passed) == QUEUED_SEGMENTS as u32
     }
 
-    /// Whether one segment is all that is committed.
+    /// Whether exactly one segment is committed.
     #[inline(always)]
     pub(super) fn is_last(&self) -> bool {
         self.passed.wrapping_add(1) == self.committed.count
@@ -127,7 +127,7 @@ impl PathQueue {
         self.slots.get(slot(self.passed))
     }
 
-    /// Passes the first segment; the last committed one stays.
+    /// Passes the first segment, unless it is the last committed one.
     #[inline(always)]
     pub(super) fn pass(&mut self) {
         if !self.is_empty() && !self.is_last() {
@@ -135,28 +135,28 @@ impl PathQueue {
         }
     }
 
-    /// Appends a segment; gives it back where there is no room.
-    pub(super) fn push(&mut self, stretch: Stretch) -> Result<(), Stretch> {
+    /// Appends a segment; returns it if there is no room.
+    pub(super) fn push(&mut self, queued: QueuedSegment) -> Result<(), QueuedSegment> {
         if self.is_full() {
-            return Err(stretch);
+            return Err(queued);
         }
         let Some(slot) = self.slots.get_mut(slot(self.pushed.count)) else {
-            return Err(stretch);
+            return Err(queued);
         };
-        let duration = ((stretch.segment.duration() * 1e6) as u32).min(LONGEST);
+        let duration = ((queued.segment.duration() * 1e6) as u32).min(LONGEST);
         self.pushed = Extent {
             count: self.pushed.count.wrapping_add(1),
             end: self.pushed.end.wrapping_add(duration),
-            in_motion: stretch.open,
+            in_motion: queued.open,
         };
         *slot = Timed {
-            stretch,
+            queued,
             end: self.pushed.end,
         };
         Ok(())
     }
 
-    /// Commits all that was pushed; the time [s] that this adds behind the first segment.
+    /// Commits all pushed segments. Returns the time [s] that this adds behind the first one.
     pub(super) fn commit(&mut self) -> f32 {
         let before = self.first().map_or(0.0, |first| self.behind(first));
         self.committed = self.pushed;
@@ -164,12 +164,12 @@ impl PathQueue {
             .map_or(0.0, |first| self.behind(first) - before)
     }
 
-    /// The time that was pushed and not committed [s].
+    /// Time of the segments that are pushed and not committed [s].
     pub(super) fn uncommitted(&self) -> f32 {
         self.pushed.end.wrapping_sub(self.committed.end) as f32 * 1e-6
     }
 
-    /// The committed time behind a segment [s].
+    /// Committed time behind a segment [s].
     #[inline(always)]
     pub(super) fn behind(&self, segment: &Timed) -> f32 {
         self.committed.end.wrapping_sub(segment.end) as f32 * 1e-6
@@ -189,15 +189,15 @@ mod tests {
     use fivebar_kinematics::trajectory::TrajectorySegment;
     use nalgebra::Vector2;
 
-    fn dwell(duration: f32) -> Stretch {
-        Stretch {
+    fn dwell(duration: f32) -> QueuedSegment {
+        QueuedSegment {
             segment: TrajectorySegment::rest(Vector2::zeros(), duration, 0),
             open: false,
             limits: Limits::NONE,
         }
     }
 
-    /// After months of segments: its clock is about to wrap.
+    /// A queue after months of segments: its count and its time are about to wrap.
     fn old() -> PathQueue {
         let mut queue = PathQueue::new();
         queue.pushed.count = u32::MAX - 5;
@@ -219,8 +219,8 @@ mod tests {
         for n in 1..=10_u8 {
             let duration = 1e-3 * f32::from(n);
             behind -= duration;
-            let first = queue.first().expect("a stretch");
-            assert_eq!(first.stretch.segment.duration(), duration);
+            let first = queue.first().expect("a segment");
+            assert_eq!(first.queued.segment.duration(), duration);
             // Each was cut to whole microseconds.
             assert!((queue.behind(first) - behind).abs() <= 1e-5, "{n}");
             assert_eq!(queue.is_last(), n == 10);
@@ -232,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn a_full_queue_gives_a_stretch_back_and_keeps_what_it_has() {
+    fn a_full_queue_gives_a_segment_back_and_keeps_what_it_has() {
         let mut queue = old();
         for n in 0..QUEUED_SEGMENTS {
             assert!(!queue.is_full());
@@ -241,7 +241,7 @@ mod tests {
         assert!(queue.is_full() && queue.push(dwell(9.0)).is_err());
         queue.commit();
         assert_eq!(
-            queue.first().map(|first| first.stretch.segment.duration()),
+            queue.first().map(|first| first.queued.segment.duration()),
             Some(0.0)
         );
         queue.pass();
@@ -257,7 +257,7 @@ mod tests {
         queue.pass();
         let first = queue.first().expect("the committed one");
         assert_eq!(
-            (first.stretch.segment.duration(), queue.behind(first)),
+            (first.queued.segment.duration(), queue.behind(first)),
             (1.0, 0.0)
         );
         assert!(queue.is_last());
@@ -265,7 +265,7 @@ mod tests {
         assert!(queue.first().is_none());
         queue.commit();
         let first = queue.first().expect("the other one");
-        assert_eq!(first.stretch.segment.duration(), 2.0);
+        assert_eq!(first.queued.segment.duration(), 2.0);
     }
 
     #[test]
@@ -275,7 +275,7 @@ mod tests {
             queue.push(dwell(86_400.0)).expect("room");
         }
         queue.commit();
-        let first = queue.first().expect("a stretch");
+        let first = queue.first().expect("a segment");
         assert_eq!(queue.behind(first), 31.0 * 60.0);
     }
 }

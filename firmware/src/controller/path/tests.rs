@@ -1,4 +1,4 @@
-//! The path's clock over hours, stops and thousands of segments.
+//! The time along the path over hours, stops and thousands of segments.
 
 use super::*;
 use fivebar_kinematics::trajectory::{LookaheadPlanner, MotionLimits};
@@ -10,13 +10,13 @@ const STOPPING_TIME: f32 = 0.1;
 fn path_of(lookahead: &mut LookaheadPlanner<f32, 4>) -> Path {
     let mut path = Path::new(STOPPING_TIME, PERIOD);
     while let Some(segment) = lookahead.next_segment() {
-        path.push(stretch(segment));
+        path.push(queued(segment));
     }
     path
 }
 
-fn stretch(segment: TrajectorySegment<f32>) -> Stretch {
-    Stretch {
+fn queued(segment: TrajectorySegment<f32>) -> QueuedSegment {
+    QueuedSegment {
         segment,
         open: false,
         limits: Limits::NONE,
@@ -29,7 +29,7 @@ fn dwell(duration: f32) -> Path {
     path_of(&mut lookahead)
 }
 
-/// Joint 1 by 1 rad at `speed` [rad/s]; lasts 1/speed and what speeding up takes.
+/// Joint 1 by 1 rad at `speed` [rad/s]; lasts 1/speed and the time of the acceleration.
 fn turn(speed: f32) -> Path {
     let motion_limits = MotionLimits {
         speed,
@@ -43,13 +43,13 @@ fn turn(speed: f32) -> Path {
     path_of(&mut lookahead)
 }
 
-/// How many segments wait, and how long they last [s].
+/// Number of queued segments and their duration [s].
 fn waiting(path: Path) -> (u32, f64) {
     let mut queue = path.queue;
     let (mut count, mut duration) = (0, 0.0);
     while let Some(first) = queue.first() {
         count += 1;
-        duration += f64::from(first.stretch.segment.duration());
+        duration += f64::from(first.queued.segment.duration());
         if queue.is_last() {
             break;
         }
@@ -72,7 +72,7 @@ fn ticks_to_rest(path: &mut Path) -> u64 {
         .expect("an end")
 }
 
-/// Single precision tells a time to a part in 10⁷, and the end falls between two ticks.
+/// Single precision resolves a time to 1 in 10⁷, and the end falls between two ticks.
 fn assert_lasts(path: &mut Path, duration: f64) {
     let ticks = ticks_to_rest(path) as f64;
     let late = ticks * 1e-4 - duration;
@@ -96,7 +96,7 @@ fn a_slow_move_takes_its_time() {
 
 /// From the steady speed v at θ₀: θ = θ₀ + v T(x − x³ + ½x⁴), ω = v(1 − 3x² + 2x³).
 #[test]
-fn a_stop_is_as_smooth_late_in_a_long_piece_as_early() {
+fn a_stop_is_as_smooth_late_in_a_long_segment_as_early() {
     for late in [100, 9_000_000] {
         let speed = 1e-3;
         let mut path = turn(speed as f32);
@@ -110,7 +110,7 @@ fn a_stop_is_as_smooth_late_in_a_long_piece_as_early() {
             let x: f64 = (f64::from(tick) * 1e-3).min(1.0);
             let (angle, rate) = joint1(&step);
             let way = speed * 0.1 * (x - x.powi(3) + 0.5 * x.powi(4));
-            // The time of minutes is told to 6e-5 s.
+            // Single precision resolves minutes to 6e-5 s.
             assert!((angle - before.0 - way).abs() < 1.5e-7, "{angle} at {x}");
             let expected = speed * (1.0 + x * x * (2.0 * x - 3.0));
             assert!((rate - expected).abs() < 1e-3 * speed, "{rate} at {x}");
@@ -123,7 +123,7 @@ fn a_stop_is_as_smooth_late_in_a_long_piece_as_early() {
 }
 
 #[test]
-fn the_time_left_is_that_of_the_pieces_after_any_number_of_them() {
+fn the_time_left_is_that_of_the_segments_after_any_number_of_them() {
     let mut path = dwell(0.01);
     let mut segments = [0.000_31_f32, 0.0117, 0.0008, 0.0042].into_iter().cycle();
     for _ in 0..200_000 {
@@ -132,7 +132,7 @@ fn the_time_left_is_that_of_the_pieces_after_any_number_of_them() {
                 .queue
                 .first()
                 .expect("a segment")
-                .stretch;
+                .queued;
             path.push(segment);
         }
         path.step().expect("a path");
@@ -144,16 +144,16 @@ fn the_time_left_is_that_of_the_pieces_after_any_number_of_them() {
     assert!((left - (all - passed)).abs() < 4e-5);
 }
 
-/// Shorter than a tick, each of them: a tick passes two, and the clock waits for the others.
+/// Segments shorter than a tick: a tick passes two, and the path waits for the next tick.
 #[test]
-fn pieces_shorter_than_a_tick_are_passed_two_at_a_time() {
+fn segments_shorter_than_a_tick_are_passed_two_at_a_time() {
     let mut path = Path::new(STOPPING_TIME, PERIOD);
     for tag in 0..6 {
         let mut lookahead = LookaheadPlanner::<f32, 4>::new();
         lookahead
             .push_dwell(Vector2::zeros(), 0.2 * PERIOD, tag)
             .unwrap();
-        path.push(stretch(lookahead.next_segment().unwrap()));
+        path.push(queued(lookahead.next_segment().unwrap()));
     }
     for (tag, at_rest) in [(2, false), (4, false), (5, true)] {
         let step = path.step().expect("a path");

@@ -2,8 +2,8 @@
 
 use crate::run::link::LinkError;
 use crate::run::simulation::fault_name;
-use fivebar_firmware::planner::MoveRefusal;
-use fivebar_firmware::protocol::{Refusal, SectionKey};
+use fivebar_firmware::planner::MoveError;
+use fivebar_firmware::protocol::{CommandError, SectionKey};
 use fivebar_firmware::safety::Fault;
 use fivebar_firmware::settings::SettingsError;
 
@@ -23,16 +23,16 @@ pub enum DriveError {
     #[error("the robot's settings are not valid: {0}")]
     Settings(SettingsError),
     /// The controller refused a command.
-    #[error("the controller refuses to {what}: {refusal}")]
+    #[error("the controller refuses to {what}: {error}")]
     Refused {
         /// The action that was requested.
         what: &'static str,
         /// The reason.
-        refusal: Refusal,
+        error: CommandError,
     },
     /// A move cannot be done.
     #[error("line {}: {_0}", _0.tag)]
-    Move(#[from] MoveRefusal),
+    Move(#[from] MoveError),
     /// A fault is latched.
     #[error(
         "the controller stopped the arm with fault {}, {}; repair the cause, then drive with \
@@ -59,8 +59,8 @@ pub enum DriveError {
 }
 
 impl DriveError {
-    pub(super) fn refused(what: &'static str, refusal: Refusal) -> Self {
-        Self::Refused { what, refusal }
+    pub(super) fn refused(what: &'static str, error: CommandError) -> Self {
+        Self::Refused { what, error }
     }
 }
 

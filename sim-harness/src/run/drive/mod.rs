@@ -3,8 +3,8 @@
 mod error;
 
 use crate::run::link::{Client, LinkError};
-use fivebar_firmware::planner::Reason;
-use fivebar_firmware::protocol::{Order, Refusal, Reply, SectionKey};
+use fivebar_firmware::planner::MoveErrorKind;
+use fivebar_firmware::protocol::{CommandError, HostCommand, Reply, SectionKey};
 use fivebar_firmware::safety::State;
 use fivebar_firmware::{Move, Planner, Request, Settings, Status};
 use std::io::{Read, Write};
@@ -57,8 +57,8 @@ impl<'a, L: Read + Write> Drive<'a, L> {
         }
         self.client
             .write_settings(settings)?
-            .map_err(|refusal| DriveError::refused("use the settings", refusal))?;
-        self.command("store the settings", Order::SaveSettings)
+            .map_err(|error| DriveError::refused("use the settings", error))?;
+        self.command("store the settings", HostCommand::SaveSettings)
     }
 
     /// Clears a latched fault, if there is one.
@@ -163,12 +163,12 @@ impl<'a, L: Read + Write> Drive<'a, L> {
     /// Offers moves until the queue is full; returns how many were accepted.
     fn offer(&mut self, moves: &[Move]) -> Result<usize, DriveError> {
         for (taken, next) in moves.iter().enumerate() {
-            match self.client.call(Order::Move(*next))? {
+            match self.client.call(HostCommand::Move(*next))? {
                 Reply::Taken { .. } => {}
-                Reply::Refused(Refusal::Move(refusal)) if refusal.reason == Reason::Full => {
+                Reply::Refused(CommandError::Move(error)) if error.kind == MoveErrorKind::Full => {
                     return Ok(taken);
                 }
-                Reply::Refused(Refusal::Move(refusal)) => return Err(refusal.into()),
+                Reply::Refused(CommandError::Move(error)) => return Err(error.into()),
                 reply => return Err(DriveError::UnexpectedReply(format!("{reply:?}"))),
             }
         }
@@ -178,7 +178,7 @@ impl<'a, L: Read + Write> Drive<'a, L> {
     /// Stops on the path and waits for rest.
     fn bring_to_rest(&mut self) -> Result<(), LinkError> {
         // Refused if a fault is latched: then the controller itself brings the arm to rest.
-        let _ = self.client.command(Order::Request(Request::Stop))?;
+        let _ = self.client.command(HostCommand::Request(Request::Stop))?;
         for _ in 0..LONGEST_STOP {
             let (status, _) = self.client.status()?;
             match status.state {
@@ -206,13 +206,13 @@ impl<'a, L: Read + Write> Drive<'a, L> {
             Request::EmergencyStop => "stop at once",
             Request::ClearFault => "clear the fault",
         };
-        self.command(what, Order::Request(request))
+        self.command(what, HostCommand::Request(request))
     }
 
-    fn command(&mut self, what: &'static str, command: Order) -> Result<(), DriveError> {
+    fn command(&mut self, what: &'static str, command: HostCommand) -> Result<(), DriveError> {
         self.client
             .command(command)?
-            .map_err(|refusal| DriveError::refused(what, refusal))
+            .map_err(|error| DriveError::refused(what, error))
     }
 }
 

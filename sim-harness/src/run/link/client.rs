@@ -3,10 +3,10 @@
 
 use super::READ;
 use fivebar_firmware::protocol::{
-    ControllerMessage, Decoder, HostMessage, Identity, Order, Refusal, Reply, SectionKey, Sequence,
-    StackUse, Telemetry, Ticked, VERSION, encode,
+    CommandError, ControllerMessage, Decoder, HostCommand, HostMessage, Identity, Reply,
+    SectionKey, Sequence, StackUse, StepResult, Telemetry, VERSION, encode,
 };
-use fivebar_firmware::{Sensed, Settings, Status};
+use fivebar_firmware::{SensorSample, Settings, Status};
 use std::collections::VecDeque;
 use std::io::{self, ErrorKind, Read, Write};
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -84,28 +84,25 @@ impl<L: Read + Write> Client<L> {
             unread: VecDeque::new(),
             repeats: 0,
         };
-        let hello = Order::Hello {
+        let hello = HostCommand::Hello {
             version: VERSION,
             session: new_session(),
         };
         match client.call(hello)? {
             Reply::Hello(identity) if identity.version == VERSION => Ok((client, identity)),
             Reply::Hello(identity) => Err(LinkError::Version(identity.version)),
-            Reply::Refused(Refusal::Version(version)) => Err(LinkError::Version(version)),
+            Reply::Refused(CommandError::Version(version)) => Err(LinkError::Version(version)),
             other => Err(unexpected(&hello, &other)),
         }
     }
 
-    /// Sends a command and returns its reply, which may be a refusal.
+    /// Sends a command and returns its reply, which may be an error.
     ///
     /// # Errors
     /// A silent controller or a failed connection.
-    pub fn call(&mut self, command: Order) -> Result<Reply, LinkError> {
+    pub fn call(&mut self, command: HostCommand) -> Result<Reply, LinkError> {
         let sequence = self.last.next();
-        let message = HostMessage {
-            sequence,
-            order: command,
-        };
+        let message = HostMessage { sequence, command };
         let frame = encode(&message).ok_or_else(|| {
             io::Error::new(ErrorKind::InvalidInput, "a command is longer than a frame")
         })?;
@@ -126,10 +123,10 @@ impl<L: Read + Write> Client<L> {
     /// # Errors
     /// A silent controller, a failed connection or an unexpected reply. A refusal is the
     /// inner error.
-    pub fn command(&mut self, command: Order) -> Result<Result<(), Refusal>, LinkError> {
+    pub fn command(&mut self, command: HostCommand) -> Result<Result<(), CommandError>, LinkError> {
         match self.call(command)? {
             Reply::Done | Reply::Taken { .. } => Ok(Ok(())),
-            Reply::Refused(refusal) => Ok(Err(refusal)),
+            Reply::Refused(error) => Ok(Err(error)),
             other => Err(unexpected(&command, &other)),
         }
     }
@@ -139,9 +136,9 @@ impl<L: Read + Write> Client<L> {
     /// # Errors
     /// A silent controller or a failed connection.
     pub fn status(&mut self) -> Result<(Status, u8), LinkError> {
-        match self.call(Order::Status)? {
+        match self.call(HostCommand::Status)? {
             Reply::Status { status, room } => Ok((status, room)),
-            other => Err(unexpected(&Order::Status, &other)),
+            other => Err(unexpected(&HostCommand::Status, &other)),
         }
     }
 
@@ -149,10 +146,10 @@ impl<L: Read + Write> Client<L> {
     ///
     /// # Errors
     /// A silent controller, a failed connection, or a board with its own clock.
-    pub fn tick(&mut self, sensed: Sensed) -> Result<Ticked, LinkError> {
-        let command = Order::Tick(sensed);
+    pub fn tick(&mut self, sample: SensorSample) -> Result<StepResult, LinkError> {
+        let command = HostCommand::Tick(sample);
         match self.call(command)? {
-            Reply::Ticked(ticked) => Ok(ticked),
+            Reply::StepResult(result) => Ok(result),
             other => Err(unexpected(&command, &other)),
         }
     }
@@ -162,10 +159,10 @@ impl<L: Read + Write> Client<L> {
     /// # Errors
     /// A silent controller or a failed connection.
     pub fn stack(&mut self) -> Result<Option<StackUse>, LinkError> {
-        match self.call(Order::Stack)? {
+        match self.call(HostCommand::Stack)? {
             Reply::Stack(used) => Ok(Some(used)),
-            Reply::Refused(Refusal::Unsupported) => Ok(None),
-            other => Err(unexpected(&Order::Stack, &other)),
+            Reply::Refused(CommandError::Unsupported) => Ok(None),
+            other => Err(unexpected(&HostCommand::Stack, &other)),
         }
     }
 
@@ -175,7 +172,7 @@ impl<L: Read + Write> Client<L> {
     /// A silent controller or a failed connection.
     pub fn read_settings(&mut self, settings: &mut Settings) -> Result<(), LinkError> {
         for key in SectionKey::ALL {
-            let command = Order::GetSection(key);
+            let command = HostCommand::GetSection(key);
             match self.call(command)? {
                 Reply::Section(section) if section.put(settings).is_some() => {}
                 other => return Err(unexpected(&command, &other)),
@@ -191,13 +188,13 @@ impl<L: Read + Write> Client<L> {
     pub fn write_settings(
         &mut self,
         settings: &Settings,
-    ) -> Result<Result<(), Refusal>, LinkError> {
+    ) -> Result<Result<(), CommandError>, LinkError> {
         for section in SectionKey::ALL.iter().filter_map(|key| key.of(settings)) {
-            if let Err(refusal) = self.command(Order::SetSection(section))? {
-                return Ok(Err(refusal));
+            if let Err(error) = self.command(HostCommand::SetSection(section))? {
+                return Ok(Err(error));
             }
         }
-        self.command(Order::ApplySettings)
+        self.command(HostCommand::ApplySettings)
     }
 
     /// Reads once and keeps a sample of telemetry that arrives.
@@ -274,7 +271,7 @@ fn new_session() -> u32 {
         .wrapping_add(std::process::id() << 16)
 }
 
-fn unexpected(command: &Order, reply: &Reply) -> LinkError {
+fn unexpected(command: &HostCommand, reply: &Reply) -> LinkError {
     LinkError::UnexpectedReply {
         command: format!("{command:?}"),
         reply: format!("{reply:?}"),

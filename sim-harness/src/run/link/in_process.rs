@@ -2,10 +2,10 @@
 
 use super::{Target, TargetError};
 use fivebar_firmware::controller::{Controller, Request};
-use fivebar_firmware::planner::{Planner, Reason};
+use fivebar_firmware::planner::{MoveErrorKind, Planner};
 use fivebar_firmware::safety::State;
 use fivebar_firmware::settings::SettingsError;
-use fivebar_firmware::{Command, Move, Sensed, Settings, Status};
+use fivebar_firmware::{ActuatorCommand, Move, SensorSample, Settings, Status};
 
 /// The firmware's controller and planner, called directly.
 pub struct InProcess {
@@ -27,24 +27,24 @@ impl InProcess {
 }
 
 impl Target for InProcess {
-    fn tick(&mut self, sensed: &Sensed) -> Result<(Command, Status), TargetError> {
+    fn tick(&mut self, sample: &SensorSample) -> Result<(ActuatorCommand, Status), TargetError> {
         // This call is the host's sign of life.
         self.controller.feed_host_timeout();
         self.planner.run(&mut self.controller);
-        let command = self.controller.tick(sensed);
+        let command = self.controller.tick(sample);
         Ok((command, self.controller.status()))
     }
 
     fn request(&mut self, request: Request) -> Result<(), TargetError> {
-        let refused = |refusal| TargetError::Request { request, refusal };
+        let refused = |error| TargetError::Request { request, error };
         self.controller.request(request).map_err(refused)
     }
 
     fn offer(&mut self, next: &Move) -> Result<bool, TargetError> {
         match self.planner.push(&mut self.controller, next) {
             Ok(()) => Ok(true),
-            Err(refusal) if refusal.reason == Reason::Full => Ok(false),
-            Err(refusal) => Err(TargetError::Move(refusal)),
+            Err(error) if error.kind == MoveErrorKind::Full => Ok(false),
+            Err(error) => Err(TargetError::Move(error)),
         }
     }
 

@@ -4,10 +4,10 @@
 
 use super::{Client, InProcess, LinkError, Target, TargetError};
 use fivebar_firmware::controller::Request;
-use fivebar_firmware::planner::Reason;
-use fivebar_firmware::protocol::{Identity, Order, Refusal, Reply, Ticked};
+use fivebar_firmware::planner::MoveErrorKind;
+use fivebar_firmware::protocol::{CommandError, HostCommand, Identity, Reply, StepResult};
 use fivebar_firmware::settings::SettingsError;
-use fivebar_firmware::{Command, Move, Sensed, Settings, Status};
+use fivebar_firmware::{ActuatorCommand, Move, SensorSample, Settings, Status};
 use serde::Serialize;
 use std::io::{Read, Write};
 
@@ -67,7 +67,7 @@ pub enum LockstepError {
     OwnClock,
     /// The other end refuses the settings.
     #[error("the controller refuses the settings: {0:?}")]
-    Refused(Refusal),
+    Refused(CommandError),
 }
 
 impl<L: Read + Write> Lockstep<L> {
@@ -84,8 +84,8 @@ impl<L: Read + Write> Lockstep<L> {
         let twin = InProcess::new(twin)?;
         let (mut client, identity) = Client::open(line)?;
         // Checked before the settings change; applying settings resets what this tick did.
-        let tick = client.call(Order::Tick(Sensed::default()))?;
-        if tick == Reply::Refused(Refusal::Unsupported) {
+        let tick = client.call(HostCommand::Tick(SensorSample::default()))?;
+        if tick == Reply::Refused(CommandError::Unsupported) {
             return Err(LockstepError::OwnClock);
         }
         client
@@ -122,7 +122,7 @@ impl<L: Read + Write> Lockstep<L> {
         &mut self.client
     }
 
-    fn call(&mut self, command: Order) -> Result<Reply, TargetError> {
+    fn call(&mut self, command: HostCommand) -> Result<Reply, TargetError> {
         self.silence = 0;
         Ok(self.client.call(command)?)
     }
@@ -151,17 +151,17 @@ impl<L: Read + Write> Lockstep<L> {
 }
 
 impl<L: Read + Write> Target for Lockstep<L> {
-    fn tick(&mut self, sensed: &Sensed) -> Result<(Command, Status), TargetError> {
+    fn tick(&mut self, sample: &SensorSample) -> Result<(ActuatorCommand, Status), TargetError> {
         self.silence += 1;
         if self.silence >= LONGEST_SILENCE {
-            self.call(Order::Status)?;
+            self.call(HostCommand::Status)?;
         }
-        let there = match self.client.call(Order::Tick(*sensed))? {
-            Reply::Ticked(ticked) => ticked,
+        let there = match self.client.call(HostCommand::Tick(*sample))? {
+            Reply::StepResult(result) => result,
             reply => return Err(unexpected(&reply)),
         };
-        let (command, status) = self.twin.tick(sensed)?;
-        let here = Ticked::new(command, &status, there.instructions);
+        let (command, status) = self.twin.tick(sample)?;
+        let here = StepResult::new(command, &status, there.instructions);
         self.ticks += 1;
         self.count(there.instructions);
         self.note_difference(difference(&here, &there));
@@ -179,10 +179,10 @@ impl<L: Read + Write> Target for Lockstep<L> {
 
     fn request(&mut self, request: Request) -> Result<(), TargetError> {
         let here = self.twin.request(request);
-        let there = match self.call(Order::Request(request))? {
+        let there = match self.call(HostCommand::Request(request))? {
             Reply::Done => Ok(()),
-            Reply::Refused(Refusal::Request(refusal)) => {
-                Err(TargetError::Request { request, refusal })
+            Reply::Refused(CommandError::Request(error)) => {
+                Err(TargetError::Request { request, error })
             }
             reply => Err(unexpected(&reply)),
         };
@@ -194,10 +194,12 @@ impl<L: Read + Write> Target for Lockstep<L> {
 
     fn offer(&mut self, next: &Move) -> Result<bool, TargetError> {
         let here = self.twin.offer(next);
-        let there = match self.call(Order::Move(*next))? {
+        let there = match self.call(HostCommand::Move(*next))? {
             Reply::Taken { .. } => Ok(true),
-            Reply::Refused(Refusal::Move(refusal)) if refusal.reason == Reason::Full => Ok(false),
-            Reply::Refused(Refusal::Move(refusal)) => Err(TargetError::Move(refusal)),
+            Reply::Refused(CommandError::Move(error)) if error.kind == MoveErrorKind::Full => {
+                Ok(false)
+            }
+            Reply::Refused(CommandError::Move(error)) => Err(TargetError::Move(error)),
             reply => Err(unexpected(&reply)),
         };
         if text(&here) != text(&there) {
@@ -223,27 +225,27 @@ fn text<T: std::fmt::Debug>(outcome: &Result<T, TargetError>) -> String {
 }
 
 /// The first field whose bits differ: its name, its value here and its value there.
-fn difference(here: &Ticked, there: &Ticked) -> Option<(&'static str, String, String)> {
+fn difference(here: &StepResult, there: &StepResult) -> Option<(&'static str, String, String)> {
     let bits = |pair: [f32; 2]| pair.map(f32::to_bits);
-    let tool = |ticked: &Ticked| ticked.tool.map(bits);
+    let tool = |result: &StepResult| result.tool.map(bits);
     let pairs = [
         ("duty", here.command.duty, there.command.duty),
         ("angle", here.angle, there.angle),
         ("velocity", here.velocity, there.velocity),
         ("current_demand", here.current_demand, there.current_demand),
     ];
-    let discrete = |ticked: &Ticked| {
-        let Ticked {
+    let discrete = |result: &StepResult| {
+        let StepResult {
             command,
             tick,
             state,
             fault,
             ..
-        } = *ticked;
+        } = *result;
         (command.enable, command.brake, tick, state, fault)
     };
     if discrete(here) != discrete(there) {
-        let show = |ticked| format!("{:?}", discrete(ticked));
+        let show = |result| format!("{:?}", discrete(result));
         return Some(("enable, brake, tick, state, fault", show(here), show(there)));
     }
     if tool(here) != tool(there) {

@@ -4,7 +4,7 @@ use fivebar_firmware::protocol::{Board as Kind, Decoder, HostMessage, Identity, 
 use fivebar_firmware::session::{Board, Session, fault_at_start};
 use fivebar_firmware::settings::SettingsError;
 use fivebar_firmware::storage::StorageError;
-use fivebar_firmware::{Command, Controller, Planner, Sensed, Settings};
+use fivebar_firmware::{ActuatorCommand, Controller, Planner, SensorSample, Settings};
 use std::collections::VecDeque;
 use std::io::{self, ErrorKind, Read, Write};
 
@@ -13,7 +13,7 @@ const TICKS_PER_READ: u32 = 100;
 
 /// What moves between two ticks of a controller that has its own clock: from the
 /// controller's outputs to the next samples of its sensors.
-pub type Plant = Box<dyn FnMut(&Command) -> Sensed + Send>;
+pub type Plant = Box<dyn FnMut(&ActuatorCommand) -> SensorSample + Send>;
 
 /// Both ends of a connection without faults, and the firmware's session behind it. Time
 /// passes only while the host waits, so the result does not depend on this machine's speed.
@@ -31,7 +31,7 @@ pub struct Loopback {
 struct Desktop {
     saved: Option<Settings>,
     /// The board's plant and the last outputs; none in lockstep with the host.
-    plant: Option<(Plant, Command)>,
+    plant: Option<(Plant, ActuatorCommand)>,
 }
 
 impl Board for Desktop {
@@ -40,10 +40,14 @@ impl Board for Desktop {
         Ok(())
     }
 
-    fn tick(&mut self, controller: &mut Controller, sensed: &Sensed) -> Option<(Command, u32)> {
+    fn tick(
+        &mut self,
+        controller: &mut Controller,
+        sample: &SensorSample,
+    ) -> Option<(ActuatorCommand, u32)> {
         match self.plant {
             Some(_) => None,
-            None => Some((controller.tick(sensed), 0)),
+            None => Some((controller.tick(sample), 0)),
         }
     }
 }
@@ -62,10 +66,13 @@ impl Loopback {
     /// # Errors
     /// The first setting that is not valid.
     pub fn driving(settings: &Settings, plant: Plant) -> Result<Self, SettingsError> {
-        Self::new(settings, Some((plant, Command::default())))
+        Self::new(settings, Some((plant, ActuatorCommand::default())))
     }
 
-    fn new(settings: &Settings, plant: Option<(Plant, Command)>) -> Result<Self, SettingsError> {
+    fn new(
+        settings: &Settings,
+        plant: Option<(Plant, ActuatorCommand)>,
+    ) -> Result<Self, SettingsError> {
         let identity = Identity::new(Kind::Desktop, Reset::Power);
         Ok(Self {
             session: Session::new(identity, settings, true),

@@ -1,9 +1,9 @@
 //! What a run needs from a controller.
 
 use super::LinkError;
-use fivebar_firmware::controller::{Refusal, Request};
-use fivebar_firmware::planner::MoveRefusal;
-use fivebar_firmware::{Command, Move, Sensed, Status};
+use fivebar_firmware::controller::{Request, RequestError};
+use fivebar_firmware::planner::MoveError;
+use fivebar_firmware::{ActuatorCommand, Move, SensorSample, Status};
 
 /// A controller, run in lockstep with a plant.
 ///
@@ -14,7 +14,7 @@ pub trait Target {
     ///
     /// # Errors
     /// The controller does not reply.
-    fn tick(&mut self, sensed: &Sensed) -> Result<(Command, Status), TargetError>;
+    fn tick(&mut self, sample: &SensorSample) -> Result<(ActuatorCommand, Status), TargetError>;
 
     /// Makes a request of the controller.
     ///
@@ -37,16 +37,16 @@ pub trait Target {
 #[derive(Debug, thiserror::Error)]
 pub enum TargetError {
     /// The controller refused a request.
-    #[error("the controller refuses to {request:?}: {refusal:?}")]
+    #[error("the controller refuses to {request:?}: {error:?}")]
     Request {
         /// The request.
         request: Request,
         /// The reason.
-        refusal: Refusal,
+        error: RequestError,
     },
     /// The controller refused a move.
     #[error("line {}: {_0}", _0.tag)]
-    Move(MoveRefusal),
+    Move(MoveError),
     /// The controller did not reply.
     #[error(transparent)]
     Link(#[from] LinkError),

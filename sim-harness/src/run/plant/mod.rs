@@ -38,7 +38,7 @@ use crate::input::scenario::{FaultKind, Mismatch, PlantFault};
 use active_faults::ActiveFaults;
 use brake::Brake;
 use dynamics::DRIVEN;
-use fivebar_firmware::{Command, Sensed};
+use fivebar_firmware::{ActuatorCommand, SensorSample};
 use fivebar_kinematics::five_bar::Pose;
 use nalgebra::Vector2;
 
@@ -62,7 +62,7 @@ pub struct Plant {
     count_origin: [i32; 2],
     noise: Noise,
     /// The outputs that the bridges apply now; the latest ones wait for the next period.
-    active: Command,
+    active: ActuatorCommand,
     time: f64,
     /// Scheduled faults, the last one first.
     pending: Vec<PlantFault>,
@@ -102,9 +102,9 @@ impl Plant {
             // Incremental counters start anywhere.
             count_origin: [noise.integer(), noise.integer()],
             noise,
-            active: Command {
+            active: ActuatorCommand {
                 brake: true,
-                ..Command::default()
+                ..ActuatorCommand::default()
             },
             time: 0.0,
             pending: Vec::new(),
@@ -134,7 +134,7 @@ impl Plant {
     }
 
     /// Samples all sensors at once.
-    pub fn sense(&mut self) -> Sensed {
+    pub fn sense(&mut self) -> SensorSample {
         let counts = [0, 1].map(|j| {
             let counted = || self.sensors[j].counts(self.angle(j), self.count_origin[j]);
             self.faults.frozen_counts[j].unwrap_or_else(counted)
@@ -144,7 +144,7 @@ impl Plant {
             self.faults.stuck_switch[j].unwrap_or_else(followed)
         });
         let current = self.state.current;
-        Sensed {
+        SensorSample {
             counts,
             current: [0, 1].map(|j| self.sensors[j].current_code(current[j], &mut self.noise)),
             bus_voltage: sensors::adc_code(self.bus_voltage / self.volts_per_code),
@@ -158,7 +158,7 @@ impl Plant {
     /// Advances by one tick of `period` [s], and by the ticks that the controller misses.
     /// The bridges apply the outputs of the tick before, because PWM registers load at the
     /// end of their period.
-    pub fn step(&mut self, command: &Command, period: f64) {
+    pub fn step(&mut self, command: &ActuatorCommand, period: f64) {
         self.inject_due_faults();
         self.missed_ticks = std::mem::take(&mut self.late_by);
         for _ in 0..=self.missed_ticks {
@@ -166,7 +166,7 @@ impl Plant {
         }
     }
 
-    fn advance(&mut self, command: &Command, period: f64) {
+    fn advance(&mut self, command: &ActuatorCommand, period: f64) {
         let applied = std::mem::replace(&mut self.active, *command);
         let loads = Loads {
             voltage: [0, 1].map(|j| self.terminal_voltage(&applied, j)),
@@ -184,7 +184,7 @@ impl Plant {
         }
     }
 
-    fn terminal_voltage(&self, command: &Command, joint: usize) -> Option<f64> {
+    fn terminal_voltage(&self, command: &ActuatorCommand, joint: usize) -> Option<f64> {
         let off = self.faults.disconnected[joint]
             || self.faults.driver_fault[joint]
             || self.faults.emergency_stop;

@@ -146,8 +146,8 @@ impl<'a, T: Target> Simulation<'a, T> {
     }
 
     fn tick(&mut self) -> Result<Status, TargetError> {
-        let sensed = self.plant.sense();
-        let (command, status) = self.target.tick(&sensed)?;
+        let sample = self.plant.sense();
+        let (command, status) = self.target.tick(&sample)?;
         self.record_sample(&status);
         self.plant.step(&command, self.period);
         self.record.ticks += 1;

@@ -4,7 +4,7 @@ use super::failure::{Failure, refused};
 use super::port::{PortArgs, interrupted};
 use super::say::say;
 use crate::run::simulation::fault_name;
-use fivebar_firmware::protocol::{Order, Reply, Section, SectionKey, StackUse, Telemetry};
+use fivebar_firmware::protocol::{HostCommand, Reply, Section, SectionKey, StackUse, Telemetry};
 use fivebar_firmware::{Status, safety::Limits};
 use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::sync::atomic::Ordering;
@@ -39,7 +39,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let (mut client, _) = args.port.open()?;
 
     let tick_rate = match client
-        .call(Order::GetSection(SectionKey::Control))
+        .call(HostCommand::GetSection(SectionKey::Control))
         .map_err(refused)?
     {
         Reply::Section(Section::Control(control)) => control.tick_rate,
@@ -51,7 +51,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     };
     let every = (tick_rate / args.rate).round().clamp(1.0, 65535.0) as u16;
     client
-        .command(Order::Telemetry { every })
+        .command(HostCommand::Telemetry { every })
         .map_err(refused)?
         .map_err(|refusal| refused(format_args!("the controller sends no telemetry: {refusal}")))?;
 
@@ -87,7 +87,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         say("")?;
     }
     client
-        .command(Order::Telemetry { every: 0 })
+        .command(HostCommand::Telemetry { every: 0 })
         .map_err(refused)?
         .map_err(refused)?;
     say(format_args!("{shown} samples, {} lost", losses.lost))?;

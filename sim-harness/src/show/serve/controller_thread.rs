@@ -1,19 +1,19 @@
 //! The thread that exchanges messages with the controller.
 
 use super::ServeError;
+use super::command_error::sentence;
 use super::lease::{ControlLease, PageId};
 use super::message::{ControllerEnd, FaultMessage, JobMessage, ServerMessage, StateMessage};
 use super::move_feeder::{JobStatus, MoveFeeder};
 use super::pace::SpeedMeter;
 use super::preview::Preview;
-use super::refusal::sentence;
 use super::simulated::SteppedArm;
 use crate::input::job::Job;
 use crate::input::robot::Robot;
 use crate::run::link::{Client, LinkError};
 use crate::run::simulation::fault_name;
-use fivebar_firmware::planner::Reason;
-use fivebar_firmware::protocol::{Order, Refusal, Reply};
+use fivebar_firmware::planner::MoveErrorKind;
+use fivebar_firmware::protocol::{CommandError, HostCommand, Reply};
 use fivebar_firmware::safety::{self, Fault};
 use fivebar_firmware::{Move, Request, Settings, Status};
 use std::io::{Read, Write};
@@ -71,7 +71,7 @@ impl ControllerThread {
             SAMPLES
         };
         let every = (settings.control.tick_rate / samples) as u16;
-        client.call(Order::Telemetry { every })?;
+        client.call(HostCommand::Telemetry { every })?;
         let (status, _) = client.status()?;
         Ok(Self {
             client,
@@ -133,15 +133,19 @@ impl ControllerThread {
             JobStatus::Finished => self.notice("The job is done."),
             JobStatus::Cancelled => self.notice("The rest of the job is cancelled."),
         }
-        while let Some(order) = self.feeder.next(room) {
-            match self.client.call(Order::Move(order))? {
-                Reply::Refused(Refusal::Move(refusal)) if refusal.reason == Reason::Full => break,
+        while let Some(next) = self.feeder.next(room) {
+            match self.client.call(HostCommand::Move(next))? {
+                Reply::Refused(CommandError::Move(refusal))
+                    if refusal.kind == MoveErrorKind::Full =>
+                {
+                    break;
+                }
                 Reply::Refused(refusal) => {
                     self.feeder.refused();
                     self.refuse(None, sentence(&refusal));
                 }
                 Reply::Taken { room: left } => {
-                    self.feeder.taken(&order);
+                    self.feeder.taken(&next);
                     room = left;
                 }
                 other => {
@@ -166,7 +170,7 @@ impl ControllerThread {
         let deadline = Instant::now() + LONGEST_STOP;
         // Both requests are refused if a fault is latched: then the controller itself
         // brings the arm to rest.
-        let _ = self.client.command(Order::Request(Request::Stop))?;
+        let _ = self.client.command(HostCommand::Request(Request::Stop))?;
         loop {
             (self.status, _) = self.client.status()?;
             if self.rests() || Instant::now() > deadline {
@@ -174,7 +178,7 @@ impl ControllerThread {
             }
             self.pass_time()?;
         }
-        let _ = self.client.command(Order::Request(Request::Disarm))?;
+        let _ = self.client.command(HostCommand::Request(Request::Disarm))?;
         Ok(())
     }
 
@@ -182,7 +186,7 @@ impl ControllerThread {
         if self.sent_fault != Some(self.status.fault) {
             self.sent_fault = Some(self.status.fault);
             let snapshot = match self.status.fault {
-                Some(_) => self.client.call(Order::Snapshot)?,
+                Some(_) => self.client.call(HostCommand::Snapshot)?,
                 None => Reply::Snapshot(None),
             };
             if let Reply::Snapshot(snapshot) = snapshot {

@@ -13,7 +13,7 @@
 //! | `simulated`, `pace` | the simulated arm in real time, also in lockstep with a board |
 //! | `arm`, `maps` | the arm and its workspace, sent to pages before the arm moves |
 //! | `controller_thread`, `move_feeder` | the exchange with the controller; the moves that wait |
-//! | `requests`, `refusal` | what each request of a page does; refusals as sentences |
+//! | `requests`, `command_error` | what each request of a page does; refusals as sentences |
 //! | `preview` | the arm and its jobs as lines to draw |
 //! | `lease` | which page is in control, and whether it is alive |
 //! | `message` | the messages between pages and server |
@@ -21,6 +21,7 @@
 //! | `web` | the page's files and the websockets |
 
 mod arm;
+mod command_error;
 mod controller_thread;
 mod guard;
 mod lease;
@@ -29,7 +30,6 @@ mod message;
 mod move_feeder;
 mod pace;
 mod preview;
-mod refusal;
 mod requests;
 mod simulated;
 mod web;
@@ -42,7 +42,7 @@ use crate::run::link::{Client, Emulator, EmulatorError, LinkError, PortError, Se
 use crate::run::simulation::RunError;
 use controller_thread::{Connection, ControllerThread};
 use fivebar_design::workspace::GridError;
-use fivebar_firmware::protocol::{Board, Refusal};
+use fivebar_firmware::protocol::{Board, CommandError};
 use simulated::SteppedArm;
 use std::io;
 use std::net::{SocketAddr, TcpListener};
@@ -102,7 +102,7 @@ pub enum ServeError {
     OtherArm(#[from] DriveError),
     /// The emulated board refuses the robot's settings.
     #[error("the emulated board refuses the robot's settings: {0}")]
-    Refused(Refusal),
+    Refused(CommandError),
     /// The controller does not reply.
     #[error(transparent)]
     Link(#[from] LinkError),

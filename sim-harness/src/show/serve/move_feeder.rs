@@ -129,12 +129,12 @@ impl MoveFeeder {
     }
 
     /// Records that the controller has accepted the move.
-    pub(super) fn taken(&mut self, order: &Move) {
+    pub(super) fn taken(&mut self, next: &Move) {
         match &mut self.job {
             Some((_, taken)) => *taken += 1,
             None => self.target = None,
         }
-        self.end = MoveEnd::of(&order.kind).or(self.end);
+        self.end = MoveEnd::of(&next.kind).or(self.end);
         self.idle_since = None;
     }
 

@@ -2,7 +2,7 @@
 
 use super::message::{JobMessage, Stroke};
 use crate::input::job::Job;
-use fivebar_firmware::planner::{MoveRefusal, Planner};
+use fivebar_firmware::planner::{MoveError, Planner};
 use fivebar_firmware::settings::SettingsError;
 use fivebar_firmware::{Move, MoveKind, Settings, Status};
 use fivebar_kinematics::five_bar::{Pose, Side, Tool, WorkingMode};
@@ -86,8 +86,8 @@ impl Preview {
             }
             Err(error) => message.refusal = Some(format!("The settings: {error}.")),
         }
-        for (step, order) in job.steps.iter().zip(moves) {
-            let (start, points) = (from, points(from, &order.kind));
+        for (step, next) in job.steps.iter().zip(moves) {
+            let (start, points) = (from, points(from, &next.kind));
             from = *points.last().unwrap_or(&from);
             match message.strokes.last_mut() {
                 Some(stroke) if stroke.down == step.pen_down => stroke.points.extend(points),
@@ -110,9 +110,9 @@ impl Preview {
     }
 }
 
-fn check(planner: &Planner, mut from: [f32; 2], moves: &[Move]) -> Result<(), MoveRefusal> {
-    for order in moves {
-        from = planner.check(from, order)?;
+fn check(planner: &Planner, mut from: [f32; 2], moves: &[Move]) -> Result<(), MoveError> {
+    for next in moves {
+        from = planner.check(from, next)?;
     }
     Ok(())
 }

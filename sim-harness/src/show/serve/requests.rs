@@ -1,5 +1,6 @@
 //! Turns the requests of pages into host commands, targets and jobs, or into a refusal.
 
+use super::command_error::sentence;
 use super::controller_thread::{ControllerThread, LoadedJob};
 use super::lease::PageId;
 use super::message::{
@@ -7,11 +8,10 @@ use super::message::{
 };
 use super::move_feeder::{MoveEnd, takes_moves};
 use super::preview::nearest;
-use super::refusal::sentence;
 use crate::input::scenario::Scenario;
 use crate::run::link::LinkError;
 use fivebar_firmware::MoveKind;
-use fivebar_firmware::protocol::Order;
+use fivebar_firmware::protocol::HostCommand;
 use fivebar_kinematics::five_bar::Side;
 use std::time::Instant;
 
@@ -117,7 +117,7 @@ impl ControllerThread {
         if wanted.is_open_to_all() {
             self.feeder.clear();
         }
-        let answer = self.client.command(Order::Request(wanted.into()))?;
+        let answer = self.client.command(HostCommand::Request(wanted.into()))?;
         Ok(answer.map_err(|refusal| sentence(&refusal)))
     }
 

@@ -7,7 +7,7 @@ use crate::input::scenario::Scenario;
 use crate::run::link::{Client, LinkError, Loopback};
 use crate::run::plant::Plant;
 use crate::run::simulation::RunError;
-use fivebar_firmware::Command;
+use fivebar_firmware::ActuatorCommand;
 use std::io::{Read, Write};
 
 /// Ticks between two rounds of the thread: short against the controller's command timeout.
@@ -23,7 +23,7 @@ pub(super) fn line(robot: &Robot) -> Result<Loopback, RunError> {
     let settings = robot.settings()?;
     let rate = robot.control.tick_rate;
     let mut pace = Pacer::new(rate);
-    let arm = move |command: &Command| {
+    let arm = move |command: &ActuatorCommand| {
         pace.tick();
         plant.step(command, 1.0 / rate);
         plant.sense()
@@ -55,8 +55,8 @@ impl SteppedArm {
     /// Runs some ticks on the board and moves the arm by their outputs.
     pub(super) fn step<L: Read + Write>(&mut self, board: &mut Client<L>) -> Result<(), LinkError> {
         for _ in 0..TICKS_PER_STEP {
-            let ticked = board.tick(self.plant.sense())?;
-            self.plant.step(&ticked.command, self.period);
+            let result = board.tick(self.plant.sense())?;
+            self.plant.step(&result.command, self.period);
             self.pace.tick();
         }
         Ok(())

@@ -1,29 +1,33 @@
-//! The controller's refusals as sentences that say what to do.
+//! The controller's errors as sentences that say what to do.
 
 use fivebar_firmware::controller;
-use fivebar_firmware::protocol::Refusal;
+use fivebar_firmware::protocol::CommandError;
 use fivebar_firmware::safety::State;
 
 /// Why a command was refused.
-pub(super) fn sentence(refusal: &Refusal) -> String {
-    match refusal {
-        Refusal::Move(refusal) if refusal.tag == 0 => format!("The move is refused: {refusal}."),
-        Refusal::Move(refusal) => format!("Line {} is refused: {refusal}.", refusal.tag),
-        Refusal::Request(refusal) => match refusal {
-            controller::Refusal::State(state) => format!("Not allowed {}.", while_in(*state)),
-            controller::Refusal::NotHomed => "The joint angles are unknown: home first.".into(),
-            controller::Refusal::OutsideLimits => {
+pub(super) fn sentence(error: &CommandError) -> String {
+    match error {
+        CommandError::Move(error) if error.tag == 0 => format!("The move is refused: {error}."),
+        CommandError::Move(error) => format!("Line {} is refused: {error}.", error.tag),
+        CommandError::Request(error) => match error {
+            controller::RequestError::State(state) => format!("Not allowed {}.", while_in(*state)),
+            controller::RequestError::NotHomed => {
+                "The joint angles are unknown: home first.".into()
+            }
+            controller::RequestError::OutsideLimits => {
                 "A joint is outside its limits: disarm, then turn the joint back by hand.".into()
             }
-            controller::Refusal::NearSingularity => {
+            controller::RequestError::NearSingularity => {
                 "The arm is too near a singularity: disarm, then move the arm away by hand.".into()
             }
-            controller::Refusal::NotOnBranch => {
+            controller::RequestError::NotOnBranch => {
                 "No pose on the arm's branch has these joint angles: home again.".into()
             }
-            controller::Refusal::Moving => "The arm is still moving: wait until it rests.".into(),
+            controller::RequestError::Moving => {
+                "The arm is still moving: wait until it rests.".into()
+            }
         },
-        Refusal::NoSettings => {
+        CommandError::NoSettings => {
             "The controller has no settings: store the robot's settings with --upload.".into()
         }
         other => format!("The controller refuses: {other:?}."),

@@ -6,23 +6,23 @@ use crate::bench::{Bench, Stated, stated};
 use fivebar::input::scenario::FaultKind;
 use fivebar::run::link::FaultRates;
 use fivebar_firmware::Request;
-use fivebar_firmware::controller::Refusal as Denied;
-use fivebar_firmware::protocol::{Order, Refusal};
+use fivebar_firmware::controller::RequestError;
+use fivebar_firmware::protocol::{CommandError, HostCommand};
 use fivebar_firmware::safety::{Response, State};
 use std::io::{Read, Write};
 
 /// Makes tests of the functions below, each with the line that `$line` starts.
-macro_rules! test_every_mishap {
+macro_rules! test_every_injected_fault {
     ($line:path: $($name:ident),* $(,)?) => {
         $(
             #[test]
             fn $name() {
-                crate::mishaps::$name($line());
+                crate::injected_faults::$name($line());
             }
         )*
     };
     ($line:path) => {
-        $crate::mishaps::test_every_mishap!(
+        $crate::injected_faults::test_every_injected_fault!(
             $line:
             dropped_frames,
             repeated_frames,
@@ -47,7 +47,7 @@ macro_rules! test_every_mishap {
         );
     };
 }
-pub(crate) use test_every_mishap;
+pub(crate) use test_every_injected_fault;
 
 /// In motion something breaks; the arm is off in time, stays off, and can be cleared.
 #[track_caller]
@@ -69,8 +69,8 @@ pub(crate) fn a_jumping_encoder(line: impl Read + Write) {
     };
     let mut bench = powers_off(line, "a_jumping_encoder", jump);
     // Where the joint is, is not known any more.
-    let refusal = bench.is_refused(Order::Request(Request::Arm));
-    assert_eq!(refusal, Refusal::Request(Denied::NotHomed));
+    let refusal = bench.is_refused(HostCommand::Request(Request::Arm));
+    assert_eq!(refusal, CommandError::Request(RequestError::NotHomed));
 }
 
 pub(crate) fn a_stalled_motor(line: impl Read + Write) {
@@ -94,8 +94,8 @@ pub(crate) fn a_current_sensor_somewhat_off(line: impl Read + Write) {
         amperes: 0.1,
     });
     for _ in 0..500 {
-        let ticked = bench.tick();
-        assert_eq!((ticked.state, ticked.fault), (State::Running, None));
+        let result = bench.tick();
+        assert_eq!((result.state, result.fault), (State::Running, None));
     }
     bench.is_moving();
 }
@@ -112,7 +112,7 @@ pub(crate) fn a_sagging_bus(line: impl Read + Write) {
     let sag = FaultKind::BusVoltage { volts: 12.0 };
     let mut bench = powers_off(line, "a_sagging_bus", sag);
     // Armed on the same bus, it is back at once.
-    bench.is_done(Order::Request(Request::Arm));
+    bench.is_done(HostCommand::Request(Request::Arm));
     bench.powers_off(stated("a_sagging_bus"));
 }
 
@@ -130,12 +130,12 @@ pub(crate) fn a_pressed_emergency_stop(line: impl Read + Write) {
     let stated = stated("a_pressed_emergency_stop");
     let mut bench = Bench::moving(line);
     bench.inject(FaultKind::EmergencyStop);
-    let ticked = bench.faults(stated);
-    bench.stays_off(ticked);
+    let result = bench.faults(stated);
+    bench.stays_off(result);
     // Cleared while still pressed, it is back in the next tick.
-    bench.is_done(Order::Request(Request::ClearFault));
-    let ticked = bench.faults(stated);
-    bench.stays_off(ticked);
+    bench.is_done(HostCommand::Request(Request::ClearFault));
+    let result = bench.faults(stated);
+    bench.stays_off(result);
 }
 
 /// Homing where a switch never changes. Faster than usual, and within a narrow range, so
@@ -147,21 +147,21 @@ fn searches<L: Read + Write>(line: L, pressed: bool, stated: Stated) -> Bench<L>
         settings.axes[0].angle_limits = [2.1, 2.3];
     });
     bench.inject(FaultKind::SwitchStuck { joint: 0, pressed });
-    bench.is_done(Order::Request(Request::Home));
+    bench.is_done(HostCommand::Request(Request::Home));
     bench.powers_off(stated);
     bench
 }
 
 pub(crate) fn a_switch_stuck_closed(line: impl Read + Write) {
     let mut bench = searches(line, true, stated("a_switch_stuck_closed"));
-    let refusal = bench.is_refused(Order::Request(Request::Arm));
-    assert_eq!(refusal, Refusal::Request(Denied::NotHomed));
+    let refusal = bench.is_refused(HostCommand::Request(Request::Arm));
+    assert_eq!(refusal, CommandError::Request(RequestError::NotHomed));
 }
 
 pub(crate) fn a_switch_stuck_open(line: impl Read + Write) {
     let mut bench = searches(line, false, stated("a_switch_stuck_open"));
-    let refusal = bench.is_refused(Order::Request(Request::Arm));
-    assert_eq!(refusal, Refusal::Request(Denied::NotHomed));
+    let refusal = bench.is_refused(HostCommand::Request(Request::Arm));
+    assert_eq!(refusal, CommandError::Request(RequestError::NotHomed));
 }
 
 /// The arm stops on its path and is held there.
@@ -173,11 +173,11 @@ pub(crate) fn a_silent_host(line: impl Read + Write) {
     bench.status();
     bench.host_talks = false;
     bench.faults(stated);
-    let still_moves = bench.is_refused(Order::Request(Request::ClearFault));
-    assert_eq!(still_moves, Refusal::Request(Denied::Moving));
+    let still_moves = bench.is_refused(HostCommand::Request(Request::ClearFault));
+    assert_eq!(still_moves, CommandError::Request(RequestError::Moving));
     for _ in 0..stated.at_rest.expect("a controlled stop") {
-        let ticked = bench.tick();
-        assert_eq!(ticked.command.enable, [true; 2]);
+        let result = bench.tick();
+        assert_eq!(result.command.enable, [true; 2]);
         let off = (bench.plant.tool().y - path).abs();
         assert!(off < 3e-5, "{off} m off the line");
     }
@@ -221,7 +221,7 @@ fn is_repaired(line: impl Read + Write, repeats: bool, set: fn(&mut FaultRates))
     bench.is_moving();
     let injected = bench.board.line().injected();
     assert!(injected > 10, "{injected} injected faults prove little");
-    // An order whose frame or reply is lost is sent again, and that is counted.
+    // A command whose frame or reply is lost is sent again, and that is counted.
     assert!(bench.board.repeats() > 0 || !repeats);
     println!(
         "{injected} injected faults, {} repeats",

@@ -1,15 +1,15 @@
-//! A tick of the emulated board, by its bits.
+//! The result of one tick of the emulated board.
 
 use crate::safety::{Fault, State};
-use crate::{Command, Status};
+use crate::{ActuatorCommand, Status};
 use serde::{Deserialize, Serialize};
 
-/// What a tick made of its samples: what the bridges are told, and the state and estimates
-/// behind it. Two controllers that agree in this bit by bit run as one.
+/// The result of one tick: the actuator command, and the state and estimates behind it. Two
+/// controllers whose results have the same bits in every tick run identically.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Ticked {
-    /// What the bridges are told.
-    pub command: Command,
+pub struct StepResult {
+    /// The actuator command.
+    pub command: ActuatorCommand,
     /// Ticks since the reset.
     pub tick: u32,
     /// What the controller is doing after the tick.
@@ -24,13 +24,13 @@ pub struct Ticked {
     pub tool: Option<[f32; 2]>,
     /// Current set-points [A].
     pub current_demand: [f32; 2],
-    /// Instructions the tick took, 0 where they are not counted.
+    /// Instructions that the tick took; 0 where they are not counted.
     pub instructions: u32,
 }
 
-impl Ticked {
-    /// The tick that gave `command` and left the controller at `status`.
-    pub fn new(command: Command, status: &Status, instructions: u32) -> Self {
+impl StepResult {
+    /// The result of the tick that gave `command`, with the controller's `status` after it.
+    pub fn new(command: ActuatorCommand, status: &Status, instructions: u32) -> Self {
         Self {
             command,
             tick: status.tick,

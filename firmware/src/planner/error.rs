@@ -1,4 +1,4 @@
-//! Why a move is not taken, and where: small enough to be sent.
+//! Why a move is refused, and at which point: small enough to be sent.
 
 use crate::safety::State;
 use core::fmt;
@@ -6,35 +6,35 @@ use fivebar_kinematics::five_bar::{Joint, PoseError, Singularity, WorkspaceViola
 use fivebar_kinematics::trajectory::{ConstraintViolation, PathError, PathSegmentError, PushError};
 use serde::{Deserialize, Serialize};
 
-/// The longest that one move may take [s]: a day. The path's clock would count the ticks of
-/// four, but a time of `f32` is told to a part in 10⁷, and a day's end to 8 ms.
+/// The longest time that one move may take [s]: a day. The count of ticks would suffice for four
+/// days, but `f32` resolves the end of a day to 8 ms only.
 pub const LONGEST: f32 = 86_400.0;
 
-/// A move that was not taken. Nothing has changed.
+/// A move was refused; nothing has changed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct MoveRefusal {
+pub struct MoveError {
     /// The move's tag.
     pub tag: u32,
-    /// Why.
-    pub reason: Reason,
-    /// The first place on the path that cannot be passed [m], if it is one.
+    /// Why it was refused.
+    pub kind: MoveErrorKind,
+    /// The first point of the path that cannot be passed [m], if there is one.
     pub point: Option<[f32; 2]>,
 }
 
-/// Why a move is not taken.
+/// Why a move was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Reason {
+pub enum MoveErrorKind {
     /// The arm must be armed and not stopping.
     State(State),
-    /// The queue is full: come again.
+    /// The queue is full: try again later.
     Full,
-    /// A number is infinite, not a number, or no speed.
+    /// A number is infinite or not a number, or a speed is not positive.
     Number,
     /// The arc starts on its centre, or its ends are not equally far from it.
     Arc,
-    /// The tool cannot get there.
+    /// The tool cannot reach the point.
     Unreachable,
     /// Joint 1 or 4 would leave its limits.
     JointLimit(u8),
@@ -42,33 +42,33 @@ pub enum Reason {
     LegSingularity(u8),
     /// Links 2 and 3 would be too nearly in line.
     ParallelSingularity,
-    /// Joint 1 or 4 has not the torque to hold the arm there.
+    /// Joint 1 or 4 does not have the torque to hold the arm there.
     Torque(u8),
-    /// At the speed asked for, or as a dwell, it would take longer than [`LONGEST`].
+    /// The move would take longer than [`LONGEST`].
     TooLong,
 }
 
-impl MoveRefusal {
-    pub(super) fn new(tag: u32, reason: Reason) -> Self {
+impl MoveError {
+    pub(super) fn new(tag: u32, kind: MoveErrorKind) -> Self {
         Self {
             tag,
-            reason,
+            kind,
             point: None,
         }
     }
 
-    pub(super) fn on_path(tag: u32, refusal: &PathError<f32>) -> Self {
+    pub(super) fn on_path(tag: u32, error: &PathError<f32>) -> Self {
         Self {
             tag,
-            reason: refusal.violation.into(),
-            point: Some([refusal.point.x, refusal.point.y]),
+            kind: error.violation.into(),
+            point: Some([error.point.x, error.point.y]),
         }
     }
 
     /// Refuses a move that takes longer than [`LONGEST`] for its length at its speed.
     pub(super) fn unless_in_time(tag: u32, length: f32, speed: f32) -> Result<(), Self> {
         if length.is_finite() && length > LONGEST * speed {
-            Err(Self::new(tag, Reason::TooLong))
+            Err(Self::new(tag, MoveErrorKind::TooLong))
         } else {
             Ok(())
         }
@@ -82,7 +82,7 @@ fn number(joint: Joint) -> u8 {
     }
 }
 
-impl From<Singularity> for Reason {
+impl From<Singularity> for MoveErrorKind {
     fn from(singularity: Singularity) -> Self {
         match singularity {
             Singularity::Leg1 => Self::LegSingularity(1),
@@ -92,7 +92,7 @@ impl From<Singularity> for Reason {
     }
 }
 
-impl From<ConstraintViolation> for Reason {
+impl From<ConstraintViolation> for MoveErrorKind {
     fn from(violation: ConstraintViolation) -> Self {
         match violation {
             ConstraintViolation::Workspace(WorkspaceViolation::Pose(PoseError::Unreachable(_))) => {
@@ -114,7 +114,7 @@ impl From<ConstraintViolation> for Reason {
     }
 }
 
-impl From<PathSegmentError> for Reason {
+impl From<PathSegmentError> for MoveErrorKind {
     fn from(error: PathSegmentError) -> Self {
         match error {
             PathSegmentError::NotFinite | PathSegmentError::ZeroLength => Self::Number,
@@ -124,7 +124,7 @@ impl From<PathSegmentError> for Reason {
     }
 }
 
-impl From<PushError> for Reason {
+impl From<PushError> for MoveErrorKind {
     fn from(error: PushError) -> Self {
         match error {
             PushError::Full => Self::Full,
@@ -133,23 +133,28 @@ impl From<PushError> for Reason {
     }
 }
 
-impl fmt::Display for Reason {
+impl fmt::Display for MoveErrorKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::State(state) => write!(f, "the arm takes no moves while {state:?}"),
             Self::Full => f.write_str("the queue is full"),
-            Self::Number => f.write_str("a number is infinite, not a number, or no speed"),
+            Self::Number => {
+                f.write_str("a number is infinite or not a number, or a speed is not positive")
+            }
             Self::Arc => {
                 f.write_str("the arc starts on its centre, or its ends are not equally far from it")
             }
-            Self::Unreachable => f.write_str("the tool cannot get there"),
+            Self::Unreachable => f.write_str("the tool cannot reach the point"),
             Self::JointLimit(joint) => write!(f, "joint {joint} would leave its limits"),
             Self::LegSingularity(leg) => {
                 write!(f, "leg {leg} would be too nearly straight or folded")
             }
             Self::ParallelSingularity => f.write_str("links 2 and 3 would be too nearly in line"),
             Self::Torque(joint) => {
-                write!(f, "joint {joint} has not the torque to hold the arm there")
+                write!(
+                    f,
+                    "joint {joint} does not have the torque to hold the arm there"
+                )
             }
             Self::TooLong => write!(
                 f,
@@ -159,9 +164,9 @@ impl fmt::Display for Reason {
     }
 }
 
-impl fmt::Display for MoveRefusal {
+impl fmt::Display for MoveError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.reason.fmt(f)?;
+        self.kind.fmt(f)?;
         if let Some([x, y]) = self.point {
             write!(f, " at ({x:.6}, {y:.6}) m")?;
         }
@@ -169,4 +174,6 @@ impl fmt::Display for MoveRefusal {
     }
 }
 
-impl core::error::Error for MoveRefusal {}
+impl core::error::Error for MoveErrorKind {}
+
+impl core::error::Error for MoveError {}
