@@ -238,7 +238,7 @@ fn a_number_that_overflows() {
         s.gravity = [0.0, -3e38];
         s.payload = 30.0;
     });
-    rig.controller = Controller::new(&heavy).unwrap();
+    rig.controller = Controller::new(&heavy.check().unwrap());
     rig.run(1);
     rig.controller.request(Request::SetAngles(START)).unwrap();
     rig.controller.request(Request::Arm).unwrap();

@@ -143,8 +143,8 @@ fn nothing_makes_the_tick_lose_its_head() {
     let seen = Seen::default();
     let steps = prop::collection::vec(step(), 1..120);
     proptest!(ProptestConfig::with_cases(300), |(armed in any::<bool>(), steps in steps)| {
-        let mut controller = Controller::new(&settings()).unwrap();
-        let mut planner = Planner::new(&settings()).unwrap();
+        let mut controller = Controller::new(&settings().check().unwrap());
+        let mut planner = Planner::new(&settings().check().unwrap());
         let mut bench = Bench::new(&settings());
         seen.tick(&mut controller, &bench.sense());
         if armed {
@@ -192,7 +192,7 @@ proptest! {
 
     #[test]
     fn samples_alone_never_power_a_bridge(samples in prop::collection::vec(sensor_sample(), 1..200)) {
-        let mut controller = Controller::new(&settings()).unwrap();
+        let mut controller = Controller::new(&settings().check().unwrap());
         for sample in samples {
             let command = tick(&mut controller, &sample);
             prop_assert_eq!(command.enable, [false; 2]);

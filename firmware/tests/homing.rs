@@ -34,7 +34,7 @@ fn finds_both_switches_from_any_encoder_origin() {
     ] {
         let mut rig = Rig::new(&settings());
         rig.bench.extra_counts = extra;
-        rig.controller = fivebar_firmware::Controller::new(&settings()).unwrap();
+        rig.controller = fivebar_firmware::Controller::new(&settings().check().unwrap());
         rig.run(1);
         home(&mut rig);
         let status = rig.controller.status();
@@ -54,7 +54,7 @@ fn finds_both_switches_from_any_encoder_origin() {
 fn begins_by_backing_off_where_a_switch_is_closed_already() {
     let mut rig = Rig::new(&settings());
     rig.bench.theta = [2.80, 0.34];
-    rig.controller = fivebar_firmware::Controller::new(&settings()).unwrap();
+    rig.controller = fivebar_firmware::Controller::new(&settings().check().unwrap());
     rig.run(1);
     home(&mut rig);
     assert!(rig.controller.status().homed);

@@ -2,8 +2,8 @@
 
 mod rig;
 
+use fivebar_firmware::Settings;
 use fivebar_firmware::settings::{AxisField, Field, SettingsError};
-use fivebar_firmware::{Controller, Planner, Settings};
 use fivebar_kinematics::dynamics::ModelError;
 use fivebar_kinematics::five_bar::GeometryError;
 use rig::settings;
@@ -14,14 +14,13 @@ type Change = fn(&mut Settings);
 fn refused(change: Change, error: SettingsError) {
     let mut settings = settings();
     change(&mut settings);
-    assert_eq!(settings.validate(), Err(error));
-    assert_eq!(Controller::new(&settings).err(), Some(error));
-    assert_eq!(Planner::new(&settings).err(), Some(error));
+    assert_eq!(settings.check().err(), Some(error));
 }
 
 #[test]
 fn the_benchtop_arm_is_accepted() {
-    assert_eq!(settings().validate(), Ok(()));
+    let checked = settings().check().expect("valid settings");
+    assert_eq!(*checked, settings());
 }
 
 #[test]
@@ -204,10 +203,10 @@ fn an_arm_that_cannot_be_is_refused() {
 fn every_refusal_reads_as_a_sentence_that_names_the_field() {
     let mut bad = settings();
     bad.axes[0].resistance = 0.0;
-    let text = bad.validate().unwrap_err().to_string();
+    let text = bad.check().unwrap_err().to_string();
     assert_eq!(text, "joint 1: resistance must be positive [Ω]");
     let mut bad = settings();
     bad.control.damping = 9.0;
-    let text = bad.validate().unwrap_err().to_string();
+    let text = bad.check().unwrap_err().to_string();
     assert_eq!(text, "control.damping must lie in 0.2 to 2");
 }

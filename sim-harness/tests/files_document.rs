@@ -26,8 +26,8 @@ fn the_robot_of_the_document_is_read_with_every_section() {
     let [robot, drives, sections, _] = examples();
     let bare = Robot::parse("bare", robot).unwrap();
     let whole = Robot::parse("whole", &format!("{robot}{drives}{sections}")).unwrap();
-    whole.settings().unwrap().validate().unwrap();
-    bare.settings().unwrap().validate().unwrap();
+    whole.settings().unwrap().check().unwrap();
+    bare.settings().unwrap().check().unwrap();
     assert!(bare.actuators.is_none() && whole.actuators.is_some());
     // The document's defaults are the values of a file without these keys.
     assert_eq!(bare.tool, whole.tool);

@@ -202,7 +202,7 @@ fn an_arm_that_cannot_draw_is_reported_with_the_reason_of_its_run() {
     let homing = ["while homing", "225 mN·m at joint 1"];
     let upright = ["", "up", "", "", "", "", "", "1", "", ""];
     let holding = [
-        "joint 1 has not the torque to hold the arm",
+        "joint 1 does not have the torque to hold the arm",
         "even at a scale",
     ];
     for (answers, words) in [(heavy, homing), (upright, holding)] {

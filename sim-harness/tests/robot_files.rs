@@ -287,7 +287,7 @@ fn no_number_in_a_robot_file_makes_the_program_panic_or_hang() {
                 refused += 1;
                 continue;
             };
-            if settings.validate().is_err() {
+            if settings.check().is_err() {
                 refused += 1;
                 continue;
             }

@@ -1,4 +1,4 @@
-//! Every injected fault of `docs/faults.md` that applies to it, on the emulated Cortex-M4F; each
+//! Every fault injected by `docs/faults.md` that applies to it, on the emulated Cortex-M4F; each
 //! of its answers has the bits of a controller in this process that is told the same.
 
 mod bench;

@@ -1,4 +1,4 @@
-//! Every injected fault of `docs/faults.md` with a controller in this process.
+//! Every fault injected by `docs/faults.md` with a controller in this process.
 
 mod bench;
 mod injected_faults;

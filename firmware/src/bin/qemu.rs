@@ -84,10 +84,8 @@ mod app {
         let (buffers, bus) = (cx.local.buffers, source.second_bus());
         let (receiver, sender) = serial::new(usart, dma, pins, buffers, bus, &mut rcc);
         let (arrived, commands) = cx.local.queue.split();
-        let settings = Settings::BENCHTOP;
         let identity = Identity::new(Board::Emulated, Reset::Power);
-        let (Ok(controller), Ok(planner)) = (Controller::new(&settings), Planner::new(&settings))
-        else {
+        let Ok(settings) = Settings::BENCHTOP.check() else {
             panic!("the benchtop arm's settings are valid");
         };
         let local = Local {
@@ -95,12 +93,13 @@ mod app {
             arrived,
             commands,
             sender,
-            planner,
+            planner: Planner::new(&settings),
             session: Session::new(identity, &settings, false),
             lockstep: Lockstep {
                 counter: InstructionCounter::new(cx.core.SYST),
             },
         };
+        let controller = Controller::new(&settings);
         (Shared { controller }, local)
     }
 

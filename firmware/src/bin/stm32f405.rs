@@ -102,15 +102,16 @@ mod app {
         let (arrived, commands) = cx.local.queue.split();
 
         let (services, stored) = BoardServices::start(device.FLASH, device.IWDG);
-        let settings = stored.unwrap_or(Settings::BENCHTOP);
-        let (Ok(mut controller), Ok(planner)) =
-            (Controller::new(&settings), Planner::new(&settings))
-        else {
-            panic!("settings are checked when they are loaded");
+        let (Ok(settings), stored) = (match stored {
+            Ok(settings) => (Ok(settings), None),
+            Err(error) => (Settings::BENCHTOP.check(), Some(error)),
+        }) else {
+            panic!("the benchtop arm's settings are valid");
         };
+        let mut controller = Controller::new(&settings);
         let crystal_runs = source == Source::Crystal;
         CLOCK_FAILED.store(!crystal_runs, Ordering::Relaxed);
-        if let Some(fault) = fault_at_start(crystal_runs, reset, stored.err()) {
+        if let Some(fault) = fault_at_start(crystal_runs, reset, stored) {
             controller.latch_fault(fault);
         }
         defmt::info!("started after a reset: {}", reset);
@@ -129,8 +130,8 @@ mod app {
             arrived,
             commands,
             sender,
-            planner,
-            session: Session::new(identity, &settings, stored.is_ok()),
+            planner: Planner::new(&settings),
+            session: Session::new(identity, &settings, stored.is_none()),
             services,
             log: EventLog::new(),
         };

@@ -6,6 +6,7 @@ use super::storage::SettingsFlash;
 use super::watchdog::Watchdog;
 use crate::protocol::StackUse;
 use crate::session::Board;
+use crate::settings::CheckedSettings;
 use crate::storage::{SettingsStorage, StorageError};
 use crate::{ActuatorCommand, Controller, SensorSample, Settings};
 use stm32f4xx_hal::pac::{FLASH, IWDG};
@@ -20,11 +21,11 @@ pub struct BoardServices {
 impl BoardServices {
     /// Opens the storage and starts the watchdog. Also returns the stored settings, if this board
     /// can use them.
-    pub fn start(flash: FLASH, watchdog: IWDG) -> (Self, Result<Settings, StorageError>) {
+    pub fn start(flash: FLASH, watchdog: IWDG) -> (Self, Result<CheckedSettings, StorageError>) {
         let (storage, settings) =
             match SettingsStorage::new(SettingsFlash::new(flash), SettingsFlash::RANGE) {
                 Ok(mut storage) => {
-                    let settings = storage.load().and_then(usable);
+                    let settings = storage.load().and_then(|settings| check(&settings));
                     (Some(storage), settings)
                 }
                 Err(error) => (None, Err(error)),
@@ -34,13 +35,12 @@ impl BoardServices {
     }
 }
 
-/// Settings that are sound and of this board's tick rate.
-fn usable(settings: Settings) -> Result<Settings, StorageError> {
-    if settings.control.tick_rate == TICK_RATE && settings.validate().is_ok() {
-        Ok(settings)
-    } else {
-        Err(StorageError::Corrupt)
+/// Checks stored settings; they must also have this board's tick rate.
+fn check(settings: &Settings) -> Result<CheckedSettings, StorageError> {
+    if settings.control.tick_rate != TICK_RATE {
+        return Err(StorageError::Corrupt);
     }
+    settings.check().map_err(|_| StorageError::Corrupt)
 }
 
 impl Board for BoardServices {

@@ -16,7 +16,7 @@ mod tracking;
 mod transitions;
 
 use crate::safety::{Limits, State};
-use crate::settings::{Settings, SettingsError};
+use crate::settings::{CheckedSettings, Settings};
 use fivebar_kinematics::five_bar::WorkingMode;
 use homing::HomingState;
 use joint::Joint;
@@ -55,6 +55,7 @@ pub struct Controller {
     controlled_stop: bool,
     model: Model,
     path: Path,
+    /// The settings in use, which were checked.
     settings: Settings,
     homing: [HomingState; 2],
     /// The latched fault, as it was raised.
@@ -65,14 +66,11 @@ pub struct Controller {
 }
 
 impl Controller {
-    /// A controller for the arm of these settings, Stopped and not homed.
-    ///
-    /// # Errors
-    /// The first setting that is not sound.
-    pub fn new(settings: &Settings) -> Result<Self, SettingsError> {
-        Ok(Self {
-            model: Model::new(settings)?,
-            settings: *settings,
+    /// A controller for the arm of these settings, in the state Stopped and not homed.
+    pub fn new(settings: &CheckedSettings) -> Self {
+        Self {
+            model: Model::new(settings),
+            settings: **settings,
             joints: [Joint::new(), Joint::new()],
             begun: false,
             state: State::Stopped,
@@ -90,10 +88,10 @@ impl Controller {
             missed_ticks: 0,
             heard_at: 0,
             path_generation: 0,
-        })
+        }
     }
 
-    /// The settings in use.
+    /// The settings in use. They are valid: they were checked before the controller was made.
     pub fn settings(&self) -> &Settings {
         &self.settings
     }

@@ -2,7 +2,7 @@
 
 use super::homing::HomingConfig;
 use crate::safety::Monitor;
-use crate::settings::{AxisSettings, Settings, SettingsError};
+use crate::settings::{AxisSettings, CheckedSettings};
 use core::f32::consts::TAU;
 use fivebar_kinematics::Scalar;
 use fivebar_kinematics::control::{
@@ -56,17 +56,12 @@ pub(crate) struct AxisModel {
 }
 
 impl Model {
-    /// Checks the settings and derives the constants.
-    pub(crate) fn new(settings: &Settings) -> Result<Self, SettingsError> {
-        settings.validate()?;
-        let arm = settings.arm()?;
-        let tool = settings.tool(&arm)?;
-        let nominal_inertia = settings.nominal_inertia(&arm, &tool)?;
+    pub(crate) fn new(settings: &CheckedSettings) -> Self {
         let control = &settings.control;
         let period = 1.0 / control.tick_rate;
-        Ok(Self {
-            equations: BaseParameterModel::new(&arm),
-            tool,
+        Self {
+            equations: BaseParameterModel::new(settings.arm()),
+            tool: *settings.tool(),
             assembly: settings.assembly(),
             axes: settings.axes.map(|axis| AxisModel::new(&axis, settings)),
             observer: VelocityObserver::new(control.observer_bandwidth, period),
@@ -78,7 +73,7 @@ impl Model {
                 period,
             ),
             torque_limit: TorqueLimit(settings.peak_torque()),
-            nominal_inertia,
+            nominal_inertia: settings.nominal_inertia(),
             computed_torque: control.computed_torque,
             period,
             bus_voltage_per_code: settings.protection.bus_voltage_per_code,
@@ -86,12 +81,12 @@ impl Model {
             homing_configs: settings
                 .axes
                 .map(|axis| HomingConfig::new(&axis, &settings.homing)),
-        })
+        }
     }
 }
 
 impl AxisModel {
-    fn new(axis: &AxisSettings, settings: &Settings) -> Self {
+    fn new(axis: &AxisSettings, settings: &CheckedSettings) -> Self {
         let control = &settings.control;
         let period = 1.0 / control.tick_rate;
         let counts_per_turn = axis.encoder_counts as f32 * axis.gear_ratio;

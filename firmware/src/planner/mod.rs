@@ -17,7 +17,7 @@ mod supply;
 use crate::controller::{Controller, PlanningSnapshot, QUEUED_SEGMENTS, stopping_time};
 use crate::motion::Move;
 use crate::safety::State;
-use crate::settings::{Settings, SettingsError};
+use crate::settings::CheckedSettings;
 use check::CheckedMove;
 use fivebar_kinematics::five_bar::{JointLimits, Side, Workspace};
 use fivebar_kinematics::trajectory::{Envelope, LookaheadPlanner, MotionLimits, TorqueLimits};
@@ -71,18 +71,13 @@ struct End {
 
 impl Planner {
     /// A planner for the arm of these settings.
-    ///
-    /// # Errors
-    /// The first setting that is not sound.
-    pub fn new(settings: &Settings) -> Result<Self, SettingsError> {
-        settings.validate()?;
-        let arm = settings.arm()?;
+    pub fn new(settings: &CheckedSettings) -> Self {
         let motion = &settings.motion;
         let [axis1, axis4] = &settings.axes;
-        Ok(Self {
+        Self {
             envelope: Envelope {
                 workspace: Workspace {
-                    tool: settings.tool(&arm)?,
+                    tool: *settings.tool(),
                     mode: settings.working_mode(),
                     limits: JointLimits::new(axis1.angle_limits, axis4.angle_limits).ok(),
                     margin: motion.singularity_margin,
@@ -90,7 +85,7 @@ impl Planner {
                 joint_speed: settings.axes.map(|axis| axis.max_speed),
                 joint_acceleration: settings.axes.map(|axis| axis.max_acceleration),
                 torque: Some(TorqueLimits {
-                    arm,
+                    arm: *settings.arm(),
                     torque: settings.peak_torque().map(|torque| TORQUE_SHARE * torque),
                 }),
                 tool_motion: MotionLimits {
@@ -106,7 +101,7 @@ impl Planner {
             path_generation: 0,
             slowed: HistoryBuf::new(),
             horizon: RESERVE + 0.5 * stopping_time(settings),
-        })
+        }
     }
 
     /// Accepts a move behind those accepted before, or refuses it as a whole. The controller is

@@ -4,7 +4,7 @@
 //! passes every comparison here; the tick detects it in the duties, before the bridges get them.
 
 use super::Fault;
-use crate::settings::Settings;
+use crate::settings::CheckedSettings;
 use core::f32::consts::TAU;
 use fivebar_kinematics::Scalar;
 use fivebar_kinematics::five_bar::Links;
@@ -39,7 +39,7 @@ pub(crate) struct Monitor {
 }
 
 impl Monitor {
-    pub(crate) fn new(settings: &Settings) -> Self {
+    pub(crate) fn new(settings: &CheckedSettings) -> Self {
         let protection = &settings.protection;
         let rate = settings.control.tick_rate;
         let [_, l2, l3, ..] = settings.lengths;

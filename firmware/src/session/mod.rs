@@ -14,6 +14,7 @@ use crate::protocol::{
     SequenceCheck, StackUse, StepResult, Telemetry, VERSION, encode,
 };
 use crate::safety::State;
+use crate::settings::CheckedSettings;
 use crate::storage::StorageError;
 use crate::{ActuatorCommand, Request, SensorSample, Settings};
 use rtic_core::Mutex;
@@ -22,7 +23,7 @@ pub use start::fault_at_start;
 
 /// What the session needs from its board.
 pub trait Board {
-    /// Stores settings for the next start.
+    /// Stores settings for the next start. They are those in use, so they were checked.
     ///
     /// # Errors
     /// Why they are not stored.
@@ -69,12 +70,12 @@ impl Session {
     /// A session without a host. `settings` are those in use; `are_stored` is true if they were
     /// loaded from the board's storage. On default settings the arm does not move until a host
     /// applies its own.
-    pub fn new(identity: Identity, settings: &Settings, are_stored: bool) -> Self {
+    pub fn new(identity: Identity, settings: &CheckedSettings, are_stored: bool) -> Self {
         Self {
             identity,
             host: None,
             has_settings: are_stored,
-            draft: *settings,
+            draft: **settings,
             sampler: Sampler::off(),
         }
     }
@@ -238,14 +239,14 @@ impl Session {
         if rate.is_some_and(|rate| rate != self.draft.control.tick_rate) {
             return Err(CommandError::Settings);
         }
-        let new_planner = Planner::new(&self.draft).map_err(|_| CommandError::Settings)?;
-        let new_controller = Controller::new(&self.draft).map_err(|_| CommandError::Settings)?;
+        let settings = self.draft.check().map_err(|_| CommandError::Settings)?;
+        let new_controller = Controller::new(&settings);
         controller.lock(|controller| {
             only_stopped(controller)?;
             *controller = new_controller;
             Ok(())
         })?;
-        *planner = new_planner;
+        *planner = Planner::new(&settings);
         self.has_settings = true;
         self.sampler.restart_ticks();
         Ok(Reply::Done)

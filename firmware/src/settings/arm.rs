@@ -18,7 +18,7 @@ impl Settings {
     ///
     /// # Errors
     /// Lengths or inertias that are not an arm's.
-    pub fn arm(&self) -> Result<Arm<f32>, SettingsError> {
+    pub(super) fn arm(&self) -> Result<Arm<f32>, SettingsError> {
         let geometry = Geometry::new(self.lengths).map_err(SettingsError::Geometry)?;
         let links = self.links.map(|link| Link {
             mass: link.mass,
@@ -36,7 +36,7 @@ impl Settings {
     ///
     /// # Errors
     /// A tool offset that leaves link 2 no length.
-    pub fn tool(&self, arm: &Arm<f32>) -> Result<Tool<f32>, SettingsError> {
+    pub(super) fn tool(&self, arm: &Arm<f32>) -> Result<Tool<f32>, SettingsError> {
         Tool::new(*arm.geometry(), vec2(self.tool_offset)).map_err(SettingsError::Geometry)
     }
 
@@ -68,7 +68,7 @@ impl Settings {
     ///
     /// # Errors
     /// `NoPose` if the arm can take no pose.
-    pub(crate) fn nominal_inertia(
+    pub(super) fn nominal_inertia(
         &self,
         arm: &Arm<f32>,
         tool: &Tool<f32>,
@@ -109,6 +109,6 @@ impl Settings {
     }
 }
 
-pub(crate) fn vec2([x, y]: [f32; 2]) -> Vector2<f32> {
+fn vec2([x, y]: [f32; 2]) -> Vector2<f32> {
     Vector2::new(x, y)
 }

@@ -4,11 +4,13 @@
 
 mod arm;
 mod benchtop;
+mod check;
+mod checked;
 mod error;
-mod validate;
 
 use serde::{Deserialize, Serialize};
 
+pub use checked::CheckedSettings;
 pub use error::{AxisField, Field, SettingsError};
 
 /// Inertia of one link, see `fivebar_kinematics::dynamics::Link`.

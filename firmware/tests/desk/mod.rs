@@ -57,12 +57,12 @@ pub(crate) const HELLO: HostCommand = HostCommand::Hello {
 impl Desk {
     /// Before the hello.
     pub(crate) fn new() -> Self {
-        let settings = rig::settings();
+        let settings = rig::settings().check().unwrap();
         let identity = Identity::new(Kind::Desktop, Reset::Power);
         Self {
             session: Session::new(identity, &settings, true),
-            controller: Controller::new(&settings).unwrap(),
-            planner: Planner::new(&settings).unwrap(),
+            controller: Controller::new(&settings),
+            planner: Planner::new(&settings),
             board: Memory {
                 saved: Vec::new(),
                 flash: Ok(()),
@@ -85,7 +85,7 @@ impl Desk {
     pub(crate) fn without_settings() -> Self {
         let mut desk = Self::new();
         let identity = Identity::new(Kind::Desktop, Reset::Power);
-        desk.session = Session::new(identity, &rig::settings(), false);
+        desk.session = Session::new(identity, &rig::settings().check().unwrap(), false);
         assert!(matches!(desk.ask(HELLO), Reply::Hello(_)));
         desk
     }

@@ -188,8 +188,8 @@ impl Rig {
     /// Stopped, not homed.
     pub(crate) fn new(settings: &Settings) -> Self {
         let mut rig = Self {
-            controller: Controller::new(settings).unwrap(),
-            planner: Planner::new(settings).unwrap(),
+            controller: Controller::new(&settings.check().unwrap()),
+            planner: Planner::new(&settings.check().unwrap()),
             bench: Bench::new(settings),
         };
         rig.run(1);

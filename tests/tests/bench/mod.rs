@@ -1,6 +1,6 @@
-//! The simulated arm, a controller at the other end of a line, and a twin of that
-//! controller in this process. Both are told the same, and every answer, every tick's
-//! duties, state and estimates included, must have the same bits.
+//! The simulated arm, a controller at the other end of a line, and a twin of that controller in
+//! this process. Both get the same commands, and every reply must have the same bits, with every
+//! tick's duties, state and estimates.
 
 #![allow(dead_code, reason = "each test file uses its own part")]
 
@@ -16,14 +16,14 @@ use fivebar_firmware::{Move, MoveKind, Request, Settings, Status};
 use nalgebra::Vector2;
 use std::io::{Read, Write};
 
-/// What `docs/faults.md` says of a injected fault.
+/// A row of `docs/faults.md`: what an injected fault leads to.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stated {
     /// The fault that it raises.
     pub(crate) fault: Fault,
-    /// The tick after the injected fault in which that is latched at the latest.
+    /// The latest tick after the injection in which the fault is latched.
     pub(crate) within: u32,
-    /// Ticks after that in which the arm has come to rest, where it is stopped and held.
+    /// Ticks after that within which the arm comes to rest, if it is held.
     pub(crate) at_rest: Option<u32>,
 }
 
@@ -51,7 +51,7 @@ pub(crate) fn stated(test: &str) -> Stated {
     }
 }
 
-/// The requests that would make a stopped arm move, or change what it takes for true.
+/// The requests that would move a stopped arm, or change what the controller assumes of it.
 const REQUESTS: [Request; 5] = [
     Request::Arm,
     Request::Home,
@@ -59,7 +59,7 @@ const REQUESTS: [Request; 5] = [
     Request::Stop,
     Request::Disarm,
 ];
-/// The host says something after so many ticks.
+/// Ticks between two signs of life of the host.
 const TALK_EVERY: u32 = 400;
 
 pub(crate) struct Bench<L> {
@@ -67,7 +67,7 @@ pub(crate) struct Bench<L> {
     twin: Client<Loopback>,
     pub(crate) plant: Plant,
     pub(crate) settings: Settings,
-    /// The host says something now and then.
+    /// The host gives signs of life.
     pub(crate) host_talks: bool,
     ticks: u32,
 }
@@ -98,13 +98,13 @@ impl<L: Read + Write> Bench<L> {
             .geometry
             .inverse(Vector2::new(x, y), robot.elbows)
             .expect("within reach");
-        let twin = Loopback::lockstep(&settings).expect("sound settings");
+        let twin = Loopback::lockstep(&settings).expect("valid settings");
         let (mut board, _) = Client::open(FaultInjector::new(line, rates, 1)).expect("a board");
         let (twin, _) = Client::open(twin).expect("a twin");
         board
             .write_settings(&settings)
             .expect("a line")
-            .expect("sound settings");
+            .expect("valid settings");
         let mut bench = Self {
             board,
             twin,
@@ -117,7 +117,7 @@ impl<L: Read + Write> Bench<L> {
         bench
     }
 
-    /// On its way along a line at 0.1 m/s.
+    /// The arm moves along a line at 0.1 m/s.
     pub(crate) fn moving(line: L) -> Self {
         Self::moving_on(line, FaultRates::default())
     }
@@ -223,8 +223,8 @@ impl<L: Read + Write> Bench<L> {
         panic!("no fault within {} ticks", stated.within);
     }
 
-    /// The stated fault comes in time and unpowers the arm in the same tick; nothing powers
-    /// it again until the fault is cleared.
+    /// The stated fault is latched in time and switches the bridges off in the same tick; no
+    /// request switches them on until the fault is cleared.
     #[track_caller]
     pub(crate) fn powers_off(&mut self, stated: Stated) {
         assert_eq!(stated.fault.response(), Response::PowerOff);
@@ -247,8 +247,7 @@ impl<L: Read + Write> Bench<L> {
         }
     }
 
-    /// The arm that stands still under a fault goes on standing still, powered, whatever
-    /// it is asked for.
+    /// The arm that is held under a fault stays held, bridges on, whatever is requested.
     #[track_caller]
     pub(crate) fn stays_held(&mut self) {
         let angles = |plant: &Plant| [plant.angle(0), plant.angle(1)];
@@ -285,7 +284,7 @@ pub(crate) fn is_off(result: &StepResult) {
     assert!(result.command.brake);
 }
 
-/// An answer byte by byte, except for what only one end counts.
+/// A reply byte by byte, without the instructions, which only one end counts.
 fn bits(mut reply: Reply) -> Vec<u8> {
     if let Reply::StepResult(result) = &mut reply {
         result.instructions = 0;

@@ -1,6 +1,6 @@
-//! What goes wrong with an arm and its line, told of a controller wherever it is. Each
-//! function is a test by its name, once with a controller in this process and once on the
-//! emulated board; `docs/faults.md` states what it must lead to, and within how many ticks.
+//! Faults injected into the arm and its line. Each function is a test by its name, once with a
+//! controller in this process and once on the emulated board; `docs/faults.md` states what it
+//! must lead to, and within how many ticks.
 
 use crate::bench::{Bench, Stated, stated};
 use fivebar::input::scenario::FaultKind;
@@ -49,7 +49,7 @@ macro_rules! test_every_injected_fault {
 }
 pub(crate) use test_every_injected_fault;
 
-/// In motion something breaks; the arm is off in time, stays off, and can be cleared.
+/// A fault is injected in motion; the arm is off in time, stays off, and the fault can be cleared.
 #[track_caller]
 fn powers_off<L: Read + Write>(line: L, test: &str, fault: FaultKind) -> Bench<L> {
     let mut bench = Bench::moving(line);
@@ -68,9 +68,9 @@ pub(crate) fn a_jumping_encoder(line: impl Read + Write) {
         counts: 400,
     };
     let mut bench = powers_off(line, "a_jumping_encoder", jump);
-    // Where the joint is, is not known any more.
-    let refusal = bench.is_refused(HostCommand::Request(Request::Arm));
-    assert_eq!(refusal, CommandError::Request(RequestError::NotHomed));
+    // The joint's angle is unknown.
+    let error = bench.is_refused(HostCommand::Request(Request::Arm));
+    assert_eq!(error, CommandError::Request(RequestError::NotHomed));
 }
 
 pub(crate) fn a_stalled_motor(line: impl Read + Write) {
@@ -86,7 +86,7 @@ pub(crate) fn a_disconnected_motor(line: impl Read + Write) {
     powers_off(line, "a_disconnected_motor", lead);
 }
 
-/// The loops make up for it.
+/// The position loop's integral compensates for it.
 pub(crate) fn a_current_sensor_somewhat_off(line: impl Read + Write) {
     let mut bench = Bench::moving(line);
     bench.inject(FaultKind::CurrentOffset {
@@ -111,7 +111,7 @@ pub(crate) fn a_current_sensor_far_off(line: impl Read + Write) {
 pub(crate) fn a_sagging_bus(line: impl Read + Write) {
     let sag = FaultKind::BusVoltage { volts: 12.0 };
     let mut bench = powers_off(line, "a_sagging_bus", sag);
-    // Armed on the same bus, it is back at once.
+    // Armed on the same bus, the fault comes back at once.
     bench.is_done(HostCommand::Request(Request::Arm));
     bench.powers_off(stated("a_sagging_bus"));
 }
@@ -132,14 +132,14 @@ pub(crate) fn a_pressed_emergency_stop(line: impl Read + Write) {
     bench.inject(FaultKind::EmergencyStop);
     let result = bench.faults(stated);
     bench.stays_off(result);
-    // Cleared while still pressed, it is back in the next tick.
+    // Cleared while still pressed, the fault comes back in the next tick.
     bench.is_done(HostCommand::Request(Request::ClearFault));
     let result = bench.faults(stated);
     bench.stays_off(result);
 }
 
-/// Homing where a switch never changes. Faster than usual, and within a narrow range, so
-/// that an emulator need not search for long.
+/// Homing with a switch that never changes, faster than usual and in a narrow range, so that the
+/// emulator does not search for long.
 fn searches<L: Read + Write>(line: L, pressed: bool, stated: Stated) -> Bench<L> {
     let mut bench = Bench::with(line, FaultRates::default(), |settings| {
         settings.homing.speed = 3.0;
@@ -154,14 +154,14 @@ fn searches<L: Read + Write>(line: L, pressed: bool, stated: Stated) -> Bench<L>
 
 pub(crate) fn a_switch_stuck_closed(line: impl Read + Write) {
     let mut bench = searches(line, true, stated("a_switch_stuck_closed"));
-    let refusal = bench.is_refused(HostCommand::Request(Request::Arm));
-    assert_eq!(refusal, CommandError::Request(RequestError::NotHomed));
+    let error = bench.is_refused(HostCommand::Request(Request::Arm));
+    assert_eq!(error, CommandError::Request(RequestError::NotHomed));
 }
 
 pub(crate) fn a_switch_stuck_open(line: impl Read + Write) {
     let mut bench = searches(line, false, stated("a_switch_stuck_open"));
-    let refusal = bench.is_refused(HostCommand::Request(Request::Arm));
-    assert_eq!(refusal, CommandError::Request(RequestError::NotHomed));
+    let error = bench.is_refused(HostCommand::Request(Request::Arm));
+    assert_eq!(error, CommandError::Request(RequestError::NotHomed));
 }
 
 /// The arm stops on its path and is held there.
@@ -185,7 +185,7 @@ pub(crate) fn a_silent_host(line: impl Read + Write) {
     bench.is_cleared();
 }
 
-/// Two in a row are only counted.
+/// Two missed ticks in a row are counted and raise no fault.
 pub(crate) fn a_few_late_ticks(line: impl Read + Write) {
     let mut bench = Bench::moving(line);
     for _ in 0..3 {
@@ -211,8 +211,8 @@ pub(crate) fn late_ticks(line: impl Read + Write) {
     assert_eq!(bench.status().missed_ticks, 3);
 }
 
-/// The protocol repairs what befalls the frames: no bit of any answer changes, and the
-/// arm does not stop.
+/// The protocol repairs what happens to the frames: no bit of any reply changes, and the arm does
+/// not stop.
 #[track_caller]
 fn is_repaired(line: impl Read + Write, repeats: bool, set: fn(&mut FaultRates)) {
     let mut rates = FaultRates::default();

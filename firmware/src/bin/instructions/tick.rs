@@ -155,8 +155,9 @@ impl<'a> Run<'a> {
             tool_offset: scenario.tool_offset,
             ..Settings::BENCHTOP
         };
-        let mut controller = Controller::new(&settings).ok()?;
-        let planner = Planner::new(&settings).ok()?;
+        let settings = settings.check().ok()?;
+        let mut controller = Controller::new(&settings);
+        let planner = Planner::new(&settings);
         controller.tick(&sample([0.0; 2], [0.0; 2]));
         controller.request(Request::SetAngles(START)).ok()?;
         controller.request(Request::Arm).ok()?;

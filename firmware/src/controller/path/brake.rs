@@ -5,7 +5,7 @@
 //! and the jerk at most 6 v/T². The time along the path advances by ∫σ dt = T(x − x³ + ½x⁴),
 //! T/2 in all.
 
-use crate::settings::Settings;
+use crate::settings::CheckedSettings;
 use fivebar_kinematics::Scalar;
 
 /// A stop in progress.
@@ -32,7 +32,7 @@ pub(super) struct TimeScaling {
 
 /// T [s] of every stop: long enough that a stop from full speed on a straight path keeps the
 /// limits of the tool's acceleration and jerk and of the joints' acceleration.
-pub(crate) fn stopping_time(settings: &Settings) -> f32 {
+pub(crate) fn stopping_time(settings: &CheckedSettings) -> f32 {
     let motion = &settings.motion;
     let mut time = Scalar::sqrt(6.0 * motion.max_speed / motion.max_jerk);
     let acceleration = (motion.max_speed, motion.max_acceleration);

@@ -23,9 +23,9 @@ pub(super) fn check(source: &Source<'_>, robot: &Robot) -> Result<(), FileError>
     let Ok(settings) = robot.settings() else {
         return Ok(());
     };
-    match settings.validate() {
+    match settings.check() {
         // An arm without a pose to control can still be analysed.
-        Ok(())
+        Ok(_)
         | Err(SettingsError::Geometry(_) | SettingsError::Inertia(_) | SettingsError::NoPose) => {
             Ok(())
         }

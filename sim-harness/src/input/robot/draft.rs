@@ -146,7 +146,7 @@ impl Draft {
         let settings = robot
             .settings()
             .map_err(|error| DraftError(error.to_string()))?;
-        settings.validate().map_err(|error| match error {
+        settings.check().map_err(|error| match error {
             SettingsError::NoPose => DraftError(
                 "with both elbows outwards, the arm has no pose outside the singularity margin: \
                  make the couplers longer"

@@ -115,7 +115,7 @@ impl<'a, L: Read + Write> Drive<'a, L> {
         progress: &mut dyn FnMut(usize, &Status),
     ) -> Result<(), DriveError> {
         let status = self.fault_free_status()?;
-        let planner = Planner::new(settings).map_err(DriveError::Settings)?;
+        let planner = Planner::new(&settings.check().map_err(DriveError::Settings)?);
         let mut tool = status.tool.ok_or(DriveError::NoTool)?;
         for next in moves {
             tool = planner.check(tool, next)?;

@@ -19,9 +19,10 @@ impl InProcess {
     /// # Errors
     /// The first setting that is not valid.
     pub fn new(settings: &Settings) -> Result<Self, SettingsError> {
+        let settings = settings.check()?;
         Ok(Self {
-            controller: Controller::new(settings)?,
-            planner: Planner::new(settings)?,
+            controller: Controller::new(&settings),
+            planner: Planner::new(&settings),
         })
     }
 }

@@ -73,11 +73,12 @@ impl Loopback {
         settings: &Settings,
         plant: Option<(Plant, ActuatorCommand)>,
     ) -> Result<Self, SettingsError> {
+        let settings = settings.check()?;
         let identity = Identity::new(Kind::Desktop, Reset::Power);
         Ok(Self {
-            session: Session::new(identity, settings, true),
-            controller: Controller::new(settings)?,
-            planner: Planner::new(settings)?,
+            session: Session::new(identity, &settings, true),
+            controller: Controller::new(&settings),
+            planner: Planner::new(&settings),
             board: Desktop { saved: None, plant },
             decoder: Decoder::new(),
             out: VecDeque::new(),
@@ -89,11 +90,11 @@ impl Loopback {
     /// # Errors
     /// The first setting that is not valid.
     pub fn restart(&mut self, reset: Reset) -> Result<(), SettingsError> {
-        let settings = *self.controller.settings();
+        let settings = self.controller.settings().check()?;
         let identity = Identity::new(Kind::Desktop, reset);
         self.session = Session::new(identity, &settings, true);
-        self.controller = Controller::new(&settings)?;
-        self.planner = Planner::new(&settings)?;
+        self.controller = Controller::new(&settings);
+        self.planner = Planner::new(&settings);
         self.decoder = Decoder::new();
         self.out.clear();
         if let Some(fault) = fault_at_start(true, reset, None) {

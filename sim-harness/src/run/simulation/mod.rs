@@ -64,7 +64,8 @@ impl Scenario {
     /// # Errors
     /// The first line that cannot be done, with the point and the reason.
     pub fn check(&self, job: &Job) -> Result<(), RunError> {
-        let planner = Planner::new(&self.robot.settings()?).map_err(|e| self.settings_error(e))?;
+        let settings = self.robot.settings()?.check();
+        let planner = Planner::new(&settings.map_err(|e| self.settings_error(e))?);
         let [x, y] = self.robot.tool_at(&self.robot.home_pose()?);
         let mut tool = [x as f32, y as f32];
         for next in self.moves(job) {

@@ -170,7 +170,7 @@ mod tests {
 
     #[test]
     fn gaps_in_the_numbers_are_counted_as_lost_samples() {
-        let controller = Controller::new(&Settings::BENCHTOP).expect("valid settings");
+        let controller = Controller::new(&Settings::BENCHTOP.check().expect("valid settings"));
         let mut losses = Losses::default();
         for number in [0, 1, 4, 5, 9] {
             losses.count(&Telemetry {

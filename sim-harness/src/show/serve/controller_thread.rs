@@ -15,7 +15,8 @@ use crate::run::simulation::fault_name;
 use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::protocol::{CommandError, HostCommand, Reply};
 use fivebar_firmware::safety::{self, Fault};
-use fivebar_firmware::{Move, Request, Settings, Status};
+use fivebar_firmware::settings::CheckedSettings;
+use fivebar_firmware::{Move, Request, Status};
 use std::io::{Read, Write};
 use std::time::{Duration, Instant};
 
@@ -37,7 +38,7 @@ pub(super) struct ControllerThread {
     stepped: Option<SteppedArm>,
     pub(super) pages: ControllerEnd,
     pub(super) robot: Robot,
-    pub(super) settings: Settings,
+    pub(super) settings: CheckedSettings,
     pub(super) preview: Preview,
     pub(super) lease: ControlLease,
     pub(super) feeder: MoveFeeder,
@@ -62,7 +63,7 @@ impl ControllerThread {
         mut client: Client<Box<dyn Connection>>,
         stepped: Option<SteppedArm>,
         robot: Robot,
-        settings: Settings,
+        settings: CheckedSettings,
         pages: ControllerEnd,
     ) -> Result<Self, ServeError> {
         let samples = if stepped.is_some() {
@@ -79,7 +80,7 @@ impl ControllerThread {
             pages,
             robot,
             settings,
-            preview: Preview::new(&settings)?,
+            preview: Preview::new(&settings),
             lease: ControlLease::default(),
             feeder: MoveFeeder::default(),
             status,

@@ -250,7 +250,7 @@ mod tests {
 
     #[test]
     fn every_key_of_a_state_is_in_the_document() {
-        let controller = Controller::new(&Settings::BENCHTOP).expect("valid settings");
+        let controller = Controller::new(&Settings::BENCHTOP.check().expect("valid settings"));
         let status = &controller.status();
         let state = StateMessage {
             status,

@@ -133,7 +133,7 @@ pub fn serve(
         ControllerSource::Port { name, .. } => Box::new(SerialLine::open(name)?),
     };
     let (mut client, identity) = Client::open(line)?;
-    let settings = robot.settings().map_err(RunError::from)?;
+    let settings = robot.settings().map_err(RunError::from)?.check()?;
     let (place, stepped) = match identity.board {
         Board::Emulated => {
             let answer = client.write_settings(&settings)?;

@@ -3,7 +3,7 @@
 use super::message::{JobMessage, Stroke};
 use crate::input::job::Job;
 use fivebar_firmware::planner::{MoveError, Planner};
-use fivebar_firmware::settings::SettingsError;
+use fivebar_firmware::settings::{CheckedSettings, SettingsError};
 use fivebar_firmware::{Move, MoveKind, Settings, Status};
 use fivebar_kinematics::five_bar::{Pose, Side, Tool, WorkingMode};
 use fivebar_kinematics::trajectory::{PathSegment, Sense};
@@ -22,12 +22,12 @@ pub(super) struct Preview {
 }
 
 impl Preview {
-    pub(super) fn new(settings: &Settings) -> Result<Self, SettingsError> {
-        Ok(Self {
-            tool: settings.tool(&settings.arm()?)?,
+    pub(super) fn new(settings: &CheckedSettings) -> Self {
+        Self {
+            tool: *settings.tool(),
             assembly: settings.assembly(),
-            settings: *settings,
-        })
+            settings: **settings,
+        }
     }
 
     /// The pose that the controller measures; none until the arm is homed.
@@ -106,7 +106,7 @@ impl Preview {
         if let Some(pose) = self.pose(status) {
             settings.elbows_left = self.elbows(&pose).map(|side| side == Side::Left);
         }
-        Planner::new(&settings)
+        Ok(Planner::new(&settings.check()?))
     }
 }
 

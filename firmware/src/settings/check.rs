@@ -1,6 +1,6 @@
 //! The check of settings, field by field.
 
-use super::{AxisField, AxisSettings, Field, Settings, SettingsError};
+use super::{AxisField, AxisSettings, CheckedSettings, Field, Settings, SettingsError};
 use core::f32::consts::TAU;
 use fivebar_kinematics::Scalar;
 
@@ -76,11 +76,12 @@ impl AxisSettings {
 }
 
 impl Settings {
-    /// Checks every field and that the arm they describe can stand somewhere.
+    /// Checks every field, and that the arm which they describe can take a pose.
     ///
     /// # Errors
-    /// The first field that is not sound, by name.
-    pub fn validate(&self) -> Result<(), SettingsError> {
+    /// The first field that is invalid, by name.
+    #[inline(never)]
+    pub fn check(&self) -> Result<CheckedSettings, SettingsError> {
         for (joint, axis) in [1, 4].into_iter().zip(&self.axes) {
             if let Some(field) = axis.broken_field() {
                 return Err(SettingsError::Axis(joint, field));
@@ -91,7 +92,12 @@ impl Settings {
         }
         let arm = self.arm()?;
         let tool = self.tool(&arm)?;
-        self.nominal_inertia(&arm, &tool).map(|_| ())
+        Ok(CheckedSettings {
+            nominal_inertia: self.nominal_inertia(&arm, &tool)?,
+            settings: *self,
+            arm,
+            tool,
+        })
     }
 
     fn broken_field(&self) -> Option<Field> {
