@@ -140,7 +140,10 @@ proptest! {
 #[test]
 fn a_point_out_of_reach_is_refused_with_the_place() {
     let refusal = analyse(&example(), &at(2.0, 0.0)).unwrap_err();
-    assert!(refusal.starts_with("at (2, 0) m: "), "{refusal}");
+    assert!(
+        refusal.to_string().starts_with("at (2, 0) m: "),
+        "{refusal}"
+    );
 }
 
 #[test]

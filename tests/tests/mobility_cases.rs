@@ -6,6 +6,7 @@ use fivebar_design::mobility::{Freedom, Joint, MechanismGraph, Screw, analyse_gr
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use serde_json::{Value, json};
+use std::error::Error;
 
 /// Says how a case was drawn up, which its twists alone cannot tell.
 const NOT_A_RESULT: &str = "uses_parallelogram_as_P";
@@ -15,7 +16,7 @@ fn cases() -> Value {
 }
 
 /// Compares every expected key; `cases` may have been moved or scaled.
-fn compare(cases: &Value) -> Result<(), String> {
+fn compare(cases: &Value) -> Result<(), Box<dyn Error>> {
     let studies = parse("cases.json", &cases.to_string())?;
     let lists = ["parallel", "graph"].map(|kind| cases[kind].as_array().unwrap());
     let mut compared = 0;
@@ -24,10 +25,8 @@ fn compare(cases: &Value) -> Result<(), String> {
         for (key, expected) in case["expected"].as_object().unwrap() {
             if key != NOT_A_RESULT && &found[key] != expected {
                 let found = &found[key];
-                return Err(format!(
-                    "{}: {key} is {found}, expected {expected}",
-                    study.name
-                ));
+                let name = &study.name;
+                return Err(format!("{name}: {key} is {found}, expected {expected}").into());
             }
         }
         compared += 1;
@@ -242,7 +241,8 @@ fn constraints_do_no_work_on_freedoms() {
 fn unsound_descriptions_are_refused_in_one_sentence() {
     let refused = |file: &str, text: &str| match parse(file, text) {
         Ok(_) => panic!("accepted: {text}"),
-        Err(reason) => {
+        Err(error) => {
+            let reason = error.to_string();
             assert!(
                 reason.starts_with(file) && reason.lines().count() == 1,
                 "{reason}"

@@ -62,6 +62,7 @@ pub struct ArmAccuracyModel<'a> {
 
 /// Why an arm with these dimensions has no answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum ArmAccuracyError {
     /// The lengths are not a five-bar.
     Geometry(GeometryError),

@@ -6,6 +6,7 @@ use fivebar_kinematics::five_bar::PoseError;
 
 /// Why an analysis has no answer here.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum AccuracyError {
     /// The loops do not close near the guess.
     Unclosed,

@@ -7,6 +7,7 @@ use nalgebra::Vector2;
 
 /// Why a part of a linkage is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum LinkageError {
     /// A length is not a positive finite number.
     Length,

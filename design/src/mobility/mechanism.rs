@@ -85,6 +85,7 @@ pub struct MechanismGraph {
 
 /// Why a description is not a mechanism.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum MechanismError {
     /// No limb or no joint at all.
     Empty,

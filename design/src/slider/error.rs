@@ -13,6 +13,7 @@ pub enum Limb {
 
 /// Why the lengths are invalid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum GeometryError {
     /// A limb's length is not a positive finite number.
     Limb(Limb),

@@ -19,6 +19,7 @@ pub struct Grid {
 
 /// Why a grid is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum GridError {
     /// The pitch is not a positive finite number.
     Pitch,

@@ -1,6 +1,6 @@
 //! Classes of tolerance: the standard deviation of a dimension, and its cost.
 
-use super::source::Source;
+use super::source::{FileError, Source};
 use fivebar_design::accuracy::allocation::ToleranceClass;
 use serde::Deserialize;
 use std::path::Path;
@@ -26,21 +26,22 @@ impl Classes {
     /// Reads a file of classes.
     ///
     /// # Errors
-    /// A sentence with the file and the reason.
-    pub fn read(path: &Path) -> Result<Self, String> {
+    /// The file with the reason why it cannot be read or is not valid.
+    pub fn read(path: &Path) -> Result<Self, FileError> {
         let shown = path.display();
-        let text = std::fs::read_to_string(path).map_err(|error| format!("{shown}: {error}"))?;
+        let refuse = |reason: String| FileError::new(&shown, reason);
+        let text = std::fs::read_to_string(path).map_err(|error| FileError::new(&shown, error))?;
         let source = Source {
             file: &shown.to_string(),
             text: &text,
         };
-        let classes: Self = source.parse().map_err(|error| error.to_string())?;
+        let classes: Self = source.parse()?;
         let is_valid = |entry: &ClassEntry| {
             entry.sd >= 0.0 && entry.sd.is_finite() && entry.cost >= 0.0 && entry.cost.is_finite()
         };
         if classes.input.is_empty() || classes.length.is_empty() {
-            return Err(format!(
-                "{shown}: give at least one [[input]] and one [[length]]"
+            return Err(refuse(
+                "give at least one [[input]] and one [[length]]".into(),
             ));
         }
         match classes
@@ -49,10 +50,10 @@ impl Classes {
             .chain(&classes.length)
             .find(|entry| !is_valid(entry))
         {
-            Some(entry) => Err(format!(
-                "{shown}: class {:?}: sd and cost must be finite and not negative",
+            Some(entry) => Err(refuse(format!(
+                "class {:?}: sd and cost must be finite and not negative",
                 entry.name
-            )),
+            ))),
             None => Ok(classes),
         }
     }

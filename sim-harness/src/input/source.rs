@@ -15,6 +15,17 @@ pub struct FileError {
     pub reason: String,
 }
 
+impl FileError {
+    /// The error of a whole file, for `reason`.
+    pub(crate) fn new(file: impl fmt::Display, reason: impl fmt::Display) -> Self {
+        Self {
+            file: file.to_string(),
+            line: None,
+            reason: reason.to_string(),
+        }
+    }
+}
+
 /// The key of a value in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Key {

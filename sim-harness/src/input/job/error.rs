@@ -4,6 +4,7 @@ use std::fmt;
 
 /// Why a job is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum JobError {
     /// A line that is not valid.
     #[error("line {line}: \"{text}\": {reason}")]
@@ -24,6 +25,7 @@ pub enum JobError {
 
 /// The error in a line of G-code.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum GcodeError {
     /// The line is no G-code.
     #[error("{0}")]

@@ -1,7 +1,9 @@
 //! Mechanisms as lists of cases in JSON: twists of six numbers, in limbs or in a graph.
 
 use super::{Mechanism, MobilityCase};
-use fivebar_design::mobility::{Freedom, Joint, MechanismGraph, ParallelMechanism, Screw};
+use fivebar_design::mobility::{
+    Freedom, Joint, MechanismError, MechanismGraph, ParallelMechanism, Screw,
+};
 use nalgebra::Vector6;
 use serde::Deserialize;
 
@@ -38,10 +40,24 @@ struct GraphJoint {
     twists: Vec<[f64; 6]>,
 }
 
-pub(super) fn parse(text: &str) -> Result<Vec<MobilityCase>, String> {
+/// Why a list of cases is not valid.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum CasesError {
+    /// The text is not JSON, or has other keys.
+    #[error(transparent)]
+    Json(#[from] serde_json::Error),
+    /// There is no case.
+    #[error("no case: expected a list under \"parallel\" or \"graph\"")]
+    Empty,
+    /// The case with this name is not a mechanism.
+    #[error("case {0:?}: {1}")]
+    Case(String, MechanismError),
+}
+
+pub(super) fn parse(text: &str) -> Result<Vec<MobilityCase>, CasesError> {
     let cases = read(text)?;
     if cases.parallel.is_empty() && cases.graph.is_empty() {
-        return Err("no case: expected a list under \"parallel\" or \"graph\"".into());
+        return Err(CasesError::Empty);
     }
     let parallel = cases.parallel.into_iter().map(|case| {
         let limbs = case
@@ -49,7 +65,7 @@ pub(super) fn parse(text: &str) -> Result<Vec<MobilityCase>, String> {
             .iter()
             .map(|limb| limb.iter().map(|t| joint(0, 0, &[*t])).collect());
         let mechanism = ParallelMechanism::new(limbs.collect())
-            .map_err(|error| format!("case {:?}: {error}", case.name))?;
+            .map_err(|error| CasesError::Case(case.name.clone(), error))?;
         Ok(MobilityCase {
             name: case.name,
             description: case.description,
@@ -63,7 +79,7 @@ pub(super) fn parse(text: &str) -> Result<Vec<MobilityCase>, String> {
             .map(|j| joint(j.a, j.b, &j.twists))
             .collect();
         let mechanism = MechanismGraph::new(case.bodies, case.platform_body, joints)
-            .map_err(|error| format!("case {:?}: {error}", case.name))?;
+            .map_err(|error| CasesError::Case(case.name.clone(), error))?;
         Ok(MobilityCase {
             name: case.name,
             description: case.description,
@@ -74,8 +90,8 @@ pub(super) fn parse(text: &str) -> Result<Vec<MobilityCase>, String> {
 }
 
 /// Reads a file with lists of cases, or with a single case.
-fn read(text: &str) -> Result<Cases, String> {
-    let value: serde_json::Value = serde_json::from_str(text).map_err(|e| e.to_string())?;
+fn read(text: &str) -> Result<Cases, serde_json::Error> {
+    let value: serde_json::Value = serde_json::from_str(text)?;
     let alone = |key| value.get(key).is_some_and(serde_json::Value::is_array);
     let wrapped = if alone("limbs") {
         serde_json::json!({ "parallel": [value] })
@@ -84,7 +100,7 @@ fn read(text: &str) -> Result<Cases, String> {
     } else {
         value
     };
-    serde_json::from_value(wrapped).map_err(|e| e.to_string())
+    serde_json::from_value(wrapped)
 }
 
 fn joint(from: usize, to: usize, twists: &[[f64; 6]]) -> Joint {

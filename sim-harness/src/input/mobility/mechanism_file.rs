@@ -2,7 +2,9 @@
 
 use super::{Mechanism, MobilityCase};
 use crate::input::source::{FileError, Source};
-use fivebar_design::mobility::{Freedom, Joint, MechanismGraph, ParallelMechanism, Screw};
+use fivebar_design::mobility::{
+    Freedom, Joint, MechanismError, MechanismGraph, ParallelMechanism, Screw,
+};
 use nalgebra::Vector3;
 use serde::Deserialize;
 
@@ -147,11 +149,7 @@ impl JointEntry {
 
 pub(super) fn parse(source: Source<'_>) -> Result<MobilityCase, FileError> {
     let file: File = source.parse()?;
-    let mechanism = mechanism(&file).map_err(|reason| FileError {
-        file: source.file.into(),
-        line: None,
-        reason,
-    })?;
+    let mechanism = mechanism(&file).map_err(|reason| FileError::new(source.file, reason))?;
     Ok(MobilityCase {
         name: file.name,
         description: file.description,
@@ -159,30 +157,47 @@ pub(super) fn parse(source: Source<'_>) -> Result<MobilityCase, FileError> {
     })
 }
 
-fn mechanism(file: &File) -> Result<Mechanism, String> {
+/// Why a file does not describe a mechanism.
+#[derive(Debug, thiserror::Error)]
+enum DescriptionError {
+    #[error("give either [[limb]] or [[joint]], not both")]
+    LimbsAndJoints,
+    #[error("there is no [[limb]] and no [[joint]]")]
+    Empty,
+    #[error("platform: all limbs end on the platform; leave the key out")]
+    PlatformOfLimbs,
+    #[error("platform: name the body whose freedoms are to be analysed")]
+    NoPlatform,
+    #[error("platform: no joint names a body {0:?}")]
+    UnknownPlatform(String),
+    #[error("no joint names the body {GROUND:?}: connect a body to it")]
+    NoGround,
+    #[error(transparent)]
+    Mechanism(#[from] MechanismError),
+}
+
+fn mechanism(file: &File) -> Result<Mechanism, DescriptionError> {
     match (file.limb.is_empty(), file.joint.is_empty()) {
         (false, true) => parallel(&file.limb, file.platform.as_deref()),
         (true, false) => graph(&file.joint, file.platform.as_deref()),
-        (false, false) => Err("give either [[limb]] or [[joint]], not both".into()),
-        (true, true) => Err("there is no [[limb]] and no [[joint]]".into()),
+        (false, false) => Err(DescriptionError::LimbsAndJoints),
+        (true, true) => Err(DescriptionError::Empty),
     }
 }
 
-fn parallel(limbs: &[LimbEntry], platform: Option<&str>) -> Result<Mechanism, String> {
+fn parallel(limbs: &[LimbEntry], platform: Option<&str>) -> Result<Mechanism, DescriptionError> {
     if platform.is_some() {
-        return Err("platform: all limbs end on the platform; leave the key out".into());
+        return Err(DescriptionError::PlatformOfLimbs);
     }
     let limbs = limbs
         .iter()
         .map(|limb| limb.joints.iter().map(|joint| joint.joint(0, 0)).collect())
         .collect();
-    ParallelMechanism::new(limbs)
-        .map(Mechanism::Parallel)
-        .map_err(|error| error.to_string())
+    Ok(Mechanism::Parallel(ParallelMechanism::new(limbs)?))
 }
 
-fn graph(entries: &[GraphEntry], platform: Option<&str>) -> Result<Mechanism, String> {
-    let platform = platform.ok_or("platform: name the body whose freedoms are to be analysed")?;
+fn graph(entries: &[GraphEntry], platform: Option<&str>) -> Result<Mechanism, DescriptionError> {
+    let platform = platform.ok_or(DescriptionError::NoPlatform)?;
     let mut bodies: std::collections::HashMap<&str, usize> = [(GROUND, 0)].into();
     for body in entries.iter().flat_map(|entry| &entry.between) {
         let next = bodies.len();
@@ -192,13 +207,11 @@ fn graph(entries: &[GraphEntry], platform: Option<&str>) -> Result<Mechanism, St
         .iter()
         .any(|entry| entry.between.iter().any(|body| body == GROUND))
     {
-        return Err(format!(
-            "no joint names the body {GROUND:?}: connect a body to it"
-        ));
+        return Err(DescriptionError::NoGround);
     }
     let platform = *bodies
         .get(platform)
-        .ok_or_else(|| format!("platform: no joint names a body {platform:?}"))?;
+        .ok_or_else(|| DescriptionError::UnknownPlatform(platform.into()))?;
     let joints = entries
         .iter()
         .map(|entry| {
@@ -208,7 +221,6 @@ fn graph(entries: &[GraphEntry], platform: Option<&str>) -> Result<Mechanism, St
                 .joint(bodies[from.as_str()], bodies[to.as_str()])
         })
         .collect();
-    MechanismGraph::new(bodies.len(), platform, joints)
-        .map(Mechanism::Graph)
-        .map_err(|error| error.to_string())
+    let graph = MechanismGraph::new(bodies.len(), platform, joints)?;
+    Ok(Mechanism::Graph(graph))
 }

@@ -3,7 +3,7 @@
 mod cases;
 mod mechanism_file;
 
-use crate::input::source::Source;
+use crate::input::source::{FileError, Source};
 use fivebar_design::mobility::{MechanismGraph, ParallelMechanism};
 use std::path::Path;
 
@@ -31,18 +31,17 @@ pub enum Mechanism {
 /// Reads the mechanisms of a file: TOML with one mechanism, or JSON with lists of cases.
 ///
 /// # Errors
-/// A sentence with the file, the line or case, and the reason.
-pub fn read(path: &Path) -> Result<Vec<MobilityCase>, String> {
+/// The file, the line or case, and the reason.
+pub fn read(path: &Path) -> Result<Vec<MobilityCase>, FileError> {
     let shown = path.display();
     let size = std::fs::metadata(path)
-        .map_err(|error| format!("{shown}: {error}"))?
+        .map_err(|error| FileError::new(&shown, error))?
         .len();
     if size > LARGEST_FILE {
-        return Err(format!(
-            "{shown}: the file has {size} bytes; at most {LARGEST_FILE} are read"
-        ));
+        let reason = format_args!("the file has {size} bytes; at most {LARGEST_FILE} are read");
+        return Err(FileError::new(shown, reason));
     }
-    let text = std::fs::read_to_string(path).map_err(|error| format!("{shown}: {error}"))?;
+    let text = std::fs::read_to_string(path).map_err(|error| FileError::new(&shown, error))?;
     parse(&shown.to_string(), &text)
 }
 
@@ -50,14 +49,12 @@ pub fn read(path: &Path) -> Result<Vec<MobilityCase>, String> {
 /// `.json`, else one mechanism in TOML.
 ///
 /// # Errors
-/// A sentence with the file, the line or case, and the reason.
-pub fn parse(file: &str, text: &str) -> Result<Vec<MobilityCase>, String> {
+/// The file, the line or case, and the reason.
+pub fn parse(file: &str, text: &str) -> Result<Vec<MobilityCase>, FileError> {
     if Path::new(file).extension().is_some_and(|e| e == "json") {
-        cases::parse(text).map_err(|reason| format!("{file}: {reason}"))
+        cases::parse(text).map_err(|reason| FileError::new(file, reason))
     } else {
-        mechanism_file::parse(Source { file, text })
-            .map(|study| vec![study])
-            .map_err(|error| error.to_string())
+        mechanism_file::parse(Source { file, text }).map(|study| vec![study])
     }
 }
 

@@ -130,7 +130,8 @@ impl SliderRobot {
             let key = match error {
                 GeometryError::Limb(Limb::Left) => "left_link",
                 GeometryError::Limb(Limb::Right) => "right_link",
-                GeometryError::Platform => "platform",
+                // The platform, and any length that is added later.
+                _ => "platform",
             };
             source.refuse(Key::Top(key), format!("cannot make a mechanism: {error}"))
         })?;

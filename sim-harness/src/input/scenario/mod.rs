@@ -45,6 +45,7 @@ pub struct Scenario {
 
 /// Why a scenario cannot be run.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ScenarioError {
     /// A file that cannot be read.
     #[error("cannot read {file}: {source}")]

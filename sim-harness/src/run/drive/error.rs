@@ -9,6 +9,7 @@ use fivebar_firmware::settings::SettingsError;
 
 /// Why a job was not driven to its end.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum DriveError {
     /// The controller is silent or the connection failed.
     #[error(transparent)]

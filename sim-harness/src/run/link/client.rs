@@ -43,6 +43,7 @@ pub struct Client<L> {
 
 /// Why there is no usable reply.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum LinkError {
     /// No reply arrived.
     #[error(

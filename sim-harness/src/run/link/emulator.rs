@@ -33,6 +33,7 @@ pub struct Emulator {
 
 /// Why an emulated board does not run.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum EmulatorError {
     /// The image does not exist.
     #[error("there is no firmware image at {}; build it with scripts/firmware.sh", .0.display())]

@@ -52,6 +52,7 @@ pub struct Difference {
 
 /// Why a run in lockstep cannot begin.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum LockstepError {
     /// The controller is silent or the connection failed.
     #[error(transparent)]

@@ -15,6 +15,7 @@ pub struct SerialLine {
 
 /// Why a port cannot be opened.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum PortError {
     /// The port does not exist.
     #[error("there is no port {port}; {}", available(.others))]

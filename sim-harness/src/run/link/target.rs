@@ -35,6 +35,7 @@ pub trait Target {
 
 /// Why a run cannot go on.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum TargetError {
     /// The controller refused a request.
     #[error("the controller refuses to {request:?}: {error:?}")]

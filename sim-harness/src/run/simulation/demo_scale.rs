@@ -9,6 +9,7 @@ const SCALES: [f64; 7] = [1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01];
 
 /// Why an arm cannot draw the demonstration, with the scenario that was tried.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum DemoScaleError {
     /// The robot or the job is not valid.
     #[error(transparent)]

@@ -24,6 +24,7 @@ use std::time::Instant;
 
 /// Why a run ended early. Faults of the controller are no errors here; the record has them.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum RunError {
     /// The scenario or its job is not valid.
     #[error(transparent)]

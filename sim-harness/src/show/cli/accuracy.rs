@@ -3,6 +3,7 @@
 use super::failure::{Failure, refused};
 use super::figures::figures;
 use super::say::{print, say, warn};
+use super::value_error::ValueError;
 use crate::input::accuracy_classes::Classes;
 use crate::input::job::{self, Job, Placement};
 use crate::input::linkage::DrivenLinkage;
@@ -20,6 +21,7 @@ use clap::ArgGroup;
 use indicatif::ProgressBar;
 use nalgebra::Vector2;
 use serde_json::{Value, json};
+use std::fmt::Display;
 use std::path::PathBuf;
 
 /// Computes the effect of tolerances and clearances, by analysis and by sampling.
@@ -79,9 +81,9 @@ pub(super) struct Args {
     out: Option<PathBuf>,
 }
 
-fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
+fn numbers<const N: usize>(text: &str) -> Result<[f64; N], ValueError> {
     let parsed: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
-    let wrong = || format!("give {N} finite numbers, separated by commas");
+    let wrong = || ValueError::Numbers(N);
     let numbers: [f64; N] = parsed
         .map_err(|_| wrong())?
         .try_into()
@@ -93,7 +95,7 @@ fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
     }
 }
 
-fn instant(text: &str) -> Result<f64, String> {
+fn instant(text: &str) -> Result<f64, ValueError> {
     numbers::<1>(text).map(|[time]| time)
 }
 
@@ -119,7 +121,7 @@ fn subject(args: &Args) -> Result<(Value, Page), Failure> {
             return Err(Failure::Usage(reason.into()));
         }
         let driven = DrivenLinkage::load(&args.file).map_err(refused)?;
-        return linkage(args, &driven).map_err(refused);
+        return linkage(args, &driven);
     }
     if args.time.is_some() {
         let reason = "--time is for linkages; for a robot give --at, --path or --map";
@@ -130,27 +132,28 @@ fn subject(args: &Args) -> Result<(Value, Page), Failure> {
         return Err(Failure::Usage(reason.into()));
     }
     match Mechanism::load(&args.file).map_err(refused)? {
-        Mechanism::FiveBar(robot) => study(args, &robot).map_err(refused),
+        Mechanism::FiveBar(robot) => study(args, &robot),
         Mechanism::Slider(robot) => {
             let Some(at) = args.at else {
                 let reason = "a slider-driven mechanism takes only --at";
                 return Err(Failure::Usage(reason.into()));
             };
-            slider(args, &robot, at).map_err(refused)
+            slider(args, &robot, at)
         }
     }
 }
 
-fn linkage(args: &Args, driven: &DrivenLinkage) -> Result<(Value, Page), String> {
+fn linkage(args: &Args, driven: &DrivenLinkage) -> Result<(Value, Page), Failure> {
     let sampling = sampling(args);
     let progress = ProgressBar::new(u64::from(args.samples));
-    let study = study_linkage(driven, args.time.unwrap_or(0.0), sampling, &progress)?;
+    let time = args.time.unwrap_or(0.0);
+    let study = study_linkage(driven, time, sampling, &progress).map_err(refused)?;
     progress.finish_and_clear();
     Ok((linkage_answer(driven, &study), linkage_page(driven, &study)))
 }
 
-fn slider(args: &Args, robot: &SliderRobot, at: [f64; 2]) -> Result<(Value, Page), String> {
-    let analysis = analyse_slider(robot, vector(at), vector(args.force))?;
+fn slider(args: &Args, robot: &SliderRobot, at: [f64; 2]) -> Result<(Value, Page), Failure> {
+    let analysis = analyse_slider(robot, vector(at), vector(args.force)).map_err(refused)?;
     let progress = ProgressBar::new(2 * u64::from(args.samples));
     let sampled = sample_slider(robot, &analysis, sampling(args), &progress);
     progress.finish_and_clear();
@@ -169,7 +172,7 @@ fn vector([x, y]: [f64; 2]) -> Vector2<f64> {
     Vector2::new(x, y)
 }
 
-fn study(args: &Args, robot: &Robot) -> Result<(Value, Page), String> {
+fn study(args: &Args, robot: &Robot) -> Result<(Value, Page), Failure> {
     let force = vector(args.force);
     if robot.tolerance == Tolerance::default() && args.wanted.is_none() {
         warn(format_args!(
@@ -187,10 +190,10 @@ fn study(args: &Args, robot: &Robot) -> Result<(Value, Page), String> {
                 .map_or(args.origin, |pose| [pose.c.x, pose.c.y]),
         };
         let shown = path.display();
-        let text = job::read(path).map_err(|error| format!("{shown}: {error}"))?;
-        let job = Job::parse(&text, &placement).map_err(|error| format!("{shown}: {error}"))?;
-        let along =
-            path_accuracy(robot, &job, force).map_err(|error| format!("{shown}: {error}"))?;
+        let in_file = |error: &dyn Display| refused(format_args!("{shown}: {error}"));
+        let text = job::read(path).map_err(|error| in_file(&error))?;
+        let job = Job::parse(&text, &placement).map_err(|error| in_file(&error))?;
+        let along = path_accuracy(robot, &job, force).map_err(|error| in_file(&error))?;
         return Ok((
             path_answer(&robot.name, &along),
             path_page(&robot.name, &along),
@@ -203,7 +206,7 @@ fn study(args: &Args, robot: &Robot) -> Result<(Value, Page), String> {
             acceleration: vector(args.acceleration),
             force,
         };
-        let analysis = analyse(robot, &state)?;
+        let analysis = analyse(robot, &state).map_err(refused)?;
         let sampling = sampling(args);
         let progress = ProgressBar::new(draws(&analysis, sampling));
         let sampled = monte_carlo(robot, &state, &analysis, sampling, &progress);
@@ -211,18 +214,18 @@ fn study(args: &Args, robot: &Robot) -> Result<(Value, Page), String> {
         let page = at_page(&robot.name, &analysis, &sampled);
         return Ok((answer(&robot.name, &state, &analysis, &sampled), page));
     }
-    let map = accuracy_map(robot, force, args.region)?;
+    let map = accuracy_map(robot, force, args.region).map_err(refused)?;
     let mut answer = map_answer(&robot.name, &map);
     let mut page = map_page(&robot.name, &map);
     if let (Some(wanted), Some(path)) = (args.wanted, &args.classes) {
-        let classes = Classes::read(path)?;
+        let classes = Classes::read(path).map_err(refused)?;
         let allocation = cheapest_classes(&map, wanted, &classes.inputs(), &classes.lengths())
             .ok_or_else(|| {
                 let wanted = quantity(wanted, "m");
-                format!(
+                refused(format_args!(
                     "even with the finest classes the deviation exceeds {wanted} somewhere: make \
                      the region smaller with --region, or add finer classes"
-                )
+                ))
             })?;
         let names = classes.names(&allocation.choice);
         page.heading("The cheapest tolerances");

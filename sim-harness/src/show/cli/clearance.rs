@@ -3,6 +3,7 @@
 use super::failure::{Failure, refused};
 use super::run_args::{point, scale};
 use super::say::{say, warn};
+use super::value_error::ValueError;
 use crate::input::robot::Robot;
 use crate::input::scenario::Scenario;
 use crate::show::files::OutputFolder;
@@ -44,18 +45,18 @@ pub(super) struct Args {
     json: bool,
 }
 
-fn positive(text: &str) -> Result<f64, String> {
+fn positive(text: &str) -> Result<f64, ValueError> {
     let number = text.trim().parse().ok();
     let number = number.filter(|x: &f64| *x > 0.0 && x.is_finite());
-    number.ok_or_else(|| "give positive numbers of metres, such as 20e-6,50e-6".into())
+    number.ok_or(ValueError::Clearance)
 }
 
-fn joint(text: &str) -> Result<usize, String> {
+fn joint(text: &str) -> Result<usize, ValueError> {
     let wanted = text.trim();
     let found = NAMES
         .iter()
         .position(|name| name.eq_ignore_ascii_case(wanted));
-    found.ok_or_else(|| "give joints from A to E, such as B,D".into())
+    found.ok_or(ValueError::Joint)
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {

@@ -4,6 +4,7 @@ use std::process::ExitCode;
 
 /// Why a command failed, as a sentence for the user.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum Failure {
     /// The input was refused or the run faulted: exit status 1.
     #[error("{0}")]

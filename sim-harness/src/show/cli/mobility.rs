@@ -26,7 +26,7 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    let studies = studies(args.file.as_deref()).map_err(refused)?;
+    let studies = studies(args.file.as_deref())?;
     let bar = ProgressBar::new(studies.len() as u64);
     let studied: Vec<(MobilityCase, MobilityAnalysis)> = studies
         .into_par_iter()
@@ -51,9 +51,12 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     Ok(())
 }
 
-fn studies(file: Option<&str>) -> Result<Vec<MobilityCase>, String> {
+fn studies(file: Option<&str>) -> Result<Vec<MobilityCase>, Failure> {
     let example = |(name, text): &(&str, &str)| {
-        parse(&format!("example {name}"), text).map(|mut studies| studies.remove(0))
+        let studies = parse(&format!("example {name}"), text);
+        studies
+            .map(|mut studies| studies.remove(0))
+            .map_err(refused)
     };
     let Some(file) = file else {
         return EXAMPLES.iter().map(example).collect();
@@ -64,10 +67,10 @@ fn studies(file: Option<&str>) -> Result<Vec<MobilityCase>, String> {
     let path = PathBuf::from(file);
     if !path.exists() {
         let names: Vec<&str> = EXAMPLES.iter().map(|(name, _)| *name).collect();
-        return Err(format!(
+        return Err(refused(format_args!(
             "{file}: there is no such file and no such example; the examples are {}",
             names.join(", ")
-        ));
+        )));
     }
-    read(&path)
+    read(&path).map_err(refused)
 }

@@ -31,6 +31,7 @@ mod run_args;
 mod say;
 mod serve;
 mod sim;
+mod value_error;
 mod workspace;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};

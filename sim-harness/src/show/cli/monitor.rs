@@ -3,6 +3,7 @@
 use super::failure::{Failure, refused};
 use super::port::{PortArgs, interrupted};
 use super::say::say;
+use super::value_error::ValueError;
 use crate::run::simulation::fault_name;
 use fivebar_firmware::protocol::{HostCommand, Reply, Section, SectionKey, StackUse, Telemetry};
 use fivebar_firmware::{Status, safety::Limits};
@@ -26,12 +27,12 @@ pub(super) struct Args {
     samples: Option<u64>,
 }
 
-fn rate(text: &str) -> Result<f32, String> {
+fn rate(text: &str) -> Result<f32, ValueError> {
     let rate = text
         .parse()
         .ok()
         .filter(|rate| (0.2..=2000.0).contains(rate));
-    rate.ok_or_else(|| "give a number from 0.2 to 2000".into())
+    rate.ok_or(ValueError::Rate)
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {

@@ -112,14 +112,13 @@ fn ask(
             answer => answer.to_owned(),
         };
         let mut changed = draft.clone();
-        let taken = (question.take)(&mut changed, &answer)
-            .and_then(|()| changed.check().map_err(|reason| reason.to_string()));
-        match taken {
-            Ok(_) => {
-                *draft = changed;
-                return Ok(answer);
-            }
-            Err(reason) => warn(format_args!("  Not valid: {reason}")),
+        if let Err(reason) = (question.take)(&mut changed, &answer) {
+            warn(format_args!("  Not valid: {reason}"));
+        } else if let Err(reason) = changed.check() {
+            warn(format_args!("  Not valid: {reason}"));
+        } else {
+            *draft = changed;
+            return Ok(answer);
         }
     }
 }

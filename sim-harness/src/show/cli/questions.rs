@@ -3,6 +3,17 @@
 use crate::input::robot::{Draft, Motor};
 use std::str::FromStr;
 
+/// Why an answer is not valid.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum AnswerError {
+    #[error("\"{0}\" is no valid number here")]
+    Number(String),
+    #[error("a length must be more than 0 m, not {0}")]
+    Length(f64),
+    #[error("\"{answer}\" is none of {words}")]
+    Choice { answer: String, words: String },
+}
+
 /// A question about the arm.
 pub(super) struct Question {
     /// Its text, with the unit.
@@ -10,7 +21,7 @@ pub(super) struct Question {
     /// The answer of an empty line.
     pub(super) default: fn(&Draft) -> String,
     /// Puts an answer into the draft, or returns why it is not valid.
-    pub(super) take: fn(&mut Draft, &str) -> Result<(), String>,
+    pub(super) take: fn(&mut Draft, &str) -> Result<(), AnswerError>,
 }
 
 /// The questions about the arm.
@@ -157,24 +168,24 @@ fn both([first, second]: [f64; 2]) -> String {
     }
 }
 
-fn number<T: FromStr>(answer: &str) -> Result<T, String> {
+fn number<T: FromStr>(answer: &str) -> Result<T, AnswerError> {
     let answer = answer.trim();
     let is_finite = answer.parse().is_ok_and(f64::is_finite);
     let number = answer.parse().ok().filter(|_| is_finite);
-    number.ok_or_else(|| format!("\"{answer}\" is no valid number here"))
+    number.ok_or_else(|| AnswerError::Number(answer.into()))
 }
 
-fn length(answer: &str) -> Result<f64, String> {
+fn length(answer: &str) -> Result<f64, AnswerError> {
     let length = number(answer)?;
     if length > 0.0 {
         Ok(length)
     } else {
-        Err(format!("a length must be more than 0 m, not {length}"))
+        Err(AnswerError::Length(length))
     }
 }
 
 /// One value for both, or one for each.
-fn pair(answer: &str, one: fn(&str) -> Result<f64, String>) -> Result<[f64; 2], String> {
+fn pair(answer: &str, one: fn(&str) -> Result<f64, AnswerError>) -> Result<[f64; 2], AnswerError> {
     match answer.split_once(',') {
         None => one(answer).map(|value| [value; 2]),
         Some((first, second)) => Ok([one(first)?, one(second)?]),
@@ -182,10 +193,13 @@ fn pair(answer: &str, one: fn(&str) -> Result<f64, String>) -> Result<[f64; 2], 
 }
 
 /// The index of the word that the answer is, or with which it begins.
-fn choice<const N: usize>(answer: &str, words: [&str; N]) -> Result<usize, String> {
+fn choice<const N: usize>(answer: &str, words: [&str; N]) -> Result<usize, AnswerError> {
     let answer = answer.trim().to_lowercase();
     let chosen = words
         .iter()
         .position(|word| !answer.is_empty() && word.starts_with(&answer));
-    chosen.ok_or_else(|| format!("\"{answer}\" is none of {}", words.join(", ")))
+    chosen.ok_or_else(|| AnswerError::Choice {
+        answer,
+        words: words.join(", "),
+    })
 }

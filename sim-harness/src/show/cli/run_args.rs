@@ -3,6 +3,7 @@
 use super::failure::{Failure, refused};
 use super::output::OutputArgs;
 use super::say::warn;
+use super::value_error::ValueError;
 use crate::input::robot::{BuiltIn, Robot};
 use crate::input::scenario::Scenario;
 use std::path::Path;
@@ -94,19 +95,19 @@ fn fit(demonstration: &mut Scenario) {
     }
 }
 
-pub(super) fn point(text: &str) -> Result<[f64; 2], String> {
+pub(super) fn point(text: &str) -> Result<[f64; 2], ValueError> {
     let parse = || {
         let (x, y) = text.split_once(',')?;
         let point = [x.trim().parse().ok()?, y.trim().parse().ok()?];
         point.iter().all(|x: &f64| x.is_finite()).then_some(point)
     };
-    parse().ok_or_else(|| "give two numbers, such as 0.02,0.14".into())
+    parse().ok_or(ValueError::Point)
 }
 
-pub(super) fn scale(text: &str) -> Result<f64, String> {
+pub(super) fn scale(text: &str) -> Result<f64, ValueError> {
     let scale = text
         .parse()
         .ok()
         .filter(|s: &f64| *s > 0.0 && s.is_finite());
-    scale.ok_or_else(|| "give a positive number".into())
+    scale.ok_or(ValueError::Scale)
 }

@@ -3,6 +3,7 @@
 use super::failure::{Failure, refused};
 use super::port::interrupted;
 use super::say::{say, warn};
+use super::value_error::ValueError;
 use crate::input::robot::{BuiltIn, Robot};
 use crate::run::link::Emulator;
 use crate::show::serve::{ControllerSource, Guard, ServeError, serve};
@@ -38,9 +39,9 @@ pub(super) struct Args {
     listen: SocketAddr,
 }
 
-fn address(text: &str) -> Result<SocketAddr, String> {
+fn address(text: &str) -> Result<SocketAddr, ValueError> {
     let address = text.parse();
-    address.map_err(|_| "give a numeric address and a port, such as 127.0.0.1:9000".into())
+    address.map_err(|_| ValueError::Address)
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {

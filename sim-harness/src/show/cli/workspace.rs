@@ -2,6 +2,7 @@
 
 use super::failure::{Failure, refused};
 use super::say::{print, say};
+use super::value_error::ValueError;
 use crate::input::robot::{BuiltIn, Robot};
 use crate::show::export::workspace_csv;
 use crate::show::files::OutputFolder;
@@ -34,7 +35,7 @@ pub(super) struct Args {
     json: bool,
 }
 
-fn working_mode(text: &str) -> Result<WorkingMode, String> {
+fn working_mode(text: &str) -> Result<WorkingMode, ValueError> {
     let side = |name: &str| match name.trim() {
         "left" => Some(Side::Left),
         "right" => Some(Side::Right),
@@ -42,17 +43,17 @@ fn working_mode(text: &str) -> Result<WorkingMode, String> {
     };
     let sides = text.split_once(',');
     let sides = sides.and_then(|(first, second)| Some((side(first)?, side(second)?)));
-    let (elbow1, elbow4) = sides.ok_or("give left or right for each elbow, such as right,left")?;
+    let (elbow1, elbow4) = sides.ok_or(ValueError::WorkingMode)?;
     Ok(WorkingMode::new(elbow1, elbow4))
 }
 
 /// Millimetres as metres.
-fn millimetres(text: &str) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| "give a number of millimetres")?;
+fn millimetres(text: &str) -> Result<f64, ValueError> {
+    let value: f64 = text.parse().map_err(|_| ValueError::Millimetres)?;
     if value > 0.0 && value.is_finite() {
         Ok(1e-3 * value)
     } else {
-        Err("give a positive number of millimetres".into())
+        Err(ValueError::PositiveMillimetres)
     }
 }
 

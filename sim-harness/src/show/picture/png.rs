@@ -8,6 +8,7 @@ const ZOOM: f32 = 2.0;
 
 /// Why a picture cannot be made into an image.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum PngError {
     /// The SVG cannot be read.
     #[error("the picture cannot be read: {0}")]

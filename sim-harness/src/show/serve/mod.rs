@@ -67,6 +67,7 @@ pub enum ControllerSource<'a> {
 
 /// Why the page cannot be served.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ServeError {
     /// The server cannot listen on the address.
     #[error("cannot listen on {address}: {source}; choose another address with --listen")]

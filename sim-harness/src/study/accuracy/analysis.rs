@@ -1,5 +1,6 @@
 //! The analysis at one state of the arm: first-order scatter, exact worst cases, seated pins.
 
+use super::error::{AccuracyStudyError, PlaceError};
 use crate::input::robot::{Robot, Tolerance};
 use fivebar_design::accuracy::arm::{ArmAccuracyModel, DrivenJointMotion, PRIMITIVES};
 use fivebar_design::accuracy::clearance_equilibrium::{
@@ -82,20 +83,19 @@ pub(super) const SCATTERED: [usize; 7] = [0, 1, 6, 7, 8, 9, 10];
 /// Analyses one state of a robot.
 ///
 /// # Errors
-/// A sentence that says why the arm cannot be in this state.
-pub fn analyse(robot: &Robot, state: &ToolState) -> Result<AccuracyAnalysis, String> {
+/// `Place` with the reason why the arm cannot be in this state.
+pub fn analyse(robot: &Robot, state: &ToolState) -> Result<AccuracyAnalysis, AccuracyStudyError> {
+    analyse_state(robot, state).map_err(|reason| AccuracyStudyError::Place {
+        place: state.position.into(),
+        reason,
+    })
+}
+
+fn analyse_state(robot: &Robot, state: &ToolState) -> Result<AccuracyAnalysis, PlaceError> {
     let geometry = &robot.geometry;
-    let place = || format!("at ({}, {}) m", state.position.x, state.position.y);
-    let refuse = |error: &dyn std::fmt::Display| format!("{}: {error}", place());
-    let pose = geometry
-        .inverse(state.position, robot.elbows)
-        .map_err(|error| refuse(&error))?;
-    let rates = geometry
-        .inverse_velocities(&pose, state.velocity)
-        .map_err(|error| refuse(&error))?;
-    let accelerations = geometry
-        .inverse_accelerations(&pose, &rates, state.acceleration)
-        .map_err(|error| refuse(&error))?;
+    let pose = geometry.inverse(state.position, robot.elbows)?;
+    let rates = geometry.inverse_velocities(&pose, state.velocity)?;
+    let accelerations = geometry.inverse_accelerations(&pose, &rates, state.acceleration)?;
     let [theta1, _, _, theta4] = pose.angles();
     let [omega1, _, _, omega4] = rates.omega;
     let [alpha1, _, _, alpha4] = accelerations.alpha;
@@ -105,7 +105,7 @@ pub fn analyse(robot: &Robot, state: &ToolState) -> Result<AccuracyAnalysis, Str
         alpha: [alpha1, alpha4],
     };
     let primitives = primitives(robot, &inputs);
-    let by = tool_sensitivities(geometry, &pose).map_err(|error| refuse(&error))?;
+    let by = tool_sensitivities(geometry, &pose)?;
     let tolerance = &robot.tolerance;
     let forces = match robot.arm() {
         Err(_) => None,
@@ -115,8 +115,7 @@ pub fn analyse(robot: &Robot, state: &ToolState) -> Result<AccuracyAnalysis, Str
                 assembly: pose.assembly(),
                 external_force: state.force,
             };
-            let all = sensitivities(&model, &model.primitives(&inputs))
-                .map_err(|error| refuse(&error))?;
+            let all = sensitivities(&model, &model.primitives(&inputs))?;
             let scattered = all.select_columns(&SCATTERED);
             let propagate = |first: usize, count: usize| {
                 Scatter::propagate(&scattered.rows(first, count).into_owned(), &primitives)
@@ -127,8 +126,7 @@ pub fn analyse(robot: &Robot, state: &ToolState) -> Result<AccuracyAnalysis, Str
                 &inputs,
                 state.force,
                 tolerance.clearance_radius,
-            )
-            .map_err(|error| refuse(&error))?;
+            )?;
             Some(Forces {
                 motion: propagate(2, 4),
                 scatter: propagate(6, 12),
@@ -139,10 +137,8 @@ pub fn analyse(robot: &Robot, state: &ToolState) -> Result<AccuracyAnalysis, Str
     Ok(AccuracyAnalysis {
         position: Scatter::propagate(&columns(&by), &primitives),
         sensitivities: by,
-        input_worst: worst_input_error(geometry, &pose, tolerance.input_max)
-            .map_err(|error| refuse(&error))?,
-        clearance: clearance_error(geometry, &pose, tolerance.clearance_radius)
-            .map_err(|error| refuse(&error))?,
+        input_worst: worst_input_error(geometry, &pose, tolerance.input_max)?,
+        clearance: clearance_error(geometry, &pose, tolerance.clearance_radius)?,
         pose,
         inputs,
         primitives,

@@ -2,6 +2,7 @@
 //! cheapest tolerances that keep the scatter within a bound.
 
 use super::analysis::{AccuracyAnalysis, ToolState, analyse};
+use super::error::AccuracyStudyError;
 use crate::input::robot::Robot;
 use fivebar_design::accuracy::allocation::{Allocation, ToleranceClass, allocate};
 use nalgebra::Vector2;
@@ -41,16 +42,16 @@ impl AccuracyMap {
 /// `region`, which is [x0, y0, x1, y1] [m].
 ///
 /// # Errors
-/// A sentence if no cell of the region can be analysed.
+/// `EmptyRegion`, or `NothingReached` if no cell of the region can be analysed.
 pub fn accuracy_map(
     robot: &Robot,
     force: Vector2<f64>,
     region: Option<[f64; 4]>,
-) -> Result<AccuracyMap, String> {
+) -> Result<AccuracyMap, AccuracyStudyError> {
     let [x0, y0, x1, y1] = region.unwrap_or_else(|| reach(robot));
     let pitch = (x1 - x0).max(y1 - y0) / (CELLS - 1) as f64;
     if !(pitch > 0.0 && pitch.is_finite()) {
-        return Err("the region is empty: give X0,Y0,X1,Y1 with X0 < X1 and Y0 < Y1".into());
+        return Err(AccuracyStudyError::EmptyRegion);
     }
     let count = |from: f64, to: f64| ((to - from) / pitch).round().max(0.0) as usize + 1;
     let (columns, rows) = (count(x0, x1), count(y0, y1));
@@ -78,9 +79,7 @@ pub fn accuracy_map(
         cells,
     };
     if map.reached().next().is_none() {
-        return Err(
-            "no position of the region is within reach and outside the singularity margin".into(),
-        );
+        return Err(AccuracyStudyError::NothingReached);
     }
     Ok(map)
 }

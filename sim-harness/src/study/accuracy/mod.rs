@@ -3,6 +3,7 @@
 
 mod analysis;
 mod answer;
+mod error;
 mod linkage;
 mod map;
 mod monte_carlo;
@@ -13,6 +14,7 @@ mod slider;
 pub use analysis::{AccuracyAnalysis, ToolState, analyse};
 pub(crate) use answer::JOINTS;
 pub use answer::{answer, map_answer, path_answer};
+pub use error::{AccuracyStudyError, PlaceError};
 pub(crate) use linkage::drive_name;
 pub use linkage::{
     LinkageAnalysis, LinkageStudy, PointError, analyse_linkage, linkage_answer, sample_linkage,

@@ -1,6 +1,7 @@
 //! The accuracy along a job at its feed rates, and the points at which pins lose contact.
 
 use super::analysis::{AccuracyAnalysis, ToolState, analyse};
+use super::error::AccuracyStudyError;
 use crate::input::job::{Action, Job};
 use crate::input::robot::Robot;
 use fivebar_kinematics::trajectory::{PathSegment, Sense};
@@ -52,12 +53,12 @@ pub struct PathAccuracy {
 /// and without ramps at corners.
 ///
 /// # Errors
-/// A sentence with the first line that cannot be analysed.
+/// `Line` with the first line that cannot be analysed, `NoPath`.
 pub fn path_accuracy(
     robot: &Robot,
     job: &Job,
     force: Vector2<f64>,
-) -> Result<PathAccuracy, String> {
+) -> Result<PathAccuracy, AccuracyStudyError> {
     let mut pieces = Vec::new();
     let mut from: Option<Vector2<f64>> = None;
     for step in &job.steps {
@@ -90,8 +91,10 @@ pub fn path_accuracy(
                 acceleration: here.curvature * (feed * feed),
                 force,
             };
-            let analysis =
-                analyse(robot, &state).map_err(|error| format!("line {line}: {error}"))?;
+            let analysis = analyse(robot, &state).map_err(|error| AccuracyStudyError::Line {
+                line,
+                error: Box::new(error),
+            })?;
             let distance = done + s;
             if let Some(before) = points.last() {
                 let turned = turned_about(&before.analysis, &analysis);
@@ -110,7 +113,7 @@ pub fn path_accuracy(
         done += segment.length();
     }
     if points.is_empty() {
-        return Err("the job has no path: add a motion after its first point".into());
+        return Err(AccuracyStudyError::NoPath);
     }
     Ok(PathAccuracy {
         points,

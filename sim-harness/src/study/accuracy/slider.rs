@@ -1,6 +1,7 @@
 //! The accuracy of the slider-driven mechanism at one position of P, by its transfer
 //! coefficients (Tu 2005, corrected) and by sampling.
 
+use super::error::{AccuracyStudyError, PlaceError};
 use super::sampling::{Moments, Sampling, sample};
 use crate::input::robot::SliderRobot;
 use crate::run::plant::Noise;
@@ -65,25 +66,31 @@ impl SliderAnalysis {
 /// Analyses the mechanism with P at `at` [m] and a force on P [N].
 ///
 /// # Errors
-/// A sentence that says why P cannot be there.
+/// `Place` with the reason why P cannot be there.
 pub fn analyse_slider(
     robot: &SliderRobot,
     at: Vector2<f64>,
     force: Vector2<f64>,
-) -> Result<SliderAnalysis, String> {
-    let refuse = |error| format!("at ({}, {}) m: {error}", at.x, at.y);
+) -> Result<SliderAnalysis, AccuracyStudyError> {
+    analyse_at(robot, at, force).map_err(|reason| AccuracyStudyError::Place {
+        place: at.into(),
+        reason,
+    })
+}
+
+fn analyse_at(
+    robot: &SliderRobot,
+    at: Vector2<f64>,
+    force: Vector2<f64>,
+) -> Result<SliderAnalysis, PlaceError> {
     let geometry = &robot.geometry;
     let tolerance = &robot.tolerance;
-    let pose = geometry.inverse(at, robot.working_mode).map_err(refuse)?;
+    let pose = geometry.inverse(at, robot.working_mode)?;
     if robot.travel.is_some_and(|travel| !travel.contains(&pose)) {
-        let [x2, x8] = [pose.x2, pose.x8];
-        let place = format!("x2 = {x2:.4} m, x8 = {x8:.4} m");
-        return Err(format!(
-            "at ({}, {}) m: beyond the sliders' travel: {place}",
-            at.x, at.y
-        ));
+        let (x2, x8) = (pose.x2, pose.x8);
+        return Err(PlaceError::BeyondTravel { x2, x8 });
     }
-    let transfer = geometry.error_transfer(&pose).map_err(refuse)?;
+    let transfer = geometry.error_transfer(&pose)?;
     let means = [
         pose.x2,
         pose.x8,
@@ -108,9 +115,9 @@ pub fn analyse_slider(
     let radii = tolerance.clearance_radius;
     Ok(SliderAnalysis {
         position: Scatter::propagate(&t, &primitives),
-        input_worst: worst_input_error(geometry, &pose, tolerance.input_max).map_err(refuse)?,
-        clearance: clearance_error(geometry, &pose, radii).map_err(refuse)?,
-        equilibrium: clearance_equilibrium(geometry, &pose, force, radii).map_err(refuse)?,
+        input_worst: worst_input_error(geometry, &pose, tolerance.input_max)?,
+        clearance: clearance_error(geometry, &pose, radii)?,
+        equilibrium: clearance_equilibrium(geometry, &pose, force, radii)?,
         transfer,
         primitives,
         pose,

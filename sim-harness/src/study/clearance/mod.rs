@@ -7,7 +7,7 @@ mod study;
 
 pub use answer::answer;
 pub use prediction::Prediction;
-pub use study::{ClearanceStudy, Outcome, study};
+pub use study::{ClearanceStudy, ClearanceStudyError, Outcome, study};
 
 /// The names of the joints, in the order of all arrays here.
 pub const NAMES: [&str; 5] = ["A", "B", "C", "D", "E"];

@@ -2,7 +2,7 @@
 
 use crate::input::job::Job;
 use crate::input::robot::Robot;
-use crate::study::accuracy::path_accuracy;
+use crate::study::accuracy::{AccuracyStudyError, path_accuracy};
 use nalgebra::Vector2;
 
 /// The greatest values over a job at its feed rates.
@@ -21,8 +21,8 @@ impl Prediction {
     /// The predictions for a robot with these clearances [m].
     ///
     /// # Errors
-    /// A sentence with the first line that cannot be analysed.
-    pub fn of(robot: &Robot, job: &Job, clearance: [f64; 5]) -> Result<Self, String> {
+    /// As [`path_accuracy`].
+    pub fn of(robot: &Robot, job: &Job, clearance: [f64; 5]) -> Result<Self, AccuracyStudyError> {
         let mut worn = robot.clone();
         worn.tolerance.clearance_radius = clearance;
         let along = path_accuracy(&worn, job, Vector2::zeros())?;

@@ -5,6 +5,7 @@ use crate::input::job::Job;
 use crate::input::robot::Robot;
 use crate::input::scenario::Scenario;
 use crate::run::simulation::{Record, RunError, Sample, Summary, TipError, Trace};
+use crate::study::accuracy::AccuracyStudyError;
 use rayon::prelude::*;
 
 /// The run of one arm, with its prediction.
@@ -53,21 +54,38 @@ pub struct ClearanceStudy {
     pub outcomes: Vec<Outcome>,
 }
 
+/// Why a study of wear has no result.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ClearanceStudyError {
+    /// The run with these clearances was refused or ended early.
+    #[error("with clearances of {clearance:?} m: {error}")]
+    Run {
+        /// Radial clearances of the joints A to E [m].
+        clearance: [f64; 5],
+        /// The reason.
+        error: Box<RunError>,
+    },
+    /// The models without contact cannot analyse the job.
+    #[error(transparent)]
+    Prediction(#[from] AccuracyStudyError),
+}
+
 /// Runs a scenario with ideal joints and with each of these clearances [m], on all cores.
 /// Calls `done` after each run.
 ///
 /// # Errors
-/// A sentence with the run that failed and the reason. Faults are part of the outcome.
+/// The run that failed and the reason. Faults are part of the outcome.
 pub fn study(
     scenario: &Scenario,
     job: &Job,
     clearances: &[[f64; 5]],
     done: &(dyn Fn() + Sync),
-) -> Result<ClearanceStudy, String> {
+) -> Result<ClearanceStudy, ClearanceStudyError> {
     let runs: Vec<[f64; 5]> = std::iter::once([0.0; 5])
         .chain(clearances.iter().copied())
         .collect();
-    let outcomes: Result<Vec<Outcome>, String> = runs
+    let outcomes: Result<Vec<Outcome>, ClearanceStudyError> = runs
         .into_par_iter()
         .map(|clearance| {
             let outcome = run(scenario, job, clearance);
@@ -88,12 +106,19 @@ pub fn study(
     })
 }
 
-fn run(scenario: &Scenario, job: &Job, clearance: [f64; 5]) -> Result<Outcome, String> {
+fn run(
+    scenario: &Scenario,
+    job: &Job,
+    clearance: [f64; 5],
+) -> Result<Outcome, ClearanceStudyError> {
     let worn = Scenario {
         clearance: Some(clearance),
         ..scenario.clone()
     };
-    let refused = |error: RunError| format!("with clearances of {clearance:?} m: {error}");
+    let refused = |error| ClearanceStudyError::Run {
+        clearance,
+        error: Box::new(error),
+    };
     let (summary, record) = worn
         .simulate(job, scenario.computed_torque, &mut |_| ())
         .map_err(refused)?;

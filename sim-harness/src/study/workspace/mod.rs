@@ -18,6 +18,7 @@ const LEAST_REACH: f64 = 1e-6;
 
 /// Why a workspace cannot be studied.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum WorkspaceStudyError {
     /// The robot's tool or limits are not valid.
     #[error("robot `{0}`: {1}")]

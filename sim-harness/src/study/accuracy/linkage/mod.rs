@@ -8,6 +8,7 @@ pub(crate) use answer::drive_name;
 pub use answer::linkage_answer;
 pub use point_error::PointError;
 
+use super::error::AccuracyStudyError;
 use super::sampling::{Deviations, Sampling, sample};
 use crate::input::linkage::DrivenLinkage;
 use fivebar_design::accuracy::linkage::{LinkageAccuracyModel, ResultKind, clearance_equilibrium};
@@ -70,14 +71,17 @@ pub struct LinkageStudy {
 /// Analyses a linkage over its sweep, and at `time` [s] also by sampling.
 ///
 /// # Errors
-/// A sentence that says why the linkage has no results at this time.
+/// `Linkage` with the reason why the linkage has no results at this time.
 pub fn study_linkage(
     driven: &DrivenLinkage,
     time: f64,
     sampling: Sampling,
     progress: &ProgressBar,
-) -> Result<LinkageStudy, String> {
-    let refuse = |error: SolveError| format!("at {time} s: {}", driven.explain(&error));
+) -> Result<LinkageStudy, AccuracyStudyError> {
+    let refuse = |error: SolveError| AccuracyStudyError::Linkage {
+        time,
+        explanation: driven.explain(&error),
+    };
     let instant = analyse_linkage(driven, time).map_err(refuse)?;
     let steps = driven.steps.max(1);
     let times = (0..=driven.steps).into_par_iter();

@@ -1,0 +1,26 @@
+//! Why the value of an argument is refused: what to give instead.
+
+/// Why the value of an argument is refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub(super) enum ValueError {
+    #[error("give a numeric address and a port, such as 127.0.0.1:9000")]
+    Address,
+    #[error("give positive numbers of metres, such as 20e-6,50e-6")]
+    Clearance,
+    #[error("give joints from A to E, such as B,D")]
+    Joint,
+    #[error("give a number of millimetres")]
+    Millimetres,
+    #[error("give {0} finite numbers, separated by commas")]
+    Numbers(usize),
+    #[error("give two numbers, such as 0.02,0.14")]
+    Point,
+    #[error("give a positive number of millimetres")]
+    PositiveMillimetres,
+    #[error("give a number from 0.2 to 2000")]
+    Rate,
+    #[error("give a positive number")]
+    Scale,
+    #[error("give left or right for each elbow, such as right,left")]
+    WorkingMode,
+}
