@@ -101,7 +101,7 @@ impl Zero for Dual {
     fn zero() -> Self {
         Self::ZERO
     }
-    /// With its derivative: what is 0 here only is no constant 0.
+    /// The derivative must be 0 too: a variable with the value 0 is different from the constant 0.
     fn is_zero(&self) -> bool {
         self.value() == 0.0 && self.derivative() == 0.0
     }

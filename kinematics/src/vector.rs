@@ -1,12 +1,12 @@
-//! What planar mechanics needs of a vector beyond nalgebra's own operations.
+//! The operations of planar mechanics that nalgebra's vectors lack.
 
 use crate::Scalar;
 use nalgebra::Vector2;
 
 /// The plane's products, directions and lengths, for [`Vector2`] of any [`Scalar`].
 ///
-/// Sums, multiples and `a.dot(&b)` are nalgebra's. Its `norm` and `angle` ask for more than
-/// [`Scalar`] offers, hence [`length`](PlanarVector::length) and
+/// Sums, multiples and `a.dot(&b)` are nalgebra's. Its `norm` and `angle` need more than
+/// [`Scalar`] provides; for generic code there are [`length`](PlanarVector::length) and
 /// [`polar_angle`](PlanarVector::polar_angle).
 ///
 /// ```

@@ -1,17 +1,17 @@
 //! Tolerance allocation: the cheapest choice of tolerance classes that keeps the scatter
-//! within a wanted bound everywhere.
+//! within a bound everywhere.
 //!
 //! To first order the variance at a place is Σ wi si², wi the squared sensitivity to
 //! dimension i there and si the standard deviation of its class. The choice is found
 //! exactly, by depth-first search that leaves a branch as soon as it cannot be cheaper than
 //! the best found, or cannot meet the bound even with the finest classes for the rest.
 
-/// A way of making a dimension.
+/// A class of tolerance: how precisely a dimension is made, and at what cost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToleranceClass {
-    /// The standard deviation it gives, in the dimension's unit.
+    /// The standard deviation of the dimension, in its unit.
     pub deviation: f64,
-    /// What it costs.
+    /// The cost of making one dimension so.
     pub cost: f64,
 }
 
@@ -20,7 +20,7 @@ pub struct ToleranceClass {
 pub struct Allocation {
     /// For each dimension the index of its class.
     pub choice: Vec<usize>,
-    /// What it costs in all.
+    /// The total cost.
     pub cost: f64,
     /// The largest variance at any place.
     pub worst_variance: f64,
@@ -45,6 +45,21 @@ struct BranchAndBound<'a> {
 ///
 /// # Panics
 /// Where a row of `weights` is shorter than `classes`.
+///
+/// ```
+/// use fivebar_design::accuracy::allocation::{ToleranceClass, allocate};
+///
+/// // Two lengths of equal influence; 20 µm at a cost of 1, or 10 µm at a cost of 3.
+/// let classes = [(20e-6, 1.0), (10e-6, 3.0)];
+/// let classes = classes.map(|(deviation, cost)| ToleranceClass { deviation, cost }).to_vec();
+/// let classes = [classes.clone(), classes];
+/// let weights = [vec![1.0, 1.0]];
+/// // √(20² + 10²) = 22.4 µm are allowed, √(20² + 20²) = 28.3 µm are not.
+/// let best = allocate(&weights, &classes, (25e-6_f64).powi(2)).ok_or("no choice")?;
+/// assert_eq!(best.cost, 4.0);
+/// assert!(allocate(&weights, &classes, (10e-6_f64).powi(2)).is_none());
+/// # Ok::<(), &str>(())
+/// ```
 pub fn allocate(
     weights: &[Vec<f64>],
     classes: &[Vec<ToleranceClass>],

@@ -1,5 +1,5 @@
-//! The arm's whole answer to its dimensions: positions, motion, torques and joint forces by
-//! inputs and their rates, lengths, masses.
+//! Positions, motion, torques and joint forces of the arm as functions of its inputs and their
+//! rates, its lengths and its masses.
 
 use super::DifferentiableModel;
 use core::fmt;
@@ -8,13 +8,13 @@ use fivebar_kinematics::dynamics::{Arm, Link, ModelError};
 use fivebar_kinematics::five_bar::{Geometry, GeometryError, PoseError, Side};
 use nalgebra::Vector2;
 
-/// What is answered to, in the order of [`ArmAccuracyModel::primitives`].
+/// The names of the primitives, in the order of [`ArmAccuracyModel::primitives`].
 pub const PRIMITIVES: [&str; 15] = [
     "θ1", "θ4", "ω1", "ω4", "α1", "α4", "l1", "l2", "l3", "l4", "base", "m1", "m2", "m3", "m4",
 ];
 
-/// What answers, in the order of [`ArmAccuracyModel`]'s results: C and its rates from the middle
-/// of the base [m, m/s, m/s²], torques [N·m], joint forces [N].
+/// The names of the results of an [`ArmAccuracyModel`], in their order: C and its rates from
+/// the middle of the base [m, m/s, m/s²], torques [N·m], joint forces [N].
 pub const RESULTS: [&str; 18] = [
     "position x",
     "position y",
@@ -60,15 +60,15 @@ pub struct ArmAccuracyModel<'a> {
     pub external_force: Vector2<f64>,
 }
 
-/// Why an arm with these dimensions has no answer.
+/// Why an arm with these dimensions has no result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ArmAccuracyError {
     /// The lengths are not a five-bar.
     Geometry(GeometryError),
-    /// The masses are not sound.
+    /// A mass or an inertia is not valid.
     Model(ModelError),
-    /// The pose cannot be had.
+    /// There is no such pose.
     Pose(PoseError),
 }
 

@@ -1,12 +1,13 @@
-//! Kineto-static clearance (Tu 2005): every pin seated where its reaction presses it.
+//! Kineto-static clearance (Tu 2005): every pin rests where its reaction presses it.
 //!
-//! In a joint of clearance r the side that is pushed by the force F lies −r F̂ from the side
-//! that pushes. The reactions at zero clearance give the directions; with the pins so
-//! seated the pose is solved again, and again, until the directions settle. A link in
-//! tension comes out longer, one in compression shorter, by the clearances at its ends.
+//! In a joint of clearance r, the link on which the force F acts is displaced by −r F̂ from
+//! the link that exerts it. The reactions at zero clearance give the first directions. The
+//! pose is then solved with these offsets and gives new reactions, until the directions
+//! converge. A link in tension becomes longer by the clearances at its ends, one in
+//! compression shorter.
 //!
-//! The model holds while every joint stays in contact: where a reaction turns about, the
-//! pin crosses the bearing in flight, which only a contact simulation shows.
+//! The model holds while every joint stays in contact. Where a reaction reverses, the pin
+//! crosses the bearing without contact; only a contact simulation shows that.
 
 use super::arm::DrivenJointMotion;
 use super::{AccuracyError, five_bar};
@@ -15,32 +16,34 @@ use fivebar_kinematics::dynamics::Arm;
 use fivebar_kinematics::five_bar::{Pose, Side};
 use nalgebra::Vector2;
 
-/// Changes of the pins' seats below this share of the clearances count as settled.
+/// The offsets have converged when they change by less than this share of the clearances.
 const CONVERGED: f64 = 1e-12;
-/// Directions that have not settled by then never will: a force near zero flutters.
+/// Directions that have not converged after so many iterations do not converge: the direction
+/// of a force near zero alternates.
 const MAX_ITERATIONS: usize = 60;
 
-/// The arm with every pin seated.
+/// The arm with its pins in clearance equilibrium.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClearanceEquilibrium {
-    /// Offset of the side farther from the ground in joints A, B, D, E, and of link 2 from
-    /// link 3 in C, in the order A, B, C, D, E [m].
+    /// Offsets in the joints A, B, C, D, E [m]: in A, B, D and E of the link farther from the
+    /// ground, in C of link 2 from link 3.
     pub offsets: [Vector2<f64>; 5],
-    /// The reactions in A, B, C, D, E that seat them [N], as
+    /// The reactions in A, B, C, D, E that press the pins [N], as
     /// [`Reactions`](fivebar_kinematics::dynamics::Reactions) has them.
     pub reactions: [Vector2<f64>; 5],
-    /// Where the tool goes from its ideal place [m].
+    /// The displacement of the tool from its ideal position [m].
     pub displacement: Vector2<f64>,
-    /// How often the pose was solved.
+    /// The number of iterations.
     pub iterations: usize,
-    /// Whether the directions settled; if not, some joint is about to lose contact.
+    /// Whether the directions converged; otherwise a joint is about to lose contact.
     pub converged: bool,
 }
 
-/// Seats the pins of an arm in motion, its driven links held to their angles.
+/// The clearance equilibrium of an arm in motion, with its driven links at their angles;
+/// `radii` are the clearances of A, B, C, D, E [m].
 ///
 /// # Errors
-/// Where the arm cannot be posed or is singular.
+/// Where the arm has no pose or is singular.
 pub fn clearance_equilibrium(
     arm: &Arm<f64>,
     assembly: Side,
@@ -80,7 +83,7 @@ pub fn clearance_equilibrium(
     Ok(equilibrium)
 }
 
-/// −r F̂; nothing presses where there is no force.
+/// −r F̂, or zero without a force.
 fn pressed(force: Vector2<f64>, radius: f64) -> Vector2<f64> {
     let size = force.length();
     if size > 0.0 {
@@ -105,7 +108,7 @@ fn reactions(
     Ok([forces.a, forces.b, forces.c, forces.d, forces.e])
 }
 
-/// The pose with the pins off their centres: links 2 and 3 turned to meet.
+/// The pose with the pins off their centres: links 2 and 3 turn until they meet.
 fn equilibrium_pose(
     arm: &Arm<f64>,
     ideal: &Pose<f64>,

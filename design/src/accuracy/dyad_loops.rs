@@ -1,5 +1,5 @@
-//! A linkage as vector loops: one loop a dyad, so that Shi 2005's analytic matrices can be
-//! had of any linkage and set against the dual numbers.
+//! A linkage as vector loops, one for each dyad: so Shi 2005's analytic matrices can be
+//! computed for any linkage and compared with the dual numbers.
 //!
 //! Every point is a chain of terms from the plane's origin; a dyad closes the chains of its
 //! two ends. Its two unknowns are
@@ -20,7 +20,7 @@ use core::f64::consts::FRAC_PI_2;
 use fivebar_kinematics::PlanarVector;
 use nalgebra::DVector;
 
-/// A direction: an angle that may change and a constant beside it.
+/// A direction: the sum of an angle that may change and a constant.
 #[derive(Clone, Copy)]
 struct Direction {
     angle: LoopQuantity,
@@ -52,8 +52,8 @@ struct Frame {
     origin: Vec<Term>,
 }
 
-/// What has been put into terms so far. `numbers` is the linkage with each parameter
-/// replaced by its place in the order of [`Linkage::map_parameters`].
+/// The frames and pins that are expressed by terms so far. `numbers` is the linkage with each
+/// parameter replaced by its index in the order of [`Linkage::map_parameters`].
 struct Chains<'a> {
     numbers: &'a Linkage<f64>,
     frames: Vec<Frame>,
@@ -86,7 +86,7 @@ impl Chains<'_> {
     }
 }
 
-/// The parameter whose place a number of the numbered linkage is.
+/// The parameter with the index that the numbered linkage holds.
 fn parameter(number: f64) -> LoopQuantity {
     LoopQuantity::Parameter(number as usize)
 }
@@ -100,15 +100,15 @@ fn gap(clearance: Option<Clearance<f64>>) -> Option<Term> {
     })
 }
 
-/// The chain, with what follows it.
+/// The chain, continued by `more`.
 fn and(mut chain: Vec<Term>, more: impl IntoIterator<Item = Term>) -> Vec<Term> {
     chain.extend(more);
     chain
 }
 
 impl VectorLoops {
-    /// The loops of a linkage, all its parameters in the order of [`Linkage::map_parameters`]; none if
-    /// a crank turns on a link that turns itself, whose angle is a sum.
+    /// The loops of a linkage, all its parameters in the order of [`Linkage::map_parameters`];
+    /// none if the carrier of a crank turns, because the crank's angle is then a sum of two.
     pub fn from_linkage(linkage: &Linkage<f64>) -> Option<Self> {
         let mut parameters = Vec::new();
         let numbers = linkage.map_parameters(|_, value: f64| {
@@ -255,7 +255,7 @@ fn dyad(
     }
 }
 
-/// U, U̇ and Ü of a linkage's loops, two a dyad, read from its motion.
+/// U, U̇ and Ü of a linkage's loops, two for each dyad, from its motion.
 pub fn unknowns<S: fivebar_kinematics::Scalar>(
     linkage: &Linkage<S>,
     motion: &LinkageMotion<S>,
@@ -281,7 +281,7 @@ pub fn unknowns<S: fivebar_kinematics::Scalar>(
     unknowns
 }
 
-/// The same as columns.
+/// The coordinates' values, rates and accelerations as columns.
 pub fn time_derivatives(coordinates: &[Coordinate<f64>]) -> TimeDerivatives {
     let column = |part: fn(&Coordinate<f64>) -> f64| {
         DVector::from_iterator(coordinates.len(), coordinates.iter().map(part))

@@ -1,18 +1,18 @@
-//! Why an accuracy cannot be told.
+//! Why an accuracy analysis has no result.
 
 use crate::linkage::dyad::DyadError;
 use core::fmt;
 use fivebar_kinematics::five_bar::PoseError;
 
-/// Why an analysis has no answer here.
+/// Why an accuracy analysis has no result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum AccuracyError {
     /// The loops do not close near the guess.
     Unclosed,
-    /// The mechanism is singular: an error of any size may follow from a small one.
+    /// The mechanism is singular: a small error may have an effect of any size.
     Singular,
-    /// The five-bar's pose cannot be had.
+    /// The five-bar has no such pose.
     Pose(PoseError),
     /// A dyad cannot be assembled.
     Dyad(DyadError),

@@ -1,19 +1,19 @@
-//! The five-bar's errors: how the tool answers to inputs and lengths, and how far inputs
-//! and clearances can take it at worst.
+//! The errors of the five-bar: the sensitivity of C to inputs and lengths, and its worst
+//! displacement by inputs and clearances.
 //!
 //! The closure (C−B)·(C−B) = l2², (C−D)·(C−D) = l3², differentiated:
 //!
 //! u2·δC = u2·δB + δl2, u3·δC = u3·δD + δl3,
 //! δB = u1 δl1 + l1 n1 δθ1, δD = x̂ δl5 + u4 δl4 + l4 n4 δθ4.
 //!
-//! Positions are judged from the middle of the base, so that an error of the base's length
-//! falls to both pivots alike: ½ x̂ δl5 is taken off.
+//! Positions are measured from the middle of the base, so that an error of the base's length
+//! displaces both pivots alike: ½ x̂ δl5 is subtracted.
 //!
-//! Clearance: with a massless link of length up to r in every joint, C on link 2, the
-//! distance of C from B is l2 ± (rA + rB) and from D l3 ± (rC + rD + rE). To first order
-//! u2·δC = p, u3·δC = q with |p| ≤ rA + rB, |q| ≤ rC + rD + rE: a parallelogram, farthest at
-//! a vertex. Exactly, the same with circles for lines, each massless link lying along its
-//! distal link.
+//! Clearance: with a massless link of length up to r in every joint, C on link 2, the distance
+//! of C from B is l2 ± (rA + rB) and from D l3 ± (rC + rD + rE). To first order u2·δC = p,
+//! u3·δC = q with |p| ≤ rA + rB, |q| ≤ rC + rD + rE: a parallelogram, whose farthest point is
+//! a vertex. The exact bound has arcs in place of its sides; each massless link then lies
+//! along its distal link.
 
 use super::AccuracyError;
 use crate::linkage::dyad::Rrr;
@@ -21,7 +21,21 @@ use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::{Geometry, Pose, PoseError, Singularity};
 use nalgebra::Vector2;
 
-/// How the tool answers to each dimension of the arm.
+/// The sensitivity of C to each input and length of the arm.
+///
+/// ```
+/// use fivebar_design::accuracy::five_bar::tool_sensitivities;
+/// use fivebar_kinematics::five_bar::{Geometry, Side};
+///
+/// let geometry = Geometry::new([0.10_f64, 0.16, 0.16, 0.10, 0.08])?;
+/// let pose = geometry.forward(2.0, 1.1, Side::Left)?; // rad
+/// let sensitivities = tool_sensitivities(&geometry, &pose)?;
+/// // An error of 1 µrad in θ1 displaces C by ∂C/∂θ1 · 1 µrad.
+/// let displaced = geometry.forward(2.0 + 1e-6, 1.1, Side::Left)?;
+/// let quotient = (displaced.c - pose.c) / 1e-6;
+/// assert!((sensitivities.inputs[0] - quotient).norm() < 1e-5); // m/rad
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolSensitivities {
     /// ∂C/∂θ1 and ∂C/∂θ4 [m/rad].
@@ -42,7 +56,7 @@ fn dual_basis(pose: &Pose<f64>) -> Result<[Vector2<f64>; 2], AccuracyError> {
     ])
 }
 
-/// The tool's first-order answer to inputs and lengths at a pose.
+/// The sensitivity of C to inputs and lengths at a pose.
 ///
 /// # Errors
 /// `Pose(Singular)` at type 2.
@@ -69,11 +83,11 @@ pub fn tool_sensitivities(
     })
 }
 
-/// The farthest that input errors of up to ± `greatest` [rad] take the tool [m]: exactly,
-/// at a corner of their square.
+/// The greatest displacement of C [m] by errors of θ1 and θ4 of up to ± `greatest` [rad]. It
+/// is exact, and occurs at a corner of the rectangle of errors.
 ///
 /// # Errors
-/// Where a corner cannot be assembled.
+/// Where the arm cannot be assembled at a corner.
 pub fn worst_input_error(
     geometry: &Geometry<f64>,
     pose: &Pose<f64>,
@@ -95,7 +109,7 @@ pub fn worst_input_error(
 
 const CORNERS: [(f64, f64); 4] = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
 
-/// How far joint clearances take the tool.
+/// The displacement of C by joint clearances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClearanceError {
     /// The worst case to first order [m].
@@ -106,7 +120,7 @@ pub struct ClearanceError {
     pub rms: f64,
 }
 
-/// The tool's error for clearances of these radii in the joints A, B, C, D, E [m].
+/// The displacement of C by clearances of these radii in the joints A, B, C, D, E [m].
 ///
 /// # Errors
 /// `Pose` at type 2, or where the worst case cannot be assembled.
@@ -137,8 +151,8 @@ pub fn clearance_error(
     })
 }
 
-/// Where C goes when each joint's pin lies off its bearing's centre by the given offset
-/// [m], the driven links held: exactly.
+/// The exact position of C [m] when each joint's pin has the given offset [m] from the centre
+/// of its bearing and the driven links are held.
 ///
 /// # Errors
 /// `Pose` where links 2 and 3 cannot meet.

@@ -1,6 +1,6 @@
-//! A linkage's whole answer to its numbers: positions, motion, driving forces and joint
-//! reactions by inputs and their rates, lengths, coordinates, masses, sections, clearances
-//! and their directions.
+//! Positions, motion, driving forces and joint reactions of a linkage as functions of its
+//! inputs and their rates, lengths, coordinates, masses, sections, clearances and the
+//! directions of the clearances.
 
 use super::DifferentiableModel;
 use crate::linkage::{
@@ -16,11 +16,13 @@ use fivebar_kinematics::Scalar;
 pub struct LinkageAccuracyModel<'a> {
     /// The nominal linkage.
     pub linkage: &'a Linkage<f64>,
-    /// The parameters that vary, by their place in the order of [`Linkage::map_parameters`], rising.
+    /// The indices of the parameters that vary, in the order of [`Linkage::map_parameters`],
+    /// ascending.
     pub varied: Vec<usize>,
 }
 
-/// What a result of a [`LinkageAccuracyModel`] measures, by the place of what it belongs to.
+/// The meaning of a result of a [`LinkageAccuracyModel`], with the index of the point, link or
+/// joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ResultKind {
     /// Component 0 or 1 of a point's position [m]; the point in [`Linkage::points`].
@@ -35,11 +37,11 @@ pub enum ResultKind {
     AngularVelocity(usize),
     /// Its angular acceleration [rad/s²].
     AngularAcceleration(usize),
-    /// The torque [N·m] or force [N] of a driven link, counting those alone.
+    /// The torque [N·m] or force [N] of a driven link; the index counts driven links only.
     Drive(usize),
     /// Component 0 or 1 of a joint's force [N]; the joint in [`Linkage::joint_links`].
     Force(usize, usize),
-    /// The moment of a joint about its own centre [N·m].
+    /// The moment in a joint about the joint's centre [N·m].
     Moment(usize),
 }
 
@@ -61,8 +63,8 @@ impl LinkageAccuracyModel<'_> {
         values
     }
 
-    /// What the results are, in their order: of every moving point, of every moving link,
-    /// of every driven link, of every joint.
+    /// The meaning of the results, in their order: of every moving point, every moving link,
+    /// every driven link and every joint.
     pub fn result_kinds(&self) -> Vec<ResultKind> {
         let mut kinds = Vec::new();
         for point in moving(self.linkage) {
@@ -116,7 +118,7 @@ impl LinkageAccuracyModel<'_> {
     }
 }
 
-/// The places of the points that are not the frame's.
+/// The indices of the points that move.
 fn moving<S: Scalar>(linkage: &Linkage<S>) -> impl Iterator<Item = usize> + '_ {
     let points = linkage.points().iter().enumerate();
     points
@@ -159,27 +161,29 @@ impl DifferentiableModel for LinkageAccuracyModel<'_> {
     }
 }
 
-/// A linkage with every pin seated where its reaction presses it.
+/// A linkage with its pins in clearance equilibrium: each rests where its reaction presses it.
 #[derive(Clone, Debug)]
 pub struct LinkageEquilibrium {
     /// The linkage with its clearances.
     pub linkage: Linkage<f64>,
     /// Its motion.
     pub motion: LinkageMotion<f64>,
-    /// How often it was solved.
+    /// The number of iterations.
     pub iterations: usize,
-    /// Whether the directions settled; if not, some joint is about to lose contact.
+    /// Whether the directions converged; otherwise a joint is about to lose contact.
     pub converged: bool,
 }
 
-/// Changes of the pins' directions below this [rad] count as settled.
+/// The directions have converged when they change by less than this [rad].
 const CONVERGED: f64 = 1e-11;
-/// Directions that have not settled by then never will: a force near zero flutters.
+/// Directions that have not converged after so many iterations do not converge: the direction
+/// of a force near zero alternates.
 const MAX_ITERATIONS: usize = 60;
 
-/// Seats the pins of a linkage in motion (Tu 2005): in a joint of clearance r the side that
-/// is pushed by the force F lies −r F̂ from the side that pushes. `radii` [m] counts as
-/// [`Linkage::joint_links`]; slides are left out, and pins without clearance keep what they have.
+/// The clearance equilibrium of a linkage in motion (Tu 2005): in a joint of clearance r, the
+/// link on which the force F acts is displaced by −r F̂ from the link that exerts it. `radii`
+/// [m] are in the order of [`Linkage::joint_links`]. Slides are ignored; pins with a radius of
+/// 0 keep the clearance that they have.
 ///
 /// # Errors
 /// Where the linkage cannot be solved.
@@ -211,7 +215,7 @@ pub fn clearance_equilibrium(
                 };
                 let turned = |from: Clearance<f64>| (pressed.offset() - from.offset()).length();
                 change = change.max(before[joint].map_or(1.0, turned) / radius);
-                // A pin, its radius above zero, its angle finite: nothing to refuse.
+                // Never refused: the joint is a pin, the radius positive and the angle finite.
                 let _ = equilibrium.linkage.set_clearance(joint, pressed);
             }
         }

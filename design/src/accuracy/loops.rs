@@ -20,7 +20,7 @@ pub enum LoopQuantity {
     Input(usize),
     /// A parameter (a length, a clearance or its angle), constant in time.
     Parameter(usize),
-    /// A number that is exact.
+    /// A number without an error.
     Constant(f64),
 }
 
@@ -40,7 +40,7 @@ pub struct Term {
 /// A mechanism as loops, with its parameters' values.
 #[derive(Clone, Debug)]
 pub struct VectorLoops {
-    /// The terms of each loop; two unknowns a loop.
+    /// The terms of each loop; there are two unknowns for each loop.
     pub loops: Vec<Vec<Term>>,
     /// The number of inputs.
     pub inputs: usize,
@@ -71,14 +71,14 @@ pub struct Sensitivities {
     pub acceleration: DMatrix<f64>,
 }
 
-/// A complex number a + ib as a pair: all the arithmetic that a term needs.
+/// A complex number a + ib.
 type Complex = [f64; 2];
 
 fn complex_product([a, b]: Complex, [c, d]: Complex) -> Complex {
     [a * c - b * d, a * d + b * c]
 }
 
-/// What a quantity stands for in the vector (U, V, parameters).
+/// The index of a quantity in the vector (U, V, parameters).
 #[derive(Clone, Copy)]
 enum Slot {
     Variable(usize),
@@ -125,7 +125,7 @@ impl VectorLoops {
         }
     }
 
-    /// F, two numbers a loop.
+    /// F: two components for each loop.
     fn closure(&self, unknowns: &TimeDerivatives, inputs: &TimeDerivatives) -> DVector<f64> {
         let mut closure = DVector::zeros(self.unknowns());
         for (row, terms) in self.loops.iter().enumerate() {
@@ -218,7 +218,7 @@ impl VectorLoops {
         Ok(unknowns)
     }
 
-    /// How U, U̇ and Ü answer to every primitive.
+    /// The sensitivities of U, U̇ and Ü to every primitive.
     ///
     /// # Errors
     /// `Singular` where F_U has no inverse.

@@ -1,8 +1,8 @@
-//! Accuracy: how far real lengths, inputs and joint clearances take a mechanism from its
-//! ideal, in position, motion and force (Shi 2005, Tu 2005; sections 6 and 4).
+//! Accuracy: the effect of errors of lengths and inputs, and of joint clearances, on
+//! positions, motion and forces of a mechanism (Shi 2005, Tu 2005).
 //!
-//! Two unlike ways to every sensitivity: the analytic matrices of [`loops`], and dual
-//! numbers through any model that implements [`DifferentiableModel`].
+//! Every sensitivity can be computed in two independent ways: by the analytic matrices of
+//! [`loops`], and by dual numbers through any model that implements [`DifferentiableModel`].
 
 pub mod allocation;
 pub mod arm;

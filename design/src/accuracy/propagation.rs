@@ -1,13 +1,13 @@
-//! From the scatter of what is made to the scatter of what results, to first order:
+//! The scatter of results from the scatter of the primitives (lengths, inputs), to first order:
 //! Cov(R) = T Cov(primitives) Tᵀ, T collected over the *primitive* variables.
 //!
-//! Positions, velocities and accelerations answer to the same lengths and inputs, so they
-//! are not independent of each other: treating δU, δU̇, δÜ as if they were is the error that
-//! Shi 2005 sets out to avoid. T over the primitives cannot make it.
+//! Positions, velocities and accelerations depend on the same lengths and inputs, so δU, δU̇
+//! and δÜ are correlated. Treating them as independent is the error that Shi 2005 avoids; with
+//! T over the primitives it does not arise.
 
 use nalgebra::{DMatrix, DVector};
 
-/// Something with a scatter of its own, independent of every other primitive.
+/// A quantity with a scatter that is independent of all other primitives.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Primitive {
     /// Its name, for reports.
@@ -18,12 +18,24 @@ pub struct Primitive {
     pub deviation: f64,
 }
 
-/// The scatter of some results.
+/// The scatter of results.
+///
+/// ```
+/// use fivebar_design::accuracy::{Primitive, Scatter};
+/// use nalgebra::DMatrix;
+///
+/// // A sum of two lengths [m] with standard deviations of 30 µm and 40 µm.
+/// let length = |mean, deviation| Primitive { name: "length".into(), mean, deviation };
+/// let lengths = [length(0.10, 30e-6), length(0.16, 40e-6)];
+/// let scatter = Scatter::propagate(&DMatrix::from_row_slice(1, 2, &[1.0, 1.0]), &lengths);
+/// assert!((scatter.deviations()[0] - 50e-6).abs() < 1e-18);
+/// assert!((scatter.shares(0)[0] - 0.36).abs() < 1e-12);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scatter {
     /// Cov(R), in the products of the results' units.
     pub covariance: DMatrix<f64>,
-    /// For each result (row) the variance that each primitive (column) brings in.
+    /// For each result (row) the variance that each primitive (column) contributes.
     pub contributions: DMatrix<f64>,
 }
 
@@ -48,7 +60,7 @@ impl Scatter {
         self.covariance.diagonal().map(f64::sqrt)
     }
 
-    /// The share of a result's variance that each primitive brings in, 0…1.
+    /// The share of each primitive in the variance of a result, 0…1.
     pub fn shares(&self, result: usize) -> Vec<f64> {
         let total = self.covariance[(result, result)];
         let row = self.contributions.row(result);

@@ -1,22 +1,23 @@
-//! The slider-driven mechanism's errors: how far sliders and clearances take P at worst, and
-//! where its pins are pressed (Tu 2005). Its transfer coefficients are
+//! The errors of the slider-driven mechanism: the worst displacement of P by sliders and
+//! clearances, and its clearance equilibrium (Tu 2005). The transfer coefficients are
 //! [`Geometry::error_transfer`].
 //!
 //! A limb counts as one bar with a pin at its slider and one at the platform. A massless limb
-//! bears a force along itself alone: T3 u3 + T7 u7 = F for a force F on P, T > 0 in tension;
-//! tension lengthens it by the sum of its clearances, compression shortens it. That the
-//! platform only translates takes both links of a parallelogram to be pressed alike.
+//! transmits a force only along itself: T3 u3 + T7 u7 = F for a force F on P, T > 0 in
+//! tension; tension lengthens it by the sum of its clearances, compression shortens it. The
+//! platform only translates if both links of a parallelogram are pressed alike, which is
+//! assumed.
 
 use super::five_bar::ClearanceError;
 use crate::slider::{Geometry, Pose, PoseError};
 use fivebar_kinematics::PlanarVector;
 use nalgebra::Vector2;
 
-/// The farthest that errors of the sliders of up to ± `greatest` [m] take P [m]: exactly, at a
-/// corner of their square.
+/// The greatest displacement of P [m] by errors of the left and right slider of up to the
+/// given values [m]. It is exact, and occurs at a corner of the rectangle of errors.
 ///
 /// # Errors
-/// Where a corner cannot be assembled.
+/// Where the mechanism cannot be assembled at a corner.
 pub fn worst_input_error(
     geometry: &Geometry<f64>,
     pose: &Pose<f64>,
@@ -33,7 +34,7 @@ pub fn worst_input_error(
 
 const CORNERS: [(f64, f64); 4] = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
 
-/// P's error for clearances of these radii at each limb's slider and platform, left limb
+/// The error of P for clearances of these radii at each limb's slider and platform, left limb
 /// first [m].
 ///
 /// # Errors
@@ -63,20 +64,21 @@ pub fn clearance_error(
     })
 }
 
-/// The mechanism with every pin pressed to one side.
+/// The mechanism with its pins in clearance equilibrium.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClearanceEquilibrium {
     /// T3 and T7, the tension in each limb [N].
     pub tension: [f64; 2],
-    /// How much longer each limb is [m].
+    /// The increase of each limb's length [m].
     pub longer: [f64; 2],
-    /// Where P goes from its ideal place [m].
+    /// The displacement of P from its ideal position [m].
     pub displacement: Vector2<f64>,
-    /// Whether the sides settled; if not, some joint is about to lose contact.
+    /// Whether the iteration converged; otherwise a joint is about to lose contact.
     pub converged: bool,
 }
 
-/// Seats the pins of a massless mechanism under a force on P [N], its sliders held.
+/// The clearance equilibrium of a massless mechanism under a force on P [N], with its sliders
+/// held; `radii` [m] as for [`clearance_error`].
 ///
 /// # Errors
 /// `Parallel` at type 2, or where the lengthened limbs cannot meet.
@@ -112,7 +114,7 @@ pub fn clearance_equilibrium(
     Ok(equilibrium)
 }
 
-/// Which way a force presses; nothing presses where there is none.
+/// +1 in tension, −1 in compression, 0 without a force.
 fn side(tension: f64) -> f64 {
     if tension == 0.0 {
         0.0
@@ -121,7 +123,7 @@ fn side(tension: f64) -> f64 {
     }
 }
 
-/// Each limb's two clearances together.
+/// The sum of each limb's two clearances.
 fn sums([a, b, c, d]: [f64; 4]) -> [f64; 2] {
     [a + b, c + d]
 }
@@ -132,7 +134,7 @@ fn lengthened(
     [left, right]: [f64; 2],
 ) -> Result<Pose<f64>, PoseError> {
     let longer = Geometry::new(geometry.l3() + left, geometry.l7() + right, geometry.l5());
-    // No clearance is as large as a limb.
+    // Refused only if a clearance exceeds its limb.
     let longer = longer.map_err(|_| PoseError::NotFinite)?;
     longer.forward(pose.x2, pose.x8, pose.assembly())
 }

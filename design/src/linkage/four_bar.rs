@@ -28,6 +28,17 @@ pub enum FourBarType {
 }
 
 /// The lengths of a four-bar [m].
+///
+/// ```
+/// use fivebar_design::linkage::{FourBar, FourBarType};
+///
+/// // Lengths [m]: 0.05 + 0.20 < 0.15 + 0.18, and the input is the shortest link.
+/// let four_bar = FourBar { frame: 0.20, input: 0.05, coupler: 0.18, output: 0.15 };
+/// assert_eq!(four_bar.classify(), FourBarType::CrankRocker);
+/// // The same lengths with the shortest link as the frame.
+/// let inverted = FourBar { frame: 0.05, input: 0.20, ..four_bar };
+/// assert_eq!(inverted.classify(), FourBarType::DoubleCrank);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FourBar<S> {
     /// Between the ground pivots.

@@ -30,6 +30,11 @@ impl<S> Element<S> {
         (first..first + count).map(LinkId)
     }
 
+    /// The driven link, or the dyad's first link.
+    pub fn first_link(&self) -> LinkId {
+        self.first_link
+    }
+
     /// The inner pin of RRR, RRP and PRP, a point of the dyad's first link; none for others.
     pub fn inner_pin(&self) -> Option<PointId> {
         self.inner_pin
@@ -70,6 +75,27 @@ pub(super) enum SolutionStep {
 }
 
 /// Driven links, dyads and points, each carried by earlier ones.
+///
+/// ```
+/// use fivebar_design::linkage::dyad::Rrr;
+/// use fivebar_design::linkage::{Coordinate, Group, LinkId, Linkage};
+/// use fivebar_kinematics::five_bar::Side;
+/// use nalgebra::Vector2;
+///
+/// // A four-bar: a crank of 60 mm, a coupler of 180 mm and a rocker of 140 mm.
+/// let mut linkage = Linkage::new(Vector2::zeros())?;
+/// let a = linkage.add_point("A", LinkId::GROUND, Vector2::zeros())?;
+/// let d = linkage.add_point("D", LinkId::GROUND, Vector2::new(0.20, 0.0))?;
+/// let crank = linkage.add_group("crank", Group::Crank { pivot: a })?;
+/// let b = linkage.add_point("B", crank.first_link(), Vector2::new(0.06_f64, 0.0))?;
+/// let dyad = Rrr { lengths: [0.18, 0.14], side: Side::Left };
+/// linkage.add_group("C", Group::Rrr { dyad, ends: [b, d] })?;
+///
+/// let input = Coordinate { value: 1.0, rate: 10.0, acceleration: 0.0 }; // rad, rad/s, rad/s²
+/// let motion = linkage.motion(&[input])?;
+/// assert!((motion.points[b.index()].velocity.norm() - 0.6).abs() < 1e-15); // m/s
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Linkage<S> {
     pub(super) gravity: Vector2<S>,

@@ -12,6 +12,16 @@ use fivebar_kinematics::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 
 /// The motion of a driving coordinate: q(t) = start + speed t + amplitude sin(2π f t + φ).
+///
+/// ```
+/// use fivebar_design::linkage::DriveLaw;
+///
+/// // From 0.5 rad at 10 rad/s, and an oscillation of 0.1 rad at 2 Hz.
+/// let law = DriveLaw { start: 0.5, speed: 10.0, amplitude: 0.1, frequency: 2.0, phase: 0.0 };
+/// let half_a_period = law.at(0.25);
+/// assert!((half_a_period.value - 3.0).abs() < 1e-15);
+/// assert!((half_a_period.rate - (10.0 - 0.4 * core::f64::consts::PI)).abs() < 1e-12);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DriveLaw {
     /// Its value at t = 0 without the oscillation [rad or m].

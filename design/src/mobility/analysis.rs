@@ -1,4 +1,4 @@
-//! The counts of Huang's school, and what they say of limbs and platform.
+//! Huang's counts, and the freedoms and constraints of limbs and platform.
 
 use super::finite::{finite_mobility, instantaneous_mobility};
 use super::frame::ScaledFrame;
@@ -8,7 +8,7 @@ use super::system::{ScrewSystem, null_space};
 use super::{Freedom, Joint, MechanismGraph, ParallelMechanism, Screw};
 use nalgebra::DVector;
 
-/// What holds for parallel mechanisms and general graphs alike.
+/// The figures that parallel mechanisms and general graphs have in common.
 #[derive(Clone, Debug)]
 pub struct Mobility {
     /// n: the number of bodies, the ground among them.
@@ -39,7 +39,7 @@ pub struct Mobility {
     pub finite: usize,
     /// N − rank J with the actuated joints held; none where no joint is actuated.
     pub with_drives_held: Option<usize>,
-    /// The platform's freedoms by name.
+    /// The platform's freedoms.
     pub freedoms: Vec<ScrewAxis>,
 }
 
@@ -50,14 +50,14 @@ pub struct LimbAnalysis {
     pub freedoms: usize,
     /// The rank of its twists.
     pub rank: usize,
-    /// qi = 6 − rank: its constraints on the platform, by name.
+    /// qi = 6 − rank: its constraints on the platform.
     pub constraints: Vec<ScrewAxis>,
 }
 
 /// The analysis of a platform on limbs.
 #[derive(Clone, Debug)]
 pub struct ParallelAnalysis {
-    /// What holds for any graph.
+    /// The figures that any graph has.
     pub mobility: Mobility,
     /// The limbs.
     pub limbs: Vec<LimbAnalysis>,
@@ -69,22 +69,22 @@ pub struct ParallelAnalysis {
     pub passive: usize,
     /// Equation (9): 6 − Σqi + λ(p − 1) + v.
     pub m_eq9: i64,
-    /// The λ common constraints by name.
+    /// The λ common constraints.
     pub common: Vec<ScrewAxis>,
-    /// The union W of the limbs' constraints by name.
+    /// The union W of the limbs' constraints.
     pub platform_constraints: Vec<ScrewAxis>,
 }
 
 /// The analysis of a general graph.
 #[derive(Clone, Debug)]
 pub struct GraphAnalysis {
-    /// What holds for any graph.
+    /// The figures that any graph has.
     pub mobility: Mobility,
     /// The number of independent loops, g − n + 1.
     pub loops: usize,
     /// rank of the loop Jacobian.
     pub jacobian_rank: usize,
-    /// What the platform cannot do: the wrenches reciprocal to its freedoms, by name.
+    /// The constraints of the platform: the wrenches reciprocal to its freedoms.
     pub platform_constraints: Vec<ScrewAxis>,
 }
 
@@ -138,7 +138,7 @@ pub fn analyse_parallel(mechanism: &ParallelMechanism) -> ParallelAnalysis {
     }
 }
 
-/// Analyses any graph, closed loops inside limbs among them.
+/// Analyses any graph, also one with closed loops inside limbs.
 pub fn analyse_graph(graph: &MechanismGraph) -> GraphAnalysis {
     let frame = ScaledFrame::new(graph);
     let expressed = frame.express_graph(graph);
@@ -150,7 +150,7 @@ pub fn analyse_graph(graph: &MechanismGraph) -> GraphAnalysis {
     let home = DVector::zeros(loops.variables());
     let motions = null_space(&loops.jacobian(&home));
     let jacobian_rank = loops.variables() - motions.ncols();
-    // Every loop could carry d independent conditions; those it lacks are redundant.
+    // Each loop has d conditions; those that are not independent are redundant.
     let redundant = (6 - lambda) * loops.count() - jacobian_rank;
     let platform = ScrewSystem::span_of_motions(loops.platform_twists(&home, &motions));
     GraphAnalysis {

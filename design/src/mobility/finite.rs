@@ -1,34 +1,35 @@
-//! Finite mobility: what is left of the instantaneous freedoms after a real motion.
+//! Finite mobility: the freedoms that remain after a finite displacement.
 //!
-//! The null space of the loop Jacobian is only the first order. A mechanism is moved for
-//! real: along a random direction of its null space, each step corrected onto the closure
-//! by Newton's method, until a joint has gone half a radian (or half the mechanism's
-//! size). There the rank is taken again (Huang's third step).
+//! The null space of the loop Jacobian describes the motion only to first order. So the
+//! mechanism is displaced by a finite amount: along a random direction of its null space, each
+//! step corrected to closure by Newton's method, until a joint has moved by half a radian (or
+//! half the mechanism's size). There the rank is computed again (Huang's third step).
 //!
-//! That alone does not tell a shaky structure from a mechanism, since a structure's
-//! correction runs back to where it started. So at the far end each direction is tried by
-//! a small real step, and only the dimension of what those steps achieve counts.
+//! This alone does not distinguish a shaky structure from a mechanism, because the correction
+//! returns a structure to its start. Therefore a small finite step is tried in each direction
+//! at the far end, and the result is the dimension of the displacements that these steps
+//! achieve.
 
 use super::loops::Loops;
 use super::system::{least_norm, null_space, rank};
 use nalgebra::{DMatrix, DVector};
 use oorandom::Rand64;
 
-/// How far some joint must go before the rank is believed [rad or sizes].
+/// The displacement of some joint after which the rank is computed again [rad or sizes].
 const TRAVEL: f64 = 0.5;
 /// One step along the null space [rad or sizes].
 const STEP: f64 = 0.05;
-/// Steps after which a motion that gets nowhere is given up.
+/// The greatest number of steps of a motion.
 const MAX_STEPS: usize = 60;
-/// The small real steps at the far end: their curvature is this share of their length.
+/// The length of the small steps at the far end; their curvature is this share of it.
 const PROBE: f64 = 1e-3;
-/// A probe's direction counts when achieved to this share of what was asked.
+/// A direction counts if the step achieves at least this share of its length.
 const ACHIEVED: f64 = 0.05;
-/// Closure to which Newton's method corrects.
+/// The closure error at which Newton's method ends.
 const CLOSURE_TOLERANCE: f64 = 1e-12;
-/// Corrections to a structure that snaps back converge by halves or slower.
+/// The correction of a shaky structure halves its error in each iteration, or is slower.
 const MAX_CORRECTIONS: usize = 120;
-/// Random motions tried; a singular pose may lie on several branches.
+/// The number of random motions; a singular pose may lie on several branches.
 const TRIALS: u128 = 6;
 
 /// The dimension of the finite motion through the home position: 0 for a structure.
@@ -52,7 +53,7 @@ fn travel(loops: &Loops, freedoms: &DMatrix<f64>, random: &mut Rand64) -> Option
     for _ in 0..MAX_STEPS {
         let next = correct(loops, &q + &direction * STEP)?;
         let moved = &next - &q;
-        // A step that is mostly undone has run into the end of a branch, or was none.
+        // The correction has undone most of the step: the branch ends here, or there is no motion.
         if moved.amax() < 0.1 * STEP {
             return None;
         }
@@ -66,7 +67,7 @@ fn travel(loops: &Loops, freedoms: &DMatrix<f64>, random: &mut Rand64) -> Option
     None
 }
 
-/// The dimension of the motions that small real steps from `q` achieve.
+/// The dimension of the displacements that small steps from `q` achieve.
 fn local_dimension(loops: &Loops, q: &DVector<f64>) -> usize {
     let tangent = null_space(&loops.jacobian(q));
     let achieved: Vec<DVector<f64>> = tangent
@@ -77,7 +78,7 @@ fn local_dimension(loops: &Loops, q: &DVector<f64>) -> usize {
     if achieved.is_empty() {
         return 0;
     }
-    // Orthonormal directions, if achieved, stay nearly so: singular values near 1.
+    // If the steps achieve orthonormal directions, the singular values are near 1.
     let singular = DMatrix::from_columns(&achieved).singular_values();
     singular.iter().filter(|&&value| value > ACHIEVED).count()
 }
@@ -90,7 +91,7 @@ fn correct(loops: &Loops, mut q: DVector<f64>) -> Option<DVector<f64>> {
             return Some(q);
         }
         let step = least_norm(&loops.jacobian(&q), &residual)?;
-        // Near a singular pose a full step can be absurd; its direction still serves.
+        // Near a singular pose a full step can be far too long; only its direction is used.
         let shorten = (2.0 * STEP / step.amax().max(f64::MIN_POSITIVE)).min(1.0);
         q -= step * shorten;
     }

@@ -1,10 +1,10 @@
-//! The frame ranks are judged in: about the mechanism's centre, in units of its size, so
-//! that an answer depends neither on where the mechanism stands nor on its scale.
+//! The frame in which ranks are computed: about the mechanism's centre and in units of its
+//! size, so that the result is independent of the mechanism's position and scale.
 
 use super::{Freedom, Joint, MechanismGraph, Screw};
 use nalgebra::{Matrix3, Vector3};
 
-/// A point amid the joint axes and the root mean square of their distances from it.
+/// The centre of the joint axes and the root mean square of their distances from it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ScaledFrame {
     pub(super) centre: Vector3<f64>,
@@ -15,8 +15,8 @@ impl ScaledFrame {
     /// The point nearest to all axes in the sense of least squares:
     /// Σ(1 − ŝŝᵀ) c = Σ(1 − ŝŝᵀ) r over the axes with direction ŝ through r.
     ///
-    /// Where the axes leave a direction open (all parallel), moving along it changes no
-    /// moment, and the solution of least norm serves.
+    /// If the axes do not determine the point in some direction (all are parallel), a shift in
+    /// this direction changes no moment, and the solution of least norm is taken.
     pub(super) fn new(graph: &MechanismGraph) -> Self {
         let axes: Vec<(Vector3<f64>, Vector3<f64>)> = graph
             .joints()
@@ -43,8 +43,8 @@ impl ScaledFrame {
             .map(|(direction, point)| direction.cross(&(point - centre)).norm_squared())
             .sum();
         let rms = (squares / axes.len().max(1) as f64).sqrt();
-        // All axes through one point, or none at all: any length is as good as another,
-        // so the distance of rounding errors must not become the unit.
+        // All axes pass through one point, or there is none: the unit is arbitrary, and must
+        // not be the size of rounding errors.
         let reach = axes
             .iter()
             .fold(0.0_f64, |m, (_, point)| m.max(point.norm()));
@@ -85,7 +85,7 @@ impl ScaledFrame {
         match freedom {
             Freedom::Screw(screw) => {
                 let expressed = self.express(screw).to_vector();
-                // A joint's own scale says nothing: amounts are radians or sizes.
+                // The length of an axis has no meaning: displacements are in radians or sizes.
                 let scale = if screw.direction.norm() > 0.0 {
                     screw.direction.norm()
                 } else {

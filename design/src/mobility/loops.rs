@@ -1,8 +1,8 @@
 //! The loops of a graph: closure, its Jacobian, and the platform's motion.
 //!
-//! Every body's frame coincides with the base frame at home, so a body's displacement is
-//! the product of the exponentials of the joints on its path from the ground, and the
-//! Jacobian's columns are the joints' twists carried along by what comes before them.
+//! Every body's frame coincides with the base frame at home, so a body's displacement is the
+//! product of the exponentials of the joints on its path from the ground, and the columns of
+//! the Jacobian are the joints' twists, displaced by the joints before them.
 
 use super::{Freedom, MechanismGraph, Screw};
 use nalgebra::{DMatrix, DVector, Isometry3, Vector6};
@@ -14,10 +14,10 @@ struct PathStep {
     forwards: bool,
 }
 
-/// A graph cut open into a tree, with the joints that close its loops.
+/// A spanning tree of the graph, with the joints that close its loops.
 pub(super) struct Loops {
     freedoms: Vec<Freedom>,
-    /// For each closing joint the two paths that must end alike.
+    /// For each closing joint the two paths whose ends must coincide.
     closures: Vec<(Vec<PathStep>, Vec<PathStep>)>,
     platform: Vec<PathStep>,
 }
@@ -94,7 +94,7 @@ impl Loops {
         self.closures.len()
     }
 
-    /// By how much the loops fail to close at `q`, six numbers a loop.
+    /// The closure error of the loops at `q`, six numbers for each loop.
     pub(super) fn residual(&self, q: &DVector<f64>) -> DVector<f64> {
         let mut residual = DVector::zeros(6 * self.closures.len());
         for (index, (left, right)) in self.closures.iter().enumerate() {
@@ -147,14 +147,15 @@ impl Loops {
         }
     }
 
-    /// Each variable on the path with the twist it gives the path's end.
+    /// Each variable on the path with the twist that it gives to the end of the path.
     fn twists(&self, path: &[PathStep], q: &DVector<f64>) -> Vec<(usize, Vector6<f64>)> {
         let mut before = Isometry3::identity();
         path.iter()
             .map(|step| {
                 let twist = self.freedoms[step.variable].twist_at(q[step.variable]);
                 let after = before * self.step_displacement(*step, q);
-                // d/dq exp($ q)⁻¹ = −exp($ q)⁻¹ $: backwards, the twist rides on what follows.
+                // d/dq exp($ q)⁻¹ = −exp($ q)⁻¹ $: passed backwards, the twist is displaced by
+                // the joints after it too.
                 let carried = if step.forwards {
                     twist.transformed(&before).to_vector()
                 } else {

@@ -1,11 +1,11 @@
-//! Mechanisms as they are analysed: limbs between a base and a platform, or any graph of
-//! bodies and joints. Validated once.
+//! The mechanisms that can be analysed: limbs between a base and a platform, or any graph of
+//! bodies and joints. They are checked at construction.
 
 use super::Screw;
 use core::fmt;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
-/// The most single freedoms a mechanism may have: the cost grows with their cube.
+/// The greatest number of single freedoms of a mechanism; the cost grows with its cube.
 pub const MAX_FREEDOMS: usize = 200;
 
 /// One single-freedom motion of a joint.
@@ -13,7 +13,7 @@ pub const MAX_FREEDOMS: usize = 200;
 pub enum Freedom {
     /// A screw fixed in the two bodies: revolute, prismatic, helical.
     Screw(Screw),
-    /// A parallelogram taken whole: translation on a circle, `rod` turning about `normal`.
+    /// A parallelogram as one joint: translation along a circle, while `rod` turns about `normal`.
     Parallelogram {
         /// Axis of the four revolute joints.
         normal: Vector3<f64>,
@@ -70,12 +70,53 @@ pub struct Joint {
 }
 
 /// A platform on limbs, each a chain of joints from the base.
+///
+/// ```
+/// use fivebar_design::mobility::{Freedom, Joint, ParallelMechanism, Screw, analyse_parallel};
+/// use nalgebra::Vector3;
+///
+/// // A planar platform on three legs of three parallel hinges each.
+/// let leg = |x: f64, lean: f64| {
+///     let hinge = |y: f64| Joint {
+///         from: 0,
+///         to: 0,
+///         freedoms: vec![Freedom::Screw(Screw::line(Vector3::z(), Vector3::new(x + lean * y * y, y, 0.0)))],
+///         actuated: y == 0.0,
+///     };
+///     vec![hinge(0.0), hinge(0.3), hinge(0.5)]
+/// };
+/// let legs = vec![leg(-0.4, 1.0), leg(0.0, 0.0), leg(0.5, -1.0)];
+/// let analysis = analyse_parallel(&ParallelMechanism::new(legs)?);
+/// // Three freedoms in the plane, none when the three motors are held.
+/// assert_eq!(analysis.mobility.m_eq7, 3);
+/// assert_eq!(analysis.mobility.with_drives_held, Some(0));
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct ParallelMechanism {
     limbs: Vec<Vec<Joint>>,
 }
 
 /// Any graph of bodies (0 is the ground) and joints.
+///
+/// ```
+/// use fivebar_design::mobility::{Freedom, Joint, MechanismGraph, Screw, analyse_graph};
+/// use nalgebra::Vector3;
+///
+/// // A four-bar: four parallel hinges in a closed chain of four bodies.
+/// let hinges = [[0.0, 0.0], [0.1, 0.4], [0.5, 0.5], [0.6, 0.0]]; // m
+/// let joints = hinges.iter().enumerate().map(|(from, &[x, y])| Joint {
+///     from,
+///     to: (from + 1) % 4,
+///     freedoms: vec![Freedom::Screw(Screw::line(Vector3::z(), Vector3::new(x, y, 0.0)))],
+///     actuated: false,
+/// });
+/// let analysis = analyse_graph(&MechanismGraph::new(4, 2, joints.collect())?);
+/// // The spatial count gives −2; three constraints are common to all hinges.
+/// assert_eq!(analysis.mobility.grubler, -2);
+/// assert_eq!((analysis.mobility.m_eq7, analysis.mobility.finite), (1, 1));
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct MechanismGraph {
     bodies: usize,
@@ -83,17 +124,17 @@ pub struct MechanismGraph {
     joints: Vec<Joint>,
 }
 
-/// Why a description is not a mechanism.
+/// Why a description is not a valid mechanism.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum MechanismError {
     /// No limb or no joint at all.
     Empty,
-    /// Limb with this number (from 1) has no joint.
+    /// The limb with this number (from 1) has no joint.
     EmptyLimb(usize),
-    /// The joint called so has no freedom, a zero axis or a number that is not finite.
+    /// The joint with this name has no freedom, a zero axis or a number that is not finite.
     InvalidJoint(String),
-    /// The joint called so names a body that does not exist, or joins a body to itself.
+    /// The joint with this name refers to a body that does not exist, or joins a body to itself.
     InvalidBodies(String),
     /// The platform is the ground or does not exist.
     InvalidPlatform,
@@ -136,7 +177,7 @@ impl ParallelMechanism {
     /// joints' body numbers are assigned here.
     ///
     /// # Errors
-    /// What is wrong with the first unsound limb or joint.
+    /// The first limb or joint that is not valid.
     pub fn new(limbs: Vec<Vec<Joint>>) -> Result<Self, MechanismError> {
         if limbs.is_empty() {
             return Err(MechanismError::Empty);
@@ -192,7 +233,7 @@ impl MechanismGraph {
     /// A graph of `bodies` bodies, 0 being the ground.
     ///
     /// # Errors
-    /// What is wrong with the first unsound joint, or with the graph.
+    /// The first joint that is not valid, or the fault of the graph.
     pub fn new(bodies: usize, platform: usize, joints: Vec<Joint>) -> Result<Self, MechanismError> {
         if joints.is_empty() {
             return Err(MechanismError::Empty);
@@ -219,12 +260,12 @@ impl MechanismGraph {
         }
     }
 
-    /// The number of bodies, the ground among them.
+    /// The number of bodies, with the ground.
     pub fn bodies(&self) -> usize {
         self.bodies
     }
 
-    /// The body whose freedoms are asked for.
+    /// The body whose freedoms are analysed.
     pub fn platform(&self) -> usize {
         self.platform
     }
@@ -234,7 +275,7 @@ impl MechanismGraph {
         &self.joints
     }
 
-    /// The same graph with its actuated joints rigid: what the motors, held, leave free.
+    /// The same graph with its actuated joints rigid, as if the motors were held.
     #[must_use]
     pub fn with_drives_held(&self) -> Self {
         let mut joints = self.joints.clone();

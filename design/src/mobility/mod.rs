@@ -1,5 +1,5 @@
-//! Mobility by screw theory (Huang, section 5): what a mechanism can do where Grübler's
-//! count fails, and why.
+//! Mobility by screw theory (Huang, section 5): the degrees of freedom of a mechanism where
+//! Grübler's count fails, and the constraints behind them.
 //!
 //! A twist $ = (s; r×s) is a revolute joint, (0; s) a prismatic one. The wrenches of a
 //! limb are reciprocal to all its joints' twists. With n links, g joints, p limbs:
@@ -15,7 +15,7 @@
 //! ```text
 //! mechanism ─→ frame (centred, scaled) ─→ count    λ, d, q, k, v, ζ, M    (parallel)
 //!                                    └──→ loops ─→ M by the loop Jacobian (any graph)
-//!                                             └──→ finite: does it really move?
+//!                                             └──→ finite: dimension of the finite motion
 //! ```
 
 mod analysis;

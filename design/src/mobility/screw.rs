@@ -4,6 +4,18 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3, Vector6};
 
 /// A screw (s; m) in the base frame: a twist (ω; velocity at the origin) or a wrench
 /// (force; moment about the origin).
+///
+/// ```
+/// use fivebar_design::mobility::Screw;
+/// use nalgebra::Vector3;
+///
+/// // A revolute joint along z through (1, 0, 0) m, and a force of 1 N along y.
+/// let joint = Screw::line(Vector3::z(), Vector3::x());
+/// let force_at = |x: f64| Screw::line(Vector3::y(), Vector3::x() * x);
+/// // Through the axis it has no power on the joint; 0.5 m beside it, 0.5 W at 1 rad/s.
+/// assert_eq!(force_at(1.0).reciprocal_product(&joint), 0.0);
+/// assert_eq!(force_at(1.5).reciprocal_product(&joint), 0.5);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Screw {
     /// The direction part s.

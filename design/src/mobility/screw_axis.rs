@@ -1,7 +1,7 @@
-//! A space of screws by name: which lines of pitch zero, which free directions, which
-//! screws of other pitch a person would call its members.
+//! The members of a screw system that describe it best: lines of pitch zero, free vectors, and
+//! screws of other pitch.
 //!
-//! The free vectors (couples, translations) are split off first. What remains is brought
+//! The free vectors (couples, translations) are separated first. What remains is brought
 //! to its principal screws, the eigenvectors of the pitch form ½(si·mj + sj·mi): where
 //! two principal pitches differ in sign, two lines of pitch zero replace the pair.
 
@@ -23,7 +23,7 @@ pub enum Pitch {
     Infinite,
 }
 
-/// A screw with its axis, as a person would name it.
+/// A screw as its axis and pitch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScrewAxis {
     /// Its pitch.
@@ -57,7 +57,7 @@ pub(super) fn screw_axes(system: &ScrewSystem, frame: &ScaledFrame) -> Vec<Screw
     lines.chain(frees).collect()
 }
 
-/// The screws with a direction and the free vectors of a system, taken apart.
+/// A system divided into screws with a direction and free vectors.
 struct Parts {
     /// Axis and moment; the axes are orthonormal.
     directed: Vec<Line>,
@@ -70,7 +70,7 @@ type Line = (Vector3<f64>, Vector3<f64>);
 fn split(system: &ScrewSystem) -> Parts {
     let basis = system.basis();
     let mut directions = basis.rows(0, 3).into_owned();
-    // Rounding must not make a direction of its own where there is none.
+    // Rounding errors must not count as a direction.
     directions.apply(|x| *x = if x.abs() < SMALL { 0.0 } else { *x });
     let (combinations, rest) = row_and_null_space(&directions);
     let free = basis.rows(3, 3) * rest;
@@ -149,7 +149,7 @@ fn principal(directed: &[Line]) -> Vec<Line> {
     order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
 
     let mut lines = Vec::new();
-    // Screws of one pitch are as good as any combination of them: take the plainest axes.
+    // Any combination of screws of one pitch has this pitch too: the simplest axes are taken.
     let mut start = 0;
     let mut groups: Vec<(f64, Vec<DVector<f64>>)> = Vec::new();
     while start < n {
@@ -193,7 +193,7 @@ fn principal(directed: &[Line]) -> Vec<Line> {
     lines
 }
 
-/// The plainest basis of the space spanned by the columns: reduced to echelon form, so
+/// The simplest basis of the space spanned by the columns: reduced to echelon form, so
 /// that coordinate axes appear where the space holds them. Unit vectors.
 fn echelon(columns: &DMatrix<f64>) -> Vec<Vector3<f64>> {
     let mut rows: Vec<Vector3<f64>> = columns
@@ -221,7 +221,7 @@ fn echelon(columns: &DMatrix<f64>) -> Vec<Vector3<f64>> {
     rows.into_iter().map(|row| row.normalize()).collect()
 }
 
-/// Rounding errors out of sight.
+/// Sets rounding errors to zero.
 fn tidy(vector: Vector3<f64>) -> Vector3<f64> {
     let threshold = 1e-9 * vector.amax().max(1.0);
     vector.map(|x| if x.abs() < threshold { 0.0 } else { x })

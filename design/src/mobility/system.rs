@@ -25,8 +25,8 @@ impl ScrewSystem {
         Self::of_columns(&columns)
     }
 
-    /// The space of the twists that unit motions give a body, motions that do not move it
-    /// counting as zero although rounding leaves them a direction.
+    /// The space of the twists that unit motions give a body. A motion that moves the body
+    /// only by rounding errors counts as zero.
     pub(super) fn span_of_motions(twists: impl IntoIterator<Item = Screw>) -> Self {
         let moving = |twist: &Screw| twist.to_vector().norm() > RANK_TOLERANCE;
         let columns: Vec<Vector6<f64>> = twists
@@ -94,8 +94,8 @@ impl ScrewSystem {
 
 /// An orthonormal basis of the whole space, the matrix's column space first, and the rank.
 ///
-/// By QR with pivoting: nalgebra's singular vectors lose half their digits where singular
-/// values vanish, which is the very case here.
+/// By QR with pivoting is used, because nalgebra's singular vectors lose half their digits
+/// where singular values vanish, as they do here.
 fn basis_of_columns(matrix: &DMatrix<f64>) -> (DMatrix<f64>, usize) {
     let rows = matrix.nrows();
     // Columns of zeros make the thin decomposition give the complement too.
@@ -103,7 +103,7 @@ fn basis_of_columns(matrix: &DMatrix<f64>) -> (DMatrix<f64>, usize) {
     wide.columns_mut(0, matrix.ncols()).copy_from(matrix);
     let decomposition = wide.col_piv_qr();
     let r = decomposition.r();
-    // Pivoting leaves the largest first.
+    // Pivoting puts the largest first.
     let threshold = r[(0, 0)].abs() * RANK_TOLERANCE;
     let rank = (0..rows).filter(|&i| r[(i, i)].abs() > threshold).count();
     (decomposition.q(), rank)

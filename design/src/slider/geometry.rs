@@ -4,6 +4,19 @@ use super::{GeometryError, Limb};
 use fivebar_kinematics::Scalar;
 
 /// The lengths of a slider-driven mechanism [m].
+///
+/// ```
+/// use fivebar_design::slider::{Geometry, WorkingMode};
+/// use nalgebra::Vector2;
+///
+/// // l3, l7 and l5 [m]; the limbs are 1.2 m and 1.1 m long.
+/// let geometry = Geometry::new(1.2_f64, 1.1, 0.6)?;
+/// let pose = geometry.inverse(Vector2::new(0.0, 0.9), WorkingMode::APART)?;
+/// let back = geometry.forward(pose.x2, pose.x8, pose.assembly())?;
+/// assert!((back.p - pose.p).norm() < 1e-15);
+/// assert!((pose.x2 + 0.3 + (1.2_f64 * 1.2 - 0.9 * 0.9).sqrt()).abs() < 1e-15);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Geometry<S> {
     left: S,

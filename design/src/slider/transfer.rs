@@ -12,6 +12,19 @@ use fivebar_kinematics::Scalar;
 use nalgebra::Vector2;
 
 /// The derivative of P's position with respect to each length and slider [m/m].
+///
+/// ```
+/// use fivebar_design::slider::{Geometry, WorkingMode};
+/// use nalgebra::Vector2;
+///
+/// let geometry = Geometry::new(1.2_f64, 1.1, 0.6)?;
+/// let pose = geometry.inverse(Vector2::new(0.0, 0.9), WorkingMode::APART)?;
+/// let transfer = geometry.error_transfer(&pose)?;
+/// // A left limb that is 1 µm too long moves P as the exact solution does.
+/// let longer = Geometry::new(1.2 + 1e-6, 1.1, 0.6)?.forward(pose.x2, pose.x8, pose.assembly())?;
+/// assert!(((longer.p - pose.p) / 1e-6 - transfer.l3).norm() < 1e-5);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ErrorTransfer<S> {
     /// By the left limb's length.

@@ -9,6 +9,16 @@ use fivebar_kinematics::Scalar;
 use nalgebra::Vector2;
 
 /// The travel of each slider: its least and greatest position [m].
+///
+/// ```
+/// use fivebar_design::slider::{Geometry, Travel, WorkingMode};
+///
+/// let geometry = Geometry::new(1.2_f64, 1.1, 0.6)?;
+/// let travel = Travel { left: [-2.0, 0.0], right: [0.0, 2.0] }; // m
+/// let [least, greatest] = geometry.reachable_at(0.9, WorkingMode::APART, &travel)?;
+/// assert!(least < 0.0 && greatest > 0.0);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Travel<S> {
     /// Of slider 2.

@@ -9,6 +9,20 @@ use nalgebra::Vector2;
 const MAX_CELLS: f64 = 2e6;
 
 /// Square cells, row by row from the lower left. The centre of a cell represents the cell.
+///
+/// ```
+/// use fivebar_design::workspace::{Grid, GridError};
+/// use fivebar_kinematics::five_bar::{Geometry, Tool};
+/// use nalgebra::Vector2;
+///
+/// let geometry = Geometry::new([0.10_f64, 0.16, 0.16, 0.10, 0.08])?;
+/// let tool = Tool::new(geometry, Vector2::zeros())?;
+/// let grid = Grid::over(&tool, 5e-3)?; // 5 mm
+/// assert_eq!(grid.cell_count(), grid.columns() * grid.rows());
+/// assert!((grid.cell_centre(0) - grid.low()).norm() < 5e-3);
+/// assert_eq!(Grid::over(&tool, 0.0), Err(GridError::Pitch));
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
     low: Vector2<f64>,

@@ -14,6 +14,22 @@ use nalgebra::Vector2;
 const STEP: f64 = 0.125;
 
 /// A rectangle parallel to the axes.
+///
+/// ```
+/// use fivebar_design::workspace::{Grid, WorkspaceMap};
+/// use fivebar_kinematics::five_bar::{Geometry, Side, Tool, WorkingMode, Workspace};
+/// use nalgebra::Vector2;
+///
+/// let geometry = Geometry::new([0.10_f64, 0.16, 0.16, 0.10, 0.08])?;
+/// let (tool, mode) = (Tool::new(geometry, Vector2::zeros())?, WorkingMode::new(Side::Right, Side::Left));
+/// let workspace = Workspace { tool, mode, limits: None, margin: 0.15 };
+/// let map = WorkspaceMap::new(workspace, Grid::over(&tool, 4e-3)?);
+/// let rectangle = map.largest_rectangle(Side::Left).ok_or("no clear rectangle")?;
+/// // It is clear everywhere, and smaller than all that is clear.
+/// assert!(workspace.check((rectangle.low + rectangle.high) * 0.5).is_ok());
+/// assert!(rectangle.area() < map.areas(Side::Left).clear);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rectangle {
     /// Lower left corner [m].

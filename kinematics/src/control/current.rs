@@ -1,6 +1,6 @@
 //! The current loop of one brushed DC motor, on the same tick as the position loop.
 //!
-//! L i̇ = v − R i − Ke ω. Less the back-EMF, and exact for a voltage held over T,
+//! L i̇ = v − R i − Ke ω. Without the back-EMF, and exactly for a voltage held over T,
 //!
 //! i[k+1] = a i[k] + (1 − a)/R · v[k−1], a = e^(−RT/L),
 //!
@@ -12,9 +12,9 @@
 //! Closed, z² − z + g = 0: both poles real for g ≤ ¼, at ½ for g = ¼, and the loop follows
 //! a slow demand with the lag T/g = 1/ωc, the tick of delay included.
 //!
-//! v = Kp e + x + Ke ω is limited to a share of the bus voltage; while it
-//! is, x tracks what could be given: x ← x + KiT e + (1 − a)(v_limited − v), which takes
-//! out exactly what Kp e put in beyond the limit. Duty = v / bus voltage.
+//! v = Kp e + x + Ke ω is limited to a share of the bus voltage. While it is limited, x
+//! follows the limit: x ← x + KiT e + (1 − a)(v_limited − v) removes exactly what Kp e adds
+//! beyond the limit. Duty = v / bus voltage.
 
 use super::discrete::decay;
 use crate::Scalar;
@@ -46,7 +46,7 @@ pub struct CurrentLoop<S> {
     back_emf: S,
 }
 
-/// The voltage there is.
+/// The voltage that the bridges can give.
 ///
 /// ```
 /// use fivebar_kinematics::control::{Bus, CurrentLoop, CurrentState};
@@ -91,7 +91,7 @@ impl<S: Scalar> Bus<S> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CurrentState<S>(pub S);
 
-/// What the loop gives the bridge.
+/// The output of the current loop for a bridge.
 ///
 /// ```
 /// use fivebar_kinematics::control::{Bus, CurrentLoop, CurrentState};
@@ -106,7 +106,7 @@ pub struct CurrentState<S>(pub S);
 pub struct Drive<S> {
     /// Duty in −1…1.
     pub duty: S,
-    /// Whether the bus could not give what the loop asked for.
+    /// Whether the voltage was limited.
     pub limited: bool,
 }
 

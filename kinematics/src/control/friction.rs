@@ -1,12 +1,12 @@
 //! Friction fed forward: b ωd + τc ωd/(|ωd| + ωs).
 //!
-//! It follows the desired velocity, which is free of noise, so it cannot chatter. The
+//! It follows the desired velocity, which has no noise, so that it does not chatter. The
 //! smooth sign reaches half of Coulomb's torque τc at ωs, and it and its slope are
 //! continuous through rest.
 
 use crate::Scalar;
 
-/// Friction of a driven joint as the controller believes it.
+/// The controller's model of the friction of a driven joint.
 ///
 /// ```
 /// use fivebar_kinematics::control::FrictionCompensation;

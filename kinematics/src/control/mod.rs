@@ -6,8 +6,8 @@
 //!        → TorqueLimit → current set-point → CurrentLoop → duty
 //! ```
 //!
-//! Each law is an immutable model, built and checked once, apart from the small state it
-//! updates. All are generic over [`crate::Scalar`]; none allocates, panics or loops.
+//! Each law is an immutable model, built once; the small state that it updates is separate.
+//! All are generic over [`crate::Scalar`]; none allocates, panics or loops.
 //!
 //! # Time
 //! With the tick's period T: samples are taken at kT and the duty worked out from them
@@ -15,7 +15,7 @@
 //! delay in its loop and turns it into the lag 1/ωc, ωc being its bandwidth;
 //! [`PositionLoop`] predicts the joint to the end of this lag and places its poles with
 //! the lag in the loop.
-//! The observer adds none of first order: the phase it loses grows with frequency cubed.
+//! The observer adds no lag of first order: the phase it loses grows with frequency cubed.
 
 mod current;
 mod discrete;

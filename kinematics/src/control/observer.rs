@@ -1,7 +1,7 @@
 //! The velocity of a joint from its encoder's angle: a second-order tracking loop.
 //!
-//! Between ticks the joint is taken to accelerate steadily by α, the desired acceleration,
-//! known while the arm follows its path. With the counted angle θ:
+//! Between ticks a constant acceleration α is assumed: the desired one, which is known while
+//! the arm follows its path. With the counted angle θ:
 //!
 //! θ⁻ = θ̂ + T(ω̂ + ½Tα), r = θ − θ⁻, θ̂ = θ⁻ + g1 r, ω̂ ← ω̂ + Tα + (g2/T) r.
 //!
@@ -39,7 +39,7 @@ pub struct VelocityObserver<S> {
     velocity_gain: S,
 }
 
-/// What the observer holds of one joint.
+/// The observer's estimate for one joint.
 ///
 /// ```
 /// use fivebar_kinematics::control::{ObserverState, VelocityObserver};

@@ -1,22 +1,22 @@
 //! The position loop of one joint: α = αd + Kd ė + Kp e + ∫ Ki e dt.
 //!
-//! A torque asked for now acts the lag d of the current loop later. So the reference leads
+//! A torque demanded now acts later, by the lag d of the current loop. So the reference leads
 //! by d, and is compared with the joint where it will be by then:
 //!
 //! θ⁺ = θ̂ + d ω̂ + ½ d² αd, ω⁺ = ω̂ + d αd, e = θd − θ⁺, ė = ωd − ω⁺.
 //!
-//! Then αd arrives on time, and the prediction adds d Kp to the gain on the velocity. To
-//! this law a joint is 1/s² behind the lag, as inverse dynamics turns α into torque; the
-//! characteristic equation is s² + ((Kd + d Kp) s + Kp) e^(−sd) = 0. With e^(−sd) ≈ 1 − sd
-//! it is of second order and its roots are those of s² + 2ζω s + ω² when
+//! Then αd arrives on time, and the prediction adds d Kp to the gain on the velocity. To this
+//! law a joint is 1/s² with the lag, because inverse dynamics turns α into torque; the
+//! characteristic equation is s² + ((Kd + d Kp) s + Kp) e^(−sd) = 0. With e^(−sd) ≈ 1 − sd it
+//! is of second order and its roots are those of s² + 2ζω s + ω² when
 //!
 //! m = 1 / (1 + 2ζωd + ω²d²), Kp = m ω², Kd = m 2ζω.
 //!
-//! d = 0 gives the textbook's ω² and 2ζω. The error of the true roots is of the order of
-//! (ωd)².
+//! d = 0 gives the gains of the textbooks, ω² and 2ζω. The error of the true roots is of the
+//! order of (ωd)².
 //!
-//! The integral acts at the rate ωi: Ki = Kp ωi. While the torque is limited it is only
-//! allowed to unwind: an error that would wind it further is not taken in.
+//! The integral acts at the rate ωi: Ki = Kp ωi. While the torque is limited, an error that
+//! would increase the integral's size is ignored.
 
 use crate::Scalar;
 
@@ -114,8 +114,8 @@ impl<S: Scalar> PositionLoop<S> {
         alpha + self.kd * error_rate + self.kp * error + integral.0
     }
 
-    /// Takes one tick's error [rad] into the integral. `limited` tells that the demand
-    /// was cut; the integral then only takes in what brings it nearer to zero.
+    /// Takes one tick's error [rad] into the integral. `limited` means that the torque was
+    /// limited; the integral then only takes in what brings it nearer to zero.
     #[inline(always)]
     pub fn integrate(&self, integral: &mut Integral<S>, error: S, limited: bool) {
         let step = self.ki_period * error;

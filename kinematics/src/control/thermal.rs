@@ -1,9 +1,9 @@
-//! The motor's heat, as the I²t model has it.
+//! The I²t model of a motor's heating.
 //!
-//! A winding warms as τ ẋ = i² − x, x being the square of the current that would in the
-//! end make it as warm as it is. It bears the continuous current for ever, so x may not
-//! pass its square. Within one tick x changes by a few parts in a million, near the
-//! resolution of `f32`; the sum therefore carries its rounding error along (Kahan).
+//! τ ẋ = i² − x. x is the square of the constant current that leads to the present temperature
+//! in the steady state, so its limit is the square of the continuous current. Within one tick
+//! x changes by a few parts in a million, near the resolution of `f32`; the sum is therefore
+//! compensated for its rounding error (Kahan).
 
 use crate::Scalar;
 
@@ -25,7 +25,7 @@ pub struct MotorHeating<S> {
     limit: S,
 }
 
-/// How warm a motor is: x [A²], and what rounding has kept from it.
+/// The state of a motor's heating: x [A²] and the rounding error of its sum.
 ///
 /// ```
 /// use fivebar_kinematics::control::{MotorHeat, MotorHeating};
@@ -60,8 +60,8 @@ impl<S: Scalar> MotorHeat<S> {
 }
 
 impl<S: Scalar> MotorHeating<S> {
-    /// A motor that bears `continuous_current` [A] for ever and warms with
-    /// `time_constant` [s], at the tick period [s].
+    /// A motor with this `continuous_current` [A], which it can carry permanently, and this
+    /// `time_constant` [s] of heating, at the tick period [s].
     pub fn new(continuous_current: S, time_constant: S, period: S) -> Self {
         Self {
             rate: period / time_constant,

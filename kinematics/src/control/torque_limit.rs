@@ -1,4 +1,4 @@
-//! The torque limit: both joints shortened alike.
+//! The torque limit: both torques are scaled by one factor.
 
 use crate::Scalar;
 
@@ -16,8 +16,8 @@ use crate::Scalar;
 pub struct TorqueLimit<S>(pub [S; 2]);
 
 impl<S: Scalar> TorqueLimit<S> {
-    /// The torques shortened by one common factor until both are within their limits, so
-    /// that their direction is kept; and whether that was needed.
+    /// The torques, scaled by one common factor if one exceeds its limit, so that their ratio
+    /// is kept; and whether they were scaled.
     #[inline(always)]
     pub fn apply(&self, torque: [S; 2]) -> ([S; 2], bool) {
         let [torque1, torque4] = torque;

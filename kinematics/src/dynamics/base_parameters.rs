@@ -1,10 +1,9 @@
-//! The equations of motion base_parameters for the tick: each mass parameter once.
+//! The equations of motion in base parameters, for the tick.
 //!
 //! In Kane's equations, as [`Arm::inverse_dynamics`] evaluates them body by body, masses,
-//! centres and inertias come up only in a few sums (the base parameters of the
-//! identification literature). Those are made here once: with cj the centre of mass and
-//! Ij the inertia of link j, the payload mC lumped to link 2 as M2 = m2 + mC, and Jr the
-//! rotors',
+//! centres and inertias occur only in a few sums, the base parameters of the identification
+//! literature. They are computed once. With cj the centre of mass and Ij the inertia of link
+//! j, the payload mC lumped to link 2 as M2 = m2 + mC, and Jr the rotors',
 //!
 //! | link | first moment Sj, in the link's frame | second moment Jj, about its proximal joint |
 //! |---|---|---|
@@ -33,7 +32,7 @@ use crate::five_bar::Links;
 use crate::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 
-/// An arm's equations of motion, its masses summed up.
+/// The equations of motion of an arm, with its masses as base parameters.
 ///
 /// ```
 /// use fivebar_kinematics::dynamics::{Arm, BaseParameterModel, Link};

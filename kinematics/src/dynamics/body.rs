@@ -1,4 +1,4 @@
-//! The masses of the arm, validated once.
+//! The masses of the arm, checked at construction.
 
 use crate::five_bar::Geometry;
 use crate::{PlanarVector, Scalar};
@@ -94,7 +94,7 @@ pub enum ModelError {
     Gravity,
     /// A rotor's inertia must be finite and not negative.
     RotorInertia,
-    /// Link 1 or 4 has neither mass, inertia nor rotor: no torque could be in balance.
+    /// Link 1 or 4 has no inertia about its driven joint, so its acceleration would be infinite.
     NoInertia(usize),
 }
 
@@ -169,7 +169,7 @@ impl<S: Scalar> Arm<S> {
         })
     }
 
-    /// The same arm where nothing weighs anything.
+    /// The same arm without gravity.
     pub(super) fn weightless(&self) -> Self {
         Self {
             gravity: Vector2::zeros(),

@@ -1,5 +1,5 @@
-//! What a driving torque is made of, at a moment and along a motion: the question behind
-//! Yu 2007's "inertia forces dominate".
+//! The parts of a driving torque, at one instant and along a motion. They show how far the
+//! conclusion of Yu 2007, "inertia forces dominate", holds.
 
 use super::Arm;
 use crate::Scalar;
@@ -29,7 +29,7 @@ use nalgebra::Vector2;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TorqueComponents<S> {
-    /// M q̈: the accelerations asked for, rotors included.
+    /// M q̈: the demanded accelerations, with the rotors.
     pub inertia: [S; 2],
     /// Velocity products (centripetal and Coriolis).
     pub velocity: [S; 2],
@@ -65,7 +65,7 @@ impl<S: Scalar> TorqueComponents<S> {
 }
 
 impl<S: Scalar> Arm<S> {
-    /// The parts of the torques of a motion, each by an expression of its own; `friction`
+    /// The parts of the torques of a motion, each computed independently; `friction`
     /// is the torque that overcomes it in each joint [N·m].
     ///
     /// # Errors
@@ -131,7 +131,7 @@ impl<S: Scalar> Default for ShareTotals<S> {
 }
 
 impl<S: Scalar> ShareTotals<S> {
-    /// Adds a moment that lasts `dt` [s].
+    /// Adds an instant that lasts `dt` [s].
     pub fn add(&mut self, shares: &TorqueComponents<S>, dt: S) {
         let sums = self.impulse.iter_mut().zip(&mut self.peak);
         for (part, (impulse, peak)) in shares.parts().iter().zip(sums) {
@@ -144,8 +144,8 @@ impl<S: Scalar> ShareTotals<S> {
         }
     }
 
-    /// Each part's portion of ∫|τ| dt over all parts, per joint: they add up to 1, or are
-    /// all 0 where no torque was needed.
+    /// The share of each part in the sum of ∫|τ| dt over all parts, for each joint. The shares
+    /// add up to 1, or are all 0 without any torque.
     pub fn fractions(&self) -> [[S; 2]; 5] {
         let sum = self.impulse.iter().fold([S::ZERO; 2], |sum, part| {
             [sum[0] + part[0], sum[1] + part[1]]

@@ -1,4 +1,4 @@
-//! Kinetic and potential energy, from the bodies' own velocities and places.
+//! Kinetic and potential energy, from the velocities and positions of the bodies.
 
 use super::Arm;
 use crate::five_bar::{Pose, Velocities};
@@ -6,7 +6,7 @@ use crate::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 
 impl<S: Scalar> Arm<S> {
-    /// Σj ½ (mj |vj|² + Ij ωj²), payload and rotors included [J].
+    /// Σj ½ (mj |vj|² + Ij ωj²), with payload and rotors [J].
     pub fn kinetic_energy(&self, pose: &Pose<S>, velocities: &Velocities<S>) -> S {
         let geometry = self.geometry();
         let [omega1, _, _, omega4] = velocities.omega;

@@ -6,8 +6,8 @@
 //!
 //! τr + F·vCr + Σj mj g·vjr = Σj [mj aj·vjr + Ij αj ωjr] + rotor inertia, r ∈ {1, 4}.
 //!
-//! With fj = mj (aj − g), the force a link needs, and the partial velocities written
-//! out, the sums factor link by link: that is the order of the code.
+//! With fj = mj (aj − g), the force on link j, and the partial velocities written out, the
+//! sums factor link by link. The code has this order.
 //!
 //! **Errata** of the print: v31 carries a stray X21; "a = v̇" component-wise drops the
 //! velocity-product terms, which the accelerations must hold.
@@ -105,7 +105,7 @@ impl<S: Scalar> Arm<S> {
         ])
     }
 
-    /// What each link needs to be accelerated so against gravity.
+    /// The forces and moments that accelerate each link against gravity.
     #[inline]
     pub(super) fn link_forces(
         &self,
@@ -147,9 +147,8 @@ impl<S: Scalar> Arm<S> {
     }
 }
 
-/// Forces fj = mj (aj − g) [N] that the links need, fc that the payload needs beyond the
-/// external force, and their moments kj about each link's proximal joint [N·m], fc's
-/// being part of k2.
+/// Forces fj = mj (aj − g) [N] on the links, fc on the payload without the external force, and
+/// their moments kj about each link's proximal joint [N·m], fc's being part of k2.
 pub(super) struct LinkForces<S> {
     pub(super) f1: Vector2<S>,
     pub(super) f2: Vector2<S>,

@@ -33,8 +33,8 @@ impl<S: Scalar> Arm<S> {
         Ok(Matrix2::new(m11, m14, m14, m44))
     }
 
-    /// h(q, q̇) [N·m]: the torques that velocity products, gravity and the external force
-    /// [N] on C ask for.
+    /// h(q, q̇) [N·m]: the torques for velocity products, gravity and the external force [N]
+    /// on C, at zero acceleration.
     ///
     /// # Errors
     /// `Singular` at type 2.

@@ -43,8 +43,8 @@ pub struct Reactions<S> {
     pub d: Vector2<S>,
     /// Of the ground on link 4, at E.
     pub e: Vector2<S>,
-    /// The driving torques in balance with them [N·m], on link 1 at A and link 4 at E:
-    /// Kane's, by the other way.
+    /// The driving torques that balance them [N·m], on link 1 at A and link 4 at E. They equal
+    /// those of [`Arm::inverse_dynamics`] and are computed independently.
     pub torque: [S; 2],
 }
 

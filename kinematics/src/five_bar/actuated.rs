@@ -1,4 +1,4 @@
-//! What the tick needs of the inverse solution and no more: the driven joints.
+//! The driven joints' part of the inverse solution, which is all that the tick needs.
 //!
 //! [`Tool::inverse`] and its velocities and accelerations in one pass. Leg 1 is the dyad
 //! A–B–T: with b = AB, q = BT, X = b×q = l1 |BT| sin, v and a the tool's velocity and
@@ -44,7 +44,7 @@ pub struct ActuatedJointState<S> {
     pub alpha: [S; 2],
 }
 
-/// A leg that reaches a moving point.
+/// A leg whose end moves with a point.
 struct Leg<S> {
     /// b, the driven link [m].
     driven: Vector2<S>,
@@ -59,7 +59,7 @@ struct Leg<S> {
 }
 
 impl<S: Scalar> Leg<S> {
-    /// The leg that closes to `point` [m] from its pivot, while that moves with `v` [m/s].
+    /// The leg that ends in `point` [m], given from its pivot, which moves with `v` [m/s].
     #[inline(always)]
     fn new(closed: &DyadSolution<S>, point: Vector2<S>, v: Vector2<S>) -> Self {
         // b×p = b×q is −p×b.
@@ -74,7 +74,7 @@ impl<S: Scalar> Leg<S> {
         }
     }
 
-    /// The driven link's acceleration, the point's being `a`.
+    /// The driven link's acceleration [rad/s²] where that of the point is `a` [m/s²].
     #[inline(always)]
     fn near_acceleration(&self, dyad: &Dyad<S>, a: Vector2<S>) -> S {
         (a.dot(&self.distal)
@@ -83,7 +83,7 @@ impl<S: Scalar> Leg<S> {
             * self.per_cross
     }
 
-    /// The distal link's acceleration, the point's being `a`.
+    /// The distal link's acceleration [rad/s²] where that of the point is `a` [m/s²].
     #[inline(always)]
     fn far_acceleration(&self, dyad: &Dyad<S>, a: Vector2<S>) -> S {
         -(a.dot(&self.driven)

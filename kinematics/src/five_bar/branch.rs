@@ -1,4 +1,4 @@
-//! The branches: which of the mirrored solutions an arm is in.
+//! The branches: which of the mirrored solutions the arm has.
 
 use core::fmt;
 
@@ -75,7 +75,7 @@ impl fmt::Display for Side {
 ///
 /// Leg 1 ends in the point P that the solution places: the tool T of a [`Tool`], C of a
 /// [`Geometry`], which has no tool. Where T is offset from C, one pose can have a mode of T
-/// and another of C; [`Tool::working_mode`] and [`Pose::working_mode`] tell them.
+/// and another of C; [`Tool::working_mode`] and [`Pose::working_mode`] give them.
 ///
 /// ```
 /// use fivebar_kinematics::five_bar::{Geometry, WorkingMode};

@@ -1,10 +1,10 @@
 //! The sources' own half-angle solutions (Yu 2007), for comparison.
 //!
-//! They give the same roots as [`Geometry::forward`] and [`Geometry::inverse`], which
-//! are better conditioned and need no trigonometry. Where one of the two roots is θ = π
-//! the formulas are singular although the arm is not: the printed `atan` has no tangent
-//! for that root, and for the other root the quotient is 0/0. `atan2` mends the first,
-//! not the second. Not used by the controller.
+//! They give the same roots as [`Geometry::forward`] and [`Geometry::inverse`], which are
+//! better conditioned and need no trigonometry. Where one of the two roots is θ = π the
+//! formulas are singular although the arm is not: the printed `atan` has no tangent for that
+//! root, and for the other root the quotient is 0/0. `atan2` solves the first problem; the
+//! second remains. Not used by the controller.
 
 use super::{Geometry, Side, WorkingMode};
 use crate::{PlanarVector, Scalar};

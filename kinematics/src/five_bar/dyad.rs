@@ -1,14 +1,13 @@
-//! Two links in a row from a pivot to a given point: the one construction behind every
-//! position solution.
+//! Two links from a pivot to a given point: every position solution consists of such dyads.
 //!
 //! The joint between them is where two circles meet. With the lengths n of the near and f
 //! of the far link, s = n + f, d = n − f, and p the point from the pivot:
 //!
 //! a = ½(1 + s d/|p|²), h = √((s² − |p|²)(|p|² − d²))/(2 |p|²), joint = a p ± h p⊥.
 //!
-//! Heron's product in place of n²/|p|² − a² loses a third less to rounding. p × joint =
+//! Heron's product has two thirds of the rounding error of n²/|p|² − a². p × joint =
 //! ±h |p|² is twice the triangle's area, n f times the sine of the angle between the links:
-//! what all their velocities are divided by.
+//! the denominator of all their velocities.
 
 use super::Side;
 use crate::scalar::FixedPointSquare;
@@ -16,7 +15,7 @@ use crate::{PlanarVector, Scalar};
 use core::fmt;
 use nalgebra::Vector2;
 
-/// Why two links have no definite joint between pivot and point.
+/// Why two links have no unique joint between pivot and point.
 ///
 /// ```
 /// use fivebar_kinematics::five_bar::{Dyad, DyadError, Side};
@@ -30,14 +29,14 @@ use nalgebra::Vector2;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DyadError<S> {
-    /// They are in line to rounding: this is their joint [m], but their velocities are not
-    /// to be had.
+    /// The links are in line to rounding. This is their joint [m]; their velocities are
+    /// undefined.
     InLine(Vector2<S>),
-    /// The point is farther than both links reach.
+    /// The point is farther from the pivot than the sum of the links.
     TooFar,
-    /// The point is nearer than the difference of the links.
+    /// The point is nearer to the pivot than the difference of the links.
     TooNear,
-    /// Equal links folded back to the pivot: any joint will do.
+    /// The links are equal and the point is the pivot: every direction is a solution.
     Coincident,
     /// An input is infinite or not a number.
     NotFinite,
@@ -57,7 +56,7 @@ impl<S: Scalar> fmt::Display for DyadError<S> {
 
 impl<S: Scalar> core::error::Error for DyadError<S> {}
 
-/// Two links of given lengths, and what their solution needs of them.
+/// Two links of given lengths, with the constants of their solution.
 ///
 /// ```
 /// use fivebar_kinematics::five_bar::{Dyad, Side};
@@ -79,17 +78,17 @@ pub struct Dyad<S> {
     sum_squared: S,
     /// x of the pivot [m].
     pivot: S,
-    /// s² once more, for [`Dyad::solve_precisely`].
+    /// s² in fixed point, for [`Dyad::solve_precisely`].
     fixed: FixedPointSquare,
     /// d² [m²].
     difference_squared: S,
     /// s d [m²].
     sum_difference: S,
-    /// Heron's product where the links are in line to rounding [m⁴].
+    /// Heron's product below which the links are in line to rounding [m⁴].
     least: S,
 }
 
-/// A dyad between its pivot and a point.
+/// The solution of a dyad between its pivot and a point.
 ///
 /// ```
 /// use fivebar_kinematics::five_bar::{Dyad, Side};
@@ -117,7 +116,7 @@ impl<S: Scalar> Dyad<S> {
     }
 
     /// As [`Dyad::new`], with the pivot at (`pivot`, 0).
-    // Asked for once in an arm's life, but in many places.
+    // Called once for each arm, from many places: not inlined, to save flash.
     #[inline(never)]
     pub(super) fn at(pivot: S, near: S, far: S) -> Self {
         let (sum, difference) = (near + far, near - far);
@@ -158,15 +157,14 @@ impl<S: Scalar> Dyad<S> {
     /// ray to `p`.
     ///
     /// # Errors
-    /// Where no joint is at both lengths, where more than one is, and where the links are in
-    /// line to rounding.
+    /// Where there is no joint or more than one, and where the links are in line to rounding.
     #[inline(always)]
     pub fn solve(&self, p: Vector2<S>, side: Side) -> Result<DyadSolution<S>, DyadError<S>> {
         self.solve_with_gap(p, self.sum_squared - p.length_squared(), side)
     }
 
-    /// As [`Dyad::solve`], with s² − |p|² by [`Scalar::difference_of_squares`]: for a point that is
-    /// known to its last bit, which would be wasted near a stretched dyad otherwise.
+    /// As [`Dyad::solve`], with s² − |p|² by [`Scalar::difference_of_squares`]: for a point
+    /// that is exact: near a stretched dyad the plain difference would lose its digits.
     #[inline(always)]
     pub(super) fn solve_precisely(
         &self,
@@ -177,8 +175,8 @@ impl<S: Scalar> Dyad<S> {
         self.solve_with_gap(p, gap, side)
     }
 
-    /// As [`Dyad::solve_precisely`], with `point` not from the pivot but from the origin: its
-    /// difference to the pivot is rounded where that does not matter, and exact where it does.
+    /// As [`Dyad::solve_precisely`], with `point` from the origin. In s² − |p|², the
+    /// difference of the point and the pivot is exact; elsewhere it is rounded.
     #[inline(always)]
     pub(super) fn solve_precisely_to(
         &self,
@@ -190,8 +188,8 @@ impl<S: Scalar> Dyad<S> {
         self.solve_with_gap(Vector2::new(point.x - pivot, point.y), gap, side)
     }
 
-    /// One square root, one division, and one test that nothing but a good answer passes,
-    /// as a comparison with NaN is false: what is wrong is found out only after it failed.
+    /// One square root and one division. One comparison rejects NaN, unreachable and singular
+    /// inputs; [`Dyad::error`] then finds the reason.
     #[inline(always)]
     fn solve_with_gap(
         &self,
@@ -217,7 +215,7 @@ impl<S: Scalar> Dyad<S> {
     /// The joint alone [m], from the pivot; links may be in line.
     ///
     /// # Errors
-    /// As [`Dyad::solve`], but for links in line.
+    /// As [`Dyad::solve`], except `InLine`.
     #[inline(always)]
     pub fn joint(&self, p: Vector2<S>, side: Side) -> Result<Vector2<S>, DyadError<S>> {
         Self::joint_of(self.solve(p, side))
@@ -238,7 +236,7 @@ impl<S: Scalar> Dyad<S> {
     }
 
     /// The joint of links in line, allowing for rounding of 8 ulp of the lengths, or the
-    /// reason why they do not meet.
+    /// reason why there is none.
     #[cold]
     #[inline(never)]
     fn error(&self, p: Vector2<S>, product: S, side: Side) -> DyadError<S> {
@@ -270,7 +268,7 @@ impl<S: Scalar> Dyad<S> {
 ///
 /// A position is known to about ε of its size, a direction near a singularity only to
 /// √ε: a sine below 8 √ε (1.2e-7 for `f64`, 2.8e-3 for `f32`) is rounding, and dividing
-/// by it would give large numbers that mean nothing.
+/// by it would give large numbers without a correct digit.
 #[inline(always)]
 pub(super) fn least_sine_squared<S: Scalar>() -> S {
     S::from_f64(64.0) * S::EPSILON

@@ -1,8 +1,8 @@
-//! What a five-bar cannot do, by name.
+//! Errors of lengths, poses and motions.
 
 use core::fmt;
 
-/// Why five numbers are not a five-bar.
+/// Why lengths or an offset of the tool are refused.
 ///
 /// ```
 /// use fivebar_kinematics::five_bar::{Geometry, GeometryError};
@@ -52,7 +52,7 @@ pub enum Unreachable {
     ElbowsTooNear,
 }
 
-/// A pose in which the arm loses or gains a freedom.
+/// A singularity: the arm loses (type 1) or gains (type 2) a degree of freedom.
 ///
 /// ```
 /// use fivebar_kinematics::five_bar::{Geometry, Side, Singularity, WorkingMode};
@@ -78,7 +78,7 @@ pub enum Singularity {
     Parallel,
 }
 
-/// Why a pose or a motion cannot be given.
+/// Why a pose or a motion does not exist.
 ///
 /// ```
 /// use fivebar_kinematics::five_bar::{Geometry, PoseError, Side, Unreachable, WorkingMode};

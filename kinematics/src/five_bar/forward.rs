@@ -18,7 +18,7 @@ impl<S: Scalar> Geometry<S> {
     ///
     /// # Errors
     /// `Unreachable` where links 2 and 3 cannot meet, `Singular` where B meets D to
-    /// rounding, `NotFinite`. A pose with B, C, D in line is given; motion is refused there.
+    /// rounding, `NotFinite`. A pose with B, C, D in line is returned; its velocities are refused.
     #[inline(always)]
     pub fn forward(&self, theta1: S, theta4: S, assembly: Side) -> Result<Pose<S>, PoseError> {
         self.forward_from_directions(Vector2::unit(theta1), Vector2::unit(theta4), assembly)

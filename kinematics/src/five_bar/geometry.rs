@@ -1,11 +1,11 @@
-//! The five lengths, validated once.
+//! The five lengths, checked at construction.
 
 use super::GeometryError;
 use super::dyad::Dyad;
 use crate::Scalar;
 use nalgebra::Vector2;
 
-/// The lengths of a five-bar [m], proven positive and able to close.
+/// The lengths of a five-bar [m], checked to be positive and to close.
 ///
 /// ```
 /// use fivebar_kinematics::five_bar::{Geometry, Side};

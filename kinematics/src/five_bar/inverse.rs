@@ -2,18 +2,17 @@
 //!
 //! [`Tool::inverse`]: super::Tool::inverse
 //!
-//! Each leg is a dyad: with r = rC − rA, a = ½(1 + (l1² − l2²)/|r|²) and
-//! h² = l1²/|r|² − a², rB = rA + a r ∓ h r⊥, the upper sign where the elbow turns
-//! `Left` (then B lies right of the ray A→C). Leg 4 alike about E. Close to a stretched leg
-//! h² is a small rest, and in `f32` it is taken from the exact square of C: see
-//! [`Scalar::difference_of_squares`].
+//! Each leg is a dyad: with r = rC − rA, a = ½(1 + (l1² − l2²)/|r|²) and h² = l1²/|r|² − a²,
+//! rB = rA + a r ∓ h r⊥, the upper sign where the elbow turns `Left` (then B lies right of the
+//! ray A→C). Leg 4 alike about E. Close to a stretched leg h² is a small difference of large
+//! numbers; in `f32` it is computed in fixed point: see [`Scalar::difference_of_squares`].
 
 use super::dyad::{Dyad, DyadError};
 use super::{Geometry, Pose, PoseError, Side, Singularity, Unreachable, WorkingMode};
 use crate::Scalar;
 use nalgebra::Vector2;
 
-/// Leg 4's part of a pose.
+/// The part of a pose that leg 4 determines.
 pub(super) struct Leg4<S> {
     pub(super) d: Vector2<S>,
     pub(super) u3: Vector2<S>,
@@ -24,9 +23,9 @@ impl<S: Scalar> Geometry<S> {
     /// The pose that holds C at `c` [m] in the given working mode.
     ///
     /// # Errors
-    /// `Unreachable` with the leg and the side of its annulus, `Singular` where C meets
-    /// a base pivot to rounding, `NotFinite`. A pose with a leg straight or folded is
-    /// given; motion is refused there.
+    /// `Unreachable` with the leg and the side of its annulus, `Singular` where C meets a base
+    /// pivot to rounding, `NotFinite`. A pose with a straight or folded leg is returned; its
+    /// velocities are refused.
     #[inline(always)]
     pub fn inverse(&self, c: Vector2<S>, mode: WorkingMode) -> Result<Pose<S>, PoseError> {
         let [per_l1, per_l2, ..] = self.per_length();

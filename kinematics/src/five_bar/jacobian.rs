@@ -1,4 +1,5 @@
-//! The Jacobians between the driven rates and C's velocity, and what they say of a pose.
+//! The Jacobians between the driven rates and C's velocity, and the measures of a pose that
+//! follow from them.
 //!
 //! Projecting ṙC on links 2 and 3 removes their unknown rates:
 //! ṙC·u2 = l1 sin(θ2−θ1) ω1, ṙC·u3 = l4 sin(θ3−θ4) ω4. Solved for ṙC = vC1 ω1 + vC4 ω4:
@@ -12,8 +13,8 @@ use super::{Geometry, Pose, PoseError, Singularity, Tool};
 use crate::{PlanarVector, Scalar};
 use nalgebra::{Matrix2, Vector2};
 
-/// ṙC = J q̇ with q̇ = (ω1, ω4): the partial velocities of C, which are J's columns; of the
-/// tool in C's place where [`Tool::jacobian`] made it.
+/// ṙC = J q̇ with q̇ = (ω1, ω4): the partial velocities of C, which are J's columns; from
+/// [`Tool::jacobian`], those of the tool T.
 ///
 /// ```
 /// use fivebar_kinematics::five_bar::{Geometry, Side, WorkingMode};
@@ -120,7 +121,8 @@ impl<S: Scalar> Jacobian<S> {
         self.c1 * omega1 + self.c4 * omega4
     }
 
-    /// Jᵀ F: the torques [N·m] on links 1 and 4 that a force [N] on C amounts to.
+    /// Jᵀ F: the torques [N·m] about joints 1 and 4 of a force [N] that acts on C. The motors
+    /// hold against it with −Jᵀ F.
     #[inline]
     pub fn torques(&self, force: Vector2<S>) -> [S; 2] {
         [force.dot(&self.c1), force.dot(&self.c4)]

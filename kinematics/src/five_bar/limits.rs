@@ -1,4 +1,4 @@
-//! The angles the driven joints may have.
+//! The angles that the driven joints may have.
 
 use crate::Scalar;
 use core::f64::consts::PI;

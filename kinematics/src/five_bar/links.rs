@@ -1,8 +1,8 @@
-//! The closed arm as four vectors: what the tick makes of the measured angles.
+//! The closed arm as four vectors, the form in which the tick computes with it.
 //!
 //! With r1 = AB, r2 = BC, r3 = DC, r4 = ED and X = r2 × r3 = l2 l3 sin(θ3−θ2), rates and
-//! torques follow without a unit vector, a length or a sine: ω2 = v·r3/X for Yu 2007's
-//! ω2 = v·u3/(l2 sin(θ3−θ2)), v being the velocity of D relative to B, and so on.
+//! torques need no unit vector, length or sine: ω2 = v·r3/X for Yu 2007's ω2 = v·u3/(l2
+//! sin(θ3−θ2)), v being the velocity of D relative to B, and so on.
 
 use super::dyad::DyadSolution;
 use super::forward::refusal;

@@ -9,8 +9,8 @@
 //! **Erratum**: the printed inverse ω2 has l1 for l2 and the wrong sign; here
 //! ω1 = ṙC·u2 / (l1 sin(θ2−θ1)), ω2 = −ṙC·u1 / (l2 sin(θ2−θ1)).
 //!
-//! Each function divides once per sine, by [`per_sine`]; the lengths' reciprocals are the
-//! geometry's.
+//! Each function divides once per sine, in [`per_sine`]; the geometry holds the reciprocals of
+//! the lengths.
 
 use super::dyad::least_sine_squared;
 use super::{Geometry, Pose, PoseError, Singularity};
@@ -67,7 +67,7 @@ pub struct Accelerations<S> {
     pub c: Vector2<S>,
 }
 
-/// 1/sin θ, or the singularity that sin θ ≈ 0 is: see [`least_sine_squared`].
+/// 1/sin θ, or the singularity if sin θ is 0 to rounding: see [`least_sine_squared`].
 #[inline(always)]
 pub(crate) fn per_sine<S: Scalar>(sine: S, singularity: Singularity) -> Result<S, PoseError> {
     if sine * sine > least_sine_squared() {
@@ -172,7 +172,7 @@ impl<S: Scalar> Geometry<S> {
         let per_sin21 = per_sine(pose.sin21(), Singularity::Leg1)?;
         let [per_l1, per_l2, ..] = self.per_length();
         let [omega1, omega2, ..] = velocities.omega;
-        // What remains for the angular accelerations once the centripetal terms are met.
+        // The part of the acceleration that angular accelerations give.
         let a = c_acceleration
             + pose.u1 * (self.l1() * omega1 * omega1)
             + pose.u2 * (self.l2() * omega2 * omega2);

@@ -6,8 +6,8 @@ use nalgebra::Vector2;
 
 /// A closed configuration of the five-bar.
 ///
-/// Directions are kept as unit vectors, since everything downstream needs sines and
-/// cosines and hardly anything needs the angles.
+/// Directions are unit vectors, because velocities and forces need sines and cosines and
+/// seldom the angles.
 ///
 /// ```
 /// use fivebar_kinematics::five_bar::{Geometry, Side, WorkingMode};

@@ -1,4 +1,4 @@
-//! Where C can be at all: leg A–B–C reaches the annulus |l1 − l2| ≤ |rC − rA| ≤ l1 + l2,
+//! The reach of C: leg A–B–C reaches the annulus |l1 − l2| ≤ |rC − rA| ≤ l1 + l2,
 //! leg E–D–C likewise.
 
 use super::inverse::{refusal1, refusal4};
@@ -7,8 +7,8 @@ use crate::Scalar;
 use nalgebra::Vector2;
 
 impl<S: Scalar> Geometry<S> {
-    /// Whether both legs reach `c` [m]; then every working mode has a pose there, unless
-    /// it is a base pivot that its leg folds onto.
+    /// Whether both legs reach `c` [m]; then every working mode has a pose there. The
+    /// exception is a base pivot whose leg has equal links.
     ///
     /// # Errors
     /// `Unreachable` with the leg and the side of its annulus that `c` is beyond,

@@ -1,4 +1,4 @@
-//! How far a pose is from its singularities, as an angle and as a length.
+//! The distance of a pose from its singularities, as an angle and as a length.
 
 use super::{Geometry, Pose, Singularity, Tool};
 use crate::{PlanarVector, Scalar};
@@ -21,10 +21,10 @@ use nalgebra::Vector2;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clearance<S> {
-    /// |sin| of the angle that the singularity closes, 0…1.
+    /// |sin| of the angle that is 0 or π at the singularity, 0…1.
     pub sine: S,
-    /// How far the dyad's ends can still be drawn apart or together before its two links
-    /// are in line [m].
+    /// The least change of the distance between the dyad's ends that brings its links in line
+    /// [m].
     pub length: S,
 }
 
@@ -45,16 +45,16 @@ pub struct Clearance<S> {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clearances<S> {
-    /// Type 1 of leg A–B–C: the length is what C can move, at least.
+    /// Type 1 of leg A–B–C; C can move by at least this length.
     pub leg1: Clearance<S>,
-    /// Type 1 of leg E–D–C: the length is what C can move, at least.
+    /// Type 1 of leg E–D–C; C can move by at least this length.
     pub leg4: Clearance<S>,
-    /// Type 2, dyad B–C–D: the length is what the elbows can move apart or together.
+    /// Type 2, dyad B–C–D; the distance of the elbows can change by this length.
     pub parallel: Clearance<S>,
 }
 
 impl<S: Scalar> Geometry<S> {
-    /// How far the pose is from each singularity.
+    /// The distance of the pose from each singularity.
     pub fn clearances(&self, pose: &Pose<S>) -> Clearances<S> {
         let of = |sine: S, ends: Vector2<S>, first: S, second: S| {
             let distance = ends.length();
@@ -67,7 +67,7 @@ impl<S: Scalar> Geometry<S> {
             };
             Clearance {
                 sine: sine.abs(),
-                // Rounding can put a straight dyad past straight.
+                // Rounding can make the length of a straight dyad negative.
                 length: if length > S::ZERO { length } else { S::ZERO },
             }
         };

@@ -1,4 +1,4 @@
-//! Where the tool may be: reach, joint limits and a margin from singularities together.
+//! The positions that the tool may have, by reach, joint limits and a margin from singularities.
 
 use super::{Joint, JointLimits, Pose, PoseError, Singularity, Tool, WorkingMode};
 use crate::{PlanarVector, Scalar};
@@ -81,7 +81,7 @@ impl From<PoseError> for WorkspaceViolation {
 }
 
 impl<S: Scalar> Workspace<S> {
-    /// The pose that holds the tool at `t` [m], if it may be there.
+    /// The pose with the tool at `t` [m], if the workspace contains it.
     ///
     /// # Errors
     /// The first that fails of reach, joint limits and margin.

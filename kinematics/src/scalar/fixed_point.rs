@@ -1,12 +1,13 @@
-//! The square of a length as an integer, to take another from it without loss.
+//! The square of a length in fixed point, from which another square is subtracted without
+//! cancellation.
 
 use super::Scalar;
 
-/// The square of the sum of two lengths, in units so small that it is an integer.
+/// The square of the sum of two lengths as an integer, in small units.
 ///
-/// The unit of length is the power of two that puts the sum, and the pivot's distance added
-/// to it, into 2³⁰…2³¹ units. Good for lengths from 1e-14 to 1e19 m, whose squares `f32` can
-/// hold.
+/// The unit of length is the power of two that puts the sum, and the pivot's distance added to
+/// it, into 2³⁰…2³¹ units. Valid for lengths from 1e-14 to 1e19 m, whose squares `f32` can
+/// represent.
 ///
 /// ```
 /// use fivebar_kinematics::Scalar;
@@ -34,8 +35,8 @@ pub struct FixedPointSquare {
 }
 
 impl FixedPointSquare {
-    /// Of the sum of two positive lengths, for coordinates of which x counts from `pivot`
-    /// ≥ 0 [m].
+    /// The square of the sum of two positive lengths [m], for points about a pivot at
+    /// (`pivot`, 0), `pivot` ≥ 0 [m].
     pub fn of_sum<S: Scalar>(first: S, second: S, pivot: S) -> Self {
         let [first, second, pivot] = [first, second, pivot].map(|it| it.to_f64() as f32);
         // 2^(e − 127) ≤ the sum < 2^(e − 126).
@@ -50,21 +51,20 @@ impl FixedPointSquare {
         }
     }
 
-    /// The square less x² + y² [m²], rounded once.
+    /// The square minus x² + y² [m²], rounded once.
     #[inline(always)]
     pub(super) fn less(&self, x: f32, y: f32) -> f32 {
         self.rest(self.units(x), self.units(y))
     }
 
-    /// The square less (x − pivot)² + y² [m²], rounded once.
+    /// The square minus (x − pivot)² + y² [m²], rounded once.
     #[inline(always)]
     pub(super) fn less_from_pivot(&self, x: f32, y: f32) -> f32 {
         self.rest(self.units(x).saturating_sub(self.pivot), self.units(y))
     }
 
-    /// A coordinate in units, too small by less than one: the square of 2³¹ errs by 2³², a
-    /// part in 2³⁰ of it. Beyond 2³¹ units it is cut off there, farther than the sum all the
-    /// same. Not a number counts as 0.
+    /// A coordinate in units, truncated: the error is below 1 unit, which in the square of 2³¹
+    /// is 2³², a part in 2³⁰. Saturates beyond 2³¹ units, which is out of reach. NaN gives 0.
     #[inline(always)]
     fn units(&self, coordinate: f32) -> i32 {
         (coordinate * self.scale) as i32

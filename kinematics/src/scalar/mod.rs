@@ -2,7 +2,7 @@
 //!
 //! | type | where | functions |
 //! |---|---|---|
-//! | `f32` | the controller's tick, on the target and on a desktop | our own polynomials, IEEE square root: the same bits everywhere |
+//! | `f32` | the controller's tick, on the target and on a desktop | the crate's own polynomials, IEEE square root: the same bits everywhere |
 //! | `f64` | the desktop: queries, design, references for tests | `libm` |
 //! | `Dual` of the crate `fivebar-design` | sensitivities | derivatives carried along |
 
@@ -18,8 +18,7 @@ use num_traits::{One, Zero};
 
 /// A real number as the models use it.
 ///
-/// Comparisons look at the value alone, so that a dual number takes the same branch as
-/// the plain number it stands for.
+/// Comparisons use the value only, so that a dual number takes the same branch as its value.
 ///
 /// ```
 /// use fivebar_kinematics::Scalar;
@@ -54,8 +53,8 @@ pub trait Scalar:
     const HALF: Self;
     /// 2.
     const TWO: Self;
-    /// The distance from 1 to the next number: what rounding can make of a quantity, in
-    /// its own units.
+    /// The distance from 1 to the next number: the greatest relative rounding error is half of
+    /// it.
     const EPSILON: Self;
 
     /// The number nearest to `value`; for constants.
@@ -69,8 +68,8 @@ pub trait Scalar:
     /// The angle of (x, y) in (−π, π], `self` being y.
     fn atan2(self, x: Self) -> Self;
 
-    /// `square` − x² − y², where `square` and `fixed` are the same: for a small rest of
-    /// large squares. `f32` takes it in integers.
+    /// `square` − x² − y², where `fixed` is `square` in fixed point. `f32` computes it with
+    /// 64-bit integers, without cancellation.
     #[inline(always)]
     fn difference_of_squares(square: Self, _fixed: &FixedPointSquare, x: Self, y: Self) -> Self {
         square - (x * x + y * y)
@@ -94,7 +93,7 @@ pub trait Scalar:
         if self < Self::ZERO { -self } else { self }
     }
 
-    /// Neither infinite nor NaN.
+    /// Whether the number is neither infinite nor NaN.
     #[inline]
     #[allow(clippy::eq_op)]
     fn is_finite(self) -> bool {

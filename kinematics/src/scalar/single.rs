@@ -70,10 +70,9 @@ impl Scalar for f32 {
 ///
 /// The quadrant may swap them: both results are within 9e-8.
 ///
-/// Beyond, the error is at most |x|·2⁻²³, the distance between neighbours of x. From 2²⁰
-/// rad on, where neighbours are an eighth of a radian apart and an angle says nothing any
-/// more, the result says nothing either and may exceed 1. Infinite or not a number gives
-/// NaN.
+/// Beyond, the error is at most |x|·2⁻²³, the distance between neighbours of x. From 2²⁰ rad
+/// on, neighbours are an eighth of a radian apart: the result has no correct digit and may
+/// exceed 1. An infinite angle or NaN gives NaN.
 #[inline]
 fn sin_cos(x: f32) -> (f32, f32) {
     // 1.5·2²³: adding it rounds to an integer, whose last bits are then the sum's.
@@ -140,9 +139,9 @@ fn atan2(y: f32, x: f32) -> f32 {
     if y < 0.0 { -angle } else { angle }
 }
 
-/// √x by the FPU's own instruction, which no stable intrinsic of `core` reaches.
+/// √x by the FPU's own instruction, for which `core` has no stable intrinsic.
 ///
-/// The one use of `unsafe` in this crate. Sound because the body is the whole function:
+/// The one use of `unsafe` in this crate. It is sound because the body is the whole function:
 /// by the hard-float C calling convention `s0` holds the argument and the result, the
 /// instruction touches no other register and no memory, and it traps for no input.
 #[cfg(all(target_arch = "arm", target_abi = "eabihf", target_os = "none"))]

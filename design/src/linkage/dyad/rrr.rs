@@ -15,6 +15,18 @@ use nalgebra::Vector2;
 /// Two bars that meet in a pin.
 ///
 /// Each link's frame starts at its end, its x axis pointing to the pin.
+///
+/// ```
+/// use fivebar_design::linkage::dyad::Rrr;
+/// use fivebar_kinematics::five_bar::Side;
+/// use nalgebra::Vector2;
+///
+/// // A right-angled triangle of sides 0.3, 0.4 and 0.5 m.
+/// let dyad = Rrr { lengths: [0.3, 0.4], side: Side::Left };
+/// let pin = dyad.position(Vector2::zeros(), Vector2::new(0.5, 0.0))?;
+/// assert!((pin - Vector2::new(0.18, 0.24)).norm() < 1e-15);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rrr<S> {
     /// l1 and l2 [m].
