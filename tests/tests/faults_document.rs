@@ -39,8 +39,8 @@ fn every_fault_has_its_row_with_its_number_and_response() {
         .iter()
         .filter(|row| row[0].parse::<u8>().is_ok())
         .collect();
-    assert_eq!(faults.len(), Fault::ALL.len());
-    for (row, fault) in faults.into_iter().zip(Fault::ALL) {
+    assert_eq!(faults.len(), Fault::all().count());
+    for (row, fault) in faults.into_iter().zip(Fault::all()) {
         assert_eq!(row[0], fault.number().to_string());
         assert_eq!(row[1], words(fault));
         let response = match fault.response() {

@@ -37,7 +37,7 @@ mod app {
     use fivebar_firmware::board::pwm::{PwmTimer, TICK_CYCLES};
     use fivebar_firmware::board::sensors::Sensors;
     use fivebar_firmware::board::services::BoardServices;
-    use fivebar_firmware::board::watchdog::Task;
+    use fivebar_firmware::board::watchdog::Tasks;
     use fivebar_firmware::board::{post_mortem, serial};
     use fivebar_firmware::planner::Planner;
     use fivebar_firmware::protocol::{Board, Decoder, HostCommand, HostMessage, Identity};
@@ -167,7 +167,7 @@ mod app {
                 outputs.apply(&controller.tick(&sample));
             });
         });
-        Task::Tick.advanced();
+        Tasks::TICK.advanced();
     }
 
     /// From bytes to commands. A command for which the queue has no room is dropped; the host
@@ -208,7 +208,7 @@ mod app {
                 local.sender.send(&frame);
             }
             local.log.update(controller);
-            Task::Session.advanced();
+            Tasks::SESSION.advanced();
             local.services.watchdog.refresh_if_all_advanced();
         }
     }

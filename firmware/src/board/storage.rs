@@ -30,6 +30,7 @@ pub struct SettingsFlash {
 
 /// Why a sector was not read or written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum FlashError {
     /// Outside the sectors, or not aligned to a word or sector.
     Address(NorFlashErrorKind),
@@ -38,6 +39,18 @@ pub enum FlashError {
     /// The flash reported an error of protection, alignment or sequence.
     Refused,
 }
+
+impl core::fmt::Display for FlashError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::Address(_) => "the address is outside the sectors or not aligned",
+            Self::Timeout => "the flash did not finish in time",
+            Self::Refused => "the flash reported an error of protection, alignment or sequence",
+        })
+    }
+}
+
+impl core::error::Error for FlashError {}
 
 impl From<NorFlashErrorKind> for FlashError {
     fn from(kind: NorFlashErrorKind) -> Self {

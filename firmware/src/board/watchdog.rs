@@ -1,5 +1,6 @@
 //! The independent watchdog, refreshed only when every task has advanced.
 
+use bitflags::bitflags;
 use core::sync::atomic::{AtomicU32, Ordering};
 use stm32f4xx_hal::pac::IWDG;
 use stm32f4xx_hal::prelude::*;
@@ -11,29 +12,25 @@ const TIMEOUT: u32 = 50;
 /// (4 s at low voltage).
 const ERASE_TIMEOUT: u32 = 8_000;
 
-/// One task's sign of life: a bit of [`ALIVE`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Task {
-    /// The control tick.
-    Tick,
-    /// The session with the host and the planner.
-    Session,
+bitflags! {
+    /// The tasks that must advance for a refresh.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub struct Tasks: u32 {
+        /// The control tick.
+        const TICK = 1;
+        /// The session with the host and the planner.
+        const SESSION = 2;
+    }
 }
 
-/// The tasks that have advanced since the last refresh.
+/// The bits of the tasks that have advanced since the last refresh.
 static ALIVE: AtomicU32 = AtomicU32::new(0);
-/// [`ALIVE`] when all have advanced.
-const ALL: u32 = Task::Tick.bit() | Task::Session.bit();
 
-impl Task {
-    const fn bit(self) -> u32 {
-        1 << self as u32
-    }
-
-    /// Reports that this task has advanced.
+impl Tasks {
+    /// Reports that these tasks have advanced.
     #[inline]
     pub fn advanced(self) {
-        ALIVE.fetch_or(self.bit(), Ordering::Relaxed);
+        ALIVE.fetch_or(self.bits(), Ordering::Relaxed);
     }
 }
 
@@ -52,7 +49,7 @@ impl Watchdog {
 
     /// Refreshes the watchdog if every task has advanced since the last refresh.
     pub fn refresh_if_all_advanced(&mut self) {
-        if ALIVE.load(Ordering::Relaxed) == ALL {
+        if ALIVE.load(Ordering::Relaxed) == Tasks::all().bits() {
             ALIVE.store(0, Ordering::Relaxed);
             self.iwdg.feed();
         }

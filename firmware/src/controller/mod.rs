@@ -82,7 +82,7 @@ impl Controller {
             setpoint: Setpoint::hold([Vector2::zeros(); 2]),
             homing: [HomingState::new(0.0); 2],
             error: [0.0; 2],
-            limits: Limits::NONE,
+            limits: Limits::empty(),
             bus_voltage: 0.0,
             ticks: 0,
             missed_ticks: 0,

@@ -145,7 +145,7 @@ impl Controller {
 
     /// Bridges off, brake on.
     fn off(&mut self) -> ActuatorCommand {
-        self.limits = Limits::NONE;
+        self.limits = Limits::empty();
         self.setpoint.rest();
         for joint in &mut self.joints {
             joint.release();

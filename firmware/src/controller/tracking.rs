@@ -97,14 +97,14 @@ impl Controller {
         if self.state == State::Armed {
             if self.path.is_empty() {
                 self.setpoint.rest();
-                return Ok(Limits::NONE);
+                return Ok(Limits::empty());
             }
             // Armed accepts this event.
             let _ = self.dispatch(Event::Begin);
         }
         let Some(step) = self.path.step() else {
             self.setpoint.rest();
-            return Ok(Limits::NONE);
+            return Ok(Limits::empty());
         };
         self.setpoint
             .follow(&step.reference, &self.model, self.mode)

@@ -25,6 +25,7 @@ pub struct MoveError {
 /// Why a move was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum MoveErrorKind {
     /// The arm must be armed and not stopping.
     State(State),

@@ -31,7 +31,7 @@ impl Planner {
             let queued = QueuedSegment {
                 segment,
                 open: ends_in_motion(&segment),
-                limits: Limits::NONE.with(Limits::SPEED, slowed),
+                limits: Limits::empty().with(Limits::SPEED, slowed),
             };
             let generation = self.path_generation;
             snapshot = controller.lock(|controller| {

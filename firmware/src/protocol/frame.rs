@@ -47,6 +47,7 @@ pub trait Message: serde::Serialize + serde::de::DeserializeOwned {
 
 /// Why bytes between two delimiters are not a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum FrameError {
     /// The stuffing is broken: a byte was lost, added or changed.
     Stuffing,

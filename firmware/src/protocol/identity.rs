@@ -35,7 +35,7 @@ pub enum Board {
 pub enum Reset {
     /// Power came on, or the reset pin was pulled.
     Power,
-    /// A debugger or the program itself asked for it.
+    /// A debugger or the program itself reset it.
     Software,
     /// The watchdog was not refreshed in time.
     Watchdog,

@@ -70,6 +70,7 @@ pub struct StackUse {
 
 /// Why a command was not executed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub enum CommandError {
     /// The host uses another version than this one, the controller's.
     Version(u16),

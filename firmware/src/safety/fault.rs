@@ -1,11 +1,15 @@
 //! Faults and limits, with stable numbers.
 
+use num_enum::{IntoPrimitive, TryFromPrimitive};
 use serde::{Deserialize, Serialize};
 
 /// A fault. It stays latched until a host clears it. The numbers are stable, because they are
 /// sent, logged and looked up.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, Hash, IntoPrimitive, TryFromPrimitive, Serialize, Deserialize,
+)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[num_enum(error_type(name = UnknownFault, constructor = UnknownFault))]
 #[serde(into = "u8", try_from = "u8")]
 #[repr(u8)]
 pub enum Fault {
@@ -62,26 +66,9 @@ pub enum Response {
 
 impl Fault {
     /// Every fault, in the order of the numbers.
-    pub const ALL: [Self; 18] = [
-        Self::EncoderJump,
-        Self::EncoderDisagreement,
-        Self::FollowingError,
-        Self::OverSpeed,
-        Self::OverCurrent,
-        Self::OverTemperature,
-        Self::UnderVoltage,
-        Self::OverVoltage,
-        Self::DriverFault,
-        Self::EmergencyStop,
-        Self::Envelope,
-        Self::CommandTimeout,
-        Self::QueueUnderrun,
-        Self::TickOverrun,
-        Self::NotANumber,
-        Self::ClockFailure,
-        Self::WatchdogReset,
-        Self::SettingsCorrupt,
-    ];
+    pub fn all() -> impl Iterator<Item = Self> {
+        (0..=u8::MAX).filter_map(|number| Self::try_from(number).ok())
+    }
 
     /// The fault's number.
     pub const fn number(self) -> u8 {
@@ -119,12 +106,6 @@ impl Fault {
     }
 }
 
-impl From<Fault> for u8 {
-    fn from(fault: Fault) -> Self {
-        fault.number()
-    }
-}
-
 /// No fault has this number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct UnknownFault(pub u8);
@@ -137,45 +118,28 @@ impl core::fmt::Display for UnknownFault {
 
 impl core::error::Error for UnknownFault {}
 
-impl TryFrom<u8> for Fault {
-    type Error = UnknownFault;
-
-    fn try_from(number: u8) -> Result<Self, UnknownFault> {
-        let known = Self::ALL.into_iter().find(|fault| fault.number() == number);
-        known.ok_or(UnknownFault(number))
-    }
-}
-
 /// The limits that clip in a tick without being faults, one stable bit each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Limits(u8);
 
+bitflags::bitflags! {
+    impl Limits: u8 {
+        /// The demanded torque exceeded the motors' peak torque.
+        const TORQUE = 1;
+        /// The bus voltage was too low for the demanded current.
+        const VOLTAGE = 2;
+        /// The move goes slower than requested: a limit of the tool or of a joint, or a
+        /// singularity, is near.
+        const SPEED = 4;
+    }
+}
+
 impl Limits {
-    /// No limit.
-    pub const NONE: Self = Self(0);
-    /// The demanded torque exceeded the motors' peak torque.
-    pub const TORQUE: Self = Self(1);
-    /// The bus voltage was too low for the demanded current.
-    pub const VOLTAGE: Self = Self(2);
-    /// The move goes slower than requested: a limit of the tool or of a joint, or a singularity,
-    /// is near.
-    pub const SPEED: Self = Self(4);
-
-    /// The bits.
-    pub const fn bits(self) -> u8 {
-        self.0
-    }
-
-    /// Whether all of `other` is limited here.
-    pub const fn contains(self, other: Self) -> bool {
-        self.0 & other.0 == other.0
-    }
-
     /// Adds `limit` if `active`.
     #[inline]
     #[must_use]
     pub(crate) const fn with(self, limit: Self, active: bool) -> Self {
-        if active { Self(self.0 | limit.0) } else { self }
+        if active { self.union(limit) } else { self }
     }
 }

@@ -9,7 +9,7 @@ pub enum State {
     /// Bridges off, brake on.
     ///
     /// Entry: after power-up, a disarm, a completed homing or a cleared fault.
-    /// Exit: to Armed when the arm is homed and stands inside its envelope; to Homing.
+    /// Exit: to Armed when the arm is homed and inside its envelope; to Homing.
     Stopped,
     /// Moving both joints to their switches at limited current.
     ///

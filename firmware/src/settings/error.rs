@@ -10,6 +10,7 @@ use fivebar_kinematics::five_bar::GeometryError;
     missing_docs,
     reason = "each is the field of AxisSettings of this name"
 )]
+#[non_exhaustive]
 pub enum AxisField {
     GearRatio,
     RotorInertia,
@@ -32,6 +33,7 @@ pub enum AxisField {
 /// A field outside the axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(missing_docs, reason = "each is the field of Settings of this name")]
+#[non_exhaustive]
 pub enum Field {
     ToolOffset,
     TickRate,
@@ -59,6 +61,7 @@ pub enum Field {
 
 /// Why settings are refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum SettingsError {
     /// The lengths are not those of a five-bar.
     Geometry(GeometryError),

@@ -29,6 +29,7 @@ const BUFFER: usize = 512;
 /// armed on default settings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum StorageError {
     /// Nothing was ever stored: the flash is blank.
     Blank,

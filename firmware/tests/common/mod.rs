@@ -213,12 +213,12 @@ fn state() -> impl Strategy<Value = State> {
 }
 
 fn fault() -> impl Strategy<Value = Fault> {
-    prop::sample::select(Fault::ALL.to_vec())
+    prop::sample::select(Fault::all().collect::<Vec<_>>())
 }
 
 fn limits() -> impl Strategy<Value = Limits> {
     prop::sample::select(vec![
-        Limits::NONE,
+        Limits::empty(),
         Limits::TORQUE,
         Limits::VOLTAGE,
         Limits::SPEED,

@@ -79,7 +79,7 @@ pub enum Curve<S> {
 
 impl<S: Scalar> Curve<S> {
     /// Position, tangent and curvature at length `s` [m] from the start.
-    // Large, and asked for in many places.
+    // Large, and called in many places: not inlined, to save flash.
     #[inline(never)]
     pub fn at(&self, s: S) -> CurvePoint<S> {
         let [position, tangent, curvature] = self.motion(s, S::ONE, S::ZERO);

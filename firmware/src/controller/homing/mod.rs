@@ -46,7 +46,7 @@ impl Controller {
         }
         Ok(TorqueCommand {
             torque: [torque1, torque4],
-            limits: Limits::NONE,
+            limits: Limits::empty(),
         })
     }
 

@@ -27,7 +27,7 @@ pub(super) struct TimeScaling {
     /// σ̇ [1/s].
     pub(super) sigma_dot: f32,
     /// The stop is complete.
-    pub(super) stands: bool,
+    pub(super) complete: bool,
 }
 
 /// T [s] of every stop: long enough that a stop from full speed on a straight path keeps the
@@ -64,7 +64,7 @@ impl Brake {
                 advance: 0.5 * self.time,
                 sigma: 0.0,
                 sigma_dot: 0.0,
-                stands: true,
+                complete: true,
             };
         }
         let x = self.phase;
@@ -73,7 +73,7 @@ impl Brake {
             advance: self.time * (x + x * square * (0.5 * x - 1.0)),
             sigma: 1.0 + square * (x + x - 3.0),
             sigma_dot: 6.0 * x * (x - 1.0) * self.rate,
-            stands: false,
+            complete: false,
         }
     }
 }

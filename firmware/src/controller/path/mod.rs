@@ -219,7 +219,7 @@ impl Path {
             path_state = path_state.time_scaled(sigma, sigma_dot);
         }
         Some(Step {
-            at_rest: ended || scaling.is_some_and(|scaling| scaling.stands),
+            at_rest: ended || scaling.is_some_and(|scaling| scaling.complete),
             reference: first.queued.segment.reference(path_state),
             limits: first.queued.limits,
         })

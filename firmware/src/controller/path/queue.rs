@@ -54,7 +54,7 @@ impl PathQueue {
         let nothing = QueuedSegment {
             segment: TrajectorySegment::rest(Vector2::zeros(), 0.0, 0),
             open: false,
-            limits: Limits::NONE,
+            limits: Limits::empty(),
         };
         let start = Extent {
             count: 0,
@@ -193,7 +193,7 @@ mod tests {
         QueuedSegment {
             segment: TrajectorySegment::rest(Vector2::zeros(), duration, 0),
             open: false,
-            limits: Limits::NONE,
+            limits: Limits::empty(),
         }
     }
 

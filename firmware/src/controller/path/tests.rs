@@ -19,7 +19,7 @@ fn queued(segment: TrajectorySegment<f32>) -> QueuedSegment {
     QueuedSegment {
         segment,
         open: false,
-        limits: Limits::NONE,
+        limits: Limits::empty(),
     }
 }
 

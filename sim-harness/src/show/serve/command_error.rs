@@ -26,6 +26,7 @@ pub(super) fn sentence(error: &CommandError) -> String {
             controller::RequestError::Moving => {
                 "The arm is still moving: wait until it rests.".into()
             }
+            other => format!("The request is refused: {other}."),
         },
         CommandError::NoSettings => {
             "The controller has no settings: store the robot's settings with --upload.".into()
