@@ -33,14 +33,15 @@ pub(crate) fn robot(py: Python<'_>, error: impl Display) -> PyErr {
 pub(crate) fn scenario(py: Python<'_>, error: ScenarioError) -> PyErr {
     let message = error.to_string();
     match error {
-        // Told by its kind, Python says FileNotFoundError where there is no such file.
+        // By its kind, Python raises FileNotFoundError if there is no such file.
         ScenarioError::Read { source, .. } => io::Error::new(source.kind(), message).into(),
         ScenarioError::File(error) => file(py, &error),
         ScenarioError::Job { error, .. } => match error {
             JobError::Line { line, .. } => raise(py, "JobError", (message, line)),
-            JobError::NoMotion => raise(py, "JobError", (message,)),
+            _ => raise(py, "JobError", (message,)),
         },
         ScenarioError::HomeError(error) => robot(py, error),
+        _ => raise(py, "RunError", (message,)),
     }
 }
 
@@ -57,5 +58,6 @@ pub(crate) fn run(py: Python<'_>, job_file: &str, error: RunError) -> PyErr {
         | RunError::HomeError(_)
         | RunError::ClearanceError(_)
         | RunError::Settings { .. } => robot(py, error),
+        _ => raise(py, "RunError", (error.to_string(),)),
     }
 }
