@@ -1,6 +1,6 @@
-//! A controller loop with fake hardware: what a board of one's own has to provide.
+//! A controller loop with fake hardware: what a new board has to provide.
 //!
-//! [`Board`] is the border to the hardware. The loop above it needs neither `std` nor an
+//! [`Board`] is the interface to the hardware. The loop above it needs neither `std` nor an
 //! allocator, and is the same on a microcontroller. The fake board simulates each joint as a
 //! motor with a constant inertia.
 //!
@@ -15,7 +15,7 @@ use fivebar_firmware::{
 use std::error::Error;
 use std::f32::consts::TAU;
 
-/// The border to the hardware.
+/// The interface to the hardware.
 trait Board {
     /// Samples the sensors, in the timer's interrupt.
     fn sample(&mut self) -> SensorSample;

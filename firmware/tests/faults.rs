@@ -1,5 +1,5 @@
-//! Every fault, raised by its own cause: its number, bridges off in the tick that finds
-//! it (or a stop on the path, where that is its response), and nothing moves until cleared.
+//! Every fault, raised by its own cause: its number, bridges off in the tick that detects it (or a
+//! controlled stop, if that is its response), and nothing moves until it is cleared.
 
 mod rig;
 
@@ -8,13 +8,13 @@ use fivebar_firmware::safety::{Fault, Response, State};
 use fivebar_firmware::{ActuatorCommand, MoveKind, Settings};
 use rig::{Rig, START, settings};
 
-/// Runs a tick, and on until a fault is latched, at most `within` ticks, and holds it
-/// against what every fault that powers off must do.
+/// Runs ticks until a fault is latched, at most `within`, and checks what every power-off fault
+/// must do.
 #[track_caller]
 fn powers_off(rig: &mut Rig, fault: Fault, number: u8, within: u32) {
     assert_eq!(fault.number(), number);
     assert_eq!(fault.response(), Response::PowerOff);
-    // One that is found between ticks is latched at once and powers off in the next tick.
+    // A fault raised between ticks is latched at once; the next tick switches off.
     let between = rig.controller.fault().is_some();
     let mut command = ActuatorCommand::default();
     for _ in 0..within {
@@ -64,7 +64,7 @@ fn with(change: impl FnOnce(&mut Settings)) -> Settings {
     settings
 }
 
-/// On its way along a line of 60 mm at 0.2 m/s.
+/// An arm that moves along a line of 60 mm at 0.2 m/s.
 fn running() -> Rig {
     let mut rig = Rig::armed(&settings());
     let [x, y] = rig.held();
@@ -87,7 +87,7 @@ fn a_jumping_encoder() {
     rig.bench.extra_counts = [0, 200];
     powers_off(&mut rig, Fault::EncoderJump, 1, 1);
     clears(&mut rig);
-    // Where the joint is, is not known any more.
+    // The joint's angle is unknown.
     assert_eq!(
         rig.controller.request(Request::Arm),
         Err(RequestError::NotHomed)
@@ -178,7 +178,7 @@ fn the_emergency_stop_as_a_button_and_as_a_request() {
     let mut rig = running();
     rig.bench.overlay.emergency_stop = true;
     powers_off(&mut rig, Fault::EmergencyStop, 10, 1);
-    // Cleared while still pressed, it comes back.
+    // Cleared while still pressed, the fault comes back.
     rig.controller.request(Request::ClearFault).unwrap();
     powers_off(&mut rig, Fault::EmergencyStop, 10, 1);
     rig.bench.overlay.emergency_stop = false;
@@ -225,7 +225,7 @@ fn ticks_missed_while_powered() {
     stays_off(&mut rig, command, Fault::TickOverrun);
     assert_eq!(rig.controller.status().missed_ticks, 5);
     clears(&mut rig);
-    // Unpowered, as when the flash is erased, they are only counted.
+    // With the bridges off, as when the flash is erased, missed ticks are only counted.
     miss(&mut rig, 10_000);
     assert_eq!(rig.controller.state(), State::Stopped);
 }
@@ -260,8 +260,8 @@ fn what_the_board_finds() {
     }
 }
 
-/// Runs until the arm rests under a held fault; gives the greatest distance off the line
-/// and how long it took.
+/// Runs until the arm rests under a held fault; returns the greatest distance from the line and
+/// the number of ticks.
 fn comes_to_rest(rig: &mut Rig, mut tick: impl FnMut(&mut Rig) -> ActuatorCommand) -> (f64, u32) {
     let y = rig.bench.tool()[1];
     let mut off = 0.0_f64;
@@ -282,7 +282,7 @@ fn comes_to_rest(rig: &mut Rig, mut tick: impl FnMut(&mut Rig) -> ActuatorComman
 #[test]
 fn a_silent_host_stops_the_arm_on_its_path_and_holds_it() {
     let mut rig = running();
-    // The planner keeps up; nobody is heard.
+    // The planner is in time; the host is silent.
     let alone = |rig: &mut Rig| {
         rig.planner.run(&mut rig.controller);
         rig.tick_alone()
@@ -330,7 +330,7 @@ fn a_planner_that_falls_behind_stops_the_arm_on_its_path() {
 }
 
 #[test]
-fn a_graver_fault_takes_over_from_one_that_holds() {
+fn a_power_off_fault_replaces_one_that_holds() {
     let mut rig = running();
     for _ in 0..1200 {
         rig.planner.run(&mut rig.controller);

@@ -1,4 +1,4 @@
-//! The frame layer: what arrives is what was sent, or nothing.
+//! The frame layer: a message arrives as it was sent, or not at all.
 
 mod common;
 
@@ -9,7 +9,7 @@ use fivebar_firmware::protocol::{
 };
 use proptest::prelude::*;
 
-/// All that a decoder makes of these bytes.
+/// All results of a decoder for these bytes.
 fn decode<M: Message>(decoder: &mut Decoder<M>, bytes: &[u8]) -> Vec<Result<M, FrameError>> {
     bytes
         .iter()
@@ -34,7 +34,7 @@ fn survives_garbage<M: Message>(garbage: &[u8], message: &M) -> Result<(), TestC
     Ok(())
 }
 
-/// Garbage that tries harder: random bytes, delimiters, segments of real frames.
+/// Invalid bytes that resemble frames: random bytes, delimiters, parts of real frames.
 fn garbage() -> impl Strategy<Value = Vec<u8>> {
     let segment = prop_oneof![
         prop::collection::vec(any::<u8>(), 0..300),
@@ -98,7 +98,7 @@ proptest! {
     }
 }
 
-fn question() -> HostMessage {
+fn status_command() -> HostMessage {
     HostMessage {
         sequence: Sequence(7),
         command: HostCommand::Status,
@@ -109,8 +109,8 @@ fn question() -> HostMessage {
 fn dropped_frames_are_counted_by_their_kind() {
     let mut decoder = Decoder::<HostMessage>::new();
     let mut feed = |bytes: &[u8]| decode(&mut decoder, bytes);
-    let whole = frame(&question());
-    assert_eq!(feed(&whole), [Ok(question())]);
+    let whole = frame(&status_command());
+    assert_eq!(feed(&whole), [Ok(status_command())]);
 
     let mut wrong = whole.clone();
     wrong[3] ^= 0x40;
@@ -125,7 +125,7 @@ fn dropped_frames_are_counted_by_their_kind() {
     });
     assert_eq!(feed(&echo), [Err(FrameError::Sender)]);
     assert_eq!(feed(&[0, 0, 0]), []);
-    assert_eq!(feed(&whole), [Ok(question())]);
+    assert_eq!(feed(&whole), [Ok(status_command())]);
 
     let counts = decoder.counts();
     assert_eq!((counts.received, counts.corrupt, counts.foreign), (2, 4, 1));
@@ -143,11 +143,11 @@ fn framed(content: &[u8]) -> Vec<u8> {
 }
 
 #[test]
-fn whole_frames_that_are_no_message_are_refused() {
+fn undamaged_frames_without_a_message_are_refused() {
     let mut decoder = Decoder::<HostMessage>::new();
     assert_eq!(
         decode(&mut decoder, &framed(b"H\x07\x01")),
-        [Ok(question())]
+        [Ok(status_command())]
     );
     for (content, error) in [
         (&b"H\x07\x63"[..], FrameError::Malformed), // no such command

@@ -1,5 +1,5 @@
-//! Whatever the samples say and whatever is asked: no panic, no duty beyond one, no duty
-//! into an unpowered bridge, and power only in the states that have it.
+//! For any samples, requests and moves: no panic, no duty beyond one, no duty on a bridge that is
+//! off, and bridges on only in the states that allow it.
 
 mod common;
 mod rig;
@@ -100,7 +100,7 @@ fn step() -> impl Strategy<Value = Step> {
     ]
 }
 
-/// One tick, held against what holds for every tick.
+/// One tick, checked against the rules that hold for every tick.
 fn tick(controller: &mut Controller, sample: &SensorSample) -> ActuatorCommand {
     let command = controller.tick(sample);
     let powered = match controller.state() {
@@ -119,7 +119,7 @@ fn tick(controller: &mut Controller, sample: &SensorSample) -> ActuatorCommand {
     command
 }
 
-/// What all cases together have met.
+/// What all cases together have covered.
 #[derive(Default)]
 struct Seen {
     requests: Tally,
@@ -139,7 +139,7 @@ impl Seen {
 }
 
 #[test]
-fn nothing_makes_the_tick_lose_its_head() {
+fn any_samples_requests_and_moves_keep_the_rules_of_the_tick() {
     let seen = Seen::default();
     let steps = prop::collection::vec(step(), 1..120);
     proptest!(ProptestConfig::with_cases(300), |(armed in any::<bool>(), steps in steps)| {

@@ -1,4 +1,4 @@
-//! The armed arm stands still and pushes back.
+//! The armed arm holds its position against a force.
 
 mod rig;
 
@@ -31,7 +31,7 @@ fn holds_position_under_external_torque() {
             "{theta} for {start}"
         );
     }
-    // It is the motors that hold: their torque meets the push, friction aside.
+    // The motors hold it: their torque balances the push, less friction.
     let [torque1, torque4] = status.torque;
     assert!((torque1 + 0.1).abs() < 0.012, "{torque1}");
     assert!((torque4 - 0.05).abs() < 0.012, "{torque4}");

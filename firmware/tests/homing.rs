@@ -1,4 +1,4 @@
-//! The arm finds out where it is, or says that it cannot.
+//! Homing finds the joint angles or ends in a fault.
 
 mod rig;
 
@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 
 const COUNT: f64 = TAU / (8.0 * 8192.0);
 
-/// Runs until the homing has ended, and gives the ticks it took.
+/// Runs until homing has ended; returns its ticks.
 fn home(rig: &mut Rig) -> u32 {
     rig.controller.request(Request::Home).unwrap();
     for ticks in 0..60_000 {
@@ -69,7 +69,7 @@ fn a_switch_that_stays_closed_ends_in_an_envelope_fault() {
     home(&mut rig);
     assert_eq!(rig.controller.status().fault, Some(Fault::Envelope));
     assert!(!rig.controller.status().homed);
-    // It had gone no further than it takes to be sure.
+    // It has gone no further than the search allows.
     assert!((rig.bench.theta[0] - f64::from(START[0])).abs() < 0.3);
 }
 
@@ -99,7 +99,7 @@ fn home_angles_that_close_no_arm_are_an_encoder_disagreement() {
     // Couplers that reach each other upright, but not with both cranks swung outwards.
     short.lengths = [0.10, 0.13, 0.13, 0.10, 0.08];
     let mut rig = Rig::new(&short);
-    // What the switches mark is not what the settings say.
+    // The switches are at other angles than those of the settings.
     rig.bench.stuck = Some([false, false]);
     rig.controller.request(Request::Home).unwrap();
     let mut switches = [false, true, false, true].into_iter();
@@ -117,7 +117,7 @@ fn home_angles_that_close_no_arm_are_an_encoder_disagreement() {
 }
 
 #[test]
-fn stops_searching_when_told_to() {
+fn stops_searching_on_request() {
     let mut rig = Rig::new(&settings());
     rig.controller.request(Request::Home).unwrap();
     rig.run(500);

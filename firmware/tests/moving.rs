@@ -1,4 +1,4 @@
-//! The arm follows moves, and stops on its path whatever happens.
+//! The arm follows moves, and stops on its path.
 
 mod rig;
 
@@ -46,7 +46,7 @@ fn follows_a_line_within_tens_of_micrometres_and_ends_at_rest() {
 }
 
 #[test]
-fn stops_on_the_path_when_told_to() {
+fn stops_on_the_path_on_request() {
     let mut rig = Rig::armed(&settings());
     let [x, y] = rig.held();
     rig.push(1, line([x - 0.06, y], 0.2)).unwrap();
@@ -62,7 +62,7 @@ fn stops_on_the_path_when_told_to() {
         "left the line: {ty} for {y}"
     );
     assert!(tx < f64::from(x) - 0.01 && tx > f64::from(x) - 0.059);
-    // The rest of the path is forgotten; new moves go from here.
+    // The rest of the path is dropped; new moves start here.
     rig.run(2000);
     assert!((rig.bench.tool()[0] - tx).abs() < 2e-5);
     rig.push(2, line([x, y], 0.1)).unwrap();

@@ -1,4 +1,4 @@
-//! Moves are followed whole or refused whole, with the reason and the place.
+//! Moves are followed whole or refused whole, with the reason and the point.
 
 mod rig;
 
@@ -11,8 +11,7 @@ use proptest::prelude::*;
 use rig::{Rig, settings};
 use std::f32::consts::TAU;
 
-/// Runs to the end of the path; gives the worst distance of the tool from where it should
-/// be at that moment [m].
+/// Runs to the end of the path. Returns the greatest distance of the tool from its reference [m].
 #[track_caller]
 fn finish(rig: &mut Rig) -> f64 {
     let mut worst = 0.0_f64;
@@ -60,7 +59,7 @@ fn a_polygon_of_many_short_lines_flows_through_the_queue() {
     assert!(taken < 2.0, "{taken} s");
 }
 
-/// The queue is as full as can be and still holds less path than a stop takes.
+/// The queue is full and holds less path than a stop needs.
 #[test]
 fn a_circle_of_lines_of_a_twentieth_of_a_millimetre_is_drawn_to_its_end() {
     let mut rig = Rig::armed(&settings());
@@ -83,7 +82,7 @@ fn a_circle_of_lines_of_a_twentieth_of_a_millimetre_is_drawn_to_its_end() {
     assert!(worst < 3e-5, "{worst} m");
 }
 
-/// Of lines that short, four segments end at rest, or are over before a stop would be.
+/// Four segments of lines that short end at rest, or are shorter than a stop.
 #[test]
 fn lines_of_hundredths_of_a_millimetre_do_not_outrun_the_planner() {
     for at_once in [true, false] {
@@ -110,7 +109,7 @@ proptest! {
     })]
 
     /// Lines from a micrometre to a centimetre, at corners of any angle, handed over at once
-    /// or by and by: none is too short for the planner, and the arm is where it should be.
+    /// or one by one: none is too short for the planner, and the arm follows its reference.
     #[test]
     fn lines_of_any_length_follow_each_other(
         lines in prop::collection::vec(
@@ -141,10 +140,10 @@ proptest! {
     }
 }
 
-/// The tick comes before all else: on a board it falls between any two of the planner's looks
-/// at the controller.
+/// The tick has priority: on a board it can run between any two of the planner's accesses to the
+/// controller.
 #[test]
-fn ticks_between_the_pieces_of_a_move_find_nothing_amiss() {
+fn ticks_between_the_segments_of_a_move_raise_no_fault() {
     // From rest, in the last of a move before, and in all that lies between.
     for ticks in (0..3_000).step_by(50) {
         let mut rig = Rig::armed(&settings());
@@ -209,7 +208,7 @@ fn lines_arcs_dwells_and_joint_moves_follow_each_other() {
 }
 
 #[test]
-fn what_cannot_be_done_is_refused_with_reason_and_place() {
+fn a_move_that_cannot_be_done_is_refused_with_reason_and_point() {
     let mut rig = Rig::armed(&settings());
     let [x, y] = rig.held();
     let error = rig
@@ -290,7 +289,7 @@ fn what_cannot_be_done_is_refused_with_reason_and_place() {
             MoveErrorKind::Number
         );
     }
-    // Nothing of all that has moved the arm or the end of the queue.
+    // None of that has moved the arm or the end of the queue.
     rig.run(100);
     assert_eq!(rig.controller.state(), State::Armed);
     rig.push(
@@ -306,7 +305,7 @@ fn what_cannot_be_done_is_refused_with_reason_and_place() {
 }
 
 #[test]
-fn a_move_that_asks_for_too_much_speed_is_slowed_and_says_so() {
+fn a_move_that_asks_for_too_much_speed_is_slowed_and_reported() {
     let mut rig = Rig::armed(&settings());
     let [x, y] = rig.held();
     rig.push(
@@ -375,7 +374,7 @@ fn moves_are_taken_only_by_an_armed_arm() {
 }
 
 #[test]
-fn a_disarmed_arm_forgets_its_queue() {
+fn a_disarmed_arm_drops_its_queue() {
     let mut rig = Rig::armed(&settings());
     let [x, y] = rig.held();
     rig.push(

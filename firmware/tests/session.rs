@@ -31,7 +31,7 @@ fn refused(reply: &Reply) -> Option<CommandError> {
 }
 
 #[test]
-fn before_a_hello_only_an_emergency_stop_is_obeyed() {
+fn before_a_hello_only_an_emergency_stop_is_executed() {
     let mut desk = Desk::new();
     for command in [
         HostCommand::Status,
@@ -47,7 +47,7 @@ fn before_a_hello_only_an_emergency_stop_is_obeyed() {
 }
 
 #[test]
-fn another_version_is_told_ours_and_disturbs_nothing() {
+fn a_host_of_another_version_gets_ours_and_changes_nothing() {
     let mut desk = Desk::greeted();
     let stranger = HostCommand::Hello {
         version: VERSION + 1,
@@ -62,7 +62,7 @@ fn another_version_is_told_ours_and_disturbs_nothing() {
 }
 
 #[test]
-fn an_order_sent_again_is_answered_alike_and_obeyed_once() {
+fn a_repeated_command_gets_the_same_reply_and_is_executed_once() {
     let mut desk = Desk::armed();
     let room = desk.planner.free_slots();
     let next = desk.last.next();
@@ -71,7 +71,7 @@ fn an_order_sent_again_is_answered_alike_and_obeyed_once() {
     assert_eq!(first, again);
     assert_eq!(desk.planner.free_slots(), room - 1);
 
-    // Even a tick is made once.
+    // A tick, too, is run once.
     desk.last = next;
     let before = desk.controller.ticks();
     let next = desk.last.next();
@@ -81,7 +81,7 @@ fn an_order_sent_again_is_answered_alike_and_obeyed_once() {
 }
 
 #[test]
-fn late_orders_are_dropped_and_early_ones_told_what_is_next() {
+fn old_commands_are_dropped_and_early_ones_refused_with_the_next_number() {
     let mut desk = Desk::armed();
     let room = desk.planner.free_slots();
     for behind in 1..20 {
@@ -98,7 +98,7 @@ fn late_orders_are_dropped_and_early_ones_told_what_is_next() {
 }
 
 #[test]
-fn an_emergency_stop_is_obeyed_whatever_its_number() {
+fn an_emergency_stop_is_executed_whatever_its_number() {
     for offset in [0u16, 1, 2, 100, 0x8000, 0xffff] {
         let mut desk = Desk::armed();
         let number = Sequence(desk.last.0.wrapping_add(offset));
@@ -110,7 +110,7 @@ fn an_emergency_stop_is_obeyed_whatever_its_number() {
 }
 
 #[test]
-fn a_hello_sent_again_disturbs_nothing_and_a_new_one_begins_anew() {
+fn a_repeated_hello_changes_nothing_and_a_new_one_begins_a_session() {
     let mut desk = Desk::new();
     let first = desk.ask(HELLO);
     assert_eq!(desk.reply_to(desk.last, HELLO), Some(first));
@@ -205,7 +205,7 @@ fn settings_are_used_when_applied_and_kept_when_saved() {
 }
 
 #[test]
-fn settings_that_make_no_sense_are_refused_whole() {
+fn invalid_settings_are_refused_as_a_whole() {
     let mut desk = Desk::greeted();
     desk.ask(HostCommand::SetSection(Section::Payload(0.02)));
     desk.ask(HostCommand::SetSection(Section::Lengths([f32::NAN; 5])));
@@ -227,7 +227,7 @@ fn settings_are_neither_applied_nor_saved_while_the_bridges_are_on() {
 }
 
 #[test]
-fn nothing_moves_on_settings_that_nobody_gave() {
+fn nothing_moves_on_default_settings() {
     let mut desk = Desk::without_settings();
     desk.tick();
     desk.ask(HostCommand::Request(Request::SetAngles(rig::START)));
@@ -245,7 +245,7 @@ fn nothing_moves_on_settings_that_nobody_gave() {
     assert_eq!(desk.ask(HostCommand::Request(Request::Arm)), Reply::Done);
 }
 
-/// A square of four lines around where the arm stands, over and over.
+/// Lines around a square at the arm's position, again and again.
 fn line(desk: &Desk, tag: u32) -> HostCommand {
     let [x, y] = desk.start;
     let to = match tag % 4 {

@@ -1,4 +1,4 @@
-//! Settings in flash survive whatever the power does.
+//! Settings in flash survive power cuts.
 
 mod nor;
 
@@ -31,7 +31,7 @@ fn save(flash: &mut Nor, number: u16) -> Result<(), StorageError> {
     storage(flash).save(&settings(number))
 }
 
-/// Every way in which the last operation may be torn.
+/// Every way in which the last operation may be interrupted.
 const CUTS: [Cut; 5] = [
     Cut::Before,
     Cut::Torn(0x0000_ffff),
@@ -77,7 +77,7 @@ fn assert_old_or_new(flash: &mut Nor, number: u16, is_new: &Tally, what: &str) {
 
 #[test]
 fn settings_are_old_or_new_after_a_power_cut_at_every_operation() {
-    // Enough to fill all sectors and come round again.
+    // Enough to use all sectors twice.
     let history = history(60);
     // A save that changes sectors copies the settings and writes them.
     let changes_sector = |flash: &Nor| flash.operations > history[4].operations * 2;
@@ -140,7 +140,7 @@ fn a_range_of_less_than_four_sectors_is_refused() {
 }
 
 #[test]
-fn an_item_that_a_save_brings_to_light_does_not_pass_for_the_one_saved() {
+fn a_hidden_item_that_a_save_uncovers_is_not_taken_for_the_one_saved() {
     // Hides item 16, and damages the half of item 15 behind it; saving after that is number
     // 16 once more.
     let mut flash = history(16).pop().expect("16 saves");

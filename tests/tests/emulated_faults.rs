@@ -1,5 +1,5 @@
 //! Every fault injected by `docs/faults.md` that applies to it, on the emulated Cortex-M4F; each
-//! of its answers has the bits of a controller in this process that is told the same.
+//! reply has the bits of a controller in this process that gets the same commands.
 
 mod bench;
 mod injected_faults;

@@ -21,7 +21,7 @@ impl Drop for End<'_> {
     }
 }
 
-/// Carries bytes between a pseudo-terminal and the board until told to end.
+/// Carries bytes between a pseudo-terminal and the board until `ends` is true.
 fn carry(far: &mut TTYPort, board: &mut Emulator, ends: &AtomicBool) {
     let mut bytes = [0; 512];
     while !ends.load(Ordering::Relaxed) {

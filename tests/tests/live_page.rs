@@ -27,8 +27,8 @@ struct Until<T> {
 impl<T: Send + 'static> Until<T> {
     fn start(body: impl FnOnce(Arc<AtomicBool>) -> T + Send + 'static) -> Self {
         let ends = Arc::new(AtomicBool::new(false));
-        let told = Arc::clone(&ends);
-        let thread = Some(std::thread::spawn(move || body(told)));
+        let end = Arc::clone(&ends);
+        let thread = Some(std::thread::spawn(move || body(end)));
         Self { ends, thread }
     }
 

@@ -42,16 +42,16 @@ fn every_expected_figure_of_26_mechanisms() {
 
 /// Every twist of every case turned, shifted and scaled as its mechanism would be.
 fn displaced(turn: [f64; 3], shift: [f64; 3], scale: f64) -> Value {
-    fn walk(value: &mut Value, change: &dyn Fn(&mut Vec<Value>)) {
+    fn visit(value: &mut Value, change: &dyn Fn(&mut Vec<Value>)) {
         match value {
             Value::Array(items) if items.len() == 6 && items.iter().all(Value::is_number) => {
                 change(items);
             }
-            Value::Array(items) => items.iter_mut().for_each(|item| walk(item, change)),
+            Value::Array(items) => items.iter_mut().for_each(|item| visit(item, change)),
             Value::Object(map) => map
                 .iter_mut()
                 .filter(|(key, _)| *key == "limbs" || *key == "joints" || *key == "twists")
-                .for_each(|(_, item)| walk(item, change)),
+                .for_each(|(_, item)| visit(item, change)),
             _ => {}
         }
     }
@@ -68,7 +68,7 @@ fn displaced(turn: [f64; 3], shift: [f64; 3], scale: f64) -> Value {
     let mut cases = cases();
     for kind in ["parallel", "graph"] {
         for case in cases[kind].as_array_mut().unwrap() {
-            walk(case, &change);
+            visit(case, &change);
         }
     }
     cases

@@ -3,7 +3,7 @@
 //!
 //! A *branch* is a working mode together with an assembly mode. In one working mode a
 //! position has at most one pose, so the two assembly modes divide the reach between them;
-//! the border is the type 2 singularity. All four working modes have the same reach if the
+//! the boundary is the type 2 singularity. All four working modes have the same reach if the
 //! tool is at C.
 //!
 //! ```

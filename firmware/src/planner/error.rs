@@ -109,7 +109,7 @@ impl From<ConstraintViolation> for MoveErrorKind {
                 Self::JointLimit(number(joint))
             }
             ConstraintViolation::Torque(joint) => Self::Torque(number(joint)),
-            // A constraint that has no reason of its own yet.
+            // A violation that this version of the protocol does not distinguish.
             _ => Self::Unreachable,
         }
     }

@@ -1,4 +1,4 @@
-//! NOR flash with a power supply that fails when told to.
+//! NOR flash with a power supply that fails at a chosen operation.
 
 #![allow(dead_code, reason = "each test file uses its own part")]
 

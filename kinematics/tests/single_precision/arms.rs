@@ -12,7 +12,7 @@ use proptest::prelude::*;
 /// the sum s of the links' lengths n and f, as |BT| is rounded to 3 ε, and 4 ε for the rest:
 /// 146 ε for links that differ by a factor of up to 1.8. Out of reach, a position is given
 /// up to 16 ε s beyond it, and three roundings by ε s: that is sin² = −38 ε s²/(n f), or −166 ε.
-pub(crate) const BORDER: f64 = 3.2e-3;
+pub(crate) const BOUNDARY: f64 = 3.2e-3;
 
 /// The benchtop arm's lengths [m].
 pub(crate) const BENCHTOP: [f32; 5] = [0.1, 0.16, 0.16, 0.1, 0.08];
@@ -27,9 +27,9 @@ pub(crate) struct Arms {
 /// What the exact lengths say of a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Verdict {
-    /// Both legs reach it, bent by more than [`BORDER`].
+    /// Both legs reach it, bent by more than [`BOUNDARY`].
     Reached,
-    /// A leg is nearer to its border than that.
+    /// A leg is nearer to its boundary than that.
     Border,
     /// A leg does not reach it by far.
     Beyond,
@@ -96,7 +96,7 @@ impl Arms {
 
     /// Of the point `c`, the tool being at C.
     pub(crate) fn verdict(&self, c: Vector2<f64>) -> Verdict {
-        let margin = BORDER * BORDER;
+        let margin = BOUNDARY * BOUNDARY;
         let sines = self.legs(c, c).each_ref().map(Leg::sine_squared);
         if sines.iter().any(|&it| it.abs() <= margin) {
             Verdict::Border

@@ -1,5 +1,5 @@
 //! Single precision refuses what double precision refuses, and for the same reason, but for
-//! points nearer to the border of reach than it can tell.
+//! points nearer to the boundary of reach than it can tell.
 
 use crate::arms::{Arms, Verdict, arms, narrow, wide};
 use fivebar_kinematics::PlanarVector;

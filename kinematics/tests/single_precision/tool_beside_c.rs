@@ -6,7 +6,7 @@
 //! δ = |w| (l1 δθ1/r + 8 ε) + ε |C|, which turns link 4 by δ/(l4 |sin4|). Of 2e7 random arms
 //! none erred by more than two thirds of the bound for joint 4.
 
-use crate::arms::{Arms, BENCHTOP, BORDER, Leg, end_of, lengths, narrow, single, wide};
+use crate::arms::{Arms, BENCHTOP, BOUNDARY, Leg, end_of, lengths, narrow, single, wide};
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::WorkingMode;
 use fivebar_testkit::{Tally, mode, turned};
@@ -26,13 +26,13 @@ struct Case {
 }
 
 impl Case {
-    /// None where `f64` says that leg 1 is nearer to its border than [`BORDER`], or leg 4
+    /// None where `f64` says that leg 1 is nearer to its boundary than [`BOUNDARY`], or leg 4
     /// nearer than that and the displacement of C allow.
     fn new(arms: Arms, t: Vector2<f32>, mode: WorkingMode) -> Option<Self> {
         let c = arms.double.inverse(wide(t), mode).ok()?.c;
         let case = Self { arms, t, mode, c };
         let [leg1, leg4] = arms.legs(wide(t), c);
-        let margin = BORDER * BORDER;
+        let margin = BOUNDARY * BOUNDARY;
         // The sine's square changes by up to 2 s/(n f) with |EC|.
         let geometry = arms.double.geometry();
         let (near, far) = (geometry.l4(), geometry.l3());

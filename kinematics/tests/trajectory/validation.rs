@@ -10,7 +10,7 @@ use fivebar_testkit::{Tally, side};
 use proptest::prelude::*;
 
 const MARGIN: f64 = 0.08;
-/// What the walk keeps to spare, as its module states.
+/// What the check of a path keeps to spare, as its module states.
 const SPARE_SHARE: f64 = 0.01;
 const SPARE_ANGLE: f64 = 0.001;
 const SAMPLES: u32 = 2000;
@@ -25,7 +25,7 @@ const BARELY: Keep = Keep {
     margin: MARGIN,
     angle: 0.0,
 };
-// What the walk spares, and rounding.
+// What the check keeps to spare, and rounding.
 const SPARED: Keep = Keep {
     margin: MARGIN * (1.0 + SPARE_SHARE) + 1e-9,
     angle: SPARE_ANGLE + 1e-9,

@@ -86,9 +86,9 @@ fn between(from: Vector2<f64>, to: Vector2<f64>) -> f64 {
 }
 
 /// The attributes of a driven joint: name, armature, damping and friction loss.
-type Driven = [(&'static str, String); 4];
+type JointAttributes = [(&'static str, String); 4];
 
-fn driven(robot: &Robot, index: usize) -> Result<Driven, ExportError> {
+fn driven(robot: &Robot, index: usize) -> Result<JointAttributes, ExportError> {
     let friction = robot
         .actuators
         .map(|a| (a[index].viscous_friction, a[index].coulomb_friction));
@@ -108,7 +108,7 @@ fn leg(
     xml: &mut Xml,
     [near, far]: [&NamedLink; 2],
     base: f64,
-    driven: &Driven,
+    driven: &JointAttributes,
     elbow: &str,
     sites: &[(&str, [f64; 2])],
 ) -> io::Result<()> {

@@ -51,7 +51,7 @@ impl Guard {
     ///
     /// # Errors
     /// The status and the reason to answer with.
-    pub(super) fn admit(
+    pub(super) fn authorize(
         &self,
         uri: &Uri,
         headers: &HeaderMap,
@@ -137,7 +137,10 @@ mod tests {
             headers.insert(header::ORIGIN, HeaderValue::from_str(origin).unwrap());
         }
         let uri: Uri = uri.parse().unwrap();
-        guard.admit(&uri, &headers).err().map(|(status, _)| status)
+        guard
+            .authorize(&uri, &headers)
+            .err()
+            .map(|(status, _)| status)
     }
 
     #[test]
@@ -196,25 +199,28 @@ mod tests {
     fn the_token_becomes_a_cookie_that_is_valid_for_this_port_only() {
         let guard = Guard::with_new_token().unwrap();
         let token = guard.token().unwrap();
-        let admit = |uri: &str, host: &str, cookie: &str| {
+        let authorize = |uri: &str, host: &str, cookie: &str| {
             let mut headers = HeaderMap::new();
             headers.insert(header::HOST, HeaderValue::from_str(host).unwrap());
             headers.insert(header::COOKIE, HeaderValue::from_str(cookie).unwrap());
-            guard.admit(&uri.parse().unwrap(), &headers)
+            guard.authorize(&uri.parse().unwrap(), &headers)
         };
         let (here, there) = ("192.168.0.7:8080", "192.168.0.7:8081");
-        let Ok(Admission::SetCookie { cookie }) = admit(&format!("/?token={token}"), here, "")
+        let Ok(Admission::SetCookie { cookie }) = authorize(&format!("/?token={token}"), here, "")
         else {
             panic!("the token is right");
         };
         let (pair, attributes) = cookie.split_once("; ").unwrap();
         assert!(attributes.contains("HttpOnly") && attributes.contains("SameSite=Lax"));
         let among_others = format!("a=b; {pair}");
-        assert_eq!(admit("/live", here, &among_others), Ok(Admission::Serve));
+        assert_eq!(
+            authorize("/live", here, &among_others),
+            Ok(Admission::Serve)
+        );
         assert!(
-            admit("/live", there, pair).is_err(),
+            authorize("/live", there, pair).is_err(),
             "another server's cookie"
         );
-        assert!(admit("/live", here, &pair[..pair.len() - 1]).is_err());
+        assert!(authorize("/live", here, &pair[..pair.len() - 1]).is_err());
     }
 }

@@ -112,11 +112,11 @@ fn router(site: Site) -> Router {
     router
         .route("/live", get(live))
         .with_state(pages)
-        .layer(middleware::from_fn_with_state(Arc::new(guard), admit))
+        .layer(middleware::from_fn_with_state(Arc::new(guard), authorize))
 }
 
-async fn admit(State(guard): State<Arc<Guard>>, request: Request, next: Next) -> Response {
-    let mut response = match guard.admit(request.uri(), request.headers()) {
+async fn authorize(State(guard): State<Arc<Guard>>, request: Request, next: Next) -> Response {
+    let mut response = match guard.authorize(request.uri(), request.headers()) {
         Ok(Admission::Serve) => next.run(request).await,
         Ok(Admission::SetCookie { cookie }) => {
             let headers = [(header::LOCATION, "/".into()), (header::SET_COOKIE, cookie)];
