@@ -8,6 +8,20 @@ use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
 /// What a host can ask of the controller, besides moves.
+///
+/// ```
+/// use fivebar_firmware::controller::{Request, RequestError};
+/// use fivebar_firmware::safety::State;
+/// use fivebar_firmware::{Controller, Settings};
+///
+/// let mut controller = Controller::new(&Settings::BENCHTOP.check()?);
+/// // An arm that does not know its joint angles is not armed.
+/// assert_eq!(controller.request(Request::Arm), Err(RequestError::NotHomed));
+/// controller.request(Request::SetAngles([2.2, 0.9]))?; // rad
+/// controller.request(Request::Arm)?;
+/// assert_eq!(controller.state(), State::Armed);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Request {

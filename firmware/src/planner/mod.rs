@@ -45,6 +45,24 @@ const SLOWED: usize = PLANNED_SEGMENTS + QUEUED_SEGMENTS;
 const TORQUE_SHARE: f32 = 0.8;
 
 /// The queue of moves and its look-ahead.
+///
+/// ```
+/// use fivebar_firmware::controller::Request;
+/// use fivebar_firmware::planner::MoveErrorKind;
+/// use fivebar_firmware::{Controller, Move, MoveKind, Planner, Settings};
+///
+/// let settings = Settings::BENCHTOP.check()?;
+/// let (mut controller, mut planner) = (Controller::new(&settings), Planner::new(&settings));
+/// controller.request(Request::SetAngles([2.2, 0.9]))?; // rad
+/// controller.request(Request::Arm)?;
+///
+/// let line = |to| Move { tag: 1, kind: MoveKind::Line { to, feed: 0.1 } }; // m, m/s
+/// planner.push(&mut controller, &line([0.05, 0.19]))?;
+/// // On the way to a point out of reach, leg 1 becomes too straight.
+/// let refused = planner.push(&mut controller, &line([0.05, 0.50])).unwrap_err();
+/// assert_eq!(refused.kind, MoveErrorKind::LegSingularity(1));
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 pub struct Planner {
     /// The envelope of the arm, with the working mode at the end of the queue.
     envelope: Envelope<f32>,

@@ -19,6 +19,22 @@ pub struct LinkCounts {
 
 /// Reads messages `M` from a stream of bytes. Frames without a valid message are dropped and
 /// counted; reading goes on at the next delimiter.
+///
+/// ```
+/// use fivebar_firmware::protocol::{Decoder, HostCommand, HostMessage, Sequence, encode};
+///
+/// let message = HostMessage { sequence: Sequence(7), command: HostCommand::Status };
+/// let mut bytes = encode(&message).ok_or("too long")?;
+/// let mut decoder = Decoder::<HostMessage>::new();
+/// let received: Vec<_> = bytes.iter().filter_map(|&byte| decoder.feed(byte)).collect();
+/// assert_eq!(received, [Ok(message)]);
+///
+/// // A damaged frame is dropped and counted.
+/// bytes[3] ^= 0x10;
+/// assert!(bytes.iter().filter_map(|&byte| decoder.feed(byte)).all(|frame| frame.is_err()));
+/// assert_eq!(decoder.counts().received, 1);
+/// # Ok::<(), &str>(())
+/// ```
 #[derive(Debug)]
 pub struct Decoder<M> {
     stuffing: DecoderState,

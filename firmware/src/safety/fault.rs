@@ -5,6 +5,15 @@ use serde::{Deserialize, Serialize};
 
 /// A fault. It stays latched until a host clears it. The numbers are stable, because they are
 /// sent, logged and looked up.
+///
+/// ```
+/// use fivebar_firmware::safety::Fault;
+///
+/// // The numbers are part of the protocol.
+/// assert_eq!(Fault::EmergencyStop.number(), 10);
+/// assert_eq!(Fault::try_from(3_u8), Ok(Fault::FollowingError));
+/// assert!(Fault::try_from(200_u8).is_err());
+/// ```
 #[derive(
     Clone, Copy, Debug, PartialEq, Eq, Hash, IntoPrimitive, TryFromPrimitive, Serialize, Deserialize,
 )]

@@ -3,6 +3,18 @@
 use serde::{Deserialize, Serialize};
 
 /// What the controller is doing.
+///
+/// ```
+/// use fivebar_firmware::safety::{Event, State};
+///
+/// // A stopped arm is armed, follows a path, and holds at its end.
+/// assert_eq!(State::Stopped.after(Event::Arm), Some(State::Armed));
+/// assert_eq!(State::Armed.after(Event::Begin), Some(State::Running));
+/// assert_eq!(State::Running.after(Event::Finish), Some(State::Armed));
+/// // A latched fault is left only by an explicit clear.
+/// assert_eq!(State::Fault.after(Event::Arm), None);
+/// assert_eq!(State::Fault.after(Event::Clear), Some(State::Stopped));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum State {

@@ -38,6 +38,18 @@ pub struct Placement {
 }
 
 /// A job, read and placed.
+///
+/// ```
+/// use fivebar::input::job::{Action, Job, Placement};
+///
+/// let placement = Placement { origin: [0.04, 0.18], scale: 1.0, home: [0.04, 0.18] }; // m
+/// let job = Job::parse("G21 G90 F600\nG0 X0 Y0\nG1 X10 Y0\n", &placement)?;
+/// let Some(Action::Line { to, feed }) = job.steps.last().map(|step| step.action) else {
+///     panic!("the last step is a line");
+/// };
+/// assert!((to[0] - 0.05).abs() < 1e-12 && (feed.unwrap_or(0.0) - 0.01).abs() < 1e-12); // m, m/s
+/// # Ok::<(), fivebar::input::job::JobError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Job {
     /// The steps, in order.

@@ -29,6 +29,16 @@ pub struct Series {
 }
 
 /// Series over two labelled axes.
+///
+/// ```
+/// use fivebar::show::report::{Chart, Page};
+///
+/// let sine = |turns: f64| (1e-2 * turns, (std::f64::consts::TAU * turns).sin());
+/// let points = (0..=100).map(|i| sine(0.01 * f64::from(i)).into()).collect();
+/// let chart = Chart::new("Torque", "time [s]", "torque [N·m]").line("joint 1", points);
+/// let mut page = Page::new("A turn");
+/// assert!(page.chart(&chart).render().contains("<svg"));
+/// ```
 #[derive(Clone, Debug)]
 pub struct Chart {
     /// Title.
