@@ -1,0 +1,248 @@
+//! The simulated arm on the chip's pins: bridges, encoders, sensors, switches, buttons.
+
+use crate::peripherals::adc::SampleWindow;
+use crate::peripherals::gpio::Pin;
+use crate::peripherals::tim1::Output;
+use crate::time::{MICROSECOND, NEVER, SECOND, Time};
+use crate::wiring::{Outputs, Wiring};
+use fivebar::input::scenario::FaultKind;
+use fivebar::run::plant::Plant;
+use fivebar_firmware::{ActuatorCommand, SensorSample};
+use std::cell::{RefCell, RefMut};
+use std::rc::Rc;
+
+const STOP: Pin = Pin(1, 12);
+const HOME: [Pin; 2] = [Pin(2, 4), Pin(2, 5)];
+const BRIDGE_FAULT: [Pin; 2] = [Pin(1, 0), Pin(1, 1)];
+/// The serial line's input idles high.
+const SERIAL_IN: Pin = Pin(1, 7);
+/// Inputs of the converters.
+const CURRENT: [u8; 2] = [10, 11];
+const BUS: u8 = 12;
+/// Samples are no older than this.
+const FRESH: Time = 20 * MICROSECOND;
+/// How far a sample is off that is taken while its bridge switches [codes].
+const RINGING: u16 = 400;
+
+/// The arm and its electronics.
+pub struct Arm {
+    plant: Plant,
+    outputs: Outputs,
+    /// What the bridges do now.
+    acting: ActuatorCommand,
+    at: Time,
+    sample: SensorSample,
+    sampled_at: Time,
+    /// Time that a bridge needs to wake, during which its fault output is low.
+    wake: Time,
+    awake_at: [Time; 2],
+    stop_pressed: bool,
+    /// Levels that last so long on an encoder's inputs count once too often.
+    glitch: [Time; 2],
+    /// Contacts of the home switches that chatter: they read as pressed once.
+    chatter: [bool; 2],
+    /// Samples that were taken while their bridge switched.
+    pub samples_on_edges: u64,
+    /// Changes of what the bridges do, with their times.
+    pub history: Vec<(Time, ActuatorCommand)>,
+}
+
+impl Arm {
+    /// An arm at rest. `wake` is the time that a bridge needs to wake.
+    pub fn new(mut plant: Plant, wake: Time) -> Self {
+        let acting = ActuatorCommand {
+            brake: true,
+            ..ActuatorCommand::default()
+        };
+        let sample = plant.sense();
+        Self {
+            plant,
+            outputs: Outputs::RELEASED,
+            acting,
+            at: 0,
+            sample,
+            sampled_at: 0,
+            wake,
+            awake_at: [NEVER; 2],
+            stop_pressed: false,
+            glitch: [0; 2],
+            chatter: [false; 2],
+            samples_on_edges: 0,
+            history: Vec::new(),
+        }
+    }
+
+    /// The plant itself.
+    pub fn plant(&self) -> &Plant {
+        &self.plant
+    }
+
+    /// What the bridges do now.
+    pub fn acting(&self) -> &ActuatorCommand {
+        &self.acting
+    }
+
+    /// The last samples.
+    pub fn sample_now(&self) -> &SensorSample {
+        &self.sample
+    }
+
+    /// Injects a fault of the arm.
+    pub fn inject(&mut self, fault: FaultKind) {
+        self.plant.inject(fault);
+        self.sample = self.plant.sense();
+    }
+
+    /// Presses or releases the emergency stop.
+    pub fn press_stop(&mut self, pressed: bool) {
+        self.stop_pressed = pressed;
+    }
+
+    /// Disturbs an encoder: an edge that lasts this long.
+    pub fn disturb_encoder(&mut self, joint: usize, length: Time) {
+        self.glitch[joint] = length;
+    }
+
+    /// Lets a home switch read as pressed at the next sample only.
+    pub fn chatter(&mut self, joint: usize) {
+        self.chatter[joint] = true;
+    }
+
+    /// Moves the arm on to a time, from which the bridges do `next`.
+    fn advance(&mut self, now: Time, next: ActuatorCommand) {
+        let passed = now.saturating_sub(self.at) as f64 / SECOND as f64;
+        self.at = self.at.max(now);
+        // The plant applies the command before this one for the time that has passed.
+        self.plant.step(&next, passed);
+        if next != self.acting {
+            self.history.push((now, next));
+        }
+        self.acting = next;
+    }
+
+    fn acts(&self, now: Time) -> ActuatorCommand {
+        let share = |output: Output| match output {
+            // 100 kΩ pull the inputs low.
+            Output::Released => 0.0,
+            Output::Idle(level) => f32::from(u8::from(level)),
+            Output::Pwm { high, period } => high as f32 / period as f32,
+        };
+        let inputs = self.outputs.pwm.map(share);
+        let bridges = [[inputs[0], inputs[1]], [inputs[2], inputs[3]]];
+        ActuatorCommand {
+            duty: bridges.map(|[in1, in2]| in1 - in2),
+            enable: [0, 1].map(|j| {
+                let [in1, in2] = bridges[j];
+                self.awake_at[j] <= now && (in1 > 0.0 || in2 > 0.0)
+            }),
+            brake: self.outputs.brake != Some(true),
+        }
+    }
+
+    fn refresh(&mut self, now: Time) {
+        let acts = self.acts(now);
+        self.advance(now, acts);
+        self.sample = self.plant.sense();
+        self.sampled_at = now;
+    }
+
+    fn is_waking(&self, now: Time, joint: usize) -> bool {
+        self.awake_at[joint] != NEVER && self.awake_at[joint] > now
+    }
+}
+
+/// The arm as the chip and a test share it.
+#[derive(Clone)]
+pub struct SharedArm(Rc<RefCell<Arm>>);
+
+impl SharedArm {
+    /// Shares an arm.
+    pub fn new(arm: Arm) -> Self {
+        Self(Rc::new(RefCell::new(arm)))
+    }
+
+    /// The arm, while the chip does not run.
+    pub fn get(&self) -> RefMut<'_, Arm> {
+        self.0.borrow_mut()
+    }
+}
+
+impl Wiring for SharedArm {
+    fn drive(&mut self, now: Time, outputs: &Outputs) {
+        let arm = &mut *self.get();
+        for joint in 0..2 {
+            // 100 kΩ keep a bridge asleep whose pin nothing drives.
+            let wakes = outputs.sleep[joint] == Some(true);
+            if !wakes {
+                arm.awake_at[joint] = NEVER;
+            } else if arm.awake_at[joint] == NEVER {
+                arm.awake_at[joint] = now + arm.wake;
+            }
+        }
+        arm.outputs = *outputs;
+        let acts = arm.acts(now);
+        arm.advance(now, acts);
+    }
+
+    fn level(&mut self, now: Time, pin: Pin) -> Option<bool> {
+        let arm = &mut *self.get();
+        if now >= arm.sampled_at + 10 * FRESH {
+            arm.refresh(now);
+        }
+        if pin == STOP {
+            return Some(arm.stop_pressed || arm.sample.emergency_stop);
+        }
+        for joint in 0..2 {
+            if pin == HOME[joint] {
+                return Some(arm.sample.home[joint] || std::mem::take(&mut arm.chatter[joint]));
+            }
+            if pin == BRIDGE_FAULT[joint] {
+                // An open drain: the pull-up makes it high.
+                let low = arm.sample.driver_fault[joint] || arm.is_waking(now, joint);
+                return low.then_some(false);
+            }
+        }
+        (pin == SERIAL_IN).then_some(true)
+    }
+
+    fn encoder(&mut self, _: Time, joint: usize, filter: Time) -> i32 {
+        let arm = &mut *self.get();
+        let disturbed = std::mem::take(&mut arm.glitch[joint]) > filter;
+        arm.sample.counts[joint].wrapping_add(i32::from(disturbed))
+    }
+
+    fn sample(&mut self, window: &SampleWindow, switching: [bool; 2]) -> u16 {
+        let arm = &mut *self.get();
+        if window.from >= arm.sampled_at + FRESH {
+            arm.refresh(window.from);
+        }
+        for joint in 0..2 {
+            if window.channel == CURRENT[joint] {
+                let on_edge = switching[joint] && arm.acting.enable[joint];
+                arm.samples_on_edges += u64::from(on_edge);
+                let error = if on_edge { RINGING } else { 0 };
+                return arm.sample.current[joint] + error;
+            }
+        }
+        if window.channel == BUS {
+            arm.sample.bus_voltage
+        } else {
+            0
+        }
+    }
+
+    fn due(&self) -> Time {
+        // The bridges wake by themselves.
+        let arm = self.0.borrow();
+        let waking = (0..2)
+            .filter(|&j| arm.is_waking(arm.at, j))
+            .map(|j| arm.awake_at[j]);
+        waking.min().unwrap_or(NEVER)
+    }
+
+    fn advance(&mut self, now: Time) {
+        let arm = &mut *self.get();
+        let acts = arm.acts(now);
+        arm.advance(now, acts);
+    }
+}

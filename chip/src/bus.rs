@@ -1,0 +1,71 @@
+//! Which unit is at which address, and whether its clock runs.
+
+use crate::mcu::Mcu;
+use crate::violation::{Access, Violation};
+
+/// A unit with registers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Unit {
+    Rcc,
+    Flash,
+    Tim1,
+    /// TIM5 (joint 0, the arm's joint 1) and TIM2 (joint 1, the arm's joint 4).
+    Encoder(usize),
+    Adc,
+    Dma2,
+    Usart1,
+    Iwdg,
+    Pwr,
+    Gpio(u8),
+    /// NVIC, SCB, SysTick.
+    Scs,
+    Dwt,
+}
+
+/// Where the units are: first address, size, unit, and the bus and bit of its clock.
+const MAP: [(u32, u32, Unit, Option<(usize, u32)>); 13] = [
+    (0x4000_0000, 0x400, Unit::Encoder(1), Some((3, 0))),
+    (0x4000_0c00, 0x400, Unit::Encoder(0), Some((3, 3))),
+    (0x4000_3000, 0x400, Unit::Iwdg, None),
+    (0x4000_7000, 0x400, Unit::Pwr, Some((3, 28))),
+    (0x4001_0000, 0x400, Unit::Tim1, Some((4, 0))),
+    (0x4001_1000, 0x400, Unit::Usart1, Some((4, 4))),
+    (0x4001_2000, 0x400, Unit::Adc, Some((4, 8))),
+    (0x4002_0000, 0x2400, Unit::Gpio(0), Some((0, 0))),
+    (0x4002_3800, 0x400, Unit::Rcc, None),
+    (0x4002_3c00, 0x400, Unit::Flash, None),
+    (0x4002_6400, 0x400, Unit::Dma2, Some((0, 22))),
+    (0xe000_1000, 0x1000, Unit::Dwt, None),
+    (0xe000_e000, 0x1000, Unit::Scs, None),
+];
+
+/// The unit at an address, and the offset in it; `written` is the value, for the report.
+pub(crate) fn locate(mcu: &Mcu, address: u32, written: Option<u32>) -> Access<(Unit, u32)> {
+    let violation = |rule: &str| Violation {
+        register: format!("{address:#010x}"),
+        written,
+        rule: rule.to_owned(),
+    };
+    let found = MAP
+        .iter()
+        .find(|(start, size, ..)| (*start..start + size).contains(&address));
+    let Some(&(start, _, unit, gate)) = found else {
+        return Err(violation("no simulated unit has this address"));
+    };
+    let offset = address - start;
+    let (unit, offset, gate) = match unit {
+        Unit::Gpio(_) => {
+            let port = offset / 0x400;
+            (Unit::Gpio(port as u8), offset % 0x400, Some((0, port)))
+        }
+        // ADC1 to ADC3 have gates of their own.
+        Unit::Adc if offset < 0x300 => (unit, offset, Some((4, 8 + offset / 0x100))),
+        _ => (unit, offset, gate),
+    };
+    match gate {
+        Some((bus, bit)) if !mcu.rcc.is_clocked(bus, bit) => Err(violation(&format!(
+            "{unit:?} has no clock, or is held in reset"
+        ))),
+        _ => Ok((unit, offset)),
+    }
+}

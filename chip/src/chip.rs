@@ -1,0 +1,303 @@
+//! The chip: the core of the emulator between the peripherals, and the passing of time.
+
+use crate::callbacks::{
+    on_block, on_interrupt, on_invalid_instruction, on_invalid_memory, read_at, read_sectors,
+    write_at, write_sectors,
+};
+use crate::cpu::{Cpu, IdleLoop, Stop};
+use crate::image::{CODE, Image};
+use crate::mcu::{Mcu, Options, RAM};
+use crate::peripherals::flash;
+use crate::peripherals::rcc::ResetCause;
+use crate::time::Time;
+use crate::unicorn::{EXECUTE, EmulatorError, Engine, READ, Reg, WRITE};
+use crate::violation::Violation;
+use crate::wiring::Wiring;
+use std::ffi::c_void;
+use std::fmt;
+use std::ptr::NonNull;
+use std::sync::Arc;
+
+const CCM: u32 = 0x1000_0000;
+/// System memory: the unique identifier and the flash's size are in this page.
+const SYSTEM: u32 = 0x1fff_7000;
+
+/// Why a run ended before its time.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// The broken rule.
+    pub violation: Violation,
+    /// Where the program was: the beginning of the block of code.
+    pub pc: u32,
+    /// The function there.
+    pub function: String,
+    /// The source line there.
+    pub line: String,
+    /// When [s].
+    pub time: f64,
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{} (at {:#x} in {}, {}, after {:.6} s)",
+            self.violation, self.pc, self.function, self.line, self.time
+        )
+    }
+}
+
+impl std::error::Error for Report {}
+
+/// A simulated STM32F405 and what is wired to it.
+pub struct Chip {
+    cpu: NonNull<Cpu>,
+}
+
+impl Chip {
+    /// A chip that is about to get power. `settings` are the contents of its settings'
+    /// sectors, blank if empty.
+    ///
+    /// # Errors
+    /// The emulator cannot be set up.
+    pub fn new(
+        image: Arc<Image>,
+        options: Options,
+        settings: Vec<u8>,
+        wiring: Box<dyn Wiring>,
+    ) -> Result<Self, EmulatorError> {
+        let mut sectors = settings;
+        sectors.resize(flash::SIZE, 0xff);
+        let mut system = vec![0xff; 0x1000].into_boxed_slice();
+        system[0xa10..0xa1c].copy_from_slice(b"\x11\x22\x33fivebar-1");
+        system[0xa22..0xa24].copy_from_slice(&1024_u16.to_le_bytes());
+        let idle = IdleLoop {
+            anchor: image
+                .symbol("Planner$GT$3run")
+                .map(|(address, _)| address & !1),
+            ..IdleLoop::default()
+        };
+        let cpu = Box::new(Cpu {
+            engine: Engine::open()?,
+            mcu: Mcu::new(options, sectors, wiring),
+            code: image.code.clone().into_boxed_slice(),
+            image,
+            ccm: vec![0x5a; 64 * 1024].into_boxed_slice(),
+            system,
+            block: 0,
+            stop: None,
+            limit: 0,
+            deadline: 0,
+            waiting: false,
+            locked_up: false,
+            resets: Vec::new(),
+            blocks: vec![0; crate::image::CODE_SIZE / 2],
+            lowest_stack: u32::MAX,
+            idle,
+        });
+        let cpu = NonNull::from(Box::leak(cpu));
+        let mut chip = Self { cpu };
+        chip.connect()?;
+        chip.cpu_mut().start(ResetCause::Power);
+        Ok(chip)
+    }
+
+    fn connect(&mut self) -> Result<(), EmulatorError> {
+        let data = self.cpu.as_ptr().cast::<c_void>();
+        let cpu = self.cpu_mut();
+        cpu.engine.map(CODE, &mut cpu.code, READ | EXECUTE)?;
+        cpu.engine.map(CCM, &mut cpu.ccm, READ | WRITE)?;
+        cpu.engine.map(SYSTEM, &mut cpu.system, READ)?;
+        cpu.engine
+            .map(RAM, &mut cpu.mcu.ram, READ | WRITE | EXECUTE)?;
+        let engine = &mut cpu.engine;
+        engine.map_registers(
+            0x4000_0000,
+            0x8_0000,
+            read_at::<0x4000_0000>,
+            write_at::<0x4000_0000>,
+            data,
+        )?;
+        engine.map_registers(
+            0x4200_0000,
+            0x200_0000,
+            read_at::<0x4200_0000>,
+            write_at::<0x4200_0000>,
+            data,
+        )?;
+        engine.map_registers(
+            0xe000_0000,
+            0x10_0000,
+            read_at::<0xe000_0000>,
+            write_at::<0xe000_0000>,
+            data,
+        )?;
+        engine.map_registers(flash::START, flash::SIZE, read_sectors, write_sectors, data)?;
+        engine.on_block(on_block, data)?;
+        engine.on_interrupt(on_interrupt, data)?;
+        engine.on_invalid_memory(on_invalid_memory, data)?;
+        engine.on_invalid_instruction(on_invalid_instruction, data)
+    }
+
+    fn cpu(&self) -> &Cpu {
+        // SAFETY: it lives as long as the chip; no callback runs meanwhile.
+        unsafe { self.cpu.as_ref() }
+    }
+
+    fn cpu_mut(&mut self) -> &mut Cpu {
+        // SAFETY: as above.
+        unsafe { self.cpu.as_mut() }
+    }
+
+    /// Time since power-up.
+    pub fn now(&self) -> Time {
+        self.cpu().mcu.now
+    }
+
+    /// Runs for this long.
+    ///
+    /// # Errors
+    /// The first violation.
+    pub fn run(&mut self, time: Time) -> Result<(), Report> {
+        self.run_until(self.now() + time)
+    }
+
+    /// Runs until this time, or at most a block of code longer.
+    ///
+    /// # Errors
+    /// The first violation.
+    pub fn run_until(&mut self, limit: Time) -> Result<(), Report> {
+        while self.step(limit)? {}
+        Ok(())
+    }
+
+    /// Runs to the core's next stop; false at the end.
+    fn step(&mut self, limit: Time) -> Result<bool, Report> {
+        let cpu = self.cpu_mut();
+        cpu.mcu.run_events();
+        if let Some(violation) = cpu.mcu.violation.take() {
+            return Err(cpu.report(violation));
+        }
+        if let Some(cause) = cpu.mcu.reset {
+            cpu.start(cause);
+            return Ok(true);
+        }
+        if cpu.mcu.now >= limit {
+            return Ok(false);
+        }
+        let stalled = cpu.mcu.stalled_until;
+        if stalled > cpu.mcu.now || cpu.locked_up {
+            let until = if cpu.locked_up {
+                limit
+            } else {
+                stalled.min(limit)
+            };
+            cpu.mcu.now = cpu.mcu.due.clamp(cpu.mcu.now, until);
+            return Ok(true);
+        }
+        if std::mem::take(&mut cpu.mcu.bus_error) {
+            cpu.fault();
+            return Ok(true);
+        }
+        cpu.look_for_exceptions();
+        if let Some(exception) = cpu.takeable() {
+            cpu.enter(exception);
+            return Ok(true);
+        }
+        cpu.limit = limit;
+        cpu.stop = None;
+        cpu.deadline = cpu.mcu.due.min(limit);
+        let pc = cpu.engine.get(Reg::PC);
+        let handle = cpu.engine.handle();
+        let outcome = Engine::run(handle, pc);
+        let cpu = self.cpu_mut();
+        match (cpu.stop, outcome) {
+            (Some(Stop::Return), _) => cpu.leave(),
+            (Some(Stop::Fault), _) => cpu.fault(),
+            (_, Ok(())) => {}
+            (_, Err(error)) if cpu.mcu.violation.is_none() => {
+                let violation = Violation {
+                    register: format!("the emulator stops with error {}", error.0),
+                    written: None,
+                    rule: "unexpected".to_owned(),
+                };
+                return Err(cpu.report(violation));
+            }
+            (_, Err(_)) => {}
+        }
+        Ok(true)
+    }
+
+    pub(crate) fn mcu(&mut self) -> &mut Mcu {
+        &mut self.cpu_mut().mcu
+    }
+
+    /// The host sends bytes on the serial line.
+    pub fn send(&mut self, bytes: &[u8]) {
+        let now = self.now();
+        self.mcu().usart.send_to_chip(bytes, now);
+        self.mcu().settle(now);
+    }
+
+    /// Takes the bytes that the host has received, so many at most.
+    pub fn receive(&mut self, most: usize) -> Vec<u8> {
+        let outgoing = &mut self.mcu().usart.outgoing;
+        outgoing.drain(..most.min(outgoing.len())).collect()
+    }
+
+    /// Levels outside have changed: the pins follow at once.
+    pub fn pins_changed(&mut self) {
+        let now = self.now();
+        self.mcu().settle(now);
+    }
+
+    /// The crystal stops.
+    pub fn crystal_fails(&mut self) {
+        self.mcu().crystal_fails();
+    }
+
+    /// Resets the chip from outside.
+    pub fn reset(&mut self, cause: ResetCause) {
+        self.cpu_mut().start(cause);
+    }
+
+    /// The resets so far, the power-up included, with their times.
+    pub fn resets(&self) -> &[(Time, ResetCause)] {
+        &self.cpu().resets
+    }
+
+    /// Whether the core has locked up: a fault within the handler of a fault.
+    pub fn is_locked_up(&self) -> bool {
+        self.cpu().locked_up
+    }
+
+    /// The function that runs.
+    pub fn function(&self) -> &str {
+        let cpu = self.cpu();
+        cpu.image.function(cpu.block).unwrap_or("?")
+    }
+
+    /// Sizes of the blocks of code that ran, by the half-word of the flash where they begin.
+    pub fn blocks(&self) -> &[u16] {
+        &self.cpu().blocks
+    }
+
+    /// Reads a word of the RAM.
+    pub fn ram_word(&self, address: u32) -> Option<u32> {
+        let at = address.checked_sub(RAM)? as usize;
+        let bytes = self.cpu().mcu.ram.get(at..at + 4)?;
+        Some(u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]))
+    }
+
+    /// The settings' sectors.
+    pub fn settings(&self) -> &[u8] {
+        &self.cpu().mcu.flash.sectors
+    }
+}
+
+impl Drop for Chip {
+    fn drop(&mut self) {
+        // SAFETY: it came from a box and is not used again.
+        drop(unsafe { Box::from_raw(self.cpu.as_ptr()) });
+    }
+}

@@ -1,0 +1,200 @@
+//! What happens by itself in the peripherals, and how they act on each other.
+
+use crate::mcu::{Mcu, RAM};
+use crate::nvic::SYS_TICK;
+use crate::peripherals::gpio::{Mode, Pin};
+use crate::peripherals::rcc::ResetCause;
+use crate::peripherals::tim1::Output;
+use crate::time::Time;
+use crate::violation::refuse;
+use crate::wiring::Outputs;
+
+/// The address of USART1's data register, for the DMA.
+const USART1_DR: u32 = 0x4001_1004;
+
+impl Mcu {
+    pub(crate) fn next_due(&self) -> Time {
+        self.rcc
+            .due()
+            .min(self.tim1.due())
+            .min(self.adc.due())
+            .min(self.usart.due())
+            .min(self.iwdg.due())
+            .min(self.time_of_cycle(self.systick.due()))
+            .min(self.wiring.due())
+    }
+
+    /// Lets everything happen that is due by `now`.
+    pub(crate) fn run_events(&mut self) {
+        loop {
+            let at = self.next_due();
+            if at > self.now || self.reset.is_some() {
+                break;
+            }
+            self.dispatch(at);
+            self.settle(at);
+        }
+        self.due = self.next_due();
+    }
+
+    fn dispatch(&mut self, at: Time) {
+        if self.wiring.due() <= at {
+            self.wiring.advance(at);
+        }
+        if self.rcc.due() <= at {
+            self.rcc.advance(at);
+            self.follow_clocks(at);
+        }
+        if self.tim1.due() <= at {
+            let events = self.tim1.advance(at);
+            if events.trigger {
+                self.trigger_converters(at);
+            }
+        }
+        if self.adc.due() <= at {
+            self.adc.advance(at);
+        }
+        if self.usart.due() <= at {
+            let connected = [(1, 6), (1, 7)].map(|(port, pin)| self.is_alternate(port, pin, 7));
+            self.usart.advance(at, connected);
+        }
+        if self.iwdg.due() <= at && self.iwdg.advance(at) {
+            self.reset = Some(ResetCause::Watchdog);
+        }
+        let cycle = self.cycle_at(at);
+        if self.systick.due() <= cycle && self.systick.advance(cycle) {
+            self.nvic.pend(SYS_TICK);
+        }
+    }
+
+    pub(crate) fn trigger_converters(&mut self, at: Time) {
+        let bus = self.bus_period(1);
+        let triggered = self.adc.trigger(at, bus);
+        for (place, window) in self.note(triggered).unwrap_or_default() {
+            let switching = [[0, 1], [2, 3]].map(|bridge| {
+                bridge
+                    .iter()
+                    .any(|&channel| self.tim1.switches(channel, window.from, window.until))
+            });
+            let code = self.wiring.sample(&window, switching);
+            self.adc.store(place, &window, code);
+        }
+    }
+
+    fn is_alternate(&self, port: usize, pin: u8, function: u32) -> bool {
+        self.ports[port].mode(pin) == Mode::Alternate(function)
+    }
+
+    /// The level of a pin; a floating one reads low.
+    pub(crate) fn level(&mut self, at: Time, pin: Pin) -> bool {
+        let port = &self.ports[usize::from(pin.0)];
+        let (driven, pull) = (port.driven(pin.1), port.pull(pin.1));
+        driven
+            .or_else(|| self.wiring.level(at, pin))
+            .or(pull)
+            .unwrap_or(false)
+    }
+
+    /// The levels of a port's pins, as its input register shows them.
+    pub(crate) fn levels(&mut self, port: u8) -> u32 {
+        let now = self.now;
+        (0..16).fold(0, |bits, pin| {
+            let analog = self.ports[usize::from(port)].mode(pin) == Mode::Analog;
+            let level = !analog && self.level(now, Pin(port, pin));
+            bits | u32::from(level) << pin
+        })
+    }
+
+    /// Counts what the encoders have done up to now.
+    pub(crate) fn follow_encoder(&mut self, joint: usize) {
+        // Joint 1 on TIM5 by PA0 and PA1, joint 4 on TIM2 by PA15 and PB3.
+        let (pins, function) = [([(0, 0), (0, 1)], 2), ([(0, 15), (1, 3)], 1)][joint];
+        let connected = pins
+            .iter()
+            .all(|&(port, pin)| self.is_alternate(port, pin, function));
+        let clocks = self.encoders[joint].filter_clocks();
+        let filter = self.core * self.rcc.timer_cycles(0) * u64::from(clocks);
+        let counts = self.wiring.encoder(self.now, joint, filter);
+        self.encoders[joint].follow(counts, connected);
+    }
+
+    fn serve_dma(&mut self, at: Time) {
+        while self.usart.asks_to_store() {
+            let Some(transfer) = self.dma.request(&[2, 5], 4) else {
+                break;
+            };
+            let byte = self.usart.take_data();
+            let place = (transfer.memory - RAM) as usize;
+            match self.ram.get_mut(place) {
+                Some(slot) if transfer.to_memory && transfer.peripheral == USART1_DR => {
+                    *slot = byte;
+                }
+                _ => {
+                    self.note::<()>(refuse(
+                        "DMA2",
+                        transfer.memory,
+                        "not a transfer from USART1",
+                    ));
+                }
+            }
+        }
+        while self.usart.asks_to_load() {
+            let Some(transfer) = self.dma.request(&[7], 4) else {
+                break;
+            };
+            let place = (transfer.memory - RAM) as usize;
+            let byte = self.ram.get(place).copied();
+            let sent = match byte {
+                Some(byte) if !transfer.to_memory && transfer.peripheral == USART1_DR => {
+                    self.usart.put_data(byte, at)
+                }
+                _ => refuse("DMA2", transfer.memory, "not a transfer to USART1"),
+            };
+            if self.note(sent).is_none() {
+                break;
+            }
+        }
+    }
+
+    /// Lets levels, requests and interrupt lines follow what has changed.
+    pub(crate) fn settle(&mut self, at: Time) {
+        let stop = self.is_alternate(1, 12, 1) && self.level(at, Pin(1, 12));
+        self.tim1.set_break(stop, self.rcc.nmi());
+        self.serve_dma(at);
+        let outputs = self.drives();
+        if outputs != self.outputs {
+            self.outputs = outputs;
+            self.wiring.drive(at, &outputs);
+        }
+        let mut lines = 0;
+        for (interrupt, level) in [
+            (4, self.flash.interrupt()),
+            (18, self.adc.interrupt()),
+            (24, self.tim1.break_interrupt()),
+            (25, self.tim1.update_interrupt()),
+            (37, self.usart.interrupt()),
+            (58, self.dma.interrupt(2)),
+            (68, self.dma.interrupt(5)),
+            (70, self.dma.interrupt(7)),
+        ] {
+            lines |= u128::from(level) << interrupt;
+        }
+        self.nvic.set_lines(lines);
+        if self.nvic.reset_requested {
+            self.reset.get_or_insert(ResetCause::Software);
+        }
+        self.due = self.next_due();
+    }
+
+    fn drives(&self) -> Outputs {
+        let channel = |channel: usize| match self.is_alternate(0, 8 + channel as u8, 1) {
+            true => self.tim1.output(channel),
+            false => Output::Released,
+        };
+        Outputs {
+            pwm: [0, 1, 2, 3].map(channel),
+            sleep: [14, 15].map(|pin| self.ports[1].driven(pin)),
+            brake: self.ports[2].driven(6),
+        }
+    }
+}

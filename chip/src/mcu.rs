@@ -1,0 +1,197 @@
+//! Everything of the chip but its core: peripherals, their connections, and time.
+
+use crate::nvic::{NMI, Nvic};
+use crate::peripherals::adc::Adc;
+use crate::peripherals::dma::Dma;
+use crate::peripherals::encoder_timer::EncoderTimer;
+use crate::peripherals::flash::Flash;
+use crate::peripherals::gpio::Port;
+use crate::peripherals::iwdg::Iwdg;
+use crate::peripherals::rcc::{Rcc, ResetCause};
+use crate::peripherals::tim1::Tim1;
+use crate::peripherals::usart::Usart;
+use crate::pwr::Pwr;
+use crate::systick::{Dwt, SysTick};
+use crate::time::{NEVER, Time};
+use crate::violation::{Access, Violation, refuse};
+use crate::wiring::{Outputs, Wiring};
+
+/// Address and size of the RAM.
+pub(crate) const RAM: u32 = 0x2000_0000;
+pub(crate) const RAM_SIZE: usize = 128 * 1024;
+
+/// How the chip is made and what it runs at.
+#[derive(Clone, Copy, Debug)]
+pub struct Options {
+    /// Frequency of the crystal [Hz].
+    pub crystal: f64,
+    /// Whether the crystal starts.
+    pub crystal_works: bool,
+    /// Frequency of the slow oscillator: 17 to 47 kHz [Hz].
+    pub lsi: f64,
+    /// Symbols per second that the host sends and receives.
+    pub host_baud: u64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            crystal: 8e6,
+            crystal_works: true,
+            lsi: 32e3,
+            host_baud: 1_000_000,
+        }
+    }
+}
+
+/// The chip without its core.
+pub(crate) struct Mcu {
+    pub(crate) now: Time,
+    /// Period of the core's clock.
+    pub(crate) core: Time,
+    /// Cycles up to `cycles_at`, and that time.
+    cycles: u64,
+    cycles_at: Time,
+    pub(crate) rcc: Rcc,
+    pub(crate) flash: Flash,
+    pub(crate) tim1: Tim1,
+    pub(crate) encoders: [EncoderTimer; 2],
+    pub(crate) adc: Adc,
+    pub(crate) dma: Dma,
+    pub(crate) usart: Usart,
+    pub(crate) iwdg: Iwdg,
+    pub(crate) pwr: Pwr,
+    pub(crate) ports: Vec<Port>,
+    pub(crate) nvic: Nvic,
+    pub(crate) systick: SysTick,
+    pub(crate) dwt: Dwt,
+    pub(crate) ram: Box<[u8]>,
+    pub(crate) wiring: Box<dyn Wiring>,
+    pub(crate) outputs: Outputs,
+    /// The core stands still until then: the flash is busy.
+    pub(crate) stalled_until: Time,
+    pub(crate) bus_error: bool,
+    /// A reset that waits to be made.
+    pub(crate) reset: Option<ResetCause>,
+    pub(crate) violation: Option<Violation>,
+    options: Options,
+    /// When the next event is due.
+    pub(crate) due: Time,
+}
+
+impl Mcu {
+    pub(crate) fn new(options: Options, sectors: Vec<u8>, wiring: Box<dyn Wiring>) -> Self {
+        let mut rcc = Rcc::new(options.crystal);
+        rcc.crystal_works = options.crystal_works;
+        rcc.reset(ResetCause::Power);
+        let core = rcc.core_period().unwrap_or(1);
+        let mut mcu = Self {
+            now: 0,
+            core,
+            cycles: 0,
+            cycles_at: 0,
+            rcc,
+            flash: Flash::new(sectors),
+            tim1: Tim1::new(core),
+            encoders: [EncoderTimer::new(), EncoderTimer::new()],
+            adc: Adc::new(),
+            dma: Dma::new(),
+            usart: Usart::new(options.host_baud),
+            iwdg: Iwdg::new(options.lsi),
+            pwr: Pwr::new(),
+            ports: (0..9).map(Port::new).collect(),
+            nvic: Nvic::new(),
+            systick: SysTick::new(),
+            dwt: Dwt::new(),
+            // Memory holds anything at power-up.
+            ram: vec![0xa5; RAM_SIZE].into_boxed_slice(),
+            wiring,
+            outputs: Outputs::RELEASED,
+            stalled_until: 0,
+            bus_error: false,
+            reset: None,
+            violation: None,
+            options,
+            due: 0,
+        };
+        mcu.settle(0);
+        mcu
+    }
+
+    /// Resets everything but RAM, flash and time.
+    pub(crate) fn make_reset(&mut self, cause: ResetCause) {
+        self.rcc.reset(cause);
+        self.flash.reset();
+        self.tim1.reset();
+        self.encoders = [EncoderTimer::new(), EncoderTimer::new()];
+        self.adc = Adc::new();
+        self.dma = Dma::new();
+        self.usart.reset();
+        self.iwdg = Iwdg::new(self.options.lsi);
+        self.pwr = Pwr::new();
+        self.ports = (0..9).map(Port::new).collect();
+        self.nvic = Nvic::new();
+        self.systick = SysTick::new();
+        self.dwt = Dwt::new();
+        self.stalled_until = 0;
+        self.bus_error = false;
+        self.reset = None;
+        self.follow_clocks(self.now);
+        self.settle(self.now);
+    }
+
+    /// Cycles of the core's clock up to a time.
+    pub(crate) fn cycle_at(&self, time: Time) -> u64 {
+        self.cycles + time.saturating_sub(self.cycles_at) / self.core
+    }
+
+    pub(crate) fn time_of_cycle(&self, cycle: u64) -> Time {
+        if cycle == NEVER {
+            return NEVER;
+        }
+        self.cycles_at + cycle.saturating_sub(self.cycles) * self.core
+    }
+
+    /// Gives every part its clock after a change in RCC.
+    pub(crate) fn follow_clocks(&mut self, at: Time) {
+        let core = self.rcc.core_period();
+        self.cycles = self.cycle_at(at);
+        self.cycles_at = at;
+        // Without a clock the core stands still; time goes on.
+        self.core = core.unwrap_or(self.core);
+        self.stalled_until = match core {
+            None => NEVER,
+            Some(_) if self.stalled_until == NEVER => at,
+            Some(_) => self.stalled_until,
+        };
+        self.tim1
+            .set_clock(self.core * self.rcc.timer_cycles(1), at);
+        self.usart.set_clock(self.bus_period(1));
+        if let Some(rule) = self.rcc.check_limits(self.flash.wait_states()) {
+            self.note::<()>(refuse("RCC", self.rcc.read(8), rule));
+        }
+    }
+
+    pub(crate) fn bus_period(&self, bus: usize) -> Time {
+        self.core * self.rcc.bus_cycles(bus)
+    }
+
+    pub(crate) fn note<T>(&mut self, result: Access<T>) -> Option<T> {
+        match result {
+            Ok(value) => Some(value),
+            Err(violation) => {
+                self.violation.get_or_insert(violation);
+                None
+            }
+        }
+    }
+
+    /// The crystal stops.
+    pub(crate) fn crystal_fails(&mut self) {
+        if self.rcc.crystal_fails() {
+            self.nvic.pend(NMI);
+        }
+        self.follow_clocks(self.now);
+        self.settle(self.now);
+    }
+}

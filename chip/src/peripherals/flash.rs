@@ -1,0 +1,327 @@
+//! The flash controller, the settings' sectors and the data cache in front of them.
+
+use crate::register::Register;
+use crate::time::{MICROSECOND, MILLISECOND, Time};
+use crate::violation::{Access, refuse};
+
+/// Address of the first sector whose contents may change: sector 8.
+pub(crate) const START: u32 = 0x0808_0000;
+/// Bytes from there to the end of the flash.
+pub(crate) const SIZE: usize = 512 * 1024;
+const SECTOR: usize = 128 * 1024;
+const FIRST_SECTOR: u32 = 8;
+const KEYS: [u32; 2] = [0x4567_0123, 0xcdef_89ab];
+const OPTION_KEYS: [u32; 2] = [0x0819_2a3b, 0x4c5d_6e7f];
+/// Time to program a word and to erase a sector of 128 KiB: the typical values.
+const PROGRAM: Time = 16 * MICROSECOND;
+const ERASE: Time = 1000 * MILLISECOND;
+/// The data cache has 8 lines of 16 bytes.
+const LINES: usize = 8;
+const LINE: usize = 16;
+const ERRORS: u32 = 0xf2;
+
+/// What an access to the flash made of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Operation {
+    /// Nothing, or one that takes no time.
+    None,
+    /// The core and the flash are busy until this time.
+    Busy(Time),
+    /// The bus reports an error: a fault of the processor.
+    BusError,
+}
+
+/// A change of the sectors, in the order in which the program made them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FlashEvent {
+    /// A word was programmed at this address.
+    Program(u32),
+    /// A sector was erased.
+    Erase(u32),
+}
+
+/// The controller and its sectors.
+#[derive(Clone, Debug)]
+pub(crate) struct Flash {
+    acr: Register,
+    cr: Register,
+    sr: Register,
+    optcr: Register,
+    keys: usize,
+    option_keys: usize,
+    /// Unlocking failed: the lock stays until the next reset.
+    jammed: bool,
+    pub(crate) sectors: Vec<u8>,
+    /// Cached lines, the one used last at the end: offset and contents.
+    cache: Vec<(usize, [u8; LINE])>,
+    pub(crate) events: Vec<FlashEvent>,
+    /// Operations that still succeed before the power fails; none: all do.
+    pub(crate) operations_left: Option<u32>,
+    /// The power failed in an operation.
+    pub(crate) power_cut: bool,
+}
+
+impl Flash {
+    pub(crate) fn new(sectors: Vec<u8>) -> Self {
+        Self {
+            acr: Register::new("FLASH_ACR", 0, 0x1f07, 0),
+            cr: Register::new("FLASH_CR", 0x8000_0000, 0x8100_037f, 1 << 16),
+            sr: Register::new("FLASH_SR", 0, 0, 0x0001_00f3),
+            optcr: Register::new("FLASH_OPTCR", 0x0fff_aaed, 0x0fff_ffed, 0),
+            keys: 0,
+            option_keys: 0,
+            jammed: false,
+            sectors,
+            cache: Vec::new(),
+            events: Vec::new(),
+            operations_left: None,
+            power_cut: false,
+        }
+    }
+
+    pub(crate) fn reset(&mut self) {
+        let sectors = std::mem::take(&mut self.sectors);
+        let events = std::mem::take(&mut self.events);
+        let (left, optcr) = (self.operations_left, self.optcr.value);
+        *self = Self::new(sectors);
+        self.events = events;
+        self.operations_left = left;
+        self.optcr.value = optcr | 1;
+    }
+
+    pub(crate) fn wait_states(&self) -> u32 {
+        self.acr.field(0, 3)
+    }
+
+    /// Brown-out level of the option bytes: 3 is off, 0 is the highest, 2.7 V.
+    pub(crate) fn brown_out_level(&self) -> u32 {
+        self.optcr.field(2, 2)
+    }
+
+    pub(crate) fn interrupt(&self) -> bool {
+        self.cr.bit(24) && self.sr.bit(0)
+    }
+
+    pub(crate) fn read(&self, offset: u32) -> u32 {
+        match offset {
+            0x00 => self.acr.value,
+            0x0c => self.sr.value,
+            0x10 => self.cr.value,
+            0x14 => self.optcr.value,
+            _ => 0,
+        }
+    }
+
+    pub(crate) fn write(&mut self, offset: u32, value: u32, now: Time) -> Access<Operation> {
+        match offset {
+            0x00 => {
+                let (caching, reset) = (value >> 10 & 1, value >> 12 & 1);
+                if reset != 0 && caching != 0 {
+                    return refuse(
+                        "FLASH_ACR",
+                        value,
+                        "the data cache is reset while it is enabled",
+                    );
+                }
+                if value >> 11 & 1 != 0 && value >> 9 & 1 != 0 {
+                    return refuse(
+                        "FLASH_ACR",
+                        value,
+                        "the code cache is reset while it is enabled",
+                    );
+                }
+                self.acr.write(value)?;
+                if reset != 0 || caching == 0 {
+                    self.cache.clear();
+                }
+            }
+            0x04 => return Ok(self.write_key(value)),
+            0x08 => {
+                self.option_keys = match (self.option_keys, value) {
+                    (0, key) if key == OPTION_KEYS[0] => 1,
+                    (1, key) if key == OPTION_KEYS[1] => 2,
+                    _ => return refuse("FLASH_OPTKEYR", value, "not the key that is next"),
+                };
+                if self.option_keys == 2 {
+                    self.optcr.set(0, false);
+                    self.option_keys = 0;
+                }
+            }
+            0x0c => {
+                self.sr.write(value)?;
+                self.sr.clear(value & (ERRORS | 1));
+            }
+            0x10 => return self.write_cr(value, now),
+            0x14 => {
+                if self.optcr.bit(0) {
+                    return refuse("FLASH_OPTCR", value, "the register is locked");
+                }
+                self.optcr.write(value)?;
+                if self.optcr.bit(1) {
+                    self.optcr.set(1, false);
+                    return Ok(Operation::Busy(now + ERASE));
+                }
+            }
+            _ => return refuse("FLASH", value, format!("no register at {offset:#x} here")),
+        }
+        Ok(Operation::None)
+    }
+
+    fn write_key(&mut self, value: u32) -> Operation {
+        if self.jammed || !self.cr.bit(31) || value != KEYS[self.keys] {
+            // A wrong sequence locks the register until the next reset. The keys of an
+            // unlocked register are a wrong sequence, too.
+            self.jammed = true;
+            self.cr.set(31, true);
+            return Operation::BusError;
+        }
+        self.keys += 1;
+        if self.keys == KEYS.len() {
+            self.keys = 0;
+            self.cr.set(31, false);
+        }
+        Operation::None
+    }
+
+    fn write_cr(&mut self, value: u32, now: Time) -> Access<Operation> {
+        if self.cr.bit(31) {
+            return refuse("FLASH_CR", value, "the register is locked");
+        }
+        let starts = value >> 16 & 1 != 0;
+        if value >> 31 != 0 && value & 0x0001_0007 != 0 {
+            return refuse(
+                "FLASH_CR",
+                value,
+                "an operation is set up in the write that locks",
+            );
+        }
+        self.cr.write(value)?;
+        if !starts {
+            return Ok(Operation::None);
+        }
+        if !self.cr.bit(1) || self.cr.bit(2) || self.cr.bit(0) {
+            return refuse("FLASH_CR", value, "STRT without SER alone");
+        }
+        self.erase(value, now)
+    }
+
+    fn erase(&mut self, value: u32, now: Time) -> Access<Operation> {
+        let number = self.cr.field(3, 4);
+        let Some(sector) = number
+            .checked_sub(FIRST_SECTOR)
+            .filter(|&sector| sector < 4)
+        else {
+            return refuse(
+                "FLASH_CR",
+                value,
+                format!("sector {number} holds the program"),
+            );
+        };
+        self.events.push(FlashEvent::Erase(number));
+        let start = sector as usize * SECTOR;
+        let bytes = &mut self.sectors[start..start + SECTOR];
+        if Self::survives(&mut self.operations_left, &mut self.power_cut) {
+            bytes.fill(0xff);
+        } else {
+            // Half erased: some bits are ones already.
+            for (index, byte) in bytes.iter_mut().enumerate() {
+                *byte |= (index as u8).wrapping_mul(37);
+            }
+        }
+        self.finish();
+        // With 8 or 16 bits at a time it takes two or one and a half times as long.
+        let slower = [4, 3, 2, 2][self.cr.field(8, 2) as usize];
+        Ok(Operation::Busy(now + ERASE * slower / 2))
+    }
+
+    fn survives(left: &mut Option<u32>, power_cut: &mut bool) -> bool {
+        match left {
+            Some(0) => {
+                *power_cut = true;
+                false
+            }
+            Some(left) => {
+                *left -= 1;
+                true
+            }
+            None => true,
+        }
+    }
+
+    fn finish(&mut self) {
+        if self.cr.bit(24) {
+            self.sr.set(0, true);
+        }
+    }
+
+    /// The program writes to the sectors.
+    pub(crate) fn program(
+        &mut self,
+        offset: u32,
+        size: u32,
+        value: u32,
+        now: Time,
+    ) -> Access<Operation> {
+        let name = format!("flash at {:#x}", START + offset);
+        if !self.cr.bit(0) || self.cr.bit(31) {
+            self.sr.set(7, true);
+            return refuse(&name, value, "PG is not set, or the controller is locked");
+        }
+        if self.sr.value & ERRORS != 0 {
+            return refuse(&name, value, "an error flag of FLASH_SR is set");
+        }
+        if 1 << self.cr.field(8, 2) != size || offset % size != 0 {
+            self.sr.set(6, true);
+            return refuse(&name, value, "PSIZE differs from the size of the access");
+        }
+        self.events.push(FlashEvent::Program(START + offset));
+        let survives = Self::survives(&mut self.operations_left, &mut self.power_cut);
+        for (index, byte) in value
+            .to_le_bytes()
+            .into_iter()
+            .take(size as usize)
+            .enumerate()
+        {
+            let at = offset as usize + index;
+            let byte = if survives { byte } else { byte | 0x5a };
+            self.sectors[at] &= byte;
+            // A program operation changes the cached copy, too.
+            for (line, bytes) in &mut self.cache {
+                if *line == at / LINE {
+                    bytes[at % LINE] &= byte;
+                }
+            }
+        }
+        self.finish();
+        Ok(Operation::Busy(now + PROGRAM))
+    }
+
+    /// The program reads the sectors, through the data cache if it is enabled.
+    pub(crate) fn load(&mut self, offset: u32, size: u32) -> u32 {
+        let mut value = 0;
+        for index in (0..size).rev() {
+            value = value << 8 | u32::from(self.load_byte((offset + index) as usize));
+        }
+        value
+    }
+
+    fn load_byte(&mut self, at: usize) -> u8 {
+        if !self.acr.bit(10) {
+            return self.sectors[at];
+        }
+        let line = at / LINE;
+        let cached = match self.cache.iter().position(|&(cached, _)| cached == line) {
+            Some(place) => self.cache.remove(place),
+            None => {
+                let mut bytes = [0; LINE];
+                bytes.copy_from_slice(&self.sectors[line * LINE..][..LINE]);
+                if self.cache.len() == LINES {
+                    self.cache.remove(0);
+                }
+                (line, bytes)
+            }
+        };
+        self.cache.push(cached);
+        cached.1[at % LINE]
+    }
+}

@@ -1,0 +1,70 @@
+//! What is wired to the chip's pins.
+
+use crate::peripherals::adc::SampleWindow;
+use crate::peripherals::gpio::Pin;
+use crate::peripherals::tim1::Output;
+use crate::time::{NEVER, Time};
+
+/// What the chip drives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Outputs {
+    /// TIM1's channels on PA8 to PA11.
+    pub pwm: [Output; 4],
+    /// PB14 and PB15: the bridges' sleep inputs; none where the chip does not drive the pin.
+    pub sleep: [Option<bool>; 2],
+    /// PC6: releases the brake.
+    pub brake: Option<bool>,
+}
+
+impl Outputs {
+    /// All pins released, as in reset.
+    pub const RELEASED: Self = Self {
+        pwm: [Output::Released; 4],
+        sleep: [None; 2],
+        brake: None,
+    };
+}
+
+/// The world around the chip.
+pub trait Wiring {
+    /// What the chip drives has changed.
+    fn drive(&mut self, now: Time, outputs: &Outputs);
+
+    /// The level of a pin; none if nothing outside drives it.
+    fn level(&mut self, now: Time, pin: Pin) -> Option<bool>;
+
+    /// The counts of the encoder of joint 1 (0) or joint 4 (1); `filter` is how long a level
+    /// must last to count.
+    fn encoder(&mut self, now: Time, joint: usize, filter: Time) -> i32;
+
+    /// The code of a sample. `switching` tells which bridges switch while it is taken.
+    fn sample(&mut self, window: &SampleWindow, switching: [bool; 2]) -> u16;
+
+    /// When something changes by itself.
+    fn due(&self) -> Time {
+        NEVER
+    }
+
+    /// Lets change what is due.
+    fn advance(&mut self, _now: Time) {}
+}
+
+/// Nothing wired.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Unwired;
+
+impl Wiring for Unwired {
+    fn drive(&mut self, _: Time, _: &Outputs) {}
+
+    fn level(&mut self, _: Time, _: Pin) -> Option<bool> {
+        None
+    }
+
+    fn encoder(&mut self, _: Time, _: usize, _: Time) -> i32 {
+        0
+    }
+
+    fn sample(&mut self, _: &SampleWindow, _: [bool; 2]) -> u16 {
+        0
+    }
+}

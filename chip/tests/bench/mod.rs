@@ -1,0 +1,92 @@
+//! The production image on the simulated chip, with the benchtop arm on its pins.
+
+#![allow(dead_code, reason = "each test file uses its own part")]
+
+use fivebar::input::robot::{BuiltIn, Robot};
+use fivebar::input::scenario::Mismatch;
+use fivebar::run::link::Client;
+use fivebar::run::plant::Plant;
+use fivebar_chip::time::Time;
+use fivebar_chip::{Arm, Chip, HostLine, Image, Options, SharedArm};
+use fivebar_firmware::{Move, MoveKind, Settings};
+use std::path::PathBuf;
+use std::process::Command;
+use std::sync::{Arc, OnceLock};
+
+/// The image, built from the sources beside this folder.
+pub(crate) fn image() -> Arc<Image> {
+    static IMAGE: OnceLock<Arc<Image>> = OnceLock::new();
+    IMAGE
+        .get_or_init(|| {
+            let script = concat!(env!("CARGO_MANIFEST_DIR"), "/image.sh");
+            let output = Command::new(script).output().expect("the script runs");
+            let text = String::from_utf8_lossy(&output.stdout);
+            let errors = String::from_utf8_lossy(&output.stderr);
+            assert!(output.status.success(), "{text}{errors}");
+            let path = PathBuf::from(text.lines().last().expect("a path"));
+            Arc::new(Image::read(&path).expect("an image"))
+        })
+        .clone()
+}
+
+pub(crate) fn robot() -> Robot {
+    Robot::load(BuiltIn::DEFAULT).expect("the default robot")
+}
+
+pub(crate) fn settings() -> Settings {
+    robot().settings().expect("the robot has masses")
+}
+
+/// The arm, 0.03 rad before its home switches.
+pub(crate) fn arm(wake: Time) -> SharedArm {
+    let robot = robot();
+    let before = [0, 1].map(|joint: usize| match settings().axes[joint].home_forward {
+        true => -0.03,
+        false => 0.03,
+    });
+    let pose = robot.pose_near_home(before).expect("a reachable pose");
+    let plant = Plant::new(&robot, &Mismatch::default(), &pose, 7).expect("masses");
+    SharedArm::new(Arm::new(plant, wake))
+}
+
+/// A chip with the image, about to get power, and the arm on it.
+pub(crate) struct Bench {
+    pub(crate) line: HostLine,
+    pub(crate) arm: SharedArm,
+}
+
+impl Bench {
+    pub(crate) fn with(options: Options, stored: Vec<u8>, wake: Time) -> Self {
+        let arm = arm(wake);
+        let chip = Chip::new(image(), options, stored, Box::new(arm.clone())).expect("an emulator");
+        let line = HostLine { chip };
+        Self { line, arm }
+    }
+
+    pub(crate) fn client(self) -> (Client<HostLine>, SharedArm) {
+        let (client, _) = Client::open(self.line).expect("the controller answers");
+        (client, self.arm)
+    }
+}
+
+/// A line from home, a half circle, a dwell and a line back.
+pub(crate) fn moves() -> Vec<Move> {
+    let point = robot().best_point().expect("a reachable point");
+    let [x, y] = point.map(|x| x as f32);
+    let feed = 0.3;
+    let kinds = [
+        MoveKind::Line { to: [x, y], feed },
+        MoveKind::Arc {
+            to: [x + 0.02, y],
+            center: [x + 0.01, y],
+            clockwise: true,
+            feed,
+        },
+        MoveKind::Dwell { duration: 0.02 },
+        MoveKind::Line { to: [x, y], feed },
+    ];
+    (1..)
+        .zip(kinds)
+        .map(|(tag, kind)| Move { tag, kind })
+        .collect()
+}
