@@ -74,13 +74,13 @@ fn crystal_runs(rcc: &pac::RCC) -> bool {
     if !within_patience(|| rcc.cr().read().hserdy().bit_is_set()) {
         return false;
     }
-    // 8 MHz / 4 · 168 / 2 = 168 MHz.
+    // 8 MHz / 4 · 168 / 2 = 168 MHz; / 7 = 48 MHz, the limit of the PLL's other output.
     rcc.pllcfgr().modify(|_, w| {
         w.pllsrc().hse();
-        // SAFETY: 4 and 168 are within the ranges 2..=63 and 50..=432.
+        // SAFETY: 4, 168 and 7 are within the ranges 2..=63, 50..=432 and 2..=15.
         #[allow(unsafe_code)]
         unsafe {
-            w.pllm().bits(4).plln().bits(168);
+            w.pllm().bits(4).plln().bits(168).pllq().bits(7);
         }
         w.pllp().div2()
     });
