@@ -109,6 +109,18 @@ impl SettingsFlash {
     }
 }
 
+impl SettingsFlash {
+    /// Discards what was read before an erase: the data cache does not see the erase. It may
+    /// be reset only while it is disabled.
+    fn empty_data_cache(&mut self) {
+        self.flash.acr().modify(|_, w| w.dcen().clear_bit());
+        self.flash.acr().modify(|_, w| w.dcrst().set_bit());
+        self.flash
+            .acr()
+            .modify(|_, w| w.dcrst().clear_bit().dcen().set_bit());
+    }
+}
+
 impl ErrorType for SettingsFlash {
     type Error = FlashError;
 }
@@ -145,8 +157,11 @@ impl NorFlash for SettingsFlash {
             // SAFETY: a sector of this chip, holding settings and no code.
             #[allow(unsafe_code)]
             self.unlocked(|flash| {
+                // A write starts from the reset value, which holds LOCK.
                 flash.cr().write(|w| unsafe {
-                    w.psize()
+                    w.lock()
+                        .clear_bit()
+                        .psize()
                         .psize32()
                         .ser()
                         .set_bit()
@@ -156,6 +171,7 @@ impl NorFlash for SettingsFlash {
                 flash.cr().modify(|_, w| w.strt().set_bit());
             })?;
         }
+        self.empty_data_cache();
         Ok(())
     }
 
@@ -165,7 +181,9 @@ impl NorFlash for SettingsFlash {
             let address = (START + offset + 4 * index) as *mut u32;
             let word = u32::from_le_bytes(*word);
             self.unlocked(|flash| {
-                flash.cr().write(|w| w.psize().psize32().pg().set_bit());
+                flash
+                    .cr()
+                    .write(|w| w.lock().clear_bit().psize().psize32().pg().set_bit());
                 fence(Ordering::SeqCst);
                 // SAFETY: within the sectors, aligned to a word.
                 #[allow(unsafe_code)]
