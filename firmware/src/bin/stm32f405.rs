@@ -165,6 +165,7 @@ mod app {
                     controller.latch_fault(Fault::ClockFailure);
                 }
                 outputs.apply(&controller.tick(&sample));
+                outputs.timer.rearm_break();
             });
         });
         Tasks::TICK.advanced();

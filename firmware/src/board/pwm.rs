@@ -18,6 +18,8 @@ const HALF_PERIODS_PER_TICK: u8 = 3;
 pub const TICK_RATE: f32 = 10_000.0;
 /// Cycles of the core from one tick to the next.
 pub const TICK_CYCLES: u32 = 16_800;
+/// The flags of the timer's status register.
+const FLAGS: u32 = 0x1eff;
 /// PB14 and PB15, the bridges' sleep inputs: low is asleep, outputs floating.
 const SLEEP_PINS: u32 = 1 << 14 | 1 << 15;
 
@@ -59,7 +61,16 @@ impl PwmTimer {
     ) -> (Self, (Channel<0>, Channel<1>, Channel<2>, Channel<3>)) {
         TIM1::enable(rcc);
         TIM1::reset(rcc);
+        // The repetition counter takes its value at an update only. So it is loaded, with the
+        // preload registers, by an update here; the counter then starts upwards from zero with
+        // all its half periods to go, and every later update comes at the bottom. The mode is
+        // set while the counter is stopped, and before the update can start the converter.
         timer.arr().write(|w| w.arr().set(HALF_PERIOD));
+        timer.rcr().write(|w| w.rep().set(HALF_PERIODS_PER_TICK));
+        timer
+            .cr1()
+            .write(|w| w.cms().center_aligned1().arpe().enabled());
+        timer.egr().write(|w| w.ug().update());
         timer.ccmr1_output().write(|w| {
             w.oc1m().pwm_mode1().oc1pe().enabled();
             w.oc2m().pwm_mode1().oc2pe().enabled()
@@ -99,16 +110,8 @@ impl PwmTimer {
     }
 
     /// Lets the timer run: PWM at 20 kHz, the converter and so the tick at 10 kHz.
-    ///
-    /// The repetition counter is written after the start, so that the update comes when the
-    /// counter is at its bottom: in the middle of the bridges' braking phase.
     pub fn start(&mut self) {
-        self.timer
-            .cr1()
-            .write(|w| w.cms().center_aligned1().arpe().enabled().cen().enabled());
-        self.timer
-            .rcr()
-            .write(|w| w.rep().set(HALF_PERIODS_PER_TICK));
+        self.timer.cr1().modify(|_, w| w.cen().enabled());
     }
 
     /// Connects the outputs when `on` turns true, disconnects them when it is false.
@@ -122,18 +125,34 @@ impl PwmTimer {
         }
     }
 
-    /// Reads and clears the break interrupt's flag: true if the break input tripped.
+    /// Takes the break interrupt: true if the break input tripped.
+    ///
+    /// The flag cannot be cleared while the input is active, so the interrupt is disabled
+    /// here: otherwise it would repeat for ever, above the tick.
+    /// [`PwmTimer::rearm_break`] enables it again.
     pub fn take_break() -> bool {
-        // SAFETY: the flag is cleared by writing 0 to it alone; writing 1 to the others
-        // leaves them.
+        // SAFETY: nothing else changes the enable while it is set, see `rearm_break`.
         #[allow(unsafe_code)]
         let timer = unsafe { &*TIM1::ptr() };
         let tripped = timer.sr().read().bif().bit_is_set();
-        timer.sr().write(|w| {
-            #[allow(unsafe_code)]
-            unsafe { w.bits(!0) }.bif().clear_bit()
-        });
+        timer.dier().modify(|_, w| w.bie().clear_bit());
         tripped
+    }
+
+    /// Enables the break interrupt again, once the input is released. Called in every tick.
+    #[inline]
+    pub fn rearm_break(&mut self) {
+        if self.timer.dier().read().bie().bit_is_set() {
+            return;
+        }
+        // SAFETY: a flag is cleared by writing 0 to it; writing 1 leaves the others.
+        #[allow(unsafe_code)]
+        self.timer
+            .sr()
+            .write(|w| unsafe { w.bits(FLAGS) }.bif().clear_bit());
+        if self.timer.sr().read().bif().bit_is_clear() {
+            self.timer.dier().modify(|_, w| w.bie().set_bit());
+        }
     }
 }
 
