@@ -95,13 +95,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let exact = worst_error(&model, &model, 60.0)?;
     let soft = worst_error(&model, &heavier, 60.0)?;
     let stiff = worst_error(&model, &heavier, 120.0)?;
-    println!("greatest error of C [mm]");
-    println!("true masses, 60 rad/s: {:.3}", 1e3 * exact);
-    println!(
-        "other masses, 60 rad/s: {:.3}, 120 rad/s: {:.3}",
-        1e3 * soft,
-        1e3 * stiff
-    );
+    let errors = [exact, soft, stiff].map(|error| 1e3 * error);
+    println!("true masses, 60 rad/s; other masses, 60 and 120 rad/s: {errors:.3?} mm");
     // The error of wrong masses falls with the square of the bandwidth.
     assert!(exact < 0.1e-3 && soft < 5e-3);
     assert!((3.0..5.0).contains(&(soft / stiff)), "{soft} and {stiff}");

@@ -25,19 +25,16 @@ length = 0.12
 mass = 0.08
 com = [0.05, 0.0]
 inertia = 1.4e-4
-
 [[link]]
 length = 0.18
 mass = 0.06
 com = [0.09, 0.0]
 inertia = 2.0e-4
-
 [[link]]
 length = 0.17
 mass = 0.05
 com = [0.08, 0.0]
 inertia = 1.6e-4
-
 [[link]]
 length = 0.11
 mass = 0.08
@@ -46,15 +43,7 @@ inertia = 1.2e-4
 "#;
 
 /// A square of 30 mm.
-const JOB: &str = "G21 G90 F3000
-G0 X0 Y0
-M3
-G1 X30 Y0
-G1 X30 Y30
-G1 X0 Y30
-G1 X0 Y0
-M5
-";
+const JOB: &str = "G21 G90 F3000\nG0 X0 Y0\nM3\nG1 X30\nG1 Y30\nG1 X0\nG1 Y0\nM5\n";
 
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = std::env::args().nth(1).filter(|_| cfg!(not(test)));
