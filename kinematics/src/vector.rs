@@ -1,6 +1,6 @@
 //! The operations of planar mechanics that nalgebra's vectors lack.
 
-use crate::Scalar;
+use crate::scalar::Scalar;
 use nalgebra::Vector2;
 
 /// The plane's products, directions and lengths, for [`Vector2`] of any [`Scalar`].

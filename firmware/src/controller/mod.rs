@@ -3,6 +3,7 @@
 
 mod faults;
 mod homing;
+mod homing_state;
 mod joint;
 mod model;
 mod path;
@@ -18,7 +19,7 @@ mod transitions;
 use crate::safety::{Limits, State};
 use crate::settings::{CheckedSettings, Settings};
 use fivebar_kinematics::five_bar::WorkingMode;
-use homing::HomingState;
+use homing_state::HomingState;
 use joint::Joint;
 use model::Model;
 use nalgebra::Vector2;

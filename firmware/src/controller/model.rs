@@ -1,6 +1,6 @@
 //! The constants of the tick, computed once from the settings.
 
-use super::homing::HomingConfig;
+use super::homing_state::HomingConfig;
 use crate::safety::Monitor;
 use crate::settings::{AxisSettings, CheckedSettings};
 use core::f32::consts::TAU;

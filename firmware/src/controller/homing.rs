@@ -1,8 +1,7 @@
 //! The tick while homing: each joint searches for its own switch, at limited torque.
 
-mod state;
-
 use super::Controller;
+use super::homing_state::{HomingConfig, HomingState, limited};
 use super::joint::Joint;
 use super::model::{AxisModel, Model};
 use super::tick::TorqueCommand;
@@ -10,8 +9,6 @@ use crate::io::SensorSample;
 use crate::safety::{Event, Fault, Limits};
 use fivebar_kinematics::PlanarVector;
 use nalgebra::Vector2;
-use state::limited;
-pub(super) use state::{HomingConfig, HomingState};
 
 impl Controller {
     /// Entry of Homing: both joints start their search at their present angles.

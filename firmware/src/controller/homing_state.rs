@@ -10,7 +10,7 @@ use fivebar_kinematics::Scalar;
 
 /// The constants of one joint's search.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::controller) struct HomingConfig {
+pub(super) struct HomingConfig {
     /// Towards the switch, signed [rad/s].
     speed: f32,
     /// [rad].
@@ -31,19 +31,19 @@ enum Phase {
 
 /// The search of one joint.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::controller) struct HomingState {
+pub(super) struct HomingState {
     phase: Phase,
     /// Reference of the joint's angle [rad], from an unknown origin, and speed [rad/s].
-    pub(in crate::controller) angle: f32,
-    pub(in crate::controller) rate: f32,
+    pub(super) angle: f32,
+    pub(super) rate: f32,
 }
 
 /// The joint went as far as it may and did not find its switch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::controller) struct SwitchNotFound;
+pub(super) struct SwitchNotFound;
 
 impl HomingConfig {
-    pub(in crate::controller) fn new(axis: &AxisSettings, homing: &HomingSettings) -> Self {
+    pub(super) fn new(axis: &AxisSettings, homing: &HomingSettings) -> Self {
         let [low, high] = axis.angle_limits;
         let speed = if axis.home_forward {
             homing.speed
@@ -63,7 +63,7 @@ impl HomingConfig {
 impl HomingState {
     /// A search that begins at `angle` [rad]. If the switch is closed already, its first step
     /// begins to back off.
-    pub(in crate::controller) fn new(angle: f32) -> Self {
+    pub(super) fn new(angle: f32) -> Self {
         Self {
             phase: Phase::Approach { from: angle },
             angle,
@@ -72,7 +72,7 @@ impl HomingState {
     }
 
     /// The counts at which the switch closed, once found.
-    pub(in crate::controller) fn found(&self) -> Option<i32> {
+    pub(super) fn found(&self) -> Option<i32> {
         match self.phase {
             Phase::Found { counts } => Some(counts),
             Phase::Approach { .. } | Phase::BackOff { .. } | Phase::Creep { .. } => None,
@@ -80,7 +80,7 @@ impl HomingState {
     }
 
     /// One tick of `period` [s], with the switch, the measured angle [rad] and its counts.
-    pub(in crate::controller) fn step(
+    pub(super) fn step(
         &mut self,
         config: &HomingConfig,
         closed: bool,
@@ -126,7 +126,7 @@ impl HomingState {
 
 /// `value` brought within ±`limit`; NaN stays NaN.
 #[inline(always)]
-pub(in crate::controller) fn limited(value: f32, limit: f32) -> f32 {
+pub(super) fn limited(value: f32, limit: f32) -> f32 {
     if Scalar::abs(value) > limit {
         if value > 0.0 { limit } else { -limit }
     } else {
