@@ -12,16 +12,28 @@ pub struct Encoders {
 }
 
 impl Encoders {
-    /// Counts joint 1 on PA0 and PA1, joint 4 on PA15 and PB3.
+    /// Counts joint 1 on PA0 and PA1, joint 4 on PA15 and PB3. A level counts when six samples,
+    /// taken at an eighth of the timers' 84 MHz, agree: after 0.6 µs. A shorter disturbance counts
+    /// nothing; the fastest count lasts 5 µs.
     pub fn new(
         joint1: (TIM5, (PA0<Alternate<2>>, PA1<Alternate<2>>)),
         joint4: (TIM2, (PA15<Alternate<1>>, PB3<Alternate<1>>)),
         rcc: &mut RCC,
     ) -> Self {
-        Self {
+        let encoders = Self {
             joint1: Qei::new(joint1.0, joint1.1, rcc),
             joint4: Qei::new(joint4.0, joint4.1, rcc),
-        }
+        };
+        // SAFETY: the counters' inputs are set up by nothing else.
+        #[allow(unsafe_code)]
+        let (timer1, timer4) = unsafe { (&*TIM5::ptr(), &*TIM2::ptr()) };
+        timer1
+            .ccmr1_input()
+            .modify(|_, w| w.ic1f().fdts_div8_n6().ic2f().fdts_div8_n6());
+        timer4
+            .ccmr1_input()
+            .modify(|_, w| w.ic1f().fdts_div8_n6().ic2f().fdts_div8_n6());
+        encoders
     }
 
     /// Both counts, which wrap, latched together: two loads, 60 ns apart, with interrupts masked.
