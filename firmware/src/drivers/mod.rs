@@ -2,7 +2,9 @@
 //! are tested on a desktop.
 
 mod bridge;
+mod debounce;
 mod inputs;
 
 pub use bridge::Bridge;
+pub use debounce::Debounce;
 pub use inputs::Inputs;
