@@ -18,10 +18,10 @@
 )]
 
 use core::panic::PanicInfo;
-use cortex_m_rt::{ExceptionFrame, exception};
+use cortex_m_rt::exception;
 use defmt_rtt as _;
 use fivebar_firmware::board::post_mortem::{EndCause, reset_after};
-use fivebar_firmware::board::pwm;
+use fivebar_firmware::board::{clocks, pwm, serial};
 
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
 mod app {
@@ -38,7 +38,7 @@ mod app {
     use fivebar_firmware::board::sensors::Sensors;
     use fivebar_firmware::board::services::BoardServices;
     use fivebar_firmware::board::watchdog::Tasks;
-    use fivebar_firmware::board::{post_mortem, serial};
+    use fivebar_firmware::board::{brown_out, post_mortem, serial};
     use fivebar_firmware::planner::Planner;
     use fivebar_firmware::protocol::{Board, Decoder, HostCommand, HostMessage, Identity};
     use fivebar_firmware::safety::Fault;
@@ -79,6 +79,7 @@ mod app {
     fn init(cx: init::Context) -> (Shared, Local) {
         let (device, mut core) = (cx.device, cx.core);
         let reset = post_mortem::reset_reason(&device.RCC);
+        brown_out::enable_reset(&device.FLASH);
         let (mut rcc, source) = clocks::start(device.RCC, &device.FLASH);
         let pins = Pins::new(device.GPIOA, device.GPIOB, device.GPIOC, &mut rcc);
         let mut outputs = BoardOutputs::new(device.TIM1, pins.outputs, &mut rcc);
@@ -88,7 +89,12 @@ mod app {
                 (device.TIM2, pins.encoder4),
                 &mut rcc,
             ),
-            analog: CurrentsAndBus::new(device.ADC1, &device.ADC_COMMON, pins.analog, &mut rcc),
+            analog: CurrentsAndBus::new(
+                (device.ADC1, device.ADC2),
+                &device.ADC_COMMON,
+                pins.analog,
+                &mut rcc,
+            ),
             switches: pins.switches,
         };
         let (receiver, sender) = serial::new(
@@ -158,6 +164,9 @@ mod app {
         let (sensors, outputs, meter) = (cx.local.sensors, cx.local.outputs, cx.local.meter);
         let missed = meter.missed(TICK_CYCLES);
         meter.measure(|| {
+            if outputs.timer.triggers_in_drive_pulse() {
+                CLOCK_FAILED.store(true, Ordering::Relaxed);
+            }
             let stopped = STOP.swap(false, Ordering::Relaxed);
             let sample = sensors.sample(missed, stopped);
             cx.shared.controller.lock(|controller| {
@@ -221,8 +230,43 @@ fn panic(_: &PanicInfo<'_>) -> ! {
     reset_after(EndCause::Panic)
 }
 
+/// Any fault of the processor. The stack may be at its end, and a push would then lock the core
+/// up with the bridges on: so this switches them off without one, as `pwm::unpower` does, and
+/// goes on with a fresh stack.
+#[allow(
+    unsafe_code,
+    reason = "a handler without a prologue is written in assembly"
+)]
+#[unsafe(naked)]
+#[unsafe(export_name = "HardFault")]
+unsafe extern "C" fn hard_fault() -> ! {
+    core::arch::naked_asm!(
+        // GPIOB_BSRR: PB14 and PB15 low.
+        "movw r0, #0x0418",
+        "movt r0, #0x4002",
+        "mov r1, #0xc0000000",
+        "str r1, [r0]",
+        // TIM1_BDTR: MOE off.
+        "movw r0, #0x0044",
+        "movt r0, #0x4001",
+        "ldr r1, [r0]",
+        "bic r1, r1, #0x8000",
+        "str r1, [r0]",
+        "movw r0, #:lower16:_stack_start",
+        "movt r0, #:upper16:_stack_start",
+        "msr msp, r0",
+        "b {after}",
+        after = sym after_hard_fault,
+    )
+}
+
+extern "C" fn after_hard_fault() -> ! {
+    reset_after(EndCause::HardFault)
+}
+
+/// An exception or interrupt that nothing handles.
 #[exception]
-unsafe fn HardFault(_: &ExceptionFrame) -> ! {
+unsafe fn DefaultHandler(_: i16) {
     pwm::unpower();
     reset_after(EndCause::HardFault)
 }
@@ -233,5 +277,6 @@ unsafe fn HardFault(_: &ExceptionFrame) -> ! {
 unsafe fn NonMaskableInt() {
     pwm::unpower();
     app::CLOCK_FAILED.store(true, core::sync::atomic::Ordering::Relaxed);
-    fivebar_firmware::board::clocks::acknowledge_failure();
+    clocks::acknowledge_failure();
+    serial::follow_internal_oscillator();
 }

@@ -44,6 +44,7 @@ pub fn start(rcc: pac::RCC, flash: &pac::FLASH) -> (Rcc, Source) {
     } else {
         rcc.cr()
             .modify(|_, w| w.pllon().clear_bit().hseon().clear_bit());
+        rcc.cfgr().modify(|_, w| w.ppre1().div1().ppre2().div1());
         Source::Internal
     };
     (rcc.constrain(), source)
@@ -101,12 +102,12 @@ pub fn start_slow_tick(systick: &mut SYST) {
     systick.enable_counter();
 }
 
-/// Clears the interrupt of the clock security system: the crystal has failed.
+/// Clears the interrupt of the clock security system: the crystal has failed. The buses then run
+/// at the internal oscillator's 16 MHz, undivided.
 #[allow(unsafe_code)]
 pub fn acknowledge_failure() {
-    // SAFETY: writing 1 to this flag clears it and touches nothing else; the handler of
-    // the NMI owns no peripheral.
-    unsafe {
-        (*pac::RCC::ptr()).cir().modify(|_, w| w.cssc().set_bit());
-    }
+    // SAFETY: writing 1 to the flag clears it; nothing else writes the dividers after the start.
+    let rcc = unsafe { &*pac::RCC::ptr() };
+    rcc.cir().modify(|_, w| w.cssc().set_bit());
+    rcc.cfgr().modify(|_, w| w.ppre1().div1().ppre2().div1());
 }

@@ -5,6 +5,7 @@
 //! this has run on silicon yet: `docs/bring-up.md` says what the emulator has shown.
 
 pub mod analog;
+pub mod brown_out;
 pub mod clocks;
 pub mod cycles;
 pub mod encoders;

@@ -18,6 +18,8 @@ const HALF_PERIODS_PER_TICK: u8 = 3;
 pub const TICK_RATE: f32 = 10_000.0;
 /// Cycles of the core from one tick to the next.
 pub const TICK_CYCLES: u32 = 16_800;
+/// So many ticks after the start are checked for their place in the period.
+const TICKS_TO_CHECK: u8 = 8;
 /// The flags of the timer's status register.
 const FLAGS: u32 = 0x1eff;
 /// PB14 and PB15, the bridges' sleep inputs: low is asleep, outputs floating.
@@ -47,6 +49,8 @@ pub fn unpower() {
 pub struct PwmTimer {
     timer: TIM1,
     powered: bool,
+    /// Ticks whose place in the period is still to be checked.
+    ticks_to_check: u8,
 }
 
 /// Channel `N` + 1 of the timer.
@@ -105,6 +109,7 @@ impl PwmTimer {
         let timer = Self {
             timer,
             powered: false,
+            ticks_to_check: TICKS_TO_CHECK,
         };
         (timer, (Channel(()), Channel(()), Channel(()), Channel(())))
     }
@@ -112,6 +117,20 @@ impl PwmTimer {
     /// Lets the timer run: PWM at 20 kHz, the converter and so the tick at 10 kHz.
     pub fn start(&mut self) {
         self.timer.cr1().modify(|_, w| w.cen().enabled());
+    }
+
+    /// Whether the converter is triggered at the wrong end of the period, in the drive pulse.
+    /// Called at the beginning of every tick; it looks in the first few.
+    ///
+    /// The counter counts up for 25 µs from an update at the bottom, down from one at the top.
+    /// A tick of the first few begins about 3 µs after its update.
+    #[inline]
+    pub fn triggers_in_drive_pulse(&mut self) -> bool {
+        if self.ticks_to_check == 0 {
+            return false;
+        }
+        self.ticks_to_check -= 1;
+        self.timer.cr1().read().dir().is_down()
     }
 
     /// Connects the outputs when `on` turns true, disconnects them when it is false.

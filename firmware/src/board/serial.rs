@@ -20,8 +20,9 @@ pub const RING: usize = 512;
 const RECEIVE_STREAM: usize = 2;
 const SEND_STREAM: usize = 7;
 const CHANNEL: u8 = 4;
-/// How often a flag is read before a byte is dropped: 100 byte times at 168 MHz.
-const PATIENCE: u32 = 30_000;
+/// How often a flag is read before a frame is dropped: at 3 cycles or more each, longer than the
+/// 2.6 ms that the longest frame takes.
+const PATIENCE: u32 = 150_000;
 
 /// Memory that the DMA reads and writes; it must be `'static`.
 pub struct Buffers {
@@ -65,6 +66,23 @@ pub struct Sender {
 #[allow(unsafe_code)]
 unsafe impl Send for Receiver {}
 
+/// The divider of the baud rate with this clock of the second bus [Hz]. With 16 samples per bit
+/// it counts sixteenths, so the register holds clock/baud.
+const fn divider(bus: u32) -> u16 {
+    ((bus + BAUD / 2) / BAUD) as u16
+}
+
+/// Keeps the baud rate when the second bus runs from the internal oscillator instead: for the
+/// NMI, which owns nothing. The byte that is being sent is lost.
+pub fn follow_internal_oscillator() {
+    // SAFETY: any 16 bits are a divider, and nothing else writes it after the start.
+    #[allow(unsafe_code)]
+    unsafe {
+        let bus = super::clocks::Source::Internal.second_bus();
+        (*USART1::ptr()).brr().write(|w| w.bits(divider(bus)));
+    }
+}
+
 /// Sets the line up on PB6 (out) and PB7 (in); `bus` is the clock of the second bus [Hz].
 pub fn new(
     usart: &USART1,
@@ -78,11 +96,9 @@ pub fn new(
     USART1::reset(rcc);
     DMA2::enable(rcc);
     DMA2::reset(rcc);
-    // With 16 samples a bit the divider counts sixteenths: the register is clock/baud.
-    let divider = (bus + BAUD / 2) / BAUD;
     // SAFETY: any 16 bits are a divider.
     #[allow(unsafe_code)]
-    usart.brr().write(|w| unsafe { w.bits(divider as u16) });
+    usart.brr().write(|w| unsafe { w.bits(divider(bus)) });
 
     let Buffers { ring, out } = buffers;
     let ring = ring.as_mut_ptr();
