@@ -37,12 +37,16 @@ pub struct Arm {
     wake: Time,
     awake_at: [Time; 2],
     stop_pressed: bool,
-    /// Levels that last so long on an encoder's inputs count once too often.
+    /// How long the next disturbance of an encoder's inputs lasts, and counts that
+    /// disturbances have added.
     glitch: [Time; 2],
+    added: [i32; 2],
     /// Contacts of the home switches that chatter: they read as pressed once.
     chatter: [bool; 2],
     /// Samples that were taken while their bridge switched.
     pub samples_on_edges: u64,
+    /// The last windows in which current 1, current 4 and the bus were sampled.
+    pub windows: [Option<SampleWindow>; 3],
     /// Changes of what the bridges do, with their times.
     pub history: Vec<(Time, ActuatorCommand)>,
 }
@@ -66,8 +70,10 @@ impl Arm {
             awake_at: [NEVER; 2],
             stop_pressed: false,
             glitch: [0; 2],
+            added: [0; 2],
             chatter: [false; 2],
             samples_on_edges: 0,
+            windows: [None; 3],
             history: Vec::new(),
         }
     }
@@ -98,9 +104,14 @@ impl Arm {
         self.stop_pressed = pressed;
     }
 
-    /// Disturbs an encoder: an edge that lasts this long.
+    /// Disturbs an encoder: if a disturbance of this length passes the filter, it counts.
     pub fn disturb_encoder(&mut self, joint: usize, length: Time) {
         self.glitch[joint] = length;
+    }
+
+    /// Counts that disturbances have added to the encoders.
+    pub fn added(&self) -> [i32; 2] {
+        self.added
     }
 
     /// Lets a home switch read as pressed at the next sample only.
@@ -208,13 +219,20 @@ impl Wiring for SharedArm {
     fn encoder(&mut self, _: Time, joint: usize, filter: Time) -> i32 {
         let arm = &mut *self.get();
         let disturbed = std::mem::take(&mut arm.glitch[joint]) > filter;
-        arm.sample.counts[joint].wrapping_add(i32::from(disturbed))
+        arm.added[joint] += i32::from(disturbed);
+        arm.sample.counts[joint].wrapping_add(arm.added[joint])
     }
 
     fn sample(&mut self, window: &SampleWindow, switching: [bool; 2]) -> u16 {
         let arm = &mut *self.get();
         if window.from >= arm.sampled_at + FRESH {
             arm.refresh(window.from);
+        }
+        let place = [CURRENT[0], CURRENT[1], BUS]
+            .iter()
+            .position(|&channel| channel == window.channel);
+        if let Some(place) = place {
+            arm.windows[place] = Some(*window);
         }
         for joint in 0..2 {
             if window.channel == CURRENT[joint] {

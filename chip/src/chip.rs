@@ -7,11 +7,12 @@ use crate::callbacks::{
 use crate::cpu::{Cpu, IdleLoop, Stop};
 use crate::image::{CODE, Image};
 use crate::mcu::{Mcu, Options, RAM};
-use crate::peripherals::flash;
+use crate::peripherals::flash::{self, FlashEvent};
 use crate::peripherals::rcc::ResetCause;
+use crate::peripherals::tim1::RepetitionReading;
 use crate::time::Time;
 use crate::unicorn::{EXECUTE, EmulatorError, Engine, READ, Reg, WRITE};
-use crate::violation::Violation;
+use crate::violation::{Violation, refuse};
 use crate::wiring::Wiring;
 use std::ffi::c_void;
 use std::fmt;
@@ -93,6 +94,7 @@ impl Chip {
             resets: Vec::new(),
             blocks: vec![0; crate::image::CODE_SIZE / 2],
             lowest_stack: u32::MAX,
+            stack_left: None,
             idle,
         });
         let cpu = NonNull::from(Box::leak(cpu));
@@ -256,6 +258,68 @@ impl Chip {
         self.mcu().crystal_fails();
     }
 
+    /// The program stops: the core stands still with all interrupts masked, as in an endless
+    /// loop, until a reset.
+    pub fn hang(&mut self) {
+        self.cpu_mut().locked_up = true;
+    }
+
+    /// The next exception finds only so many bytes of the stack left.
+    pub fn leave_stack(&mut self, bytes: u32) {
+        self.cpu_mut().stack_left = Some(bytes);
+    }
+
+    /// Goes on at the function whose name contains `part`, as a program does that has lost
+    /// its way.
+    pub fn jump(&mut self, part: &str) {
+        let cpu = self.cpu_mut();
+        if let Some((address, _)) = cpu.image.symbol(part) {
+            cpu.engine.set(Reg::PC, address & !1);
+        }
+    }
+
+    /// The supply of the chip falls to this voltage [V], and rises again if the brown-out
+    /// reset acts.
+    pub fn supply_falls(&mut self, volts: f64) {
+        let level = [2.7, 2.4, 2.1, 0.0][self.mcu().flash.brown_out_level() as usize];
+        if volts < 1.7 {
+            self.reset(ResetCause::Power);
+        } else if volts < level {
+            self.reset(ResetCause::BrownOut);
+        } else if volts < 2.7 {
+            let mcu = self.mcu();
+            let rule = "five wait states at 168 MHz need 2.7 V";
+            if mcu.core < 8_000_000 {
+                mcu.note::<()>(refuse("the supply", (1000.0 * volts) as u32, rule));
+            }
+        }
+    }
+
+    /// Which of the manual's readings of the repetition counter holds.
+    pub fn read_repetitions(&mut self, reading: RepetitionReading) {
+        self.mcu().tim1.reading = reading;
+    }
+
+    /// The controller's flash operations fail after so many more: the power is cut.
+    pub fn cut_power_after(&mut self, operations: u32) {
+        self.mcu().flash.operations_left = Some(operations);
+    }
+
+    /// What the program did to the settings' sectors.
+    pub fn flash_events(&mut self) -> Vec<FlashEvent> {
+        std::mem::take(&mut self.mcu().flash.events)
+    }
+
+    /// TIM1's counter when it last triggered the converters.
+    pub fn counter_at_last_trigger(&mut self) -> Option<u32> {
+        self.mcu().triggered_at
+    }
+
+    /// Whether the watchdog has been started.
+    pub fn watchdog_runs(&mut self) -> bool {
+        self.mcu().iwdg.runs()
+    }
+
     /// Resets the chip from outside.
     pub fn reset(&mut self, cause: ResetCause) {
         self.cpu_mut().start(cause);
@@ -287,6 +351,14 @@ impl Chip {
         let at = address.checked_sub(RAM)? as usize;
         let bytes = self.cpu().mcu.ram.get(at..at + 4)?;
         Some(u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]))
+    }
+
+    /// Writes a word of the RAM, as a debug probe does.
+    pub fn write_ram_word(&mut self, address: u32, word: u32) {
+        let at = address.wrapping_sub(RAM) as usize;
+        if let Some(bytes) = self.mcu().ram.get_mut(at..at + 4) {
+            bytes.copy_from_slice(&word.to_le_bytes());
+        }
     }
 
     /// The settings' sectors.

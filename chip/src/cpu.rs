@@ -42,6 +42,8 @@ pub(crate) struct Cpu {
     /// Sizes of the blocks that ran, by their half-word.
     pub(crate) blocks: Vec<u16>,
     pub(crate) lowest_stack: u32,
+    /// Bytes of the stack that the next exception finds, if a test says so.
+    pub(crate) stack_left: Option<u32>,
     pub(crate) idle: IdleLoop,
 }
 

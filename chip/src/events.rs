@@ -69,6 +69,7 @@ impl Mcu {
 
     pub(crate) fn trigger_converters(&mut self, at: Time) {
         let bus = self.bus_period(1);
+        self.triggered_at = Some(self.tim1.counter(at).0);
         let triggered = self.adc.trigger(at, bus);
         for (place, window) in self.note(triggered).unwrap_or_default() {
             let switching = [[0, 1], [2, 3]].map(|bridge| {

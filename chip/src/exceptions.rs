@@ -27,6 +27,8 @@ impl Cpu {
             engine.get(Reg::CONTROL),
             engine.get(Reg::XPSR),
         );
+        let left = self.stack_left.take();
+        let sp = left.map_or(sp, |bytes| RAM + bytes);
         let float = control & 4 != 0;
         let mut frame: Vec<u32> = [0, 1, 2, 3, 12].map(|n| engine.get(Reg::r(n))).to_vec();
         frame.push(engine.get(Reg::LR));

@@ -3,27 +3,43 @@
 use crate::chip::Chip;
 use crate::time::{MICROSECOND, Time};
 use fivebar::run::link::READ;
+use std::cell::{RefCell, RefMut};
 use std::io::{self, ErrorKind, Read, Write};
+use std::rc::Rc;
 
 /// The host looks for bytes so often.
 const SLICE: Time = 50 * MICROSECOND;
 
-/// A serial line to a chip.
+/// A serial line to a chip. Clones are ends of the same line.
+#[derive(Clone)]
 pub struct HostLine {
-    /// The chip.
-    pub chip: Chip,
+    chip: Rc<RefCell<Chip>>,
+}
+
+impl HostLine {
+    /// The host's end of this chip's line.
+    pub fn new(chip: Chip) -> Self {
+        let chip = Rc::new(RefCell::new(chip));
+        Self { chip }
+    }
+
+    /// The chip, while the host does not wait.
+    pub fn chip(&self) -> RefMut<'_, Chip> {
+        self.chip.borrow_mut()
+    }
 }
 
 impl Read for HostLine {
     fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
-        let end = self.chip.now() + READ.as_micros() as Time * MICROSECOND;
-        let mut received = self.chip.receive(bytes.len());
+        let mut chip = self.chip();
+        let end = chip.now() + READ.as_micros() as Time * MICROSECOND;
+        let mut received = chip.receive(bytes.len());
         while received.is_empty() {
-            if self.chip.now() >= end {
+            if chip.now() >= end {
                 return Err(ErrorKind::TimedOut.into());
             }
-            self.chip.run(SLICE).map_err(io::Error::other)?;
-            received = self.chip.receive(bytes.len());
+            chip.run(SLICE).map_err(io::Error::other)?;
+            received = chip.receive(bytes.len());
         }
         bytes[..received.len()].copy_from_slice(&received);
         Ok(received.len())
@@ -32,7 +48,7 @@ impl Read for HostLine {
 
 impl Write for HostLine {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.chip.send(bytes);
+        self.chip().send(bytes);
         Ok(bytes.len())
     }
 

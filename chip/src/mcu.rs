@@ -71,6 +71,8 @@ pub(crate) struct Mcu {
     /// The core stands still until then: the flash is busy.
     pub(crate) stalled_until: Time,
     pub(crate) bus_error: bool,
+    /// TIM1's counter when it last triggered the converters.
+    pub(crate) triggered_at: Option<u32>,
     /// A reset that waits to be made.
     pub(crate) reset: Option<ResetCause>,
     pub(crate) violation: Option<Violation>,
@@ -109,6 +111,7 @@ impl Mcu {
             outputs: Outputs::RELEASED,
             stalled_until: 0,
             bus_error: false,
+            triggered_at: None,
             reset: None,
             violation: None,
             options,

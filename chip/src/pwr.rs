@@ -18,12 +18,6 @@ impl Pwr {
         }
     }
 
-    /// The threshold of the voltage detector [V], if it is on.
-    pub(crate) fn detector(&self) -> Option<f64> {
-        let levels = [2.0, 2.1, 2.3, 2.5, 2.6, 2.7, 2.8, 2.9];
-        self.cr.bit(4).then(|| levels[self.cr.field(5, 3) as usize])
-    }
-
     pub(crate) fn read(&self, offset: u32) -> u32 {
         match offset {
             0 => self.cr.value,

@@ -55,8 +55,4 @@ impl Register {
     pub(crate) fn clear(&mut self, bits: u32) {
         self.value &= !bits;
     }
-
-    pub(crate) fn restore(&mut self) {
-        self.value = self.reset;
-    }
 }

@@ -14,6 +14,8 @@ const KEYS: [u32; 2] = [0x4567_0123, 0xcdef_89ab];
 const OPTION_KEYS: [u32; 2] = [0x0819_2a3b, 0x4c5d_6e7f];
 /// Time to program a word and to erase a sector of 128 KiB: the typical values.
 const PROGRAM: Time = 16 * MICROSECOND;
+/// Time to program the option bytes.
+const OPTIONS: Time = 300 * MILLISECOND;
 const ERASE: Time = 1000 * MILLISECOND;
 /// The data cache has 8 lines of 16 bytes.
 const LINES: usize = 8;
@@ -67,7 +69,7 @@ impl Flash {
             acr: Register::new("FLASH_ACR", 0, 0x1f07, 0),
             cr: Register::new("FLASH_CR", 0x8000_0000, 0x8100_037f, 1 << 16),
             sr: Register::new("FLASH_SR", 0, 0, 0x0001_00f3),
-            optcr: Register::new("FLASH_OPTCR", 0x0fff_aaed, 0x0fff_ffed, 0),
+            optcr: Register::new("FLASH_OPTCR", 0x0fff_aaed, 0x0fff_ffed, 2),
             keys: 0,
             option_keys: 0,
             jammed: false,
@@ -157,9 +159,8 @@ impl Flash {
                     return refuse("FLASH_OPTCR", value, "the register is locked");
                 }
                 self.optcr.write(value)?;
-                if self.optcr.bit(1) {
-                    self.optcr.set(1, false);
-                    return Ok(Operation::Busy(now + ERASE));
+                if value >> 1 & 1 != 0 {
+                    return Ok(Operation::Busy(now + OPTIONS));
                 }
             }
             _ => return refuse("FLASH", value, format!("no register at {offset:#x} here")),

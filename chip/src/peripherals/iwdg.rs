@@ -54,6 +54,10 @@ impl Iwdg {
         }
     }
 
+    pub(crate) fn runs(&self) -> bool {
+        self.running
+    }
+
     /// Starts the slow oscillator and the counter, which begins at its reset value.
     fn start(&mut self, now: Time) {
         if self.running {

@@ -242,16 +242,7 @@ impl Usart {
                 Ok(())
             }
             0x04 => self.put_data(value as u8, now),
-            0x08 => {
-                if self.shifting.is_some() {
-                    return refuse(
-                        "USART1_BRR",
-                        value,
-                        "the divider changes while a byte is sent",
-                    );
-                }
-                self.brr.write(value)
-            }
+            0x08 => self.brr.write(value),
             0x0c => {
                 if value >> 13 & 1 != 0 && self.brr.value < 16 {
                     return refuse("USART1_CR1", value, "enabled without a divider");

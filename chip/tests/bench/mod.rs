@@ -6,9 +6,11 @@ use fivebar::input::robot::{BuiltIn, Robot};
 use fivebar::input::scenario::Mismatch;
 use fivebar::run::link::Client;
 use fivebar::run::plant::Plant;
-use fivebar_chip::time::Time;
+use fivebar_chip::time::{MILLISECOND, Time};
 use fivebar_chip::{Arm, Chip, HostLine, Image, Options, SharedArm};
-use fivebar_firmware::{Move, MoveKind, Settings};
+use fivebar_firmware::protocol::{CommandError, HostCommand, Reset};
+use fivebar_firmware::{Move, MoveKind, Request, Settings, Status};
+use std::cell::RefMut;
 use std::path::PathBuf;
 use std::process::Command;
 use std::sync::{Arc, OnceLock};
@@ -59,13 +61,15 @@ impl Bench {
     pub(crate) fn with(options: Options, stored: Vec<u8>, wake: Time) -> Self {
         let arm = arm(wake);
         let chip = Chip::new(image(), options, stored, Box::new(arm.clone())).expect("an emulator");
-        let line = HostLine { chip };
+        let line = HostLine::new(chip);
         Self { line, arm }
     }
 
-    pub(crate) fn client(self) -> (Client<HostLine>, SharedArm) {
-        let (client, _) = Client::open(self.line).expect("the controller answers");
-        (client, self.arm)
+    /// A host opens a session.
+    pub(crate) fn connect(self) -> Driven {
+        let Self { line, arm } = self;
+        let (client, _) = Client::open(line.clone()).expect("the controller answers");
+        Driven { client, line, arm }
     }
 }
 
@@ -89,4 +93,75 @@ pub(crate) fn moves() -> Vec<Move> {
         .zip(kinds)
         .map(|(tag, kind)| Move { tag, kind })
         .collect()
+}
+
+/// A host connected to a chip.
+pub(crate) struct Driven {
+    pub(crate) client: Client<HostLine>,
+    pub(crate) line: HostLine,
+    pub(crate) arm: SharedArm,
+}
+
+impl Bench {
+    /// The settings are in use; nothing is stored, homed or armed.
+    pub(crate) fn ready(self) -> Driven {
+        let mut driven = self.connect();
+        if driven.status().fault.is_some() {
+            driven.request(Request::ClearFault).expect("cleared");
+        }
+        let client = &mut driven.client;
+        let applied = client.write_settings(&settings()).expect("a line");
+        applied.expect("the settings are applied");
+        driven
+    }
+}
+
+impl Driven {
+    pub(crate) fn new() -> Self {
+        Bench::with(Options::default(), Vec::new(), 0).ready()
+    }
+
+    pub(crate) fn chip(&self) -> RefMut<'_, Chip> {
+        self.line.chip()
+    }
+
+    pub(crate) fn run(&mut self, time: Time) {
+        let ran = self.chip().run(time);
+        if let Err(report) = ran {
+            panic!("{report}");
+        }
+    }
+
+    pub(crate) fn request(&mut self, request: Request) -> Result<(), CommandError> {
+        let command = HostCommand::Request(request);
+        self.client
+            .command(command)
+            .expect("the controller answers")
+    }
+
+    pub(crate) fn status(&mut self) -> Status {
+        self.client.status().expect("the controller answers").0
+    }
+
+    /// Tells the controller where the arm is, and arms it.
+    pub(crate) fn arm(&mut self) {
+        let angles = [0, 1].map(|joint| self.arm.get().plant().angle(joint) as f32);
+        self.request(Request::SetAngles(angles)).expect("angles");
+        self.request(Request::Arm).expect("armed");
+        self.run(5 * MILLISECOND);
+        assert_eq!(self.arm.get().acting().enable, [true; 2]);
+    }
+
+    /// Whether no bridge drives its motor.
+    pub(crate) fn is_off(&self) -> bool {
+        self.arm.get().acting().enable == [false; 2]
+    }
+
+    /// The host begins a new session, as after a reset: why the controller started.
+    pub(crate) fn reconnect(&mut self) -> Reset {
+        let opened = Client::open(self.line.clone());
+        let (client, identity) = opened.expect("the controller answers");
+        self.client = client;
+        identity.reset
+    }
 }

@@ -60,6 +60,7 @@ pub(crate) struct Tim1 {
     compare: [u32; 4],
     repetitions: u32,
     pub(crate) reading: RepetitionReading,
+    repetitions_written_running: bool,
     /// The place in the period at `since` [counts]; up to twice the top when centre aligned.
     phase: u64,
     since: Time,
@@ -101,6 +102,7 @@ impl Tim1 {
             compare: [0; 4],
             repetitions: 0,
             reading: RepetitionReading::AtUpdate,
+            repetitions_written_running: false,
             phase: 0,
             since: 0,
             clock,
@@ -142,7 +144,7 @@ impl Tim1 {
     }
 
     /// The counter, and whether it counts down.
-    fn counter(&self, now: Time) -> (u32, bool) {
+    pub(crate) fn counter(&self, now: Time) -> (u32, bool) {
         let phase = self.phase_at(now);
         if phase > u64::from(self.top) {
             ((self.cycle() - phase) as u32, true)
@@ -211,13 +213,12 @@ impl Tim1 {
         events
     }
 
-    /// The other reading: the preload acts at once, and the update is at the underflow.
+    /// The other reading: an odd value's update is at the underflow if it was written while
+    /// the counter ran, at the overflow otherwise.
     fn due_by_sentence(&mut self, at_top: bool) -> bool {
+        self.repetitions = self.repetitions.min(self.rcr.value);
         let odd = self.rcr.value % 2 == 1;
-        if self.repetitions > self.rcr.value {
-            self.repetitions = self.rcr.value;
-        }
-        self.repetitions == 0 && !(odd && at_top)
+        self.repetitions == 0 && (!odd || at_top != self.repetitions_written_running)
     }
 
     /// An update event; true if it drives the trigger output.

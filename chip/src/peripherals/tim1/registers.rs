@@ -69,7 +69,10 @@ impl Tim1 {
                     self.top = self.arr.value;
                 }
             }
-            0x30 => self.rcr.write(value)?,
+            0x30 => {
+                self.rcr.write(value)?;
+                self.repetitions_written_running = self.runs();
+            }
             0x34..=0x40 => self.write_ccr((offset as usize - 0x34) / 4, value)?,
             0x44 => self.write_bdtr(value)?,
             _ => {

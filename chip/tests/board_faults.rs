@@ -1,0 +1,336 @@
+//! Faults of the board's drivers, each raised through pins, registers and time.
+
+mod bench;
+
+use bench::{Bench, Driven, image, settings};
+use fivebar_chip::time::{MICROSECOND, MILLISECOND, SECOND};
+use fivebar_chip::{FlashEvent, Options, RepetitionReading, ResetCause};
+use fivebar_firmware::Request;
+use fivebar_firmware::protocol::{HostCommand, Reply, Reset};
+use fivebar_firmware::safety::{Fault, State};
+
+/// A tick.
+const TICK: u64 = 100 * MICROSECOND;
+
+#[test]
+fn a_held_emergency_stop_is_a_fault_and_the_tick_goes_on() {
+    let mut driven = Driven::new();
+    driven.arm();
+    for _ in 0..2 {
+        driven.arm.get().press_stop(true);
+        driven.chip().pins_changed();
+        assert!(driven.is_off(), "the timer switches off at once");
+        driven.run(2 * TICK);
+        let status = driven.status();
+        assert_eq!(status.fault, Some(Fault::EmergencyStop));
+        driven.run(200 * MILLISECOND);
+        let later = driven.status();
+        assert!(
+            later.tick - status.tick > 1990,
+            "{}",
+            later.tick - status.tick
+        );
+        assert_eq!(driven.chip().resets().len(), 1, "the watchdog is fed");
+        // Cleared while pressed, it is raised again at once.
+        driven.request(Request::ClearFault).expect("cleared");
+        driven.run(2 * TICK);
+        assert_eq!(driven.status().fault, Some(Fault::EmergencyStop));
+        driven.arm.get().press_stop(false);
+        driven.run(2 * TICK);
+        driven.request(Request::ClearFault).expect("cleared");
+        driven.arm();
+    }
+}
+
+/// Flash that some other program has used, in which no settings are.
+fn used_flash() -> Vec<u8> {
+    (0..512 * 1024_u32)
+        .map(|at| (at.wrapping_mul(2_654_435_761) >> 24) as u8)
+        .collect()
+}
+
+fn save(driven: &mut Driven) -> Reply {
+    driven
+        .client
+        .call(HostCommand::SaveSettings)
+        .expect("the controller answers")
+}
+
+#[test]
+fn settings_are_saved_to_a_used_flash_again_and_again() {
+    let mut driven = Bench::with(Options::default(), used_flash(), 0).ready();
+    for _ in 0..4 {
+        assert_eq!(save(&mut driven), Reply::Done);
+    }
+    let events = driven.chip().flash_events();
+    assert!(
+        events
+            .iter()
+            .any(|event| matches!(event, FlashEvent::Erase(_)))
+    );
+    driven.chip().reset(ResetCause::Power);
+    assert_eq!(driven.reconnect(), Reset::Power);
+    assert_eq!(driven.status().fault, None);
+    let mut read = settings();
+    read.lengths[0] = 0.0;
+    driven.client.read_settings(&mut read).expect("settings");
+    assert_eq!(read, settings());
+}
+
+#[test]
+fn the_watchdog_waits_for_an_erase_and_watches_again_afterwards() {
+    for lsi in [17e3, 47e3] {
+        let options = Options {
+            lsi,
+            ..Options::default()
+        };
+        let mut driven = Bench::with(options, used_flash(), 0).ready();
+        assert_eq!(save(&mut driven), Reply::Done);
+        assert_eq!(driven.chip().resets().len(), 1, "at {lsi} Hz");
+        driven.run(20 * MILLISECOND);
+        driven.chip().hang();
+        driven.run(110 * MILLISECOND);
+        assert_eq!(driven.chip().resets().len(), 2, "at {lsi} Hz");
+    }
+}
+
+#[test]
+fn a_stack_overflow_switches_the_bridges_off_and_is_reported() {
+    let mut driven = Driven::new();
+    driven.arm();
+    driven.chip().leave_stack(64);
+    driven.run(2 * TICK);
+    assert!(driven.is_off());
+    assert!(!driven.chip().is_locked_up());
+    assert_eq!(driven.reconnect(), Reset::HardFault);
+}
+
+#[test]
+fn the_image_logs_the_length_of_the_tick() {
+    assert!(
+        image()
+            .symbol("the tick: {=u32} cycles, at most {=u32}")
+            .is_some()
+    );
+}
+
+#[test]
+fn a_log_that_no_probe_reads_does_not_stop_the_tick() {
+    let mut driven = Driven::new();
+    // A probe sets the channel to block when it is full, and goes away.
+    let (control, _) = image()
+        .symbol("_SEGGER_RTT")
+        .expect("the log's control block");
+    driven.chip().write_ram_word(control + 24 + 20, 2);
+    for _ in 0..40 {
+        driven.arm();
+        driven.request(Request::Disarm).expect("disarmed");
+    }
+    driven.run(SECOND);
+    assert_eq!(driven.chip().resets().len(), 1);
+    assert_eq!(driven.status().fault, None);
+}
+
+#[test]
+fn a_bridge_is_given_its_time_to_wake() {
+    let mut driven = Bench::with(Options::default(), Vec::new(), MILLISECOND).ready();
+    for _ in 0..3 {
+        driven.arm();
+        driven.run(20 * MILLISECOND);
+        let status = driven.status();
+        assert_eq!((status.state, status.fault), (State::Armed, None));
+        driven.request(Request::Disarm).expect("disarmed");
+    }
+    // Nothing was driven hard when the bridges woke.
+    let strongest = driven
+        .arm
+        .get()
+        .history
+        .iter()
+        .fold(0.0_f32, |most, (_, acting)| {
+            most.max(acting.duty[0].abs()).max(acting.duty[1].abs())
+        });
+    assert!(strongest < 0.1, "{strongest}");
+}
+
+#[test]
+fn the_converter_samples_in_the_middle_of_the_braking_phase() {
+    let mut driven = Driven::new();
+    driven.arm();
+    driven.run(20 * MILLISECOND);
+    assert_eq!(driven.arm.get().samples_on_edges, 0);
+    assert_eq!(driven.chip().counter_at_last_trigger(), Some(0));
+}
+
+#[test]
+fn a_converter_triggered_in_the_drive_pulse_keeps_the_arm_off() {
+    let bench = Bench::with(Options::default(), Vec::new(), 0);
+    let reading = RepetitionReading::BySentence;
+    bench.line.chip().read_repetitions(reading);
+    let mut driven = bench.connect();
+    driven.run(10 * MILLISECOND);
+    assert_ne!(driven.chip().counter_at_last_trigger(), Some(0));
+    assert_eq!(driven.status().fault, Some(Fault::ClockFailure));
+    assert!(driven.request(Request::Arm).is_err());
+    driven.request(Request::ClearFault).expect("cleared");
+    driven.run(2 * TICK);
+    assert_eq!(driven.status().fault, Some(Fault::ClockFailure));
+}
+
+#[test]
+fn both_currents_are_sampled_at_once_and_away_from_every_edge() {
+    let mut driven = Driven::new();
+    driven.arm();
+    let [current1, current4, _] = driven.arm.get().windows;
+    let (current1, current4) = (current1.expect("a sample"), current4.expect("a sample"));
+    assert_eq!(current1.from, current4.from);
+    // At the greatest duty, 0.95, the bridges brake for 1.25 µs on each side of the middle.
+    for window in [current1, current4] {
+        assert!(window.until - window.from < MICROSECOND);
+    }
+}
+
+#[test]
+fn the_host_hears_of_a_crystal_that_dies() {
+    let mut driven = Driven::new();
+    driven.arm();
+    driven.chip().crystal_fails();
+    driven.run(TICK);
+    assert!(driven.is_off());
+    // A tick now takes ten times as long.
+    driven.run(30 * TICK);
+    let status = driven.status();
+    assert_eq!(status.fault, Some(Fault::ClockFailure));
+    driven.run(300 * MILLISECOND);
+    assert!(driven.status().tick > status.tick);
+    assert_eq!(driven.chip().resets().len(), 1);
+}
+
+#[test]
+fn the_host_hears_of_a_crystal_that_does_not_start() {
+    let options = Options {
+        crystal_works: false,
+        ..Options::default()
+    };
+    let mut driven = Bench::with(options, Vec::new(), 0).connect();
+    assert_eq!(driven.status().fault, Some(Fault::ClockFailure));
+    assert!(driven.request(Request::Arm).is_err());
+    driven.run(300 * MILLISECOND);
+    assert_eq!(driven.chip().resets().len(), 1);
+}
+
+#[test]
+fn a_frame_that_follows_a_long_one_is_sent() {
+    let mut driven = Driven::new();
+    driven.arm();
+    driven.request(Request::EmergencyStop).expect("stopped");
+    let every = HostCommand::Telemetry { every: 25 };
+    assert_eq!(driven.client.command(every).expect("a line"), Ok(()));
+    let repeats = driven.client.repeats();
+    let mut numbers = Vec::new();
+    for _ in 0..50 {
+        let reply = driven
+            .client
+            .call(HostCommand::Snapshot)
+            .expect("an answer");
+        assert!(matches!(reply, Reply::Snapshot(Some(_))), "{reply:?}");
+        while let Some(sample) = driven.client.take_telemetry() {
+            numbers.push(sample.number);
+        }
+    }
+    assert_eq!(driven.client.repeats(), repeats);
+    assert!(numbers.len() > 10, "{}", numbers.len());
+    let gap = numbers.windows(2).find(|pair| pair[1] != pair[0] + 1);
+    assert_eq!(gap, None);
+}
+
+#[test]
+fn a_disturbance_of_an_encoders_lines_counts_nothing() {
+    let mut driven = Driven::new();
+    driven.arm();
+    driven.run(10 * MILLISECOND);
+    let before = driven.status().angle;
+    for _ in 0..100 {
+        for joint in 0..2 {
+            driven.arm.get().disturb_encoder(joint, 200_000_000);
+        }
+        driven.run(TICK);
+    }
+    let added = driven.arm.get().added();
+    assert_eq!(added, [0; 2]);
+    let after = driven.status().angle;
+    assert!((after[0] - before[0]).abs() < 2e-3, "{before:?} {after:?}");
+}
+
+#[test]
+fn one_sample_of_a_home_switch_decides_nothing() {
+    let mut driven = Driven::new();
+    driven.request(Request::Home).expect("homing");
+    for _ in 0..3000 {
+        driven.run(MILLISECOND);
+        driven.arm.get().chatter(0);
+        driven.arm.get().chatter(1);
+        let status = driven.status();
+        assert_eq!(status.fault, None);
+        if status.homed {
+            break;
+        }
+    }
+    let status = driven.status();
+    for joint in 0..2 {
+        let error = f64::from(status.angle[joint]) - driven.arm.get().plant().angle(joint);
+        assert!(error.abs() < 2e-3, "joint {joint}: {error}");
+    }
+}
+
+#[test]
+fn the_watchdog_bites_in_time_whatever_its_oscillator() {
+    for lsi in [17e3, 32e3, 47e3] {
+        let options = Options {
+            lsi,
+            ..Options::default()
+        };
+        let mut driven = Bench::with(options, Vec::new(), 0).ready();
+        driven.arm();
+        driven.run(500 * MILLISECOND);
+        assert_eq!(
+            driven.chip().resets().len(),
+            1,
+            "not while all is well, at {lsi} Hz"
+        );
+        let hung = driven.chip().now();
+        driven.chip().hang();
+        driven.run(SECOND);
+        let (at, cause) = driven.chip().resets()[1];
+        assert_eq!(cause, ResetCause::Watchdog);
+        assert!(at - hung < 100 * MILLISECOND, "{} at {lsi} Hz", at - hung);
+        assert!(driven.is_off());
+        assert_eq!(driven.reconnect(), Reset::Watchdog);
+        assert_eq!(driven.status().fault, Some(Fault::WatchdogReset));
+    }
+}
+
+#[test]
+fn the_watchdog_bites_before_its_first_refresh_too() {
+    let bench = Bench::with(Options::default(), Vec::new(), 0);
+    let mut chip = bench.line.chip();
+    while !chip.watchdog_runs() {
+        chip.run(10 * MICROSECOND).expect("a sound start");
+    }
+    chip.hang();
+    chip.run(SECOND).expect("time passes");
+    assert_eq!(
+        chip.resets().last().map(|&(_, cause)| cause),
+        Some(ResetCause::Watchdog)
+    );
+}
+
+#[test]
+fn a_low_supply_resets_the_chip() {
+    let mut driven = Driven::new();
+    driven.arm();
+    driven.chip().supply_falls(2.6);
+    driven.run(TICK);
+    assert!(driven.is_off());
+    assert_eq!(driven.reconnect(), Reset::BrownOut);
+}
