@@ -4,18 +4,24 @@ mod rig;
 
 use fivebar_firmware::controller::{Request, RequestError};
 use fivebar_firmware::safety::{Fault, State};
-use rig::{Rig, START, settings};
+use rig::{Bench, Rig, START, settings};
 use std::f64::consts::TAU;
 
 const COUNT: f64 = TAU / (8.0 * 8192.0);
 
 /// Runs until homing has ended; returns its ticks.
 fn home(rig: &mut Rig) -> u32 {
+    home_with(rig, |_, _| ())
+}
+
+/// The same; `disturb` may change the bench before each tick.
+fn home_with(rig: &mut Rig, mut disturb: impl FnMut(u32, &mut Bench)) -> u32 {
     rig.controller.request(Request::Home).unwrap();
     for ticks in 0..60_000 {
         if rig.controller.state() != State::Homing {
             return ticks;
         }
+        disturb(ticks, &mut rig.bench);
         let command = rig.tick();
         // At limited current: no more than its voltage, and what the back-EMF adds.
         for duty in command.duty {
@@ -60,6 +66,64 @@ fn begins_by_backing_off_where_a_switch_is_closed_already() {
     assert!(rig.controller.status().homed);
     let off = f64::from(rig.controller.status().angle[0]) - rig.bench.theta[0];
     assert!(off.abs() < 1.5 * COUNT, "{off} rad");
+}
+
+/// A joint that took a disturbance for its switch would back off from where it is, and find the
+/// next disturbance instead of the switch.
+#[test]
+fn a_home_switch_that_reads_wrongly_for_a_few_ticks_changes_nothing() {
+    let undisturbed = {
+        let mut rig = Rig::new(&settings());
+        let ticks = home(&mut rig);
+        (ticks, rig.controller.status().angle)
+    };
+    for (length, every) in [(1, 50), (7, 97)] {
+        let mut rig = Rig::new(&settings());
+        let ticks = home_with(&mut rig, |tick, bench| {
+            let flips = tick % every < length;
+            bench.stuck = None;
+            let read = bench.sense().home;
+            // Not within the debounce time around a true change.
+            let near = [0, 1].map(|joint| {
+                let home = f64::from(settings().axes[joint].home_angle);
+                (bench.theta[joint] - home).abs() < 2e-3
+            });
+            if flips && near == [false; 2] {
+                bench.stuck = Some(read.map(|closed| !closed));
+            }
+        });
+        let status = rig.controller.status();
+        assert!(status.homed, "{:?}", rig.controller.fault());
+        assert_eq!((ticks, status.angle), undisturbed, "{length} ticks");
+    }
+}
+
+/// The contact opens again twice while it closes.
+#[test]
+fn a_bouncing_switch_gives_the_home_angle_within_its_bounces() {
+    let mut rig = Rig::new(&settings());
+    let mut closed_for = [0; 2];
+    home_with(&mut rig, |_, bench| {
+        bench.stuck = None;
+        let read = bench.sense().home;
+        for joint in 0..2 {
+            closed_for[joint] = if read[joint] {
+                closed_for[joint] + 1
+            } else {
+                0
+            };
+        }
+        let bouncing = closed_for.map(|ticks| (3..5).contains(&ticks) || ticks == 10);
+        bench.stuck = Some([0, 1].map(|joint| read[joint] && !bouncing[joint]));
+    });
+    assert!(rig.controller.status().homed);
+    rig.run(2000);
+    let status = rig.controller.status();
+    for (angle, theta) in status.angle.into_iter().zip(rig.bench.theta) {
+        // Eleven ticks at 0.09 rad/s are 0.1 mrad: the counts are those after the last gap.
+        let off = (f64::from(angle) - theta).abs();
+        assert!(off < 1.5 * COUNT + 1e-4, "{off} rad");
+    }
 }
 
 #[test]

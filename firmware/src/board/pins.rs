@@ -71,7 +71,6 @@ impl Pins {
                 emergency_stop: b.pb12.into_alternate(),
                 fault1: b.pb0.into_pull_up_input(),
                 fault4: b.pb1.into_pull_up_input(),
-                home_filters: Default::default(),
             },
             serial: (b.pb6.into_alternate(), b.pb7.into_alternate()),
         }

@@ -4,7 +4,6 @@
 //! ground with a pull-up, so open is pressed; a fault output that is low is a fault. See
 //! `docs/wiring.md`.
 
-use super::Debounce;
 use embedded_hal::digital::InputPin;
 
 /// Reads the two home switches, the emergency stop and both fault outputs.
@@ -19,21 +18,17 @@ pub struct Inputs<H1, H4, S, F1, F4> {
     pub fault1: F1,
     /// Bridge 4's fault output: low is a fault.
     pub fault4: F4,
-    /// Filters of the home switches.
-    pub home_filters: [Debounce; 2],
 }
 
 impl<H1: InputPin, H4: InputPin, S: InputPin, F1: InputPin, F4: InputPin>
     Inputs<H1, H4, S, F1, F4>
 {
-    /// Whether each home switch is pressed, filtered; one that cannot be read counts as pressed.
-    /// Called once in every tick.
+    /// Whether each home switch is pressed; one that cannot be read counts as pressed.
     #[inline]
     pub fn home(&mut self) -> [bool; 2] {
-        let [filter1, filter4] = &mut self.home_filters;
         [
-            filter1.filter(self.home1.is_high().unwrap_or(true)),
-            filter4.filter(self.home4.is_high().unwrap_or(true)),
+            self.home1.is_high().unwrap_or(true),
+            self.home4.is_high().unwrap_or(true),
         ]
     }
 

@@ -2,9 +2,7 @@
 //! are tested on a desktop.
 
 mod bridge;
-mod debounce;
 mod inputs;
 
 pub use bridge::Bridge;
-pub use debounce::Debounce;
 pub use inputs::Inputs;
