@@ -6,7 +6,7 @@ mod rig;
 use fivebar_firmware::controller::{Controller, Request, RequestError};
 use fivebar_firmware::safety::{Fault, Response, State};
 use fivebar_firmware::{ActuatorCommand, MoveKind, Settings};
-use rig::{Rig, START, settings};
+use rig::{Rig, START, WAKING_TICKS, settings};
 
 /// Runs ticks until a fault is latched, at most `within`, and checks what every power-off fault
 /// must do.
@@ -242,6 +242,7 @@ fn a_number_that_overflows() {
     rig.run(1);
     rig.controller.request(Request::SetAngles(START)).unwrap();
     rig.controller.request(Request::Arm).unwrap();
+    rig.run(WAKING_TICKS);
     powers_off(&mut rig, Fault::NotANumber, 15, 1);
     clears(&mut rig);
 }

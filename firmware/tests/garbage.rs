@@ -112,7 +112,9 @@ fn tick(controller: &mut Controller, sample: &SensorSample) -> ActuatorCommand {
         assert!(duty.abs() <= 1.0, "{duty} while {:?}", controller.state());
         assert!(enable || duty == 0.0);
         assert!(powered || !enable, "power while {:?}", controller.state());
-        assert_eq!(enable, !command.brake);
+        // The brake holds where the bridges do not drive: off, or waking up.
+        assert!(enable || command.brake);
+        assert!(duty == 0.0 || !command.brake);
     }
     let status = controller.status();
     assert_eq!(status.fault.is_some(), status.state == State::Fault);

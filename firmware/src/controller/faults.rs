@@ -26,8 +26,9 @@ impl Controller {
         if !self.is_powered() {
             return None;
         }
+        // A bridge's fault output means nothing while the bridge wakes up.
         let [driver1, driver4] = sample.driver_fault;
-        if driver1 | driver4 {
+        if (driver1 | driver4) && self.waking == 0 {
             return Some(Fault::DriverFault);
         }
         if monitor.over_current(measurement.current) {

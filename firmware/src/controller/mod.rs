@@ -45,6 +45,8 @@ pub struct Controller {
     ticks: u32,
     /// The tick in which the command timeout was last restarted.
     heard_at: u32,
+    /// Ticks until the bridges are awake; of all [`Model::wake_up_ticks`] while they are off.
+    waking: u32,
     state: State,
     /// The working mode that the arm is in.
     mode: WorkingMode,
@@ -69,8 +71,10 @@ pub struct Controller {
 impl Controller {
     /// A controller for the arm of these settings, in the state Stopped and not homed.
     pub fn new(settings: &CheckedSettings) -> Self {
+        let model = Model::new(settings);
         Self {
-            model: Model::new(settings),
+            waking: model.wake_up_ticks,
+            model,
             settings: **settings,
             joints: [Joint::new(), Joint::new()],
             begun: false,

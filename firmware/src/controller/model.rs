@@ -1,6 +1,7 @@
 //! The constants of the tick, computed once from the settings.
 
 use super::homing_state::HomingConfig;
+use crate::drivers::WAKE_UP_TIME;
 use crate::safety::Monitor;
 use crate::settings::{AxisSettings, CheckedSettings};
 use core::f32::consts::TAU;
@@ -36,6 +37,8 @@ pub(crate) struct Model {
     /// T [s].
     pub(crate) period: f32,
     pub(crate) homing_configs: [HomingConfig; 2],
+    /// Ticks from switching the bridges on to the first one that drives them.
+    pub(crate) wake_up_ticks: u32,
 }
 
 /// The constants of one joint.
@@ -81,6 +84,8 @@ impl Model {
             homing_configs: settings
                 .axes
                 .map(|axis| HomingConfig::new(&axis, &settings.homing)),
+            // One more, because a command acts from the next tick on.
+            wake_up_ticks: (WAKE_UP_TIME * control.tick_rate) as u32 + 1,
         }
     }
 }

@@ -19,6 +19,8 @@ pub(super) struct TorqueCommand {
 enum ControlMode {
     /// Nothing: the bridges are off.
     Off,
+    /// Wait: the bridges wake up.
+    Waking,
     /// Look for the home switches.
     Homing,
     /// Hold or follow the path.
@@ -36,6 +38,12 @@ pub(super) struct Measurement {
 impl Controller {
     /// Runs one tick. The returned command acts from the next tick on.
     ///
+    /// When the bridges are switched on, they are given [`WAKE_UP_TIME`]: the duties are zero, the
+    /// brake stays engaged, the loops stay cleared, and the bridges' fault outputs are not
+    /// judged. A path or a search for the switches begins after it.
+    ///
+    /// [`WAKE_UP_TIME`]: crate::drivers::WAKE_UP_TIME
+    ///
     /// The work is bounded: the only loops are over the two joints and over at most two
     /// segments of the path.
     pub fn tick(&mut self, sample: &SensorSample) -> ActuatorCommand {
@@ -50,6 +58,7 @@ impl Controller {
         }
         let torques = match self.control_mode() {
             ControlMode::Off => Ok(None),
+            ControlMode::Waking => return self.wake(),
             ControlMode::Homing => self.home(sample).map(Some),
             ControlMode::Tracking => self.track().map(Some),
         };
@@ -102,6 +111,7 @@ impl Controller {
     #[inline(always)]
     fn control_mode(&self) -> ControlMode {
         match self.state {
+            State::Armed | State::Homing if self.waking > 0 => ControlMode::Waking,
             State::Armed | State::Running | State::Stopping => ControlMode::Tracking,
             State::Fault if self.controlled_stop => ControlMode::Tracking,
             State::Homing => ControlMode::Homing,
@@ -114,7 +124,7 @@ impl Controller {
     pub(super) fn is_powered(&self) -> bool {
         match self.control_mode() {
             ControlMode::Off => false,
-            ControlMode::Homing | ControlMode::Tracking => true,
+            ControlMode::Waking | ControlMode::Homing | ControlMode::Tracking => true,
         }
     }
 
@@ -145,15 +155,34 @@ impl Controller {
 
     /// Bridges off, brake on.
     fn off(&mut self) -> ActuatorCommand {
-        self.limits = Limits::empty();
-        self.setpoint.rest();
-        for joint in &mut self.joints {
-            joint.release();
-        }
+        self.waking = self.model.wake_up_ticks;
+        self.release();
         ActuatorCommand {
             duty: [0.0; 2],
             enable: [false; 2],
             brake: true,
+        }
+    }
+
+    /// Bridges on, which do not drive yet; brake on.
+    #[cold]
+    #[inline(never)]
+    fn wake(&mut self) -> ActuatorCommand {
+        self.waking = self.waking.saturating_sub(1);
+        self.release();
+        ActuatorCommand {
+            duty: [0.0; 2],
+            enable: [true; 2],
+            brake: true,
+        }
+    }
+
+    /// Clears the loops; the set-point stays at rest where it is.
+    fn release(&mut self) {
+        self.limits = Limits::empty();
+        self.setpoint.rest();
+        for joint in &mut self.joints {
+            joint.release();
         }
     }
 }

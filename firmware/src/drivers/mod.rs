@@ -4,5 +4,5 @@
 mod bridge;
 mod inputs;
 
-pub use bridge::Bridge;
+pub use bridge::{Bridge, WAKE_UP_TIME};
 pub use inputs::Inputs;

@@ -21,7 +21,8 @@ pub enum State {
     /// Bridges off, brake on.
     ///
     /// Entry: after power-up, a disarm, a completed homing or a cleared fault.
-    /// Exit: to Armed when the arm is homed and inside its envelope; to Homing.
+    /// Exit: to Armed when the arm is homed and inside its envelope; to Homing. The bridges then
+    /// wake up for 1.5 ms, before the next state drives them.
     Stopped,
     /// Moving both joints to their switches at limited current.
     ///

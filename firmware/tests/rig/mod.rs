@@ -20,6 +20,10 @@ use std::f64::consts::TAU;
 /// Where the bench arm starts: crank angles of an upright pose [rad].
 pub(crate) const START: [f32; 2] = [2.2, 0.9];
 
+/// Ticks for which the bridges are given time to wake up: 1.5 ms, and one more because a command
+/// acts from the next tick on.
+pub(crate) const WAKING_TICKS: u32 = 16;
+
 /// The benchtop arm with coarser encoders and looser protection.
 pub(crate) fn settings() -> Settings {
     const BENCHTOP: Settings = Settings::BENCHTOP;
@@ -196,12 +200,12 @@ impl Rig {
         rig
     }
 
-    /// Homed by declaring the angles, and armed.
+    /// Homed by declaring the angles, and armed; the bridges are awake.
     pub(crate) fn armed(settings: &Settings) -> Self {
         let mut rig = Self::new(settings);
         rig.controller.request(Request::SetAngles(START)).unwrap();
         rig.controller.request(Request::Arm).unwrap();
-        rig.run(1);
+        rig.run(WAKING_TICKS + 1);
         rig
     }
 
