@@ -14,6 +14,11 @@ docs() { scripts/docs.sh; }
 licences() { scripts/licences.sh; }
 file_lengths() { scripts/file-lengths.sh; }
 tests() { cargo test --workspace; }
+# Each published crate as a package, compiled from its own archive.
+package() {
+    cargo package --quiet --allow-dirty --package fivebar-kinematics --package fivebar-design \
+        --package fivebar-firmware --package fivebar
+}
 peers() { scripts/peers.sh; }
 browser() { scripts/browser.sh; }
 python() { scripts/python.sh; }
@@ -27,7 +32,7 @@ emulated() {
 commands() { scripts/commands.sh; }
 demo() { cargo run --release --quiet -- --out target/demonstration; }
 
-all=(format file_lengths lint docs licences tests demo peers python browser setup firmware emulated commands)
+all=(format file_lengths lint docs licences tests demo package peers python browser setup firmware emulated commands)
 steps=("$@")
 [ $# -gt 0 ] || steps=("${all[@]}")
 

@@ -43,7 +43,7 @@ pub(super) struct LeverArms {
 
 impl LeverArms {
     /// Adds the accelerations that the joint forces give to the bodies.
-    #[inline]
+    #[inline(always)]
     fn apply(&self, chain: &Chain, forces: &PerJoint, motion: &mut [PlanarVector; 4]) {
         for i in 0..4 {
             let body = &chain.bodies[i];
@@ -55,7 +55,7 @@ impl LeverArms {
 
     /// J v: the relative velocity of the two bodies at each joint; with accelerations, their
     /// relative acceleration without the centripetal terms.
-    #[inline]
+    #[inline(always)]
     pub(super) fn joint_motion(&self, motion: &[PlanarVector; 4]) -> PerJoint {
         let at = |i: usize, r: Vector2<f64>| motion[i].linear + perp(r) * motion[i].angular;
         [
@@ -70,7 +70,7 @@ impl LeverArms {
 
 impl Chain {
     /// The lever arms at these coordinates.
-    #[inline]
+    #[inline(always)]
     pub(super) fn arms(&self, q: &[PlanarVector; 4]) -> LeverArms {
         let rotations = q.map(|q| rotation(q.angular));
         LeverArms {
@@ -84,7 +84,7 @@ impl Chain {
         self.gaps_with(&self.arms(q), q)
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn gaps_with(&self, arms: &LeverArms, q: &[PlanarVector; 4]) -> PerJoint {
         let near = |i: usize| q[i].linear + arms.near[i];
         let far = |i: usize| q[i].linear + arms.far[i];
@@ -98,7 +98,7 @@ impl Chain {
     }
 
     /// The matrix J M⁻¹Jᵀ at these lever arms.
-    #[inline]
+    #[inline(always)]
     pub(super) fn schur(&self, arms: &LeverArms) -> Tridiagonal {
         let body = &self.bodies;
         let (near, far) = (&arms.near, &arms.far);
@@ -118,7 +118,7 @@ impl Chain {
     }
 
     /// Sets the entries of the joints without constraint to zero.
-    #[inline]
+    #[inline(always)]
     fn constrained_only(&self, mut each: PerJoint) -> PerJoint {
         for (each, constrained) in each.iter_mut().zip(self.constrained) {
             if !constrained {
@@ -130,7 +130,7 @@ impl Chain {
 
     /// Accelerations of the bodies and the joint forces; `free` are the accelerations by the
     /// applied forces alone, a₀ = M⁻¹ f.
-    #[inline]
+    #[inline(always)]
     pub(super) fn accelerations(
         &self,
         arms: &LeverArms,
@@ -201,7 +201,7 @@ impl Tridiagonal {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn factored(&self) -> Factored {
         let mut inverse = [Matrix2::zeros(); JOINTS];
         inverse[0] = inverted(self.diagonal[0]);
@@ -217,7 +217,7 @@ impl Tridiagonal {
 }
 
 impl Factored {
-    #[inline]
+    #[inline(always)]
     pub(super) fn solve(&self, right: &PerJoint) -> PerJoint {
         let mut x = *right;
         for k in 1..JOINTS {
@@ -235,7 +235,7 @@ impl Factored {
 ///
 /// With all links in one line the last block is singular: the forces along the line are
 /// undetermined. A determinant kept above its rounding error gives finite ones.
-#[inline]
+#[inline(always)]
 fn inverted(m: Matrix2<f64>) -> Matrix2<f64> {
     let (a, b, c, d) = (m[(0, 0)], m[(0, 1)], m[(1, 0)], m[(1, 1)]);
     let per_determinant = 1.0 / (a * d - b * c).max(f64::EPSILON * a * d);

@@ -102,7 +102,7 @@ impl Model {
     }
 
     /// The accelerations that the applied forces alone would give.
-    #[inline]
+    #[inline(always)]
     pub(super) fn free_accelerations(
         &self,
         state: &State,
@@ -167,13 +167,14 @@ impl Model {
     }
 
     /// All torque on each driven joint [N·m].
-    #[inline]
+    #[inline(always)]
     pub(super) fn joint_torque(&self, state: &State, loads: &Loads) -> [f64; 2] {
         let [torque1, torque4] = self.drive_torque(state);
         let [extra1, extra4] = loads.joint_torque;
         [torque1 + extra1, torque4 + extra4]
     }
 
+    #[inline(always)]
     fn rates(&self, state: &State, loads: &Loads) -> Rates {
         let torque = self.joint_torque(state, loads);
         let (a, _) = self.accelerations(state, torque, loads.tool_force);
@@ -185,7 +186,7 @@ impl Model {
     }
 
     /// di/dt of the motors [A/s].
-    #[inline]
+    #[inline(always)]
     pub(super) fn current_rates(&self, state: &State, loads: &Loads) -> [f64; 2] {
         [0, 1].map(|j| {
             let omega = state.v[DRIVEN[j]].angular;

@@ -23,7 +23,7 @@ impl PlanarVector {
 
 impl Add for PlanarVector {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn add(self, other: Self) -> Self {
         Self {
             linear: self.linear + other.linear,
@@ -34,7 +34,7 @@ impl Add for PlanarVector {
 
 impl Mul<f64> for PlanarVector {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn mul(self, factor: f64) -> Self {
         Self {
             linear: self.linear * factor,
@@ -44,14 +44,14 @@ impl Mul<f64> for PlanarVector {
 }
 
 /// The vector rotated by +90°.
-#[inline]
+#[inline(always)]
 pub(super) fn perp(r: Vector2<f64>) -> Vector2<f64> {
     Vector2::new(-r.y, r.x)
 }
 
 /// The rotation by `angle` [rad]. libm gives the same bits on every platform, so that a
 /// seed gives the same run everywhere.
-#[inline]
+#[inline(always)]
 pub(super) fn rotation(angle: f64) -> Matrix2<f64> {
     let (sin, cos) = libm::sincos(angle);
     Matrix2::new(cos, -sin, sin, cos)
@@ -73,7 +73,7 @@ pub struct Body {
 impl Body {
     /// The acceleration of the point `r` per force at the point `s`, both from the centre of
     /// mass in the frame of the base: I/m + r⊥ s⊥ᵀ/J [1/kg].
-    #[inline]
+    #[inline(always)]
     pub(super) fn inverse_inertia(&self, r: Vector2<f64>, s: Vector2<f64>) -> Matrix2<f64> {
         let (r, s) = (perp(r) / self.inertia, perp(s));
         let per_mass = 1.0 / self.mass;
@@ -86,7 +86,7 @@ impl Body {
     }
 
     /// The acceleration that a force [N] at `r` [m] gives.
-    #[inline]
+    #[inline(always)]
     pub(super) fn acceleration_by(&self, r: Vector2<f64>, force: Vector2<f64>) -> PlanarVector {
         PlanarVector {
             linear: force / self.mass,
