@@ -145,23 +145,41 @@ fn library_arithmetic_is_found_where_it_is() {
     );
 }
 
-/// A line of the log is sent as a number; its text and the names that it can show are symbols
-/// of the image.
-#[test]
-fn the_production_image_logs_transitions_and_faults_by_name() {
-    let image = image("stm32f405");
-    let file = object::File::parse(&*image).expect("an ELF image");
-    let texts: Vec<_> = file
-        .symbols()
+/// The log's texts in an image. A line is sent as a number; its text and the names that it can
+/// show are symbols of the section `.defmt`, which is not flashed.
+fn log_texts(image: &[u8]) -> Vec<String> {
+    let file = object::File::parse(image).expect("an ELF image");
+    let section = file.section_by_name(".defmt").map(|it| it.index());
+    file.symbols()
+        .filter(|symbol| section.is_some() && symbol.section_index() == section)
         .filter_map(|symbol| symbol.name().ok())
         .filter(|name| name.contains(r#""tag":"defmt_"#))
-        .collect();
+        .map(str::to_owned)
+        .collect()
+}
+
+/// `scripts/firmware.sh` sets the log's level; without one, defmt leaves out all but errors.
+#[test]
+fn the_production_image_logs_transitions_faults_and_cycles() {
+    let texts = log_texts(&image("stm32f405"));
     for text in [
         "tick {=u32}: {} to {}",
         "Stopped|Homing|Armed|Running|Stopping|Fault",
         "tick {=u32}: fault {=u8}, {}",
         "|EmergencyStop|Envelope|CommandTimeout|",
+        "the tick: {=u32} cycles, at most {=u32}",
+        "started after a reset: {}",
     ] {
         assert!(texts.iter().any(|name| name.contains(text)), "{texts:#?}");
     }
+}
+
+/// The idle task logs; the tick spends no instruction on it.
+#[test]
+fn the_tick_logs_nothing() {
+    let texts = log_texts(&image("tick"));
+    assert!(
+        !texts.iter().any(|name| name.contains("fivebar")),
+        "{texts:#?}"
+    );
 }

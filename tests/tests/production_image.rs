@@ -10,6 +10,7 @@ use fivebar_firmware::protocol::{Board, CommandError, HostCommand, Identity, Rep
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::storage::SettingsStorage;
 use flash::Flash;
+use object::{Object, ObjectSection, ObjectSymbol};
 use std::io::Write;
 
 /// Where the image keeps its settings: flash sector 8.
@@ -20,7 +21,10 @@ fn boot(address: u32, bytes: &[u8]) -> (Client<Emulator>, Identity) {
     let mut file = tempfile::NamedTempFile::new().expect("a file");
     file.write_all(bytes).expect("room");
     let image = Emulator::built_image("stm32f405");
-    let board = Emulator::start_with(&image, &[(address, file.path())]).expect("a board");
+    open(Emulator::start_with(&image, &[(address, file.path())]).expect("a board"))
+}
+
+fn open(board: Emulator) -> (Client<Emulator>, Identity) {
     let (client, identity) = Client::open(board).expect("an answer");
     assert_eq!(identity.board, Board::Stm32f405);
     (client, identity)
@@ -85,4 +89,44 @@ fn a_damaged_page_of_settings_is_not_used() {
             fivebar_firmware::controller::RequestError::State(State::Fault)
         ))
     );
+}
+
+/// The image with the log's channel as a probe leaves it that set the blocking mode, read one
+/// byte and went away, with the buffer full.
+fn left_by_a_probe() -> Vec<u8> {
+    /// Offsets in RTT's control block: where the host has read to, and the channel's mode.
+    const READ: usize = 40;
+    const FLAGS: usize = 44;
+    const BLOCK_IF_FULL: u8 = 2;
+    let mut image = std::fs::read(Emulator::built_image("stm32f405")).expect("the image");
+    let file = object::File::parse(&*image).expect("an ELF image");
+    let block = file
+        .symbol_by_name("_SEGGER_RTT")
+        .expect("the log")
+        .address();
+    let data = file.section_by_name(".data").expect("variables");
+    let (at, _) = data.file_range().expect("initial values");
+    let block = usize::try_from(at + block - data.address()).expect("a small file");
+    let found = image.get(block..block + 10).expect("inside the file");
+    assert_eq!(found, b"SEGGER RTT");
+    // The write position starts at 0, so a read position of 1 leaves no room.
+    image[block + READ] = 1;
+    image[block + FLAGS] = BLOCK_IF_FULL;
+    image
+}
+
+/// RTT in its blocking mode waits for the probe to take what is in its buffer.
+#[test]
+fn a_probe_that_goes_away_does_not_stop_the_controller() {
+    let mut file = tempfile::NamedTempFile::new().expect("a file");
+    file.write_all(&left_by_a_probe()).expect("room");
+    let (mut client, _) = open(Emulator::start(file.path()).expect("a board"));
+    let (before, _) = client.status().expect("an answer");
+    // Each transition is a line for which there is no room.
+    for _ in 0..10 {
+        let cleared = client.command(HostCommand::Request(Request::ClearFault));
+        cleared.expect("an answer").expect("a fault is latched");
+    }
+    let (after, _) = client.status().expect("an answer");
+    assert!(after.tick > before.tick, "{before:?} {after:?}");
 }

@@ -2,8 +2,14 @@
 //!
 //! The idle task logs what has changed since its last round, so the log costs the tick no
 //! instructions. A round takes up to a few milliseconds; of several transitions within one, the
-//! log shows the first state and the last. RTT drops a line for which it has no room, so it never
-//! waits for a probe or masks interrupts.
+//! log shows the first state and the last.
+//!
+//! No line waits for a probe or masks interrupts, whatever a probe does or leaves behind. A probe
+//! sets the channel's mode in RAM to "block if full", and the mode stays when it goes away. With
+//! the feature `disable-blocking-mode`, `defmt-rtt` does not read the mode when it writes a line:
+//! a line for which the buffer has no room is dropped. With `drop-on-contention` an atomic flag
+//! guards the buffer in place of a critical section. Only `defmt::flush` still waits for a probe,
+//! so nothing here calls it.
 
 use super::cycles;
 use crate::Controller;
