@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Command, Stdio};
 
-const VECTORS: &str = include_str!("../../tests/data/five_bar_vectors.json");
+const VECTORS: &str = include_str!("../../../tests/data/five_bar_vectors.json");
 
 /// The robot file of one of the reference robots.
 fn robot_file(robot: &Value) -> String {

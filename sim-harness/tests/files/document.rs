@@ -3,7 +3,7 @@
 use fivebar::input::robot::Robot;
 use fivebar::input::scenario::Scenario;
 
-const DOCUMENT: &str = include_str!("../../docs/robot-file.md");
+const DOCUMENT: &str = include_str!("../../../docs/robot-file.md");
 
 /// The TOML examples, in order: robot, drives, other sections, scenario.
 fn examples() -> [&'static str; 4] {
@@ -18,7 +18,7 @@ fn examples() -> [&'static str; 4] {
 fn the_document_shows_the_template_of_a_new_robot() {
     let [robot, drives, sections, _] = examples();
     let shown = [robot, drives, sections].join("\n");
-    assert_eq!(shown, include_str!("../src/input/robot/template.toml"));
+    assert_eq!(shown, include_str!("../../src/input/robot/template.toml"));
 }
 
 #[test]
@@ -52,7 +52,7 @@ fn the_robot_of_the_document_is_read_with_every_section() {
 fn the_scenario_of_the_document_is_read_with_its_defaults() {
     let [.., scenario] = examples();
     let folder = tempfile::tempdir().unwrap();
-    let petal = include_str!("../jobs/petal.gcode");
+    let petal = include_str!("../../jobs/petal.gcode");
     std::fs::write(folder.path().join("petal.gcode"), petal).unwrap();
     let load = |name: &str, text: &str| {
         let path = folder.path().join(name);

@@ -1,5 +1,4 @@
 //! The command `fivebar doctor` on machines with and without the programs that it checks.
-#![cfg(unix)]
 
 use serde_json::Value;
 use std::os::unix::fs::PermissionsExt;

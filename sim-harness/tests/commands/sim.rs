@@ -100,7 +100,7 @@ fn without_a_job_the_demonstration_is_drawn() {
 #[test]
 fn with_tools_far_from_c_the_demonstration_is_drawn_at_the_greatest_scale() {
     let bench = Bench::new();
-    let benchtop = include_str!("../robots/benchtop.toml");
+    let benchtop = include_str!("../../robots/benchtop.toml");
     for (offset, scale) in [
         ([-0.16, -0.1], Some("0.2")),
         ([-0.1, 0.15], Some("0.5")),
@@ -216,7 +216,7 @@ fn robots_that_cannot_be_simulated_are_refused() {
     let bench = Bench::new();
     bench.assert_refused(&[PETAL, "--robot", "haply"], 1, &["haply", "lengths only"]);
     bench.assert_refused(&[PETAL, "--robot", "nosuch"], 1, &["nosuch", "benchtop"]);
-    let benchtop = include_str!("../robots/benchtop.toml");
+    let benchtop = include_str!("../../robots/benchtop.toml");
     let long = bench.file("long.toml", &benchtop.replace("base = 0.08", "base = 8.0"));
     bench.assert_refused(
         &[PETAL, "--robot", &long],
@@ -240,7 +240,7 @@ fn robots_that_cannot_be_simulated_are_refused() {
 #[test]
 fn for_an_arm_that_falls_while_unpowered_the_brake_torque_is_stated() {
     let bench = Bench::new();
-    let benchtop = include_str!("../robots/benchtop.toml");
+    let benchtop = include_str!("../../robots/benchtop.toml");
     let upright = benchtop.replace("gravity = [0.0, 0.0]", "gravity = [0.0, -9.81]");
     let upright = bench.file("upright.toml", &upright);
     let run = bench.sim(&[PETAL, "--robot", &upright]);

@@ -1,7 +1,6 @@
 //! `fivebar pil` with an image of another release. The emulator is a script that replies
-//! to everything with the same frame.
-#![cfg(unix)]
 
+//! to everything with the same frame.
 use fivebar_firmware::protocol::{
     CommandError, ControllerMessage, Reply, Sequence, VERSION, encode,
 };

@@ -201,7 +201,7 @@ impl HybridSystem<5> for SliderCrank {
 
 #[test]
 fn the_first_impact_of_the_worn_slider_crank_matches_the_benchmark() {
-    let text = include_str!("../../tests/data/clearance_contact.json");
+    let text = include_str!("../../../tests/data/clearance_contact.json");
     let data: Value = serde_json::from_str(text).unwrap();
     let benchmark = &data["slider_crank_first_impact"];
     let given = |key: &str| benchmark["params"][key].as_f64().unwrap();

@@ -302,8 +302,8 @@ fn injected_faults_occur_at_their_time() {
 
 #[test]
 fn brakes_hold_the_unpowered_arm_against_gravity_and_stop_its_motion() {
-    let text =
-        include_str!("../robots/usp_2dof.toml").replace("[0.0, 0.0]\nbase", "[0.0, -9.81]\nbase");
+    let text = include_str!("../../robots/usp_2dof.toml")
+        .replace("[0.0, 0.0]\nbase", "[0.0, -9.81]\nbase");
     let robot = Robot::parse("hanging", &text).unwrap();
     let home = robot.home_pose().unwrap();
     let mut plant = Plant::new(&robot, &Mismatch::NONE, &home, 1).unwrap();

@@ -1,5 +1,4 @@
 //! The emulator ends with the program that started it, even if that is killed.
-#![cfg(unix)]
 
 use std::fs;
 use std::os::unix::fs::PermissionsExt;

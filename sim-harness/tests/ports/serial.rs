@@ -1,10 +1,7 @@
 //! The commands `fivebar monitor` and `fivebar drive` on a pseudo-terminal with a simulated board.
-#![cfg(unix)]
 
-mod arm;
-mod board;
-
-use board::{Board, end, fivebar};
+use crate::arm;
+use crate::board::{Board, end, fivebar};
 use std::io::Write;
 use std::process::Command;
 use std::time::Duration;

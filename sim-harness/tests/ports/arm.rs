@@ -1,7 +1,5 @@
 //! The simulated benchtop arm and a small drawing for it.
 
-#![allow(dead_code, reason = "each test file uses its own part")]
-
 use fivebar::input::robot::{BuiltIn, Robot};
 use fivebar::input::scenario::Mismatch;
 use fivebar::run::link::{Loopback, Target};

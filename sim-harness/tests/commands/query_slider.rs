@@ -4,7 +4,7 @@ use fivebar::input::robot::{Mechanism, Robot, SliderRobot};
 use fivebar::study::query::{serve, slider};
 use serde_json::{Value, json};
 
-const FILE: &str = include_str!("../robots/slider.toml");
+const FILE: &str = include_str!("../../robots/slider.toml");
 
 fn ask_of(robot: &str, questions: &[Value]) -> Vec<Value> {
     let robot = SliderRobot::parse("slider.toml", robot).unwrap();

@@ -1,8 +1,6 @@
 //! Controllers over links without faults, with injected faults, and without reply.
 
-mod arm;
-
-use arm::{driving, settings};
+use crate::arm::{self, driving, settings};
 use fivebar::run::link::{
     Client, FaultInjector, FaultRates, InProcess, LinkError, Lockstep, Loopback, Tracer,
 };

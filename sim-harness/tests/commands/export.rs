@@ -35,7 +35,7 @@ fn the_model_is_printed_or_written_to_the_named_file() {
 
 /// The robot file of the benchtop arm with another name.
 fn named(folder: &Path, name: &str) -> String {
-    let (_, benchtop) = include_str!("../robots/benchtop.toml")
+    let (_, benchtop) = include_str!("../../robots/benchtop.toml")
         .split_once("name = \"benchtop\"")
         .unwrap();
     let path = folder.join("arm.toml");

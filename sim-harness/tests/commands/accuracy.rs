@@ -89,7 +89,7 @@ fn the_loose_four_bar_has_the_scatter_of_the_literature() {
 
 #[test]
 fn pins_without_a_stated_direction_are_seated_by_their_reactions() {
-    let text = include_str!("../linkages/four_bar.toml").to_string()
+    let text = include_str!("../../linkages/four_bar.toml").to_string()
         + "\n[tolerance]\ninput_max = 1e-3\nclearance_radius = 1e-5\n";
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("worn.toml");
@@ -164,7 +164,7 @@ fn tolerances_of_unknown_links_joints_or_points_are_refused() {
         ),
         ("length = 1e-4", "unknown field `length`"),
     ] {
-        let text = include_str!("../linkages/four_bar.toml").to_string();
+        let text = include_str!("../../linkages/four_bar.toml").to_string();
         let text = format!("{text}\n[tolerance]\n{tolerance}\n");
         let line = text.lines().count();
         std::fs::write(&file, text).unwrap();

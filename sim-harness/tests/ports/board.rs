@@ -1,7 +1,5 @@
 //! Simulated boards at the far end of a serial port, and the program at the near end.
 
-#![allow(dead_code, reason = "each test file uses its own part")]
-
 use fivebar::run::link::Loopback;
 use serialport::{SerialPort, TTYPort};
 use std::io::{Read, Write};

@@ -101,7 +101,7 @@ fn invalid_options_and_files_are_refused_with_the_reason() {
     refused(&["benchtop", "--joints", "F"], 2, "joints from A to E");
     refused(&["duet"], 1, "clearance_radius");
     let contact = folder.path().join("arm.toml");
-    let text = include_str!("../robots/benchtop.toml");
+    let text = include_str!("../../robots/benchtop.toml");
     for (line, reason) in [
         ("restitution = 1.5", "restitution"),
         ("law = \"newton\"", "newton"),

@@ -1,7 +1,6 @@
 //! Jobs that are streamed to a controller with its own clock and motors.
 
-mod arm;
-
+use crate::arm;
 use fivebar::run::drive::{Drive, DriveError, Homing};
 use fivebar::run::link::{Client, Loopback};
 use fivebar_firmware::protocol::{HostCommand, SectionKey};

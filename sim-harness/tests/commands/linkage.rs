@@ -74,7 +74,7 @@ fn the_report_the_table_and_the_summary_are_written() {
 #[test]
 fn the_ends_of_a_motion_are_printed_and_rows_beyond_are_empty() {
     let folder = tempfile::tempdir().unwrap();
-    let text = include_str!("../linkages/four_bar.toml").replace("[0.30, 0.25]", "[0.15, 0.25]");
+    let text = include_str!("../../linkages/four_bar.toml").replace("[0.30, 0.25]", "[0.15, 0.25]");
     let file = folder.path().join("short.toml");
     std::fs::write(&file, text).unwrap();
     let out = folder.path().join("out");

@@ -1,10 +1,7 @@
 //! The command `fivebar hil` on a pseudo-terminal with a simulated board.
-#![cfg(unix)]
 
-mod arm;
-mod board;
-
-use board::{Board, end, fivebar};
+use crate::arm;
+use crate::board::{Board, end, fivebar};
 use fivebar::run::link::Loopback;
 use serde_json::Value;
 use std::io::Write;

@@ -4,7 +4,7 @@
 use serde_json::Value;
 use std::process::Command;
 
-const DOCUMENT: &str = include_str!("../../docs/worn-joints.md");
+const DOCUMENT: &str = include_str!("../../../docs/worn-joints.md");
 
 /// A row of the table: its value in a run's JSON, and the tolerated difference.
 struct Row {

@@ -1,0 +1,20 @@
+//! The commands of the program `fivebar`, run as a user runs them.
+
+mod accuracy;
+mod clearance;
+mod closed_output;
+mod demonstration;
+#[cfg(unix)]
+mod doctor;
+#[cfg(unix)]
+mod emulator_lifetime;
+mod export;
+mod linkage;
+mod new;
+#[cfg(unix)]
+mod other_release;
+mod query;
+mod query_slider;
+mod shell_help;
+mod sim;
+mod workspace;

@@ -1,0 +1,8 @@
+//! Files that are read: robots, linkages, jobs.
+
+mod document;
+mod gcode_from_hosts;
+mod gcode_jobs;
+mod linkage_files;
+mod robot_files;
+mod robot_values;

@@ -1,0 +1,11 @@
+//! Controllers over links and serial ports.
+
+mod arm;
+#[cfg(unix)]
+mod board;
+mod driving;
+#[cfg(unix)]
+mod hil;
+mod lines;
+#[cfg(unix)]
+mod serial;
