@@ -13,7 +13,7 @@ lint() { cargo clippy --workspace --all-targets --features fivebar-tests/emulato
 docs() { scripts/docs.sh; }
 licences() { scripts/licences.sh; }
 file_lengths() { scripts/file-lengths.sh; }
-tests() { cargo test --workspace; }
+tests() { cargo test; }
 # Each published crate as a package, compiled from its own archive.
 package() {
     cargo package --quiet --allow-dirty --package fivebar-kinematics --package fivebar-design \

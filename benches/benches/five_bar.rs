@@ -1,5 +1,5 @@
 //! Time of the position solutions and of inverse dynamics, in both precisions:
-//! `cargo bench -p fivebar-kinematics --bench five_bar`.
+//! `cargo bench -p fivebar-benches --bench five_bar`.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use fivebar_kinematics::PlanarVector;

@@ -42,7 +42,7 @@ fn plant(c: &mut Criterion) {
 /// The whole loop: homing and a short job under the production controller, traced.
 fn drawing(c: &mut Criterion) {
     let robot = Robot::load("benchtop").unwrap();
-    let text = include_str!("../jobs/petal.gcode");
+    let text = include_str!("../../sim-harness/jobs/petal.gcode");
     let scenario = Scenario::new("petal", robot, "petal.gcode", text.into());
     let job = scenario.job().unwrap();
     let run = || scenario.simulate(&job, true, &mut |_| ()).unwrap();
