@@ -1,10 +1,14 @@
 //! The function of each pin: the table of `docs/wiring.md` as types.
+//!
+//! Inputs that a cable leads to have the chip's own pull-up, about 40 kΩ, so that a cable that is
+//! off gives a level and no noise: a quiet serial line, encoders that stand still, and an
+//! emergency stop that is pressed, even if its own resistor is missing.
 
 use super::pwm;
 use crate::drivers::Inputs;
 use stm32f4xx_hal::gpio::{
     Alternate, Analog, Input, Output, PA0, PA1, PA15, PB0, PB1, PB3, PB6, PB7, PB12, PB14, PB15,
-    PC0, PC1, PC2, PC4, PC5, PC6,
+    PC0, PC1, PC2, PC4, PC5, PC6, PinPull, Pull,
 };
 use stm32f4xx_hal::pac::{GPIOA, GPIOB, GPIOC};
 use stm32f4xx_hal::prelude::*;
@@ -58,8 +62,14 @@ impl Pins {
                 ),
                 brake: c.pc6.into_push_pull_output(),
             },
-            encoder1: (a.pa0.into_alternate(), a.pa1.into_alternate()),
-            encoder4: (a.pa15.into_alternate(), b.pb3.into_alternate()),
+            encoder1: (
+                pulled_up(a.pa0.into_alternate()),
+                pulled_up(a.pa1.into_alternate()),
+            ),
+            encoder4: (
+                pulled_up(a.pa15.into_alternate()),
+                pulled_up(b.pb3.into_alternate()),
+            ),
             analog: (
                 c.pc0.into_analog(),
                 c.pc1.into_analog(),
@@ -68,11 +78,16 @@ impl Pins {
             switches: Inputs {
                 home1: c.pc4.into_pull_up_input(),
                 home4: c.pc5.into_pull_up_input(),
-                emergency_stop: b.pb12.into_alternate(),
+                emergency_stop: pulled_up(b.pb12.into_alternate()),
                 fault1: b.pb0.into_pull_up_input(),
                 fault4: b.pb1.into_pull_up_input(),
             },
-            serial: (b.pb6.into_alternate(), b.pb7.into_alternate()),
+            serial: (b.pb6.into_alternate(), pulled_up(b.pb7.into_alternate())),
         }
     }
+}
+
+/// The pin with the chip's pull-up.
+fn pulled_up<Pin: PinPull>(pin: Pin) -> Pin {
+    pin.internal_resistor(Pull::Up)
 }
