@@ -24,6 +24,7 @@ browser() { scripts/browser.sh; }
 python() { scripts/python.sh; }
 setup() { scripts/toolchain.sh; }
 firmware() { scripts/firmware.sh; }
+chip() { scripts/chip.sh; }
 emulated() {
     cargo test --package fivebar-tests --features emulator \
         --test images --test instructions --test emulated_boards --test emulated_faults \
@@ -32,7 +33,7 @@ emulated() {
 commands() { scripts/commands.sh; }
 demo() { cargo run --release --quiet -- --out target/demonstration; }
 
-all=(format file_lengths lint docs licences tests demo package peers python browser setup firmware emulated commands)
+all=(format file_lengths lint docs licences tests demo package peers python browser setup firmware chip emulated commands)
 steps=("$@")
 [ $# -gt 0 ] || steps=("${all[@]}")
 

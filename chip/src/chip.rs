@@ -269,13 +269,20 @@ impl Chip {
         self.cpu_mut().stack_left = Some(bytes);
     }
 
-    /// Goes on at the function whose name contains `part`, as a program does that has lost
-    /// its way.
-    pub fn jump(&mut self, part: &str) {
-        let cpu = self.cpu_mut();
-        if let Some((address, _)) = cpu.image.symbol(part) {
-            cpu.engine.set(Reg::PC, address & !1);
-        }
+    /// The program goes on at this address, as one does that has lost its way.
+    pub fn go_on_at(&mut self, address: u32) {
+        self.cpu_mut().engine.set(Reg::PC, address & !1);
+    }
+
+    /// An interrupt is raised that the program does not expect.
+    pub fn raise_interrupt(&mut self, interrupt: u32) {
+        self.mcu().nvic.raise(interrupt);
+    }
+
+    /// The core stands still for this long; everything else goes on.
+    pub fn stall(&mut self, time: Time) {
+        let mcu = self.mcu();
+        mcu.stalled_until = mcu.stalled_until.max(mcu.now + time);
     }
 
     /// The supply of the chip falls to this voltage [V], and rises again if the brown-out

@@ -79,6 +79,12 @@ impl Nvic {
         }
     }
 
+    /// Enables an interrupt and makes it pending.
+    pub(crate) fn raise(&mut self, interrupt: u32) {
+        self.enabled |= 1 << interrupt;
+        self.pending |= 1 << interrupt;
+    }
+
     fn priority_of(&self, exception: u32) -> i32 {
         match exception {
             NMI => -2,

@@ -10,6 +10,7 @@ use fivebar_chip::time::{MILLISECOND, Time};
 use fivebar_chip::{Arm, Chip, HostLine, Image, Options, SharedArm};
 use fivebar_firmware::protocol::{CommandError, HostCommand, Reset};
 use fivebar_firmware::{Move, MoveKind, Request, Settings, Status};
+use nalgebra::Vector2;
 use std::cell::RefMut;
 use std::path::PathBuf;
 use std::process::Command;
@@ -39,6 +40,18 @@ pub(crate) fn settings() -> Settings {
     robot().settings().expect("the robot has masses")
 }
 
+/// The arm with the tool at a point of the workspace [m].
+pub(crate) fn arm_at([x, y]: [f32; 2], wake: Time) -> SharedArm {
+    let robot = robot();
+    let point = Vector2::new(f64::from(x), f64::from(y));
+    let pose = robot
+        .geometry
+        .inverse(point, robot.elbows)
+        .expect("within reach");
+    let plant = Plant::new(&robot, &Mismatch::default(), &pose, 7).expect("masses");
+    SharedArm::new(Arm::new(plant, wake))
+}
+
 /// The arm, 0.03 rad before its home switches.
 pub(crate) fn arm(wake: Time) -> SharedArm {
     let robot = robot();
@@ -59,7 +72,10 @@ pub(crate) struct Bench {
 
 impl Bench {
     pub(crate) fn with(options: Options, stored: Vec<u8>, wake: Time) -> Self {
-        let arm = arm(wake);
+        Self::of(arm(wake), options, stored)
+    }
+
+    pub(crate) fn of(arm: SharedArm, options: Options, stored: Vec<u8>) -> Self {
         let chip = Chip::new(image(), options, stored, Box::new(arm.clone())).expect("an emulator");
         let line = HostLine::new(chip);
         Self { line, arm }
@@ -105,12 +121,19 @@ pub(crate) struct Driven {
 impl Bench {
     /// The settings are in use; nothing is stored, homed or armed.
     pub(crate) fn ready(self) -> Driven {
+        self.ready_with(|_| ())
+    }
+
+    /// As [`Bench::ready`], with changed settings.
+    pub(crate) fn ready_with(self, change: impl FnOnce(&mut Settings)) -> Driven {
+        let mut settings = settings();
+        change(&mut settings);
         let mut driven = self.connect();
         if driven.status().fault.is_some() {
             driven.request(Request::ClearFault).expect("cleared");
         }
         let client = &mut driven.client;
-        let applied = client.write_settings(&settings()).expect("a line");
+        let applied = client.write_settings(&settings).expect("a line");
         applied.expect("the settings are applied");
         driven
     }

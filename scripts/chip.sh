@@ -1,0 +1,19 @@
+#!/usr/bin/env bash
+# Runs the production image on the simulated STM32F405 of the folder chip: builds the image, the
+# simulation and its tests. Installs the CPU emulator's library (Debian: libunicorn-dev) if it is
+# missing.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+source scripts/toolchain.sh
+
+if ! [ -e /usr/include/unicorn/unicorn.h ] && ! install_packages libunicorn-dev; then
+    echo "chip: no CPU emulator. Install Unicorn 2 with its header and library" \
+        "(Debian: apt-get install libunicorn-dev)." >&2
+    exit 1
+fi
+# The image's compiler is not this crate's.
+unset RUSTC RUSTC_BOOTSTRAP
+manifest=(--manifest-path chip/Cargo.toml)
+cargo fmt "${manifest[@]}" --check
+cargo clippy "${manifest[@]}" --all-targets --quiet -- -D warnings
+cargo test "${manifest[@]}"
