@@ -6,7 +6,6 @@ use crate::peripherals::adc::Adc;
 use crate::peripherals::dma::Dma;
 use crate::peripherals::encoder_timer::EncoderTimer;
 use crate::peripherals::flash::Operation;
-use crate::peripherals::rcc::ResetCause;
 use crate::violation::{Access, refuse};
 
 impl Mcu {
@@ -149,10 +148,6 @@ impl Mcu {
             Operation::None => {}
             Operation::Busy(until) => self.stalled_until = self.stalled_until.max(until),
             Operation::BusError => self.bus_error = true,
-        }
-        if self.flash.power_cut {
-            self.flash.power_cut = false;
-            self.reset = Some(ResetCause::Power);
         }
     }
 }

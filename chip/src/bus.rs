@@ -22,8 +22,11 @@ pub(crate) enum Unit {
     Dwt,
 }
 
+/// The bus and bit of a unit's clock in RCC; none for one that is always clocked.
+type Gate = Option<(usize, u32)>;
+
 /// Where the units are: first address, size, unit, and the bus and bit of its clock.
-const MAP: [(u32, u32, Unit, Option<(usize, u32)>); 13] = [
+const MAP: [(u32, u32, Unit, Gate); 13] = [
     (0x4000_0000, 0x400, Unit::Encoder(1), Some((3, 0))),
     (0x4000_0c00, 0x400, Unit::Encoder(0), Some((3, 3))),
     (0x4000_3000, 0x400, Unit::Iwdg, None),

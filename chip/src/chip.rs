@@ -307,11 +307,6 @@ impl Chip {
         self.mcu().tim1.reading = reading;
     }
 
-    /// The controller's flash operations fail after so many more: the power is cut.
-    pub fn cut_power_after(&mut self, operations: u32) {
-        self.mcu().flash.operations_left = Some(operations);
-    }
-
     /// What the program did to the settings' sectors.
     pub fn flash_events(&mut self) -> Vec<FlashEvent> {
         std::mem::take(&mut self.mcu().flash.events)

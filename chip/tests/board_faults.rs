@@ -2,7 +2,7 @@
 
 mod bench;
 
-use bench::{Bench, Driven, image, settings};
+use bench::{Bench, Driven, image, settings, used_flash};
 use fivebar_chip::time::{MICROSECOND, MILLISECOND, SECOND};
 use fivebar_chip::{FlashEvent, Options, RepetitionReading, ResetCause};
 use fivebar_firmware::Request;
@@ -42,13 +42,6 @@ fn a_held_emergency_stop_is_a_fault_and_the_tick_goes_on() {
     }
 }
 
-/// Flash that some other program has used, in which no settings are.
-fn used_flash() -> Vec<u8> {
-    (0..512 * 1024_u32)
-        .map(|at| (at.wrapping_mul(2_654_435_761) >> 24) as u8)
-        .collect()
-}
-
 fn save(driven: &mut Driven) -> Reply {
     driven
         .client
@@ -66,7 +59,7 @@ fn settings_are_saved_to_a_used_flash_again_and_again() {
     assert!(
         events
             .iter()
-            .any(|event| matches!(event, FlashEvent::Erase(_)))
+            .any(|event| matches!(event, FlashEvent::Erase { .. }))
     );
     driven.chip().reset(ResetCause::Power);
     assert_eq!(driven.reconnect(), Reset::Power);

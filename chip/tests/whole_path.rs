@@ -2,21 +2,25 @@
 
 mod bench;
 
-use bench::{Bench, moves, settings};
+use bench::{Bench, moves, settings, used_flash};
 use fivebar::run::drive::{Drive, Homing};
 use fivebar_chip::Options;
-use fivebar_firmware::safety::State;
+use fivebar_chip::time::MILLISECOND;
+use fivebar_firmware::Request;
+use fivebar_firmware::safety::{Fault, State};
 
 #[test]
 fn the_image_runs_from_power_up_through_a_job_to_disarm() {
-    let bench = Bench::with(Options::default(), Vec::new(), 0);
+    let bench = Bench::with(Options::default(), used_flash(), MILLISECOND);
     let mut driven = bench.connect();
+    // The flash holds something, and no settings.
+    assert_eq!(driven.status().fault, Some(Fault::SettingsCorrupt));
+    driven.request(Request::ClearFault).expect("cleared");
     let client = &mut driven.client;
     let mut drive = Drive::new(client, &|| false);
     drive
         .agree_on(&settings(), true)
         .expect("the settings are stored");
-    drive.clear_fault().expect("no fault stays");
     drive.home(Homing::Switches).expect("homing succeeds");
     drive
         .follow(&moves(), &settings(), &mut |_, _| ())

@@ -33,13 +33,52 @@ pub(crate) enum Operation {
     BusError,
 }
 
-/// A change of the sectors, in the order in which the program made them.
+/// A change of the settings' sectors by the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FlashEvent {
-    /// A word was programmed at this address.
-    Program(u32),
-    /// A sector was erased.
-    Erase(u32),
+    /// So many bytes were programmed, from this offset on.
+    Program {
+        /// From the beginning of the sectors [bytes].
+        offset: u32,
+        /// [bytes].
+        size: u32,
+        /// The bytes, the first one lowest.
+        value: u32,
+    },
+    /// A sector was erased, counted from the first one.
+    Erase {
+        /// Its number.
+        sector: u32,
+    },
+}
+
+impl FlashEvent {
+    /// Makes the change in these sectors. One that is not `whole` was cut short by a loss of
+    /// power: some of its bits have changed, others have not.
+    pub fn happen(self, sectors: &mut [u8], whole: bool) {
+        match self {
+            Self::Program {
+                offset,
+                size,
+                value,
+            } => {
+                let bytes = value.to_le_bytes().into_iter().take(size as usize);
+                for (at, byte) in (offset as usize..).zip(bytes) {
+                    sectors[at] &= if whole { byte } else { byte | 0x5a };
+                }
+            }
+            Self::Erase { sector } => {
+                let start = sector as usize * SECTOR;
+                for (at, byte) in sectors[start..start + SECTOR].iter_mut().enumerate() {
+                    *byte |= if whole {
+                        0xff
+                    } else {
+                        (at as u8).wrapping_mul(37)
+                    };
+                }
+            }
+        }
+    }
 }
 
 /// The controller and its sectors.
@@ -57,10 +96,6 @@ pub(crate) struct Flash {
     /// Cached lines, the one used last at the end: offset and contents.
     cache: Vec<(usize, [u8; LINE])>,
     pub(crate) events: Vec<FlashEvent>,
-    /// Operations that still succeed before the power fails; none: all do.
-    pub(crate) operations_left: Option<u32>,
-    /// The power failed in an operation.
-    pub(crate) power_cut: bool,
 }
 
 impl Flash {
@@ -76,18 +111,15 @@ impl Flash {
             sectors,
             cache: Vec::new(),
             events: Vec::new(),
-            operations_left: None,
-            power_cut: false,
         }
     }
 
     pub(crate) fn reset(&mut self) {
         let sectors = std::mem::take(&mut self.sectors);
         let events = std::mem::take(&mut self.events);
-        let (left, optcr) = (self.operations_left, self.optcr.value);
+        let optcr = self.optcr.value;
         *self = Self::new(sectors);
         self.events = events;
-        self.operations_left = left;
         self.optcr.value = optcr | 1;
     }
 
@@ -218,35 +250,13 @@ impl Flash {
                 format!("sector {number} holds the program"),
             );
         };
-        self.events.push(FlashEvent::Erase(number));
-        let start = sector as usize * SECTOR;
-        let bytes = &mut self.sectors[start..start + SECTOR];
-        if Self::survives(&mut self.operations_left, &mut self.power_cut) {
-            bytes.fill(0xff);
-        } else {
-            // Half erased: some bits are ones already.
-            for (index, byte) in bytes.iter_mut().enumerate() {
-                *byte |= (index as u8).wrapping_mul(37);
-            }
-        }
+        let event = FlashEvent::Erase { sector };
+        event.happen(&mut self.sectors, true);
+        self.events.push(event);
         self.finish();
         // With 8 or 16 bits at a time it takes two or one and a half times as long.
         let slower = [4, 3, 2, 2][self.cr.field(8, 2) as usize];
         Ok(Operation::Busy(now + ERASE * slower / 2))
-    }
-
-    fn survives(left: &mut Option<u32>, power_cut: &mut bool) -> bool {
-        match left {
-            Some(0) => {
-                *power_cut = true;
-                false
-            }
-            Some(left) => {
-                *left -= 1;
-                true
-            }
-            None => true,
-        }
     }
 
     fn finish(&mut self) {
@@ -271,25 +281,22 @@ impl Flash {
         if self.sr.value & ERRORS != 0 {
             return refuse(&name, value, "an error flag of FLASH_SR is set");
         }
-        if 1 << self.cr.field(8, 2) != size || offset % size != 0 {
+        if 1 << self.cr.field(8, 2) != size || !offset.is_multiple_of(size) {
             self.sr.set(6, true);
             return refuse(&name, value, "PSIZE differs from the size of the access");
         }
-        self.events.push(FlashEvent::Program(START + offset));
-        let survives = Self::survives(&mut self.operations_left, &mut self.power_cut);
-        for (index, byte) in value
-            .to_le_bytes()
-            .into_iter()
-            .take(size as usize)
-            .enumerate()
-        {
-            let at = offset as usize + index;
-            let byte = if survives { byte } else { byte | 0x5a };
-            self.sectors[at] &= byte;
-            // A program operation changes the cached copy, too.
+        let event = FlashEvent::Program {
+            offset,
+            size,
+            value,
+        };
+        event.happen(&mut self.sectors, true);
+        self.events.push(event);
+        // A program operation changes the cached copy, too.
+        for at in (offset as usize..).take(size as usize) {
             for (line, bytes) in &mut self.cache {
                 if *line == at / LINE {
-                    bytes[at % LINE] &= byte;
+                    bytes[at % LINE] &= self.sectors[at];
                 }
             }
         }

@@ -103,7 +103,7 @@ impl Tim1 {
         if self.bdtr.field(8, 2) >= 1 && (value ^ self.cr2.value) & 0x7f00 != 0 {
             return refuse("TIM1_CR2", value, "the idle states are locked");
         }
-        if !matches!(value >> 4 & 7, 0 | 1 | 2) {
+        if !matches!(value >> 4 & 7, 0..=2) {
             return refuse("TIM1_CR2", value, "this trigger output is not simulated");
         }
         self.cr2.write(value)
