@@ -1,7 +1,6 @@
 //! What the emulator calls while the core runs.
 
 use crate::cpu::{Cpu, Stop};
-use crate::image::CODE;
 use crate::unicorn::Handle;
 use crate::violation::Violation;
 use std::ffi::{c_int, c_void};
@@ -29,12 +28,7 @@ pub(crate) extern "C" fn on_block(_: Handle, address: u64, size: u32, data: *mut
     if cpu.idle.anchor == Some(address as u32) {
         cpu.turn();
     }
-    if let Some(place) = cpu
-        .blocks
-        .get_mut((address as u32).wrapping_sub(CODE) as usize / 2)
-    {
-        *place = size as u16;
-    }
+    cpu.figures.block(address as u32, size);
     // A cycle for every two bytes of code.
     cpu.mcu.now += u64::from(size / 2) * cpu.mcu.core;
 }

@@ -5,12 +5,13 @@ use crate::callbacks::{
     write_at, write_sectors,
 };
 use crate::cpu::{Cpu, IdleLoop, Stop};
+use crate::figures::Figures;
 use crate::image::{CODE, Image};
 use crate::mcu::{Mcu, Options, RAM};
 use crate::peripherals::flash::{self, FlashEvent};
 use crate::peripherals::rcc::ResetCause;
 use crate::peripherals::tim1::RepetitionReading;
-use crate::time::Time;
+use crate::time::{NEVER, Time};
 use crate::unicorn::{EXECUTE, EmulatorError, Engine, READ, Reg, WRITE};
 use crate::violation::{Violation, refuse};
 use crate::wiring::Wiring;
@@ -72,6 +73,7 @@ impl Chip {
         let mut system = vec![0xff; 0x1000].into_boxed_slice();
         system[0xa10..0xa1c].copy_from_slice(b"\x11\x22\x33fivebar-1");
         system[0xa22..0xa24].copy_from_slice(&1024_u16.to_le_bytes());
+        let figures = Figures::new(&image);
         let idle = IdleLoop {
             anchor: image
                 .symbol("Planner$GT$3run")
@@ -92,8 +94,7 @@ impl Chip {
             waiting: false,
             locked_up: false,
             resets: Vec::new(),
-            blocks: vec![0; crate::image::CODE_SIZE / 2],
-            lowest_stack: u32::MAX,
+            figures,
             stack_left: None,
             idle,
         });
@@ -267,6 +268,7 @@ impl Chip {
     /// The next exception finds only so many bytes of the stack left.
     pub fn leave_stack(&mut self, bytes: u32) {
         self.cpu_mut().stack_left = Some(bytes);
+        self.cpu_mut().figures.stack_is_forced = true;
     }
 
     /// The program goes on at this address, as one does that has lost its way.
@@ -312,6 +314,12 @@ impl Chip {
         std::mem::take(&mut self.mcu().flash.events)
     }
 
+    /// Whether the flash keeps the core waiting.
+    pub fn is_stalled(&self) -> bool {
+        let mcu = &self.cpu().mcu;
+        mcu.stalled_until > mcu.now && mcu.stalled_until != NEVER
+    }
+
     /// TIM1's counter when it last triggered the converters.
     pub fn counter_at_last_trigger(&mut self) -> Option<u32> {
         self.mcu().triggered_at
@@ -343,11 +351,6 @@ impl Chip {
         cpu.image.function(cpu.block).unwrap_or("?")
     }
 
-    /// Sizes of the blocks of code that ran, by the half-word of the flash where they begin.
-    pub fn blocks(&self) -> &[u16] {
-        &self.cpu().blocks
-    }
-
     /// Reads a word of the RAM.
     pub fn ram_word(&self, address: u32) -> Option<u32> {
         let at = address.checked_sub(RAM)? as usize;
@@ -371,6 +374,9 @@ impl Chip {
 
 impl Drop for Chip {
     fn drop(&mut self) {
+        let cpu = self.cpu_mut();
+        cpu.figures.look_at_stack(&cpu.mcu.ram);
+        cpu.figures.store();
         // SAFETY: it came from a box and is not used again.
         drop(unsafe { Box::from_raw(self.cpu.as_ptr()) });
     }

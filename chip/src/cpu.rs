@@ -1,6 +1,7 @@
 //! The core between emulator and peripherals: what it runs, and when it has to stop.
 
 use crate::chip::Report;
+use crate::figures::Figures;
 use crate::image::Image;
 use crate::mcu::Mcu;
 use crate::nvic::Nvic;
@@ -39,10 +40,9 @@ pub(crate) struct Cpu {
     pub(crate) waiting: bool,
     pub(crate) locked_up: bool,
     pub(crate) resets: Vec<(Time, ResetCause)>,
-    /// Sizes of the blocks that ran, by their half-word.
-    pub(crate) blocks: Vec<u16>,
-    pub(crate) lowest_stack: u32,
-    /// Bytes of the stack that the next exception finds, if a test says so.
+    pub(crate) figures: Figures,
+    /// Bytes of the stack that the next exception finds, if a test says so; the stack's figure
+    /// then means nothing.
     pub(crate) stack_left: Option<u32>,
     pub(crate) idle: IdleLoop,
 }

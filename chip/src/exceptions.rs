@@ -39,7 +39,6 @@ impl Cpu {
             frame.extend([engine.get(Reg::FPSCR), 0]);
         }
         let new = sp.wrapping_sub(4 * frame.len() as u32) & !7;
-        self.lowest_stack = self.lowest_stack.min(new);
         let mut stacked = true;
         for (at, word) in (new..).step_by(4).zip(frame) {
             stacked &= self.push(at, word);
@@ -52,6 +51,7 @@ impl Cpu {
         let thread = self.mcu.nvic.active.is_empty();
         let back = if thread { 0xffff_fff9 } else { 0xffff_fff1 };
         self.mcu.nvic.enter(exception);
+        self.figures.enter(exception);
         let entry = self.vector(exception);
         let engine = &mut self.engine;
         engine.set(Reg::SP, new);
@@ -65,6 +65,7 @@ impl Cpu {
 
     pub(crate) fn leave(&mut self) {
         let kind = self.engine.get(Reg::PC);
+        self.figures.leave(self.mcu.nvic.active.last());
         self.mcu.nvic.leave();
         let sp = self.engine.get(Reg::SP);
         let float = kind & 0x10 == 0;

@@ -8,6 +8,7 @@ mod chip;
 mod cpu;
 mod events;
 mod exceptions;
+mod figures;
 mod host;
 mod image;
 mod mcu;
@@ -23,6 +24,7 @@ mod wiring;
 
 pub use arm::{Arm, SharedArm};
 pub use chip::{Chip, Report};
+pub use figures::{Figures, Summary};
 pub use host::HostLine;
 pub use image::{Image, ImageError};
 pub use mcu::Options;

@@ -3,7 +3,7 @@
 #![allow(dead_code, reason = "each test file uses its own part")]
 
 use fivebar::input::robot::{BuiltIn, Robot};
-use fivebar::input::scenario::Mismatch;
+use fivebar::input::scenario::{Mismatch, Scenario};
 use fivebar::run::link::Client;
 use fivebar::run::plant::Plant;
 use fivebar_chip::time::{MILLISECOND, Time};
@@ -109,6 +109,17 @@ pub(crate) fn moves() -> Vec<Move> {
         .zip(kinds)
         .map(|(tag, kind)| Move { tag, kind })
         .collect()
+}
+
+/// The arcs of a built-in job.
+pub(crate) fn petal() -> Vec<Move> {
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../sim-harness/jobs/petal.gcode"
+    );
+    let scenario = Scenario::of_job(path, robot()).expect("a job file");
+    let job = scenario.job().expect("a job");
+    scenario.moves(&job)
 }
 
 /// A host connected to a chip.

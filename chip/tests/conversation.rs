@@ -1,0 +1,296 @@
+//! The whole conversation with the production image: each host command, and what it refuses.
+
+mod bench;
+
+use bench::{Bench, Driven, settings};
+use fivebar_chip::Options;
+use fivebar_chip::time::MILLISECOND;
+use fivebar_firmware::controller::RequestError;
+use fivebar_firmware::planner::MoveErrorKind;
+use fivebar_firmware::protocol::{
+    CommandError, ControllerMessage, Decoder, HostCommand, HostMessage, Reply, SectionKey,
+    Sequence, VERSION, encode,
+};
+use fivebar_firmware::safety::State;
+use fivebar_firmware::{Move, MoveKind, Request, SensorSample, Settings};
+
+/// Sends a command with any sequence number, and takes the replies that come within 20 ms.
+fn say(driven: &Driven, sequence: u16, command: HostCommand) -> Vec<Reply> {
+    let message = HostMessage {
+        sequence: Sequence(sequence),
+        command,
+    };
+    let frame = encode(&message).expect("a frame");
+    let mut chip = driven.chip();
+    chip.send(&frame);
+    chip.run(20 * MILLISECOND).expect("no violation");
+    let mut decoder = Decoder::<ControllerMessage>::new();
+    let bytes = chip.receive(4096);
+    let messages = bytes
+        .into_iter()
+        .filter_map(|byte| decoder.feed(byte)?.ok());
+    let replies = messages.filter_map(|message| match message {
+        ControllerMessage::Reply { reply, .. } => Some(reply),
+        ControllerMessage::Telemetry(_) => None,
+    });
+    replies.collect()
+}
+
+#[test]
+fn sequence_and_session_are_checked() {
+    let driven = Bench::with(Options::default(), Vec::new(), 0).connect();
+    driven.chip().reset(fivebar_chip::ResetCause::Pin);
+    driven.chip().run(500 * MILLISECOND).expect("no violation");
+    let hello = |version| HostCommand::Hello {
+        version,
+        session: 9,
+    };
+    assert_eq!(
+        say(&driven, 1, HostCommand::Status),
+        [Reply::Refused(CommandError::NoSession)]
+    );
+    let other = VERSION + 1;
+    let refused = say(&driven, 1, hello(other));
+    assert_eq!(refused, [Reply::Refused(CommandError::Version(VERSION))]);
+    assert!(matches!(
+        say(&driven, 5, hello(VERSION))[..],
+        [Reply::Hello(_)]
+    ));
+    let first = say(&driven, 6, HostCommand::Stack);
+    assert!(matches!(first[..], [Reply::Stack(_)]), "{first:?}");
+    // A repeat gets the stored reply, an old command none, and a gap is refused.
+    assert_eq!(say(&driven, 6, HostCommand::Stack), first);
+    assert_eq!(say(&driven, 3, HostCommand::Status), []);
+    let gap = Reply::Refused(CommandError::OutOfSequence(Sequence(7)));
+    assert_eq!(say(&driven, 9, HostCommand::Status), [gap]);
+    let tick = HostCommand::Tick(SensorSample::default());
+    assert_eq!(
+        say(&driven, 7, tick),
+        [Reply::Refused(CommandError::Unsupported)]
+    );
+}
+
+/// A frame with these bytes as its message: valid up to the message itself.
+fn frame_of(message: &[u8]) -> Vec<u8> {
+    let mut content = vec![b'H'];
+    content.extend(message);
+    let crc = content.iter().fold(!0_u32, |crc, &byte| {
+        (0..8).fold(crc ^ u32::from(byte), |crc, _| {
+            let out = crc & 1 != 0;
+            crc >> 1 ^ if out { 0x82f6_3b78 } else { 0 }
+        })
+    });
+    content.extend((!crc).to_le_bytes());
+    let mut frame = vec![0];
+    let parts: Vec<_> = content.split(|&byte| byte == 0).collect();
+    for part in parts {
+        frame.push(part.len() as u8 + 1);
+        frame.extend(part);
+    }
+    frame.push(0);
+    frame
+}
+
+#[test]
+fn messages_that_are_cut_short_or_malformed_are_dropped() {
+    let mut driven = Driven::new();
+    let settings = settings();
+    let sections = SectionKey::ALL.iter().filter_map(|key| key.of(&settings));
+    let commands = sections
+        .map(HostCommand::SetSection)
+        .chain([
+            HostCommand::Tick(SensorSample {
+                missed_ticks: 1 << 30,
+                counts: [-1, i32::MAX],
+                ..SensorSample::default()
+            }),
+            HostCommand::Hello {
+                version: VERSION,
+                session: u32::MAX,
+            },
+            HostCommand::Telemetry { every: 3 },
+            HostCommand::Request(Request::SetAngles([1.0, 2.0])),
+            HostCommand::GetSection(SectionKey::ALL[2]),
+        ])
+        .chain(
+            [
+                MoveKind::Arc {
+                    to: [0.1, 0.2],
+                    center: [0.3, 0.4],
+                    clockwise: true,
+                    feed: 0.1,
+                },
+                MoveKind::Dwell { duration: 1.0 },
+            ]
+            .map(|kind| HostCommand::Move(Move { tag: 300, kind })),
+        );
+    for command in commands {
+        let sequence = Sequence(0x4000);
+        let frame = encode(&HostMessage { sequence, command }).expect("a frame");
+        // Without the stuffing, the sender and the checksum.
+        let mut content = Vec::new();
+        let mut at = 1;
+        while frame[at] != 0 {
+            let end = at + usize::from(frame[at]);
+            content.extend(&frame[at + 1..end]);
+            at = end;
+            if frame[at] != 0 {
+                content.push(0);
+            }
+        }
+        let message = &content[1..content.len() - 4];
+        let mut chip = driven.chip();
+        for length in 0..message.len() {
+            chip.send(&frame_of(&message[..length]));
+        }
+        // A varint too long, and an unknown variant.
+        let mut malformed = message.to_vec();
+        malformed.truncate(4);
+        malformed.extend([0xff; 12]);
+        chip.send(&frame_of(&malformed));
+        malformed[3] = 0x7f;
+        chip.send(&frame_of(&malformed));
+        chip.run(60 * MILLISECOND).expect("no violation");
+        assert!(chip.receive(4096).is_empty());
+    }
+    assert_eq!(driven.status().fault, None);
+    let mut found = settings;
+    driven.client.read_settings(&mut found).expect("settings");
+    assert_eq!(found, settings);
+}
+
+#[test]
+fn nothing_moves_without_settings() {
+    let mut driven = Bench::with(Options::default(), Vec::new(), 0).connect();
+    for request in [Request::Arm, Request::Home] {
+        assert_eq!(driven.request(request), Err(CommandError::NoSettings));
+    }
+}
+
+#[test]
+fn every_section_is_checked_as_a_whole() {
+    let mut driven = Driven::new();
+    let broken: [fn(&mut Settings); 12] = [
+        |s| s.lengths[0] = -1.0,
+        |s| s.links[1].mass = f32::NAN,
+        |s| s.links[3].inertia = -1.0,
+        |s| s.payload = -1.0,
+        |s| s.gravity = [f32::INFINITY, 0.0],
+        |s| s.control.tick_rate = 0.0,
+        |s| s.control.bandwidth = -3.0,
+        |s| s.protection.bus_voltage = [30.0, 20.0],
+        |s| s.axes[0].encoder_counts = 0,
+        |s| s.axes[1].angle_limits = [2.0, 1.0],
+        |s| s.homing.speed = 0.0,
+        |s| s.motion.singularity_margin = -1.0,
+    ];
+    for (number, change) in broken.iter().enumerate() {
+        let mut settings = settings();
+        change(&mut settings);
+        let refused = driven.client.write_settings(&settings).expect("a line");
+        assert_eq!(refused, Err(CommandError::Settings), "change {number}");
+    }
+    // The draft is complete again, and what is in use has never changed.
+    let mut found = settings();
+    driven.client.read_settings(&mut found).expect("settings");
+    let differ = |key: &&SectionKey| key.of(&found) != key.of(&settings());
+    assert_eq!(SectionKey::ALL.iter().find(differ), None);
+    let applied = driven.client.write_settings(&settings()).expect("a line");
+    assert_eq!(applied, Ok(()));
+}
+
+fn offer(driven: &mut Driven, kind: MoveKind) -> Result<(), MoveErrorKind> {
+    let command = HostCommand::Move(Move { tag: 1, kind });
+    match driven.client.call(command).expect("an answer") {
+        Reply::Taken { .. } => Ok(()),
+        Reply::Refused(CommandError::Move(error)) => Err(error.kind),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn moves_are_checked_before_they_are_taken() {
+    let mut driven = Driven::new();
+    let [x, y] = bench::robot()
+        .best_point()
+        .expect("a point")
+        .map(|x| x as f32);
+    let feed = 0.2;
+    let to_middle = MoveKind::Line { to: [x, y], feed };
+    let nowhere = driven.request(Request::SetAngles([f32::NAN, 1.0]));
+    assert_eq!(
+        nowhere,
+        Err(CommandError::Request(RequestError::OutsideLimits))
+    );
+    let stopped = MoveErrorKind::State(State::Stopped);
+    assert_eq!(offer(&mut driven, to_middle), Err(stopped));
+    driven.arm();
+    assert_eq!(driven.request(Request::Home), Err(state(State::Armed)));
+    let line = |to| MoveKind::Line { to, feed };
+    assert!(offer(&mut driven, line([3.0, 0.0])).is_err());
+    assert_eq!(
+        offer(&mut driven, line([f32::NAN, 0.0])),
+        Err(MoveErrorKind::Number)
+    );
+    for to in [
+        [0.0, 0.02],
+        [0.0, -y],
+        [0.3, 0.05],
+        [-0.2, 0.1],
+        [x, 1.9 * y],
+    ] {
+        assert!(offer(&mut driven, line(to)).is_err(), "{to:?}");
+    }
+    let arc = |to, center| MoveKind::Arc {
+        to,
+        center,
+        clockwise: false,
+        feed,
+    };
+    assert!(offer(&mut driven, arc([x, y], [x, y])).is_err());
+    let dwell = |duration| MoveKind::Dwell { duration };
+    assert_eq!(offer(&mut driven, dwell(-1.0)), Err(MoveErrorKind::Number));
+    assert_eq!(offer(&mut driven, dwell(1e9)), Err(MoveErrorKind::TooLong));
+    // A joint move, a stop in it, and the rest.
+    let angles = driven.status().angle;
+    let joint = |by: f32, speed| MoveKind::Joint {
+        to: [angles[0] + by, angles[1] - by],
+        speed,
+    };
+    assert!(offer(&mut driven, joint(9.0, 0.5)).is_err());
+    assert!(offer(&mut driven, joint(0.1, -0.5)).is_err());
+    assert_eq!(offer(&mut driven, joint(0.1, 0.02)), Ok(()));
+    assert_eq!(offer(&mut driven, joint(0.0, 0.02)), Ok(()));
+    driven.run(60 * MILLISECOND);
+    assert_eq!(driven.status().state, State::Running);
+    driven.request(Request::Stop).expect("stopped");
+    driven.run(10 * MILLISECOND);
+    for _ in 0..50 {
+        driven.run(20 * MILLISECOND);
+        if driven.status().state == State::Armed {
+            break;
+        }
+    }
+    assert_eq!(driven.status().state, State::Armed);
+    // Many short moves fill the queue; corners are rounded.
+    let mut taken = 0;
+    let [at_x, at_y] = driven.status().tool.expect("a position");
+    while taken < 200 {
+        let step = 0.0005 * (taken % 40) as f32;
+        let to = [at_x + step, at_y + if taken % 2 == 0 { 0.001 } else { 0.0 }];
+        match offer(&mut driven, line(to)) {
+            Ok(()) => taken += 1,
+            Err(MoveErrorKind::Full) => break,
+            Err(error) => panic!("{error:?} after {taken}"),
+        }
+    }
+    assert!(taken > 4, "{taken}");
+    driven.run(50 * MILLISECOND);
+    driven.request(Request::EmergencyStop).expect("stopped");
+    driven.run(MILLISECOND);
+    assert!(driven.is_off());
+}
+
+fn state(state: State) -> CommandError {
+    CommandError::Request(RequestError::State(state))
+}
