@@ -67,7 +67,7 @@ fn with(change: impl FnOnce(&mut Settings)) -> Settings {
 /// An arm that moves along a line of 60 mm at 0.2 m/s.
 fn running() -> Rig {
     let mut rig = Rig::armed(&settings());
-    let [x, y] = rig.held();
+    let [x, y] = rig.tool_position();
     rig.push(
         3,
         MoveKind::Line {
@@ -87,7 +87,7 @@ fn a_jumping_encoder() {
     rig.bench.extra_counts = [0, 200];
     powers_off(&mut rig, Fault::EncoderJump, 1, 1);
     clears(&mut rig);
-    // The joint's angle is unknown.
+    // The joint's angle is unknown now.
     assert_eq!(
         rig.controller.request(Request::Arm),
         Err(RequestError::NotHomed)
@@ -178,7 +178,7 @@ fn the_emergency_stop_as_a_button_and_as_a_request() {
     let mut rig = running();
     rig.bench.overlay.emergency_stop = true;
     powers_off(&mut rig, Fault::EmergencyStop, 10, 1);
-    // Cleared while still pressed, the fault comes back.
+    // If the fault is cleared while the button is still pressed, it is raised again.
     rig.controller.request(Request::ClearFault).unwrap();
     powers_off(&mut rig, Fault::EmergencyStop, 10, 1);
     rig.bench.overlay.emergency_stop = false;
@@ -232,7 +232,7 @@ fn ticks_missed_while_powered() {
 
 #[test]
 fn a_number_that_overflows() {
-    // Finite settings whose torques are not.
+    // The settings are finite, but the torques overflow.
     let mut rig = Rig::new(&settings());
     let heavy = with(|s| {
         s.gravity = [0.0, -3e38];
@@ -261,7 +261,7 @@ fn what_the_board_finds() {
     }
 }
 
-/// Runs until the arm rests under a held fault; returns the greatest distance from the line and
+/// Runs until the arm rests, held by a fault; returns the greatest distance from the line and
 /// the number of ticks.
 fn comes_to_rest(rig: &mut Rig, mut tick: impl FnMut(&mut Rig) -> ActuatorCommand) -> (f64, u32) {
     let y = rig.bench.tool()[1];
@@ -283,7 +283,7 @@ fn comes_to_rest(rig: &mut Rig, mut tick: impl FnMut(&mut Rig) -> ActuatorComman
 #[test]
 fn a_silent_host_stops_the_arm_on_its_path_and_holds_it() {
     let mut rig = running();
-    // The planner is in time; the host is silent.
+    // The planner is in time, but the host is silent.
     let alone = |rig: &mut Rig| {
         rig.planner.run(&mut rig.controller);
         rig.tick_alone()

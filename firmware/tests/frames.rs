@@ -1,4 +1,4 @@
-//! The frame layer: a message arrives as it was sent, or not at all.
+//! The frame layer: a message arrives unchanged, or it is dropped.
 
 mod common;
 
@@ -17,7 +17,8 @@ fn decode<M: Message>(decoder: &mut Decoder<M>, bytes: &[u8]) -> Vec<Result<M, F
         .collect()
 }
 
-/// The message's frame; messages are compared by it, so that NaN equals itself.
+/// The message's frame. Messages are compared by their frames, because NaN does not equal
+/// itself.
 fn frame<M: Message>(message: &M) -> Vec<u8> {
     encode(message)
         .expect("every message fits a frame")
@@ -28,8 +29,8 @@ fn survives_garbage<M: Message>(garbage: &[u8], message: &M) -> Result<(), TestC
     let sent = frame(message);
     let mut decoder = Decoder::<M>::new();
     decode(&mut decoder, garbage);
-    let heard = decode(&mut decoder, &sent);
-    let last = heard.last().and_then(|heard| heard.as_ref().ok());
+    let decoded = decode(&mut decoder, &sent);
+    let last = decoded.last().and_then(|decoded| decoded.as_ref().ok());
     prop_assert_eq!(last.map(frame), Some(sent));
     Ok(())
 }
@@ -78,8 +79,8 @@ proptest! {
         prop_assert_eq!(whole.iter().flatten().map(frame).collect::<Vec<_>>(), [sent.clone()]);
         let mut changed = sent.clone();
         changed[at.index(sent.len())] ^= change;
-        for heard in decode(&mut Decoder::<HostMessage>::new(), &changed).iter().flatten() {
-            prop_assert_eq!(frame(heard), sent.clone());
+        for decoded in decode(&mut Decoder::<HostMessage>::new(), &changed).iter().flatten() {
+            prop_assert_eq!(frame(decoded), sent.clone());
         }
     }
 
@@ -89,12 +90,12 @@ proptest! {
         at in any::<prop::sample::Index>(),
     ) {
         let mut frames = messages.each_ref().map(frame);
-        // Not a delimiter: without one of them the frame is still whole.
+        // Delimiters stay unchanged: a frame that lacks one of its two is still complete.
         let lost = 1 + at.index(frames[1].len() - 2);
         frames[1].remove(lost);
-        let heard: Vec<_> = decode(&mut Decoder::<HostMessage>::new(), &frames.concat())
+        let decoded: Vec<_> = decode(&mut Decoder::<HostMessage>::new(), &frames.concat())
             .iter().flatten().map(frame).collect();
-        prop_assert_eq!(heard, [frames[0].clone(), frames[2].clone()]);
+        prop_assert_eq!(decoded, [frames[0].clone(), frames[2].clone()]);
     }
 }
 
@@ -131,7 +132,7 @@ fn dropped_frames_are_counted_by_their_kind() {
     assert_eq!((counts.received, counts.corrupt, counts.foreign), (2, 4, 1));
 }
 
-/// A frame around any content, its checksum right.
+/// A frame with any content and a correct checksum.
 fn framed(content: &[u8]) -> Vec<u8> {
     let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISCSI).checksum(content);
     let whole = [content, &crc.to_le_bytes()].concat();
@@ -151,8 +152,8 @@ fn undamaged_frames_without_a_message_are_refused() {
     );
     for (content, error) in [
         (&b"H\x07\x63"[..], FrameError::Malformed), // no such command
-        (&b"H\x07\x01\x00"[..], FrameError::Malformed), // bytes too many
-        (&b"H\x07"[..], FrameError::Malformed),     // bytes too few
+        (&b"H\x07\x01\x00"[..], FrameError::Malformed), // surplus bytes
+        (&b"H\x07"[..], FrameError::Malformed),     // missing bytes
         (&b"X\x07\x07"[..], FrameError::Sender),
         (&b""[..], FrameError::TooShort),
     ] {
@@ -165,18 +166,18 @@ fn undamaged_frames_without_a_message_are_refused() {
 fn content_of_every_length_up_to_the_bound_is_read() {
     for length in 1..=MAX_CONTENT {
         let content = vec![b'H'; length.saturating_sub(4)];
-        let heard = decode(&mut Decoder::<HostMessage>::new(), &framed(&content));
+        let decoded = decode(&mut Decoder::<HostMessage>::new(), &framed(&content));
         assert!(
             matches!(
-                heard[..],
+                decoded[..],
                 [Err(FrameError::Malformed | FrameError::TooShort)]
             ),
-            "{length}: {heard:?}"
+            "{length}: {decoded:?}"
         );
     }
-    let heard = decode(
+    let decoded = decode(
         &mut Decoder::<HostMessage>::new(),
         &framed(&[b'H'; MAX_CONTENT - 3]),
     );
-    assert_eq!(heard, [Err(FrameError::TooLong)]);
+    assert_eq!(decoded, [Err(FrameError::TooLong)]);
 }

@@ -1,5 +1,5 @@
-//! For any samples, requests and moves: no panic, no duty beyond one, no duty on a bridge that is
-//! off, and bridges on only in the states that allow it.
+//! For any samples, requests and moves: the controller does not panic, duties are within ±1 and
+//! zero where the bridge is off, and bridges are on only in the states that allow it.
 
 mod common;
 mod rig;
@@ -59,7 +59,7 @@ fn sensor_sample() -> impl Strategy<Value = SensorSample> {
 }
 
 fn request() -> impl Strategy<Value = Request> {
-    // Those that lead back to motion more often than those that end it.
+    // Requests that lead to motion are more frequent than those that end it.
     prop_oneof![
         5 => Just(Request::Arm),
         1 => Just(Request::Disarm),
@@ -72,7 +72,7 @@ fn request() -> impl Strategy<Value = Request> {
     ]
 }
 
-/// Moves of any numbers, and some that the arm can make from where it starts.
+/// Moves with any numbers, and some that the arm can make from its start.
 fn motion() -> impl Strategy<Value = MoveKind> {
     prop_oneof![
         move_kind(number()),
@@ -112,7 +112,7 @@ fn tick(controller: &mut Controller, sample: &SensorSample) -> ActuatorCommand {
         assert!(duty.abs() <= 1.0, "{duty} while {:?}", controller.state());
         assert!(enable || duty == 0.0);
         assert!(powered || !enable, "power while {:?}", controller.state());
-        // The brake holds where the bridges do not drive: off, or waking up.
+        // The brake holds while the bridges do not drive: they are off or wake up.
         assert!(enable || command.brake);
         assert!(duty == 0.0 || !command.brake);
     }
@@ -121,7 +121,7 @@ fn tick(controller: &mut Controller, sample: &SensorSample) -> ActuatorCommand {
     command
 }
 
-/// What all cases together have covered.
+/// What has occurred in all cases together.
 #[derive(Default)]
 struct Seen {
     requests: Tally,

@@ -23,7 +23,8 @@ fn home_with(rig: &mut Rig, mut disturb: impl FnMut(u32, &mut Bench)) -> u32 {
         }
         disturb(ticks, &mut rig.bench);
         let command = rig.tick();
-        // At limited current: no more than its voltage, and what the back-EMF adds.
+        // The current is limited: the voltage is at most that of this current plus the
+        // back-EMF.
         for duty in command.duty {
             assert!(duty.abs() < (1.2 * 2.3 + 0.3) / 24.0 * 2.5, "{duty}");
         }
@@ -68,8 +69,8 @@ fn begins_by_backing_off_where_a_switch_is_closed_already() {
     assert!(off.abs() < 1.5 * COUNT, "{off} rad");
 }
 
-/// A joint that took a disturbance for its switch would back off from where it is, and find the
-/// next disturbance instead of the switch.
+/// If a joint took a disturbance for its switch, it would back off from its present angle and
+/// find the next disturbance instead of the switch.
 #[test]
 fn a_home_switch_that_reads_wrongly_for_a_few_ticks_changes_nothing() {
     let undisturbed = {
@@ -83,7 +84,7 @@ fn a_home_switch_that_reads_wrongly_for_a_few_ticks_changes_nothing() {
             let flips = tick % every < length;
             bench.stuck = None;
             let read = bench.sense().home;
-            // Not within the debounce time around a true change.
+            // No disturbance within the debounce time around a real change of the switch.
             let near = [0, 1].map(|joint| {
                 let home = f64::from(settings().axes[joint].home_angle);
                 (bench.theta[joint] - home).abs() < 2e-3
@@ -133,7 +134,7 @@ fn a_switch_that_stays_closed_ends_in_an_envelope_fault() {
     home(&mut rig);
     assert_eq!(rig.controller.status().fault, Some(Fault::Envelope));
     assert!(!rig.controller.status().homed);
-    // It has gone no further than the search allows.
+    // It has turned at most as far as the search allows.
     assert!((rig.bench.theta[0] - f64::from(START[0])).abs() < 0.3);
 }
 
@@ -151,7 +152,7 @@ fn a_switch_that_never_closes_ends_in_an_envelope_fault() {
 #[test]
 fn a_blocked_joint_ends_in_a_following_error() {
     let mut rig = Rig::new(&settings());
-    // More than the limited torque of homing, 0.22 N·m, can push against.
+    // More than the limited torque of homing, 0.22 N·m.
     rig.bench.push = [-0.3, 0.0];
     home(&mut rig);
     assert_eq!(rig.controller.status().fault, Some(Fault::FollowingError));
@@ -160,7 +161,7 @@ fn a_blocked_joint_ends_in_a_following_error() {
 #[test]
 fn home_angles_that_close_no_arm_are_an_encoder_disagreement() {
     let mut short = settings();
-    // Couplers that reach each other upright, but not with both cranks swung outwards.
+    // With both cranks turned outwards these couplers are too short to meet.
     short.lengths = [0.10, 0.13, 0.13, 0.10, 0.08];
     let mut rig = Rig::new(&short);
     // The switches are at other angles than those of the settings.
@@ -206,7 +207,7 @@ fn arming_is_refused_until_homed_and_where_the_arm_may_not_be() {
     assert_eq!(arm(&mut rig), Ok(()));
     let mut set = |angles| rig.controller.request(Request::SetAngles(angles));
     assert_eq!(set(START), Err(RequestError::State(State::Armed)));
-    // Moved out by hand.
+    // Pushed out of the joint limits while the bridges are off.
     rig.controller.request(Request::Disarm).unwrap();
     rig.bench.theta[0] = 3.61;
     let mut rig2 = Rig::new(&settings());

@@ -14,7 +14,7 @@ fn line(to: [f32; 2], feed: f32) -> MoveKind {
 #[test]
 fn follows_a_line_within_tens_of_micrometres_and_ends_at_rest() {
     let mut rig = Rig::armed(&settings());
-    let [x, y] = rig.held();
+    let [x, y] = rig.tool_position();
     let to = [x - 0.03, y + 0.02];
     rig.push(7, line(to, 0.1)).unwrap();
     rig.tick();
@@ -48,7 +48,7 @@ fn follows_a_line_within_tens_of_micrometres_and_ends_at_rest() {
 #[test]
 fn stops_on_the_path_on_request() {
     let mut rig = Rig::armed(&settings());
-    let [x, y] = rig.held();
+    let [x, y] = rig.tool_position();
     rig.push(1, line([x - 0.06, y], 0.2)).unwrap();
     rig.run(1500);
     assert_eq!(rig.controller.state(), State::Running);

@@ -1,4 +1,4 @@
-//! Moves are followed whole or refused whole, with the reason and the point.
+//! A move is either followed completely, or refused with the reason and the point.
 
 mod rig;
 
@@ -34,7 +34,7 @@ fn finish(rig: &mut Rig) -> f64 {
 #[test]
 fn a_polygon_of_many_short_lines_flows_through_the_queue() {
     let mut rig = Rig::armed(&settings());
-    let [x, y] = rig.held();
+    let [x, y] = rig.tool_position();
     let (radius, corners) = (0.02_f32, 120_u32);
     let started = rig.controller.status().tick;
     let mut corner = 1;
@@ -54,7 +54,7 @@ fn a_polygon_of_many_short_lines_flows_through_the_queue() {
     assert!(worst < 3e-5, "{worst} m");
     let [tx, ty] = rig.bench.tool();
     assert!((tx - f64::from(x)).hypot(ty - f64::from(y)) < 5e-5);
-    // 126 mm at 0.1 m/s: the corners are rounded, not stopped at.
+    // 126 mm at 0.1 m/s: the arm rounds the corners and does not stop there.
     let taken = f64::from(rig.controller.status().tick - started) * 1e-4;
     assert!(taken < 2.0, "{taken} s");
 }
@@ -63,7 +63,7 @@ fn a_polygon_of_many_short_lines_flows_through_the_queue() {
 #[test]
 fn a_circle_of_lines_of_a_twentieth_of_a_millimetre_is_drawn_to_its_end() {
     let mut rig = Rig::armed(&settings());
-    let [x, y] = rig.held();
+    let [x, y] = rig.tool_position();
     let (radius, corners) = (0.002_f32, 250_u32);
     for corner in 1..=corners {
         let (sin, cos) = (TAU * corner as f32 / corners as f32).sin_cos();
@@ -87,7 +87,7 @@ fn a_circle_of_lines_of_a_twentieth_of_a_millimetre_is_drawn_to_its_end() {
 fn lines_of_hundredths_of_a_millimetre_do_not_outrun_the_planner() {
     for at_once in [true, false] {
         let mut rig = Rig::armed(&settings());
-        let [x, y] = rig.held();
+        let [x, y] = rig.tool_position();
         let ends = [1e-5, 1e-4, 0.0, 8e-5, 2e-5, 3e-4, 0.0];
         for (tag, end) in (1..).zip(ends) {
             let to = [x + end, y];
@@ -109,7 +109,7 @@ proptest! {
     })]
 
     /// Lines from a micrometre to a centimetre, at corners of any angle, handed over at once
-    /// or one by one: none is too short for the planner, and the arm follows its reference.
+    /// or one by one: the planner accepts each length, and the arm follows its reference.
     #[test]
     fn lines_of_any_length_follow_each_other(
         lines in prop::collection::vec(
@@ -119,7 +119,7 @@ proptest! {
         feed in 0.005..0.3_f32,
     ) {
         let mut rig = Rig::armed(&settings());
-        let [x, y] = rig.held();
+        let [x, y] = rig.tool_position();
         let mut place = [x, y];
         for (tag, (exponent, direction, ticks)) in (1..).zip(lines) {
             let (sin, cos) = direction.sin_cos();
@@ -144,10 +144,10 @@ proptest! {
 /// controller.
 #[test]
 fn ticks_between_the_segments_of_a_move_raise_no_fault() {
-    // From rest, in the last of a move before, and in all that lies between.
+    // From rest, in the last segment of the move before, and at all times between.
     for ticks in (0..3_000).step_by(50) {
         let mut rig = Rig::armed(&settings());
-        let [x, y] = rig.held();
+        let [x, y] = rig.tool_position();
         for (tag, end) in (1..).zip([0.01, 0.0, 0.01]) {
             let to = [x - end, y];
             rig.push(tag, MoveKind::Line { to, feed: 0.1 }).unwrap();
@@ -165,7 +165,7 @@ fn ticks_between_the_segments_of_a_move_raise_no_fault() {
 #[test]
 fn lines_arcs_dwells_and_joint_moves_follow_each_other() {
     let mut rig = Rig::armed(&settings());
-    let [x, y] = rig.held();
+    let [x, y] = rig.tool_position();
     let home = rig.controller.status().angle;
     let moves = [
         MoveKind::Line {
@@ -210,7 +210,7 @@ fn lines_arcs_dwells_and_joint_moves_follow_each_other() {
 #[test]
 fn a_move_that_cannot_be_done_is_refused_with_reason_and_point() {
     let mut rig = Rig::armed(&settings());
-    let [x, y] = rig.held();
+    let [x, y] = rig.tool_position();
     let error = rig
         .push(
             11,
@@ -289,7 +289,7 @@ fn a_move_that_cannot_be_done_is_refused_with_reason_and_point() {
             MoveErrorKind::Number
         );
     }
-    // None of that has moved the arm or the end of the queue.
+    // The arm and the end of the queue have not moved.
     rig.run(100);
     assert_eq!(rig.controller.state(), State::Armed);
     rig.push(
@@ -307,7 +307,7 @@ fn a_move_that_cannot_be_done_is_refused_with_reason_and_point() {
 #[test]
 fn a_move_that_asks_for_too_much_speed_is_slowed_and_reported() {
     let mut rig = Rig::armed(&settings());
-    let [x, y] = rig.held();
+    let [x, y] = rig.tool_position();
     rig.push(
         1,
         MoveKind::Line {
@@ -342,14 +342,14 @@ fn a_joint_move_through_a_straight_leg_changes_the_working_mode() {
     let mut rig = Rig::armed(&settings());
     let before = rig.controller.working_mode();
     assert_eq!(before, WorkingMode::new(Side::Right, Side::Left));
-    // Joint 1 swings link 1 over until leg 1's elbow turns the other way.
+    // Joint 1 turns link 1 until the elbow of leg 1 is on the other side.
     let to = [0.65, 0.9];
     rig.push(1, MoveKind::Joint { to, speed: 0.1 }).unwrap();
     finish(&mut rig);
     let after = rig.controller.working_mode();
     assert_eq!(after, WorkingMode::new(Side::Left, Side::Left));
     // The tool is moved in the new mode.
-    let [x, y] = rig.held();
+    let [x, y] = rig.tool_position();
     rig.push(
         2,
         MoveKind::Line {
@@ -376,7 +376,7 @@ fn moves_are_taken_only_by_an_armed_arm() {
 #[test]
 fn a_disarmed_arm_drops_its_queue() {
     let mut rig = Rig::armed(&settings());
-    let [x, y] = rig.held();
+    let [x, y] = rig.tool_position();
     rig.push(
         1,
         MoveKind::Line {

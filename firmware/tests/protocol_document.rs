@@ -1,4 +1,4 @@
-//! `docs/protocol.md` says what the library does, byte for byte.
+//! Compares `docs/protocol.md` with the library, byte by byte.
 
 mod common;
 
@@ -157,7 +157,7 @@ fn variant<T: serde::Serialize + core::fmt::Debug>(value: &T) -> (u8, String) {
 
 #[test]
 fn every_number_in_the_tables_is_the_one_on_the_wire() {
-    // Enough random messages to meet every variant.
+    // Enough random messages for every variant to occur.
     let mut runner = TestRunner::deterministic();
     let mut numbers = BTreeSet::new();
     for message in draw(&common::host_message().boxed(), &mut runner) {

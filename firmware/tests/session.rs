@@ -1,4 +1,4 @@
-//! A session executes each command once, whatever the line does to it.
+//! A session executes each command once, whatever happens to it on the line.
 
 mod desk;
 mod nor;
@@ -71,7 +71,7 @@ fn a_repeated_command_gets_the_same_reply_and_is_executed_once() {
     assert_eq!(first, again);
     assert_eq!(desk.planner.free_slots(), room - 1);
 
-    // A tick, too, is run once.
+    // A repeated `Tick` runs one tick only.
     desk.last = next;
     let before = desk.controller.ticks();
     let next = desk.last.next();
@@ -325,7 +325,7 @@ fn a_corrupt_settings_page_is_a_fault_and_nothing_moves_until_settings_are_given
     let loaded = storage.load();
     assert_eq!(loaded, Err(StorageError::Corrupt));
 
-    // As a board starts on it.
+    // The start of a board with this flash.
     let mut desk = Desk::without_settings();
     desk.controller.latch_fault(Fault::SettingsCorrupt);
     desk.tick();

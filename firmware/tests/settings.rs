@@ -1,4 +1,4 @@
-//! Settings are refused by the name of the field that is wrong.
+//! Invalid settings are refused with the name of the invalid field.
 
 mod rig;
 
@@ -195,7 +195,7 @@ fn an_arm_that_cannot_be_is_refused() {
         |s| s.links[2].mass = f32::NAN,
         SettingsError::Inertia(ModelError::Link(3)),
     );
-    // The other branch of the crossed elbows is never reached within the joints' limits.
+    // With crossed elbows, the other branch is outside the joints' limits.
     refused(|s| s.elbows_left = [true, false], SettingsError::NoPose);
 }
 

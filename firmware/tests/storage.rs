@@ -8,7 +8,7 @@ use fivebar_testkit::Tally;
 use nor::{Cut, Nor, SECTOR};
 use proptest::prelude::*;
 
-/// Settings that differ from those of another number at their beginning, middle and end.
+/// Settings that depend on a number, at their beginning, middle and end.
 fn settings(number: u16) -> Settings {
     let (mut settings, _) = postcard::take_from_bytes::<Settings>(&[0; 1024]).expect("all zero");
     let value = f32::from(number);
@@ -40,7 +40,7 @@ const CUTS: [Cut; 5] = [
     Cut::After(SECTOR / nor::WORD / 2),
 ];
 
-/// The flash after each of so many saves, oldest first; the first is blank.
+/// The flash after each of this number of saves, oldest first; the first one is blank.
 fn history(saves: u16) -> Vec<Nor> {
     let mut flash = Nor::blank();
     let mut history = vec![flash.clone()];
@@ -99,7 +99,7 @@ fn settings_are_old_or_new_after_a_power_cut_at_every_operation() {
             let what = format!("save {number} cut at {at} of {operations} by {cut:?}");
             assert_old_or_new(&mut flash, number, &is_new, &what);
 
-            // Power fails again while the first load repairs, here and there.
+            // The power fails again at some operations of the repair by the first load.
             for again in (0..flash.operations).step_by(5) {
                 let mut flash = torn.clone();
                 flash.cut = Some((again, cut));
@@ -113,7 +113,7 @@ fn settings_are_old_or_new_after_a_power_cut_at_every_operation() {
             assert_eq!(load(&mut flash), Ok(settings(1000)), "{what}");
         }
     }
-    // Only its last operation makes a save valid.
+    // A save becomes valid by its last operation.
     assert!(
         is_new.accepted() >= 4 && is_new.refused() > 1000,
         "{is_new:?}"

@@ -1,4 +1,4 @@
-//! The bridges wake up before they are driven or judged.
+//! The bridges wake up before they are driven and before their fault outputs count.
 
 mod rig;
 
@@ -19,7 +19,8 @@ fn homed() -> Rig {
     rig
 }
 
-/// Lets the bridges wake up; their fault outputs are low meanwhile, as those of a bridge may be.
+/// Waits until the bridges are awake. Their fault outputs are low meanwhile, as the data sheet
+/// allows.
 #[track_caller]
 fn wakes(rig: &mut Rig) {
     for tick in 0..WAKING_TICKS {
@@ -65,8 +66,8 @@ fn bridges_wake_up_anew_after_each_sleep() {
     assert_eq!(rig.controller.state(), State::Homing);
 }
 
-/// A push moves the arm while nothing holds it. Integrators that ran meanwhile would answer with
-/// more than what the motors need.
+/// A push moves the arm before the bridges drive. Integrators that ran meanwhile would demand
+/// more torque than is needed.
 #[test]
 fn the_loops_begin_when_the_bridges_are_awake() {
     let mut rig = homed();
@@ -91,7 +92,7 @@ fn the_loops_begin_when_the_bridges_are_awake() {
 fn a_path_begins_when_the_bridges_are_awake() {
     let mut rig = homed();
     rig.controller.request(Request::Arm).unwrap();
-    let [x, y] = rig.held();
+    let [x, y] = rig.tool_position();
     let to = [x - 0.02, y];
     rig.push(1, MoveKind::Line { to, feed: 0.1 }).unwrap();
     wakes(&mut rig);

@@ -1,4 +1,4 @@
-//! Any message at all, for property tests.
+//! Random messages of every kind, for property tests.
 
 #![allow(dead_code, reason = "each test file uses its own part")]
 
@@ -16,7 +16,7 @@ use fivebar_firmware::storage::StorageError;
 use fivebar_firmware::{ActuatorCommand, Move, MoveKind, Request, SensorSample, Status};
 use proptest::prelude::*;
 
-/// Every bit pattern of an `f32`, those that are no number included.
+/// Every bit pattern of an `f32`, NaN and infinities included.
 fn number() -> impl Strategy<Value = f32> + Clone {
     any::<u32>().prop_map(f32::from_bits)
 }
@@ -25,7 +25,7 @@ fn pair() -> impl Strategy<Value = [f32; 2]> + Clone {
     [number(), number()]
 }
 
-/// Any kind of move, with numbers of these.
+/// Any kind of move, with numbers from this strategy.
 pub(crate) fn move_kind(
     number: impl Strategy<Value = f32> + Clone + 'static,
 ) -> impl Strategy<Value = MoveKind> {

@@ -1,4 +1,4 @@
-//! A session with its controller, talked to in frames.
+//! A session and its controller; frames go in and out.
 
 use crate::rig;
 use fivebar_firmware::controller::Controller;
@@ -37,7 +37,7 @@ impl Board for Memory {
     }
 }
 
-/// Both ends of a perfect line.
+/// Both ends of a line without faults.
 pub(crate) struct Desk {
     pub(crate) session: Session,
     pub(crate) controller: Controller,
@@ -55,7 +55,7 @@ pub(crate) const HELLO: HostCommand = HostCommand::Hello {
 };
 
 impl Desk {
-    /// Before the hello.
+    /// Before the `Hello`.
     pub(crate) fn new() -> Self {
         let settings = rig::settings().check().unwrap();
         let identity = Identity::new(Kind::Desktop, Reset::Power);
@@ -74,14 +74,14 @@ impl Desk {
         }
     }
 
-    /// After the hello.
+    /// After the `Hello`.
     pub(crate) fn greeted() -> Self {
         let mut desk = Self::new();
         assert!(matches!(desk.ask(HELLO), Reply::Hello(_)));
         desk
     }
 
-    /// After the hello, on settings that nobody gave.
+    /// After the `Hello`, without settings from a host or from flash.
     pub(crate) fn without_settings() -> Self {
         let mut desk = Self::new();
         let identity = Identity::new(Kind::Desktop, Reset::Power);
@@ -148,6 +148,6 @@ impl Desk {
 /// The message in a frame.
 pub(crate) fn read(frame: &Frame) -> ControllerMessage {
     let mut decoder = Decoder::new();
-    let mut heard = frame.iter().filter_map(|&byte| decoder.feed(byte));
-    heard.next().expect("a whole frame").expect("a message")
+    let mut decoded = frame.iter().filter_map(|&byte| decoder.feed(byte));
+    decoded.next().expect("a whole frame").expect("a message")
 }

@@ -7,32 +7,32 @@ use embedded_storage::nor_flash::{
     check_write,
 };
 
-/// Bytes of a sector: smaller than those of an STM32F405, so that the log comes round soon.
+/// Bytes of a sector: smaller than those of an STM32F405, so that the log begins again soon.
 pub(crate) const SECTOR: usize = 4 * 1024;
 /// Two for each half.
 pub(crate) const SECTORS: usize = 4;
 /// Bytes programmed at once.
 pub(crate) const WORD: usize = 4;
 
-/// What the last operation before the dark leaves behind.
+/// What the operation that the power failure interrupts leaves behind.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Cut {
-    /// It did not begin.
+    /// The operation did not begin.
     Before,
     /// It changed these bits and not the others: of a word while writing, of every word of
     /// the sector while erasing.
     Torn(u32),
-    /// An erase had blanked this many of its sector's words; a write was whole.
+    /// An erase has blanked this many words of its sector; a write is complete.
     After(usize),
 }
 
-/// As many sectors as the settings need.
+/// As many sectors as the settings need, in memory.
 #[derive(Clone)]
 pub(crate) struct Nor {
     pub(crate) bytes: Vec<u8>,
     /// Words written and sectors erased so far.
     pub(crate) operations: usize,
-    /// At which operation the power fails, and how.
+    /// The operation at which the power fails, and what it leaves behind.
     pub(crate) cut: Option<(usize, Cut)>,
 }
 
@@ -67,7 +67,7 @@ impl Nor {
         }
     }
 
-    /// How the operation that begins now is cut, if it is; dark ever after.
+    /// How the operation that begins now is interrupted, if it is; all later ones fail.
     fn begin(&mut self) -> Result<Option<Cut>, Fault> {
         let now = self.operations;
         self.operations += 1;

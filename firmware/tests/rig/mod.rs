@@ -62,9 +62,9 @@ pub(crate) struct Bench {
     pub(crate) push: [f64; 2],
     /// Bus voltage [V].
     pub(crate) bus: f64,
-    /// What the sensors would say besides.
+    /// The other values of the sample.
     pub(crate) overlay: SensorSample,
-    /// What both switches say whatever the arm does.
+    /// A fixed state of both home switches, whatever the arm does.
     pub(crate) stuck: Option<[bool; 2]>,
     /// Added to the counts.
     pub(crate) extra_counts: [i32; 2],
@@ -129,7 +129,7 @@ impl Bench {
         }
     }
 
-    /// Lets a tick pass; `command` acts from the next one on.
+    /// Advances by one tick; `command` acts from the next one on.
     pub(crate) fn step(&mut self, command: &ActuatorCommand) {
         const STEPS: u32 = 5;
         let acting = std::mem::replace(&mut self.command, *command);
@@ -181,7 +181,7 @@ impl Bench {
     }
 }
 
-/// A controller and its bench, tick by tick in step.
+/// A controller and its bench, which advance tick by tick together.
 pub(crate) struct Rig {
     pub(crate) controller: Controller,
     pub(crate) planner: Planner,
@@ -209,12 +209,12 @@ impl Rig {
         rig
     }
 
-    /// Runs so many ticks and gives the last command.
+    /// Runs this number of ticks and returns the last command.
     pub(crate) fn run(&mut self, ticks: u32) -> ActuatorCommand {
         (0..ticks).fold(ActuatorCommand::default(), |_, _| self.tick())
     }
 
-    /// One tick with a planner that keeps up and a host that is heard.
+    /// One tick with a planner in time and a host that gives signs of life.
     pub(crate) fn tick(&mut self) -> ActuatorCommand {
         self.controller.feed_host_timeout();
         self.planner.run(&mut self.controller);
@@ -228,7 +228,8 @@ impl Rig {
         command
     }
 
-    /// Runs the planner so many times, a tick before each of its looks at the controller.
+    /// Runs the planner this number of times, with a tick before each of its accesses to the
+    /// controller.
     pub(crate) fn run_interrupted(&mut self, times: u32) {
         let mut interrupted = Interrupted {
             controller: &mut self.controller,
@@ -245,14 +246,14 @@ impl Rig {
         self.planner.push(&mut self.controller, &Move { tag, kind })
     }
 
-    /// The measured tool as the controller sees it [m].
-    pub(crate) fn held(&self) -> [f32; 2] {
+    /// The tool's position as the controller measures it [m].
+    pub(crate) fn tool_position(&self) -> [f32; 2] {
         let (tool, _) = self.controller.hold_position().unwrap();
         [tool.x, tool.y]
     }
 }
 
-/// A controller that ticks before it is looked at.
+/// A controller that runs a tick before each access.
 struct Interrupted<'a> {
     controller: &'a mut Controller,
     bench: &'a mut Bench,
