@@ -1,3 +1,3 @@
-//! Truths that cross the crates of Fivebar; see `tests/`.
+//! Tests that need several crates of Fivebar, or its firmware images; see `tests/`.
 
 pub mod vectors;

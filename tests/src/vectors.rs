@@ -30,11 +30,11 @@ pub struct ReferenceArm {
     pub gravity: [f64; 2],
 }
 
-/// A state of an arm: what is given, and what follows.
+/// A state of an arm: the given values, and the results.
 #[derive(Debug, Deserialize)]
 #[expect(missing_docs, reason = "the letters of docs/notation.md")]
 pub struct Case {
-    /// Which arm, from 0.
+    /// The index of the arm.
     pub robot: usize,
     pub theta1: f64,
     pub theta4: f64,

@@ -52,8 +52,8 @@ fn the_example_of_the_literature_to_all_printed_digits() {
     assert_eq!(microns(&found["clearance_rms_m"]), 48.45);
 }
 
-/// Every figure beside its twin: scatters within 4 sampling errors (and 1 % for what the
-/// first order leaves out), worst cases never exceeded.
+/// Every figure against the same figure by sampling: scatters agree within 4 sampling errors (and
+/// 1 % for the terms of higher order), and samples stay within the worst cases.
 fn compare(found: &Value) {
     let twins = &found["monte_carlo"];
     let error = 4.0 * twins["relative_error_of_sd"].as_f64().unwrap() + 0.01;

@@ -18,7 +18,7 @@ use indicatif::ProgressBar;
 use nalgebra::Vector2;
 use serde_json::Value;
 
-/// The example with every pin off its centre, each another way.
+/// The example with every pin off its centre, each in another direction.
 fn loose(driven: &DrivenLinkage) -> Linkage<f64> {
     let mut linkage = driven.linkage.clone();
     let pins: Vec<bool> = linkage.pins().collect();
@@ -32,7 +32,7 @@ fn loose(driven: &DrivenLinkage) -> Linkage<f64> {
     linkage
 }
 
-/// The driving coordinates at some instants of the sweep, none of them special.
+/// The driving coordinates at some instants of the sweep, away from special positions.
 fn instants(driven: &DrivenLinkage) -> Vec<Vec<Coordinate<f64>>> {
     let at = |share: f64| {
         driven
@@ -137,7 +137,7 @@ fn every_derivative_of_every_example_meets_its_difference() {
         let mut varied = Vec::new();
         let mut number = 0;
         linkage.map_parameters(|parameter, value: f64| {
-            // A mass of nothing has no inertia to scale, and no neighbour below zero.
+            // With a mass of zero there is no inertia to scale, and a mass below zero is invalid.
             let nothing = parameter.kind == ParameterKind::Mass && value == 0.0;
             if !nothing && parameter.kind != ParameterKind::Inertia {
                 varied.push(number);
@@ -191,8 +191,8 @@ fn every_derivative_of_every_example_meets_its_difference() {
 
 #[test]
 fn forces_in_loose_pins_balance_the_power_of_the_drive() {
-    // A massless link is not there for the forces: with no inertia and one load the work of
-    // load and drive differ only by what the offset's moments leave out, second order in r.
+    // Without inertia and with one load, the work of the load and the work of the drive differ
+    // only by the moments of the pins' offsets, which are left out: second order in r.
     let driven = EXAMPLES[0].linkage().unwrap();
     let inputs = &instants(&driven)[1];
     let drive = |scale: f64| {
@@ -311,7 +311,7 @@ fn the_slider_driven_test_case_by_its_corrected_coefficients_and_by_samples() {
 
 #[test]
 fn tension_lengthens_the_sliders_limbs_as_it_does_the_linkages() {
-    // PRRRP both ways: by its transfer and as a linkage of massless bars.
+    // PRRRP in two ways: by its transfer coefficients, and as a linkage of massless bars.
     let driven = Example::find("prrrp").unwrap().linkage().unwrap();
     let mut massless = driven
         .linkage

@@ -1,4 +1,4 @@
-//! What the firmware carries of the robot files.
+//! The firmware's built-in settings are those of the benchtop arm's robot file.
 
 use fivebar::input::robot::Robot;
 use fivebar_firmware::Settings;

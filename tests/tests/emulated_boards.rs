@@ -64,7 +64,7 @@ fn the_doctor_tells_this_programs_image_from_another() {
     );
 }
 
-/// What a tick may take at most, homing included [instructions].
+/// The most instructions that a tick may take, homing included.
 const WORST_TICK: u32 = 1_000;
 
 #[test]
@@ -99,7 +99,7 @@ fn the_production_image_boots_to_the_clock_fault_and_refuses_to_arm() {
             .expect("an answer");
         assert!(matches!(reply, Reply::Refused(_)), "{request:?}: {reply:?}");
     }
-    // The clock does not mend, and so the fault comes back however often it is cleared.
+    // The clock does not recover, so the fault is raised again each time it is cleared.
     let cleared = client.call(HostCommand::Request(Request::ClearFault));
     assert!(cleared.is_ok());
     std::thread::sleep(std::time::Duration::from_millis(200));

@@ -17,15 +17,15 @@ fn line() -> Emulator {
 
 injected_faults::test_every_injected_fault!(line);
 
-/// The reset button is pressed while the arm moves: the board comes up stopped, and knows
-/// neither the host nor the arm.
+/// The reset button is pressed while the arm moves: the board starts stopped, without a session
+/// and without settings.
 #[test]
 fn a_reset_in_motion() {
     let mut bench = Bench::moving(line());
     let board = bench.board.line().line();
     board.reset().expect("the emulator lives");
     let mut ask = |command| bench.board.call(command).expect("an answer");
-    // Until it is reset it may answer once more.
+    // It may reply once more before the reset.
     let stranger = Reply::Refused(CommandError::NoSession);
     let reset = (0..100).any(|_| ask(HostCommand::Status) == stranger);
     assert!(reset, "it was never reset");

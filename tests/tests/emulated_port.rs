@@ -12,7 +12,7 @@ use std::io::{Read, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// Ends the carrying when the test does, however it ends.
+/// Ends the thread that carries bytes when the test ends, also by a panic.
 struct End<'a>(&'a AtomicBool);
 
 impl Drop for End<'_> {

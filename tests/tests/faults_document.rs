@@ -1,9 +1,9 @@
-//! `docs/faults.md` says what the controller does, and the tests it names are there.
+//! Compares `docs/faults.md` with the controller; the tests that it names must exist.
 
 use fivebar_firmware::safety::{Fault, Response};
 
 const DOCUMENT: &str = include_str!("../../docs/faults.md");
-/// Where the tests are that it names.
+/// The files with the tests that it names.
 const TESTS: [&str; 9] = [
     include_str!("../../firmware/tests/faults.rs"),
     include_str!("../../firmware/tests/homing.rs"),

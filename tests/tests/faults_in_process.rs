@@ -16,8 +16,8 @@ fn line() -> Loopback {
 
 injected_faults::test_every_injected_fault!(line);
 
-/// The watchdog resets the controller while the arm moves: it comes up unpowered with the
-/// fault latched, and knows neither the host nor where the arm is.
+/// The watchdog resets the controller while the arm moves: it starts with the bridges off and the
+/// fault latched, without a session and not homed.
 #[test]
 fn a_reset_by_the_watchdog_in_motion() {
     let stated = stated("a_reset_by_the_watchdog_in_motion");

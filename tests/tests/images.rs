@@ -1,4 +1,4 @@
-//! What is in the firmware images, and what is not.
+//! The sizes of the firmware images, and the functions and texts in them.
 
 use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, SymbolKind, elf};
 
@@ -13,12 +13,12 @@ struct Size {
 
 /// As last committed.
 const COMMITTED: &str = include_str!("../data/image_size.json");
-/// What the image may take at most [bytes].
+/// The most that the image may take [bytes].
 const BUDGET: Size = Size {
     flash: 96 * 1024,
     static_ram: 24 * 1024,
 };
-/// How far another compiler's image may be from the committed one.
+/// The share by which another compiler's image may differ from the committed one.
 const TOLERANCE: f64 = 0.1;
 
 fn image(name: &str) -> Vec<u8> {
@@ -70,7 +70,7 @@ fn the_production_image_is_as_small_as_committed_and_within_budget() {
     }
 }
 
-/// One that outgrows its place leaves the RAM and does not run into the variables.
+/// A stack that grows too large leaves the RAM; it does not overwrite variables.
 #[test]
 fn the_stack_lies_below_everything_else_in_ram() {
     for name in ["stm32f405", "qemu"] {
@@ -106,7 +106,7 @@ fn foreign_functions(image: &[u8]) -> Vec<String> {
         "__defmt_default_timestamp",
     ];
     let file = object::File::parse(image).expect("an ELF image");
-    // Interrupts that nothing handles are other names of one handler.
+    // Interrupts without a handler of their own are other names of one default handler.
     let unhandled = file
         .symbols()
         .find(|symbol| symbol.name() == Ok("DefaultHandler_"))
@@ -121,8 +121,8 @@ fn foreign_functions(image: &[u8]) -> Vec<String> {
         .collect()
 }
 
-/// That the tick has no way to panic and does not allocate is proven by the image being
-/// there at all, see `firmware/src/bin/tick.rs`.
+/// The image links only if the tick cannot panic and does not allocate; see
+/// `firmware/src/bin/tick.rs`.
 #[test]
 fn the_tick_calls_no_library_arithmetic() {
     let image = image("tick");
@@ -134,7 +134,7 @@ fn the_tick_calls_no_library_arithmetic() {
     assert!(foreign.is_empty(), "{foreign:?}");
 }
 
-/// The same search finds what it looks for where it is: the benchmark calls `libm`.
+/// The same search finds such functions where they exist: the benchmark calls `libm`.
 #[test]
 fn library_arithmetic_is_found_where_it_is() {
     let foreign = foreign_functions(&image("instructions"));

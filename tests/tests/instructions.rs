@@ -1,4 +1,5 @@
-//! The instruction counts of the mathematics, against what was committed and the budgets.
+//! The instruction counts of the tick and of the library's solutions, against the committed
+//! counts and the budgets.
 
 use std::collections::BTreeMap;
 use std::process::Command;
@@ -7,9 +8,9 @@ use fivebar::run::link::Emulator;
 
 /// Counts as last committed.
 const COMMITTED: &str = include_str!("../data/instructions.txt");
-/// How far another compiler's counts may be from the committed ones.
+/// The share by which another compiler's counts may differ from the committed ones.
 const TOLERANCE: f64 = 0.1;
-/// What each function may take at most [instructions].
+/// The most instructions that each function may take.
 const BUDGETS: [(&str, u32); 9] = [
     ("forward position", 140),
     ("inverse position, both legs", 180),
@@ -43,7 +44,7 @@ fn counted_now() -> String {
         .output()
         .expect("qemu-system-arm starts");
     assert!(output.status.success(), "{output:?}");
-    // Semihosting prints on the standard error.
+    // Semihosting prints to standard error.
     let said = [output.stdout, output.stderr].concat();
     String::from_utf8(said).expect("the table is text")
 }

@@ -1,5 +1,5 @@
-//! The live page's server with controllers that are not in its process: pages are
-//! websockets here, the browser's part being tested in a browser.
+//! The live page's server with controllers outside its process. Here websockets take the place
+//! of pages; the pages themselves are tested in a browser (scripts/browser.sh).
 #![cfg(unix)]
 
 use fivebar::input::robot::Robot;
@@ -18,7 +18,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use tungstenite::{Error, Message, WebSocket};
 
-/// Something done in a thread until this value is dropped.
+/// A thread that runs until this value is dropped.
 struct Until<T> {
     ends: Arc<AtomicBool>,
     thread: Option<JoinHandle<T>>,
@@ -48,7 +48,7 @@ fn benchtop() -> Robot {
     Robot::load("benchtop").expect("a built-in robot")
 }
 
-/// A server of the benchtop arm, and where it is.
+/// A server for the benchtop arm, and its address.
 fn server(
     source: impl FnOnce() -> ControllerSource<'static> + Send + 'static,
 ) -> (Until<Result<(), ServeError>>, SocketAddr) {
@@ -69,7 +69,7 @@ fn server(
     (server, address)
 }
 
-/// A page that keeps saying that it lives.
+/// A page that gives signs of life.
 struct Page {
     socket: WebSocket<TcpStream>,
     spoke: Instant,
@@ -98,7 +98,7 @@ impl Page {
         self.send(&json!({ "request": name }));
     }
 
-    /// The next news for which `wanted` gives something.
+    /// The next message for which `wanted` returns a value.
     fn wait<T>(&mut self, what: &str, mut wanted: impl FnMut(&Value) -> Option<T>) -> T {
         let deadline = Instant::now() + Duration::from_secs(60);
         let mut last = String::new();
@@ -155,8 +155,8 @@ fn number(value: &Value) -> f64 {
 }
 
 /// A controller that moves the simulated benchtop arm, at the far end of a serial port
-/// whose name is returned. Its time goes on whether its host speaks or not, and slower than
-/// ours: a busy machine does not look like a silent host.
+/// whose name is returned. Its time advances also while the host is silent, and slower than real
+/// time, so that a busy machine does not look like a silent host.
 fn board() -> (Until<()>, String) {
     let (mut far, near) = TTYPort::pair().expect("a pseudo-terminal");
     far.set_timeout(Duration::from_millis(5))
@@ -174,7 +174,8 @@ fn board() -> (Until<()>, String) {
     };
     let mut controller = Loopback::driving(&settings, Box::new(arm)).expect("sound settings");
     let board = Until::start(move |ends| {
-        // The near end stays open, or the far one would fail before the server comes.
+        // The near end stays open; otherwise reads of the far end fail before the server opens
+        // the port.
         let _near = near;
         let mut bytes = [0; 512];
         while !ends.load(Ordering::Relaxed) {
@@ -186,7 +187,7 @@ fn board() -> (Until<()>, String) {
                 .write_all(&bytes[..heard])
                 .expect("a perfect line");
             if let Ok(said) = controller.read(&mut bytes) {
-                // A server that has ended reads no more.
+                // The write fails if the server has ended.
                 let _ = far.write_all(&bytes[..said]);
             }
         }
@@ -216,11 +217,11 @@ fn an_arm_on_a_port_is_homed_jogged_and_stopped_from_a_page() {
         let moved = number(&state["tool"][1]) - number(&before["tool"][1]);
         state["state"] == "Armed" && (moved - 0.002).abs() < 5e-5
     });
-    // A number that no single can hold is a place that no arm can reach.
+    // A number too large for single precision is a position out of reach.
     page.send(&json!({ "jog": [1e39, 0.0] }));
     let refused = page.wait("a refusal", refusal);
     assert!(refused.contains("refused"), "{refused}");
-    // A watcher may not move the arm, but stop it.
+    // A page that watches may stop the arm; it may not move it.
     let mut watcher = Page::open(address);
     watcher.send(&json!({ "jog": [0.0, 0.002] }));
     let refused = watcher.wait("a refusal", refusal);
@@ -259,7 +260,7 @@ fn an_arm_on_a_port_comes_to_rest_when_its_page_is_lost() {
     page.send(&json!({ "load": { "name": "lines", "text": "G21 F600\nG1 X20\nG1 X0\nG1 X20\n" } }));
     page.send(&json!("run"));
     page.state_named("Running");
-    // It is there still, and says nothing.
+    // The page is still connected, but silent.
     let mut watcher = Page::open(address);
     assert_eq!(
         watcher.fault(),
@@ -307,7 +308,7 @@ fn a_controller_of_another_arm_is_refused() {
     assert!(error.contains("--upload"), "{error}");
 }
 
-/// The real firmware, slower than time and said to be.
+/// The firmware on the emulated board runs slower than real time, and the page shows the speed.
 #[cfg(feature = "emulator")]
 #[test]
 fn an_emulated_controller_homes_its_arm_and_stops_it_when_the_page_is_lost() {
@@ -324,7 +325,7 @@ fn an_emulated_controller_homes_its_arm_and_stops_it_when_the_page_is_lost() {
     let speed = number(&state["speed"]);
     assert!(speed > 0.0 && speed < 1.1, "{speed} × real time");
     drop(page);
-    // A page that comes now does not take the place of the lost one.
+    // A page that connects now does not get control by itself.
     let mut page = Page::open(address);
     assert_eq!(page.fault(), ("command timeout".into(), "Homing".into()));
     page.send(&json!("control"));

@@ -1,4 +1,5 @@
-//! Mobility: 26 mechanisms of the literature in every figure, and what must not matter.
+//! Mobility: all figures of 26 mechanisms of the literature; turning, shifting and scaling must
+//! not change them.
 
 use fivebar::input::mobility::{EXAMPLES, MobilityCase, parse};
 use fivebar::study::mobility::{MobilityAnalysis, answer};
@@ -8,7 +9,7 @@ use proptest::prelude::*;
 use serde_json::{Value, json};
 use std::error::Error;
 
-/// Says how a case was drawn up, which its twists alone cannot tell.
+/// This key describes how the case was set up; it is not a result.
 const NOT_A_RESULT: &str = "uses_parallelogram_as_P";
 
 fn cases() -> Value {
@@ -181,7 +182,7 @@ fn a_shaky_structure_beside_a_real_freedom_counts_only_the_real_one() {
         ))],
         actuated: false,
     };
-    // A flat triangle, rigid but shaky, and a wheel on it that truly turns.
+    // A flat triangle that is shaky (mobile for an instant only), and a wheel on it that turns.
     let joints = vec![
         hinge(0, 1, 0.0),
         hinge(1, 2, 1.0),

@@ -10,7 +10,7 @@ use nalgebra::Vector2;
 use proptest::prelude::*;
 use std::fmt::Write as _;
 
-/// The arm as a robot file, so that the file's way in is tested too.
+/// The arm as a robot file, so that reading the file is tested too.
 fn robot(arm: &ReferenceArm) -> Robot {
     let mut text = format!(
         "name = 'arm'\ngravity = {:?}\nbase = {:?}\npayload = {:?}\n",
@@ -133,7 +133,7 @@ proptest! {
         let (a, forces) = model.accelerations(&state, torque, Vector2::from(force));
         let force = Vector2::new(force[0], force[1]);
         let expected = robot.arm().unwrap().forward_dynamics(&pose, &rates, torque, force).unwrap();
-        // What rounds are the distal links' terms, which near a singularity are many times
+        // The rounding is that of the distal links' terms, which near a singularity are many times
         // larger than the driven accelerations that they cancel to.
         let terms = a.iter().zip(&state.v).map(|(a, v)| a.angular.abs().max(v.angular.powi(2)));
         let scale = terms.fold(1.0, f64::max);

@@ -1,5 +1,5 @@
-//! The production image on QEMU, as far as that emulates its board: what it reads at the
-//! start, and what it makes of it.
+//! The start of the production image on QEMU, as far as QEMU emulates its board: the settings
+//! and the memory that it reads, and the state that follows.
 
 mod flash;
 
@@ -45,7 +45,7 @@ fn other_settings() -> Settings {
     }
 }
 
-/// The settings in use, and why nothing can be armed.
+/// The settings in use, and the reason why arming is refused.
 fn in_use(client: &mut Client<Emulator>) -> (Settings, CommandError) {
     let mut settings = Settings::BENCHTOP;
     client.read_settings(&mut settings).expect("answers");
@@ -91,8 +91,8 @@ fn a_damaged_page_of_settings_is_not_used() {
     );
 }
 
-/// The image with the log's channel as a probe leaves it that set the blocking mode, read one
-/// byte and went away, with the buffer full.
+/// The image with the log's channel as it is after a probe has set the blocking mode, has read
+/// one byte and was removed, with the buffer full.
 fn left_by_a_probe() -> Vec<u8> {
     /// Offsets in RTT's control block: where the host has read to, and the channel's mode.
     const READ: usize = 40;
@@ -122,7 +122,7 @@ fn a_probe_that_goes_away_does_not_stop_the_controller() {
     file.write_all(&left_by_a_probe()).expect("room");
     let (mut client, _) = open(Emulator::start(file.path()).expect("a board"));
     let (before, _) = client.status().expect("an answer");
-    // Each transition is a line for which there is no room.
+    // Each transition logs a line, for which the buffer has no room.
     for _ in 0..10 {
         let cleared = client.command(HostCommand::Request(Request::ClearFault));
         cleared.expect("an answer").expect("a fault is latched");

@@ -1,5 +1,5 @@
-//! The controller's models against numbers made by an unlike method: Lagrange's equations
-//! of the first kind, themselves checked against MuJoCo.
+//! The controller's models against numbers from another method: Lagrange's equations of the
+//! first kind, which were checked against MuJoCo.
 
 use fivebar_kinematics::dynamics::{Arm, Link};
 use fivebar_kinematics::five_bar::{Geometry, WorkingMode};

@@ -1,4 +1,4 @@
-//! How much stack the images use, against what was committed and what they have.
+//! The stack that the images use, against the committed sizes and the space for it.
 
 mod bench;
 
@@ -17,14 +17,14 @@ struct Committed {
 }
 
 const COMMITTED: &str = include_str!("../data/image_size.json");
-/// How far another compiler's stack may be from the committed one.
+/// The share by which another compiler's stack may differ from the committed one.
 const TOLERANCE: f64 = 0.15;
 
 fn committed() -> Committed {
     serde_json::from_str(COMMITTED).expect("the committed sizes")
 }
 
-/// The stack is of the committed size, and half of its place is left.
+/// The stack has the committed size, and half of its space is free.
 #[track_caller]
 fn fits(StackUse { most, size }: StackUse, committed: u32) {
     println!("{most} of {size} bytes of stack");

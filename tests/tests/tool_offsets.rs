@@ -1,8 +1,8 @@
 //! An arm with its tool far from C draws the demonstration: from the robot file through the
 //! settings, homing and the planner to the simulated tool, in every working mode.
 //!
-//! A large offset puts A–B–T on another side than A–B–C, so whoever takes one for the other
-//! refuses the job or follows it on the wrong branch.
+//! With a large offset A–B–T turns the other way than A–B–C. Code that confuses the two refuses
+//! the job or follows it on the wrong branch.
 
 use fivebar::input::robot::{BuiltIn, Robot};
 use fivebar::input::scenario::Scenario;
@@ -11,7 +11,7 @@ use fivebar_kinematics::five_bar::{Side, WorkingMode};
 /// Along link 2 and to its left [m]; each component is tried with both signs.
 const OFFSETS: [[f64; 2]; 3] = [[0.16, 0.1], [0.1, 0.16], [0.2, 0.05]];
 
-/// The drawing's greatest scale: enough to tell the branches apart.
+/// The drawing's greatest scale: large enough that a wrong branch shows.
 const SCALE: f64 = 0.2;
 
 /// Greatest distance of the tool from its reference [m].
@@ -41,7 +41,7 @@ fn robot(mode: WorkingMode, [along, left]: [f64; 2]) -> Robot {
     Robot::parse("offset.toml", &text).expect("a sound robot")
 }
 
-/// Draws the demonstration where it fits; gives whether A–B–T turned the other way than A–B–C.
+/// Draws the demonstration where it fits; returns whether A–B–T turned the other way than A–B–C.
 fn draws(robot: Robot) -> bool {
     let mut scenario = Scenario::demonstration(robot);
     let (mode, of_c) = (scenario.robot.working_mode(), scenario.robot.elbows);
@@ -72,7 +72,7 @@ fn draws(robot: Robot) -> bool {
 }
 
 /// Draws with every offset in one of the modes of C. With some of them A–B–T must turn the
-/// other way, or the offsets are too small to tell one mode from the other.
+/// other way; otherwise the offsets are too small for this test.
 fn draws_with_every_offset([elbow1, elbow4]: [Side; 2]) {
     let mode = WorkingMode::new(elbow1, elbow4);
     let mut turned = 0;

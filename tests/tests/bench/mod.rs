@@ -88,7 +88,7 @@ impl<L: Read + Write> Bench<L> {
         Self::with(line, FaultRates::default(), |_| ())
     }
 
-    /// A bad line, and settings that differ from the benchtop arm's.
+    /// A line with these fault rates, and settings other than the benchtop arm's.
     pub(crate) fn with(line: L, rates: FaultRates, change: impl FnOnce(&mut Settings)) -> Self {
         let robot = robot();
         let mut settings = robot.settings().expect("masses");
@@ -122,7 +122,7 @@ impl<L: Read + Write> Bench<L> {
         Self::moving_on(line, FaultRates::default())
     }
 
-    /// The same on a bad line.
+    /// The same on a line with these fault rates.
     pub(crate) fn moving_on(line: L, rates: FaultRates) -> Self {
         let mut bench = Self::with(line, rates, |_| ());
         let angles = [0, 1].map(|joint| bench.plant.angle(joint) as f32);
@@ -151,12 +151,12 @@ impl<L: Read + Write> Bench<L> {
         HostCommand::Move(Move { tag: 1, kind })
     }
 
-    /// Lets something go wrong now.
+    /// Injects a fault now.
     pub(crate) fn inject(&mut self, fault: FaultKind) {
         self.plant.inject(fault);
     }
 
-    /// What both answer.
+    /// The reply, which must be the same from both.
     #[track_caller]
     pub(crate) fn ask(&mut self, command: HostCommand) -> Reply {
         let there = self.board.call(command).expect("an answer");
@@ -208,7 +208,8 @@ impl<L: Read + Write> Bench<L> {
         }
     }
 
-    /// Ticks until the stated fault is latched, in time; the tick that latched it.
+    /// Runs ticks until the stated fault is latched, which must be in time; returns the tick that
+    /// latched it.
     #[track_caller]
     pub(crate) fn faults(&mut self, stated: Stated) -> StepResult {
         for count in 1..=stated.within {

@@ -111,7 +111,7 @@ pub(crate) fn a_current_sensor_far_off(line: impl Read + Write) {
 pub(crate) fn a_sagging_bus(line: impl Read + Write) {
     let sag = FaultKind::BusVoltage { volts: 12.0 };
     let mut bench = powers_off(line, "a_sagging_bus", sag);
-    // Armed on the same bus, the fault comes back at once.
+    // If the arm is armed again on the same bus, the fault is raised at once.
     bench.is_done(HostCommand::Request(Request::Arm));
     bench.powers_off(stated("a_sagging_bus"));
 }
@@ -132,14 +132,14 @@ pub(crate) fn a_pressed_emergency_stop(line: impl Read + Write) {
     bench.inject(FaultKind::EmergencyStop);
     let result = bench.faults(stated);
     bench.stays_off(result);
-    // Cleared while still pressed, the fault comes back in the next tick.
+    // If the fault is cleared while the button is still pressed, the next tick raises it again.
     bench.is_done(HostCommand::Request(Request::ClearFault));
     let result = bench.faults(stated);
     bench.stays_off(result);
 }
 
-/// Homing with a switch that never changes, faster than usual and in a narrow range, so that the
-/// emulator does not search for long.
+/// Homing with a switch that does not change, faster than usual and in a narrow range, so that
+/// the emulator's search is short.
 fn searches<L: Read + Write>(line: L, pressed: bool, stated: Stated) -> Bench<L> {
     let mut bench = Bench::with(line, FaultRates::default(), |settings| {
         settings.homing.speed = 3.0;
@@ -205,14 +205,14 @@ pub(crate) fn late_ticks(line: impl Read + Write) {
     let stated = stated("late_ticks");
     let mut bench = Bench::moving(line);
     bench.inject(FaultKind::TicksMissed { ticks: 3 });
-    // The ticks after this one; the arm goes on meanwhile.
+    // The ticks after this one are missed; the arm moves on meanwhile.
     assert_eq!(bench.tick().fault, None);
     bench.powers_off(stated);
     assert_eq!(bench.status().missed_ticks, 3);
 }
 
-/// The protocol repairs what happens to the frames: no bit of any reply changes, and the arm does
-/// not stop.
+/// The protocol corrects the faults of the line: every bit of each reply is as without them, and
+/// the arm does not stop.
 #[track_caller]
 fn is_repaired(line: impl Read + Write, repeats: bool, set: fn(&mut FaultRates)) {
     let mut rates = FaultRates::default();
