@@ -97,7 +97,7 @@ fn seated_pins_stay_within_the_worst_case() {
             prop_assert!((offset.length() - radius).abs() < 1e-12);
         }
         if settled.count(equilibrium.converged) {
-            // Every pin lies against its force.
+            // Every pin lies where its force presses it.
             for (i, sign) in [(0, -1.0), (1, -1.0), (2, 1.0), (3, -1.0), (4, -1.0)] {
                 let (offset, force) = (equilibrium.offsets[i], equilibrium.reactions[i]);
                 prop_assert!((offset.dot(&force) - sign * offset.length() * force.length()).abs() < 1e-9 * force.length());

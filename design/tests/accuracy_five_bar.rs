@@ -21,7 +21,7 @@ fn example() -> (Geometry<f64>, Pose<f64>) {
     (geometry, pose)
 }
 
-/// Equal to all digits printed, `places` of them after the point, in micrometres.
+/// Asserts equality in all printed digits, `places` of them after the point, in micrometres.
 #[track_caller]
 fn assert_microns(actual: f64, expected: f64) {
     assert!(
@@ -117,9 +117,9 @@ proptest! {
         let offsets = [0, 1, 2, 3, 4].map(|i| Vector2::unit(directions[i]) * (radii[i] * shares[i]));
         let error = (tool_with_pin_offsets(&geometry, &pose, offsets).unwrap() - pose.c).length();
         prop_assert!(error <= worst.worst * (1.0 + 1e-9) + 1e-15);
-        // The linear worst case w is the exact one but for terms of second order. C and the
-        // centres of its two circles part by 2w at most; over that, a circle leaves its
-        // tangent by (2w)²/2l, and both together displace C by 1/|sin| times their sum.
+        // The linear worst case w differs from the exact one by terms of second order. C moves
+        // by at most 2w relative to the centres of its two circles. Over that distance a circle
+        // leaves its tangent by (2w)²/2l, and both displace C by 1/|sin| times their sum.
         let [_, l2, l3, ..] = geometry.lengths();
         let twice = 2.0 * worst.worst;
         let second = twice * twice / (l2.min(l3) * pose.sin32().abs());

@@ -1,5 +1,5 @@
-//! Shi 2005's four-bar with clearance in two joints: the scatter of its motion and forces,
-//! by the analytic matrices and by dual numbers, and what the paper's omissions cost.
+//! Shi 2005's four-bar with clearance in two joints: the scatter of its motion and forces, by the
+//! analytic matrices and by dual numbers, and the errors caused by the terms that the paper omits.
 
 use fivebar_design::accuracy::loops::{LoopQuantity, Term, TimeDerivatives, VectorLoops};
 use fivebar_design::accuracy::{DifferentiableModel, Primitive, Scatter, sensitivities};
@@ -18,7 +18,7 @@ const MEANS: [f64; 14] = [
 const DEVIATIONS: [f64; 14] = [
     1e-3, 0.4, 4.0, 1e-4, 1e-4, 1e-4, 1e-4, 2e-5, 2e-5, 0.3, 0.3, 2e-6, 2e-6, 2e-6,
 ];
-/// The primitives of the motion come first; the section areas only bear on forces.
+/// The primitives of the motion come first; the section areas affect forces only.
 const KINEMATIC: usize = 11;
 
 /// U, U̇ and Ü of coupler and rocker.

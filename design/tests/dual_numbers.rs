@@ -7,7 +7,7 @@ use fivebar_kinematics::dynamics::{Arm, Link};
 use fivebar_kinematics::five_bar::{Geometry, Side};
 use nalgebra::Vector2;
 
-/// τ1, τ4, the distal angles and C of one state, as functions of what an arm is given:
+/// τ1, τ4, the distal angles and C of one state, as functions of the arm's parameters and motion:
 /// l1…l4, the base, θ1, θ4, ω1, α4, the mass and the centre of link 2.
 fn outputs<S: Scalar>(given: [S; 11]) -> [S; 6] {
     let [
@@ -80,7 +80,7 @@ fn derivatives_by_dual_numbers_are_those_of_finite_differences() {
         let mut largest = 0.0_f64;
         for output in 0..value.len() {
             let difference = (ahead[output] - behind[output]) / (2.0 * step);
-            // The value itself differs by how num-dual divides.
+            // The value differs by rounding, because num-dual divides in another way.
             assert!((dual[output].value() - value[output]).abs() <= 1e-14 * value[output].abs());
             let bound = 1e-6 * difference.abs().max(1.0);
             assert!(

@@ -1,4 +1,4 @@
-//! What a dyad refuses, and by which name.
+//! The errors of each dyad.
 
 use fivebar_design::linkage::dyad::{
     DyadError, Prp, Rpp, Rpr, Rrp, Rrr, Singular, SlideBranch, Unreachable,

@@ -9,7 +9,7 @@ use fivebar_testkit::Tally;
 use nalgebra::Vector2;
 use proptest::prelude::*;
 
-/// A carrier whose place and direction are known smooth functions of time.
+/// A carrier whose position and direction are known smooth functions of time.
 #[derive(Clone, Copy, Debug)]
 struct Carrier {
     position: [[f64; 2]; 3],
@@ -195,7 +195,7 @@ fn closes_and_moves_as_its_finite_differences() {
             return Ok(());
         }
         let motion = outcome.unwrap();
-        // Where guides are all but parallel, their joint is far away, and rounded as such.
+        // Nearly parallel guides have their joint far away, with a rounding error in proportion.
         let size = 1.0 + motion.inner_point.position.norm();
         prop_assert!(dyad.closure_error(&motion, &carriers) < 1e-12 * size);
 
@@ -247,8 +247,8 @@ fn reactions_balance_each_link_and_spend_no_power() {
         for sum in [loads[0] + r1 + -r12, loads[1] + r12 + r2] {
             prop_assert!(sum.force.norm() + sum.moment.abs() <= 1e-11 * scale);
         }
-        // Virtual work: ideal joints pass on power but never spend it, so what the loads
-        // give to the links goes through the outer joints into the carriers.
+        // Virtual work: ideal joints dissipate no power, so the power of the loads on the links
+        // goes through the outer joints into the carriers.
         let [c1, c2] = [carriers[0].link(0.0), carriers[1].link(0.0)];
         let power = loads[0].power(&motion.links[0]) + loads[1].power(&motion.links[1]);
         let passed = r1.power(&c1) + r2.power(&c2);
@@ -271,8 +271,8 @@ fn the_triangle_and_the_vector_loop_give_the_same_pin() {
             solved.count(pins.0.is_ok());
             match pins {
                 (Ok(a), Ok(b)) => {
-                    // Both round under the root, which amplifies where the bars align; the
-                    // half angle moreover where A ± √ and B − C both cancel.
+                    // Both have a rounding error under the root, amplified where the bars are in
+                    // line. The half angle also loses digits where A ± √ and B − C both cancel.
                     let ([l1, l2], d) = (lengths, p2 - p1);
                     let sine = ((a - p1).cross_z(a - p2) / (l1 * l2)).abs();
                     let c = d.norm_squared() + l2 * l2 - l1 * l1;

@@ -1,5 +1,5 @@
-//! Whole linkages: against the five-bar's own solution, against each other, and what a
-//! sweep finds.
+//! Whole linkages: compared with the five-bar's own solution and with each other; the limits and
+//! branch changes that a sweep finds.
 
 use core::f64::consts::{PI, TAU};
 use fivebar_design::Dual;
@@ -233,7 +233,8 @@ fn a_sweep_tells_where_a_parallelogram_would_turn_over() {
         .iter()
         .map(|change| sweep.samples[change.sample].inputs[0].value)
         .collect();
-    // Links in line at half a turn and at a whole one, each within a step behind.
+    // The links are in line after half a turn and a whole turn; the sample is within a step
+    // after that.
     assert_eq!(angles.len(), 2, "{angles:?}");
     for (angle, dead_point) in angles.iter().zip([PI, TAU]) {
         assert!(
@@ -310,7 +311,7 @@ fn heavy_slider() -> Linkage<f64> {
     linkage
 }
 
-/// Where the ram is, its acceleration, the driving torque and the reaction at its guide.
+/// The ram's position, its acceleration, the driving torque and the reaction at its guide.
 fn outcome<S: Scalar>(linkage: &Linkage<S>, angle: S) -> [S; 4] {
     let input = Coordinate {
         value: angle,

@@ -1,4 +1,4 @@
-//! The region that both legs reach against areas known otherwise.
+//! The region that both legs reach: its area by other methods, and its boundary.
 
 use fivebar_design::workspace::{reach_boundary, reachable_area};
 use fivebar_kinematics::PlanarVector;
@@ -39,7 +39,7 @@ fn the_textbook_lens_has_its_known_area() {
         }
     }
     let counted = f64::from(hits) * size * size;
-    // The boundary is 2.4 m long; cells that it cuts are counted or not by chance.
+    // The boundary is 2.4 m long; whether a cell that it cuts counts is random.
     assert_close("counted", counted, 0.415_580_73, 1e-4);
 }
 
@@ -76,8 +76,8 @@ fn the_boundary_parts_what_is_reached_from_what_is_not() {
         prop_assert!(reach_boundary(&geometry).count() > 0);
         for arc in reach_boundary(&geometry) {
             let direction = Vector2::unit(arc.from + at * (arc.to - arc.from));
-            // So small that the other leg, whose circles meet the arc at its ends, cannot
-            // object, however flat they meet it.
+            // The step is less than the distance to the other leg's circles, which meet the arc at
+            // its ends, so only this arc decides.
             let on_arc = arc.centre + direction * arc.radius;
             let spare = other_leg(&geometry, arc.centre)
                 .map(|(pivot, radius)| ((on_arc - pivot).norm() - radius).abs())

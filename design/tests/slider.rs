@@ -44,7 +44,7 @@ fn regular_pose() -> impl Strategy<Value = (Geometry<f64>, Pose<f64>)> {
 fn moved(geometry: &Geometry<f64>, pose: &Pose<f64>, by: [f64; 5]) -> Vector2<f64> {
     let [l3, l7, l5, x2, x8] = by;
     let changed = Geometry::new(geometry.l3() + l3, geometry.l7() + l7, geometry.l5() + l5);
-    // PRRRP has no platform to shorten: central differences need room below zero.
+    // A platform of width 0 (PRRRP) cannot become shorter, as central differences would need.
     let changed = changed.unwrap_or(*geometry);
     changed
         .forward(pose.x2 + x2, pose.x8 + x8, pose.assembly())
@@ -253,12 +253,12 @@ fn what_cannot_be_reached_and_singular_places_are_told_apart() {
     let twin = Geometry::new(1.0, 1.0, 0.6).unwrap();
     assert_eq!(twin.forward(0.0, 0.6, Side::Left), Err(PoseError::Parallel));
 
-    // Type 1: the right limb upright. Forward rates exist, inverse ones do not.
+    // Type 1: the right limb is perpendicular. Forward rates exist, inverse ones do not.
     let square = at(1.1).unwrap();
     assert!(g.forward_velocities(&square, [0.1, 0.2]).is_ok());
     let refused = g.inverse_velocities(&square, Vector2::new(0.0, 1.0));
     assert_eq!(refused, Err(PoseError::LimbPerpendicular(Limb::Right)));
-    // Type 2: both limbs along the guide. The other way round.
+    // Type 2: both limbs are along the guide. Inverse rates exist, forward ones do not.
     let flat = at(0.0).unwrap();
     assert!(g.inverse_velocities(&flat, Vector2::new(0.1, 0.2)).is_ok());
     let refused = g.forward_velocities(&flat, [0.1, 0.2]);
@@ -283,7 +283,7 @@ fn the_workspace_is_where_the_inverse_stays_within_the_travel() {
         left: [-1.6, -0.5],
         right: [0.4, 1.5],
     };
-    // Sliders that pass each other: every mode reaches something.
+    // The sliders can pass each other, so every mode has a workspace.
     let wide = Travel {
         left: [-1.0, 0.9],
         right: [-0.7, 1.1],

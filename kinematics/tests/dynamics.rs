@@ -1,4 +1,4 @@
-//! Kane's equations against what else they must equal: energy, Newton–Euler, statics.
+//! Kane's equations against energy, Newton–Euler equations and statics.
 
 use fivebar_kinematics::dynamics::{
     Arm, BaseParameterModel, Link, ModelError, ShareTotals, TorqueComponents,
@@ -60,13 +60,13 @@ proptest! {
     }
 
     #[test]
-    fn mass_matrix_and_bias_make_inverse_dynamics((moving, arm, force) in loaded()) {
+    fn mass_matrix_and_nonlinear_effects_make_inverse_dynamics((moving, arm, force) in loaded()) {
         let (pose, velocities, accelerations) = moving.now();
         let torque = arm.inverse_dynamics(&pose, &velocities, &accelerations, force).unwrap();
         let mass = arm.mass_matrix(&pose).unwrap();
         let inertia = mass * Vector2::from(moving.alpha);
-        let bias = arm.nonlinear_effects(&pose, &velocities, force).unwrap();
-        assert_torque("τ", [inertia[0] + bias[0], inertia[1] + bias[1]], torque, 1e-9);
+        let effects = arm.nonlinear_effects(&pose, &velocities, force).unwrap();
+        assert_torque("τ", [inertia[0] + effects[0], inertia[1] + effects[1]], torque, 1e-9);
         prop_assert!(mass.m11 > 0.0 && mass.m11 * mass.m22 > mass.m12 * mass.m12);
     }
 
@@ -75,7 +75,7 @@ proptest! {
         let (pose, velocities, accelerations) = moving.now();
         let torque = arm.inverse_dynamics(&pose, &velocities, &accelerations, force).unwrap();
         let alpha = arm.forward_dynamics(&pose, &velocities, torque, force).unwrap();
-        // What cancels is as large as the torque that the bias and the inertia share.
+        // The terms that cancel are as large as the torque and the nonlinear effects.
         let mass = arm.mass_matrix(&pose).unwrap();
         let determinant = mass.m11 * mass.m22 - mass.m12 * mass.m12;
         let amplification = (mass.m11 + mass.m22) / determinant
@@ -106,7 +106,7 @@ proptest! {
             let (pose, velocities) = moving.rates_at(t);
             arm.kinetic_energy(&pose, &velocities) + arm.potential_energy(&pose)
         };
-        // Differences of an energy are as exact as the energy is large per time of the motion.
+        // The error of a difference grows with the energy and with the speed of the motion.
         let speed = velocities.omega.iter().fold(1.0_f64, |m, w| m.max(w.abs()));
         let size = power.abs() + arm.kinetic_energy(&pose, &velocities) * speed;
         let gained = moving.rate(energy);
@@ -196,8 +196,8 @@ fn shares_of_a_motion_are_time_weighted_portions() {
 fn dynamics_are_refused_where_b_c_d_are_in_line() {
     let arm = arm();
     let geometry = *arm.geometry();
-    // Elbows 2·0.16 m apart, symmetric: cos θ1 = (0.04 − 0.16)/0.1 has no answer, so pull
-    // the elbows together instead: B = D at cos θ1 = 0.04/0.1, and just beside it.
+    // The elbows of this arm cannot be 2·0.16 m apart, because cos θ1 = (0.04 − 0.16)/0.1 has no
+    // solution. They meet, B = D, at cos θ1 = 0.04/0.1; this is just beside it.
     let theta1 = 0.4_f64.acos() + 1e-9;
     let pose = geometry
         .forward(theta1, std::f64::consts::PI - theta1, Side::Left)

@@ -32,8 +32,8 @@ fn moving_with_tool(
     })
 }
 
-/// Asserts that a component of a motion agrees to 1e-7 of the motion's own size, which
-/// finite differences leave after rounding.
+/// Asserts that a component of a motion agrees to 1e-7 of the motion's size, the accuracy of the
+/// finite differences.
 #[track_caller]
 fn assert_rate(what: &str, a: f64, b: f64, size: f64) {
     assert!(
@@ -208,7 +208,7 @@ fn a_tool_offset_round_trips_on_every_branch() {
         let back = tool.inverse(t, own).unwrap();
         prop_assert!((back.c - case.pose.c).norm() < 1e-9);
         prop_assert!((back.b - case.pose.b).norm() < 1e-9);
-        // Another elbow of leg 1 has another C, which leg 4 need not reach.
+        // With the other elbow of leg 1, C is elsewhere, possibly out of leg 4's reach.
         let other = tool.inverse(t, mode);
         prop_assert!(other.is_ok() || mode.elbow1 != own.elbow1);
         on_other_branches.count(other.is_ok());

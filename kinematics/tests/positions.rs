@@ -1,4 +1,4 @@
-//! Forward and inverse position undo each other on every branch.
+//! On every branch, the inverse solution reverses the forward solution.
 
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::{
@@ -32,8 +32,8 @@ proptest! {
         for (index, (mode, pose_of_mode)) in poses.iter().enumerate() {
             prop_assert_eq!(pose_of_mode.working_mode(), *mode);
             let [theta1, _, _, theta4] = pose_of_mode.angles();
-            // A mode that is flat at C can be forward-solved only to the root of rounding. Its own
-            // mode is not.
+            // Where links 2 and 3 are in line, the forward solution is accurate only to the square
+            // root of the rounding error. The case's own mode is not such a mode.
             let (_, sine) = pose_of_mode.nearest_singularity();
             prop_assert!(sine > 1e-3 || *mode != pose.working_mode());
             if sine > 1e-3 {
@@ -195,7 +195,7 @@ fn the_symmetric_flat_pose_is_given_but_does_not_move() {
         let singular = PoseError::Singular(Singularity::Parallel);
         assert_eq!(geometry.forward_velocities(&pose, 1.0, 0.5), Err(singular));
         assert_eq!(geometry.jacobian(&pose), Err(singular));
-        // The other way round nothing is lost.
+        // The inverse direction is regular there.
         assert!(geometry.inverse_jacobian(&pose).is_ok());
     }
 }

@@ -6,7 +6,7 @@ use nalgebra::Vector2;
 /// Asserts |a − b| ≤ `tolerance`·max(1, |b|).
 ///
 /// # Panics
-/// If it is not so; the message begins with `what`.
+/// If they differ by more; the message begins with `what`.
 #[track_caller]
 pub fn assert_close(what: &str, a: f64, b: f64, tolerance: f64) {
     let bound = tolerance * b.abs().max(1.0);

@@ -1,5 +1,5 @@
-//! What the tests of several crates share. A development dependency only: no program
-//! contains it.
+//! Helpers that the tests of several crates share. It is a development dependency only and part
+//! of no program.
 
 mod compare;
 mod poses;

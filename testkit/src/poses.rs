@@ -3,7 +3,7 @@
 use fivebar_kinematics::five_bar::{Accelerations, Geometry, Pose, Side, Velocities, WorkingMode};
 use proptest::prelude::*;
 
-/// A pose of some arm together with how it was reached.
+/// A pose of an arm, with the angles and the assembly mode that give it.
 #[derive(Clone, Copy, Debug)]
 pub struct Case {
     /// The arm.
@@ -14,7 +14,7 @@ pub struct Case {
     pub theta4: f64,
     /// The side of C.
     pub assembly: Side,
-    /// What the forward solution gives of these.
+    /// The forward solution for these.
     pub pose: Pose<f64>,
 }
 
@@ -28,7 +28,7 @@ pub fn mode() -> impl Strategy<Value = WorkingMode> {
     (side(), side()).prop_map(|(elbow1, elbow4)| WorkingMode::new(elbow1, elbow4))
 }
 
-/// Any five lengths that close, from 5 cm to 50 cm, asymmetric.
+/// Any five lengths that can be assembled, from 5 cm to 50 cm, asymmetric.
 pub fn geometry() -> impl Strategy<Value = Geometry<f64>> {
     prop::array::uniform5(0.05..0.5_f64)
         .prop_filter_map("does not close", |lengths| Geometry::new(lengths).ok())

@@ -24,7 +24,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Counts a case, and gives back whether it was accepted.
+    /// Counts a case and returns `accepted`.
     pub fn count(&self, accepted: bool) -> bool {
         let counter = if accepted {
             &self.accepted

@@ -90,8 +90,8 @@ fn all_180_states_agree_to_1e_9() {
             [mass.m11, mass.m12, mass.m21, mass.m22],
             [m11, m14, m41, m44],
         );
-        let bias = arm.nonlinear_effects(&pose, &rates, force).unwrap();
-        assert_close("h", bias, case.bias_torque);
+        let effects = arm.nonlinear_effects(&pose, &rates, force).unwrap();
+        assert_close("h", effects, case.bias_torque);
         let alpha = arm
             .forward_dynamics(&pose, &rates, case.torque, force)
             .unwrap();

@@ -1,4 +1,4 @@
-//! Arms, maps of them, and what lies at a place.
+//! Random arms, their maps, and the assembly mode at a position.
 
 use fivebar_design::workspace::{Grid, SingularityCurve};
 use fivebar_kinematics::five_bar::{Side, Tool, WorkingMode, Workspace};
@@ -26,7 +26,7 @@ pub(crate) fn unbounded(tool: Tool<f64>, mode: WorkingMode) -> Workspace<f64> {
     }
 }
 
-/// A grid of about so many cells along its longer side.
+/// A grid with about this many cells along its longer side.
 pub(crate) fn grid(tool: &Tool<f64>, cells: f64) -> Grid {
     let size = tool.geometry().lengths().iter().sum::<f64>();
     Grid::over(tool, size / cells).unwrap()
@@ -36,7 +36,7 @@ pub(crate) fn segments(curve: &SingularityCurve) -> impl Iterator<Item = [Vector
     curve.points.windows(2).map(|ends| [ends[0], ends[1]])
 }
 
-/// The assembly branch at a place, if it is reached.
+/// The assembly mode at a position, if it is reached.
 pub(crate) fn assembly(workspace: &Workspace<f64>, t: Vector2<f64>) -> Option<Side> {
     let pose = workspace.tool.inverse(t, workspace.mode).ok()?;
     Some(pose.assembly())

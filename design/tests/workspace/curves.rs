@@ -10,8 +10,8 @@ use fivebar_testkit::{Tally, mode};
 use nalgebra::Vector2;
 use proptest::prelude::*;
 
-/// ½∮(x dy − y dx) around a branch, along those of its singularity curves that border it:
-/// which side of a chord is in the branch is asked a hair's breadth beside both its ends.
+/// ½∮(x dy − y dx) around a branch, along the singularity curves at its boundary. Positions 10 nm
+/// beside both ends of a chord show which side of the chord is in the branch.
 fn enclosed_area(workspace: &Workspace<f64>, curves: &[SingularityCurve], branch: Side) -> f64 {
     let inside = |t| f64::from(u8::from(assembly(workspace, t) == Some(branch)));
     let chords = curves.iter().flat_map(segments).map(|[from, to]| {
@@ -72,7 +72,7 @@ fn assert_enclosed(tool: Tool<f64>, mode: WorkingMode) -> Result<(), TestCaseErr
     Ok(())
 }
 
-/// An arm that random tests once found an error with.
+/// An arm for which random tests once found an error.
 #[test]
 fn curves_of_an_arm_with_a_short_second_link_enclose_its_areas() {
     let lengths = [
@@ -111,7 +111,7 @@ proptest! {
         let jacobian = tool.jacobian(&pose).unwrap();
         let moved = |h: [f64; 2]| at(&tool, &pose, h);
         let h = 1e-6;
-        // Of fourth order: near a singularity h² times the third derivative is too much.
+        // Differences of fourth order: near a singularity the error of second order is too great.
         let column = |x: f64, y: f64| {
             let across = |k: f64| (moved([k * x, k * y]) - moved([-k * x, -k * y])) * (0.5 / (k * h));
             (across(1.0) * 4.0 - across(2.0)) * (1.0 / 3.0)
@@ -146,7 +146,7 @@ fn every_curve_is_where_its_sine_vanishes() {
         for curve in singularity_curves(&tool, mode) {
             prop_assert!(curve.points.len() > 1);
             for point in &curve.points {
-                // Beyond an edge of reach by rounding there is no pose to look at.
+                // A position that is out of reach by rounding has no pose.
                 let pose = tool.inverse(*point, mode);
                 if !reached.count(pose.is_ok()) {
                     continue;
@@ -155,7 +155,7 @@ fn every_curve_is_where_its_sine_vanishes() {
                 let [sine1, sine4] = tool.elbow_sines(&pose);
                 let sine = match curve.singularity {
                     Singularity::Leg1 => sine1,
-                    // Where a leg is singular too, a place says little of the rest.
+                    // Where another leg is singular too, this sine is not accurate.
                     Singularity::Leg4 => sine4 * sine1.abs(),
                     Singularity::Parallel => pose.sin32() * (sine1 * sine4).abs(),
                 };
@@ -186,7 +186,7 @@ fn a_curve_lies_wherever_the_determinant_changes_sign() {
                     continue;
                 }
                 let middle = (map.grid().cell_centre(index) + map.grid().cell_centre(next)) * 0.5;
-                // A chord is within half its length of its curve, however tight that bends.
+                // A chord is within half its length of its curve, for any curvature.
                 let [nearest, half] = chords
                     .iter()
                     .map(|&[from, to]| [distance(middle, [from, to]), 0.5 * (to - from).length()])
@@ -195,7 +195,7 @@ fn a_curve_lies_wherever_the_determinant_changes_sign() {
                 prop_assert!(nearest < 0.51 * pitch + half, "{nearest} m from {middle:?}");
             }
         }
-        // No change, no curve: beside one of any length, the other branch is on its other side.
+        // A curve of some length has different branches on its two sides.
         let length: f64 = chords.iter().map(|[a, b]| (*b - *a).length()).sum();
         let changes = chords.iter().filter(|[from, to]| {
             let across = (*to - *from).perpendicular() * (1e-7 / (*to - *from).length().max(1e-12));
@@ -209,7 +209,7 @@ fn a_curve_lies_wherever_the_determinant_changes_sign() {
     assert!(compared.accepted() > 1000);
 }
 
-/// The tool with both driven joints turned a little.
+/// The tool's position with both driven joints turned by these angles [rad].
 fn at(tool: &Tool<f64>, pose: &Pose<f64>, [turn1, turn4]: [f64; 2]) -> Vector2<f64> {
     let [theta1, _, _, theta4] = pose.angles();
     let moved = tool
@@ -218,7 +218,7 @@ fn at(tool: &Tool<f64>, pose: &Pose<f64>, [turn1, turn4]: [f64; 2]) -> Vector2<f
     tool.point(&moved.unwrap())
 }
 
-/// How far a point is from a chord.
+/// The distance of a point from a chord.
 fn distance(point: Vector2<f64>, [from, to]: [Vector2<f64>; 2]) -> f64 {
     let way = to - from;
     let share = (point - from).dot(&way) / way.length_squared().max(1e-30);

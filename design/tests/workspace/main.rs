@@ -1,5 +1,5 @@
-//! Maps, singularity curves and rectangles against areas, determinants and places found
-//! otherwise.
+//! Maps, singularity curves and rectangles against areas, determinants and positions found by
+//! other methods.
 
 mod arms;
 mod curves;

@@ -24,7 +24,7 @@ fn assert_filled(geometry: &Geometry<f64>) -> Result<(), TestCaseError> {
     let tool = Tool::new(*geometry, Vector2::zeros()).unwrap();
     let grid = grid(&tool, 300.0);
     let exact = reachable_area(geometry);
-    // A cell that the boundary cuts is counted or not by chance.
+    // Whether a cell that the boundary cuts counts is random.
     let boundary: f64 = reach_boundary(geometry)
         .map(|arc| arc.radius * (arc.to - arc.from))
         .sum();
@@ -49,7 +49,7 @@ proptest! {
     }
 }
 
-/// An arm that random tests once found an error with.
+/// An arm for which random tests once found an error.
 #[test]
 fn the_cells_of_an_arm_with_a_long_base_fill_its_area() {
     let lengths = [
@@ -116,7 +116,7 @@ fn grown(rectangle: Rectangle, by: f64) -> [Rectangle; 4] {
     ]
 }
 
-/// Whether every place of a fine raster over a rectangle is clear on a branch.
+/// Whether every position of a fine grid over a rectangle is clear on a branch.
 fn is_free(workspace: &Workspace<f64>, rectangle: Rectangle, branch: Side) -> bool {
     let size = rectangle.size();
     (0..=400).all(|i| {

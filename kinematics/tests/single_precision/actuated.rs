@@ -1,19 +1,19 @@
 //! The driven angles from a point with the tool at C, by `Tool::actuated_joints`, which the tick
 //! calls, and by `Geometry::inverse`: within 5e-7 rad.
 //!
-//! C is a given number, so only the solution errs. Near a stretched leg the small rest
+//! C is a given number, so only the solution errs. Near a stretched leg the small difference
 //! s² − |p|² decides, s = n + f being the sum of the lengths. It is taken from exact squares
 //! to 3·2⁻²⁸ s², which moves the elbow by less than ε s/|sin|/5. Near a folded leg
 //! |p|² − (n − f)² decides, whose rounding by 2 ε |p|² moves the elbow by ε |p| s²/(4 n f
-//! |sin|): little for legs of alike lengths, for then |p| is small. The rest of the solution
-//! rounds some five times by ε at most, and the arctangent adds up to 3e-7 rad. These worst
-//! cases hardly ever meet. Where the elbow is bent by |sin| ≥ 0.15, the margin that the
+//! |sin|): little for links of similar lengths, because then |p| is small. The rest of the
+//! solution rounds about five times by ε at most, and the arctangent adds up to 3e-7 rad. These
+//! worst cases rarely coincide. Where the elbow is bent by |sin| ≥ 0.15, the margin that the
 //! controller keeps, and towards the stretched leg by ≥ 0.05, the greatest error of a driven
 //! angle among 7e8 random ones was 4.5e-7 rad for legs of which no link is longer than 1.4
 //! times the other, and 6.7e-7 rad for those up to 1.8 times, as in every built-in robot.
 //!
-//! Rates are quotients by X = n f sin, whose relative error is some ε/sin²; of 4e7 random ones
-//! none erred by more than 6e-7 of the terms that they are sums of, by sin².
+//! Rates are quotients by X = n f sin, whose relative error is about ε/sin². The greatest error of
+//! 4e7 random rates, times sin², was 6e-7 of the terms of which a rate is the sum.
 
 use crate::arms::{Arms, BENCHTOP, Verdict, arms, end_of, narrow, single, wide};
 use fivebar_kinematics::PlanarVector;
@@ -22,7 +22,7 @@ use fivebar_testkit::{Tally, turned};
 use nalgebra::Vector2;
 use proptest::prelude::*;
 
-/// The driven angles [rad] with C at `c` [m], by both solutions; the first refusal of either.
+/// The driven angles [rad] with C at `c` [m], by both solutions; the first error of either.
 fn angles(arms: &Arms, c: Vector2<f32>, mode: WorkingMode) -> Result<[[f32; 2]; 2], PoseError> {
     let pose = arms.single.geometry().inverse(c, mode)?;
     let driven = arms
@@ -31,8 +31,8 @@ fn angles(arms: &Arms, c: Vector2<f32>, mode: WorkingMode) -> Result<[[f32; 2]; 
     Ok([[pose.u1, pose.u4], driven.direction].map(|pair| pair.map(Vector2::polar_angle)))
 }
 
-/// Asserts that both solutions accept `c` and give the same bits, and that each driven angle is
-/// within its bound, whose leg is bent as the controller keeps it. Counts the legs that are.
+/// Asserts that both solutions accept `c` and give the same bits, and that the driven angle of
+/// each leg that is bent within the controller's margin is within its bound. Counts these legs.
 fn assert_angles(
     arms: &Arms,
     c: Vector2<f32>,
@@ -77,8 +77,8 @@ fn angles_of_the_benchtop_arm_are_within_their_bound_wherever_it_reaches() {
     bent.assert_accepted(0.95);
 }
 
-/// Arms with C where leg 1 is bent by little, so that each case is a hard one; leg 4 as it
-/// comes.
+/// Arms with C where leg 1 is bent only a little, so that each case is hard; the bend of leg 4 is
+/// random.
 fn hard() -> impl Strategy<Value = (Arms, Vector2<f32>)> {
     (arms(), -3.1..3.1_f64, 0.05..0.5_f64, any::<[bool; 2]>()).prop_filter_map(
         "leg 4 does not reach",
@@ -103,8 +103,8 @@ fn angles_of_any_arm_are_within_their_bound() {
     bent.assert_accepted(0.85);
 }
 
-/// Each joint's rate and acceleration within a millionth of the terms that it is a sum of, by
-/// sin².
+/// The error of each joint's rate and acceleration, times sin², is within a millionth of the terms
+/// of which it is the sum.
 #[test]
 fn rates_of_any_arm_are_within_a_millionth() {
     let bent = Tally::default();

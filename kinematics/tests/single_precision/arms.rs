@@ -1,12 +1,12 @@
-//! Arms in both precisions, and what their exact lengths say of a point.
+//! Arms in both precisions, and whether a point is in reach by their exact lengths.
 
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::{Geometry, Tool};
 use nalgebra::Vector2;
 use proptest::prelude::*;
 
-/// Where `f32` and `f64` may differ in what they refuse: legs that are in line but for this
-/// sine, or a point that is out of reach by as little.
+/// Below this sine `f32` and `f64` may differ in what they refuse: legs that are nearly in line,
+/// or a point that is out of reach by as little.
 ///
 /// Within reach, velocities need sin² ≥ 128 ε. Rounding adds to that at most 3 ε s²/(n f) for
 /// the sum s of the links' lengths n and f, as |BT| is rounded to 3 ε, and 4 ε for the rest:
@@ -24,14 +24,14 @@ pub(crate) struct Arms {
     pub(crate) double: Tool<f64>,
 }
 
-/// What the exact lengths say of a point.
+/// Whether a point is in reach, by the exact lengths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Verdict {
     /// Both legs reach it, bent by more than [`BOUNDARY`].
     Reached,
     /// A leg is nearer to its boundary than that.
     Border,
-    /// A leg does not reach it by far.
+    /// It is out of a leg's reach by more than that.
     Beyond,
 }
 
@@ -57,7 +57,8 @@ impl Leg {
         self.sine_squared().sqrt()
     }
 
-    /// Bent as much as the controller keeps it: |sin| ≥ 0.15, towards the stretched leg 0.05.
+    /// Whether it is bent within the controller's margin: |sin| ≥ 0.15, towards the stretched leg
+    /// 0.05.
     pub(crate) fn is_kept_bent(&self) -> bool {
         let opens = self.distance_squared > self.near * self.near + self.far * self.far;
         self.sine_squared() >= if opens { 0.05_f64 } else { 0.15 }.powi(2)
@@ -116,8 +117,8 @@ pub(crate) fn narrow(v: Vector2<f64>) -> Vector2<f32> {
     Vector2::new(v.x as f32, v.y as f32)
 }
 
-/// Numbers of a range, in single precision. (The strategy for ranges of `f32` itself now and
-/// then steps over a bound and panics.)
+/// Numbers of a range, in single precision. (The strategy for ranges of `f32` sometimes exceeds a
+/// bound and panics.)
 pub(crate) fn single(range: core::ops::Range<f64>) -> impl Strategy<Value = f32> {
     range.prop_map(|number| number as f32)
 }

@@ -2,8 +2,8 @@
 //!
 //! With lengths l ≤ 0.16 m: sines and cosines err by 9e-8 (1.5 ε), so B and D by 1.5 ε l1 √2
 //! and the rounding of their coordinates, together 3 ε·0.1 m each. The rounding of the
-//! intersection displaces its two circles by about 4 ε·0.16 m. What displaces the
-//! circles by δ moves their common point by 2 δ/|sin(θ3−θ2)|, so C errs by at most
+//! intersection displaces its two circles by about 4 ε·0.16 m. Circles displaced by δ move their
+//! common point by 2 δ/|sin(θ3−θ2)|, so C errs by at most
 //! 2 (3·0.1·2 + 4·0.16) ε / |sin| = 1.5e-7 m/|sin|.
 
 use crate::arms::{BENCHTOP, single, wide};
@@ -14,7 +14,7 @@ use fivebar_testkit::side;
 use nalgebra::Vector2;
 use proptest::prelude::*;
 
-/// Away from singularities: the margin that arms keep by their settings is of this size.
+/// The margin from singularities, of the size that arms have in their settings.
 const MARGIN: f64 = 0.2;
 
 /// The benchtop arm in both precisions.
@@ -23,8 +23,8 @@ fn geometries() -> (Geometry<f32>, Geometry<f64>) {
     (single, Geometry::new(BENCHTOP.map(f64::from)).unwrap())
 }
 
-/// ActuatedJointState angles and an assembly that `f64` says are a pose at least [`MARGIN`] from where B,
-/// C and D are in line, and that pose.
+/// Driven angles and an assembly mode for which B, C and D are at least [`MARGIN`] from a line in
+/// double precision, and the pose.
 fn poses() -> impl Strategy<Value = ([f32; 2], Side, Pose<f64>)> {
     let angle = || single(-3.1..3.1);
     ([angle(), angle()], side()).prop_filter_map("no such pose", |(theta, assembly)| {
@@ -85,7 +85,7 @@ proptest! {
         let rates = double.forward_velocities(&exact, omega1, omega4).unwrap();
         let acc = double.forward_accelerations(&exact, &rates, alpha1, alpha4).unwrap();
         let expected = arm(double).inverse_dynamics(&exact, &rates, &acc, Vector2::zeros()).unwrap();
-        // The parts that cancel are as large as the distal links' accelerations ask for.
+        // The terms that cancel are as large as the torques for the distal links' accelerations.
         let fastest = acc.alpha.iter().chain(&rates.omega).fold(1.0_f64, |m, a| m.max(a.abs()));
         let spin = rates.omega.iter().fold(0.0_f64, |m, w| m.max(w * w));
         let size = 1e-3 * (fastest + spin) / exact.sin32().powi(2) + 1.0;

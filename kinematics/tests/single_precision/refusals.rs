@@ -1,5 +1,5 @@
-//! Single precision refuses what double precision refuses, and for the same reason, but for
-//! points nearer to the boundary of reach than it can tell.
+//! Single precision refuses the same points as double precision, for the same reason, except
+//! points so near to the boundary of reach that its rounding decides.
 
 use crate::arms::{Arms, Verdict, arms, narrow, wide};
 use fivebar_kinematics::PlanarVector;

@@ -1,5 +1,5 @@
-//! What the trajectory tests share: an arm, a way to run moves through the look-ahead, and
-//! the checks that every motion must stand.
+//! Helpers of the trajectory tests: an arm, a run of moves through the look-ahead, and the checks
+//! that every motion must pass.
 
 use fivebar_kinematics::five_bar::{Geometry, Side, Tool, WorkingMode, Workspace};
 use fivebar_kinematics::trajectory::{
@@ -73,15 +73,15 @@ pub(crate) fn run<S: Scalar>(
     trajectory
 }
 
-/// How far two neighbouring references may be apart: rounding.
+/// The greatest difference of two neighbouring references, by rounding.
 pub(crate) struct Rounding {
     pub(crate) position: f64,
     pub(crate) velocity: f64,
     pub(crate) acceleration: f64,
 }
 
-/// Continuous from rest at `start` to rest at `end`, within the limits everywhere; gives
-/// the time it takes.
+/// Asserts that the motion is continuous, from rest at `start` to rest at `end`, and within the
+/// limits everywhere; returns its duration.
 pub(crate) fn assert_sound<S: Scalar>(
     trajectory: &[TrajectorySegment<S>],
     [start, end]: [V; 2],

@@ -1,5 +1,5 @@
-//! What a motion asks of the joints: speed, acceleration and torque within their limits
-//! wherever it passes, close to singularities too.
+//! The joints' speeds, accelerations and torques are within their limits along every path, also
+//! close to singularities.
 
 use crate::common::{MIDDLE, V, envelope, run, tool};
 use fivebar_kinematics::PlanarVector;
@@ -41,8 +41,8 @@ fn joints(envelope: &Envelope<f64>, arm: &Arm<f64>, (p, v, a): (V, V, V)) -> [[f
     [[w1, w4], [a1, a4], torque]
 }
 
-/// A path from the middle towards any side, to just short of where it is refused.
-fn to_the_brink(envelope: &Envelope<f64>, direction: f64, bend: Option<f64>) -> PathSegment<f64> {
+/// A path from the middle in any direction, to just before the point where it is refused.
+fn to_the_limit(envelope: &Envelope<f64>, direction: f64, bend: Option<f64>) -> PathSegment<f64> {
     let from = V::new(MIDDLE[0], MIDDLE[1]);
     let reach = |length: f64| {
         let to = from + V::unit(direction) * length;
@@ -87,15 +87,15 @@ fn bound_by_joints(
     envelope
 }
 
-/// The greatest shares of the joints' limits of speed, acceleration and torque that are
-/// asked for on the way to the brink and back, by a line if out was one.
+/// The greatest speed, acceleration and torque of the joints, as shares of their limits, on the
+/// path to the limit and on a straight line back, if that line is accepted.
 fn greatest_shares(envelope: &Envelope<f64>, direction: f64, bend: Option<f64>) -> [f64; 3] {
     let arm = arm(envelope);
-    let out = to_the_brink(envelope, direction, bend);
+    let out = to_the_limit(envelope, direction, bend);
     let back = PathSegment::line(out.end(), out.start()).unwrap();
     let mut path = vec![out];
     let returns = envelope.check(&back, 1.0).is_ok();
-    assert!(returns || bend.is_some(), "the same line is admitted");
+    assert!(returns || bend.is_some(), "the same line is accepted");
     path.extend(returns.then_some(back));
     let mut greatest = [0.0_f64; 3];
     for trajectory_segment in run(&path, 1.0, envelope) {
@@ -146,7 +146,7 @@ proptest! {
         let envelope = bound_by_joints(joint_speed, joint_acceleration, torque);
         let shares = greatest_shares(&envelope, direction, bend);
         prop_assert!(shares.iter().all(|&share| share <= 1.0), "{shares:?}");
-        // Something moves.
+        // The arm moves.
         prop_assert!(shares.iter().any(|&share| share > 0.05), "{shares:?}");
     }
 }
@@ -162,12 +162,12 @@ fn joint_moves_run_from_rest_to_rest_and_arrive_together() {
     proptest!(|(start in start, turn in turn, share in 0.05..1.0_f64)| {
         let from = [std::f64::consts::PI - start[0], start[1]];
         let to = [from[0] + turn[0], from[1] + turn[1]];
-        // Some meet B, C and D in line on their way.
-        let admitted = envelope.check_joint_move(from, to, Side::Left, share);
-        if !accepted.count(admitted.is_ok()) {
+        // Some of these moves pass B, C and D in line.
+        let checked = envelope.check_joint_move(from, to, Side::Left, share);
+        if !accepted.count(checked.is_ok()) {
             return Ok(());
         }
-        let (limits, _) = admitted.unwrap();
+        let (limits, _) = checked.unwrap();
         let mut lookahead = LookaheadPlanner::<f64, 8>::new();
         lookahead.push_joint(from, to, limits, 7).unwrap();
         let mut last = (from, [0.0; 2], [0.0; 2]);
@@ -186,7 +186,7 @@ fn joint_moves_run_from_rest_to_rest_and_arrive_together() {
                     }
                     prop_assert!(rates[joint].abs() <= share * envelope.joint_speed[joint]);
                     prop_assert!(accelerations[joint].abs() <= envelope.joint_acceleration[joint]);
-                    // On the straight line between the ends: together.
+                    // They stay on the straight line between the ends, so they arrive together.
                     let gone = [angles[0] - from[0], angles[1] - from[1]];
                     prop_assert!((gone[0] * turn[1] - gone[1] * turn[0]).abs() < 1e-12);
                 }
@@ -205,7 +205,7 @@ fn near_a_singularity_the_path_slows_down() {
     let mut envelope = envelope::<f64>(0.0);
     envelope.workspace.margin = 0.02;
     envelope.joint_speed = [2.0; 2];
-    // Two lines as long as each other, one in the open, one out to the straight leg.
+    // Two lines of equal length, one in the middle, one that ends near the straight leg.
     let limit = |from: [f64; 2], to: [f64; 2]| {
         let line = PathSegment::line(V::new(from[0], from[1]), V::new(to[0], to[1])).unwrap();
         envelope.check(&line, 1.0).unwrap().speed
@@ -235,7 +235,7 @@ fn a_torque_too_small_to_hold_the_arm_is_refused() {
 fn a_joint_move_may_change_the_working_mode_but_not_the_assembly() {
     let envelope = envelope::<f64>(0.0);
     let workspace = &envelope.workspace;
-    // Leg 1 swings through A–B–C straight, leg 4 keeps still.
+    // Leg 1 turns through the pose with A–B–C straight; leg 4 rests.
     let start = workspace
         .tool
         .inverse(V::new(0.02, 0.38), workspace.mode)
@@ -248,7 +248,7 @@ fn a_joint_move_may_change_the_working_mode_but_not_the_assembly() {
         .unwrap();
     assert_ne!(end.working_mode(), start.working_mode());
     assert_eq!(end.assembly(), side);
-    // On through type 2 it is refused.
+    // A move that continues through the type 2 singularity is refused.
     let refusal = envelope
         .check_joint_move([theta1, theta4], [theta1 + 2.5, theta4], side, 1.0)
         .unwrap_err();

@@ -1,5 +1,5 @@
-//! Motion out of the look-ahead: continuous, within its limits, within the corner
-//! tolerance, ending where it should.
+//! The motion that the look-ahead plans: continuous, within its limits and the corner tolerance,
+//! with the right end.
 
 use crate::common::{MIDDLE, Rounding, V, assert_sound, distance_to, envelope, run, tool};
 use fivebar_kinematics::PlanarVector;
@@ -69,7 +69,7 @@ proptest! {
         let ends = [segments[0].start(), segments.last().unwrap().end()];
         assert_sound(&trajectory, ends, &limits, &DOUBLE);
 
-        // Everything moved through is on the path, and all of the path is moved through.
+        // Every position is on the path, and the motion covers the whole path.
         let mut reached = vec![false; segments.len()];
         for trajectory_segment in &trajectory {
             let tag = trajectory_segment.tag() as usize;
@@ -77,7 +77,7 @@ proptest! {
             for step in 0..=6 {
                 let position = tool(trajectory_segment, trajectory_segment.duration() * f64::from(step) / 6.0).0;
                 let mut distance = distance_to(&segments[tag], position);
-                // A blend carries the name of the segment that it leads into.
+                // A blend has the tag of the segment after it.
                 if distance > tolerance && tag > 0 {
                     distance = distance.min(distance_to(&segments[tag - 1], position));
                 }
@@ -87,7 +87,7 @@ proptest! {
         prop_assert!(reached.iter().all(|&reached| reached));
     }
 
-    /// The queue may run dry, be topped up or be left alone at any moment.
+    /// Moves may be added at any time, also when the queue is empty.
     #[test]
     fn moves_that_come_late_are_joined_to_the_motion_at_hand(
         segments in paths(-5.0),
@@ -206,7 +206,7 @@ fn a_fine_polyline_is_passed_at_full_speed() {
     assert!(time < ideal * 1.02, "{time} s instead of {ideal} s");
 }
 
-/// Six full circles through one point: long stretches with a slow corner after each.
+/// Six full circles through one point: long segments with a slow corner after each.
 #[test]
 fn slow_corners_do_not_slow_what_lies_between() {
     let point = V::new(MIDDLE[0], MIDDLE[1]);
@@ -261,8 +261,8 @@ fn a_queue_that_runs_dry_ends_at_rest_and_goes_on() {
     }
 }
 
-/// The corner to a new move asks for less jerk than the stop in hand is made of: let go as
-/// gently as that, the arm would run backwards before it went on.
+/// The corner to a new move allows less jerk than the stop in progress has. If the deceleration
+/// were reduced with that jerk, the arm would move backwards before it continued.
 #[test]
 fn a_move_that_comes_while_the_arm_stops_does_not_turn_it_back() {
     let envelope = envelope(1e-4);

@@ -1,5 +1,4 @@
-//! Trajectories as a whole: what is accepted, how fast it may go, and the motion that
-//! comes of it.
+//! Whole trajectories: which paths are accepted, their motion limits, and the motion.
 
 mod common;
 mod loads;

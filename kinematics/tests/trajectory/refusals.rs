@@ -1,4 +1,4 @@
-//! What a refusal says, and that it is of the whole segment.
+//! The content of errors; a segment is accepted or refused as a whole.
 
 use crate::common::{V, distance_to, envelope, run, tool};
 use fivebar_kinematics::PlanarVector;
@@ -8,15 +8,15 @@ use fivebar_testkit::Tally;
 use proptest::prelude::*;
 
 #[test]
-fn refusals_name_the_obstacle_and_the_place() {
+fn refusals_name_the_violation_and_the_place() {
     let mut envelope = envelope::<f64>(0.0);
     let from = V::new(0.1375, 0.3);
     let refusal = |envelope: &Envelope<f64>, to: V| {
         let line = PathSegment::line(from, to).unwrap();
         envelope.check(&line, 0.1).unwrap_err()
     };
-    // Straight up: leg 1 straightens where |AC| comes to the margin's ring, and the
-    // margin's 1 % to spare before that.
+    // Straight up: leg 1 becomes straight. The path is refused where |AC| reaches the margin's
+    // circle, with the reserve of 1 % of the margin.
     let up = refusal(&envelope, V::new(0.1375, 0.6));
     let margin: f64 = 0.05 * 1.01;
     let ring = 0.23 * (2.0 + 2.0 * (1.0 - margin * margin).sqrt()).sqrt();
@@ -32,7 +32,7 @@ fn refusals_name_the_obstacle_and_the_place() {
         (down.point.y - 0.21057956).abs() < 0.02 && down.point.y > 0.21057956,
         "{down:?}"
     );
-    // A joint limit on the way, though both ends are within it.
+    // The path violates a joint limit in its middle; both ends are within the limits.
     let dip = PathSegment::arc(
         from,
         from + V::new(0.0, 1e-3),
@@ -77,8 +77,8 @@ fn what_is_not_a_number_is_refused() {
     assert!(PathSegment::line(V::new(0.1, f64::NAN), V::new(0.1, 0.3)).is_err());
 }
 
-/// The peers drop a bad stretch in mid-path, or look at its ends only. Here a path is
-/// followed whole or refused whole.
+/// Some other controllers drop an unreachable part of a path, or check its ends only. Here a path
+/// is either followed completely or refused.
 #[test]
 fn no_segment_is_dropped_or_cut() {
     let accepted = Tally::default();

@@ -1,4 +1,4 @@
-//! What is accepted and what is refused, against dense sampling in both directions.
+//! Accepted and refused paths against dense sampling.
 
 use crate::common::{V, envelope};
 use fivebar_kinematics::PlanarVector;
@@ -10,12 +10,12 @@ use fivebar_testkit::{Tally, side};
 use proptest::prelude::*;
 
 const MARGIN: f64 = 0.08;
-/// What the check of a path keeps to spare, as its module states.
+/// The reserves of the check of a path, as its module states them.
 const SPARE_SHARE: f64 = 0.01;
 const SPARE_ANGLE: f64 = 0.001;
 const SAMPLES: u32 = 2000;
 
-/// How much of the margin and of the joints' limits must be left.
+/// Least |sin| of an angle, and least distance from a joint limit [rad].
 struct Keep {
     margin: f64,
     angle: f64,
@@ -25,19 +25,19 @@ const BARELY: Keep = Keep {
     margin: MARGIN,
     angle: 0.0,
 };
-// What the check keeps to spare, and rounding.
+// The check's reserves, and rounding.
 const SPARED: Keep = Keep {
     margin: MARGIN * (1.0 + SPARE_SHARE) + 1e-9,
     angle: SPARE_ANGLE + 1e-9,
 };
 
-// And a path of ten nanometres.
+// More than the reserves, also along a path of ten nanometres.
 const CLEARLY: Keep = Keep {
     margin: 1.1 * MARGIN,
     angle: 2.0 * SPARE_ANGLE,
 };
 
-/// |sin| at leg 1 as the tool sees it, at leg 4 and at C.
+/// The sines at leg 1 (A–B–T), at leg 4 and at C.
 fn sines(tool: &Tool<f64>, pose: &Pose<f64>) -> [f64; 3] {
     let bt = tool.point(pose) - pose.b;
     [pose.u1.cross_z(bt) / bt.norm(), pose.sin34(), pose.sin32()]
@@ -60,7 +60,7 @@ fn within(workspace: &Workspace<f64>, pose: &Pose<f64>, keep: &Keep) -> bool {
     clear && free
 }
 
-/// Dense sampling: is every sample within, and the assembly the same throughout?
+/// Dense sampling: whether every sample is within, in one assembly mode.
 fn sampled(envelope: &Envelope<f64>, segment: &PathSegment<f64>, keep: &Keep) -> bool {
     let workspace = &envelope.workspace;
     let mut assembly = None;
@@ -122,18 +122,18 @@ fn a_place_is_admitted_as_a_path_through_it_is_with_any_tool() {
         for [x, y] in points {
             let point = V::new(x, y);
             let pose = workspace.tool.inverse(point, workspace.mode);
-            let admitted = workspace.check(point);
+            let checked = workspace.check(point);
             if !reached.count(pose.is_ok()) {
-                prop_assert!(matches!(admitted, Err(WorkspaceViolation::Pose(_))));
+                prop_assert!(matches!(checked, Err(WorkspaceViolation::Pose(_))));
                 continue;
             }
             let pose = pose.unwrap();
-            within_limits.count(admitted.is_ok());
-            prop_assert_eq!(admitted.is_ok(), within(workspace, &pose, &BARELY));
-            // As short as a path can be, and far shorter than what is spared.
+            within_limits.count(checked.is_ok());
+            prop_assert_eq!(checked.is_ok(), within(workspace, &pose, &BARELY));
+            // Almost the shortest path possible, and far shorter than the reserves.
             let speck = PathSegment::line(point, point + V::new(1e-8, 0.0)).unwrap();
             let path = envelope.check(&speck, 0.1);
-            prop_assert!(path.is_err() || admitted.is_ok());
+            prop_assert!(path.is_err() || checked.is_ok());
             prop_assert!(path.is_ok() || !within(workspace, &pose, &CLEARLY));
         }
     });
@@ -195,7 +195,7 @@ fn nothing_bad_is_accepted_and_nothing_good_is_refused() {
         };
         let place = segment.at(refusal.fraction * segment.length()).position;
         prop_assert!((place - refusal.point).norm() < 1e-9);
-        // The place itself is within the spare, and all before it is in order.
+        // The place violates a limit with its reserve, and the path before it violates none.
         let workspace = &envelope.workspace;
         let pose = workspace.tool.inverse(refusal.point, workspace.mode);
         prop_assert!(pose.is_err() || !within(workspace, &pose.unwrap(), &SPARED));
