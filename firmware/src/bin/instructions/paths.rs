@@ -1,6 +1,5 @@
 //! Trajectory segments, as the tick evaluates them.
 
-use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::{Geometry, Side, Tool, WorkingMode, Workspace};
 use fivebar_kinematics::trajectory::{
     Curve, Envelope, LookaheadPlanner, MotionLimits, PathSegment, Reference, Sense,

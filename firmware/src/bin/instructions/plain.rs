@@ -1,7 +1,6 @@
 //! The same solutions in their simplest form: circle intersections with `libm`.
 
 use crate::ours::Case;
-use fivebar_kinematics::PlanarVector;
 use nalgebra::Vector2;
 
 /// The tool point from the driven angles; none where links 2 and 3 cannot meet.

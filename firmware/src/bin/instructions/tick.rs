@@ -161,7 +161,8 @@ impl<'a> Run<'a> {
         controller.tick(&sample([0.0; 2], [0.0; 2]));
         controller.request(Request::SetAngles(START)).ok()?;
         controller.request(Request::Arm).ok()?;
-        controller.tick(&sample([0.0; 2], [0.0; 2]));
+        // The bridges wake up, and then the brake is released.
+        while controller.tick(&sample([0.0; 2], [0.0; 2])).brake {}
         Some(Self {
             scenario,
             start: controller.status().tool?,
