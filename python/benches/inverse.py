@@ -1,4 +1,4 @@
-"""How long a million inverse solutions take: by this package, by NumPy, one by one.
+"""The time of a million inverse solutions: by this package, by NumPy, one by one.
 
     python python/benches/inverse.py
 
@@ -19,7 +19,7 @@ RUNS = 7
 
 
 def best(call, runs=RUNS):
-    """The shortest of several runs [s], and what the last one gave."""
+    """The time of the shortest of several runs [s], and the last result."""
     shortest, given = math.inf, None
     for _ in range(runs):
         started = time.perf_counter()
@@ -29,7 +29,7 @@ def best(call, runs=RUNS):
 
 
 def by_numpy(lengths, points, elbow1, elbow4):
-    """The same by NumPy alone, written as one would: angles of all links and assembly."""
+    """The same in plain NumPy: angles of all links and the assembly mode."""
     l1, l2, l3, l4, base = lengths
 
     def elbow(x, y, near, far, side):

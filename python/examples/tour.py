@@ -53,7 +53,7 @@ print(f"one turn takes {time[-1]:.2f} s; joint 1 goes from {path.theta1.min():.3
 
 # %% [markdown]
 # ## Torques
-# What it takes, and what it would take upright with a load.
+# The torques of the path, and those of an upright arm with a load.
 
 # %%
 needed = arm.inverse_dynamics(path.theta, path.omega, path.alpha, path.assembly)
@@ -68,7 +68,7 @@ print(f"with 2 N on the tool along -y: up to {1e3 * np.abs(pulled.torque).max():
 # %% [markdown]
 # ## A job
 # The same circle as G-code, done by the simulated arm under the firmware's control loop,
-# with links, friction and payload that the controller does not know of.
+# with links, friction and payload that differ from the controller's model.
 
 # %%
 job = """

@@ -1,4 +1,4 @@
-//! Many rows at once: on every core, without the interpreter's lock, and until Ctrl-C.
+//! Batches: all rows on all cores, without the interpreter's lock; Ctrl-C stops them.
 
 use crate::status::{OK, Problem};
 use numpy::{Element, IntoPyArray, PyArray1, PyReadonlyArrayDyn};
@@ -7,18 +7,18 @@ use pyo3::prelude::*;
 use std::num::NonZero;
 use std::thread;
 
-/// Rows between two looks for Ctrl-C: tens of milliseconds of work.
+/// Rows between two checks for Ctrl-C: tens of milliseconds of work.
 const BLOCK: usize = 1 << 18;
-/// Rows that are worth a thread of their own: a millisecond of work.
+/// Least number of rows for a thread: a millisecond of work.
 const WORTH_A_THREAD: usize = 1 << 13;
 
-/// What [`solve`] gives to Python: the fields of the answer, each flat, and the statuses.
+/// The result of [`solve`] for Python: the fields of the answer, each flat, and the statuses.
 pub(crate) type Answer<'py> = (Vec<Bound<'py, PyArray1<f64>>>, Bound<'py, PyArray1<u8>>);
 
 /// The rows of an argument, `W` numbers each.
 ///
 /// # Errors
-/// The array is not contiguous, or no whole number of rows: the Python half takes care that
+/// The array is not contiguous, or has no whole number of rows. The Python half ensures that
 /// neither happens.
 pub(crate) fn rows<'a, T: Element, const W: usize>(
     array: &'a PyReadonlyArrayDyn<'_, T>,
@@ -44,8 +44,8 @@ pub(crate) fn common<const N: usize>(lengths: [usize; N]) -> PyResult<usize> {
     }
 }
 
-/// Answers `rows` questions by `answer(row)`: `K` numbers, which are the fields of these
-/// `widths` one after another, or a problem and not-a-number throughout.
+/// Computes `rows` rows by `answer(row)`: `K` numbers, which are the fields of these `widths` one
+/// after another, or a problem, for which every number is NaN.
 ///
 /// # Errors
 /// Ctrl-C.

@@ -1,4 +1,4 @@
-//! Dynamics both ways, a row a state.
+//! Inverse and forward dynamics; each row is a state.
 
 use crate::batch::{Answer, common, rows, solve};
 use crate::error;

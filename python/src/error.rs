@@ -1,4 +1,4 @@
-//! Refusals as the exceptions of `fivebar._errors`, with what scripts ask of them.
+//! Errors as the exceptions of `fivebar._errors`, with their attributes.
 
 use fivebar::input::job::JobError;
 use fivebar::input::scenario::ScenarioError;
@@ -24,7 +24,7 @@ pub(crate) fn file(py: Python<'_>, error: &FileError) -> PyErr {
     raise(py, "RobotError", (error.to_string(), file, line))
 }
 
-/// A robot that lacks what is asked of it.
+/// A robot that lacks data that the call needs.
 pub(crate) fn robot(py: Python<'_>, error: impl Display) -> PyErr {
     raise(py, "RobotError", (error.to_string(),))
 }
@@ -45,7 +45,7 @@ pub(crate) fn scenario(py: Python<'_>, error: ScenarioError) -> PyErr {
     }
 }
 
-/// A run that was refused or broken off.
+/// A run that was refused or stopped.
 pub(crate) fn run(py: Python<'_>, job_file: &str, error: RunError) -> PyErr {
     match error {
         RunError::Scenario(error) => scenario(py, error),

@@ -1,8 +1,8 @@
 //! The Python package's compiled half, `fivebar._native`.
 //!
-//! It takes and gives flat arrays of `f64`, one row a question, and knows nothing of
-//! shapes, defaults or words: those are the Python half's (`package/fivebar`), which is
-//! also where the interface is documented.
+//! It takes and returns flat arrays of `f64`, one row for each point or state. Shapes, defaults
+//! and names of sides belong to the Python half (`package/fivebar`), which also documents the
+//! interface.
 
 mod batch;
 mod dynamics;

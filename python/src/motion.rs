@@ -1,4 +1,4 @@
-//! Velocities and accelerations both ways, a row a state.
+//! Forward and inverse velocities and accelerations; each row is a state.
 
 use crate::batch::{Answer, common, rows, solve};
 use crate::positions::{Numbers, Signs, number};
@@ -8,7 +8,7 @@ use fivebar_kinematics::five_bar::{Accelerations, Pose, Velocities};
 use nalgebra::Vector2;
 use pyo3::prelude::*;
 
-/// A motion in full.
+/// A pose with all velocities and accelerations.
 pub(crate) struct Motion {
     pub(crate) pose: Pose<f64>,
     pub(crate) velocities: Velocities<f64>,

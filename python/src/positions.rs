@@ -1,4 +1,4 @@
-//! Positions both ways, a row a point.
+//! Forward and inverse positions; each row is a point.
 
 use crate::batch::{Answer, common, rows, solve};
 use crate::robot::{Robot, sign};
@@ -78,7 +78,7 @@ fn side(sign: i8) -> Result<Side, Problem> {
     }
 }
 
-/// A side's sign among numbers.
+/// A side's sign as a number.
 pub(crate) fn number(side: Side) -> f64 {
     sign(side).into()
 }

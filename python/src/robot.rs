@@ -27,7 +27,7 @@ impl Robot {
         Ok(Self { described })
     }
 
-    /// The text of a file of that name.
+    /// The robot that `text` describes; `file` is the file's name in errors.
     #[staticmethod]
     fn parse(py: Python<'_>, file: &str, text: &str) -> PyResult<Self> {
         let described = Described::parse(file, text);

@@ -1,4 +1,4 @@
-//! Runs: a job done by the simulated arm.
+//! Runs: jobs of the simulated arm.
 
 use crate::error;
 use crate::robot::Robot;
@@ -16,7 +16,7 @@ use pyo3::types::PyDict;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// A run, ready to be done.
+/// A run that has not begun.
 #[pyclass(frozen, module = "fivebar._native")]
 pub(crate) struct Scenario {
     described: Described,
@@ -24,8 +24,8 @@ pub(crate) struct Scenario {
 
 #[pymethods]
 impl Scenario {
-    /// A scenario in TOML, done by the robot it names unless another is given, or a job in
-    /// G-code, done by the robot given or else by the default one.
+    /// A scenario in TOML, with its own robot unless another is given, or a job in G-code, with
+    /// the robot given or else the default one.
     #[staticmethod]
     fn of_file(py: Python<'_>, path: &str, robot: Option<&Robot>) -> PyResult<Self> {
         let refused = |refusal| error::scenario(py, refusal);
@@ -52,9 +52,9 @@ impl Scenario {
         Self { described }
     }
 
-    /// Runs it, with what is given instead of the scenario's own: the figures as JSON, the
-    /// trace's columns by name, the ticks between two samples, the faults with their times
-    /// from power-up, when the job began, and what of the job was skipped.
+    /// Runs it; the arguments given replace the scenario's values. Returns the figures as JSON,
+    /// the trace's columns by name, the ticks between two samples, the faults with their times
+    /// from power-up, the time at which the job began, and the parts of the job skipped.
     #[pyo3(signature = (*, origin, scale, seed, computed_torque, mismatch))]
     fn run<'py>(
         &self,
@@ -112,7 +112,7 @@ type Outcome<'py> = (
     Vec<String>,
 );
 
-/// Puts the figures given, by name, in place of a mismatch's own.
+/// Replaces the named figures of a mismatch.
 fn change(mismatch: &mut Mismatch, figures: BTreeMap<String, f64>) -> PyResult<()> {
     for (name, value) in figures {
         *match name.as_str() {
@@ -171,14 +171,14 @@ fn columns<'py>(py: Python<'py>, samples: &[Sample]) -> PyResult<Bound<'py, PyDi
     Ok(columns)
 }
 
-/// The controller in this process, which looks for Ctrl-C now and then.
+/// The controller in this process, with a check for Ctrl-C every few ticks.
 struct Interruptible<'a> {
     controller: InProcess,
     ticks: u32,
     interrupt: &'a mut Option<PyErr>,
 }
 
-/// Ticks between two looks: some milliseconds of work.
+/// Ticks between two checks: some milliseconds of work.
 const BETWEEN_LOOKS: u32 = 5_000;
 
 impl Target for Interruptible<'_> {

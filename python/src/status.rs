@@ -1,4 +1,4 @@
-//! What became of a row, as a number: `fivebar.Status` gives the numbers their names.
+//! The status of a row as a number; `fivebar.Status` has the names of the numbers.
 
 use fivebar::study::query::QueryErrorKind;
 use fivebar_kinematics::five_bar::{PoseError, Singularity, Unreachable};
@@ -63,7 +63,7 @@ impl Problem {
         }
     }
 
-    /// Its kind, as `fivebar query` says it.
+    /// Its kind, as in the errors of `fivebar query`.
     fn kind(self) -> &'static str {
         let kind = match self {
             Self::Pose(error) => error.into(),

@@ -1,4 +1,4 @@
-"""Batches of any shape, type and size, against the same questions one by one."""
+"""Batches of any shape, type and size, against the same rows one by one."""
 
 import multiprocessing
 import pickle
@@ -69,7 +69,7 @@ def test_dynamics_undo_each_other_and_balance_the_power(arm, poses):
     assert np.allclose(back.alpha, alpha, rtol=1e-9, atol=1e-8)
     whole = np.einsum("nij,nj->ni", dynamics.mass_matrix, alpha) + dynamics.bias_torque
     assert np.allclose(whole, dynamics.torque, rtol=1e-9, atol=1e-9)
-    # What a force on C does to the torques is what it takes of the power.
+    # The change of the torques by a force on C has the power of that force.
     free = arm.inverse_dynamics(theta, omega, alpha)
     velocity = arm.motion(theta, omega).c_velocity
     lost = np.sum((free.torque - dynamics.torque) * omega, axis=-1)
@@ -163,7 +163,7 @@ def test_other_threads_run_during_a_large_batch(arm):
     during = turns[0] - before
     done.set()
     thread.join()
-    # Were the lock held, the other thread would have a turn at either end at most.
+    # If the lock were held, the other thread would run at the beginning and the end only.
     assert during > 2
 
 

@@ -1,4 +1,4 @@
-"""What the docstrings and README say is so."""
+"""Runs the examples of the docstrings and of README."""
 
 import doctest
 from pathlib import Path

@@ -1,7 +1,7 @@
-"""Long calls look for signals as they go, so that Ctrl-C breaks them off.
+"""Long calls check for signals while they run, so that Ctrl-C stops them.
 
-A call that does not look answers any number of signals with one call of the handler, after
-it has returned. So a handler that was called several times was called within.
+Without such checks, any number of signals during a call leads to one call of the handler, after
+the return. So a handler that was called several times was called during the call.
 """
 
 import signal
@@ -17,7 +17,7 @@ ENOUGH = 3
 
 @pytest.fixture
 def alarms():
-    """Signals every few milliseconds; the third raises what Ctrl-C does."""
+    """Signals every few milliseconds; the third raises `KeyboardInterrupt`, as Ctrl-C does."""
     seen = []
 
     def handle(number, frame):

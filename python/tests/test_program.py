@@ -1,4 +1,4 @@
-"""The package and the program `fivebar` say the same."""
+"""The package and the program `fivebar` give the same results."""
 
 import json
 import subprocess
@@ -11,7 +11,7 @@ import fivebar
 
 ROOT = Path(__file__).resolve().parents[2]
 HARNESS = ROOT / "sim-harness"
-#: What a run of the program has and a run in Python has not, or takes its own time over.
+#: Keys that only the program's runs have, or that differ: the time that a run took.
 OWN = ("out_dir", "wall_s", "pd_tip_error")
 
 
@@ -115,7 +115,7 @@ def test_what_cannot_be_run_is_refused_with_the_reason(arm, job, options, error,
 
 def test_questions_are_answered_as_the_program_answers_them(arm, program):
     rng = np.random.default_rng(11)
-    # Multiples of 2⁻¹², so that no digit is lost on the way through JSON.
+    # Multiples of 2⁻¹², which JSON represents exactly.
     points = rng.integers((-1200, -1200), (1600, 1200), (400, 2)) / 4096
     questions = [{"op": "inverse", "c": c, "elbow1": "right", "elbow4": "left"}
                  for c in points.tolist()]

@@ -1,10 +1,10 @@
-"""The package against numbers made by an unlike method: tests/data/README.md tells how."""
+"""The package against numbers from another method, described in tests/data/README.md."""
 
 import numpy as np
 
 
 def close(actual, expected):
-    """Each row within 1e-9 of its own size."""
+    """Asserts that each row agrees within 1e-9 of its size."""
     actual, expected = np.asarray(actual), np.asarray(expected)
     assert actual.shape == expected.shape
     flat = np.abs(expected).reshape(len(expected), -1)

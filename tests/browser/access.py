@@ -1,4 +1,4 @@
-"""Who may connect."""
+"""Which connections the server accepts."""
 
 import time
 
@@ -13,12 +13,12 @@ def foreign_origins_are_refused(server):
     assert server.status("/live", **UPGRADE, **foreign) == 403
     assert server.status("/live", **UPGRADE, **rebound) == 403
     assert server.status("/", Host="example.org") == 403
-    # The page that was let in has gone with its connection.
+    # By then the server has noticed that the accepted connection is closed.
     time.sleep(0.6)
 
 
 def a_page_of_another_origin_gets_nothing(server, browser):
-    # The same server by another name of it is another origin to a browser.
+    # For a browser the same server under another name is another origin.
     browser.open(f"http://localhost:{server.port}/")
     seen = browser.script(f"""
         const socket = new WebSocket('ws://{server.host}/live');

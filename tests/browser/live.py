@@ -19,7 +19,7 @@ TOO_LARGE = "G21 G90 F3000\nG1 X20 Y0\nG1 X500 Y0\n"
 
 
 class Server:
-    """`fivebar serve` at a free port. To be used in a `with`."""
+    """`fivebar serve` at a free port, for a `with` statement."""
 
     def __init__(self, program, listen="127.0.0.1:0"):
         self.log = tempfile.NamedTemporaryFile("r")
@@ -41,12 +41,12 @@ class Server:
         assert self.process.wait(timeout=20) == 0, "Ctrl-C ends it in order"
 
     def said(self):
-        """All that it wrote."""
+        """All its output."""
         self.log.seek(0)
         return self.log.read()
 
     def answer(self, path, **headers):
-        """Status and headers of a request's answer."""
+        """Status and headers of the response to a request."""
         connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=10)
         with contextlib.closing(connection):
             connection.request("GET", path, headers={"Host": self.host, **headers})
@@ -58,7 +58,7 @@ class Server:
 
 
 class Wire:
-    """Carries connections to a server until it is cut: then it stays open and silent."""
+    """Forwards connections to a server. While it is cut they stay open and silent."""
 
     def __init__(self, port):
         self.port = port
@@ -94,14 +94,14 @@ class Page:
         browser.wait("the connection", lambda: self.state() not in ("", "offline"))
 
     def show(self):
-        """Drives this page again."""
+        """Makes this page the driven one again."""
         self.browser.switch(self.tab)
 
     def state(self):
         return self.browser.script("return document.body.dataset.state ?? '';")
 
     def numbers(self, selector):
-        """The numbers of a text such as `-12.3, 45.6 mm`; none where it shows none."""
+        """The numbers of a text such as `-12.3, 45.6 mm`; empty if it shows none."""
         words = self.browser.text(selector).replace("−", "-").replace(",", " ").split()
         digits = [word.rstrip("°") for word in words]
         return [float(word) for word in digits if word.lstrip("-")[:1].isdigit()]
@@ -113,7 +113,7 @@ class Page:
         return self.numbers("#tool")
 
     def pixel(self, what):
-        """Where on the canvas the tool or an elbow (theta1, theta4) is."""
+        """The position of the tool or an elbow (theta1, theta4) on the canvas."""
         pixel = self.browser.script(f"return document.getElementById('arm').dataset.{what};")
         return [float(part) for part in pixel.split(",")]
 
@@ -126,7 +126,7 @@ class Page:
         self.browser.wait("rest", self.at_rest)
 
     def ask(self, selector):
-        """Clicks; once more where the page says that its connection was lost just then."""
+        """Clicks, and again if the page shows that its connection was lost just then."""
         self.browser.click(selector)
         while "Not sent" in self.browser.text("#notice"):
             self.browser.wait("the connection", lambda: self.state() != "offline")
@@ -148,7 +148,7 @@ class Page:
         self.wait_for("Armed")
 
     def load_job(self, text, words):
-        """Loads a job and waits for what is said of it."""
+        """Loads a job and waits for these words about it."""
         with tempfile.TemporaryDirectory() as folder:
             path = pathlib.Path(folder, "test.gcode")
             path.write_text(text)

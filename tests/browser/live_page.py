@@ -1,11 +1,10 @@
 #!/usr/bin/env python3
-"""The live page as its users meet it, in a headless Chromium against the simulated arm; and
-a report.
+"""Tests the live page with the simulated arm, and a report, in a headless Chromium.
 
     tests/browser/live_page.py PROGRAM [--screenshots FOLDER]
 
-PROGRAM is `fivebar`. With --screenshots, pictures of the page, of a run's report and of a
-workspace map are left in FOLDER.
+PROGRAM is `fivebar`. With --screenshots, it writes pictures of the page, of a run's report and
+of a workspace map to FOLDER.
 """
 
 import argparse

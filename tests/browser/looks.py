@@ -1,4 +1,4 @@
-"""What the page looks like, and pictures of it."""
+"""The layout and colours of the page, and pictures of it."""
 
 import pathlib
 import subprocess
@@ -41,7 +41,7 @@ def dark_is_dark_and_light_is_light(page):
 
 
 def colours(page):
-    """Of the canvas: how many differ, and what is at the corner."""
+    """The colours on the canvas: how often each occurs, and the colour at the corner."""
     return page.browser.script("""
         const canvas = document.getElementById('arm');
         const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);

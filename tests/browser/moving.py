@@ -1,4 +1,4 @@
-"""The arm follows the page: by hand, by key, by job, and stops."""
+"""The page moves the arm by mouse, by keyboard and by a job, and stops it."""
 
 import cmath
 import math
@@ -14,7 +14,7 @@ CRANK, BASE = 100, 80
 
 
 def pixel_of(page, place):
-    """Where on the canvas a place [mm] is, as the elbows tell: x + iy, y going down."""
+    """The pixel of a position [mm] on the canvas, from the elbows' pixels: x + iy, y downwards."""
     conjugates = [cmath.exp(-1j * math.radians(angle)) * CRANK for angle in page.angles()]
     elbow1, elbow4 = (complex(*page.pixel(name)) for name in ("theta1", "theta4"))
     scale = abs(elbow4 - elbow1) / abs(BASE + conjugates[1] - conjugates[0])
@@ -22,7 +22,7 @@ def pixel_of(page, place):
 
 
 def drag_the_tool(page, end):
-    """Drags the tool to a pixel, as pixel_of has it, and waits until it rests there."""
+    """Drags the tool to a pixel as from `pixel_of`, and waits until it rests there."""
     page.browser.drag("#arm", page.pixel("tool"), [end.real, end.imag])
     def missed():
         return abs(complex(*page.pixel("tool")) - end)
@@ -41,7 +41,7 @@ def the_arm_follows_the_hand(page):
 def an_elbow_follows_the_hand_and_the_other_stays(page):
     axis, before = pixel_of(page, [0, 0]), page.angles()
     crank = complex(*page.pixel("theta1")) - axis
-    # 15 degrees clockwise, and somewhat off the elbow's circle.
+    # 15 degrees clockwise, and a little off the elbow's circle.
     hand = axis + 1.1 * crank * cmath.exp(1j * math.radians(15))
     page.browser.drag("#arm", page.pixel("theta1"), [hand.real, hand.imag])
     page.browser.wait("joint 1 under the hand", lambda: page.at_rest() and
@@ -90,13 +90,13 @@ def what_is_out_of_reach_is_refused_with_the_reason(page):
     start = page.pixel("tool")
     page.browser.drag("#arm", start, [5, 5], steps=2)
     page.wait_for_notice("refused")
-    # What of the drag can be done is done first.
+    # First the arm does the part of the drag that it can do.
     page.wait_for_rest()
 
 
 def the_branch_changes_and_the_tool_returns(page):
     browser = page.browser
-    # There both joints have room for either elbow of leg 1.
+    # Here both joints stay within their limits on either side of elbow 1.
     drag_the_tool(page, pixel_of(page, [-40, 200]))
     tool, elbows = page.tool(), browser.text("#elbows")
     assert elbows == "1 right, 4 left", elbows
@@ -105,7 +105,7 @@ def the_branch_changes_and_the_tool_returns(page):
         page.ask("#change")
         browser.wait(shown, lambda: page.at_rest() and browser.text("#elbows") == shown)
         assert max(abs(a - b) for a, b in zip(page.tool(), tool)) < 0.1, page.tool()
-    # Elbow 4 on the other side: joint 4 has no room for that.
+    # With elbow 4 on the other side, joint 4 would leave its limits.
     browser.script("document.getElementById('mode').value = 'right,right';")
     page.ask("#change")
     page.wait_for_notice("refused")

@@ -8,7 +8,7 @@ ESCAPE = "\ue00c"
 
 
 def watch(browser, url):
-    """Opens another page beside the one that is driven."""
+    """Opens another page in a new tab."""
     browser.new_tab()
     return Page(browser, url)
 
@@ -36,14 +36,14 @@ def wait_for_lost_page(watcher):
     watcher.browser.wait("rest", lambda: has_stood_still(watcher), timeout=3)
 
 
-def a_hidden_page_keeps_control_and_a_second_one_watches(pilot, url):
-    browser = pilot.browser
-    pilot.load_job(LONG_JOB, "within the arm's limits")
-    pilot.run_job()
+def a_hidden_page_keeps_control_and_a_second_one_watches(holder, url):
+    browser = holder.browser
+    holder.load_job(LONG_JOB, "within the arm's limits")
+    holder.run_job()
     watcher = watch(browser, url)
     assert "this page watches" in browser.text("#state")
     for act in (lambda: browser.click('[data-jog="1,0"]'), lambda: browser.click("#run"),
-                lambda: pilot.request("disarm")):
+                lambda: holder.request("disarm")):
         act()
         watcher.wait_for_notice("take control first")
     browser.click("#control")
@@ -52,29 +52,29 @@ def a_hidden_page_keeps_control_and_a_second_one_watches(pilot, url):
     assert watcher.state() == "Running", "the job goes on though its page is hidden"
     browser.press(ESCAPE)
     watcher.wait_for("Fault", timeout=5)
-    # At rest anyone may take over.
+    # While the arm rests, any page may take control.
     take_control(browser)
     watcher.recover()
-    pilot.show()
+    holder.show()
     assert "Another page has taken control" in browser.text("#notice")
     take_control(browser)
     return watcher
 
 
-def a_closed_page_brings_the_arm_to_rest(pilot, watcher):
-    pilot.load_job(LONG_JOB, "within the arm's limits")
-    pilot.run_job()
-    pilot.browser.close_tab()
+def a_closed_page_brings_the_arm_to_rest(holder, watcher):
+    holder.load_job(LONG_JOB, "within the arm's limits")
+    holder.run_job()
+    holder.browser.close_tab()
     watcher.show()
     wait_for_lost_page(watcher)
 
 
-def a_page_put_to_sleep_brings_the_arm_to_rest(pilot, url):
-    browser = pilot.browser
+def a_page_put_to_sleep_brings_the_arm_to_rest(holder, url):
+    browser = holder.browser
     take_control(browser)
-    pilot.recover()
-    pilot.load_job(LONG_JOB, "within the arm's limits")
-    pilot.run_job()
+    holder.recover()
+    holder.load_job(LONG_JOB, "within the arm's limits")
+    holder.run_job()
     browser.chromium("Page.setWebLifecycleState", state="frozen")
     time.sleep(1)  # another tab would wake it
     watcher = watch(browser, url)
@@ -83,27 +83,27 @@ def a_page_put_to_sleep_brings_the_arm_to_rest(pilot, url):
 
 
 def a_page_cut_off_keeps_its_emergency_stop(watcher, server):
-    """The line falls silent without being closed, as when a radio link is lost."""
+    """The connection becomes silent without being closed, as when a radio link is lost."""
     browser = watcher.browser
     take_control(browser)
     watcher.recover()
     wire = Wire(server.port)
-    pilot = watch(browser, wire.url)
+    holder = watch(browser, wire.url)
     take_control(browser)
-    pilot.load_job(LONG_JOB, "within the arm's limits")
-    pilot.run_job()
+    holder.load_job(LONG_JOB, "within the arm's limits")
+    holder.run_job()
     wire.whole.clear()
-    pilot.wait_for("offline")
+    holder.wait_for("offline")
     browser.press(ESCAPE)
-    pilot.wait_for_notice("sent as soon as there is a connection")
+    holder.wait_for_notice("sent as soon as there is a connection")
     watcher.show()
     wait_for_lost_page(watcher)
     wire.whole.set()
     browser.wait("the emergency stop", lambda: "emergency stop (10)" in browser.text("#fault"))
 
 
-def check(pilot, server):
-    watcher = a_hidden_page_keeps_control_and_a_second_one_watches(pilot, server.url)
-    a_closed_page_brings_the_arm_to_rest(pilot, watcher)
+def check(holder, server):
+    watcher = a_hidden_page_keeps_control_and_a_second_one_watches(holder, server.url)
+    a_closed_page_brings_the_arm_to_rest(holder, watcher)
     watcher = a_page_put_to_sleep_brings_the_arm_to_rest(watcher, server.url)
     a_page_cut_off_keeps_its_emergency_stop(watcher, server)

@@ -1,4 +1,4 @@
-"""Just enough of the WebDriver protocol to look at a page with Debian's Chromium."""
+"""The part of the WebDriver protocol that these tests need, for Debian's Chromium."""
 
 import base64
 import json
@@ -11,13 +11,13 @@ import urllib.request
 ELEMENT = "element-6066-11e4-a52e-4f735466cecf"
 
 
-# What the driver switches off for its own comfort: tests want hidden tabs as slow as users have.
+# Switches that the driver sets by default; without them hidden tabs are as slow as for users.
 COMFORTS = ["disable-background-timer-throttling", "disable-backgrounding-occluded-windows",
             "disable-renderer-backgrounding"]
 
 
 class Browser:
-    """A headless browser. To be used in a `with`."""
+    """A headless browser, for a `with` statement."""
 
     def __init__(self):
         driver = shutil.which("chromedriver") or "chromedriver"

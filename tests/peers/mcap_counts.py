@@ -1,9 +1,9 @@
-"""Reads a run's MCAP file by the reader of its makers, and counts what each channel holds.
+"""Reads a run's MCAP file by the reader of the MCAP project, and counts each channel's messages.
 
     mcap_counts.py RUN.mcap TRACE.csv
 
-Every channel of figures must hold a message for each line of the trace; the scene, which is
-for the eye, at least one for each fiftieth of a second.
+Every channel of figures must have a message for each line of the trace; the 3D scene at least
+one for each fiftieth of a second.
 """
 
 import csv

@@ -58,7 +58,7 @@ mod app {
             controller: &mut Controller,
             sample: &SensorSample,
         ) -> Option<(ActuatorCommand, u32)> {
-            // As on a board, where only an emergency stop interrupts a tick.
+            // On a board, too, only an emergency stop interrupts a tick.
             Some(cortex_m::interrupt::free(|_| {
                 let start = self.counter.now();
                 let command = controller.tick(sample);

@@ -264,7 +264,7 @@ extern "C" fn after_hard_fault() -> ! {
     reset_after(EndCause::HardFault)
 }
 
-/// An exception or interrupt that nothing handles.
+/// The default handler of exceptions and interrupts without their own.
 #[exception]
 unsafe fn DefaultHandler(_: i16) {
     pwm::unpower();

@@ -60,7 +60,7 @@ __all__ = [
     "simulate",
 ]
 
-# Tracebacks and help name the package, not the room behind it.
+# Tracebacks and help show the package's name instead of the private module's.
 for _name in __all__:
     if hasattr(globals()[_name], "__module__"):
         globals()[_name].__module__ = __name__

@@ -1,4 +1,4 @@
-"""The arm and what it can be asked."""
+"""The arm: its kinematics, dynamics and simulation."""
 
 from __future__ import annotations
 
@@ -35,22 +35,22 @@ class Arm:
     >>> arm.forward(there.theta, there.assembly).c.round(6).tolist()
     [0.04, 0.2]
 
-    Questions are asked in batches. Arguments are pairs along the last axis, (x, y) or
-    (joint 1, joint 4), in front of which any shape S may stand; the arguments' shapes
-    broadcast as NumPy's do, so that a single pair goes with a batch. A large batch is
-    answered on all cores, without the interpreter's lock; Ctrl-C breaks it off.
+    Methods work on batches. Arguments are pairs along the last axis, (x, y) or
+    (joint 1, joint 4), with any shape S before it; the arguments' shapes broadcast as in
+    NumPy, so that a single pair goes with a batch. A large batch is computed on all cores,
+    without the interpreter's lock; Ctrl-C stops it.
 
-    A row without an answer is NaN throughout, and its ``status`` says why
+    A row without a solution is NaN, and its ``status`` gives the reason
     (:class:`fivebar.Status`). With ``strict=True`` the first such row is raised instead:
     :class:`fivebar.UnreachableError`, :class:`fivebar.SingularError` or
-    :class:`fivebar.InvalidError`, which knows its ``index``.
+    :class:`fivebar.InvalidError`, with its ``index``.
 
     Branches are ``"left"`` or ``"right"``, a :class:`fivebar.Side`, or arrays of names or
-    signs (+1 left, −1 right). Left out, they are the robot's own.
+    signs (+1 left, −1 right). By default they are the robot's own.
 
     SI units; angles [rad] absolute, counter-clockwise from +x; points [m] in the frame of
-    the base, A at the origin, E on +x. All questions are about C, where links 2 and 3
-    meet; a tool that is offset from it counts in :meth:`simulate` alone.
+    the base, A at the origin, E on +x. All methods are about C, where links 2 and 3 meet;
+    only :meth:`simulate` uses the tool's offset.
     """
 
     def __init__(self, robot: _native.Robot, made: Tuple[Any, ...]) -> None:
@@ -63,7 +63,7 @@ class Arm:
 
     @classmethod
     def load(cls, name_or_path: str = "benchtop") -> Arm:
-        """The arm that ``fivebar --robot`` would take: a built-in one, or else a file.
+        """The arm of this name, as for ``fivebar --robot``: a built-in one, or else a file.
 
         Raises :class:`fivebar.RobotError` with file, line and reason.
 
@@ -83,7 +83,7 @@ class Arm:
 
     @classmethod
     def from_toml(cls, text: str, name: str = "robot") -> Arm:
-        """The arm that the text of a robot file describes; errors call the file ``name``.
+        """The arm that the text of a robot file describes; errors name the file ``name``.
 
         Raises :class:`fivebar.RobotError` with file, line and reason.
 
@@ -96,7 +96,7 @@ class Arm:
 
     @property
     def name(self) -> str:
-        """Its name."""
+        """The robot's name."""
         return self._robot.name
 
     @property
@@ -116,9 +116,9 @@ class Arm:
 
     @property
     def assembly(self) -> Side:
-        """The assembly branch that the robot is in at home.
+        """The robot's assembly mode at home.
 
-        Raises :class:`fivebar.RobotError` where it has no home pose.
+        Raises :class:`fivebar.RobotError` if it has no home pose.
         """
         sign = self._robot.assembly
         if sign is None:
@@ -135,9 +135,9 @@ class Arm:
 
     @property
     def joint_limits(self) -> Tuple[Tuple[float, ...], ...]:
-        """Least and greatest θ1, then θ4 [rad]. Questions ignore them; a run does not.
+        """Least and greatest θ1, then θ4 [rad]. Only a run keeps them.
 
-        They may go beyond (−π, π], in which answers lie: a whole turn may have to be added.
+        They may exceed (−π, π], the range of results: add whole turns to compare.
         """
         return tuple(tuple(limits) for limits in self._robot.joint_limits)
 
@@ -158,7 +158,7 @@ class Arm:
     def forward(
         self, theta: ArrayLike, assembly: Optional[SideLike] = None, *, strict: bool = False
     ) -> Forward:
-        """Where C is when the driven links stand at θ1, θ4.
+        """The position of C from the driven angles θ1, θ4.
 
         theta: θ1, θ4 [rad], shape S + (2,). assembly: ``left`` where C lies left of the
         ray B→D.
@@ -178,7 +178,7 @@ class Arm:
         *,
         strict: bool = False,
     ) -> Inverse:
-        """How to bring C somewhere.
+        """The angles of all links from the position of C.
 
         points: C [m], shape S + (2,). elbow1, elbow4: which way each elbow turns.
 
@@ -228,7 +228,7 @@ class Arm:
         *,
         strict: bool = False,
     ) -> InverseMotion:
-        """The motion of the links that moves C so.
+        """The motion of the links from the motion of C.
 
         points [m], velocity [m/s], acceleration [m/s²]: of C, each S + (2,). A leg that is
         straight or folded is singular here (type 1).
@@ -255,15 +255,15 @@ class Arm:
         *,
         strict: bool = False,
     ) -> InverseDynamics:
-        """The torques of a motion, rotors included, friction not; what the joints bear.
+        """The torques of a motion and the forces in the joints, with rotors, without friction.
 
         theta [rad], omega [rad/s], alpha [rad/s²]: of joints 1 and 4, each S + (2,).
         external_force: on C [N], S + (2,). Singular where B, C, D are in line (type 2).
-        Raises :class:`fivebar.RobotError` where the robot's masses are not known.
+        Raises :class:`fivebar.RobotError` if the robot's masses are not known.
 
         At rest these are the torques that hold the arm:
 
-        >>> arm = Arm.load("benchtop")      # it lies flat: nothing to hold
+        >>> arm = Arm.load("benchtop")      # it lies flat, so these are zero
         >>> arm.inverse_dynamics(arm.home).torque.tolist()
         [0.0, 0.0]
         """
@@ -286,10 +286,10 @@ class Arm:
         *,
         strict: bool = False,
     ) -> ForwardDynamics:
-        """The accelerations of the driven joints under torques, friction left out.
+        """The accelerations of the driven joints under torques, without friction.
 
         theta [rad], omega [rad/s], torque [N·m]: of joints 1 and 4, each S + (2,).
-        external_force: on C [N], S + (2,). Singular and refused as
+        external_force: on C [N], S + (2,). Statuses and errors are as for
         :meth:`inverse_dynamics`.
         """
         numbers = {
@@ -313,24 +313,24 @@ class Arm:
         computed_torque: Optional[bool] = None,
         mismatch: Optional[Mapping[str, float]] = None,
     ) -> Run:
-        """Does a job with the simulated arm under the production control loop.
+        """Runs a job with the simulated arm under the production control loop.
 
         job: G-code as text, or the path of a file of G-code or of a scenario in TOML, whose
-        robot this arm then stands in for. Paths are ``pathlib.Path``; a ``str`` is text.
-        What is left out of the rest is the scenario's own, or the default:
+        robot this arm replaces. Paths are ``pathlib.Path``; a ``str`` is G-code. The other
+        arguments default to the scenario's values, or else to these:
 
-        origin: where the job's (0, 0) lies in the frame of the base [m]; else the middle of
-        the drawing goes where the arm moves best. scale: metres in the plane per metre in
-        the job; 1. seed: of every random number; 1. computed_torque: control by the arm's
-        model, else by PD alone; True. mismatch: how the arm differs from what the controller
-        believes, ``link_mass`` and ``friction`` as shares more, ``payload`` [kg],
-        ``current_noise`` and ``current_offset`` [ADC codes]; ``fivebar.NO_MISMATCH`` for an
-        arm that is as believed.
+        origin: the job's (0, 0) in the frame of the base [m]; by default the middle of the
+        drawing goes where the arm moves best. scale: metres in the plane per metre in the
+        job; default 1. seed: of every random number; default 1. computed_torque: control by
+        the arm's model (True, the default) or by PD alone. mismatch: how the arm differs from
+        the controller's model: ``link_mass`` and ``friction`` as extra shares, ``payload``
+        [kg], ``current_noise`` and ``current_offset`` [ADC codes]; ``fivebar.NO_MISMATCH``
+        for no difference.
 
         A fault of the arm ends the run and is part of its result. Raises
-        :class:`fivebar.JobError` with the line where the arm cannot do the job,
-        :class:`fivebar.RobotError` where the robot cannot be simulated,
-        :class:`fivebar.RunError`, or ``OSError``. Ctrl-C breaks it off.
+        :class:`fivebar.JobError` with the line if the arm cannot do the job,
+        :class:`fivebar.RobotError` if the robot cannot be simulated,
+        :class:`fivebar.RunError`, or ``OSError``. Ctrl-C stops it.
 
         >>> run = Arm.load("benchtop").simulate("G1 X10 F1200", origin=(0.03, 0.2))
         >>> run.faults

@@ -1,4 +1,4 @@
-"""What is refused, as exceptions. All of them are ``ValueError``."""
+"""The exceptions of the package. All of them are ``ValueError``."""
 
 from __future__ import annotations
 
@@ -6,18 +6,18 @@ from typing import Optional, Tuple
 
 
 class FivebarError(ValueError):
-    """Anything that this package refuses."""
+    """The base of all exceptions of this package."""
 
 
 class PoseError(FivebarError):
-    """A point or state without an answer, raised where ``strict=True``."""
+    """A point or state without a solution, raised if ``strict=True``."""
 
-    #: ``"unreachable"``, ``"singular"`` or ``"invalid"``, as ``fivebar query`` says it.
+    #: ``"unreachable"``, ``"singular"`` or ``"invalid"``, as in the errors of ``fivebar query``.
     kind: str = "invalid"
 
     def __init__(self, message: str, index: Tuple[int, ...] = ()) -> None:
         super().__init__(message)
-        #: Where in the batch: ``points[error.index]`` is the first one without an answer.
+        #: The index in the batch: ``points[error.index]`` is the first one without a solution.
         self.index = index
 
 
@@ -28,32 +28,32 @@ class UnreachableError(PoseError):
 
 
 class SingularError(PoseError):
-    """The answer is not unique or not finite there."""
+    """The solution is not unique or not finite there."""
 
     kind = "singular"
 
 
 class InvalidError(PoseError):
-    """The question makes no sense: a number is infinite or NaN, or no branch is given."""
+    """An argument is not valid: a number is infinite or NaN, or no branch is given."""
 
     kind = "invalid"
 
 
 class RobotError(FivebarError):
-    """A robot that is refused, or that lacks what is asked of it."""
+    """A robot that is refused, or that lacks data that the call needs."""
 
     def __init__(
         self, message: str, file: Optional[str] = None, line: Optional[int] = None
     ) -> None:
         super().__init__(message)
-        #: The file as it was named, if a file is at fault.
+        #: The name of the file, if the error is in a file.
         self.file = file
-        #: The line at fault, from 1.
+        #: The line with the error, from 1.
         self.line = line
 
 
 class JobError(FivebarError):
-    """A job that the arm cannot do as written. Nothing has moved."""
+    """A job that the arm cannot do. It is refused before the arm moves."""
 
     def __init__(
         self,
@@ -64,9 +64,9 @@ class JobError(FivebarError):
         super().__init__(message)
         #: The line of the job, from 1.
         self.line = line
-        #: The first place on the path that cannot be passed [m], if it is one.
+        #: The first position on the path that cannot be passed [m], if there is one.
         self.point = point
 
 
 class RunError(FivebarError):
-    """A run that could not be begun or did not come to its end, faults of the arm aside."""
+    """A run that could not begin or ended early, for a reason other than a fault of the arm."""

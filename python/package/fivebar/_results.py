@@ -1,8 +1,8 @@
-"""What the questions are answered with.
+"""The results of the methods of :class:`fivebar.Arm`.
 
 Shapes: S is the shape of the batch, that of the arguments without their last axis; () for
-a single question. Where a row has no answer its numbers are NaN, its sides 0, and
-``status`` says why. Units SI; angles [rad] absolute, counter-clockwise from +x; points in
+a single pair. In a row without a solution, numbers are NaN, sides are 0, and ``status``
+gives the reason. SI units; angles [rad] absolute, counter-clockwise from +x; points in
 the frame of the base, A at the origin, E on +x.
 """
 
@@ -19,21 +19,21 @@ from ._status import Status
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """What all answers have."""
+    """The part that all results have."""
 
     #: Codes of :class:`Status`, shape S.
     status: Statuses
 
     @property
     def ok(self) -> NDArray[np.bool_]:
-        """Which rows have an answer, shape S."""
+        """Whether each row has a solution, shape S."""
         ok: NDArray[np.bool_] = self.status == Status.OK
         return ok
 
 
 @dataclass(frozen=True, eq=False)
 class Forward(Answer):
-    """Where C is."""
+    """The position of C, with the angles of links 2 and 3."""
 
     #: C [m], shape S + (2,).
     c: Floats
@@ -49,7 +49,7 @@ class Forward(Answer):
 
 @dataclass(frozen=True, eq=False)
 class Inverse(Answer):
-    """The angles that bring C somewhere [rad], each of shape S and in (−π, π]."""
+    """The angles of all links [rad], each of shape S and in (−π, π]."""
 
     #: Driven link 1, A to B.
     theta1: Floats
@@ -59,18 +59,18 @@ class Inverse(Answer):
     theta2: Floats
     #: Link 3, D to C.
     theta3: Floats
-    #: The forward branch: +1 where C lies left of the ray B→D, −1 right.
+    #: The assembly mode: +1 where C lies left of the ray B→D, −1 right.
     assembly: Signs
 
     @property
     def theta(self) -> Floats:
-        """θ1, θ4 as the other questions take them, shape S + (2,)."""
+        """θ1, θ4 as an argument of other methods, shape S + (2,)."""
         return np.stack((self.theta1, self.theta4), axis=-1)
 
 
 @dataclass(frozen=True, eq=False)
 class Motion(Answer):
-    """The motion of the tool point and of the links that are not driven."""
+    """The motion of C and of links 2 and 3."""
 
     #: C [m], shape S + (2,).
     c: Floats
@@ -90,7 +90,7 @@ class Motion(Answer):
 
 @dataclass(frozen=True, eq=False)
 class InverseMotion(Inverse):
-    """The motion of the links that moves C so; [rad/s] and [rad/s²], each of shape S."""
+    """The motion of all links: rates [rad/s], accelerations [rad/s²], each of shape S."""
 
     omega1: Floats
     omega4: Floats
@@ -103,12 +103,12 @@ class InverseMotion(Inverse):
 
     @property
     def omega(self) -> Floats:
-        """ω1, ω4 as the other questions take them [rad/s], shape S + (2,)."""
+        """ω1, ω4 as an argument of other methods [rad/s], shape S + (2,)."""
         return np.stack((self.omega1, self.omega4), axis=-1)
 
     @property
     def alpha(self) -> Floats:
-        """α1, α4 as the other questions take them [rad/s²], shape S + (2,)."""
+        """α1, α4 as an argument of other methods [rad/s²], shape S + (2,)."""
         return np.stack((self.alpha1, self.alpha4), axis=-1)
 
 
@@ -130,21 +130,22 @@ class Reaction:
 
 @dataclass(frozen=True, eq=False)
 class InverseDynamics(Answer):
-    """What a motion takes. torque = mass_matrix · (α1, α4) + bias_torque."""
+    """The torques of a motion: torque = mass_matrix · (α1, α4) + bias_torque."""
 
     #: τ1, τ4 on links 1 and 4 [N·m], shape S + (2,).
     torque: Floats
     #: M(q) [kg·m²], shape S + (2, 2).
     mass_matrix: Floats
-    #: h(q, q̇) of velocities, gravity and external force [N·m], shape S + (2,).
+    #: The nonlinear effects h(q, q̇), of velocities, gravity and external force [N·m],
+    #: shape S + (2,).
     bias_torque: Floats
-    #: What the joints bear.
+    #: The forces in the joints.
     reaction: Reaction
 
 
 @dataclass(frozen=True, eq=False)
 class ForwardDynamics(Answer):
-    """What torques bring about [rad/s²], each of shape S."""
+    """The accelerations that torques give [rad/s²], each of shape S."""
 
     #: Of link 1.
     alpha1: Floats
@@ -153,5 +154,5 @@ class ForwardDynamics(Answer):
 
     @property
     def alpha(self) -> Floats:
-        """α1, α4 as the other questions take them, shape S + (2,)."""
+        """α1, α4 as an argument of other methods, shape S + (2,)."""
         return np.stack((self.alpha1, self.alpha4), axis=-1)

@@ -1,4 +1,4 @@
-"""From whatever NumPy takes for an array to what the compiled half takes, and back."""
+"""Converts array-like arguments to the flat arrays of the compiled half, and results back."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def pairs(name: str, value: ArrayLike) -> Floats:
 
 
 def sides(name: str, value: SideLike) -> Signs:
-    """Signs of sides: +1 left, −1 right, 0 where an answer before had none."""
+    """Signs of sides: +1 left, −1 right, 0 for a row that had no solution before."""
     if isinstance(value, Side):
         return np.array(value, dtype=np.int8)
     array = np.asarray(value)
@@ -67,7 +67,7 @@ def broadcast(
 
 
 def signs(column: Floats) -> Signs:
-    """Sides out of an answer: 0 where there is none."""
+    """Signs of sides in a result: 0 where there is none."""
     return np.where(np.isnan(column), 0.0, column).astype(np.int8).reshape(column.shape)
 
 

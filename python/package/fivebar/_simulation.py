@@ -1,4 +1,4 @@
-"""Runs of the simulated arm and what they leave."""
+"""Runs of the simulated arm and their results."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from . import _native
 from ._errors import FivebarError
 from ._shapes import Floats
 
-#: The figures of an arm that is exactly as the controller believes it to be.
+#: The mismatch of an arm that is exactly as the controller's model.
 NO_MISMATCH: Dict[str, float] = {
     "link_mass": 0.0,
     "friction": 0.0,
@@ -34,41 +34,41 @@ class Trace:
 
     #: Since the beginning of the job, after homing [s], shape (N,).
     time: Floats
-    #: The line of the job that is being done, shape (N,).
+    #: The line of the job in progress, shape (N,).
     line: NDArray[np.uint32]
-    #: Where the tool should be [m].
+    #: The tool's reference [m].
     reference: Floats
-    #: Where it truly is [m].
+    #: The tool's true position [m].
     tool: Floats
-    #: The joints' angles as they truly are [rad].
+    #: The joints' true angles [rad].
     angle: Floats
-    #: What the reference asks of the joints [rad].
+    #: The joints' angles of the reference [rad].
     reference_angle: Floats
-    #: The same [rad/s].
+    #: The joints' velocities of the reference [rad/s].
     reference_velocity: Floats
-    #: The same [rad/s²].
+    #: The joints' accelerations of the reference [rad/s²].
     reference_acceleration: Floats
-    #: Of the motors, at the joints [N·m].
+    #: Torques of the motors, at the joints [N·m].
     torque: Floats
     #: Set-points of the motors' currents [A].
     current_set_point: Floats
     #: Currents in the motors [A].
     current: Floats
-    #: Of the bridges, −1…1.
+    #: Duties of the bridges, −1…1.
     duty: Floats
     #: Whether the torques were limited, shape (N,).
     saturated: NDArray[np.bool_]
 
     @property
     def tip_error(self) -> Floats:
-        """Distance of the tool from where it should be [m], shape (N,)."""
+        """Distance of the tool from its reference [m], shape (N,)."""
         difference = self.tool - self.reference
         return np.hypot(difference[:, 0], difference[:, 1])
 
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """What a run came to."""
+    """The results of a run."""
 
     #: The figures of ``fivebar sim --json``: robot, scenario, simulated_s, wall_s, ticks,
     #: tip_error {rms_m, max_m}, peak_torque_nm [2], saturated_ticks, faults.
@@ -79,9 +79,9 @@ class Run:
     stride: int
     #: The faults raised, each with its time from power-up [s]; the first ended the run.
     faults: List[Tuple[float, str]]
-    #: When the job began, the arm being homed [s] from power-up; None if it never did.
+    #: Time from power-up to the beginning of the job [s]; None if homing failed.
     begun: Optional[float]
-    #: What of the job was skipped, and on which line.
+    #: The parts of the job that were skipped, with their lines.
     warnings: List[str]
 
 
@@ -96,7 +96,7 @@ def simulate(
 ) -> Run:
     """Runs a scenario file with the robot that it names, as ``fivebar sim FILE`` does.
 
-    The rest, and what is raised, is as for :meth:`fivebar.Arm.simulate`.
+    The other arguments and the errors are those of :meth:`fivebar.Arm.simulate`.
     """
     scenario = _native.Scenario.of_file(os.fspath(file), None)
     return _run(scenario, origin, scale, seed, computed_torque, mismatch)

@@ -1,4 +1,4 @@
-"""Sides of a branch, and what became of each row of a batch."""
+"""Sides of a branch, and the status of each row of a batch."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Side(IntEnum):
 
 
 class Status(IntEnum):
-    """What became of a row of a batch; the codes in the ``status`` of every result.
+    """The status of a row of a batch: the codes in the ``status`` of every result.
 
     >>> Status(1)
     <Status.LEG1_TOO_FAR: 1>
@@ -52,7 +52,7 @@ class Status(IntEnum):
     NOT_FINITE = 10
     #: A side of 0: neither left nor right.
     NO_SIDE = 11
-    #: The numbers given are so large that the answer is not finite.
+    #: The numbers given are so large that the result is not finite.
     TOO_LARGE = 12
 
     @property
@@ -62,7 +62,7 @@ class Status(IntEnum):
 
     @property
     def reason(self) -> str:
-        """The reason in a sentence; empty where there is an answer."""
+        """The reason in a sentence; empty for a row with a solution."""
         return _PROBLEMS[self.value][1] if self else ""
 
 

@@ -1,4 +1,4 @@
-//! The cost of the arm's mathematics on a Cortex-M4F, in executed instructions.
+//! The tick and the library's solutions on a Cortex-M4F, in executed instructions.
 //!
 //! Runs on the emulated board under `-icount shift=0` and prints a table by semihosting;
 //! `tests/data/instructions.txt` holds the table as last committed. Each line counts one

@@ -8,7 +8,7 @@ use fivebar_kinematics::five_bar::{
 };
 use nalgebra::Vector2;
 
-/// Elbows out: leg 1's to the left of the tool, leg 4's to the right.
+/// Elbows out: leg 1's to the left of C, leg 4's to the right.
 const MODE: WorkingMode = WorkingMode::new(Side::Right, Side::Left);
 
 /// One pose in motion, with all inputs of the counted functions.
@@ -73,7 +73,7 @@ fn case(c: Vector2<f32>) -> Result<Case, PoseError> {
     })
 }
 
-/// The tool point from the driven angles.
+/// The position of C from the driven angles.
 #[inline(never)]
 pub(crate) fn forward(case: &Case) -> Result<Vector2<f32>, PoseError> {
     let [theta1, theta4] = case.driven;
@@ -81,14 +81,14 @@ pub(crate) fn forward(case: &Case) -> Result<Vector2<f32>, PoseError> {
     Ok(pose.c)
 }
 
-/// The driven angles from the tool point.
+/// The driven angles from the position of C.
 #[inline(never)]
 pub(crate) fn inverse(case: &Case) -> Result<[f32; 2], PoseError> {
     let pose = case.arm.geometry().inverse(case.c, MODE)?;
     Ok([pose.u1.polar_angle(), pose.u4.polar_angle()])
 }
 
-/// Joint rates and accelerations from the tool's.
+/// Joint rates and accelerations from the velocity and acceleration of C.
 #[inline(never)]
 pub(crate) fn inverse_motion(
     case: &Case,
@@ -100,7 +100,7 @@ pub(crate) fn inverse_motion(
     Ok((velocities, accelerations))
 }
 
-/// The tool's velocity and acceleration from the joints'.
+/// The velocity and acceleration of C from those of the joints.
 #[inline(never)]
 pub(crate) fn forward_motion(
     case: &Case,

@@ -3,7 +3,7 @@
 use crate::ours::Case;
 use nalgebra::Vector2;
 
-/// The tool point from the driven angles; none where links 2 and 3 cannot meet.
+/// The position of C from the driven angles; none where links 2 and 3 cannot meet.
 #[inline(never)]
 pub(crate) fn forward(case: &Case) -> Option<Vector2<f32>> {
     let [l1, l2, l3, l4, base] = case.lengths;
@@ -26,7 +26,7 @@ pub(crate) fn forward(case: &Case) -> Option<Vector2<f32>> {
     ))
 }
 
-/// The driven angles from the tool point; none where a leg cannot reach it.
+/// The driven angles from the position of C; none where a leg cannot reach it.
 #[inline(never)]
 pub(crate) fn inverse(case: &Case) -> Option<[f32; 2]> {
     let [l1, l2, l3, l4, base] = case.lengths;

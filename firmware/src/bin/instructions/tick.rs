@@ -18,7 +18,7 @@ const BUS: u16 = 2048;
 /// Speed of every move [m/s].
 const FEED: f32 = 0.3;
 
-/// A path, and what happens along it.
+/// A path, and the stops and faults along it.
 pub(crate) struct Scenario {
     pub(crate) name: &'static str,
     /// The n-th move, in positions from the tool's start [m].
