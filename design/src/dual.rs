@@ -142,8 +142,8 @@ mod tests {
     use fivebar_kinematics::Scalar;
     use fivebar_kinematics::five_bar::{Geometry, Side};
 
-    /// The tool of a pose as a function of one length, the others fixed.
-    fn tool_x<S: Scalar>(l2: S) -> S {
+    /// The x coordinate of C as a function of l2, with the other lengths fixed.
+    fn c_x<S: Scalar>(l2: S) -> S {
         let fixed = S::from_f64;
         let geometry = Geometry::new([fixed(0.1), l2, fixed(0.16), fixed(0.11), fixed(0.08)]);
         let pose = geometry
@@ -162,10 +162,10 @@ mod tests {
 
     #[test]
     fn a_derivative_flows_through_the_forward_solution() {
-        let exact = tool_x(Dual::variable(0.15));
+        let exact = c_x(Dual::variable(0.15));
         let step = 1e-6;
-        let difference = (tool_x(0.15 + step) - tool_x(0.15 - step)) / (2.0 * step);
-        assert_eq!(exact.value(), tool_x(0.15));
+        let difference = (c_x(0.15 + step) - c_x(0.15 - step)) / (2.0 * step);
+        assert_eq!(exact.value(), c_x(0.15));
         assert!(exact.derivative().abs() > 0.1);
         assert!((exact.derivative() - difference).abs() < 1e-8 * exact.derivative().abs());
     }

@@ -319,7 +319,7 @@ fn a_corrupt_settings_page_is_a_fault_and_nothing_moves_until_settings_are_given
     let mut flash = Nor::blank();
     let end = u32::try_from(flash.bytes.len()).expect("small");
     let mut storage = SettingsStorage::new(&mut flash, 0..end).expect("four sectors");
-    storage.save(&rig::settings()).expect("a sound flash");
+    storage.save(&rig::settings()).expect("a working flash");
     flash.bytes.iter_mut().for_each(|byte| *byte ^= 0x10);
     let mut storage = SettingsStorage::new(&mut flash, 0..end).expect("four sectors");
     let loaded = storage.load();

@@ -1,4 +1,4 @@
-//! The eight branches of a five-bar: four working modes for a point of the tool, two
+//! The eight branches of a five-bar: four working modes for a position of C, two
 //! assembly modes for a pair of driven angles.
 //!
 //! `cargo run --example all_branches`

@@ -1,4 +1,4 @@
-//! Positions both ways: from points of the tool to the driven angles, and back.
+//! Positions both ways: from positions of C to the driven angles, and back.
 //!
 //! `cargo run --example inverse_and_forward`
 

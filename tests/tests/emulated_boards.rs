@@ -22,7 +22,7 @@ fn scenario() -> Scenario {
 /// The job on the emulated board, compared with a twin of other settings if any.
 fn run(twin: impl FnOnce(&mut Settings)) -> (Lockstep<Emulator>, Summary, Record) {
     let scenario = scenario();
-    let job = scenario.job().expect("a sound job");
+    let job = scenario.job().expect("a valid job");
     let settings = scenario.robot.settings().expect("a robot with motors");
     let mut other = settings;
     twin(&mut other);

@@ -11,7 +11,7 @@ use fivebar_firmware::protocol::{CommandError, HostCommand, Reply, Reset, VERSIO
 use fivebar_firmware::safety::State;
 
 fn line() -> Loopback {
-    Loopback::lockstep(&bench::robot().settings().expect("masses")).expect("sound settings")
+    Loopback::lockstep(&bench::robot().settings().expect("masses")).expect("valid settings")
 }
 
 injected_faults::test_every_injected_fault!(line);
@@ -23,7 +23,7 @@ fn a_reset_by_the_watchdog_in_motion() {
     let stated = stated("a_reset_by_the_watchdog_in_motion");
     let mut bench = Bench::moving(line());
     let board = bench.board.line().line();
-    board.restart(Reset::Watchdog).expect("sound settings");
+    board.restart(Reset::Watchdog).expect("valid settings");
     let mut ask = |command| bench.board.call(command).expect("an answer");
     let sample = bench.plant.sense();
     let stranger = Reply::Refused(CommandError::NoSession);

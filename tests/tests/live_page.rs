@@ -172,7 +172,7 @@ fn board() -> (Until<()>, String) {
         plant.step(command, period);
         plant.sense()
     };
-    let mut controller = Loopback::driving(&settings, Box::new(arm)).expect("sound settings");
+    let mut controller = Loopback::driving(&settings, Box::new(arm)).expect("valid settings");
     let board = Until::start(move |ends| {
         // The near end stays open; otherwise reads of the far end fail before the server opens
         // the port.

@@ -34,7 +34,7 @@ fn open(board: Emulator) -> (Client<Emulator>, Identity) {
 fn stored(settings: &Settings) -> Flash {
     let mut flash = Flash::blank();
     let mut storage = SettingsStorage::new(&mut flash, Flash::RANGE).expect("four sectors");
-    storage.save(settings).expect("a sound flash");
+    storage.save(settings).expect("a working flash");
     flash
 }
 

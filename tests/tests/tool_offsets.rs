@@ -38,7 +38,7 @@ fn robot(mode: WorkingMode, [along, left]: [f64; 2]) -> Robot {
         });
     let text: String = text.collect();
     let text = format!("{text}\n[tool]\noffset = [{along:?}, {left:?}]\n");
-    Robot::parse("offset.toml", &text).expect("a sound robot")
+    Robot::parse("offset.toml", &text).expect("a valid robot")
 }
 
 /// Draws the demonstration where it fits; returns whether A–B–T turned the other way than A–B–C.

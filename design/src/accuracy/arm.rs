@@ -48,7 +48,7 @@ pub struct DrivenJointMotion {
     pub alpha: [f64; 2],
 }
 
-/// An arm on one assembly branch, under a force on its tool, as a function of its
+/// An arm in one assembly mode, under a force on C, as a function of its
 /// primitives. A link's moment of inertia scales with its mass.
 #[derive(Clone, Copy, Debug)]
 pub struct ArmAccuracyModel<'a> {

@@ -31,7 +31,7 @@ pub struct ClearanceEquilibrium {
     /// The reactions in A, B, C, D, E that press the pins [N], as
     /// [`Reactions`](fivebar_kinematics::dynamics::Reactions) has them.
     pub reactions: [Vector2<f64>; 5],
-    /// The displacement of the tool from its ideal position [m].
+    /// The displacement of C from its ideal position [m].
     pub displacement: Vector2<f64>,
     /// The number of iterations.
     pub iterations: usize,

@@ -213,8 +213,8 @@ fn in_line(tool: &Tool<f64>, sign: f64, u1: Vector2<f64>) -> Vector2<f64> {
     u1 * tool.geometry().l1() + back.to_base_frame(bt) * tool.geometry().l2()
 }
 
-/// The pieces of a closed curve, t ∈ 0…2π, on which `place` gives a position. Their ends are
-/// found by bisection. Neighbouring points are at most `chord` [m] apart, within the limit
+/// The connected parts of a closed curve, t ∈ 0…2π, on which `place` gives a position. Their ends
+/// are found by bisection. Neighbouring points are at most `chord` [m] apart, within the limit
 /// of [`MAX_REFINEMENTS`].
 fn connected_pieces(
     place: impl Fn(f64) -> Option<Vector2<f64>>,

@@ -23,7 +23,7 @@ pub(super) const DEBOUNCE_TICKS: u8 = 8;
 #[derive(Clone, Copy, Debug)]
 struct Debounced {
     closed: bool,
-    /// Ticks in a row in which the switch read otherwise.
+    /// Ticks in a row in which the switch has read the other state.
     differing: u8,
     /// The joint's counts in the first of them.
     counts: i32,

@@ -45,7 +45,7 @@ pub struct Controller {
     ticks: u32,
     /// The tick in which the command timeout was last restarted.
     heard_at: u32,
-    /// Ticks until the bridges are awake; of all [`Model::wake_up_ticks`] while they are off.
+    /// Ticks until the bridges are awake; [`Model::wake_up_ticks`] while they are off.
     waking: u32,
     state: State,
     /// The working mode that the arm is in.

@@ -54,7 +54,7 @@ pub enum RequestError {
     OutsideLimits,
     /// The arm is too near a singularity.
     NearSingularity,
-    /// The angles close no arm on the branch of the settings.
+    /// No pose on the branch of the settings has these angles.
     NotOnBranch,
     /// The arm still moves.
     Moving,

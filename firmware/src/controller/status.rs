@@ -24,7 +24,7 @@ pub struct Status {
     pub angle: [f32; 2],
     /// ω̂1, ω̂4 [rad/s].
     pub velocity: [f32; 2],
-    /// The tool [m]; none until homed, or where the angles close no arm.
+    /// The tool [m]; none until homed, or if no pose has the angles.
     pub tool: Option<[f32; 2]>,
     /// Where the tool should be [m]; none while the bridges are off.
     pub reference: Option<[f32; 2]>,

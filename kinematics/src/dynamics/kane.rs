@@ -9,7 +9,7 @@
 //! With fj = mj (aj − g), the force on link j, and the partial velocities written out, the
 //! sums factor link by link. The code has this order.
 //!
-//! **Errata** of the print: v31 carries a stray X21; "a = v̇" component-wise drops the
+//! **Errata** of the print: v31 has a superfluous X21; "a = v̇" by components loses the
 //! velocity-product terms, which the accelerations must hold.
 
 use super::Arm;
@@ -67,7 +67,7 @@ impl<S: Scalar> Arm<S> {
     }
 
     /// The driving torques [τ1, τ4] [N·m] that give these accelerations, with
-    /// `external_force` [N] acting on the tool. Without friction.
+    /// `external_force` [N] acting on C. Without friction.
     ///
     /// # Errors
     /// `Singular` at type 2.

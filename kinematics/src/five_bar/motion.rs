@@ -17,7 +17,7 @@ use super::{Geometry, Pose, PoseError, Singularity};
 use crate::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 
-/// Angular velocities of the links and the velocity of the tool.
+/// Angular velocities of the links and the velocity of C.
 ///
 /// ```
 /// use fivebar_kinematics::five_bar::{Geometry, Side};
@@ -41,7 +41,7 @@ pub struct Velocities<S> {
     pub c: Vector2<S>,
 }
 
-/// Angular accelerations of the links and the acceleration of the tool.
+/// Angular accelerations of the links and the acceleration of C.
 ///
 /// ```
 /// use fivebar_kinematics::five_bar::{Geometry, Side, WorkingMode};

@@ -34,7 +34,7 @@ pub struct Pose<S> {
     pub u4: Vector2<S>,
     /// Elbow of leg 1 [m].
     pub b: Vector2<S>,
-    /// Where links 2 and 3 meet [m]; the tool, where none is offset.
+    /// Where links 2 and 3 meet [m]; also the tool, unless it has an offset.
     pub c: Vector2<S>,
     /// Elbow of leg 4 [m].
     pub d: Vector2<S>,

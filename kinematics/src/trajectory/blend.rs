@@ -41,7 +41,7 @@ impl<S: Scalar> Deviation<S> {
 }
 
 /// The longest blend from `first` to `second` that stays within `tolerance` [m] of their
-/// path and takes no more than `reach` [m] of each; `None` where that leaves nothing.
+/// path and takes no more than `reach` [m] of each; `None` if no length is left.
 pub(super) fn blend<S: Scalar>(
     first: &PathSegment<S>,
     second: &PathSegment<S>,

@@ -5,7 +5,7 @@ use super::number::max;
 use crate::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 
-/// The greatest values along a curve of what bounds the speed on it.
+/// The greatest values along a curve of the quantities that limit the speed on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct CurveBounds<S> {
     /// |r′|.
@@ -14,7 +14,7 @@ pub(super) struct CurveBounds<S> {
     pub(super) second: S,
     /// |r‴| [1/m²].
     pub(super) third: S,
-    /// |r′·r″| [1/m]: how far r″ leans along the path.
+    /// |r′·r″| [1/m]: the component of r″ along the path.
     pub(super) lean: S,
     /// Whether |r″| is 0 where |r‴| is greatest, as in a corner between lines.
     pub(super) apart: bool,

@@ -6,8 +6,8 @@
 //! | arc, curvature κ | r₀ + (2/κ) sin(κs/2) · t(κs/2) | t(κs) | κ t⊥(κs) |
 //! | blend | a quintic in s/ℓ | its derivative, \|r′\| ≤ 1 | its second derivative |
 //!
-//! t(φ) is the start's tangent t turned by φ. The arc's chord form keeps its precision
-//! however flat the arc, where a centre far away would swallow the last bits. For a blend
+//! t(φ) is the start's tangent t turned by φ. The chord form of the arc is
+//! accurate also for flat arcs, where the coordinates of a distant centre would lose digits. For a blend
 //! s is the length of the corner it replaces, so its own length is a little shorter.
 
 use crate::{PlanarVector, Scalar};

@@ -55,7 +55,7 @@ pub struct TorqueLimits<S> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Envelope<S> {
     /// Where the tool may be: arm, tool, working mode, joint limits, singularity margin.
-    /// Leg 1's singularity is the tool's: A, B and the tool in line. Where joint limits
+    /// Leg 1 is singular where A, B and the tool are in line. Where joint limits
     /// span more than one turn, a path starts at the angles that
     /// `JointLimits::angles_within` returns.
     pub workspace: Workspace<S>,

@@ -5,7 +5,7 @@
 //! shared out beforehand, so that s(t) has constant limits on a segment:
 //!
 //! - s̈ gets 0.6 of the acceleration, r″ṡ² what that leaves: 0.8 at right angles to it,
-//!   less as r″ leans along the path;
+//!   less where r″ has a component along the path;
 //! - s⃛ gets 0.3 of the jerk, r‴ṡ³ and 3 r″ṡs̈ together 0.7. On an arc they add up and get
 //!   0.5 and 0.2. In a corner between lines, with |r‴| ∝ |1−2u| and |r″| ∝ 4u(1−u), the
 //!   sum A|1−2u| + 4Bu(1−u) is no more than A while B ≤ ½A: 0.7 and 0.35.
@@ -13,9 +13,9 @@
 //! The driven joints follow with θ̇ = θ′ ṡ, θ̈ = θ″ ṡ² + θ′ s̈, and their torques with
 //! τ = τ_g + τ_v ṡ² + τ_a s̈: gravity's, that of passing at unit speed, that of unit
 //! acceleration from rest. Of the acceleration, and of the torque that gravity leaves,
-//! ṡ² and s̈ get half each. θ′, θ″ and τ are sampled while the path is verified,
-//! which steps closely near singularities; a twentieth is kept back for what lies
-//! between the samples.
+//! ṡ² and s̈ get half each. θ′, θ″ and τ are sampled while the path is verified, with
+//! short steps near singularities; a reserve of a twentieth covers the places between the
+//! samples.
 
 use super::bounds::CurveBounds;
 use super::curve::CurvePoint;
@@ -28,7 +28,7 @@ use crate::Scalar;
 use crate::five_bar::{Accelerations, Joint, Pose, PoseError, Velocities, WorkspaceViolation};
 use nalgebra::Vector2;
 
-/// What the limits allow once a twentieth is kept back.
+/// The share of the limits that is used; the rest is the reserve.
 const USABLE: f64 = 0.95;
 
 /// The limits that keep the tool's own limits on a segment, moved along at no more than
@@ -99,7 +99,7 @@ impl<S: Scalar> JointDemand<S> {
         }
     }
 
-    /// Take a place on a path of the tool into account.
+    /// Takes a place on a path of the tool into account.
     pub(super) fn add_path(
         &mut self,
         envelope: &Envelope<S>,
@@ -121,7 +121,7 @@ impl<S: Scalar> JointDemand<S> {
         self.add(envelope, pose, (&rest, &starting), (&passing, &bending))
     }
 
-    /// Take a place on a joint move into account, each joint turning `direction` of it.
+    /// Takes a place on a joint move into account, each joint turning `direction` of it.
     pub(super) fn add_joint_path(
         &mut self,
         envelope: &Envelope<S>,
@@ -243,7 +243,7 @@ fn greater<S: Scalar>([a1, a4]: [S; 2], [b1, b4]: [S; 2]) -> [S; 2] {
     [max(a1, b1.abs()), max(a4, b4.abs())]
 }
 
-/// The lesser of `value` and `limit`/`per`, where that is a limit at all.
+/// The lesser of `value` and `limit`/`per`, if that is a finite limit.
 fn bounded_by<S: Scalar>(value: S, limit: S, per: S) -> S {
     if value * per > limit {
         limit / per
@@ -252,7 +252,7 @@ fn bounded_by<S: Scalar>(value: S, limit: S, per: S) -> S {
     }
 }
 
-/// The lesser of `value` and √(`limit`/`per`), where that is a limit at all.
+/// The lesser of `value` and √(`limit`/`per`), if that is a finite limit.
 fn bounded_by_root<S: Scalar>(value: S, limit: S, per: S) -> S {
     if value * value * per > limit {
         (limit / per).sqrt()

@@ -41,7 +41,7 @@ pub struct PathSegment<S> {
 pub enum PathSegmentError {
     /// A number is infinite or not a number.
     NotFinite,
-    /// The end is the start: there is no direction to go. Nothing is lost by skipping it.
+    /// The end is the start, so there is no direction. Such a segment can be skipped.
     ZeroLength,
     /// The start lies on the arc's centre.
     ZeroRadius,
@@ -94,7 +94,7 @@ impl<S: Scalar> PathSegment<S> {
         if !(length.is_finite() && from.length_squared().is_finite()) {
             return Err(PathSegmentError::NotFinite);
         }
-        // Below the least normal square, d/|d| is no unit vector any more.
+        // If |d|² is below the least normal number, d/|d| is not a unit vector.
         if length <= S::from_f64(1e-15) {
             return Err(PathSegmentError::ZeroLength);
         }

@@ -82,7 +82,7 @@ pub(crate) struct Rounding {
 
 /// Asserts that the motion is continuous, from rest at `start` to rest at `end`, and within the
 /// limits everywhere; returns its duration.
-pub(crate) fn assert_sound<S: Scalar>(
+pub(crate) fn assert_valid<S: Scalar>(
     trajectory: &[TrajectorySegment<S>],
     [start, end]: [V; 2],
     limits: &MotionLimits<f64>,

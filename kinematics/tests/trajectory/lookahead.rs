@@ -1,7 +1,7 @@
 //! The motion that the look-ahead plans: continuous, within its limits and the corner tolerance,
 //! with the right end.
 
-use crate::common::{MIDDLE, Rounding, V, assert_sound, distance_to, envelope, run, tool};
+use crate::common::{MIDDLE, Rounding, V, assert_valid, distance_to, envelope, run, tool};
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::trajectory::{
     Curve, LookaheadPlanner, MotionLimits, PathSegment, Reference, Sense, TrajectorySegment,
@@ -67,7 +67,7 @@ proptest! {
         let trajectory = run(&segments, feed, &envelope);
         let limits = MotionLimits { speed: feed, ..envelope.tool_motion };
         let ends = [segments[0].start(), segments.last().unwrap().end()];
-        assert_sound(&trajectory, ends, &limits, &DOUBLE);
+        assert_valid(&trajectory, ends, &limits, &DOUBLE);
 
         // Every position is on the path, and the motion covers the whole path.
         let mut reached = vec![false; segments.len()];
@@ -112,7 +112,7 @@ proptest! {
         }
         let limits = MotionLimits { speed: feed, ..envelope.tool_motion };
         let ends = [segments[0].start(), segments.last().unwrap().end()];
-        assert_sound(&trajectory, ends, &limits, &DOUBLE);
+        assert_valid(&trajectory, ends, &limits, &DOUBLE);
     }
 
     /// In single precision the same path is followed, to a micrometre.
@@ -127,7 +127,7 @@ proptest! {
         let trajectory = run(&single, feed as f32, &envelope);
         let limits = MotionLimits { speed: feed, acceleration: 5.0, jerk: 500.0 };
         let ends = [segments[0].start(), segments.last().unwrap().end()];
-        let single_time = assert_sound(&trajectory, ends, &limits, &SINGLE);
+        let single_time = assert_valid(&trajectory, ends, &limits, &SINGLE);
         for trajectory_segment in &trajectory {
             let tag = trajectory_segment.tag() as usize;
             for step in 0..=4_u8 {
@@ -201,7 +201,7 @@ fn a_fine_polyline_is_passed_at_full_speed() {
         speed: 0.058,
         ..envelope.tool_motion
     };
-    let time = assert_sound(&trajectory, [points[0], points[999]], &limits, &DOUBLE);
+    let time = assert_valid(&trajectory, [points[0], points[999]], &limits, &DOUBLE);
     let ideal = 0.04 * 0.005 * 999.0 / 0.058;
     assert!(time < ideal * 1.02, "{time} s instead of {ideal} s");
 }
@@ -286,7 +286,7 @@ fn a_move_that_comes_while_the_arm_stops_does_not_turn_it_back() {
             speed: 0.01,
             ..envelope.tool_motion
         };
-        assert_sound(&trajectory, [points[0], points[2]], &limits, &DOUBLE);
+        assert_valid(&trajectory, [points[0], points[2]], &limits, &DOUBLE);
         let forwards = (points[2] - points[0]) * (1.0 / (points[2] - points[0]).norm());
         let slowest = trajectory
             .iter()

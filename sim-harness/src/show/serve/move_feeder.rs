@@ -108,8 +108,8 @@ impl MoveFeeder {
         }
     }
 
-    /// Whether all moves are done. Between two ticks a queue may be empty and its last
-    /// piece not begun, so that takes two looks.
+    /// Whether all moves are done. Between two ticks a queue may be empty although its
+    /// last segment has not begun, so the moves are done if this holds in two different ticks.
     fn is_idle(&mut self, status: &Status, room: u8) -> bool {
         if status.state != State::Armed || room != self.empty {
             self.idle_since = None;

@@ -14,7 +14,7 @@ use fivebar_kinematics::five_bar::Pose;
 use nalgebra::DMatrix;
 use nalgebra::Vector2;
 
-/// Position and motion of the tool, and the force on it.
+/// Position and motion of C, and the force on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolState {
     /// C [m].
@@ -27,7 +27,7 @@ pub struct ToolState {
     pub force: Vector2<f64>,
 }
 
-/// The effect of tolerances and clearances at one state of the tool.
+/// The effect of tolerances and clearances at one state of the arm.
 #[derive(Clone, Debug)]
 pub struct AccuracyAnalysis {
     /// The pose.
@@ -49,7 +49,7 @@ pub struct AccuracyAnalysis {
 }
 
 impl AccuracyAnalysis {
-    /// √(σx² + σy²) of the tool [m].
+    /// √(σx² + σy²) of C [m].
     pub fn radial_deviation(&self) -> f64 {
         self.position.covariance.trace().sqrt()
     }

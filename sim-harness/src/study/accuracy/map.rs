@@ -38,7 +38,7 @@ impl AccuracyMap {
     }
 }
 
-/// Maps the accuracy of a robot at rest under a force on its tool [N], over its reach or over
+/// Maps the accuracy of a robot at rest under a force on C [N], over its reach or over
 /// `region`, which is [x0, y0, x1, y1] [m].
 ///
 /// # Errors

@@ -47,9 +47,9 @@ pub struct PathAccuracy {
     pub contact_losses: Vec<ContactLoss>,
 }
 
-/// Analyses a job's motion under a constant force on the tool [N].
+/// Analyses a job's motion under a constant force on C [N].
 ///
-/// The tool moves at the feed rate everywhere, with the acceleration of the path's curvature
+/// C moves at the feed rate everywhere, with the acceleration of the path's curvature
 /// and without ramps at corners.
 ///
 /// # Errors
