@@ -291,6 +291,94 @@ fn moves_are_checked_before_they_are_taken() {
     assert!(driven.is_off());
 }
 
+#[test]
+fn paths_are_checked_against_reach_and_singularities() {
+    let bench = Bench::with(Options::default(), Vec::new(), 0);
+    let mut driven = bench.ready_with(|settings| {
+        for axis in &mut settings.axes {
+            axis.angle_limits = [-6.0, 6.0];
+        }
+        settings.motion.singularity_margin = 0.02;
+    });
+    driven.arm();
+    let [x, y] = bench::robot()
+        .best_point()
+        .expect("a point")
+        .map(|x| x as f32);
+    let mut found = Vec::new();
+    for to in [
+        [3.0, 0.0],
+        [x, 3.0],
+        [x, -y],
+        [x, 0.0],
+        [x, 1.2 * y],
+        [x, 1.4 * y],
+        [x, 1.6 * y],
+        [x + 0.1, y],
+        [x - 0.1, y],
+        [x + 0.15, 0.5 * y],
+        [x - 0.15, 0.5 * y],
+        [f32::INFINITY, y],
+    ] {
+        let command = MoveKind::Line { to, feed: 0.2 };
+        if let Err(error) = offer(&mut driven, command) {
+            found.push(error);
+        } else {
+            driven.request(Request::EmergencyStop).expect("stopped");
+            driven.request(Request::ClearFault).expect("cleared");
+            driven.arm();
+        }
+    }
+    assert!(found.contains(&MoveErrorKind::Number), "{found:?}");
+    let singular = |error: &MoveErrorKind| {
+        matches!(
+            error,
+            MoveErrorKind::LegSingularity(_) | MoveErrorKind::ParallelSingularity
+        )
+    };
+    assert!(found.iter().any(singular), "{found:?}");
+}
+
+#[test]
+fn requests_are_refused_in_the_wrong_state() {
+    let mut driven = Driven::new();
+    for request in [Request::Stop, Request::Disarm, Request::ClearFault] {
+        let before = driven.status();
+        let _ = driven.request(request);
+        assert_eq!(driven.status().state, before.state, "{request:?}");
+    }
+    let reply = driven
+        .client
+        .call(HostCommand::Snapshot)
+        .expect("an answer");
+    assert_eq!(reply, Reply::Snapshot(None));
+    driven.request(Request::Home).expect("homing");
+    driven.run(30 * MILLISECOND);
+    let homing = state(State::Homing);
+    for request in [Request::Arm, Request::Home, Request::SetAngles([1.0, 2.0])] {
+        assert_eq!(driven.request(request), Err(homing.clone()), "{request:?}");
+    }
+    let save = driven
+        .client
+        .command(HostCommand::SaveSettings)
+        .expect("an answer");
+    assert_eq!(save, Err(homing.clone()));
+    let apply = driven
+        .client
+        .command(HostCommand::ApplySettings)
+        .expect("an answer");
+    assert_eq!(apply, Err(homing));
+    driven.request(Request::Stop).expect("stopped");
+    driven.run(5 * MILLISECOND);
+    assert!(driven.is_off());
+    driven.arm();
+    let armed = state(State::Armed);
+    for request in [Request::Home, Request::SetAngles([1.0, 2.0])] {
+        assert_eq!(driven.request(request), Err(armed.clone()), "{request:?}");
+    }
+    driven.request(Request::Disarm).expect("disarmed");
+}
+
 fn state(state: State) -> CommandError {
     CommandError::Request(RequestError::State(state))
 }
