@@ -356,13 +356,13 @@ fn requests_are_refused_in_the_wrong_state() {
     driven.run(30 * MILLISECOND);
     let homing = state(State::Homing);
     for request in [Request::Arm, Request::Home, Request::SetAngles([1.0, 2.0])] {
-        assert_eq!(driven.request(request), Err(homing.clone()), "{request:?}");
+        assert_eq!(driven.request(request), Err(homing), "{request:?}");
     }
     let save = driven
         .client
         .command(HostCommand::SaveSettings)
         .expect("an answer");
-    assert_eq!(save, Err(homing.clone()));
+    assert_eq!(save, Err(homing));
     let apply = driven
         .client
         .command(HostCommand::ApplySettings)
@@ -374,7 +374,7 @@ fn requests_are_refused_in_the_wrong_state() {
     driven.arm();
     let armed = state(State::Armed);
     for request in [Request::Home, Request::SetAngles([1.0, 2.0])] {
-        assert_eq!(driven.request(request), Err(armed.clone()), "{request:?}");
+        assert_eq!(driven.request(request), Err(armed), "{request:?}");
     }
     driven.request(Request::Disarm).expect("disarmed");
 }
