@@ -16,4 +16,11 @@ unset RUSTC RUSTC_BOOTSTRAP
 manifest=(--manifest-path chip/Cargo.toml)
 cargo fmt "${manifest[@]}" --check
 cargo clippy "${manifest[@]}" --all-targets --quiet -- -D warnings
+
+# What the tests ran, how long the tick was and how deep the stack, compared with what is committed.
+export CHIP_FIGURES=$PWD/chip/target/figures
+rm -rf "$CHIP_FIGURES"
+mkdir -p "$CHIP_FIGURES"
 cargo test "${manifest[@]}"
+image=$(chip/image.sh | tail -n 1)
+cargo run --quiet "${manifest[@]}" --bin figures "$image" "$CHIP_FIGURES" chip/figures.txt

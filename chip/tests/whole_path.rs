@@ -2,7 +2,7 @@
 
 mod bench;
 
-use bench::{Bench, moves, petal, settings, used_flash};
+use bench::{Bench, gear, moves, settings, used_flash};
 use fivebar::run::drive::{Drive, Homing};
 use fivebar_chip::Options;
 use fivebar_chip::time::MILLISECOND;
@@ -26,7 +26,7 @@ fn the_image_runs_from_power_up_through_a_job_to_disarm() {
         .follow(&moves(), &settings(), &mut |_, _| ())
         .expect("the job is executed");
     drive
-        .follow(&petal(), &settings(), &mut |_, _| ())
+        .follow(&gear(), &settings(), &mut |_, _| ())
         .expect("the job is executed");
     let status = driven.status();
     assert_eq!((status.state, status.fault), (State::Stopped, None));

@@ -111,11 +111,11 @@ pub(crate) fn moves() -> Vec<Move> {
         .collect()
 }
 
-/// The arcs of a built-in job.
-pub(crate) fn petal() -> Vec<Move> {
+/// A built-in job: a gear of twelve teeth with rounded corners.
+pub(crate) fn gear() -> Vec<Move> {
     let path = concat!(
         env!("CARGO_MANIFEST_DIR"),
-        "/../sim-harness/jobs/petal.gcode"
+        "/../sim-harness/jobs/gear.gcode"
     );
     let scenario = Scenario::of_job(path, robot()).expect("a job file");
     let job = scenario.job().expect("a job");
