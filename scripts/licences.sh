@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Checks the licence of every dependency against the list in deny.toml, those of the fuzz
-# targets and of the Python package included.
+# targets, the Python package and the simulated chip included.
 #
 # The check for known vulnerabilities needs cargo-deny and its advisory database. Without them
 # the script reports that it did not check this.
@@ -35,6 +35,8 @@ done < <({
     list --target thumbv7em-none-eabihf
     list --manifest-path fuzz/Cargo.toml
     list --manifest-path python/Cargo.toml
+    # Of the tests' simulated chip the dependencies; the crate itself is under GPL-2.0-or-later.
+    list --manifest-path chip/Cargo.toml | grep -v '^fivebar-chip '
 } | sed '/^$/d; s/ (\*)$//; s/ (.*)|/|/' | sort -u)
 [ "$refused" -eq 0 ]
 [ "$count" -gt 20 ] || { echo "licences: cargo tree listed only $count packages" >&2; exit 1; }
