@@ -24,6 +24,18 @@ const FRESH: Time = 20 * MICROSECOND;
 /// How far a sample is off that is taken while its bridge switches [codes].
 const RINGING: u16 = 400;
 
+/// What one tick of the program saw, and what the timer did meanwhile.
+#[derive(Clone, Copy, Debug)]
+pub struct Tick {
+    /// The samples of this tick.
+    pub sample: SensorSample,
+    /// The duties that the compare registers gave up to this tick, in counts of half a period:
+    /// those of the tick before the last one, for they are preloaded.
+    pub duty: [i32; 2],
+    /// Whether both bridges were enabled up to this tick.
+    pub enabled: bool,
+}
+
 /// The arm and its electronics.
 pub struct Arm {
     plant: Plant,
@@ -47,6 +59,8 @@ pub struct Arm {
     pub samples_on_edges: u64,
     /// The last windows in which current 1, current 4 and the bus were sampled.
     pub windows: [Option<SampleWindow>; 3],
+    /// Every tick so far.
+    pub ticks: Vec<Tick>,
     /// Changes of what the bridges do, with their times.
     pub history: Vec<(Time, ActuatorCommand)>,
 }
@@ -74,6 +88,7 @@ impl Arm {
             chatter: [false; 2],
             samples_on_edges: 0,
             windows: [None; 3],
+            ticks: Vec::new(),
             history: Vec::new(),
         }
     }
@@ -81,6 +96,11 @@ impl Arm {
     /// The plant itself.
     pub fn plant(&self) -> &Plant {
         &self.plant
+    }
+
+    /// What the chip drives.
+    pub fn outputs(&self) -> &Outputs {
+        &self.outputs
     }
 
     /// What the bridges do now.
@@ -155,6 +175,18 @@ impl Arm {
         self.advance(now, acts);
         self.sample = self.plant.sense();
         self.sampled_at = now;
+    }
+
+    fn tick(&self) -> Tick {
+        let high = self.outputs.pwm.map(|output| match output {
+            Output::Pwm { high, .. } => (high / 2) as i32,
+            Output::Released | Output::Idle(_) => 0,
+        });
+        Tick {
+            sample: self.sample,
+            duty: [high[0] - high[1], high[2] - high[3]],
+            enabled: self.outputs.sleep == [Some(true); 2],
+        }
     }
 
     fn is_waking(&self, now: Time, joint: usize) -> bool {
@@ -233,6 +265,10 @@ impl Wiring for SharedArm {
             .position(|&channel| channel == window.channel);
         if let Some(place) = place {
             arm.windows[place] = Some(*window);
+        }
+        if window.channel == BUS {
+            let tick = arm.tick();
+            arm.ticks.push(tick);
         }
         for joint in 0..2 {
             if window.channel == CURRENT[joint] {

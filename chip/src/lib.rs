@@ -22,7 +22,7 @@ mod unicorn;
 mod violation;
 mod wiring;
 
-pub use arm::{Arm, SharedArm};
+pub use arm::{Arm, SharedArm, Tick};
 pub use chip::{Chip, Report};
 pub use figures::{Figures, Summary};
 pub use host::HostLine;

@@ -31,12 +31,15 @@ fn a_held_emergency_stop_is_a_fault_and_the_tick_goes_on() {
             later.tick - status.tick
         );
         assert_eq!(driven.chip().resets().len(), 1, "the watchdog is fed");
+        assert!(driven.is_off_twice());
         // Cleared while pressed, it is raised again at once.
         driven.request(Request::ClearFault).expect("cleared");
         driven.run(2 * TICK);
         assert_eq!(driven.status().fault, Some(Fault::EmergencyStop));
         driven.arm.get().press_stop(false);
-        driven.run(2 * TICK);
+        driven.chip().pins_changed();
+        driven.run(5 * TICK);
+        assert!(driven.is_off_twice(), "released, and not cleared");
         driven.request(Request::ClearFault).expect("cleared");
         driven.arm();
     }

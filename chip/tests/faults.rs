@@ -71,6 +71,7 @@ fn ticks_until_off(driven: &mut Driven, within: u64) -> u64 {
 fn stays_off_until_cleared(driven: &mut Driven, fault: Fault) {
     let status = driven.status();
     assert_eq!((status.state, status.fault), (State::Fault, Some(fault)));
+    assert!(driven.is_off_twice());
     let changes = driven.arm.get().history.len();
     for request in [
         Request::Arm,

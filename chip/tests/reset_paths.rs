@@ -24,7 +24,7 @@ fn ends(reason: Reset, end: impl FnOnce(&mut Chip)) {
     assert_ne!(driven.status().state, State::Armed);
     assert!(driven.request(Request::Arm).is_err());
     driven.run(20 * MILLISECOND);
-    assert!(driven.is_off());
+    assert!(driven.is_off_twice());
 }
 
 /// An address in RAM with an instruction that the processor does not have.

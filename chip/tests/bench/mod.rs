@@ -7,7 +7,7 @@ use fivebar::input::scenario::{Mismatch, Scenario};
 use fivebar::run::link::Client;
 use fivebar::run::plant::Plant;
 use fivebar_chip::time::{MILLISECOND, Time};
-use fivebar_chip::{Arm, Chip, HostLine, Image, Options, SharedArm};
+use fivebar_chip::{Arm, Chip, HostLine, Image, Options, Output, SharedArm};
 use fivebar_firmware::protocol::{CommandError, HostCommand, Reset};
 use fivebar_firmware::{Move, MoveKind, Request, Settings, Status};
 use nalgebra::Vector2;
@@ -177,13 +177,23 @@ impl Driven {
         self.client.status().expect("the controller answers").0
     }
 
-    /// Tells the controller where the arm is, and arms it.
-    pub(crate) fn arm(&mut self) {
+    /// Tells the controller where the arm is, and arms it; the angles that it was told.
+    pub(crate) fn arm(&mut self) -> [f32; 2] {
         let angles = [0, 1].map(|joint| self.arm.get().plant().angle(joint) as f32);
         self.request(Request::SetAngles(angles)).expect("angles");
         self.request(Request::Arm).expect("armed");
         self.run(5 * MILLISECOND);
         assert_eq!(self.arm.get().acting().enable, [true; 2]);
+        angles
+    }
+
+    /// Whether both the timer's outputs and the sleep pins keep the bridges off.
+    pub(crate) fn is_off_twice(&self) -> bool {
+        let arm = self.arm.get();
+        let outputs = arm.outputs();
+        let by_timer = |output: &Output| !matches!(output, Output::Pwm { .. });
+        let asleep = |level: &Option<bool>| *level != Some(true);
+        outputs.pwm.iter().all(by_timer) && outputs.sleep.iter().all(asleep)
     }
 
     /// Whether no bridge drives its motor.
