@@ -108,6 +108,12 @@ impl Arm {
         &self.acting
     }
 
+    /// Forgets the ticks and changes so far, of which a long run has too many.
+    pub fn forget(&mut self) {
+        self.ticks.clear();
+        self.history.clear();
+    }
+
     /// The last samples.
     pub fn sample_now(&self) -> &SensorSample {
         &self.sample

@@ -1,0 +1,108 @@
+//! A simulated board on a pseudo terminal: `fivebar drive` and `fivebar monitor` use it as they
+//! use a board on a serial line.
+//!
+//! `board [image] [robot]` prints the terminal's path and runs, at the speed of real time or as
+//! fast as this machine allows, until it is interrupted.
+
+use fivebar::input::robot::{BuiltIn, Robot};
+use fivebar::input::scenario::Mismatch;
+use fivebar::run::plant::Plant;
+use fivebar_chip::time::{MILLISECOND, Time};
+use fivebar_chip::{Arm, Chip, Image, Options, SharedArm};
+use std::error::Error;
+use std::ffi::{CStr, c_char, c_int, c_void};
+use std::fs::File;
+use std::io::{ErrorKind, Read, Write};
+use std::os::fd::FromRawFd;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+const IMAGE: &str = concat!(
+    env!("CARGO_MANIFEST_DIR"),
+    "/../target/firmware/thumbv7em-none-eabihf/firmware/stm32f405"
+);
+/// Linux's flags: read and write, no controlling terminal, do not block.
+const FLAGS: c_int = 0o2 | 0o400 | 0o4000;
+
+unsafe extern "C" {
+    fn posix_openpt(flags: c_int) -> c_int;
+    fn grantpt(terminal: c_int) -> c_int;
+    fn unlockpt(terminal: c_int) -> c_int;
+    fn ptsname(terminal: c_int) -> *const c_char;
+    fn tcgetattr(terminal: c_int, settings: *mut c_void) -> c_int;
+    fn cfmakeraw(settings: *mut c_void);
+    fn tcsetattr(terminal: c_int, when: c_int, settings: *const c_void) -> c_int;
+}
+
+/// A pseudo terminal: its near end, and the path of its far end.
+fn terminal() -> std::io::Result<(File, PathBuf)> {
+    // SAFETY: the functions get a descriptor that is open, and room for the settings, which
+    // take 60 bytes on Linux.
+    unsafe {
+        let terminal = posix_openpt(FLAGS);
+        if terminal < 0 || grantpt(terminal) != 0 || unlockpt(terminal) != 0 {
+            return Err(std::io::Error::last_os_error());
+        }
+        let mut settings = [0_u64; 32];
+        if tcgetattr(terminal, settings.as_mut_ptr().cast()) == 0 {
+            cfmakeraw(settings.as_mut_ptr().cast());
+            tcsetattr(terminal, 0, settings.as_ptr().cast());
+        }
+        let name = ptsname(terminal);
+        if name.is_null() {
+            return Err(std::io::Error::last_os_error());
+        }
+        let name = CStr::from_ptr(name).to_string_lossy().into_owned();
+        Ok((File::from_raw_fd(terminal), PathBuf::from(name)))
+    }
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut arguments = std::env::args().skip(1);
+    let image = arguments.next().unwrap_or_else(|| IMAGE.to_owned());
+    let robot = Robot::load(
+        &arguments
+            .next()
+            .unwrap_or_else(|| BuiltIn::DEFAULT.to_owned()),
+    )?;
+    let image = Arc::new(Image::read(&PathBuf::from(image))?);
+    // A little before the home switches.
+    let axes = robot.settings()?.axes;
+    let before = axes.map(|axis| if axis.home_forward { -0.03 } else { 0.03 });
+    let pose = robot.pose_near_home(before)?;
+    let plant = Plant::new(&robot, &Mismatch::default(), &pose, 1)?;
+    let arm = SharedArm::new(Arm::new(plant, MILLISECOND));
+    let chip = Chip::new(image, Options::default(), Vec::new(), Box::new(arm.clone()));
+    let chip = chip.map_err(|error| format!("the CPU emulator fails: {error:?}"))?;
+    let (line, path) = terminal()?;
+    println!("{}", path.display());
+    serve(chip, &arm, line)
+}
+
+fn serve(mut chip: Chip, arm: &SharedArm, mut line: File) -> Result<(), Box<dyn Error>> {
+    let began = Instant::now();
+    let mut bytes = [0; 512];
+    loop {
+        match line.read(&mut bytes) {
+            Ok(count) => chip.send(&bytes[..count]),
+            // Nobody has the far end open.
+            Err(error) if error.raw_os_error() == Some(5) => {}
+            Err(error) if error.kind() == ErrorKind::WouldBlock => {}
+            Err(error) => return Err(error.into()),
+        }
+        chip.run(MILLISECOND)?;
+        let sent = chip.receive(usize::MAX);
+        if !sent.is_empty() {
+            // What nobody reads is lost, as on a wire.
+            let _ = line.write(&sent);
+        }
+        arm.get().forget();
+        let simulated = Duration::from_nanos(chip.now() / NANOSECOND);
+        if let Some(ahead) = simulated.checked_sub(began.elapsed()) {
+            std::thread::sleep(ahead);
+        }
+    }
+}
+
+const NANOSECOND: Time = 1_000_000;
