@@ -24,6 +24,7 @@ pub(crate) extern "C" fn on_block(_: Handle, address: u64, size: u32, data: *mut
         return;
     }
     cpu.block = address as u32;
+    cpu.block_size = size;
     cpu.idle.path = (cpu.idle.path ^ address).wrapping_mul(0x0100_0000_01b3);
     if cpu.idle.anchor == Some(address as u32) {
         cpu.turn();
@@ -90,8 +91,7 @@ pub(crate) extern "C" fn read_at<const BASE: u32>(
             value.into()
         }
         Err(violation) => {
-            cpu.mcu.violation.get_or_insert(violation);
-            cpu.touched();
+            cpu.refuse(violation, BASE + offset as u32, false);
             0
         }
     }
@@ -106,7 +106,7 @@ pub(crate) extern "C" fn write_at<const BASE: u32>(
 ) {
     let cpu = cpu(data);
     if let Err(violation) = cpu.mcu.write(BASE + offset as u32, size, value as u32) {
-        cpu.mcu.violation.get_or_insert(violation);
+        cpu.refuse(violation, BASE + offset as u32, true);
     }
     cpu.touched();
 }

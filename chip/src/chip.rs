@@ -29,7 +29,7 @@ const SYSTEM: u32 = 0x1fff_7000;
 pub struct Report {
     /// The broken rule.
     pub violation: Violation,
-    /// Where the program was: the beginning of the block of code.
+    /// The instruction that made the access; if it is not found, the beginning of its block.
     pub pc: u32,
     /// The function there.
     pub function: String,
@@ -88,6 +88,7 @@ impl Chip {
             ccm: vec![0x5a; 64 * 1024].into_boxed_slice(),
             system,
             block: 0,
+            block_size: 0,
             stop: None,
             limit: 0,
             deadline: 0,

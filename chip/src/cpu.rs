@@ -2,7 +2,8 @@
 
 use crate::chip::Report;
 use crate::figures::Figures;
-use crate::image::Image;
+use crate::image::{CODE, Image};
+use crate::locate::access_in;
 use crate::mcu::Mcu;
 use crate::nvic::Nvic;
 use crate::peripherals::rcc::ResetCause;
@@ -32,6 +33,7 @@ pub(crate) struct Cpu {
     pub(crate) system: Box<[u8]>,
     /// The block that runs.
     pub(crate) block: u32,
+    pub(crate) block_size: u32,
     pub(crate) stop: Option<Stop>,
     pub(crate) limit: Time,
     /// When the block hook has to look.
@@ -73,6 +75,26 @@ impl Cpu {
                 .line(self.block)
                 .unwrap_or_else(|| "?".to_owned()),
             time: seconds(self.mcu.now),
+        }
+    }
+
+    /// An access to this address broke a rule: the run ends, and the report names the
+    /// instruction.
+    pub(crate) fn refuse(&mut self, violation: Violation, address: u32, writes: bool) {
+        let first = self.mcu.violation.is_none();
+        self.mcu.violation.get_or_insert(violation);
+        self.touched();
+        let start = self.block.wrapping_sub(CODE) as usize;
+        let code = self.code.get(start..start + self.block_size as usize);
+        let register = |number| match number {
+            13 => self.engine.get(Reg::SP),
+            14 => self.engine.get(Reg::LR),
+            15 => self.engine.get(Reg::PC),
+            _ => self.engine.get(Reg::r(number)),
+        };
+        let found = code.and_then(|code| access_in(code, self.block, address, writes, register));
+        if first {
+            self.block = found.unwrap_or(self.block);
         }
     }
 

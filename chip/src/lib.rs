@@ -11,6 +11,7 @@ mod exceptions;
 mod figures;
 mod host;
 mod image;
+mod locate;
 mod mcu;
 mod nvic;
 mod peripherals;
