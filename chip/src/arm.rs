@@ -49,6 +49,7 @@ pub struct Arm {
     wake: Time,
     awake_at: [Time; 2],
     stop_pressed: bool,
+    broken: Vec<Pin>,
     /// How long the next disturbance of an encoder's inputs lasts, and counts that
     /// disturbances have added.
     glitch: [Time; 2],
@@ -83,6 +84,7 @@ impl Arm {
             wake,
             awake_at: [NEVER; 2],
             stop_pressed: false,
+            broken: Vec::new(),
             glitch: [0; 2],
             added: [0; 2],
             chatter: [false; 2],
@@ -128,6 +130,11 @@ impl Arm {
     /// Presses or releases the emergency stop.
     pub fn press_stop(&mut self, pressed: bool) {
         self.stop_pressed = pressed;
+    }
+
+    /// Breaks the wire of a switch or button: nothing drives the pin.
+    pub fn break_wire(&mut self, pin: Pin) {
+        self.broken.push(pin);
     }
 
     /// Disturbs an encoder: if a disturbance of this length passes the filter, it counts.
@@ -237,6 +244,9 @@ impl Wiring for SharedArm {
         let arm = &mut *self.get();
         if now >= arm.sampled_at + 10 * FRESH {
             arm.refresh(now);
+        }
+        if arm.broken.contains(&pin) {
+            return None;
         }
         if pin == STOP {
             return Some(arm.stop_pressed || arm.sample.emergency_stop);

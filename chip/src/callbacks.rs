@@ -112,7 +112,18 @@ pub(crate) extern "C" fn write_at<const BASE: u32>(
 }
 
 pub(crate) extern "C" fn read_sectors(_: Handle, offset: u64, size: u32, data: *mut c_void) -> u64 {
-    cpu(data).mcu.flash.load(offset as u32, size).into()
+    let cpu = cpu(data);
+    match cpu.mcu.flash.load(offset as u32, size) {
+        Ok(value) => value.into(),
+        Err(violation) => {
+            cpu.refuse(
+                violation,
+                crate::peripherals::flash::START + offset as u32,
+                false,
+            );
+            0
+        }
+    }
 }
 
 pub(crate) extern "C" fn write_sectors(

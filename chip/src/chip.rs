@@ -13,7 +13,7 @@ use crate::peripherals::rcc::ResetCause;
 use crate::peripherals::tim1::RepetitionReading;
 use crate::time::{NEVER, Time};
 use crate::unicorn::{EXECUTE, EmulatorError, Engine, READ, Reg, WRITE};
-use crate::violation::{Violation, refuse};
+use crate::violation::{Access, Violation, refuse};
 use crate::wiring::Wiring;
 use std::ffi::c_void;
 use std::fmt;
@@ -275,6 +275,19 @@ impl Chip {
     /// The program goes on at this address, as one does that has lost its way.
     pub fn go_on_at(&mut self, address: u32) {
         self.cpu_mut().engine.set(Reg::PC, address & !1);
+    }
+
+    /// An interrupt is disabled, as by a program that has lost its way.
+    pub fn disable_interrupt(&mut self, interrupt: u32) {
+        self.mcu().nvic.disable(interrupt);
+    }
+
+    /// What the program would read from a register.
+    ///
+    /// # Errors
+    /// A register that must not be read.
+    pub fn register(&mut self, address: u32) -> Access<u32> {
+        self.mcu().read(address, 4)
     }
 
     /// An interrupt is raised that the program does not expect.

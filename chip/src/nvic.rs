@@ -85,6 +85,10 @@ impl Nvic {
         self.pending |= 1 << interrupt;
     }
 
+    pub(crate) fn disable(&mut self, interrupt: u32) {
+        self.enabled &= !(1 << interrupt);
+    }
+
     fn priority_of(&self, exception: u32) -> i32 {
         match exception {
             NMI => -2,

@@ -2,7 +2,7 @@
 
 mod bench;
 
-use bench::{Bench, Driven, image, settings, used_flash};
+use bench::{Bench, Driven, image, save, settings, used_flash};
 use fivebar_chip::time::{MICROSECOND, MILLISECOND, SECOND};
 use fivebar_chip::{FlashEvent, Options, RepetitionReading, ResetCause};
 use fivebar_firmware::Request;
@@ -43,13 +43,6 @@ fn a_held_emergency_stop_is_a_fault_and_the_tick_goes_on() {
         driven.request(Request::ClearFault).expect("cleared");
         driven.arm();
     }
-}
-
-fn save(driven: &mut Driven) -> Reply {
-    driven
-        .client
-        .call(HostCommand::SaveSettings)
-        .expect("the controller answers")
 }
 
 #[test]
@@ -191,8 +184,10 @@ fn the_host_hears_of_a_crystal_that_dies() {
     let mut driven = Driven::new();
     driven.arm();
     driven.chip().crystal_fails();
-    driven.run(TICK);
+    driven.run(10 * MICROSECOND);
     assert!(driven.is_off());
+    let asleep = driven.arm.get().outputs().sleep;
+    assert_eq!(asleep, [Some(false); 2], "by the NMI, before the next tick");
     // A tick now takes ten times as long.
     driven.run(30 * TICK);
     let status = driven.status();

@@ -2,7 +2,7 @@
 
 use crate::register::Register;
 use crate::time::{MICROSECOND, MILLISECOND, Time};
-use crate::violation::{Access, refuse};
+use crate::violation::{Access, refuse, refuse_read};
 
 /// Address of the first sector whose contents may change: sector 8.
 pub(crate) const START: u32 = 0x0808_0000;
@@ -305,12 +305,21 @@ impl Flash {
     }
 
     /// The program reads the sectors, through the data cache if it is enabled.
-    pub(crate) fn load(&mut self, offset: u32, size: u32) -> u32 {
+    pub(crate) fn load(&mut self, offset: u32, size: u32) -> Access<u32> {
         let mut value = 0;
         for index in (0..size).rev() {
-            value = value << 8 | u32::from(self.load_byte((offset + index) as usize));
+            let at = (offset + index) as usize;
+            let byte = self.load_byte(at);
+            if byte != self.sectors[at] {
+                let place = format!("flash at {:#x}", START + offset);
+                return refuse_read(
+                    &place,
+                    "the data cache holds what was there before an erase",
+                );
+            }
+            value = value << 8 | u32::from(byte);
         }
-        value
+        Ok(value)
     }
 
     fn load_byte(&mut self, at: usize) -> u8 {

@@ -8,7 +8,7 @@ use fivebar::run::link::Client;
 use fivebar::run::plant::Plant;
 use fivebar_chip::time::{MILLISECOND, Time};
 use fivebar_chip::{Arm, Chip, HostLine, Image, Options, Output, SharedArm};
-use fivebar_firmware::protocol::{CommandError, HostCommand, Reset};
+use fivebar_firmware::protocol::{CommandError, HostCommand, Reply, Reset};
 use fivebar_firmware::{Move, MoveKind, Request, Settings, Status};
 use nalgebra::Vector2;
 use std::cell::RefMut;
@@ -183,17 +183,20 @@ impl Driven {
         self.request(Request::SetAngles(angles)).expect("angles");
         self.request(Request::Arm).expect("armed");
         self.run(5 * MILLISECOND);
-        assert_eq!(self.arm.get().acting().enable, [true; 2]);
+        let acting = *self.arm.get().acting();
+        assert_eq!((acting.enable, acting.brake), ([true; 2], false));
         angles
     }
 
-    /// Whether both the timer's outputs and the sleep pins keep the bridges off.
+    /// Whether both the timer's outputs and the sleep pins keep the bridges off, and the brake
+    /// is engaged.
     pub(crate) fn is_off_twice(&self) -> bool {
         let arm = self.arm.get();
         let outputs = arm.outputs();
         let by_timer = |output: &Output| !matches!(output, Output::Pwm { .. });
         let asleep = |level: &Option<bool>| *level != Some(true);
-        outputs.pwm.iter().all(by_timer) && outputs.sleep.iter().all(asleep)
+        let braked = outputs.brake != Some(true);
+        outputs.pwm.iter().all(by_timer) && outputs.sleep.iter().all(asleep) && braked
     }
 
     /// Whether no bridge drives its motor.
@@ -215,4 +218,12 @@ pub(crate) fn used_flash() -> Vec<u8> {
     (0..512 * 1024_u32)
         .map(|at| (at.wrapping_mul(2_654_435_761) >> 24) as u8)
         .collect()
+}
+
+/// Stores the settings in use.
+pub(crate) fn save(driven: &mut Driven) -> Reply {
+    driven
+        .client
+        .call(HostCommand::SaveSettings)
+        .expect("the controller answers")
 }
