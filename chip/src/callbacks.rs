@@ -30,6 +30,7 @@ pub(crate) extern "C" fn on_block(_: Handle, address: u64, size: u32, data: *mut
         cpu.turn();
     }
     cpu.figures.block(address as u32, size);
+    cpu.trace_block(address as u32);
     // A cycle for every two bytes of code.
     cpu.mcu.now += u64::from(size / 2) * cpu.mcu.core;
 }
@@ -105,6 +106,9 @@ pub(crate) extern "C" fn write_at<const BASE: u32>(
     data: *mut c_void,
 ) {
     let cpu = cpu(data);
+    if let Some(trace) = &mut cpu.trace {
+        trace.write(BASE + offset as u32, value as u32);
+    }
     if let Err(violation) = cpu.mcu.write(BASE + offset as u32, size, value as u32) {
         cpu.refuse(violation, BASE + offset as u32, true);
     }

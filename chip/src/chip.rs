@@ -12,6 +12,7 @@ use crate::peripherals::flash::{self, FlashEvent};
 use crate::peripherals::rcc::ResetCause;
 use crate::peripherals::tim1::RepetitionReading;
 use crate::time::{NEVER, Time};
+use crate::trace;
 use crate::unicorn::{EXECUTE, EmulatorError, Engine, READ, Reg, WRITE};
 use crate::violation::{Access, Violation, refuse};
 use crate::wiring::Wiring;
@@ -75,9 +76,7 @@ impl Chip {
         system[0xa22..0xa24].copy_from_slice(&1024_u16.to_le_bytes());
         let figures = Figures::new(&image);
         let idle = IdleLoop {
-            anchor: image
-                .symbol("Planner$GT$3run")
-                .map(|(address, _)| address & !1),
+            anchor: trace::planner(&image),
             ..IdleLoop::default()
         };
         let cpu = Box::new(Cpu {
@@ -98,6 +97,7 @@ impl Chip {
             figures,
             stack_left: None,
             idle,
+            trace: None,
         });
         let cpu = NonNull::from(Box::leak(cpu));
         let mut chip = Self { cpu };
@@ -143,12 +143,12 @@ impl Chip {
         engine.on_invalid_instruction(on_invalid_instruction, data)
     }
 
-    fn cpu(&self) -> &Cpu {
+    pub(crate) fn cpu(&self) -> &Cpu {
         // SAFETY: it lives as long as the chip; no callback runs meanwhile.
         unsafe { self.cpu.as_ref() }
     }
 
-    fn cpu_mut(&mut self) -> &mut Cpu {
+    pub(crate) fn cpu_mut(&mut self) -> &mut Cpu {
         // SAFETY: as above.
         unsafe { self.cpu.as_mut() }
     }

@@ -8,6 +8,7 @@ use crate::mcu::Mcu;
 use crate::nvic::Nvic;
 use crate::peripherals::rcc::ResetCause;
 use crate::time::{Time, seconds};
+use crate::trace::{Step, Trace};
 use crate::unicorn::{Engine, Reg};
 use crate::violation::Violation;
 use std::sync::Arc;
@@ -47,6 +48,8 @@ pub(crate) struct Cpu {
     /// then means nothing.
     pub(crate) stack_left: Option<u32>,
     pub(crate) idle: IdleLoop,
+    /// What the program does, if a test asks.
+    pub(crate) trace: Option<Trace>,
 }
 
 /// The idle loop's turns. One that runs the same blocks as the turn before, without an
@@ -165,6 +168,9 @@ impl Cpu {
 
     /// A turn of the idle loop begins: skips those that change nothing.
     pub(crate) fn turn(&mut self) {
+        if let Some(trace) = &mut self.trace {
+            trace.note(Step::Planned);
+        }
         let (now, idle) = (self.mcu.now, &mut self.idle);
         let length = now - idle.began;
         let repeats = idle.path == idle.last_path && length == idle.last_length;

@@ -52,6 +52,9 @@ impl Cpu {
         let back = if thread { 0xffff_fff9 } else { 0xffff_fff1 };
         self.mcu.nvic.enter(exception);
         self.figures.enter(exception);
+        if let Some(trace) = &mut self.trace {
+            trace.enter(exception);
+        }
         let entry = self.vector(exception);
         let engine = &mut self.engine;
         engine.set(Reg::SP, new);

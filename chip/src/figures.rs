@@ -1,11 +1,10 @@
 //! Figures of what ran: code, length of the tick, stack.
 
 use crate::image::{CODE, CODE_SIZE, Image};
+use crate::trace::TICK;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// The exception of the control tick: ADC1 to ADC3.
-const TICK: u32 = 16 + 18;
 /// The variable that names the folder for the figures of every chip.
 const FOLDER: &str = "CHIP_FIGURES";
 /// The pattern of the stack that was never used, and its size.

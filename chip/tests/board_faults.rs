@@ -2,11 +2,11 @@
 
 mod bench;
 
-use bench::{Bench, Driven, image, save, settings, used_flash};
+use bench::{Bench, Driven, hear, image, save, say, settings, tell, used_flash};
 use fivebar_chip::time::{MICROSECOND, MILLISECOND, SECOND};
 use fivebar_chip::{FlashEvent, Options, RepetitionReading, ResetCause};
 use fivebar_firmware::Request;
-use fivebar_firmware::protocol::{HostCommand, Reply, Reset};
+use fivebar_firmware::protocol::{ControllerMessage, HostCommand, Reply, Reset, VERSION};
 use fivebar_firmware::safety::{Fault, State};
 
 /// A tick.
@@ -215,21 +215,28 @@ fn a_frame_that_follows_a_long_one_is_sent() {
     let mut driven = Driven::new();
     driven.arm();
     driven.request(Request::EmergencyStop).expect("stopped");
-    let every = HostCommand::Telemetry { every: 25 };
-    assert_eq!(driven.client.command(every).expect("a line"), Ok(()));
-    let repeats = driven.client.repeats();
-    let mut numbers = Vec::new();
-    for _ in 0..50 {
-        let reply = driven
-            .client
-            .call(HostCommand::Snapshot)
-            .expect("an answer");
-        assert!(matches!(reply, Reply::Snapshot(Some(_))), "{reply:?}");
-        while let Some(sample) = driven.client.take_telemetry() {
-            numbers.push(sample.number);
+    // Another session, in which each command is sent once, however slow this computer is.
+    let hello = HostCommand::Hello {
+        version: VERSION,
+        session: 9,
+    };
+    say(&driven, 0, hello);
+    tell(&driven, 1, HostCommand::Telemetry { every: 25 });
+    hear(&driven);
+    let (mut numbers, mut replies) = (Vec::new(), 0);
+    for sequence in 2..52 {
+        tell(&driven, sequence, HostCommand::Snapshot);
+    }
+    for message in hear(&driven) {
+        match message {
+            ControllerMessage::Telemetry(sample) => numbers.push(sample.number),
+            ControllerMessage::Reply { reply, .. } => {
+                assert!(matches!(reply, Reply::Snapshot(Some(_))), "{reply:?}");
+                replies += 1;
+            }
         }
     }
-    assert_eq!(driven.client.repeats(), repeats);
+    assert_eq!(replies, 50);
     assert!(numbers.len() > 10, "{}", numbers.len());
     let gap = numbers.windows(2).find(|pair| pair[1] != pair[0] + 1);
     assert_eq!(gap, None);

@@ -2,39 +2,16 @@
 
 mod bench;
 
-use bench::{Bench, Driven, settings};
+use bench::{Bench, Driven, say, settings};
 use fivebar_chip::Options;
 use fivebar_chip::time::MILLISECOND;
 use fivebar_firmware::controller::RequestError;
 use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::protocol::{
-    CommandError, ControllerMessage, Decoder, HostCommand, HostMessage, Reply, SectionKey,
-    Sequence, VERSION, encode,
+    CommandError, HostCommand, HostMessage, Reply, SectionKey, Sequence, VERSION, encode,
 };
 use fivebar_firmware::safety::State;
 use fivebar_firmware::{Move, MoveKind, Request, SensorSample, Settings};
-
-/// Sends a command with any sequence number, and takes the replies that come within 20 ms.
-fn say(driven: &Driven, sequence: u16, command: HostCommand) -> Vec<Reply> {
-    let message = HostMessage {
-        sequence: Sequence(sequence),
-        command,
-    };
-    let frame = encode(&message).expect("a frame");
-    let mut chip = driven.chip();
-    chip.send(&frame);
-    chip.run(20 * MILLISECOND).expect("no violation");
-    let mut decoder = Decoder::<ControllerMessage>::new();
-    let bytes = chip.receive(4096);
-    let messages = bytes
-        .into_iter()
-        .filter_map(|byte| decoder.feed(byte)?.ok());
-    let replies = messages.filter_map(|message| match message {
-        ControllerMessage::Reply { reply, .. } => Some(reply),
-        ControllerMessage::Telemetry(_) => None,
-    });
-    replies.collect()
-}
 
 #[test]
 fn sequence_and_session_are_checked() {

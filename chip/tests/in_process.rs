@@ -1,119 +1,235 @@
 //! The duties of the production image equal those of the controller in this process, to within
-//! the rounding of a compare register, for the same samples.
+//! the rounding of a compare register, for the same samples, commands and paths.
+//!
+//! The controller here gets each of the image's samples. The simulated chip tells between which
+//! ticks the image answered a command and gave its planner time, so that the controller here
+//! gets the same path in front of the same tick.
 
 mod bench;
 
-use bench::{Bench, Driven, robot, settings};
-use fivebar::run::link::{InProcess, Target};
+use bench::{Bench, Driven, gear, moves, settings};
 use fivebar_chip::time::{MILLISECOND, Time};
-use fivebar_chip::{Options, Tick};
-use fivebar_firmware::protocol::{HostCommand, Reply};
-use fivebar_firmware::{Move, MoveKind, Request};
+use fivebar_chip::{Options, Step, Tick};
+use fivebar_firmware::planner::MoveErrorKind;
+use fivebar_firmware::protocol::{CommandError, HostCommand, Reply};
+use fivebar_firmware::safety::State;
+use fivebar_firmware::{ActuatorCommand, Controller, Move, Planner, Request};
+use rtic_core::Mutex;
 
 /// Counts of half a PWM period.
 const FULL: f32 = 4200.0;
-/// Ticks before the bridges are enabled that the controller here sees, too: its observers settle.
-const BEFORE: usize = 300;
 
-/// Whether the controller here, which gets this request in front of tick `at` and this move so
-/// many ticks later, gives the same duties up to tick `end`: the first tick that differs.
-fn first_difference(
-    ticks: &[Tick],
-    at: usize,
-    end: usize,
-    requests: &[Request],
-    offered: Option<(usize, Move)>,
-) -> Option<(usize, [i32; 2], [i32; 2])> {
-    let mut here = InProcess::new(&settings()).expect("valid settings");
-    for number in at - BEFORE..end {
-        if number == at {
-            for &request in requests {
-                here.request(request).expect("accepted");
-            }
-        }
-        if let Some((after, offered)) = &offered
-            && number == at + after
-        {
-            assert!(here.offer(offered).expect("a valid move"));
-        }
-        let (command, _) = here.tick(&ticks[number].sample).expect("a tick");
-        // The registers are preloaded, and seen up to the tick after that.
-        let Some(seen) = ticks.get(number + 2).filter(|seen| seen.enabled) else {
-            continue;
-        };
-        if command.enable != [true; 2] {
-            continue;
-        }
-        let duty = command.duty.map(|duty| (duty * FULL).round() as i32);
-        let differs = (0..2).any(|joint| (duty[joint] - seen.duty[joint]).abs() > 1);
-        if number >= at && differs {
-            return Some((number - at, duty, seen.duty));
+/// A host that keeps in mind what it told the image.
+struct Recorder {
+    driven: Driven,
+    /// Frames that the image had sent before the first command here.
+    sent_before: usize,
+    commands: Vec<HostCommand>,
+}
+
+impl Recorder {
+    fn new() -> Self {
+        let bench = Bench::with(Options::default(), Vec::new(), 0);
+        bench.line.chip().trace();
+        let driven = bench.ready();
+        let is_sent = |(_, step): &&(usize, Step)| *step == Step::Sent;
+        let sent_before = driven.chip().steps().iter().filter(is_sent).count();
+        Self {
+            driven,
+            sent_before,
+            commands: Vec::new(),
         }
     }
-    None
+
+    fn call(&mut self, command: HostCommand) -> Reply {
+        let reply = self.driven.client.call(command).expect("an answer");
+        // What was refused has changed nothing.
+        let kept = match reply {
+            Reply::Refused(_) => HostCommand::Status,
+            _ => command,
+        };
+        self.commands.push(kept);
+        reply
+    }
+
+    fn request(&mut self, request: Request) {
+        assert_eq!(self.call(HostCommand::Request(request)), Reply::Done);
+    }
+
+    fn state(&mut self) -> State {
+        match self.call(HostCommand::Status) {
+            Reply::Status { status, .. } => status.state,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    /// Lets the image run; it hears of the host.
+    fn run(&mut self, time: Time) {
+        for _ in 0..time / (20 * MILLISECOND) {
+            self.driven.run(20 * MILLISECOND);
+            self.state();
+        }
+    }
+
+    /// Hands the image moves as fast as it takes them, and waits for the end of the last one.
+    fn stream(&mut self, moves: &[Move]) {
+        for &next in moves {
+            let full = |reply: Reply| match reply {
+                Reply::Taken { .. } => false,
+                Reply::Refused(CommandError::Move(error)) => {
+                    assert_eq!(error.kind, MoveErrorKind::Full);
+                    true
+                }
+                other => panic!("{other:?}"),
+            };
+            while full(self.call(HostCommand::Move(next))) {
+                self.driven.run(5 * MILLISECOND);
+            }
+        }
+        while self.state() == State::Running {
+            self.driven.run(5 * MILLISECOND);
+        }
+    }
+
+    /// Asserts that the controller here gives the image's duties in every tick, of which at least
+    /// so many have the bridges on.
+    fn assert_agrees(&self, least: usize) {
+        let (chip, arm) = (self.driven.chip(), self.driven.arm.get());
+        let mut here = Here::new(&arm.ticks);
+        let mut steps = chip.steps().iter().peekable();
+        let mut commands = self.commands.iter();
+        let mut to_skip = self.sent_before;
+        // The controller's last lock, in which a command acts.
+        let mut locked = 0;
+        let checked = settings().check().expect("valid settings");
+        let mut planner = Planner::new(&checked);
+        while let Some(&(at, step)) = steps.next() {
+            match step {
+                Step::Planned => {
+                    here.tick_up_to(at);
+                    planner.run(&mut Locks {
+                        here: &mut here,
+                        steps: &mut steps,
+                    });
+                }
+                Step::Locked => locked = at,
+                Step::Sent if to_skip > 0 => to_skip -= 1,
+                Step::Sent => {
+                    here.tick_up_to(locked);
+                    here.controller.feed_host_timeout();
+                    let command = commands.next().expect("a command for each reply");
+                    match command {
+                        HostCommand::Request(request) => {
+                            here.controller.request(*request).expect("accepted");
+                        }
+                        HostCommand::Move(next) => {
+                            let pushed = planner.push(&mut here.controller, next);
+                            pushed.expect("a valid move");
+                        }
+                        _ => {}
+                    }
+                }
+            }
+        }
+        assert_eq!(commands.next(), None, "a reply for each command");
+        assert!(here.compared >= least, "{}", here.compared);
+    }
 }
 
-/// The tick in which the bridges are enabled first, from `from` on.
-fn enabled_at(ticks: &[Tick], from: usize) -> usize {
-    // A record shows what was so up to its tick.
-    let enabled = ticks[from..].iter().position(|tick| tick.enabled);
-    from + enabled.expect("enabled") - 1
+/// The controller in this process.
+struct Here<'a> {
+    controller: Controller,
+    ticks: &'a [Tick],
+    /// Ticks so far.
+    number: usize,
+    /// What it gave in the last two ticks.
+    given: [ActuatorCommand; 2],
+    /// Ticks with the bridges on.
+    compared: usize,
 }
 
-fn run(driven: &mut Driven, time: Time) {
-    for _ in 0..time / (20 * MILLISECOND) {
-        driven.run(20 * MILLISECOND);
-        driven.status();
+impl<'a> Here<'a> {
+    fn new(ticks: &'a [Tick]) -> Self {
+        let checked = settings().check().expect("valid settings");
+        Self {
+            controller: Controller::new(&checked),
+            ticks,
+            number: 0,
+            given: [ActuatorCommand::default(); 2],
+            compared: 0,
+        }
+    }
+
+    /// Runs ticks on the image's samples, and compares each with the image's.
+    fn tick_up_to(&mut self, end: usize) {
+        for tick in &self.ticks[self.number.min(end)..end] {
+            // The bridges follow in the next tick, the preloaded duties in the one after it.
+            let [before_last, last] = self.given;
+            let enabled = last.enable == [true; 2];
+            let duty = before_last.duty.map(|duty| match enabled {
+                true => (duty * FULL).round() as i32,
+                false => 0,
+            });
+            let differs = (0..2).any(|joint| (duty[joint] - tick.duty[joint]).abs() > 1);
+            assert!(
+                !differs && enabled == tick.enabled,
+                "tick {}, after {} with the bridges on: {duty:?}, on the image {:?}",
+                self.number,
+                self.compared,
+                tick.duty,
+            );
+            self.compared += usize::from(enabled);
+            self.given = [last, self.controller.tick(&tick.sample)];
+            self.number += 1;
+        }
+    }
+}
+
+/// Lets the planner here lock the controller between the same ticks as on the image.
+struct Locks<'a, 'b, I: Iterator<Item = &'b (usize, Step)>> {
+    here: &'a mut Here<'b>,
+    steps: &'a mut std::iter::Peekable<I>,
+}
+
+impl<'b, I: Iterator<Item = &'b (usize, Step)>> Mutex for Locks<'_, 'b, I> {
+    type T = Controller;
+
+    fn lock<R>(&mut self, work: impl FnOnce(&mut Controller) -> R) -> R {
+        let locked = self.steps.next_if(|(_, step)| *step == Step::Locked);
+        // The record may end in the middle of a turn.
+        if let Some(&(at, _)) = locked {
+            self.here.tick_up_to(at);
+        }
+        work(&mut self.here.controller)
     }
 }
 
 #[test]
 fn homing_gives_the_duties_of_the_controller_in_this_process() {
-    let mut driven = Bench::with(Options::default(), Vec::new(), 0).ready();
-    run(&mut driven, 60 * MILLISECOND);
-    driven.request(Request::Home).expect("homing");
-    run(&mut driven, 400 * MILLISECOND);
-    let ticks = std::mem::take(&mut driven.arm.get().ticks);
-    let at = enabled_at(&ticks, 0);
-    let end = ticks.len() - 2;
-    assert!(end - at > 3000);
-    assert_eq!(
-        first_difference(&ticks, at, end, &[Request::Home], None),
-        None
-    );
+    let mut recorder = Recorder::new();
+    recorder.run(60 * MILLISECOND);
+    recorder.request(Request::Home);
+    recorder.run(400 * MILLISECOND);
+    recorder.assert_agrees(3000);
 }
 
 #[test]
-fn a_line_gives_the_duties_of_the_controller_in_this_process() {
-    let mut driven = Bench::with(Options::default(), Vec::new(), 0).ready();
-    run(&mut driven, 60 * MILLISECOND);
-    let angles = driven.arm();
-    let held = driven.arm.get().ticks.len();
-    let [x, y] = robot().best_point().expect("a point").map(|x| x as f32);
-    let kind = MoveKind::Line {
-        to: [x, y],
-        feed: 0.3,
-    };
-    let line = Move { tag: 1, kind };
-    let reply = driven
-        .client
-        .call(HostCommand::Move(line))
-        .expect("an answer");
-    assert!(matches!(reply, Reply::Taken { .. }), "{reply:?}");
-    run(&mut driven, 300 * MILLISECOND);
-    let ticks = std::mem::take(&mut driven.arm.get().ticks);
-    let at = enabled_at(&ticks, 0);
-    let end = ticks.len() - 2;
-    let requests = [Request::SetAngles(angles), Request::Arm];
-    // The move arrives a little after it was sent.
-    let sent = held - at;
-    let differences: Vec<_> = (sent..sent + 30)
-        .map(|after| first_difference(&ticks, at, end, &requests, Some((after, line))))
+fn a_job_and_disarming_give_the_duties_of_the_controller_in_this_process() {
+    let mut recorder = Recorder::new();
+    recorder.run(60 * MILLISECOND);
+    let arm = recorder.driven.arm.clone();
+    let angles = [0, 1].map(|joint| arm.get().plant().angle(joint) as f32);
+    recorder.request(Request::SetAngles(angles));
+    recorder.request(Request::Arm);
+    recorder.driven.run(5 * MILLISECOND);
+    // Lines, arcs and a dwell; then the corners of a gear, more moves than the queue holds.
+    let tooth = gear().into_iter().take(60);
+    let job: Vec<_> = (1..)
+        .zip(moves().into_iter().chain(tooth))
+        .map(|(tag, next)| Move { tag, ..next })
         .collect();
-    let agreed = differences
-        .iter()
-        .filter(|difference| difference.is_none())
-        .count();
-    let latest = differences.iter().flatten().max_by_key(|(tick, ..)| *tick);
-    assert_eq!(agreed, 1, "the last to differ: {latest:?}");
+    recorder.stream(&job);
+    recorder.request(Request::Disarm);
+    recorder.run(40 * MILLISECOND);
+    recorder.assert_agrees(10_000);
 }

@@ -8,7 +8,10 @@ use fivebar::run::link::Client;
 use fivebar::run::plant::Plant;
 use fivebar_chip::time::{MILLISECOND, Time};
 use fivebar_chip::{Arm, Chip, HostLine, Image, Options, Output, SharedArm};
-use fivebar_firmware::protocol::{CommandError, HostCommand, Reply, Reset};
+use fivebar_firmware::protocol::{
+    CommandError, ControllerMessage, Decoder, HostCommand, HostMessage, Reply, Reset, Sequence,
+    encode,
+};
 use fivebar_firmware::{Move, MoveKind, Request, Settings, Status};
 use nalgebra::Vector2;
 use std::cell::RefMut;
@@ -226,4 +229,35 @@ pub(crate) fn save(driven: &mut Driven) -> Reply {
         .client
         .call(HostCommand::SaveSettings)
         .expect("the controller answers")
+}
+
+/// Sends a command once, with any sequence number, and lets the chip run for 20 ms.
+pub(crate) fn tell(driven: &Driven, sequence: u16, command: HostCommand) {
+    let message = HostMessage {
+        sequence: Sequence(sequence),
+        command,
+    };
+    let frame = encode(&message).expect("a frame");
+    let mut chip = driven.chip();
+    chip.send(&frame);
+    chip.run(20 * MILLISECOND).expect("no violation");
+}
+
+/// The messages that have arrived since the last look.
+pub(crate) fn hear(driven: &Driven) -> Vec<ControllerMessage> {
+    let mut decoder = Decoder::<ControllerMessage>::new();
+    let bytes = driven.chip().receive(usize::MAX).into_iter();
+    bytes.filter_map(|byte| decoder.feed(byte)?.ok()).collect()
+}
+
+/// As [`tell`]: the replies that come.
+pub(crate) fn say(driven: &Driven, sequence: u16, command: HostCommand) -> Vec<Reply> {
+    tell(driven, sequence, command);
+    let replies = hear(driven)
+        .into_iter()
+        .filter_map(|message| match message {
+            ControllerMessage::Reply { reply, .. } => Some(reply),
+            ControllerMessage::Telemetry(_) => None,
+        });
+    replies.collect()
 }

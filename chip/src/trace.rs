@@ -1,0 +1,95 @@
+//! What the program's background loop did, and between which control ticks.
+
+use crate::chip::Chip;
+use crate::cpu::Cpu;
+use crate::image::Image;
+use crate::unicorn::Reg;
+use std::ops::Range;
+
+/// The exception of the control tick: ADC1 to ADC3.
+pub(crate) const TICK: u32 = 16 + 18;
+/// The control register of the stream that sends on the serial line.
+const SEND_STREAM: u32 = 0x4002_64b8;
+
+/// What the background loop did.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Step {
+    /// It called the planner, which looks whether the controller needs more path.
+    Planned,
+    /// It locked the controller, so that no control tick began.
+    Locked,
+    /// It began a frame to the host.
+    Sent,
+}
+
+/// The steps, each with the number of control ticks that had begun before it.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Trace {
+    /// The code of the background loop and of the planner.
+    background: [Range<u32>; 2],
+    locked: bool,
+    ticks: usize,
+    steps: Vec<(usize, Step)>,
+}
+
+impl Chip {
+    /// Notes from now on what the program does between its control ticks.
+    pub fn trace(&mut self) {
+        let cpu = self.cpu_mut();
+        let code = |part: &str| {
+            let (address, size) = cpu.image.symbol(part).unwrap_or_default();
+            address & !1..(address & !1) + size
+        };
+        cpu.trace = Some(Trace {
+            background: [code("3app8converse"), code(PLANNER)],
+            ..Trace::default()
+        });
+    }
+
+    /// What the program has done since [`Chip::trace`], each step with the number of control ticks
+    /// that had begun before it.
+    pub fn steps(&self) -> &[(usize, Step)] {
+        self.cpu().trace.as_ref().map_or(&[], |trace| &trace.steps)
+    }
+}
+
+/// Part of the name of the planner's entry, which the background loop calls in each turn.
+const PLANNER: &str = "Planner$GT$3run";
+
+/// Where the planner's code begins.
+pub(crate) fn planner(image: &Image) -> Option<u32> {
+    image.symbol(PLANNER).map(|(address, _)| address & !1)
+}
+
+impl Cpu {
+    /// A block of code runs.
+    #[inline]
+    pub(crate) fn trace_block(&mut self, address: u32) {
+        let Some(trace) = &mut self.trace else {
+            return;
+        };
+        if trace.background.iter().any(|code| code.contains(&address)) {
+            let locked = self.engine.get(Reg::BASEPRI) != 0;
+            if locked && !trace.locked {
+                trace.note(Step::Locked);
+            }
+            trace.locked = locked;
+        }
+    }
+}
+
+impl Trace {
+    pub(crate) fn note(&mut self, step: Step) {
+        self.steps.push((self.ticks, step));
+    }
+
+    pub(crate) fn enter(&mut self, exception: u32) {
+        self.ticks += usize::from(exception == TICK);
+    }
+
+    pub(crate) fn write(&mut self, address: u32, value: u32) {
+        if address == SEND_STREAM && value & 1 != 0 {
+            self.note(Step::Sent);
+        }
+    }
+}
