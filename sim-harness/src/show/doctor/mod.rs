@@ -8,7 +8,7 @@ mod ports;
 mod probe;
 
 pub use image::compare_outputs;
-use probe::{first_line, has_rust_target};
+use probe::{first_line, has_header, has_rust_target};
 use serde::Serialize;
 
 /// The compiler's name for the Cortex-M4F, as scripts/toolchain.sh has it.
@@ -22,6 +22,8 @@ pub enum Task {
     Firmware,
     /// Run the firmware on the emulated board: `fivebar pil`.
     Pil,
+    /// Run the image for the microcontroller on the simulated STM32F405 of the folder chip.
+    Chip,
     /// Flash an image to a board.
     Flash,
     /// Connect to a board: `fivebar drive`, `hil`, `monitor`, `serve --port`.
@@ -72,13 +74,13 @@ pub fn examine() -> Vec<Check> {
         Check {
             what: "rustc",
             purpose: "compiles the firmware",
-            needed_for: &[Task::Firmware],
+            needed_for: &[Task::Firmware, Task::Chip],
             state: program("rustc", "install Rust with rustup, see https://rustup.rs"),
         },
         Check {
             what: TARGET,
             purpose: "Rust's library for the Cortex-M4F",
-            needed_for: &[Task::Firmware],
+            needed_for: &[Task::Firmware, Task::Chip],
             state: match has_rust_target(TARGET) {
                 Some(place) => State::Found(place),
                 None => State::Missing(format!(
@@ -107,6 +109,19 @@ pub fn examine() -> Vec<Check> {
             purpose: "the firmware for the microcontroller",
             needed_for: &[Task::Flash],
             state: image::state("stm32f405"),
+        },
+        Check {
+            what: "unicorn",
+            purpose: "emulates the core of the simulated STM32F405",
+            needed_for: &[Task::Chip],
+            state: match has_header("unicorn/unicorn.h") {
+                Some(place) => State::Found(place),
+                None => State::Missing(
+                    "Unicorn 2 with its header: Debian's package libunicorn-dev; scripts/chip.sh \
+                     installs it"
+                        .into(),
+                ),
+            },
         },
         Check {
             what: "probe-rs",

@@ -23,3 +23,15 @@ pub(super) fn has_rust_target(target: &str) -> Option<String> {
     let found = compiled.filter(|path| path.is_dir()).or_else(debian)?;
     found.exists().then(|| found.display().to_string())
 }
+
+/// The path of a C library's header.
+pub(super) fn has_header(name: &str) -> Option<String> {
+    const FOLDERS: [&str; 3] = [
+        "/usr/include",
+        "/usr/local/include",
+        "/opt/homebrew/include",
+    ];
+    let mut paths = FOLDERS.iter().map(|folder| Path::new(folder).join(name));
+    let found = paths.find(|path| path.is_file())?;
+    Some(found.display().to_string())
+}
