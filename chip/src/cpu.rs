@@ -106,6 +106,7 @@ impl Cpu {
         self.resets.push((self.mcu.now, cause));
         self.mcu.make_reset(cause);
         self.locked_up = false;
+        self.figures.restart();
         if cause == ResetCause::Power {
             self.mcu.ram.fill(0xa5);
         }

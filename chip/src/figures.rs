@@ -21,6 +21,8 @@ pub struct Figures {
     code: Vec<u8>,
     count: u64,
     tick_began: Option<u64>,
+    /// Whether a tick has run since the reset: then the whole stack has been painted.
+    ticking: bool,
     ticks: u64,
     in_ticks: u64,
     longest_tick: u64,
@@ -51,6 +53,7 @@ impl Figures {
             code: image.code.clone(),
             count: 0,
             tick_began: None,
+            ticking: false,
             ticks: 0,
             in_ticks: 0,
             longest_tick: 0,
@@ -88,9 +91,16 @@ impl Figures {
         self.count += u64::from(count);
     }
 
+    /// The core starts anew.
+    pub(crate) fn restart(&mut self) {
+        self.tick_began = None;
+        self.ticking = false;
+    }
+
     pub(crate) fn enter(&mut self, exception: u32) {
         if exception == TICK {
             self.tick_began = Some(self.count);
+            self.ticking = true;
         }
     }
 
@@ -110,8 +120,7 @@ impl Figures {
         let stack = ram.get(..STACK).unwrap_or(&[]);
         let (words, _) = stack.as_chunks::<4>();
         let unused = words.iter().take_while(|&&word| word == PAINT).count();
-        // Nothing is painted before the program's start-up code ran.
-        if !self.stack_is_forced && unused > 0 {
+        if !self.stack_is_forced && self.ticking {
             self.stack = STACK - 4 * unused;
         }
     }
