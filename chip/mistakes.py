@@ -5,6 +5,7 @@ tests on the image built from it. Each must be caught.
     chip/mistakes.py            all of them; the table goes to chip/mistakes.md
     chip/mistakes.py 3 7        those by number, without writing the table
 """
+import filecmp
 import pathlib
 import re
 import shutil
@@ -68,9 +69,12 @@ def main():
     copy = ROOT / "target" / "mistakes"
     tracked = run("git", "ls-files", cwd=ROOT).stdout.split("\n")
     for file in filter(None, tracked):
-        (copy / file).parent.mkdir(parents=True, exist_ok=True)
-        if (ROOT / file).exists():
-            shutil.copy2(ROOT / file, copy / file)
+        source, target = ROOT / file, copy / file
+        target.parent.mkdir(parents=True, exist_ok=True)
+        # A copy gets the present time: with an old one, cargo would not see that it replaces a
+        # file in which a mistake was seeded and compiled.
+        if source.exists() and not (target.exists() and filecmp.cmp(source, target, shallow=False)):
+            shutil.copy(source, target)
     # What is not ours is compiled already.
     for folder in ["target/firmware", "chip/target"]:
         if (ROOT / folder).exists() and not (copy / folder).exists():

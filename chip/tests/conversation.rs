@@ -2,13 +2,14 @@
 
 mod bench;
 
-use bench::{Bench, Driven, say, settings};
+use bench::{Bench, Driven, hear, say, settings};
 use fivebar_chip::Options;
-use fivebar_chip::time::MILLISECOND;
+use fivebar_chip::time::{MICROSECOND, MILLISECOND};
 use fivebar_firmware::controller::RequestError;
 use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::protocol::{
-    CommandError, HostCommand, HostMessage, Reply, SectionKey, Sequence, VERSION, encode,
+    CommandError, ControllerMessage, HostCommand, HostMessage, Reply, SectionKey, Sequence,
+    VERSION, encode,
 };
 use fivebar_firmware::safety::State;
 use fivebar_firmware::{Move, MoveKind, Request, SensorSample, Settings};
@@ -116,19 +117,30 @@ fn messages_that_are_cut_short_or_malformed_are_dropped() {
             }
         }
         let message = &content[1..content.len() - 4];
-        let mut chip = driven.chip();
-        for length in 0..message.len() {
-            chip.send(&frame_of(&message[..length]));
+        let send = |frames: Vec<Vec<u8>>| {
+            let bytes = frames.concat();
+            driven.chip().send(&bytes);
+            let time = bytes.len() as u64 * 10 * MICROSECOND + 20 * MILLISECOND;
+            driven.chip().run(time).expect("no violation");
+            hear(&driven)
+        };
+        let cut = (0..message.len()).map(|length| frame_of(&message[..length]));
+        assert_eq!(send(cut.collect()), []);
+        // A variant that does not exist.
+        assert_eq!(send(vec![frame_of(&[&message[..3], &[0x7f]].concat())]), []);
+        // Numbers too long. In place of a fraction the bytes are not a number, and may complete
+        // a message; then its sequence number is still wrong.
+        let long = (3..message.len()).map(|at| frame_of(&[&message[..at], &[0xff; 12]].concat()));
+        for answer in send(long.collect()) {
+            let is_refused = matches!(
+                answer,
+                ControllerMessage::Reply {
+                    reply: Reply::Refused(CommandError::OutOfSequence(_)),
+                    ..
+                }
+            );
+            assert!(is_refused, "{answer:?}");
         }
-        // A varint too long, and an unknown variant.
-        let mut malformed = message.to_vec();
-        malformed.truncate(4);
-        malformed.extend([0xff; 12]);
-        chip.send(&frame_of(&malformed));
-        malformed[3] = 0x7f;
-        chip.send(&frame_of(&malformed));
-        chip.run(60 * MILLISECOND).expect("no violation");
-        assert!(chip.receive(4096).is_empty());
     }
     assert_eq!(driven.status().fault, None);
     let mut found = settings;

@@ -1,5 +1,6 @@
 //! The flash controller, the settings' sectors and the data cache in front of them.
 
+use crate::chip::Chip;
 use crate::register::Register;
 use crate::time::{MICROSECOND, MILLISECOND, Time};
 use crate::violation::{Access, refuse, refuse_read};
@@ -78,6 +79,13 @@ impl FlashEvent {
                 }
             }
         }
+    }
+}
+
+impl Chip {
+    /// Protects the flash's sectors of these bits, and no others, from being written.
+    pub fn protect_sectors(&mut self, sectors: u32) {
+        self.mcu().flash.protect(sectors);
     }
 }
 
@@ -250,6 +258,9 @@ impl Flash {
                 format!("sector {number} holds the program"),
             );
         };
+        if self.is_protected(sector) {
+            return Ok(Operation::None);
+        }
         let event = FlashEvent::Erase { sector };
         event.happen(&mut self.sectors, true);
         self.events.push(event);
@@ -257,6 +268,22 @@ impl Flash {
         // With 8 or 16 bits at a time it takes two or one and a half times as long.
         let slower = [4, 3, 2, 2][self.cr.field(8, 2) as usize];
         Ok(Operation::Busy(now + ERASE * slower / 2))
+    }
+
+    /// Protects the sectors of these bits, and no others, from being written, as the option bytes
+    /// do.
+    pub(crate) fn protect(&mut self, sectors: u32) {
+        self.optcr.value = self.optcr.value & !0x0fff_0000 | (!sectors & 0xfff) << 16;
+    }
+
+    /// Whether this sector, counted from the first one of the settings, is protected; notes the
+    /// error.
+    fn is_protected(&mut self, sector: u32) -> bool {
+        let protected = !self.optcr.bit(16 + FIRST_SECTOR + sector);
+        if protected {
+            self.sr.set(4, true);
+        }
+        protected
     }
 
     fn finish(&mut self) {
@@ -284,6 +311,9 @@ impl Flash {
         if 1 << self.cr.field(8, 2) != size || !offset.is_multiple_of(size) {
             self.sr.set(6, true);
             return refuse(&name, value, "PSIZE differs from the size of the access");
+        }
+        if self.is_protected(offset / SECTOR as u32) {
+            return Ok(Operation::None);
         }
         let event = FlashEvent::Program {
             offset,
