@@ -89,8 +89,8 @@ def main():
         tests = run("cargo", "test", "--manifest-path", str(copy / "chip" / "Cargo.toml"))
         failed = sorted(set(re.findall(r"^test (\w+) \.\.\. FAILED", tests.stdout, re.M)))
         if failed and "could not compile" not in tests.stdout + tests.stderr:
-            found = ", ".join(f"`{test}`" for test in failed[:2])
-            found += f" and {len(failed) - 2} more" if len(failed) > 2 else ""
+            found = f"`{failed[0]}`"
+            found += f" and {len(failed) - 1} more" if len(failed) > 1 else ""
         else:
             found = "nothing"
             missed.append(name)
@@ -100,7 +100,10 @@ def main():
         print(rows[-1], flush=True)
     if not sys.argv[1:]:
         table = ["| # | mistake | in | caught by |", "|---|---|---|---|", *rows]
-        head = "Mistakes seeded into the board's drivers by `chip/mistakes.py`, and what caught each.\n\n"
+        head = (
+            "Mistakes that `chip/mistakes.py` seeds into the board's drivers, and the tests that caught each. A run\n"
+            "ends with the first file of tests in which one fails, so others may catch it, too.\n\n"
+        )
         (ROOT / "chip" / "mistakes.md").write_text(head + "\n".join(table) + "\n")
     if missed:
         raise SystemExit(f"not caught: {', '.join(missed)}")
