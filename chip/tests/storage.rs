@@ -5,7 +5,7 @@ mod bench;
 
 use bench::{Bench, Driven, save, settings, used_flash};
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
-use fivebar_chip::Options;
+use fivebar_chip::{FlashEvent, Options};
 use fivebar_firmware::protocol::{CommandError, Reply};
 use fivebar_firmware::safety::Fault;
 use fivebar_firmware::storage::{SettingsStorage, StorageError};
@@ -18,6 +18,7 @@ const SIZE: usize = 4 * SECTOR;
 /// A flash in this process, with the words and sectors of the board's.
 struct Memory<'a> {
     bytes: &'a mut [u8],
+    erased: &'a mut u32,
 }
 
 impl ErrorType for Memory<'_> {
@@ -44,6 +45,7 @@ impl NorFlash for Memory<'_> {
 
     fn erase(&mut self, from: u32, to: u32) -> Result<(), NorFlashErrorKind> {
         self.bytes[from as usize..to as usize].fill(0xff);
+        *self.erased += 1;
         Ok(())
     }
 
@@ -56,17 +58,51 @@ impl NorFlash for Memory<'_> {
     }
 }
 
-/// The storage in this flash.
-fn storage(bytes: &mut [u8]) -> SettingsStorage<Memory<'_>> {
-    SettingsStorage::new(Memory { bytes }, 0..SIZE as u32).expect("a valid range")
+/// Works on the storage in this flash; how many times a sector was erased meanwhile.
+fn with_storage(bytes: &mut [u8], work: impl FnOnce(&mut SettingsStorage<Memory<'_>>)) -> u32 {
+    let mut erased = 0;
+    let memory = Memory {
+        bytes,
+        erased: &mut erased,
+    };
+    let mut storage = SettingsStorage::new(memory, 0..SIZE as u32).expect("a valid range");
+    work(&mut storage);
+    erased
 }
 
-fn save_here(bytes: &mut [u8], settings: &Settings) {
-    storage(bytes).save(settings).expect("saved");
+fn save_here(bytes: &mut [u8], settings: &Settings) -> u32 {
+    with_storage(bytes, |storage| storage.save(settings).expect("saved"))
 }
 
 fn boot(flash: &[u8]) -> Driven {
     Bench::with(Options::default(), flash.to_vec(), 0).connect()
+}
+
+/// A flash whose next save has to erase a half that is full.
+fn about_to_erase() -> Vec<u8> {
+    let mut flash = vec![0xff; SIZE];
+    for _ in 0..3000 {
+        let before = flash.clone();
+        if save_here(&mut flash, &settings()) > 0 {
+            return before;
+        }
+    }
+    panic!("no save erases a half");
+}
+
+#[test]
+fn a_half_is_erased_before_its_sector_is_full() {
+    let mut flash = about_to_erase();
+    let mut driven = boot(&flash);
+    assert_eq!(driven.status().fault, None);
+    for _ in 0..2 {
+        assert_eq!(save(&mut driven), Reply::Done);
+        save_here(&mut flash, &settings());
+        assert!(driven.chip().settings() == flash, "the flash differs");
+    }
+    let events = driven.chip().flash_events();
+    let is_erase = |event: &&FlashEvent| matches!(event, FlashEvent::Erase { .. });
+    assert!(events.iter().filter(is_erase).count() > 0);
 }
 
 /// Damages to a sector.
@@ -94,7 +130,8 @@ fn a_damaged_flash_is_read_and_repaired_as_in_this_process() {
         let mut flash = sound.clone();
         damage(&mut flash[sector * SECTOR..][..SECTOR]);
         let mut driven = boot(&flash);
-        let loaded = storage(&mut flash).load();
+        let mut loaded = Err(StorageError::Blank);
+        with_storage(&mut flash, |storage| loaded = storage.load());
         let fault = driven.status().fault;
         let mut found = settings();
         driven.client.read_settings(&mut found).expect("settings");

@@ -25,6 +25,11 @@ pub const LAYOUT: u8 = 1;
 /// Room for an item, its key and its padding [bytes].
 const BUFFER: usize = 512;
 
+/// A half is erased after so many items, before they fill a sector of 128 KiB. From a full sector
+/// the library moves what is newest to the next one, and searches the whole sector for every item
+/// that it meets: 12 s on the microcontroller, longer than its watchdog waits.
+const ITEMS_PER_HALF: u32 = 200;
+
 /// Why there are no settings, or why they could not be stored. In all cases the arm must not be
 /// armed on default settings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -100,7 +105,9 @@ impl<F: NorFlash> SettingsStorage<F> {
         // higher number.
         for _ in 0..2 {
             let (item, half) = self.next(settings)?;
-            if self.append(&half, &item).is_err() {
+            // Every second number goes to this half.
+            let is_full = item.number / 2 % ITEMS_PER_HALF == ITEMS_PER_HALF - 1;
+            if is_full || self.append(&half, &item).is_err() {
                 // This half does not hold the newest item, so it may be erased.
                 finish(log(&mut self.flash, &half)?.erase_all())?;
                 self.append(&half, &item)?;
