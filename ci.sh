@@ -23,7 +23,10 @@ peers() { scripts/peers.sh; }
 browser() { scripts/browser.sh; }
 python() { scripts/python.sh; }
 setup() { scripts/toolchain.sh; }
-firmware() { scripts/firmware.sh; }
+firmware() {
+    scripts/firmware.sh
+    scripts/bounds.sh
+}
 chip() { scripts/chip.sh; }
 emulated() {
     cargo test --package fivebar-tests --features emulator \

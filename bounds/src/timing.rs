@@ -1,0 +1,82 @@
+//! What instructions cost: one each, or cycles of the Cortex-M4.
+//!
+//! The cycles are those of the core's timing table (Cortex-M4 Technical Reference Manual, 3.3 and
+//! table 7-1), each at its largest: a division takes 12, a taken branch refills the pipeline in 3.
+//! The flash of the STM32F405 needs 5 wait states at 168 MHz and is read in lines of 16 bytes
+//! (RM0090, 3.5). Its accelerator keeps lines; what it keeps cannot be known here. So there are
+//! two figures: one where every line is there, and one where none is.
+
+use crate::graph::{Edge, Node};
+
+/// What is counted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Measure {
+    /// Instructions.
+    Instructions,
+    /// Cycles where the flash never waits.
+    CyclesWithoutWaiting,
+    /// Cycles where no line of the flash is kept, and every access to data waits as well.
+    CyclesWaiting,
+}
+
+/// Cycles to refill the pipeline after a branch is taken, at most.
+const REFILL: u64 = 3;
+/// Wait states of the flash.
+const WAIT: u64 = 5;
+/// A line of the flash [bytes].
+const LINE: u32 = 16;
+/// A branch that is taken waits for a line, after another one that was fetched ahead for nothing.
+const JUMP: u64 = 2 * WAIT;
+/// An access to data waits for a line of instructions on its way, and for its own. Accesses to
+/// peripherals over a bridge to a slower bus wait as long.
+const ACCESS: u64 = 2 * WAIT;
+
+impl Measure {
+    /// All measures.
+    pub const ALL: [Self; 3] = [
+        Self::Instructions,
+        Self::CyclesWithoutWaiting,
+        Self::CyclesWaiting,
+    ];
+
+    /// The cost of an instruction, without those that it calls.
+    pub fn node(self, node: &Node) -> u64 {
+        let instruction = &node.instruction;
+        // A call and a return are branches, which have no way in the function's own graph.
+        let branches = u64::from(node.leaves) + 2 * u64::from(!node.calls.is_empty());
+        let cycles = u64::from(instruction.cycles) + branches * REFILL;
+        match self {
+            Self::Instructions => 1,
+            Self::CyclesWithoutWaiting => cycles,
+            Self::CyclesWaiting => {
+                let last = node.address + instruction.length - 1;
+                let begins_line = node.address.is_multiple_of(LINE);
+                let lines = last / LINE - node.address / LINE + u32::from(begins_line);
+                let accesses = u64::from(instruction.accesses) * ACCESS;
+                cycles + branches * JUMP + accesses + u64::from(lines) * WAIT
+            }
+        }
+    }
+
+    /// The cost of a way between two instructions.
+    pub fn edge(self, edge: Edge) -> u64 {
+        match self {
+            Self::CyclesWithoutWaiting if edge.taken => REFILL,
+            Self::CyclesWaiting if edge.taken => REFILL + JUMP,
+            _ => 0,
+        }
+    }
+
+    /// Entry into an exception and return from it, with the FPU's registers.
+    pub fn exception(self) -> u64 {
+        match self {
+            Self::Instructions => 0,
+            Self::CyclesWithoutWaiting => 2 * FRAME,
+            // The handler's address is read from the flash; the first line and that returned to.
+            Self::CyclesWaiting => 2 * FRAME + ACCESS + 2 * JUMP,
+        }
+    }
+}
+
+/// Cycles to save or to restore the registers: 12, and 17 for those of the FPU.
+const FRAME: u64 = 12 + 17;

@@ -1,0 +1,385 @@
+//! Small pieces of machine code whose longest paths and stacks are counted by hand.
+
+use fivebar_bounds::image::Image;
+use fivebar_bounds::program::{Bounds, Program};
+use fivebar_bounds::stated::Stated;
+use fivebar_bounds::{Defect, Fault};
+
+/// Where the code lies.
+const ADDRESS: u32 = 0x0800_0000;
+
+const CALLS: &[u16] = &[
+    0xb580, // f: push {r7, lr}
+    0xf000, 0xf803, // bl g
+    0xf000, 0xf801, // bl g
+    0xbd80, // pop {r7, pc}
+    0xb084, // g: sub sp, #16
+    0xb004, // add sp, #16
+    0xf000, 0xb800, // b.w h
+    0xb410, // h: push {r4}
+    0xbc10, // pop {r4}
+    0x4770, // bx lr
+];
+
+/// The bounds and the defects of the function `f`, the first of the code.
+fn examine(image: &Image, stated: &str) -> (Bounds, Vec<Fault>) {
+    let stated = Stated::read(stated).expect("statements");
+    let mut program = Program::new(image, &stated);
+    let bounds = program.bounds(ADDRESS).clone();
+    let fault = |defect: Defect| defect.fault;
+    (
+        bounds,
+        program.defects(ADDRESS).into_iter().map(fault).collect(),
+    )
+}
+
+fn function(code: &[u16]) -> Image {
+    let end = 2 * code.len() as u32;
+    Image::of_code(ADDRESS, code, &[("f", 0, end)])
+}
+
+/// The longest path [instructions], the stack [bytes] and the defects of one function.
+fn alone(code: &[u16], stated: &str) -> (u64, u32, Vec<Fault>) {
+    let (bounds, faults) = examine(&function(code), stated);
+    (bounds.longest[0], bounds.stack, faults)
+}
+
+#[test]
+fn the_longer_of_two_ways_counts() {
+    let code = [
+        0x2800, // cmp r0, #0
+        0xd103, // bne 1f
+        0x3101, // adds r1, #1
+        0x3101, // adds r1, #1
+        0x3101, // adds r1, #1
+        0x4770, // bx lr
+        0x3102, // 1: adds r1, #2
+        0x4770, // bx lr
+    ];
+    assert_eq!(alone(&code, ""), (6, 0, vec![]));
+}
+
+#[test]
+fn a_loop_needs_a_bound_and_then_counts_as_often() {
+    let code = [
+        0x2004, // movs r0, #4
+        0x3801, // 1: subs r0, #1
+        0xd1fd, // bne 1b
+        0x4770, // bx lr
+    ];
+    assert_eq!(alone(&code, "").2, [Fault::Loop]);
+    assert_eq!(
+        alone(&code, "loop 4 f #1 ; r0 counts from 4"),
+        (1 + 4 * 2 + 1, 0, vec![])
+    );
+    assert_eq!(
+        alone(&code, "total 3 f #1 ; r0 counts from 4"),
+        (1 + 4 * 2 + 1, 0, vec![])
+    );
+}
+
+#[test]
+fn a_loop_in_a_loop_counts_the_product_or_a_total() {
+    let code = [
+        0x2003, // movs r0, #3
+        0x2105, // 1: movs r1, #5
+        0x3901, // 2: subs r1, #1
+        0xd1fd, // bne 2b
+        0x3801, // subs r0, #1
+        0xd1fa, // bne 1b
+        0x4770, // bx lr
+    ];
+    let outer = "loop 3 f #1 ; r0 counts from 3";
+    let inner = "loop 5 f #2 ; r1 counts from 5";
+    assert_eq!(alone(&code, outer).2, [Fault::Loop]);
+    assert_eq!(alone(&code, inner).2, [Fault::Loop]);
+    let both = alone(&code, &format!("{outer}\n{inner}"));
+    assert_eq!(both, (1 + 3 * (1 + 5 * 2 + 2) + 1, 0, vec![]));
+    // Seven rounds back of the inner loop in all, whichever rounds of the outer one have them.
+    let total = alone(&code, &format!("{outer}\ntotal 7 f #2 ; for the test"));
+    assert_eq!(total, (1 + 3 * (1 + 2 + 2) + 7 * 2 + 1, 0, vec![]));
+}
+
+#[test]
+fn a_loop_with_two_entries_is_refused() {
+    let code = [
+        0xb100, // cbz r0, 2f
+        0x3101, // 1: adds r1, #1
+        0x3801, // 2: subs r0, #1
+        0xd1fc, // bne 1b
+        0x4770, // bx lr
+    ];
+    assert_eq!(
+        alone(&code, "loop 4 f #1 ; it is not").2,
+        [Fault::LoopEntries]
+    );
+}
+
+#[test]
+fn an_indirect_call_needs_its_targets() {
+    let code = [
+        0xb580, // f: push {r7, lr}
+        0x4798, // blx r3
+        0xbd80, // pop {r7, pc}
+        0xb410, // g: push {r4}
+        0xbc10, // pop {r4}
+        0x4770, // bx lr
+    ];
+    let image = Image::of_code(ADDRESS, &code, &[("f", 0, 6), ("g", 6, 12)]);
+    assert_eq!(examine(&image, "").1, [Fault::IndirectCall]);
+    assert_eq!(
+        examine(&image, "calls f -> h ; there is no h").1,
+        [Fault::IndirectCall]
+    );
+    let (bounds, faults) = examine(&image, "calls f -> g ; r3 is g");
+    assert_eq!((bounds.longest[0], bounds.stack, faults), (6, 12, vec![]));
+}
+
+#[test]
+fn a_computed_jump_is_refused() {
+    assert_eq!(alone(&[0x4718], "").2, [Fault::ComputedJump]); // bx r3
+    assert_eq!(alone(&[0x469f], "").2, [Fault::ComputedJump]); // mov pc, r3
+    assert_eq!(alone(&[0xf8d0, 0xf000], "").2, [Fault::ComputedJump]); // ldr pc, [r0]
+}
+
+#[test]
+fn calls_and_a_last_call_add_up() {
+    let image = Image::of_code(
+        ADDRESS,
+        CALLS,
+        &[("f", 0, 12), ("g", 12, 20), ("h", 20, 26)],
+    );
+    let (bounds, faults) = examine(&image, "");
+    // h takes 3, g 3 more, f 4 more; the stack of g is free when h begins.
+    assert_eq!((bounds.longest[0], faults), (4 + 2 * (3 + 3), vec![]));
+    assert_eq!(bounds.stack, 8 + 16);
+}
+
+#[test]
+fn a_jump_into_the_middle_of_a_function_is_refused() {
+    let image = Image::of_code(
+        ADDRESS,
+        CALLS,
+        &[("f", 0, 12), ("g", 12, 18), ("h", 18, 26)],
+    );
+    assert_eq!(examine(&image, "").1, [Fault::NoFunction(ADDRESS + 20)]);
+}
+
+#[test]
+fn a_function_that_calls_itself_through_another_is_refused() {
+    let code = [
+        0xb580, // f: push {r7, lr}
+        0xf000, 0xf801, // bl g
+        0xbd80, // pop {r7, pc}
+        0xb580, // g: push {r7, lr}
+        0xf7ff, 0xfff9, // bl f
+        0xbd80, // pop {r7, pc}
+    ];
+    let image = Image::of_code(ADDRESS, &code, &[("f", 0, 8), ("g", 8, 16)]);
+    assert_eq!(examine(&image, "").1, [Fault::Recursion]);
+}
+
+/// What follows the call of a function that never returns is other code.
+#[test]
+fn a_function_that_does_not_return_ends_the_path() {
+    let code = [
+        0xb110, // f: cbz r0, 1f
+        0xb580, // push {r7, lr}
+        0xf000, 0xf801, // bl g
+        0x4770, // 1: bx lr
+        0xde00, // g: udf #0
+    ];
+    let image = Image::of_code(ADDRESS, &code, &[("f", 0, 10), ("g", 10, 12)]);
+    let (bounds, faults) = examine(&image, "");
+    assert_eq!((bounds.longest[0], bounds.stack, faults), (4, 8, vec![]));
+}
+
+/// A table of three distances and a byte of zero behind it.
+#[test]
+fn a_table_branch_goes_to_each_target_of_its_table() {
+    let code = [
+        0x2802, // cmp r0, #2
+        0xd80b, // bhi 9f
+        0xe8df, 0xf000, // tbb [pc, r0]
+        0x0302, 0x0006, // .byte 2, 3, 6, 0
+        0x4770, // bx lr
+        0xbf00, // nop
+        0xbf00, // nop
+        0x4770, // bx lr
+        0x3001, // adds r0, #1
+        0xbf00, // nop
+        0xbf00, // nop
+        0xbf00, // nop
+        0x4770, // 9: bx lr
+    ];
+    let (bounds, faults) = examine(&function(&code).with_data(8, 12), "");
+    assert_eq!((bounds.longest[0], faults), (8, vec![]));
+    // Without the linker's mark the table's extent is not known.
+    assert_eq!(alone(&code, "").2, [Fault::JumpTable]);
+}
+
+#[test]
+fn a_table_of_jumps_goes_to_each() {
+    let code = [
+        0xbf00, // nop
+        0xf20f, 0x0608, // adr.w r6, 1f
+        0xeb06, 0x0680, // add.w r6, r6, r0, lsl #2
+        0x46b7, // mov pc, r6
+        0xf000, 0xb802, // 1: b.w 2f
+        0xf000, 0xb802, // b.w 3f
+        0xbf00, // 2: nop
+        0x4770, // bx lr
+        0x4770, // 3: bx lr
+    ];
+    assert_eq!(alone(&code, ""), (7, 0, vec![]));
+    let mut elsewhere = code;
+    elsewhere[2] = 0x060c;
+    assert_eq!(alone(&elsewhere, "").2, [Fault::ComputedJump]);
+}
+
+/// Where the condition holds, the function returns in the block; else it takes 16 bytes more.
+#[test]
+fn an_if_then_block_is_two_ways_with_a_stack_each() {
+    let code = [
+        0xb510, // push {r4, lr}
+        0xb082, // sub sp, #8
+        0x2800, // cmp r0, #0
+        0xbf04, // itt eq
+        0xb002, // addeq sp, #8
+        0xbd10, // popeq {r4, pc}
+        0xb40f, // push {r0, r1, r2, r3}
+        0xb006, // add sp, #24
+        0xbd10, // pop {r4, pc}
+    ];
+    assert_eq!(alone(&code, ""), (9, 32, vec![]));
+}
+
+/// Here the condition may hold no more for the second instruction of the block.
+#[test]
+fn an_if_then_block_that_changes_the_flags_forks_again() {
+    let code = [
+        0x2800, // cmp r0, #0
+        0xbf04, // itt eq
+        0x2900, // cmpeq r1, #0
+        0x4770, // bxeq lr
+        0x3101, // adds r1, #1
+        0x4770, // bx lr
+    ];
+    assert_eq!(alone(&code, ""), (6, 0, vec![]));
+    let unrelated = [
+        0x2800, // cmp r0, #0
+        0xbf04, // itt eq
+        0x3101, // addeq r1, #1
+        0xb401, // pusheq {r0}
+        0xbf08, // it eq
+        0xbc01, // popeq {r0}
+        0x4770, // bx lr
+    ];
+    // The two blocks' conditions are not related: the stack has two depths.
+    let (_, _, faults) = alone(&unrelated, "");
+    assert!(
+        matches!(faults[..], [Fault::StackDiffers(..), ..]),
+        "{faults:?}"
+    );
+}
+
+#[test]
+fn every_way_to_move_the_stack_counts() {
+    let code = [
+        0xb5f0, // push {r4, r5, r6, r7, lr}
+        0xe92d, 0x0f00, // push.w {r8, r9, r10, r11}
+        0xed2d, 0x8b04, // vpush {d8, d9}
+        0xb085, // sub sp, #20
+        0xf5ad, 0x6d80, // sub.w sp, sp, #1024
+        0xf84d, 0x0d08, // str r0, [sp, #-8]!
+        0xf85d, 0x0b08, // ldr r0, [sp], #8
+        0xf50d, 0x6d80, // add.w sp, sp, #1024
+        0xb005, // add sp, #20
+        0xecbd, 0x8b04, // vpop {d8, d9}
+        0xe8bd, 0x0f00, // pop.w {r8, r9, r10, r11}
+        0xbdf0, // pop {r4, r5, r6, r7, pc}
+    ];
+    assert_eq!(alone(&code, ""), (12, 20 + 16 + 16 + 20 + 1024 + 8, vec![]));
+}
+
+#[test]
+fn a_stack_of_unknown_size_is_refused() {
+    let code = [
+        0xb580, // push {r7, lr}
+        0xebad, 0x0d00, // sub.w sp, sp, r0
+        0x46bd, // mov sp, r7
+        0xbd80, // pop {r7, pc}
+    ];
+    assert_eq!(alone(&code, "").2, [Fault::UnknownStack]);
+}
+
+#[test]
+fn a_stack_that_grows_in_a_loop_is_refused() {
+    let code = [
+        0xb401, // 1: push {r0}
+        0x3801, // subs r0, #1
+        0xd1fc, // bne 1b
+        0x4770, // bx lr
+    ];
+    let (_, _, faults) = alone(&code, "loop 4 f #1 ; for the test");
+    assert_eq!(faults, [Fault::StackDiffers(0, 4), Fault::StackAtReturn(4)]);
+}
+
+#[test]
+fn what_is_left_on_the_stack_or_taken_too_much_is_refused() {
+    let left = [0xb510, 0xbd00]; // push {r4, lr}; pop {pc}
+    assert_eq!(alone(&left, "").2, [Fault::StackAtReturn(4)]);
+    let taken = [0xb510, 0xbd70]; // push {r4, lr}; pop {r4, r5, r6, pc}
+    assert_eq!(alone(&taken, "").2, [Fault::StackAboveEntry]);
+}
+
+#[test]
+fn sleep_unknown_code_and_code_behind_the_end_are_refused() {
+    assert_eq!(alone(&[0xbf30, 0x4770], "").2, [Fault::Sleep]); // wfi; bx lr
+    assert_eq!(alone(&[0xfc00, 0x0000], "").2, [Fault::UnknownInstruction]);
+    assert_eq!(alone(&[0xbf00], "").2, [Fault::UnknownInstruction]); // nop, and no return
+}
+
+/// One cycle more for each result of the FPU, three for each branch that is taken.
+#[test]
+fn cycles_are_those_of_the_timing_table() {
+    let code = [
+        0xee80, 0x0a81, // vdiv.f32 s0, s1, s2: 15
+        0xeeb1, 0x0ac0, // vsqrt.f32 s0, s0: 15
+        0xee30, 0x0a20, // vadd.f32 s0, s0, s1: 2
+        0xeea0, 0x0a81, // vfma.f32 s0, s1, s2: 4
+        0xfb90, 0xf0f1, // sdiv r0, r0, r1: 12
+        0x6808, // ldr r0, [r1]: 2
+        0xe9d2, 0x0100, // ldrd r0, r1, [r2]: 3
+        0xe890, 0x000e, // ldm.w r0, {r1, r2, r3}: 4
+        0x4770, // bx lr: 4
+    ];
+    let (bounds, faults) = examine(&function(&code), "");
+    let cycles = 15 + 15 + 2 + 4 + 12 + 2 + 3 + 4 + 4;
+    // 32 bytes are two lines, at 5 cycles; six accesses to data and a return wait for 10 each.
+    assert_eq!(bounds.longest, [9, cycles, cycles + 2 * 5 + 6 * 10 + 10]);
+    assert_eq!(faults, []);
+}
+
+#[test]
+fn a_statement_needs_a_reason() {
+    assert!(Stated::read("# a comment\n\nloop 4 f #1 ; counted").is_ok());
+    for line in [
+        "loop 4 f ; no number",
+        "loop 4 f #1",
+        "loop 4 f #1 ;",
+        "loop f #1 ; why",
+        "calls f ; why",
+        "bound 4 f #1 ; why",
+    ] {
+        assert!(Stated::read(line).is_err(), "{line}");
+    }
+}
+
+#[test]
+fn a_statement_on_a_loop_that_is_not_there_is_named() {
+    let stated = Stated::read("loop 4 f #1 ; counted").expect("a statement");
+    let image = function(&[0x4770]); // bx lr
+    Program::new(&image, &stated).bounds(ADDRESS);
+    assert_eq!(stated.unused().collect::<Vec<_>>(), ["loop 4 f #1"]);
+}
