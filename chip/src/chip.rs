@@ -260,45 +260,12 @@ impl Chip {
         self.mcu().crystal_fails();
     }
 
-    /// The program stops: the core stands still with all interrupts masked, as in an endless
-    /// loop, until a reset.
-    pub fn hang(&mut self) {
-        self.cpu_mut().locked_up = true;
-    }
-
-    /// The next exception finds only so many bytes of the stack left.
-    pub fn leave_stack(&mut self, bytes: u32) {
-        self.cpu_mut().stack_left = Some(bytes);
-        self.cpu_mut().figures.stack_is_forced = true;
-    }
-
-    /// The program goes on at this address, as one does that has lost its way.
-    pub fn go_on_at(&mut self, address: u32) {
-        self.cpu_mut().engine.set(Reg::PC, address & !1);
-    }
-
-    /// An interrupt is disabled, as by a program that has lost its way.
-    pub fn disable_interrupt(&mut self, interrupt: u32) {
-        self.mcu().nvic.disable(interrupt);
-    }
-
     /// What the program would read from a register.
     ///
     /// # Errors
     /// A register that must not be read.
     pub fn register(&mut self, address: u32) -> Access<u32> {
         self.mcu().read(address, 4)
-    }
-
-    /// An interrupt is raised that the program does not expect.
-    pub fn raise_interrupt(&mut self, interrupt: u32) {
-        self.mcu().nvic.raise(interrupt);
-    }
-
-    /// The core stands still for this long; everything else goes on.
-    pub fn stall(&mut self, time: Time) {
-        let mcu = self.mcu();
-        mcu.stalled_until = mcu.stalled_until.max(mcu.now + time);
     }
 
     /// The supply of the chip falls to this voltage [V], and rises again if the brown-out

@@ -2,7 +2,7 @@
 
 use crate::cpu::Cpu;
 use crate::mcu::{RAM, RAM_SIZE};
-use crate::nvic::HARD_FAULT;
+use crate::nvic::{HARD_FAULT, NMI};
 use crate::unicorn::Reg;
 
 /// Cycles of an exception's entry and return.
@@ -43,11 +43,16 @@ impl Cpu {
         for (at, word) in (new..).step_by(4).zip(frame) {
             stacked &= self.push(at, word);
         }
-        if !stacked && exception > HARD_FAULT {
-            // The stack is no memory: a bus fault, which nothing else handles.
+        // The stack is no memory: a bus fault, which the HardFault handles. It is taken in place
+        // of the exception, which stays pending. The stack pointer has moved all the same, and
+        // nothing is pushed again (Armv7-M manual, derived exceptions).
+        let exception = if !stacked && exception > HARD_FAULT {
             self.mcu.nvic.cfsr |= 1 << 12;
-            return self.fault();
-        }
+            self.mcu.nvic.hfsr |= 1 << 30;
+            HARD_FAULT
+        } else {
+            exception
+        };
         let thread = self.mcu.nvic.active.is_empty();
         let back = if thread { 0xffff_fff9 } else { 0xffff_fff1 };
         self.mcu.nvic.enter(exception);
@@ -70,6 +75,10 @@ impl Cpu {
         let kind = self.engine.get(Reg::PC);
         self.figures.leave(self.mcu.nvic.active.last());
         self.mcu.nvic.leave();
+        if self.mcu.rcc.nmi() {
+            // The NMI comes again until its cause is cleared.
+            self.mcu.nvic.pend(NMI);
+        }
         let sp = self.engine.get(Reg::SP);
         let float = kind & 0x10 == 0;
         let words = if float { 26 } else { 8 };

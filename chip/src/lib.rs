@@ -21,6 +21,7 @@ mod systick;
 pub mod time;
 mod trace;
 mod unicorn;
+mod upsets;
 mod violation;
 mod wiring;
 

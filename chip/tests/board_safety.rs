@@ -5,7 +5,7 @@ mod bench;
 
 use bench::{Driven, save};
 use fivebar_chip::time::{MICROSECOND, MILLISECOND};
-use fivebar_chip::{Chip, Pin, ResetCause};
+use fivebar_chip::{Chip, Output, Pin, ResetCause};
 use fivebar_firmware::Request;
 use fivebar_firmware::protocol::{Reply, Reset};
 use fivebar_firmware::safety::Fault;
@@ -80,5 +80,97 @@ fn the_cause_of_a_reset_is_that_of_the_last_one() {
     ] {
         driven.chip().reset(cause);
         assert_eq!(driven.reconnect(), reason);
+    }
+}
+
+#[test]
+fn a_press_of_the_emergency_stop_between_two_ticks_is_a_fault() {
+    let mut driven = Driven::new();
+    for offset in [0, 25, 50] {
+        driven.arm();
+        driven.run(offset * MICROSECOND);
+        for pressed in [true, false] {
+            driven.arm.get().press_stop(pressed);
+            driven.chip().pins_changed();
+            // The timer drives all four inputs low, whatever the program does.
+            let low = [Output::Idle(false); 4];
+            assert_eq!(driven.arm.get().outputs().pwm, low);
+            driven.run(10 * MICROSECOND);
+        }
+        driven.run(2 * TICK);
+        assert_eq!(driven.status().fault, Some(Fault::EmergencyStop));
+        driven.request(Request::ClearFault).expect("cleared");
+    }
+}
+
+#[test]
+fn every_input_of_a_cable_has_a_pull_up() {
+    let mut driven = Driven::new();
+    let pins = [
+        (0, [0, 1, 15].as_slice()),
+        (1, &[0, 1, 3, 7, 12]),
+        (2, &[4, 5]),
+    ];
+    for (port, pins) in pins {
+        for &pin in pins {
+            driven.arm.get().break_wire(Pin(port, pin));
+        }
+    }
+    driven.run(TICK);
+    for (port, pins) in pins {
+        let address = 0x4002_0010 + 0x400 * u32::from(port);
+        let levels = driven.chip().register(address).expect("a register");
+        for &pin in pins {
+            assert_ne!(levels & 1 << pin, 0, "port {port}, pin {pin}");
+        }
+    }
+}
+
+#[test]
+fn the_converters_are_triggered_every_100_microseconds() {
+    let mut driven = Driven::new();
+    let trigger = |driven: &Driven| driven.arm.get().windows[0].expect("a sample").from;
+    let before = trigger(&driven);
+    driven.run(200 * MILLISECOND);
+    let passed = trigger(&driven) - before;
+    let off = (passed + TICK / 2) % TICK;
+    assert!(off.abs_diff(TICK / 2) < MICROSECOND / 10, "{passed}");
+}
+
+#[test]
+fn the_break_interrupts_the_tick_and_the_tick_interrupts_the_serial_line() {
+    let driven = Driven::new();
+    let priority = |interrupt: u32| {
+        let word = 0xe000_e400 + (interrupt & !3);
+        let word = driven.chip().register(word).expect("a register");
+        word >> (8 * (interrupt & 3)) & 0xff
+    };
+    let [tripped, tick, receive] = [24, 18, 37].map(priority);
+    assert!(
+        tripped < tick && tick < receive,
+        "{tripped} {tick} {receive}"
+    );
+    // SysTick, in the register of the system handlers.
+    let system = driven.chip().register(0xe000_ed20).expect("a register");
+    assert_eq!(system >> 24, tick);
+}
+
+/// The document names a test of this folder for each fault.
+#[test]
+fn each_fault_has_a_test_on_this_image() {
+    let document = include_str!("../../docs/faults.md");
+    let (_, part) = document
+        .split_once("## On the simulated chip")
+        .expect("the table");
+    let tests = [include_str!("faults.rs"), include_str!("board_faults.rs")].concat();
+    for fault in Fault::all() {
+        let start = format!("| {} ", fault.number());
+        let row = part.lines().find(|line| line.starts_with(&start));
+        let row = row.unwrap_or_else(|| panic!("no row of {fault:?}"));
+        let names: Vec<_> = row.split('`').skip(1).step_by(2).collect();
+        assert!(!names.is_empty(), "{fault:?}");
+        for name in names {
+            assert!(tests.contains(&format!("fn {name}()")), "{name}");
+        }
     }
 }

@@ -35,7 +35,11 @@ fn sequence_and_session_are_checked() {
         [Reply::Hello(_)]
     ));
     let first = say(&driven, 6, HostCommand::Stack);
-    assert!(matches!(first[..], [Reply::Stack(_)]), "{first:?}");
+    let [Reply::Stack(stack)] = first[..] else {
+        panic!("{first:?}");
+    };
+    assert_eq!(stack.size, 64 * 1024);
+    assert!((1024..stack.size / 2).contains(&stack.most), "{stack:?}");
     // A repeat gets the stored reply, an old command none, and a gap is refused.
     assert_eq!(say(&driven, 6, HostCommand::Stack), first);
     assert_eq!(say(&driven, 3, HostCommand::Status), []);
@@ -159,13 +163,16 @@ fn nothing_moves_without_settings() {
 #[test]
 fn every_section_is_checked_as_a_whole() {
     let mut driven = Driven::new();
-    let broken: [fn(&mut Settings); 12] = [
+    let broken: [fn(&mut Settings); 14] = [
         |s| s.lengths[0] = -1.0,
         |s| s.links[1].mass = f32::NAN,
         |s| s.links[3].inertia = -1.0,
         |s| s.payload = -1.0,
         |s| s.gravity = [f32::INFINITY, 0.0],
         |s| s.control.tick_rate = 0.0,
+        // Valid on another board: this one has one rate, and filters at its encoders.
+        |s| s.control.tick_rate = 20_000.0,
+        |s| s.protection.over_speed = 75.0,
         |s| s.control.bandwidth = -3.0,
         |s| s.protection.bus_voltage = [30.0, 20.0],
         |s| s.axes[0].encoder_counts = 0,

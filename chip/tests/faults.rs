@@ -4,91 +4,17 @@
 
 mod bench;
 
-use bench::{Bench, Driven, arm_at, robot};
+use bench::raised::{
+    TICK, at_the_end, is_held_until_cleared, moving, offer, stated, stays_off_until_cleared,
+    ticks_until_off, tool_at_start,
+};
+use bench::{Bench, Driven, used_flash};
 use fivebar::input::scenario::FaultKind;
 use fivebar_chip::Options;
-use fivebar_chip::time::{MICROSECOND, MILLISECOND, Time};
-use fivebar_firmware::protocol::{HostCommand, Reply};
+use fivebar_chip::time::MILLISECOND;
+use fivebar_firmware::protocol::Reset;
 use fivebar_firmware::safety::{Fault, Response, State};
-use fivebar_firmware::{Move, MoveKind, Request};
-
-const TICK: Time = 100 * MICROSECOND;
-
-/// What the document states about an injected fault: the fault, and the latest tick in which it
-/// is latched.
-fn stated(test: &str) -> (Fault, u64) {
-    let document = include_str!("../../docs/faults.md");
-    let name = format!("`{test}`");
-    let (_, injected) = document
-        .split_once("## Injected faults")
-        .expect("the table");
-    let rows = injected
-        .lines()
-        .map(|line| line.split('|').map(str::trim).collect::<Vec<_>>());
-    let row = rows
-        .filter(|cells| cells.len() == 7)
-        .find(|cells| cells[5] == name)
-        .unwrap_or_else(|| panic!("docs/faults.md has no row of {test}"));
-    let number = |cell: &str| cell.split(' ').find_map(|word| word.parse::<u64>().ok());
-    let fault = number(row[2]).expect("the number of a fault");
-    let fault = Fault::try_from(fault as u8).expect("a known fault");
-    (fault, number(row[3]).expect("a count of ticks"))
-}
-
-/// The arm on its way along a line of 60 mm, to and fro, at 0.1 m/s.
-fn moving() -> Driven {
-    let [x, y] = robot().best_point().expect("a point").map(|x| x as f32);
-    let arm = arm_at([x + 0.03, y], MILLISECOND);
-    let mut driven = Bench::of(arm, Options::default(), Vec::new()).ready();
-    driven.arm();
-    for tag in 1..=6 {
-        let to = [x + 0.03 * [-1.0, 1.0][tag as usize % 2], y];
-        let kind = MoveKind::Line { to, feed: 0.1 };
-        let reply = driven.client.call(HostCommand::Move(Move { tag, kind }));
-        assert!(matches!(reply, Ok(Reply::Taken { .. })), "{reply:?}");
-    }
-    driven.run(60 * MILLISECOND);
-    assert_eq!(driven.status().state, State::Running);
-    driven
-}
-
-/// Runs until the fault is latched, the host giving signs of life; the ticks that it took.
-fn ticks_until_off(driven: &mut Driven, within: u64) -> u64 {
-    let began = driven.chip().now();
-    while !driven.is_off() {
-        let passed = (driven.chip().now() - began) / TICK;
-        assert!(passed <= within + 2, "not off after {passed} ticks");
-        if passed % 400 == 399 {
-            driven.status();
-        }
-        driven.run(TICK / 2);
-    }
-    let (off_at, _) = *driven.arm.get().history.last().expect("a change");
-    (off_at - began).div_ceil(TICK)
-}
-
-/// Nothing that the host asks for moves the arm; then the fault can be cleared.
-fn stays_off_until_cleared(driven: &mut Driven, fault: Fault) {
-    let status = driven.status();
-    assert_eq!((status.state, status.fault), (State::Fault, Some(fault)));
-    assert!(driven.is_off_twice());
-    let changes = driven.arm.get().history.len();
-    for request in [
-        Request::Arm,
-        Request::Home,
-        Request::SetAngles([2.2, 0.9]),
-        Request::Stop,
-        Request::Disarm,
-    ] {
-        assert!(driven.request(request).is_err(), "{request:?}");
-        driven.run(5 * TICK);
-        assert!(driven.is_off());
-    }
-    assert_eq!(driven.arm.get().history.len(), changes);
-    driven.request(Request::ClearFault).expect("cleared");
-    driven.run(2 * TICK);
-    assert!(driven.is_off());
-}
+use fivebar_firmware::{Move, MoveKind, Request, Settings};
 
 #[track_caller]
 fn powers_off(test: &str, fault: FaultKind) -> Driven {
@@ -209,26 +135,140 @@ fn a_few_late_ticks() {
 fn a_silent_host() {
     let (number, within) = stated("a_silent_host");
     let mut driven = moving();
-    // At rest 1200 ticks after the fault, and held: the bridges stay on.
     driven.run((within + 1200) * TICK);
+    is_held_until_cleared(&mut driven, number);
+}
+
+#[test]
+fn a_planner_that_is_late() {
+    // The watchdog waits 94 ms at the slowest frequency of its oscillator.
+    let options = Options {
+        lsi: 17e3,
+        ..Options::default()
+    };
+    let mut driven = at_the_end(options).ready();
+    driven.arm();
+    // The planner commits a little more of the path than a stop needs, in moves of 20 ms here.
+    for tag in 1..=17 {
+        let [x, y] = tool_at_start();
+        let to = [x - 0.002 * tag as f32, y];
+        offer(
+            &mut driven,
+            Move {
+                tag,
+                kind: MoveKind::Line { to, feed: 0.1 },
+            },
+        );
+    }
+    driven.run(60 * MILLISECOND);
+    let held_back = driven.chip().hold_back(85 * MILLISECOND);
+    held_back.expect("no violation");
+    assert_eq!(driven.status().fault, Some(Fault::QueueUnderrun));
+    driven.run(200 * MILLISECOND);
+    assert_eq!(driven.chip().resets().len(), 1);
+    is_held_until_cleared(&mut driven, Fault::QueueUnderrun);
+}
+
+/// An armed arm with changed settings.
+fn armed_with(change: impl FnOnce(&mut Settings)) -> Driven {
+    let mut driven = at_the_end(Options::default()).ready_with(change);
+    driven.arm();
+    driven
+}
+
+#[test]
+fn a_joint_that_turns_too_fast() {
+    let mut driven = armed_with(|settings| settings.protection.following_error = 0.9);
+    // The limit, 52.5 rad/s, is 109 counts in a tick.
+    driven
+        .arm
+        .get()
+        .inject(FaultKind::MotorDisconnected { joint: 0 });
+    let mut counts = 0;
+    while !driven.is_off() {
+        counts += 1;
+        assert!(counts < 130, "{counts}");
+        let fault = FaultKind::EncoderJump { joint: 0, counts };
+        driven.arm.get().inject(fault);
+        driven.run(TICK);
+    }
+    assert!(counts > 100, "{counts}");
+    stays_off_until_cleared(&mut driven, Fault::OverSpeed);
+}
+
+#[test]
+fn a_motor_that_gets_too_hot() {
+    let mut driven = armed_with(|settings| {
+        for axis in &mut settings.axes {
+            axis.continuous_current = 0.3;
+            axis.thermal_time_constant = 0.5;
+        }
+    });
+    // 0.6 A flow whatever the bridge does: hot after 0.5 ln(0.36/(0.36 − 0.09)) s = 0.144 s.
+    driven
+        .arm
+        .get()
+        .inject(FaultKind::MotorDisconnected { joint: 1 });
+    let offset = FaultKind::CurrentOffset {
+        joint: 1,
+        amperes: 0.6,
+    };
+    driven.arm.get().inject(offset);
+    driven.run(120 * MILLISECOND);
     assert!(!driven.is_off());
-    let at = driven.arm.get().plant().tool();
-    driven.run(100 * TICK);
-    assert!((driven.arm.get().plant().tool() - at).norm() < 1e-4);
-    let status = driven.status();
-    assert_eq!((status.state, status.fault), (State::Fault, Some(number)));
-    assert!(driven.request(Request::Arm).is_err());
-    driven.request(Request::ClearFault).expect("cleared");
+    ticks_until_off(&mut driven, 500);
+    stays_off_until_cleared(&mut driven, Fault::OverTemperature);
+}
+
+#[test]
+fn switches_at_angles_that_close_no_arm() {
+    let bench = Bench::with(Options::default(), Vec::new(), MILLISECOND);
+    // Couplers too short to meet when both cranks are turned outwards.
+    let mut driven = bench.ready_with(|settings| {
+        settings.lengths = [0.10, 0.13, 0.13, 0.10, 0.08];
+    });
+    driven.request(Request::Home).expect("homing");
+    driven.run(10 * MILLISECOND);
+    ticks_until_off(&mut driven, 20_000);
     driven.run(2 * TICK);
+    stays_off_until_cleared(&mut driven, Fault::EncoderDisagreement);
+    assert!(!driven.status().homed);
+}
+
+#[test]
+fn torques_that_overflow() {
+    let mut driven = at_the_end(Options::default()).ready_with(|settings| {
+        settings.gravity = [0.0, -3e38];
+        settings.payload = 30.0;
+    });
+    let angles = [0, 1].map(|joint| driven.arm.get().plant().angle(joint) as f32);
+    driven.request(Request::SetAngles(angles)).expect("angles");
+    driven.request(Request::Arm).expect("armed");
+    driven.run(3 * MILLISECOND);
+    stays_off_until_cleared(&mut driven, Fault::NotANumber);
+}
+
+#[test]
+fn a_reset_by_the_watchdog_in_motion() {
+    let (number, _) = stated("a_reset_by_the_watchdog_in_motion");
+    let mut driven = moving();
+    driven.chip().hang();
+    driven.run(60 * MILLISECOND);
     assert!(driven.is_off());
+    assert_eq!(driven.reconnect(), Reset::Watchdog);
+    stays_off_until_cleared(&mut driven, number);
+}
+
+#[test]
+fn settings_that_are_none() {
+    let mut driven = Bench::with(Options::default(), used_flash(), 0).connect();
+    stays_off_until_cleared(&mut driven, Fault::SettingsCorrupt);
 }
 
 /// Homes with this fault, until it ends the search.
 fn search(test: &str, fault: FaultKind) {
     let (number, within) = stated(test);
-    let [x, y] = robot().best_point().expect("a point").map(|x| x as f32);
-    let arm = arm_at([x + 0.03, y], MILLISECOND);
-    let bench = Bench::of(arm, Options::default(), Vec::new());
+    let bench = at_the_end(Options::default());
     // Faster than usual and in a narrow range, as the document's.
     let mut driven = bench.ready_with(|settings| {
         settings.homing.speed = 3.0;

@@ -168,3 +168,14 @@ fn a_flash_that_refuses_is_reported_and_keeps_its_settings() {
         assert_eq!(save(&mut driven), Reply::Done);
     }
 }
+
+#[test]
+fn stored_settings_of_another_tick_rate_are_not_used() {
+    let mut flash = vec![0xff; SIZE];
+    let mut other = settings();
+    other.control.tick_rate = 20_000.0;
+    other.check().expect("valid on another board");
+    save_here(&mut flash, &other);
+    let mut driven = boot(&flash);
+    assert_eq!(driven.status().fault, Some(Fault::SettingsCorrupt));
+}

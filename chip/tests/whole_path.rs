@@ -33,3 +33,16 @@ fn the_image_runs_from_power_up_through_a_job_to_disarm() {
     assert!(driven.is_off());
     assert_eq!(driven.arm.get().samples_on_edges, 0);
 }
+
+#[test]
+fn settings_beyond_the_boards_bounds_are_refused_with_key_and_bound() {
+    let mut driven = Bench::with(Options::default(), Vec::new(), 0).connect();
+    let mut fast = settings();
+    fast.protection.over_speed = 72.0;
+    let mut drive = Drive::new(&mut driven.client, &|| false);
+    let refused = drive.agree_on(&fast, true).expect_err("too fast");
+    let words = "protection.over_speed must give at most 1500000 encoder counts/s";
+    assert!(refused.to_string().contains(words), "{refused}");
+    fast.protection.over_speed = 71.0;
+    drive.agree_on(&fast, true).expect("within the bounds");
+}

@@ -12,6 +12,7 @@ use fivebar_firmware::protocol::{
     VERSION,
 };
 use fivebar_firmware::safety::{Fault, State};
+use fivebar_firmware::settings::{BoardLimits, SettingsError};
 use fivebar_firmware::storage::{SettingsStorage, StorageError};
 use fivebar_firmware::{Move, MoveKind, Request};
 use nor::Nor;
@@ -350,13 +351,39 @@ fn a_corrupt_settings_page_is_a_fault_and_nothing_moves_until_settings_are_given
 }
 
 #[test]
-fn settings_of_a_rate_that_the_board_does_not_tick_at_are_refused() {
+fn settings_beyond_the_bounds_of_the_board_are_refused() {
     let mut desk = Desk::greeted();
-    desk.board.tick_rate = Some(rig::settings().control.tick_rate);
-    let mut control = rig::settings().control;
-    control.tick_rate *= 0.5;
-    desk.ask(HostCommand::SetSection(Section::Control(control)));
-    let reply = desk.ask(HostCommand::ApplySettings);
-    assert_eq!(refused(&reply), Some(CommandError::Settings));
-    assert_eq!(*desk.controller.settings(), rig::settings());
+    let settings = rig::settings();
+    let limits = BoardLimits {
+        tick_rate: 10_000,
+        count_rate: 1_500_000,
+    };
+    desk.board.limits = Some(limits);
+    let (mut slow, mut fast) = (settings, settings);
+    slow.control.tick_rate *= 0.5;
+    // 65 536 counts a turn: 143.8 rad/s are 1 499 900 counts/s, 143.9 are 1 500 900.
+    fast.protection.over_speed = 143.8;
+    assert_eq!(limits.check(&fast), Ok(()));
+    fast.protection.over_speed = 143.9;
+    for (settings, error, text) in [
+        (
+            slow,
+            SettingsError::BoardTickRate(10_000),
+            "control.tick_rate must be 10000 Hz",
+        ),
+        (
+            fast,
+            SettingsError::BoardCountRate(1_500_000),
+            "protection.over_speed must give at most 1500000 encoder counts/s",
+        ),
+    ] {
+        assert_eq!(limits.check(&settings), Err(error));
+        assert!(error.to_string().contains(text), "{error}");
+        desk.ask(HostCommand::SetSection(Section::Control(settings.control)));
+        let protection = Section::Protection(settings.protection);
+        desk.ask(HostCommand::SetSection(protection));
+        let reply = desk.ask(HostCommand::ApplySettings);
+        assert_eq!(refused(&reply), Some(CommandError::Settings));
+    }
+    assert_eq!(*desk.controller.settings(), settings);
 }

@@ -18,6 +18,8 @@ const PROGRAM: Time = 16 * MICROSECOND;
 /// Time to program the option bytes.
 const OPTIONS: Time = 300 * MILLISECOND;
 const ERASE: Time = 1000 * MILLISECOND;
+/// How much longer than typical the slowest flash takes.
+const SLOWEST: u64 = 2;
 /// The data cache has 8 lines of 16 bytes.
 const LINES: usize = 8;
 const LINE: usize = 16;
@@ -87,6 +89,11 @@ impl Chip {
     pub fn protect_sectors(&mut self, sectors: u32) {
         self.mcu().flash.protect(sectors);
     }
+
+    /// The flash takes the longest time that its data sheet gives for an erase.
+    pub fn slow_flash(&mut self) {
+        self.mcu().flash.is_slow = true;
+    }
 }
 
 /// The controller and its sectors.
@@ -96,10 +103,14 @@ pub(crate) struct Flash {
     cr: Register,
     sr: Register,
     optcr: Register,
+    /// The brown-out level in the option bytes themselves.
+    brown_out: u32,
     keys: usize,
     option_keys: usize,
     /// Unlocking failed: the lock stays until the next reset.
     jammed: bool,
+    /// An erase takes the longest time that the data sheet gives.
+    pub(crate) is_slow: bool,
     pub(crate) sectors: Vec<u8>,
     /// Cached lines, the one used last at the end: offset and contents.
     cache: Vec<(usize, [u8; LINE])>,
@@ -113,9 +124,11 @@ impl Flash {
             cr: Register::new("FLASH_CR", 0x8000_0000, 0x8100_037f, 1 << 16),
             sr: Register::new("FLASH_SR", 0, 0, 0x0001_00f3),
             optcr: Register::new("FLASH_OPTCR", 0x0fff_aaed, 0x0fff_ffed, 2),
+            brown_out: 3,
             keys: 0,
             option_keys: 0,
             jammed: false,
+            is_slow: false,
             sectors,
             cache: Vec::new(),
             events: Vec::new(),
@@ -125,10 +138,13 @@ impl Flash {
     pub(crate) fn reset(&mut self) {
         let sectors = std::mem::take(&mut self.sectors);
         let events = std::mem::take(&mut self.events);
-        let optcr = self.optcr.value;
+        let is_slow = self.is_slow;
+        let (optcr, brown_out) = (self.optcr.value, self.brown_out);
         *self = Self::new(sectors);
         self.events = events;
-        self.optcr.value = optcr | 1;
+        self.is_slow = is_slow;
+        self.brown_out = brown_out;
+        self.optcr.value = optcr & !0xc | brown_out << 2 | 1;
     }
 
     pub(crate) fn wait_states(&self) -> u32 {
@@ -137,7 +153,7 @@ impl Flash {
 
     /// Brown-out level of the option bytes: 3 is off, 0 is the highest, 2.7 V.
     pub(crate) fn brown_out_level(&self) -> u32 {
-        self.optcr.field(2, 2)
+        self.brown_out
     }
 
     pub(crate) fn interrupt(&self) -> bool {
@@ -200,6 +216,7 @@ impl Flash {
                 }
                 self.optcr.write(value)?;
                 if value >> 1 & 1 != 0 {
+                    self.brown_out = self.optcr.field(2, 2);
                     return Ok(Operation::Busy(now + OPTIONS));
                 }
             }
@@ -267,7 +284,8 @@ impl Flash {
         self.finish();
         // With 8 or 16 bits at a time it takes two or one and a half times as long.
         let slower = [4, 3, 2, 2][self.cr.field(8, 2) as usize];
-        Ok(Operation::Busy(now + ERASE * slower / 2))
+        let aged = if self.is_slow { SLOWEST } else { 1 };
+        Ok(Operation::Busy(now + ERASE * aged * slower / 2))
     }
 
     /// Protects the sectors of these bits, and no others, from being written, as the option bytes

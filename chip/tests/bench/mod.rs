@@ -2,6 +2,8 @@
 
 #![allow(dead_code, reason = "each test file uses its own part")]
 
+pub(crate) mod raised;
+
 use fivebar::input::robot::{BuiltIn, Robot};
 use fivebar::input::scenario::{Mismatch, Scenario};
 use fivebar::run::link::Client;

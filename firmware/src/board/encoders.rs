@@ -4,8 +4,9 @@
 //! pulses into it. A level counts after six equal samples at an eighth of the timers' 84 MHz, so
 //! a pulse shorter than 0.57 µs counts nothing. A true level must then last seven samples,
 //! 0.67 µs. At c counts/s a level lasts 2/c, or 1/c if the encoder's edges are unevenly spaced,
-//! so the filter follows up to 1 500 000 counts/s. The benchtop arm needs 1 100 000 at the speed
-//! that is a fault (52.5 rad/s, 131 072 counts a turn). Both inputs are delayed alike.
+//! so the filter follows up to 1 500 000 counts/s: settings that allow more are refused. The
+//! benchtop arm needs 1 100 000 at the speed that is a fault (52.5 rad/s, 131 072 counts a turn).
+//! Both inputs are delayed alike.
 
 use stm32f4xx_hal::gpio::{Alternate, PA0, PA1, PA15, PB3};
 use stm32f4xx_hal::hal_02::Qei as _;

@@ -14,8 +14,6 @@ use stm32f4xx_hal::rcc::{Enable, Reset};
 const HALF_PERIOD: u16 = 4200;
 /// Half periods from one tick to the next, less one: two PWM periods make 10 kHz.
 const HALF_PERIODS_PER_TICK: u8 = 3;
-/// The tick's rate; settings of another rate are not used [Hz].
-pub const TICK_RATE: f32 = 10_000.0;
 /// Cycles of the core from one tick to the next.
 pub const TICK_CYCLES: u32 = 16_800;
 /// So many ticks after the start are checked for their place in the period.

@@ -1,12 +1,11 @@
 //! What the session needs from this board: settings stored in flash, and the stack's use.
 
-use super::pwm::TICK_RATE;
 use super::stack;
 use super::storage::SettingsFlash;
 use super::watchdog::Watchdog;
 use crate::protocol::StackUse;
 use crate::session::Board;
-use crate::settings::CheckedSettings;
+use crate::settings::{BoardLimits, CheckedSettings};
 use crate::storage::{SettingsStorage, StorageError};
 use crate::{ActuatorCommand, Controller, SensorSample, Settings};
 use stm32f4xx_hal::pac::{FLASH, IWDG};
@@ -35,12 +34,12 @@ impl BoardServices {
     }
 }
 
-/// Checks stored settings; they must also have this board's tick rate.
+/// Checks stored settings, within this board's bounds.
 fn check(settings: &Settings) -> Result<CheckedSettings, StorageError> {
-    if settings.control.tick_rate != TICK_RATE {
-        return Err(StorageError::Corrupt);
-    }
-    settings.check().map_err(|_| StorageError::Corrupt)
+    BoardLimits::STM32F405
+        .check(settings)
+        .and_then(|()| settings.check())
+        .map_err(|_| StorageError::Corrupt)
 }
 
 impl Board for BoardServices {
@@ -49,8 +48,8 @@ impl Board for BoardServices {
         self.watchdog.with_erase_timeout(|| storage.save(settings))
     }
 
-    fn tick_rate(&self) -> Option<f32> {
-        Some(TICK_RATE)
+    fn limits(&self) -> Option<BoardLimits> {
+        Some(BoardLimits::STM32F405)
     }
 
     fn tick(&mut self, _: &mut Controller, _: &SensorSample) -> Option<(ActuatorCommand, u32)> {

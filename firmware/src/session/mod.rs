@@ -14,7 +14,7 @@ use crate::protocol::{
     SequenceCheck, StackUse, StepResult, Telemetry, VERSION, encode,
 };
 use crate::safety::State;
-use crate::settings::CheckedSettings;
+use crate::settings::{BoardLimits, CheckedSettings};
 use crate::storage::StorageError;
 use crate::{ActuatorCommand, Request, SensorSample, Settings};
 use rtic_core::Mutex;
@@ -29,8 +29,8 @@ pub trait Board {
     /// Why they are not stored.
     fn save(&mut self, settings: &Settings) -> Result<(), StorageError>;
 
-    /// The board's tick rate [Hz], if it has only one; `None` where the host steps the ticks.
-    fn tick_rate(&self) -> Option<f32> {
+    /// The board's bounds of the settings; `None` where the host steps the ticks.
+    fn limits(&self) -> Option<BoardLimits> {
         None
     }
 
@@ -235,9 +235,9 @@ impl Session {
         planner: &mut Planner,
         board: &mut impl Board,
     ) -> Result<Reply, CommandError> {
-        let rate = board.tick_rate();
-        if rate.is_some_and(|rate| rate != self.draft.control.tick_rate) {
-            return Err(CommandError::Settings);
+        if let Some(limits) = board.limits() {
+            let checked = limits.check(&self.draft);
+            checked.map_err(|_| CommandError::Settings)?;
         }
         let settings = self.draft.check().map_err(|_| CommandError::Settings)?;
         let new_controller = Controller::new(&settings);

@@ -71,6 +71,10 @@ pub enum SettingsError {
     Axis(u8, AxisField),
     /// Another field.
     Field(Field),
+    /// The board has this one tick rate [Hz].
+    BoardTickRate(u32),
+    /// The filters at the board's encoder inputs pass so many counts per second.
+    BoardCountRate(u32),
     /// No pose within the joint limits is on the branch and keeps the singularity margin.
     NoPose,
 }
@@ -175,6 +179,14 @@ impl fmt::Display for SettingsError {
                 let (name, rule) = field.rule();
                 write!(f, "{name} {rule}")
             }
+            Self::BoardTickRate(rate) => {
+                write!(f, "control.tick_rate must be {rate} Hz, the board's")
+            }
+            Self::BoardCountRate(rate) => write!(
+                f,
+                "protection.over_speed must give at most {rate} encoder counts/s, which the \
+                 board's input filters pass"
+            ),
             Self::NoPose => f.write_str(
                 "no pose within angle_limits is on the branch of elbows_left and assembly_left \
                  and keeps singularity_margin",

@@ -4,12 +4,14 @@
 
 mod arm;
 mod benchtop;
+mod board;
 mod check;
 mod checked;
 mod error;
 
 use serde::{Deserialize, Serialize};
 
+pub use board::BoardLimits;
 pub use checked::CheckedSettings;
 pub use error::{AxisField, Field, SettingsError};
 

@@ -7,6 +7,7 @@ use fivebar_firmware::protocol::{
     ControllerMessage, Decoder, Frame, HostCommand, HostMessage, Identity, Reply, Sequence, VERSION,
 };
 use fivebar_firmware::session::{Board, Session};
+use fivebar_firmware::settings::BoardLimits;
 use fivebar_firmware::storage::StorageError;
 use fivebar_firmware::{ActuatorCommand, Planner, Request, SensorSample, Settings};
 
@@ -14,7 +15,7 @@ use fivebar_firmware::{ActuatorCommand, Planner, Request, SensorSample, Settings
 pub(crate) struct Memory {
     pub(crate) saved: Vec<Settings>,
     pub(crate) flash: Result<(), StorageError>,
-    pub(crate) tick_rate: Option<f32>,
+    pub(crate) limits: Option<BoardLimits>,
 }
 
 impl Board for Memory {
@@ -24,8 +25,8 @@ impl Board for Memory {
         Ok(())
     }
 
-    fn tick_rate(&self) -> Option<f32> {
-        self.tick_rate
+    fn limits(&self) -> Option<BoardLimits> {
+        self.limits
     }
 
     fn tick(
@@ -66,7 +67,7 @@ impl Desk {
             board: Memory {
                 saved: Vec::new(),
                 flash: Ok(()),
-                tick_rate: None,
+                limits: None,
             },
             bench: rig::Bench::new(&settings),
             last: Sequence(0xfffe),

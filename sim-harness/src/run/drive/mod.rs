@@ -6,6 +6,7 @@ use crate::run::link::{Client, LinkError};
 use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::protocol::{CommandError, HostCommand, Reply, SectionKey};
 use fivebar_firmware::safety::State;
+use fivebar_firmware::settings::BoardLimits;
 use fivebar_firmware::{Move, Planner, Request, Settings, Status};
 use std::io::{Read, Write};
 
@@ -55,9 +56,12 @@ impl<'a, L: Read + Write> Drive<'a, L> {
         if !upload {
             return Err(DriveError::OtherSettings(differing));
         }
-        self.client
-            .write_settings(settings)?
-            .map_err(|error| DriveError::refused("use the settings", error))?;
+        self.client.write_settings(settings)?.map_err(|error| {
+            match BoardLimits::STM32F405.check(settings) {
+                Err(bound) if error == CommandError::Settings => DriveError::Settings(bound),
+                _ => DriveError::refused("use the settings", error),
+            }
+        })?;
         self.command("store the settings", HostCommand::SaveSettings)
     }
 

@@ -1,0 +1,117 @@
+//! What every fault must do, and the arm in motion when one is raised.
+
+use super::{Bench, Driven, arm_at, robot};
+use fivebar_chip::Options;
+use fivebar_chip::time::{MICROSECOND, MILLISECOND, Time};
+use fivebar_firmware::protocol::{HostCommand, Reply};
+use fivebar_firmware::safety::{Fault, State};
+use fivebar_firmware::{Move, MoveKind, Request};
+
+pub(crate) const TICK: Time = 100 * MICROSECOND;
+
+/// What the document states about an injected fault: the fault, and the latest tick in which it
+/// is latched.
+pub(crate) fn stated(test: &str) -> (Fault, u64) {
+    let document = include_str!("../../../docs/faults.md");
+    let name = format!("`{test}`");
+    let (_, injected) = document
+        .split_once("## Injected faults")
+        .expect("the table");
+    let rows = injected
+        .lines()
+        .map(|line| line.split('|').map(str::trim).collect::<Vec<_>>());
+    let row = rows
+        .filter(|cells| cells.len() == 7)
+        .find(|cells| cells[5] == name)
+        .unwrap_or_else(|| panic!("docs/faults.md has no row of {test}"));
+    let number = |cell: &str| cell.split(' ').find_map(|word| word.parse::<u64>().ok());
+    let fault = number(row[2]).expect("the number of a fault");
+    let fault = Fault::try_from(fault as u8).expect("a known fault");
+    (fault, number(row[3]).expect("a count of ticks"))
+}
+
+/// One end of a line of 60 mm.
+pub(crate) fn tool_at_start() -> [f32; 2] {
+    let [x, y] = robot().best_point().expect("a point");
+    [x as f32 + 0.03, y as f32]
+}
+
+/// The arm there, about to get power.
+pub(crate) fn at_the_end(options: Options) -> Bench {
+    Bench::of(arm_at(tool_at_start(), MILLISECOND), options, Vec::new())
+}
+
+pub(crate) fn offer(driven: &mut Driven, next: Move) {
+    let reply = driven.client.call(HostCommand::Move(next));
+    assert!(matches!(reply, Ok(Reply::Taken { .. })), "{reply:?}");
+}
+
+/// The arm on its way along the line, to and fro, at 0.1 m/s.
+pub(crate) fn moving() -> Driven {
+    let [x, y] = tool_at_start();
+    let mut driven = at_the_end(Options::default()).ready();
+    driven.arm();
+    for tag in 1..=6 {
+        let to = [x - 0.06 * [1.0, 0.0][tag as usize % 2], y];
+        let kind = MoveKind::Line { to, feed: 0.1 };
+        offer(&mut driven, Move { tag, kind });
+    }
+    driven.run(60 * MILLISECOND);
+    assert_eq!(driven.status().state, State::Running);
+    driven
+}
+
+/// Runs until the fault is latched, the host giving signs of life; the ticks that it took.
+pub(crate) fn ticks_until_off(driven: &mut Driven, within: u64) -> u64 {
+    let began = driven.chip().now();
+    while !driven.is_off() {
+        let passed = (driven.chip().now() - began) / TICK;
+        assert!(passed <= within + 2, "not off after {passed} ticks");
+        if passed % 400 == 399 {
+            driven.status();
+        }
+        driven.run(TICK / 2);
+    }
+    let (off_at, _) = *driven.arm.get().history.last().expect("a change");
+    (off_at - began).div_ceil(TICK)
+}
+
+/// Nothing that the host asks for moves the arm; then the fault can be cleared.
+pub(crate) fn stays_off_until_cleared(driven: &mut Driven, fault: Fault) {
+    let status = driven.status();
+    assert_eq!((status.state, status.fault), (State::Fault, Some(fault)));
+    assert!(driven.is_off_twice());
+    let changes = driven.arm.get().history.len();
+    for request in [
+        Request::Arm,
+        Request::Home,
+        Request::SetAngles([2.2, 0.9]),
+        Request::Stop,
+        Request::Disarm,
+    ] {
+        assert!(driven.request(request).is_err(), "{request:?}");
+        driven.run(5 * TICK);
+        assert!(driven.is_off());
+    }
+    assert_eq!(driven.arm.get().history.len(), changes);
+    driven.request(Request::ClearFault).expect("cleared");
+    driven.run(2 * TICK);
+    assert!(driven.is_off());
+}
+
+/// The arm rests, and the bridges stay on until the fault is cleared.
+pub(crate) fn is_held_until_cleared(driven: &mut Driven, fault: Fault) {
+    assert!(!driven.is_off());
+    let at = driven.arm.get().plant().tool();
+    driven.run(100 * TICK);
+    assert!((driven.arm.get().plant().tool() - at).norm() < 1e-4);
+    let status = driven.status();
+    assert_eq!((status.state, status.fault), (State::Fault, Some(fault)));
+    for request in [Request::Arm, Request::Home, Request::Disarm] {
+        assert!(driven.request(request).is_err(), "{request:?}");
+    }
+    assert!((driven.arm.get().plant().tool() - at).norm() < 1e-4);
+    driven.request(Request::ClearFault).expect("cleared");
+    driven.run(2 * TICK);
+    assert!(driven.is_off());
+}
