@@ -14,6 +14,7 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 BOARD = "firmware/src/board/"
+# What, file, and pairs of old and new text.
 MISTAKES = [
     ("the converter's trigger: enable instead of update", "pwm.rs", "w.mms().update()", "w.mms().enable()"),
     ("encoders swapped", "encoders.rs", "(self.joint1.count(), self.joint4.count())", "(self.joint4.count(), self.joint1.count())"),
@@ -48,6 +49,66 @@ MISTAKES = [
     ("unpower: the wrong half of BSRR", "pwm.rs", "w.bits(SLEEP_PINS << 16)", "w.bits(SLEEP_PINS)"),
     ("the divider does not follow when the crystal dies", "clocks.rs", "    rcc.cfgr().modify(|_, w| w.ppre1().div1().ppre2().div1());\n}\n", "}\n"),
     ("no input filter", "encoders.rs", ".modify(|_, w| w.ic1f().fdts_div8_n6().ic2f().fdts_div8_n6());\n        timer4", ".modify(|_, w| w.ic1f().no_filter().ic2f().no_filter());\n        timer4"),
+    ("current 4 sampled after current 1, by one converter", "analog.rs",
+     "unsafe { w.multi().bits(INJECTED_SIMULTANEOUS) }\n                .adcpre()", "w.adcpre()",
+     "w.smp10().cycles15().smp12()", "w.smp10().cycles15().smp11().cycles15().smp12()",
+     "w.jl().bits(1).jsq3().bits(CURRENT1)", "w.jl().bits(2).jsq2().bits(CURRENT1).jsq3().bits(CURRENT4)",
+     "adc2.cr2().modify(|_, w| w.adon().enabled());", "",
+     "self.adc2.jdr1()", "self.adc1.jdr2()",
+     "bus_voltage: self.adc1.jdr2()", "bus_voltage: self.adc1.jdr3()"),
+    ("a push at the start of the fault handler", "bin/stm32f405.rs", '"movw r0, #0x0418",', '"push {r4, lr}",\n        "movw r0, #0x0418",'),
+    ("a wait shorter than the longest frame", "serial.rs", "const PATIENCE: u32 = 150_000;", "const PATIENCE: u32 = 30_000;"),
+    ("the PLL's divider P", "clocks.rs", "w.pllp().div2()", "w.pllp().div4()"),
+    ("the PLL's divider Q: 84 MHz for 48", "clocks.rs", ".pllq().bits(7)", ".pllq().bits(4)"),
+    ("APB1 undivided", "clocks.rs", ".ppre1().div4()", ".ppre1().div1()"),
+    ("the slow tick's reload", "clocks.rs", "const SLOW_TICK: u32 = 16_000;", "const SLOW_TICK: u32 = 168_000;"),
+    ("the clock failure not acknowledged", "clocks.rs", "    rcc.cir().modify(|_, w| w.cssc().set_bit());\n", ""),
+    ("joint 4's filter of three times the length", "encoders.rs", "w.ic1f().fdts_div8_n6().ic2f().fdts_div8_n6());\n        encoders", "w.ic1f().fdts_div32_n5().ic2f().fdts_div32_n5());\n        encoders"),
+    ("a filter on one input of two", "encoders.rs", ".ic2f().fdts_div8_n6());\n        timer4", ".ic2f().no_filter());\n        timer4"),
+    ("current 1's sample time of 3 cycles", "analog.rs", "w.smp10().cycles15()", "w.smp10().cycles3()"),
+    ("current 4's sample time of 28 cycles", "analog.rs", "w.smp11().cycles15()", "w.smp11().cycles28()"),
+    ("the bus's sample time of 3 cycles", "analog.rs", ".smp12().cycles15()", ".smp12().cycles3()"),
+    ("the sequence's order: bus first", "analog.rs", ".jsq3().bits(CURRENT1).jsq4().bits(BUS)", ".jsq3().bits(BUS).jsq4().bits(CURRENT1)"),
+    ("the trigger's falling edge", "analog.rs", ".rising_edge()", ".falling_edge()"),
+    ("the second converter off", "analog.rs", "adc2.cr2().modify(|_, w| w.adon().enabled());", ""),
+    ("the converters' flag not cleared", "analog.rs", "w.jeoc().clear_bit().jstrt().clear_bit()", "w.jstrt().clear_bit()"),
+    ("the half period off by one", "pwm.rs", "const HALF_PERIOD: u16 = 4200;", "const HALF_PERIOD: u16 = 4199;"),
+    ("outputs released when off, with no idle state", "pwm.rs", "w.ossi().idle_level()", "w.ossi().disabled()"),
+    ("a high idle state", "pwm.rs", ".ois3()\n                .reset()", ".ois3()\n                .set_bit()"),
+    ("a channel not enabled", "pwm.rs", "w.cc3e().set_bit().cc4e().set_bit()", "w.cc3e().set_bit().cc4e().clear_bit()"),
+    ("no interrupt by the break", "pwm.rs", "timer.dier().write(|w| w.bie().set_bit());", "timer.dier().write(|w| w.bie().clear_bit());"),
+    ("the break's interrupt not enabled again", "pwm.rs", "if self.timer.sr().read().bif().bit_is_clear() {", "if self.timer.sr().read().bif().bit_is_set() {"),
+    ("the tick's rate halved by the repetitions", "pwm.rs", "const HALF_PERIODS_PER_TICK: u8 = 3;", "const HALF_PERIODS_PER_TICK: u8 = 7;"),
+    ("a PWM pin's function", "pwm.rs", "    PA10<Alternate<1>>,\n    PA11<Alternate<1>>,\n);", "    PA10<Alternate<1>>,\n    PA11<Alternate<2>>,\n);"),
+    ("the break pin's function", "pins.rs", "PB12<Alternate<1>>", "PB12<Alternate<2>>"),
+    ("pull-downs for pull-ups", "pins.rs", "pin.internal_resistor(Pull::Up)", "pin.internal_resistor(Pull::Down)"),
+    ("the serial input without a pull-up", "pins.rs", "pulled_up(b.pb7.into_alternate())", "b.pb7.into_alternate()"),
+    ("an encoder's input without a pull-up", "pins.rs", "pulled_up(b.pb3.into_alternate())", "b.pb3.into_alternate()"),
+    ("a bridge's fault output without a pull-up", "pins.rs", "c.pc5.into_pull_up_input()", "c.pc5.into_floating_input()"),
+    ("the bridges' duties exchanged", "outputs.rs", "let [duty1, duty4] = command.duty;", "let [duty4, duty1] = command.duty;"),
+    ("a stop between two ticks forgotten", "sensors.rs", "self.switches.emergency_stop() || stopped", "self.switches.emergency_stop() && stopped"),
+    ("the brown-out level 2.4 V", "brown_out.rs", "const LEVEL_3: u8 = 0;", "const LEVEL_3: u8 = 1;"),
+    ("option bytes never programmed", "brown_out.rs", "    flash.optcr().modify(|_, w| w.optstrt().set_bit());\n", ""),
+    ("option bytes left unlocked", "brown_out.rs", "    flash.optcr().modify(|_, w| w.optlock().set_bit());\n", ""),
+    ("the flags of a reset not cleared", "post_mortem.rs", "    rcc.csr().modify(|_, w| w.rmvf().set_bit());\n", ""),
+    ("the notes of panic and fault exchanged", "post_mortem.rs", "EndCause::Panic => PANICKED,\n        EndCause::HardFault => FAULTED,", "EndCause::Panic => FAULTED,\n        EndCause::HardFault => PANICKED,"),
+    ("power-up taken for a brown-out", "post_mortem.rs", "flags.borrstf().bit_is_set() && !flags.porrstf().bit_is_set()", "flags.borrstf().bit_is_set()"),
+    ("the watchdog's reload", "watchdog.rs", "    reload: 399,", "    reload: 3999,"),
+    ("too short a time for an erase", "watchdog.rs", "    prescaler: 6,", "    prescaler: 4,"),
+    ("a sector too few", "storage.rs", "const SECTORS: usize = 4;", "const SECTORS: usize = 2;"),
+    ("words written as half words", "storage.rs", ".write(|w| w.lock().clear_bit().psize().psize32().pg()", ".write(|w| w.lock().clear_bit().psize().psize16().pg()"),
+    ("the flash not locked again", "storage.rs", "w.psize().psize32().lock().set_bit()", "w.psize().psize32().lock().clear_bit()"),
+    ("the error of a protected sector not looked at", "storage.rs", "status.wrperr().bit_is_set()\n            || ", ""),
+    ("old errors of the flash not cleared", "storage.rs", "w.operr().clear_bit_by_one().wrperr().clear_bit_by_one();", "w.operr().clear_bit_by_one();"),
+    ("the receive ring's length", "serial.rs", "w.ndt().bits(RING as u16)", "w.ndt().bits(RING as u16 / 2)"),
+    ("received bytes all to one place", "serial.rs", "w.minc()\n                .incremented()\n                .circ()", "w.minc()\n                .fixed()\n                .circ()"),
+    ("the sending stream", "serial.rs", "const SEND_STREAM: usize = 7;", "const SEND_STREAM: usize = 6;"),
+    ("the sending stream's flags not cleared", "serial.rs", "w.ctcif7().clear().chtif7().clear();", "w.chtif7().clear();"),
+    ("the idle line's flag not cleared", "serial.rs", "                    let _ = usart.dr().read();\n", ""),
+    ("no cycle counter", "cycles.rs", "        dwt.enable_cycle_counter();\n", ""),
+    ("used and unused stack exchanged", "stack.rs", "size - (painted * size_of::<u32>()) as u32", "(painted * size_of::<u32>()) as u32"),
+    ("settings of another tick rate used", "services.rs", "BoardLimits::STM32F405\n        .check(settings)\n        .and_then(|()| settings.check())", "settings.check()"),
+    ("priorities of tick and serial line exchanged", "bin/stm32f405.rs", "binds = ADC, priority = 3", "binds = ADC, priority = 2", "binds = SysTick, priority = 3", "binds = SysTick, priority = 2", "binds = USART1, priority = 2", "binds = USART1, priority = 3"),
 ]
 
 
@@ -55,13 +116,16 @@ def run(*command, **options):
     return subprocess.run(command, capture_output=True, text=True, **options)
 
 
-def seed(copy, file, old, new):
-    path = copy / BOARD / file
-    text = path.read_text()
-    if old not in text:
-        raise SystemExit(f"{file} has no '{old}'")
-    path.write_text(text.replace(old, new, 1))
-    return text
+def seed(copy, file, *texts):
+    """Puts the mistake in; the path and its text before."""
+    path = copy / (BOARD if "/" not in file else "firmware/src/") / file
+    before = text = path.read_text()
+    for old, new in zip(texts[::2], texts[1::2]):
+        if old not in text:
+            raise SystemExit(f"{file} has no '{old}'")
+        text = text.replace(old, new, 1)
+    path.write_text(text)
+    return path, before
 
 
 def main():
@@ -84,8 +148,8 @@ def main():
     if sound.returncode != 0:
         raise SystemExit("without a mistake:\n" + (sound.stdout + sound.stderr)[-2000:])
     for number in chosen:
-        name, file, old, new = MISTAKES[number - 1]
-        before = seed(copy, file, old, new)
+        name, file, *texts = MISTAKES[number - 1]
+        path, before = seed(copy, file, *texts)
         tests = run("cargo", "test", "--manifest-path", str(copy / "chip" / "Cargo.toml"))
         failed = sorted(set(re.findall(r"^test (\w+) \.\.\. FAILED", tests.stdout, re.M)))
         if failed and "could not compile" not in tests.stdout + tests.stderr:
@@ -95,7 +159,7 @@ def main():
             found = "nothing"
             missed.append(name)
             print((tests.stdout + tests.stderr)[-1500:])
-        (copy / BOARD / file).write_text(before)
+        path.write_text(before)
         rows.append(f"| {number} | {name} | `{file}` | {found} |")
         print(rows[-1], flush=True)
     if not sys.argv[1:]:

@@ -44,6 +44,19 @@ impl Chip {
         mcu.stalled_until = mcu.stalled_until.max(mcu.now + time);
     }
 
+    /// Whether the chip sends a byte on the serial line.
+    pub fn is_sending(&mut self) -> bool {
+        self.mcu().usart.is_sending()
+    }
+
+    /// The serial line takes so much longer for the byte that is being sent, as if more bytes
+    /// followed it.
+    pub fn prolong_sending(&mut self, time: Time) {
+        let mcu = self.mcu();
+        mcu.usart.prolong(time);
+        mcu.due = mcu.next_due();
+    }
+
     /// The program below the interrupts is late by this time: it stands still, and the interrupts
     /// go on.
     ///

@@ -6,7 +6,9 @@ use bench::{Bench, Driven, hear, image, save, say, settings, tell, used_flash};
 use fivebar_chip::time::{MICROSECOND, MILLISECOND, SECOND};
 use fivebar_chip::{FlashEvent, Options, RepetitionReading, ResetCause};
 use fivebar_firmware::Request;
-use fivebar_firmware::protocol::{ControllerMessage, HostCommand, Reply, Reset, VERSION};
+use fivebar_firmware::protocol::{
+    ControllerMessage, HostCommand, HostMessage, Reply, Reset, Sequence, VERSION, encode,
+};
 use fivebar_firmware::safety::{Fault, State};
 
 /// A tick.
@@ -243,11 +245,26 @@ fn a_frame_that_follows_a_long_one_is_sent() {
         session: 9,
     };
     say(&driven, 0, hello);
-    tell(&driven, 1, HostCommand::Telemetry { every: 25 });
+    tell(&driven, 1, HostCommand::Telemetry { every: 100 });
     hear(&driven);
     let (mut numbers, mut replies) = (Vec::new(), 0);
-    for sequence in 2..52 {
-        tell(&driven, sequence, HostCommand::Snapshot);
+    // Two commands at once: the second reply waits while the first one is sent.
+    for sequence in (2..52).step_by(2) {
+        let frames = [sequence, sequence + 1].map(|number| {
+            let message = HostMessage {
+                sequence: Sequence(number),
+                command: HostCommand::Snapshot,
+            };
+            encode(&message).expect("a frame")
+        });
+        let mut chip = driven.chip();
+        chip.send(&frames.concat());
+        while !chip.is_sending() {
+            chip.run(10 * MICROSECOND).expect("no violation");
+        }
+        // As if the first one were of the greatest length, 256 bytes.
+        chip.prolong_sending(256 * 10 * MICROSECOND - 800 * MICROSECOND);
+        chip.run(20 * MILLISECOND).expect("no violation");
     }
     for message in hear(&driven) {
         match message {

@@ -42,13 +42,18 @@ impl Recorder {
     }
 
     fn call(&mut self, command: HostCommand) -> Reply {
+        let before = self.driven.client.repeats();
         let reply = self.driven.client.call(command).expect("an answer");
+        let repeats = self.driven.client.repeats() - before;
         // What was refused has changed nothing.
         let kept = match reply {
             Reply::Refused(_) => HostCommand::Status,
             _ => command,
         };
         self.commands.push(kept);
+        // On a slow computer the host sends a command again; the repeat changes nothing, either.
+        let again = (0..repeats).map(|_| HostCommand::Status);
+        self.commands.extend(again);
         reply
     }
 

@@ -15,6 +15,7 @@ use std::fs::File;
 use std::io::{ErrorKind, Read, Write};
 use std::os::fd::FromRawFd;
 use std::path::PathBuf;
+use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -58,7 +59,17 @@ fn terminal() -> std::io::Result<(File, PathBuf)> {
     }
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("board: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
     let image = arguments.next().unwrap_or_else(|| IMAGE.to_owned());
     let robot = Robot::load(
@@ -66,7 +77,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             .next()
             .unwrap_or_else(|| BuiltIn::DEFAULT.to_owned()),
     )?;
-    let image = Arc::new(Image::read(&PathBuf::from(image))?);
+    let read = Image::read(&PathBuf::from(&image));
+    let read = read.map_err(|error| format!("{image}: {error}; scripts/firmware.sh builds it"))?;
+    let image = Arc::new(read);
     // A little before the home switches.
     let axes = robot.settings()?.axes;
     let before = axes.map(|axis| if axis.home_forward { -0.03 } else { 0.03 });

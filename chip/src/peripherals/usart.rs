@@ -173,6 +173,17 @@ impl Usart {
         }
     }
 
+    pub(crate) fn is_sending(&self) -> bool {
+        self.shifting.is_some()
+    }
+
+    /// The byte in the shift register takes so much longer.
+    pub(crate) fn prolong(&mut self, time: Time) {
+        if self.is_sending() {
+            self.shifted_at += time;
+        }
+    }
+
     /// Whether the receiver asks the DMA.
     pub(crate) fn asks_to_store(&self) -> bool {
         self.sr.bit(RXNE) && self.cr3.bit(6)
