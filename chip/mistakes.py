@@ -56,7 +56,7 @@ MISTAKES = [
      "adc2.cr2().modify(|_, w| w.adon().enabled());", "",
      "self.adc2.jdr1()", "self.adc1.jdr2()",
      "bus_voltage: self.adc1.jdr2()", "bus_voltage: self.adc1.jdr3()"),
-    ("a push at the start of the fault handler", "bin/stm32f405.rs", '"movw r0, #0x0418",', '"push {r4, lr}",\n        "movw r0, #0x0418",'),
+    ("a push at the start of the fault handler", "bin/stm32f405.rs", '"movw r0, #0x0418",', '"push {{r4, lr}}",\n        "movw r0, #0x0418",'),
     ("a wait shorter than the longest frame", "serial.rs", "const PATIENCE: u32 = 150_000;", "const PATIENCE: u32 = 30_000;"),
     ("the PLL's divider P", "clocks.rs", "w.pllp().div2()", "w.pllp().div4()"),
     ("the PLL's divider Q: 84 MHz for 48", "clocks.rs", ".pllq().bits(7)", ".pllq().bits(4)"),

@@ -12,7 +12,7 @@ use fivebar_firmware::protocol::{
     VERSION, encode,
 };
 use fivebar_firmware::safety::State;
-use fivebar_firmware::{Move, MoveKind, Request, SensorSample, Settings};
+use fivebar_firmware::{Move, MoveKind, Request, SensorSample};
 
 #[test]
 fn sequence_and_session_are_checked() {
@@ -158,41 +158,6 @@ fn nothing_moves_without_settings() {
     for request in [Request::Arm, Request::Home] {
         assert_eq!(driven.request(request), Err(CommandError::NoSettings));
     }
-}
-
-#[test]
-fn every_section_is_checked_as_a_whole() {
-    let mut driven = Driven::new();
-    let broken: [fn(&mut Settings); 14] = [
-        |s| s.lengths[0] = -1.0,
-        |s| s.links[1].mass = f32::NAN,
-        |s| s.links[3].inertia = -1.0,
-        |s| s.payload = -1.0,
-        |s| s.gravity = [f32::INFINITY, 0.0],
-        |s| s.control.tick_rate = 0.0,
-        // Valid on another board: this one has one rate, and filters at its encoders.
-        |s| s.control.tick_rate = 20_000.0,
-        |s| s.protection.over_speed = 75.0,
-        |s| s.control.bandwidth = -3.0,
-        |s| s.protection.bus_voltage = [30.0, 20.0],
-        |s| s.axes[0].encoder_counts = 0,
-        |s| s.axes[1].angle_limits = [2.0, 1.0],
-        |s| s.homing.speed = 0.0,
-        |s| s.motion.singularity_margin = -1.0,
-    ];
-    for (number, change) in broken.iter().enumerate() {
-        let mut settings = settings();
-        change(&mut settings);
-        let refused = driven.client.write_settings(&settings).expect("a line");
-        assert_eq!(refused, Err(CommandError::Settings), "change {number}");
-    }
-    // The draft is complete again, and what is in use has never changed.
-    let mut found = settings();
-    driven.client.read_settings(&mut found).expect("settings");
-    let differ = |key: &&SectionKey| key.of(&found) != key.of(&settings());
-    assert_eq!(SectionKey::ALL.iter().find(differ), None);
-    let applied = driven.client.write_settings(&settings()).expect("a line");
-    assert_eq!(applied, Ok(()));
 }
 
 fn offer(driven: &mut Driven, kind: MoveKind) -> Result<(), MoveErrorKind> {

@@ -14,16 +14,16 @@ use fivebar_firmware::protocol::{
     CommandError, ControllerMessage, HostCommand, Reply, Section, SectionKey, VERSION,
 };
 use fivebar_firmware::safety::{Fault, State};
-use fivebar_firmware::{Move, MoveKind, Request};
+use fivebar_firmware::{Move, MoveKind, Request, Settings};
 
 /// Drives the moves to their end; the tool is then at this point.
-fn drives(driven: &mut Driven, kinds: &[MoveKind], end: [f32; 2]) {
+fn drives(driven: &mut Driven, settings: &Settings, kinds: &[MoveKind], end: [f32; 2]) {
     let moves: Vec<_> = (1..)
         .zip(kinds)
         .map(|(tag, &kind)| Move { tag, kind })
         .collect();
     let mut drive = Drive::new(&mut driven.client, &|| false);
-    let followed = drive.follow(&moves, &settings(), &mut |_, _| ());
+    let followed = drive.follow(&moves, settings, &mut |_, _| ());
     followed.expect("the moves are executed");
     let tool = driven.status().tool.expect("a position");
     for (at, end) in tool.iter().zip(end) {
@@ -74,14 +74,51 @@ fn circles_corners_dwells_and_joint_moves_are_driven() {
         to: [angles[0] + by, angles[1] + by],
         speed,
     };
+    // Faster than the arm may go.
+    for by in [0.03, -0.03] {
+        kinds.push(MoveKind::Line {
+            to: at(by, 0.0),
+            feed: 9.0,
+        });
+        kinds.push(MoveKind::Arc {
+            to: at(0.0, 0.0),
+            center: at(0.5 * by, 0.0),
+            clockwise: by > 0.0,
+            feed: 9.0,
+        });
+    }
     kinds.extend([
         joint(0.05, 0.03),
         joint(-0.05, 0.05),
         joint(0.0, 1.0),
         line(at(0.0, 0.0)),
     ]);
-    drives(&mut driven, &kinds, [x, y]);
+    drives(&mut driven, &settings(), &kinds, [x, y]);
     assert_eq!(driven.status().fault, None);
+}
+
+#[test]
+fn an_arm_with_independent_joints_and_a_tool_beside_its_end_is_driven() {
+    let change = |settings: &mut Settings| {
+        settings.control.computed_torque = false;
+        settings.protection.following_error = 0.2;
+        settings.tool_offset = [0.02, -0.01];
+    };
+    let mut driven = at_the_end(Options::default()).ready_with(change);
+    driven.arm();
+    let [x, y] = driven.status().tool.expect("a position");
+    driven.request(Request::Disarm).expect("disarmed");
+    let to = [x - 0.02, y - 0.005];
+    let line = MoveKind::Line { to, feed: 0.1 };
+    let arc = MoveKind::Arc {
+        to,
+        center: [x - 0.02, y],
+        clockwise: false,
+        feed: 0.1,
+    };
+    let mut changed = settings();
+    change(&mut changed);
+    drives(&mut driven, &changed, &[line, arc], to);
 }
 
 fn refuses(driven: &mut Driven, kind: MoveKind) -> MoveErrorKind {
@@ -127,6 +164,10 @@ fn each_reason_to_refuse_a_move() {
         (joint([9.0, angles[1]], 0.5), MoveErrorKind::JointLimit(1)),
         (joint([angles[0], 9.0], 0.5), MoveErrorKind::JointLimit(4)),
         (joint([f32::NAN, 1.0], 0.5), MoveErrorKind::Number),
+        (
+            joint([1.160, 1.982], 0.5),
+            MoveErrorKind::ParallelSingularity,
+        ),
         (dwell(f32::NAN), MoveErrorKind::Number),
         (dwell(86_401.0), MoveErrorKind::TooLong),
         (line([0.05, 0.50], 0.1), MoveErrorKind::LegSingularity(1)),

@@ -9,6 +9,8 @@ use std::process::ExitCode;
 
 /// The least share of the machine code that the tests must run [%].
 const LEAST_COVERAGE: f64 = 85.0;
+/// A function with so many bytes that did not run is listed.
+const MANY: u32 = 150;
 /// How far a figure may be from the committed one, for another compiler [%].
 const TOLERANCE: f64 = 10.0;
 
@@ -86,16 +88,21 @@ fn figures(image: &Image, summary: &Summary) -> [(&'static str, f64); 4] {
     ]
 }
 
-/// Functions of which no part, or less than half, ran.
+/// Functions of which less than half ran, or many bytes did not; those with most of them first.
 fn unreached(image: &Image, summary: &Summary) -> String {
-    let mut text = String::new();
-    for (address, size, name) in image.functions() {
-        let ran = summary.ran_in(*address..address + size);
-        if 2 * ran < *size && *size > 16 {
-            let _ = writeln!(text, "{:5} of {size:5}: {}", size - ran, readable(name));
-        }
-    }
-    text
+    let mut functions: Vec<_> = image
+        .functions()
+        .iter()
+        .map(|(address, size, name)| (size - summary.ran_in(*address..address + size), size, name))
+        .filter(|&(left, &size, _)| left >= MANY || 2 * left > size && size > 16)
+        .collect();
+    functions.sort_by_key(|&(left, ..)| std::cmp::Reverse(left));
+    functions
+        .iter()
+        .fold(String::new(), |mut text, (left, size, name)| {
+            let _ = writeln!(text, "{left:5} of {size:5}: {}", readable(name));
+            text
+        })
 }
 
 /// A mangled name without its numbers and hash.
