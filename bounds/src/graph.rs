@@ -2,7 +2,8 @@
 //!
 //! An instruction of an if-then block has two nodes: one where its condition holds and it is
 //! executed, one where it is skipped. All instructions of a block share the condition, so the
-//! block's two ways are apart in the graph, until an instruction in it changes the flags.
+//! block's two ways are apart in the graph, until an instruction in it changes the flags. They
+//! stay apart over several blocks that follow each other with the same condition or its opposite.
 
 use std::collections::HashMap;
 
@@ -37,15 +38,19 @@ pub struct Edge {
     pub taken: bool,
 }
 
-/// Where in an if-then block an instruction is.
+/// Where in an if-then block an instruction is, or directly behind one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct Slot {
-    /// Instructions of the block from here on, with this one.
+    /// Instructions of the block from here on, with this one; 0 at a block behind a block.
     left: u8,
     /// Lowest bit: the sense of this one; see [`Flow::IfThen`].
     senses: u8,
+    condition: u8,
     holds: bool,
 }
+
+/// The number of the condition that always holds.
+const ALWAYS: u8 = 14;
 
 type Place = (u32, Option<Slot>);
 
@@ -115,7 +120,8 @@ impl Builder<'_> {
         }
         let (address, slot) = place;
         let instruction = self.decode(address);
-        let executed = slot.is_none_or(|slot| (slot.senses & 1 == 1) == slot.holds);
+        let executed =
+            slot.is_none_or(|slot| slot.left == 0 || (slot.senses & 1 == 1) == slot.holds);
         self.nodes.push(Node {
             address,
             instruction: if executed {
@@ -156,10 +162,12 @@ impl Builder<'_> {
         });
     }
 
-    /// The place behind an instruction: in an if-then block, the next slot. The second place is
-    /// there where the condition may have changed.
+    /// The places behind an instruction: in an if-then block, the next slot, with the condition as
+    /// it was, and with the other one if the instruction may have changed it.
     fn after(&self, (address, slot): Place, instruction: &Instruction) -> Vec<Place> {
         let next = address + instruction.length;
+        let calls = matches!(instruction.flow, Flow::Call(_) | Flow::CallRegister);
+        let keeps_flags = !instruction.sets_flags && !calls;
         match slot {
             Some(slot) if slot.left > 1 => {
                 let slot = Slot {
@@ -172,10 +180,26 @@ impl Builder<'_> {
                     ..slot
                 };
                 let both = [(next, Some(slot)), (next, Some(other))];
-                both[..1 + usize::from(instruction.sets_flags)].to_vec()
+                both[..if keeps_flags { 1 } else { 2 }].to_vec()
+            }
+            Some(slot) if keeps_flags && self.is_block(next) => {
+                let (left, senses) = (0, 0);
+                vec![(
+                    next,
+                    Some(Slot {
+                        left,
+                        senses,
+                        ..slot
+                    }),
+                )]
             }
             _ => vec![(next, None)],
         }
+    }
+
+    /// Whether an if-then block begins at an address.
+    fn is_block(&self, address: u32) -> bool {
+        matches!(self.decode(address).flow, Flow::IfThen { .. })
     }
 
     fn follow(&mut self, place: Place) {
@@ -215,7 +239,7 @@ impl Builder<'_> {
             }
             Flow::Jumps => {
                 next.clear();
-                match self.jumps(address + instruction.length) {
+                match self.jumps((address + instruction.length).next_multiple_of(4)) {
                     Some(targets) => jumps.extend(targets),
                     None => self.defect(address, Fault::ComputedJump),
                 }
@@ -228,30 +252,33 @@ impl Builder<'_> {
             Flow::IfThen {
                 slots,
                 senses,
-                always,
+                condition,
             } => {
-                let slot = |holds| {
-                    (
-                        next[0].0,
-                        Some(Slot {
-                            left: slots,
-                            senses,
-                            holds,
-                        }),
-                    )
+                let holds = match slot {
+                    _ if condition == ALWAYS => vec![true],
+                    Some(slot) if slot.condition == condition => vec![slot.holds],
+                    Some(slot) if slot.condition == condition ^ 1 => vec![!slot.holds],
+                    _ => vec![true, false],
                 };
-                next = if always {
-                    vec![slot(true)]
-                } else {
-                    vec![slot(true), slot(false)]
+                let first = address + instruction.length;
+                let slot = |holds| Slot {
+                    left: slots,
+                    senses,
+                    condition,
+                    holds,
                 };
+                next = holds
+                    .into_iter()
+                    .map(|holds| (first, Some(slot(holds))))
+                    .collect();
             }
             Flow::Unknown => {
                 next.clear();
                 self.defect(address, Fault::UnknownInstruction);
             }
         }
-        if slot.is_some() && matches!(instruction.flow, Flow::IfThen { .. }) {
+        let in_block = slot.is_some_and(|slot| slot.left > 0);
+        if in_block && matches!(instruction.flow, Flow::IfThen { .. }) {
             self.defect(address, Fault::UnknownInstruction);
         }
         for place in next {
@@ -287,7 +314,7 @@ impl Builder<'_> {
 
     /// The jumps that follow each other from `start` on, if the function has an instruction that
     /// computes the address `start`: compilers write such a table of jumps in place of one of
-    /// short distances.
+    /// short distances. The table is aligned to 4 bytes.
     fn jumps(&self, start: u32) -> Option<Vec<u32>> {
         let is_base = |place: u32| {
             let halves = (self.image.half(place)?, self.image.half(place + 2)?);

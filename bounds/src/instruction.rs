@@ -52,8 +52,8 @@ pub enum Flow {
         slots: u8,
         /// Bit i: instruction i is executed if the condition holds; else if it does not.
         senses: u8,
-        /// The condition always holds.
-        always: bool,
+        /// The condition's number: the last bit inverts it, 14 always holds.
+        condition: u8,
     },
     /// The decoder does not know this instruction.
     Unknown,

@@ -105,6 +105,6 @@ fn if_then(half: u16) -> Flow {
     Flow::IfThen {
         slots,
         senses,
-        always: condition == 0xE,
+        condition: condition as u8,
     }
 }

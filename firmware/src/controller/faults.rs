@@ -3,28 +3,24 @@
 //! [`Monitor`]: crate::safety::Monitor
 
 use super::Controller;
-use super::tick::Measurement;
+use super::tick::{ControlMode, Measurement};
 use crate::io::SensorSample;
-use crate::safety::{Fault, State, TOLERATED_TICKS};
+use crate::safety::{Fault, State};
 
 impl Controller {
     /// The most serious fault that the sample alone shows. While the bridges are off, only the
-    /// emergency stop and an encoder jump are faults.
+    /// emergency stop and an encoder jump are faults. Each of them switches the bridges off.
     #[inline(always)]
     pub(super) fn sampled_fault(
         &self,
         sample: &SensorSample,
         measurement: &Measurement,
+        mode: ControlMode,
     ) -> Option<Fault> {
         let monitor = &self.model.monitor;
-        if sample.emergency_stop {
-            return Some(Fault::EmergencyStop);
-        }
-        if monitor.jumped(measurement.innovation) {
-            return Some(Fault::EncoderJump);
-        }
-        if !self.is_powered() {
-            return None;
+        let fault = self.unpowered_fault(sample, measurement.innovation);
+        if fault.is_some() || !mode.is_powered() {
+            return fault;
         }
         // A bridge's fault output means nothing while the bridge wakes up.
         let [driver1, driver4] = sample.driver_fault;
@@ -43,14 +39,18 @@ impl Controller {
         measurement.too_hot.then_some(Fault::OverTemperature)
     }
 
-    /// Counts missed ticks. More than [`TOLERATED_TICKS`] at once are a fault while the bridges
-    /// are on, because the observer and the loops then have lost the arm's motion.
-    #[cold]
-    pub(super) fn overrun(&mut self, missed: u32) {
-        self.missed_ticks = self.missed_ticks.saturating_add(missed);
-        if missed > TOLERATED_TICKS && self.is_powered() {
-            self.latch_fault(Fault::TickOverrun);
+    /// The faults that do not need the bridges to be on.
+    #[inline(always)]
+    pub(super) fn unpowered_fault(
+        &self,
+        sample: &SensorSample,
+        innovation: [f32; 2],
+    ) -> Option<Fault> {
+        if sample.emergency_stop {
+            return Some(Fault::EmergencyStop);
         }
+        let jumped = self.model.monitor.jumped(innovation);
+        jumped.then_some(Fault::EncoderJump)
     }
 
     /// The fault, if any, that stops the arm on its path. It is checked at the end of the tick,

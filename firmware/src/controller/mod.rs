@@ -56,6 +56,8 @@ pub struct Controller {
     homed: bool,
     /// The latched fault allows a controlled stop: the bridges stay on.
     controlled_stop: bool,
+    /// This tick reaches the end of the path or of a stop; its end changes the state.
+    at_rest: bool,
     model: Model,
     path: Path,
     /// The settings in use, which were checked.
@@ -83,6 +85,7 @@ impl Controller {
             mode: settings.working_mode(),
             latched: None,
             controlled_stop: false,
+            at_rest: false,
             path: Path::new(stopping_time(settings), 1.0 / settings.control.tick_rate),
             setpoint: Setpoint::hold([Vector2::zeros(); 2]),
             homing: [HomingState::new(0.0); 2],

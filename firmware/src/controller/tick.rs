@@ -3,7 +3,7 @@
 use super::Controller;
 use super::model::DUTY_LIMIT;
 use crate::io::{ActuatorCommand, SensorSample};
-use crate::safety::{Fault, Limits, State};
+use crate::safety::{Fault, Limits, State, TOLERATED_TICKS};
 use fivebar_kinematics::control::Bus;
 
 /// The torques that the joints should give.
@@ -16,7 +16,8 @@ pub(super) struct TorqueCommand {
 }
 
 /// What a tick does besides monitoring.
-enum ControlMode {
+#[derive(Clone, Copy)]
+pub(super) enum ControlMode {
     /// Nothing: the bridges are off.
     Off,
     /// Wait: the bridges wake up.
@@ -25,6 +26,17 @@ enum ControlMode {
     Homing,
     /// Hold or follow the path.
     Tracking,
+}
+
+impl ControlMode {
+    /// Whether the bridges are on.
+    #[inline(always)]
+    pub(super) fn is_powered(self) -> bool {
+        match self {
+            Self::Off => false,
+            Self::Waking | Self::Homing | Self::Tracking => true,
+        }
+    }
 }
 
 /// What the tick measured, for the detection of faults.
@@ -50,28 +62,33 @@ impl Controller {
         self.ticks = self.ticks.wrapping_add(1);
         self.bus_voltage = f32::from(sample.bus_voltage) * self.model.bus_voltage_per_code;
         let measurement = self.measure(sample);
+        // Every fault that is found before the end of the tick switches the bridges off, and the
+        // tick ends with it: so its longest path holds one fault.
         if sample.missed_ticks > 0 {
-            self.overrun(sample.missed_ticks);
-        }
-        if let Some(fault) = self.sampled_fault(sample, &measurement) {
-            self.latch_fault(fault);
-        }
-        let torques = match self.control_mode() {
-            ControlMode::Off => Ok(None),
-            ControlMode::Waking => return self.wake(),
-            ControlMode::Homing => self.home(sample).map(Some),
-            ControlMode::Tracking => self.track().map(Some),
-        };
-        let command = match torques {
-            Ok(Some(torques)) => self.drive(torques),
-            Ok(None) => self.off(),
-            Err(fault) => {
-                self.latch_fault(fault);
-                self.off()
+            self.missed_ticks = self.missed_ticks.saturating_add(sample.missed_ticks);
+            if sample.missed_ticks > TOLERATED_TICKS && self.is_powered() {
+                return self.overrun(self.unpowered_fault(sample, measurement.innovation));
             }
+        }
+        let mode = self.control_mode();
+        if let Some(fault) = self.sampled_fault(sample, &measurement, mode) {
+            return self.power_off(fault);
+        }
+        let torques = match mode {
+            ControlMode::Off => return self.off(),
+            ControlMode::Waking => return self.wake(),
+            ControlMode::Homing => self.home(sample),
+            ControlMode::Tracking => self.track(),
         };
-        if let Some(fault) = self.stopping_fault() {
-            self.latch_fault(fault);
+        let command = match torques.and_then(|torques| self.drive(torques)) {
+            Ok(command) => command,
+            Err(fault) => return self.power_off(fault),
+        };
+        // An arm that comes to rest needs no stop.
+        if self.at_rest {
+            self.come_to_rest();
+        } else if let Some(fault) = self.stopping_fault() {
+            self.begin_controlled_stop(fault);
         }
         command
     }
@@ -109,7 +126,7 @@ impl Controller {
 
     /// What the tick does in this state.
     #[inline(always)]
-    fn control_mode(&self) -> ControlMode {
+    pub(super) fn control_mode(&self) -> ControlMode {
         match self.state {
             State::Armed | State::Homing if self.waking > 0 => ControlMode::Waking,
             State::Armed | State::Running | State::Stopping => ControlMode::Tracking,
@@ -122,16 +139,13 @@ impl Controller {
     /// Whether the bridges are on.
     #[inline(always)]
     pub(super) fn is_powered(&self) -> bool {
-        match self.control_mode() {
-            ControlMode::Off => false,
-            ControlMode::Waking | ControlMode::Homing | ControlMode::Tracking => true,
-        }
+        self.control_mode().is_powered()
     }
 
     /// Runs the current loops. This is the last check before the bridges: a duty that is not a
     /// number raises a fault.
     #[inline(always)]
-    fn drive(&mut self, command: TorqueCommand) -> ActuatorCommand {
+    fn drive(&mut self, command: TorqueCommand) -> Result<ActuatorCommand, Fault> {
         let bus = Bus::new(self.bus_voltage, DUTY_LIMIT);
         let [joint1, joint4] = &mut self.joints;
         let [model1, model4] = &self.model.axes;
@@ -143,17 +157,40 @@ impl Controller {
         // Each duty is within ±1 or not a number, so one look at their sum checks both.
         let [duty1, duty4] = duty;
         if !(duty1 + duty4).is_finite() {
-            self.latch_fault(Fault::NotANumber);
-            return self.off();
+            return Err(Fault::NotANumber);
         }
-        ActuatorCommand {
+        Ok(ActuatorCommand {
             duty,
             enable: [true; 2],
             brake: false,
+        })
+    }
+
+    /// Too many missed ticks, and what else was found: the observer and the loops have lost the
+    /// arm's motion.
+    #[cold]
+    #[inline(never)]
+    fn overrun(&mut self, other: Option<Fault>) -> ActuatorCommand {
+        self.latch_power_off(Fault::TickOverrun);
+        match other {
+            Some(fault) => self.power_off(fault),
+            None => self.off(),
         }
     }
 
+    /// A fault that switches the bridges off.
+    #[cold]
+    #[inline(never)]
+    fn power_off(&mut self, fault: Fault) -> ActuatorCommand {
+        if self.at_rest {
+            self.come_to_rest();
+        }
+        self.latch_power_off(fault);
+        self.off()
+    }
+
     /// Bridges off, brake on.
+    #[inline(never)]
     fn off(&mut self) -> ActuatorCommand {
         self.waking = self.model.wake_up_ticks;
         self.release();

@@ -114,7 +114,7 @@ impl Controller {
             })?;
         if step.at_rest {
             self.setpoint.rest();
-            self.come_to_rest();
+            self.at_rest = true;
         }
         Ok(step.limits)
     }

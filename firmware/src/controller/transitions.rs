@@ -34,28 +34,27 @@ impl Controller {
     #[cold]
     #[inline(never)]
     pub fn latch_fault(&mut self, fault: Fault) {
-        let controlled_stop = match fault.response() {
-            Response::PowerOff => false,
+        match (fault.response(), self.state) {
+            (Response::ControlledStop, State::Armed | State::Running | State::Stopping) => {
+                self.begin_controlled_stop(fault);
+            }
+            (Response::ControlledStop, State::Fault) => {
+                let _ = self.dispatch(Event::Fault);
+            }
             // A controlled stop needs a path, or a position to hold.
-            Response::ControlledStop => match self.state {
-                State::Armed | State::Running | State::Stopping => true,
-                State::Fault => self.controlled_stop,
-                State::Stopped | State::Homing => false,
-            },
-        };
-        if self.latched.is_none() || (self.controlled_stop && !controlled_stop) {
-            self.latched = Some(Snapshot {
-                fault,
-                tick: self.ticks,
-                state: self.state,
-                angle: self.angles(),
-                velocity: self.velocities(),
-                error: self.error,
-                current: self.joints.each_ref().map(|joint| joint.current),
-                torque: self.torques(),
-                bus_voltage: self.bus_voltage,
-            });
-            self.controlled_stop = controlled_stop;
+            (Response::ControlledStop, State::Stopped | State::Homing) => {
+                self.latch_power_off(fault);
+            }
+            (Response::PowerOff, _) => self.latch_power_off(fault),
+        }
+    }
+
+    /// Latches a fault for which the bridges are switched off.
+    #[inline(never)]
+    pub(super) fn latch_power_off(&mut self, fault: Fault) {
+        if self.latched.is_none() || self.controlled_stop {
+            self.latched = Some(self.snapshot(fault));
+            self.controlled_stop = false;
         }
         if fault.loses_angles() {
             self.homed = false;
@@ -64,17 +63,50 @@ impl Controller {
         let _ = self.dispatch(Event::Fault);
     }
 
+    /// Latches a fault for which the arm stops on its path and is held: in Armed, Running and
+    /// Stopping, where no fault is latched.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn begin_controlled_stop(&mut self, fault: Fault) {
+        self.latched = Some(self.snapshot(fault));
+        self.controlled_stop = true;
+        // Every state accepts this event.
+        let _ = self.dispatch(Event::Fault);
+    }
+
+    /// The present values, for a fault.
+    #[inline(always)]
+    fn snapshot(&self, fault: Fault) -> Snapshot {
+        Snapshot {
+            fault,
+            tick: self.ticks,
+            state: self.state,
+            angle: self.angles(),
+            velocity: self.velocities(),
+            error: self.error,
+            current: self.joints.each_ref().map(|joint| joint.current),
+            torque: self.torques(),
+            bus_voltage: self.bus_voltage,
+        }
+    }
+
     /// The arm has come to rest: at the end of its path, or after a stop.
     #[cold]
     pub(super) fn come_to_rest(&mut self) {
-        let event = match self.state {
-            State::Running => Event::Finish,
-            State::Stopping => Event::Rest,
+        self.at_rest = false;
+        // Each state has its own call, so that only its own transition is compiled into it. Both
+        // accept their event.
+        match self.state {
+            State::Running => {
+                let _ = self.dispatch(Event::Finish);
+            }
+            State::Stopping => {
+                let _ = self.dispatch(Event::Rest);
+            }
             // The arm is held until the fault is cleared.
-            State::Fault => return self.forget_path(),
-            State::Stopped | State::Homing | State::Armed => return,
-        };
-        let _ = self.dispatch(event);
+            State::Fault => self.forget_path(),
+            State::Stopped | State::Homing | State::Armed => {}
+        }
     }
 
     /// Whether the arm still moves while a fault is latched: its controlled stop is not over.
