@@ -46,7 +46,7 @@ fn places(image: &Image, function: &str) -> Vec<u32> {
         .iter()
         .map(|(place, _)| *place)
         .filter(|place| is_plain(*place));
-    let places: Vec<u32> = plain.step_by(20).collect();
+    let places: Vec<u32> = plain.step_by(8).collect();
     assert!(places.len() >= 5, "{function}: {places:x?}");
     places
 }
