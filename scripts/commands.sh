@@ -70,9 +70,10 @@ fail() {
     exit 1
 }
 
-# Starts the server, requests its page, which must come within 10 s, and stops the server.
+# Starts the server, requests its page by the printed link, which must come within 10 s, and stops
+# the server. The link's token becomes a cookie.
 serve() {
-    local place=$1 address reply
+    local place=$1 address token reply
     $2 --listen 127.0.0.1:0 >serve.log 2>&1 </dev/null &
     server=$!
     trap 'kill "$server" 2>/dev/null || true' EXIT
@@ -81,9 +82,11 @@ serve() {
         sleep 0.1
     done
     address=$(sed -n 's|.* is at http://\([^/]*\)/.*|\1|p' serve.log)
-    [ -n "$address" ] || fail "$place: no page within 10 s: $(cat serve.log)"
+    token=$(sed -n 's|.*?token=||p' serve.log)
+    [ -n "$address" ] && [ -n "$token" ] || fail "$place: no page within 10 s: $(cat serve.log)"
     exec 3<>"/dev/tcp/${address%:*}/${address#*:}"
-    printf 'GET / HTTP/1.1\r\nHost: %s\r\nConnection: close\r\n\r\n' "$address" >&3
+    printf 'GET / HTTP/1.1\r\nHost: %s\r\nCookie: fivebar%s=%s\r\nConnection: close\r\n\r\n' \
+        "$address" "${address#*:}" "$token" >&3
     read -r reply <&3
     exec 3>&-
     kill "$server"

@@ -6,20 +6,20 @@ from live import UPGRADE, Page, Server
 
 
 def foreign_origins_are_refused(server):
-    own = {"Origin": f"http://{server.host}"}
-    foreign = {"Origin": "http://example.org"}
-    rebound = {"Host": "example.org", "Origin": "http://example.org"}
+    own = {"Origin": f"http://{server.host}", **server.cookie}
+    foreign = {"Origin": "http://example.org", **server.cookie}
+    rebound = {"Host": "example.org", "Origin": "http://example.org", **server.cookie}
     assert server.status("/live", **UPGRADE, **own) == 101
     assert server.status("/live", **UPGRADE, **foreign) == 403
     assert server.status("/live", **UPGRADE, **rebound) == 403
-    assert server.status("/", Host="example.org") == 403
+    assert server.status("/", Host="example.org", **server.cookie) == 403
     # By then the server has noticed that the accepted connection is closed.
     time.sleep(0.6)
 
 
 def a_page_of_another_origin_gets_nothing(server, browser):
     # For a browser the same server under another name is another origin.
-    browser.open(f"http://localhost:{server.port}/")
+    browser.open(f"http://localhost:{server.port}/?token={server.token}")
     seen = browser.script(f"""
         const socket = new WebSocket('ws://{server.host}/live');
         return await new Promise((done) => {{
@@ -29,9 +29,9 @@ def a_page_of_another_origin_gets_nothing(server, browser):
     assert seen == "refused", seen
 
 
-def away_from_loopback_a_token_is_asked_for_once(program, browser):
-    with Server(program, listen="0.0.0.0:0") as server:
-        token = server.url.split("?token=")[1]
+def a_token_is_asked_for_once(program, browser, listen):
+    with Server(program, listen=listen) as server:
+        token = server.token
         assert len(token) == 32
         other = ("0" if token[0] != "0" else "1") + token[1:]
         for path in ("/", f"/?token={other}", f"/?token={token[:-1]}", "/arm.json", "/app.js"):
@@ -57,4 +57,6 @@ def away_from_loopback_a_token_is_asked_for_once(program, browser):
 def check(program, server, browser):
     foreign_origins_are_refused(server)
     a_page_of_another_origin_gets_nothing(server, browser)
-    away_from_loopback_a_token_is_asked_for_once(program, browser)
+    # Other users of this computer reach the loopback address, too.
+    for listen in ("127.0.0.1:0", "0.0.0.0:0"):
+        a_token_is_asked_for_once(program, browser, listen)

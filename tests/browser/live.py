@@ -32,6 +32,8 @@ class Server:
         self.url = self.said().split()[-1]
         self.host = self.url.split("/")[2]
         self.port = int(self.host.split(":")[1])
+        self.token = self.url.split("?token=")[1]
+        self.cookie = {"Cookie": f"fivebar{self.port}={self.token}"}
 
     def __enter__(self):
         return self
@@ -60,12 +62,12 @@ class Server:
 class Wire:
     """Forwards connections to a server. While it is cut they stay open and silent."""
 
-    def __init__(self, port):
-        self.port = port
+    def __init__(self, server):
+        self.port = server.port
         self.whole = threading.Event()
         self.whole.set()
         self.listener = socket.create_server(("127.0.0.1", 0))
-        self.url = f"http://127.0.0.1:{self.listener.getsockname()[1]}/"
+        self.url = f"http://127.0.0.1:{self.listener.getsockname()[1]}/?token={server.token}"
         threading.Thread(target=self.accept, daemon=True).start()
 
     def accept(self):

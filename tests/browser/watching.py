@@ -87,7 +87,7 @@ def a_page_cut_off_keeps_its_emergency_stop(watcher, server):
     browser = watcher.browser
     take_control(browser)
     watcher.recover()
-    wire = Wire(server.port)
+    wire = Wire(server)
     holder = watch(browser, wire.url)
     take_control(browser)
     holder.load_job(LONG_JOB, "within the arm's limits")

@@ -16,6 +16,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
+use tungstenite::client::IntoClientRequest as _;
+use tungstenite::http::HeaderValue;
 use tungstenite::{Error, Message, WebSocket};
 
 /// A thread that runs until this value is dropped.
@@ -48,17 +50,26 @@ fn benchtop() -> Robot {
     Robot::load("benchtop").expect("a built-in robot")
 }
 
-/// A server for the benchtop arm, and its address.
+/// Where a server is, and the token for it.
+#[derive(Clone)]
+struct Link {
+    address: SocketAddr,
+    token: String,
+}
+
+/// A server for the benchtop arm.
 fn server(
     source: impl FnOnce() -> ControllerSource<'static> + Send + 'static,
-) -> (Until<Result<(), ServeError>>, SocketAddr) {
+) -> (Until<Result<(), ServeError>>, Link) {
+    let guard = Guard::with_new_token().expect("random numbers");
+    let token = guard.token().to_owned();
     let (ready, at) = mpsc::channel();
     let server = Until::start(move |ends| {
         serve(
             &benchtop(),
             source(),
             "127.0.0.1:0".parse().expect("an address"),
-            Guard::of_loopback(),
+            guard,
             |address| ready.send(address).expect("a test that waits"),
             move || ends.load(Ordering::Relaxed),
         )
@@ -66,7 +77,7 @@ fn server(
     let address = at
         .recv_timeout(Duration::from_secs(20))
         .expect("a server in time");
-    (server, address)
+    (server, Link { address, token })
 }
 
 /// A page that gives signs of life.
@@ -76,10 +87,15 @@ struct Page {
 }
 
 impl Page {
-    fn open(address: SocketAddr) -> Self {
+    fn open(Link { address, token }: &Link) -> Self {
         let stream = TcpStream::connect(address).expect("a server");
-        let uri = format!("ws://{address}/live");
-        let (socket, _) = tungstenite::client(uri, stream).expect("a websocket");
+        let mut request = format!("ws://{address}/live")
+            .into_client_request()
+            .expect("an address");
+        let cookie = format!("fivebar{}={token}", address.port());
+        let cookie = HeaderValue::from_str(&cookie).expect("text");
+        request.headers_mut().insert("Cookie", cookie);
+        let (socket, _) = tungstenite::client(request, stream).expect("a websocket");
         socket
             .get_ref()
             .set_read_timeout(Some(Duration::from_millis(20)))
@@ -204,8 +220,8 @@ fn at_port(name: &str) -> impl FnOnce() -> ControllerSource<'static> + Send + us
 #[test]
 fn an_arm_on_a_port_is_homed_jogged_and_stopped_from_a_page() {
     let (_board, port) = board();
-    let (mut server, address) = server(at_port(&port));
-    let mut page = Page::open(address);
+    let (mut server, link) = server(at_port(&port));
+    let mut page = Page::open(&link);
     page.request("home");
     page.state("home", |state| {
         state["homed"] == true && state["state"] == "Stopped"
@@ -222,7 +238,7 @@ fn an_arm_on_a_port_is_homed_jogged_and_stopped_from_a_page() {
     let refused = page.wait("a refusal", refusal);
     assert!(refused.contains("refused"), "{refused}");
     // A page that watches may stop the arm; it may not move it.
-    let mut watcher = Page::open(address);
+    let mut watcher = Page::open(&link);
     watcher.send(&json!({ "jog": [0.0, 0.002] }));
     let refused = watcher.wait("a refusal", refusal);
     assert!(refused.contains("take control first"), "{refused}");
@@ -233,22 +249,22 @@ fn an_arm_on_a_port_is_homed_jogged_and_stopped_from_a_page() {
 
 #[test]
 fn a_page_that_sends_too_many_messages_is_disconnected() {
-    let (_server, address) = server(|| ControllerSource::Simulated);
-    let mut flooding = Page::open(address);
+    let (_server, link) = server(|| ControllerSource::Simulated);
+    let mut flooding = Page::open(&link);
     let alive = || Message::text(r#""alive""#);
     let deadline = Instant::now() + Duration::from_secs(60);
     while flooding.socket.send(alive()).is_ok() {
         assert!(Instant::now() < deadline, "it still has its connection");
     }
-    let mut page = Page::open(address);
+    let mut page = Page::open(&link);
     page.state_named("Stopped");
 }
 
 #[test]
 fn an_arm_on_a_port_comes_to_rest_when_its_page_is_lost() {
     let (_board, port) = board();
-    let (_server, address) = server(at_port(&port));
-    let mut page = Page::open(address);
+    let (_server, link) = server(at_port(&port));
+    let mut page = Page::open(&link);
     page.request("home");
     page.state("home", |state| {
         state["homed"] == true && state["state"] == "Stopped"
@@ -261,7 +277,7 @@ fn an_arm_on_a_port_comes_to_rest_when_its_page_is_lost() {
     page.send(&json!("run"));
     page.state_named("Running");
     // The page is still connected, but silent.
-    let mut watcher = Page::open(address);
+    let mut watcher = Page::open(&link);
     assert_eq!(
         watcher.fault(),
         ("command timeout".into(), "Running".into())
@@ -276,8 +292,8 @@ fn an_arm_on_a_port_comes_to_rest_when_its_page_is_lost() {
 #[test]
 fn an_arm_is_disarmed_when_the_server_ends() {
     let (_board, port) = board();
-    let (mut server, address) = server(at_port(&port));
-    let mut page = Page::open(address);
+    let (mut server, link) = server(at_port(&port));
+    let mut page = Page::open(&link);
     page.request("home");
     page.state("home", |state| {
         state["homed"] == true && state["state"] == "Stopped"
@@ -300,7 +316,7 @@ fn a_controller_of_another_arm_is_refused() {
         &Robot::load("usp_2dof").expect("a built-in robot"),
         at_port(&port)(),
         "127.0.0.1:0".parse().expect("an address"),
-        Guard::of_loopback(),
+        Guard::with_new_token().expect("random numbers"),
         |_| panic!("nothing is to be served"),
         || false,
     );
@@ -314,8 +330,8 @@ fn a_controller_of_another_arm_is_refused() {
 fn an_emulated_controller_homes_its_arm_and_stops_it_when_the_page_is_lost() {
     use fivebar::run::link::Emulator;
     let image: &'static std::path::Path = Emulator::built_image("qemu").leak();
-    let (mut server, address) = server(move || ControllerSource::Emulated(image));
-    let mut page = Page::open(address);
+    let (mut server, link) = server(move || ControllerSource::Emulated(image));
+    let mut page = Page::open(&link);
     let start = page.state_named("Stopped");
     page.request("home");
     let far = |state: &Value| (number(&state["angle"][0]) - number(&start["angle"][0])).abs();
@@ -326,7 +342,7 @@ fn an_emulated_controller_homes_its_arm_and_stops_it_when_the_page_is_lost() {
     assert!(speed > 0.0 && speed < 1.1, "{speed} × real time");
     drop(page);
     // A page that connects now does not get control by itself.
-    let mut page = Page::open(address);
+    let mut page = Page::open(&link);
     assert_eq!(page.fault(), ("command timeout".into(), "Homing".into()));
     page.send(&json!("control"));
     page.request("clear_fault");

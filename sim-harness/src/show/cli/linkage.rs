@@ -4,7 +4,7 @@ use super::failure::{Failure, refused};
 use super::say::say;
 use crate::input::linkage::{DrivenLinkage, EXAMPLES};
 use crate::show::export::linkage_csv;
-use crate::show::files::write_whole;
+use crate::show::files::write_report;
 use crate::show::pages;
 use crate::study::linkage::{SHOWN_ASSEMBLIES, Summary};
 use std::path::{Path, PathBuf};
@@ -35,13 +35,16 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let sweep = driven.sweep();
     let summary = driven.summary(&sweep);
     let json = serde_json::json!(summary);
-    let write = |name: &str, text: String| write_whole(&args.out.join(name), text).map_err(refused);
-    write("table.csv", linkage_csv(&driven, &sweep))?;
-    write("summary.json", format!("{json:#}\n"))?;
-    write(
-        "report.html",
-        pages::linkage(&driven, &sweep, &summary).render(),
-    )?;
+    let report = pages::linkage(&driven, &sweep, &summary).render();
+    write_report(
+        &args.out,
+        &[
+            ("report.html", &report),
+            ("table.csv", &linkage_csv(&driven, &sweep)),
+            ("summary.json", &format!("{json:#}\n")),
+        ],
+    )
+    .map_err(refused)?;
     if args.json {
         say(&json)?;
     } else {

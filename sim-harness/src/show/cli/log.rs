@@ -6,7 +6,7 @@ use crate::run::simulation::Trace;
 use crate::show::export::mcap;
 use crate::show::files::OutputFolder;
 use crate::show::files::write_whole;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// The option for the log of a run.
 #[derive(clap::Args)]
@@ -29,9 +29,7 @@ impl LogArgs {
                 log.display()
             )));
         }
-        let parent = log.parent().filter(|parent| !parent.as_os_str().is_empty());
-        let folder = OutputFolder::prepare(parent.unwrap_or(Path::new(".")), "--log");
-        folder.map(Some).map_err(refused)
+        OutputFolder::prepare_for(log, "--log").map_err(refused)
     }
 
     /// Writes the log of a run, if the option is given.

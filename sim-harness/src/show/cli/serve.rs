@@ -32,9 +32,8 @@ pub(super) struct Args {
     /// Store the robot's settings on the controller on the port.
     #[arg(long, requires = "port")]
     upload: bool,
-    /// The address to listen on; port 0 is any free port. On an address that other computers
-    /// reach, the link contains a token, which is needed to connect. The connection is not
-    /// encrypted.
+    /// The address to listen on; port 0 is any free port. The printed link contains a token,
+    /// which is needed to connect. The connection is not encrypted.
     #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8105", value_parser = address)]
     listen: SocketAddr,
 }
@@ -46,13 +45,8 @@ fn address(text: &str) -> Result<SocketAddr, ValueError> {
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let robot = Robot::load(&args.robot).map_err(refused)?;
-    let guard = if args.listen.ip().is_loopback() {
-        Guard::of_loopback()
-    } else {
-        Guard::with_new_token().map_err(refused)?
-    };
-    let query = guard.token().map(|token| format!("?token={token}"));
-    let query = query.unwrap_or_default();
+    let guard = Guard::with_new_token().map_err(refused)?;
+    let query = format!("?token={}", guard.token());
     let image = args.image.clone();
     let image = image.unwrap_or_else(|| Emulator::built_image("qemu"));
     let source = match &args.port {

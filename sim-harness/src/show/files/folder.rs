@@ -1,6 +1,6 @@
 //! The folder for the files of a run.
 
-use super::write::{WriteError, write_whole};
+use super::write::{WriteError, is_stream, write_report};
 use std::path::{Path, PathBuf};
 
 /// A folder that can be written to. If no file is written, the folders that were made for it
@@ -22,6 +22,19 @@ pub struct FolderError {
 }
 
 impl OutputFolder {
+    /// Like [`OutputFolder::prepare`], for the folder of a file. None if `file` is a device, a
+    /// FIFO or a socket: nothing is written beside it.
+    ///
+    /// # Errors
+    /// The system's error.
+    pub fn prepare_for(file: &Path, option: &'static str) -> Result<Option<Self>, FolderError> {
+        if is_stream(file) {
+            return Ok(None);
+        }
+        let folder = file.parent().filter(|path| !path.as_os_str().is_empty());
+        Self::prepare(folder.unwrap_or(Path::new(".")), option).map(Some)
+    }
+
     /// Makes sure, before a run, that files can be written to `path`. `option` is the option
     /// of the command line that names it.
     ///
@@ -53,15 +66,13 @@ impl OutputFolder {
         &self.path
     }
 
-    /// Writes files by name, each whole or not at all.
+    /// Writes the files of one report by name; the first is the one that a reader opens
+    /// ([`write_report`]).
     ///
     /// # Errors
     /// The first that could not be written.
     pub fn write(&self, files: &[(&str, &dyn AsRef<[u8]>)]) -> Result<(), WriteError> {
-        for (name, bytes) in files {
-            write_whole(&self.path.join(name), bytes.as_ref())?;
-        }
-        Ok(())
+        write_report(&self.path, files)
     }
 }
 

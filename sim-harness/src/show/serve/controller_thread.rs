@@ -1,14 +1,19 @@
 //! The thread that exchanges messages with the controller.
+//!
+//! Before each exchange it does the stops that pages ask for, so a stop waits for one exchange
+//! at most.
 
 use super::ServeError;
+use super::channels::ControllerEnd;
 use super::command_error::sentence;
-use super::lease::{ControlLease, PageId};
-use super::message::{ControllerEnd, FaultMessage, JobMessage, ServerMessage, StateMessage};
+use super::job_thread::{JobThread, ParsedJob};
+use super::lease::PageId;
+use super::message::{FaultMessage, ServerMessage, StateMessage, brief};
 use super::move_feeder::{JobStatus, MoveFeeder};
 use super::pace::SpeedMeter;
-use super::preview::Preview;
+use super::preview::{JobStart, Preview};
 use super::simulated::SteppedArm;
-use crate::input::job::Job;
+use super::stop_signal::Stop;
 use crate::input::robot::Robot;
 use crate::run::link::{Client, LinkError};
 use crate::run::simulation::fault_name;
@@ -16,14 +21,17 @@ use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::protocol::{CommandError, HostCommand, Reply};
 use fivebar_firmware::safety::{self, Fault};
 use fivebar_firmware::settings::CheckedSettings;
-use fivebar_firmware::{Move, Request, Status};
+use fivebar_firmware::{Request, Status};
 use std::io::{Read, Write};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// States sent to pages per second of the controller's time [Hz].
 const SAMPLES: f32 = 30.0;
 /// The same for a board in lockstep, whose time runs slower than real time [Hz].
 const SAMPLES_STEPPED: f32 = 200.0;
+/// Events of pages that are handled before the controller gets its next sign of life.
+const EVENTS_PER_CYCLE: usize = 64;
 /// Longest time for the arm to come to rest when the program ends.
 const LONGEST_STOP: Duration = Duration::from_secs(5);
 
@@ -37,24 +45,28 @@ pub(super) struct ControllerThread {
     /// The simulated arm of a board in lockstep.
     stepped: Option<SteppedArm>,
     pub(super) pages: ControllerEnd,
-    pub(super) robot: Robot,
     pub(super) settings: CheckedSettings,
     pub(super) preview: Preview,
-    pub(super) lease: ControlLease,
+    /// The page that was in control when the feeder got its moves.
+    controlled_by: Option<PageId>,
     pub(super) feeder: MoveFeeder,
     pub(super) status: Status,
     /// The fault last sent to all pages, or that there is none; `None` before the first.
-    pub(super) sent_fault: Option<Option<Fault>>,
+    sent_fault: Option<Option<Fault>>,
+    pub(super) jobs: JobThread,
     pub(super) loaded: Option<LoadedJob>,
+    /// The page that wants the job to run as soon as it is read and checked.
+    pub(super) run_asked_by: Option<PageId>,
     speed: SpeedMeter,
 }
 
-/// A job that can be run.
+/// A job that was read and checked.
 pub(super) struct LoadedJob {
-    pub(super) job: Job,
-    pub(super) moves: Vec<Move>,
-    /// The message about it to the pages.
-    pub(super) message: JobMessage,
+    pub(super) job: Arc<ParsedJob>,
+    /// Where it was checked from.
+    pub(super) start: JobStart,
+    /// Why it cannot be done from there.
+    pub(super) refusal: Option<String>,
 }
 
 impl ControllerThread {
@@ -74,18 +86,20 @@ impl ControllerThread {
         let every = (settings.control.tick_rate / samples) as u16;
         client.call(HostCommand::Telemetry { every })?;
         let (status, _) = client.status()?;
+        let preview = Preview::new(&settings);
         Ok(Self {
             client,
             stepped,
             pages,
-            robot,
             settings,
-            preview: Preview::new(&settings),
-            lease: ControlLease::default(),
+            jobs: JobThread::start(robot, preview.clone()),
+            preview,
+            controlled_by: None,
             feeder: MoveFeeder::default(),
             status,
             sent_fault: None,
             loaded: None,
+            run_asked_by: None,
             speed: SpeedMeter::from(0.0, Instant::now()),
         })
     }
@@ -100,23 +114,64 @@ impl ControllerThread {
     }
 
     fn cycle(&mut self) -> Result<(), LinkError> {
-        while let Ok((page, event)) = self.pages.events.try_recv() {
-            self.handle_event(page, event)?;
-        }
-        // Without a message from the page in control, the host sends no command either.
-        if self.lease.is_alive(Instant::now()) {
-            self.feed_controller()?;
-        }
+        self.handle_events()?;
+        self.take_prepared_job();
+        self.feed_controller()?;
+        self.stop_if_asked()?;
         self.pass_time()?;
         while let Some(sample) = self.client.take_telemetry() {
             let homed = sample.status.homed && !self.status.homed;
             self.status = sample.status;
             if homed {
-                self.preview_job();
+                self.check_job_again();
             }
+            self.stop_if_asked()?;
             self.send_state()?;
         }
         Ok(())
+    }
+
+    /// Handles what pages ask for, up to a request for which the controller was asked.
+    fn handle_events(&mut self) -> Result<(), LinkError> {
+        for _ in 0..EVENTS_PER_CYCLE {
+            self.stop_if_asked()?;
+            let Ok(event) = self.pages.events.try_recv() else {
+                return Ok(());
+            };
+            self.drop_moves_of_a_lost_page();
+            if self.handle_event(event)? {
+                return Ok(());
+            }
+        }
+        Ok(())
+    }
+
+    /// Does the stops that pages have asked for; returns whether there was one.
+    fn stop_if_asked(&mut self) -> Result<bool, LinkError> {
+        let mut asked = false;
+        for _ in 0..Stop::KINDS {
+            let Some((stop, page)) = self.pages.shared.stop.take() else {
+                break;
+            };
+            asked = true;
+            self.feeder.clear();
+            self.run_asked_by = None;
+            let answer = self.client.command(HostCommand::Request(stop.into()))?;
+            if let Err(refusal) = answer {
+                self.refuse(Some(page), sentence(&refusal));
+            }
+        }
+        Ok(asked)
+    }
+
+    /// Drops moves and job of a page that is no longer in control.
+    fn drop_moves_of_a_lost_page(&mut self) {
+        let holder = self.pages.shared.lease.holder();
+        if holder != self.controlled_by {
+            self.controlled_by = holder;
+            self.feeder.clear();
+            self.run_asked_by = None;
+        }
     }
 
     fn pass_time(&mut self) -> Result<(), LinkError> {
@@ -126,15 +181,31 @@ impl ControllerThread {
         }
     }
 
+    /// Whether the host may send to the controller now: only while the page in control gives
+    /// signs of life, and after the stops that pages have asked for.
+    fn may_feed(&mut self) -> Result<bool, LinkError> {
+        if self.stop_if_asked()? {
+            return Ok(false);
+        }
+        self.drop_moves_of_a_lost_page();
+        Ok(self.pages.shared.lease.is_alive(Instant::now()))
+    }
+
     /// Gives the controller a sign of life and the moves that wait.
     fn feed_controller(&mut self) -> Result<(), LinkError> {
+        if !self.may_feed()? {
+            return Ok(());
+        }
         let (status, mut room) = self.client.status()?;
         match self.feeder.update(&status, room) {
             JobStatus::Unchanged => {}
             JobStatus::Finished => self.notice("The job is done."),
             JobStatus::Cancelled => self.notice("The rest of the job is cancelled."),
         }
-        while let Some(next) = self.feeder.next(room) {
+        while self.may_feed()? {
+            let Some(next) = self.feeder.next(room) else {
+                break;
+            };
             match self.client.call(HostCommand::Move(next))? {
                 Reply::Refused(CommandError::Move(refusal))
                     if refusal.kind == MoveErrorKind::Full =>
@@ -204,14 +275,15 @@ impl ControllerThread {
         let time = f64::from(status.tick) / f64::from(self.settings.control.tick_rate);
         let now = Instant::now();
         let pose = self.preview.pose(status);
+        let lease = &self.pages.shared.lease;
         self.pages.send(&ServerMessage::State(StateMessage {
             status,
             time,
             speed: self.speed.at(time, now),
             joints: pose.map(|pose| [pose.b, pose.c, pose.d].map(|point| [point.x, point.y])),
             elbows: pose.map(|pose| self.preview.elbows(&pose)),
-            control: self.lease.holder(),
-            alive: self.lease.is_alive(now),
+            control: lease.holder(),
+            alive: lease.is_alive(now),
             progress: self.feeder.progress(),
         }));
         Ok(())
@@ -231,7 +303,7 @@ impl ControllerThread {
         self.pages.send(&ServerMessage::Notice {
             to,
             refused: true,
-            text,
+            text: brief(text),
         });
     }
 }

@@ -4,10 +4,11 @@ use axum::http::{HeaderMap, StatusCode, Uri, header};
 use std::net::IpAddr;
 use subtle::ConstantTimeEq as _;
 
-/// The access rules of the server. Outside the loopback address a request needs a token.
+/// The access rules of the server. Every request needs a token, on the loopback address too:
+/// other users of this computer reach it.
 #[derive(Clone, Debug)]
 pub struct Guard {
-    token: Option<String>,
+    token: String,
 }
 
 /// How to answer a request that is allowed.
@@ -23,23 +24,18 @@ pub(super) enum Admission {
 }
 
 impl Guard {
-    /// No token: for the loopback address, which only this computer can reach.
-    pub fn of_loopback() -> Self {
-        Self { token: None }
-    }
-
     /// A token of 128 random bits, which the first request brings as `?token=`.
     ///
     /// # Errors
     /// The system gives no random numbers.
     pub fn with_new_token() -> Result<Self, getrandom::Error> {
         let token = format!("{:016x}{:016x}", getrandom::u64()?, getrandom::u64()?);
-        Ok(Self { token: Some(token) })
+        Ok(Self { token })
     }
 
-    /// The token, if there is one.
-    pub fn token(&self) -> Option<&str> {
-        self.token.as_deref()
+    /// The token.
+    pub fn token(&self) -> &str {
+        &self.token
     }
 
     /// Whether a request may be served.
@@ -49,6 +45,9 @@ impl Guard {
     /// printed address and afterwards in a cookie, so that no browser history and no copied
     /// address contains it.
     ///
+    /// A request with two such headers is refused: whoever checks it before this server might
+    /// look at the other one.
+    ///
     /// # Errors
     /// The status and the reason to answer with.
     pub(super) fn authorize(
@@ -56,6 +55,14 @@ impl Guard {
         uri: &Uri,
         headers: &HeaderMap,
     ) -> Result<Admission, (StatusCode, &'static str)> {
+        for name in [header::HOST, header::ORIGIN] {
+            if headers.get_all(name).iter().count() > 1 {
+                return Err((
+                    StatusCode::BAD_REQUEST,
+                    "refused: this request has two headers Host or Origin\n",
+                ));
+            }
+        }
         let text = |name| headers.get(name).map(|value| value.to_str().unwrap_or(""));
         let host = text(header::HOST).unwrap_or("");
         if !is_address_or_localhost(host) {
@@ -72,9 +79,7 @@ impl Guard {
                 "refused: this request comes from a page of another origin\n",
             ));
         }
-        let Some(token) = &self.token else {
-            return Ok(Admission::Serve);
-        };
+        let token = &self.token;
         let name = cookie_name(host);
         let cookies = headers.get_all(header::COOKIE).iter();
         let mut cookies = cookies.flat_map(|line| line.to_str().unwrap_or("").split("; "));
@@ -130,33 +135,68 @@ mod tests {
     use super::{Admission, Guard};
     use axum::http::{HeaderMap, HeaderValue, StatusCode, Uri, header};
 
-    fn status(guard: &Guard, uri: &str, host: &str, origin: Option<&str>) -> Option<StatusCode> {
+    fn headers(pairs: &[(header::HeaderName, &str)]) -> HeaderMap {
         let mut headers = HeaderMap::new();
-        headers.insert(header::HOST, HeaderValue::from_str(host).unwrap());
-        if let Some(origin) = origin {
-            headers.insert(header::ORIGIN, HeaderValue::from_str(origin).unwrap());
+        for (name, value) in pairs {
+            headers.append(name, HeaderValue::from_str(value).unwrap());
         }
+        headers
+    }
+
+    fn refusal(guard: &Guard, uri: &str, headers: &HeaderMap) -> Option<StatusCode> {
         let uri: Uri = uri.parse().unwrap();
-        guard
-            .authorize(&uri, &headers)
-            .err()
-            .map(|(status, _)| status)
+        let refusal = guard.authorize(&uri, headers).err();
+        refusal.map(|(status, _)| status)
+    }
+
+    /// The refusal of a request from an address that has the token's cookie.
+    fn known(guard: &Guard, host: &str, origin: Option<&str>) -> Option<StatusCode> {
+        let cookie = format!("{}={}", super::cookie_name(host), guard.token());
+        let mut pairs = vec![(header::HOST, host), (header::COOKIE, &cookie)];
+        pairs.extend(origin.map(|origin| (header::ORIGIN, origin)));
+        refusal(guard, "/live", &headers(&pairs))
+    }
+
+    #[test]
+    fn a_request_with_two_hosts_or_origins_is_refused() {
+        let guard = Guard::with_new_token().unwrap();
+        let host = "127.0.0.1:8080";
+        let cookie = format!("fivebar8080={}", guard.token());
+        let one = [(header::HOST, host), (header::COOKIE, &cookie)];
+        assert_eq!(refusal(&guard, "/", &headers(&one)), None);
+        for second in [
+            (header::HOST, host),
+            (header::HOST, "example.org"),
+            (header::HOST, ""),
+        ] {
+            let two = headers(&[one[0].clone(), one[1].clone(), second]);
+            assert_eq!(refusal(&guard, "/", &two), Some(StatusCode::BAD_REQUEST));
+        }
+        let own = "http://127.0.0.1:8080";
+        let mut origins = headers(&one);
+        for origin in [own, "http://example.org"] {
+            origins.append(header::ORIGIN, HeaderValue::from_str(origin).unwrap());
+        }
+        assert_eq!(
+            refusal(&guard, "/", &origins),
+            Some(StatusCode::BAD_REQUEST)
+        );
     }
 
     #[test]
     fn own_pages_are_served_and_pages_of_other_origins_are_refused() {
-        let guard = Guard::of_loopback();
+        let guard = Guard::with_new_token().unwrap();
         for host in [
             "127.0.0.1:8080",
             "localhost:8080",
             "[::1]:8080",
             "localhost",
         ] {
-            assert_eq!(status(&guard, "/live", host, None), None, "{host}");
+            assert_eq!(known(&guard, host, None), None, "{host}");
             let own = format!("http://{host}");
-            assert_eq!(status(&guard, "/live", host, Some(&own)), None, "{host}");
+            assert_eq!(known(&guard, host, Some(&own)), None, "{host}");
             for foreign in ["http://example.org", "https://localhost", "null", ""] {
-                let refusal = status(&guard, "/live", host, Some(foreign));
+                let refusal = known(&guard, host, Some(foreign));
                 assert_eq!(refusal, Some(StatusCode::FORBIDDEN), "{foreign} at {host}");
             }
         }
@@ -166,7 +206,7 @@ mod tests {
             "127.0.0.1.nip.io",
             "",
         ] {
-            let refusal = status(&guard, "/", name, Some(&format!("http://{name}")));
+            let refusal = known(&guard, name, Some(&format!("http://{name}")));
             assert_eq!(refusal, Some(StatusCode::FORBIDDEN), "{name}");
         }
     }
@@ -174,9 +214,10 @@ mod tests {
     #[test]
     fn requests_without_the_right_token_are_refused() {
         let guard = Guard::with_new_token().unwrap();
-        let token = guard.token().unwrap();
+        let token = guard.token();
         assert_eq!(token.len(), 32);
-        let host = "192.168.0.7:8080";
+        let host = |host: &str| headers(&[(header::HOST, host)]);
+        let [host, own] = [host("192.168.0.7:8080"), host("127.0.0.1:8080")];
         let prefix = token.split_at(31).0;
         for wrong in [
             "/",
@@ -186,11 +227,13 @@ mod tests {
             &format!("/?nottoken={token}"),
             &format!("/live?token={token}"),
         ] {
-            let refusal = status(&guard, wrong, host, None);
-            assert_eq!(refusal, Some(StatusCode::UNAUTHORIZED), "{wrong}");
+            for host in [&host, &own] {
+                let refusal = refusal(&guard, wrong, host);
+                assert_eq!(refusal, Some(StatusCode::UNAUTHORIZED), "{wrong}");
+            }
         }
         assert_eq!(
-            status(&guard, &format!("/?a=b&token={token}"), host, None),
+            refusal(&guard, &format!("/?a=b&token={token}"), &host),
             None
         );
     }
@@ -198,7 +241,7 @@ mod tests {
     #[test]
     fn the_token_becomes_a_cookie_that_is_valid_for_this_port_only() {
         let guard = Guard::with_new_token().unwrap();
-        let token = guard.token().unwrap();
+        let token = guard.token();
         let authorize = |uri: &str, host: &str, cookie: &str| {
             let mut headers = HeaderMap::new();
             headers.insert(header::HOST, HeaderValue::from_str(host).unwrap());

@@ -1,16 +1,15 @@
 //! The JSON messages between pages and server; docs/live-page.md describes them.
 
 use super::lease::PageId;
-use axum::extract::ws::Utf8Bytes;
+use super::stop_signal::Stop;
 use fivebar_firmware::Status;
 use fivebar_firmware::controller::{Request, Snapshot};
 use fivebar_kinematics::five_bar::Side;
 use serde::{Deserialize, Serialize};
-use std::sync::mpsc;
-use tokio::sync::broadcast;
+use tokio_tungstenite::tungstenite::Utf8Bytes;
 
-/// Messages that may wait for a slow page before it loses the oldest ones.
-const WAITING: usize = 64;
+/// Longest text of a notice or a refusal, in characters. Texts may quote what a page has sent.
+const MAX_TEXT: usize = 300;
 
 /// A request of a page. Positions are of the tool [m], in the frame of the base. Numbers
 /// are read as `f64`: one too large for the controller's `f32` is a position out of reach
@@ -78,38 +77,26 @@ pub(super) enum ControllerRequest {
 }
 
 impl ControllerRequest {
-    /// Whether any page may make the request, because it makes the arm safer.
-    pub(super) fn is_open_to_all(self) -> bool {
-        matches!(self, Self::Stop | Self::EmergencyStop)
-    }
-}
-
-impl From<ControllerRequest> for Request {
-    fn from(wanted: ControllerRequest) -> Self {
-        match wanted {
-            ControllerRequest::Arm => Self::Arm,
-            ControllerRequest::Disarm => Self::Disarm,
-            ControllerRequest::Home => Self::Home,
-            ControllerRequest::Stop => Self::Stop,
-            ControllerRequest::EmergencyStop => Self::EmergencyStop,
-            ControllerRequest::ClearFault => Self::ClearFault,
+    /// The stop that this is, or else the controller's request.
+    pub(super) fn kind(self) -> Result<Stop, Request> {
+        match self {
+            Self::Stop => Ok(Stop::OnPath),
+            Self::EmergencyStop => Ok(Stop::Emergency),
+            Self::Arm => Err(Request::Arm),
+            Self::Disarm => Err(Request::Disarm),
+            Self::Home => Err(Request::Home),
+            Self::ClearFault => Err(Request::ClearFault),
         }
     }
 }
 
-/// An event of a page.
-#[derive(Clone, Debug)]
-pub(super) enum PageEvent {
-    /// The page has connected.
-    Joined,
-    /// The page makes a request.
-    Request(ClientRequest),
-    /// The page's request cannot be read, for this reason.
-    Malformed(String),
-    /// The page has missed messages.
-    Lagged,
-    /// The page has disconnected.
-    Left,
+impl From<Stop> for Request {
+    fn from(stop: Stop) -> Self {
+        match stop {
+            Stop::OnPath => Self::Stop,
+            Stop::Emergency => Self::EmergencyStop,
+        }
+    }
 }
 
 /// A message of the server to the pages.
@@ -185,43 +172,27 @@ pub(super) struct Stroke {
     pub(super) points: Vec<[f32; 2]>,
 }
 
-/// The end of both channels at the websockets.
-#[derive(Clone)]
-pub(super) struct WebEnd {
-    pub(super) events: mpsc::Sender<(PageId, PageEvent)>,
-    pub(super) messages: broadcast::Sender<Utf8Bytes>,
-}
-
-/// The end of both channels at the controller's thread.
-pub(super) struct ControllerEnd {
-    pub(super) events: mpsc::Receiver<(PageId, PageEvent)>,
-    messages: broadcast::Sender<Utf8Bytes>,
-}
-
-/// The channels between the websockets and the controller's thread.
-pub(super) fn channels() -> (WebEnd, ControllerEnd) {
-    let (event_sender, events) = mpsc::channel();
-    let (messages, _) = broadcast::channel(WAITING);
-    let web = WebEnd {
-        events: event_sender,
-        messages: messages.clone(),
-    };
-    (web, ControllerEnd { events, messages })
-}
-
-impl ControllerEnd {
-    /// Sends a message to all pages.
-    pub(super) fn send(&self, message: &ServerMessage<'_>) {
-        if let Ok(text) = serde_json::to_string(message) {
-            // This fails only if no page is connected.
-            let _ = self.messages.send(text.into());
-        }
+impl ServerMessage<'_> {
+    /// The message as JSON.
+    pub(super) fn json(&self) -> Utf8Bytes {
+        // Strings, numbers and lists of them always have a form in JSON.
+        serde_json::to_string(self).unwrap_or_default().into()
     }
+}
+
+/// A text cut to [`MAX_TEXT`] characters.
+pub(super) fn brief(mut text: String) -> String {
+    if let Some((end, _)) = text.char_indices().nth(MAX_TEXT) {
+        text.truncate(end);
+        text.push('…');
+        text.shrink_to_fit();
+    }
+    text
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{ClientRequest, StateMessage};
+    use super::{ClientRequest, MAX_TEXT, StateMessage, brief};
     use fivebar_firmware::{Controller, Settings};
 
     const DOCUMENT: &str = include_str!("../../../../docs/live-page.md");
@@ -284,5 +255,15 @@ mod tests {
                 "{text}"
             );
         }
+    }
+
+    #[test]
+    fn an_unknown_key_of_any_length_is_quoted_cut_short() {
+        let key = "ü".repeat(100_000);
+        let request = format!(r#"{{"{key}": 1}}"#);
+        let error = serde_json::from_str::<ClientRequest>(&request).unwrap_err();
+        let text = brief(error.to_string());
+        assert!(text.contains("ü") && text.chars().count() == MAX_TEXT + 1);
+        assert_eq!(brief("short".into()), "short");
     }
 }

@@ -8,30 +8,47 @@
 //! the controller only while the page in control shows signs of life. Otherwise the
 //! controller's command timeout brings the arm to rest.
 //!
+//! Three threads share the work, so that none delays a stop: the web server's, in which no
+//! message takes long; the controller's, which waits for the controller only; and one that reads
+//! and checks jobs. Stops and signs of life pass from the first to the second through atomic
+//! numbers, past the queue of requests.
+//!
 //! | module | content |
 //! |---|---|
 //! | `simulated`, `pace` | the simulated arm in real time, also in lockstep with a board |
 //! | `arm`, `maps` | the arm and its workspace, sent to pages before the arm moves |
 //! | `controller_thread`, `move_feeder` | the exchange with the controller; the moves that wait |
 //! | `requests`, `command_error` | what each request of a page does; refusals as sentences |
-//! | `preview` | the arm and its jobs as lines to draw |
+//! | `job_thread` | the thread that reads and checks jobs |
+//! | `preview`, `strokes` | the arm and its jobs as lines to draw |
+//! | `stop_signal` | stops, on a path past every queue |
 //! | `lease` | which page is in control, and whether it is alive |
+//! | `channels` | what else passes between pages and controller |
 //! | `message` | the messages between pages and server |
-//! | `guard` | which web requests are served |
-//! | `web` | the page's files and the websockets |
+//! | `accept`, `guard` | limits of connections; which web requests are served |
+//! | `web` | the page's files and the way to a websocket |
+//! | `socket`, `frame_meter`, `rate` | the exchange with a page, and its limits |
 
+mod accept;
 mod arm;
+mod channels;
 mod command_error;
 mod controller_thread;
+mod frame_meter;
 mod guard;
+mod job_thread;
 mod lease;
 mod maps;
 mod message;
 mod move_feeder;
 mod pace;
 mod preview;
+mod rate;
 mod requests;
 mod simulated;
+mod socket;
+mod stop_signal;
+mod strokes;
 mod web;
 
 pub use guard::Guard;
@@ -155,7 +172,7 @@ pub fn serve(
     };
     let arm = arm::describe(robot, place)?;
     let maps = maps::describe(robot, settings.assembly())?;
-    let (pages, controller_end) = message::channels();
+    let (pages, controller_end) = channels::channels();
     let machine = ControllerThread::new(client, stepped, robot.clone(), settings, controller_end)?;
     ready(listener.local_addr()?);
     let site = web::Site {

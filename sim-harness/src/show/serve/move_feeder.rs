@@ -1,13 +1,15 @@
 //! The moves that wait for the controller: a job, or the latest target.
 
+use super::job_thread::ParsedJob;
 use fivebar_firmware::safety::State;
 use fivebar_firmware::{Move, MoveKind, Status};
+use std::sync::Arc;
 
 /// Gives the controller a move whenever its queue has room.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub(super) struct MoveFeeder {
     /// The running job, and how many of its moves the controller has accepted.
-    job: Option<(Vec<Move>, usize)>,
+    job: Option<(Arc<ParsedJob>, usize)>,
     /// The next target; it is sent as soon as the queue is nearly empty.
     target: Option<MoveKind>,
     /// The end of the last accepted move; none: the arm's present reference.
@@ -56,14 +58,14 @@ impl MoveFeeder {
 
     /// Accepted moves of the job, and all its moves.
     pub(super) fn progress(&self) -> Option<[usize; 2]> {
-        let (moves, taken) = self.job.as_ref()?;
-        Some([*taken, moves.len()])
+        let (job, taken) = self.job.as_ref()?;
+        Some([*taken, job.moves.len()])
     }
 
     /// Starts a job.
-    pub(super) fn run(&mut self, moves: Vec<Move>) {
+    pub(super) fn run(&mut self, job: Arc<ParsedJob>) {
         self.target = None;
-        self.job = Some((moves, 0));
+        self.job = Some((job, 0));
     }
 
     /// Replaces a target that the controller has not accepted yet.
@@ -100,7 +102,7 @@ impl MoveFeeder {
         }
         self.end = None;
         match &self.job {
-            Some((moves, taken)) if *taken == moves.len() => {
+            Some((job, taken)) if *taken == job.moves.len() => {
                 self.job = None;
                 JobStatus::Finished
             }
@@ -120,8 +122,8 @@ impl MoveFeeder {
 
     /// The move to send now, if there is one.
     pub(super) fn next(&self, room: u8) -> Option<Move> {
-        if let Some((moves, taken)) = &self.job {
-            return moves.get(*taken).filter(|_| room > 0).copied();
+        if let Some((job, taken)) = &self.job {
+            return job.moves.get(*taken).filter(|_| room > 0).copied();
         }
         // A target waits until the queue is nearly empty, so that the latest one is sent.
         let kind = self.target.filter(|_| room + 1 >= self.empty)?;

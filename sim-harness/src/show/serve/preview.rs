@@ -1,6 +1,7 @@
 //! The arm and its jobs as lines to draw.
 
-use super::message::{JobMessage, Stroke};
+use super::message::{JobMessage, brief};
+use super::strokes::Strokes;
 use crate::input::job::Job;
 use fivebar_firmware::planner::{MoveError, Planner};
 use fivebar_firmware::settings::{CheckedSettings, SettingsError};
@@ -9,12 +10,27 @@ use fivebar_kinematics::five_bar::{Pose, Side, Tool, WorkingMode};
 use fivebar_kinematics::trajectory::{PathSegment, Sense};
 use nalgebra::Vector2;
 
-/// Greatest length of the chords of a drawn arc [m].
-const CHORD: f32 = 1e-3;
 /// Greatest error of an arc's centre in a drawing [m].
 const ARC_TOLERANCE: f32 = 1e-4;
 
+/// Where a job begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct JobStart {
+    /// The tool's position [m]; none if it is unknown.
+    tool: Option<[f32; 2]>,
+    /// The arm's working mode; none until the arm is homed.
+    elbows: Option<[Side; 2]>,
+}
+
+impl JobStart {
+    /// Whether the tool's position is known.
+    pub(super) fn is_known(&self) -> bool {
+        self.tool.is_some()
+    }
+}
+
 /// Draws the arm of a controller's settings, and checks its jobs.
+#[derive(Clone)]
 pub(super) struct Preview {
     tool: Tool<f32>,
     assembly: Side,
@@ -62,49 +78,51 @@ impl Preview {
         (pose.assembly() == self.assembly).then_some([theta1, theta4])
     }
 
-    /// The path of a job, checked as a whole from the tool's present position, as the
-    /// controller would check it.
-    pub(super) fn job(&self, name: &str, job: &Job, moves: &[Move], status: &Status) -> JobMessage {
+    /// Where a job would begin now.
+    pub(super) fn start(&self, status: &Status) -> JobStart {
+        JobStart {
+            tool: status.reference.or(status.tool),
+            elbows: self.pose(status).map(|pose| self.elbows(&pose)),
+        }
+    }
+
+    /// The path of a job, checked as a whole, as the controller would check it.
+    pub(super) fn job(&self, name: &str, job: &Job, moves: &[Move], start: JobStart) -> JobMessage {
         let mut message = JobMessage {
             name: name.into(),
             moves: moves.len(),
             ..JobMessage::default()
         };
-        let Some(mut from) = status.reference.or(status.tool) else {
+        let Some(mut from) = start.tool else {
             message.refusal =
                 Some("The arm's position is unknown: home it, then the job is checked.".into());
             return message;
         };
         let checked = self
-            .planner(status)
+            .planner(start)
             .map(|planner| check(&planner, from, moves));
         match checked {
             Ok(Ok(())) => {}
             Ok(Err(refusal)) => {
-                message.refusal = Some(format!("Line {}: {refusal}.", refusal.tag));
+                message.refusal = Some(brief(format!("Line {}: {refusal}.", refusal.tag)));
                 message.at = refusal.point;
             }
             Err(error) => message.refusal = Some(format!("The settings: {error}.")),
         }
+        let mut strokes = Strokes::default();
         for (step, next) in job.steps.iter().zip(moves) {
-            let (start, points) = (from, points(from, &next.kind));
-            from = *points.last().unwrap_or(&from);
-            match message.strokes.last_mut() {
-                Some(stroke) if stroke.down == step.pen_down => stroke.points.extend(points),
-                _ => message.strokes.push(Stroke {
-                    down: step.pen_down,
-                    points: std::iter::once(start).chain(points).collect(),
-                }),
-            }
+            strokes.pen(step.pen_down, from);
+            from = draw(&mut strokes, from, &next.kind);
         }
+        message.strokes = strokes.finish();
         message
     }
 
-    /// A planner like the controller's, in the arm's present working mode.
-    fn planner(&self, status: &Status) -> Result<Planner, SettingsError> {
+    /// A planner like the controller's, in the arm's working mode.
+    fn planner(&self, start: JobStart) -> Result<Planner, SettingsError> {
         let mut settings = self.settings;
-        if let Some(pose) = self.pose(status) {
-            settings.elbows_left = self.elbows(&pose).map(|side| side == Side::Left);
+        if let Some(elbows) = start.elbows {
+            settings.elbows_left = elbows.map(|side| side == Side::Left);
         }
         Ok(Planner::new(&settings.check()?))
     }
@@ -117,10 +135,13 @@ fn check(planner: &Planner, mut from: [f32; 2], moves: &[Move]) -> Result<(), Mo
     Ok(())
 }
 
-/// The points of a move after its start [m].
-fn points(from: [f32; 2], kind: &MoveKind) -> Vec<[f32; 2]> {
+/// Draws a move and returns its end [m].
+fn draw(strokes: &mut Strokes, from: [f32; 2], kind: &MoveKind) -> [f32; 2] {
     match *kind {
-        MoveKind::Line { to, .. } => vec![to],
+        MoveKind::Line { to, .. } => {
+            strokes.push(to);
+            to
+        }
         MoveKind::Arc {
             to,
             center,
@@ -133,15 +154,19 @@ fn points(from: [f32; 2], kind: &MoveKind) -> Vec<[f32; 2]> {
                 Sense::CounterClockwise
             };
             let arc = PathSegment::arc(vec2(from), vec2(to), vec2(center), sense, ARC_TOLERANCE);
-            let Ok(arc) = arc else { return vec![to] };
-            let count = (arc.length() / CHORD).ceil().max(1.0) as u32;
+            let Ok(arc) = arc else {
+                strokes.push(to);
+                return to;
+            };
+            let count = (arc.length() / strokes.chord()).ceil().max(1.0) as u32;
             let at = |index: u32| arc.at(arc.length() * index as f32 / count as f32).position;
-            (1..=count)
-                .map(at)
-                .map(|point| [point.x, point.y])
-                .collect()
+            for point in (1..=count).map(at) {
+                strokes.push([point.x, point.y]);
+            }
+            let end = at(count);
+            [end.x, end.y]
         }
-        MoveKind::Dwell { .. } | MoveKind::Joint { .. } => Vec::new(),
+        MoveKind::Dwell { .. } | MoveKind::Joint { .. } => from,
     }
 }
 

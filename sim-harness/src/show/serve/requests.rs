@@ -1,18 +1,17 @@
 //! Turns the requests of pages into host commands, targets and jobs, or into a refusal.
 
+use super::channels::{Event, EventKind, Page};
 use super::command_error::sentence;
 use super::controller_thread::{ControllerThread, LoadedJob};
-use super::lease::PageId;
-use super::message::{
-    ClientRequest, ControllerRequest, DrivenJoint, JobMessage, PageEvent, ServerMessage,
-};
+use super::job_thread::{JobSource, Prepared, Work};
+use super::message::{ClientRequest, ControllerRequest, DrivenJoint};
 use super::move_feeder::{MoveEnd, takes_moves};
 use super::preview::nearest;
-use crate::input::scenario::Scenario;
 use crate::run::link::LinkError;
-use fivebar_firmware::MoveKind;
 use fivebar_firmware::protocol::HostCommand;
+use fivebar_firmware::{MoveKind, Request};
 use fivebar_kinematics::five_bar::Side;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Speed of joint moves, as a share of the joints' greatest speed.
@@ -21,67 +20,98 @@ const JOINT_SPEED: f32 = 0.4;
 /// Why a request is refused, as a sentence.
 type Refused = String;
 
+impl ClientRequest {
+    /// Whether a stop cancels the request if it still waits.
+    fn ends_with_a_stop(&self) -> bool {
+        match self {
+            Self::Alive | Self::Control | Self::Load { .. } => false,
+            Self::Request(_)
+            | Self::Jog(_)
+            | Self::Follow(_)
+            | Self::JogJoint { .. }
+            | Self::Turn { .. }
+            | Self::Mode(_)
+            | Self::Run => true,
+        }
+    }
+}
+
 impl ControllerThread {
-    /// Handles an event of a page.
-    pub(super) fn handle_event(&mut self, page: PageId, event: PageEvent) -> Result<(), LinkError> {
+    /// Handles an event of a page. What a page asked for before it was lost is dropped, and so
+    /// is what could move the arm and was asked for before the last stop. Returns whether the
+    /// controller was asked.
+    pub(super) fn handle_event(&mut self, event: Event) -> Result<bool, LinkError> {
+        let Event {
+            page,
+            kind,
+            received,
+            stops,
+            ..
+        } = event;
+        if !page.is_connected() {
+            return Ok(false);
+        }
         let now = Instant::now();
-        match event {
-            PageEvent::Joined => {
+        let in_control = self.pages.shared.lease.is_held_by(page.id, now);
+        let outcome = match kind {
+            EventKind::Joined => {
                 // After a page is lost, a moving arm comes to rest before another page may
                 // get control without asking.
-                if self.rests() && !self.lease.is_alive(now) {
-                    self.lease.acquire(page, now, false);
-                    self.feeder.clear();
+                if self.rests() && !self.pages.shared.lease.is_alive(now) {
+                    let lease = &self.pages.shared.lease;
+                    lease.acquire(&page, received, now, false);
                 }
-                self.resend();
+                Ok(())
             }
-            PageEvent::Lagged => self.resend(),
-            PageEvent::Left => {
-                if self.lease.release(page) {
-                    self.feeder.clear();
+            EventKind::LongMessage(message) if in_control => {
+                self.load_job(&page, JobSource::Message(message))
+            }
+            EventKind::LongMessage(_) => Err("This page watches: take control first.".into()),
+            EventKind::Request(request) => {
+                if stops < self.pages.shared.stop.count() && request.ends_with_a_stop() {
+                    return Ok(false);
                 }
-            }
-            PageEvent::Malformed(error) => self.refuse(
-                Some(page),
-                format!("The server does not know this request; load the page again ({error})."),
-            ),
-            PageEvent::Request(request) => {
-                let in_control = self.lease.renew(page, now);
-                if let Err(why) = self.handle_request(page, in_control, request)? {
-                    self.refuse(Some(page), why);
+                if let ClientRequest::Request(wanted) = request
+                    && in_control
+                {
+                    let outcome = self.request(&page, wanted)?;
+                    self.report(&page, outcome);
+                    return Ok(true);
                 }
+                self.handle_request(&page, received, in_control, request)
             }
-        }
-        Ok(())
+        };
+        self.report(&page, outcome);
+        Ok(false)
     }
 
-    /// Sends fault and job again, for a page that is new or has missed messages.
-    fn resend(&mut self) {
-        self.sent_fault = None;
-        if let Some(loaded) = &self.loaded {
-            self.pages.send(&ServerMessage::Job(&loaded.message));
+    fn report(&self, page: &Page, outcome: Result<(), Refused>) {
+        if let Err(why) = outcome {
+            self.refuse(Some(page.id), why);
         }
     }
 
     fn handle_request(
         &mut self,
-        page: PageId,
+        page: &Page,
+        received: Instant,
         in_control: bool,
         request: ClientRequest,
-    ) -> Result<Result<(), Refused>, LinkError> {
-        Ok(match request {
+    ) -> Result<(), Refused> {
+        match request {
             ClientRequest::Alive => Ok(()),
-            ClientRequest::Control => self.give_control(page),
-            ClientRequest::Request(wanted) if in_control || wanted.is_open_to_all() => {
-                return self.request(wanted);
-            }
+            ClientRequest::Control => self.give_control(page, received),
             _ if !in_control => Err("This page watches: take control first.".into()),
-            ClientRequest::Request(wanted) => return self.request(wanted),
+            // `handle_event` has asked the controller.
+            ClientRequest::Request(_) => Ok(()),
             _ if self.feeder.is_running() => Err("A job is running: stop it first.".into()),
-            ClientRequest::Load { name, text } => self.load_job(&name, text),
-            ClientRequest::Run => self.run_job(),
+            ClientRequest::Load { name, text } => self.load_job(page, JobSource::Text(name, text)),
+            ClientRequest::Run => self.run_job(page),
             _ if !takes_moves(self.status.state) => {
                 Err("The arm is not armed: home it, then arm it.".into())
+            }
+            _ if self.run_asked_by.is_some() => {
+                Err("The job is being checked: wait, or stop.".into())
             }
             ClientRequest::Jog(by) => self.jog(by.map(single)),
             ClientRequest::Follow(to) => {
@@ -93,31 +123,38 @@ impl ControllerThread {
             }
             ClientRequest::Turn { joint, to } => self.move_joint(joint, |_| single(to)),
             ClientRequest::Mode(elbows) => self.change_mode(elbows),
-        })
+        }
     }
 
-    fn give_control(&mut self, page: PageId) -> Result<(), Refused> {
-        let before = self.lease.holder();
-        if !self.lease.acquire(page, Instant::now(), self.rests()) {
+    fn give_control(&mut self, page: &Page, received: Instant) -> Result<(), Refused> {
+        let lease = &self.pages.shared.lease;
+        let before = lease.holder();
+        if !lease.acquire(page, received, Instant::now(), self.rests()) {
             return Err(
                 "Another page is in control of a moving arm: stop the arm, then take control."
                     .into(),
             );
         }
-        if before != Some(page) {
-            self.feeder.clear();
-            if before.is_some() {
-                self.refuse(before, "Another page has taken control.".into());
-            }
+        if before.is_some_and(|before| before != page.id) {
+            self.refuse(before, "Another page has taken control.".into());
         }
         Ok(())
     }
 
-    fn request(&mut self, wanted: ControllerRequest) -> Result<Result<(), Refused>, LinkError> {
-        if wanted.is_open_to_all() {
-            self.feeder.clear();
-        }
-        let answer = self.client.command(HostCommand::Request(wanted.into()))?;
+    fn request(
+        &mut self,
+        page: &Page,
+        wanted: ControllerRequest,
+    ) -> Result<Result<(), Refused>, LinkError> {
+        let request: Request = match wanted.kind() {
+            Err(request) => request,
+            // The web server does not queue stops.
+            Ok(stop) => {
+                self.pages.shared.stop.raise(stop, page.id);
+                return Ok(Ok(()));
+            }
+        };
+        let answer = self.client.command(HostCommand::Request(request))?;
         Ok(answer.map_err(|refusal| sentence(&refusal)))
     }
 
@@ -195,70 +232,114 @@ impl ControllerThread {
         }
     }
 
-    fn load_job(&mut self, name: &str, text: String) -> Result<(), Refused> {
-        self.require_rest()?;
-        let scenario = Scenario::new(name, self.robot.clone(), name, text);
-        match scenario.job() {
-            Ok(job) => {
-                self.loaded = Some(LoadedJob {
-                    moves: scenario.moves(&job),
-                    job,
-                    message: JobMessage {
-                        name: name.into(),
-                        ..JobMessage::default()
-                    },
-                });
-                self.preview_job();
-            }
-            Err(error) => {
-                self.loaded = None;
-                self.pages.send(&ServerMessage::Job(&JobMessage {
-                    name: name.into(),
-                    refusal: Some(error.to_string()),
-                    ..JobMessage::default()
-                }));
-            }
+    fn load_job(&mut self, page: &Page, source: JobSource) -> Result<(), Refused> {
+        if self.feeder.is_running() {
+            return Err("A job is running: stop it first.".into());
         }
+        if !self.rests() {
+            return Err("The arm is moving: stop it or wait until it rests.".into());
+        }
+        self.run_asked_by = None;
+        let start = self.preview.start(&self.status);
+        self.jobs.order(Work::Load(page.id, source), start);
         Ok(())
     }
 
-    /// Checks the loaded job from the tool's present position, as the controller would, and
-    /// sends its path to the pages.
-    pub(super) fn preview_job(&mut self) {
-        let Some(LoadedJob {
-            job,
-            moves,
-            message,
-        }) = &mut self.loaded
-        else {
-            return;
-        };
-        *message = self.preview.job(&message.name, job, moves, &self.status);
-        self.pages.send(&ServerMessage::Job(message));
+    /// Has the loaded job checked from the tool's present position.
+    pub(super) fn check_job_again(&mut self) {
+        if let Some(loaded) = &self.loaded {
+            let start = self.preview.start(&self.status);
+            if !self.jobs.is_busy() && loaded.start != start {
+                let job = Arc::clone(&loaded.job);
+                self.jobs.order(Work::Check(job), start);
+            }
+        }
     }
 
-    /// Starts the job, if all of it can be done from the tool's present position.
-    fn run_job(&mut self) -> Result<(), Refused> {
-        self.require_rest()?;
+    /// Starts the job, if all of it can be done from the tool's present position. A job that is
+    /// still read or checked starts afterwards.
+    fn run_job(&mut self, page: &Page) -> Result<(), Refused> {
+        if !self.rests() {
+            return Err("The arm is moving: stop it or wait until it rests.".into());
+        }
         if !takes_moves(self.status.state) {
             return Err("The arm is not armed: home it, then arm it.".into());
         }
-        self.preview_job();
+        if self.loaded.is_none() && !self.jobs.is_busy() {
+            return Err("There is no job: load one.".into());
+        }
+        self.check_job_again();
+        if self.jobs.is_busy() {
+            self.run_asked_by = Some(page.id);
+            return Ok(());
+        }
+        self.start_job()
+    }
+
+    fn start_job(&mut self) -> Result<(), Refused> {
         let loaded = self.loaded.as_ref().ok_or("There is no job: load one.")?;
-        if let Some(why) = &loaded.message.refusal {
+        if let Some(why) = &loaded.refusal {
             return Err(format!("The job cannot be done. {why}"));
         }
-        self.feeder.run(loaded.moves.clone());
+        if !takes_moves(self.status.state) {
+            return Err("The arm is not armed: home it, then arm it.".into());
+        }
+        if !self.rests() || loaded.start != self.preview.start(&self.status) {
+            return Err("The arm has moved while its job was checked: run it again.".into());
+        }
+        self.feeder.run(Arc::clone(&loaded.job));
         self.notice("The job has started.");
         Ok(())
     }
 
-    /// Refuses while the arm moves: checking a long job takes time, and the host sends
-    /// nothing meanwhile.
-    fn require_rest(&self) -> Result<(), Refused> {
-        match self.rests() {
-            true => Ok(()),
-            false => Err("The arm is moving: stop it or wait until it rests.".into()),
+    /// Takes a job that was read and checked, and starts it if its page has asked for that.
+    pub(super) fn take_prepared_job(&mut self) {
+        let Some(prepared) = self.jobs.take() else {
+            return;
+        };
+        let asked_by = self.run_asked_by.take();
+        let (start, again) = match prepared {
+            Prepared::Job {
+                job,
+                start,
+                refusal,
+                message,
+                again,
+            } => {
+                self.loaded = Some(LoadedJob {
+                    job,
+                    start,
+                    refusal,
+                });
+                self.pages.send_job(message);
+                (start, again)
+            }
+            Prepared::Unreadable(message) => {
+                self.loaded = None;
+                self.pages.send_job(message);
+                return;
+            }
+            Prepared::NoJob(page, why) => {
+                self.refuse(
+                    Some(page),
+                    format!("The server does not know this request; load the page again ({why})."),
+                );
+                return;
+            }
+        };
+        // The arm may have been homed or moved while the job was read.
+        if !again && (asked_by.is_some() || !start.is_known()) {
+            self.check_job_again();
+        }
+        let Some(page) = asked_by else { return };
+        if self.jobs.is_busy() {
+            self.run_asked_by = Some(page);
+            return;
+        }
+        let alive = self.pages.shared.lease.is_held_by(page, Instant::now());
+        let started = if alive { self.start_job() } else { Ok(()) };
+        if let Err(why) = started {
+            self.refuse(Some(page), why);
         }
     }
 }

@@ -1,11 +1,12 @@
 //! The page's files and the websockets.
 
 use super::ServeError;
+use super::accept;
+use super::channels::WebEnd;
 use super::guard::{Admission, Guard};
-use super::lease::PageId;
-use super::message::{ClientRequest, PageEvent, WebEnd};
+use super::socket::exchange;
 use axum::Router;
-use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
+use axum::body::{Body, Bytes};
 use axum::extract::{Request, State};
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::middleware::{self, Next};
@@ -13,19 +14,14 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use std::net::TcpListener;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
-use std::time::{Duration, Instant};
-use tokio::sync::broadcast::error::RecvError;
+use std::time::Duration;
 use tokio::sync::oneshot;
+use tokio::time::timeout;
+use tokio_tungstenite::tungstenite::handshake::server::create_response_with_body;
 
-/// Longest message of a page [bytes]: a job of a few hundred thousand moves.
-const MAX_MESSAGE_SIZE: usize = 16 << 20;
-
-/// Most messages of a page per second, several times what a user and the signs of life
-/// produce. A page that sends more is disconnected. Its messages then neither delay another
-/// page's stop nor move the arm late.
-const MAX_MESSAGES_PER_SECOND: u32 = 1000;
+/// Time for a connection to become a websocket after the reply that allows it.
+const UPGRADE_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// Browsers load only what this server sends, and show the page in no frame of another.
 const POLICY: &str = "default-src 'self'; frame-ancestors 'none'; base-uri 'none'";
@@ -85,7 +81,7 @@ pub(super) fn run(
         let (ended, end) = oneshot::channel();
         thread::spawn(move || ended.send(controller()));
         tokio::select! {
-            served = axum::serve(listener, router(site)) => Ok(served?),
+            served = accept::serve(listener, router(site)) => Ok(served?),
             outcome = end => outcome.unwrap_or_else(|_| {
                 Err(std::io::Error::other("the controller's thread panicked").into())
             }),
@@ -106,6 +102,8 @@ fn router(site: Site) -> Router {
         router = router.route(path, get(answer));
     }
     for (path, text) in [("/arm.json", arm), ("/maps.json", maps)] {
+        // All responses share the text.
+        let text = Bytes::from(text);
         let answer = move || async move { ([(header::CONTENT_TYPE, "application/json")], text) };
         router = router.route(path, get(answer));
     }
@@ -136,56 +134,20 @@ async fn authorize(State(guard): State<Arc<Guard>>, request: Request, next: Next
     response
 }
 
-async fn live(State(pages): State<WebEnd>, upgrade: WebSocketUpgrade) -> Response {
-    static PAGES: AtomicU64 = AtomicU64::new(1);
-    let page = PAGES.fetch_add(1, Ordering::Relaxed);
-    upgrade
-        .max_message_size(MAX_MESSAGE_SIZE)
-        .on_upgrade(move |socket| exchange(socket, page, pages))
-}
-
-/// Passes messages in both directions until the page disconnects.
-async fn exchange(mut socket: WebSocket, page: PageId, pages: WebEnd) {
-    let mut messages = pages.messages.subscribe();
-    let hello = format!(r#"{{"hello":{page}}}"#);
-    if socket.send(Message::Text(hello.into())).await.is_err() {
-        return;
-    }
-    let report = |event| pages.events.send((page, event));
-    let _ = report(PageEvent::Joined);
-    let mut second = (Instant::now(), 0);
-    loop {
-        if second.0.elapsed() >= Duration::from_secs(1) {
-            second = (Instant::now(), 0);
+async fn live(State(pages): State<WebEnd>, mut request: Request) -> Response {
+    let reply = match create_response_with_body(&request, Body::empty) {
+        Ok(reply) => reply,
+        Err(error) => return (StatusCode::BAD_REQUEST, format!("{error}\n")).into_response(),
+    };
+    let Ok(place) = Arc::clone(&pages.places).try_acquire_owned() else {
+        return (StatusCode::SERVICE_UNAVAILABLE, "too many pages are open\n").into_response();
+    };
+    let upgrade = hyper::upgrade::on(&mut request);
+    tokio::spawn(async move {
+        if let Ok(Ok(upgraded)) = timeout(UPGRADE_TIMEOUT, upgrade).await {
+            exchange(upgraded, pages).await;
         }
-        let event = tokio::select! {
-            received = socket.recv() => match received {
-                _ if second.1 == MAX_MESSAGES_PER_SECOND => break,
-                Some(Ok(Message::Text(text))) => {
-                    second.1 += 1;
-                    match serde_json::from_str::<ClientRequest>(&text) {
-                        Ok(request) => PageEvent::Request(request),
-                        Err(error) => PageEvent::Malformed(error.to_string()),
-                    }
-                }
-                Some(Ok(Message::Ping(_) | Message::Pong(_))) => {
-                    second.1 += 1;
-                    continue;
-                }
-                Some(Ok(Message::Binary(_) | Message::Close(_)) | Err(_)) | None => break,
-            },
-            message = messages.recv() => match message {
-                Ok(text) => match socket.send(Message::Text(text)).await {
-                    Ok(()) => continue,
-                    Err(_) => break,
-                },
-                Err(RecvError::Lagged(_)) => PageEvent::Lagged,
-                Err(RecvError::Closed) => break,
-            },
-        };
-        if report(event).is_err() {
-            break;
-        }
-    }
-    let _ = report(PageEvent::Left);
+        drop(place);
+    });
+    reply
 }

@@ -42,7 +42,10 @@ connection.onMessage = (message) => {
   }
 };
 
-connection.onLost = () => showStateText("offline", "No connection: a moving arm comes to rest");
+connection.onLost = (reason) => {
+  showStateText("offline", "No connection: a moving arm comes to rest");
+  if (reason) showNotice(reason, true);
+};
 
 function showStateText(state, text) {
   document.body.dataset.state = state;

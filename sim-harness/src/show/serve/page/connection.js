@@ -25,13 +25,13 @@ export class Connection {
       this.#received = performance.now();
       this.onMessage(JSON.parse(event.data));
     };
-    socket.onclose = () => this.#lose(socket);
+    socket.onclose = ({ reason }) => this.#lose(socket, reason);
   }
 
-  #lose(socket) {
+  #lose(socket, reason = "") {
     if (socket !== this.#socket) return;
     this.#socket = null;
-    this.onLost();
+    this.onLost(reason);
     setTimeout(() => this.#connect(), RETRY);
   }
 

@@ -1,0 +1,121 @@
+//! Accepts connections, and limits what they cost before they have shown the token.
+
+use axum::Router;
+use hyper::server::conn::http1;
+use hyper_util::rt::{TokioIo, TokioTimer};
+use hyper_util::service::TowerToHyperService;
+use std::collections::VecDeque;
+use std::io;
+use std::net::IpAddr;
+use std::time::Duration;
+use tokio::net::TcpListener;
+use tokio::task::AbortHandle;
+use tokio::time::{sleep, timeout};
+
+/// Connections at once that are no websockets: many times what a browser opens.
+const MAX_CONNECTIONS: usize = 96;
+/// The same of one peer.
+const MAX_OF_PEER: usize = 64;
+/// Time for the head of a request to arrive.
+const HEAD_TIMEOUT: Duration = Duration::from_secs(5);
+/// Longest life of a connection that does not become a websocket. Browsers open another.
+const LIFETIME: Duration = Duration::from_secs(30);
+/// Largest buffer of a connection [bytes]; a request's head has to fit.
+const BUFFER: usize = 16 << 10;
+/// Wait after the system refuses a connection, as when this process has too many open files.
+const PAUSE: Duration = Duration::from_millis(50);
+
+/// Serves requests until the listener fails.
+pub(super) async fn serve(listener: TcpListener, router: Router) -> io::Result<()> {
+    let mut http = http1::Builder::new();
+    http.timer(TokioTimer::new())
+        .header_read_timeout(HEAD_TIMEOUT)
+        .max_buf_size(BUFFER);
+    let mut visitors = Visitors::default();
+    loop {
+        let Ok((stream, peer)) = listener.accept().await else {
+            sleep(PAUSE).await;
+            continue;
+        };
+        // States and stops are small: none waits for the next.
+        let _ = stream.set_nodelay(true);
+        let service = TowerToHyperService::new(router.clone());
+        let connection = http
+            .serve_connection(TokioIo::new(stream), service)
+            .with_upgrades();
+        let visit = tokio::spawn(async move {
+            let _ = timeout(LIFETIME, connection).await;
+        });
+        visitors.admit(peer.ip(), visit.abort_handle());
+    }
+}
+
+/// The connections that are no websockets, the oldest first.
+#[derive(Default)]
+struct Visitors(VecDeque<(IpAddr, AbortHandle)>);
+
+impl Visitors {
+    /// Adds a connection. If there are too many, the oldest one of the same peer, or of all, is
+    /// closed: it has had the most time.
+    fn admit(&mut self, peer: IpAddr, visit: AbortHandle) {
+        self.0.retain(|(_, visit)| !visit.is_finished());
+        let of_peer = self.0.iter().filter(|(other, _)| *other == peer).count();
+        let oldest = if of_peer >= MAX_OF_PEER {
+            self.0.iter().position(|(other, _)| *other == peer)
+        } else {
+            (self.0.len() >= MAX_CONNECTIONS).then_some(0)
+        };
+        if let Some((_, oldest)) = oldest.and_then(|index| self.0.remove(index)) {
+            oldest.abort();
+        }
+        self.0.push_back((peer, visit));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{MAX_CONNECTIONS, MAX_OF_PEER, Visitors};
+    use std::net::IpAddr;
+
+    fn peers(visitors: &Visitors, peer: IpAddr) -> usize {
+        visitors
+            .0
+            .iter()
+            .filter(|(other, _)| *other == peer)
+            .count()
+    }
+
+    #[test]
+    fn a_peer_that_opens_many_connections_closes_its_own() {
+        let runtime = tokio::runtime::Builder::new_current_thread().build();
+        let runtime = runtime.expect("a runtime");
+        let mut visitors = Visitors::default();
+        let mut admit = |peer: &str| {
+            let visit = runtime.spawn(std::future::pending::<()>());
+            let peer = peer.parse().expect("an address");
+            visitors.admit(peer, visit.abort_handle());
+            (visit, peer)
+        };
+        let (user, at) = admit("192.168.0.2");
+        let mut flood = Vec::new();
+        for _ in 0..1000 {
+            flood.push(admit("192.168.0.3").0);
+        }
+        let others: Vec<_> = (4..20)
+            .map(|last| admit(&format!("192.168.0.{last}")).0)
+            .collect();
+        runtime.block_on(async {
+            // The runtime ends the aborted tasks a few at a time.
+            for _ in 0..1000 {
+                tokio::task::yield_now().await;
+            }
+        });
+        assert!(!user.is_finished() && others.iter().all(|other| !other.is_finished()));
+        assert_eq!(
+            flood.iter().filter(|visit| !visit.is_finished()).count(),
+            MAX_OF_PEER
+        );
+        assert_eq!(peers(&visitors, at), 1);
+        assert!(visitors.0.len() <= MAX_CONNECTIONS);
+    }
+}

@@ -1,0 +1,245 @@
+//! Limits what a page sends, frame by frame, before the websocket's library gathers it.
+
+use super::channels::WebEnd;
+use super::lease::PageId;
+use super::rate::PerSecond;
+use std::io::{self, Cursor};
+use std::pin::Pin;
+use std::sync::Arc;
+use std::task::{Context, Poll, ready};
+use std::time::Instant;
+use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
+use tokio::sync::OwnedSemaphorePermit;
+use tokio_tungstenite::tungstenite::protocol::frame::FrameHeader;
+use tokio_tungstenite::tungstenite::protocol::frame::coding::{Data, OpCode};
+
+/// Longest message [bytes]: a job of a few hundred thousand moves.
+pub(super) const MAX_MESSAGE: u64 = 12 << 20;
+/// Longest message of a page that is not in control [bytes], except for one page at a time.
+const MAX_WATCHER_MESSAGE: u64 = 64 << 10;
+/// Most messages and small frames of a page per second, several times what a user and the signs
+/// of life produce.
+const MAX_PER_SECOND: u32 = 1000;
+/// Size below which a frame counts although it begins no message [bytes]. Larger frames are
+/// limited by the connection.
+const SMALL: u64 = 1 << 10;
+/// Frames are passed on in parts of at most this size [bytes]; a multiple of the mask's length.
+/// The websocket's library keeps a buffer as large as the largest frame it has read.
+const PART: u64 = 16 << 10;
+/// Bytes read from the connection at once.
+const READ: usize = 4 << 10;
+
+/// Why a page is disconnected.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub(super) enum LimitError {
+    #[error("This page sent more than {MAX_PER_SECOND} messages or frames in a second.")]
+    TooMany,
+    #[error("This page sent a message of more than {} MB.", MAX_MESSAGE / 1_000_000)]
+    TooLong,
+    #[error("Another page is sending a long message: take control, or try again later.")]
+    Watches,
+}
+
+/// Where the meter is in the stream.
+enum Place {
+    /// Before a frame's header.
+    Header,
+    /// Within a frame: this many bytes of it are left. The next part gets this header.
+    Frame(FrameHeader, u64),
+    /// Within a part of a frame: this many bytes of the part are left, and then as above.
+    Part(u64, FrameHeader, u64),
+}
+
+/// A connection whose incoming frames are counted, limited and cut into parts.
+pub(super) struct FrameMeter<S> {
+    stream: S,
+    page: PageId,
+    pages: WebEnd,
+    rate: PerSecond,
+    /// The size of the message that is being received [bytes].
+    message: u64,
+    /// The place of a long message.
+    long: Option<OwnedSemaphorePermit>,
+    place: Place,
+    /// Bytes read, and the range of them that is not passed on yet.
+    input: Box<[u8; READ]>,
+    unread: std::ops::Range<usize>,
+    /// A part's header that is not passed on yet.
+    header: Vec<u8>,
+}
+
+impl<S: AsyncRead + Unpin> FrameMeter<S> {
+    pub(super) fn new(stream: S, page: PageId, pages: WebEnd) -> Self {
+        Self {
+            stream,
+            page,
+            pages,
+            rate: PerSecond::new(MAX_PER_SECOND),
+            message: 0,
+            long: None,
+            place: Place::Header,
+            input: Box::new([0; READ]),
+            unread: 0..0,
+            header: Vec::new(),
+        }
+    }
+
+    /// Reads and drops what the page still sends, until it has closed the connection.
+    pub(super) async fn drain(&mut self) {
+        std::future::poll_fn(|cx| {
+            self.unread = 0..0;
+            loop {
+                match ready!(self.fill(cx)) {
+                    Ok(0) | Err(_) => return Poll::Ready(()),
+                    Ok(_) => self.unread = 0..0,
+                }
+            }
+        })
+        .await;
+    }
+
+    /// Reads after the unread bytes, which leave room; returns how many bytes came.
+    fn fill(&mut self, cx: &mut Context<'_>) -> Poll<io::Result<usize>> {
+        self.input.copy_within(self.unread.clone(), 0);
+        self.unread = 0..self.unread.len();
+        let mut room = ReadBuf::new(&mut self.input[self.unread.end..]);
+        ready!(Pin::new(&mut self.stream).poll_read(cx, &mut room))?;
+        let count = room.filled().len();
+        self.unread.end += count;
+        Poll::Ready(Ok(count))
+    }
+
+    /// Takes the next frame's header, if all of it was read, and counts the frame.
+    fn take_header(&mut self) -> io::Result<bool> {
+        let mut cursor = Cursor::new(&self.input[self.unread.clone()]);
+        let parsed = FrameHeader::parse(&mut cursor).map_err(io::Error::other)?;
+        let Some((header, length)) = parsed else {
+            return Ok(false);
+        };
+        self.unread.start += cursor.position() as usize;
+        self.count(&header, length).map_err(io::Error::other)?;
+        self.place = Place::Frame(header, length);
+        Ok(true)
+    }
+
+    fn count(&mut self, header: &FrameHeader, length: u64) -> Result<(), LimitError> {
+        let continues = header.opcode == OpCode::Data(Data::Continue);
+        if (!continues || length < SMALL) && !self.rate.admit(Instant::now()) {
+            return Err(LimitError::TooMany);
+        }
+        if let OpCode::Data(_) = header.opcode {
+            if !continues {
+                self.message = 0;
+                self.long = None;
+            }
+            self.message = self.message.saturating_add(length);
+            if self.message > MAX_MESSAGE {
+                return Err(LimitError::TooLong);
+            }
+            let holder = self.pages.shared.lease.holder();
+            if self.message > MAX_WATCHER_MESSAGE
+                && holder != Some(self.page)
+                && self.long.is_none()
+            {
+                let place = Arc::clone(&self.pages.long_messages).try_acquire_owned();
+                self.long = Some(place.map_err(|_| LimitError::Watches)?);
+            }
+        }
+        Ok(())
+    }
+
+    /// Begins the next part of a frame: its header goes before it.
+    fn begin_part(&mut self, header: &FrameHeader, left: u64) -> io::Result<()> {
+        let part = left.min(PART);
+        let rest = left - part;
+        let shown = FrameHeader {
+            is_final: header.is_final && rest == 0,
+            ..header.clone()
+        };
+        self.header.clear();
+        shown
+            .format(part, &mut self.header)
+            .map_err(io::Error::other)?;
+        let following = FrameHeader {
+            opcode: OpCode::Data(Data::Continue),
+            ..header.clone()
+        };
+        self.place = Place::Part(part, following, rest);
+        Ok(())
+    }
+}
+
+impl<S: AsyncRead + Unpin> AsyncRead for FrameMeter<S> {
+    fn poll_read(
+        self: Pin<&mut Self>,
+        cx: &mut Context<'_>,
+        out: &mut ReadBuf<'_>,
+    ) -> Poll<io::Result<()>> {
+        let this = self.get_mut();
+        let before = out.filled().len();
+        while out.remaining() > 0 {
+            if !this.header.is_empty() {
+                let count = this.header.len().min(out.remaining());
+                out.put_slice(&this.header[..count]);
+                this.header.drain(..count);
+                continue;
+            }
+            match &mut this.place {
+                Place::Header => {
+                    if this.take_header()? {
+                        continue;
+                    }
+                }
+                Place::Frame(header, left) => {
+                    let (header, left) = (header.clone(), *left);
+                    this.begin_part(&header, left)?;
+                    continue;
+                }
+                Place::Part(0, _, 0) => {
+                    this.place = Place::Header;
+                    continue;
+                }
+                Place::Part(0, header, left) => {
+                    this.place = Place::Frame(header.clone(), *left);
+                    continue;
+                }
+                Place::Part(left, ..) if !this.unread.is_empty() => {
+                    let count = (*left).min(this.unread.len() as u64) as usize;
+                    let count = count.min(out.remaining());
+                    let from = this.unread.start;
+                    out.put_slice(&this.input[from..from + count]);
+                    *left -= count as u64;
+                    this.unread.start += count;
+                    continue;
+                }
+                Place::Part(..) => {}
+            }
+            // More bytes are needed. What is ready is passed on first.
+            if out.filled().len() > before {
+                break;
+            }
+            if ready!(this.fill(cx))? == 0 {
+                break;
+            }
+        }
+        Poll::Ready(Ok(()))
+    }
+}
+
+impl<S: AsyncWrite + Unpin> AsyncWrite for FrameMeter<S> {
+    fn poll_write(
+        self: Pin<&mut Self>,
+        cx: &mut Context<'_>,
+        bytes: &[u8],
+    ) -> Poll<io::Result<usize>> {
+        Pin::new(&mut self.get_mut().stream).poll_write(cx, bytes)
+    }
+
+    fn poll_flush(self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
+        Pin::new(&mut self.get_mut().stream).poll_flush(cx)
+    }
+
+    fn poll_shutdown(self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
+        Pin::new(&mut self.get_mut().stream).poll_shutdown(cx)
+    }
+}

@@ -1,0 +1,225 @@
+//! The exchange with one page over its websocket.
+//!
+//! Reading never waits for writing: a page that reads slowly, or reads nothing, is heard all the
+//! same. Signs of life and stops take effect here, when they arrive.
+
+use super::channels::{EventKind, Page, QueueError, WebEnd};
+use super::frame_meter::{FrameMeter, LimitError};
+use super::message::{ClientRequest, ServerMessage, brief};
+use super::rate::PerSecond;
+use futures_util::stream::{SplitSink, SplitStream};
+use futures_util::{SinkExt as _, StreamExt as _};
+use hyper::upgrade::Upgraded;
+use hyper_util::rt::TokioIo;
+use std::borrow::Cow;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+use tokio::sync::broadcast::error::RecvError;
+use tokio::sync::mpsc;
+use tokio::time::timeout;
+use tokio_tungstenite::WebSocketStream;
+use tokio_tungstenite::tungstenite::protocol::frame::coding::CloseCode;
+use tokio_tungstenite::tungstenite::protocol::{CloseFrame, Role, WebSocketConfig};
+use tokio_tungstenite::tungstenite::{Error, Message, Utf8Bytes};
+
+/// Longest message that is read here [bytes]. Only jobs are longer; another thread reads those.
+const MAX_SHORT_MESSAGE: usize = 4 << 10;
+/// Most stops of a page per second: several times what held keys produce.
+const MAX_STOPS_PER_SECOND: u32 = 100;
+/// Refusals that may wait for their page.
+const REFUSALS: usize = 8;
+/// A page that reads nothing for this time is disconnected.
+const LONGEST_SEND: Duration = Duration::from_secs(30);
+/// Time for a page to receive the reason for which it is disconnected.
+const LONGEST_GOODBYE: Duration = Duration::from_millis(250);
+/// Bytes read into the websocket's buffer at once.
+const BUFFER: usize = 4 << 10;
+
+type Stream = FrameMeter<TokioIo<Upgraded>>;
+type Socket = WebSocketStream<Stream>;
+
+/// Why a connection ends: a sentence, if the page is to know.
+type End = Option<Cow<'static, str>>;
+
+/// Exchanges messages with a page until it disconnects or exceeds a limit.
+pub(super) async fn exchange(upgraded: Upgraded, pages: WebEnd) {
+    let page = Arc::new(Page::new());
+    let stream = FrameMeter::new(TokioIo::new(upgraded), page.id, pages.clone());
+    let config = WebSocketConfig::default()
+        .read_buffer_size(BUFFER)
+        .write_buffer_size(BUFFER)
+        .max_message_size(Some(super::frame_meter::MAX_MESSAGE as usize));
+    let socket = Socket::from_raw_socket(stream, Role::Server, Some(config)).await;
+    let (sink, stream) = socket.split();
+    let (refusals, own) = mpsc::channel(REFUSALS);
+    let mut reader = Reader {
+        page: &page,
+        pages: &pages,
+        stream,
+        refusals,
+        stops: PerSecond::new(MAX_STOPS_PER_SECOND),
+    };
+    let mut writer = Writer {
+        page: &page,
+        pages: pages.clone(),
+        sink,
+        own,
+    };
+    let end = tokio::select! {
+        end = reader.run() => end,
+        end = writer.run() => end,
+    };
+    page.disconnect(&pages.shared.lease);
+    let (stream, sink) = (reader.stream, writer.sink);
+    if let (Some(reason), Ok(mut socket)) = (end, stream.reunite(sink)) {
+        let _ = timeout(LONGEST_GOODBYE, close(&mut socket, &reason)).await;
+    }
+}
+
+/// Sends the reason and waits until the page has closed. A connection closed while it is sent
+/// to would drop the reason.
+async fn close(socket: &mut Socket, reason: &str) {
+    let frame = CloseFrame {
+        code: CloseCode::Policy,
+        reason: Utf8Bytes::from(reason),
+    };
+    if socket.send(Message::Close(Some(frame))).await.is_ok() {
+        socket.get_mut().drain().await;
+    }
+}
+
+struct Reader<'a> {
+    page: &'a Arc<Page>,
+    pages: &'a WebEnd,
+    stream: SplitStream<Socket>,
+    refusals: mpsc::Sender<Utf8Bytes>,
+    stops: PerSecond,
+}
+
+impl Reader<'_> {
+    async fn run(&mut self) -> End {
+        loop {
+            let message = match self.stream.next().await? {
+                Ok(message) => message,
+                Err(error) => return limit(&error),
+            };
+            let now = Instant::now();
+            self.pages.shared.lease.renew(self.page.id, now);
+            let result = match message {
+                Message::Text(text) => self.receive(text, now),
+                Message::Ping(_) | Message::Pong(_) => Ok(()),
+                Message::Binary(_) | Message::Close(_) | Message::Frame(_) => return None,
+            };
+            if let Err(end) = result {
+                return end;
+            }
+            // Other pages have their turn, however much this one has sent.
+            tokio::task::yield_now().await;
+        }
+    }
+
+    fn receive(&mut self, text: Utf8Bytes, now: Instant) -> Result<(), End> {
+        if text.len() > MAX_SHORT_MESSAGE {
+            return self.queue(EventKind::LongMessage(text));
+        }
+        let request = match serde_json::from_str::<ClientRequest>(&text) {
+            Ok(request) => request,
+            Err(error) => {
+                self.refuse(format!(
+                    "The server does not know this request; load the page again ({error})."
+                ));
+                return Ok(());
+            }
+        };
+        match request {
+            ClientRequest::Alive => Ok(()),
+            ClientRequest::Request(wanted) if let Ok(stop) = wanted.kind() => {
+                if !self.stops.admit(now) {
+                    return Err(Some(
+                        format!(
+                            "This page sent more than {MAX_STOPS_PER_SECOND} stops in a second."
+                        )
+                        .into(),
+                    ));
+                }
+                self.pages.shared.stop.raise(stop, self.page.id);
+                Ok(())
+            }
+            request => self.queue(EventKind::Request(request)),
+        }
+    }
+
+    fn queue(&mut self, event: EventKind) -> Result<(), End> {
+        match self.pages.queue(self.page, event) {
+            Ok(()) => Ok(()),
+            Err(QueueError::Full) => {
+                self.refuse("Too many requests of this page wait: this one is dropped.".into());
+                Ok(())
+            }
+            Err(QueueError::Ended) => Err(None),
+        }
+    }
+
+    /// Sends a refusal to this page alone.
+    fn refuse(&self, text: String) {
+        let notice = ServerMessage::Notice {
+            to: Some(self.page.id),
+            refused: true,
+            text: brief(text),
+        };
+        // If many wait already, the page floods and loses this one.
+        let _ = self.refusals.try_send(notice.json());
+    }
+}
+
+/// The sentence about a limit that was exceeded.
+fn limit(error: &Error) -> End {
+    let Error::Io(error) = error else { return None };
+    let limit = error.get_ref()?.downcast_ref::<LimitError>()?;
+    Some(limit.to_string().into())
+}
+
+struct Writer<'a> {
+    page: &'a Arc<Page>,
+    pages: WebEnd,
+    sink: SplitSink<Socket, Message>,
+    /// Refusals for this page alone.
+    own: mpsc::Receiver<Utf8Bytes>,
+}
+
+impl Writer<'_> {
+    async fn run(&mut self) -> End {
+        let hello = format!(r#"{{"hello":{}}}"#, self.page.id);
+        self.send(hello.into()).await?;
+        let mut notices = self.pages.notices.subscribe();
+        // What was sent before this page connected.
+        self.pages.fault.mark_changed();
+        self.pages.job.mark_changed();
+        self.pages.join(self.page).ok()?;
+        loop {
+            let WebEnd {
+                state, fault, job, ..
+            } = &mut self.pages;
+            let message = tokio::select! {
+                changed = state.changed() => changed.ok().and_then(|()| state.borrow_and_update().clone()),
+                changed = fault.changed() => changed.ok().and_then(|()| fault.borrow_and_update().clone()),
+                changed = job.changed() => changed.ok().and_then(|()| job.borrow_and_update().clone()),
+                refusal = self.own.recv() => refusal,
+                notice = notices.recv() => match notice {
+                    Ok((to, text)) if to.is_none_or(|to| to == self.page.id) => Some(text),
+                    Ok(_) | Err(RecvError::Lagged(_)) => None,
+                    Err(RecvError::Closed) => return None,
+                },
+            };
+            if let Some(message) = message {
+                self.send(message).await?;
+            }
+        }
+    }
+
+    /// Sends a message. `None` if the page does not read it.
+    async fn send(&mut self, text: Utf8Bytes) -> Option<()> {
+        let sent = timeout(LONGEST_SEND, self.sink.send(Message::Text(text))).await;
+        sent.ok()?.ok()
+    }
+}

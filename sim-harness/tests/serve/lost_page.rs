@@ -1,0 +1,64 @@
+//! The arm rests soon after the page in control is lost.
+
+use crate::program::{Page, Server, speed, time};
+use serde_json::json;
+use std::time::{Duration, Instant};
+
+/// Joints slower than this rest [rad/s].
+const REST: f64 = 0.05;
+
+/// The time [s] from `lost` until the arm moves no more, as the watcher sees it.
+pub(crate) fn time_to_rest(watcher: &mut Page, lost: f64) -> f64 {
+    let mut moved = lost;
+    loop {
+        let state = watcher.state("a state", |state| time(state) > lost);
+        if speed(&state) > REST {
+            moved = time(&state);
+        }
+        // The path has corners, in which the arm is slow for a moment.
+        if time(&state) > moved + 0.2 {
+            assert_eq!(state["state"], "Fault");
+            return moved - lost;
+        }
+        assert!(moved < lost + 5.0, "the arm does not stop");
+    }
+}
+
+/// Sends 900 harmless requests a second for this long.
+fn flood(page: &mut Page, duration: Duration) {
+    let start = Instant::now();
+    let mut sent = 0;
+    while start.elapsed() < duration {
+        let due = start + sent * Duration::from_micros(1_000_000 / 900);
+        std::thread::sleep(due.saturating_duration_since(Instant::now()));
+        page.send(&json!("control"));
+        sent += 1;
+    }
+}
+
+/// Whether the page closes its connection, or keeps it and is silent.
+fn arm_rests_after_its_page_floods_and_is_lost(closes: bool) {
+    let server = Server::start(&[]);
+    let mut watcher = server.page();
+    let mut page = server.page();
+    page.take_control_and_arm();
+    page.run_long_job();
+    flood(&mut page, Duration::from_millis(1500));
+    let lost = time(&watcher.latest_state());
+    page.lively = false;
+    let page = (!closes).then_some(page);
+    let rests = time_to_rest(&mut watcher, lost);
+    eprintln!("closed: {closes}; at rest after {rests:.3} s");
+    assert!(rests < 0.7, "{rests} s");
+    drop(page);
+}
+
+#[test]
+fn the_arm_rests_within_700_ms_after_its_page_closes_in_the_midst_of_a_flood() {
+    arm_rests_after_its_page_floods_and_is_lost(true);
+}
+
+#[test]
+fn the_arm_rests_within_700_ms_after_its_page_falls_silent_in_the_midst_of_a_flood() {
+    arm_rests_after_its_page_floods_and_is_lost(false);
+}

@@ -1,0 +1,10 @@
+//! `fivebar serve` under load, with hostile clients and with pages that are lost. Websockets take
+//! the place of pages. Times are the controller's, which a busy machine slows down, too.
+#![cfg(target_os = "linux")]
+
+mod hostile;
+mod lost_page;
+mod port;
+mod program;
+mod soak;
+mod stops;

@@ -1,0 +1,255 @@
+//! The program, and its pages.
+
+use serde_json::{Value, json};
+use std::io::{BufRead as _, BufReader, ErrorKind, Read as _, Write as _};
+use std::net::TcpStream;
+use std::process::{Child, Command, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+use tungstenite::client::IntoClientRequest as _;
+use tungstenite::http::HeaderValue;
+use tungstenite::{Error, Message, WebSocket};
+
+/// `fivebar serve`, which ends when this value is dropped. One at a time: the tests measure times.
+pub(crate) struct Server {
+    child: Child,
+    pub(crate) host: String,
+    token: String,
+    _alone: MutexGuard<'static, ()>,
+}
+
+impl Server {
+    pub(crate) fn start(options: &[&str]) -> Self {
+        static ALONE: Mutex<()> = Mutex::new(());
+        let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut child = Command::new(env!("CARGO_BIN_EXE_fivebar"))
+            .args(["serve", "--listen", "127.0.0.1:0"])
+            .args(options)
+            .stdout(Stdio::piped())
+            .spawn()
+            .expect("the program starts");
+        let output = child.stdout.take().expect("its output");
+        let mut line = String::new();
+        BufReader::new(output)
+            .read_line(&mut line)
+            .expect("a line of text");
+        let (_, link) = line.trim().split_once("http://").expect("a link");
+        let (host, token) = link.split_once("/?token=").expect("a token in the link");
+        Self {
+            child,
+            host: host.into(),
+            token: token.into(),
+            _alone: alone,
+        }
+    }
+
+    /// The cookie of a page that has shown the token.
+    pub(crate) fn cookie(&self) -> String {
+        let port = self.host.rsplit(':').next().expect("a port");
+        format!("fivebar{port}={}", self.token)
+    }
+
+    /// The memory of the process [MB].
+    pub(crate) fn memory(&self) -> f64 {
+        self.megabytes("VmRSS:")
+    }
+
+    /// The most memory that the process has had [MB].
+    pub(crate) fn peak_memory(&self) -> f64 {
+        self.megabytes("VmHWM:")
+    }
+
+    fn megabytes(&self, key: &str) -> f64 {
+        let path = format!("/proc/{}/status", self.child.id());
+        let status = std::fs::read_to_string(path).expect("a process");
+        let line = status.lines().find(|line| line.starts_with(key));
+        let number = line.and_then(|line| line.split_whitespace().nth(1));
+        number.expect("a number").parse::<f64>().expect("kB") / 1024.0
+    }
+
+    pub(crate) fn open_files(&self) -> usize {
+        let path = format!("/proc/{}/fd", self.child.id());
+        std::fs::read_dir(path).expect("a process").count()
+    }
+
+    /// A connection, without a word.
+    pub(crate) fn connect(&self) -> TcpStream {
+        let stream = TcpStream::connect(&self.host).expect("a server");
+        stream.set_nodelay(true).expect("an option");
+        stream
+            .set_write_timeout(Some(Duration::from_secs(10)))
+            .expect("an option");
+        stream
+    }
+
+    /// The status of the reply to a request.
+    pub(crate) fn get(&self, path: &str, headers: &str) -> Option<u16> {
+        let mut stream = self.connect();
+        stream
+            .set_read_timeout(Some(Duration::from_secs(10)))
+            .ok()?;
+        let request = format!(
+            "GET {path} HTTP/1.1\r\nHost: {}\r\n{headers}Connection: close\r\n\r\n",
+            self.host
+        );
+        stream.write_all(request.as_bytes()).ok()?;
+        let mut reply = [0; 12];
+        stream.read_exact(&mut reply).ok()?;
+        std::str::from_utf8(&reply).ok()?.get(9..)?.parse().ok()
+    }
+
+    /// A page's websocket; none if the server refuses one.
+    pub(crate) fn socket(&self) -> Option<WebSocket<TcpStream>> {
+        let mut request = format!("ws://{}/live", self.host)
+            .into_client_request()
+            .expect("an address");
+        let cookie = HeaderValue::from_str(&self.cookie()).expect("text");
+        request.headers_mut().insert("Cookie", cookie);
+        let stream = TcpStream::connect(&self.host).ok()?;
+        stream.set_nodelay(true).ok()?;
+        stream
+            .set_write_timeout(Some(Duration::from_secs(10)))
+            .ok()?;
+        Some(tungstenite::client(request, stream).ok()?.0)
+    }
+
+    pub(crate) fn page(&self) -> Page {
+        let socket = self.socket().expect("a websocket");
+        socket
+            .get_ref()
+            .set_read_timeout(Some(Duration::from_millis(5)))
+            .expect("a timeout");
+        Page {
+            socket,
+            spoke: Instant::now(),
+            lively: true,
+        }
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// A page that gives signs of life while it waits.
+pub(crate) struct Page {
+    pub(crate) socket: WebSocket<TcpStream>,
+    spoke: Instant,
+    pub(crate) lively: bool,
+}
+
+impl Page {
+    pub(crate) fn send(&mut self, message: &Value) {
+        self.spoke = Instant::now();
+        let message = Message::text(message.to_string());
+        self.socket.send(message).expect("the server listens");
+    }
+
+    pub(crate) fn request(&mut self, name: &str) {
+        self.send(&json!({ "request": name }));
+    }
+
+    /// The next message, if one arrives soon.
+    pub(crate) fn next(&mut self) -> Option<Value> {
+        if self.lively && self.spoke.elapsed() > Duration::from_millis(50) {
+            self.send(&json!("alive"));
+        }
+        match self.socket.read() {
+            Ok(Message::Text(text)) => Some(serde_json::from_str(&text).expect("JSON")),
+            Ok(_) => None,
+            Err(Error::Io(error))
+                if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) =>
+            {
+                None
+            }
+            Err(error) => panic!("the connection is lost: {error}"),
+        }
+    }
+
+    /// The next message for which `wanted` returns a value.
+    pub(crate) fn wait<T>(&mut self, what: &str, wanted: impl Fn(&Value) -> Option<T>) -> T {
+        let deadline = Instant::now() + Duration::from_secs(60);
+        let mut last = [Value::Null, Value::Null];
+        while Instant::now() < deadline {
+            let Some(message) = self.next() else { continue };
+            if let Some(found) = wanted(&message) {
+                return found;
+            }
+            let kind = usize::from(message.get("notice").is_some());
+            last[kind] = message;
+        }
+        panic!("waited in vain for {what}; the last messages were {last:?}");
+    }
+
+    /// The next state for which `wanted` holds.
+    pub(crate) fn state(&mut self, what: &str, wanted: impl Fn(&Value) -> bool) -> Value {
+        self.wait(what, |message| {
+            let state = message.get("state")?;
+            wanted(state).then(|| state.clone())
+        })
+    }
+
+    pub(crate) fn state_named(&mut self, name: &str) -> Value {
+        self.state(name, |state| state["state"] == name)
+    }
+
+    /// The latest state: those that have arrived already are read, then one more is awaited.
+    pub(crate) fn latest_state(&mut self) -> Value {
+        while self.next().is_some() {}
+        self.state("a state", |_| true)
+    }
+
+    /// Takes control of an arm that rests, and arms it.
+    pub(crate) fn take_control_and_arm(&mut self) {
+        self.send(&json!("control"));
+        // The fault of an arm that still swings cannot be cleared yet.
+        while self.latest_state()["state"] == "Fault" {
+            self.request("clear_fault");
+            let asked = Instant::now();
+            while asked.elapsed() < Duration::from_millis(100) {
+                self.next();
+            }
+        }
+        if self.latest_state()["homed"] != true {
+            self.request("home");
+        }
+        self.state("home", |state| {
+            state["homed"] == true && state["state"] == "Stopped"
+        });
+        self.request("arm");
+        self.state_named("Armed");
+    }
+
+    /// Runs a job of lines to and fro, about half a minute long.
+    pub(crate) fn run_long_job(&mut self) {
+        let text = format!("G21 G90 F18000\nM3\n{}", "G1 X40\nG1 X0\n".repeat(60));
+        self.send(&json!({ "load": { "name": "long", "text": text } }));
+        self.send(&json!("run"));
+        self.state("full speed", |state| {
+            state["state"] == "Running" && speed(state) > 0.5
+        });
+    }
+}
+
+pub(crate) fn number(value: &Value) -> f64 {
+    value.as_f64().expect("a number")
+}
+
+/// The greater speed of the driven joints [rad/s].
+pub(crate) fn speed(state: &Value) -> f64 {
+    let [one, four] = [0, 1].map(|joint| number(&state["velocity"][joint]).abs());
+    one.max(four)
+}
+
+/// The controller's time [s] of a state.
+pub(crate) fn time(state: &Value) -> f64 {
+    number(&state["time"])
+}
+
+/// Seconds per tick of the controller.
+pub(crate) fn period(state: &Value) -> f64 {
+    time(state) / number(&state["tick"])
+}
