@@ -1,9 +1,23 @@
 #!/usr/bin/env bash
 # Checks the bounds of time and stack of the images that scripts/firmware.sh linked, and compares
-# them with those committed. First it shows that mistakes put into the images are found.
+# them with those committed. First it shows that mistakes put into the images are found, and
+# compares how each instruction is read with LLVM's disassembler, where that is installed.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 images=target/firmware/thumbv7em-none-eabihf/firmware
 cargo test --quiet --package fivebar-bounds --features images
+
+if command -v llvm-objdump >/dev/null; then
+    cargo build --quiet --package fivebar-bounds --example decode
+    for image in tick stm32f405 qemu; do
+        target/debug/examples/decode "$images/$image" >target/decoded.txt
+        llvm-objdump --disassemble --triple=thumbv7em-none-eabihf --mcpu=cortex-m4 \
+            --no-show-raw-insn --no-print-imm-hex "$images/$image" >target/disassembled.txt
+        python3 bounds/compare_llvm.py target/decoded.txt target/disassembled.txt
+    done
+else
+    echo "bounds: no llvm-objdump; the decoder was not compared with it" >&2
+fi
+
 cargo run --quiet --package fivebar-bounds -- check "$images"
