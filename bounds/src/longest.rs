@@ -62,16 +62,22 @@ impl<'a, C: Cost> Longest<'a, C> {
     pub fn paths(&mut self) -> Vec<Option<u64>> {
         let mut longest = vec![None; self.graph.nodes.len()];
         let all: Vec<usize> = (0..longest.len()).collect();
-        self.region(&all, 0, &mut longest);
+        self.region(&all, 0, None, &mut longest);
         for path in longest.iter_mut().flatten() {
             *path += self.in_all;
         }
         longest
     }
 
-    /// Fills in the longest paths from `entry` within a set of nodes. Ways back to `entry` are
-    /// left out.
-    fn region(&mut self, nodes: &[usize], entry: usize, longest: &mut [Option<u64>]) {
+    /// Fills in the longest paths from `entry` within a set of nodes. In a loop, the ways back to
+    /// its `header` are left out.
+    fn region(
+        &mut self,
+        nodes: &[usize],
+        entry: usize,
+        header: Option<usize>,
+        longest: &mut [Option<u64>],
+    ) {
         let mut inside = vec![false; self.graph.nodes.len()];
         for &node in nodes {
             inside[node] = true;
@@ -79,7 +85,7 @@ impl<'a, C: Cost> Longest<'a, C> {
         let graph = self.graph;
         let ways = |from: usize| {
             let edges = graph.nodes[from].next.iter().copied();
-            edges.filter(|edge| inside[edge.to] && edge.to != entry)
+            edges.filter(|edge| inside[edge.to] && Some(edge.to) != header)
         };
         // What is the longest way to the beginning of each node so far.
         let mut arrival: Vec<Option<u64>> = vec![None; self.graph.nodes.len()];
@@ -121,7 +127,7 @@ impl<'a, C: Cost> Longest<'a, C> {
             self.errors.push(LoopError::Unbounded(address));
             Bound::EachEntry(1)
         });
-        self.region(nodes, header, longest);
+        self.region(nodes, header, Some(header), longest);
         let back = |node: usize| {
             let edges = self.graph.nodes[node]
                 .next

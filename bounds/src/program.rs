@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::depth::depths;
 use crate::graph::{Callees, Edge, Graph};
 use crate::image::Image;
+use crate::instruction::Stack;
 use crate::longest::{Bound, Cost, Longest, LoopError};
 use crate::stated::Stated;
 use crate::timing::Measure;
@@ -190,6 +191,14 @@ impl<'a> Program<'a> {
         self.open.pop();
         let depths = depths(&graph);
         defects.extend(depths.faults.iter().copied().map(defect));
+        // Only the start and a handler that ends the program may leave the stack that was in use.
+        if function.name != "Reset" && !self.stated.ends(&function.name) {
+            let restarts = graph
+                .nodes
+                .iter()
+                .filter(|node| node.instruction.stack == Stack::Restart);
+            defects.extend(restarts.map(|node| defect((node.address, Fault::UnknownStack))));
+        }
 
         let mut bounds = Bounds {
             returns: graph.returns(&|call| self.known.get(&call).is_none_or(|it| it.returns)),

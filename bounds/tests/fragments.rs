@@ -56,6 +56,20 @@ fn a_loop_needs_a_bound_and_then_counts_as_often() {
 }
 
 #[test]
+fn a_loop_to_the_functions_first_instruction_is_one() {
+    let code = [
+        0x3801, // 1: subs r0, #1
+        0xd1fd, // bne 1b
+        0x4770, // bx lr
+    ];
+    assert_eq!(alone(&code, "").2, [Fault::Loop]);
+    let bound = "loop 4 f #1 ; for the test";
+    assert_eq!(alone(&code, bound), (4 * 2 + 1, 0, vec![]));
+    // b .
+    assert_eq!(alone(&[0xe7fe], "").2, [Fault::Loop]);
+}
+
+#[test]
 fn a_loop_in_a_loop_counts_the_product_or_a_total() {
     let code = [
         0x2003, // movs r0, #3

@@ -117,3 +117,11 @@ fn what_is_left_on_the_stack_or_taken_too_much_is_refused() {
     let taken = [0xb510, 0xbd70]; // push {r4, lr}; pop {r4, r5, r6, pc}
     assert_eq!(alone(&taken, "").2, [Fault::StackAboveEntry]);
 }
+
+/// A new stack in the middle of a function would hide the one in use.
+#[test]
+fn only_a_handler_that_ends_the_program_begins_a_new_stack() {
+    let code = [0xf380, 0x8808, 0xde00]; // msr msp, r0; udf #0
+    assert_eq!(alone(&code, "").2, [Fault::UnknownStack]);
+    assert_eq!(alone(&code, "ends f ; resets the processor").2, []);
+}
