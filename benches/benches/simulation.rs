@@ -2,10 +2,10 @@
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use fivebar::input::robot::Robot;
-use fivebar::input::scenario::Mismatch;
 use fivebar::input::scenario::Scenario;
-use fivebar::run::plant::Plant;
 use fivebar_firmware::ActuatorCommand;
+use fivebar_plant::Mismatch;
+use fivebar_plant::Plant;
 use std::hint::black_box;
 
 const TICK: f64 = 1e-4;
@@ -19,7 +19,12 @@ fn plant(c: &mut Criterion) {
     group.throughput(Throughput::Elements(TICKS));
     group.bench_function("plant", |b| {
         b.iter(|| {
-            let mut plant = Plant::new(&robot, &Mismatch::default(), &home, 1).unwrap();
+            let mut plant = Plant::new(
+                &robot.plant_parameters().unwrap(),
+                &Mismatch::default(),
+                &home,
+                1,
+            );
             for tick in 0..TICKS {
                 let duty = if tick / 100 % 2 == 0 { -0.1 } else { 0.1 };
                 black_box(plant.sense());

@@ -5,9 +5,9 @@ use crate::peripherals::gpio::Pin;
 use crate::peripherals::tim1::Output;
 use crate::time::{MICROSECOND, NEVER, SECOND, Time};
 use crate::wiring::{Outputs, Wiring};
-use fivebar::input::scenario::FaultKind;
-use fivebar::run::plant::Plant;
 use fivebar_firmware::{ActuatorCommand, SensorSample};
+use fivebar_plant::FaultKind;
+use fivebar_plant::Plant;
 use std::cell::{RefCell, RefMut};
 use std::rc::Rc;
 

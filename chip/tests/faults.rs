@@ -9,12 +9,12 @@ use bench::raised::{
     ticks_until_off, tool_at_start,
 };
 use bench::{Bench, Driven, used_flash};
-use fivebar::input::scenario::FaultKind;
 use fivebar_chip::Options;
 use fivebar_chip::time::MILLISECOND;
 use fivebar_firmware::protocol::Reset;
 use fivebar_firmware::safety::{Fault, Response, State};
 use fivebar_firmware::{Move, MoveKind, Request, Settings};
+use fivebar_plant::FaultKind;
 
 #[track_caller]
 fn powers_off(test: &str, fault: FaultKind) -> Driven {

@@ -3,7 +3,7 @@
 use crate::error;
 use crate::robot::Robot;
 use fivebar::input::robot::BuiltIn;
-use fivebar::input::scenario::Mismatch;
+use fivebar_plant::Mismatch;
 use fivebar::input::scenario::Scenario as Described;
 use fivebar::run::link::{InProcess, Target, TargetError};
 use fivebar::run::simulation::{Sample, fault_name};

@@ -5,8 +5,8 @@
 mod bench;
 
 use bench::{Bench, stated};
-use fivebar::input::scenario::FaultKind;
 use fivebar::run::link::{Emulator, SerialLine};
+use fivebar_plant::FaultKind;
 use serialport::{SerialPort, TTYPort};
 use std::io::{Read, Write};
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -2,9 +2,9 @@
 //! model by Kane's method and against reference numbers made by a third program.
 
 use fivebar::input::robot::Robot;
-use fivebar::input::scenario::Mismatch;
-use fivebar::run::plant::{Model, State};
 use fivebar_kinematics::five_bar::{Pose, Side, Velocities};
+use fivebar_plant::Mismatch;
+use fivebar_plant::{Model, State};
 use fivebar_tests::vectors::{ReferenceArm, Vectors};
 use nalgebra::Vector2;
 use proptest::prelude::*;
@@ -55,7 +55,7 @@ fn the_plant_accelerates_and_bears_as_the_180_reference_states_say() {
     let vectors = Vectors::read();
     for case in &vectors.cases {
         let robot = robot(&vectors.robots[case.robot]);
-        let model = Model::new(&robot, &Mismatch::NONE).unwrap();
+        let model = Model::new(&robot.plant_parameters().unwrap(), &Mismatch::NONE);
         let pose = robot
             .geometry
             .forward(case.theta1, case.theta4, case.assembly)
@@ -128,7 +128,7 @@ proptest! {
             return Err(TestCaseError::reject("cannot close"));
         };
         prop_assume!(pose.sin32().abs() > 0.05);
-        let model = Model::new(&robot, &Mismatch::NONE).unwrap();
+        let model = Model::new(&robot.plant_parameters().unwrap(), &Mismatch::NONE);
         let (state, rates) = moving(&model, &robot, &pose, omega);
         let (a, forces) = model.accelerations(&state, torque, Vector2::from(force));
         let force = Vector2::new(force[0], force[1]);

@@ -5,10 +5,10 @@
 //! fast as this machine allows, until it is interrupted.
 
 use fivebar::input::robot::{BuiltIn, Robot};
-use fivebar::input::scenario::Mismatch;
-use fivebar::run::plant::Plant;
 use fivebar_chip::time::{MILLISECOND, Time};
 use fivebar_chip::{Arm, Chip, Image, Options, SharedArm};
+use fivebar_plant::Mismatch;
+use fivebar_plant::Plant;
 use std::error::Error;
 use std::ffi::{CStr, c_char, c_int, c_void};
 use std::fs::File;
@@ -84,7 +84,7 @@ fn run() -> Result<(), Box<dyn Error>> {
     let axes = robot.settings()?.axes;
     let before = axes.map(|axis| if axis.home_forward { -0.03 } else { 0.03 });
     let pose = robot.pose_near_home(before)?;
-    let plant = Plant::new(&robot, &Mismatch::default(), &pose, 1)?;
+    let plant = Plant::new(&robot.plant_parameters()?, &Mismatch::default(), &pose, 1);
     let arm = SharedArm::new(Arm::new(plant, MILLISECOND));
     let chip = Chip::new(image, Options::default(), Vec::new(), Box::new(arm.clone()));
     let chip = chip.map_err(|error| format!("the CPU emulator fails: {error:?}"))?;

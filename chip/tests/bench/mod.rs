@@ -5,9 +5,8 @@
 pub(crate) mod raised;
 
 use fivebar::input::robot::{BuiltIn, Robot};
-use fivebar::input::scenario::{Mismatch, Scenario};
+use fivebar::input::scenario::Scenario;
 use fivebar::run::link::Client;
-use fivebar::run::plant::Plant;
 use fivebar_chip::time::{MILLISECOND, Time};
 use fivebar_chip::{Arm, Chip, HostLine, Image, Options, Output, SharedArm};
 use fivebar_firmware::protocol::{
@@ -15,6 +14,8 @@ use fivebar_firmware::protocol::{
     encode,
 };
 use fivebar_firmware::{Move, MoveKind, Request, Settings, Status};
+use fivebar_plant::Mismatch;
+use fivebar_plant::Plant;
 use nalgebra::Vector2;
 use std::cell::RefMut;
 use std::path::PathBuf;
@@ -53,7 +54,12 @@ pub(crate) fn arm_at([x, y]: [f32; 2], wake: Time) -> SharedArm {
         .geometry
         .inverse(point, robot.elbows)
         .expect("within reach");
-    let plant = Plant::new(&robot, &Mismatch::default(), &pose, 7).expect("masses");
+    let plant = Plant::new(
+        &robot.plant_parameters().expect("masses"),
+        &Mismatch::default(),
+        &pose,
+        7,
+    );
     SharedArm::new(Arm::new(plant, wake))
 }
 
@@ -65,7 +71,12 @@ pub(crate) fn arm(wake: Time) -> SharedArm {
         false => 0.03,
     });
     let pose = robot.pose_near_home(before).expect("a reachable pose");
-    let plant = Plant::new(&robot, &Mismatch::default(), &pose, 7).expect("masses");
+    let plant = Plant::new(
+        &robot.plant_parameters().expect("masses"),
+        &Mismatch::default(),
+        &pose,
+        7,
+    );
     SharedArm::new(Arm::new(plant, wake))
 }
 

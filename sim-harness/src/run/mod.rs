@@ -1,7 +1,5 @@
 //! Runs: the simulated arm, connections to a controller, and jobs on both.
 
-pub mod contact;
 pub mod drive;
 pub mod link;
-pub mod plant;
 pub mod simulation;

@@ -1,9 +1,9 @@
 //! Robot files: which are accepted, and how others are refused.
 
 use fivebar::input::robot::{BUILT_IN, BuiltIn, Robot};
-use fivebar::input::scenario::Mismatch;
-use fivebar::run::plant::Plant;
 use fivebar_firmware::ActuatorCommand;
+use fivebar_plant::Mismatch;
+use fivebar_plant::Plant;
 
 /// A small file with every key that has no default.
 const PLAIN: &str = r#"name = "asymmetric"
@@ -291,7 +291,12 @@ fn no_number_in_a_robot_file_makes_the_program_panic_or_hang() {
                 refused += 1;
                 continue;
             }
-            let mut plant = Plant::new(&robot, &Mismatch::default(), &home, 1).unwrap();
+            let mut plant = Plant::new(
+                &robot.plant_parameters().unwrap(),
+                &Mismatch::default(),
+                &home,
+                1,
+            );
             for _ in 0..10 {
                 plant.sense();
                 plant.step(

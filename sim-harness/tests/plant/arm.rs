@@ -2,9 +2,9 @@
 //! seed are equal.
 
 use fivebar::input::robot::Robot;
-use fivebar::input::scenario::{FaultKind, Mismatch, PlantFault};
-use fivebar::run::plant::{Loads, Model, Plant, State};
 use fivebar_firmware::ActuatorCommand;
+use fivebar_plant::{FaultKind, Mismatch, PlantFault};
+use fivebar_plant::{Loads, Model, Plant, State};
 use nalgebra::{Matrix, Vector2};
 
 const TICK: f64 = 1e-4;
@@ -16,12 +16,11 @@ fn benchtop() -> Robot {
 fn plant(seed: u64) -> Plant {
     let robot = benchtop();
     Plant::new(
-        &robot,
+        &robot.plant_parameters().unwrap(),
         &Mismatch::default(),
         &robot.home_pose().unwrap(),
         seed,
     )
-    .unwrap()
 }
 
 fn driven_by(duty: [f32; 2]) -> ActuatorCommand {
@@ -45,7 +44,7 @@ fn largest_gap(model: &Model, state: &State) -> f64 {
 /// an initial velocity.
 fn free() -> (Model, State) {
     let robot = benchtop();
-    let mut model = Model::new(&robot, &Mismatch::default()).unwrap();
+    let mut model = Model::new(&robot.plant_parameters().unwrap(), &Mismatch::default());
     model.gravity = Vector2::new(0.0, -9.81);
     for motor in &mut model.motors {
         motor.viscous_friction = 0.0;
@@ -85,7 +84,7 @@ fn a_free_frictionless_arm_keeps_its_energy() {
 #[test]
 fn the_supplied_power_equals_the_change_of_energy() {
     let robot = benchtop();
-    let model = Model::new(&robot, &Mismatch::default()).unwrap();
+    let model = Model::new(&robot.plant_parameters().unwrap(), &Mismatch::default());
     let mut state = model.state_at(&robot.home_pose().unwrap(), [0.0; 4]);
     let h = 1e-5;
     let winding = |state: &State| -> f64 {
@@ -149,7 +148,7 @@ fn the_loop_stays_closed_to_1e_10_m_at_full_drive() {
 #[test]
 fn halving_the_step_changes_the_motion_by_less_than_ten_nanometres() {
     let robot = benchtop();
-    let model = Model::new(&robot, &Mismatch::default()).unwrap();
+    let model = Model::new(&robot.plant_parameters().unwrap(), &Mismatch::default());
     let start = model.state_at(&robot.home_pose().unwrap(), [0.0; 4]);
     let loads = Loads {
         voltage: [Some(-2.0), Some(1.5)],
@@ -237,7 +236,12 @@ fn encoder_counts_follow_the_joint_exactly() {
 fn sensor_codes_match_current_and_bus_voltage() {
     let robot = benchtop();
     let mismatch = Mismatch::NONE;
-    let mut plant = Plant::new(&robot, &mismatch, &robot.home_pose().unwrap(), 1).unwrap();
+    let mut plant = Plant::new(
+        &robot.plant_parameters().unwrap(),
+        &mismatch,
+        &robot.home_pose().unwrap(),
+        1,
+    );
     for _ in 0..100 {
         plant.step(&driven_by([0.2, -0.2]), TICK);
     }
@@ -306,7 +310,12 @@ fn brakes_hold_the_unpowered_arm_against_gravity_and_stop_its_motion() {
         .replace("[0.0, 0.0]\nbase", "[0.0, -9.81]\nbase");
     let robot = Robot::parse("hanging", &text).unwrap();
     let home = robot.home_pose().unwrap();
-    let mut plant = Plant::new(&robot, &Mismatch::NONE, &home, 1).unwrap();
+    let mut plant = Plant::new(
+        &robot.plant_parameters().unwrap(),
+        &Mismatch::NONE,
+        &home,
+        1,
+    );
     let engaged = ActuatorCommand {
         brake: true,
         ..ActuatorCommand::default()

@@ -1,8 +1,8 @@
 //! Contact of a journal and its bearing: the rebound by the contact laws, and a published
 //! benchmark, a slider-crank with a worn piston pin.
 
-use fivebar::input::robot::{Contact, Restitution};
-use fivebar::run::contact::{DormandPrince45, Eccentricity, HybridSystem, Journal, Phase};
+use fivebar_plant::contact::{Contact, Restitution};
+use fivebar_plant::contact::{DormandPrince45, Eccentricity, HybridSystem, Journal, Phase};
 use nalgebra::{SVector, Vector2};
 use serde_json::Value;
 

@@ -1,12 +1,12 @@
 //! The arm with worn joints: its energy, and its convergence to the ideal arm.
 
-use fivebar::input::robot::Contact;
 use fivebar::input::robot::Robot;
-use fivebar::input::scenario::Mismatch;
-use fivebar::run::plant::{Loads, Model, Plant, State, WornJoints};
 use fivebar_design::accuracy::arm::DrivenJointMotion;
 use fivebar_design::accuracy::clearance_equilibrium::clearance_equilibrium;
 use fivebar_firmware::ActuatorCommand;
+use fivebar_plant::Mismatch;
+use fivebar_plant::contact::Contact;
+use fivebar_plant::{Loads, Model, Plant, State, WornJoints};
 use nalgebra::Vector2;
 use proptest::prelude::*;
 
@@ -21,7 +21,7 @@ const FREE: Loads = Loads {
 /// speeds `omega`.
 fn initial(contact: &Contact, clearance: [f64; 5], omega: [f64; 2]) -> (Model, State, WornJoints) {
     let robot = Robot::load("benchtop").unwrap();
-    let mut model = Model::new(&robot, &Mismatch::NONE).unwrap();
+    let mut model = Model::new(&robot.plant_parameters().unwrap(), &Mismatch::NONE);
     let wear = WornJoints::new(contact, clearance).unwrap();
     model.gravity = Vector2::new(0.0, -9.81);
     model.chain.constrained = wear.constrained();
@@ -118,9 +118,13 @@ fn pushed(robot: &Robot, clearance: [f64; 5]) -> Plant {
     };
     let pose = robot.home_pose().unwrap();
     let wear = WornJoints::new(&contact, clearance).unwrap();
-    let mut plant = Plant::new(robot, &Mismatch::NONE, &pose, 1)
-        .unwrap()
-        .worn(wear);
+    let mut plant = Plant::new(
+        &robot.plant_parameters().unwrap(),
+        &Mismatch::NONE,
+        &pose,
+        1,
+    )
+    .worn(wear);
     plant.set_tool_force(Vector2::new(0.0, -5.0));
     for _ in 0..3000 {
         plant.step(&ActuatorCommand::default(), TICK);

@@ -1,11 +1,11 @@
 //! The simulated benchtop arm and a small drawing for it.
 
 use fivebar::input::robot::{BuiltIn, Robot};
-use fivebar::input::scenario::Mismatch;
 use fivebar::run::link::{Loopback, Target};
-use fivebar::run::plant::Plant;
 use fivebar::run::simulation::{Record, Simulation};
 use fivebar_firmware::{ActuatorCommand, Move, MoveKind, SensorSample, Settings};
+use fivebar_plant::Mismatch;
+use fivebar_plant::Plant;
 
 pub(crate) fn robot() -> Robot {
     Robot::load(BuiltIn::DEFAULT).expect("the default robot")
@@ -23,7 +23,12 @@ pub(crate) fn plant() -> Plant {
     let pose = robot
         .pose_near_home([before(0), before(1)])
         .expect("a reachable pose");
-    Plant::new(&robot, &Mismatch::default(), &pose, 7).expect("the robot has masses")
+    Plant::new(
+        &robot.plant_parameters().expect("the robot has masses"),
+        &Mismatch::default(),
+        &pose,
+        7,
+    )
 }
 
 /// A line from home, a half circle, a dwell and a line back.

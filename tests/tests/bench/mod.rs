@@ -5,14 +5,14 @@
 #![allow(dead_code, reason = "each test file uses its own part")]
 
 use fivebar::input::robot::Robot;
-use fivebar::input::scenario::{FaultKind, Mismatch};
 use fivebar::run::link::{Client, FaultInjector, FaultRates, Loopback};
-use fivebar::run::plant::Plant;
 use fivebar_firmware::protocol::{
     CommandError, ControllerMessage, HostCommand, Reply, Sequence, StepResult, encode,
 };
 use fivebar_firmware::safety::{Fault, Response, State};
 use fivebar_firmware::{Move, MoveKind, Request, Settings, Status};
+use fivebar_plant::Plant;
+use fivebar_plant::{FaultKind, Mismatch};
 use nalgebra::Vector2;
 use std::io::{Read, Write};
 
@@ -108,7 +108,12 @@ impl<L: Read + Write> Bench<L> {
         let mut bench = Self {
             board,
             twin,
-            plant: Plant::new(&robot, &Mismatch::default(), &pose, 7).expect("masses"),
+            plant: Plant::new(
+                &robot.plant_parameters().expect("masses"),
+                &Mismatch::default(),
+                &pose,
+                7,
+            ),
             settings,
             host_talks: true,
             ticks: 0,

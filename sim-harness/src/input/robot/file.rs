@@ -2,7 +2,7 @@
 //!
 //! All values are in SI units and radians. Unknown keys are refused.
 
-use super::Contact;
+use fivebar_plant::contact::Contact;
 use serde::Deserialize;
 use std::f64::consts::TAU;
 

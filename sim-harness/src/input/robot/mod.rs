@@ -4,7 +4,6 @@
 mod builtin;
 mod check;
 mod consistency;
-mod contact;
 mod draft;
 mod file;
 mod home;
@@ -17,7 +16,6 @@ mod workspace;
 
 pub use builtin::{BUILT_IN, BuiltIn};
 pub(crate) use consistency::robot_file_message;
-pub use contact::{Contact, Restitution};
 pub use draft::{Draft, DraftError, Motor};
 pub use file::{Actuator, Control, Limits, Protection, Supply, Tool, ToolLimits};
 pub use home::HomeError;
@@ -27,6 +25,7 @@ pub use workspace::WorkspaceError;
 use crate::input::source::{FileError, Key, Source};
 use fivebar_kinematics::dynamics::Arm;
 use fivebar_kinematics::five_bar::{Geometry, WorkingMode};
+use fivebar_plant::contact::Contact;
 
 /// A robot from a file, checked.
 ///

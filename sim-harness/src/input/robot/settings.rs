@@ -7,6 +7,7 @@ use fivebar_firmware::settings::{
 };
 use fivebar_kinematics::dynamics::Arm;
 use fivebar_kinematics::five_bar::Side;
+use fivebar_plant::{Motor, Parameters};
 
 /// Codes of the 12-bit converters.
 pub(super) const ADC_CODES: f64 = 4096.0;
@@ -95,6 +96,31 @@ impl Robot {
             })
         });
         Ok([0, 1].map(|joint| self.limited(joint, drives[joint])))
+    }
+
+    /// The arm for the simulated plant.
+    ///
+    /// # Errors
+    /// The robot has lengths only, no masses.
+    pub fn plant_parameters(&self) -> Result<Parameters, MissingMasses> {
+        let drives = self.drives()?;
+        Ok(Parameters {
+            arm: *self.arm()?,
+            tool_offset: self.tool.offset,
+            motors: drives.map(|drive| Motor {
+                gear_ratio: drive.gear_ratio,
+                rotor_inertia: drive.rotor_inertia,
+                torque_constant: drive.torque_constant,
+                resistance: drive.resistance,
+                inductance: drive.inductance,
+                viscous_friction: drive.viscous_friction,
+                coulomb_friction: drive.coulomb_friction,
+            }),
+            brake_torque: drives.map(|drive| drive.brake_torque),
+            bus_voltage: self.supply.voltage,
+            volts_per_code: self.voltage_per_code(),
+            settings: self.settings()?,
+        })
     }
 
     /// Greatest current while homing [A]: the current that holds the arm's weight at home, and

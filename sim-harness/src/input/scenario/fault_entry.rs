@@ -1,7 +1,7 @@
 //! `[[fault]]` of a scenario file: a fault to inject, and its time.
 
-use super::FaultKind;
 use crate::input::source::{FileError, Key, Source};
+use fivebar_plant::FaultKind;
 use serde::Deserialize;
 
 /// One fault as written. Its kind decides which keys it needs.

@@ -1,10 +1,11 @@
 //! The scenario file: its keys and its reading.
 
 use super::fault_entry::FaultEntry;
-use super::{Mismatch, PlantFault, Scenario, ScenarioError};
+use super::{Scenario, ScenarioError};
 use crate::input::job;
 use crate::input::robot::{BuiltIn, Robot};
 use crate::input::source::{FileError, Key, Source};
+use fivebar_plant::{Mismatch, PlantFault};
 use serde::Deserialize;
 use std::io;
 use std::path::{Path, PathBuf};

@@ -1,16 +1,12 @@
 //! Scenarios: a robot, a job, a mismatch and injected faults.
 
-mod fault;
 mod fault_entry;
 mod file;
-mod mismatch;
-
-pub use fault::{FaultKind, PlantFault};
-pub use mismatch::{Mismatch, MismatchError};
 
 use crate::input::job::{Job, JobError, Placement};
 use crate::input::robot::{HomeError, Robot};
 use crate::input::source::FileError;
+use fivebar_plant::{FaultKind, Mismatch, PlantFault};
 
 /// Everything that defines a run.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,12 +1,12 @@
 //! The loop of a run: sense, tick and step, through homing, arming and the moves.
 
 use super::{JointHistory, Sample, TipError, Trace};
-use crate::input::scenario::PlantFault;
 use crate::run::link::{Target, TargetError};
-use crate::run::plant::{Plant, WornJoints};
 use fivebar_firmware::controller::Request;
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::{Move, Status};
+use fivebar_plant::PlantFault;
+use fivebar_plant::{Plant, WornJoints};
 
 /// Longest simulated time of homing [s].
 const LONGEST_HOMING: f64 = 60.0;

@@ -1,6 +1,6 @@
 //! Forces and contacts of the joints over a run with worn joints.
 
-use crate::run::plant::{ContactStatistics, JOINTS};
+use fivebar_plant::{ContactStatistics, JOINTS};
 
 /// Length of the intervals over which the greatest forces are kept [s].
 const INTERVAL: f64 = 1e-3;

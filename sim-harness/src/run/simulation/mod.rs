@@ -15,11 +15,11 @@ pub use trace::{Sample, Trace};
 use crate::input::job::Job;
 use crate::input::robot::{HomeError, MissingMasses, robot_file_message};
 use crate::input::scenario::{Scenario, ScenarioError};
-use crate::run::contact::ClearanceError;
 use crate::run::link::{InProcess, Target, TargetError};
-use crate::run::plant::{Plant, WornJoints};
 use fivebar_firmware::settings::SettingsError;
 use fivebar_firmware::{Move, Planner};
+use fivebar_plant::contact::ClearanceError;
+use fivebar_plant::{Plant, WornJoints};
 use std::time::Instant;
 
 /// Why a run ended early. Faults of the controller are no errors here; the record has them.
@@ -96,7 +96,12 @@ impl Scenario {
             }
         });
         let pose = self.robot.pose_near_home(before)?;
-        let mut plant = Plant::new(&self.robot, &self.mismatch, &pose, self.seed)?;
+        let mut plant = Plant::new(
+            &self.robot.plant_parameters()?,
+            &self.mismatch,
+            &pose,
+            self.seed,
+        );
         if let Some(clearance) = self.clearance {
             plant = plant.worn(WornJoints::new(&self.robot.contact, clearance)?);
         }

@@ -5,9 +5,9 @@ use super::pace::Pacer;
 use crate::input::robot::Robot;
 use crate::input::scenario::Scenario;
 use crate::run::link::{Client, LinkError, Loopback};
-use crate::run::plant::Plant;
 use crate::run::simulation::RunError;
 use fivebar_firmware::ActuatorCommand;
+use fivebar_plant::Plant;
 use std::io::{Read, Write};
 
 /// Ticks between two rounds of the thread: short against the controller's command timeout.

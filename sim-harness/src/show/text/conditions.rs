@@ -1,7 +1,8 @@
 //! The conditions of a run, as its report lists them.
 
 use super::quantity;
-use crate::input::scenario::{Mismatch, Scenario};
+use crate::input::scenario::Scenario;
+use fivebar_plant::Mismatch;
 
 /// The conditions of a run: pairs of name and value.
 pub fn conditions(scenario: &Scenario) -> Vec<(String, String)> {

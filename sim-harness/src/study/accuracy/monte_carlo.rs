@@ -4,13 +4,13 @@
 use super::analysis::{AccuracyAnalysis, SCATTERED, ToolState};
 use super::sampling::{Moments, Sampling, sample};
 use crate::input::robot::Robot;
-use crate::run::plant::Noise;
 use fivebar_design::accuracy::DifferentiableModel as _;
 use fivebar_design::accuracy::arm::ArmAccuracyModel;
 use fivebar_design::accuracy::five_bar::tool_with_pin_offsets;
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::dynamics::Arm;
 use fivebar_kinematics::five_bar::Geometry;
+use fivebar_plant::Noise;
 use indicatif::ProgressBar;
 use nalgebra::Vector2;
 use std::f64::consts::TAU;

@@ -3,7 +3,7 @@
 //! The samples are drawn in blocks. Each block has its own stream of pseudo-random numbers,
 //! from the seed and the block's number; the blocks are summed in their order.
 
-use crate::run::plant::Noise;
+use fivebar_plant::Noise;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 

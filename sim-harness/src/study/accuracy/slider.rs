@@ -4,7 +4,6 @@
 use super::error::{AccuracyStudyError, PlaceError};
 use super::sampling::{Moments, Sampling, sample};
 use crate::input::robot::SliderRobot;
-use crate::run::plant::Noise;
 use fivebar_design::accuracy::five_bar::ClearanceError;
 use fivebar_design::accuracy::slider::{
     ClearanceEquilibrium, clearance_equilibrium, clearance_error, worst_input_error,
@@ -13,6 +12,7 @@ use fivebar_design::accuracy::{Primitive, Scatter};
 use fivebar_design::linkage::dyad::Rrr;
 use fivebar_design::slider::{ErrorTransfer, Geometry, Pose};
 use fivebar_kinematics::PlanarVector;
+use fivebar_plant::Noise;
 use indicatif::ProgressBar;
 use nalgebra::DMatrix;
 use nalgebra::Vector2;

@@ -1,6 +1,6 @@
 //! The sensors: encoder counts, ADC codes and switches.
 
-use super::noise::Noise;
+use crate::noise::Noise;
 use std::f64::consts::TAU;
 
 /// The sensors of one driven joint.
@@ -27,14 +27,14 @@ pub struct JointSensors {
 const ADC_FULL_SCALE: f64 = 4095.0;
 
 /// The nearest code within the converter's range.
-pub(super) fn adc_code(value: f64) -> u16 {
+pub(crate) fn adc_code(value: f64) -> u16 {
     value.round().clamp(0.0, ADC_FULL_SCALE) as u16
 }
 
 impl JointSensors {
     /// Encoder counts at a joint angle [rad], from `origin`, wrapping like the hardware's.
     #[inline]
-    pub(super) fn counts(&self, angle: f64, origin: i32) -> i32 {
+    pub(crate) fn counts(&self, angle: f64, origin: i32) -> i32 {
         let turns = (angle / TAU * self.counts_per_turn).floor();
         // Keep the low 32 bits, as the counter does.
         origin.wrapping_add(turns as i64 as i32)
@@ -42,14 +42,14 @@ impl JointSensors {
 
     /// ADC code of a current [A].
     #[inline]
-    pub(super) fn current_code(&self, current: f64, noise: &mut Noise) -> u16 {
+    pub(crate) fn current_code(&self, current: f64, noise: &mut Noise) -> u16 {
         let exact = current / self.current_per_code + self.current_zero_code;
         adc_code(exact + self.current_offset + self.current_noise * noise.normal())
     }
 
     /// Whether the home switch is pressed at a joint angle [rad].
     #[inline]
-    pub(super) fn at_home(&self, angle: f64) -> bool {
+    pub(crate) fn at_home(&self, angle: f64) -> bool {
         if self.home_forward {
             angle >= self.home
         } else {

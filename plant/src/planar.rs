@@ -45,14 +45,14 @@ impl Mul<f64> for PlanarVector {
 
 /// The vector rotated by +90°.
 #[inline(always)]
-pub(super) fn perp(r: Vector2<f64>) -> Vector2<f64> {
+pub(crate) fn perp(r: Vector2<f64>) -> Vector2<f64> {
     Vector2::new(-r.y, r.x)
 }
 
 /// The rotation by `angle` [rad]. libm gives the same bits on every platform, so that a
 /// seed gives the same run everywhere.
 #[inline(always)]
-pub(super) fn rotation(angle: f64) -> Matrix2<f64> {
+pub(crate) fn rotation(angle: f64) -> Matrix2<f64> {
     let (sin, cos) = libm::sincos(angle);
     Matrix2::new(cos, -sin, sin, cos)
 }
@@ -74,7 +74,7 @@ impl Body {
     /// The acceleration of the point `r` per force at the point `s`, both from the centre of
     /// mass in the frame of the base: I/m + r⊥ s⊥ᵀ/J [1/kg].
     #[inline(always)]
-    pub(super) fn inverse_inertia(&self, r: Vector2<f64>, s: Vector2<f64>) -> Matrix2<f64> {
+    pub(crate) fn inverse_inertia(&self, r: Vector2<f64>, s: Vector2<f64>) -> Matrix2<f64> {
         let (r, s) = (perp(r) / self.inertia, perp(s));
         let per_mass = 1.0 / self.mass;
         Matrix2::new(
@@ -87,7 +87,7 @@ impl Body {
 
     /// The acceleration that a force [N] at `r` [m] gives.
     #[inline(always)]
-    pub(super) fn acceleration_by(&self, r: Vector2<f64>, force: Vector2<f64>) -> PlanarVector {
+    pub(crate) fn acceleration_by(&self, r: Vector2<f64>, force: Vector2<f64>) -> PlanarVector {
         PlanarVector {
             linear: force / self.mass,
             angular: perp(r).dot(&force) / self.inertia,

@@ -1,8 +1,8 @@
 //! The state of the arm with its motors, and its integration.
 
-use super::chain::{Chain, PerJoint};
-use super::motor::Motor;
-use super::planar::{Body, PlanarVector, perp, rotation};
+use crate::chain::{Chain, PerJoint};
+use crate::motor::Motor;
+use crate::planar::{Body, PlanarVector, perp, rotation};
 use nalgebra::Vector2;
 
 /// The chain with motors, gravity and tool.
@@ -41,7 +41,7 @@ pub struct Loads {
 }
 
 /// The links that the motors turn.
-pub(super) const DRIVEN: [usize; 2] = [0, 3];
+pub(crate) const DRIVEN: [usize; 2] = [0, 3];
 /// The link that carries the tool.
 const CARRIER: usize = 1;
 
@@ -59,7 +59,7 @@ struct Rates {
 
 impl State {
     /// Sets the currents of floating terminals to zero: diodes end them within microseconds.
-    pub(super) fn clear_floating_currents(&mut self, loads: &Loads) {
+    pub(crate) fn clear_floating_currents(&mut self, loads: &Loads) {
         for (current, voltage) in self.current.iter_mut().zip(loads.voltage) {
             if voltage.is_none() {
                 *current = 0.0;
@@ -103,7 +103,7 @@ impl Model {
 
     /// The accelerations that the applied forces alone would give.
     #[inline(always)]
-    pub(super) fn free_accelerations(
+    pub(crate) fn free_accelerations(
         &self,
         state: &State,
         torque: [f64; 2],
@@ -168,7 +168,7 @@ impl Model {
 
     /// All torque on each driven joint [N·m].
     #[inline(always)]
-    pub(super) fn joint_torque(&self, state: &State, loads: &Loads) -> [f64; 2] {
+    pub(crate) fn joint_torque(&self, state: &State, loads: &Loads) -> [f64; 2] {
         let [torque1, torque4] = self.drive_torque(state);
         let [extra1, extra4] = loads.joint_torque;
         [torque1 + extra1, torque4 + extra4]
@@ -187,7 +187,7 @@ impl Model {
 
     /// di/dt of the motors [A/s].
     #[inline(always)]
-    pub(super) fn current_rates(&self, state: &State, loads: &Loads) -> [f64; 2] {
+    pub(crate) fn current_rates(&self, state: &State, loads: &Loads) -> [f64; 2] {
         [0, 1].map(|j| {
             let omega = state.v[DRIVEN[j]].angular;
             loads.voltage[j].map_or(0.0, |voltage| {

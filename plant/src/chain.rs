@@ -13,7 +13,7 @@
 //! This shares nothing with the controller's model: it has no partial velocities and no
 //! closed-form solution of the loop.
 
-use super::planar::{Body, PlanarVector, perp, rotation};
+use crate::planar::{Body, PlanarVector, perp, rotation};
 use nalgebra::{Matrix2, Vector2};
 use std::array::from_fn;
 
@@ -36,9 +36,9 @@ pub struct Chain {
 
 /// The vectors from the bodies' centres of mass to their joints, in the frame of the base [m].
 #[derive(Clone, Copy, Debug)]
-pub(super) struct LeverArms {
-    pub(super) near: [Vector2<f64>; 4],
-    pub(super) far: [Vector2<f64>; 4],
+pub(crate) struct LeverArms {
+    pub(crate) near: [Vector2<f64>; 4],
+    pub(crate) far: [Vector2<f64>; 4],
 }
 
 impl LeverArms {
@@ -56,7 +56,7 @@ impl LeverArms {
     /// J v: the relative velocity of the two bodies at each joint; with accelerations, their
     /// relative acceleration without the centripetal terms.
     #[inline(always)]
-    pub(super) fn joint_motion(&self, motion: &[PlanarVector; 4]) -> PerJoint {
+    pub(crate) fn joint_motion(&self, motion: &[PlanarVector; 4]) -> PerJoint {
         let at = |i: usize, r: Vector2<f64>| motion[i].linear + perp(r) * motion[i].angular;
         [
             at(0, self.near[0]),
@@ -71,7 +71,7 @@ impl LeverArms {
 impl Chain {
     /// The lever arms at these coordinates.
     #[inline(always)]
-    pub(super) fn arms(&self, q: &[PlanarVector; 4]) -> LeverArms {
+    pub(crate) fn arms(&self, q: &[PlanarVector; 4]) -> LeverArms {
         let rotations = q.map(|q| rotation(q.angular));
         LeverArms {
             near: from_fn(|i| rotations[i] * self.bodies[i].near),
@@ -85,7 +85,7 @@ impl Chain {
     }
 
     #[inline(always)]
-    pub(super) fn gaps_with(&self, arms: &LeverArms, q: &[PlanarVector; 4]) -> PerJoint {
+    pub(crate) fn gaps_with(&self, arms: &LeverArms, q: &[PlanarVector; 4]) -> PerJoint {
         let near = |i: usize| q[i].linear + arms.near[i];
         let far = |i: usize| q[i].linear + arms.far[i];
         [
@@ -99,7 +99,7 @@ impl Chain {
 
     /// The matrix J M⁻¹Jᵀ at these lever arms.
     #[inline(always)]
-    pub(super) fn schur(&self, arms: &LeverArms) -> Tridiagonal {
+    pub(crate) fn schur(&self, arms: &LeverArms) -> Tridiagonal {
         let body = &self.bodies;
         let (near, far) = (&arms.near, &arms.far);
         let mut matrix = Tridiagonal {
@@ -131,7 +131,7 @@ impl Chain {
     /// Accelerations of the bodies and the joint forces; `free` are the accelerations by the
     /// applied forces alone, a₀ = M⁻¹ f.
     #[inline(always)]
-    pub(super) fn accelerations(
+    pub(crate) fn accelerations(
         &self,
         arms: &LeverArms,
         v: &[PlanarVector; 4],
@@ -153,7 +153,7 @@ impl Chain {
 
     /// Projects positions and velocities onto the constraints, by the least change in the
     /// metric of the bodies' inertia.
-    pub(super) fn close_joints(&self, q: &mut [PlanarVector; 4], v: &mut [PlanarVector; 4]) {
+    pub(crate) fn close_joints(&self, q: &mut [PlanarVector; 4], v: &mut [PlanarVector; 4]) {
         // Newton's method. After an integration step the gaps are so small that one pass is
         // enough.
         for _ in 0..MAX_PASSES {
@@ -177,7 +177,7 @@ const MAX_PASSES: usize = 20;
 
 /// A symmetric block-tridiagonal matrix.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Tridiagonal {
+pub(crate) struct Tridiagonal {
     diagonal: [Matrix2<f64>; JOINTS],
     /// Between joints k and k + 1; the lower blocks are their transposes.
     upper: [Matrix2<f64>; JOINTS - 1],
@@ -185,7 +185,7 @@ pub(super) struct Tridiagonal {
 
 /// The matrix after block elimination: D′ₖ = Dₖ − Uₖ₋₁ᵀ D′ₖ₋₁⁻¹ Uₖ₋₁.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Factored {
+pub(crate) struct Factored {
     inverse: [Matrix2<f64>; JOINTS],
     upper: [Matrix2<f64>; JOINTS - 1],
 }
@@ -202,7 +202,7 @@ impl Tridiagonal {
     }
 
     #[inline(always)]
-    pub(super) fn factored(&self) -> Factored {
+    pub(crate) fn factored(&self) -> Factored {
         let mut inverse = [Matrix2::zeros(); JOINTS];
         inverse[0] = inverted(self.diagonal[0]);
         for k in 1..JOINTS {
@@ -218,7 +218,7 @@ impl Tridiagonal {
 
 impl Factored {
     #[inline(always)]
-    pub(super) fn solve(&self, right: &PerJoint) -> PerJoint {
+    pub(crate) fn solve(&self, right: &PerJoint) -> PerJoint {
         let mut x = *right;
         for k in 1..JOINTS {
             x[k] -= self.upper[k - 1].transpose() * (self.inverse[k - 1] * x[k - 1]);

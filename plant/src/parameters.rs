@@ -1,44 +1,93 @@
-//! The plant's model from a robot file and a mismatch.
+//! The arm as the controller knows it, and the plant's model made of it and a mismatch.
 
-use super::chain::{Chain, JOINTS};
-use super::dynamics::{Model, State};
-use super::motor::Motor;
-use super::planar::{Body, PlanarVector, perp, rotation};
-use super::sensors::JointSensors;
-use crate::input::robot::{MissingMasses, Robot};
-use crate::input::scenario::Mismatch;
+use crate::chain::{Chain, JOINTS};
+use crate::dynamics::{Model, State};
+use crate::mismatch::Mismatch;
+use crate::motor::Motor;
+use crate::planar::{Body, PlanarVector, perp, rotation};
+use crate::sensors::JointSensors;
 use fivebar_firmware::Settings;
-use fivebar_kinematics::five_bar::Pose;
+use fivebar_firmware::settings::SettingsError;
+use fivebar_kinematics::dynamics::{Arm, Link};
+use fivebar_kinematics::five_bar::{Geometry, Pose};
 use nalgebra::Vector2;
 
-fn vector(v: Vector2<f64>) -> Vector2<f64> {
-    Vector2::new(v.x, v.y)
+/// The arm, its drives and its sensors without any mismatch. Index 0 of a pair is joint 1,
+/// index 1 joint 4.
+#[derive(Clone, Debug)]
+pub struct Parameters {
+    /// Geometry and inertia.
+    pub arm: Arm<f64>,
+    /// The tool's position from C, along link 2 and to its left [m].
+    pub tool_offset: [f64; 2],
+    /// The motors.
+    pub motors: [Motor; 2],
+    /// Torques of the holding brakes [N·m]; zero without a brake.
+    pub brake_torque: [f64; 2],
+    /// Bus voltage [V].
+    pub bus_voltage: f64,
+    /// Bus voltage per ADC code [V].
+    pub volts_per_code: f64,
+    /// The controller's settings, which the sensors are scaled by.
+    pub settings: Settings,
+}
+
+impl Parameters {
+    /// The arm that a controller's settings describe, without brakes, with this bus voltage [V].
+    ///
+    /// # Errors
+    /// Lengths or inertias that are not an arm's.
+    pub fn from_settings(settings: &Settings, bus_voltage: f64) -> Result<Self, SettingsError> {
+        let wide = |pair: [f32; 2]| pair.map(f64::from);
+        let geometry =
+            Geometry::new(settings.lengths.map(f64::from)).map_err(SettingsError::Geometry)?;
+        let links = settings.links.map(|link| Link {
+            mass: link.mass.into(),
+            com: wide(link.com).into(),
+            inertia: link.inertia.into(),
+        });
+        let motors = settings.axes.map(|axis| Motor {
+            gear_ratio: axis.gear_ratio.into(),
+            rotor_inertia: axis.rotor_inertia.into(),
+            torque_constant: axis.torque_constant.into(),
+            resistance: axis.resistance.into(),
+            inductance: axis.inductance.into(),
+            viscous_friction: axis.viscous_friction.into(),
+            coulomb_friction: axis.coulomb_friction.into(),
+        });
+        let rotors = motors.map(|motor| motor.gear_ratio.powi(2) * motor.rotor_inertia);
+        let payload = settings.payload.into();
+        let gravity = wide(settings.gravity).into();
+        Ok(Self {
+            arm: Arm::new(geometry, links, payload, gravity, rotors)
+                .map_err(SettingsError::Inertia)?,
+            tool_offset: wide(settings.tool_offset),
+            motors,
+            brake_torque: [0.0; 2],
+            bus_voltage,
+            volts_per_code: settings.protection.bus_voltage_per_code.into(),
+            settings: *settings,
+        })
+    }
 }
 
 impl Model {
-    /// The arm of a robot with this mismatch.
-    ///
-    /// # Errors
-    /// The robot has lengths only, no masses.
-    pub fn new(robot: &Robot, mismatch: &Mismatch) -> Result<Self, MissingMasses> {
-        let arm = robot.arm()?;
-        let [l1, l2, l3, l4, base] = robot.geometry.lengths();
+    /// The arm with this mismatch.
+    pub fn new(parameters: &Parameters, mismatch: &Mismatch) -> Self {
+        let arm = &parameters.arm;
+        let [l1, l2, l3, l4, base] = arm.geometry().lengths();
         let heavier = 1.0 + mismatch.link_mass;
-        let motors = robot.drives()?.map(|drive| Motor {
-            gear_ratio: drive.gear_ratio,
-            rotor_inertia: drive.rotor_inertia,
-            torque_constant: drive.torque_constant,
-            resistance: drive.resistance,
-            inductance: drive.inductance,
-            viscous_friction: drive.viscous_friction * (1.0 + mismatch.friction),
-            coulomb_friction: drive.coulomb_friction * (1.0 + mismatch.friction),
+        let motors = parameters.motors.map(|motor| Motor {
+            viscous_friction: motor.viscous_friction * (1.0 + mismatch.friction),
+            coulomb_friction: motor.coulomb_friction * (1.0 + mismatch.friction),
+            ..motor
         });
         // In its own frame, link j has its joints at (0, 0) and (lj, 0). Along the chain from
         // A to E, links 3 and 4 run from their far ends to their origins.
         let ends = [(0.0, l1), (0.0, l2), (l3, 0.0), (l4, 0.0)];
         let mut bodies = [0, 1, 2, 3].map(|i| {
             let link = &arm.links()[i];
-            let com = vector(link.com);
+            let com = link.com;
             let (near, far) = ends[i];
             Body {
                 mass: link.mass * heavier,
@@ -52,18 +101,18 @@ impl Model {
         for (body, motor) in [(0, &motors[0]), (3, &motors[1])] {
             bodies[body].inertia += motor.rotor_inertia * motor.gear_ratio * motor.gear_ratio;
         }
-        let [along, aside] = robot.tool.offset;
-        let com2 = vector(arm.links()[1].com) + shift;
-        Ok(Self {
+        let [along, aside] = parameters.tool_offset;
+        let com2 = arm.links()[1].com + shift;
+        Self {
             chain: Chain {
                 bodies,
                 pivots: [Vector2::zeros(), Vector2::new(base, 0.0)],
                 constrained: [true; JOINTS],
             },
             motors,
-            gravity: vector(arm.gravity()),
+            gravity: arm.gravity(),
             tool: Vector2::new(l2 + along, aside) - com2,
-        })
+        }
     }
 
     /// The arm in a pose with the angular velocities `omega`, ω1…ω4 [rad/s], without currents.

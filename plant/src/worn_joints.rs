@@ -5,13 +5,13 @@
 //! Positions, velocities and currents are integrated together with adaptive steps, from one
 //! change of contact to the next.
 
-use super::chain::{JOINTS, LeverArms, PerJoint};
-use super::dynamics::{Loads, Model, State};
-use super::planar::PlanarVector;
-use crate::input::robot::Contact;
-use crate::run::contact::{
+use crate::chain::{JOINTS, LeverArms, PerJoint};
+use crate::contact::Contact;
+use crate::contact::{
     ClearanceError, ContactForce, DormandPrince45, Eccentricity, HybridSystem, Journal, Phase,
 };
+use crate::dynamics::{Loads, Model, State};
+use crate::planar::PlanarVector;
 use nalgebra::{SVector, Vector2};
 
 /// Twelve coordinates, their rates, two currents.

@@ -1,43 +1,16 @@
-//! The simulated arm.
-//!
-//! Its equations use full coordinates with constraint forces and share nothing with the
-//! controller's model, so that a simulation cannot confirm the controller's mistakes.
-//!
-//! | module | content |
-//! |---|---|
-//! | `planar` | bodies and their motion in the plane |
-//! | `chain` | the joints A to E and the forces in them |
-//! | `motor`, `brake` | windings, gears, friction; holding brakes |
-//! | `dynamics` | the state and its integration |
-//! | `worn_joints` | worn joints: pins with clearance in their bearings |
-//! | `sensors`, `noise` | encoder counts, ADC codes, switches; pseudo-random numbers |
-//! | `active_faults` | the injected faults that are active |
-//! | `build` | the plant from a robot file and a mismatch |
+//! The arm with its motors, bridges and sensors, one tick at a time.
 
-mod active_faults;
-mod brake;
-mod build;
-mod chain;
-mod dynamics;
-mod motor;
-mod noise;
-mod planar;
-mod sensors;
-mod worn_joints;
-
-pub use chain::{Chain, JOINTS, PerJoint};
-pub use dynamics::{Loads, Model, State};
-pub use motor::Motor;
-pub use noise::Noise;
-pub use planar::{Body, PlanarVector};
-pub use sensors::JointSensors;
-pub use worn_joints::{ContactStatistics, WornJoints};
-
-use crate::input::robot::{MissingMasses, Robot};
-use crate::input::scenario::{FaultKind, Mismatch, PlantFault};
-use active_faults::ActiveFaults;
-use brake::Brake;
-use dynamics::DRIVEN;
+use crate::active_faults::ActiveFaults;
+use crate::brake::Brake;
+use crate::chain::PerJoint;
+use crate::dynamics::{DRIVEN, Loads, Model, State};
+use crate::fault::{FaultKind, PlantFault};
+use crate::mismatch::Mismatch;
+use crate::noise::Noise;
+use crate::parameters::Parameters;
+use crate::planar::PlanarVector;
+use crate::sensors::{self, JointSensors};
+use crate::worn_joints::WornJoints;
 use fivebar_firmware::{ActuatorCommand, SensorSample};
 use fivebar_kinematics::five_bar::Pose;
 use nalgebra::Vector2;
@@ -75,30 +48,19 @@ pub struct Plant {
 }
 
 impl Plant {
-    /// The arm of `robot` with this mismatch, at rest in `pose`. `seed` starts the sensors'
-    /// noise.
-    ///
-    /// # Errors
-    /// The robot has lengths only, no masses.
-    pub fn new(
-        robot: &Robot,
-        mismatch: &Mismatch,
-        pose: &Pose<f64>,
-        seed: u64,
-    ) -> Result<Self, MissingMasses> {
-        let model = Model::new(robot, mismatch)?;
-        let settings = robot.settings()?;
-        let drives = robot.drives()?;
+    /// The arm with this mismatch, at rest in `pose`. `seed` starts the sensors' noise.
+    pub fn new(parameters: &Parameters, mismatch: &Mismatch, pose: &Pose<f64>, seed: u64) -> Self {
+        let model = Model::new(parameters, mismatch);
         let mut noise = Noise::new(seed);
-        Ok(Self {
-            brakes: drives.map(|drive| Brake::new(drive.brake_torque)),
+        Self {
+            brakes: parameters.brake_torque.map(Brake::new),
             free_inertia: DRIVEN.map(|link| model.chain.bodies[link].inertia),
             state: model.state_at(pose, [0.0; 4]),
             model,
             wear: None,
-            sensors: [0, 1].map(|joint| JointSensors::new(&settings, mismatch, joint)),
-            bus_voltage: robot.supply.voltage,
-            volts_per_code: robot.voltage_per_code(),
+            sensors: [0, 1].map(|joint| JointSensors::new(&parameters.settings, mismatch, joint)),
+            bus_voltage: parameters.bus_voltage,
+            volts_per_code: parameters.volts_per_code,
             // Incremental counters start anywhere.
             count_origin: [noise.integer(), noise.integer()],
             noise,
@@ -112,7 +74,7 @@ impl Plant {
             late_by: 0,
             missed_ticks: 0,
             tool_force: Vector2::zeros(),
-        })
+        }
     }
 
     /// The same arm with worn joints. It is integrated with adaptive steps, and each joint's

@@ -5,15 +5,15 @@ const HOLDING_SPEED: f64 = 0.2;
 
 /// The brake of one joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Brake {
+pub(crate) struct Brake {
     /// Torque that slows the joint down [N·m]; zero without a brake.
-    pub(super) torque: f64,
+    pub(crate) torque: f64,
     /// Whether it holds the joint.
-    pub(super) holding: bool,
+    pub(crate) holding: bool,
 }
 
 impl Brake {
-    pub(super) fn new(torque: f64) -> Self {
+    pub(crate) fn new(torque: f64) -> Self {
         Self {
             torque,
             holding: false,
@@ -21,13 +21,13 @@ impl Brake {
     }
 
     /// Engages or releases it with the joint at `omega` [rad/s].
-    pub(super) fn set(&mut self, engaged: bool, omega: f64) {
+    pub(crate) fn set(&mut self, engaged: bool, omega: f64) {
         let fitted = self.torque > 0.0;
         self.holding = fitted && engaged && (self.holding || omega.abs() <= HOLDING_SPEED);
     }
 
     /// Its torque while it slows the joint down [N·m].
-    pub(super) fn slowing(&self, engaged: bool, omega: f64) -> f64 {
+    pub(crate) fn slowing(&self, engaged: bool, omega: f64) -> f64 {
         if engaged && !self.holding {
             -self.torque * omega.signum()
         } else {

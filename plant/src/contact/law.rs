@@ -12,7 +12,7 @@
 //! The restitution e′ that two free bodies show differs a little from e. For every such law
 //! it satisfies ln((1 + D)/(1 − D e′)) = D (1 + e′).
 
-use crate::input::robot::Restitution;
+use super::material::Restitution;
 
 impl Restitution {
     /// The hysteresis factor D for a coefficient of restitution `e` in (0, 1].

@@ -51,7 +51,7 @@ impl Motor {
 
     /// The fastest decay rate of the winding's current and of friction on a link of `inertia`
     /// [kg·m²] [1/s]. An integration step must not be much longer than its inverse.
-    pub(super) fn fastest_rate(&self, inertia: f64) -> f64 {
+    pub(crate) fn fastest_rate(&self, inertia: f64) -> f64 {
         let friction = self.viscous_friction + self.coulomb_friction / SIGN_WIDTH;
         (self.resistance / self.inductance).max(friction / inertia)
     }

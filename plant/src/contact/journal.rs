@@ -10,7 +10,7 @@
 //! R_B n from the bearing's centre, so that it adds no momentum. Its inelastic part opposes
 //! the motion, so that it adds no energy.
 
-use crate::input::robot::Contact;
+use super::material::Contact;
 use nalgebra::Vector2;
 
 /// Sliding speed u₀ at which friction changes its sign smoothly [m/s].

@@ -1,0 +1,28 @@
+#![doc = include_str!("../README.md")]
+
+mod active_faults;
+mod brake;
+mod chain;
+pub mod contact;
+mod dynamics;
+mod fault;
+mod mismatch;
+mod motor;
+mod noise;
+mod parameters;
+mod planar;
+mod plant;
+mod sensors;
+mod worn_joints;
+
+pub use chain::{Chain, JOINTS, PerJoint};
+pub use dynamics::{Loads, Model, State};
+pub use fault::{FaultKind, PlantFault};
+pub use mismatch::{Mismatch, MismatchError};
+pub use motor::Motor;
+pub use noise::Noise;
+pub use parameters::Parameters;
+pub use planar::{Body, PlanarVector};
+pub use plant::Plant;
+pub use sensors::JointSensors;
+pub use worn_joints::{ContactStatistics, WornJoints};
