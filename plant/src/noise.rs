@@ -20,16 +20,19 @@ impl Noise {
     }
 
     /// A 32-bit integer; all are equally likely.
+    #[inline]
     pub fn integer(&mut self) -> i32 {
         self.uniform.rand_u64() as u32 as i32
     }
 
     /// Uniform in [0, 1).
+    #[inline]
     pub fn uniform(&mut self) -> f64 {
         self.uniform.rand_float()
     }
 
     /// Normal with mean 0 and standard deviation 1, by the Box–Muller transform.
+    #[inline]
     pub fn normal(&mut self) -> f64 {
         if let Some(spare) = self.spare.take() {
             return spare;
