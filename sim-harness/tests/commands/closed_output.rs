@@ -65,3 +65,46 @@ fn a_full_output_device_is_reported() {
     let message = String::from_utf8(output.stderr).unwrap();
     assert!(message.starts_with("fivebar: cannot print: "), "{message}");
 }
+
+/// The file type of what a path names itself.
+#[cfg(target_os = "linux")]
+fn file_type(path: &std::path::Path) -> std::fs::FileType {
+    std::fs::symlink_metadata(path).unwrap().file_type()
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn devices_and_links_given_as_files_are_written_into_and_stay() {
+    use std::os::unix::fs::FileTypeExt as _;
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    std::fs::write(path("target"), "old").unwrap();
+    std::os::unix::fs::symlink("target", path("link")).unwrap();
+    std::os::unix::fs::symlink("/dev/full", path("full")).unwrap();
+    let dies = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/encoder_dies.toml");
+    let status = |arguments: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_fivebar"));
+        let output = command.args(arguments).current_dir(folder.path()).output();
+        let output = output.unwrap();
+        let message = String::from_utf8(output.stderr).unwrap();
+        (output.status.code(), message)
+    };
+    let (code, _) = status(&["export", "dot", "--out", "link"]);
+    assert_eq!(code, Some(0));
+    assert!(
+        std::fs::read_to_string(path("target"))
+            .unwrap()
+            .contains("graph")
+    );
+    for log in ["/dev/full", "full"] {
+        let (code, message) = status(&["sim", dies, "--log", log]);
+        assert_eq!(code, Some(1));
+        assert!(message.contains("cannot write"), "{message}");
+    }
+    let (_, message) = status(&["sim", dies, "--log", "/dev/null"]);
+    assert!(!message.contains("cannot write"), "{message}");
+    assert!(file_type(&path("link")).is_symlink() && file_type(&path("full")).is_symlink());
+    for device in ["/dev/null", "/dev/full"] {
+        assert!(file_type(device.as_ref()).is_char_device(), "{device}");
+    }
+}

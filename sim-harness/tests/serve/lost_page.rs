@@ -36,29 +36,22 @@ fn flood(page: &mut Page, duration: Duration) {
     }
 }
 
-/// Whether the page closes its connection, or keeps it and is silent.
-fn arm_rests_after_its_page_floods_and_is_lost(closes: bool) {
+#[test]
+fn the_arm_rests_within_700_ms_after_its_page_is_lost_in_the_midst_of_a_flood() {
     let server = Server::start(&[]);
     let mut watcher = server.page();
-    let mut page = server.page();
-    page.take_control_and_arm();
-    page.run_long_job();
-    flood(&mut page, Duration::from_millis(1500));
-    let lost = time(&watcher.latest_state());
-    page.lively = false;
-    let page = (!closes).then_some(page);
-    let rests = time_to_rest(&mut watcher, lost);
-    eprintln!("closed: {closes}; at rest after {rests:.3} s");
-    assert!(rests < 0.7, "{rests} s");
-    drop(page);
-}
-
-#[test]
-fn the_arm_rests_within_700_ms_after_its_page_closes_in_the_midst_of_a_flood() {
-    arm_rests_after_its_page_floods_and_is_lost(true);
-}
-
-#[test]
-fn the_arm_rests_within_700_ms_after_its_page_falls_silent_in_the_midst_of_a_flood() {
-    arm_rests_after_its_page_floods_and_is_lost(false);
+    // It closes its connection, or keeps it and is silent.
+    for closes in [true, false] {
+        let mut page = server.page();
+        page.take_control_and_arm();
+        page.run_long_job();
+        flood(&mut page, Duration::from_millis(1500));
+        let lost = time(&watcher.latest_state());
+        page.lively = false;
+        let page = (!closes).then_some(page);
+        let rests = time_to_rest(&mut watcher, lost);
+        eprintln!("closed: {closes}; at rest after {rests:.3} s");
+        assert!(rests < 0.7, "{rests} s");
+        drop(page);
+    }
 }

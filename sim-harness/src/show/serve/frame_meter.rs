@@ -243,3 +243,97 @@ impl<S: AsyncWrite + Unpin> AsyncWrite for FrameMeter<S> {
         Pin::new(&mut self.get_mut().stream).poll_shutdown(cx)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{FrameMeter, LimitError, MAX_PER_SECOND, MAX_WATCHER_MESSAGE, PART};
+    use crate::show::serve::channels::{WebEnd, channels};
+    use futures_util::StreamExt as _;
+    use std::io::Cursor;
+    use tokio_tungstenite::WebSocketStream;
+    use tokio_tungstenite::tungstenite::protocol::Role;
+    use tokio_tungstenite::tungstenite::protocol::frame::Frame;
+    use tokio_tungstenite::tungstenite::protocol::frame::coding::{Control, Data, OpCode};
+    use tokio_tungstenite::tungstenite::{Error, Message};
+
+    /// A frame as a page sends it.
+    fn frame(opcode: OpCode, is_final: bool, payload: &str) -> Vec<u8> {
+        let mut frame = match opcode {
+            OpCode::Data(_) => Frame::message(payload.to_owned(), opcode, is_final),
+            OpCode::Control(_) => Frame::pong(payload.to_owned()),
+        };
+        frame.header_mut().mask = Some([1, 2, 3, 4]);
+        let mut bytes = Vec::new();
+        frame.format(&mut bytes).expect("memory");
+        bytes
+    }
+
+    /// The messages that the server gets from these bytes, up to an error.
+    fn received(bytes: Vec<u8>, pages: &WebEnd) -> Vec<Result<Message, Error>> {
+        let runtime = tokio::runtime::Builder::new_current_thread().build();
+        runtime.expect("a runtime").block_on(async {
+            let meter = FrameMeter::new(Cursor::new(bytes), 1, pages.clone());
+            let socket = WebSocketStream::from_raw_socket(meter, Role::Server, None).await;
+            socket.collect().await
+        })
+    }
+
+    fn limit(messages: &[Result<Message, Error>]) -> Option<LimitError> {
+        let Some(Err(Error::Io(error))) = messages.iter().find(|message| message.is_err()) else {
+            return None;
+        };
+        error.get_ref()?.downcast_ref().copied()
+    }
+
+    #[test]
+    fn a_message_arrives_as_it_was_sent_whatever_its_frames() {
+        let (pages, _controller) = channels();
+        let text: String = (0..5 * PART)
+            .map(|index| char::from(b'a' + (index % 23) as u8))
+            .collect();
+        let text = &text[..(4 * PART + 3) as usize];
+        let (one, two) = text.split_at(PART as usize + 1);
+        let [whole, next] = [OpCode::Data(Data::Text), OpCode::Data(Data::Continue)];
+        let mut bytes = frame(whole, true, text);
+        bytes.extend(frame(whole, false, one));
+        bytes.extend(frame(OpCode::Control(Control::Pong), true, "between"));
+        bytes.extend(frame(next, true, two));
+        bytes.extend(frame(whole, true, ""));
+        let messages = received(bytes, &pages);
+        let texts = messages.iter().flatten();
+        let texts: Vec<_> = texts.filter_map(|message| message.to_text().ok()).collect();
+        assert_eq!(texts, [text, "between", text, ""]);
+    }
+
+    #[test]
+    fn empty_frames_count_although_they_begin_no_message() {
+        let (pages, _controller) = channels();
+        let mut bytes = frame(OpCode::Data(Data::Text), false, "");
+        bytes.extend(
+            frame(OpCode::Data(Data::Continue), false, "").repeat(2 * MAX_PER_SECOND as usize),
+        );
+        assert_eq!(limit(&received(bytes, &pages)), Some(LimitError::TooMany));
+    }
+
+    #[test]
+    fn a_page_that_watches_sends_long_messages_only_if_no_other_does() {
+        let (pages, _controller) = channels();
+        let text = "x".repeat(MAX_WATCHER_MESSAGE as usize + 1);
+        let bytes = frame(OpCode::Data(Data::Text), true, &text);
+        assert_eq!(limit(&received(bytes.clone(), &pages)), None);
+        let other = pages
+            .long_messages
+            .try_acquire()
+            .expect("the place is free again");
+        assert_eq!(limit(&received(bytes, &pages)), Some(LimitError::Watches));
+        drop(other);
+    }
+
+    #[test]
+    fn a_message_of_more_than_12_mb_is_refused_by_its_header() {
+        let (pages, _controller) = channels();
+        let mut bytes = frame(OpCode::Data(Data::Text), true, &"x".repeat(15 << 20));
+        bytes.truncate(100);
+        assert_eq!(limit(&received(bytes, &pages)), Some(LimitError::TooLong));
+    }
+}
