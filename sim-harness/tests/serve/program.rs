@@ -110,6 +110,9 @@ impl Server {
         stream
             .set_write_timeout(Some(Duration::from_secs(10)))
             .ok()?;
+        stream
+            .set_read_timeout(Some(Duration::from_secs(10)))
+            .ok()?;
         Some(tungstenite::client(request, stream).ok()?.0)
     }
 
@@ -161,7 +164,10 @@ impl Page {
             Ok(Message::Text(text)) => Some(serde_json::from_str(&text).expect("JSON")),
             Ok(_) => None,
             Err(Error::Io(error))
-                if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) =>
+                if matches!(
+                    error.kind(),
+                    ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted
+                ) =>
             {
                 None
             }
@@ -205,20 +211,20 @@ impl Page {
     /// Takes control of an arm that rests, and arms it.
     pub(crate) fn take_control_and_arm(&mut self) {
         self.send(&json!("control"));
-        // The fault of an arm that still swings cannot be cleared yet.
-        while self.latest_state()["state"] == "Fault" {
-            self.request("clear_fault");
+        loop {
+            let state = self.latest_state();
+            match state["state"].as_str() {
+                // The fault of an arm that still swings cannot be cleared yet.
+                Some("Fault") => self.request("clear_fault"),
+                Some("Stopped") if state["homed"] == true => break,
+                Some("Stopped") => self.request("home"),
+                _ => {}
+            }
             let asked = Instant::now();
             while asked.elapsed() < Duration::from_millis(100) {
                 self.next();
             }
         }
-        if self.latest_state()["homed"] != true {
-            self.request("home");
-        }
-        self.state("home", |state| {
-            state["homed"] == true && state["state"] == "Stopped"
-        });
         self.request("arm");
         self.state_named("Armed");
     }
