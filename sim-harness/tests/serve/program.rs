@@ -126,6 +126,7 @@ impl Server {
             socket,
             spoke: Instant::now(),
             lively: true,
+            last_state: Value::Null,
         }
     }
 }
@@ -142,6 +143,8 @@ pub(crate) struct Page {
     pub(crate) socket: WebSocket<TcpStream>,
     spoke: Instant,
     pub(crate) lively: bool,
+    /// The last state that was read.
+    pub(crate) last_state: Value,
 }
 
 impl Page {
@@ -161,7 +164,13 @@ impl Page {
             self.send(&json!("alive"));
         }
         match self.socket.read() {
-            Ok(Message::Text(text)) => Some(serde_json::from_str(&text).expect("JSON")),
+            Ok(Message::Text(text)) => {
+                let message: Value = serde_json::from_str(&text).expect("JSON");
+                if let Some(state) = message.get("state") {
+                    self.last_state = state.clone();
+                }
+                Some(message)
+            }
             Ok(_) => None,
             Err(Error::Io(error))
                 if matches!(

@@ -3,6 +3,7 @@
 use crate::program::{Page, Server, number, period, time};
 use serde_json::{Value, json};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc;
 use std::time::{Duration, Instant};
 use tungstenite::{Message, WebSocket};
 
@@ -19,7 +20,9 @@ pub(crate) struct StopTimes {
 
 /// Stops the arm at once.
 pub(crate) fn emergency_stop(page: &mut Page) -> StopTimes {
-    let before = page.latest_state();
+    // A server that hangs sends no states: the stop must not wait for one.
+    while page.next().is_some() {}
+    let before = page.last_state.clone();
     let asked = Instant::now();
     page.request("emergency_stop");
     let tick = page.wait("the fault", |message| {
@@ -38,7 +41,7 @@ pub(crate) fn emergency_stop(page: &mut Page) -> StopTimes {
 /// Emergency stops of a page while another page in control loads so many jobs of 10 MB, ten read
 /// nothing, and two flood: one with requests, one with this message.
 pub(crate) fn stops_under_load(server: &Server, message: &Value, jobs: &[usize]) -> Vec<StopTimes> {
-    let job = large_job(10);
+    let job = large_job(10).to_string();
     let mut page = server.page();
     page.take_control_and_arm();
     emergency_stop(&mut page);
@@ -55,15 +58,22 @@ pub(crate) fn stops_under_load(server: &Server, message: &Value, jobs: &[usize])
             page.take_control_and_arm();
             let mut loading = server.socket().expect("a place");
             let job = &job;
+            let (begun, begins) = mpsc::channel();
             scope.spawn(move || {
-                let mut messages = vec![json!("control")];
-                messages.resize(count + 1, job.clone());
-                // At the end of the test the server ends in the midst of it.
-                messages.iter().all(|message| send(&mut loading, message));
+                send(&mut loading, &json!("control"));
+                for _ in 0..count {
+                    let _ = loading.send(Message::text(job.clone()));
+                    let _ = begun.send(());
+                }
+                drop(begun);
                 while !ends.load(Ordering::Relaxed) && loading.read().is_ok() {}
             });
-            let start = Instant::now();
-            while start.elapsed() < Duration::from_millis(400) {
+            // The first job has arrived; the others are on their way.
+            while let Err(mpsc::TryRecvError::Empty) = begins.try_recv() {
+                page.next();
+            }
+            let begun = Instant::now();
+            while begun.elapsed() < Duration::from_millis(50) {
                 page.next();
             }
             times.push(emergency_stop(&mut page));
