@@ -2,7 +2,7 @@
 
 mod rig;
 
-use fivebar_firmware::safety::State;
+use fivebar_firmware::safety::{Fault, State};
 use rig::{Rig, START, settings};
 
 #[test]
@@ -35,4 +35,50 @@ fn holds_position_under_external_torque() {
     let [torque1, torque4] = status.torque;
     assert!((torque1 + 0.1).abs() < 0.012, "{torque1}");
     assert!((torque4 - 0.05).abs() < 0.012, "{torque4}");
+}
+
+/// Ticks of the disarm timeout, 60 s.
+const ALONE: u32 = 600_000;
+
+/// Runs `rig` without a sign of life until its bridges are off. Returns the number of ticks.
+fn ticks_until_off(rig: &mut Rig) -> u32 {
+    (1..=ALONE + 10)
+        .find(|_| {
+            rig.planner.run(&mut rig.controller);
+            let command = rig.tick_alone();
+            command.enable == [false; 2] && command.brake
+        })
+        .expect("the bridges are off")
+}
+
+#[test]
+fn an_armed_arm_that_its_host_has_left_is_switched_off_after_a_minute() {
+    let mut rig = Rig::armed(&settings());
+    assert_eq!(rig.controller.state(), State::Armed);
+    assert_eq!(ticks_until_off(&mut rig), ALONE);
+    assert_eq!(rig.controller.state(), State::Fault);
+    assert_eq!(rig.controller.status().fault, Some(Fault::CommandTimeout));
+}
+
+#[test]
+fn an_arm_that_is_held_under_a_fault_is_switched_off_after_a_minute() {
+    let mut rig = Rig::armed(&settings());
+    rig.controller.latch_fault(Fault::QueueUnderrun);
+    rig.tick_alone();
+    assert_eq!(ticks_until_off(&mut rig), ALONE - 1);
+    // The fault that holds no longer holds: the one that switched the bridges off is shown.
+    assert_eq!(rig.controller.status().fault, Some(Fault::CommandTimeout));
+}
+
+#[test]
+fn an_armed_arm_whose_host_gives_signs_of_life_stays_armed() {
+    let mut rig = Rig::armed(&settings());
+    for tick in 0..2 * ALONE {
+        // One sign of life in 50 s.
+        if tick % 500_000 == 0 {
+            rig.controller.feed_host_timeout();
+        }
+        rig.tick_alone();
+    }
+    assert_eq!(rig.controller.state(), State::Armed);
 }

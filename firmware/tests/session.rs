@@ -354,10 +354,7 @@ fn a_corrupt_settings_page_is_a_fault_and_nothing_moves_until_settings_are_given
 fn settings_beyond_the_bounds_of_the_board_are_refused() {
     let mut desk = Desk::greeted();
     let settings = rig::settings();
-    let limits = BoardLimits {
-        tick_rate: 10_000,
-        count_rate: 1_500_000,
-    };
+    let limits = BoardLimits::STM32F405;
     desk.board.limits = Some(limits);
     let (mut slow, mut fast) = (settings, settings);
     slow.control.tick_rate *= 0.5;

@@ -3,7 +3,7 @@
 mod rig;
 
 use fivebar_firmware::Settings;
-use fivebar_firmware::settings::{AxisField, Field, SettingsError};
+use fivebar_firmware::settings::{AxisField, BoardLimits, Field, SettingsError};
 use fivebar_kinematics::dynamics::ModelError;
 use fivebar_kinematics::five_bar::GeometryError;
 use rig::settings;
@@ -204,9 +204,99 @@ fn every_refusal_reads_as_a_sentence_that_names_the_field() {
     let mut bad = settings();
     bad.axes[0].resistance = 0.0;
     let text = bad.check().unwrap_err().to_string();
-    assert_eq!(text, "joint 1: resistance must be positive [Ω]");
+    assert_eq!(text, "joint 1: resistance must lie in 1e-5 to 1e5 Ω");
     let mut bad = settings();
     bad.control.damping = 9.0;
     let text = bad.check().unwrap_err().to_string();
     assert_eq!(text, "control.damping must lie in 0.2 to 2");
+}
+
+#[test]
+fn values_that_no_arm_has_are_refused_before_they_overflow() {
+    for (change, field) in [
+        (
+            (|s| s.axes[0].torque_constant = 1e-42) as Change,
+            AxisField::TorqueConstant,
+        ),
+        (|s| s.axes[0].gear_ratio = 1e30, AxisField::GearRatio),
+        (|s| s.axes[0].resistance = 1e-30, AxisField::Resistance),
+        (|s| s.axes[0].inductance = 1e9, AxisField::Inductance),
+        (|s| s.axes[0].rotor_inertia = 1e9, AxisField::RotorInertia),
+        (
+            |s| s.axes[0].viscous_friction = 1e9,
+            AxisField::ViscousFriction,
+        ),
+        (|s| s.axes[0].max_speed = 1e-20, AxisField::MaxSpeed),
+        (
+            |s| s.axes[0].max_acceleration = 1e-10,
+            AxisField::MaxAcceleration,
+        ),
+        (|s| s.axes[0].peak_current = 1e20, AxisField::PeakCurrent),
+        (
+            |s| s.axes[0].thermal_time_constant = 1e30,
+            AxisField::ThermalTimeConstant,
+        ),
+        (
+            |s| s.axes[0].current_per_code = 1e9,
+            AxisField::CurrentPerCode,
+        ),
+    ] {
+        refused(change, SettingsError::Axis(1, field));
+    }
+}
+
+#[test]
+fn a_trip_point_that_the_converter_cannot_show_is_refused() {
+    let mut at_the_end = settings();
+    // The code of zero current is 2048: the least full scale is 2047 codes up.
+    at_the_end.axes[0].current_per_code = at_the_end.protection.over_current / 2046.0;
+    at_the_end.axes[1].current_per_code = at_the_end.axes[0].current_per_code;
+    assert!(at_the_end.check().is_ok());
+    refused(
+        |s| s.axes[1].current_per_code = s.protection.over_current / 2047.5,
+        SettingsError::Field(Field::OverCurrent),
+    );
+    refused(
+        |s| s.axes[1].current_zero_code = 1000,
+        SettingsError::Field(Field::OverCurrent),
+    );
+    refused(
+        |s| s.axes[0].current_zero_code = 3200,
+        SettingsError::Field(Field::OverCurrent),
+    );
+    refused(
+        |s| s.protection.over_current = f32::INFINITY,
+        SettingsError::Field(Field::OverCurrent),
+    );
+    refused(
+        |s| s.protection.bus_voltage_per_code = s.protection.bus_voltage[1] / 4095.0,
+        SettingsError::Field(Field::BusVoltagePerCode),
+    );
+}
+
+#[test]
+fn trip_points_beyond_what_the_boards_bridges_stand_are_refused() {
+    let limits = BoardLimits::STM32F405;
+    let [mut strong, mut high] = [settings(); 2];
+    strong.protection.over_current = 6.0;
+    high.protection.bus_voltage[1] = 36.0;
+    assert_eq!(limits.check(&strong), Ok(()));
+    assert_eq!(limits.check(&high), Ok(()));
+    strong.protection.over_current = 6.01;
+    high.protection.bus_voltage[1] = 36.1;
+    for (settings, error, text) in [
+        (
+            strong,
+            SettingsError::BoardCurrent(6),
+            "protection.over_current must be at most 6 A",
+        ),
+        (
+            high,
+            SettingsError::BoardVoltage(36),
+            "protection.bus_voltage must end at 36 V or below",
+        ),
+    ] {
+        assert_eq!(limits.check(&settings), Err(error));
+        assert!(error.to_string().contains(text), "{error}");
+    }
 }

@@ -8,7 +8,8 @@ use crate::io::SensorSample;
 use crate::safety::{Fault, State};
 
 impl Controller {
-    /// The most serious fault that the sample alone shows. While the bridges are off, only the
+    /// The most serious fault that the sample alone shows, or that the host has left the arm
+    /// alone. While the bridges are off, only the
     /// emergency stop and an encoder jump are faults. Each of them switches the bridges off.
     #[inline(always)]
     pub(super) fn sampled_fault(
@@ -36,7 +37,12 @@ impl Controller {
         if let Some(fault) = monitor.bus(self.bus_voltage) {
             return Some(fault);
         }
-        measurement.too_hot.then_some(Fault::OverTemperature)
+        if measurement.too_hot {
+            return Some(Fault::OverTemperature);
+        }
+        monitor
+            .abandoned(self.silence())
+            .then_some(Fault::CommandTimeout)
     }
 
     /// The faults that do not need the bridges to be on.
@@ -70,8 +76,13 @@ impl Controller {
     /// Whether the host has sent nothing for longer than the command timeout.
     #[inline(always)]
     pub(super) fn host_timed_out(&self) -> bool {
-        let silence = self.ticks.wrapping_sub(self.heard_at);
-        self.model.monitor.silent(silence)
+        self.model.monitor.silent(self.silence())
+    }
+
+    /// Ticks since the host's last sign of life.
+    #[inline(always)]
+    fn silence(&self) -> u32 {
+        self.ticks.wrapping_sub(self.heard_at)
     }
 
     /// Restarts the command timeout: the host has given a sign of life.

@@ -15,6 +15,10 @@ const JUMP_COUNTS: f32 = 4.0;
 /// So many missed ticks in a row are counted and raise no fault.
 pub(crate) const TOLERATED_TICKS: u32 = 2;
 
+/// Silence of the host after which an arm that is powered, at rest or held under a fault, is
+/// switched off [s]. An arm that nobody commands must not stay powered for ever.
+pub(crate) const DISARM_TIMEOUT: f32 = 60.0;
+
 /// The trip points.
 pub(crate) struct Monitor {
     /// Greatest innovation of each joint [rad].
@@ -36,6 +40,8 @@ pub(crate) struct Monitor {
     margin: f32,
     /// The command timeout [ticks].
     silence: u32,
+    /// The disarm timeout [ticks].
+    abandonment: u32,
 }
 
 impl Monitor {
@@ -64,6 +70,7 @@ impl Monitor {
             }),
             margin: 0.5 * settings.motion.singularity_margin * l2 * l3,
             silence: (protection.command_timeout * rate) as u32,
+            abandonment: (DISARM_TIMEOUT * rate) as u32,
         }
     }
 
@@ -120,6 +127,12 @@ impl Monitor {
     #[inline(always)]
     pub(crate) fn near_parallel(&self, links: &Links<f32>) -> bool {
         Scalar::abs(links.cross) < self.margin
+    }
+
+    /// Whether the host has been silent for so many ticks that the arm is left alone.
+    #[inline(always)]
+    pub(crate) fn abandoned(&self, ticks: u32) -> bool {
+        ticks > self.abandonment
     }
 
     /// Whether the host has been silent for too many ticks.

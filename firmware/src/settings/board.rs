@@ -11,6 +11,10 @@ pub struct BoardLimits {
     pub tick_rate: u32,
     /// Encoder counts per second that the filters at its inputs pass.
     pub count_rate: u32,
+    /// Greatest motor current that the bridges stand [A].
+    pub current: u32,
+    /// Greatest bus voltage that the bridges stand [V].
+    pub bus_voltage: u32,
 }
 
 impl BoardLimits {
@@ -18,10 +22,12 @@ impl BoardLimits {
     pub const STM32F405: Self = Self {
         tick_rate: 10_000,
         count_rate: 1_500_000,
+        current: 6,
+        bus_voltage: 36,
     };
 
     /// Checks what the board must follow: the tick rate, and the encoders at the speed that is a
-    /// fault.
+    /// fault; and that the current and the voltage that are faults do not destroy its bridges.
     ///
     /// # Errors
     /// The field beyond the board's bound, with the bound.
@@ -33,10 +39,17 @@ impl BoardLimits {
             let counts_per_turn = axis.encoder_counts as f32 * Scalar::abs(axis.gear_ratio);
             settings.protection.over_speed * counts_per_turn <= TAU * self.count_rate as f32
         });
-        if follows {
-            Ok(())
-        } else {
-            Err(SettingsError::BoardCountRate(self.count_rate))
+        if !follows {
+            return Err(SettingsError::BoardCountRate(self.count_rate));
         }
+        let protection = &settings.protection;
+        if protection.over_current > self.current as f32 {
+            return Err(SettingsError::BoardCurrent(self.current));
+        }
+        let [_, high] = protection.bus_voltage;
+        if high > self.bus_voltage as f32 {
+            return Err(SettingsError::BoardVoltage(self.bus_voltage));
+        }
+        Ok(())
     }
 }

@@ -1,11 +1,15 @@
 //! The check of settings, field by field.
 
+use super::range;
 use super::{AxisField, AxisSettings, CheckedSettings, Field, Settings, SettingsError};
 use core::f32::consts::TAU;
 use fivebar_kinematics::Scalar;
 
 /// Counts of a whole turn that `f32` can resolve, with two bits to spare.
 const MAX_COUNTS_PER_TURN: f32 = 4_194_304.0;
+
+/// The greatest code of the 12-bit converters.
+const FULL_SCALE: f32 = 4095.0;
 
 // Called in many places, not time-critical: not inlined, to save flash.
 #[inline(never)]
@@ -16,6 +20,11 @@ fn positive(value: f32) -> bool {
 #[inline(never)]
 fn not_negative(value: f32) -> bool {
     value >= 0.0 && value.is_finite()
+}
+
+#[inline(never)]
+fn within([least, greatest]: [f32; 2], value: f32) -> bool {
+    least <= value && value <= greatest
 }
 
 fn rising([low, high]: [f32; 2]) -> bool {
@@ -30,23 +39,42 @@ fn first_broken<F: Copy>(rules: &[(bool, F)]) -> Option<F> {
 }
 
 impl AxisSettings {
+    /// The greatest current [A] that the converter can tell from its full scale, in either
+    /// direction.
+    fn greatest_current(&self) -> f32 {
+        let zero = f32::from(self.current_zero_code);
+        (zero.min(FULL_SCALE - zero) - 1.0) * self.current_per_code
+    }
+
     fn broken_field(&self) -> Option<AxisField> {
         let counts = self.encoder_counts as f32 * Scalar::abs(self.gear_ratio);
         first_broken(&[
             (
-                self.gear_ratio != 0.0 && self.gear_ratio.is_finite(),
+                within(range::GEAR_RATIO, Scalar::abs(self.gear_ratio)),
                 AxisField::GearRatio,
             ),
-            (not_negative(self.rotor_inertia), AxisField::RotorInertia),
-            (positive(self.torque_constant), AxisField::TorqueConstant),
-            (positive(self.resistance), AxisField::Resistance),
-            (positive(self.inductance), AxisField::Inductance),
             (
-                not_negative(self.viscous_friction),
+                within(range::ROTOR_INERTIA, self.rotor_inertia),
+                AxisField::RotorInertia,
+            ),
+            (
+                within(range::TORQUE_CONSTANT, self.torque_constant),
+                AxisField::TorqueConstant,
+            ),
+            (
+                within(range::RESISTANCE, self.resistance),
+                AxisField::Resistance,
+            ),
+            (
+                within(range::INDUCTANCE, self.inductance),
+                AxisField::Inductance,
+            ),
+            (
+                within(range::FRICTION, self.viscous_friction),
                 AxisField::ViscousFriction,
             ),
             (
-                not_negative(self.coulomb_friction),
+                within(range::FRICTION, self.coulomb_friction),
                 AxisField::CoulombFriction,
             ),
             (
@@ -59,18 +87,27 @@ impl AxisSettings {
                     && self.angle_limits.iter().all(|&a| Scalar::abs(a) <= TAU),
                 AxisField::AngleLimits,
             ),
-            (positive(self.max_speed), AxisField::MaxSpeed),
-            (positive(self.max_acceleration), AxisField::MaxAcceleration),
-            (positive(self.peak_current), AxisField::PeakCurrent),
+            (within(range::SPEED, self.max_speed), AxisField::MaxSpeed),
+            (
+                within(range::ACCELERATION, self.max_acceleration),
+                AxisField::MaxAcceleration,
+            ),
+            (
+                within(range::CURRENT, self.peak_current),
+                AxisField::PeakCurrent,
+            ),
             (
                 positive(self.continuous_current) && self.continuous_current <= self.peak_current,
                 AxisField::ContinuousCurrent,
             ),
             (
-                positive(self.thermal_time_constant),
+                within(range::HEATING, self.thermal_time_constant),
                 AxisField::ThermalTimeConstant,
             ),
-            (positive(self.current_per_code), AxisField::CurrentPerCode),
+            (
+                within(range::CURRENT_PER_CODE, self.current_per_code),
+                AxisField::CurrentPerCode,
+            ),
         ])
     }
 }
@@ -106,7 +143,7 @@ impl Settings {
         let motion = &self.motion;
         let protection = &self.protection;
         let homing = &self.homing;
-        let [low, _] = protection.bus_voltage;
+        let [low, high] = protection.bus_voltage;
         first_broken(&[
             (
                 self.tool_offset.iter().all(|x| x.is_finite()),
@@ -177,9 +214,10 @@ impl Settings {
                 Field::OverSpeed,
             ),
             (
-                protection.over_current.is_finite()
-                    && protection.over_current >= axis1.peak_current
-                    && protection.over_current >= axis4.peak_current,
+                protection.over_current >= axis1.peak_current
+                    && protection.over_current >= axis4.peak_current
+                    && protection.over_current <= axis1.greatest_current()
+                    && protection.over_current <= axis4.greatest_current(),
                 Field::OverCurrent,
             ),
             (
@@ -187,7 +225,8 @@ impl Settings {
                 Field::BusVoltage,
             ),
             (
-                positive(protection.bus_voltage_per_code),
+                positive(protection.bus_voltage_per_code)
+                    && high <= (FULL_SCALE - 1.0) * protection.bus_voltage_per_code,
                 Field::BusVoltagePerCode,
             ),
             (

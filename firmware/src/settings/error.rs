@@ -75,6 +75,10 @@ pub enum SettingsError {
     BoardTickRate(u32),
     /// The filters at the board's encoder inputs pass so many counts per second.
     BoardCountRate(u32),
+    /// The board's bridges stand this current [A].
+    BoardCurrent(u32),
+    /// The board's bridges stand this bus voltage [V].
+    BoardVoltage(u32),
     /// No pose within the joint limits is on the branch and keeps the singularity margin.
     NoPose,
 }
@@ -83,28 +87,28 @@ impl AxisField {
     /// The field's name and what it must be.
     fn rule(self) -> (&'static str, &'static str) {
         match self {
-            Self::GearRatio => ("gear_ratio", "must be finite and not zero"),
-            Self::RotorInertia => ("rotor_inertia", "must be finite and not negative [kg·m²]"),
-            Self::TorqueConstant => ("torque_constant", "must be positive [N·m/A]"),
-            Self::Resistance => ("resistance", "must be positive [Ω]"),
-            Self::Inductance => ("inductance", "must be positive [H]"),
-            Self::ViscousFriction => ("viscous_friction", "must not be negative [N·m·s/rad]"),
-            Self::CoulombFriction => ("coulomb_friction", "must not be negative [N·m]"),
+            Self::GearRatio => ("gear_ratio", "must be ±0.001 to ±10 000"),
+            Self::RotorInertia => ("rotor_inertia", "must lie in 0 to 1 kg·m²"),
+            Self::TorqueConstant => ("torque_constant", "must lie in 1e-6 to 1000 N·m/A"),
+            Self::Resistance => ("resistance", "must lie in 1e-5 to 1e5 Ω"),
+            Self::Inductance => ("inductance", "must lie in 1e-9 to 1000 H"),
+            Self::ViscousFriction => ("viscous_friction", "must lie in 0 to 10 000 N·m·s/rad"),
+            Self::CoulombFriction => ("coulomb_friction", "must lie in 0 to 10 000 N·m"),
             Self::EncoderCounts => (
                 "encoder_counts",
                 "must be positive, and at most 4 194 304 per turn of the joint",
             ),
             Self::HomeAngle => ("home_angle", "must be within ±2π [rad]"),
             Self::AngleLimits => ("angle_limits", "must be rising and within ±2π [rad]"),
-            Self::MaxSpeed => ("max_speed", "must be positive [rad/s]"),
-            Self::MaxAcceleration => ("max_acceleration", "must be positive [rad/s²]"),
-            Self::PeakCurrent => ("peak_current", "must be positive [A]"),
+            Self::MaxSpeed => ("max_speed", "must lie in 0.001 to 10 000 rad/s"),
+            Self::MaxAcceleration => ("max_acceleration", "must lie in 0.001 to 1e7 rad/s²"),
+            Self::PeakCurrent => ("peak_current", "must lie in 1e-4 to 1e5 A"),
             Self::ContinuousCurrent => (
                 "continuous_current",
                 "must be positive and at most the peak current [A]",
             ),
-            Self::ThermalTimeConstant => ("thermal_time_constant", "must be positive [s]"),
-            Self::CurrentPerCode => ("current_per_code", "must be positive [A]"),
+            Self::ThermalTimeConstant => ("thermal_time_constant", "must lie in 0.001 to 1e6 s"),
+            Self::CurrentPerCode => ("current_per_code", "must lie in 1e-8 to 1000 A"),
         }
     }
 }
@@ -154,10 +158,13 @@ impl Field {
             ),
             Self::OverCurrent => (
                 "protection.over_current",
-                "must be at least the greatest peak_current [A]",
+                "must be at least the greatest peak_current, and within what the converters show [A]",
             ),
             Self::BusVoltage => ("protection.bus_voltage", "must be positive and rising [V]"),
-            Self::BusVoltagePerCode => ("protection.bus_voltage_per_code", "must be positive [V]"),
+            Self::BusVoltagePerCode => (
+                "protection.bus_voltage_per_code",
+                "must be positive, and the converter must show more than bus_voltage's upper end [V]",
+            ),
             Self::CommandTimeout => (
                 "protection.command_timeout",
                 "must last at least one tick and at most 60 s",
@@ -186,6 +193,16 @@ impl fmt::Display for SettingsError {
                 f,
                 "protection.over_speed must give at most {rate} encoder counts/s, which the \
                  board's input filters pass"
+            ),
+            Self::BoardCurrent(greatest) => write!(
+                f,
+                "protection.over_current must be at most {greatest} A, which the board's bridges \
+                 stand"
+            ),
+            Self::BoardVoltage(greatest) => write!(
+                f,
+                "protection.bus_voltage must end at {greatest} V or below, which the board's \
+                 bridges stand"
             ),
             Self::NoPose => f.write_str(
                 "no pose within angle_limits is on the branch of elbows_left and assembly_left \

@@ -8,6 +8,7 @@ mod board;
 mod check;
 mod checked;
 mod error;
+pub mod range;
 
 use serde::{Deserialize, Serialize};
 

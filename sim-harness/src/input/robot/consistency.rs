@@ -1,8 +1,8 @@
 //! Checks that a robot's values are consistent and that its controller accepts them. Errors
 //! name the keys of the robot file, from which the settings are made.
 
-use super::Robot;
 use super::settings::ADC_CODES;
+use super::{Actuator, Robot};
 use crate::input::source::{FileError, Key, Source};
 use fivebar_firmware::settings::{AxisField, Field, SettingsError};
 
@@ -67,6 +67,7 @@ fn written(value: f64) -> String {
 }
 
 fn motors(robot: &Robot) -> Option<InvalidValue> {
+    let limited = robot.drives().ok();
     let motors = robot.actuators.iter().flatten().enumerate();
     motors.into_iter().find_map(|(index, motor)| {
         let key = |name| Key::Of("actuator", index, name);
@@ -84,12 +85,50 @@ fn motors(robot: &Robot) -> Option<InvalidValue> {
             let current = written(motor.continuous_current);
             return Some((key("continuous_current"), current, "A", must));
         }
-        // Zero current is in the middle of the codes.
-        let needed = robot.limited(index, *motor).peak_current / (0.5 * ADC_CODES - 1.0);
+        if let Some(invalid) = torque_constant(robot, index, motor) {
+            return Some(invalid);
+        }
+        // Zero current is in the middle of the codes, and one code more must show the fault.
+        let over_current = robot.over_current(limited.as_ref()?);
+        let needed = over_current / (0.5 * ADC_CODES - 2.5);
         let per_code = motor.current_per_code.filter(|&amperes| amperes < needed)?;
-        let must = format!("must be at least {needed:.3e} A for 12 bits to hold the peak current");
+        let must = format!(
+            "must be at least {needed:.3e} A for 12 bits to show the over-current of \
+             {over_current:.3} A"
+        );
         Some((key("current_per_code"), written(per_code), "A", must))
     })
+}
+
+/// Least and greatest no-load speed, in greatest speeds of the joint. A motor is chosen within a
+/// factor of a few; a value in another unit is wrong by a thousand.
+const NO_LOAD: [f64; 2] = [0.2, 500.0];
+
+/// The torque constant must suit the joint's greatest speed: it is also the back-EMF constant.
+fn torque_constant(robot: &Robot, index: usize, motor: &Actuator) -> Option<InvalidValue> {
+    let voltage = robot.supply.voltage;
+    let max_speed = robot.limits.max_speed[index];
+    let no_load = |constant: f64| voltage / (constant * motor.gear_ratio.abs());
+    let [least, greatest] = NO_LOAD;
+    let suits =
+        |constant: f64| (least * max_speed..=greatest * max_speed).contains(&no_load(constant));
+    let written_constant = motor.torque_constant;
+    if suits(written_constant) {
+        return None;
+    }
+    let meant = [1e-3, 1e3].map(|factor| factor * written_constant);
+    let meant = meant.into_iter().find(|&constant| suits(constant));
+    let meant = meant.map_or_else(String::new, |constant| {
+        format!(" ({constant:.3e} N·m/A meant?)")
+    });
+    let must = format!(
+        "must be {:.2e} to {:.2e} N·m/A, so that the joint reaches a fifth to 500 times its \
+         `max_speed` without load{meant}",
+        no_load(greatest * max_speed),
+        no_load(least * max_speed),
+    );
+    let key = Key::Of("actuator", index, "torque_constant");
+    Some((key, written(written_constant), "N·m/A", must))
 }
 
 /// The converter must resolve the bus's range, and also a voltage above it.
@@ -118,6 +157,55 @@ fn bus(robot: &Robot) -> Option<InvalidValue> {
     Some((key, written(per_code), "V", must))
 }
 
+/// The key and value of the robot file behind an invalid field of a motor or its joint. The
+/// fields of an ideal torque source are made from the supply's voltage and the limits.
+fn motor_setting(
+    robot: &Robot,
+    index: usize,
+    field: AxisField,
+    error: &str,
+) -> Option<InvalidValue> {
+    let (_, must) = error.split_once(" must ")?;
+    let (name, value) = match (field, robot.actuators) {
+        (AxisField::MaxSpeed, _) => ("max_speed", robot.limits.max_speed[index]),
+        (AxisField::MaxAcceleration, _) => {
+            ("max_acceleration", robot.limits.max_acceleration[index])
+        }
+        (_, None) => {
+            let must = format!("makes an ideal motor out of bounds: {error}");
+            let voltage = written(robot.supply.voltage);
+            return Some((Key::In("supply", "voltage"), voltage, "V", must));
+        }
+        (_, Some(motors)) => {
+            let motor = &motors[index];
+            let (name, value) = match field {
+                AxisField::GearRatio => ("gear_ratio", motor.gear_ratio),
+                AxisField::RotorInertia => ("rotor_inertia", motor.rotor_inertia),
+                AxisField::TorqueConstant => ("torque_constant", motor.torque_constant),
+                AxisField::Resistance => ("resistance", motor.resistance),
+                AxisField::Inductance => ("inductance", motor.inductance),
+                AxisField::ViscousFriction => ("viscous_friction", motor.viscous_friction),
+                AxisField::CoulombFriction => ("coulomb_friction", motor.coulomb_friction),
+                AxisField::ThermalTimeConstant => {
+                    ("thermal_time_constant", motor.thermal_time_constant)
+                }
+                AxisField::CurrentPerCode if motor.current_per_code.is_some() => {
+                    ("current_per_code", motor.current_per_code?)
+                }
+                _ => ("peak_current", motor.peak_current),
+            };
+            let must = format!("must {must}");
+            return Some((Key::Of("actuator", index, name), written(value), "", must));
+        }
+    };
+    Some((
+        Key::In("limits", name),
+        written(value),
+        "",
+        format!("must {must}"),
+    ))
+}
+
 /// The key and value of the robot file behind an error of the settings; none for errors that
 /// the checks of the file already exclude.
 fn setting(robot: &Robot, error: SettingsError) -> Option<InvalidValue> {
@@ -138,6 +226,9 @@ fn setting(robot: &Robot, error: SettingsError) -> Option<InvalidValue> {
             );
             let key = Key::Of("actuator", index, "encoder_counts");
             return Some((key, motor.encoder_counts.to_string(), "", must));
+        }
+        SettingsError::Axis(joint, field) => {
+            return motor_setting(robot, usize::from(joint != 1), field, &error.to_string());
         }
         SettingsError::Field(field) => field,
         _ => return None,

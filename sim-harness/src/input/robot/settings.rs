@@ -44,7 +44,7 @@ impl Robot {
             assembly_left: self
                 .home_pose()
                 .is_ok_and(|home| home.assembly() == Side::Left),
-            axes: [0, 1].map(|joint| self.axis(joint, &actuators[joint])),
+            axes: [0, 1].map(|joint| self.axis(joint, &actuators)),
             control: ControlSettings {
                 tick_rate: single(control.tick_rate),
                 bandwidth: single(control.bandwidth),
@@ -70,9 +70,7 @@ impl Robot {
             protection: ProtectionSettings {
                 following_error: single(protection.following_error),
                 over_speed: single(protection.over_speed * largest(self.limits.max_speed)),
-                over_current: single(
-                    protection.over_current * largest(actuators.map(|a| a.peak_current)),
-                ),
+                over_current: single(self.over_current(&actuators)),
                 bus_voltage: self.bus_range().map(single),
                 bus_voltage_per_code: single(self.voltage_per_code()),
                 command_timeout: single(protection.command_timeout),
@@ -159,8 +157,21 @@ impl Robot {
         self.supply.voltage_per_code.unwrap_or(ample)
     }
 
-    fn axis(&self, joint: usize, actuator: &Actuator) -> AxisSettings {
-        let ample = 4.0 * actuator.peak_current / ADC_CODES;
+    /// The current [A] that is a fault, of either motor.
+    pub(super) fn over_current(&self, actuators: &[Actuator; 2]) -> f64 {
+        self.protection.over_current * largest(actuators.map(|a| a.peak_current))
+    }
+
+    /// A range of the current sensors [A] that shows the over-current well: twice the peak
+    /// current, or more.
+    fn ample_current(&self, actuators: &[Actuator; 2]) -> f64 {
+        let peak = largest(actuators.map(|a| a.peak_current));
+        (4.0 / 3.0 * self.protection.over_current).max(2.0) * peak
+    }
+
+    fn axis(&self, joint: usize, actuators: &[Actuator; 2]) -> AxisSettings {
+        let actuator = &actuators[joint];
+        let ample = 2.0 * self.ample_current(actuators) / ADC_CODES;
         let [low, high] = self.limits.angle[joint];
         AxisSettings {
             gear_ratio: single(actuator.gear_ratio),
