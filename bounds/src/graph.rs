@@ -230,9 +230,9 @@ impl Builder<'_> {
                 next.clear();
                 self.nodes[index].leaves = true;
             }
-            Flow::Table { entry } => {
+            Flow::Table { entry, base } => {
                 next.clear();
-                match self.table(address + instruction.length, entry) {
+                match self.tables(address + instruction.length, entry, base) {
                     Some(targets) => jumps.extend(targets),
                     None => self.defect(address, Fault::JumpTable),
                 }
@@ -316,12 +316,7 @@ impl Builder<'_> {
     /// computes the address `start`: compilers write such a table of jumps in place of one of
     /// short distances. The table is aligned to 4 bytes.
     fn jumps(&self, start: u32) -> Option<Vec<u32>> {
-        let is_base = |place: u32| {
-            let halves = (self.image.half(place)?, self.image.half(place + 2)?);
-            Some(wide::address(place, halves.0, halves.1)? == start)
-        };
-        let mut places = (self.function.address..start).step_by(2);
-        places.find(|place| is_base(*place) == Some(true))?;
+        self.addresses().find(|&(address, _)| address == start)?;
         let jumps = (start..self.function.end).step_by(4).map_while(|place| {
             let instruction = self.decode(place);
             let is_long = instruction.length == 4 && matches!(instruction.flow, Flow::Jump(_));
@@ -331,18 +326,41 @@ impl Builder<'_> {
         (!jumps.is_empty()).then_some(jumps)
     }
 
-    /// The targets in the table at `start`; each entry is half the distance from it. The table ends
-    /// at the latest before the first entry whose target is no code of this function: constants
-    /// or a byte of zero may follow it.
-    fn table(&self, start: u32, entry: u32) -> Option<Vec<u32>> {
+    /// The addresses that the function's instructions ADR compute, each with its register.
+    fn addresses(&self) -> impl Iterator<Item = (u32, u32)> {
+        let places = (self.function.address..self.function.end).step_by(2);
+        places.filter_map(|place| {
+            let halves = (self.image.half(place)?, self.image.half(place + 2)?);
+            wide::address(place, halves.0, halves.1)
+        })
+    }
+
+    /// The targets of a table branch before `next`: in the table behind it, or in all tables whose
+    /// address some instruction of the function puts into the register `base`.
+    fn tables(&self, next: u32, entry: u32, base: Option<u32>) -> Option<Vec<u32>> {
+        let Some(base) = base else {
+            return self.table(next, next, entry);
+        };
+        let starts = self.addresses().filter(|&(_, register)| register == base);
+        let tables = starts.filter_map(|(start, _)| self.table(start, next, entry));
+        let mut targets = tables.flatten().collect::<Vec<u32>>();
+        targets.sort_unstable();
+        targets.dedup();
+        (!targets.is_empty()).then_some(targets)
+    }
+
+    /// The targets in the table at `start`; each entry is half the distance from `origin`. The
+    /// table ends at the latest before the first entry whose target is no code of this function:
+    /// constants or a byte of zero may follow it.
+    fn table(&self, start: u32, origin: u32, entry: u32) -> Option<Vec<u32>> {
         let end = self.image.end_of_data(start)?.min(self.function.end);
         let target = |place: u32| {
             let distance = match entry {
                 1 => u32::from(self.image.byte(place)?),
                 _ => u32::from(self.image.half(place)?),
             };
-            let target = start + 2 * distance;
-            let is_code = (end..self.function.end).contains(&target)
+            let target = origin + 2 * distance;
+            let is_code = (self.function.address..self.function.end).contains(&target)
                 && self.image.end_of_data(target).is_none();
             is_code.then_some(target)
         };

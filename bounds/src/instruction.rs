@@ -32,11 +32,12 @@ pub enum Flow {
     CallRegister,
     /// Back to the caller.
     Return,
-    /// To one of the addresses in the table behind the instruction, whose entries have one or
-    /// two bytes.
+    /// To one of the addresses in a table, whose entries have one or two bytes.
     Table {
         /// Size of an entry [bytes].
         entry: u32,
+        /// The register with the table's address; none: it is behind the instruction.
+        base: Option<u32>,
     },
     /// To one of the long jumps behind the instruction, whose address is in a register.
     Jumps,

@@ -61,12 +61,8 @@ fn dual(high: u32, low: u32) -> Instruction {
     let (up, indexed) = (high & 0x80 != 0, high & 0x100 != 0);
     if high & 0xFFF0 == 0xE8D0 && low & 0xFFE0 == 0xF000 {
         let entry = 1 + (low >> 4 & 1);
-        let flow = if base == PC {
-            Flow::Table { entry }
-        } else {
-            Flow::Computed
-        };
-        return plain.accesses(1).flow(flow);
+        let base = (base != PC).then_some(base);
+        return plain.accesses(1).flow(Flow::Table { entry, base });
     }
     if !indexed && !writes_back {
         return plain.accesses(1);
@@ -136,14 +132,16 @@ fn immediate(high: u32, low: u32) -> Instruction {
     }
 }
 
-/// The address that an instruction ADR at `place` computes.
-pub(crate) fn address(place: u32, high: u16, low: u16) -> Option<u32> {
+/// The address that an instruction ADR at `place` computes, and the register that takes it.
+pub(crate) fn address(place: u32, high: u16, low: u16) -> Option<(u32, u32)> {
     let (high, low) = (u32::from(high), u32::from(low));
     let offset = (high >> 10 & 1) << 11 | (low >> 12 & 7) << 8 | low & 0xFF;
     let base = (place + 4) & !3;
+    let register = low >> 8 & 0xF;
     match (high & 0xFBFF, low & 0x8000) {
-        (0xF20F, 0) => Some(base + offset),
-        (0xF2AF, 0) => base.checked_sub(offset),
+        (0xF20F, 0) => Some((base + offset, register)),
+        (0xF2AF, 0) => Some((base.checked_sub(offset)?, register)),
+        _ if high & 0xF800 == 0xA000 => Some((base + 4 * (high & 0xFF), high >> 8 & 7)),
         _ => None,
     }
 }

@@ -210,6 +210,31 @@ fn a_table_branch_goes_to_each_target_of_its_table() {
 }
 
 #[test]
+fn a_table_branch_goes_to_each_target_of_a_table_behind_the_code() {
+    let code = [
+        0x2802, // cmp r0, #2
+        0xd807, // bhi 9f
+        0xa104, // adr r1, 5f
+        0xe8d1, 0xf000, // tbb [r1, r0]
+        0x4770, // bx lr
+        0xbf00, // nop
+        0x4770, // bx lr
+        0xbf00, // nop
+        0xbf00, // nop
+        0x4770, // 9: bx lr
+        0xbf00, // nop
+        0x0100, 0xff03, // 5: .byte 0, 1, 3, 255
+    ];
+    let (bounds, faults) = examine(&function(&code).with_data(24, 28), "");
+    assert_eq!((bounds.longest[0], faults), (7, vec![]));
+    // Another register than the one that takes the table's address.
+    let mut other = code;
+    other[3] = 0xe8d2; // tbb [r2, r0]
+    let (_, faults) = examine(&function(&other).with_data(24, 28), "");
+    assert_eq!(faults, [Fault::JumpTable]);
+}
+
+#[test]
 fn a_table_of_jumps_goes_to_each() {
     let code = [
         0xbf00, // nop

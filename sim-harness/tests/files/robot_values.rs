@@ -74,7 +74,7 @@ fn values_that_the_controller_would_refuse_are_refused_with_line_key_and_bound()
             "4.1",
             ["`peak_current`, 4 A", "4.1 A"],
         ),
-        ("current_per_code", "1.8e-3", ["1.827e-3 A", "not 0.0018 A"]),
+        ("current_per_code", "1.8e-3", ["2.742e-3 A", "not 0.0018 A"]),
         ("inductance", "0.24e-7", ["1e-6 to 1 s", "not 1.043e-8 s"]),
         ("inductance", "2.4", ["1e-6 to 1 s", "not 1.043e0 s"]),
         ("range", "[-5.0, 30.0]", ["above 0 V", "not -5.0 V"]),
@@ -189,4 +189,21 @@ fn scaled(value: &str, factor: f64) -> Option<String> {
         })
     }
     times(value.get("value")?, factor).map(|value| value.to_string())
+}
+
+#[test]
+fn a_torque_constant_in_another_unit_is_refused_with_the_value_that_is_meant() {
+    for (wrong, meant) in [("23.4", "0.0234"), ("0.0000234", "0.0234")] {
+        let text = BUILT_IN[0].text.replace(
+            "torque_constant = 0.0234",
+            &format!("torque_constant = {wrong}"),
+        );
+        let message = refusal(&text);
+        for word in [
+            "`torque_constant` of [[actuator]] 1",
+            &format!("({meant} N·m/A meant?)"),
+        ] {
+            assert!(message.contains(word), "`{word}` is missing in: {message}");
+        }
+    }
 }

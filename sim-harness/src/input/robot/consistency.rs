@@ -116,10 +116,11 @@ fn torque_constant(robot: &Robot, index: usize, motor: &Actuator) -> Option<Inva
     if suits(written_constant) {
         return None;
     }
-    let meant = [1e-3, 1e3].map(|factor| factor * written_constant);
+    let meant = [written_constant / 1e3, written_constant * 1e3];
     let meant = meant.into_iter().find(|&constant| suits(constant));
     let meant = meant.map_or_else(String::new, |constant| {
-        format!(" ({constant:.3e} N·m/A meant?)")
+        let rounded = (constant * 1e9).round() / 1e9;
+        format!(" ({rounded} N·m/A meant?)")
     });
     let must = format!(
         "must be {:.2e} to {:.2e} N·m/A, so that the joint reaches a fifth to 500 times its \

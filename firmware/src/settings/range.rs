@@ -1,0 +1,25 @@
+//! The values that a field of an axis can have on any arm. They are wide: within them nothing in
+//! the loops overflows or vanishes in `f32`.
+
+/// |Gear ratio|.
+pub const GEAR_RATIO: [f32; 2] = [1e-3, 1e4];
+/// Rotor inertia [kg·m²].
+pub const ROTOR_INERTIA: [f32; 2] = [0.0, 1.0];
+/// Torque constant [N·m/A].
+pub const TORQUE_CONSTANT: [f32; 2] = [1e-6, 1e3];
+/// Winding resistance [Ω].
+pub const RESISTANCE: [f32; 2] = [1e-5, 1e5];
+/// Winding inductance [H].
+pub const INDUCTANCE: [f32; 2] = [1e-9, 1e3];
+/// Viscous friction [N·m·s/rad] and Coulomb friction [N·m].
+pub const FRICTION: [f32; 2] = [0.0, 1e4];
+/// Joint speed [rad/s].
+pub const SPEED: [f32; 2] = [1e-3, 1e4];
+/// Joint acceleration [rad/s²].
+pub const ACCELERATION: [f32; 2] = [1e-3, 1e7];
+/// Motor current [A].
+pub const CURRENT: [f32; 2] = [1e-4, 1e5];
+/// Time constant of the motor's heating [s].
+pub const HEATING: [f32; 2] = [1e-3, 1e6];
+/// Current per ADC code [A].
+pub const CURRENT_PER_CODE: [f32; 2] = [1e-8, 1e3];
