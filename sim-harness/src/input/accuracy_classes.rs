@@ -1,6 +1,7 @@
 //! Classes of tolerance: the standard deviation of a dimension, and its cost.
 
 use super::source::{FileError, Source};
+use super::text_file;
 use fivebar_design::accuracy::allocation::ToleranceClass;
 use serde::Deserialize;
 use std::path::Path;
@@ -30,7 +31,8 @@ impl Classes {
     pub fn read(path: &Path) -> Result<Self, FileError> {
         let shown = path.display();
         let refuse = |reason: String| FileError::new(&shown, reason);
-        let text = std::fs::read_to_string(path).map_err(|error| FileError::new(&shown, error))?;
+        let text = text_file::read_text(path, text_file::LARGEST_TOML)
+            .map_err(|error| FileError::new(&shown, error))?;
         let source = Source {
             file: &shown.to_string(),
             text: &text,

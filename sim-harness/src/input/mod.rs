@@ -7,3 +7,4 @@ pub mod mobility;
 pub mod robot;
 pub mod scenario;
 pub mod source;
+mod text_file;

@@ -1,5 +1,6 @@
 //! Errors of TOML files, with file, line, key and reason.
 
+use super::text_file::LARGEST_TOML;
 use std::fmt;
 use toml::de::{DeTable, DeValue};
 
@@ -57,6 +58,11 @@ pub(crate) struct Source<'a> {
 impl<'a> Source<'a> {
     /// Reads the file's keys into `T`.
     pub(crate) fn parse<T: serde::de::DeserializeOwned>(&self) -> Result<T, FileError> {
+        let size = self.text.len() as u64;
+        if size > LARGEST_TOML {
+            let reason = format_args!("it has {size} bytes; at most {LARGEST_TOML} are read");
+            return Err(FileError::new(self.file, reason));
+        }
         let refused = |error: toml::de::Error, reason: &str| {
             let reason = reason
                 .trim_end()

@@ -207,3 +207,82 @@ fn a_torque_constant_in_another_unit_is_refused_with_the_value_that_is_meant() {
         }
     }
 }
+
+fn values_too_small_to_be_meant_in_their_unit_are_refused_with_the_least() {
+    let text = BUILT_IN[0].text;
+    for (section, key, small, words) in [
+        (
+            "[[link]]",
+            "mass",
+            "1e-12",
+            "must be at least 1e-6 kg, not 1e-12",
+        ),
+        (
+            "[[link]]",
+            "inertia",
+            "1e-20",
+            "must be at least 1e-13 kg·m², not 1e-20",
+        ),
+        (
+            "[limits]",
+            "max_speed",
+            "[35.0, 1e-9]",
+            "must be at least 1e-4 rad/s, not 1e-9",
+        ),
+        (
+            "[limits]",
+            "max_acceleration",
+            "[1e-9, 9.0]",
+            "must be at least 1e-4 rad/s², not 1e-9",
+        ),
+        (
+            "[motion]",
+            "max_speed",
+            "1e-5",
+            "must be at least 1e-4 m/s, not 1e-5",
+        ),
+        (
+            "[motion]",
+            "max_acceleration",
+            "1e-10",
+            "must be at least 1e-4 m/s², not 1e-10",
+        ),
+        (
+            "[motion]",
+            "max_jerk",
+            "9e-5",
+            "must be at least 1e-4 m/s³, not 9e-5",
+        ),
+    ] {
+        let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+        let start = lines.iter().position(|line| line == section).unwrap();
+        let assignment = format!("{key} = ");
+        let index = lines[start..]
+            .iter()
+            .position(|line| line.starts_with(&assignment));
+        let line = start + index.unwrap_or_else(|| panic!("no {key} in {section}"));
+        lines[line] = format!("{assignment}{small}");
+        let message = refusal(&lines.join("\n"));
+        let place = format!("arm.toml, line {}: `{key}` of [", line + 1);
+        assert!(message.starts_with(&place), "{message}");
+        assert!(
+            message.contains(words),
+            "`{words}` is missing in: {message}"
+        );
+    }
+}
+
+#[test]
+fn a_file_without_end_and_one_of_too_many_keys_are_refused_by_their_size() {
+    if cfg!(unix) {
+        let message = Robot::load("/dev/zero").unwrap_err().to_string();
+        assert_eq!(
+            message,
+            "/dev/zero: at most 1048576 bytes are read, and it goes on after that"
+        );
+    }
+    let keys: String = (0..200_000).map(|key| format!("k{key} = 1\n")).collect();
+    let message = refusal(&keys);
+    let size = format!("it has {} bytes; at most 1048576 are read", keys.len());
+    assert!(message.ends_with(&size), "{message}");
+}

@@ -14,6 +14,7 @@ mod words;
 
 pub use error::{GcodeError, JobError, Warning, WarningKind};
 
+use crate::input::text_file;
 use fivebar_firmware::{Move, MoveKind};
 use std::path::Path;
 
@@ -21,9 +22,10 @@ use std::path::Path;
 /// that are not UTF-8 become U+FFFD, which is refused outside comments.
 ///
 /// # Errors
-/// The file cannot be read.
+/// The file cannot be read, or is larger than 64 MiB.
 pub fn read(path: &Path) -> std::io::Result<String> {
-    std::fs::read(path).map(|bytes| String::from_utf8_lossy(&bytes).into_owned())
+    text_file::read_bytes(path, text_file::LARGEST_GCODE)
+        .map(|bytes| String::from_utf8_lossy(&bytes).into_owned())
 }
 
 /// The placement of a job in the frame of the base.

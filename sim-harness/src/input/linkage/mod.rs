@@ -12,8 +12,9 @@ pub(crate) use names::{driven_links, dyads, links_of, reaction_names};
 pub use tolerance::{LinkageTolerance, Pin};
 
 use crate::input::source::{FileError, Source};
+use crate::input::text_file;
 use fivebar_design::linkage::{DriveLaw, Linkage};
-use std::io::Read as _;
+use std::io::ErrorKind;
 
 /// A linkage with the motion of its driven links.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,9 +33,6 @@ pub struct DrivenLinkage {
     pub tolerance: LinkageTolerance,
 }
 
-/// Greatest size of a linkage file [bytes]; real ones are far smaller.
-const LARGEST_FILE: u64 = 1 << 20;
-
 impl DrivenLinkage {
     /// The linkage with this name on the command line: a built-in example, or else a file.
     ///
@@ -44,22 +42,15 @@ impl DrivenLinkage {
         if let Some(example) = Example::find(name_or_path) {
             return example.linkage();
         }
-        let refuse = |reason| FileError {
-            file: name_or_path.into(),
-            line: None,
-            reason,
-        };
-        let mut text = String::new();
-        let file = std::fs::File::open(name_or_path)
-            .map_err(|error| refuse(format!("neither a built-in example nor a file: {error}")))?;
-        file.take(LARGEST_FILE + 1)
-            .read_to_string(&mut text)
-            .map_err(|error| refuse(format!("cannot be read as text: {error}")))?;
-        if text.len() as u64 > LARGEST_FILE {
-            return Err(refuse(
-                "is larger than 1 MiB, which no linkage needs".into(),
-            ));
-        }
+        let read = text_file::read_text(name_or_path.as_ref(), text_file::LARGEST_TOML);
+        let text = read.map_err(|error| {
+            let reason = match error.kind() {
+                ErrorKind::FileTooLarge => error.to_string(),
+                ErrorKind::InvalidData => format!("cannot be read as text: {error}"),
+                _ => format!("neither a built-in example nor a file: {error}"),
+            };
+            FileError::new(name_or_path, reason)
+        })?;
         Self::parse(name_or_path, &text)
     }
 
@@ -71,7 +62,8 @@ impl DrivenLinkage {
             table.is_ok_and(|table| table.contains_key("sweep"))
         };
         Example::find(name_or_path).is_some()
-            || std::fs::read_to_string(name_or_path).is_ok_and(has_sweep)
+            || text_file::read_text(name_or_path.as_ref(), text_file::LARGEST_TOML)
+                .is_ok_and(has_sweep)
     }
 
     /// The linkage from the text of a file called `file`.

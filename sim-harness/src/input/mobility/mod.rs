@@ -4,6 +4,7 @@ mod cases;
 mod mechanism_file;
 
 use crate::input::source::{FileError, Source};
+use crate::input::text_file;
 use fivebar_design::mobility::{MechanismGraph, ParallelMechanism};
 use std::path::Path;
 
@@ -34,14 +35,8 @@ pub enum Mechanism {
 /// The file, the line or case, and the reason.
 pub fn read(path: &Path) -> Result<Vec<MobilityCase>, FileError> {
     let shown = path.display();
-    let size = std::fs::metadata(path)
-        .map_err(|error| FileError::new(&shown, error))?
-        .len();
-    if size > LARGEST_FILE {
-        let reason = format_args!("the file has {size} bytes; at most {LARGEST_FILE} are read");
-        return Err(FileError::new(shown, reason));
-    }
-    let text = std::fs::read_to_string(path).map_err(|error| FileError::new(&shown, error))?;
+    let text =
+        text_file::read_text(path, LARGEST_FILE).map_err(|error| FileError::new(&shown, error))?;
     parse(&shown.to_string(), &text)
 }
 

@@ -3,7 +3,8 @@
 use super::file::{LinkFile, RobotFile};
 use super::home::best_conditioned;
 use super::value::{
-    LONGEST, POSITIVE, SHORTEST, finite, increasing, near, not_negative, positive, sized,
+    LEAST_ACCELERATION, LEAST_INERTIA, LEAST_JERK, LEAST_MASS, LEAST_SPEED, LONGEST, POSITIVE,
+    SHORTEST, at_least, finite, increasing, near, not_negative, positive, sized,
 };
 use super::{Actuator, Robot, consistency, tolerance};
 use crate::input::source::{FileError, Key, Source};
@@ -172,9 +173,9 @@ fn inertias(
         let com = link.com.ok_or_else(|| missing("com"))?;
         let moment = link.inertia.ok_or_else(|| missing("inertia"))?;
         *inertia = Link {
-            mass: positive(source, key("mass"), mass)?,
+            mass: at_least(source, key("mass"), mass, LEAST_MASS)?,
             com: near(source, key("com"), com)?,
-            inertia: positive(source, key("inertia"), moment)?,
+            inertia: at_least(source, key("inertia"), moment, LEAST_INERTIA)?,
         };
     }
     Ok(Some(inertias))
@@ -254,19 +255,33 @@ fn sections(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
     if let Some(range) = supply.range {
         increasing(source, Key::In("supply", "range"), range)?;
     }
-    for (key, of_joints) in [
-        ("max_speed", limits.max_speed),
-        ("max_acceleration", limits.max_acceleration),
-        ("max_torque", limits.max_torque.unwrap_or([1.0; 2])),
+    for (key, of_joints, least) in [
+        ("max_speed", limits.max_speed, (LEAST_SPEED, "rad/s")),
+        (
+            "max_acceleration",
+            limits.max_acceleration,
+            (LEAST_ACCELERATION, "rad/s²"),
+        ),
     ] {
         for value in of_joints {
-            positive(source, Key::In("limits", key), value)?;
+            at_least(source, Key::In("limits", key), value, least)?;
         }
     }
+    for value in limits.max_torque.unwrap_or([1.0; 2]) {
+        positive(source, Key::In("limits", "max_torque"), value)?;
+    }
+    for (key, value, least) in [
+        ("max_speed", motion.max_speed, (LEAST_SPEED, "m/s")),
+        (
+            "max_acceleration",
+            motion.max_acceleration,
+            (LEAST_ACCELERATION, "m/s²"),
+        ),
+        ("max_jerk", motion.max_jerk, (LEAST_JERK, "m/s³")),
+    ] {
+        at_least(source, Key::In("motion", key), value, least)?;
+    }
     for (section, key, value) in [
-        ("motion", "max_speed", motion.max_speed),
-        ("motion", "max_acceleration", motion.max_acceleration),
-        ("motion", "max_jerk", motion.max_jerk),
         ("control", "tick_rate", control.tick_rate),
         ("control", "bandwidth", control.bandwidth),
         ("control", "damping", control.damping),

@@ -23,6 +23,7 @@ pub use slider::{Mechanism, SliderRobot, SliderTolerance};
 pub use workspace::WorkspaceError;
 
 use crate::input::source::{FileError, Key, Source};
+use crate::input::text_file;
 use fivebar_kinematics::dynamics::Arm;
 use fivebar_kinematics::five_bar::{Geometry, WorkingMode};
 use fivebar_plant::contact::Contact;
@@ -130,7 +131,10 @@ impl Robot {
 
 /// The text of a robot file.
 fn read(path: &str) -> Result<String, FileError> {
-    std::fs::read_to_string(path).map_err(|error| {
+    text_file::read_text(path.as_ref(), text_file::LARGEST_TOML).map_err(|error| {
+        if error.kind() == std::io::ErrorKind::FileTooLarge {
+            return FileError::new(path, error);
+        }
         let names: Vec<_> = BUILT_IN.iter().map(|robot| robot.name).collect();
         FileError {
             file: path.into(),

@@ -9,6 +9,16 @@ use std::ops::RangeInclusive;
 pub(super) const LONGEST: f64 = 20.0;
 pub(super) const SHORTEST: f64 = 1e-6;
 
+/// The least mass [kg] and moment of inertia [kg·m²] of a link: a milligram, and a rod of it 1 mm
+/// long.
+pub(super) const LEAST_MASS: (f64, &str) = (1e-6, "kg");
+pub(super) const LEAST_INERTIA: (f64, &str) = (1e-13, "kg·m²");
+
+/// The least limits of motion. With these, a move of 10 mm takes two minutes.
+pub(super) const LEAST_SPEED: f64 = 1e-4;
+pub(super) const LEAST_ACCELERATION: f64 = 1e-4;
+pub(super) const LEAST_JERK: f64 = 1e-4;
+
 /// Least and greatest size of a value: a little less than the range of single precision.
 const SIZES: RangeInclusive<f64> = 1e-30..=1e30;
 
@@ -22,6 +32,21 @@ pub(super) fn positive(source: &Source<'_>, key: Key, value: f64) -> Result<f64,
         sized(source, key, value)
     } else {
         Err(source.refuse(key, format!("{POSITIVE}, not {value:?}")))
+    }
+}
+
+/// A value that is not too small to be meant in this unit. Runs of smaller ones take hours.
+pub(super) fn at_least(
+    source: &Source<'_>,
+    key: Key,
+    value: f64,
+    (least, unit): (f64, &str),
+) -> Result<f64, FileError> {
+    if positive(source, key, value)? >= least {
+        Ok(value)
+    } else {
+        let reason = format!("must be at least {least:e} {unit}, not {value:?}");
+        Err(source.refuse(key, reason))
     }
 }
 

@@ -5,6 +5,7 @@ use super::{Scenario, ScenarioError};
 use crate::input::job;
 use crate::input::robot::{BuiltIn, Robot};
 use crate::input::source::{FileError, Key, Source};
+use crate::input::text_file;
 use fivebar_plant::{Mismatch, PlantFault};
 use serde::Deserialize;
 use std::io;
@@ -144,7 +145,8 @@ fn stem(path: &str) -> String {
 }
 
 fn read(path: &str) -> Result<String, ScenarioError> {
-    std::fs::read_to_string(path).map_err(|source| unread(path, source))
+    text_file::read_text(path.as_ref(), text_file::LARGEST_TOML)
+        .map_err(|source| unread(path, source))
 }
 
 fn read_job(path: &str) -> Result<String, ScenarioError> {
