@@ -1,0 +1,197 @@
+//! The limits that an accepted path keeps, checked at every tick from the set-point that the
+//! controller follows. The tool's motion is computed from it in double precision.
+
+use fivebar_firmware::safety::State;
+use fivebar_firmware::{Settings, Status};
+use fivebar_kinematics::five_bar::{Geometry, PoseError, Side, Tool};
+use nalgebra::Vector2;
+use std::f64::consts::TAU;
+
+/// Excess by the rounding of single precision, as a share of a limit.
+const ROUNDING: f64 = 2e-3;
+
+/// Error of the tool's acceleration by the rounding of the set-point's, as a share of the
+/// greatest joint acceleration times the length of a driven link.
+const ACCELERATION_ROUNDING: f64 = 1e-5;
+
+/// The arm and its limits.
+#[derive(Clone, Debug)]
+pub struct Limits {
+    settings: Settings,
+    tool: Tool<f64>,
+    /// The tool's acceleration [m/s²] in the tick before, and the generation of its path.
+    last: Option<(Vector2<f64>, u32)>,
+}
+
+/// The kind of the move that is followed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Followed {
+    /// A line or an arc of the tool.
+    Path,
+    /// A joint move: the tool's limits do not apply, and a leg may be straight.
+    Joint,
+    /// A dwell, where the move before it has ended.
+    Dwell,
+}
+
+/// The greatest share of each limit that was reached.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Reached {
+    /// Of the tool's speed.
+    pub speed: f64,
+    /// Of the tool's acceleration.
+    pub acceleration: f64,
+    /// Of the tool's jerk.
+    pub jerk: f64,
+    /// Of a joint's speed.
+    pub joint_speed: f64,
+    /// Of a joint's acceleration.
+    pub joint_acceleration: f64,
+    /// The singularity margin over the least sine.
+    pub margin: f64,
+    /// Ticks along paths that were checked.
+    pub ticks: u32,
+}
+
+impl Reached {
+    /// The greater shares of both.
+    #[must_use]
+    pub fn max(self, other: Self) -> Self {
+        Self {
+            speed: self.speed.max(other.speed),
+            acceleration: self.acceleration.max(other.acceleration),
+            jerk: self.jerk.max(other.jerk),
+            joint_speed: self.joint_speed.max(other.joint_speed),
+            joint_acceleration: self.joint_acceleration.max(other.joint_acceleration),
+            margin: self.margin.max(other.margin),
+            ticks: self.ticks.saturating_add(other.ticks),
+        }
+    }
+}
+
+impl Limits {
+    /// The limits of these settings, which were checked.
+    pub fn new(settings: &Settings) -> Option<Self> {
+        let geometry = Geometry::new(settings.lengths.map(f64::from)).ok()?;
+        let offset = settings.tool_offset.map(f64::from).into();
+        Some(Self {
+            settings: *settings,
+            tool: Tool::new(geometry, offset).ok()?,
+            last: None,
+        })
+    }
+
+    /// Checks the set-point of a tick. `followed` is the kind of the move in progress. The
+    /// `generation` of the path changes when a path is dropped and another may begin elsewhere.
+    ///
+    /// # Errors
+    /// The limit that is exceeded, with both values.
+    pub fn check(
+        &mut self,
+        status: &Status,
+        followed: Option<Followed>,
+        generation: u32,
+    ) -> Result<Reached, String> {
+        let before = self.last.take();
+        let (Some(joints), State::Running, Some(followed)) =
+            (status.joint_reference, status.state, followed)
+        else {
+            return Ok(Reached::default());
+        };
+        let motion = &self.settings.motion;
+        let mut reached = Reached {
+            ticks: 1,
+            ..Reached::default()
+        };
+        let [omega1, omega4] = joints.velocity.map(f64::from);
+        let [alpha1, alpha4] = joints.acceleration.map(f64::from);
+        for (joint, axis) in self.settings.axes.iter().enumerate() {
+            let share = |value: f64, limit: f32| value.abs() / f64::from(limit);
+            let speed = share([omega1, omega4][joint], axis.max_speed);
+            let acceleration = share([alpha1, alpha4][joint], axis.max_acceleration);
+            within("joint speed", speed)?;
+            within("joint acceleration", acceleration)?;
+            reached.joint_speed = reached.joint_speed.max(speed);
+            reached.joint_acceleration = reached.joint_acceleration.max(acceleration);
+        }
+
+        // The status turns the set-point back by the loop's lag.
+        let lag = 1.0 / f64::from(self.settings.control.current_bandwidth);
+        let ahead = |angle: f32, omega: f64, alpha: f64| {
+            f64::from(angle) + lag * (omega - 0.5 * lag * alpha)
+        };
+        let [angle1, angle4] = joints.angle;
+        let theta = [ahead(angle1, omega1, alpha1), ahead(angle4, omega4, alpha4)];
+        for (axis, theta) in self.settings.axes.iter().zip(theta) {
+            let [low, high] = axis.angle_limits.map(f64::from);
+            // The set-point's angles are known up to whole turns.
+            let above = (theta - low).rem_euclid(TAU);
+            if above > high - low + 1e-4 && above < TAU - 1e-4 {
+                return Err(format!("a joint at {theta} rad is outside [{low}, {high}]"));
+            }
+        }
+        let (sines, velocity, acceleration) = self
+            .tool_motion(theta, [omega1, omega4], [alpha1, alpha4])
+            .map_err(|error| format!("no pose has the set-point: {error}"))?;
+        let [leg1, leg4, parallel] = sines.map(f64::abs);
+        let least = match followed {
+            Followed::Path => leg1.min(leg4).min(parallel),
+            Followed::Joint | Followed::Dwell => parallel,
+        };
+        reached.margin = f64::from(motion.singularity_margin) / least;
+        within("singularity margin over the sine", reached.margin)?;
+        if followed == Followed::Joint {
+            return Ok(reached);
+        }
+
+        let longest = self.settings.lengths.iter().fold(0.0_f32, |a, &b| a.max(b));
+        let joint = self.settings.axes.map(|axis| axis.max_acceleration);
+        let rounding = ACCELERATION_ROUNDING * f64::from(longest * joint[0].max(joint[1])) / least;
+        reached.speed = velocity.norm() / f64::from(motion.max_speed);
+        within("tool speed", reached.speed)?;
+        reached.acceleration =
+            (acceleration.norm() - rounding).max(0.0) / f64::from(motion.max_acceleration);
+        within("tool acceleration", reached.acceleration)?;
+        if let Some((before, _)) = before.filter(|&(_, of)| of == generation) {
+            let change = ((acceleration - before).norm() - 2.0 * rounding).max(0.0);
+            let jerk = change * f64::from(self.settings.control.tick_rate);
+            reached.jerk = jerk / f64::from(motion.max_jerk);
+            within("tool jerk", reached.jerk)
+                .map_err(|found| format!("{found}: {before:?} then {acceleration:?} m/s²"))?;
+        }
+        self.last = Some((acceleration, generation));
+        Ok(reached)
+    }
+
+    /// The sines of the three singularities, and the tool's velocity and acceleration.
+    fn tool_motion(
+        &self,
+        [theta1, theta4]: [f64; 2],
+        [omega1, omega4]: [f64; 2],
+        [alpha1, alpha4]: [f64; 2],
+    ) -> Result<([f64; 3], Vector2<f64>, Vector2<f64>), PoseError> {
+        let assembly = if self.settings.assembly_left {
+            Side::Left
+        } else {
+            Side::Right
+        };
+        let geometry = self.tool.geometry();
+        let pose = geometry.forward(theta1, theta4, assembly)?;
+        let velocities = geometry.forward_velocities(&pose, omega1, omega4)?;
+        let accelerations = geometry.forward_accelerations(&pose, &velocities, alpha1, alpha4)?;
+        let [leg1, leg4] = self.tool.elbow_sines(&pose);
+        Ok((
+            [leg1, leg4, pose.sin32()],
+            self.tool.velocity(&pose, &velocities),
+            self.tool.acceleration(&pose, &velocities, &accelerations),
+        ))
+    }
+}
+
+fn within(name: &str, share: f64) -> Result<(), String> {
+    if share <= 1.0 + ROUNDING {
+        Ok(())
+    } else {
+        Err(format!("{name} reaches {share} of its limit"))
+    }
+}

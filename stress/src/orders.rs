@@ -1,0 +1,277 @@
+//! What happens in a session, one event after the other.
+
+use crate::bytes::Bytes;
+use crate::samples::Hostile;
+use fivebar_firmware::protocol::{HostCommand, Section, SectionKey, VERSION};
+use fivebar_firmware::{MoveKind, Request, Settings};
+use fivebar_plant::FaultKind;
+
+/// An event of a session.
+#[derive(Clone, Debug)]
+pub(crate) enum Event {
+    /// The host sends this command, with the next number.
+    Command(HostCommand),
+    /// The host sends a move.
+    Move(MoveKind),
+    /// The host clears the fault, declares the angles and arms the arm.
+    Recover,
+    /// Somebody replaces the arm by a sound one at the pose of the start.
+    Repair,
+    /// The host declares the joints to be where they are.
+    DeclareAngles,
+    /// The host sends the last frame again.
+    Repeat,
+    /// The host skips some numbers.
+    Skip(u8),
+    /// These bytes arrive.
+    Garbage(Vec<u8>),
+    /// One byte of the next frame arrives changed.
+    Corrupt(u8),
+    /// Time passes; the host requests the status now and then.
+    Wait(u16),
+    /// Time passes, and the host is silent.
+    Silence(u16),
+    /// The samples are not those of the arm for some ticks.
+    Hostile(Hostile, u8),
+    /// The arm fails in this way.
+    Fault(FaultKind),
+    /// From now on the planner runs once in this many ticks.
+    Planner(u8),
+}
+
+/// Where the host thinks that the tool is, so that most moves are near it [m].
+pub(crate) type Tool = [f32; 2];
+
+pub(crate) fn next(bytes: &mut Bytes<'_>, tool: Tool, settings: &Settings) -> Event {
+    match bytes.byte() {
+        0..=89 => Event::Move(motion(bytes, tool)),
+        90..=139 => Event::Wait(u16::from(bytes.byte()) * 8),
+        140..=159 => Event::Command(HostCommand::Request(request(bytes))),
+        160..=181 => Event::Recover,
+        182..=185 => Event::DeclareAngles,
+        186..=189 => Event::Repair,
+        190..=192 => Event::Hostile(Hostile::from_bytes(bytes), bytes.byte()),
+        193..=195 => Event::Fault(fault(bytes)),
+        196..=201 => Event::Silence(bytes.short() % 3000),
+        202..=205 => Event::Repeat,
+        206..=207 => Event::Skip(bytes.byte()),
+        208..=211 => Event::Garbage((0..bytes.byte()).map(|_| bytes.byte()).collect()),
+        212..=213 => Event::Corrupt(bytes.byte()),
+        214..=217 => Event::Planner(1 + bytes.byte() % 60),
+        218..=237 => Event::Command(HostCommand::SetSection(section(bytes, settings))),
+        238..=243 => Event::Command(HostCommand::ApplySettings),
+        244..=245 => Event::Command(HostCommand::SaveSettings),
+        246 => Event::Command(HostCommand::GetSection(key(bytes))),
+        247 => Event::Command(HostCommand::Snapshot),
+        248 => Event::Command(HostCommand::Stack),
+        249..=250 => Event::Command(HostCommand::Telemetry {
+            every: bytes.short(),
+        }),
+        251..=253 => Event::Command(HostCommand::Hello {
+            version: if bytes.byte() < 230 { VERSION } else { 0 },
+            session: u32::from(bytes.byte() % 4),
+        }),
+        254..=255 => Event::Command(HostCommand::Status),
+    }
+}
+
+fn request(bytes: &mut Bytes<'_>) -> Request {
+    match bytes.byte() {
+        0..=79 => Request::Arm,
+        80..=99 => Request::Disarm,
+        100..=119 => Request::Home,
+        120..=159 => Request::Stop,
+        160..=179 => Request::EmergencyStop,
+        180..=239 => Request::ClearFault,
+        240..=255 => Request::SetAngles(bytes.pair(-4.0, 4.0)),
+    }
+}
+
+/// Most moves are short ones from `tool`; some go far, and some have any number.
+fn motion(bytes: &mut Bytes<'_>, [x, y]: Tool) -> MoveKind {
+    let kind = bytes.byte();
+    let reach = match bytes.byte() {
+        0..=79 => 0.005,
+        80..=159 => 0.02,
+        160..=239 => 0.06,
+        240..=255 => 0.3,
+    };
+    let near = |bytes: &mut Bytes<'_>| {
+        let [dx, dy] = bytes.pair(-reach, reach);
+        [x + dx, y + dy]
+    };
+    let to = near(bytes);
+    match kind {
+        0..=139 => MoveKind::Line {
+            to,
+            feed: bytes.number(0.0, 0.4),
+        },
+        140..=199 => arc(bytes, [x, y], to),
+        200..=219 => MoveKind::Dwell {
+            duration: bytes.number(0.0, 0.05),
+        },
+        220..=255 => MoveKind::Joint {
+            to: [bytes.number(1.2, 3.4), bytes.number(-0.3, 1.9)],
+            speed: bytes.number(0.0, 1.0),
+        },
+    }
+}
+
+/// An arc around a centre that is mostly as far from both ends.
+fn arc(bytes: &mut Bytes<'_>, [x, y]: Tool, to: [f32; 2]) -> MoveKind {
+    let [dx, dy] = [0.5 * (to[0] - x), 0.5 * (to[1] - y)];
+    let aside = bytes.within(-2.0, 2.0);
+    let center = if bytes.byte() < 240 {
+        [x + dx - aside * dy, y + dy + aside * dx]
+    } else {
+        bytes.pair(-0.3, 0.3)
+    };
+    MoveKind::Arc {
+        to: if bytes.byte() < 240 { to } else { [x, y] },
+        center,
+        clockwise: bytes.flag(),
+        feed: bytes.number(0.0, 0.4),
+    }
+}
+
+fn fault(bytes: &mut Bytes<'_>) -> FaultKind {
+    let joint = bytes.joint();
+    match bytes.byte() % 10 {
+        0 => FaultKind::EncoderDead { joint },
+        1 => FaultKind::EncoderJump {
+            joint,
+            counts: i32::from(bytes.short()) - 32768,
+        },
+        2 => FaultKind::SwitchStuck {
+            joint,
+            pressed: bytes.flag(),
+        },
+        3 => FaultKind::MotorDisconnected { joint },
+        4 => FaultKind::MotorStalled { joint },
+        5 => FaultKind::CurrentOffset {
+            joint,
+            amperes: f64::from(bytes.within(-8.0, 8.0)),
+        },
+        6 => FaultKind::BusVoltage {
+            volts: f64::from(bytes.within(0.0, 60.0)),
+        },
+        7 => FaultKind::DriverFault { joint },
+        8 => FaultKind::EmergencyStop,
+        _ => FaultKind::TicksMissed {
+            ticks: u32::from(bytes.byte() % 8),
+        },
+    }
+}
+
+fn key(bytes: &mut Bytes<'_>) -> SectionKey {
+    match bytes.byte() % 20 {
+        18 => SectionKey::Link(bytes.byte()),
+        19 => SectionKey::Axis(bytes.byte()),
+        index => SectionKey::ALL[usize::from(index) % SectionKey::ALL.len()],
+    }
+}
+
+/// A section of the settings in use, with one of its values changed or none.
+fn section(bytes: &mut Bytes<'_>, settings: &Settings) -> Section {
+    let Some(mut section) = key(bytes).of(settings) else {
+        return Section::Payload(bytes.number(0.0, 0.1));
+    };
+    let which = bytes.byte();
+    let change = |bytes: &mut Bytes<'_>, values: &mut [&mut f32]| {
+        let index = usize::from(which) % (values.len() + 1);
+        if let Some(value) = values.get_mut(index) {
+            **value = match bytes.byte() {
+                0..=7 => f32::from_bits(bytes.word()),
+                8..=15 => -**value,
+                _ => **value * bytes.within(0.5, 1.5),
+            };
+        }
+    };
+    match &mut section {
+        Section::Lengths(lengths) => change(bytes, &mut lengths.each_mut()),
+        Section::Link(_, link) => {
+            let [along, aside] = &mut link.com;
+            change(
+                bytes,
+                &mut [&mut link.mass, along, aside, &mut link.inertia],
+            );
+        }
+        Section::Payload(payload) => change(bytes, &mut [payload]),
+        Section::Gravity(pair) => *pair = bytes.pair(-10.0, 10.0),
+        Section::ToolOffset(pair) => *pair = bytes.pair(-0.02, 0.02),
+        Section::Elbows(elbows) => elbows[usize::from(which & 1)] ^= which & 2 == 0,
+        Section::Assembly(left) => *left ^= which & 7 == 0,
+        Section::Axis(_, axis) => {
+            if which & 31 == 0 {
+                axis.encoder_counts = bytes.word();
+            }
+            let [low, high] = &mut axis.angle_limits;
+            change(
+                bytes,
+                &mut [
+                    &mut axis.gear_ratio,
+                    &mut axis.rotor_inertia,
+                    &mut axis.torque_constant,
+                    &mut axis.resistance,
+                    &mut axis.inductance,
+                    &mut axis.viscous_friction,
+                    &mut axis.coulomb_friction,
+                    &mut axis.home_angle,
+                    low,
+                    high,
+                    &mut axis.max_speed,
+                    &mut axis.max_acceleration,
+                    &mut axis.peak_current,
+                    &mut axis.continuous_current,
+                    &mut axis.thermal_time_constant,
+                    &mut axis.current_per_code,
+                ],
+            );
+        }
+        Section::Control(control) => {
+            control.computed_torque = which & 7 != 0;
+            change(
+                bytes,
+                &mut [
+                    &mut control.tick_rate,
+                    &mut control.bandwidth,
+                    &mut control.damping,
+                    &mut control.integral_rate,
+                    &mut control.observer_bandwidth,
+                    &mut control.current_bandwidth,
+                    &mut control.friction_smoothing,
+                ],
+            );
+        }
+        Section::Motion(motion) => change(
+            bytes,
+            &mut [
+                &mut motion.max_speed,
+                &mut motion.max_acceleration,
+                &mut motion.max_jerk,
+                &mut motion.corner_tolerance,
+                &mut motion.singularity_margin,
+            ],
+        ),
+        Section::Protection(protection) => {
+            let [low, high] = &mut protection.bus_voltage;
+            change(
+                bytes,
+                &mut [
+                    &mut protection.following_error,
+                    &mut protection.over_speed,
+                    &mut protection.over_current,
+                    low,
+                    high,
+                    &mut protection.bus_voltage_per_code,
+                    &mut protection.command_timeout,
+                ],
+            );
+        }
+        Section::Homing(homing) => change(
+            bytes,
+            &mut [&mut homing.speed, &mut homing.back_off, &mut homing.current],
+        ),
+    }
+    section
+}

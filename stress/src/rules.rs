@@ -1,0 +1,202 @@
+//! The rules that hold after every tick, whatever the host, the sensors and the arm do.
+//!
+//! | rule | reason |
+//! |---|---|
+//! | duties are finite and within ±1, and zero without power | the bridges get nothing else |
+//! | both bridges have power, or none has | one motor alone would drag the arm |
+//! | without power the brake is engaged | nothing else holds the arm |
+//! | power only after an accepted `Arm` or `Home` | the arm moves only when a host wants it |
+//! | no power under a fault that switches it off | it stays off until a host clears the fault |
+//! | no power in Stopped, and without known joint angles only while homing | |
+//! | a fault stays until it is cleared; only a power-off fault replaces another | |
+//! | a pressed emergency stop switches the power off in its tick | |
+//! | no motion along a path with a host silent for longer than its timeout | |
+//! | the status holds finite numbers | hosts and reports read it |
+
+use fivebar_firmware::controller::Controller;
+use fivebar_firmware::safety::{Fault, Response, State};
+use fivebar_firmware::{ActuatorCommand, SensorSample, Status};
+use std::fmt;
+
+/// A rule that was broken.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Violation {
+    /// The tick, from 0.
+    pub tick: u32,
+    /// The rule.
+    pub rule: &'static str,
+    /// What was found.
+    pub found: String,
+}
+
+impl Violation {
+    pub(crate) fn new(tick: u32, rule: &'static str, found: impl fmt::Display) -> Self {
+        Self {
+            tick,
+            rule,
+            found: found.to_string(),
+        }
+    }
+}
+
+impl fmt::Display for Violation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { tick, rule, found } = self;
+        write!(f, "tick {tick}: the rule is that {rule}, but {found}")
+    }
+}
+
+impl std::error::Error for Violation {}
+
+/// What the rules must remember from tick to tick.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Rules {
+    /// A host has armed the arm, or homes it, and nothing has ended that.
+    pub permitted: bool,
+    /// The host has cleared the fault since the last tick.
+    pub cleared: bool,
+    /// The controller is a new one since the last tick.
+    pub renewed: bool,
+    /// Ticks since the last frame of the host.
+    pub silence: u32,
+    /// Greatest allowed silence [ticks].
+    pub timeout: u32,
+    fault: Option<Fault>,
+    state: Option<State>,
+}
+
+impl Rules {
+    /// Checks the outcome of a tick.
+    ///
+    /// # Errors
+    /// The first rule that is broken.
+    pub fn check(
+        &mut self,
+        tick: u32,
+        sample: &SensorSample,
+        command: &ActuatorCommand,
+        controller: &Controller,
+    ) -> Result<(), Violation> {
+        let status = controller.status();
+        let state = status.state;
+        let [power, other] = command.enable;
+        let broken = |rule, found: fmt::Arguments<'_>| Err(Violation::new(tick, rule, found));
+        self.silence = self.silence.saturating_add(1);
+
+        if !command.duty.iter().all(|duty| duty.abs() <= 1.0) {
+            return broken(
+                "duties are finite and within ±1",
+                format_args!("{command:?}"),
+            );
+        }
+        if power != other {
+            return broken(
+                "both bridges have power or none",
+                format_args!("{command:?}"),
+            );
+        }
+        let idle = command.duty == [0.0; 2];
+        if !power && !(idle && command.brake) {
+            return broken(
+                "without power duties are 0 and the brake is engaged",
+                format_args!("{command:?}"),
+            );
+        }
+        if command.brake && !idle {
+            return broken(
+                "nothing drives against the brake",
+                format_args!("{command:?}"),
+            );
+        }
+        if power && !self.permitted {
+            return broken(
+                "power needs an accepted Arm or Home",
+                format_args!("{state:?}"),
+            );
+        }
+        let holds = |fault: Fault| fault.response() == Response::ControlledStop;
+        let may = match state {
+            State::Homing | State::Armed | State::Running | State::Stopping => true,
+            State::Fault => status.fault.is_some_and(holds),
+            State::Stopped => false,
+        };
+        // The tick that ends a search for the switches still has power.
+        let ended = self.state == Some(State::Homing) && state == State::Stopped;
+        if power && !(may || ended) {
+            return broken(
+                "no power in Stopped or under a power-off fault",
+                format_args!("{state:?}, {:?}", status.fault),
+            );
+        }
+        if power && !(status.homed || state == State::Homing) {
+            return broken(
+                "without known angles there is power only while homing",
+                format_args!("{state:?}"),
+            );
+        }
+        if power && sample.emergency_stop {
+            return broken(
+                "a pressed emergency stop switches off in its tick",
+                format_args!("{state:?}"),
+            );
+        }
+        if (state == State::Fault) != status.fault.is_some() {
+            return broken(
+                "a fault is latched in the state Fault and in no other",
+                format_args!("{state:?}, {:?}", status.fault),
+            );
+        }
+        self.fault_stays(&status)
+            .map_err(|found| Violation::new(tick, "a fault stays until it is cleared", found))?;
+        if state == State::Running && self.silence > self.timeout.saturating_add(2) {
+            return broken(
+                "no path is followed for a silent host",
+                format_args!("{} ticks of silence", self.silence),
+            );
+        }
+        if let Some(name) = not_finite(&status) {
+            return broken("the status holds finite numbers", format_args!("{name}"));
+        }
+
+        let off = status.fault.is_some_and(|fault| !holds(fault));
+        if off || state == State::Stopped {
+            self.permitted = false;
+        }
+        self.fault = status.fault;
+        self.state = Some(state);
+        (self.cleared, self.renewed) = (false, false);
+        Ok(())
+    }
+
+    fn fault_stays(&self, status: &Status) -> Result<(), String> {
+        let Some(before) = self.fault else {
+            return Ok(());
+        };
+        let replaced = status.fault.is_some_and(|now| {
+            before.response() == Response::ControlledStop && now.response() == Response::PowerOff
+        });
+        if status.fault == Some(before) || replaced || self.cleared || self.renewed {
+            Ok(())
+        } else {
+            Err(format!("{before:?} became {:?}", status.fault))
+        }
+    }
+}
+
+/// The name of a value that is no finite number.
+fn not_finite(status: &Status) -> Option<&'static str> {
+    let finite = |pair: [f32; 2]| pair.iter().all(|value| value.is_finite());
+    [
+        ("angle", status.angle),
+        ("velocity", status.velocity),
+        ("torque", status.torque),
+        ("current_demand", status.current_demand),
+        ("current", status.current),
+        ("duty", status.duty),
+        ("tool", status.tool.unwrap_or_default()),
+        ("reference", status.reference.unwrap_or_default()),
+        ("bus_voltage", [status.bus_voltage; 2]),
+    ]
+    .into_iter()
+    .find_map(|(name, pair)| (!finite(pair)).then_some(name))
+}

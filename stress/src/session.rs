@@ -1,0 +1,421 @@
+//! A session: host, line, controller and arm, one event after the other.
+
+use crate::LONGEST;
+use crate::bytes::Bytes;
+use crate::limits::{Followed, Limits, Reached};
+use crate::orders::{self, Event};
+use crate::rules::{Rules, Violation};
+use crate::samples::Hostile;
+use fivebar_firmware::controller::Controller;
+use fivebar_firmware::protocol::{
+    Board as Kind, ControllerMessage, Decoder, HostCommand, HostMessage, Identity, Reply, Reset,
+    Sequence, VERSION, encode,
+};
+use fivebar_firmware::safety::State;
+use fivebar_firmware::session::{self, Board};
+use fivebar_firmware::settings::CheckedSettings;
+use fivebar_firmware::storage::StorageError;
+use fivebar_firmware::{ActuatorCommand, Move, MoveKind, Planner, Request, SensorSample, Settings};
+use fivebar_kinematics::five_bar::{Geometry, Side};
+use fivebar_plant::{Mismatch, Parameters, Plant};
+
+/// Ticks between two requests of the status.
+const POLL: u32 = 100;
+/// θ1, θ4 at the start [rad].
+const START: [f32; 2] = [2.2, 0.9];
+
+/// What happened in a session.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Report {
+    /// Ticks.
+    pub ticks: u32,
+    /// Ticks with power.
+    pub powered: u32,
+    /// Commands that were done, and refused.
+    pub commands: [u32; 2],
+    /// Moves that were accepted, and refused.
+    pub moves: [u32; 2],
+    /// Settings that were applied, and refused.
+    pub settings: [u32; 2],
+    /// Sessions in which a fault was latched.
+    pub faults: u32,
+    /// The limits of accepted paths.
+    pub reached: Reached,
+}
+
+impl Report {
+    /// The sums of both.
+    #[must_use]
+    pub fn plus(self, other: Self) -> Self {
+        let sum = |[a, b]: [u32; 2], [c, d]: [u32; 2]| [a + c, b + d];
+        Self {
+            ticks: self.ticks + other.ticks,
+            powered: self.powered + other.powered,
+            commands: sum(self.commands, other.commands),
+            moves: sum(self.moves, other.moves),
+            settings: sum(self.settings, other.settings),
+            faults: self.faults + other.faults,
+            reached: self.reached.max(other.reached),
+        }
+    }
+}
+
+/// The outputs of a tick, to be compared bit by bit.
+pub(crate) type Output = ([u32; 2], bool, State);
+
+/// Flash that accepts everything.
+struct Flash;
+
+impl Board for Flash {
+    fn save(&mut self, _: &Settings) -> Result<(), StorageError> {
+        Ok(())
+    }
+
+    fn tick(&mut self, _: &mut Controller, _: &SensorSample) -> Option<(ActuatorCommand, u32)> {
+        None
+    }
+}
+
+/// The benchtop arm at these angles [rad], with or without the usual mismatch.
+fn plant(flags: u8, angles: [f32; 2]) -> Plant {
+    let settings = &Settings::BENCHTOP;
+    let parameters = Parameters::from_settings(settings, 24.0).expect("an arm");
+    let geometry = Geometry::new(settings.lengths.map(f64::from)).expect("an arm");
+    let [theta1, theta4] = angles.map(f64::from);
+    let pose = geometry.forward(theta1, theta4, Side::Left);
+    let mismatch = if flags & 1 == 0 {
+        Mismatch::NONE
+    } else {
+        Mismatch::default()
+    };
+    let pose = pose.expect("a pose of this arm");
+    Plant::new(&parameters, &mismatch, &pose, u64::from(flags))
+}
+
+pub(crate) struct Session<'b> {
+    bytes: Bytes<'b>,
+    controller: Controller,
+    planner: Planner,
+    session: session::Session,
+    decoder: Decoder<HostMessage>,
+    plant: Plant,
+    flags: u8,
+    rules: Rules,
+    limits: Option<Limits>,
+    next: Sequence,
+    last_frame: Vec<u8>,
+    corrupt: Option<u8>,
+    hostile: Option<(Hostile, u32, u32)>,
+    planner_every: u32,
+    /// The kind of each move; tags are its indices.
+    kinds: Vec<Followed>,
+    /// The controller's path generation when the planner ran last.
+    planned_for: u32,
+    outputs: Vec<Output>,
+    /// Which of the commands so far were refused.
+    refusals: Vec<bool>,
+    /// In the second run: which commands to replace.
+    replace: Option<Vec<bool>>,
+    report: Report,
+}
+
+impl<'b> Session<'b> {
+    /// A session after power-up. The commands of `replace` are replaced by requests of the status.
+    pub(crate) fn new(bytes: &'b [u8], replace: Option<Vec<bool>>) -> Self {
+        let settings = &Settings::BENCHTOP;
+        let checked = settings.check().expect("the benchtop arm's are valid");
+        let mut bytes = Bytes(bytes);
+        let flags = bytes.byte();
+        let identity = Identity::new(Kind::Desktop, Reset::Power);
+        let mut session = Self {
+            plant: plant(flags, START),
+            flags,
+            controller: Controller::new(&checked),
+            planner: Planner::new(&checked),
+            session: session::Session::new(identity, &checked, flags & 2 == 0),
+            decoder: Decoder::new(),
+            rules: Rules::default(),
+            limits: None,
+            next: Sequence(u16::from(bytes.byte()) << 8),
+            last_frame: Vec::new(),
+            corrupt: None,
+            hostile: None,
+            planner_every: 1,
+            kinds: Vec::new(),
+            planned_for: 0,
+            outputs: Vec::new(),
+            refusals: Vec::new(),
+            replace,
+            report: Report::default(),
+            bytes,
+        };
+        session.renew(&checked);
+        session
+    }
+
+    /// All events until the bytes end.
+    pub(crate) fn run(&mut self) -> Result<(), Violation> {
+        self.command(HostCommand::Hello {
+            version: VERSION,
+            session: 1,
+        })?;
+        self.tick()?;
+        if self.bytes.byte() < 220 {
+            self.declare_angles()?;
+            self.command(HostCommand::Request(Request::Arm))?;
+        }
+        while !self.bytes.is_empty() && self.report.ticks < LONGEST {
+            let tool = self.tool();
+            let event = orders::next(&mut self.bytes, tool, self.controller.settings());
+            self.event(event)?;
+        }
+        // What was accepted is carried out.
+        self.wait(2000, true)
+    }
+
+    pub(crate) fn finish(mut self) -> (Report, Vec<Output>, Vec<bool>) {
+        self.report.faults = u32::from(self.controller.fault().is_some());
+        (self.report, self.outputs, self.refusals)
+    }
+
+    /// Where the reference of the tool is now [m].
+    fn tool(&self) -> orders::Tool {
+        let status = self.controller.status();
+        status.reference.or(status.tool).unwrap_or([0.04, 0.2])
+    }
+
+    fn event(&mut self, event: Event) -> Result<(), Violation> {
+        match event {
+            Event::Command(command) => self.command(command),
+            Event::Move(kind) => {
+                let tag = self.kinds.len() as u32;
+                self.kinds.push(match kind {
+                    MoveKind::Line { .. } | MoveKind::Arc { .. } => Followed::Path,
+                    MoveKind::Dwell { .. } => Followed::Dwell,
+                    MoveKind::Joint { .. } => Followed::Joint,
+                });
+                self.command(HostCommand::Move(Move { tag, kind }))
+            }
+            Event::Recover => {
+                self.command(HostCommand::Request(Request::ClearFault))?;
+                self.declare_angles()?;
+                self.command(HostCommand::Request(Request::Arm))
+            }
+            Event::Repair => {
+                self.plant = plant(self.flags, START);
+                Ok(())
+            }
+            Event::DeclareAngles => self.declare_angles(),
+            Event::Repeat => {
+                let frame = self.last_frame.clone();
+                self.receive(&frame)
+            }
+            Event::Skip(by) => {
+                self.next.0 = self.next.0.wrapping_add(u16::from(by));
+                Ok(())
+            }
+            Event::Garbage(bytes) => self.receive(&bytes),
+            Event::Corrupt(place) => {
+                self.corrupt = Some(place);
+                Ok(())
+            }
+            Event::Wait(ticks) => self.wait(ticks, true),
+            Event::Silence(ticks) => self.wait(ticks, false),
+            Event::Hostile(hostile, ticks) => {
+                self.hostile = Some((hostile, 0, u32::from(ticks % 16) + 1));
+                self.wait(u16::from(ticks), true)
+            }
+            Event::Fault(kind) => {
+                self.plant.inject(kind);
+                Ok(())
+            }
+            Event::Planner(every) => {
+                self.planner_every = u32::from(every);
+                Ok(())
+            }
+        }
+    }
+
+    fn declare_angles(&mut self) -> Result<(), Violation> {
+        let angles = [0, 1].map(|joint| self.plant.angle(joint) as f32);
+        self.command(HostCommand::Request(Request::SetAngles(angles)))
+    }
+
+    fn wait(&mut self, ticks: u16, polls: bool) -> Result<(), Violation> {
+        for tick in 0..u32::from(ticks) {
+            if polls && tick % POLL == POLL - 1 {
+                self.command(HostCommand::Status)?;
+            }
+            self.tick()?;
+        }
+        Ok(())
+    }
+
+    /// Sends a command with the next number.
+    fn command(&mut self, command: HostCommand) -> Result<(), Violation> {
+        let number = self.refusals.len();
+        let replace = self.replace.as_ref();
+        let command = match replace.and_then(|replace| replace.get(number)) {
+            Some(true) => HostCommand::Status,
+            _ => command,
+        };
+        self.refusals.push(false);
+        let sequence = self.next;
+        let message = HostMessage { sequence, command };
+        let mut frame = encode(&message).expect("every command fits a frame");
+        self.last_frame = frame.to_vec();
+        if let Some(place) = self.corrupt.take() {
+            let place = usize::from(place) % frame.len();
+            frame[place] ^= 0x55;
+        }
+        self.receive(&frame)
+    }
+
+    /// Bytes arrive at the controller.
+    fn receive(&mut self, bytes: &[u8]) -> Result<(), Violation> {
+        for &byte in bytes {
+            if let Some(Ok(message)) = self.decoder.feed(byte) {
+                self.answer(&message)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn answer(&mut self, message: &HostMessage) -> Result<(), Violation> {
+        let before = self.trace();
+        self.rules.silence = 0;
+        let answer =
+            self.session
+                .answer(message, &mut self.controller, &mut self.planner, &mut Flash);
+        let stop = message.command == HostCommand::Request(Request::EmergencyStop);
+        if stop {
+            // Executed whatever its number.
+            self.rules.permitted = false;
+        }
+        let reply = answer.as_ref().and_then(|frame| {
+            let mut decoder = Decoder::new();
+            frame.iter().find_map(|&byte| decoder.feed(byte))
+        });
+        let Some(Ok(ControllerMessage::Reply { sequence, reply })) = reply else {
+            return Ok(());
+        };
+        // A frame that was sent again gets the stored reply and is not executed again.
+        let is_new = sequence == self.next;
+        if let Reply::Refused(error) = reply {
+            let after = self.trace();
+            if before != after && !stop {
+                let found = format_args!("{error:?} to {message:?}: {before} became {after}");
+                let rule = "a refused order changes nothing";
+                return Err(Violation::new(self.report.ticks, rule, found));
+            }
+        }
+        if is_new {
+            self.next = self.next.next();
+            self.count(&message.command, &reply, stop);
+        }
+        Ok(())
+    }
+
+    /// Notes what an executed or refused command means for the rules.
+    fn count(&mut self, command: &HostCommand, reply: &Reply, stop: bool) {
+        let refused = matches!(reply, Reply::Refused(_));
+        if refused
+            && !stop
+            && let Some(last) = self.refusals.last_mut()
+        {
+            *last = true;
+        }
+        let column = usize::from(refused);
+        self.report.commands[column] += 1;
+        match command {
+            HostCommand::Move(_) => self.report.moves[column] += 1,
+            HostCommand::ApplySettings => self.report.settings[column] += 1,
+            _ => {}
+        }
+        if refused {
+            return;
+        }
+        match command {
+            HostCommand::Request(Request::Arm | Request::Home) => self.rules.permitted = true,
+            HostCommand::Request(Request::Disarm | Request::EmergencyStop) => {
+                self.rules.permitted = false;
+            }
+            HostCommand::Request(Request::ClearFault) => {
+                self.rules.permitted = false;
+                self.rules.cleared = true;
+            }
+            HostCommand::ApplySettings => {
+                let settings = self.controller.settings().check();
+                self.renew(&settings.expect("settings in use are valid"));
+            }
+            _ => {}
+        }
+    }
+
+    /// A new controller is in use.
+    fn renew(&mut self, settings: &CheckedSettings) {
+        self.limits = Limits::new(settings);
+        let protection = &settings.protection;
+        self.rules.permitted = false;
+        self.rules.renewed = true;
+        self.rules.timeout = (protection.command_timeout * settings.control.tick_rate) as u32;
+    }
+
+    /// All that an order could change, as text: `Debug` writes every bit of a number.
+    fn trace(&self) -> String {
+        let snapshot = self.controller.planning_snapshot();
+        // A planner whose path was dropped finds that out when it runs or gets a move.
+        let is_current = snapshot.path_generation == self.planned_for
+            && matches!(snapshot.state, State::Armed | State::Running);
+        let queue = is_current.then(|| (self.planner.free_slots(), self.planner.is_empty()));
+        format!("{:?} {snapshot:?} {queue:?}", self.controller.status())
+    }
+
+    fn tick(&mut self) -> Result<(), Violation> {
+        let tick = self.report.ticks;
+        if tick % self.planner_every == 0 {
+            self.planner.run(&mut self.controller);
+            self.planned_for = self.controller.planning_snapshot().path_generation;
+        }
+        let mut sample = self.plant.sense();
+        if let Some((hostile, n, end)) = &mut self.hostile {
+            sample = hostile.apply(sample, *n);
+            *n += 1;
+            if n == end {
+                self.hostile = None;
+            }
+        }
+        let command = self.controller.tick(&sample);
+        self.rules
+            .check(tick, &sample, &command, &self.controller)?;
+        let status = self.controller.status();
+        let followed = status
+            .tag
+            .and_then(|tag| self.kinds.get(tag as usize))
+            .copied();
+        let generation = self.controller.planning_snapshot().path_generation;
+        if let Some(limits) = &mut self.limits {
+            let reached = limits
+                .check(&status, followed, generation)
+                .map_err(|found| {
+                    let found = format_args!(
+                        "{found}; move {:?}, {:?}",
+                        status.tag, status.joint_reference
+                    );
+                    Violation::new(tick, "an accepted path keeps its limits", found)
+                })?;
+            self.report.reached = self.report.reached.max(reached);
+        }
+        let rate = f64::from(self.controller.settings().control.tick_rate);
+        self.plant.step(&command, 1.0 / rate);
+        let _ = self.session.telemetry(&mut self.controller);
+        self.report.ticks += 1;
+        self.report.powered += u32::from(command.enable[0]);
+        self.outputs.push((
+            command.duty.map(f32::to_bits),
+            command.enable[0],
+            status.state,
+        ));
+        Ok(())
+    }
+}

@@ -1,0 +1,42 @@
+//! Random sessions keep the rules of every tick, and reach what the rules are about.
+
+use fivebar_stress::{Report, bytes_of, run};
+use proptest::prelude::*;
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+
+    #[test]
+    fn any_session_keeps_the_rules(bytes in prop::collection::vec(any::<u8>(), 1..300)) {
+        if let Err(violation) = run(&bytes) {
+            return Err(TestCaseError::fail(violation.to_string()));
+        }
+    }
+}
+
+/// The same seeds in every run: they show that sessions do more than to be refused.
+#[test]
+fn sessions_of_fixed_seeds_move_the_arm_near_its_limits_and_raise_faults() {
+    let mut sum = Report::default();
+    for seed in 0..12 {
+        match run(&bytes_of(seed, 300)) {
+            Ok(report) => sum = sum.plus(report),
+            Err(violation) => panic!("seed {seed}: {violation}"),
+        }
+    }
+    let Report {
+        moves: [moves, refused_moves],
+        commands: [done, refused],
+        faults,
+        reached,
+        ..
+    } = sum;
+    assert!(sum.powered > sum.ticks / 20, "{sum:?}");
+    assert!(moves > 20 && refused_moves > 50, "{sum:?}");
+    assert!(done > 500 && refused > 100 && faults > 2, "{sum:?}");
+    assert!(reached.ticks > 5_000, "{sum:?}");
+    assert!(
+        reached.speed > 0.9 && reached.acceleration > 0.9 && reached.jerk > 0.8,
+        "{sum:?}"
+    );
+}
