@@ -11,15 +11,17 @@
 //! # Ok::<(), fivebar_stress::Violation>(())
 //! ```
 
+mod arm;
 mod bytes;
 pub mod limits;
 mod orders;
+mod report;
 pub mod rules;
 mod samples;
 mod session;
 
+pub use report::Report;
 pub use rules::Violation;
-pub use session::Report;
 
 use session::Session;
 

@@ -69,6 +69,9 @@ impl Reached {
     }
 }
 
+/// The sines of the three singularities, and the tool's velocity and acceleration.
+type ToolMotion = ([f64; 3], Vector2<f64>, Vector2<f64>);
+
 impl Limits {
     /// The limits of these settings, which were checked.
     pub fn new(settings: &Settings) -> Option<Self> {
@@ -163,13 +166,12 @@ impl Limits {
         Ok(reached)
     }
 
-    /// The sines of the three singularities, and the tool's velocity and acceleration.
     fn tool_motion(
         &self,
         [theta1, theta4]: [f64; 2],
         [omega1, omega4]: [f64; 2],
         [alpha1, alpha4]: [f64; 2],
-    ) -> Result<([f64; 3], Vector2<f64>, Vector2<f64>), PoseError> {
+    ) -> Result<ToolMotion, PoseError> {
         let assembly = if self.settings.assembly_left {
             Side::Left
         } else {

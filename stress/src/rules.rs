@@ -13,7 +13,6 @@
 //! | no motion along a path with a host silent for longer than its timeout | |
 //! | the status holds finite numbers | hosts and reports read it |
 
-use fivebar_firmware::controller::Controller;
 use fivebar_firmware::safety::{Fault, Response, State};
 use fivebar_firmware::{ActuatorCommand, SensorSample, Status};
 use std::fmt;
@@ -75,9 +74,8 @@ impl Rules {
         tick: u32,
         sample: &SensorSample,
         command: &ActuatorCommand,
-        controller: &Controller,
+        status: &Status,
     ) -> Result<(), Violation> {
-        let status = controller.status();
         let state = status.state;
         let [power, other] = command.enable;
         let broken = |rule, found: fmt::Arguments<'_>| Err(Violation::new(tick, rule, found));
@@ -96,7 +94,7 @@ impl Rules {
             );
         }
         let idle = command.duty == [0.0; 2];
-        if !power && !(idle && command.brake) {
+        if !(power || idle && command.brake) {
             return broken(
                 "without power duties are 0 and the brake is engaged",
                 format_args!("{command:?}"),
@@ -146,7 +144,7 @@ impl Rules {
                 format_args!("{state:?}, {:?}", status.fault),
             );
         }
-        self.fault_stays(&status)
+        self.fault_stays(status)
             .map_err(|found| Violation::new(tick, "a fault stays until it is cleared", found))?;
         if state == State::Running && self.silence > self.timeout.saturating_add(2) {
             return broken(
@@ -154,7 +152,7 @@ impl Rules {
                 format_args!("{} ticks of silence", self.silence),
             );
         }
-        if let Some(name) = not_finite(&status) {
+        if let Some(name) = not_finite(status) {
             return broken("the status holds finite numbers", format_args!("{name}"));
         }
 

@@ -1,9 +1,11 @@
 //! A session: host, line, controller and arm, one event after the other.
 
 use crate::LONGEST;
+use crate::arm::plant;
 use crate::bytes::Bytes;
-use crate::limits::{Followed, Limits, Reached};
+use crate::limits::{Followed, Limits};
 use crate::orders::{self, Event};
+use crate::report::Report;
 use crate::rules::{Rules, Violation};
 use crate::samples::Hostile;
 use fivebar_firmware::controller::Controller;
@@ -16,49 +18,12 @@ use fivebar_firmware::session::{self, Board};
 use fivebar_firmware::settings::CheckedSettings;
 use fivebar_firmware::storage::StorageError;
 use fivebar_firmware::{ActuatorCommand, Move, MoveKind, Planner, Request, SensorSample, Settings};
-use fivebar_kinematics::five_bar::{Geometry, Side};
-use fivebar_plant::{Mismatch, Parameters, Plant};
+use fivebar_plant::Plant;
 
 /// Ticks between two requests of the status.
 const POLL: u32 = 100;
 /// θ1, θ4 at the start [rad].
 const START: [f32; 2] = [2.2, 0.9];
-
-/// What happened in a session.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Report {
-    /// Ticks.
-    pub ticks: u32,
-    /// Ticks with power.
-    pub powered: u32,
-    /// Commands that were done, and refused.
-    pub commands: [u32; 2],
-    /// Moves that were accepted, and refused.
-    pub moves: [u32; 2],
-    /// Settings that were applied, and refused.
-    pub settings: [u32; 2],
-    /// Sessions in which a fault was latched.
-    pub faults: u32,
-    /// The limits of accepted paths.
-    pub reached: Reached,
-}
-
-impl Report {
-    /// The sums of both.
-    #[must_use]
-    pub fn plus(self, other: Self) -> Self {
-        let sum = |[a, b]: [u32; 2], [c, d]: [u32; 2]| [a + c, b + d];
-        Self {
-            ticks: self.ticks + other.ticks,
-            powered: self.powered + other.powered,
-            commands: sum(self.commands, other.commands),
-            moves: sum(self.moves, other.moves),
-            settings: sum(self.settings, other.settings),
-            faults: self.faults + other.faults,
-            reached: self.reached.max(other.reached),
-        }
-    }
-}
 
 /// The outputs of a tick, to be compared bit by bit.
 pub(crate) type Output = ([u32; 2], bool, State);
@@ -74,22 +39,6 @@ impl Board for Flash {
     fn tick(&mut self, _: &mut Controller, _: &SensorSample) -> Option<(ActuatorCommand, u32)> {
         None
     }
-}
-
-/// The benchtop arm at these angles [rad], with or without the usual mismatch.
-fn plant(flags: u8, angles: [f32; 2]) -> Plant {
-    let settings = &Settings::BENCHTOP;
-    let parameters = Parameters::from_settings(settings, 24.0).expect("an arm");
-    let geometry = Geometry::new(settings.lengths.map(f64::from)).expect("an arm");
-    let [theta1, theta4] = angles.map(f64::from);
-    let pose = geometry.forward(theta1, theta4, Side::Left);
-    let mismatch = if flags & 1 == 0 {
-        Mismatch::NONE
-    } else {
-        Mismatch::default()
-    };
-    let pose = pose.expect("a pose of this arm");
-    Plant::new(&parameters, &mismatch, &pose, u64::from(flags))
 }
 
 pub(crate) struct Session<'b> {
@@ -373,7 +322,7 @@ impl<'b> Session<'b> {
 
     fn tick(&mut self) -> Result<(), Violation> {
         let tick = self.report.ticks;
-        if tick % self.planner_every == 0 {
+        if tick.is_multiple_of(self.planner_every) {
             self.planner.run(&mut self.controller);
             self.planned_for = self.controller.planning_snapshot().path_generation;
         }
@@ -386,9 +335,8 @@ impl<'b> Session<'b> {
             }
         }
         let command = self.controller.tick(&sample);
-        self.rules
-            .check(tick, &sample, &command, &self.controller)?;
         let status = self.controller.status();
+        self.rules.check(tick, &sample, &command, &status)?;
         let followed = status
             .tag
             .and_then(|tag| self.kinds.get(tag as usize))
