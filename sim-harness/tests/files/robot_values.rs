@@ -208,6 +208,7 @@ fn a_torque_constant_in_another_unit_is_refused_with_the_value_that_is_meant() {
     }
 }
 
+#[test]
 fn values_too_small_to_be_meant_in_their_unit_are_refused_with_the_least() {
     let text = BUILT_IN[0].text;
     for (section, key, small, words) in [
