@@ -223,3 +223,6 @@ impl Controller {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -146,3 +146,6 @@ impl Monitor {
 fn either_exceeds([value1, value4]: [f32; 2], limit: f32) -> bool {
     Scalar::abs(value1) > limit || Scalar::abs(value4) > limit
 }
+
+#[cfg(test)]
+mod tests;

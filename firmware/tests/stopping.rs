@@ -1,0 +1,216 @@
+//! The arm comes to rest as the cause demands: on its path and held, or with the bridges off.
+
+mod rig;
+
+use fivebar_firmware::controller::{Request, RequestError};
+use fivebar_firmware::safety::{Fault, Limits, State};
+use fivebar_firmware::{ActuatorCommand, MoveKind, Settings};
+use rig::{Rig, settings};
+
+const OFF: ActuatorCommand = ActuatorCommand {
+    duty: [0.0; 2],
+    enable: [false; 2],
+    brake: true,
+};
+
+fn with(change: impl FnOnce(&mut Settings)) -> Settings {
+    let mut settings = settings();
+    change(&mut settings);
+    settings
+}
+
+/// On its way along 60 mm at 0.1 m/s for a tenth of a second, at full speed.
+fn running(settings: &Settings) -> Rig {
+    let mut rig = Rig::armed(settings);
+    let [x, y] = rig.tool_position();
+    let to = [x - 0.06, y];
+    rig.push(1, MoveKind::Line { to, feed: 0.1 }).unwrap();
+    rig.run(1000);
+    assert_eq!(rig.controller.state(), State::Running);
+    rig
+}
+
+/// A tick in which the planner is in time and the host is silent.
+fn silent(rig: &mut Rig) -> ActuatorCommand {
+    rig.planner.run(&mut rig.controller);
+    rig.tick_alone()
+}
+
+/// Runs to rest; the way [m] of the tool meanwhile and the greatest change of its speed [m/s] in
+/// a tick.
+fn rest(rig: &mut Rig, mut tick: impl FnMut(&mut Rig) -> ActuatorCommand) -> (f64, f64) {
+    let [start, _] = rig.bench.tool();
+    let (mut before, mut speed, mut jerk) = (start, f64::NAN, 0.0_f64);
+    for _ in 0..6000 {
+        assert_eq!(tick(rig).enable, [true; 2]);
+        let [x, _] = rig.bench.tool();
+        let now = (before - x) * 1e4;
+        jerk = jerk.max((now - speed).abs());
+        (before, speed) = (x, now);
+        if rig.controller.status().tag.is_none() && now.abs() < 1e-4 {
+            return (start - x, jerk);
+        }
+    }
+    panic!("still moving");
+}
+
+/// The stop takes T = 0.11 s, and v T/2 = 5.6 mm of path; 40 mm are left.
+#[test]
+fn a_silent_host_ends_the_motion_by_a_stop_and_not_at_the_end_of_the_path() {
+    let mut rig = running(&settings());
+    while rig.controller.fault().is_none() {
+        silent(&mut rig);
+    }
+    assert_eq!(rig.controller.status().fault, Some(Fault::CommandTimeout));
+    let (way, jerk) = rest(&mut rig, silent);
+    assert!((0.002..0.012).contains(&way), "{way} m");
+    assert!(jerk < 2e-3, "{jerk} m/s in a tick");
+    let reference = rig.controller.status().reference.unwrap();
+    for (tool, reference) in rig.bench.tool().into_iter().zip(reference) {
+        assert!((tool - f64::from(reference)).abs() < 5e-5);
+    }
+}
+
+#[test]
+fn a_requested_stop_slows_down_on_the_path_and_drops_the_rest_of_it() {
+    let mut rig = running(&settings());
+    rig.controller.request(Request::Stop).unwrap();
+    let (way, jerk) = rest(&mut rig, Rig::tick);
+    assert!((0.002..0.012).contains(&way), "{way} m");
+    assert!(jerk < 2e-3, "{jerk} m/s in a tick");
+    assert_eq!(rig.controller.state(), State::Armed);
+    assert!(rig.planner.is_empty() || rig.controller.status().tag.is_none());
+}
+
+#[test]
+fn a_host_that_falls_silent_while_the_arm_stops_is_a_fault() {
+    let mut rig = running(&with(|s| s.protection.command_timeout = 0.01));
+    rig.controller.request(Request::Stop).unwrap();
+    for tick in 1..=100 {
+        assert_eq!(silent(&mut rig).enable, [true; 2]);
+        assert_eq!(rig.controller.state(), State::Stopping, "tick {tick}");
+    }
+    assert_eq!(silent(&mut rig).enable, [true; 2]);
+    assert_eq!(rig.controller.status().fault, Some(Fault::CommandTimeout));
+    let moving = rig.controller.request(Request::ClearFault);
+    assert_eq!(moving, Err(RequestError::Moving));
+    rest(&mut rig, silent);
+    assert_eq!(rig.controller.request(Request::ClearFault), Ok(()));
+}
+
+#[test]
+fn a_host_that_falls_silent_while_the_arm_homes_switches_off() {
+    let mut rig = Rig::new(&settings());
+    rig.controller.request(Request::Home).unwrap();
+    for tick in 1..=1000 {
+        assert_eq!(rig.tick_alone().enable, [true; 2], "tick {tick}");
+    }
+    assert_eq!(rig.tick_alone(), OFF);
+    assert_eq!(rig.controller.status().fault, Some(Fault::CommandTimeout));
+    for _ in 0..100 {
+        assert_eq!(rig.tick_alone(), OFF);
+    }
+    assert_eq!(rig.controller.request(Request::ClearFault), Ok(()));
+    assert_eq!(rig.controller.state(), State::Stopped);
+}
+
+#[test]
+fn an_arm_that_only_holds_may_have_a_silent_host() {
+    let mut rig = Rig::armed(&settings());
+    for _ in 0..3000 {
+        assert_eq!(silent(&mut rig).enable, [true; 2]);
+    }
+    assert_eq!(rig.controller.state(), State::Armed);
+}
+
+#[test]
+fn an_emergency_stop_switches_off_in_its_tick_in_every_state() {
+    let homing = |rig: &mut Rig| rig.controller.request(Request::Home).unwrap();
+    let stopping = |rig: &mut Rig| rig.controller.request(Request::Stop).unwrap();
+    let held = |rig: &mut Rig| {
+        while rig.controller.fault().is_none() {
+            silent(rig);
+        }
+    };
+    let nothing = |_: &mut Rig| ();
+    let cases: [(Rig, &dyn Fn(&mut Rig), State); 6] = [
+        (Rig::new(&settings()), &nothing, State::Stopped),
+        (Rig::new(&settings()), &homing, State::Homing),
+        (Rig::armed(&settings()), &nothing, State::Armed),
+        (running(&settings()), &nothing, State::Running),
+        (running(&settings()), &stopping, State::Stopping),
+        (running(&settings()), &held, State::Fault),
+    ];
+    for (mut rig, prepare, state) in cases {
+        prepare(&mut rig);
+        rig.run(30);
+        assert_eq!(rig.controller.state(), state);
+        rig.bench.overlay.emergency_stop = true;
+        assert_eq!(rig.tick(), OFF, "{state:?}");
+        rig.bench.overlay.emergency_stop = false;
+        let fault = *rig.controller.fault().unwrap();
+        assert_eq!((fault.fault, fault.state), (Fault::EmergencyStop, state));
+        for _ in 0..100 {
+            assert_eq!(rig.tick(), OFF, "{state:?}");
+        }
+    }
+}
+
+#[test]
+fn the_first_power_off_fault_stays_latched() {
+    let mut rig = Rig::armed(&settings());
+    rig.bench.overlay.driver_fault = [true, false];
+    rig.tick();
+    let first = *rig.controller.fault().unwrap();
+    rig.bench.overlay.emergency_stop = true;
+    rig.run(10);
+    rig.controller.latch_fault(Fault::CommandTimeout);
+    rig.controller.request(Request::EmergencyStop).unwrap();
+    assert_eq!(rig.controller.fault(), Some(&first));
+    assert_eq!(rig.run(10), OFF);
+}
+
+#[test]
+fn loops_and_observer_are_at_rest_as_soon_as_the_bridges_are_off() {
+    let mut rig = running(&settings());
+    rig.bench.push = [0.1, -0.05];
+    rig.run(200);
+    assert!(rig.controller.status().torque.iter().all(|&t| t != 0.0));
+    rig.controller.request(Request::Disarm).unwrap();
+    let settled = rig.controller.status();
+    assert_eq!((settled.velocity, settled.torque), ([0.0; 2], [0.0; 2]));
+    assert_eq!(rig.tick(), OFF);
+
+    // A fault leaves the observer at work.
+    let mut rig = running(&settings());
+    let moving = rig.controller.status().velocity;
+    rig.bench.overlay.emergency_stop = true;
+    rig.tick();
+    let off = rig.controller.status();
+    assert_eq!((off.torque, off.current_demand), ([0.0; 2], [0.0; 2]));
+    assert_eq!((off.duty, off.limits), ([0.0; 2], Limits::empty()));
+    assert_eq!((off.reference, off.joint_reference), (None, None));
+    for (off, before) in off.velocity.into_iter().zip(moving) {
+        assert!((off - before).abs() < 0.1 * before.abs(), "{off}, {before}");
+    }
+}
+
+/// 1.2 times the present voltage would be needed for either joint.
+#[test]
+fn a_bus_too_low_for_either_motor_is_reported_as_a_limit() {
+    for push in [[0.6, 0.0], [0.0, 0.6]] {
+        let mut rig = Rig::armed(&with(|s| {
+            s.protection.bus_voltage = [1.0, 30.0];
+            s.protection.following_error = 0.9;
+        }));
+        assert!(!rig.controller.status().limits.contains(Limits::VOLTAGE));
+        rig.bench.bus = 3.0;
+        rig.bench.push = push;
+        let mut voltage = false;
+        for _ in 0..600 {
+            rig.tick();
+            voltage |= rig.controller.status().limits.contains(Limits::VOLTAGE);
+        }
+        assert!(voltage, "{push:?}");
+    }
+}
