@@ -19,6 +19,8 @@ fn with(change: impl FnOnce(&mut Settings)) -> Settings {
     settings
 }
 
+type Prepare<'a> = &'a dyn Fn(&mut Rig);
+
 /// On its way along 60 mm at 0.1 m/s for a tenth of a second, at full speed.
 fn running(settings: &Settings) -> Rig {
     let mut rig = Rig::armed(settings);
@@ -133,7 +135,7 @@ fn an_emergency_stop_switches_off_in_its_tick_in_every_state() {
         }
     };
     let nothing = |_: &mut Rig| ();
-    let cases: [(Rig, &dyn Fn(&mut Rig), State); 6] = [
+    let cases: [(Rig, Prepare<'_>, State); 6] = [
         (Rig::new(&settings()), &nothing, State::Stopped),
         (Rig::new(&settings()), &homing, State::Homing),
         (Rig::armed(&settings()), &nothing, State::Armed),

@@ -1,0 +1,238 @@
+#!/usr/bin/env python3
+"""Seeds mistakes into the controller's portable part, one at a time, in a copy of the sources,
+and runs the tests of fivebar-firmware. Each must be caught.
+
+    firmware/mistakes.py            all of them; the table goes to docs/mistakes.md
+    firmware/mistakes.py 3 7        those by number, without writing the table
+"""
+import filecmp
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+FOLDER = "firmware/src/"
+OFF = "self.latch_power_off(fault);\n        self.off()"
+# What, file, and pairs of old and new text.
+MISTAKES = [
+    ("a following error holds the arm", "safety/fault.rs", "Self::CommandTimeout | Self::QueueUnderrun =>", "Self::CommandTimeout | Self::QueueUnderrun | Self::FollowingError =>", "            | Self::FollowingError\n", ""),
+    ("outside its envelope the arm is held", "safety/fault.rs", "Self::CommandTimeout | Self::QueueUnderrun =>", "Self::CommandTimeout | Self::QueueUnderrun | Self::Envelope =>", "            | Self::Envelope\n", ""),
+    ("a silent host switches off", "safety/fault.rs", "Self::CommandTimeout | Self::QueueUnderrun =>", "Self::QueueUnderrun =>", "            | Self::EncoderDisagreement\n", "            | Self::EncoderDisagreement\n            | Self::CommandTimeout\n"),
+    ("a queue underrun switches off", "safety/fault.rs", "Self::CommandTimeout | Self::QueueUnderrun =>", "Self::CommandTimeout =>", "            | Self::EncoderDisagreement\n", "            | Self::EncoderDisagreement\n            | Self::QueueUnderrun\n"),
+    ("an encoder jump leaves the arm homed", "safety/fault.rs", "Self::EncoderJump | Self::EncoderDisagreement)", "Self::EncoderDisagreement)"),
+    ("an encoder disagreement leaves the arm homed", "safety/fault.rs", "Self::EncoderJump | Self::EncoderDisagreement)", "Self::EncoderJump)"),
+    ("every fault leaves the arm not homed", "safety/fault.rs", "matches!(self, Self::EncoderJump | Self::EncoderDisagreement)", "true"),
+    ("joint 4's jumps unchecked", "safety/monitor.rs", " || Scalar::abs(innovation4) > jump4", " || jump4 < 0.0"),
+    ("joint 1's jumps unchecked", "safety/monitor.rs", "Scalar::abs(innovation1) > jump1 ||", "jump1 < 0.0 ||"),
+    ("jumps of four times the size pass", "safety/monitor.rs", "protection.over_speed / rate", "4.0 * protection.over_speed / rate"),
+    ("joint 4's limits ignored", "safety/monitor.rs", " || Scalar::abs(angle4 - middle4) > reach4", " || angle4 - middle4 > 1e9 * reach4"),
+    ("joint 1's limits ignored", "safety/monitor.rs", "Scalar::abs(angle1 - middle1) > reach1", "angle1 - middle1 > 1e9 * reach1"),
+    ("only the upper joint limits", "safety/monitor.rs", "Scalar::abs(angle1 - middle1) > reach1 || Scalar::abs(angle4 - middle4) > reach4", "angle1 - middle1 > reach1 || angle4 - middle4 > reach4"),
+    ("a whole following error behind a joint limit", "safety/monitor.rs", "let slack = 0.5 *", "let slack = 1.0 *"),
+    ("joint 4 unchecked: current, speed and error", "safety/monitor.rs", "Scalar::abs(value1) > limit || Scalar::abs(value4) > limit", "Scalar::abs(value1) > limit || value4 > 1e9 * limit"),
+    ("over-current rule of joint 4", "safety/monitor.rs", "either_exceeds(current, self.over_current)", "either_exceeds([current[0]; 2], self.over_current)"),
+    ("over-current rule of joint 1", "safety/monitor.rs", "either_exceeds(current, self.over_current)", "either_exceeds([current[1]; 2], self.over_current)"),
+    ("over-current limit doubled", "safety/monitor.rs", "over_current: protection.over_current,", "over_current: 2.0 * protection.over_current,"),
+    ("over-speed of joint 4 unchecked", "safety/monitor.rs", "either_exceeds(velocity, self.over_speed)", "either_exceeds([velocity[0]; 2], self.over_speed)"),
+    ("over-speed limit doubled", "safety/monitor.rs", "over_speed: protection.over_speed,", "over_speed: 2.0 * protection.over_speed,"),
+    ("following error of joint 4 unchecked", "safety/monitor.rs", "either_exceeds(error, self.following_error)", "either_exceeds([error[0]; 2], self.following_error)"),
+    ("following error doubled", "safety/monitor.rs", "following_error: protection.following_error,", "following_error: 2.0 * protection.following_error,"),
+    ("negative values never trip", "safety/monitor.rs", "Scalar::abs(value1) > limit || Scalar::abs(value4) > limit", "value1 > limit || value4 > limit"),
+    ("bus limit ten times as high", "safety/monitor.rs", "bus: protection.bus_voltage,", "bus: [protection.bus_voltage[0], 10.0 * protection.bus_voltage[1]],"),
+    ("over-voltage unchecked", "safety/monitor.rs", "low <= voltage && voltage <= high", "low <= voltage"),
+    ("under-voltage and over-voltage exchanged", "safety/monitor.rs", "} else if voltage < low {", "} else if voltage > high {"),
+    ("the singularity monitor never fires", "safety/monitor.rs", "Scalar::abs(links.cross) < self.margin", "Scalar::abs(links.cross) < -self.margin"),
+    ("a tenth of the singularity margin", "safety/monitor.rs", "margin: 0.5 * settings", "margin: 0.1 * settings"),
+    ("the singularity monitor for one assembly only", "safety/monitor.rs", "Scalar::abs(links.cross) < self.margin", "links.cross < self.margin"),
+    ("silence doubled", "safety/monitor.rs", "silence: (protection.command_timeout * rate) as u32", "silence: (2.0 * protection.command_timeout * rate) as u32"),
+    ("silence one tick too long", "safety/monitor.rs", "ticks > self.silence", "ticks > self.silence + 1"),
+    ("twenty missed ticks tolerated", "safety/monitor.rs", "TOLERATED_TICKS: u32 = 2;", "TOLERATED_TICKS: u32 = 20;"),
+    ("a stop while stopped is refused", "safety/state.rs", "Event::Disarm | Event::Stop | Event::Clear) => Some(Self::Stopped)", "Event::Disarm | Event::Clear) => Some(Self::Stopped)", "Event::Homed | Event::Begin | Event::Finish | Event::Rest) => None", "Event::Homed | Event::Begin | Event::Finish | Event::Rest | Event::Stop) => None"),
+    ("not-a-number duty of joint 4 unchecked", "controller/tick.rs", "(duty1 + duty4).is_finite()", "(duty1 + 0.0 * f32::from(duty4 > 2.0)).is_finite()"),
+    ("not-a-number duty of joint 1 unchecked", "controller/tick.rs", "(duty1 + duty4).is_finite()", "(duty4 + 0.0 * f32::from(duty1 > 2.0)).is_finite()"),
+    ("a fault latched without switching off in its tick", "controller/tick.rs", OFF, "self.latch_power_off(fault);\n        self.wake()"),
+    ("the brake released when off", "controller/tick.rs", "enable: [false; 2],\n            brake: true,", "enable: [false; 2],\n            brake: false,"),
+    ("the brake engaged while driving", "controller/tick.rs", "enable: [true; 2],\n            brake: false,", "enable: [true; 2],\n            brake: true,"),
+    ("the brake released while the bridges wake up", "controller/tick.rs", "enable: [true; 2],\n            brake: true,", "enable: [true; 2],\n            brake: false,"),
+    ("loops not reset when off", "controller/tick.rs", "self.waking = self.model.wake_up_ticks;\n        self.release();", "self.waking = self.model.wake_up_ticks;"),
+    ("bridges not woken again after they slept", "controller/tick.rs", "self.waking = self.model.wake_up_ticks;\n        self.release();", "self.release();"),
+    ("missed ticks not added up", "controller/tick.rs", "self.missed_ticks.saturating_add(sample.missed_ticks)", "self.missed_ticks.saturating_add(1)"),
+    ("missed ticks only counted", "controller/tick.rs", "sample.missed_ticks > TOLERATED_TICKS && self.is_powered()", "sample.missed_ticks > 1000 * TOLERATED_TICKS && self.is_powered()"),
+    ("missed ticks a fault with the bridges off", "controller/tick.rs", "sample.missed_ticks > TOLERATED_TICKS && self.is_powered()", "sample.missed_ticks > TOLERATED_TICKS"),
+    ("joint 4's motor never warms", "controller/tick.rs", "joint4.warm(model4)", "false"),
+    ("joint 1's motor never warms", "controller/tick.rs", "joint1.warm(model1)\n        } else {", "false\n        } else {"),
+    ("heat at half of its speed", "controller/model.rs", "2.0 * period,\n            ),", "period,\n            ),"),
+    ("joint 4 with joint 1's constants of heat", "controller/tick.rs", "joint4.warm(model4)", "joint4.warm(model1)"),
+    ("full duty", "controller/model.rs", "DUTY_LIMIT: f32 = 0.95", "DUTY_LIMIT: f32 = 1.0"),
+    ("bridges driven before they are awake", "controller/model.rs", "(WAKE_UP_TIME * control.tick_rate) as u32 + 1", "1"),
+    ("a bridge's fault of joint 4 unchecked", "controller/faults.rs", "(driver1 | driver4)", "(driver1 | (driver1 & driver4))"),
+    ("a bridge judged while it wakes up", "controller/faults.rs", " && self.waking == 0 {", " && self.waking < 1000 {"),
+    ("too hot is no fault", "controller/faults.rs", "if measurement.too_hot {", "if measurement.too_hot && self.waking > 0 {"),
+    ("bus voltage unchecked", "controller/faults.rs", "if let Some(fault) = monitor.bus(self.bus_voltage)", "if let Some(fault) = monitor.bus(self.bus_voltage).filter(|_| self.waking > 0)"),
+    ("encoder jump ignored when unpowered", "controller/faults.rs", "let jumped = self.model.monitor.jumped(innovation);", "let jumped = self.is_powered() && self.model.monitor.jumped(innovation);"),
+    ("emergency stop ignored when unpowered", "controller/faults.rs", "if sample.emergency_stop {", "if sample.emergency_stop && self.is_powered() {"),
+    ("emergency stop ignored while homing", "controller/faults.rs", "if sample.emergency_stop {", "if sample.emergency_stop && self.state != State::Homing {"),
+    ("silent host ignored while stopping", "controller/faults.rs", "State::Running | State::Stopping if self.host_timed_out()", "State::Running if self.host_timed_out()"),
+    ("silent host a fault while armed", "controller/faults.rs", "State::Running | State::Stopping if self.host_timed_out()", "State::Armed | State::Running | State::Stopping if self.host_timed_out()"),
+    ("queue underrun ignored", "controller/faults.rs", "State::Running if self.path.runs_short()", "State::Stopped if self.path.runs_short()"),
+    ("silence counted from the reset", "controller/faults.rs", "self.ticks.wrapping_sub(self.heard_at)", "self.ticks"),
+    ("homing ignores a silent host", "controller/homing.rs", "if self.host_timed_out() {", "if self.host_timed_out() && self.homed {"),
+    ("homing leaves the arm homed while it searches", "controller/homing.rs", "self.homed = false;\n        self.homing", "self.homing"),
+    ("wrong branch after homing accepted", "controller/homing.rs", "if tool.working_mode(&pose) != self.settings.working_mode() {", "if !u1.x.is_finite() {"),
+    ("following error unchecked while homing", "controller/homing.rs", "if self.model.monitor.following_error_exceeded(self.error) {", "if self.homed && self.model.monitor.following_error_exceeded(self.error) {"),
+    ("homing's torque of joint 4 unlimited", "controller/homing.rs", "Ok((error, limited(demanded, axis.homing_torque)))", "Ok((error, limited(demanded, if joint.counts() == 0 { 0.0 } else { 100.0 * axis.homing_torque })))"),
+    ("homing done with one switch found", "controller/homing.rs", "if let (Some(counts1), Some(counts4)) = (state1.found(), state4.found()) {", "if let (Some(counts1), counts4) = (state1.found(), state4.found().unwrap_or(0)) {"),
+    ("switches of the joints exchanged", "controller/homing.rs", "let [closed1, closed4] = sample.home;", "let [closed4, closed1] = sample.home;"),
+    ("one sample of a switch believed", "controller/homing_state.rs", "DEBOUNCE_TICKS: u8 = 8;", "DEBOUNCE_TICKS: u8 = 1;"),
+    ("counts of the last sample of a switch", "controller/homing_state.rs", "if self.differing == 0 {\n            self.counts", "if self.differing < DEBOUNCE_TICKS {\n            self.counts"),
+    ("the search for a switch without end", "controller/homing_state.rs", "gone(from) > config.range", "gone(from) > 10.0 * config.range"),
+    ("backing off without end", "controller/homing_state.rs", "closed && gone(from) > 4.0 * config.back_off", "closed && gone(from) > 400.0 * config.back_off"),
+    ("no second approach", "controller/homing_state.rs", "self.phase = Phase::BackOff { from: angle };", "self.phase = Phase::Found { counts };"),
+    ("creeping at full speed", "controller/homing_state.rs", "0.125 * config.speed", "config.speed"),
+    ("observer not settled", "controller/joint.rs", "self.observer = ObserverState::at_rest(self.counted(model));", "self.observer.angle = self.counted(model);"),
+    ("the origin's angle not used", "controller/joint.rs", "self.angle_at_origin = angle;", "self.angle_at_origin = 0.0 * angle;"),
+    ("counts that do not wrap", "controller/joint.rs", "self.counts.wrapping_sub(self.origin)", "self.counts.saturating_sub(self.origin)"),
+    ("clear accepted while the arm moves", "controller/transitions.rs", "self.controlled_stop && !self.path.is_empty()", "self.controlled_stop && self.path.is_empty() && !self.path.is_empty()"),
+    ("a controlled stop that does not brake", "controller/transitions.rs", "(State::Fault, _) if self.controlled_stop => self.path.brake(),", "(State::Fault, _) if self.controlled_stop => {}"),
+    ("a stop that does not brake", "controller/transitions.rs", "(State::Stopping, _) => self.path.brake(),", "(State::Stopping, _) => {}"),
+    ("a stop that drops the path", "controller/transitions.rs", "(State::Stopping, _) => self.path.brake(),", "(State::Stopping, _) => self.forget_path(),"),
+    ("a silent host while homing: held", "controller/transitions.rs", "(Response::ControlledStop, State::Stopped | State::Homing) => {\n                self.latch_power_off(fault);", "(Response::ControlledStop, State::Stopped | State::Homing) => {\n                self.begin_controlled_stop(fault);"),
+    ("the last fault is kept", "controller/transitions.rs", "if self.latched.is_none() || self.controlled_stop {", "{"),
+    ("a held fault stays when the power goes off", "controller/transitions.rs", "if self.latched.is_none() || self.controlled_stop {", "if self.latched.is_none() {"),
+    ("still a controlled stop when the power goes off", "controller/transitions.rs", "            self.controlled_stop = false;\n        }\n        if fault", "        }\n        if fault"),
+    ("a cleared fault stays latched", "controller/transitions.rs", "        self.latched = None;\n", ""),
+    ("the generation of a dropped path unchanged", "controller/transitions.rs", "self.path_generation = self.path_generation.wrapping_add(1);\n", ""),
+    ("arm accepted unhomed", "controller/request.rs", "if !self.homed {", "if !self.homed && self.ticks == 0 {"),
+    ("arm accepted outside the limits", "controller/request.rs", "if !within {", "if !within && self.ticks == 0 {"),
+    ("joint 4's limits unchecked for arming", "controller/request.rs", ".zip([theta1, theta4])\n            .all", ".zip([theta1])\n            .all"),
+    ("arm accepted in a singularity", "controller/request.rs", "if Scalar::abs(pose.sin32()) < settings", "if Scalar::abs(pose.sin32()) < 0.0 * settings"),
+    ("angles set while powered", "controller/request.rs", "if self.state != State::Stopped {\n            return Err", "if self.state == State::Running {\n            return Err"),
+    ("angles of another branch accepted", "controller/request.rs", "if self.model.tool.working_mode(&pose) != self.settings.working_mode() {", "if !pose.u1.x.is_finite() {"),
+    ("an armed arm jumps to the measured position", "controller/request.rs", "if self.state != State::Stopped {\n            return Ok(());", "if self.state == State::Running {\n            return Ok(());"),
+    ("an old set-point after arming", "controller/request.rs", "        self.setpoint = Setpoint::hold([pose.u1, pose.u4]);\n", "        let _ = Setpoint::hold([pose.u1, pose.u4]);\n"),
+    ("following error against the measured direction", "controller/tracking.rs", "(u1.cross_z(d1), u4.cross_z(d4))", "(u1.cross_z(d1), 0.0 * u4.cross_z(d4))"),
+    ("the envelope of the set-point instead of the arm", "controller/tracking.rs", "monitor.outside(self.angles())", "monitor.outside(self.setpoint.direction.map(PlanarVector::polar_angle))"),
+    ("parallel links unchecked", "controller/tracking.rs", " || monitor.near_parallel(&links)", ""),
+    ("segments of a dropped path accepted", "controller/planning.rs", "follows_paths && path_generation == self.path_generation", "follows_paths"),
+    ("paths accepted while stopping", "controller/planning.rs", "State::Armed | State::Running => true,\n            State::Stopped | State::Homing | State::Stopping |", "State::Armed | State::Running | State::Stopping => true,\n            State::Stopped | State::Homing |"),
+    ("moves accepted while stopping", "planner/mod.rs", "State::Armed | State::Running => true,\n        State::Stopped | State::Homing | State::Stopping |", "State::Armed | State::Running | State::Stopping => true,\n        State::Stopped | State::Homing |"),
+    ("stops of half the time", "controller/path/brake.rs", "time = time.max(1.5 * speed / acceleration);", "time = time.max(0.1 * speed / acceleration);"),
+    ("the planner uses twice the torque", "planner/mod.rs", "TORQUE_SHARE: f32 = 0.8", "TORQUE_SHARE: f32 = 1.6"),
+    ("the planner uses half of the margin", "planner/mod.rs", "margin: motion.singularity_margin", "margin: 0.5 * motion.singularity_margin"),
+    ("the planner ignores the joint limits", "planner/mod.rs", "limits: JointLimits::new(axis1.angle_limits, axis4.angle_limits).ok()", "limits: JointLimits::new([-7.0, 7.0], [-7.0, 7.0]).ok().filter(|_| axis1.angle_limits != axis4.angle_limits)"),
+    ("joint 4 planned with joint 1's limits", "planner/mod.rs", "JointLimits::new(axis1.angle_limits, axis4.angle_limits)", "JointLimits::new(axis1.angle_limits, if axis4.angle_limits[0] > 9.0 { axis4.angle_limits } else { axis1.angle_limits })"),
+    ("joints planned at twice their speed", "planner/mod.rs", "axis.max_speed)", "2.0 * axis.max_speed)"),
+    ("joints planned at twice their acceleration", "planner/mod.rs", "axis.max_acceleration)", "2.0 * axis.max_acceleration)"),
+    ("the tool planned at twice its speed", "planner/mod.rs", "speed: motion.max_speed", "speed: 2.0 * motion.max_speed"),
+    ("the tool planned at twice its acceleration", "planner/mod.rs", "acceleration: motion.max_acceleration", "acceleration: 2.0 * motion.max_acceleration"),
+    ("the tool planned at four times its jerk", "planner/mod.rs", "jerk: motion.max_jerk", "jerk: 4.0 * motion.max_jerk"),
+    ("settings saved while armed", "session/mod.rs", "only_stopped(controller)?;\n            Ok(*controller.settings())", "Ok(*controller.settings())"),
+    ("settings applied while armed", "session/mod.rs", "only_stopped(controller)?;\n            *controller", "*controller"),
+    ("settings applied unchecked by the board", "session/mod.rs", "checked.map_err(|_| CommandError::Settings)?;", "let _ = checked;"),
+    ("default settings saved", "session/mod.rs", "        if !self.has_settings {\n            return Err(CommandError::NoSettings);\n        }\n        board", "        board"),
+    ("homing on default settings", "session/mod.rs", "matches!(request, Request::Arm | Request::Home)", "matches!(request, Request::Arm)"),
+    ("a repeated command executed again", "session/mod.rs", "SequenceCheck::Next => {", "SequenceCheck::Next | SequenceCheck::Repeat => {", "            SequenceCheck::Repeat => Some(host.reply.clone()),\n", ""),
+    ("an early command executed", "session/mod.rs", "SequenceCheck::Next => {", "SequenceCheck::Next | SequenceCheck::Gap => {", "            SequenceCheck::Gap => {\n                let next = CommandError::OutOfSequence(host.last.next());\n                reply(sequence, Reply::Refused(next))\n            }\n", ""),
+    ("an emergency stop waits for its number", "session/mod.rs", "let _ = controller.lock(|controller| controller.request(Request::EmergencyStop));", ""),
+    ("a tick of the plant as a sign of life", "session/mod.rs", "if !matches!(command, HostCommand::Tick(_)) {", "{"),
+    ("a host of another version accepted", "session/mod.rs", "if version != VERSION {", "if version == 0 && version != VERSION {"),
+    ("telemetry of the session before goes on", "session/mod.rs", "        self.draft = controller.lock(|controller| *controller.settings());\n        self.sampler = Sampler::off();", "        self.draft = controller.lock(|controller| *controller.settings());"),
+    ("a draft of the session before is kept", "session/mod.rs", "        self.draft = controller.lock(|controller| *controller.settings());\n", "        let _ = controller.lock(|controller| *controller.settings());\n"),
+    ("checksum unchecked", "protocol/decoder.rs", "if CRC.checksum(checked) != u32::from_le_bytes(*crc) {", "if CRC.checksum(checked) != u32::from_le_bytes(*crc) && checked.is_empty() {"),
+    ("frames of the own end accepted", "protocol/decoder.rs", "if sender != M::SENDER as u8 {", "if sender == 0 && sender != M::SENDER as u8 {"),
+    ("bytes behind a message accepted", "protocol/decoder.rs", "Ok((message, [])) => Ok(message),", "Ok((message, _)) => Ok(message),"),
+    ("settings of another layout accepted", "storage/mod.rs", "pub const LAYOUT: u8 = 1;", "pub const LAYOUT: u8 = 2;"),
+    ("a save not read back", "storage/mod.rs", "if self.newest()? == Some((item, half)) {", "if self.newest()? == Some((item, half)) || item.number > 0 {"),
+    ("the half with the newest settings overwritten", "storage/mod.rs", "Some((newest, half)) if half == first => (newest.number.wrapping_add(1), second),", "Some((newest, half)) if half == second => (newest.number.wrapping_add(1), second),"),
+    ("damaged settings are no fault at the start", "session/start.rs", "(_, Some(StorageError::Corrupt)) => Some(Fault::SettingsCorrupt),", "(Reset::Watchdog, Some(StorageError::Corrupt)) => Some(Fault::SettingsCorrupt),", "(_, Some(StorageError::Blank |", "(_, Some(StorageError::Corrupt | StorageError::Blank |"),
+    ("a watchdog reset is no fault at the start", "session/start.rs", "(Reset::Watchdog, _) => Some(Fault::WatchdogReset),", "(Reset::Watchdog, None) => None,"),
+    ("the over-current limit below a motor's peak", "settings/check.rs", "&& protection.over_current >= axis4.peak_current", ""),
+    ("the over-speed limit below a joint's speed", "settings/check.rs", "&& protection.over_speed >= axis4.max_speed", ""),
+    ("homing faster than joint 4", "settings/check.rs", "&& homing.speed <= axis4.max_speed", ""),
+    ("homing at more current than joint 1's peak", "settings/check.rs", "&& homing.current <= axis1.peak_current", ""),
+    ("joint 1 unchecked", "settings/check.rs", "for (joint, axis) in [1, 4].into_iter().zip(&self.axes) {", "for (joint, axis) in [1, 4].into_iter().zip(&self.axes).skip(1) {"),
+    ("a board's count rate of one joint only", "settings/board.rs", "settings.axes.iter().all(", "settings.axes.iter().take(1).all("),
+]
+
+
+def run(*command, **options):
+    return subprocess.run(command, capture_output=True, text=True, **options)
+
+
+def seed(copy, file, *texts):
+    """Puts the mistake in; the path and its text before."""
+    path = copy / FOLDER / file
+    before = text = path.read_text()
+    for old, new in zip(texts[::2], texts[1::2]):
+        if old not in text:
+            raise SystemExit(f"{file} has no '{old}'")
+        text = text.replace(old, new, 1)
+    path.write_text(text)
+    return path, before
+
+
+def main():
+    chosen = [int(word) for word in sys.argv[1:]] or range(1, len(MISTAKES) + 1)
+    copy = ROOT / "target" / "mistakes-firmware"
+    for file in filter(None, run("git", "ls-files", cwd=ROOT).stdout.split("\n")):
+        source, target = ROOT / file, copy / file
+        target.parent.mkdir(parents=True, exist_ok=True)
+        # A copy gets the present time: with an old one, cargo would not see that it replaces a
+        # file in which a mistake was seeded and compiled.
+        if source.exists() and not (target.exists() and filecmp.cmp(source, target, shallow=False)):
+            shutil.copy(source, target)
+    # Other crates are compiled already in this folder; ours differ by the copy's path. Random
+    # tests need no smallest example.
+    folder = os.environ.get("CARGO_TARGET_DIR", str(ROOT / "target"))
+    environment = {**os.environ, "CARGO_TARGET_DIR": folder, "PROPTEST_MAX_SHRINK_ITERS": "0"}
+    # What is quick comes first, because a run ends with the first file of tests that fails.
+    groups = [["--lib"], [], ["planning", "storage"]]
+    tests = sorted(path.stem for path in (ROOT / "firmware/tests").glob("*.rs"))
+    groups[1] = [word for name in tests if name not in groups[2] for word in ("--test", name)]
+    groups[2] = [word for name in groups[2] for word in ("--test", name)]
+
+    def test():
+        output = ""
+        for group in groups:
+            done = run("cargo", "test", "--package", "fivebar-firmware", *group, cwd=copy, env=environment)
+            output += done.stdout + done.stderr
+            if done.returncode != 0:
+                break
+        return done.returncode, output
+
+    rows, missed = [], []
+    status, output = test()
+    if status != 0:
+        raise SystemExit("without a mistake:\n" + output[-2000:])
+    for number in chosen:
+        name, file, *texts = MISTAKES[number - 1]
+        path, before = seed(copy, file, *texts)
+        status, output = test()
+        path.write_text(before)
+        failed = sorted(set(re.findall(r"^test (\S+) \.\.\. FAILED", output, re.M)))
+        if failed and "could not compile" not in output:
+            found = f"`{failed[0].split('::')[-1]}`"
+            found += f" and {len(failed) - 1} more" if len(failed) > 1 else ""
+        else:
+            found = "nothing"
+            missed.append(name)
+            print(output[-1500:] if status != 0 else "")
+        rows.append(f"| {number} | {name} | `{file}` | {found} |")
+        print(rows[-1], flush=True)
+    if not sys.argv[1:]:
+        table = ["| # | mistake | in | caught by |", "|---|---|---|---|", *rows]
+        head = (
+            "# Mistakes seeded into the controller\n\n"
+            "Mistakes that `firmware/mistakes.py` seeds into the controller's portable part, one at a time, and\n"
+            "the tests that caught each. A run ends with the first file of tests in which one fails, so others\n"
+            "may catch it, too.\n\n"
+        )
+        (ROOT / "docs" / "mistakes.md").write_text(head + "\n".join(table) + "\n")
+    if missed:
+        raise SystemExit(f"not caught: {', '.join(missed)}")
+
+
+main()
