@@ -183,3 +183,6 @@ pub(super) fn limited(value: f32, limit: f32) -> f32 {
         value
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -165,3 +165,81 @@ fn segments_shorter_than_a_tick_are_passed_two_at_a_time() {
         );
     }
 }
+
+/// The first segment of a dwell of `duration` [s], which ends in motion if `open`.
+fn segment(duration: f32, open: bool) -> QueuedSegment {
+    let mut lookahead = LookaheadPlanner::<f32, 4>::new();
+    lookahead.push_dwell(Vector2::zeros(), duration, 0).unwrap();
+    QueuedSegment {
+        open,
+        ..queued(lookahead.next_segment().expect("a segment"))
+    }
+}
+
+/// A stop needs T/2 and two ticks, 50.2 ms; 20 ms more are waited for.
+#[test]
+fn a_path_that_ends_in_motion_begins_when_it_lasts_longer_than_a_stop() {
+    for (duration, begins) in [(0.001, false), (0.0695, false), (0.0707, true)] {
+        let mut path = Path::new(STOPPING_TIME, PERIOD);
+        path.push(segment(duration, true));
+        assert_eq!(path.is_enough(), begins, "{duration} s");
+        assert_eq!(path.step().is_some(), begins, "{duration} s");
+    }
+    let mut path = Path::new(STOPPING_TIME, PERIOD);
+    path.push(segment(0.001, false));
+    assert!(path.step().is_some(), "a path that ends at rest");
+}
+
+#[test]
+fn a_path_runs_short_when_a_stop_needs_all_that_is_left_of_it() {
+    for (left, short) in [(0.0497, true), (0.0507, false)] {
+        let mut path = Path::new(STOPPING_TIME, PERIOD);
+        path.push(segment(0.1, true));
+        let passed = ((0.1 - left) / 1e-4) as u32;
+        for _ in 0..passed {
+            path.step().expect("a path");
+        }
+        assert_eq!(path.runs_short(), short, "{} s left", path.left());
+    }
+}
+
+#[test]
+fn a_path_that_ends_at_rest_or_stops_never_runs_short() {
+    let mut at_rest = dwell(0.01);
+    at_rest.step().expect("a path");
+    assert!(!at_rest.runs_short());
+    let mut stopping = Path::new(STOPPING_TIME, PERIOD);
+    stopping.push(segment(0.1, true));
+    for _ in 0..600 {
+        stopping.step().expect("a path");
+    }
+    assert!(stopping.runs_short());
+    stopping.brake();
+    assert!(!stopping.runs_short());
+}
+
+#[test]
+fn the_time_left_counts_every_pushed_segment_once() {
+    let mut path = Path::new(STOPPING_TIME, PERIOD);
+    assert_eq!(path.left(), 0.0);
+    for (number, open) in [(1_u8, false), (2, true), (3, true), (4, false)] {
+        path.push(segment(0.01, open));
+        let expected = 0.01 * f32::from(number);
+        assert!((path.left() - expected).abs() < 1e-6, "{}", path.left());
+    }
+    path.clear();
+    assert_eq!((path.left(), path.tag()), (0.0, None));
+}
+
+#[test]
+fn a_path_is_full_after_as_many_segments_as_it_has_room_for() {
+    let mut path = Path::new(STOPPING_TIME, PERIOD);
+    for _ in 0..QUEUED_SEGMENTS {
+        assert!(!path.is_full());
+        path.push(segment(0.0001, true));
+    }
+    assert!(path.is_full() && path.is_enough());
+    let left = path.left();
+    path.push(segment(0.0001, true));
+    assert_eq!(path.left(), left, "no room for more");
+}

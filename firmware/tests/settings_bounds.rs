@@ -1,0 +1,139 @@
+//! A bound of the settings holds for either joint by itself, and the bound itself is allowed.
+
+mod rig;
+
+use fivebar_firmware::Settings;
+use fivebar_firmware::settings::{AxisField, BoardLimits, Field, SettingsError};
+use rig::settings;
+
+type Change = fn(&mut Settings);
+
+fn result(change: impl FnOnce(&mut Settings)) -> Option<SettingsError> {
+    let mut settings = settings();
+    change(&mut settings);
+    settings.check().err()
+}
+
+#[test]
+fn a_limit_of_both_joints_is_compared_with_each() {
+    for joint in 0..2 {
+        let cases: [(f32, fn(&mut Settings, usize, f32), Field); 4] = [
+            (
+                0.69,
+                |s, joint, v| s.axes[joint].max_speed = v,
+                Field::HomingSpeed,
+            ),
+            (
+                1.19,
+                |s, joint, v| {
+                    s.axes[joint].peak_current = v;
+                    s.axes[joint].continuous_current = 0.5;
+                },
+                Field::HomingCurrent,
+            ),
+            (
+                50.5,
+                |s, joint, v| s.axes[joint].max_speed = v,
+                Field::OverSpeed,
+            ),
+            (
+                6.05,
+                |s, joint, v| s.axes[joint].peak_current = v,
+                Field::OverCurrent,
+            ),
+        ];
+        for (value, change, field) in cases {
+            let refused = result(|s| change(s, joint, value));
+            assert_eq!(refused, Some(SettingsError::Field(field)), "{joint}");
+        }
+    }
+}
+
+#[test]
+fn either_joint_is_checked_by_its_number() {
+    for (joint, number) in [(0, 1), (1, 4)] {
+        let refused = result(|s| s.axes[joint].resistance = 0.0);
+        let expected = SettingsError::Axis(number, AxisField::Resistance);
+        assert_eq!(refused, Some(expected));
+    }
+}
+
+#[test]
+fn a_value_at_its_bound_is_allowed() {
+    let cases: [Change; 12] = [
+        |s| s.control.tick_rate = 50_000.0,
+        |s| s.control.current_bandwidth = 0.35 * s.control.tick_rate,
+        |s| s.control.bandwidth = 0.25 * s.control.current_bandwidth,
+        |s| s.control.damping = 0.2,
+        |s| s.control.damping = 2.0,
+        |s| s.control.integral_rate = 0.25 * s.control.bandwidth,
+        |s| s.control.observer_bandwidth = 2.0 * s.control.bandwidth,
+        |s| s.homing.current = s.axes[0].peak_current,
+        |s| s.protection.over_speed = s.axes[0].max_speed,
+        |s| s.protection.over_current = s.axes[0].peak_current,
+        |s| s.protection.command_timeout = 60.0,
+        |s| s.motion.corner_tolerance = 0.0,
+    ];
+    for (number, change) in cases.into_iter().enumerate() {
+        assert_eq!(result(change), None, "case {number}");
+    }
+}
+
+#[test]
+fn a_value_just_beyond_its_bound_is_refused() {
+    let cases: [(Change, Field); 16] = [
+        (|s| s.control.tick_rate = 50_001.0, Field::TickRate),
+        (
+            |s| s.control.current_bandwidth = 0.0,
+            Field::CurrentBandwidth,
+        ),
+        (|s| s.control.bandwidth = 0.0, Field::Bandwidth),
+        (|s| s.control.damping = 2.01, Field::Damping),
+        (
+            |s| s.control.observer_bandwidth = 1.01 * s.control.tick_rate,
+            Field::ObserverBandwidth,
+        ),
+        (|s| s.homing.speed = 0.0, Field::HomingSpeed),
+        (|s| s.homing.speed = f32::NAN, Field::HomingSpeed),
+        (|s| s.homing.back_off = 1.0, Field::HomingBackOff),
+        (|s| s.homing.back_off = f32::NAN, Field::HomingBackOff),
+        (|s| s.homing.current = 0.0, Field::HomingCurrent),
+        (|s| s.homing.current = f32::NAN, Field::HomingCurrent),
+        (
+            |s| s.protection.following_error = 0.0,
+            Field::FollowingError,
+        ),
+        (
+            |s| s.protection.over_speed = f32::INFINITY,
+            Field::OverSpeed,
+        ),
+        (|s| s.protection.over_current = f32::NAN, Field::OverCurrent),
+        (
+            |s| s.protection.bus_voltage = [0.0, 30.0],
+            Field::BusVoltage,
+        ),
+        (
+            |s| s.protection.command_timeout = 60.1,
+            Field::CommandTimeout,
+        ),
+    ];
+    for (number, (change, field)) in cases.into_iter().enumerate() {
+        let refused = result(change);
+        assert_eq!(refused, Some(SettingsError::Field(field)), "case {number}");
+    }
+}
+
+#[test]
+fn the_count_rate_of_either_encoder_is_within_the_board_s() {
+    let limits = BoardLimits::STM32F405;
+    assert_eq!(limits.check(&settings()), Ok(()));
+    for joint in 0..2 {
+        let mut fine = settings();
+        fine.axes[joint].encoder_counts *= 3;
+        let refused = SettingsError::BoardCountRate(limits.count_rate);
+        assert_eq!(limits.check(&fine), Err(refused), "joint {joint}");
+        // The sense of the gear does not matter.
+        fine.axes[joint].gear_ratio = -fine.axes[joint].gear_ratio;
+        assert_eq!(limits.check(&fine), Err(refused), "joint {joint}");
+    }
+}
