@@ -17,7 +17,7 @@ tests() { cargo test; }
 # Each published crate as a package, compiled from its own archive.
 package() {
     cargo package --quiet --allow-dirty --package fivebar-kinematics --package fivebar-design \
-        --package fivebar-firmware --package fivebar
+        --package fivebar-firmware --package fivebar-plant --package fivebar
 }
 peers() { scripts/peers.sh; }
 browser() { scripts/browser.sh; }
