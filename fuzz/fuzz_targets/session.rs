@@ -3,8 +3,11 @@
 
 use libfuzzer_sys::fuzz_target;
 
+/// Ticks of a session: short ones, so that there are many.
+const LONGEST: u32 = 3000;
+
 fuzz_target!(|bytes: &[u8]| {
-    if let Err(violation) = fivebar_stress::run(bytes) {
+    if let Err(violation) = fivebar_stress::run_for(LONGEST, bytes) {
         panic!("{violation}");
     }
 });

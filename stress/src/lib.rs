@@ -35,12 +35,20 @@ pub const LONGEST: u32 = 20_000;
 /// # Errors
 /// The first rule that is broken, with its tick.
 pub fn run(bytes: &[u8]) -> Result<Report, Violation> {
+    run_for(LONGEST, bytes)
+}
+
+/// As [`run`], with events for at most this many ticks: a fuzzer wants many short sessions.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_for(longest: u32, bytes: &[u8]) -> Result<Report, Violation> {
     let mut first = Session::new(bytes, None);
-    first.run()?;
+    first.run(longest)?;
     let (report, outputs, refusals) = first.finish();
     if refusals.iter().any(|&refused| refused) {
         let mut second = Session::new(bytes, Some(refusals));
-        second.run()?;
+        second.run(longest)?;
         let (_, without, _) = second.finish();
         let differs = outputs.iter().zip(&without).position(|(a, b)| a != b);
         if let Some(tick) = differs {

@@ -65,6 +65,14 @@ pub struct Rules {
 }
 
 impl Rules {
+    /// Rules with this greatest silence of the host [ticks].
+    pub fn with_timeout(timeout: u32) -> Self {
+        Self {
+            timeout,
+            ..Self::default()
+        }
+    }
+
     /// Checks the outcome of a tick.
     ///
     /// # Errors

@@ -1,6 +1,5 @@
 //! A session: host, line, controller and arm, one event after the other.
 
-use crate::LONGEST;
 use crate::arm::plant;
 use crate::bytes::Bytes;
 use crate::limits::{Followed, Limits};
@@ -103,7 +102,7 @@ impl<'b> Session<'b> {
     }
 
     /// All events until the bytes end.
-    pub(crate) fn run(&mut self) -> Result<(), Violation> {
+    pub(crate) fn run(&mut self, longest: u32) -> Result<(), Violation> {
         self.command(HostCommand::Hello {
             version: VERSION,
             session: 1,
@@ -113,13 +112,13 @@ impl<'b> Session<'b> {
             self.declare_angles()?;
             self.command(HostCommand::Request(Request::Arm))?;
         }
-        while !self.bytes.is_empty() && self.report.ticks < LONGEST {
+        while !self.bytes.is_empty() && self.report.ticks < longest {
             let tool = self.tool();
             let event = orders::next(&mut self.bytes, tool, self.controller.settings());
             self.event(event)?;
         }
         // What was accepted is carried out.
-        self.wait(2000, true)
+        self.wait((longest / 10) as u16, true)
     }
 
     pub(crate) fn finish(mut self) -> (Report, Vec<Output>, Vec<bool>) {

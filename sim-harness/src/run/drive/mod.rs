@@ -150,7 +150,14 @@ impl<'a, L: Read + Write> Drive<'a, L> {
             if (self.wants_stop)() {
                 return Err(DriveError::Stopped(status.tag));
             }
-            taken += self.offer(moves.get(taken..).unwrap_or(&[]))?;
+            taken += match self.offer(moves.get(taken..).unwrap_or(&[])) {
+                Err(DriveError::Move(refusal)) => {
+                    // A fault since the last status is the reason why moves are refused.
+                    self.fault_free_status()?;
+                    return Err(refusal.into());
+                }
+                offered => offered?,
+            };
             // Between two ticks the queue may be empty while its last segment has not begun.
             let is_idle = status.state == State::Armed && room == all_room;
             idle_since = idle_since.filter(|_| is_idle && taken == moves.len());

@@ -43,6 +43,8 @@ mod message;
 mod move_feeder;
 mod pace;
 mod preview;
+#[cfg(test)]
+mod random_messages;
 mod rate;
 mod requests;
 mod simulated;

@@ -1,0 +1,32 @@
+#!/usr/bin/env bash
+# Long runs from seeds; docs/soak.md has the results so far. A broken rule ends a run with the
+# seed that repeats it.
+#
+#   scripts/soak.sh sessions FIRST_SEED SECONDS   sessions of random orders, samples and faults
+#   scripts/soak.sh robots FIRST_SEED SECONDS     SECONDS of simulated random jobs on each arm
+#   scripts/soak.sh board FIRST_SEED TICKS        random jobs on the emulated board, bit by bit;
+#                                                 needs the images of scripts/firmware.sh
+#   scripts/soak.sh links                         a job over bad links: the table
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+soak() { cargo test --quiet --package fivebar-tests "$@" --nocapture --include-ignored; }
+
+case ${1:-} in
+    sessions)
+        cargo run --quiet --package fivebar-stress --example campaign -- "$2" "$3"
+        ;;
+    robots)
+        SOAK_SEED=$2 SOAK_SECONDS=$3 soak --test soak -- robots::
+        ;;
+    board)
+        SOAK_SEED=$2 SOAK_TICKS=$3 soak --features emulator --test soak -- board::
+        ;;
+    links)
+        soak --test soak -- links::every
+        ;;
+    *)
+        sed -n '2,/^set/p' "$0" | sed '$d; s/^# \{0,1\}//' >&2
+        exit 2
+        ;;
+esac

@@ -1,0 +1,56 @@
+//! Random jobs on every arm in this process; the rules and limits hold in every tick.
+
+use crate::jobs::{RandomJob, robots};
+use crate::number;
+use crate::watched::Watched;
+use fivebar::run::link::TargetError;
+use fivebar::run::simulation::RunError;
+use fivebar_stress::limits::Reached;
+
+/// `SOAK_SECONDS` of simulated time on each arm, from `SOAK_SEED` on.
+#[test]
+fn random_jobs_on_every_arm_keep_the_rules_and_the_limits() {
+    let seconds = number("SOAK_SECONDS", 4) as f64;
+    let first = number("SOAK_SEED", 1);
+    for robot in robots() {
+        let settings = robot.settings().expect("it has masses");
+        let (mut simulated, mut ticks, mut seed) = (0.0, 0_u64, first);
+        let [mut moves, mut done, mut faults, mut refused] = [0; 4];
+        let mut reached = Reached::default();
+        while simulated < seconds {
+            let job = RandomJob::new(robot.clone(), seed);
+            let controller = job
+                .scenario
+                .controller(seed % 8 != 0)
+                .expect("a controller");
+            let mut target = Watched::new(controller, &settings, &job.moves);
+            let outcome = job.scenario.run_on(&mut target, &job.moves, &mut |_| ());
+            match outcome {
+                Ok((_, record)) if record.faults.is_empty() => done += 1,
+                Ok(_) => faults += 1,
+                // The arm begins the job some micrometres beside its home.
+                Err(RunError::Target(TargetError::Move(_))) => refused += 1,
+                Err(error) => panic!("{}, seed {seed}: {error}", robot.name),
+            }
+            let name = &robot.name;
+            assert_eq!(target.broken, None, "{name}, seed {seed}");
+            simulated += f64::from(target.ticks) / robot.control.tick_rate;
+            ticks += u64::from(target.ticks);
+            reached = reached.max(target.reached);
+            moves += job.moves.len();
+            seed += 1;
+        }
+        println!(
+            "| {} | {first} to {} | {simulated:.0} | {ticks} | {moves} | {done} | {faults} | \
+             {refused} | {:.3} / {:.3} / {:.3} | {:.3} / {:.3} |",
+            robot.name,
+            seed - 1,
+            reached.speed,
+            reached.acceleration,
+            reached.jerk,
+            reached.joint_speed,
+            reached.joint_acceleration,
+        );
+        assert!(reached.ticks > 0 && done > 0, "{}", robot.name);
+    }
+}
