@@ -8,6 +8,9 @@ use rig::settings;
 
 type Change = fn(&mut Settings);
 
+/// Gives a joint this value.
+type Put = fn(&mut Settings, usize, f32);
+
 fn result(change: impl FnOnce(&mut Settings)) -> Option<SettingsError> {
     let mut settings = settings();
     change(&mut settings);
@@ -17,7 +20,7 @@ fn result(change: impl FnOnce(&mut Settings)) -> Option<SettingsError> {
 #[test]
 fn a_limit_of_both_joints_is_compared_with_each() {
     for joint in 0..2 {
-        let cases: [(f32, fn(&mut Settings, usize, f32), Field); 4] = [
+        let cases: [(f32, Put, Field); 4] = [
             (
                 0.69,
                 |s, joint, v| s.axes[joint].max_speed = v,

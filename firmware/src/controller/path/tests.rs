@@ -243,3 +243,46 @@ fn a_path_is_full_after_as_many_segments_as_it_has_room_for() {
     path.push(segment(0.0001, true));
     assert_eq!(path.left(), left, "no room for more");
 }
+
+/// A stop advances by T/2, and T is at most twice what is left, less two ticks for the way there.
+#[test]
+fn a_stop_on_a_path_too_short_for_it_ends_before_the_path_does() {
+    for (left, ticks) in [(0.03, 596), (0.003, 56), (0.0007, 10), (0.0003, 2)] {
+        let mut path = Path::new(STOPPING_TIME, PERIOD);
+        path.push(segment(0.1, true));
+        for _ in 0..((0.1 - left) / 1e-4_f64).round() as u32 {
+            path.step().expect("a path");
+        }
+        path.brake();
+        let taken = i64::try_from(ticks_to_rest(&mut path)).expect("few");
+        assert!(
+            (taken - ticks).abs() <= 1,
+            "{taken} ticks with {left} s left"
+        );
+    }
+}
+
+#[test]
+fn the_acceleration_of_a_stop_is_the_change_of_its_rate() {
+    let mut path = turn(1e-2);
+    for _ in 0..1000 {
+        path.step().expect("a path");
+    }
+    path.brake();
+    let of = |step: &Step| match step.reference {
+        Reference::Joint {
+            rates,
+            accelerations,
+            ..
+        } => (f64::from(rates[0]), f64::from(accelerations[0])),
+        Reference::Tool { .. } => panic!("a move of the joints"),
+    };
+    let (mut rate, mut before) = of(&path.step().expect("a path"));
+    for tick in 1..990 {
+        let (next, acceleration) = of(&path.step().expect("a path"));
+        let change = (next - rate) / 1e-4;
+        let mean = 0.5 * (acceleration + before);
+        assert!((change - mean).abs() < 2e-3, "{change}, {mean} at {tick}");
+        (rate, before) = (next, acceleration);
+    }
+}

@@ -1,0 +1,98 @@
+//! What controller, planner and session tell each other.
+
+mod desk;
+mod rig;
+
+use desk::Desk;
+use fivebar_firmware::controller::{QueuedSegment, Request};
+use fivebar_firmware::protocol::{HostCommand, Reply};
+use fivebar_firmware::safety::{Limits, State};
+use fivebar_firmware::{Move, MoveKind};
+use fivebar_kinematics::trajectory::TrajectorySegment;
+use nalgebra::Vector2;
+use rig::{Rig, START, settings};
+
+#[test]
+fn the_room_that_a_host_is_told_is_the_planner_s() {
+    let mut desk = Desk::armed();
+    for tag in 0..4 {
+        match desk.ask(HostCommand::Status) {
+            Reply::Status { room, .. } => {
+                assert_eq!(usize::from(room), desk.planner.free_slots());
+            }
+            other => panic!("{other:?}"),
+        }
+        let kind = MoveKind::Dwell { duration: 0.5 };
+        match desk.ask(HostCommand::Move(Move { tag, kind })) {
+            Reply::Taken { room } => {
+                assert!(room > 1);
+                assert_eq!(usize::from(room), desk.planner.free_slots());
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+}
+
+fn dwell() -> QueuedSegment {
+    QueuedSegment {
+        segment: TrajectorySegment::rest(Vector2::new(0.04, 0.2), 1.0, 5),
+        open: false,
+        limits: Limits::empty(),
+    }
+}
+
+#[test]
+fn a_segment_is_taken_in_armed_and_running_and_for_the_present_path_only() {
+    let mut rig = Rig::new(&settings());
+    let generation = rig.controller.planning_snapshot().path_generation;
+    rig.controller.extend_path(generation, dwell());
+    assert_eq!(rig.controller.planning_snapshot().path_left, 0.0);
+
+    let mut rig = Rig::armed(&settings());
+    let generation = rig.controller.planning_snapshot().path_generation;
+    rig.controller
+        .extend_path(generation.wrapping_sub(1), dwell());
+    assert_eq!(rig.controller.planning_snapshot().path_left, 0.0);
+    rig.controller.extend_path(generation, dwell());
+    assert_eq!(rig.controller.planning_snapshot().path_left, 1.0);
+
+    // Disarming drops it, and with it whatever was planned to follow.
+    rig.controller.request(Request::Disarm).unwrap();
+    let after = rig.controller.planning_snapshot();
+    assert_eq!((after.state, after.path_left), (State::Stopped, 0.0));
+    assert_ne!(after.path_generation, generation);
+}
+
+#[test]
+fn the_hold_has_the_angles_of_the_arm_in_its_own_turn() {
+    let rig = Rig::armed(&settings());
+    let (_, joints) = rig.controller.hold_position().unwrap();
+    for (joint, start) in joints.into_iter().zip(START) {
+        assert!((joint - start).abs() < 1e-4, "{joint} for {start}");
+    }
+    // The set-point is held while the arm gives way.
+    let mut rig = Rig::armed(&settings());
+    rig.bench.theta[0] += 2e-3;
+    rig.run(2);
+    let (_, joints) = rig.controller.hold_position().unwrap();
+    assert!((joints[0] - START[0]).abs() < 2e-4, "{}", joints[0]);
+    // π and more: the measured turn decides.
+    let mut turned = settings();
+    turned.axes[0].angle_limits = [2.0, 4.5];
+    let mut rig = Rig::new(&turned);
+    let far = [3.3, 0.9];
+    if rig.controller.request(Request::SetAngles(far)).is_ok() {
+        rig.controller.request(Request::Arm).unwrap();
+        let (_, joints) = rig.controller.hold_position().unwrap();
+        assert!((joints[0] - far[0]).abs() < 1e-4, "{}", joints[0]);
+    }
+}
+
+/// A change of this mean changes the gains of the loops that assume a constant inertia.
+#[test]
+fn independent_joints_have_the_mean_inertia_of_the_arm_s_poses() {
+    let [inertia1, inertia4] = settings().check().unwrap().nominal_inertia();
+    for inertia in [inertia1, inertia4] {
+        assert!((inertia - 1.1815e-3).abs() < 2e-6, "{inertia} kg·m²");
+    }
+}
