@@ -3,9 +3,9 @@
 
 mod rig;
 
-use fivebar_firmware::controller::{Request, RequestError};
+use fivebar_firmware::controller::{Controller, Request, RequestError};
 use fivebar_firmware::safety::{Fault, State};
-use fivebar_firmware::{ActuatorCommand, Settings};
+use fivebar_firmware::{ActuatorCommand, MoveKind, Settings};
 use fivebar_kinematics::five_bar::{Geometry, Side};
 use rig::{Rig, START, settings};
 
@@ -173,5 +173,36 @@ fn a_joint_outside_either_of_its_limits_is_not_armed() {
         let set = rig.controller.request(Request::SetAngles(angles));
         assert_eq!(set, Err(RequestError::OutsideLimits), "{angles:?}");
         assert!(!rig.controller.status().homed);
+    }
+}
+
+/// Joint 1's counter passes its greatest number on the way, joint 4's its least, or the reverse.
+#[test]
+fn a_counter_that_wraps_on_the_way_changes_nothing() {
+    for sign in [1, -1] {
+        let mut rig = Rig::new(&settings());
+        let counts = rig.bench.sense().counts;
+        rig.bench.extra_counts =
+            [sign, -sign].map(|sign| if sign > 0 { i32::MAX } else { i32::MIN });
+        for (extra, count) in rig.bench.extra_counts.iter_mut().zip(counts) {
+            *extra = extra.wrapping_sub(count);
+        }
+        rig.controller = Controller::new(&settings().check().unwrap());
+        rig.run(1);
+        rig.controller.request(Request::SetAngles(START)).unwrap();
+        rig.controller.request(Request::Arm).unwrap();
+        for to in [[2.25, 0.95], [2.15, 0.85], [2.25, 0.85], [2.15, 0.95]] {
+            rig.push(1, MoveKind::Joint { to, speed: 0.1 }).unwrap();
+            rig.run(4000);
+            assert_eq!(
+                rig.controller.state(),
+                State::Armed,
+                "{:?}",
+                rig.controller.fault()
+            );
+            for (theta, to) in rig.bench.theta.into_iter().zip(to) {
+                assert!((theta - f64::from(to)).abs() < 5e-4, "{theta} for {to}");
+            }
+        }
     }
 }
