@@ -33,10 +33,17 @@ emulated() {
         --test images --test instructions --test emulated_boards --test emulated_faults \
         --test emulated_port --test production_image --test stack --test live_page
 }
+# Builds the fuzz targets and runs each over its committed inputs.
+fuzz() {
+    fuzz/build.sh files
+    for target in fuzz/fuzz_targets/*.rs; do
+        fuzz/run.sh "$(basename "$target" .rs)" -runs=0
+    done
+}
 commands() { scripts/commands.sh; }
 demo() { cargo run --release --quiet -- --out target/demonstration; }
 
-all=(format file_lengths lint docs licences tests demo package peers python browser setup firmware chip emulated commands)
+all=(format file_lengths lint docs licences tests demo package peers python browser setup firmware chip emulated fuzz commands)
 steps=("$@")
 [ $# -gt 0 ] || steps=("${all[@]}")
 
