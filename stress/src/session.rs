@@ -108,7 +108,13 @@ impl<'b> Session<'b> {
             session: 1,
         })?;
         self.tick()?;
-        if self.bytes.byte() < 220 {
+        let start = self.bytes.byte();
+        if start & 1 == 1 {
+            // Refused where no arm has such angles: the joints stay unknown.
+            let angles = self.bytes.pair(-4.0, 4.0);
+            self.command(HostCommand::Request(Request::SetAngles(angles)))?;
+        }
+        if start < 220 {
             self.declare_angles()?;
             self.command(HostCommand::Request(Request::Arm))?;
         }

@@ -18,7 +18,7 @@ proptest! {
 #[test]
 fn sessions_of_fixed_seeds_move_the_arm_near_its_limits_and_raise_faults() {
     let mut sum = Report::default();
-    for seed in 0..12 {
+    for seed in 0..16 {
         match run(&bytes_of(seed, 300)) {
             Ok(report) => sum = sum.plus(report),
             Err(violation) => panic!("seed {seed}: {violation}"),
