@@ -216,3 +216,23 @@ fn a_bus_too_low_for_either_motor_is_reported_as_a_limit() {
         assert!(voltage, "{push:?}");
     }
 }
+
+/// A controlled stop needs a path, or a position to hold.
+#[test]
+fn a_fault_that_would_hold_the_arm_switches_off_where_nothing_is_held() {
+    for state in [State::Stopped, State::Homing] {
+        for fault in [Fault::CommandTimeout, Fault::QueueUnderrun] {
+            let mut rig = Rig::new(&settings());
+            if state == State::Homing {
+                rig.controller.request(Request::Home).unwrap();
+                rig.run(100);
+            }
+            assert_eq!(rig.controller.state(), state);
+            rig.controller.latch_fault(fault);
+            for _ in 0..100 {
+                assert_eq!(rig.tick(), OFF, "{fault:?} while {state:?}");
+            }
+            assert_eq!(rig.controller.status().fault, Some(fault));
+        }
+    }
+}
