@@ -19,7 +19,7 @@ package() {
     cargo package --quiet --allow-dirty --package fivebar-kinematics --package fivebar-design \
         --package fivebar-firmware --package fivebar-plant --package fivebar
 }
-# A sample; scripts/mutants.sh without it takes hours.
+# A sample, which runs only by name; scripts/mutants.sh without it takes hours.
 mutants() { scripts/mutants.sh --sample; }
 peers() { scripts/peers.sh; }
 browser() { scripts/browser.sh; }

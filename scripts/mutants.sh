@@ -4,7 +4,7 @@
 #
 #   scripts/mutants.sh                                      all (hours)
 #   scripts/mutants.sh firmware/src/safety/monitor.rs ...   these files
-#   scripts/mutants.sh --sample                             what CI runs (about two minutes)
+#   scripts/mutants.sh --sample                             the states and their transitions
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -24,7 +24,8 @@ if [ "$(cargo mutants --version 2>/dev/null)" != "cargo-mutants $version" ]; the
     cargo install cargo-mutants --version "$version" --locked --debug --quiet
 fi
 
-# A copy is changed in place, and what is compiled stays in this tree's target folder.
+# A copy is changed in place. It has a target folder of its own: in a shared one, cargo takes what
+# was compiled from the copy for what was compiled from here.
 root=$PWD
 copy=target/mutants-tree
 mkdir -p "$copy"
@@ -43,7 +44,7 @@ for crate in firmware kinematics; do
     [ ${#chosen[@]} -gt 0 ] || continue
     # Exit codes 2 and 3 report survivors and timeouts, which are looked at below.
     status=0
-    (cd "$copy" && CARGO_TARGET_DIR=$root/target PROPTEST_MAX_SHRINK_ITERS=0 RUST_BACKTRACE=0 \
+    (cd "$copy" && PROPTEST_MAX_SHRINK_ITERS=0 RUST_BACKTRACE=0 \
         cargo mutants --in-place --package "fivebar-$crate" "${chosen[@]}" --timeout 90 \
         --no-shuffle --colors never --output "$report/$crate" -- --lib --tests) || status=$?
     [ "$status" = 0 ] || [ "$status" = 2 ] || [ "$status" = 3 ] || exit "$status"
