@@ -100,6 +100,6 @@ fn a_search_at_speed_follows_its_reference_closely() {
         assert!((speed - sign * 0.7).abs() < 0.05, "{speed} rad/s");
     }
     for error in snapshot.error {
-        assert!(error.abs() < 4e-4, "{error} rad");
+        assert!(error.abs() < 3e-5, "{error} rad");
     }
 }

@@ -84,15 +84,19 @@ fn creeping_fails_behind_six_times_the_way() {
 
 #[test]
 fn each_phase_has_its_speed_and_direction() {
+    let fast = HomingConfig {
+        speed: 2.0,
+        ..CONFIG
+    };
     for (phase, speed) in [
-        (Phase::Approach { from: 0.0 }, 1.0),
-        (Phase::BackOff { from: 0.0 }, -1.0),
-        (Phase::Creep { from: 0.0 }, 0.125),
+        (Phase::Approach { from: 0.0 }, 2.0),
+        (Phase::BackOff { from: 0.0 }, -2.0),
+        (Phase::Creep { from: 0.0 }, 0.25),
         (Phase::Found { counts: 0 }, 0.0),
     ] {
         let mut search = search(phase, false);
         for _ in 0..10 {
-            assert_eq!(step(&mut search, 0.0), Ok(()));
+            assert_eq!(search.step(&fast, false, 0.0, 7, 1e-3), Ok(()));
         }
         assert_eq!(search.rate, speed, "{phase:?}");
     }

@@ -286,3 +286,17 @@ fn the_acceleration_of_a_stop_is_the_change_of_its_rate() {
         (rate, before) = (next, acceleration);
     }
 }
+
+#[test]
+fn a_stop_takes_two_ticks_at_least() {
+    for left in [0.0002, 0.0001] {
+        let mut path = Path::new(STOPPING_TIME, PERIOD);
+        path.push(segment(0.1, true));
+        for _ in 0..((0.1 - left) / 1e-4_f64).round() as u32 {
+            path.step().expect("a path");
+        }
+        path.brake();
+        let ticks = (1..100).find(|_| path.step().expect("a path").at_rest);
+        assert!(matches!(ticks, Some(2 | 3)), "{ticks:?} with {left} s left");
+    }
+}
