@@ -58,14 +58,14 @@ pub struct Rules {
     pub renewed: bool,
     /// Ticks since the last frame of the host.
     pub silence: u32,
-    /// Greatest allowed silence [ticks].
+    /// Greatest allowed silence, in ticks.
     pub timeout: u32,
     fault: Option<Fault>,
     state: Option<State>,
 }
 
 impl Rules {
-    /// Rules with this greatest silence of the host [ticks].
+    /// Rules with this greatest silence of the host, in ticks.
     pub fn with_timeout(timeout: u32) -> Self {
         Self {
             timeout,
