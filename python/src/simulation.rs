@@ -3,12 +3,12 @@
 use crate::error;
 use crate::robot::Robot;
 use fivebar::input::robot::BuiltIn;
-use fivebar_plant::Mismatch;
 use fivebar::input::scenario::Scenario as Described;
 use fivebar::run::link::{InProcess, Target, TargetError};
 use fivebar::run::simulation::{Sample, fault_name};
 use fivebar_firmware::controller::Request;
 use fivebar_firmware::{ActuatorCommand, Move, SensorSample, Status};
+use fivebar_plant::Mismatch;
 use numpy::{Element, IntoPyArray};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
