@@ -14,6 +14,8 @@ impl Mcu {
         if let Some((word, bit)) = bit_band(address) {
             return Ok(self.read(word, 4)? >> bit & 1);
         }
+        // The core's time is that of the end of its block: what came before happens first.
+        self.run_events();
         let (unit, offset) = locate(self, address, None)?;
         let word = self.read_unit(unit, offset & !3)?;
         let value = word >> (8 * (offset & 3));
@@ -33,6 +35,7 @@ impl Mcu {
             let old = self.read(word, 4)?;
             return self.write(word, 4, old & !(1 << bit) | (value & 1) << bit);
         }
+        self.run_events();
         let (unit, offset) = locate(self, address, Some(value))?;
         if unit != Unit::Scs && (offset & 3 != 0 || size == 1) {
             return refuse(
@@ -159,4 +162,40 @@ fn bit_band(address: u32) -> Option<(u32, u32)> {
         .filter(|offset| *offset < 0x0200_0000)?;
     let byte = offset / 32;
     Some((0x4000_0000 + (byte & !3), 8 * (byte & 3) + offset / 4 % 8))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mcu::Options;
+    use crate::wiring::Unwired;
+
+    const RCC_APB2ENR: u32 = 0x4002_3844;
+    const TIM1: u32 = 0x4001_0000;
+    const HALF_PERIOD: u32 = 100;
+
+    /// A block may pass an end of the counter's way and then write to the timer: the end counts.
+    #[test]
+    fn a_write_just_after_an_end_of_the_counters_way_loses_no_repetition() {
+        let mut mcu = Mcu::new(Options::default(), Vec::new(), Box::new(Unwired));
+        let write = |mcu: &mut Mcu, address, value| mcu.write(address, 4, value).expect("legal");
+        write(&mut mcu, RCC_APB2ENR, 1);
+        // ARR, RCR, centre aligned, an update by software, then its flag cleared, then the start.
+        for (offset, value) in [
+            (0x2c, HALF_PERIOD),
+            (0x30, 3),
+            (0, 0x20),
+            (0x14, 1),
+            (0x10, 0),
+            (0, 0x21),
+        ] {
+            write(&mut mcu, TIM1 + offset, value);
+        }
+        for ends in 1..=4 {
+            mcu.now += u64::from(HALF_PERIOD) * mcu.core + u64::from(ends == 1);
+            write(&mut mcu, TIM1 + 0x34, 7);
+            let updated = mcu.read(TIM1 + 0x10, 4).expect("legal") & 1;
+            assert_eq!(updated, u32::from(ends == 4), "after {ends} half periods");
+        }
+    }
 }

@@ -257,6 +257,7 @@ impl Chip {
 
     /// The crystal stops.
     pub fn crystal_fails(&mut self) {
+        self.mcu().run_events();
         self.mcu().crystal_fails();
     }
 
