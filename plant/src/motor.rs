@@ -28,6 +28,12 @@ pub struct Motor {
 const SIGN_WIDTH: f64 = 0.02;
 
 impl Motor {
+    /// The rotor's inertia at the joint, n² J [kg·m²].
+    #[inline]
+    pub fn reflected_inertia(&self) -> f64 {
+        self.rotor_inertia * self.gear_ratio * self.gear_ratio
+    }
+
     /// Torque at the joint from the current [N·m], without friction.
     #[inline]
     pub fn torque(&self, current: f64) -> f64 {

@@ -2,10 +2,12 @@
 
 use crate::chain::{Chain, JOINTS};
 use crate::dynamics::{Model, State};
+use crate::encoder::Encoder;
 use crate::mismatch::Mismatch;
 use crate::motor::Motor;
 use crate::planar::{Body, PlanarVector, perp, rotation};
 use crate::sensors::JointSensors;
+use crate::transmission::Transmission;
 use fivebar_firmware::Settings;
 use fivebar_firmware::settings::SettingsError;
 use fivebar_kinematics::dynamics::{Arm, Link};
@@ -22,6 +24,10 @@ pub struct Parameters {
     pub tool_offset: [f64; 2],
     /// The motors.
     pub motors: [Motor; 2],
+    /// The gears or belts.
+    pub transmissions: [Transmission; 2],
+    /// The encoders.
+    pub encoders: [Encoder; 2],
     /// Torques of the holding brakes [N·m]; zero without a brake.
     pub brake_torque: [f64; 2],
     /// Bus voltage [V].
@@ -33,7 +39,8 @@ pub struct Parameters {
 }
 
 impl Parameters {
-    /// The arm that a controller's settings describe, without brakes, with this bus voltage [V].
+    /// The arm that a controller's settings describe, with rigid drives,
+    /// encoders without error and no brakes, at this bus voltage [V].
     ///
     /// # Errors
     /// Lengths or inertias that are not an arm's.
@@ -63,6 +70,8 @@ impl Parameters {
                 .map_err(SettingsError::Inertia)?,
             tool_offset: wide(settings.tool_offset),
             motors,
+            transmissions: [Transmission::default(); 2],
+            encoders: [Encoder::default(); 2],
             brake_torque: [0.0; 2],
             bus_voltage,
             volts_per_code: settings.protection.bus_voltage_per_code.into(),
@@ -75,12 +84,16 @@ impl Model {
     /// The arm with this mismatch.
     pub fn new(parameters: &Parameters, mismatch: &Mismatch) -> Self {
         let arm = &parameters.arm;
-        let [l1, l2, l3, l4, base] = arm.geometry().lengths();
+        let [l1, l2, l3, l4, base] = mismatch.lengths(arm.geometry().lengths());
         let heavier = 1.0 + mismatch.link_mass;
-        let motors = parameters.motors.map(|motor| Motor {
-            viscous_friction: motor.viscous_friction * (1.0 + mismatch.friction),
-            coulomb_friction: motor.coulomb_friction * (1.0 + mismatch.friction),
-            ..motor
+        let motors = [0, 1].map(|joint| {
+            let motor = parameters.motors[joint];
+            Motor {
+                torque_constant: motor.torque_constant * (1.0 + mismatch.torque_constant[joint]),
+                viscous_friction: motor.viscous_friction * (1.0 + mismatch.friction),
+                coulomb_friction: motor.coulomb_friction * (1.0 + mismatch.friction),
+                ..motor
+            }
         });
         // In its own frame, link j has its joints at (0, 0) and (lj, 0). Along the chain from
         // A to E, links 3 and 4 run from their far ends to their origins.
@@ -176,7 +189,7 @@ impl JointSensors {
         let axis = &settings.axes[joint];
         Self {
             counts_per_turn: f64::from(axis.encoder_counts) * f64::from(axis.gear_ratio),
-            home: f64::from(axis.home_angle),
+            home: f64::from(axis.home_angle) + mismatch.home_error[joint],
             home_forward: axis.home_forward,
             current_per_code: f64::from(axis.current_per_code),
             current_zero_code: f64::from(axis.current_zero_code),

@@ -90,9 +90,23 @@ impl<'a> Source<'a> {
             .and_then(toml::Table::try_into::<T>)
             .map_err(|error| {
                 let reason = error.to_string();
-                refused(error, &reason)
+                let line = self.line_of_path(&reason);
+                FileError {
+                    line,
+                    ..refused(error, &reason)
+                }
             })?;
         Ok(read)
+    }
+
+    /// The line of the value that an error names at its end: "…in `mismatch.stiffness`".
+    fn line_of_path(&self, reason: &str) -> Option<usize> {
+        let (_, path) = reason.trim_end().strip_suffix('`')?.rsplit_once('`')?;
+        let document = DeTable::parse(self.text).ok()?;
+        let mut keys = path.split('.');
+        let first = document.get_ref().get(keys.next()?)?;
+        let value = keys.try_fold(first, |value, key| value.get_ref().as_table()?.get(key))?;
+        Some(self.line(value.span().start))
     }
 
     /// The error for a value that can be read but is not valid.

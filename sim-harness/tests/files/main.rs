@@ -1,6 +1,7 @@
 //! Files that are read: robots, linkages, jobs.
 
 mod document;
+mod drive_keys;
 mod gcode_from_hosts;
 mod gcode_jobs;
 mod linkage_files;

@@ -50,6 +50,7 @@ fn mismatch(random: &mut Rand64) -> Mismatch {
         payload: 0.0,
         current_noise: between(random, 0.0, 3.0),
         current_offset: between(random, -3.0, 3.0),
+        ..Mismatch::NONE
     }
 }
 

@@ -6,7 +6,7 @@ use super::value::{
     LEAST_ACCELERATION, LEAST_INERTIA, LEAST_JERK, LEAST_MASS, LEAST_SPEED, LONGEST, POSITIVE,
     SHORTEST, at_least, finite, increasing, near, not_negative, positive, sized,
 };
-use super::{Actuator, Robot, consistency, tolerance};
+use super::{Actuator, Robot, consistency, drive, tolerance};
 use crate::input::source::{FileError, Key, Source};
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::dynamics::{Arm, Link};
@@ -226,6 +226,7 @@ fn actuators(
         ] {
             not_negative(source, key(name), value)?;
         }
+        drive::check(source, index, a)?;
     }
     Ok(Some(actuators))
 }

@@ -3,6 +3,7 @@
 //! All values are in SI units and radians. Unknown keys are refused.
 
 use fivebar_plant::contact::Contact;
+use fivebar_plant::{Encoder, EncoderSide, Harmonics, Motor, Transmission};
 use serde::Deserialize;
 use std::f64::consts::TAU;
 
@@ -77,7 +78,8 @@ pub struct Actuator {
     /// without brakes falls while it is unpowered.
     #[serde(default)]
     pub brake_torque: f64,
-    /// Encoder counts per motor turn, after quadrature.
+    /// Encoder counts per motor turn, after quadrature. For an encoder at the joint: its
+    /// counts per turn over the gear ratio.
     pub encoder_counts: u32,
     /// Peak motor current [A].
     pub peak_current: f64,
@@ -87,9 +89,54 @@ pub struct Actuator {
     pub thermal_time_constant: f64,
     /// Motor current per ADC code [A]; by default ±2 × `peak_current` fills 12 bits.
     pub current_per_code: Option<f64>,
+    /// Stiffness of the gear or belt at the joint [N·m/rad]; none: rigid.
+    pub stiffness: Option<f64>,
+    /// Damping beside the stiffness, at the joint [N·m·s/rad].
+    #[serde(default)]
+    pub drive_damping: f64,
+    /// The shaft that the encoder measures.
+    #[serde(default)]
+    pub encoder_side: EncoderSide,
+    /// Age of the encoder's angle when it is sampled [s].
+    #[serde(default)]
+    pub encoder_latency: f64,
+    /// The encoder's known error, an angle of the encoder's shaft [rad]: its measured angle is
+    /// the true one plus this.
+    #[serde(default)]
+    pub encoder_error: Harmonics,
 }
 
 impl Actuator {
+    /// The motor with its gear ratio and the friction at its joint.
+    pub fn motor(&self) -> Motor {
+        Motor {
+            gear_ratio: self.gear_ratio,
+            rotor_inertia: self.rotor_inertia,
+            torque_constant: self.torque_constant,
+            resistance: self.resistance,
+            inductance: self.inductance,
+            viscous_friction: self.viscous_friction,
+            coulomb_friction: self.coulomb_friction,
+        }
+    }
+
+    /// The gear or belt.
+    pub fn transmission(&self) -> Transmission {
+        Transmission {
+            stiffness: self.stiffness,
+            damping: self.drive_damping,
+        }
+    }
+
+    /// The encoder, without its counts.
+    pub fn encoder(&self) -> Encoder {
+        Encoder {
+            side: self.encoder_side,
+            latency: self.encoder_latency,
+            error: self.encoder_error,
+        }
+    }
+
     /// Torque at the joint at peak current [N·m].
     pub fn peak_torque(&self) -> f64 {
         self.peak_current * self.torque_per_ampere()

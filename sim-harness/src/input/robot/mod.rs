@@ -5,6 +5,7 @@ mod builtin;
 mod check;
 mod consistency;
 mod draft;
+mod drive;
 mod file;
 mod home;
 mod settings;

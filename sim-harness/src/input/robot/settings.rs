@@ -7,7 +7,7 @@ use fivebar_firmware::settings::{
 };
 use fivebar_kinematics::dynamics::Arm;
 use fivebar_kinematics::five_bar::Side;
-use fivebar_plant::{Motor, Parameters};
+use fivebar_plant::{EncoderSide, Harmonics, Parameters};
 
 /// Codes of the 12-bit converters.
 pub(super) const ADC_CODES: f64 = 4096.0;
@@ -105,15 +105,9 @@ impl Robot {
         Ok(Parameters {
             arm: *self.arm()?,
             tool_offset: self.tool.offset,
-            motors: drives.map(|drive| Motor {
-                gear_ratio: drive.gear_ratio,
-                rotor_inertia: drive.rotor_inertia,
-                torque_constant: drive.torque_constant,
-                resistance: drive.resistance,
-                inductance: drive.inductance,
-                viscous_friction: drive.viscous_friction,
-                coulomb_friction: drive.coulomb_friction,
-            }),
+            motors: drives.map(|drive| drive.motor()),
+            transmissions: drives.map(|drive| drive.transmission()),
+            encoders: drives.map(|drive| drive.encoder()),
             brake_torque: drives.map(|drive| drive.brake_torque),
             bus_voltage: self.supply.voltage,
             volts_per_code: self.voltage_per_code(),
@@ -219,6 +213,11 @@ fn ideal_torque_source(torque: f64, max_speed: f64, voltage: f64) -> Actuator {
         continuous_current: peak_current,
         thermal_time_constant: 60.0,
         current_per_code: None,
+        stiffness: None,
+        drive_damping: 0.0,
+        encoder_side: EncoderSide::Motor,
+        encoder_latency: 0.0,
+        encoder_error: Harmonics::NONE,
     }
 }
 

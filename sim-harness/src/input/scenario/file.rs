@@ -88,6 +88,10 @@ impl Scenario {
             Some(built_in) => built_in.robot()?,
             None => Robot::load(&beside(path, &file.robot))?,
         };
+        if let Ok(parameters) = robot.plant_parameters() {
+            let fits = file.mismatch.check_for(&parameters);
+            fits.map_err(|invalid| source.refuse(Key::In("mismatch", invalid.name), invalid))?;
+        }
         let job_file = beside(path, &file.job);
         let job_text = read_job(&job_file)?;
         Ok(Self {

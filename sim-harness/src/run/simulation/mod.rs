@@ -19,7 +19,7 @@ use crate::run::link::{InProcess, Target, TargetError};
 use fivebar_firmware::settings::SettingsError;
 use fivebar_firmware::{Move, Planner};
 use fivebar_plant::contact::ClearanceError;
-use fivebar_plant::{Plant, WornJoints};
+use fivebar_plant::{MismatchError, Plant, WornJoints};
 use std::time::Instant;
 
 /// Why a run ended early. Faults of the controller are no errors here; the record has them.
@@ -45,6 +45,14 @@ pub enum RunError {
         robot: String,
         /// The setting that is not valid.
         error: SettingsError,
+    },
+    /// The mismatch does not fit the robot.
+    #[error("with robot `{robot}`, `{}` of [mismatch] {error}", error.name)]
+    Mismatch {
+        /// The robot's name.
+        robot: String,
+        /// The value that does not fit.
+        error: MismatchError,
     },
     /// The controller refuses the job or a request, or does not reply.
     #[error(transparent)]
@@ -96,12 +104,14 @@ impl Scenario {
             }
         });
         let pose = self.robot.pose_near_home(before)?;
-        let mut plant = Plant::new(
-            &self.robot.plant_parameters()?,
-            &self.mismatch,
-            &pose,
-            self.seed,
-        );
+        let parameters = self.robot.plant_parameters()?;
+        self.mismatch
+            .check_for(&parameters)
+            .map_err(|error| RunError::Mismatch {
+                robot: self.robot.name.clone(),
+                error,
+            })?;
+        let mut plant = Plant::new(&parameters, &self.mismatch, &pose, self.seed);
         if let Some(clearance) = self.clearance {
             plant = plant.worn(WornJoints::new(&self.robot.contact, clearance)?);
         }

@@ -1,0 +1,42 @@
+//! Checks the drive of an `[[actuator]]`: its stiffness, and what is known of its encoder.
+
+use super::Actuator;
+use super::value::{not_negative, positive};
+use crate::input::source::{FileError, Key, Source};
+use fivebar_plant::{Bound, MismatchError, check_harmonics};
+
+/// Greatest latency of an encoder [s].
+const LONGEST_LATENCY: f64 = 0.1;
+
+pub(super) fn check(
+    source: &Source<'_>,
+    index: usize,
+    actuator: &Actuator,
+) -> Result<(), FileError> {
+    let key = |name| Key::Of("actuator", index, name);
+    let refused = |invalid: MismatchError| source.refuse(key(invalid.name), invalid);
+    let latency = ("encoder_latency", actuator.encoder_latency);
+    let damping = ("drive_damping", actuator.drive_damping);
+    Bound::Within(0.0, LONGEST_LATENCY, "s")
+        .check(latency.0, latency.1)
+        .map_err(refused)?;
+    check_harmonics("encoder_error", &actuator.encoder_error).map_err(refused)?;
+    not_negative(source, key(damping.0), damping.1)?;
+    let Some(stiffness) = actuator.stiffness else {
+        if damping.1 > 0.0 {
+            return Err(refused(Bound::NoSpring.broken_by(damping.0, damping.1)));
+        }
+        return Ok(());
+    };
+    positive(source, key("stiffness"), stiffness)?;
+    if actuator.rotor_inertia <= 0.0 {
+        return Err(refused(Bound::NoRotor.broken_by("stiffness", stiffness)));
+    }
+    let motor = actuator.motor();
+    Bound::TooStiff(motor.stiffest_drive())
+        .check("stiffness", stiffness)
+        .map_err(refused)?;
+    Bound::Within(0.0, motor.most_drive_damping(), "N·m·s/rad")
+        .check(damping.0, damping.1)
+        .map_err(refused)
+}
