@@ -2,32 +2,31 @@
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use fivebar::input::robot::Robot;
-use fivebar::study::accuracy::{Sampling, ToolState, analyse, sample_forces, sample_positions};
-use indicatif::ProgressBar;
+use fivebar_design::accuracy::Sampling;
+use fivebar_design::accuracy::five_bar::{ToolState, analyse, sample_forces, sample_positions};
 use nalgebra::Vector2;
 
 fn throughput(criterion: &mut Criterion) {
     let robot = Robot::load("benchtop").unwrap();
     let state = ToolState {
-        position: Vector2::new(0.04, 0.2),
         velocity: Vector2::new(0.1, 0.0),
         acceleration: Vector2::new(0.0, 1.0),
-        force: Vector2::zeros(),
+        ..ToolState::at_rest(Vector2::new(0.04, 0.2))
     };
-    let analysis = analyse(&robot, &state).unwrap();
+    let arm = robot.toleranced();
+    let analysis = analyse(&arm, &state).unwrap();
     let sampling = Sampling {
         samples: 100_000,
         seed: 1,
     };
-    let progress = ProgressBar::hidden();
     let mut group = criterion.benchmark_group("monte_carlo");
     group.sample_size(10);
     group.throughput(Throughput::Elements(sampling.samples as u64));
     group.bench_function("positions", |bencher| {
-        bencher.iter(|| sample_positions(&robot, &state, &analysis, sampling, &progress));
+        bencher.iter(|| sample_positions(&arm, &state, &analysis, sampling, &|_| ()));
     });
     group.bench_function("forces", |bencher| {
-        bencher.iter(|| sample_forces(&robot, &state, &analysis, sampling, &progress));
+        bencher.iter(|| sample_forces(&arm, &state, &analysis, sampling, &|_| ()));
     });
     group.finish();
 }

@@ -4,7 +4,9 @@ pub mod accuracy;
 mod dual;
 pub mod linkage;
 pub mod mobility;
+mod noise;
 pub mod slider;
 pub mod workspace;
 
 pub use dual::Dual;
+pub use noise::Noise;

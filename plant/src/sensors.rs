@@ -1,6 +1,6 @@
 //! The sensors: encoder counts, ADC codes and switches.
 
-use crate::noise::Noise;
+use fivebar_design::Noise;
 use std::f64::consts::TAU;
 
 /// The sensors of one driven joint.

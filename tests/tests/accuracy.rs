@@ -2,12 +2,12 @@
 //! samples, and the cheapest tolerances.
 
 use fivebar::input::robot::Robot;
-use fivebar::study::accuracy::{
-    AccuracyAnalysis, Sampling, ToolState, accuracy_map, analyse, answer, cheapest_classes,
-    monte_carlo,
-};
+use fivebar::study::accuracy::{accuracy_map, analyse, answer};
+use fivebar_design::accuracy::Sampling;
 use fivebar_design::accuracy::allocation::ToleranceClass;
-use indicatif::ProgressBar;
+use fivebar_design::accuracy::five_bar::{
+    AccuracyAnalysis, ToolState, cheapest_classes, monte_carlo,
+};
 use nalgebra::Vector2;
 use proptest::prelude::*;
 use serde_json::Value;
@@ -24,18 +24,13 @@ fn example() -> Robot {
 }
 
 fn at(x: f64, y: f64) -> ToolState {
-    ToolState {
-        position: Vector2::new(x, y),
-        velocity: Vector2::zeros(),
-        acceleration: Vector2::zeros(),
-        force: Vector2::zeros(),
-    }
+    ToolState::at_rest(Vector2::new(x, y))
 }
 
 fn study(robot: &Robot, state: &ToolState, samples: usize) -> (AccuracyAnalysis, Value) {
     let analysis = analyse(robot, state).unwrap();
     let sampling = Sampling { samples, seed: 5 };
-    let sampled = monte_carlo(robot, state, &analysis, sampling, &ProgressBar::hidden());
+    let sampled = monte_carlo(&robot.toleranced(), state, &analysis, sampling, &|_| ());
     let found = answer(&robot.name, state, &analysis, &sampled);
     (analysis, found)
 }

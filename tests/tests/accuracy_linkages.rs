@@ -3,18 +3,17 @@
 
 use fivebar::input::linkage::{DrivenLinkage, EXAMPLES, Example};
 use fivebar::input::robot::SliderRobot;
-use fivebar::study::accuracy::{Sampling, analyse_slider, sample_slider, slider_answer};
+use fivebar::study::accuracy::{analyse_slider, slider_answer};
 use fivebar_design::accuracy::dyad_loops::{time_derivatives, unknowns};
 use fivebar_design::accuracy::linkage::{LinkageAccuracyModel, ResultKind, clearance_equilibrium};
 use fivebar_design::accuracy::loops::VectorLoops;
-use fivebar_design::accuracy::slider;
-use fivebar_design::accuracy::{DifferentiableModel, sensitivities};
+use fivebar_design::accuracy::slider::{self, sample_slider};
+use fivebar_design::accuracy::{DifferentiableModel, Sampling, sensitivities};
 use fivebar_design::linkage::{
     Clearance, Coordinate, DriveLaw, Linkage, ParameterKind, SolveError,
 };
 use fivebar_design::slider::{Geometry, WorkingMode};
 use fivebar_kinematics::Scalar;
-use indicatif::ProgressBar;
 use nalgebra::Vector2;
 use serde_json::Value;
 
@@ -285,7 +284,7 @@ fn the_slider_driven_test_case_by_its_corrected_coefficients_and_by_samples() {
         samples: 40_000,
         seed: 3,
     };
-    let sampled = sample_slider(&robot, &analysis, sampling, &ProgressBar::hidden());
+    let sampled = sample_slider(&robot.toleranced(), &analysis, sampling, &|_| ());
     let found = slider_answer(&robot, &analysis, &sampled);
     let twins = &found["monte_carlo"];
     let error = 4.0 * twins["relative_error_of_sd"].as_f64().unwrap();

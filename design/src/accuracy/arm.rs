@@ -132,13 +132,16 @@ impl ArmAccuracyModel<'_> {
         )
         .map_err(ArmAccuracyError::Model)
     }
-}
 
-impl DifferentiableModel for ArmAccuracyModel<'_> {
-    type Error = ArmAccuracyError;
-
-    fn evaluate<S: Scalar>(&self, primitives: &[S]) -> Result<Vec<S>, ArmAccuracyError> {
-        let &[
+    /// The results, in the order of [`RESULTS`], at these values of the primitives.
+    ///
+    /// # Errors
+    /// Where there is no such arm or no such pose.
+    pub(super) fn results<S: Scalar>(
+        &self,
+        primitives: [S; 15],
+    ) -> Result<[S; 18], ArmAccuracyError> {
+        let [
             theta1,
             theta4,
             omega1,
@@ -154,10 +157,7 @@ impl DifferentiableModel for ArmAccuracyModel<'_> {
             m2,
             m3,
             m4,
-        ] = primitives
-        else {
-            return Err(ArmAccuracyError::Pose(PoseError::NotFinite));
-        };
+        ] = primitives;
         let arm = self.with([l1, l2, l3, l4, base], [m1, m2, m3, m4])?;
         let geometry = arm.geometry();
         let pose = geometry.forward(theta1, theta4, self.assembly)?;
@@ -169,13 +169,21 @@ impl DifferentiableModel for ArmAccuracyModel<'_> {
         );
         let forces = arm.reactions(&pose, &velocities, &accelerations, force)?;
         let tool = pose.c - Vector2::new(S::HALF * base, S::ZERO);
-        let vectors = [forces.a, forces.b, forces.c, forces.d, forces.e];
-        let mut results = Vec::with_capacity(RESULTS.len());
-        for vector in [tool, velocities.c, accelerations.c] {
-            results.extend([vector.x, vector.y]);
-        }
-        results.extend(forces.torque);
-        results.extend(vectors.iter().flat_map(|vector| [vector.x, vector.y]));
-        Ok(results)
+        let ([c1, c2], [torque1, torque4]) = ([velocities.c, accelerations.c], forces.torque);
+        let [a, b, c, d, e] = [forces.a, forces.b, forces.c, forces.d, forces.e];
+        Ok([
+            tool.x, tool.y, c1.x, c1.y, c2.x, c2.y, torque1, torque4, a.x, a.y, b.x, b.y, c.x, c.y,
+            d.x, d.y, e.x, e.y,
+        ])
+    }
+}
+
+impl DifferentiableModel for ArmAccuracyModel<'_> {
+    type Error = ArmAccuracyError;
+
+    fn evaluate<S: Scalar>(&self, primitives: &[S]) -> Result<Vec<S>, ArmAccuracyError> {
+        let not_all = |_| ArmAccuracyError::Pose(PoseError::NotFinite);
+        let primitives = primitives.try_into().map_err(not_all)?;
+        self.results(primitives).map(Vec::from)
     }
 }

@@ -1,6 +1,8 @@
 //! Why an accuracy analysis has no result.
 
+use super::arm::ArmAccuracyError;
 use crate::linkage::dyad::DyadError;
+use crate::slider;
 use core::fmt;
 use fivebar_kinematics::five_bar::PoseError;
 
@@ -40,5 +42,67 @@ impl From<PoseError> for AccuracyError {
 impl From<DyadError> for AccuracyError {
     fn from(error: DyadError) -> Self {
         Self::Dyad(error)
+    }
+}
+
+/// Why a mechanism with tolerances cannot be analysed at a position.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum PlaceError {
+    /// The five-bar has no pose or no motion there.
+    Pose(PoseError),
+    /// A worst case cannot be assembled, or the arm is singular there.
+    Accuracy(AccuracyError),
+    /// The arm with its tolerances has no solution there.
+    Arm(ArmAccuracyError),
+    /// The slider-driven mechanism has no pose there.
+    Slider(slider::PoseError),
+    /// The sliders would have to be beyond their travel.
+    BeyondTravel {
+        /// The left slider [m].
+        x2: f64,
+        /// The right slider [m].
+        x8: f64,
+    },
+}
+
+impl fmt::Display for PlaceError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Pose(error) => error.fmt(f),
+            Self::Accuracy(error) => error.fmt(f),
+            Self::Arm(error) => error.fmt(f),
+            Self::Slider(error) => error.fmt(f),
+            Self::BeyondTravel { x2, x8 } => write!(
+                f,
+                "beyond the sliders' travel: x2 = {x2:.4} m, x8 = {x8:.4} m"
+            ),
+        }
+    }
+}
+
+impl core::error::Error for PlaceError {}
+
+impl From<PoseError> for PlaceError {
+    fn from(error: PoseError) -> Self {
+        Self::Pose(error)
+    }
+}
+
+impl From<AccuracyError> for PlaceError {
+    fn from(error: AccuracyError) -> Self {
+        Self::Accuracy(error)
+    }
+}
+
+impl From<ArmAccuracyError> for PlaceError {
+    fn from(error: ArmAccuracyError) -> Self {
+        Self::Arm(error)
+    }
+}
+
+impl From<slider::PoseError> for PlaceError {
+    fn from(error: slider::PoseError) -> Self {
+        Self::Slider(error)
     }
 }

@@ -14,8 +14,10 @@ pub mod five_bar;
 pub mod linkage;
 pub mod loops;
 mod propagation;
+mod sampling;
 pub mod slider;
 
 pub use differentiate::{DifferentiableModel, sensitivities};
-pub use error::AccuracyError;
+pub use error::{AccuracyError, PlaceError};
 pub use propagation::{Primitive, Scatter};
+pub use sampling::{Deviations, Moments, Progress, Sampling};

@@ -259,9 +259,13 @@ impl<S: Scalar> Linkage<S> {
     pub fn elements(&self) -> &[Element<S>] {
         &self.elements
     }
+    /// The driven links, in the order of their coordinates.
+    pub fn driven_links(&self) -> impl Iterator<Item = LinkId> + '_ {
+        let driven = |element: &&Element<S>| element.group.is_driven();
+        self.elements.iter().filter(driven).map(Element::first_link)
+    }
     /// The number of its driving coordinates, one for each driven link.
     pub fn degrees_of_freedom(&self) -> usize {
-        let driven = |element: &&Element<S>| element.group.is_driven();
-        self.elements.iter().filter(driven).count()
+        self.driven_links().count()
     }
 }

@@ -73,7 +73,8 @@ impl Classes {
     /// Each dimension with the name of its class.
     ///
     /// # Panics
-    /// If the choice is not one of [`cheapest_classes`](crate::study::accuracy::cheapest_classes) from these
+    /// If the choice is not one of
+    /// [`cheapest_classes`](fivebar_design::accuracy::five_bar::cheapest_classes) from these
     /// classes.
     pub fn names(&self, choice: &[usize]) -> Vec<(&'static str, String)> {
         let dimensions = ["θ1", "θ4", "l1", "l2", "l3", "l4", "base"];

@@ -9,10 +9,10 @@ mod tolerance;
 
 pub use builtin::{EXAMPLES, Example};
 pub(crate) use names::{driven_links, dyads, links_of, reaction_names};
-pub use tolerance::{LinkageTolerance, Pin};
 
 use crate::input::source::{FileError, Source};
 use crate::input::text_file;
+use fivebar_design::accuracy::linkage::{LinkageTolerance, TolerancedLinkage};
 use fivebar_design::linkage::{DriveLaw, Linkage};
 use std::io::ErrorKind;
 
@@ -52,6 +52,15 @@ impl DrivenLinkage {
             FileError::new(name_or_path, reason)
         })?;
         Self::parse(name_or_path, &text)
+    }
+
+    /// The linkage with its motion and tolerances, for the analysis of its accuracy.
+    pub fn toleranced(&self) -> TolerancedLinkage<'_> {
+        TolerancedLinkage {
+            linkage: &self.linkage,
+            laws: &self.laws,
+            tolerance: &self.tolerance,
+        }
     }
 
     /// Whether this names a linkage: an example, or a file with a `[sweep]`. False for a file

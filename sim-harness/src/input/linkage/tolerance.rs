@@ -2,7 +2,8 @@
 
 use super::names::{driven_links, reaction_names};
 use crate::input::source::{FileError, Key, Source};
-use fivebar_design::linkage::{Linkage, Parameter, ParameterKind};
+use fivebar_design::accuracy::linkage::{LinkageTolerance, PinTolerance};
+use fivebar_design::linkage::Linkage;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -61,53 +62,16 @@ impl ForAllOrEach<f64> {
     }
 }
 
-/// The tolerances of a linkage's parts.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct LinkageTolerance {
-    /// Standard deviations of q, q̇ and q̈ of each driven link [rad or m, and per s, s²].
-    pub input_sd: [Vec<f64>; 3],
-    /// Greatest error of each driving coordinate [rad or m].
-    pub input_max: Vec<f64>,
-    /// The pins that have a clearance, in the order of the linkage's joints.
-    pub pins: Vec<Pin>,
-    length_sd: ForAllOrEach<f64>,
-    point_sd: ForAllOrEach<[f64; 2]>,
-    mass_sd: ForAllOrEach<f64>,
-    section_sd: ForAllOrEach<f64>,
-}
-
-/// A pin with clearance.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Pin {
-    /// The index of its joint among the linkage's joints.
-    pub joint: usize,
-    /// Its name, such as "crank on coupler".
-    pub name: String,
-    /// Bearing radius less pin radius [m].
-    pub radius: f64,
-    /// Standard deviation of `radius` [m].
-    pub radius_sd: f64,
-    /// The direction in which it lies [rad]; none: in the direction of its reaction.
-    pub angle: Option<f64>,
-    /// Standard deviation of `angle` [rad].
-    pub angle_sd: f64,
-}
-
-impl LinkageTolerance {
-    /// The standard deviation of a parameter that is not a pin's; zero if none is given.
-    pub fn deviation(&self, parameter: Parameter<'_>) -> f64 {
-        let Parameter { part, kind } = parameter;
-        let given = match kind {
-            ParameterKind::Length | ParameterKind::Offset => self.length_sd.of(part),
-            ParameterKind::Mass => self.mass_sd.of(part),
-            ParameterKind::Section => self.section_sd.of(part),
-            ParameterKind::Local(axis) => match &self.point_sd {
-                ForAllOrEach::All(value) => Some(*value),
-                ForAllOrEach::Each(values) => values.get(part).map(|sd| sd[axis]),
-            },
-            _ => None,
-        };
-        given.unwrap_or(0.0)
+impl<T> ForAllOrEach<T> {
+    /// The value of each of these names that has one; `value` makes it from the number for all.
+    fn by_name(self, names: &[&str], value: fn(f64) -> T) -> BTreeMap<String, T> {
+        match self {
+            Self::All(number) => {
+                let names = names.iter();
+                names.map(|name| ((*name).into(), value(number))).collect()
+            }
+            Self::Each(values) => values,
+        }
     }
 }
 
@@ -172,7 +136,7 @@ impl ToleranceFile {
         };
         let pin = |&(joint, name): &(usize, &str)| {
             let radius = self.clearance_radius.of(name).unwrap_or(0.0);
-            (radius > 0.0).then(|| Pin {
+            (radius > 0.0).then(|| PinTolerance {
                 joint,
                 name: name.into(),
                 radius,
@@ -189,10 +153,10 @@ impl ToleranceFile {
             ],
             input_max: of_driven(&self.input_max),
             pins: joints.iter().filter_map(pin).collect(),
-            length_sd: self.length_sd,
-            point_sd: self.point_sd,
-            mass_sd: self.mass_sd,
-            section_sd: self.section_sd,
+            length_sd: self.length_sd.by_name(&links, |sd| sd),
+            point_sd: self.point_sd.by_name(&points, |sd| [sd; 2]),
+            mass_sd: self.mass_sd.by_name(&either, |sd| sd),
+            section_sd: self.section_sd.by_name(&links, |sd| sd),
         })
     }
 }

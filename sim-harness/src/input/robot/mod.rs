@@ -20,11 +20,12 @@ pub(crate) use consistency::robot_file_message;
 pub use draft::{Draft, DraftError, Motor};
 pub use file::{Actuator, Control, Limits, Protection, Supply, Tool, ToolLimits};
 pub use home::HomeError;
-pub use slider::{Mechanism, SliderRobot, SliderTolerance};
+pub use slider::{Mechanism, SliderRobot};
 pub use workspace::WorkspaceError;
 
 use crate::input::source::{FileError, Key, Source};
 use crate::input::text_file;
+use fivebar_design::accuracy::five_bar::{ArmTolerance, TolerancedArm};
 use fivebar_kinematics::dynamics::Arm;
 use fivebar_kinematics::five_bar::{Geometry, WorkingMode};
 use fivebar_plant::contact::Contact;
@@ -68,22 +69,9 @@ pub struct Robot {
     /// The trip points.
     pub protection: Protection,
     /// The tolerances of its parts.
-    pub tolerance: Tolerance,
+    pub tolerance: ArmTolerance,
     /// Material and contact law of its pins and bearings.
     pub contact: Contact,
-}
-
-/// `[tolerance]`: the tolerances of the parts.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Tolerance {
-    /// Standard deviation of l1…l4 and the base [m].
-    pub length_sd: [f64; 5],
-    /// Standard deviation of θ1 and θ4 [rad].
-    pub input_sd: [f64; 2],
-    /// Greatest error of θ1 and θ4 [rad].
-    pub input_max: [f64; 2],
-    /// Radial clearance of the joints A, B, C, D, E [m].
-    pub clearance_radius: [f64; 5],
 }
 
 /// The robot has lengths only, but dynamics need masses.
@@ -127,6 +115,16 @@ impl Robot {
     pub fn arm(&self) -> Result<&Arm<f64>, MissingMasses> {
         let unknown = || MissingMasses(self.name.clone());
         self.arm.as_ref().ok_or_else(unknown)
+    }
+
+    /// The arm with its tolerances, for the analysis of its accuracy.
+    pub fn toleranced(&self) -> TolerancedArm<'_> {
+        TolerancedArm {
+            geometry: &self.geometry,
+            arm: self.arm.as_ref(),
+            working_mode: self.elbows,
+            tolerance: &self.tolerance,
+        }
     }
 }
 

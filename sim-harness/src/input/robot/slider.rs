@@ -5,6 +5,7 @@ use super::file::ToleranceFile;
 use super::tolerance::each;
 use super::{BuiltIn, Robot, read};
 use crate::input::source::{FileError, Key, Source};
+use fivebar_design::accuracy::slider::{SliderTolerance, TolerancedSlider};
 use fivebar_design::linkage::dyad::SlideBranch;
 use fivebar_design::slider::{Geometry, GeometryError, Limb, Travel, WorkingMode};
 use serde::Deserialize;
@@ -31,19 +32,6 @@ pub struct SliderRobot {
     pub travel: Option<Travel<f64>>,
     /// The tolerances of its parts.
     pub tolerance: SliderTolerance,
-}
-
-/// The tolerances of a slider-driven mechanism.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SliderTolerance {
-    /// Standard deviation of l3, l7 and l5 [m].
-    pub length_sd: [f64; 3],
-    /// Standard deviation of x2 and x8 [m].
-    pub input_sd: [f64; 2],
-    /// Greatest error of x2 and x8 [m].
-    pub input_max: [f64; 2],
-    /// Radial clearance of each limb at its slider and at the platform, left limb first [m].
-    pub clearance_radius: [f64; 4],
 }
 
 /// The whole file. SI units; unknown keys are refused.
@@ -115,6 +103,16 @@ impl Mechanism {
 }
 
 impl SliderRobot {
+    /// The mechanism with its tolerances, for the analysis of its accuracy.
+    pub fn toleranced(&self) -> TolerancedSlider<'_> {
+        TolerancedSlider {
+            geometry: &self.geometry,
+            working_mode: self.working_mode,
+            travel: self.travel,
+            tolerance: &self.tolerance,
+        }
+    }
+
     /// The mechanism from the text of a file called `file`.
     ///
     /// # Errors

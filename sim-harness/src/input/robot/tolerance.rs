@@ -1,12 +1,12 @@
 //! `[tolerance]`: reads one number for all, or one for each.
 
-use super::Tolerance;
 use super::file::{OneOrEach, ToleranceFile};
 use super::value::not_negative;
 use crate::input::source::{FileError, Key, Source};
+use fivebar_design::accuracy::five_bar::ArmTolerance;
 
-pub(super) fn read(source: &Source<'_>, file: &ToleranceFile) -> Result<Tolerance, FileError> {
-    Ok(Tolerance {
+pub(super) fn read(source: &Source<'_>, file: &ToleranceFile) -> Result<ArmTolerance, FileError> {
+    Ok(ArmTolerance {
         length_sd: each(
             source,
             "length_sd",

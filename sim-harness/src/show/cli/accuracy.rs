@@ -7,17 +7,21 @@ use super::value_error::ValueError;
 use crate::input::accuracy_classes::Classes;
 use crate::input::job::{self, Job, Placement};
 use crate::input::linkage::DrivenLinkage;
-use crate::input::robot::{Mechanism, Robot, SliderRobot, Tolerance};
+use crate::input::robot::{Mechanism, Robot, SliderRobot};
 use crate::show::files::write_whole;
 use crate::show::pages::accuracy::{at_page, linkage_page, map_page, path_page, slider_page};
 use crate::show::report::Page;
 use crate::show::text::quantity;
 use crate::study::accuracy::{
-    Sampling, ToolState, accuracy_map, analyse, analyse_slider, answer, cheapest_classes, draws,
-    linkage_answer, map_answer, monte_carlo, path_accuracy, path_answer, sample_slider,
-    slider_answer, study_linkage,
+    accuracy_map, analyse, analyse_slider, answer, linkage_answer, map_answer, path_accuracy,
+    path_answer, slider_answer, study_linkage,
 };
 use clap::ArgGroup;
+use fivebar_design::accuracy::Sampling;
+use fivebar_design::accuracy::five_bar::{
+    ArmTolerance, ToolState, cheapest_classes, draws, monte_carlo,
+};
+use fivebar_design::accuracy::slider::sample_slider;
 use indicatif::ProgressBar;
 use nalgebra::Vector2;
 use serde_json::{Value, json};
@@ -147,7 +151,7 @@ fn linkage(args: &Args, driven: &DrivenLinkage) -> Result<(Value, Page), Failure
     let sampling = sampling(args);
     let progress = ProgressBar::new(u64::from(args.samples));
     let time = args.time.unwrap_or(0.0);
-    let study = study_linkage(driven, time, sampling, &progress).map_err(refused)?;
+    let study = study_linkage(driven, time, sampling, &advance(&progress)).map_err(refused)?;
     progress.finish_and_clear();
     Ok((linkage_answer(driven, &study), linkage_page(driven, &study)))
 }
@@ -155,10 +159,19 @@ fn linkage(args: &Args, driven: &DrivenLinkage) -> Result<(Value, Page), Failure
 fn slider(args: &Args, robot: &SliderRobot, at: [f64; 2]) -> Result<(Value, Page), Failure> {
     let analysis = analyse_slider(robot, vector(at), vector(args.force)).map_err(refused)?;
     let progress = ProgressBar::new(2 * u64::from(args.samples));
-    let sampled = sample_slider(robot, &analysis, sampling(args), &progress);
+    let sampled = sample_slider(
+        &robot.toleranced(),
+        &analysis,
+        sampling(args),
+        &advance(&progress),
+    );
     progress.finish_and_clear();
     let answer = slider_answer(robot, &analysis, &sampled);
     Ok((answer, slider_page(robot, &analysis, &sampled)))
+}
+
+fn advance(bar: &ProgressBar) -> impl Fn(u64) + Sync + '_ {
+    |count| bar.inc(count)
 }
 
 fn sampling(args: &Args) -> Sampling {
@@ -174,7 +187,7 @@ fn vector([x, y]: [f64; 2]) -> Vector2<f64> {
 
 fn study(args: &Args, robot: &Robot) -> Result<(Value, Page), Failure> {
     let force = vector(args.force);
-    if robot.tolerance == Tolerance::default() && args.wanted.is_none() {
+    if robot.tolerance == ArmTolerance::default() && args.wanted.is_none() {
         warn(format_args!(
             "{}: the file has no [tolerance], so all deviations are 0; its keys are length_sd, \
              input_sd, input_max and clearance_radius",
@@ -209,7 +222,13 @@ fn study(args: &Args, robot: &Robot) -> Result<(Value, Page), Failure> {
         let analysis = analyse(robot, &state).map_err(refused)?;
         let sampling = sampling(args);
         let progress = ProgressBar::new(draws(&analysis, sampling));
-        let sampled = monte_carlo(robot, &state, &analysis, sampling, &progress);
+        let sampled = monte_carlo(
+            &robot.toleranced(),
+            &state,
+            &analysis,
+            sampling,
+            &advance(&progress),
+        );
         progress.finish_and_clear();
         let page = at_page(&robot.name, &analysis, &sampled);
         return Ok((answer(&robot.name, &state, &analysis, &sampled), page));

@@ -1,10 +1,8 @@
 //! The analysis as JSON; the Monte Carlo figures have the same keys as the analytic ones.
 
-use super::analysis::{AccuracyAnalysis, ToolState};
-use super::map::AccuracyMap;
-use super::monte_carlo::MonteCarlo;
 use super::path::PathAccuracy;
-use super::sampling::Moments;
+use fivebar_design::accuracy::Moments;
+use fivebar_design::accuracy::five_bar::{AccuracyAnalysis, AccuracyMap, MonteCarlo, ToolState};
 use serde_json::{Value, json};
 
 pub(crate) const JOINTS: [&str; 5] = ["a", "b", "c", "d", "e"];

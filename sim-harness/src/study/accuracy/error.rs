@@ -1,35 +1,7 @@
 //! Why an accuracy study has no result.
 
-use fivebar_design::accuracy::AccuracyError;
-use fivebar_design::accuracy::arm::ArmAccuracyError;
-use fivebar_design::slider;
-use fivebar_kinematics::five_bar::PoseError;
-
-/// Why a mechanism cannot be analysed at a position.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum PlaceError {
-    /// The five-bar has no pose or no motion there.
-    #[error(transparent)]
-    Pose(#[from] PoseError),
-    /// A worst case cannot be assembled, or the arm is singular there.
-    #[error(transparent)]
-    Accuracy(#[from] AccuracyError),
-    /// The arm with its tolerances has no solution there.
-    #[error(transparent)]
-    Arm(#[from] ArmAccuracyError),
-    /// The slider-driven mechanism has no pose there.
-    #[error(transparent)]
-    Slider(#[from] slider::PoseError),
-    /// The sliders would have to be beyond their travel [m].
-    #[error("beyond the sliders' travel: x2 = {x2:.4} m, x8 = {x8:.4} m")]
-    BeyondTravel {
-        /// The left slider [m].
-        x2: f64,
-        /// The right slider [m].
-        x8: f64,
-    },
-}
+use fivebar_design::accuracy::PlaceError;
+use fivebar_design::accuracy::five_bar::MapError;
 
 /// Why an accuracy study has no result.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -68,4 +40,14 @@ pub enum AccuracyStudyError {
         /// The element that cannot be solved, by name, and the reason.
         explanation: String,
     },
+}
+
+impl From<MapError> for AccuracyStudyError {
+    fn from(error: MapError) -> Self {
+        match error {
+            MapError::EmptyRegion => Self::EmptyRegion,
+            // `NothingReached`, and any reason that is added later.
+            _ => Self::NothingReached,
+        }
+    }
 }

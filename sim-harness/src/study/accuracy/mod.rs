@@ -1,27 +1,19 @@
 //! The accuracy of a robot or a linkage: the effect of its tolerances and clearances on
-//! positions and forces, by analysis and by sampling.
+//! positions and forces. The analysis and the sampling are in
+//! [`fivebar_design::accuracy`]; here they are applied to files and jobs, and shown as JSON.
 
-mod analysis;
 mod answer;
 mod error;
+mod five_bar;
 mod linkage;
-mod map;
-mod monte_carlo;
 mod path;
-mod sampling;
 mod slider;
 
-pub use analysis::{AccuracyAnalysis, ToolState, analyse};
 pub(crate) use answer::JOINTS;
 pub use answer::{answer, map_answer, path_answer};
-pub use error::{AccuracyStudyError, PlaceError};
+pub use error::AccuracyStudyError;
+pub use five_bar::{accuracy_map, analyse};
 pub(crate) use linkage::drive_name;
-pub use linkage::{
-    LinkageAnalysis, LinkageStudy, PointError, analyse_linkage, linkage_answer, sample_linkage,
-    study_linkage,
-};
-pub use map::{AccuracyCell, AccuracyMap, accuracy_map, cheapest_classes};
-pub use monte_carlo::{MonteCarlo, draws, monte_carlo, sample_forces, sample_positions};
+pub use linkage::{linkage_answer, study_linkage};
 pub use path::{ContactLoss, PathAccuracy, PathPoint, path_accuracy};
-pub use sampling::{Accumulator, Deviations, Moments, Sampling, sample};
-pub use slider::{SliderAnalysis, SliderMonteCarlo, analyse_slider, sample_slider, slider_answer};
+pub use slider::{analyse_slider, slider_answer};

@@ -1,9 +1,10 @@
 //! The accuracy along a job at its feed rates, and the points at which pins lose contact.
 
-use super::analysis::{AccuracyAnalysis, ToolState, analyse};
 use super::error::AccuracyStudyError;
+use super::five_bar::analyse;
 use crate::input::job::{Action, Job};
 use crate::input::robot::Robot;
+use fivebar_design::accuracy::five_bar::{AccuracyAnalysis, ToolState};
 use fivebar_kinematics::trajectory::{PathSegment, Sense};
 use nalgebra::Vector2;
 

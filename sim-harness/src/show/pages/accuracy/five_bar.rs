@@ -3,7 +3,8 @@
 use super::pareto::pareto;
 use crate::show::report::{Chart, Page};
 use crate::show::text::quantity;
-use crate::study::accuracy::{AccuracyAnalysis, AccuracyMap, JOINTS, MonteCarlo, PathAccuracy};
+use crate::study::accuracy::{JOINTS, PathAccuracy};
+use fivebar_design::accuracy::five_bar::{AccuracyAnalysis, AccuracyMap, MonteCarlo};
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 

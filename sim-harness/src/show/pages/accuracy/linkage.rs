@@ -4,8 +4,8 @@ use super::pareto::pareto;
 use crate::input::linkage::{DrivenLinkage, reaction_names};
 use crate::show::report::{Chart, Page};
 use crate::show::text::quantity;
-use crate::study::accuracy::{LinkageAnalysis, LinkageStudy, drive_name};
-use fivebar_design::accuracy::linkage::ResultKind;
+use crate::study::accuracy::drive_name;
+use fivebar_design::accuracy::linkage::{LinkageAnalysis, LinkageStudy, ResultKind};
 
 /// Whether a result belongs on a chart.
 type Belongs = fn(&ResultKind) -> bool;

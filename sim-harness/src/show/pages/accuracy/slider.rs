@@ -4,7 +4,7 @@ use super::pareto::pareto;
 use crate::input::robot::SliderRobot;
 use crate::show::report::Page;
 use crate::show::text::quantity;
-use crate::study::accuracy::{SliderAnalysis, SliderMonteCarlo};
+use fivebar_design::accuracy::slider::{SliderAnalysis, SliderMonteCarlo};
 
 /// The page for one position of P.
 pub fn slider_page(

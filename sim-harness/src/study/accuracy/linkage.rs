@@ -1,13 +1,34 @@
-//! The study of a linkage as JSON; the units are in the keys. The Monte Carlo figures have the
-//! same keys.
+//! The accuracy of a linkage, and its JSON; the units are in the keys. The Monte Carlo figures
+//! have the same keys.
 
-use super::{LinkageAnalysis, LinkageStudy};
+use super::error::AccuracyStudyError;
 use crate::input::linkage::{DrivenLinkage, driven_links, reaction_names};
-use fivebar_design::accuracy::linkage::ResultKind;
+use fivebar_design::accuracy::linkage::{self, LinkageAnalysis, LinkageStudy, ResultKind};
+use fivebar_design::accuracy::{Progress, Sampling};
 use serde_json::{Map, Value, json};
 
 /// Least share of a variance for a contributor to be listed.
 const LEAST_SHARE: f64 = 1e-6;
+
+/// Analyses a linkage over its sweep, and at `time` [s] also by sampling.
+///
+/// # Errors
+/// `Linkage` with the reason why the linkage has no results at this time.
+pub fn study_linkage(
+    driven: &DrivenLinkage,
+    time: f64,
+    sampling: Sampling,
+    progress: Progress<'_>,
+) -> Result<LinkageStudy, AccuracyStudyError> {
+    let (duration, steps) = (driven.duration, driven.steps);
+    let toleranced = driven.toleranced();
+    linkage::study_linkage(&toleranced, duration, steps, time, sampling, progress).map_err(
+        |error| AccuracyStudyError::Linkage {
+            time,
+            explanation: driven.explain(&error),
+        },
+    )
+}
 
 /// One JSON object: the chosen instant with all figures, then the sweep.
 pub fn linkage_answer(driven: &DrivenLinkage, study: &LinkageStudy) -> Value {

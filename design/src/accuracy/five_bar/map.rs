@@ -1,10 +1,10 @@
 //! The accuracy over the workspace: scatter and worst cases in every cell of a grid, and the
 //! cheapest tolerances that keep the scatter within a bound.
 
-use super::analysis::{AccuracyAnalysis, ToolState, analyse};
-use super::error::AccuracyStudyError;
-use crate::input::robot::Robot;
-use fivebar_design::accuracy::allocation::{Allocation, ToleranceClass, allocate};
+use super::analysis::{AccuracyAnalysis, TolerancedArm, ToolState, analyse};
+use crate::accuracy::allocation::{Allocation, ToleranceClass, allocate};
+use core::fmt;
+use fivebar_kinematics::five_bar::Geometry;
 use nalgebra::Vector2;
 use rayon::prelude::*;
 
@@ -16,7 +16,7 @@ const CELLS: usize = 64;
 pub struct AccuracyCell {
     /// C [m].
     pub position: [f64; 2],
-    /// The analysis there; none out of reach or within the robot's singularity margin.
+    /// The analysis there; none out of reach or within the singularity margin.
     pub analysis: Option<AccuracyAnalysis>,
 }
 
@@ -38,20 +38,44 @@ impl AccuracyMap {
     }
 }
 
-/// Maps the accuracy of a robot at rest under a force on C [N], over its reach or over
-/// `region`, which is [x0, y0, x1, y1] [m].
+/// Why there is no map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum MapError {
+    /// The region has no area.
+    EmptyRegion,
+    /// The region has no position that can be analysed.
+    NothingReached,
+}
+
+impl fmt::Display for MapError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::EmptyRegion => "the region is empty",
+            Self::NothingReached => "no position of the region can be analysed",
+        })
+    }
+}
+
+impl core::error::Error for MapError {}
+
+/// Maps the accuracy of an arm at rest under a force on C [N], over its reach or over `region`,
+/// which is [x0, y0, x1, y1] [m]. Positions nearer to a singularity than `singularity_margin`,
+/// in the measure of [`Pose::nearest_singularity`](fivebar_kinematics::five_bar::Pose), are
+/// left out.
 ///
 /// # Errors
 /// `EmptyRegion`, or `NothingReached` if no cell of the region can be analysed.
 pub fn accuracy_map(
-    robot: &Robot,
+    arm: &TolerancedArm<'_>,
+    singularity_margin: f64,
     force: Vector2<f64>,
     region: Option<[f64; 4]>,
-) -> Result<AccuracyMap, AccuracyStudyError> {
-    let [x0, y0, x1, y1] = region.unwrap_or_else(|| reach(robot));
+) -> Result<AccuracyMap, MapError> {
+    let [x0, y0, x1, y1] = region.unwrap_or_else(|| reach(arm.geometry));
     let pitch = (x1 - x0).max(y1 - y0) / (CELLS - 1) as f64;
     if !(pitch > 0.0 && pitch.is_finite()) {
-        return Err(AccuracyStudyError::EmptyRegion);
+        return Err(MapError::EmptyRegion);
     }
     let count = |from: f64, to: f64| ((to - from) / pitch).round().max(0.0) as usize + 1;
     let (columns, rows) = (count(x0, x1), count(y0, y1));
@@ -59,17 +83,15 @@ pub fn accuracy_map(
         let (row, column) = (index / columns, index % columns);
         let position = Vector2::new(x0 + pitch * column as f64, y0 + pitch * row as f64);
         let state = ToolState {
-            position,
-            velocity: Vector2::zeros(),
-            acceleration: Vector2::zeros(),
             force,
+            ..ToolState::at_rest(position)
         };
         let clear = |analysis: &AccuracyAnalysis| {
-            analysis.pose.nearest_singularity().1 >= robot.limits.singularity_margin
+            analysis.pose.nearest_singularity().1 >= singularity_margin
         };
         AccuracyCell {
             position: [position.x, position.y],
-            analysis: analyse(robot, &state).ok().filter(clear),
+            analysis: analyse(arm, &state).ok().filter(clear),
         }
     };
     let cells: Vec<AccuracyCell> = (0..columns * rows).into_par_iter().map(cell).collect();
@@ -79,14 +101,13 @@ pub fn accuracy_map(
         cells,
     };
     if map.reached().next().is_none() {
-        return Err(AccuracyStudyError::NothingReached);
+        return Err(MapError::NothingReached);
     }
     Ok(map)
 }
 
 /// The box around the reach of both legs.
-fn reach(robot: &Robot) -> [f64; 4] {
-    let geometry = &robot.geometry;
+fn reach(geometry: &Geometry<f64>) -> [f64; 4] {
     let [_, outer1] = geometry.leg1_radii();
     let [_, outer4] = geometry.leg4_radii();
     let base = geometry.base();

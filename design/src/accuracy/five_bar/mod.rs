@@ -15,6 +15,16 @@
 //! a vertex. The exact bound has arcs in place of its sides; each massless link then lies
 //! along its distal link.
 
+mod analysis;
+mod map;
+mod monte_carlo;
+
+pub use analysis::{
+    AccuracyAnalysis, ArmTolerance, ForceAnalysis, TolerancedArm, ToolState, analyse,
+};
+pub use map::{AccuracyCell, AccuracyMap, MapError, accuracy_map, cheapest_classes};
+pub use monte_carlo::{MonteCarlo, draws, monte_carlo, sample_forces, sample_positions};
+
 use super::AccuracyError;
 use crate::linkage::dyad::Rrr;
 use fivebar_kinematics::PlanarVector;

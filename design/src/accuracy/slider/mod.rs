@@ -8,6 +8,13 @@
 //! platform only translates if both links of a parallelogram are pressed alike, which is
 //! assumed.
 
+mod analysis;
+
+pub use analysis::{
+    SliderAnalysis, SliderMonteCarlo, SliderTolerance, TolerancedSlider, analyse_slider,
+    sample_slider,
+};
+
 use super::five_bar::ClearanceError;
 use crate::slider::{Geometry, Pose, PoseError};
 use fivebar_kinematics::PlanarVector;

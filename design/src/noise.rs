@@ -1,9 +1,18 @@
 //! Pseudo-random numbers from a seed, the same on every platform.
 
+use core::f64::consts::TAU;
 use oorandom::Rand64;
-use std::f64::consts::TAU;
 
 /// A stream of pseudo-random numbers.
+///
+/// ```
+/// use fivebar_design::Noise;
+///
+/// let mut noise = Noise::new(7);
+/// let length = 0.16 + 20e-6 * noise.normal(); // m, with a standard deviation of 20 µm
+/// assert!((length - 0.16_f64).abs() < 200e-6);
+/// assert_eq!(Noise::new(7).uniform(), Noise::new(7).uniform());
+/// ```
 #[derive(Clone, Debug)]
 pub struct Noise {
     uniform: Rand64,

@@ -1,18 +1,40 @@
 //! The analysis at one state of the arm: first-order scatter, exact worst cases, seated pins.
 
-use super::error::{AccuracyStudyError, PlaceError};
-use crate::input::robot::{Robot, Tolerance};
-use fivebar_design::accuracy::arm::{ArmAccuracyModel, DrivenJointMotion, PRIMITIVES};
-use fivebar_design::accuracy::clearance_equilibrium::{
-    ClearanceEquilibrium, clearance_equilibrium,
-};
-use fivebar_design::accuracy::five_bar::{
+use super::{
     ClearanceError, ToolSensitivities, clearance_error, tool_sensitivities, worst_input_error,
 };
-use fivebar_design::accuracy::{Primitive, Scatter, sensitivities};
-use fivebar_kinematics::five_bar::Pose;
-use nalgebra::DMatrix;
-use nalgebra::Vector2;
+use crate::accuracy::arm::{ArmAccuracyModel, DrivenJointMotion, PRIMITIVES};
+use crate::accuracy::clearance_equilibrium::{ClearanceEquilibrium, clearance_equilibrium};
+use crate::accuracy::{PlaceError, Primitive, Scatter, sensitivities};
+use fivebar_kinematics::dynamics::Arm;
+use fivebar_kinematics::five_bar::{Geometry, Pose, WorkingMode};
+use nalgebra::{DMatrix, Vector2};
+
+/// The tolerances of an arm.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ArmTolerance {
+    /// Standard deviation of l1…l4 and the base [m].
+    pub length_sd: [f64; 5],
+    /// Standard deviation of θ1 and θ4 [rad].
+    pub input_sd: [f64; 2],
+    /// Greatest error of θ1 and θ4 [rad].
+    pub input_max: [f64; 2],
+    /// Radial clearance of the joints A, B, C, D, E [m].
+    pub clearance_radius: [f64; 5],
+}
+
+/// An arm with its tolerances, in one working mode.
+#[derive(Clone, Copy, Debug)]
+pub struct TolerancedArm<'a> {
+    /// Its nominal lengths.
+    pub geometry: &'a Geometry<f64>,
+    /// Its masses, with the same lengths; none if only lengths are known.
+    pub arm: Option<&'a Arm<f64>>,
+    /// The sides to which the elbows of the legs A–B–C and E–D–C turn.
+    pub working_mode: WorkingMode,
+    /// Its tolerances.
+    pub tolerance: &'a ArmTolerance,
+}
 
 /// Position and motion of C, and the force on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,6 +47,18 @@ pub struct ToolState {
     pub acceleration: Vector2<f64>,
     /// A force on C [N].
     pub force: Vector2<f64>,
+}
+
+impl ToolState {
+    /// C at rest at `position` [m], without a force.
+    pub fn at_rest(position: Vector2<f64>) -> Self {
+        Self {
+            position,
+            velocity: Vector2::zeros(),
+            acceleration: Vector2::zeros(),
+            force: Vector2::zeros(),
+        }
+    }
 }
 
 /// The effect of tolerances and clearances at one state of the arm.
@@ -45,7 +79,7 @@ pub struct AccuracyAnalysis {
     /// Displacement of C by clearances.
     pub clearance: ClearanceError,
     /// The part that needs masses; none for a robot with lengths only.
-    pub forces: Option<Forces>,
+    pub forces: Option<ForceAnalysis>,
 }
 
 impl AccuracyAnalysis {
@@ -67,7 +101,7 @@ impl AccuracyAnalysis {
 
 /// Scatter of torques and joint forces, and the clearance equilibrium.
 #[derive(Clone, Debug)]
-pub struct Forces {
+pub struct ForceAnalysis {
     /// Scatter of Ċ [m/s] and C̈ [m/s²], x and y, with the driven joints on their references.
     pub motion: Scatter,
     /// Scatter of τ1, τ4 [N·m] and of the forces in A, B, C, D, E, x and y [N].
@@ -80,20 +114,32 @@ pub struct Forces {
 /// [`ArmAccuracyModel`].
 pub(super) const SCATTERED: [usize; 7] = [0, 1, 6, 7, 8, 9, 10];
 
-/// Analyses one state of a robot.
+/// Analyses one state of an arm.
+///
+/// ```
+/// use fivebar_design::accuracy::five_bar::{ArmTolerance, ToolState, TolerancedArm, analyse};
+/// use fivebar_kinematics::five_bar::{Geometry, Side, WorkingMode};
+/// use nalgebra::Vector2;
+///
+/// let geometry = Geometry::new([0.10, 0.16, 0.16, 0.10, 0.08])?; // m
+/// let tolerance = ArmTolerance { length_sd: [20e-6; 5], ..ArmTolerance::default() }; // m
+/// let arm = TolerancedArm {
+///     geometry: &geometry,
+///     arm: None,
+///     working_mode: WorkingMode::new(Side::Left, Side::Right),
+///     tolerance: &tolerance,
+/// };
+/// let analysis = analyse(&arm, &ToolState::at_rest(Vector2::new(0.04, 0.2)))?;
+/// // Lengths of ±20 µm displace the tool by some tens of micrometres.
+/// assert!((20e-6..200e-6).contains(&analysis.radial_deviation()));
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 ///
 /// # Errors
-/// `Place` with the reason why the arm cannot be in this state.
-pub fn analyse(robot: &Robot, state: &ToolState) -> Result<AccuracyAnalysis, AccuracyStudyError> {
-    analyse_state(robot, state).map_err(|reason| AccuracyStudyError::Place {
-        place: state.position.into(),
-        reason,
-    })
-}
-
-fn analyse_state(robot: &Robot, state: &ToolState) -> Result<AccuracyAnalysis, PlaceError> {
-    let geometry = &robot.geometry;
-    let pose = geometry.inverse(state.position, robot.elbows)?;
+/// The reason why the arm cannot be in this state.
+pub fn analyse(arm: &TolerancedArm<'_>, state: &ToolState) -> Result<AccuracyAnalysis, PlaceError> {
+    let geometry = arm.geometry;
+    let pose = geometry.inverse(state.position, arm.working_mode)?;
     let rates = geometry.inverse_velocities(&pose, state.velocity)?;
     let accelerations = geometry.inverse_accelerations(&pose, &rates, state.acceleration)?;
     let [theta1, _, _, theta4] = pose.angles();
@@ -104,12 +150,12 @@ fn analyse_state(robot: &Robot, state: &ToolState) -> Result<AccuracyAnalysis, P
         omega: [omega1, omega4],
         alpha: [alpha1, alpha4],
     };
-    let primitives = primitives(robot, &inputs);
+    let primitives = primitives(arm, &inputs);
     let by = tool_sensitivities(geometry, &pose)?;
-    let tolerance = &robot.tolerance;
-    let forces = match robot.arm() {
-        Err(_) => None,
-        Ok(arm) => {
+    let tolerance = arm.tolerance;
+    let forces = match arm.arm {
+        None => None,
+        Some(arm) => {
             let model = ArmAccuracyModel {
                 arm,
                 assembly: pose.assembly(),
@@ -127,7 +173,7 @@ fn analyse_state(robot: &Robot, state: &ToolState) -> Result<AccuracyAnalysis, P
                 state.force,
                 tolerance.clearance_radius,
             )?;
-            Some(Forces {
+            Some(ForceAnalysis {
                 motion: propagate(2, 4),
                 scatter: propagate(6, 12),
                 equilibrium,
@@ -146,13 +192,13 @@ fn analyse_state(robot: &Robot, state: &ToolState) -> Result<AccuracyAnalysis, P
     })
 }
 
-fn primitives(robot: &Robot, inputs: &DrivenJointMotion) -> Vec<Primitive> {
-    let Tolerance {
+fn primitives(arm: &TolerancedArm<'_>, inputs: &DrivenJointMotion) -> Vec<Primitive> {
+    let ArmTolerance {
         length_sd,
         input_sd,
         ..
-    } = robot.tolerance;
-    let means = inputs.theta.into_iter().chain(robot.geometry.lengths());
+    } = *arm.tolerance;
+    let means = inputs.theta.into_iter().chain(arm.geometry.lengths());
     let deviations = input_sd.into_iter().chain(length_sd);
     let names = SCATTERED.map(|index| PRIMITIVES[index]);
     names

@@ -2,6 +2,17 @@
 //! inputs and their rates, lengths, coordinates, masses, sections, clearances and the
 //! directions of the clearances.
 
+mod analysis;
+mod point_error;
+mod tolerance;
+
+pub use analysis::{
+    LinkageAnalysis, LinkageStudy, TolerancedLinkage, analyse_linkage, sample_linkage,
+    study_linkage,
+};
+pub use point_error::PointError;
+pub use tolerance::{LinkageTolerance, PinTolerance};
+
 use super::DifferentiableModel;
 use crate::linkage::{
     Clearance, Coordinate, Linkage, LinkageMotion, Parameter, ParameterKind, Reaction, SolveError,

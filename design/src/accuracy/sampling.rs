@@ -3,8 +3,7 @@
 //! The samples are drawn in blocks. Each block has its own stream of pseudo-random numbers,
 //! from the seed and the block's number; the blocks are summed in their order.
 
-use fivebar_plant::Noise;
-use indicatif::ProgressBar;
+use crate::Noise;
 use rayon::prelude::*;
 
 /// Samples in a block.
@@ -19,8 +18,11 @@ pub struct Sampling {
     pub seed: u64,
 }
 
+/// Called with the number of samples of each block of at most 4096 when it is finished.
+pub type Progress<'a> = &'a (dyn Fn(u64) + Sync);
+
 /// Statistics that are accumulated over samples.
-pub trait Accumulator: Default + Send {
+pub(super) trait Accumulator: Default + Send {
     /// The values of one sample.
     type Values;
 
@@ -65,12 +67,12 @@ impl<const N: usize> Accumulator for Moments<N> {
 
     fn add(&mut self, values: &[f64; N]) {
         self.count += 1;
-        let before: [f64; N] = std::array::from_fn(|i| values[i] - self.mean[i]);
+        let before: [f64; N] = core::array::from_fn(|i| values[i] - self.mean[i]);
         for i in 0..N {
             self.mean[i] += before[i] / self.count as f64;
             self.largest[i] = self.largest[i].max(values[i].abs());
         }
-        let after: [f64; N] = std::array::from_fn(|i| values[i] - self.mean[i]);
+        let after: [f64; N] = core::array::from_fn(|i| values[i] - self.mean[i]);
         for (row, before) in self.products.iter_mut().zip(before) {
             for (product, after) in row.iter_mut().zip(after) {
                 *product += before * after;
@@ -88,7 +90,7 @@ impl<const N: usize> Accumulator for Moments<N> {
             return self;
         }
         let (n, m) = (self.count as f64, other.count as f64);
-        let shift: [f64; N] = std::array::from_fn(|i| other.mean[i] - self.mean[i]);
+        let shift: [f64; N] = core::array::from_fn(|i| other.mean[i] - self.mean[i]);
         for i in 0..N {
             for j in 0..N {
                 self.products[i][j] += other.products[i][j] + shift[i] * shift[j] * n * m / (n + m);
@@ -100,6 +102,25 @@ impl<const N: usize> Accumulator for Moments<N> {
         }
         self.count += other.count;
         self
+    }
+}
+
+/// Two kinds of results of the same samples.
+impl<A: Accumulator, B: Accumulator> Accumulator for (A, B) {
+    type Values = (A::Values, B::Values);
+
+    fn add(&mut self, (a, b): &Self::Values) {
+        self.0.add(a);
+        self.1.add(b);
+    }
+
+    fn fail(&mut self) {
+        self.0.fail();
+        self.1.fail();
+    }
+
+    fn merge(self, other: &Self) -> Self {
+        (self.0.merge(&other.0), self.1.merge(&other.1))
     }
 }
 
@@ -195,10 +216,11 @@ impl Deviations {
     }
 }
 
-/// Accumulates samples of `draw`, which returns none if a sample cannot be assembled.
-pub fn sample<M: Accumulator>(
+/// Accumulates samples of `draw`, which returns none if a sample cannot be assembled. Calls
+/// `progress` with the number of samples in each block that is finished.
+pub(super) fn sample<M: Accumulator>(
     sampling: Sampling,
-    progress: &ProgressBar,
+    progress: Progress<'_>,
     draw: impl Fn(&mut Noise) -> Option<M::Values> + Sync,
 ) -> M {
     let blocks = sampling.samples.div_ceil(BLOCK);
@@ -214,7 +236,7 @@ pub fn sample<M: Accumulator>(
                     None => sums.fail(),
                 }
             }
-            progress.inc(size as u64);
+            progress(size as u64);
             sums
         })
         .collect();
@@ -237,7 +259,7 @@ mod tests {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
         let sampling = Sampling { samples, seed: 7 };
         pool.build().unwrap().install(|| {
-            sample(sampling, &ProgressBar::hidden(), |noise| {
+            sample(sampling, &|_| (), |noise| {
                 let x = 3.0 + 2.0 * noise.normal();
                 Some([x, 0.5 * x + noise.normal()])
             })
@@ -256,7 +278,7 @@ mod tests {
             samples: 20_000,
             seed: 7,
         };
-        let spread: Deviations = sample(sampling, &ProgressBar::hidden(), |noise| {
+        let spread: Deviations = sample(sampling, &|_| (), |noise| {
             let x = 3.0 + 2.0 * noise.normal();
             Some(vec![x, 0.5 * x + noise.normal()])
         });

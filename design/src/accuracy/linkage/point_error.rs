@@ -1,11 +1,10 @@
 //! Worst errors of the points of a linkage by pins and inputs.
 
-use fivebar_design::accuracy::linkage::ResultKind;
-use fivebar_design::linkage::{Coordinate, Linkage, LinkageMotion};
+use super::ResultKind;
+use crate::linkage::{Coordinate, Linkage, LinkageMotion};
+use core::f64::consts::PI;
 use fivebar_kinematics::PlanarVector;
-use nalgebra::DMatrix;
-use nalgebra::Vector2;
-use std::f64::consts::PI;
+use nalgebra::{DMatrix, Vector2};
 
 /// Worst errors of a point.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,19 +1,16 @@
 //! The figures of the analysis by sampling: arms with random errors of their lengths, and pins
 //! at random positions in their bearings.
 
-use super::analysis::{AccuracyAnalysis, SCATTERED, ToolState};
-use super::sampling::{Moments, Sampling, sample};
-use crate::input::robot::Robot;
-use fivebar_design::accuracy::DifferentiableModel as _;
-use fivebar_design::accuracy::arm::ArmAccuracyModel;
-use fivebar_design::accuracy::five_bar::tool_with_pin_offsets;
+use super::analysis::{AccuracyAnalysis, SCATTERED, TolerancedArm, ToolState};
+use super::tool_with_pin_offsets;
+use crate::Noise;
+use crate::accuracy::arm::ArmAccuracyModel;
+use crate::accuracy::sampling::{Moments, Progress, Sampling, sample};
+use core::f64::consts::TAU;
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::dynamics::Arm;
 use fivebar_kinematics::five_bar::Geometry;
-use fivebar_plant::Noise;
-use indicatif::ProgressBar;
 use nalgebra::Vector2;
-use std::f64::consts::TAU;
 
 /// The sampled figures of an [`AccuracyAnalysis`].
 #[derive(Clone, Debug)]
@@ -38,18 +35,20 @@ pub struct MonteCarlo {
 
 /// Samples everything that [`analyse`](super::analyse) propagates.
 pub fn monte_carlo(
-    robot: &Robot,
+    arm: &TolerancedArm<'_>,
     state: &ToolState,
     analysis: &AccuracyAnalysis,
     sampling: Sampling,
-    progress: &ProgressBar,
+    progress: Progress<'_>,
 ) -> MonteCarlo {
     let arms = ArmSampler {
-        robot,
+        arm,
         state,
         analysis,
     };
     let count = analysis.primitives.len();
+    let loads = sample_forces(arm, state, analysis, sampling, progress);
+    let (motion, forces) = loads.unzip();
     let alone = |only| {
         sample(sampling, progress, |noise| {
             arms.displacement(noise, |i| i == only)
@@ -57,29 +56,25 @@ pub fn monte_carlo(
     };
     MonteCarlo {
         sampling,
-        position: sample_positions(robot, state, analysis, sampling, progress),
+        position: sample_positions(arm, state, analysis, sampling, progress),
         alone: (0..count).map(alone).collect(),
         input: sample(sampling, progress, |noise| arms.input_error(noise)),
         clearance: sample(sampling, progress, |noise| arms.clearance_error(noise)),
-        motion: robot.arm().ok().map(|arm| {
-            sample(sampling, progress, |noise| {
-                arms.results(arm, noise)?.get(2..6)?.try_into().ok()
-            })
-        }),
-        forces: sample_forces(robot, state, analysis, sampling, progress),
+        motion,
+        forces,
     }
 }
 
 /// Displacements of C by inputs and lengths [m].
 pub fn sample_positions(
-    robot: &Robot,
+    arm: &TolerancedArm<'_>,
     state: &ToolState,
     analysis: &AccuracyAnalysis,
     sampling: Sampling,
-    progress: &ProgressBar,
+    progress: Progress<'_>,
 ) -> Moments<2> {
     let arms = ArmSampler {
-        robot,
+        arm,
         state,
         analysis,
     };
@@ -88,33 +83,33 @@ pub fn sample_positions(
     })
 }
 
-/// Torques [N·m] and joint forces [N]; none without masses.
+/// Ċ [m/s] and C̈ [m/s²], torques [N·m] and joint forces [N]; none without masses.
 pub fn sample_forces(
-    robot: &Robot,
+    arm: &TolerancedArm<'_>,
     state: &ToolState,
     analysis: &AccuracyAnalysis,
     sampling: Sampling,
-    progress: &ProgressBar,
-) -> Option<Moments<12>> {
+    progress: Progress<'_>,
+) -> Option<(Moments<4>, Moments<12>)> {
     let arms = ArmSampler {
-        robot,
+        arm,
         state,
         analysis,
     };
-    let arm = robot.arm().ok()?;
+    let masses = arm.arm?;
     Some(sample(sampling, progress, |noise| {
-        arms.results(arm, noise)?.get(6..)?.try_into().ok()
+        arms.motion_and_forces(masses, noise)
     }))
 }
 
 /// The number of samples that [`monte_carlo`] draws in all, for its progress.
 pub fn draws(analysis: &AccuracyAnalysis, sampling: Sampling) -> u64 {
-    let kinds = 3 + analysis.primitives.len() + 2 * usize::from(analysis.forces.is_some());
+    let kinds = 3 + analysis.primitives.len() + usize::from(analysis.forces.is_some());
     (kinds * sampling.samples) as u64
 }
 
 struct ArmSampler<'a> {
-    robot: &'a Robot,
+    arm: &'a TolerancedArm<'a>,
     state: &'a ToolState,
     analysis: &'a AccuracyAnalysis,
 }
@@ -122,7 +117,7 @@ struct ArmSampler<'a> {
 impl ArmSampler<'_> {
     /// Random θ1, θ4, l1…l5; those that do not vary have their means.
     fn random_primitives(&self, noise: &mut Noise, varies: impl Fn(usize) -> bool) -> [f64; 7] {
-        std::array::from_fn(|i| {
+        core::array::from_fn(|i| {
             let primitive = &self.analysis.primitives[i];
             let error = if varies(i) { noise.normal() } else { 0.0 };
             primitive.mean + primitive.deviation * error
@@ -134,26 +129,26 @@ impl ArmSampler<'_> {
         let geometry = Geometry::new([l1, l2, l3, l4, base]).ok()?;
         let assembly = self.analysis.pose.assembly();
         let made = geometry.forward(theta1, theta4, assembly).ok()?.c;
-        let middle = 0.5 * (base - self.robot.geometry.base());
+        let middle = 0.5 * (base - self.arm.geometry.base());
         let ideal = self.analysis.pose.c;
         Some([made.x - middle - ideal.x, made.y - ideal.y])
     }
 
     fn input_error(&self, noise: &mut Noise) -> Option<[f64; 1]> {
         let [theta1, theta4] = self.analysis.inputs.theta;
-        let [max1, max4] = self.robot.tolerance.input_max;
+        let [max1, max4] = self.arm.tolerance.input_max;
         let mut within = |greatest: f64| greatest * (2.0 * noise.uniform() - 1.0);
         let (theta1, theta4) = (theta1 + within(max1), theta4 + within(max4));
         let assembly = self.analysis.pose.assembly();
-        let pose = self.robot.geometry.forward(theta1, theta4, assembly).ok()?;
+        let pose = self.arm.geometry.forward(theta1, theta4, assembly).ok()?;
         Some([(pose.c - self.analysis.pose.c).norm()])
     }
 
     /// Pins on the rims of their bearings, in random directions.
     fn clearance_error(&self, noise: &mut Noise) -> Option<[f64; 2]> {
-        let radii = self.robot.tolerance.clearance_radius;
+        let radii = self.arm.tolerance.clearance_radius;
         let offsets = radii.map(|radius| Vector2::unit(TAU * noise.uniform()) * radius);
-        let (geometry, pose) = (&self.robot.geometry, &self.analysis.pose);
+        let (geometry, pose) = (self.arm.geometry, &self.analysis.pose);
         let exact = (tool_with_pin_offsets(geometry, pose, offsets).ok()? - pose.c).norm();
         // u2·δC = u2·e_left, u3·δC = u3·e_right.
         let [a, b, c, d, e] = offsets;
@@ -163,8 +158,12 @@ impl ArmSampler<'_> {
         Some([exact, linear.norm()])
     }
 
-    /// Position, motion, torques and forces of an arm with random errors, in the order of [`ArmAccuracyModel`] has them.
-    fn results(&self, arm: &Arm<f64>, noise: &mut Noise) -> Option<Vec<f64>> {
+    /// Ċ and C̈, torques and joint forces of an arm with random errors.
+    fn motion_and_forces(
+        &self,
+        arm: &Arm<f64>,
+        noise: &mut Noise,
+    ) -> Option<([f64; 4], [f64; 12])> {
         let model = ArmAccuracyModel {
             arm,
             assembly: self.analysis.pose.assembly(),
@@ -175,6 +174,8 @@ impl ArmSampler<'_> {
         for (index, value) in SCATTERED.into_iter().zip(made) {
             primitives[index] = value;
         }
-        model.evaluate(&primitives).ok()
+        let [_, _, results @ ..] = model.results(primitives).ok()?;
+        let (motion, forces) = results.split_at(4);
+        Some((motion.try_into().ok()?, forces.try_into().ok()?))
     }
 }

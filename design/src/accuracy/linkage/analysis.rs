@@ -1,21 +1,23 @@
 //! The accuracy of a linkage: the scatter of its motion and forces at one instant and over its
 //! sweep, by analysis and by sampling.
 
-mod answer;
-mod point_error;
-
-pub(crate) use answer::drive_name;
-pub use answer::linkage_answer;
-pub use point_error::PointError;
-
-use super::error::AccuracyStudyError;
-use super::sampling::{Deviations, Sampling, sample};
-use crate::input::linkage::DrivenLinkage;
-use fivebar_design::accuracy::linkage::{LinkageAccuracyModel, ResultKind, clearance_equilibrium};
-use fivebar_design::accuracy::{DifferentiableModel as _, Primitive, Scatter, sensitivities};
-use fivebar_design::linkage::{Clearance, Coordinate, Linkage, ParameterKind, SolveError};
-use indicatif::ProgressBar;
+use super::point_error::{self, PointError};
+use super::{LinkageAccuracyModel, LinkageTolerance, ResultKind, clearance_equilibrium};
+use crate::accuracy::sampling::{Deviations, Progress, Sampling, sample};
+use crate::accuracy::{DifferentiableModel as _, Primitive, Scatter, sensitivities};
+use crate::linkage::{Clearance, Coordinate, DriveLaw, Linkage, ParameterKind, SolveError};
 use rayon::prelude::*;
+
+/// A linkage with the motion of its driven links and its tolerances.
+#[derive(Clone, Copy, Debug)]
+pub struct TolerancedLinkage<'a> {
+    /// The nominal linkage.
+    pub linkage: &'a Linkage<f64>,
+    /// The motion of each driven link.
+    pub laws: &'a [DriveLaw],
+    /// Its tolerances.
+    pub tolerance: &'a LinkageTolerance,
+}
 
 /// The effect of tolerances and clearances on a linkage at one instant.
 #[derive(Clone, Debug)]
@@ -68,24 +70,23 @@ pub struct LinkageStudy {
     pub sweep: Vec<LinkageAnalysis>,
 }
 
-/// Analyses a linkage over its sweep, and at `time` [s] also by sampling.
+/// Analyses a linkage at the ends of `steps` equal steps over `duration` [s], and at `time` [s]
+/// also by sampling.
 ///
 /// # Errors
-/// `Linkage` with the reason why the linkage has no results at this time.
+/// The element that cannot be solved at `time`. Instants of the sweep at which the linkage does
+/// not close are left out.
 pub fn study_linkage(
-    driven: &DrivenLinkage,
+    driven: &TolerancedLinkage<'_>,
+    duration: f64,
+    steps: usize,
     time: f64,
     sampling: Sampling,
-    progress: &ProgressBar,
-) -> Result<LinkageStudy, AccuracyStudyError> {
-    let refuse = |error: SolveError| AccuracyStudyError::Linkage {
-        time,
-        explanation: driven.explain(&error),
-    };
-    let instant = analyse_linkage(driven, time).map_err(refuse)?;
-    let steps = driven.steps.max(1);
-    let times = (0..=driven.steps).into_par_iter();
-    let times = times.map(|i| driven.duration * i as f64 / steps as f64);
+    progress: Progress<'_>,
+) -> Result<LinkageStudy, SolveError> {
+    let instant = analyse_linkage(driven, time)?;
+    let times = (0..=steps).into_par_iter();
+    let times = times.map(|i| duration * i as f64 / steps.max(1) as f64);
     let sweep = times.filter_map(|time| analyse_linkage(driven, time).ok());
     let sweep: Vec<_> = sweep.collect();
     Ok(LinkageStudy {
@@ -100,18 +101,23 @@ pub fn study_linkage(
 ///
 /// # Errors
 /// The element that cannot be solved.
-pub fn analyse_linkage(driven: &DrivenLinkage, time: f64) -> Result<LinkageAnalysis, SolveError> {
-    let tolerance = &driven.tolerance;
+pub fn analyse_linkage(
+    driven: &TolerancedLinkage<'_>,
+    time: f64,
+) -> Result<LinkageAnalysis, SolveError> {
+    let tolerance = driven.tolerance;
     let inputs: Vec<_> = driven.laws.iter().map(|law| law.at(time)).collect();
     let (linkage, settled) = with_pin_offsets(driven, &inputs)?;
-    let (varied, mut parameters, pins) = varied(driven, &linkage);
+    let (varied, mut parameters, pins) = varied(tolerance, &linkage);
     let model = LinkageAccuracyModel {
         linkage: &linkage,
         varied,
     };
     let nominal = model.primitives(&inputs);
-    let names = crate::input::linkage::driven_links(&driven.linkage);
-    let names: Vec<&str> = names.map(|(name, _)| name).collect();
+    let names = driven.linkage.driven_links();
+    let names: Vec<&str> = names
+        .map(|link| driven.linkage.links()[link.index()].name.as_str())
+        .collect();
     let of_inputs = ["position", "rate", "acceleration"].into_iter();
     let mut primitives: Vec<Primitive> = of_inputs
         .zip(&tolerance.input_sd)
@@ -155,7 +161,7 @@ pub fn analyse_linkage(driven: &DrivenLinkage, time: f64) -> Result<LinkageAnaly
 /// The linkage with its pins out of their centres: at the angles of the file, or else in
 /// clearance equilibrium.
 fn with_pin_offsets(
-    driven: &DrivenLinkage,
+    driven: &TolerancedLinkage<'_>,
     inputs: &[Coordinate<f64>],
 ) -> Result<(Linkage<f64>, bool), SolveError> {
     let mut linkage = driven.linkage.clone();
@@ -178,8 +184,7 @@ fn with_pin_offsets(
 /// the radius among them, which the angle follows.
 type Varied = (Vec<usize>, Vec<Primitive>, Vec<(f64, usize)>);
 
-fn varied(driven: &DrivenLinkage, linkage: &Linkage<f64>) -> Varied {
-    let tolerance = &driven.tolerance;
+fn varied(tolerance: &LinkageTolerance, linkage: &Linkage<f64>) -> Varied {
     let has_section = |name: &str| {
         let mut links = linkage.links().iter();
         links.any(|link| link.name == name && link.section.is_some())
@@ -234,7 +239,7 @@ fn varied(driven: &DrivenLinkage, linkage: &Linkage<f64>) -> Varied {
 pub fn sample_linkage(
     analysis: &LinkageAnalysis,
     sampling: Sampling,
-    progress: &ProgressBar,
+    progress: Progress<'_>,
 ) -> Deviations {
     let model = LinkageAccuracyModel {
         linkage: &analysis.linkage,
