@@ -5,15 +5,14 @@ tests on the image built from it. Each must be caught.
     chip/mistakes.py            all of them; the table goes to chip/mistakes.md
     chip/mistakes.py 3 7        those by number, without writing the table
 """
-import filecmp
 import pathlib
-import re
 import shutil
-import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-BOARD = "firmware/src/board/"
+sys.path.append(str(ROOT / "scripts"))
+import seeded_mistakes
+
 # What, file, and pairs of old and new text.
 MISTAKES = [
     ("the converter's trigger: enable instead of update", "pwm.rs", "w.mms().update()", "w.mms().enable()"),
@@ -111,65 +110,27 @@ MISTAKES = [
 ]
 
 
-def run(*command, **options):
-    return subprocess.run(command, capture_output=True, text=True, **options)
-
-
-def seed(copy, file, *texts):
-    """Puts the mistake in; the path and its text before."""
-    path = copy / (BOARD if "/" not in file else "firmware/src/") / file
-    before = text = path.read_text()
-    for old, new in zip(texts[::2], texts[1::2]):
-        if old not in text:
-            raise SystemExit(f"{file} has no '{old}'")
-        text = text.replace(old, new, 1)
-    path.write_text(text)
-    return path, before
-
-
 def main():
-    chosen = [int(word) for word in sys.argv[1:]] or range(1, len(MISTAKES) + 1)
     copy = ROOT / "target" / "mistakes"
-    tracked = run("git", "ls-files", cwd=ROOT).stdout.split("\n")
-    for file in filter(None, tracked):
-        source, target = ROOT / file, copy / file
-        target.parent.mkdir(parents=True, exist_ok=True)
-        # A copy gets the present time: with an old one, cargo would not see that it replaces a
-        # file in which a mistake was seeded and compiled.
-        if source.exists() and not (target.exists() and filecmp.cmp(source, target, shallow=False)):
-            shutil.copy(source, target)
+    seeded_mistakes.copy_sources(copy)
     # What is not ours is compiled already.
     for folder in ["target/firmware", "chip/target"]:
         if (ROOT / folder).exists() and not (copy / folder).exists():
             shutil.copytree(ROOT / folder, copy / folder)
-    rows, missed = [], []
-    sound = run("cargo", "test", "--manifest-path", str(copy / "chip" / "Cargo.toml"))
-    if sound.returncode != 0:
-        raise SystemExit("without a mistake:\n" + (sound.stdout + sound.stderr)[-2000:])
-    for number in chosen:
-        name, file, *texts = MISTAKES[number - 1]
-        path, before = seed(copy, file, *texts)
-        tests = run("cargo", "test", "--manifest-path", str(copy / "chip" / "Cargo.toml"))
-        failed = sorted(set(re.findall(r"^test (\w+) \.\.\. FAILED", tests.stdout, re.M)))
-        if failed and "could not compile" not in tests.stdout + tests.stderr:
-            found = f"`{failed[0]}`"
-            found += f" and {len(failed) - 1} more" if len(failed) > 1 else ""
-        else:
-            found = "nothing"
-            missed.append(name)
-            print((tests.stdout + tests.stderr)[-1500:])
-        path.write_text(before)
-        rows.append(f"| {number} | {name} | `{file}` | {found} |")
-        print(rows[-1], flush=True)
-    if not sys.argv[1:]:
-        table = ["| # | mistake | in | caught by |", "|---|---|---|---|", *rows]
-        head = (
-            "Mistakes that `chip/mistakes.py` seeds into the board's drivers, and the tests that caught each. A run\n"
-            "ends with the first file of tests in which one fails, so others may catch it, too.\n\n"
-        )
-        (ROOT / "chip" / "mistakes.md").write_text(head + "\n".join(table) + "\n")
-    if missed:
-        raise SystemExit(f"not caught: {', '.join(missed)}")
+
+    def test():
+        manifest = str(copy / "chip/Cargo.toml")
+        done = seeded_mistakes.run("cargo", "test", "--manifest-path", manifest)
+        return done.returncode, done.stdout + done.stderr
+
+    def path_of(file):
+        return copy / ("firmware/src" if "/" in file else "firmware/src/board") / file
+
+    head = (
+        "Mistakes that `chip/mistakes.py` seeds into the board's drivers, and the tests that caught each. A run\n"
+        "ends with the first file of tests in which one fails, so others may catch it, too.\n\n"
+    )
+    seeded_mistakes.check(MISTAKES, path_of, test, ROOT / "chip/mistakes.md", head)
 
 
 main()

@@ -5,16 +5,14 @@ and runs the tests of fivebar-firmware. Each must be caught.
     firmware/mistakes.py            all of them; the table goes to docs/mistakes.md
     firmware/mistakes.py 3 7        those by number, without writing the table
 """
-import filecmp
 import os
 import pathlib
-import re
-import shutil
-import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-FOLDER = "firmware/src/"
+sys.path.append(str(ROOT / "scripts"))
+import seeded_mistakes
+
 OFF = "self.latch_power_off(fault);\n        self.off()"
 # What, file, and pairs of old and new text.
 MISTAKES = [
@@ -158,32 +156,9 @@ MISTAKES = [
 ]
 
 
-def run(*command, **options):
-    return subprocess.run(command, capture_output=True, text=True, **options)
-
-
-def seed(copy, file, *texts):
-    """Puts the mistake in; the path and its text before."""
-    path = copy / FOLDER / file
-    before = text = path.read_text()
-    for old, new in zip(texts[::2], texts[1::2]):
-        if old not in text:
-            raise SystemExit(f"{file} has no '{old}'")
-        text = text.replace(old, new, 1)
-    path.write_text(text)
-    return path, before
-
-
 def main():
-    chosen = [int(word) for word in sys.argv[1:]] or range(1, len(MISTAKES) + 1)
     copy = ROOT / "target" / "mistakes-firmware"
-    for file in filter(None, run("git", "ls-files", cwd=ROOT).stdout.split("\n")):
-        source, target = ROOT / file, copy / file
-        target.parent.mkdir(parents=True, exist_ok=True)
-        # A copy gets the present time: with an old one, cargo would not see that it replaces a
-        # file in which a mistake was seeded and compiled.
-        if source.exists() and not (target.exists() and filecmp.cmp(source, target, shallow=False)):
-            shutil.copy(source, target)
+    seeded_mistakes.copy_sources(copy)
     # The copy has a target folder of its own: in a shared one, cargo takes what was compiled from
     # the copy for what was compiled from here. Random tests need no smallest example.
     environment = {**os.environ, "PROPTEST_MAX_SHRINK_ITERS": "0"}
@@ -197,42 +172,21 @@ def main():
     def test():
         output = ""
         for group in groups:
-            done = run("cargo", "test", "--package", "fivebar-firmware", *group, cwd=copy, env=environment)
+            command = ["cargo", "test", "--package", "fivebar-firmware", *group]
+            done = seeded_mistakes.run(*command, cwd=copy, env=environment)
             output += done.stdout + done.stderr
             if done.returncode != 0:
                 break
         return done.returncode, output
 
-    rows, missed = [], []
-    status, output = test()
-    if status != 0:
-        raise SystemExit("without a mistake:\n" + output[-2000:])
-    for number in chosen:
-        name, file, *texts = MISTAKES[number - 1]
-        path, before = seed(copy, file, *texts)
-        status, output = test()
-        path.write_text(before)
-        failed = sorted(set(re.findall(r"^test (\S+) \.\.\. FAILED", output, re.M)))
-        if failed and "could not compile" not in output:
-            found = f"`{failed[0].split('::')[-1]}`"
-            found += f" and {len(failed) - 1} more" if len(failed) > 1 else ""
-        else:
-            found = "nothing"
-            missed.append(name)
-            print(output[-1500:] if status != 0 else "")
-        rows.append(f"| {number} | {name} | `{file}` | {found} |")
-        print(rows[-1], flush=True)
-    if not sys.argv[1:]:
-        table = ["| # | mistake | in | caught by |", "|---|---|---|---|", *rows]
-        head = (
-            "# Mistakes seeded into the controller\n\n"
-            "Mistakes that `firmware/mistakes.py` seeds into the controller's portable part, one at a time, and\n"
-            "the tests that caught each. A run ends with the first file of tests in which one fails, so others\n"
-            "may catch it, too.\n\n"
-        )
-        (ROOT / "docs" / "mistakes.md").write_text(head + "\n".join(table) + "\n")
-    if missed:
-        raise SystemExit(f"not caught: {', '.join(missed)}")
+    head = (
+        "# Mistakes seeded into the controller\n\n"
+        "Mistakes that `firmware/mistakes.py` seeds into the controller's portable part, one at a time, and\n"
+        "the tests that caught each. A run ends with the first file of tests in which one fails, so others\n"
+        "may catch it, too.\n\n"
+    )
+    sources = copy / "firmware/src"
+    seeded_mistakes.check(MISTAKES, sources.joinpath, test, ROOT / "docs/mistakes.md", head)
 
 
 main()

@@ -1,0 +1,70 @@
+"""Seeds mistakes into a copy of the sources, one at a time, and runs tests on it. Each mistake
+must be caught. firmware/mistakes.py and chip/mistakes.py hold the mistakes and name the tests."""
+import filecmp
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+
+
+def run(*command, **options):
+    return subprocess.run(command, capture_output=True, text=True, **options)
+
+
+def copy_sources(copy):
+    """Brings the copy up to date with the files that git lists."""
+    for file in filter(None, run("git", "ls-files", cwd=ROOT).stdout.split("\n")):
+        source, target = ROOT / file, copy / file
+        target.parent.mkdir(parents=True, exist_ok=True)
+        # A copy gets the present time: with an old one, cargo would not see that it replaces a
+        # file in which a mistake was seeded and compiled.
+        if source.exists() and not (target.exists() and filecmp.cmp(source, target, shallow=False)):
+            shutil.copy(source, target)
+
+
+def seed(path, texts):
+    """Puts the mistake in, given by pairs of old and new text; the text before."""
+    before = text = path.read_text()
+    for old, new in zip(texts[::2], texts[1::2]):
+        if old not in text:
+            raise SystemExit(f"{path.name} has no '{old}'")
+        text = text.replace(old, new, 1)
+    path.write_text(text)
+    return before
+
+
+def check(mistakes, path_of, test, table, head):
+    """Runs `test`, which returns its status and output, without a mistake and then with each:
+    all of `mistakes`, or those whose numbers are on the command line.
+
+    A mistake is what it is called, its file, and pairs of old and new text; `path_of` gives the
+    file's path in the copy. A run of all writes the file `table`, below `head`.
+    """
+    status, output = test()
+    if status != 0:
+        raise SystemExit("without a mistake:\n" + output[-2000:])
+    rows, missed = [], []
+    for number in [int(word) for word in sys.argv[1:]] or range(1, len(mistakes) + 1):
+        name, file, *texts = mistakes[number - 1]
+        path = path_of(file)
+        before = seed(path, texts)
+        status, output = test()
+        path.write_text(before)
+        failed = sorted(set(re.findall(r"^test (\S+) \.\.\. FAILED", output, re.M)))
+        if failed and "could not compile" not in output:
+            found = f"`{failed[0].split('::')[-1]}`"
+            found += f" and {len(failed) - 1} more" if len(failed) > 1 else ""
+        else:
+            found = "nothing"
+            missed.append(name)
+            print(output[-1500:] if status != 0 else "")
+        rows.append(f"| {number} | {name} | `{file}` | {found} |")
+        print(rows[-1], flush=True)
+    if not sys.argv[1:]:
+        rows = ["| # | mistake | in | caught by |", "|---|---|---|---|", *rows]
+        table.write_text(head + "\n".join(rows) + "\n")
+    if missed:
+        raise SystemExit(f"not caught: {', '.join(missed)}")
