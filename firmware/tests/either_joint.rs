@@ -5,21 +5,9 @@ mod rig;
 
 use fivebar_firmware::controller::{Controller, Request, RequestError};
 use fivebar_firmware::safety::{Fault, State};
-use fivebar_firmware::{ActuatorCommand, MoveKind, Settings};
+use fivebar_firmware::MoveKind;
 use fivebar_kinematics::five_bar::{Geometry, Side};
-use rig::{Rig, START, settings};
-
-const OFF: ActuatorCommand = ActuatorCommand {
-    duty: [0.0; 2],
-    enable: [false; 2],
-    brake: true,
-};
-
-fn with(change: impl FnOnce(&mut Settings)) -> Settings {
-    let mut settings = settings();
-    change(&mut settings);
-    settings
-}
+use rig::{OFF, Rig, START, settings, with};
 
 /// A pair with `value` for this joint.
 fn only<T: Copy>(joint: usize, value: T, other: T) -> [T; 2] {

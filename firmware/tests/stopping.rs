@@ -5,19 +5,7 @@ mod rig;
 use fivebar_firmware::controller::{Request, RequestError};
 use fivebar_firmware::safety::{Fault, Limits, State};
 use fivebar_firmware::{ActuatorCommand, MoveKind, Settings};
-use rig::{Rig, settings};
-
-const OFF: ActuatorCommand = ActuatorCommand {
-    duty: [0.0; 2],
-    enable: [false; 2],
-    brake: true,
-};
-
-fn with(change: impl FnOnce(&mut Settings)) -> Settings {
-    let mut settings = settings();
-    change(&mut settings);
-    settings
-}
+use rig::{OFF, Rig, settings, with};
 
 type Prepare<'a> = &'a dyn Fn(&mut Rig);
 

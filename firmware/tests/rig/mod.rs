@@ -24,6 +24,13 @@ pub(crate) const START: [f32; 2] = [2.2, 0.9];
 /// acts from the next tick on.
 pub(crate) const WAKING_TICKS: u32 = 16;
 
+/// The bridges off and the brake engaged.
+pub(crate) const OFF: ActuatorCommand = ActuatorCommand {
+    duty: [0.0; 2],
+    enable: [false; 2],
+    brake: true,
+};
+
 /// The benchtop arm with coarser encoders and looser protection.
 pub(crate) fn settings() -> Settings {
     const BENCHTOP: Settings = Settings::BENCHTOP;
@@ -46,6 +53,13 @@ pub(crate) fn settings() -> Settings {
         },
         ..BENCHTOP
     }
+}
+
+/// The same with a change.
+pub(crate) fn with(change: impl FnOnce(&mut Settings)) -> Settings {
+    let mut settings = settings();
+    change(&mut settings);
+    settings
 }
 
 /// An arm with its motors, one tick at a time.
