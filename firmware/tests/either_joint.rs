@@ -3,9 +3,9 @@
 
 mod rig;
 
+use fivebar_firmware::MoveKind;
 use fivebar_firmware::controller::{Controller, Request, RequestError};
 use fivebar_firmware::safety::{Fault, State};
-use fivebar_firmware::MoveKind;
 use fivebar_kinematics::five_bar::{Geometry, Side};
 use rig::{OFF, Rig, START, settings, with};
 
