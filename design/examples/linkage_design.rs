@@ -47,12 +47,9 @@ fn turn(linkage: &Linkage<f64>) -> Sweep {
 
 /// The least transmission angle μ over a turn [rad].
 fn least_transmission_angle(sweep: &Sweep) -> f64 {
-    let dyads = sweep
-        .solved()
-        .filter_map(|(_, solved)| solved.motion.dyads[1]);
-    dyads
-        .map(|dyad| dyad.transmission_angle())
-        .fold(TAU, f64::min)
+    let solved = sweep.solved().map(|(_, solved)| solved);
+    let angles = solved.filter_map(|solved| Some(solved.motion.dyads[1]?.transmission_angle()));
+    angles.fold(TAU, f64::min)
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -83,18 +80,12 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // At constant speed the torque only moves energy to and fro: its mean over a turn is 0.
     let sweep = turn(&crank_rocker(coupler)?);
-    let torques: Vec<f64> = sweep
-        .solved()
-        .map(|(_, solved)| solved.forces.driving[0])
-        .collect();
-    let greatest = torques
-        .iter()
-        .fold(0.0_f64, |most, torque| most.max(torque.abs()));
+    let torques = sweep.solved().map(|(_, solved)| solved.forces.driving[0]);
+    let torques: Vec<f64> = torques.collect();
+    let greatest = torques.iter().fold(0.0, |most: f64, t| most.max(t.abs()));
     let mean = torques.iter().skip(1).sum::<f64>() / 720.0;
-    println!(
-        "best coupler: {:.0} mm, at most {greatest:.3} N·m",
-        1e3 * coupler
-    );
+    let millimetres = 1e3 * coupler;
+    println!("best coupler: {millimetres:.0} mm, at most {greatest:.3} N·m");
     assert!(greatest > 0.01 && mean.abs() < 1e-6 * greatest);
     Ok(())
 }

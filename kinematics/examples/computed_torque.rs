@@ -1,8 +1,8 @@
 //! Computed torque against a plant with other masses than the controller's model.
 //!
 //! The controller moves C along a circle: τ = M(q) (q̈d + Kd ė + Kp e) + h(q, q̇), the
-//! demanded acceleration put into inverse dynamics. The plant is integrated by Runge and
-//! Kutta's method of fourth order.
+//! demanded acceleration put into inverse dynamics. The plant is integrated by the midpoint
+//! method.
 //!
 //! `cargo run --example computed_torque`
 
@@ -27,57 +27,46 @@ fn arm(rod_mass: f64, payload: f64) -> Result<Arm<f64>, Box<dyn Error>> {
     Ok(Arm::new(geometry, rods, payload, gravity, [2e-5; 2])?)
 }
 
-/// Position, velocity and acceleration of C at time `t` [s]: 20 mm about (40, 190) mm, 1 Hz.
-fn reference(t: f64) -> [Vector2<f64>; 3] {
+/// The reference at time `t` [s]: C [m] on a circle of 20 mm about (40, 190) mm at 1 Hz, and
+/// the angles, rates and accelerations of joints 1 and 4.
+fn reference(model: &Arm<f64>, t: f64) -> Result<(Vector2<f64>, [[f64; 2]; 3]), PoseError> {
     let (sin, cos) = (TAU * t).sin_cos();
-    let (radius, outwards) = (0.02, Vector2::new(cos, sin));
-    [
-        Vector2::new(0.04, 0.19) + outwards * radius,
-        Vector2::new(-sin, cos) * (radius * TAU),
-        outwards * (-radius * TAU * TAU),
-    ]
+    let (geometry, outwards) = (model.geometry(), Vector2::new(cos, sin) * 0.02);
+    let c = Vector2::new(0.04, 0.19) + outwards;
+    let pose = geometry.inverse(c, MODE)?;
+    let rates = geometry.inverse_velocities(&pose, Vector2::new(-sin, cos) * (0.02 * TAU))?;
+    let accelerations = geometry.inverse_accelerations(&pose, &rates, outwards * -TAU.powi(2))?;
+    let driven = |[joint1, _, _, joint4]: [f64; 4]| [joint1, joint4];
+    let angles = pose.angles();
+    Ok((c, [angles, rates.omega, accelerations.alpha].map(driven)))
 }
 
-/// The rates of the plant's state.
-fn derivative(plant: &Arm<f64>, state: &State, torque: [f64; 2]) -> Result<State, PoseError> {
-    let geometry = plant.geometry();
-    let pose = geometry.forward(state.x, state.y, Side::Left)?;
-    let velocities = geometry.forward_velocities(&pose, state.z, state.w)?;
-    let [alpha1, alpha4] = plant.forward_dynamics(&pose, &velocities, torque, Vector2::zeros())?;
-    Ok(State::new(state.z, state.w, alpha1, alpha4))
-}
-
-fn step(plant: &Arm<f64>, x: &State, torque: [f64; 2]) -> Result<State, PoseError> {
-    let k1 = derivative(plant, x, torque)?;
-    let k2 = derivative(plant, &(x + k1 * (0.5 * PERIOD)), torque)?;
-    let k3 = derivative(plant, &(x + k2 * (0.5 * PERIOD)), torque)?;
-    let k4 = derivative(plant, &(x + k3 * PERIOD), torque)?;
-    Ok(x + (k1 + (k2 + k3) * 2.0 + k4) * (PERIOD / 6.0))
+/// The plant's state one period later.
+fn step(plant: &Arm<f64>, x: State, torque: [f64; 2]) -> Result<State, PoseError> {
+    let derivative = |x: State| -> Result<State, PoseError> {
+        let pose = plant.geometry().forward(x.x, x.y, Side::Left)?;
+        let rates = plant.geometry().forward_velocities(&pose, x.z, x.w)?;
+        let [alpha1, alpha4] = plant.forward_dynamics(&pose, &rates, torque, Vector2::zeros())?;
+        Ok(State::new(x.z, x.w, alpha1, alpha4))
+    };
+    let middle = x + derivative(x)? * (0.5 * PERIOD);
+    Ok(x + derivative(middle)? * PERIOD)
 }
 
 /// The greatest distance of C from the circle's moving point [m] over two seconds.
 fn worst_error(model: &Arm<f64>, plant: &Arm<f64>, bandwidth: f64) -> Result<f64, PoseError> {
     let geometry = model.geometry();
     let gains = PositionLoop::new(bandwidth, 1.0, 0.0, 0.0, PERIOD);
-    let [c, v, _] = reference(0.0);
-    let pose = geometry.inverse(c, MODE)?;
-    let [theta1, _, _, theta4] = pose.angles();
-    let [omega1, _, _, omega4] = geometry.inverse_velocities(&pose, v)?.omega;
+    let (_, [[theta1, theta4], [omega1, omega4], _]) = reference(model, 0.0)?;
     let mut state = State::new(theta1, theta4, omega1, omega4);
     let mut worst = 0.0_f64;
     for tick in 0..2000 {
-        // The reference in the driven joints.
-        let [c, v, a] = reference(f64::from(tick) * PERIOD);
-        let desired = geometry.inverse(c, MODE)?;
-        let [theta1, _, _, theta4] = desired.angles();
-        let rates = geometry.inverse_velocities(&desired, v)?;
-        let accelerations = geometry.inverse_accelerations(&desired, &rates, a)?;
-        let demand = |theta: f64, joint: usize, position: f64, rate: f64| {
-            let (alpha, omega) = (accelerations.alpha[joint], rates.omega[joint]);
-            gains.acceleration(Integral(0.0), alpha, theta - position, omega - rate)
+        let (c, [theta, omega, alpha]) = reference(model, f64::from(tick) * PERIOD)?;
+        let demand = |joint: usize, position: f64, rate: f64| {
+            let (error, error_rate) = (theta[joint] - position, omega[joint] - rate);
+            gains.acceleration(Integral(0.0), alpha[joint], error, error_rate)
         };
-        let alpha1 = demand(theta1, 0, state.x, state.z);
-        let alpha4 = demand(theta4, 3, state.y, state.w);
+        let (alpha1, alpha4) = (demand(0, state.x, state.z), demand(1, state.y, state.w));
 
         // The torque for that demand, at the measured state.
         let pose = geometry.forward(state.x, state.y, Side::Left)?;
@@ -85,7 +74,7 @@ fn worst_error(model: &Arm<f64>, plant: &Arm<f64>, bandwidth: f64) -> Result<f64
         let measured = geometry.forward_velocities(&pose, state.z, state.w)?;
         let demanded = geometry.forward_accelerations(&pose, &measured, alpha1, alpha4)?;
         let torque = model.inverse_dynamics(&pose, &measured, &demanded, Vector2::zeros())?;
-        state = step(plant, &state, torque)?;
+        state = step(plant, state, torque)?;
     }
     Ok(worst)
 }

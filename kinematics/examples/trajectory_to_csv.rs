@@ -36,19 +36,14 @@ fn samples() -> Result<Vec<Sample>, Box<dyn Error>> {
         tool_motion: TOOL,
         corner_tolerance: 0.2e-3,
     };
-    let corners = [
-        [0.01, 0.16],
-        [0.07, 0.16],
-        [0.07, 0.20],
-        [0.01, 0.20],
-        [0.01, 0.16],
-    ];
-    let corners = corners.map(Vector2::from);
     let mut planner = LookaheadPlanner::<f64, 16>::new();
-    for (side, ends) in (1..).zip(corners.windows(2)) {
-        let line = PathSegment::line(ends[0], ends[1])?;
+    let mut from = Vector2::new(0.01, 0.16);
+    let corners = [[0.07, 0.16], [0.07, 0.20], [0.01, 0.20], [0.01, 0.16]];
+    for (side, to) in (1..).zip(corners.map(Vector2::from)) {
+        let line = PathSegment::line(from, to)?;
         let limits = envelope.check(&line, TOOL.speed)?;
         planner.push(&line, limits, side, &envelope)?;
+        from = to;
     }
 
     let (mut samples, mut into) = (Vec::new(), 0.0);
@@ -72,12 +67,8 @@ fn samples() -> Result<Vec<Sample>, Box<dyn Error>> {
 fn csv(samples: &[Sample]) -> Result<String, std::fmt::Error> {
     let mut text = String::from("time_s,x_m,y_m,vx_m_s,vy_m_s,ax_m_s2,ay_m_s2\n");
     for (tick, [p, v, a]) in samples.iter().enumerate() {
-        let time = PERIOD * tick as f64;
-        writeln!(
-            text,
-            "{time:.4},{},{},{},{},{},{}",
-            p.x, p.y, v.x, v.y, a.x, a.y
-        )?;
+        write!(text, "{:.4},{},{},", PERIOD * tick as f64, p.x, p.y)?;
+        writeln!(text, "{},{},{},{}", v.x, v.y, a.x, a.y)?;
     }
     Ok(text)
 }

@@ -19,27 +19,12 @@ base = 0.10
 payload = 0.02
 working_mode = ["right", "left"]
 home = [2.6, 0.5]
-
-[[link]]
-length = 0.12
-mass = 0.08
-com = [0.05, 0.0]
-inertia = 1.4e-4
-[[link]]
-length = 0.18
-mass = 0.06
-com = [0.09, 0.0]
-inertia = 2.0e-4
-[[link]]
-length = 0.17
-mass = 0.05
-com = [0.08, 0.0]
-inertia = 1.6e-4
-[[link]]
-length = 0.11
-mass = 0.08
-com = [0.05, 0.0]
-inertia = 1.2e-4
+link = [
+    { length = 0.12, mass = 0.08, com = [0.05, 0.0], inertia = 1.4e-4 },
+    { length = 0.18, mass = 0.06, com = [0.09, 0.0], inertia = 2.0e-4 },
+    { length = 0.17, mass = 0.05, com = [0.08, 0.0], inertia = 1.6e-4 },
+    { length = 0.11, mass = 0.08, com = [0.05, 0.0], inertia = 1.2e-4 },
+]
 "#;
 
 /// A square of 30 mm.
