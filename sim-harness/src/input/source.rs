@@ -167,7 +167,12 @@ fn key_in<'d>(table: &'d DeTable<'_>, offset: usize) -> Option<&'d str> {
         DeValue::Array(items) if items.iter().any(|item| item.get_ref().is_table()) => items
             .iter()
             .filter_map(|item| item.get_ref().as_table())
-            .find_map(|inner| key_in(inner, offset)),
+            .find_map(|inner| key_in(inner, offset))
+            // An error at a whole inline table is one of the list's key.
+            .or_else(|| {
+                let starts = items.iter().any(|item| item.span().start == offset);
+                starts.then(|| key.get_ref().as_ref())
+            }),
         _ => value
             .span()
             .contains(&offset)
