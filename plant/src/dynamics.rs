@@ -8,7 +8,8 @@ use nalgebra::Vector2;
 /// The chain with motors, gravity and tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Model {
-    /// The bodies. Links 1 and 4 include their rotors, link 2 includes the payload.
+    /// The bodies. Links 1 and 4 include their rotors, unless the drive has a spring between
+    /// them; link 2 includes the payload.
     pub chain: Chain,
     /// The drives at A and E.
     pub motors: [Motor; 2],
@@ -47,14 +48,14 @@ const CARRIER: usize = 1;
 
 /// Least integration step [s]. It resolves the fastest winding that a robot file may have;
 /// friction that changes its sign faster does so within one step.
-const SHORTEST_STEP: f64 = 1e-6;
+pub(crate) const SHORTEST_STEP: f64 = 1e-6;
 
 /// Rates of change of a [`State`].
 #[derive(Clone, Copy)]
-struct Rates {
-    v: [PlanarVector; 4],
-    a: [PlanarVector; 4],
-    current: [f64; 2],
+pub(crate) struct Rates {
+    pub(crate) v: [PlanarVector; 4],
+    pub(crate) a: [PlanarVector; 4],
+    pub(crate) current: [f64; 2],
 }
 
 impl State {
@@ -67,7 +68,7 @@ impl State {
         }
     }
 
-    fn after(&self, rates: &Rates, time: f64) -> Self {
+    pub(crate) fn after(&self, rates: &Rates, time: f64) -> Self {
         let mut next = *self;
         for i in 0..4 {
             next.q[i] = self.q[i] + rates.v[i] * time;
@@ -155,13 +156,18 @@ impl Model {
         self.kinetic_energy(state) - fallen
     }
 
-    /// The longest integration step that resolves motors and friction [s].
-    pub fn longest_step(&self) -> f64 {
+    /// The inertias of links 1 and 4 about A and E [kg·m²].
+    pub(crate) fn about_pivots(&self) -> [f64; 2] {
         let [link1, _, _, link4] = &self.chain.bodies;
-        let about_pivot = [
+        [
             link1.inertia + link1.mass * link1.near.norm_squared(),
             link4.inertia + link4.mass * link4.far.norm_squared(),
-        ];
+        ]
+    }
+
+    /// The longest integration step that resolves motors and friction [s].
+    pub fn longest_step(&self) -> f64 {
+        let about_pivot = self.about_pivots();
         let rates = [0, 1].map(|j| self.motors[j].fastest_rate(about_pivot[j]));
         (1.0 / rates[0].max(rates[1])).max(SHORTEST_STEP)
     }

@@ -119,3 +119,40 @@ pub struct Encoder {
     /// Its error.
     pub error: Harmonics,
 }
+
+/// An encoder as it is: the known one with its mismatch.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TrueEncoder {
+    /// The shaft that it measures.
+    pub(crate) side: EncoderSide,
+    /// φ per angle of the joint.
+    ratio: f64,
+    /// The known error and the mismatch; none if both are zero.
+    errors: Option<[Harmonics; 2]>,
+}
+
+impl TrueEncoder {
+    /// An encoder behind a gear ratio, with an error besides the known one.
+    pub(crate) fn new(known: &Encoder, gear_ratio: f64, unknown: &Harmonics) -> Self {
+        let errors = [known.error, *unknown];
+        Self {
+            side: known.side,
+            ratio: match known.side {
+                EncoderSide::Motor => gear_ratio,
+                EncoderSide::Joint => 1.0,
+            },
+            errors: errors.iter().any(|e| !e.is_zero()).then_some(errors),
+        }
+    }
+
+    /// The measured angle over the gear ratio [rad], where the true one is `angle`.
+    #[inline]
+    pub(crate) fn measured(&self, angle: f64) -> f64 {
+        let Some(errors) = &self.errors else {
+            return angle;
+        };
+        let shaft = self.ratio * angle;
+        let [known, unknown] = errors.each_ref().map(|error| error.at(shaft));
+        angle + (known + unknown) / self.ratio
+    }
+}

@@ -1,23 +1,30 @@
 #![doc = include_str!("../README.md")]
 
 mod active_faults;
+mod backlash;
 mod brake;
 mod chain;
 pub mod contact;
+mod drives;
 mod dynamics;
 mod encoder;
 mod fault;
+mod friction;
+mod latency;
 mod mismatch;
 mod mismatch_error;
 mod motor;
 mod parameters;
 mod planar;
 mod plant;
+mod ripple;
 mod sensors;
+mod supply;
 mod transmission;
 mod worn_joints;
 
 pub use chain::{Chain, JOINTS, PerJoint};
+pub use drives::{DriveState, Drives, Energy};
 pub use dynamics::{Loads, Model, State};
 pub use encoder::{Encoder, EncoderSide, Harmonic, Harmonics, MOST_HARMONICS, TooManyHarmonics};
 pub use fault::{FaultKind, PlantFault};
@@ -27,6 +34,7 @@ pub use motor::Motor;
 pub use parameters::Parameters;
 pub use planar::{Body, PlanarVector};
 pub use plant::Plant;
+pub use ripple::PERIODS_PER_TURN;
 pub use sensors::JointSensors;
 pub use transmission::Transmission;
 pub use worn_joints::{ContactStatistics, WornJoints};

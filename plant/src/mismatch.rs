@@ -4,7 +4,7 @@ use crate::encoder::Harmonics;
 use crate::mismatch_error::{Bound, MismatchError};
 use crate::motor::Motor;
 use crate::parameters::Parameters;
-use crate::transmission::Transmission;
+use crate::transmission::{Spring, Transmission};
 use fivebar_kinematics::five_bar::Geometry;
 use serde::Deserialize;
 use std::f64::consts::TAU;
@@ -211,6 +211,18 @@ impl Mismatch {
                 known.damping
             },
         }
+    }
+}
+
+impl Mismatch {
+    /// The spring of a drive, 0 or 1, with this mismatch; none if it is rigid.
+    pub(crate) fn spring(&self, parameters: &Parameters, joint: usize) -> Option<Spring> {
+        let transmission = self.transmission(parameters, joint);
+        Spring::new(
+            &transmission,
+            self.backlash[joint],
+            &parameters.motors[joint],
+        )
     }
 }
 

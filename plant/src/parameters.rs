@@ -1,7 +1,7 @@
 //! The arm as the controller knows it, and the plant's model made of it and a mismatch.
 
 use crate::chain::{Chain, JOINTS};
-use crate::dynamics::{Model, State};
+use crate::dynamics::{DRIVEN, Model, State};
 use crate::encoder::Encoder;
 use crate::mismatch::Mismatch;
 use crate::motor::Motor;
@@ -81,7 +81,7 @@ impl Parameters {
 }
 
 impl Model {
-    /// The arm with this mismatch.
+    /// The arm with this mismatch. [`Drives`](crate::Drives) has the rotors behind springs.
     pub fn new(parameters: &Parameters, mismatch: &Mismatch) -> Self {
         let arm = &parameters.arm;
         let [l1, l2, l3, l4, base] = mismatch.lengths(arm.geometry().lengths());
@@ -111,8 +111,10 @@ impl Model {
         });
         let payload = arm.payload() + mismatch.payload;
         let shift = add_point_mass(&mut bodies[1], payload);
-        for (body, motor) in [(0, &motors[0]), (3, &motors[1])] {
-            bodies[body].inertia += motor.rotor_inertia * motor.gear_ratio * motor.gear_ratio;
+        for (joint, body) in DRIVEN.into_iter().enumerate() {
+            if mismatch.spring(parameters, joint).is_none() {
+                bodies[body].inertia += motors[joint].reflected_inertia();
+            }
         }
         let [along, aside] = parameters.tool_offset;
         let com2 = arm.links()[1].com + shift;

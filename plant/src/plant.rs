@@ -3,8 +3,11 @@
 use crate::active_faults::ActiveFaults;
 use crate::brake::Brake;
 use crate::chain::PerJoint;
+use crate::drives::Drives;
 use crate::dynamics::{DRIVEN, Loads, Model, State};
+use crate::encoder::{EncoderSide, TrueEncoder};
 use crate::fault::{FaultKind, PlantFault};
+use crate::latency::Delay;
 use crate::mismatch::Mismatch;
 use crate::parameters::Parameters;
 use crate::planar::PlanarVector;
@@ -26,6 +29,10 @@ pub struct Plant {
     model: Model,
     state: State,
     wear: Option<WornJoints>,
+    /// Drives that are not ideal.
+    drives: Option<Drives>,
+    encoders: [TrueEncoder; 2],
+    delay: Option<Delay>,
     sensors: [JointSensors; 2],
     brakes: [Brake; 2],
     /// Inertia of the driven links without the constraints of the loop [kg·m²].
@@ -52,10 +59,20 @@ impl Plant {
     pub fn new(parameters: &Parameters, mismatch: &Mismatch, pose: &Pose<f64>, seed: u64) -> Self {
         let model = Model::new(parameters, mismatch);
         let mut noise = Noise::new(seed);
-        Self {
+        let state = model.state_at(pose, [0.0; 4]);
+        let encoder = |joint: usize| {
+            let (known, motor) = (&parameters.encoders[joint], &parameters.motors[joint]);
+            TrueEncoder::new(known, motor.gear_ratio, &mismatch.encoder_error[joint])
+        };
+        let latency =
+            |joint: usize| parameters.encoders[joint].latency + mismatch.encoder_latency[joint];
+        let mut plant = Self {
             brakes: parameters.brake_torque.map(Brake::new),
             free_inertia: DRIVEN.map(|link| model.chain.bodies[link].inertia),
-            state: model.state_at(pose, [0.0; 4]),
+            drives: Drives::new(parameters, mismatch, &model, &state),
+            encoders: [0, 1].map(encoder),
+            delay: Delay::new([0, 1].map(latency)),
+            state,
             model,
             wear: None,
             sensors: [0, 1].map(|joint| JointSensors::new(&parameters.settings, mismatch, joint)),
@@ -74,11 +91,13 @@ impl Plant {
             late_by: 0,
             missed_ticks: 0,
             tool_force: Vector2::zeros(),
-        }
+        };
+        plant.record_angles();
+        plant
     }
 
     /// The same arm with worn joints. It is integrated with adaptive steps, and each joint's
-    /// contacts are recorded.
+    /// contacts are recorded. Its drives must be ideal ([`Plant::drives`] is none).
     #[must_use]
     pub fn worn(mut self, wear: WornJoints) -> Self {
         self.model.chain.constrained = wear.constrained();
@@ -97,10 +116,7 @@ impl Plant {
 
     /// Samples all sensors at once.
     pub fn sense(&mut self) -> SensorSample {
-        let counts = [0, 1].map(|j| {
-            let counted = || self.sensors[j].counts(self.angle(j), self.count_origin[j]);
-            self.faults.frozen_counts[j].unwrap_or_else(counted)
-        });
+        let counts = [0, 1].map(|j| self.faults.frozen_counts[j].unwrap_or_else(|| self.counts(j)));
         let home = [0, 1].map(|j| {
             let followed = || self.sensors[j].at_home(self.angle(j));
             self.faults.stuck_switch[j].unwrap_or_else(followed)
@@ -109,7 +125,7 @@ impl Plant {
         SensorSample {
             counts,
             current: [0, 1].map(|j| self.sensors[j].current_code(current[j], &mut self.noise)),
-            bus_voltage: sensors::adc_code(self.bus_voltage / self.volts_per_code),
+            bus_voltage: sensors::adc_code(self.bus_voltage() / self.volts_per_code),
             home,
             emergency_stop: self.faults.emergency_stop,
             driver_fault: self.faults.driver_fault,
@@ -130,23 +146,59 @@ impl Plant {
 
     fn advance(&mut self, command: &ActuatorCommand, period: f64) {
         let applied = std::mem::replace(&mut self.active, *command);
+        let duty = [0, 1].map(|j| self.duty(&applied, j));
         let loads = Loads {
-            voltage: [0, 1].map(|j| self.terminal_voltage(&applied, j)),
+            voltage: duty.map(|duty| duty.map(|duty| duty * self.bus_voltage)),
             joint_torque: [0, 1].map(|j| self.brake(j, applied.brake)),
             tool_force: self.tool_force,
         };
         self.time += period;
         if let Some(wear) = &mut self.wear {
             wear.step(&self.model, &mut self.state, &loads, period);
-            return;
+        } else if let Some(drives) = &mut self.drives {
+            drives.step(&self.model, &mut self.state, &loads, duty, period);
+        } else {
+            let steps = (period / self.model.longest_step()).ceil().max(1.0);
+            for _ in 0..steps as usize {
+                self.model.step(&mut self.state, &loads, period / steps);
+            }
         }
-        let steps = (period / self.model.longest_step()).ceil().max(1.0);
-        for _ in 0..steps as usize {
-            self.model.step(&mut self.state, &loads, period / steps);
+        self.record_angles();
+    }
+
+    /// Records the encoders' shafts for encoders with latency.
+    fn record_angles(&mut self) {
+        if self.delay.is_some() {
+            let [(angle1, speed1), (angle4, speed4)] = [0, 1].map(|j| self.shaft(j));
+            if let Some(delay) = &mut self.delay {
+                delay.record(self.time, [angle1, angle4], [speed1, speed4]);
+            }
         }
     }
 
-    fn terminal_voltage(&self, command: &ActuatorCommand, joint: usize) -> Option<f64> {
+    /// The angle [rad] and speed [rad/s] of an encoder's shaft, over the gear ratio.
+    fn shaft(&self, joint: usize) -> (f64, f64) {
+        let behind = match (self.encoders[joint].side, &self.drives) {
+            (EncoderSide::Motor, Some(drives)) => drives.rotor(joint),
+            _ => None,
+        };
+        behind.unwrap_or_else(|| {
+            let link = DRIVEN[joint];
+            (self.state.q[link].angular, self.state.v[link].angular)
+        })
+    }
+
+    /// The encoder's counts.
+    fn counts(&self, joint: usize) -> i32 {
+        let delay = self.delay.as_ref();
+        let delayed = delay.and_then(|delay| delay.angle(joint, self.time));
+        let angle = delayed.unwrap_or_else(|| self.shaft(joint).0);
+        let measured = self.encoders[joint].measured(angle);
+        self.sensors[joint].counts(measured, self.count_origin[joint])
+    }
+
+    /// The duty of a bridge as its compare register holds it; none if it is off.
+    fn duty(&self, command: &ActuatorCommand, joint: usize) -> Option<f64> {
         let off = self.faults.disconnected[joint]
             || self.faults.driver_fault[joint]
             || self.faults.emergency_stop;
@@ -156,7 +208,7 @@ impl Plant {
         // The compare register holds whole steps; NaN becomes 0.
         let duty = f64::from(command.duty[joint]).clamp(-1.0, 1.0);
         let register = (duty * PWM_STEPS).round() as i32;
-        Some(f64::from(register) / PWM_STEPS * self.bus_voltage)
+        Some(f64::from(register) / PWM_STEPS)
     }
 
     /// Engages or releases a brake; returns its torque while it slows its joint down [N·m].
@@ -194,22 +246,19 @@ impl Plant {
 
     /// Injects a fault now.
     pub fn inject(&mut self, fault: FaultKind) {
-        let faults = &mut self.faults;
         match fault {
             FaultKind::EncoderDead { joint } => {
-                let counts = self.sensors[joint].counts(
-                    self.state.q[DRIVEN[joint]].angular,
-                    self.count_origin[joint],
-                );
-                faults.frozen_counts[joint] = Some(counts);
+                self.faults.frozen_counts[joint] = Some(self.counts(joint));
             }
             FaultKind::EncoderJump { joint, counts } => {
                 self.count_origin[joint] = self.count_origin[joint].wrapping_add(counts);
             }
-            FaultKind::SwitchStuck { joint, pressed } => faults.stuck_switch[joint] = Some(pressed),
-            FaultKind::MotorDisconnected { joint } => faults.disconnected[joint] = true,
+            FaultKind::SwitchStuck { joint, pressed } => {
+                self.faults.stuck_switch[joint] = Some(pressed);
+            }
+            FaultKind::MotorDisconnected { joint } => self.faults.disconnected[joint] = true,
             FaultKind::MotorStalled { joint } => {
-                faults.stalled[joint] = true;
+                self.faults.stalled[joint] = true;
                 self.hold(joint, true);
             }
             FaultKind::CurrentOffset { joint, amperes } => {
@@ -217,8 +266,8 @@ impl Plant {
                 sensor.current_offset += amperes / sensor.current_per_code;
             }
             FaultKind::BusVoltage { volts } => self.bus_voltage = volts,
-            FaultKind::DriverFault { joint } => faults.driver_fault[joint] = true,
-            FaultKind::EmergencyStop => faults.emergency_stop = true,
+            FaultKind::DriverFault { joint } => self.faults.driver_fault[joint] = true,
+            FaultKind::EmergencyStop => self.faults.emergency_stop = true,
             FaultKind::TicksMissed { ticks } => self.late_by = ticks,
         }
     }
@@ -248,13 +297,29 @@ impl Plant {
     pub fn tool(&self) -> Vector2<f64> {
         self.model.tool(&self.state)
     }
-    /// The bus voltage [V].
+    /// The bus voltage [V]: the supply's, less what its resistance takes.
     pub fn bus_voltage(&self) -> f64 {
-        self.bus_voltage
+        match &self.drives {
+            None => self.bus_voltage,
+            Some(drives) => self.bus_voltage - drives.voltage_drop(&self.state),
+        }
+    }
+    /// The angle of a drive's rotor, 0 or 1, over the gear ratio [rad]; of a rigid drive, its
+    /// joint's.
+    pub fn rotor_angle(&self, joint: usize) -> f64 {
+        let behind = self.drives.as_ref().and_then(|drives| drives.rotor(joint));
+        behind.map_or_else(|| self.angle(joint), |(angle, _)| angle)
+    }
+    /// The drives, if any of their effects is on.
+    pub fn drives(&self) -> Option<&Drives> {
+        self.drives.as_ref()
     }
     /// The force through each joint, A to E, on the body nearer to E [N].
     pub fn reactions(&self) -> PerJoint {
         let (model, state) = (&self.model, &self.state);
+        if let Some(drives) = &self.drives {
+            return drives.reactions(model, state, self.tool_force);
+        }
         let torque = model.drive_torque(state);
         let (_, forces) = match &self.wear {
             Some(wear) => wear.accelerations(model, state, torque, self.tool_force),

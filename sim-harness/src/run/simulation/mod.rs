@@ -32,6 +32,13 @@ pub enum RunError {
     /// A clearance is not between 0 and the bearing's radius.
     #[error(transparent)]
     ClearanceError(#[from] ClearanceError),
+    /// Worn joints on an arm whose drives are not ideal.
+    #[error(
+        "worn joints are simulated with ideal drives only: leave out the `stiffness` of the robot \
+         file, and under [mismatch] `stiffness`, `backlash`, `stiction`, `cogging`, \
+         `torque_ripple` and `supply_resistance`"
+    )]
+    WornDrives,
     /// The robot has no masses.
     #[error(transparent)]
     MissingMasses(#[from] MissingMasses),
@@ -113,6 +120,9 @@ impl Scenario {
             })?;
         let mut plant = Plant::new(&parameters, &self.mismatch, &pose, self.seed);
         if let Some(clearance) = self.clearance {
+            if plant.drives().is_some() {
+                return Err(RunError::WornDrives);
+            }
             plant = plant.worn(WornJoints::new(&self.robot.contact, clearance)?);
         }
         for &fault in &self.initial_faults {

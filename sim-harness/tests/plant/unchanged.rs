@@ -1,0 +1,67 @@
+//! The ideal arm's motion is the same, bit for bit, as before drives and sensors could be other
+//! than ideal. The controller has no part in it, so that its changes leave these figures alone.
+
+use fivebar::input::robot::Robot;
+use fivebar_firmware::{ActuatorCommand, SensorSample};
+use fivebar_plant::{Mismatch, Plant, State};
+
+const TICK: f64 = 1e-4;
+
+/// FNV-1a over 64-bit words.
+struct Digest(u64);
+
+impl Digest {
+    fn add(&mut self, word: u64) {
+        for byte in word.to_le_bytes() {
+            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    }
+
+    fn add_all(&mut self, state: &State, sample: &SensorSample) {
+        for part in state.q.iter().chain(&state.v) {
+            for value in [part.linear.x, part.linear.y, part.angular] {
+                self.add(value.to_bits());
+            }
+        }
+        for joint in 0..2 {
+            self.add(state.current[joint].to_bits());
+            self.add(u64::from(sample.counts[joint] as u32));
+            self.add(u64::from(sample.current[joint]) << 1 | u64::from(sample.home[joint]));
+        }
+        self.add(sample.bus_voltage.into());
+    }
+}
+
+/// The digest of 0.3 s under a square wave of both duties.
+fn digest(robot: &str, mismatch: &Mismatch) -> u64 {
+    let robot = Robot::load(robot).unwrap();
+    let parameters = robot.plant_parameters().unwrap();
+    let mut plant = Plant::new(&parameters, mismatch, &robot.home_pose().unwrap(), 7);
+    let mut digest = Digest(0xcbf2_9ce4_8422_2325);
+    for tick in 0..3000 {
+        let sign = if tick / 250 % 2 == 0 { 1.0 } else { -1.0 };
+        let command = ActuatorCommand {
+            duty: [-0.06 * sign, 0.04 * sign],
+            enable: [tick < 2800; 2],
+            brake: tick < 20,
+        };
+        plant.step(&command, TICK);
+        let sample = plant.sense();
+        digest.add_all(plant.state(), &sample);
+    }
+    digest.0
+}
+
+#[test]
+fn without_new_effects_the_motion_is_bit_for_bit_as_it_was() {
+    for (robot, declared, none) in [
+        ("benchtop", 0x363f_5b29_2b37_6a07, 0x7eb8_cb95_a919_0c37),
+        ("usp_2dof", 0xd8f0_bafb_a94b_9253, 0x13b6_479e_baf8_4f87),
+        ("air_hockey", 0x6a6c_b822_5f8c_48be, 0xab03_8db7_182c_28d7),
+    ] {
+        for (mismatch, expected) in [(Mismatch::default(), declared), (Mismatch::NONE, none)] {
+            let found = digest(robot, &mismatch);
+            assert_eq!(found, expected, "{robot}: {found:#018x}, {mismatch:?}");
+        }
+    }
+}
