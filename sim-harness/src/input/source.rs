@@ -80,23 +80,21 @@ impl<'a> Source<'a> {
                 },
             }
         };
-        let read = toml::from_str(self.text).map_err(|error| {
-            let reason = error.message().to_owned();
-            refused(error, &reason)
-        })?;
-        // `from_str` reads the first two of three numbers as a pair and drops the third. A
-        // table of values refuses the third, but its errors have no line.
-        toml::from_str::<toml::Table>(self.text)
-            .and_then(toml::Table::try_into::<T>)
-            .map_err(|error| {
-                let reason = error.to_string();
-                let line = self.line_of_path(&reason);
-                FileError {
-                    line,
-                    ..refused(error, &reason)
-                }
-            })?;
-        Ok(read)
+        // A table of values refuses the third of three numbers for a pair, but its errors have no
+        // line. What reads the text itself gives the line, but drops the third number.
+        let table = toml::from_str::<toml::Table>(self.text);
+        table.and_then(toml::Table::try_into).map_err(|error| {
+            if let Err(error) = toml::from_str::<T>(self.text) {
+                let reason = error.message().to_owned();
+                return refused(error, &reason);
+            }
+            let reason = error.to_string();
+            let line = self.line_of_path(&reason);
+            FileError {
+                line,
+                ..refused(error, &reason)
+            }
+        })
     }
 
     /// The line of the value that an error names at its end: "…in `mismatch.stiffness`".
