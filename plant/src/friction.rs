@@ -109,3 +109,72 @@ impl Presliding {
         bristles.max(joint)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{BREAKAWAY, Presliding, STRIBECK};
+    use crate::motor::Motor;
+
+    fn friction() -> (Motor, Presliding) {
+        let motor = Motor {
+            gear_ratio: 8.0,
+            rotor_inertia: 1e-6,
+            torque_constant: 0.02,
+            resistance: 2.0,
+            inductance: 1e-3,
+            viscous_friction: 1.5e-3,
+            coulomb_friction: 9e-3,
+        };
+        (motor, Presliding::new(&motor, 0.5, 1.3e-3).unwrap())
+    }
+
+    /// At a constant speed the torque becomes c (1 + s e) + b ω against the motion, after the
+    /// presliding distance and a few time constants g/(σ₀ ω) more.
+    #[test]
+    fn the_steady_torque_is_the_stribeck_curve() {
+        let (motor, friction) = friction();
+        for omega in [0.1, 0.5, 1.0, 2.0, 20.0, 400.0].map(|share| share * STRIBECK) {
+            for omega in [omega, -omega] {
+                let mut z = 0.0;
+                let step = 1e-3 * BREAKAWAY / omega.abs();
+                for _ in 0..20_000 {
+                    z += friction.at(omega, z).rate * step;
+                }
+                let falling = (-(omega / STRIBECK).powi(2)).exp();
+                let level = motor.coulomb_friction * (1.0 + 0.5 * falling);
+                let expected = -level * omega.signum() - motor.viscous_friction * omega;
+                let found = friction.at(omega, z);
+                assert!(
+                    (found.torque - expected).abs() < 1e-3 * expected.abs(),
+                    "{omega}"
+                );
+                // All power is lost when nothing is stored any more.
+                assert!((found.loss + found.torque * omega).abs() < 1e-3 * found.loss);
+            }
+        }
+    }
+
+    #[test]
+    fn at_rest_it_is_a_spring_that_breaks_away_at_its_deflection() {
+        let (motor, friction) = friction();
+        let torque = friction.at(0.0, 0.3 * BREAKAWAY).torque;
+        assert!((torque + 0.3 * 1.5 * motor.coulomb_friction).abs() < 1e-15);
+        // Below 0.7 c the deflection follows the joint: nothing slides.
+        let z = 0.69 / 1.5 * BREAKAWAY;
+        assert_eq!(friction.at(1e-3, z).rate, 1e-3);
+        assert!(friction.at(1e-9, BREAKAWAY).rate.abs() < 1e-15);
+        // Backwards it unloads.
+        assert_eq!(friction.at(-1e-3, BREAKAWAY).rate, -1e-3);
+    }
+
+    #[test]
+    fn without_stiction_or_without_coulomb_friction_there_is_none() {
+        let (motor, _) = friction();
+        assert!(Presliding::new(&motor, 0.0, 1e-3).is_none());
+        let smooth = Motor {
+            coulomb_friction: 0.0,
+            ..motor
+        };
+        assert!(Presliding::new(&smooth, 0.5, 1e-3).is_none());
+    }
+}

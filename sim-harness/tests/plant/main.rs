@@ -1,8 +1,11 @@
 //! The simulated arm, worn joints and linkages.
 
 mod arm;
+mod balance;
 mod contact;
 mod elastic_drives;
+mod electrics;
+mod friction_at_rest;
 mod linkages;
 mod sensing;
 mod unchanged;

@@ -1,0 +1,109 @@
+//! Energy with all effects on, and the determinism of such an arm.
+
+use fivebar::input::robot::Robot;
+use fivebar_firmware::ActuatorCommand;
+use fivebar_plant::{Harmonic, Harmonics, Mismatch, Plant};
+use nalgebra::Vector2;
+
+/// Every effect, strongly.
+fn everything() -> Mismatch {
+    let eccentric = Harmonic {
+        harmonic: 1,
+        amplitude: 8e-3,
+        phase: 0.4,
+    };
+    Mismatch {
+        link_length: [1e-4, -1e-4, 5e-5, 2e-4],
+        base_length: -1e-4,
+        home_error: [1e-3, -1e-3],
+        torque_constant: [0.05, -0.05],
+        torque_ripple: [0.05, 0.03],
+        cogging: [5e-3, 8e-3],
+        stiffness: Some([2500.0, 700.0]),
+        drive_damping: [0.02, 0.01],
+        backlash: [5e-4, 1e-3],
+        stiction: [0.5, 0.3],
+        encoder_error: [Harmonics::new(&[eccentric]).unwrap(); 2],
+        encoder_latency: [1e-4, 2.5e-4],
+        supply_resistance: 0.3,
+        ..Mismatch::default()
+    }
+}
+
+fn plant(gravity: bool) -> Plant {
+    let text = include_str!("../../robots/benchtop.toml");
+    let text = text.replace(
+        "gravity = [0.0, 0.0]",
+        if gravity {
+            "gravity = [0.0, -9.81]"
+        } else {
+            "gravity = [0.0, 0.0]"
+        },
+    );
+    let robot = Robot::parse("arm.toml", &text).unwrap();
+    let parameters = robot.plant_parameters().unwrap();
+    Plant::new(&parameters, &everything(), &robot.home_pose().unwrap(), 5)
+}
+
+/// Swings both joints, with times at rest and times with open bridges.
+fn command(time: f64) -> ActuatorCommand {
+    let swing = |frequency: f64, phase: f64| (frequency * time + phase).sin() as f32;
+    let pause = (time % 0.5) > 0.4;
+    let size = if pause { 0.0 } else { 1.0 };
+    ActuatorCommand {
+        duty: [
+            size * (0.12 * swing(40.0, 0.0) + 0.05 * swing(900.0, 1.0)),
+            size * (-0.15 * swing(31.0, 0.5) + 0.05 * swing(1300.0, 0.0)),
+        ],
+        enable: [(time % 0.3) > 0.01, true],
+        brake: false,
+    }
+}
+
+#[test]
+fn the_energy_balance_closes_with_all_effects_on() {
+    for gravity in [false, true] {
+        let mut plant = plant(gravity);
+        plant.set_tool_force(Vector2::new(0.2, -0.1));
+        let stored = |plant: &Plant| {
+            let drives = plant.drives().unwrap();
+            drives.stored(plant.model(), plant.state())
+        };
+        let start = stored(&plant);
+        let h = 1e-5;
+        let mut worst = 0.0_f64;
+        for step in 0..200_000 {
+            plant.step(&command(h * f64::from(step)), h);
+            if step % 1000 == 0 {
+                let energy = plant.drives().unwrap().energy();
+                let off = stored(&plant) - start - (energy.supplied - energy.lost);
+                worst = worst.max(off.abs());
+            }
+        }
+        let energy = plant.drives().unwrap().energy();
+        eprintln!("{gravity}: {worst:e} J of {energy:?}");
+        assert!(energy.supplied > 1.0 && energy.lost > 1.0, "{energy:?}");
+        assert!(
+            worst < 1e-6 * energy.supplied,
+            "{worst:e} J of {} J",
+            energy.supplied
+        );
+    }
+}
+
+#[test]
+fn an_arm_with_all_effects_is_deterministic_and_its_chain_stays_closed() {
+    let run = || {
+        let mut plant = plant(true);
+        let mut samples = Vec::new();
+        for tick in 0..3000 {
+            plant.step(&command(1e-4 * f64::from(tick)), 1e-4);
+            samples.push(plant.sense());
+        }
+        for gap in plant.model().chain.gaps(&plant.state().q) {
+            assert!(gap.amax() <= 1e-10);
+        }
+        (samples, *plant.state(), *plant.drives().unwrap().state())
+    };
+    assert_eq!(run(), run());
+}
