@@ -163,11 +163,13 @@ def main():
     # the copy for what was compiled from here. Random tests need no smallest example.
     environment = {**os.environ, "PROPTEST_MAX_SHRINK_ITERS": "0"}
     environment.pop("CARGO_TARGET_DIR", None)
-    # What is quick comes first, because a run ends with the first file of tests that fails.
-    groups = [["--lib"], [], ["planning", "storage"]]
-    tests = sorted(path.stem for path in (ROOT / "firmware/tests").glob("*.rs"))
-    groups[1] = [word for name in tests if name not in groups[2] for word in ("--test", name)]
-    groups[2] = [word for name in groups[2] for word in ("--test", name)]
+    # What is quick comes first, because a run ends with the first test program that fails.
+    slow = ["planner", "settings"]
+    tests = sorted(path.parent.name for path in (ROOT / "firmware/tests").glob("*/main.rs"))
+    quick = [name for name in tests if name not in slow]
+    groups = [["--lib"]]
+    for part in (quick, slow):
+        groups.append([word for name in part for word in ("--test", name)])
 
     def test():
         output = ""
@@ -182,7 +184,7 @@ def main():
     head = (
         "# Mistakes seeded into the controller\n\n"
         "Mistakes that `firmware/mistakes.py` seeds into the controller's portable part, one at a time, and\n"
-        "the tests that caught each. A run ends with the first file of tests in which one fails, so others\n"
+        "the tests that caught each. A run ends with the first test program in which one fails, so others\n"
         "may catch it, too.\n\n"
     )
     sources = copy / "firmware/src"

@@ -1,10 +1,8 @@
 //! Homing finds the joint angles or ends in a fault.
 
-mod rig;
-
+use crate::rig::{Bench, Rig, START, settings};
 use fivebar_firmware::controller::{Request, RequestError};
 use fivebar_firmware::safety::{Fault, State};
-use rig::{Bench, Rig, START, settings};
 use std::f64::consts::TAU;
 
 const COUNT: f64 = TAU / (8.0 * 8192.0);

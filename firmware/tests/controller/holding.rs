@@ -1,9 +1,7 @@
 //! The armed arm holds its position against a force.
 
-mod rig;
-
+use crate::rig::{Rig, START, settings};
 use fivebar_firmware::safety::{Fault, State};
-use rig::{Rig, START, settings};
 
 #[test]
 fn holds_still_when_armed() {

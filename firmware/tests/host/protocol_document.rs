@@ -1,7 +1,6 @@
 //! Compares `docs/protocol.md` with the library, byte by byte.
 
-mod common;
-
+use crate::messages;
 use fivebar_firmware::controller;
 use fivebar_firmware::protocol::{
     Board, CommandError, ControllerMessage, Decoder, HostCommand, HostMessage, Identity, Message,
@@ -12,7 +11,7 @@ use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::TestRunner;
 use std::collections::{BTreeMap, BTreeSet};
 
-const DOCUMENT: &str = include_str!("../../docs/protocol.md");
+const DOCUMENT: &str = include_str!("../../../docs/protocol.md");
 
 /// The bytes of each block fenced as ```` ```example NAME ````: two hexadecimal digits
 /// each, up to the first two spaces of a line.
@@ -160,7 +159,7 @@ fn every_number_in_the_tables_is_the_one_on_the_wire() {
     // Enough random messages for every variant to occur.
     let mut runner = TestRunner::deterministic();
     let mut numbers = BTreeSet::new();
-    for message in draw(&common::host_message().boxed(), &mut runner) {
+    for message in draw(&messages::host_message().boxed(), &mut runner) {
         numbers.insert(variant(&message.command));
         match message.command {
             HostCommand::Request(request) => numbers.insert(variant(&request)),
@@ -170,7 +169,7 @@ fn every_number_in_the_tables_is_the_one_on_the_wire() {
             _ => false,
         };
     }
-    for message in draw(&common::controller_message().boxed(), &mut runner) {
+    for message in draw(&messages::controller_message().boxed(), &mut runner) {
         let ControllerMessage::Reply { reply, .. } = message else {
             continue;
         };

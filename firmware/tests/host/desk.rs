@@ -1,7 +1,5 @@
 //! A session and its controller; frames go in and out.
 
-#![allow(dead_code, reason = "each test file uses its own part")]
-
 use crate::rig;
 use fivebar_firmware::controller::Controller;
 use fivebar_firmware::protocol::{Board as Kind, Reset};

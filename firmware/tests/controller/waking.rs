@@ -1,11 +1,9 @@
 //! The bridges wake up before they are driven and before their fault outputs count.
 
-mod rig;
-
+use crate::rig::{Rig, START, WAKING_TICKS, settings};
 use fivebar_firmware::controller::Request;
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::{ActuatorCommand, MoveKind};
-use rig::{Rig, START, WAKING_TICKS, settings};
 
 const WAKING: ActuatorCommand = ActuatorCommand {
     duty: [0.0; 2],

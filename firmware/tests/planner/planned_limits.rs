@@ -1,14 +1,12 @@
 //! Each limit of a planned path by itself.
 
-mod rig;
-
+use crate::rig::{Rig, settings};
 use fivebar_firmware::MoveKind;
 use fivebar_firmware::controller::{QueuedSegment, Request};
 use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::safety::{Limits, State};
 use fivebar_kinematics::trajectory::TrajectorySegment;
 use nalgebra::Vector2;
-use rig::{Rig, settings};
 
 /// On its way along 60 mm at 0.1 m/s.
 fn running() -> Rig {

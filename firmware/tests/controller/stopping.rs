@@ -1,11 +1,9 @@
 //! The arm comes to rest as the cause demands: on its path and held, or with the bridges off.
 
-mod rig;
-
+use crate::rig::{OFF, Rig, settings, with};
 use fivebar_firmware::controller::{Request, RequestError};
 use fivebar_firmware::safety::{Fault, Limits, State};
 use fivebar_firmware::{ActuatorCommand, MoveKind, Settings};
-use rig::{OFF, Rig, settings, with};
 
 type Prepare<'a> = &'a dyn Fn(&mut Rig);
 

@@ -1,11 +1,9 @@
 //! The arm follows moves, and stops on its path.
 
-mod rig;
-
+use crate::rig::{Rig, settings};
 use fivebar_firmware::MoveKind;
 use fivebar_firmware::controller::Request;
 use fivebar_firmware::safety::State;
-use rig::{Rig, settings};
 
 fn line(to: [f32; 2], feed: f32) -> MoveKind {
     MoveKind::Line { to, feed }

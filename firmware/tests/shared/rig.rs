@@ -1,7 +1,7 @@
 //! A bench for the controller alone: the benchtop arm's settings and a small plant of its
 //! own in f64, so that the firmware is tested without the simulator.
 
-#![allow(dead_code, reason = "each test file uses its own part")]
+#![allow(dead_code, reason = "each binary uses its own part")]
 #![allow(
     clippy::needless_range_loop,
     reason = "a joint's number names it in every array"

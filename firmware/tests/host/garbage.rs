@@ -1,16 +1,13 @@
 //! For any samples, requests and moves: the controller does not panic, duties are within ±1 and
 //! zero where the bridge is off, and bridges are on only in the states that allow it.
 
-mod common;
-mod rig;
-
-use common::move_kind;
+use crate::messages::move_kind;
+use crate::rig::{Bench, START, settings};
 use fivebar_firmware::controller::Request;
 use fivebar_firmware::safety::{Response, State};
 use fivebar_firmware::{ActuatorCommand, Controller, Move, MoveKind, Planner, SensorSample};
 use fivebar_testkit::Tally;
 use proptest::prelude::*;
-use rig::{Bench, START, settings};
 use std::cell::Cell;
 
 #[derive(Clone, Copy, Debug)]

@@ -1,11 +1,9 @@
 //! Homing an arm whose angles are known already, or lie.
 
-mod rig;
-
+use crate::rig::{Rig, START, settings};
 use fivebar_firmware::Settings;
 use fivebar_firmware::controller::{Request, RequestError};
 use fivebar_firmware::safety::{Fault, State};
-use rig::{Rig, START, settings};
 
 fn homed() -> Rig {
     let mut rig = Rig::new(&settings());

@@ -1,8 +1,6 @@
 //! The frame layer: a message arrives unchanged, or it is dropped.
 
-mod common;
-
-use common::{controller_message, host_message};
+use crate::messages::{controller_message, host_message};
 use fivebar_firmware::protocol::{
     ControllerMessage, Decoder, FrameError, HostCommand, HostMessage, MAX_CONTENT, Message,
     Sequence, encode,

@@ -1,10 +1,8 @@
 //! A bound of the settings holds for either joint by itself, and the bound itself is allowed.
 
-mod rig;
-
+use crate::rig::settings;
 use fivebar_firmware::Settings;
 use fivebar_firmware::settings::{AxisField, BoardLimits, Field, SettingsError};
-use rig::settings;
 
 type Change = fn(&mut Settings);
 

@@ -1,12 +1,10 @@
 //! Every fault, raised by its own cause: its number, bridges off in the tick that detects it (or a
 //! controlled stop, if that is its response), and nothing moves until it is cleared.
 
-mod rig;
-
+use crate::rig::{Rig, START, WAKING_TICKS, settings};
 use fivebar_firmware::controller::{Controller, Request, RequestError};
 use fivebar_firmware::safety::{Fault, Response, State};
 use fivebar_firmware::{ActuatorCommand, MoveKind, Settings};
-use rig::{Rig, START, WAKING_TICKS, settings};
 
 /// Runs ticks until a fault is latched, at most `within`, and checks what every power-off fault
 /// must do.

@@ -1,11 +1,9 @@
 //! Each joint controlled by itself, without the arm's model.
 
-mod rig;
-
+use crate::rig::{Rig, START, settings};
 use fivebar_firmware::MoveKind;
 use fivebar_firmware::safety::State;
 use fivebar_firmware::settings::Settings;
-use rig::{Rig, START, settings};
 
 fn independent() -> Settings {
     let mut settings = settings();

@@ -1,14 +1,12 @@
 //! A move is either followed completely, or refused with the reason and the point.
 
-mod rig;
-
+use crate::rig::{Rig, settings};
 use fivebar_firmware::MoveKind;
 use fivebar_firmware::controller::Request;
 use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::safety::{Limits, State};
 use fivebar_kinematics::five_bar::{Side, WorkingMode};
 use proptest::prelude::*;
-use rig::{Rig, settings};
 use std::f32::consts::TAU;
 
 /// Runs to the end of the path. Returns the greatest distance of the tool from its reference [m].

@@ -1,16 +1,13 @@
 //! What controller, planner and session tell each other.
 
-mod desk;
-mod rig;
-
-use desk::Desk;
+use crate::desk::Desk;
+use crate::rig::{Rig, START, settings};
 use fivebar_firmware::controller::{QueuedSegment, Request};
 use fivebar_firmware::protocol::{HostCommand, Reply};
 use fivebar_firmware::safety::{Limits, State};
 use fivebar_firmware::{Move, MoveKind};
 use fivebar_kinematics::trajectory::TrajectorySegment;
 use nalgebra::Vector2;
-use rig::{Rig, START, settings};
 
 #[test]
 fn the_room_that_a_host_is_told_is_the_planner_s() {

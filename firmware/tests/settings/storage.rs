@@ -1,11 +1,9 @@
 //! Settings in flash survive power cuts.
 
-mod nor;
-
+use crate::nor::{self, Cut, Nor, SECTOR};
 use fivebar_firmware::Settings;
 use fivebar_firmware::storage::{SettingsStorage, StorageError};
 use fivebar_testkit::Tally;
-use nor::{Cut, Nor, SECTOR};
 use proptest::prelude::*;
 
 /// Settings that depend on a number, at their beginning, middle and end.

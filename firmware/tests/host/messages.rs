@@ -1,7 +1,5 @@
 //! Random messages of every kind, for property tests.
 
-#![allow(dead_code, reason = "each test file uses its own part")]
-
 use fivebar_firmware::controller::{self, JointReference, Snapshot};
 use fivebar_firmware::planner::{MoveError, MoveErrorKind};
 use fivebar_firmware::protocol::{

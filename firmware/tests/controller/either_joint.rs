@@ -1,13 +1,11 @@
 //! What switches the bridges off does so for either joint by itself, in the tick that shows it,
 //! and by its own cause.
 
-mod rig;
-
+use crate::rig::{OFF, Rig, START, settings, with};
 use fivebar_firmware::MoveKind;
 use fivebar_firmware::controller::{Controller, Request, RequestError};
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_kinematics::five_bar::{Geometry, Side};
-use rig::{OFF, Rig, START, settings, with};
 
 /// A pair with `value` for this joint.
 fn only<T: Copy>(joint: usize, value: T, other: T) -> [T; 2] {

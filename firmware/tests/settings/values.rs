@@ -1,12 +1,10 @@
 //! Invalid settings are refused with the name of the invalid field.
 
-mod rig;
-
+use crate::rig::settings;
 use fivebar_firmware::Settings;
 use fivebar_firmware::settings::{AxisField, BoardLimits, Field, SettingsError};
 use fivebar_kinematics::dynamics::ModelError;
 use fivebar_kinematics::five_bar::GeometryError;
-use rig::settings;
 
 type Change = fn(&mut Settings);
 

@@ -1,10 +1,8 @@
 //! A session executes each command once, whatever happens to it on the line.
 
-mod desk;
-mod nor;
-mod rig;
-
-use desk::{Desk, HELLO, read};
+use crate::desk::{Desk, HELLO, read};
+use crate::nor::Nor;
+use crate::rig;
 use fivebar_firmware::controller;
 use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::protocol::{
@@ -15,7 +13,6 @@ use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::settings::{BoardLimits, SettingsError};
 use fivebar_firmware::storage::{SettingsStorage, StorageError};
 use fivebar_firmware::{Move, MoveKind, Request};
-use nor::Nor;
 
 fn dwell(tag: u32) -> HostCommand {
     HostCommand::Move(Move {

@@ -1,0 +1,14 @@
+//! The controller and its tick, on a bench of its own.
+
+#[path = "../shared/rig.rs"]
+mod rig;
+
+mod either_joint;
+mod faults;
+mod holding;
+mod homing;
+mod homing_again;
+mod independent_joints;
+mod moving;
+mod stopping;
+mod waking;

@@ -1,0 +1,16 @@
+//! The protocol, and the session with a host.
+
+#[path = "../shared/nor.rs"]
+mod nor;
+#[path = "../shared/rig.rs"]
+mod rig;
+
+mod desk;
+mod messages;
+
+mod frames;
+mod garbage;
+mod handing_over;
+mod protocol_document;
+mod refusals_in_words;
+mod session;

@@ -1,0 +1,10 @@
+//! Settings: their bounds, and their storage in flash.
+
+#[path = "../shared/nor.rs"]
+mod nor;
+#[path = "../shared/rig.rs"]
+mod rig;
+
+mod bounds;
+mod storage;
+mod values;
