@@ -4,3 +4,4 @@
 mod arms;
 mod curves;
 mod map;
+mod reach;

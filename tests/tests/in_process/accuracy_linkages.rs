@@ -258,7 +258,7 @@ fn tension_lengthens_and_compression_shortens_a_limb_by_its_clearances() {
 }
 
 /// l3 1.2, l7 1.1, l5 .6 m.
-const SLIDER: &str = include_str!("../../sim-harness/robots/slider.toml");
+const SLIDER: &str = include_str!("../../../sim-harness/robots/slider.toml");
 
 fn numbers(value: &Value) -> Vec<f64> {
     let list = value.as_array().unwrap().iter();

@@ -13,7 +13,7 @@ use std::error::Error;
 const NOT_A_RESULT: &str = "uses_parallelogram_as_P";
 
 fn cases() -> Value {
-    serde_json::from_str(include_str!("../data/mobility_cases.json")).unwrap()
+    serde_json::from_str(include_str!("../../data/mobility_cases.json")).unwrap()
 }
 
 /// Compares every expected key; `cases` may have been moved or scaled.

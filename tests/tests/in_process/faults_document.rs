@@ -2,18 +2,18 @@
 
 use fivebar_firmware::safety::{Fault, Response};
 
-const DOCUMENT: &str = include_str!("../../docs/faults.md");
+const DOCUMENT: &str = include_str!("../../../docs/faults.md");
 /// The files with the tests that it names.
 const TESTS: [&str; 9] = [
-    include_str!("../../firmware/tests/controller/faults.rs"),
-    include_str!("../../firmware/tests/controller/homing.rs"),
-    include_str!("../../firmware/tests/host/session.rs"),
-    include_str!("../../firmware/tests/settings/storage.rs"),
+    include_str!("../../../firmware/tests/controller/faults.rs"),
+    include_str!("../../../firmware/tests/controller/homing.rs"),
+    include_str!("../../../firmware/tests/host/session.rs"),
+    include_str!("../../../firmware/tests/settings/storage.rs"),
     include_str!("faults_in_process.rs"),
-    include_str!("emulated_faults.rs"),
-    include_str!("emulated_boards.rs"),
-    include_str!("production_image.rs"),
-    include_str!("injected_faults/mod.rs"),
+    include_str!("../emulated_faults.rs"),
+    include_str!("../emulated_boards.rs"),
+    include_str!("../production_image.rs"),
+    include_str!("../injected_faults/mod.rs"),
 ];
 
 /// The cells of every row of the tables, their headings included.

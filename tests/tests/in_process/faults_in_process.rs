@@ -1,9 +1,6 @@
 //! Every fault injected by `docs/faults.md` with a controller in this process.
 
-mod bench;
-mod injected_faults;
-
-use bench::{Bench, is_off, stated};
+use crate::bench::{self, Bench, is_off, stated};
 use fivebar::run::link::Loopback;
 use fivebar_firmware::Request;
 use fivebar_firmware::controller;
@@ -14,7 +11,7 @@ fn line() -> Loopback {
     Loopback::lockstep(&bench::robot().settings().expect("masses")).expect("valid settings")
 }
 
-injected_faults::test_every_injected_fault!(line);
+crate::injected_faults::test_every_injected_fault!(line);
 
 /// The watchdog resets the controller while the arm moves: it starts with the bridges off and the
 /// fault latched, without a session and not homed.

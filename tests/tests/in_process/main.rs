@@ -1,0 +1,16 @@
+//! Tests in one process of several crates: robot files, models, analyses, and documents compared
+//! with the code.
+
+mod accuracy;
+mod accuracy_linkages;
+#[path = "../bench/mod.rs"]
+mod bench;
+mod board_defaults;
+mod faults_document;
+mod faults_in_process;
+#[path = "../injected_faults/mod.rs"]
+mod injected_faults;
+mod mobility_cases;
+mod plant_and_models;
+mod reference_vectors;
+mod tool_offsets;
