@@ -39,6 +39,8 @@ pub(crate) const BREAKAWAY: f64 = 5e-4;
 pub(crate) const STRIBECK: f64 = 0.05;
 /// Damping ratio of the joint's inertia on its bristles.
 const BRISTLE_DAMPING: f64 = 0.3;
+/// (ω/ωs)² from which e is less than the rounding error of 1 + s e.
+const NEGLIGIBLE: f64 = 40.0;
 /// z₀ in c/σ₀.
 const ELASTIC: f64 = 0.7;
 
@@ -71,7 +73,12 @@ impl Presliding {
     /// The friction at the joint's speed ω [rad/s] and the deflection z [rad].
     #[inline]
     pub(crate) fn at(&self, omega: f64, z: f64) -> Sliding {
-        let falling = libm::exp(-(omega / STRIBECK) * (omega / STRIBECK));
+        let squared = (omega / STRIBECK) * (omega / STRIBECK);
+        let falling = if squared < NEGLIGIBLE {
+            libm::exp(-squared)
+        } else {
+            0.0
+        };
         let level = self.coulomb * (1.0 + self.stiction * falling);
         let plastic = self.plastic(omega, z, level) * self.stiffness * omega.abs() * z / level;
         let rate = omega - plastic;

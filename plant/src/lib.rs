@@ -3,6 +3,7 @@
 mod active_faults;
 mod backlash;
 mod brake;
+mod causes;
 mod chain;
 pub mod contact;
 mod drives;

@@ -332,6 +332,7 @@ fn every_built_in_scenario_ends_as_described() {
     let bench = Bench::new();
     for (name, fault) in [
         ("no_mismatch", None),
+        ("realistic", None),
         ("bus_sags", Some("under voltage")),
         ("emergency_stop", Some("emergency stop")),
         ("encoder_dies", Some("following error")),

@@ -1,11 +1,13 @@
 //! A run: the simulation of a scenario from power-up to the end of its job, and its results.
 
+mod by_cause;
 mod control_loop;
 mod demo_scale;
 mod joints;
 mod summary;
 mod trace;
 
+pub use by_cause::CauseError;
 pub use control_loop::{Record, Simulation};
 pub use demo_scale::{DemoScaleError, find_demo_scale};
 pub use joints::{JointHistory, PeakForce};

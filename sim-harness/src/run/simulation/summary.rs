@@ -1,5 +1,6 @@
 //! The results of a run, with the keys of its JSON.
 
+use super::CauseError;
 use fivebar_firmware::safety::Fault;
 use serde::Serialize;
 
@@ -36,6 +37,9 @@ pub struct Summary {
     pub saturated_ticks: u64,
     /// Faults raised, by name.
     pub faults: Vec<String>,
+    /// The errors with each mismatch alone, if those runs were made.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub by_cause: Vec<CauseError>,
     /// The folder with the report.
     pub out_dir: String,
 }

@@ -15,7 +15,7 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let robot = Robot::load(BuiltIn::DEFAULT).map_err(refused)?;
-    sim::simulate(&Scenario::demonstration(robot), &args.output)?;
+    sim::simulate(&Scenario::demonstration(robot), &args.output, false)?;
     if !args.output.json {
         say(format_args!(
             "\nOpen the report in a browser. `fivebar sim JOB.gcode` draws your own job; \

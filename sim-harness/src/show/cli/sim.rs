@@ -5,7 +5,7 @@ use super::output::OutputArgs;
 use super::run_args::RunArgs;
 use super::say::{say, warn};
 use crate::input::scenario::Scenario;
-use crate::run::simulation::{Record, RunError, Summary, TipError};
+use crate::run::simulation::{CauseError, Record, RunError, Summary, TipError};
 use crate::show::pages::RunReport;
 use crate::show::text::{self, conditions, quantity, stopped_by};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -15,15 +15,22 @@ use indicatif::{ProgressBar, ProgressStyle};
 pub(super) struct Args {
     #[command(flatten)]
     run: RunArgs,
+    /// Run the job also with each mismatch of the scenario alone, and show the error by cause.
+    #[arg(long)]
+    by_cause: bool,
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    simulate(&args.run.scenario()?, &args.run.output)
+    simulate(&args.run.scenario()?, &args.run.output, args.by_cause)
 }
 
-/// Runs a scenario, and once more with PD alone for comparison; writes and prints the
-/// results.
-pub(super) fn simulate(scenario: &Scenario, output: &OutputArgs) -> Result<(), Failure> {
+/// Runs a scenario, once more with PD alone for comparison, and on demand with each mismatch
+/// alone; writes and prints the results.
+pub(super) fn simulate(
+    scenario: &Scenario,
+    output: &OutputArgs,
+    by_cause: bool,
+) -> Result<(), Failure> {
     let folders = output.prepare()?;
     let job = scenario.job().map_err(refused)?;
     for warning in &job.warnings {
@@ -49,6 +56,10 @@ pub(super) fn simulate(scenario: &Scenario, output: &OutputArgs) -> Result<(), F
     let pd = pd.and_then(Result::ok);
     summary.out_dir = folders.out.path().display().to_string();
     summary.pd_tip_error = pd.as_ref().map(|(pd, _)| pd.tip_error);
+    if by_cause {
+        let causes = scenario.by_cause(&job, &summary);
+        summary.by_cause = causes.map_err(|error| refusal(scenario, &error))?;
+    }
     let text = serde_json::to_string_pretty(&summary).map_err(refused)?;
     let report = RunReport {
         robot: &scenario.robot,
@@ -97,6 +108,19 @@ pub(super) fn print(summary: &Summary, record: &Record) -> Result<(), Failure> {
     ))?;
     if record.begun.is_some() {
         print_errors(summary)?;
+    }
+    for CauseError {
+        cause,
+        tip_error,
+        faults,
+    } in &summary.by_cause
+    {
+        let [rms, max] = [tip_error.rms_m, tip_error.max_m].map(|error| quantity(error, "m"));
+        let fault = faults.first().map(|fault| format!(", fault: {fault}"));
+        say(format_args!(
+            "    {cause:<18}{rms} RMS, {max} max{}",
+            fault.unwrap_or_default()
+        ))?;
     }
     let [torque1, torque4] = summary.peak_torque_nm.map(|torque| quantity(torque, "N·m"));
     say(format_args!(

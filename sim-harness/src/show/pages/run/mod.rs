@@ -1,5 +1,6 @@
 //! The report of a run: the motion, its errors and its loads.
 
+mod by_cause;
 mod loads;
 mod motion;
 mod picture;
@@ -52,6 +53,7 @@ impl RunReport<'_> {
             page.key_figures(&[&errors[..], &others].concat());
             self.add_motion(&mut page);
             self.add_errors(&mut page);
+            self.add_causes(&mut page);
             self.add_loads(&mut page);
         }
         self.add_tables(&mut page);

@@ -1,0 +1,55 @@
+//! The same run with each mismatch alone.
+
+use super::{RunError, Summary, TipError};
+use crate::input::job::Job;
+use crate::input::scenario::Scenario;
+use fivebar_plant::Mismatch;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// The error of a run under one mismatch alone.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct CauseError {
+    /// Its key under `[mismatch]`, or "none" or "all".
+    pub cause: String,
+    /// The tip error of the run, up to its first fault.
+    pub tip_error: TipError,
+    /// The faults of the run, by name.
+    pub faults: Vec<String>,
+}
+
+impl Scenario {
+    /// The tip errors without any mismatch, with each alone, and with all: `all` is the run
+    /// itself. What the robot file states of the drives stays in every run.
+    ///
+    /// # Errors
+    /// As [`Scenario::simulate`].
+    pub fn by_cause(&self, job: &Job, all: &Summary) -> Result<Vec<CauseError>, RunError> {
+        let mut runs = vec![("none", Mismatch::NONE)];
+        runs.extend(self.mismatch.alone());
+        let alone: Result<Vec<CauseError>, RunError> = runs
+            .into_par_iter()
+            .map(|(cause, mismatch)| {
+                let scenario = Self {
+                    mismatch,
+                    ..self.clone()
+                };
+                let (summary, _) = scenario.simulate(job, scenario.computed_torque, &mut |_| ())?;
+                Ok(CauseError::new(cause, &summary))
+            })
+            .collect();
+        let mut errors = alone?;
+        errors.push(CauseError::new("all", all));
+        Ok(errors)
+    }
+}
+
+impl CauseError {
+    fn new(cause: &str, summary: &Summary) -> Self {
+        Self {
+            cause: cause.into(),
+            tip_error: summary.tip_error,
+            faults: summary.faults.clone(),
+        }
+    }
+}
