@@ -17,30 +17,36 @@ fn plant(c: &mut Criterion) {
     let mut group = c.benchmark_group("simulation");
     // Elements are ticks: 10 000 of them are one simulated second.
     group.throughput(Throughput::Elements(TICKS));
-    group.bench_function("plant", |b| {
-        b.iter(|| {
-            let mut plant = Plant::new(
-                &robot.plant_parameters().unwrap(),
-                &Mismatch::default(),
-                &home,
-                1,
-            );
-            for tick in 0..TICKS {
-                let duty = if tick / 100 % 2 == 0 { -0.1 } else { 0.1 };
-                black_box(plant.sense());
-                let enable = [true; 2];
-                plant.step(
-                    &ActuatorCommand {
-                        duty: [duty, -duty],
-                        enable,
-                        brake: false,
-                    },
-                    TICK,
-                );
-            }
-            plant.tool()
+    let realistic = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../sim-harness/scenarios/realistic.toml"
+    );
+    let realistic = Scenario::load(realistic).unwrap().mismatch;
+    for (name, mismatch) in [
+        ("plant", Mismatch::default()),
+        ("realistic plant", realistic),
+    ] {
+        group.bench_function(name, |b| {
+            b.iter(|| {
+                let parameters = robot.plant_parameters().unwrap();
+                let mut plant = Plant::new(&parameters, &mismatch, &home, 1);
+                for tick in 0..TICKS {
+                    let duty = if tick / 100 % 2 == 0 { -0.1 } else { 0.1 };
+                    black_box(plant.sense());
+                    let enable = [true; 2];
+                    plant.step(
+                        &ActuatorCommand {
+                            duty: [duty, -duty],
+                            enable,
+                            brake: false,
+                        },
+                        TICK,
+                    );
+                }
+                plant.tool()
+            });
         });
-    });
+    }
     group.finish();
 }
 

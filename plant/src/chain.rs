@@ -13,7 +13,7 @@
 //! This shares nothing with the controller's model: it has no partial velocities and no
 //! closed-form solution of the loop.
 
-use crate::planar::{Body, PlanarVector, perp, rotation};
+use crate::planar::{Body, PlanarVector, perp, rotation, times, transpose_times};
 use nalgebra::{Matrix2, Vector2};
 use std::array::from_fn;
 
@@ -74,8 +74,8 @@ impl Chain {
     pub(crate) fn arms(&self, q: &[PlanarVector; 4]) -> LeverArms {
         let rotations = q.map(|q| rotation(q.angular));
         LeverArms {
-            near: from_fn(|i| rotations[i] * self.bodies[i].near),
-            far: from_fn(|i| rotations[i] * self.bodies[i].far),
+            near: from_fn(|i| times(&rotations[i], self.bodies[i].near)),
+            far: from_fn(|i| times(&rotations[i], self.bodies[i].far)),
         }
     }
 
@@ -145,7 +145,7 @@ impl Chain {
             relative[i + 1] += arms.far[i] * omega_squared;
         }
         let relative = self.constrained_only(relative);
-        let forces = self.schur(arms).factored().solve(&relative).map(|f| -f);
+        let forces = negated(self.schur(arms).factored().solve(&relative));
         let mut accelerations = *free;
         arms.apply(self, &forces, &mut accelerations);
         (accelerations, forces)
@@ -162,10 +162,10 @@ impl Chain {
             let matrix = self.schur(&arms).factored();
             if gaps.iter().all(|gap| gap.amax() <= CLOSED) {
                 let relative = self.constrained_only(arms.joint_motion(v));
-                arms.apply(self, &matrix.solve(&relative).map(|f| -f), v);
+                arms.apply(self, &negated(matrix.solve(&relative)), v);
                 return;
             }
-            arms.apply(self, &matrix.solve(&gaps).map(|f| -f), q);
+            arms.apply(self, &negated(matrix.solve(&gaps)), q);
         }
     }
 }
@@ -207,7 +207,10 @@ impl Tridiagonal {
         inverse[0] = inverted(self.diagonal[0]);
         for k in 1..JOINTS {
             let upper = self.upper[k - 1];
-            inverse[k] = inverted(self.diagonal[k] - upper.transpose() * inverse[k - 1] * upper);
+            // Uᵀ D′⁻¹ U, by columns.
+            let left = by_columns(&inverse[k - 1], |column| transpose_times(&upper, column));
+            let taken = by_columns(&upper, |column| times(&left, column));
+            inverse[k] = inverted(self.diagonal[k] - taken);
         }
         Factored {
             inverse,
@@ -221,14 +224,31 @@ impl Factored {
     pub(crate) fn solve(&self, right: &PerJoint) -> PerJoint {
         let mut x = *right;
         for k in 1..JOINTS {
-            x[k] -= self.upper[k - 1].transpose() * (self.inverse[k - 1] * x[k - 1]);
+            x[k] -= transpose_times(&self.upper[k - 1], times(&self.inverse[k - 1], x[k - 1]));
         }
-        x[JOINTS - 1] = self.inverse[JOINTS - 1] * x[JOINTS - 1];
+        x[JOINTS - 1] = times(&self.inverse[JOINTS - 1], x[JOINTS - 1]);
         for k in (0..JOINTS - 1).rev() {
-            x[k] = self.inverse[k] * (x[k] - self.upper[k] * x[k + 1]);
+            x[k] = times(&self.inverse[k], x[k] - times(&self.upper[k], x[k + 1]));
         }
         x
     }
+}
+
+/// The matrix whose columns are those of m, mapped.
+#[inline(always)]
+fn by_columns(m: &Matrix2<f64>, mapped: impl Fn(Vector2<f64>) -> Vector2<f64>) -> Matrix2<f64> {
+    let first = mapped(Vector2::new(m[(0, 0)], m[(1, 0)]));
+    let second = mapped(Vector2::new(m[(0, 1)], m[(1, 1)]));
+    Matrix2::new(first.x, second.x, first.y, second.y)
+}
+
+/// The vectors in the opposite direction.
+#[inline(always)]
+fn negated(mut each: PerJoint) -> PerJoint {
+    for vector in &mut each {
+        *vector = Vector2::new(-vector.x, -vector.y);
+    }
+    each
 }
 
 /// The inverse of a symmetric positive definite block.

@@ -2,7 +2,7 @@
 
 use crate::chain::{Chain, PerJoint};
 use crate::motor::Motor;
-use crate::planar::{Body, PlanarVector, perp, rotation};
+use crate::planar::{Body, PlanarVector, perp, rotation, times};
 use nalgebra::Vector2;
 
 /// The chain with motors, gravity and tool.
@@ -127,7 +127,7 @@ impl Model {
 
     /// The tool from its link's centre of mass, in the frame of the base [m].
     fn tool_arm(&self, state: &State) -> Vector2<f64> {
-        rotation(state.q[CARRIER].angular) * self.tool
+        times(&rotation(state.q[CARRIER].angular), self.tool)
     }
 
     /// The tool's position [m].
