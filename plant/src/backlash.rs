@@ -50,3 +50,31 @@ impl Backlash {
         if torque * y > 0.0 { torque } else { 0.0 }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Backlash;
+
+    #[test]
+    fn flanks_push_never_pull_and_meet_without_a_jump() {
+        let (gap, stiffness, damping) = (1e-3, 1e3, 2.0);
+        let backlash = Backlash::new(gap);
+        let mut parting = 0;
+        for step in -400..=400 {
+            let x = 1e-5 * f64::from(step);
+            let y = backlash.outside(x);
+            assert_eq!(y == 0.0, x.abs() <= 0.5 * gap);
+            for rate in [-2.0, -0.1, 0.0, 0.1, 2.0] {
+                let torque = backlash.torque(x, rate, stiffness, damping);
+                assert!(torque * y >= 0.0, "{torque} N·m at {x} rad, {rate} rad/s");
+                parting += u32::from(y != 0.0 && torque == 0.0);
+                if rate == 0.0 {
+                    assert_eq!(torque, stiffness * y);
+                }
+            }
+        }
+        assert!(parting > 50, "{parting} flanks part");
+        let touching = backlash.torque(0.5 * gap + 1e-9, 2.0, stiffness, damping);
+        assert!(touching < 1e-3, "{touching} N·m");
+    }
+}
