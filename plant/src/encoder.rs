@@ -7,13 +7,13 @@
 //! harmonic is the eccentricity of the encoder's disc or magnet, the second its tilt or
 //! ellipticity, the fourth the mismatch of the sine and cosine channels of a magnetic encoder.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// Most harmonics of one encoder.
 pub const MOST_HARMONICS: usize = 16;
 
 /// One harmonic of an encoder's error: `amplitude` · sin(`harmonic` · angle + `phase`).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Harmonic {
     /// Periods per turn of the encoder's shaft, from 1.
@@ -26,8 +26,8 @@ pub struct Harmonic {
 }
 
 /// The error of an encoder over a turn of its shaft, as a sum of harmonics.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
-#[serde(try_from = "Vec<Harmonic>")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[serde(try_from = "Vec<Harmonic>", into = "Vec<Harmonic>")]
 pub struct Harmonics {
     terms: [Harmonic; MOST_HARMONICS],
     count: usize,
@@ -95,6 +95,12 @@ impl TryFrom<Vec<Harmonic>> for Harmonics {
     type Error = TooManyHarmonics;
     fn try_from(harmonics: Vec<Harmonic>) -> Result<Self, TooManyHarmonics> {
         Self::new(&harmonics)
+    }
+}
+
+impl From<Harmonics> for Vec<Harmonic> {
+    fn from(harmonics: Harmonics) -> Self {
+        harmonics.terms().to_vec()
     }
 }
 

@@ -6,12 +6,12 @@ use crate::motor::Motor;
 use crate::parameters::Parameters;
 use crate::transmission::{Spring, Transmission};
 use fivebar_kinematics::five_bar::Geometry;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
 /// Differences between the simulated arm and the controller's model of it. Pairs are of joint 1
 /// and joint 4; angles and torques are at the joint. With a value of 0 an effect is off.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Mismatch {
     /// Excess of the links' masses and inertias, as a share: 0.1 is 10 % more.

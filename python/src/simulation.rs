@@ -13,6 +13,7 @@ use numpy::{Element, IntoPyArray};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -63,7 +64,7 @@ impl Scenario {
         scale: Option<f64>,
         seed: Option<u64>,
         computed_torque: Option<bool>,
-        mismatch: BTreeMap<String, f64>,
+        mismatch: BTreeMap<String, Figure>,
     ) -> PyResult<Outcome<'py>> {
         let mut scenario = self.described.clone();
         scenario.origin = origin.or(scenario.origin);
@@ -112,23 +113,67 @@ type Outcome<'py> = (
     Vec<String>,
 );
 
-/// Replaces the named figures of a mismatch.
-fn change(mismatch: &mut Mismatch, figures: BTreeMap<String, f64>) -> PyResult<()> {
-    for (name, value) in figures {
-        *match name.as_str() {
-            "link_mass" => &mut mismatch.link_mass,
-            "friction" => &mut mismatch.friction,
-            "payload" => &mut mismatch.payload,
-            "current_noise" => &mut mismatch.current_noise,
-            "current_offset" => &mut mismatch.current_offset,
-            _ => {
-                let reason = format!(
-                    "no such figure of a mismatch: `{name}`; there are link_mass, friction, \
-                     payload, current_noise and current_offset"
-                );
-                return Err(PyValueError::new_err(reason));
+/// A figure of a mismatch: a number, a list, or the harmonics of each encoder.
+#[derive(FromPyObject)]
+enum Figure {
+    Number(f64),
+    List(Vec<f64>),
+    Harmonics(Vec<Vec<BTreeMap<String, f64>>>),
+}
+
+impl Figure {
+    fn into_json(self) -> Value {
+        match self {
+            Self::Number(number) => number.into(),
+            Self::List(numbers) => numbers.into(),
+            Self::Harmonics(encoders) => {
+                let encoders = encoders.into_iter().map(|harmonics| {
+                    let harmonics = harmonics.into_iter().map(|harmonic| {
+                        let entries = harmonic.into_iter().map(|(key, value)| {
+                            let is_count = key == "harmonic" && value.fract() == 0.0;
+                            let value = if is_count {
+                                Value::from(value as i64)
+                            } else {
+                                Value::from(value)
+                            };
+                            (key, value)
+                        });
+                        Value::Object(entries.collect())
+                    });
+                    Value::Array(harmonics.collect())
+                });
+                Value::Array(encoders.collect())
             }
-        } = value;
+        }
+    }
+}
+
+/// Replaces the named figures of a mismatch.
+fn change(mismatch: &mut Mismatch, figures: BTreeMap<String, Figure>) -> PyResult<()> {
+    for (name, figure) in figures {
+        let mut all = serde_json::to_value(*mismatch)
+            .map_err(|refusal| PyRuntimeError::new_err(refusal.to_string()))?;
+        let Some(place) = all.get_mut(&name) else {
+            let known: Vec<&String> = all
+                .as_object()
+                .into_iter()
+                .flatten()
+                .map(|(n, _)| n)
+                .collect();
+            let reason = format!(
+                "no such figure of a mismatch: `{name}`; there are {}",
+                known
+                    .iter()
+                    .map(|name| name.as_str())
+                    .collect::<Vec<_>>()
+                    .join(", ")
+            );
+            return Err(PyValueError::new_err(reason));
+        };
+        *place = figure.into_json();
+        *mismatch = serde_json::from_value(all).map_err(|refusal| {
+            PyValueError::new_err(format!("`{name}` of the mismatch: {refusal}"))
+        })?;
     }
     mismatch.check().map_err(|invalid| {
         let name = invalid.name;

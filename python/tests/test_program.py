@@ -88,6 +88,9 @@ def test_an_arm_without_mismatch_is_followed_more_closely(arm):
     believed = arm.simulate(**job, mismatch=fivebar.NO_MISMATCH).summary["tip_error"]["rms_m"]
     heavy = arm.simulate(**job, mismatch={"payload": 0.1}).summary["tip_error"]["rms_m"]
     assert believed < declared < heavy
+    eccentric = [[{"harmonic": 1, "amplitude": 4e-3}], []]
+    off = {"encoder_error": eccentric, "home_error": [2e-4, 0], "stiffness": [5000, 5000]}
+    assert arm.simulate(**job, mismatch=off).summary["tip_error"]["rms_m"] > 2 * declared
     again = arm.simulate(**job, seed=1).trace
     other = arm.simulate(**job, seed=2).trace
     assert np.array_equal(again.tool, arm.simulate(**job).trace.tool)
@@ -103,6 +106,8 @@ def test_an_arm_without_mismatch_is_followed_more_closely(arm):
     ("G1 X1 F600", {"origin": (0.0, np.nan)}, fivebar.FivebarError, "origin must be two"),
     ("G1 X1 F600", {"mismatch": {"mass": 1.0}}, ValueError, "no such figure.*`mass`"),
     ("G1 X1 F600", {"mismatch": {"payload": -1.0}}, ValueError, "`payload`.* at least 0"),
+    ("G1 X1 F600", {"mismatch": {"cogging": [1e-3]}}, ValueError, "`cogging` .*length 1"),
+    ("G1 X1 F600", {"mismatch": {"stiffness": [0.0, 900.0]}}, ValueError, "`stiffness`.*positive"),
     (Path("nowhere.gcode"), {}, FileNotFoundError, r"cannot read nowhere\.gcode"),
 ])
 def test_what_cannot_be_run_is_refused_with_the_reason(arm, job, options, error, message):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,7 +20,7 @@ from ._results import (
     Reaction,
 )
 from ._shapes import Floats, SideLike, Statuses, broadcast, pairs, refuse, sides, signs
-from ._simulation import Run, run
+from ._simulation import Mismatch, Run, run
 from ._status import Side
 
 
@@ -311,7 +311,7 @@ class Arm:
         scale: Optional[float] = None,
         seed: Optional[int] = None,
         computed_torque: Optional[bool] = None,
-        mismatch: Optional[Mapping[str, float]] = None,
+        mismatch: Optional[Mismatch] = None,
     ) -> Run:
         """Runs a job with the simulated arm under the production control loop.
 
@@ -324,7 +324,8 @@ class Arm:
         job; default 1. seed: of every random number; default 1. computed_torque: control by
         the arm's model (True, the default) or by PD alone. mismatch: how the arm differs from
         the controller's model: ``link_mass`` and ``friction`` as extra shares, ``payload``
-        [kg], ``current_noise`` and ``current_offset`` [ADC codes]; ``fivebar.NO_MISMATCH``
+        [kg], ``current_noise`` and ``current_offset`` [ADC codes], and the other keys of a
+        scenario's ``[mismatch]`` with their lists (docs/robot-file.md); ``fivebar.NO_MISMATCH``
         for no difference.
 
         A fault of the arm ends the run and is part of its result. Raises

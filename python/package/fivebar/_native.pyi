@@ -58,7 +58,7 @@ class Scenario:
         scale: Optional[float],
         seed: Optional[int],
         computed_torque: Optional[bool],
-        mismatch: Dict[str, float],
+        mismatch: Dict[str, Any],
     ) -> Tuple[
         str,
         Dict[str, NDArray[Any]],

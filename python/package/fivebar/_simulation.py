@@ -15,13 +15,30 @@ from . import _native
 from ._errors import FivebarError
 from ._shapes import Floats
 
+#: How an arm differs from the controller's model: a number, a list of numbers, or for
+#: ``encoder_error`` a list of harmonics for each encoder, by the keys of a scenario's
+#: ``[mismatch]``.
+Mismatch = Mapping[str, Any]
+
 #: The mismatch of an arm that is exactly as the controller's model.
-NO_MISMATCH: Dict[str, float] = {
+NO_MISMATCH: Dict[str, Any] = {
     "link_mass": 0.0,
     "friction": 0.0,
     "payload": 0.0,
     "current_noise": 0.0,
     "current_offset": 0.0,
+    "link_length": [0.0] * 4,
+    "base_length": 0.0,
+    "home_error": [0.0] * 2,
+    "torque_constant": [0.0] * 2,
+    "torque_ripple": [0.0] * 2,
+    "cogging": [0.0] * 2,
+    "drive_damping": [0.0] * 2,
+    "backlash": [0.0] * 2,
+    "stiction": [0.0] * 2,
+    "encoder_error": [[], []],
+    "encoder_latency": [0.0] * 2,
+    "supply_resistance": 0.0,
 }
 
 
@@ -92,7 +109,7 @@ def simulate(
     scale: Optional[float] = None,
     seed: Optional[int] = None,
     computed_torque: Optional[bool] = None,
-    mismatch: Optional[Mapping[str, float]] = None,
+    mismatch: Optional[Mismatch] = None,
 ) -> Run:
     """Runs a scenario file with the robot that it names, as ``fivebar sim FILE`` does.
 
@@ -109,7 +126,7 @@ def run(
     scale: Optional[float],
     seed: Optional[int],
     computed_torque: Optional[bool],
-    mismatch: Optional[Mapping[str, float]],
+    mismatch: Optional[Mismatch],
 ) -> Run:
     """Runs a job or a scenario with a robot; see :meth:`fivebar.Arm.simulate`."""
     if not isinstance(job, str):
@@ -127,7 +144,7 @@ def _run(
     scale: Optional[float],
     seed: Optional[int],
     computed_torque: Optional[bool],
-    mismatch: Optional[Mapping[str, float]],
+    mismatch: Optional[Mismatch],
 ) -> Run:
     if origin is not None and not (len(origin) == 2 and all(map(math.isfinite, origin))):
         raise FivebarError(f"origin must be two finite numbers [m], not {origin!r}")
