@@ -42,8 +42,17 @@ fn harmonics(terms: &[(u32, f64, f64)]) -> Harmonics {
 
 #[test]
 fn the_measured_angle_of_the_encoders_shaft_has_the_known_and_the_unknown_harmonics() {
-    for (side, ratio) in [(EncoderSide::Motor, GEAR), (EncoderSide::Joint, 1.0)] {
+    for (side, gear, ratio) in [
+        (EncoderSide::Motor, GEAR, GEAR),
+        (EncoderSide::Joint, GEAR, 1.0),
+        // A motor that turns against its joint.
+        (EncoderSide::Motor, -GEAR, -GEAR),
+        (EncoderSide::Joint, -GEAR, 1.0),
+    ] {
         let mut parameters = parameters();
+        parameters.motors[0].gear_ratio = gear;
+        parameters.settings.axes[0].gear_ratio = gear as f32;
+        let exact = parameters.clone();
         parameters.encoders[0].side = side;
         parameters.encoders[0].error = harmonics(&[(1, 8e-3, 0.3), (2, -3e-3, 1.1)]);
         let mismatch = Mismatch {
@@ -52,18 +61,19 @@ fn the_measured_angle_of_the_encoders_shaft_has_the_known_and_the_unknown_harmon
         };
         let (mut plant, mut ideal) = (
             plant_of(&parameters, &mismatch),
-            plant_of(&self::parameters(), &Mismatch::NONE),
+            plant_of(&exact, &Mismatch::NONE),
         );
+        let duty = -0.06 * gear.signum() as f32;
         let mut greatest = 0.0_f64;
         for _ in 0..1500 {
-            plant.step(&driven_by([-0.06, 0.0]), TICK);
-            ideal.step(&driven_by([-0.06, 0.0]), TICK);
+            plant.step(&driven_by([duty, 0.0]), TICK);
+            ideal.step(&driven_by([duty, 0.0]), TICK);
             assert_eq!(plant.state(), ideal.state());
             let shaft = ratio * plant.angle(0);
             let error = 8e-3 * (shaft + 0.3).sin() - 3e-3 * (2.0 * shaft + 1.1).sin()
                 + 2e-3 * (4.0 * shaft - 0.7).sin();
             // Counts per turn of the joint, in turns of the encoder's shaft.
-            let expected = error / TAU * COUNTS * GEAR / ratio;
+            let expected = error / TAU * COUNTS * gear / ratio;
             let [found, other] = [0, 1].map(|j| {
                 let counts = [plant.sense().counts[j], ideal.sense().counts[j]];
                 f64::from(counts[0].wrapping_sub(counts[1]))
