@@ -6,6 +6,7 @@ pub mod linkage;
 pub mod mobility;
 mod noise;
 pub mod slider;
+pub mod time_optimal;
 pub mod workspace;
 
 pub use dual::Dual;

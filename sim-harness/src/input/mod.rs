@@ -4,6 +4,7 @@ pub mod accuracy_classes;
 pub mod job;
 pub mod linkage;
 pub mod mobility;
+pub mod path_case;
 pub mod robot;
 pub mod scenario;
 pub mod source;

@@ -4,5 +4,6 @@ pub mod accuracy;
 pub mod clearance;
 pub mod linkage;
 pub mod mobility;
+pub mod plan;
 pub mod query;
 pub mod workspace;

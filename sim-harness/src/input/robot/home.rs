@@ -71,7 +71,7 @@ impl Robot {
     ///
     /// # Errors
     /// The tool is at the elbow.
-    pub(super) fn tool_on_link(&self) -> Result<Tool<f64>, GeometryError> {
+    pub(crate) fn tool_on_link(&self) -> Result<Tool<f64>, GeometryError> {
         let [along, left] = self.tool.offset;
         Tool::new(self.geometry, Vector2::new(along, left))
     }

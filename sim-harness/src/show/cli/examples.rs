@@ -102,6 +102,13 @@ const EXAMPLES: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "plan",
+        &[
+            "fivebar plan --path my-path.json",
+            "fivebar plan --robot my-arm.toml --path my-path.json --torque-share 0.7 --json",
+        ],
+    ),
+    (
         "query",
         &[
             "echo '{\"op\":\"inverse\",\"c\":[0.04,0.2],\"elbow1\":\"right\",\"elbow4\":\"left\"}' | fivebar query",

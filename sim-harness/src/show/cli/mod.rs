@@ -23,6 +23,7 @@ mod monitor;
 mod new;
 mod output;
 mod pil;
+mod plan;
 mod port;
 mod query;
 mod questions;
@@ -67,6 +68,7 @@ enum Command {
     Monitor(monitor::Args),
     New(new::Args),
     Pil(pil::Args),
+    Plan(plan::Args),
     Query(query::Args),
     Robots(robots::Args),
     Serve(serve::Args),
@@ -99,6 +101,7 @@ pub fn main() -> ExitCode {
             Command::Monitor(args) => monitor::run(&args),
             Command::New(args) => new::run(&args),
             Command::Pil(args) => pil::run(&args),
+            Command::Plan(args) => plan::run(&args),
             Command::Query(args) => query::run(&args),
             Command::Robots(args) => robots::run(&args),
             Command::Serve(args) => serve::run(&args),

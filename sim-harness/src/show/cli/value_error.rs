@@ -21,6 +21,8 @@ pub(super) enum ValueError {
     Rate,
     #[error("give a positive number")]
     Scale,
+    #[error("give a number above 0, 1 at most")]
+    Share,
     #[error("give left or right for each elbow, such as right,left")]
     WorkingMode,
 }

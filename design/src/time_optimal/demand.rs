@@ -1,0 +1,134 @@
+//! What a motion along the path demands of the joints and drives.
+//!
+//! With x = ṡ² and u = s̈ along C(s), q′ and q″ by the inverse solution with ṙC = C′, r̈C = C″:
+//!
+//! q̇ = q′ √x, q̈ = q′ u + q″ x,
+//! τ = a u + b x + c + d √x,
+//! a = M q′, b = M q″ + h(q, q′) without gravity, c = gravity + Coulomb · sign q′,
+//! d = viscous · q′.
+
+use super::path::PathPoint;
+use fivebar_kinematics::dynamics::{Arm, BaseParameterModel, ModelError};
+use fivebar_kinematics::five_bar::{Links, PoseError, Tool, WorkingMode};
+use nalgebra::Vector2;
+
+/// A drive as a plan sees it; the default has no friction.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PlannedDrive {
+    /// Viscous friction at the joint [N·m·s/rad].
+    pub viscous: f64,
+    /// Coulomb friction at the joint [N·m].
+    pub coulomb: f64,
+    /// K, torque at the joint per current, and back-EMF per joint speed [N·m/A, V·s/rad].
+    pub torque_constant: f64,
+    /// R, resistance of the winding [Ω].
+    pub resistance: f64,
+}
+
+/// An arm in one working mode, with its drives.
+#[derive(Clone, Debug)]
+pub struct DrivenArm {
+    tool: Tool<f64>,
+    mode: WorkingMode,
+    model: BaseParameterModel<f64>,
+    weightless: BaseParameterModel<f64>,
+    drives: [PlannedDrive; 2],
+}
+
+/// The coefficients at one place of a path; pairs are of joint 1 and joint 4.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Demand {
+    /// u(θ1), u(θ4).
+    pub direction: [Vector2<f64>; 2],
+    /// q′.
+    pub q1: [f64; 2],
+    /// q″.
+    pub q2: [f64; 2],
+    /// C′.
+    pub tangent: Vector2<f64>,
+    /// C″.
+    pub curvature: Vector2<f64>,
+    /// a.
+    pub a: [f64; 2],
+    /// b.
+    pub b: [f64; 2],
+    /// c.
+    pub c: [f64; 2],
+    /// d.
+    pub d: [f64; 2],
+    /// sin(θ3−θ2).
+    pub sin32: f64,
+}
+
+impl DrivenArm {
+    /// An arm whose tip is the tool's point.
+    ///
+    /// # Errors
+    /// None for an arm that exists; it is made once more without gravity.
+    pub fn new(
+        arm: &Arm<f64>,
+        tool: Tool<f64>,
+        mode: WorkingMode,
+        drives: [PlannedDrive; 2],
+    ) -> Result<Self, ModelError> {
+        let (links, payload) = (*arm.links(), arm.payload());
+        let (geometry, rotors) = (*arm.geometry(), arm.rotor_inertia());
+        let weightless = Arm::new(geometry, links, payload, Vector2::zeros(), rotors)?;
+        Ok(Self {
+            tool,
+            mode,
+            model: BaseParameterModel::new(arm),
+            weightless: BaseParameterModel::new(&weightless),
+            drives,
+        })
+    }
+
+    /// The drives.
+    pub fn drives(&self) -> &[PlannedDrive; 2] {
+        &self.drives
+    }
+
+    /// The coefficients at a point of the path.
+    ///
+    /// # Errors
+    /// The arm cannot reach the point, or is in a singularity there.
+    pub fn demand(&self, point: &PathPoint) -> Result<Demand, PoseError> {
+        let pose = self.tool.inverse(point.c, self.mode)?;
+        let first = self.tool.inverse_velocities(&pose, point.tangent)?;
+        let second = self
+            .tool
+            .inverse_accelerations(&pose, &first, point.curvature)?;
+        let links = Links::of(&pose, self.tool.geometry());
+        let ([q11, _, _, q14], [q21, _, _, q24]) = (first.omega, second.alpha);
+        let (q1, q2) = ([q11, q14], [q21, q24]);
+        let rest = [0.0; 2];
+        let gravity = self.model.torques(&links, rest, rest);
+        let part = |of: fn(&PlannedDrive) -> f64| [of(&self.drives[0]), of(&self.drives[1])];
+        let (coulomb, viscous) = (part(|drive| drive.coulomb), part(|drive| drive.viscous));
+        Ok(Demand {
+            direction: [pose.u1, pose.u4],
+            q1,
+            q2,
+            tangent: point.tangent,
+            curvature: point.curvature,
+            a: self.weightless.torques(&links, rest, q1),
+            b: self.weightless.torques(&links, q1, q2),
+            c: [0, 1].map(|j| gravity[j] + coulomb[j] * sign(q1[j])),
+            d: [0, 1].map(|j| viscous[j] * q1[j]),
+            sin32: pose.sin32(),
+        })
+    }
+}
+
+/// −1, 0 or 1: a joint at rest has no Coulomb friction to overcome.
+fn sign(value: f64) -> f64 {
+    if value == 0.0 { 0.0 } else { value.signum() }
+}
+
+impl Demand {
+    /// The torque of each joint [N·m] at x = ṡ² and u = s̈.
+    pub fn torque(&self, x: f64, u: f64) -> [f64; 2] {
+        let root = x.max(0.0).sqrt();
+        [0, 1].map(|j| self.a[j] * u + self.b[j] * x + self.c[j] + self.d[j] * root)
+    }
+}

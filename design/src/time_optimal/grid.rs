@@ -1,0 +1,226 @@
+//! The cells of a path: even ones at first, then finer where a limit is passed between nodes.
+
+use super::demand::{Demand, DrivenArm};
+use super::limits::PlanLimits;
+use super::passes::{Cells, MOST_PASSES};
+use super::path::PathPiece;
+use super::run::PlanError;
+
+/// Cells between two even places at first.
+const CELLS_PER_PLACE: usize = 2;
+/// The relative excess of a limit above which a cell is split.
+const SPLIT_ABOVE: f64 = 2.5e-3;
+/// Rounds of splitting, and the most cells per first cell.
+const ROUNDS: usize = 8;
+const MOST_CELLS: usize = 12;
+/// Passes before each split: the viscous term need not be exact there.
+const FIRST_PASSES: usize = 2;
+/// Largest difference of the tangents of two pieces between which the run does not stop, relative.
+const KINK: f64 = 1e-4;
+/// A bound for x in units of length²/s² where no limit bounds it.
+const FASTEST: f64 = 1e12;
+
+/// [s, s + w] on one piece.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cell {
+    pub(super) piece: usize,
+    /// s of the path, and of the piece.
+    pub(super) s: f64,
+    local: f64,
+    pub(super) w: f64,
+    pub(super) start: Demand,
+    pub(super) middle: Demand,
+    pub(super) end: Demand,
+}
+
+/// A path in cells.
+pub(super) struct Grid<'a> {
+    arm: &'a DrivenArm,
+    limits: &'a PlanLimits,
+    pieces: &'a [PathPiece],
+    length: f64,
+    places: usize,
+    pub(super) cells: Vec<Cell>,
+}
+
+/// A grid with x at its nodes.
+pub(super) struct Solved<'a> {
+    pub(super) grid: Grid<'a>,
+    pub(super) x: Vec<f64>,
+}
+
+impl<'a> Grid<'a> {
+    /// Cells whose nodes hold the even places and the ends of the pieces.
+    pub(super) fn new(
+        arm: &'a DrivenArm,
+        limits: &'a PlanLimits,
+        pieces: &'a [PathPiece],
+        places: usize,
+    ) -> Result<Self, PlanError> {
+        let mut grid = Self {
+            arm,
+            limits,
+            pieces,
+            length: pieces.iter().map(PathPiece::length).sum(),
+            places,
+            cells: Vec::with_capacity(CELLS_PER_PLACE * (places + pieces.len())),
+        };
+        let close = 1e-9 * grid.length;
+        let (mut begin, mut k) = (0.0, 0);
+        for (n, piece) in pieces.iter().enumerate() {
+            let last = n + 1 == pieces.len();
+            let end = if last {
+                grid.length
+            } else {
+                begin + piece.length()
+            };
+            let mut s = begin;
+            let mut start = grid.demand(n, 0.0, s)?;
+            while s < end {
+                while grid.even_place(k) <= s + close {
+                    k += 1;
+                }
+                let even = grid.even_place(k);
+                let next = if even >= end - close { end } else { even };
+                let w = (next - s) / CELLS_PER_PLACE as f64;
+                for j in 0..CELLS_PER_PLACE {
+                    let s = s + w * j as f64;
+                    let cell = grid.cell(n, s, s - begin, w, start)?;
+                    start = cell.end;
+                    grid.cells.push(cell);
+                }
+                s = next;
+            }
+            begin = end;
+        }
+        Ok(grid)
+    }
+
+    pub(super) fn length(&self) -> f64 {
+        self.length
+    }
+
+    /// s of the k-th even place.
+    pub(super) fn even_place(&self, k: usize) -> f64 {
+        self.length * k as f64 / (self.places - 1) as f64
+    }
+
+    fn demand(&self, piece: usize, local: f64, s: f64) -> Result<Demand, PlanError> {
+        let point = self.pieces[piece].at(local);
+        let demand = self.arm.demand(&point);
+        demand.map_err(|error| PlanError::Pose(s, error))
+    }
+
+    fn cell(
+        &self,
+        piece: usize,
+        s: f64,
+        local: f64,
+        w: f64,
+        start: Demand,
+    ) -> Result<Cell, PlanError> {
+        let middle = self.demand(piece, local + 0.5 * w, s)?;
+        let end = self.demand(piece, local + w, s)?;
+        if [middle.sin32, end.sin32]
+            .iter()
+            .any(|sine| sine * start.sin32 <= 0.0)
+        {
+            return Err(PlanError::Crosses(s));
+        }
+        Ok(Cell {
+            piece,
+            s,
+            local,
+            w,
+            start,
+            middle,
+            end,
+        })
+    }
+
+    /// x at the nodes, on cells that are split until no limit is passed by much.
+    pub(super) fn solve(mut self) -> Result<Solved<'a>, PlanError> {
+        let most = MOST_CELLS * self.cells.len();
+        let mut x = self.problem()?.solve(None, FIRST_PASSES);
+        for _ in 0..ROUNDS {
+            let Some(guess) = self.split(&x)? else { break };
+            x = self.problem()?.solve(Some(&guess), FIRST_PASSES);
+            if self.cells.len() > most {
+                break;
+            }
+        }
+        x = self.problem()?.solve(Some(&x), MOST_PASSES);
+        Ok(Solved { grid: self, x })
+    }
+
+    /// Halves the cells at whose ends a limit is passed, and gives x at the new nodes; none if
+    /// there is no such cell.
+    fn split(&mut self, x: &[f64]) -> Result<Option<Vec<f64>>, PlanError> {
+        let mut cells = Vec::with_capacity(2 * self.cells.len());
+        let mut guess = vec![x[0]];
+        for (cell, ends) in self.cells.iter().zip(x.windows(2)) {
+            if self.excess(cell, ends[0], ends[1]) > SPLIT_ABOVE {
+                let w = 0.5 * cell.w;
+                let first = self.cell(cell.piece, cell.s, cell.local, w, cell.start)?;
+                let (s, local) = (cell.s + w, cell.local + w);
+                cells.push(first);
+                cells.push(self.cell(cell.piece, s, local, w, first.end)?);
+                guess.push(0.5 * (ends[0] + ends[1]));
+            } else {
+                cells.push(*cell);
+            }
+            guess.push(ends[1]);
+        }
+        let same = cells.len() == self.cells.len();
+        self.cells = cells;
+        Ok((!same).then_some(guess))
+    }
+
+    /// The rows and bounds of all cells.
+    fn problem(&self) -> Result<Cells, PlanError> {
+        let mut problem = Cells::default();
+        let mut last: Option<&Cell> = None;
+        for cell in &self.cells {
+            let before = problem.rows.len();
+            let drives = self.arm.drives();
+            self.limits.rows(&cell.middle, drives, &mut problem.rows);
+            let rows = &problem.rows[before..];
+            problem.per_cell = rows.len();
+            if rows.iter().any(|row| row.c.abs() >= row.limit) {
+                return Err(PlanError::CannotStand(cell.s));
+            }
+            problem.width.push(cell.w);
+            problem.ceiling.push(self.ceiling(last, cell));
+            last = Some(cell);
+        }
+        problem.ceiling.push(0.0);
+        Ok(problem)
+    }
+
+    /// The greatest x where a cell begins.
+    fn ceiling(&self, last: Option<&Cell>, cell: &Cell) -> f64 {
+        let Some(last) = last else { return 0.0 };
+        let kink = (last.end.tangent - cell.start.tangent).norm();
+        if kink > KINK * cell.start.tangent.norm() {
+            return 0.0;
+        }
+        let fastest = FASTEST * self.length * self.length;
+        let ends = [&last.end, &cell.start].map(|at| self.limits.ceiling(at));
+        ends[0].min(ends[1]).min(fastest)
+    }
+
+    /// The greatest share of a limit that a motion uses at a place; 1 is at the limit.
+    pub(super) fn used(&self, at: &Demand, x: f64, u: f64) -> f64 {
+        self.limits.used(at, self.arm.drives(), x, u)
+    }
+
+    /// Most by which a limit is passed within a cell with x at its ends, relative.
+    pub(super) fn excess(&self, cell: &Cell, x: f64, next: f64) -> f64 {
+        let u = 0.5 * (next - x) / cell.w;
+        let middle = 0.5 * (x + next);
+        let used = self
+            .used(&cell.start, x, u)
+            .max(self.used(&cell.end, next, u));
+        used.max(self.used(&cell.middle, middle, u)) - 1.0
+    }
+}

@@ -1,0 +1,16 @@
+//! Time-optimal motion along a path under limits of torque, speed and acceleration.
+//!
+//! [`demand`](DrivenArm::demand) gives the coefficients of the limits at a place, the passes the
+//! greatest speed along the path, [`plan`] a run from rest to rest.
+
+mod demand;
+mod grid;
+mod limits;
+mod passes;
+mod path;
+mod run;
+
+pub use demand::{Demand, DrivenArm, PlannedDrive};
+pub use limits::PlanLimits;
+pub use path::{FourierSeries, PathPiece, PathPoint};
+pub use run::{PlanError, Run, RunSample, plan};
