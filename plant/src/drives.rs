@@ -6,42 +6,12 @@
 //! [`Model::step`] integrates an arm whose drives are all ideal.
 
 use crate::chain::PerJoint;
-use crate::dynamics::{DRIVEN, Loads, Model, Rates, State};
-use crate::friction::{Presliding, Sliding};
+use crate::drive::{Drive, DriveAction, DriveState};
+use crate::dynamics::{DRIVEN, Loads, Model, Rates, SHORTEST_STEP, State};
 use crate::mismatch::Mismatch;
 use crate::parameters::Parameters;
-use crate::planar::PlanarVector;
-use crate::ripple::Ripple;
 use crate::supply::Supply;
-use crate::transmission::Spring;
 use nalgebra::Vector2;
-
-/// Phase of a rotor's oscillation on its spring in one integration step [rad]. Numerically it is
-/// then damped by a ratio of 0.35⁵/144 = 4e-5.
-const PHASE: f64 = 0.35;
-
-/// What is not ideal in one drive.
-#[derive(Clone, Copy, Debug)]
-struct Drive {
-    spring: Option<Spring>,
-    friction: Option<Presliding>,
-    ripple: Option<Ripple>,
-    /// The rotor's inertia at the joint, n² J [kg·m²].
-    rotor: f64,
-    /// The link's inertia about its pivot, a lower bound of the joint's [kg·m²].
-    link: f64,
-}
-
-/// The state of one drive.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct DriveState {
-    /// The rotor's angle over the gear ratio, θm [rad], if the drive has a spring.
-    pub angle: f64,
-    /// Its rate [rad/s].
-    pub speed: f64,
-    /// The bristles' deflection z, if friction holds [rad].
-    pub bristles: f64,
-}
 
 /// Energies since the start [J].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -61,6 +31,8 @@ pub struct Drives {
     energy: Energy,
     /// The duties of the latest tick.
     duty: [Option<f64>; 2],
+    /// The longest integration step while the joints are at rest [s].
+    longest_at_rest: f64,
 }
 
 /// The inputs of a step.
@@ -115,26 +87,16 @@ impl Drives {
         state: &State,
     ) -> Option<Self> {
         let links = model.about_pivots();
-        let drives = [0, 1].map(|j| {
-            let motor = &model.motors[j];
-            let spring = mismatch.spring(parameters, j);
-            let rotor = motor.reflected_inertia();
-            let inertia = links[j] + if spring.is_some() { 0.0 } else { rotor };
-            Drive {
-                spring,
-                friction: Presliding::new(motor, mismatch.stiction[j], inertia),
-                ripple: Ripple::new(motor, mismatch.torque_ripple[j], mismatch.cogging[j]),
-                rotor,
-                link: inertia,
-            }
-        });
+        let drives =
+            [0, 1].map(|j| Drive::new(parameters, mismatch, j, &model.motors[j], links[j]));
         let resistance = mismatch.supply_resistance;
         let supply = (resistance > 0.0).then_some(Supply { resistance });
-        let ideal = |d: &Drive| d.spring.is_none() && d.friction.is_none() && d.ripple.is_none();
-        if supply.is_none() && drives.iter().all(ideal) {
+        if supply.is_none() && drives.iter().all(Drive::is_ideal) {
             return None;
         }
+        let steps = [0, 1].map(|j| drives[j].longest_step_at_rest(&model.motors[j], resistance));
         Some(Self {
+            longest_at_rest: model.longest_step().min(steps[0]).min(steps[1]),
             drives,
             supply,
             state: DRIVEN.map(|link| DriveState {
@@ -166,7 +128,7 @@ impl Drives {
             drives: self.state,
             energy: self.energy,
         };
-        let steps = (time / self.longest_step(model, state)).ceil().max(1.0);
+        let steps = (time / self.longest_step(state)).ceil().max(1.0);
         for _ in 0..steps as usize {
             self.runge_kutta(model, &mut whole, &inputs, time / steps);
         }
@@ -201,22 +163,16 @@ impl Drives {
         energy.lost += drop * Supply::current(*duty, arm.current);
         for j in 0..2 {
             let motor = &model.motors[j];
-            let omega = arm.v[DRIVEN[j]].angular;
-            energy.supplied += loads.joint_torque[j] * omega;
-            let Turning {
-                torque: turning,
-                constant,
-                rates,
-                lost,
-                speed,
-            } = self.turning(model, arm, &whole.drives[j], j);
-            torque[j] += turning;
-            drives[j] = rates;
-            energy.lost += lost;
+            let action = self.action(model, arm, &whole.drives[j], j);
+            torque[j] += action.torque;
+            drives[j] = action.rates;
+            energy.lost += action.lost;
+            energy.supplied += loads.joint_torque[j] * arm.v[DRIVEN[j]].angular;
             if let Some(voltage) = loads.voltage[j] {
                 let i = arm.current[j];
                 let u = voltage - duty[j].unwrap_or(0.0) * drop;
-                current[j] = (u - motor.resistance * i - constant * speed) / motor.inductance;
+                let back_emf = action.constant * action.speed;
+                current[j] = (u - motor.resistance * i - back_emf) / motor.inductance;
                 energy.supplied += voltage * i;
                 energy.lost += motor.resistance * i * i;
             }
@@ -236,75 +192,21 @@ impl Drives {
         }
     }
 
-    /// What a drive does at this state, without the voltage of its bridge.
+    /// What a drive does at this state.
     #[inline]
-    fn turning(&self, model: &Model, arm: &State, state: &DriveState, j: usize) -> Turning {
-        let (drive, motor) = (&self.drives[j], &model.motors[j]);
-        let PlanarVector { angular: theta, .. } = arm.q[DRIVEN[j]];
-        let PlanarVector { angular: omega, .. } = arm.v[DRIVEN[j]];
-        let (angle, speed) = match drive.spring {
-            Some(_) => (state.angle, state.speed),
-            None => (theta, omega),
-        };
-        let (share, cogging) = drive.ripple.map_or((1.0, 0.0), |ripple| ripple.at(angle));
-        let constant = motor.gear_ratio * motor.torque_constant * share;
-        let driving = constant * arm.current[j] + cogging;
-        let Sliding { rate, torque, loss } = match &drive.friction {
-            Some(friction) => friction.at(omega, state.bristles),
-            None => {
-                let torque = motor.friction(omega);
-                Sliding {
-                    rate: 0.0,
-                    torque,
-                    loss: -torque * omega,
-                }
-            }
-        };
-        let mut rates = DriveState {
-            bristles: rate,
-            ..DriveState::default()
-        };
-        let (mut lost, mut transmitted) = (loss, driving);
-        if let Some(spring) = &drive.spring {
-            let (x, x_rate) = (angle - theta, speed - omega);
-            transmitted = spring.torque(x, x_rate);
-            lost += spring.loss(x, x_rate, transmitted);
-            rates.angle = speed;
-            rates.speed = (driving - transmitted) / drive.rotor;
-        }
-        Turning {
-            torque: transmitted + torque,
-            constant,
-            rates,
-            lost,
-            speed,
-        }
+    fn action(&self, model: &Model, arm: &State, state: &DriveState, j: usize) -> DriveAction {
+        let (theta, omega) = (arm.q[DRIVEN[j]].angular, arm.v[DRIVEN[j]].angular);
+        self.drives[j].action(&model.motors[j], state, theta, omega, arm.current[j])
     }
 
     /// The longest integration step that resolves the drives at this state [s].
-    fn longest_step(&self, model: &Model, state: &State) -> f64 {
-        let mut step = model.longest_step();
+    fn longest_step(&self, state: &State) -> f64 {
+        let mut step = self.longest_at_rest;
         for (j, drive) in self.drives.iter().enumerate() {
             let omega = state.v[DRIVEN[j]].angular;
-            let motor = &model.motors[j];
-            if let Some(Supply { resistance }) = self.supply {
-                step = step.min(motor.inductance / (motor.resistance + 2.0 * resistance));
-            }
-            let mut speed = omega;
-            if let Some(spring) = &drive.spring {
-                let inertia = [drive.rotor, drive.link];
-                step = step.min(PHASE / spring.resonance(inertia));
-                step = step.min(1.0 / spring.damping_rate(inertia));
-                speed = self.state[j].speed;
-            }
-            if let Some(friction) = &drive.friction {
-                step = step.min(1.0 / friction.fastest_rate(omega, drive.link));
-            }
-            if let Some(ripple) = &drive.ripple {
-                step = step.min(PHASE / ripple.rate(speed));
-            }
+            step = step.min(drive.longest_step_at(&self.state[j], omega));
         }
-        step.max(crate::dynamics::SHORTEST_STEP)
+        step.max(SHORTEST_STEP)
     }
 
     /// Energy of the currents that floating terminals end [J].
@@ -330,17 +232,8 @@ impl Drives {
     /// cogging [J].
     pub fn stored(&self, model: &Model, state: &State) -> f64 {
         let of = |j: usize| {
-            let (drive, own) = (&self.drives[j], &self.state[j]);
             let theta = state.q[DRIVEN[j]].angular;
-            let mut energy = winding(model, state, j);
-            let mut angle = theta;
-            if let Some(spring) = &drive.spring {
-                angle = own.angle;
-                energy += spring.energy(angle - theta);
-                energy += 0.5 * drive.rotor * own.speed * own.speed;
-            }
-            energy += drive.ripple.map_or(0.0, |ripple| ripple.energy(angle));
-            energy + drive.friction.map_or(0.0, |f| f.energy(own.bristles))
+            winding(model, state, j) + self.drives[j].energy(&self.state[j], theta)
         };
         model.energy(state) + of(0) + of(1)
     }
@@ -359,23 +252,9 @@ impl Drives {
 
     /// The force through each joint, A to E, on the body nearer to E [N].
     pub(crate) fn reactions(&self, model: &Model, state: &State, force: Vector2<f64>) -> PerJoint {
-        let torque = [0, 1].map(|j| self.turning(model, state, &self.state[j], j).torque);
+        let torque = [0, 1].map(|j| self.action(model, state, &self.state[j], j).torque);
         model.accelerations(state, torque, force).1
     }
-}
-
-/// What one drive does.
-struct Turning {
-    /// The torque at the joint, friction included [N·m].
-    torque: f64,
-    /// n k at the rotor's angle [N·m/A].
-    constant: f64,
-    /// The rates of its state.
-    rates: DriveState,
-    /// The power that it loses [W].
-    lost: f64,
-    /// The rotor's speed over the gear ratio [rad/s].
-    speed: f64,
 }
 
 /// Energy of a winding [J].

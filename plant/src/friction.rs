@@ -108,12 +108,14 @@ impl Presliding {
         0.5 * self.stiffness * z * z
     }
 
-    /// The fastest rate at the speed ω, on a link of `inertia` [1/s]: of the bristles, and of the
-    /// joint on them.
-    pub(crate) fn fastest_rate(&self, omega: f64, inertia: f64) -> f64 {
-        let bristles = 2.0 * self.stiffness * omega.abs() / self.coulomb;
-        let joint = (self.stiffness / inertia).sqrt() + self.damping / inertia;
-        bristles.max(joint)
+    /// The rate of the bristles where the joint slides at the speed ω [1/s].
+    pub(crate) fn sliding_rate(&self, omega: f64) -> f64 {
+        2.0 * self.stiffness * omega.abs() / self.coulomb
+    }
+
+    /// The rate of a joint of `inertia` on its bristles [1/s].
+    pub(crate) fn presliding_rate(&self, inertia: f64) -> f64 {
+        (self.stiffness / inertia).sqrt() + self.damping / inertia
     }
 }
 

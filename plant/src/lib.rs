@@ -6,6 +6,7 @@ mod brake;
 mod causes;
 mod chain;
 pub mod contact;
+mod drive;
 mod drives;
 mod dynamics;
 mod encoder;
@@ -25,7 +26,8 @@ mod transmission;
 mod worn_joints;
 
 pub use chain::{Chain, JOINTS, PerJoint};
-pub use drives::{DriveState, Drives, Energy};
+pub use drive::DriveState;
+pub use drives::{Drives, Energy};
 pub use dynamics::{Loads, Model, State};
 pub use encoder::{Encoder, EncoderSide, Harmonic, Harmonics, MOST_HARMONICS, TooManyHarmonics};
 pub use fault::{FaultKind, PlantFault};

@@ -168,12 +168,16 @@ impl Mismatch {
         joint: usize,
     ) -> Result<(), MismatchError> {
         let backlash = self.backlash[joint];
+        let damping = self.drive_damping[joint];
+        if damping > 0.0 && motor.rotor_inertia > 0.0 {
+            Bound::Within(0.0, motor.most_drive_damping(), "N·m·s/rad")
+                .check("drive_damping", damping)?;
+        }
         let Some(stiffness) = transmission.stiffness else {
             if backlash > 0.0 && motor.rotor_inertia <= 0.0 {
                 return Err(Bound::NoRotor.broken_by("backlash", backlash));
             }
-            if backlash <= 0.0 && self.drive_damping[joint] > 0.0 {
-                let damping = self.drive_damping[joint];
+            if backlash <= 0.0 && damping > 0.0 {
                 return Err(Bound::NoSpring.broken_by("drive_damping", damping));
             }
             return Ok(());
@@ -189,8 +193,7 @@ impl Mismatch {
         if stiffness > stiffest {
             return Err(Bound::TooStiff(stiffest).broken_by("stiffness", stiffness));
         }
-        Bound::Within(0.0, motor.most_drive_damping(), "N·m·s/rad")
-            .check("drive_damping", self.drive_damping[joint])
+        Ok(())
     }
 
     /// The lengths l1…l4 and the base with this mismatch [m].

@@ -46,6 +46,11 @@ impl Ripple {
         self.cogging / self.periods * libm::cos(self.periods * angle)
     }
 
+    /// Natural frequency of a rotor of `inertia` in its positions of rest [rad/s].
+    pub(crate) fn resonance(&self, inertia: f64) -> f64 {
+        (self.cogging * self.periods.abs() / inertia).sqrt()
+    }
+
     /// Rate of its phase at the motor's speed over the gear ratio [1/s].
     pub(crate) fn rate(&self, omega: f64) -> f64 {
         (self.periods * omega).abs()

@@ -193,6 +193,12 @@ fn a_mismatch_that_is_not_valid_is_refused_with_line_key_and_remedy() {
             assert!(message.contains(word), "no `{word}` in: {message}");
         }
     }
+    // Damping is bounded beside a stiffness and beside a backlash.
+    for spring in ["stiffness = [9e2, 9e2]", "backlash = [1e-4, 1e-4]"] {
+        let message = scenario(&format!("{spring}\ndrive_damping = [99.0, 0.0]")).unwrap_err();
+        assert!(message.contains("line 5: `drive_damping`"), "{message}");
+        assert!(message.contains("not 99.0"), "{message}");
+    }
     // An arm with ideal torque sources has no rotors.
     for keys in ["stiffness = [2500.0, 2500.0]", "backlash = [1e-4, 0.0]"] {
         let message = scenario_on("usp_2dof", keys).unwrap_err();
