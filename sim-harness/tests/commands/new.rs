@@ -246,11 +246,12 @@ fn known_keys(text: &str) -> Vec<String> {
 #[test]
 fn the_file_explains_every_key_with_its_unit() {
     // Dimensionless numbers, and values that are not numbers.
-    const WITHOUT_UNIT: [&str; 12] = [
+    const WITHOUT_UNIT: [&str; 13] = [
         "name",
         "working_mode",
         "gear_ratio",
         "encoder_counts",
+        "encoder_side",
         "damping",
         "over_speed",
         "over_current",
