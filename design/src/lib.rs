@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 pub mod accuracy;
+pub mod crossing;
 mod dual;
 pub mod linkage;
 pub mod mobility;

@@ -2,6 +2,7 @@
 
 pub mod accuracy;
 pub mod clearance;
+pub mod crossing;
 pub mod linkage;
 pub mod mobility;
 pub mod plan;

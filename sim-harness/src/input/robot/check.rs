@@ -84,10 +84,12 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
         protection: file.protection,
         tolerance: tolerance::read(&source, &file.tolerance)?,
         contact: file.contact,
+        crossing: file.crossing,
     };
     if let Some((key, value, must)) = robot.contact.first_invalid() {
         return Err(source.refuse(Key::In("contact", key), format!("{must}, not {value:?}")));
     }
+    not_negative(&source, Key::In("crossing", "drag"), robot.crossing.drag)?;
     sections(&source, &robot)?;
     if file.home.is_some() {
         home_fits(&source, &robot)?;

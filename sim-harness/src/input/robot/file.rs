@@ -38,6 +38,8 @@ pub(super) struct RobotFile {
     pub(super) tolerance: ToleranceFile,
     #[serde(default)]
     pub(super) contact: Contact,
+    #[serde(default)]
+    pub(super) crossing: Crossing,
 }
 
 fn elbows_out() -> [String; 2] {
@@ -298,6 +300,16 @@ impl Default for Protection {
             command_timeout: 0.1,
         }
     }
+}
+
+/// `[crossing]`: whether the arm may cross singularities of type 2 by momentum.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Crossing {
+    /// Whether the links clear each other where B, C and D are in line or B meets D.
+    pub allowed: bool,
+    /// Drag at the tip that a crossing must overcome [N].
+    pub drag: f64,
 }
 
 /// `[tolerance]` as written: each key has one number for all, or a list.

@@ -18,7 +18,7 @@ mod workspace;
 pub use builtin::{BUILT_IN, BuiltIn};
 pub(crate) use consistency::robot_file_message;
 pub use draft::{Draft, DraftError, Motor};
-pub use file::{Actuator, Control, Limits, Protection, Supply, Tool, ToolLimits};
+pub use file::{Actuator, Control, Crossing, Limits, Protection, Supply, Tool, ToolLimits};
 pub use home::HomeError;
 pub use slider::{Mechanism, SliderRobot};
 pub use workspace::WorkspaceError;
@@ -72,6 +72,8 @@ pub struct Robot {
     pub tolerance: ArmTolerance,
     /// Material and contact law of its pins and bearings.
     pub contact: Contact,
+    /// Whether it may cross singularities of type 2.
+    pub crossing: Crossing,
 }
 
 /// The robot has lengths only, but dynamics need masses.

@@ -106,6 +106,7 @@ const EXAMPLES: &[(&str, &[&str])] = &[
         &[
             "fivebar plan --path my-path.json",
             "fivebar plan --robot my-arm.toml --path my-path.json --torque-share 0.7 --json",
+            "fivebar plan --robot my-arm.toml --crossing --from 0.06,0.115 --to 0.03,0.012 --time 0.3",
         ],
     ),
     (

@@ -1,25 +1,41 @@
 //! `fivebar plan`: time-optimal motion along a path.
 
 use super::failure::{Failure, refused};
+use super::run_args::point;
 use super::say::say;
 use super::value_error::ValueError;
 use crate::input::path_case::PathCase;
 use crate::input::robot::{BuiltIn, Robot};
+use crate::study::crossing;
 use crate::study::plan::PlanStudy;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-/// Plans the fastest motion along a path that the limits of the arm allow.
+/// Plans a motion at the limits of the arm: the fastest along a path, or a crossing.
 ///
-/// The path file holds a path of lines, arcs and Fourier series, the working mode and the limits
-/// of torque, speed and acceleration; docs/time-optimal.md describes it.
+/// With --path, the fastest motion that the limits allow. The path file holds a path of lines,
+/// arcs and Fourier series, the working mode and the limits of torque, speed and acceleration;
+/// docs/time-optimal.md describes it. With --crossing, a motion from one assembly mode to the
+/// other, along a line through a singularity of type 2.
 #[derive(clap::Args)]
 pub(super) struct Args {
     /// A built-in robot or a robot file; by default the one that the path file names.
     #[arg(long, value_name = "FILE")]
     robot: Option<String>,
     /// The path, its working mode and its limits, in JSON.
-    #[arg(long, value_name = "FILE.json")]
-    path: PathBuf,
+    #[arg(long, value_name = "FILE.json", required_unless_present = "crossing")]
+    path: Option<PathBuf>,
+    /// Plan a crossing of a singularity of type 2, which the robot file must allow.
+    #[arg(long, conflicts_with_all = ["path", "torque_share"], requires_all = ["from", "to", "time"])]
+    crossing: bool,
+    /// Where the crossing begins [m].
+    #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true, requires = "crossing")]
+    from: Option<[f64; 2]>,
+    /// Where it ends [m].
+    #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true, requires = "crossing")]
+    to: Option<[f64; 2]>,
+    /// Its duration [s].
+    #[arg(long, value_name = "T", requires = "crossing")]
+    time: Option<f64>,
     /// The share of the torque limits that the plan uses; the rest is kept for feedback.
     #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = share)]
     torque_share: f64,
@@ -38,7 +54,34 @@ fn share(text: &str) -> Result<f64, ValueError> {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    let case = PathCase::read(&args.path).map_err(refused)?;
+    if let Some(path) = &args.path {
+        return along_path(args, path);
+    }
+    let (Some(from), Some(to), Some(time)) = (args.from, args.to, args.time) else {
+        return Err(Failure::Usage(
+            "give --path, or --crossing with --from, --to, --time".into(),
+        ));
+    };
+    let robot = Robot::load(args.robot.as_deref().unwrap_or(BuiltIn::DEFAULT)).map_err(refused)?;
+    let plan = crossing::plan(&robot, [from, to], time).map_err(refused)?;
+    if args.json {
+        return say(crossing::answer(&plan));
+    }
+    let [before, after] = plan.assembly;
+    let [torque1, torque4] = plan.peak_torque;
+    say(format_args!(
+        "crosses from assembly {before} to {after} at {:.4} s, {:.1} % of the line\n\
+         speed {:.4} 1/s and acceleration {:.4} 1/s² along the line there\n\
+         peak torque {torque1:.4} and {torque4:.4} N·m",
+        plan.t_c,
+        100.0 * plan.s_c,
+        plan.s_dot_c,
+        plan.s_ddot_c,
+    ))
+}
+
+fn along_path(args: &Args, path: &Path) -> Result<(), Failure> {
+    let case = PathCase::read(path).map_err(refused)?;
     let named = args.robot.as_deref().or(case.robot.as_deref());
     let robot = Robot::load(named.unwrap_or(BuiltIn::DEFAULT)).map_err(refused)?;
     let study = PlanStudy::new(&robot, &case, args.torque_share).map_err(refused)?;
