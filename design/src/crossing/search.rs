@@ -64,13 +64,13 @@ pub struct CrossingPlan {
     pub assembly: [Side; 2],
 }
 
-/// The grid of vc tf and of τc, and its step.
+/// The ranges of vc tf and of τc.
 const RATES: [f64; 2] = [0.8, 4.0];
 const SHARES: [f64; 2] = [0.35, 0.65];
-const RATE_STEP: f64 = 0.1;
-const SHARE_STEP: f64 = 0.025;
+/// Steps of the two ranges: the second grid is searched if the first holds no law.
+const GRIDS: [[usize; 2]; 2] = [[16, 6], [64, 30]];
 /// Samples of a candidate, and of the result.
-const COARSE: usize = 120;
+const COARSE: usize = 240;
 const FINE: usize = 2000;
 /// The least N·C′/(|N||C′|).
 const LEAST_COSINE: f64 = 0.05;
@@ -85,10 +85,25 @@ impl CrossingTask<'_> {
     pub fn plan(&self) -> Result<CrossingPlan, CrossingError> {
         self.check()?;
         let s_c = self.singularity()?;
+        let mut refusal = CrossingError::NoLaw;
+        for grid in GRIDS {
+            match self.least_torque(s_c, grid) {
+                Ok(plan) => {
+                    self.check_drag(&plan)?;
+                    return Ok(plan);
+                }
+                Err(error) => refusal = error,
+            }
+        }
+        Err(refusal)
+    }
+
+    /// The plan of a grid with the least peak torque.
+    fn least_torque(&self, s_c: f64, steps: [usize; 2]) -> Result<CrossingPlan, CrossingError> {
         let mut best: Option<(f64, CrossingPlan)> = None;
         let mut refusal: Option<(f64, CrossingError)> = None;
-        for rate in steps(RATES, RATE_STEP) {
-            for share in steps(SHARES, SHARE_STEP) {
+        for rate in even(RATES, steps[0]) {
+            for share in even(SHARES, steps[1]) {
                 let Some(plan) = self.candidate(s_c, rate / self.time, share)? else {
                     continue;
                 };
@@ -114,7 +129,6 @@ impl CrossingTask<'_> {
         let needs = self.needs(&plan.law, FINE)?;
         self.within(&needs)?;
         plan.peak_torque = needs.torque;
-        self.check_drag(&plan)?;
         Ok(plan)
     }
 
@@ -188,8 +202,7 @@ impl CrossingTask<'_> {
     }
 }
 
-/// The even steps of a range, both ends included.
-fn steps([least, greatest]: [f64; 2], step: f64) -> impl Iterator<Item = f64> {
-    let count = ((greatest - least) / step).round() as usize;
+/// The ends of `count` even steps of a range.
+fn even([least, greatest]: [f64; 2], count: usize) -> impl Iterator<Item = f64> {
     (0..=count).map(move |k| least + (greatest - least) * k as f64 / count as f64)
 }
