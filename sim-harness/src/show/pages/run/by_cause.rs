@@ -19,25 +19,26 @@ impl RunReport<'_> {
             "The same run without any mismatch, with each mismatch alone, and with all of them. \
              Errors of several causes do not add up: they may point the same way or cancel.",
         );
+        // The column of the faults only where there are any.
+        let columns = if causes.iter().any(|cause| !cause.faults.is_empty()) {
+            4
+        } else {
+            3
+        };
         let rows = causes.iter().map(|cause| {
             let [rms, max] = [cause.tip_error.rms_m, cause.tip_error.max_m];
-            let faults = cause.faults.join(", ");
-            vec![
+            let mut row = vec![
                 cause.cause.clone(),
                 quantity(rms, "m"),
                 quantity(max, "m"),
-                if faults.is_empty() {
-                    "–".into()
-                } else {
-                    faults
-                },
-            ]
+                cause.faults.join(", "),
+            ];
+            row.truncate(columns);
+            row
         });
-        page.table(
-            &["cause", "RMS", "greatest", "fault"],
-            &rows.collect::<Vec<_>>(),
-        );
-        let bar = |cause: &'_ CauseError| {
+        let header = ["cause", "RMS", "greatest", "fault"];
+        page.table(&header[..columns], &rows.collect::<Vec<_>>());
+        let bar = |cause: &CauseError| {
             let rms = cause.tip_error.rms_m;
             match cause.faults.first() {
                 Some(fault) => (0.0, format!("fault: {fault}")),
