@@ -6,6 +6,7 @@ mod dual;
 pub mod linkage;
 pub mod mobility;
 mod noise;
+pub mod servo;
 pub mod slider;
 pub mod time_optimal;
 pub mod workspace;

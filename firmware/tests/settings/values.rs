@@ -121,9 +121,9 @@ fn each_other_field_is_checked() {
             |s| s.control.current_bandwidth = 3600.0,
             Field::CurrentBandwidth,
         ),
-        (|s| s.control.bandwidth = 800.0, Field::Bandwidth),
+        (|s| s.control.bandwidth = 900.0, Field::Bandwidth),
         (|s| s.control.damping = 0.0, Field::Damping),
-        (|s| s.control.integral_rate = 100.0, Field::IntegralRate),
+        (|s| s.control.integral_rate = 101.0, Field::IntegralRate),
         (|s| s.control.integral_rate = -1.0, Field::IntegralRate),
         (
             |s| s.control.observer_bandwidth = 400.0,

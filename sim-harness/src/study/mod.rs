@@ -4,6 +4,7 @@ pub mod accuracy;
 pub mod clearance;
 pub mod crossing;
 pub mod linkage;
+pub mod margins;
 pub mod mobility;
 pub mod plan;
 pub mod query;

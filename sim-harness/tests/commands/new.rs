@@ -302,7 +302,7 @@ fn commented_keys_show_their_defaults() {
     let in_force: String = text
         .lines()
         .map(|line| match line.strip_prefix("# ") {
-            Some(rest) if rest.starts_with("max_speed") || rest.contains("bandwidth = ") => rest,
+            Some(rest) if rest.starts_with("max_speed") || rest.starts_with("max_jerk") => rest,
             _ => line,
         })
         .fold(String::new(), |text, line| text + line + "\n");

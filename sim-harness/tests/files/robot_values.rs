@@ -21,7 +21,8 @@ fn whole() -> String {
     ] {
         text = text.replace(section, &format!("{section}\n{keys}"));
     }
-    text
+    text + "\n[control]\ntick_rate = 10000.0\nbandwidth = 250.0\ndamping = 1.0\n\
+            integral_rate = 60.0\nobserver_bandwidth = 1500.0\ncurrent_bandwidth = 3000.0\n"
 }
 
 fn refusal(text: &str) -> String {

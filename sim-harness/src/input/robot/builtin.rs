@@ -24,6 +24,7 @@ macro_rules! built_in {
 /// All built-in robots; the first is the default.
 pub const BUILT_IN: &[BuiltIn] = built_in![
     "benchtop",
+    "benchtop_belt",
     "usp_2dof",
     "air_hockey",
     "haply",

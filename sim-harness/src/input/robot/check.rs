@@ -69,7 +69,7 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
             angles
         }
     };
-    let robot = Robot {
+    let mut robot = Robot {
         name: file.name,
         geometry,
         arm,
@@ -79,7 +79,7 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
         tool: file.tool,
         limits: file.limits,
         motion: file.motion,
-        control: file.control,
+        control: file.control.given(),
         supply: file.supply,
         protection: file.protection,
         tolerance: tolerance::read(&source, &file.tolerance)?,
@@ -94,6 +94,7 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
     if file.home.is_some() {
         home_fits(&source, &robot)?;
     }
+    robot.control = file.control.completed(&robot);
     consistency::check(&source, &robot)?;
     Ok(robot)
 }

@@ -29,7 +29,7 @@ pub(super) struct RobotFile {
     #[serde(default)]
     pub(super) motion: ToolLimits,
     #[serde(default)]
-    pub(super) control: Control,
+    pub(super) control: ControlFile,
     #[serde(default)]
     pub(super) supply: Supply,
     #[serde(default)]
@@ -222,9 +222,20 @@ impl Default for ToolLimits {
     }
 }
 
-/// `[control]`: tick rate and bandwidths of the control loops.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+/// `[control]`: what the file gives. The rest follows from the arm.
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
+pub(super) struct ControlFile {
+    pub(super) tick_rate: Option<f64>,
+    pub(super) bandwidth: Option<f64>,
+    pub(super) damping: Option<f64>,
+    pub(super) integral_rate: Option<f64>,
+    pub(super) observer_bandwidth: Option<f64>,
+    pub(super) current_bandwidth: Option<f64>,
+}
+
+/// Tick rate and bandwidths of the control loops.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Control {
     /// Tick rate [Hz].
     pub tick_rate: f64,
@@ -241,8 +252,8 @@ pub struct Control {
 }
 
 impl Default for Control {
-    /// Each inner loop is much faster than the loop around it; all are much slower than the
-    /// tick of 10 kHz.
+    /// For an arm whose masses are not known: each inner loop is much faster than the loop around
+    /// it; all are much slower than the tick of 10 kHz.
     fn default() -> Self {
         Self {
             tick_rate: 10_000.0,

@@ -8,6 +8,7 @@ mod draft;
 mod drive;
 mod file;
 mod home;
+mod servo;
 mod settings;
 mod slider;
 mod template;

@@ -72,6 +72,14 @@ const EXAMPLES: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "margins",
+        &[
+            "fivebar margins",
+            "fivebar margins my-arm.toml --out out/margins",
+            "fivebar margins my-arm.toml --json",
+        ],
+    ),
+    (
         "mobility",
         &[
             "fivebar mobility five-bar",

@@ -18,6 +18,7 @@ mod linkage;
 mod lockstep;
 mod log;
 mod man;
+mod margins;
 mod mobility;
 mod monitor;
 mod new;
@@ -64,6 +65,7 @@ enum Command {
     Hil(hil::Args),
     Linkage(linkage::Args),
     Man(man::Args),
+    Margins(margins::Args),
     Mobility(mobility::Args),
     Monitor(monitor::Args),
     New(new::Args),
@@ -97,6 +99,7 @@ pub fn main() -> ExitCode {
             Command::Hil(args) => hil::run(&args),
             Command::Linkage(args) => linkage::run(&args),
             Command::Man(args) => man::run(&args),
+            Command::Margins(args) => margins::run(&args),
             Command::Mobility(args) => mobility::run(&args),
             Command::Monitor(args) => monitor::run(&args),
             Command::New(args) => new::run(&args),

@@ -3,10 +3,12 @@
 pub mod accuracy;
 mod clearance;
 mod linkage;
+mod margins;
 mod mobility;
 mod run;
 
 pub use clearance::clearance;
 pub use linkage::linkage;
+pub use margins::margins;
 pub use mobility::mobility;
 pub use run::RunReport;

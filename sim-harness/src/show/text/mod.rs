@@ -2,12 +2,14 @@
 
 mod conditions;
 mod ending;
+mod margins;
 mod mobility;
 mod quantity;
 mod workspace;
 
 pub use conditions::conditions;
 pub use ending::{no_demo_scale, refusal, stopped_by};
+pub use margins::margins;
 pub use mobility::explain;
 pub(crate) use mobility::steps;
 pub use quantity::quantity;

@@ -1,0 +1,95 @@
+//! The frequency response L(e^(jωT)) of the open loop, block by block.
+
+use super::arm::Servo;
+use super::law::{Gains, Law};
+use nalgebra::{Complex, DMatrix, Matrix2, Vector2};
+
+type C = Complex<f64>;
+
+/// What the arm does at one frequency: currents and encoder angles for voltages.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ArmResponse {
+    /// ω [rad/s].
+    pub(super) omega: f64,
+    z: C,
+    currents: Matrix2<C>,
+    angles: Matrix2<C>,
+}
+
+fn complex(matrix: &DMatrix<f64>) -> DMatrix<C> {
+    matrix.map(|x| C::new(x, 0.0))
+}
+
+impl Servo {
+    /// The arm's response at ω [rad/s]. The voltages act one tick after they are set.
+    pub(super) fn arm_response(&self, omega: f64) -> ArmResponse {
+        let z = C::from_polar(1.0, omega * self.period);
+        let n = self.a.nrows();
+        let resolvent = DMatrix::from_diagonal_element(n, n, z) - complex(&self.a);
+        let nan = || DMatrix::from_element(n, 2, C::new(f64::NAN, 0.0));
+        let x = resolvent.lu().solve(&complex(&self.b)).unwrap_or_else(nan);
+        let rows = [0, 1].map(|j| {
+            let angle = &self.angle[j];
+            let read = match &angle.early {
+                None => complex(&angle.row) * &x,
+                Some((state, volts)) => (complex(state) * &x + complex(volts)) / z,
+            };
+            (read / z) * z.powi(-(angle.ticks as i32))
+        });
+        let currents = self.currents.map(|i| x.row(i) / z);
+        let matrix =
+            |rows: [[C; 2]; 2]| Matrix2::new(rows[0][0], rows[0][1], rows[1][0], rows[1][1]);
+        ArmResponse {
+            omega,
+            z,
+            currents: matrix([0, 1].map(|j| [currents[j][0], currents[j][1]])),
+            angles: matrix([0, 1].map(|j| [rows[j][(0, 0)], rows[j][(0, 1)]])),
+        }
+    }
+
+    /// The laws of both joints.
+    pub(super) fn laws(&self, gains: &Gains) -> [Law; 2] {
+        self.drives
+            .map(|drive| Law::new(gains, &drive, self.period))
+    }
+
+    /// −L's inverse factors at the arm's response: L(z) = M K(z) P(z) V(z).
+    pub(super) fn open_loop(&self, laws: &[Law; 2], arm: &ArmResponse) -> Matrix2<C> {
+        let z = arm.z;
+        let one = C::new(1.0, 0.0);
+        let diagonal = |of: [C; 2]| Matrix2::from_diagonal(&Vector2::from(of));
+        let estimates = laws.map(|law| estimate(&law, z));
+        let current = [0, 1].map(|j: usize| {
+            let law = &laws[j];
+            law.current_integral / (z - one) + law.current_gain
+        });
+        let back_emf = [0, 1].map(|j: usize| estimates[j].y * laws[j].back_emf);
+        // v = C (τ/(N k) − i) + Ke ω̂.
+        let volts = Matrix2::identity() + diagonal(current) * arm.currents
+            - diagonal(back_emf) * arm.angles;
+        let per_torque = [0, 1].map(|j: usize| current[j] / self.drives[j].torque_per_current);
+        let nan = Matrix2::from_element(C::new(f64::NAN, 0.0));
+        let volts = volts.try_inverse().unwrap_or(nan) * diagonal(per_torque);
+        self.feedback(laws, arm) * arm.angles * volts
+    }
+
+    /// M K(z): the torques demanded against encoder angles.
+    pub(super) fn feedback(&self, laws: &[Law; 2], arm: &ArmResponse) -> Matrix2<C> {
+        let z = arm.z;
+        let feedback = laws.map(|law| {
+            let estimate = estimate(&law, z);
+            let integral = law.integral_gain / (z - 1.0);
+            estimate.x * law.angle_gain
+                + estimate.y * law.velocity_gain
+                + (estimate.x + estimate.y * law.lead) * integral
+        });
+        self.mass_matrix.map(|m| C::new(m, 0.0)) * Matrix2::from_diagonal(&Vector2::from(feedback))
+    }
+}
+
+/// θ̂ and ω̂ for the measured angle: (1 − O/z)⁻¹ o.
+fn estimate(law: &Law, z: C) -> Vector2<C> {
+    let o = law.observer.map(|x| C::new(x, 0.0)) / z;
+    let nan = Matrix2::from_element(C::new(f64::NAN, 0.0));
+    (Matrix2::identity() - o).try_inverse().unwrap_or(nan) * law.measured.map(|x| C::new(x, 0.0))
+}

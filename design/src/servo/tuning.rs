@@ -1,0 +1,192 @@
+//! Bandwidths that follow from the arm.
+//!
+//! What bounds a position loop is the phase that delays take (the tick, the current loop, the
+//! encoder's latency, the observer), the resonance of the drives, and the torque that the
+//! encoder's counts make through the gain on the velocity. All are in the sampled loop, so the
+//! bandwidths are searched there: the highest position bandwidth whose least distance from −1, at
+//! every pose given, is [`TARGET_MODULUS`] or more, and whose torque noise is small.
+//!
+//! A count of q is an error of variance q²/12, alike at all frequencies; the torque it makes is
+//! M K (1 + P V M K)⁻¹ of it.
+
+use super::arm::Servo;
+use super::law::{Gains, Law};
+use super::margins::LoopPoint;
+use super::response::ArmResponse;
+use nalgebra::{Complex, Matrix2};
+use std::f64::consts::PI;
+
+/// The modulus margin of a loop that is tuned here: above 0.5, to keep that on an arm that
+/// differs somewhat.
+pub const TARGET_MODULUS: f64 = 0.53;
+/// Torque noise by counts, as a share of the peak torque, root mean square.
+const NOISE: f64 = 0.08;
+/// Points of a locus in the search, and for the noise.
+const POINTS: usize = 150;
+const NOISE_POINTS: usize = 64;
+/// Bandwidths of the position loop per tick rate, from the highest; each is 0.95 of the last.
+const HIGHEST: f64 = 0.04;
+const STEPS: usize = 80;
+const RATIO: f64 = 0.95;
+/// The observer's bandwidth per the position loop's, and the current loop's per tick rate.
+const OBSERVERS: [f64; 6] = [5.0, 6.0, 8.0, 10.0, 14.0, 20.0];
+const CURRENTS: [f64; 3] = [0.35, 0.2, 0.1];
+
+/// What a search found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tuning {
+    /// The bandwidths.
+    pub gains: Gains,
+    /// The least modulus margin over the poses.
+    pub modulus: f64,
+    /// The greatest torque noise by counts, root mean square, as a share of the peak torque.
+    pub noise: f64,
+}
+
+impl Tuning {
+    /// Whether margin and noise are as wanted.
+    pub fn is_good(&self) -> bool {
+        self.modulus >= TARGET_MODULUS && self.noise <= NOISE
+    }
+}
+
+/// The bandwidths for an arm, which `poses` stand for. If none is good, those with the greatest
+/// margin; none if there is no pose, or if no loop is stable.
+pub fn tune(poses: &[Servo]) -> Option<Tuning> {
+    let period = poses.first()?.period;
+    let arms: Vec<Responses> = poses.iter().map(Responses::of).collect();
+    let mut best: Option<Tuning> = None;
+    for step in 0..STEPS {
+        let bandwidth = tidy(HIGHEST / period * RATIO.powi(step as i32));
+        let mut here: Vec<Tuning> = Vec::new();
+        for current in CURRENTS {
+            for observer in OBSERVERS {
+                let gains = Gains {
+                    bandwidth,
+                    damping: 1.0,
+                    integral_rate: 0.25 * bandwidth,
+                    observer_bandwidth: observer * bandwidth,
+                    current_bandwidth: (current / period).round(),
+                };
+                let possible = gains.bandwidth <= 0.25 * gains.current_bandwidth
+                    && gains.observer_bandwidth <= 1.0 / period;
+                if possible {
+                    here.push(judge(poses, &arms, gains));
+                }
+            }
+        }
+        here.sort_by(|a, b| b.modulus.total_cmp(&a.modulus));
+        let stable = |tuning: &Tuning| {
+            let radius = |servo: &Servo| servo.spectral_radius(&tuning.gains, 1.0);
+            poses.iter().all(|servo| radius(servo) < 1.0)
+        };
+        // Between the points of the search a locus may come nearer.
+        let exactly = |tuning: &Tuning| Tuning {
+            modulus: poses
+                .iter()
+                .map(|servo| servo.margins(&tuning.gains).modulus)
+                .fold(f64::INFINITY, f64::min),
+            ..*tuning
+        };
+        let mut good = here
+            .iter()
+            .filter(|t| t.is_good() && stable(t))
+            .map(exactly);
+        if let Some(good) = good.find(Tuning::is_good) {
+            return Some(good);
+        }
+        if let Some(first) = here.first()
+            && best.is_none_or(|best| first.modulus > best.modulus)
+            && stable(first)
+        {
+            best = Some(*first);
+        }
+    }
+    best
+}
+
+/// A number of two digits, not above x.
+fn tidy(x: f64) -> f64 {
+    let unit = 10_f64.powf(x.log10().floor() - 1.0);
+    (x / unit).floor() * unit
+}
+
+/// What an arm does at the frequencies of a search, which is the same for all bandwidths.
+struct Responses {
+    /// For the loci.
+    loci: Vec<ArmResponse>,
+    /// For the noise, at even distances.
+    noise: Vec<ArmResponse>,
+}
+
+impl Responses {
+    fn of(servo: &Servo) -> Self {
+        let at = |omega| servo.arm_response(omega);
+        Self {
+            loci: servo.frequencies(POINTS).into_iter().map(at).collect(),
+            noise: servo.noise_responses(),
+        }
+    }
+}
+
+/// Margin and noise at all poses.
+fn judge(poses: &[Servo], arms: &[Responses], gains: Gains) -> Tuning {
+    let mut tuning = Tuning {
+        gains,
+        modulus: f64::INFINITY,
+        noise: 0.0,
+    };
+    for (servo, responses) in poses.iter().zip(arms) {
+        let laws = servo.laws(&gains);
+        let points: Vec<_> = responses
+            .loci
+            .iter()
+            .map(|arm| servo.point(&laws, arm))
+            .collect();
+        // The order of two eigenvalues does not matter to the distance of points from −1.
+        let near = |p: &LoopPoint| {
+            p.loci
+                .iter()
+                .map(|l| (l + 1.0).norm())
+                .fold(f64::INFINITY, f64::min)
+        };
+        tuning.modulus = points.iter().map(near).fold(tuning.modulus, f64::min);
+        if tuning.modulus.is_nan() || tuning.modulus < 0.5 * TARGET_MODULUS {
+            return tuning;
+        }
+        tuning.noise = tuning.noise.max(servo.noise_at(&laws, &responses.noise));
+    }
+    tuning
+}
+
+impl Servo {
+    /// Torque by the encoders' counts, root mean square, as a share of the peak torque: the
+    /// greater of both joints.
+    pub fn noise(&self, gains: &Gains) -> f64 {
+        self.noise_at(&self.laws(gains), &self.noise_responses())
+    }
+
+    fn noise_responses(&self) -> Vec<ArmResponse> {
+        (0..NOISE_POINTS)
+            .map(|i| PI / self.period * (i as f64 + 0.5) / NOISE_POINTS as f64)
+            .map(|omega| self.arm_response(omega))
+            .collect()
+    }
+
+    fn noise_at(&self, laws: &[Law; 2], responses: &[ArmResponse]) -> f64 {
+        let nan = Matrix2::from_element(Complex::new(f64::NAN, 0.0));
+        let mut variance = [0.0; 2];
+        for arm in responses {
+            let sensitivity = Matrix2::identity() + self.open_loop(laws, arm);
+            let closed = sensitivity.try_inverse().unwrap_or(nan) * self.feedback(laws, arm);
+            for (j, sum) in variance.iter_mut().enumerate() {
+                for (from, drive) in self.drives.iter().enumerate() {
+                    let counts = drive.count * drive.count / 12.0;
+                    *sum += closed[(j, from)].norm_sqr() * counts / responses.len() as f64;
+                }
+            }
+        }
+        let share = |j: usize| variance[j].sqrt() / self.drives[j].peak_torque;
+        share(0).max(share(1))
+    }
+}

@@ -1,0 +1,169 @@
+//! The position loop of a robot over its workspace, and the bandwidths that follow from it where
+//! `[control]` leaves them out.
+
+use super::file::{Control, ControlFile};
+use super::{MissingMasses, Robot};
+use fivebar_design::servo::{Gains, Servo, ServoDrive, tune};
+use fivebar_kinematics::five_bar::Pose;
+use fivebar_plant::EncoderSide;
+use nalgebra::Matrix2;
+use std::f64::consts::TAU;
+
+/// Poses on each side of a grid over the joints' limits.
+const GRID: u32 = 9;
+
+/// A pose and the mass matrix there [kg·m²].
+type PoseMass = (Pose<f64>, Matrix2<f64>);
+
+impl Control {
+    /// The bandwidths of the loops.
+    pub fn gains(&self) -> Gains {
+        Gains {
+            bandwidth: self.bandwidth,
+            damping: self.damping,
+            integral_rate: self.integral_rate,
+            observer_bandwidth: self.observer_bandwidth,
+            current_bandwidth: self.current_bandwidth,
+        }
+    }
+}
+
+impl ControlFile {
+    /// What the file gives, and the defaults of the rest.
+    pub(super) fn given(&self) -> Control {
+        self.over(Control::default())
+    }
+
+    /// What the file gives, and `rest` otherwise.
+    fn over(&self, rest: Control) -> Control {
+        Control {
+            tick_rate: self.tick_rate.unwrap_or(rest.tick_rate),
+            bandwidth: self.bandwidth.unwrap_or(rest.bandwidth),
+            damping: self.damping.unwrap_or(rest.damping),
+            integral_rate: self.integral_rate.unwrap_or(rest.integral_rate),
+            observer_bandwidth: self.observer_bandwidth.unwrap_or(rest.observer_bandwidth),
+            current_bandwidth: self.current_bandwidth.unwrap_or(rest.current_bandwidth),
+        }
+    }
+
+    fn is_complete(&self) -> bool {
+        let given = [
+            self.bandwidth,
+            self.integral_rate,
+            self.observer_bandwidth,
+            self.current_bandwidth,
+        ];
+        given.iter().all(Option::is_some)
+    }
+
+    /// What the file gives, and what follows from the arm. An arm without masses or without a
+    /// pose, or for which no stable loop is found, gets the defaults.
+    pub(super) fn completed(&self, robot: &Robot) -> Control {
+        if self.is_complete() {
+            return self.given();
+        }
+        let Some(found) = extreme_poses(robot).and_then(|poses| tune(&poses)) else {
+            return self.given();
+        };
+        self.over(Control {
+            tick_rate: robot.control.tick_rate,
+            bandwidth: found.gains.bandwidth,
+            damping: found.gains.damping,
+            integral_rate: self
+                .bandwidth
+                .map_or(found.gains.integral_rate, |bandwidth| 0.2 * bandwidth),
+            observer_bandwidth: found.gains.observer_bandwidth,
+            current_bandwidth: found.gains.current_bandwidth,
+        })
+    }
+}
+
+/// The loop at the poses with the least and the greatest inertias and coupling.
+fn extreme_poses(robot: &Robot) -> Option<Vec<Servo>> {
+    let drives = robot.servo_drives().ok()?;
+    let masses: Vec<Matrix2<f64>> = robot
+        .masses()
+        .ok()?
+        .into_iter()
+        .map(|(_, mass)| mass)
+        .collect();
+    let features: [fn(&Matrix2<f64>) -> f64; 3] = [
+        |mass| mass[(0, 0)],
+        |mass| mass[(1, 1)],
+        |mass| mass.determinant(),
+    ];
+    let by = |feature: fn(&Matrix2<f64>) -> f64| {
+        move |a: &&Matrix2<f64>, b: &&Matrix2<f64>| feature(a).total_cmp(&feature(b))
+    };
+    let mut extremes: Vec<Matrix2<f64>> = Vec::new();
+    for feature in features {
+        let ends = [
+            masses.iter().min_by(by(feature)),
+            masses.iter().max_by(by(feature)),
+        ];
+        for end in ends.into_iter().flatten() {
+            if !extremes.contains(end) {
+                extremes.push(*end);
+            }
+        }
+    }
+    let period = 1.0 / robot.control.tick_rate;
+    let servo = |mass| Servo::new(mass, drives, period);
+    Some(extremes.into_iter().map(servo).collect())
+}
+
+impl Robot {
+    /// The position loop at poses all over the joints' limits, in the robot's assembly and
+    /// working mode and clear of singularities. Home comes first.
+    ///
+    /// # Errors
+    /// The robot has lengths only, no masses.
+    pub fn servos(&self) -> Result<Vec<(Pose<f64>, Servo)>, MissingMasses> {
+        let drives = self.servo_drives()?;
+        let period = 1.0 / self.control.tick_rate;
+        let servo = |(pose, mass)| (pose, Servo::new(mass, drives, period));
+        Ok(self.masses()?.into_iter().map(servo).collect())
+    }
+
+    /// The mass matrices at these poses [kg·m²].
+    fn masses(&self) -> Result<Vec<PoseMass>, MissingMasses> {
+        let arm = self.arm()?;
+        let home = self.home_pose().ok();
+        let assembly = home.as_ref().map(Pose::assembly);
+        let clear = |pose: &Pose<f64>| {
+            pose.working_mode() == self.elbows
+                && pose.nearest_singularity().1 >= self.limits.singularity_margin
+        };
+        let at =
+            |[low, high]: [f64; 2], i: u32| low + (high - low) * f64::from(i) / f64::from(GRID - 1);
+        let [range1, range4] = self.limits.angle;
+        let grid = (0..GRID * GRID).filter_map(|i| {
+            let (theta1, theta4) = (at(range1, i / GRID), at(range4, i % GRID));
+            self.geometry.forward(theta1, theta4, assembly?).ok()
+        });
+        let poses = home.into_iter().chain(grid.filter(clear));
+        Ok(poses
+            .filter_map(|pose| Some((pose, arm.mass_matrix(&pose).ok()?)))
+            .collect())
+    }
+
+    /// The drives as the position loop meets them.
+    ///
+    /// # Errors
+    /// The robot has lengths only, no masses.
+    fn servo_drives(&self) -> Result<[ServoDrive; 2], MissingMasses> {
+        Ok(self.drives()?.map(|drive| ServoDrive {
+            torque_per_current: drive.torque_per_ampere(),
+            resistance: drive.resistance,
+            inductance: drive.inductance,
+            rotor_inertia: drive.motor().reflected_inertia(),
+            viscous_friction: drive.viscous_friction,
+            stiffness: drive.stiffness,
+            damping: drive.drive_damping,
+            encoder_at_joint: drive.encoder_side == EncoderSide::Joint,
+            encoder_latency: drive.encoder_latency,
+            count: TAU / (f64::from(drive.encoder_counts) * drive.gear_ratio.abs()),
+            peak_torque: drive.peak_torque(),
+        }))
+    }
+}

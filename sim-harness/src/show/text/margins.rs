@@ -1,0 +1,70 @@
+//! The margins of a loop as text.
+
+use crate::study::margins::MarginsStudy;
+use std::fmt::Write as _;
+
+/// What the loop is, how far it is from instability, and where.
+pub fn margins(study: &MarginsStudy<'_>) -> String {
+    let control = &study.robot.control;
+    let worst = study.worst();
+    let [theta1, theta4] = worst.theta;
+    let mut text = format!(
+        "{}: position loop {:.0} rad/s, integral {:.0} rad/s, observer {:.0} rad/s, current loop \
+         {:.0} rad/s, tick {:.0} Hz\n\
+         worst of {} poses: θ1 = {theta1:.3} rad, θ4 = {theta4:.3} rad, C at ({:.1}, {:.1}) mm\n",
+        study.robot.name,
+        control.bandwidth,
+        control.integral_rate,
+        control.observer_bandwidth,
+        control.current_bandwidth,
+        control.tick_rate,
+        study.poses.len(),
+        1e3 * worst.tool[0],
+        1e3 * worst.tool[1],
+    );
+    let Some(margins) = &worst.margins else {
+        let _ = writeln!(
+            text,
+            "unstable there: lower `bandwidth` of [control], or leave [control] out"
+        );
+        return text;
+    };
+    let factor = |value: f64| match value {
+        value if value.is_finite() && value > 0.0 => format!("{value:.2}"),
+        _ => "none".to_owned(),
+    };
+    let _ = writeln!(
+        text,
+        "  modulus margin      {:.3}   (greatest sensitivity {:.2}; 0.5 or more is good)\n\
+         \u{20} gain, up            {}   times as much torque makes it oscillate\n\
+         \u{20} gain, down          {}\n\
+         \u{20} phase               {:.1}°\n\
+         \u{20} delay               {:.0} µs",
+        margins.modulus,
+        1.0 / margins.modulus,
+        factor(margins.gain_up),
+        factor(margins.gain_down),
+        margins.phase.to_degrees(),
+        1e6 * margins.delay,
+    );
+    for (joint, resonance) in [1, 4].into_iter().zip(study.resonance) {
+        if let Some(frequency) = resonance {
+            let _ = writeln!(
+                text,
+                "  drive of joint {joint}    free frequency {frequency:.0} Hz"
+            );
+        }
+    }
+    let _ = writeln!(
+        text,
+        "  torque by counts    {:.2} % of the peak torque, root mean square",
+        100.0 * study.noise
+    );
+    if margins.modulus < 0.5 {
+        text.push_str(
+            "warning: below 0.5 the loop amplifies disturbances more than twice; lower \
+             `bandwidth`, or leave the bandwidths of [control] out\n",
+        );
+    }
+    text
+}
