@@ -4,6 +4,7 @@ use fivebar::input::robot::Robot;
 use fivebar_firmware::ActuatorCommand;
 use fivebar_plant::{Harmonic, Harmonics, Mismatch, Plant};
 use nalgebra::Vector2;
+use proptest::prelude::*;
 
 /// Every effect, strongly.
 fn everything() -> Mismatch {
@@ -133,4 +134,70 @@ fn a_tenth_of_the_step_changes_the_motion_of_such_an_arm_little() {
     let moved = (coarse.tool() - plant(false).tool()).norm();
     assert!(moved > 0.005, "{moved} m");
     assert!(apart < 5e-7, "{apart:e} m");
+}
+
+/// From nothing to the greatest that a scenario may state, evenly in the logarithm.
+fn up_to(most: f64) -> impl Strategy<Value = [f64; 2]> {
+    let one = move || {
+        prop_oneof![
+            Just(0.0),
+            (-9.0..0.0_f64).prop_map(move |e| most * 10_f64.powf(e)),
+            Just(most)
+        ]
+    };
+    [one(), one()]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    /// Whatever a scenario may state, the steps resolve it: the state stays finite, no energy
+    /// appears, and the loop stays closed.
+    #[test]
+    fn every_valid_mismatch_can_be_simulated(
+        stiffness in prop::option::of([1e-3..1.0_f64, 1e-3..1.0_f64]),
+        damping in up_to(1.0),
+        backlash in up_to(0.1),
+        stiction in up_to(10.0),
+        ripple in up_to(0.9),
+        cogging in up_to(10.0),
+        resistance in up_to(100.0),
+        latency in up_to(0.1),
+    ) {
+        let robot = Robot::load("benchtop").unwrap();
+        let parameters = robot.plant_parameters().unwrap();
+        let motor = &parameters.motors[0];
+        let drawn = Mismatch {
+            stiffness: stiffness.map(|both| both.map(|share| share.powi(2) * motor.stiffest_drive())),
+            drive_damping: damping.map(|share| share * motor.most_drive_damping()),
+            backlash,
+            stiction,
+            torque_ripple: ripple,
+            cogging,
+            supply_resistance: resistance[0],
+            encoder_latency: latency,
+            ..Mismatch::default()
+        };
+        prop_assume!(drawn.check().is_ok() && drawn.check_for(&parameters).is_ok());
+        let mut plant = Plant::new(&parameters, &drawn, &robot.home_pose().unwrap(), 1);
+        let stored = |plant: &Plant| {
+            plant.drives().map_or(0.0, |drives| drives.stored(plant.model(), plant.state()))
+        };
+        let start = stored(&plant);
+        for tick in 0..60 {
+            plant.step(&command(0.005 * f64::from(tick)), 1e-4);
+            plant.sense();
+        }
+        let tool = plant.tool();
+        prop_assert!(tool.x.is_finite() && tool.norm() < 1.0, "{tool:?}");
+        for gap in plant.model().chain.gaps(&plant.state().q) {
+            prop_assert!(gap.amax() <= 1e-10);
+        }
+        if let Some(drives) = plant.drives() {
+            let energy = drives.energy();
+            let off = stored(&plant) - start - (energy.supplied - energy.lost);
+            let scale = energy.supplied.abs() + energy.lost.abs() + stored(&plant).abs();
+            prop_assert!(off.abs() < 0.02 * scale + 1e-6, "{off:e} J of {energy:?}");
+        }
+    }
 }
