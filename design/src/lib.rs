@@ -2,6 +2,7 @@
 
 pub mod accuracy;
 pub mod crossing;
+pub mod calibration;
 mod dual;
 pub mod linkage;
 pub mod mobility;

@@ -1,8 +1,10 @@
-//! Input files: robots, jobs, scenarios, linkages and mechanisms, read and checked once.
+//! Input files: robots, jobs, scenarios, linkages, mechanisms and measurements, read and checked
+//! once.
 
 pub mod accuracy_classes;
 pub mod job;
 pub mod linkage;
+pub mod measurements;
 pub mod mobility;
 pub mod path_case;
 pub mod robot;

@@ -146,6 +146,21 @@ impl<'a> Source<'a> {
         })
     }
 
+    /// The bytes of a key's value; none if the file has no value for it.
+    pub(crate) fn span_of(&self, key: Key) -> Option<std::ops::Range<usize>> {
+        let document = DeTable::parse(self.text).ok()?;
+        let document = document.get_ref();
+        let value = match key {
+            Key::Top(name) => document.get(name)?,
+            Key::In(section, name) => document.get(section)?.get_ref().as_table()?.get(name)?,
+            Key::Of(section, index, name) => {
+                let items = document.get(section)?.get_ref().as_array()?;
+                items.get(index)?.get_ref().as_table()?.get(name)?
+            }
+        };
+        Some(value.span())
+    }
+
     /// The key whose value lies at `offset`.
     fn key_at(&self, offset: usize) -> Option<String> {
         let document = DeTable::parse(self.text).ok()?;

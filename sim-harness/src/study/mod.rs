@@ -1,6 +1,7 @@
 //! Studies of arms, linkages and mechanisms, as figures and JSON.
 
 pub mod accuracy;
+pub mod calibration;
 pub mod clearance;
 pub mod crossing;
 pub mod linkage;

@@ -9,6 +9,7 @@ mod drive;
 mod file;
 mod home;
 mod servo;
+mod measured;
 mod settings;
 mod slider;
 mod template;
@@ -21,6 +22,7 @@ pub(crate) use consistency::robot_file_message;
 pub use draft::{Draft, DraftError, Motor};
 pub use file::{Actuator, Control, Crossing, Limits, Protection, Supply, Tool, ToolLimits};
 pub use home::HomeError;
+pub use measured::{Measured, MeasuredKey, measured_text};
 pub use slider::{Mechanism, SliderRobot};
 pub use workspace::WorkspaceError;
 
@@ -128,6 +130,17 @@ impl Robot {
             working_mode: self.elbows,
             tolerance: &self.tolerance,
         }
+    }
+}
+
+/// The text of the robot with this name, as [`Robot::load`] reads it.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn text_of(name_or_path: &str) -> Result<String, FileError> {
+    match BuiltIn::find(name_or_path) {
+        Some(built_in) => Ok(built_in.text.into()),
+        None => read(name_or_path),
     }
 }
 

@@ -13,6 +13,13 @@ const EXAMPLES: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "calibrate",
+        &[
+            "fivebar calibrate --robot my-arm.toml --propose 24 --plate plate.svg",
+            "fivebar calibrate --robot my-arm.toml --points touched.csv --out my-arm.toml",
+        ],
+    ),
+    (
         "clearance",
         &[
             "fivebar clearance benchtop --radius 20e-6,50e-6",

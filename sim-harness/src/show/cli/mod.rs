@@ -4,6 +4,7 @@
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
 mod accuracy;
+mod calibrate;
 mod clearance;
 mod completions;
 mod demo;
@@ -28,6 +29,7 @@ mod plan;
 mod port;
 mod query;
 mod questions;
+mod rewrite;
 mod robots;
 mod run_args;
 mod say;
@@ -57,6 +59,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Accuracy(Box<accuracy::Args>),
+    Calibrate(calibrate::Args),
     Clearance(clearance::Args),
     Completions(completions::Args),
     Doctor(doctor::Args),
@@ -91,6 +94,7 @@ pub fn main() -> ExitCode {
         None => demo::run(&cli.demo),
         Some(command) => match command {
             Command::Accuracy(args) => accuracy::run(&args),
+            Command::Calibrate(args) => calibrate::run(&args),
             Command::Clearance(args) => clearance::run(&args),
             Command::Completions(args) => completions::run(&args),
             Command::Doctor(args) => doctor::run(&args),

@@ -15,6 +15,8 @@ pub(super) enum ValueError {
     Numbers(usize),
     #[error("give two numbers, such as 0.02,0.14")]
     Point,
+    #[error("give a positive number of metres, such as 20e-6")]
+    PositiveMetres,
     #[error("give a positive number of millimetres")]
     PositiveMillimetres,
     #[error("give a number from 0.2 to 2000")]

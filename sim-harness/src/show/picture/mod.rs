@@ -5,8 +5,10 @@ mod arm;
 mod axes;
 mod bands;
 mod legend;
+mod plate;
 mod png;
 
+pub use plate::plate;
 pub use png::{PngError, png};
 
 use crate::study::workspace::{WorkspaceStudy, WorkspaceStudyError};

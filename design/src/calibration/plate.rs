@@ -1,0 +1,312 @@
+//! The calibration from a plate with known holes.
+
+use super::error::CalibrationError;
+use super::fit::{Loss, Rows, minimise};
+use super::legs::{LEAST_FOR_LEGS, joined, leg};
+use super::observability::{check_seen, covariance, leave_out, rank_and_condition};
+use super::parameters::{Parameters, Vector10};
+use super::start::{placed, samples};
+use super::tip::{on_plate, posed, tip};
+use core::f64::consts::{FRAC_PI_2, PI};
+use fivebar_kinematics::five_bar::{Geometry, Side};
+use nalgebra::{DMatrix, DVector, SMatrix, Vector2};
+
+/// The tip in a hole.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Touch {
+    /// The encoder angles of joints 1 and 4, each up to whole turns [rad].
+    pub encoder: [f64; 2],
+    /// The hole on the plate [m].
+    pub hole: Vector2<f64>,
+}
+
+/// What is known for a calibration.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plate {
+    /// The measurements.
+    pub touches: Vec<Touch>,
+    /// The assembly mode in which they were made.
+    pub assembly: Side,
+    /// The standard deviation of a hole's x and of its y [m].
+    pub sigma: f64,
+    /// Whether Huber's loss with the threshold 1.5 σ is used, each coordinate a residual of its
+    /// own; else the sum of squares.
+    pub huber: bool,
+}
+
+/// An arm as calibrated.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Calibration {
+    /// The unknowns.
+    pub parameters: Parameters,
+    /// Their covariance, from the stated standard deviation of the holes; with Huber's loss
+    /// without the rejected touches.
+    pub covariance: SMatrix<f64, 10, 10>,
+    /// The residual of each touch [m].
+    pub residuals: Vec<Vector2<f64>>,
+    /// Root mean square of the residuals' coordinates, with Huber's loss without the rejected
+    /// touches [m].
+    pub residual_rms: f64,
+    /// The same, each touch being predicted from the others [m].
+    pub leave_out_rms: f64,
+    /// The touches farther than 4 σ from the fit, by their index from 0.
+    pub rejected: Vec<usize>,
+    /// The touches with other elbows than most, by their index from 0.
+    pub other_elbows: Vec<usize>,
+    /// Rank of the Jacobian with its columns scaled by 0.1 m and 1 rad: 10.
+    pub rank: usize,
+    /// Its condition.
+    pub condition: f64,
+    /// Root mean square distance of the touches from the nominal arm, placed where it fits best
+    /// [m]; none where it has no pose.
+    pub nominal_rms: Option<f64>,
+}
+
+/// The greatest share by which a length may differ from the nominal one.
+const GREATEST_CHANGE: f64 = 0.25;
+
+/// Finds lengths, joint offsets and placement of an arm from the touches of a plate. `nominal` are
+/// the lengths as drawn [m]; they serve as one of the starts and tell another arm.
+///
+/// # Errors
+/// What the points do not determine, and points of another mode, arm or order.
+pub fn calibrate(plate: &Plate, nominal: [f64; 5]) -> Result<Calibration, CalibrationError> {
+    check(plate)?;
+    Geometry::new(nominal).map_err(|_| CalibrationError::Lengths)?;
+    let [l1, l2, l3, l4, l5] = nominal;
+    let (touches, here, there) = (&plate.touches, plate.assembly, plate.assembly.opposite());
+    let straight = placed(nominal, [0.0; 2], touches, here);
+    let mut starts = [straight.map(|p| (p, here)), legs_start(plate)];
+    // Points that do not fit in this assembly mode may fit in the other: then they were measured
+    // there, or the joints are exchanged.
+    let exchanged = [l4, l3, l2, l1, l5];
+    let others = [
+        placed(nominal, [0.0; 2], touches, there),
+        placed(exchanged, [PI; 2], touches, there),
+        starts[1].filter(|(_, side)| *side == there).map(|(p, _)| p),
+    ];
+    if let Some((_, side)) = &mut starts[1] {
+        *side = here;
+    }
+    let fitted = |p: &Parameters, side: Side| joint_fit(plate, p, side);
+    let best = |a: &(Parameters, f64), b: &(Parameters, f64)| a.1.total_cmp(&b.1);
+    let found = starts
+        .iter()
+        .flatten()
+        .filter_map(|(p, side)| fitted(p, *side))
+        .min_by(best);
+    let typical = found.map_or(f64::INFINITY, |(p, _)| typical_distance(plate, &p, here));
+    if typical > 6.0 * plate.sigma {
+        let other = others.iter().flatten().filter_map(|p| fitted(p, there));
+        if let Some((p, _)) = other.min_by(best)
+            && typical_distance(plate, &p, there) < 0.25 * typical
+        {
+            return Err(if half_a_turn_off(&p) {
+                CalibrationError::SwappedJoints
+            } else {
+                CalibrationError::OtherAssembly
+            });
+        }
+    }
+    let Some((parameters, _)) = found.filter(|_| typical <= 50.0 * plate.sigma) else {
+        if let Some(p) = straight.or(found.map(|(p, _)| p)) {
+            check_seen(&jacobian(plate, &p), &p, plate.sigma)?;
+        }
+        return Err(CalibrationError::NoFit(typical));
+    };
+    judged(plate, parameters, nominal, straight)
+}
+
+/// Both offsets near half a turn: the joints are exchanged.
+fn half_a_turn_off(p: &Parameters) -> bool {
+    p.offsets.iter().all(|offset| offset.abs() > FRAC_PI_2)
+}
+
+fn check(plate: &Plate) -> Result<(), CalibrationError> {
+    let touches = &plate.touches;
+    let finite = |touch: &Touch| {
+        let [theta1, theta4] = touch.encoder;
+        [theta1, theta4, touch.hole.x, touch.hole.y]
+            .iter()
+            .all(|value| value.is_finite())
+    };
+    if !(touches.iter().all(finite) && plate.sigma > 0.0 && plate.sigma.is_finite()) {
+        return Err(CalibrationError::NotFinite);
+    }
+    let near = |a: &Touch, b: &Touch| {
+        let turned = |joint: usize| (0.5 * (a.encoder[joint] - b.encoder[joint])).sin().abs();
+        turned(0) < 1e-3 && turned(1) < 1e-3
+    };
+    let first = |index: &usize| !touches[..*index].iter().any(|t| near(t, &touches[*index]));
+    let different = (0..touches.len()).filter(first).count();
+    if different < 5 {
+        return Err(CalibrationError::TooFew(different));
+    }
+    let middle = super::legs::middle(touches);
+    let spread: nalgebra::Matrix2<f64> = touches
+        .iter()
+        .map(|touch| (touch.hole - middle) * (touch.hole - middle).transpose())
+        .sum();
+    let [across, along] = {
+        let squares = (spread / touches.len() as f64).symmetric_eigenvalues();
+        let (a, b) = (squares[0].max(0.0).sqrt(), squares[1].max(0.0).sqrt());
+        [a.min(b), a.max(b)]
+    };
+    if across <= (10.0 * plate.sigma).min(0.02 * along).max(1e-3 * along) {
+        return Err(CalibrationError::Collinear);
+    }
+    Ok(())
+}
+
+/// The arm of two legs that are fitted alone, and the assembly mode of most touches.
+fn legs_start(plate: &Plate) -> Option<(Parameters, Side)> {
+    let touches = &plate.touches;
+    if touches.len() < LEAST_FOR_LEGS {
+        return None;
+    }
+    let samples = samples(touches);
+    let loss = loss_of(plate);
+    let leg1 = leg(touches, &samples, 0, loss)?;
+    let leg4 = leg(touches, &samples, 1, loss)?;
+    let left = |touch: &&Touch| {
+        let (b, d) = (leg1.elbow(touch.encoder[0]), leg4.elbow(touch.encoder[1]));
+        (d - b).perp(&(touch.hole - b)) > 0.0
+    };
+    let side = if 2 * touches.iter().filter(left).count() > touches.len() {
+        Side::Left
+    } else {
+        Side::Right
+    };
+    Some((joined(&leg1, &leg4), side))
+}
+
+fn loss_of(plate: &Plate) -> Loss {
+    if plate.huber {
+        Loss::Huber(1.5 * plate.sigma)
+    } else {
+        Loss::Squares
+    }
+}
+
+/// Residuals and Jacobian of all touches. A touch without a pose counts as far away, and its
+/// derivatives as zero.
+fn rows(plate: &Plate, p: &Parameters, side: Side) -> Option<Rows> {
+    Geometry::new(p.lengths).ok()?;
+    let count = plate.touches.len();
+    let mut residuals = DVector::zeros(2 * count);
+    let mut jacobian = DMatrix::zeros(2 * count, 10);
+    let reach: f64 = p.lengths.iter().sum();
+    for (k, touch) in plate.touches.iter().enumerate() {
+        let tip = posed(p, touch.encoder, side).map(|pose| on_plate(p, &pose));
+        let (r, j) = match tip {
+            Some(tip) => (tip.position - touch.hole, tip.jacobian),
+            None => (Vector2::new(reach, reach), SMatrix::zeros()),
+        };
+        residuals.fixed_rows_mut::<2>(2 * k).copy_from(&r);
+        jacobian.fixed_view_mut::<2, 10>(2 * k, 0).copy_from(&j);
+    }
+    Some((residuals, jacobian))
+}
+
+fn of(x: &DVector<f64>) -> Parameters {
+    Parameters::of(&Vector10::from_column_slice(x.as_slice()))
+}
+
+fn joint_fit(plate: &Plate, start: &Parameters, side: Side) -> Option<(Parameters, f64)> {
+    let start = DVector::from_column_slice(start.vector().as_slice());
+    let found = minimise(&start, &|x| rows(plate, &of(x), side), loss_of(plate))?;
+    Some((of(&found.0), found.1))
+}
+
+fn jacobian(plate: &Plate, p: &Parameters) -> DMatrix<f64> {
+    rows(plate, p, plate.assembly).map_or(DMatrix::zeros(2, 10), |(_, jacobian)| jacobian)
+}
+
+/// The median distance of the touches from an arm [m].
+fn typical_distance(plate: &Plate, p: &Parameters, side: Side) -> f64 {
+    let distance = |touch: &Touch| {
+        let tip = tip(p, touch.encoder, side);
+        tip.map_or(f64::INFINITY, |tip| (tip.position - touch.hole).norm())
+    };
+    let mut distances: Vec<f64> = plate.touches.iter().map(distance).collect();
+    distances.sort_by(f64::total_cmp);
+    distances[distances.len() / 2]
+}
+
+/// The calibration at the best fit, checked.
+fn judged(
+    plate: &Plate,
+    p: Parameters,
+    nominal: [f64; 5],
+    straight: Option<Parameters>,
+) -> Result<Calibration, CalibrationError> {
+    let (all, jacobian) = rows(plate, &p, plate.assembly).ok_or(CalibrationError::Lengths)?;
+    let count = plate.touches.len();
+    let residuals: Vec<Vector2<f64>> = (0..count)
+        .map(|k| Vector2::new(all[2 * k], all[2 * k + 1]))
+        .collect();
+    let rejected: Vec<usize> = (0..count)
+        .filter(|&k| residuals[k].norm() > 4.0 * plate.sigma)
+        .collect();
+    let is_used = |k: &usize| !plate.huber || !rejected.contains(k);
+    let used: Vec<usize> = (0..count).filter(is_used).collect();
+    let pick: Vec<usize> = used.iter().flat_map(|k| [2 * k, 2 * k + 1]).collect();
+    // Where most points are far beyond a stated σ that is too small, all of them count.
+    let pick = if 2 * used.len() > count {
+        pick
+    } else {
+        (0..2 * count).collect()
+    };
+    let (r, j) = (all.select_rows(&pick), jacobian.select_rows(&pick));
+    check_seen(&j, &p, plate.sigma)?;
+    let near_half = |offset: &f64| PI - offset.abs() < 0.5;
+    if p.offsets.iter().all(near_half) {
+        return Err(CalibrationError::SwappedJoints);
+    }
+    let covariance = covariance(&j, plate.sigma);
+    for (index, (&found, nominal)) in p.lengths.iter().zip(nominal).enumerate() {
+        let sd = covariance[(index, index)].sqrt();
+        if (found - nominal).abs() > GREATEST_CHANGE * nominal + 5.0 * sd {
+            return Err(CalibrationError::OtherArm {
+                number: index + 1,
+                found,
+                nominal,
+            });
+        }
+    }
+    let (rank, condition) = rank_and_condition(&jacobian);
+    let rms = |r: &DVector<f64>| (r.norm_squared() / r.len() as f64).sqrt();
+    Ok(Calibration {
+        parameters: p,
+        covariance,
+        residual_rms: rms(&r),
+        leave_out_rms: rms(&leave_out(&r, &j)),
+        residuals,
+        rejected,
+        other_elbows: other_elbows(plate, &p),
+        rank,
+        condition,
+        nominal_rms: straight.and_then(|p| {
+            let (r, _) = rows(plate, &p, plate.assembly)?;
+            Some(rms(&r) * core::f64::consts::SQRT_2)
+        }),
+    })
+}
+
+/// The touches with other elbows than most.
+fn other_elbows(plate: &Plate, p: &Parameters) -> Vec<usize> {
+    let poses = plate
+        .touches
+        .iter()
+        .map(|touch| posed(p, touch.encoder, plate.assembly));
+    let modes: Vec<_> = poses
+        .map(|pose| pose.map(|pose| pose.working_mode()))
+        .collect();
+    let share = |mode: &Option<_>| modes.iter().filter(|other| *other == mode).count();
+    let Some(most) = modes.iter().max_by_key(|mode| share(mode)) else {
+        return Vec::new();
+    };
+    (0..modes.len())
+        .filter(|&k| modes[k].is_some() && modes[k] != *most)
+        .collect()
+}

@@ -1,0 +1,4 @@
+//! Calibration and identification against reference data and against simulated arms.
+
+mod arms;
+mod calibration;
