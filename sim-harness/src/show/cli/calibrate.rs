@@ -14,7 +14,7 @@ use crate::study::calibration::{
 };
 use clap::ArgGroup;
 use serde_json::Value;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Calibrates an arm: lengths, joint offsets and placement from touched holes of a plate.
 ///
@@ -70,7 +70,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     }
 }
 
-fn calibrated(args: &Args, robot: &Robot, points: &PathBuf) -> Result<Value, Failure> {
+fn calibrated(args: &Args, robot: &Robot, points: &Path) -> Result<Value, Failure> {
     let rows = read_columns(points, ["counts1", "counts4", "x", "y"]).map_err(refused)?;
     let in_file = |error| refused(format_args!("{}: {error}", points.display()));
     let study = calibrate_robot(robot, &rows, args.sigma, !args.plain).map_err(in_file)?;
