@@ -1,8 +1,8 @@
 #![doc = include_str!("../README.md")]
 
 pub mod accuracy;
-pub mod crossing;
 pub mod calibration;
+pub mod crossing;
 mod dual;
 pub mod linkage;
 pub mod mobility;
