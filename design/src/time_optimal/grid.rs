@@ -10,8 +10,9 @@ use super::run::PlanError;
 const CELLS_PER_PLACE: usize = 2;
 /// The relative excess of a limit above which a cell is split.
 const SPLIT_ABOVE: f64 = 2.5e-3;
-/// Rounds of splitting, and the most cells per first cell.
-const ROUNDS: usize = 8;
+/// Most parts of a cell in one round, most rounds, and most cells per first cell.
+const MOST_PARTS: f64 = 8.0;
+const ROUNDS: usize = 5;
 const MOST_CELLS: usize = 12;
 /// Passes before each split: the viscous term need not be exact there.
 const FIRST_PASSES: usize = 2;
@@ -153,23 +154,30 @@ impl<'a> Grid<'a> {
         Ok(Solved { grid: self, x })
     }
 
-    /// Halves the cells at whose ends a limit is passed, and gives x at the new nodes; none if
-    /// there is no such cell.
+    /// Splits the cells at whose ends a limit is passed, and gives x at the new nodes; none if
+    /// there is no such cell. The excess falls with the width, so a cell is split in proportion.
     fn split(&mut self, x: &[f64]) -> Result<Option<Vec<f64>>, PlanError> {
         let mut cells = Vec::with_capacity(2 * self.cells.len());
         let mut guess = vec![x[0]];
         for (cell, ends) in self.cells.iter().zip(x.windows(2)) {
-            if self.excess(cell, ends[0], ends[1]) > SPLIT_ABOVE {
-                let w = 0.5 * cell.w;
-                let first = self.cell(cell.piece, cell.s, cell.local, w, cell.start)?;
-                let (s, local) = (cell.s + w, cell.local + w);
-                cells.push(first);
-                cells.push(self.cell(cell.piece, s, local, w, first.end)?);
-                guess.push(0.5 * (ends[0] + ends[1]));
-            } else {
+            let excess = self.excess(cell, ends[0], ends[1]) / SPLIT_ABOVE;
+            if excess <= 1.0 {
                 cells.push(*cell);
+                guess.push(ends[1]);
+                continue;
             }
-            guess.push(ends[1]);
+            let parts = (1.3 * excess).ceil().min(MOST_PARTS);
+            let w = cell.w / parts;
+            let mut start = cell.start;
+            let mut part = 0.0;
+            while part < parts {
+                let (s, local) = (cell.s + part * w, cell.local + part * w);
+                let one = self.cell(cell.piece, s, local, w, start)?;
+                start = one.end;
+                cells.push(one);
+                part += 1.0;
+                guess.push(ends[0] + (ends[1] - ends[0]) * part / parts);
+            }
         }
         let same = cells.len() == self.cells.len();
         self.cells = cells;

@@ -65,9 +65,15 @@ impl FourierSeries {
     /// The value, its first and its second derivative.
     fn at(&self, s: f64) -> [f64; 3] {
         let mut sum = [self.mean, 0.0, 0.0];
+        // u(2πks) by turning on from harmonic to harmonic.
+        let (sine1, cosine1) = libm::sincos(TAU * s);
+        let (mut sine, mut cosine) = (0.0, 1.0);
         for (index, [a, b]) in self.harmonics.iter().enumerate() {
             let k = TAU * (index + 1) as f64;
-            let (sine, cosine) = libm::sincos(k * s);
+            (sine, cosine) = (
+                sine * cosine1 + cosine * sine1,
+                cosine * cosine1 - sine * sine1,
+            );
             let value = a * cosine + b * sine;
             sum[0] += value;
             sum[1] += k * (b * cosine - a * sine);

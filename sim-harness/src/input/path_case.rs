@@ -121,8 +121,16 @@ impl PathCase {
     pub fn read(path: &Path) -> Result<Self, FileError> {
         let text = read_text(path, LARGEST_TOML);
         let text = text.map_err(|error| FileError::new(path.display(), error))?;
-        let case: Result<CaseFile, _> = serde_json::from_str(&text);
-        let case = case.map_err(|error| FileError::new(path.display(), error))?;
+        Self::parse(&path.display().to_string(), &text)
+    }
+
+    /// The path in the text of a file called `file`.
+    ///
+    /// # Errors
+    /// A missing key, or a value that is not valid, with its line.
+    pub fn parse(file: &str, text: &str) -> Result<Self, FileError> {
+        let case: Result<CaseFile, _> = serde_json::from_str(text);
+        let case = case.map_err(|error| FileError::new(file, error))?;
         Ok(case.into())
     }
 }

@@ -1,0 +1,5 @@
+//! Plans at the limits of the arm against figures of independent solvers.
+
+mod crossing;
+mod time_optimal;
+mod working_modes;
