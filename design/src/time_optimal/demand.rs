@@ -52,8 +52,10 @@ pub struct Demand {
     pub a: [f64; 2],
     /// b.
     pub b: [f64; 2],
-    /// c.
-    pub c: [f64; 2],
+    /// Gravity's part of c.
+    pub gravity: [f64; 2],
+    /// Coulomb friction's part of c.
+    pub coulomb: [f64; 2],
     /// d.
     pub d: [f64; 2],
     /// sin(θ3−θ2).
@@ -113,7 +115,8 @@ impl DrivenArm {
             curvature: point.curvature,
             a: self.weightless.torques(&links, rest, q1),
             b: self.weightless.torques(&links, q1, q2),
-            c: [0, 1].map(|j| gravity[j] + coulomb[j] * sign(q1[j])),
+            gravity,
+            coulomb: [0, 1].map(|j| coulomb[j] * sign(q1[j])),
             d: [0, 1].map(|j| viscous[j] * q1[j]),
             sin32: pose.sin32(),
         })
@@ -126,9 +129,14 @@ fn sign(value: f64) -> f64 {
 }
 
 impl Demand {
+    /// c.
+    pub fn c(&self) -> [f64; 2] {
+        [0, 1].map(|j| self.gravity[j] + self.coulomb[j])
+    }
+
     /// The torque of each joint [N·m] at x = ṡ² and u = s̈.
     pub fn torque(&self, x: f64, u: f64) -> [f64; 2] {
-        let root = x.max(0.0).sqrt();
-        [0, 1].map(|j| self.a[j] * u + self.b[j] * x + self.c[j] + self.d[j] * root)
+        let (root, c) = (x.max(0.0).sqrt(), self.c());
+        [0, 1].map(|j| self.a[j] * u + self.b[j] * x + c[j] + self.d[j] * root)
     }
 }

@@ -16,6 +16,9 @@ const ROUNDS: usize = 5;
 const MOST_CELLS: usize = 12;
 /// Passes before each split: the viscous term need not be exact there.
 const FIRST_PASSES: usize = 2;
+/// Most steps to where a joint turns back, and the least part of a cell.
+const TURN_STEPS: usize = 12;
+const LEAST_PART: f64 = 1e-6;
 /// Largest difference of the tangents of two pieces between which the run does not stop, relative.
 const KINK: f64 = 1e-4;
 /// A bound for x in units of length²/s² where no limit bounds it.
@@ -86,9 +89,7 @@ impl<'a> Grid<'a> {
                 let w = (next - s) / CELLS_PER_PLACE as f64;
                 for j in 0..CELLS_PER_PLACE {
                     let s = s + w * j as f64;
-                    let cell = grid.cell(n, s, s - begin, w, start)?;
-                    start = cell.end;
-                    grid.cells.push(cell);
+                    start = grid.push(n, s, s - begin, w, start)?;
                 }
                 s = next;
             }
@@ -118,10 +119,11 @@ impl<'a> Grid<'a> {
         s: f64,
         local: f64,
         w: f64,
-        start: Demand,
+        mut start: Demand,
     ) -> Result<Cell, PlanError> {
         let middle = self.demand(piece, local + 0.5 * w, s)?;
-        let end = self.demand(piece, local + w, s)?;
+        let mut end = self.demand(piece, local + w, s)?;
+        (start.coulomb, end.coulomb) = (middle.coulomb, middle.coulomb);
         if [middle.sin32, end.sin32]
             .iter()
             .any(|sine| sine * start.sin32 <= 0.0)
@@ -137,6 +139,61 @@ impl<'a> Grid<'a> {
             middle,
             end,
         })
+    }
+
+    /// Appends a cell, cut where a joint turns back, and returns the demand at its end. Coulomb
+    /// friction jumps there, so that it is constant within each cell.
+    fn push(
+        &mut self,
+        piece: usize,
+        s: f64,
+        local: f64,
+        w: f64,
+        mut start: Demand,
+    ) -> Result<Demand, PlanError> {
+        let end = self.demand(piece, local + w, s)?;
+        let mut cuts = [0.0, 1.0, 1.0];
+        for j in 0..2 {
+            if start.q1[j] * end.q1[j] < 0.0 {
+                cuts[j + 1] = self.turn(j, piece, [s, local, w], [start.q1[j], end.q1[j]])?;
+            }
+        }
+        cuts.sort_by(f64::total_cmp);
+        for k in 0..3 {
+            let next = if k == 2 { 1.0 } else { cuts[k + 1] };
+            let (from, width) = (cuts[k] * w, (next - cuts[k]) * w);
+            if width > LEAST_PART * w {
+                let cell = self.cell(piece, s + from, local + from, width, start)?;
+                start = cell.end;
+                self.cells.push(cell);
+            }
+        }
+        Ok(end)
+    }
+
+    /// The share of a cell at which joint j turns back, by the Illinois method.
+    fn turn(
+        &self,
+        j: usize,
+        piece: usize,
+        [s, local, w]: [f64; 3],
+        [mut at_low, mut at_high]: [f64; 2],
+    ) -> Result<f64, PlanError> {
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..TURN_STEPS {
+            let share = (low * at_high - high * at_low) / (at_high - at_low);
+            let at = self.demand(piece, local + share * w, s)?.q1[j];
+            if at * at_high < 0.0 {
+                (low, at_low) = (high, at_high);
+            } else {
+                at_low *= 0.5;
+            }
+            (high, at_high) = (share, at);
+            if at == 0.0 || (high - low).abs() < LEAST_PART {
+                break;
+            }
+        }
+        Ok(high)
     }
 
     /// x at the nodes, on cells that are split until no limit is passed by much.

@@ -48,11 +48,12 @@ const DIRECTIONS: usize = 16;
 impl PlanLimits {
     /// Appends the rows of a place; their number is the same at every place.
     pub(super) fn rows(&self, at: &Demand, drives: &[PlannedDrive; 2], rows: &mut Vec<Row>) {
+        let c = at.c();
         for (j, drive) in drives.iter().enumerate() {
             let torque = Row {
                 a: at.a[j],
                 b: at.b[j],
-                c: at.c[j],
+                c: c[j],
                 d: at.d[j],
                 limit: self.torque[j],
             };
