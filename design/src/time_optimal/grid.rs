@@ -288,4 +288,21 @@ impl<'a> Grid<'a> {
             .max(self.used(&cell.end, next, u));
         used.max(self.used(&cell.middle, middle, u)) - 1.0
     }
+
+    /// The demand at s of the path.
+    pub(super) fn demand_at(&self, s: f64) -> Result<Demand, PlanError> {
+        let i = self.cells.partition_point(|cell| cell.s <= s).max(1) - 1;
+        let cell = &self.cells[i];
+        self.demand(cell.piece, cell.local + (s - cell.s), s)
+    }
+
+    /// s of a node where the curvature jumps while the arm moves.
+    pub(super) fn curvature_jump(&self, x: &[f64]) -> Option<f64> {
+        let pairs = self.cells.windows(2).zip(&x[1..]);
+        let jump = pairs.filter(|(_, x)| **x > 0.0).find(|(pair, _)| {
+            let (one, other) = (pair[0].end.curvature, pair[1].start.curvature);
+            (one - other).norm() > KINK * (one.norm() + other.norm())
+        });
+        jump.map(|(pair, _)| pair[1].s)
+    }
 }

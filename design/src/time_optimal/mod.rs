@@ -5,6 +5,7 @@
 
 mod demand;
 mod grid;
+mod jerk;
 mod limits;
 mod passes;
 mod path;

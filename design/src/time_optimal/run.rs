@@ -2,6 +2,7 @@
 
 use super::demand::{Demand, DrivenArm};
 use super::grid::{Grid, Solved};
+use super::jerk;
 use super::limits::PlanLimits;
 use super::path::PathPiece;
 use fivebar_kinematics::five_bar::PoseError;
@@ -53,6 +54,10 @@ pub enum PlanError {
     Pose(f64, PoseError),
     /// The arm passes through a singularity of type 2 near s.
     Crosses(f64),
+    /// The curvature jumps at s where the arm moves, so its jerk there has no bound.
+    CurvatureJump(f64),
+    /// The limit of jerk cannot be kept.
+    Jerk,
     /// At s, gravity and friction need more than a limit allows, so the arm cannot stand there.
     CannotStand(f64),
 }
@@ -78,6 +83,15 @@ impl fmt::Display for PlanError {
                 "near s = {s:.6} the path passes through a singularity: B, C and D in line, or B \
                  meets D (type 2)"
             ),
+            Self::CurvatureJump(s) => write!(
+                f,
+                "at s = {s:.6} the curvature of the path jumps, so no limit of jerk can be kept; \
+                 stop at the corners, or plan without a limit of jerk"
+            ),
+            Self::Jerk => f.write_str(
+                "the limit of jerk cannot be kept: with averaging, gravity or friction needs more \
+                 torque than the limit, or the motion would be more than 20 times slower",
+            ),
             Self::CannotStand(s) => write!(
                 f,
                 "at s = {s:.6} gravity and friction alone need more than a limit allows"
@@ -93,17 +107,27 @@ const PLACES: usize = 201;
 /// Largest gap between two pieces [m].
 const GAP: f64 = 1e-6;
 /// The share of a limit above which it counts as active.
-const ACTIVE: f64 = 0.95;
+pub(super) const ACTIVE: f64 = 0.95;
 
 /// The least-time run along pieces that follow one another, from rest to rest. It stops where two
-/// pieces meet at an angle, and runs through where they have a common tangent.
+/// pieces meet at an angle, and runs through where they have a common tangent. With `jerk`
+/// [rad/s³], the law in time is averaged and slowed until the joints' jerks are within it.
 ///
 /// # Errors
 /// [`PlanError`], with the place.
-pub fn plan(arm: &DrivenArm, limits: &PlanLimits, pieces: &[PathPiece]) -> Result<Run, PlanError> {
+pub fn plan(
+    arm: &DrivenArm,
+    limits: &PlanLimits,
+    pieces: &[PathPiece],
+    jerk: Option<f64>,
+) -> Result<Run, PlanError> {
     check(limits, pieces)?;
     let solved = Grid::new(arm, limits, pieces, PLACES)?.solve()?;
-    Ok(run(&solved, PLACES))
+    match jerk {
+        None => Ok(run(&solved, PLACES)),
+        Some(jerk) if jerk > 0.0 => jerk::limited(&solved, PLACES, jerk),
+        Some(_) => Err(PlanError::Limit),
+    }
 }
 
 fn check(limits: &PlanLimits, pieces: &[PathPiece]) -> Result<(), PlanError> {

@@ -14,7 +14,7 @@ fn cases() -> Vec<Value> {
 fn plan(case: &Value) -> PlanStudy {
     let robot = Robot::load(case["robot"].as_str().unwrap()).unwrap();
     let case = PathCase::parse("case.json", &case.to_string()).unwrap();
-    PlanStudy::new(&robot, &case, 1.0).unwrap()
+    PlanStudy::new(&robot, &case, 1.0, None).unwrap()
 }
 
 fn numbers(values: &Value) -> Vec<f64> {
@@ -132,7 +132,8 @@ fn less_torque_takes_more_time_and_a_gravity_in_the_case_replaces_the_robot_s() 
         gravity: None,
         ..upright.clone()
     };
-    let time = |case: &PathCase, share: f64| PlanStudy::new(&robot, case, share).unwrap().time();
+    let time =
+        |case: &PathCase, share: f64| PlanStudy::new(&robot, case, share, None).unwrap().time();
     assert_eq!(time(&level, 1.0), time(&robots_own, 1.0));
     assert!((time(&level, 1.0) / time(&upright, 1.0) - 1.0).abs() > 1e-3);
     assert!(time(&upright, 0.7) > 1.1 * time(&upright, 1.0));
@@ -141,4 +142,39 @@ fn less_torque_takes_more_time_and_a_gravity_in_the_case_replaces_the_robot_s() 
         ..upright.clone()
     };
     assert!(time(&loaded, 1.0) > 1.1 * time(&upright, 1.0));
+}
+
+#[test]
+fn limits_of_jerk_cost_little_more_than_the_optimum() {
+    // Optima by direct transcription in time, 150 steps, IPOPT [s].
+    let optima = [
+        ("line", [0.1166, 0.1201]),
+        ("circle", [0.1871, 0.1900]),
+        ("eight_upright", [0.2985, 0.3025]),
+    ];
+    let robot = Robot::load("benchtop").unwrap();
+    for (name, optima) in optima {
+        let cases = cases();
+        let case = cases.iter().find(|case| case["name"] == name).unwrap();
+        let case = PathCase::parse("case.json", &case.to_string()).unwrap();
+        for (jerk, optimum) in [2e5, 1e5].into_iter().zip(optima) {
+            let study = PlanStudy::new(&robot, &case, 1.0, Some(jerk)).unwrap();
+            let ratio = study.time() / optimum;
+            assert!((0.99..1.08).contains(&ratio), "{name} at {jerk}: {ratio}");
+            assert!(study.limit_excess() < 1e-9);
+        }
+    }
+}
+
+#[test]
+fn a_limit_of_jerk_is_refused_where_the_curvature_jumps() {
+    let robot = Robot::load("benchtop").unwrap();
+    let case = PathCase::parse("case.json", &cases()[3].to_string()).unwrap();
+    let error = PlanStudy::new(&robot, &case, 1.0, Some(1e5))
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("s = 0.022") && error.contains("curvature"),
+        "{error}"
+    );
 }

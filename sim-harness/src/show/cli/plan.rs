@@ -39,6 +39,9 @@ pub(super) struct Args {
     /// The share of the torque limits that the plan uses; the rest is kept for feedback.
     #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = share)]
     torque_share: f64,
+    /// Greatest jerk of each joint [rad/s³]; by default none.
+    #[arg(long, value_name = "J", value_parser = jerk, conflicts_with = "crossing")]
+    jerk: Option<f64>,
     /// Print the plan as one JSON object.
     #[arg(long)]
     json: bool,
@@ -50,6 +53,15 @@ fn share(text: &str) -> Result<f64, ValueError> {
         Ok(value)
     } else {
         Err(ValueError::Share)
+    }
+}
+
+fn jerk(text: &str) -> Result<f64, ValueError> {
+    let value: f64 = text.parse().map_err(|_| ValueError::Jerk)?;
+    if value > 0.0 && value.is_finite() {
+        Ok(value)
+    } else {
+        Err(ValueError::Jerk)
     }
 }
 
@@ -84,7 +96,7 @@ fn along_path(args: &Args, path: &Path) -> Result<(), Failure> {
     let case = PathCase::read(path).map_err(refused)?;
     let named = args.robot.as_deref().or(case.robot.as_deref());
     let robot = Robot::load(named.unwrap_or(BuiltIn::DEFAULT)).map_err(refused)?;
-    let study = PlanStudy::new(&robot, &case, args.torque_share).map_err(refused)?;
+    let study = PlanStudy::new(&robot, &case, args.torque_share, args.jerk).map_err(refused)?;
     if args.json {
         return say(study.answer());
     }

@@ -9,6 +9,8 @@ pub(super) enum ValueError {
     Clearance,
     #[error("give joints from A to E, such as B,D")]
     Joint,
+    #[error("give a positive number of rad/s³, such as 1e5")]
+    Jerk,
     #[error("give a number of millimetres")]
     Millimetres,
     #[error("give {0} finite numbers, separated by commas")]

@@ -40,11 +40,17 @@ pub struct PlanStudy {
 }
 
 impl PlanStudy {
-    /// Plans a path with `torque_share` of the torque limits.
+    /// Plans a path with `torque_share` of the torque limits, and with joint jerks of at most
+    /// `jerk` [rad/s³].
     ///
     /// # Errors
     /// A robot without masses, and a path that the arm cannot run along.
-    pub fn new(robot: &Robot, case: &PathCase, torque_share: f64) -> Result<Self, PlanStudyError> {
+    pub fn new(
+        robot: &Robot,
+        case: &PathCase,
+        torque_share: f64,
+        jerk: Option<f64>,
+    ) -> Result<Self, PlanStudyError> {
         let begin = Instant::now();
         let arm = driven_arm(robot, case)?;
         let limits = PlanLimits {
@@ -57,7 +63,7 @@ impl PlanStudy {
             Corners::Smooth => vec![pieces],
         };
         let runs = parts.iter().enumerate().map(|(n, pieces)| {
-            let run = plan(&arm, &limits, pieces);
+            let run = plan(&arm, &limits, pieces, jerk);
             run.map_err(|error| PlanStudyError::Run(n + 1, error))
         });
         let runs = runs.collect::<Result<_, _>>()?;

@@ -1,0 +1,6 @@
+//! Time-optimal runs against another method, and under changes of arm and path whose effect is
+//! known.
+
+mod bang_bang;
+mod scaling;
+mod shared;
