@@ -4,6 +4,7 @@ pub mod accuracy;
 pub mod calibration;
 pub mod crossing;
 mod dual;
+pub mod identification;
 pub mod linkage;
 pub mod mobility;
 mod noise;

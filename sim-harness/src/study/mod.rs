@@ -4,6 +4,7 @@ pub mod accuracy;
 pub mod calibration;
 pub mod clearance;
 pub mod crossing;
+pub mod identification;
 pub mod linkage;
 pub mod margins;
 pub mod mobility;

@@ -2,3 +2,4 @@
 
 mod arms;
 mod calibration;
+mod identification;

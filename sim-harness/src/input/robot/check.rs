@@ -72,6 +72,7 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
     let mut robot = Robot {
         name: file.name,
         geometry,
+        gravity,
         arm,
         elbows,
         home,

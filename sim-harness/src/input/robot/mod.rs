@@ -32,6 +32,7 @@ use fivebar_design::accuracy::five_bar::{ArmTolerance, TolerancedArm};
 use fivebar_kinematics::dynamics::Arm;
 use fivebar_kinematics::five_bar::{Geometry, WorkingMode};
 use fivebar_plant::contact::Contact;
+use nalgebra::Vector2;
 
 /// A robot from a file, checked.
 ///
@@ -50,6 +51,8 @@ pub struct Robot {
     pub name: String,
     /// l1…l4 and the base; they can be assembled.
     pub geometry: Geometry<f64>,
+    /// Gravity in the plane [m/s²].
+    pub gravity: Vector2<f64>,
     /// The equations of motion with the rotors; none for a robot with lengths only.
     arm: Option<Arm<f64>>,
     /// The sides to which the elbows of the legs A–B–C and E–D–C turn, from the file: the

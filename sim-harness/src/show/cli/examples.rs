@@ -64,6 +64,13 @@ const EXAMPLES: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "identify",
+        &[
+            "fivebar identify --robot my-arm.toml --propose --json",
+            "fivebar identify --robot my-arm.toml --log excited.csv --out my-arm.toml",
+        ],
+    ),
+    (
         "linkage",
         &[
             "fivebar linkage",

@@ -15,6 +15,7 @@ mod export;
 mod failure;
 mod figures;
 mod hil;
+mod identify;
 mod linkage;
 mod lockstep;
 mod log;
@@ -66,6 +67,7 @@ enum Command {
     Drive(drive::Args),
     Export(export::Args),
     Hil(hil::Args),
+    Identify(identify::Args),
     Linkage(linkage::Args),
     Man(man::Args),
     Margins(margins::Args),
@@ -101,6 +103,7 @@ pub fn main() -> ExitCode {
             Command::Drive(args) => drive::run(&args),
             Command::Export(args) => export::run(&args),
             Command::Hil(args) => hil::run(&args),
+            Command::Identify(args) => identify::run(&args),
             Command::Linkage(args) => linkage::run(&args),
             Command::Man(args) => man::run(&args),
             Command::Margins(args) => margins::run(&args),

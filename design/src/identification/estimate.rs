@@ -1,0 +1,183 @@
+//! The identification of an arm from a log.
+
+use super::check::{check_mode, check_motion, check_times};
+use super::error::IdentificationError;
+use super::least_squares::{Solution, solve};
+use super::processing::system;
+use super::regressor::{BASE_NAMES, Regressor};
+use fivebar_kinematics::five_bar::{Geometry, Side, WorkingMode};
+use nalgebra::Vector2;
+
+/// A log with a row for every tick.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Log {
+    /// Time [s].
+    pub times: Vec<f64>,
+    /// θ1, θ4 [rad], each up to whole turns.
+    pub angles: Vec<[f64; 2]>,
+    /// The motors' currents [A], positive for positive torque at the joint. That of row k acted
+    /// from tick k − 1 to tick k.
+    pub currents: Vec<[f64; 2]>,
+}
+
+/// What is known of the arm of a log.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Observed<'a> {
+    /// The lengths.
+    pub geometry: &'a Geometry<f64>,
+    /// The assembly mode.
+    pub assembly: Side,
+    /// The working mode of C.
+    pub mode: WorkingMode,
+    /// In the plane [m/s²].
+    pub gravity: Vector2<f64>,
+    /// Torque at the joint per current [N·m/A].
+    pub torque_per_ampere: [f64; 2],
+    /// Greatest current of each motor [A].
+    pub current_limit: [f64; 2],
+    /// Tick rate [Hz].
+    pub tick_rate: f64,
+}
+
+impl Observed<'_> {
+    /// 7 base parameters on a level arm, 11 with gravity.
+    pub fn base_count(&self) -> usize {
+        if self.gravity == Vector2::zeros() {
+            7
+        } else {
+            11
+        }
+    }
+}
+
+/// Values with their standard deviations, which allow for the filtered noise being correlated.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Identification {
+    /// The base parameters in the order of [`BASE_NAMES`] [kg·m², kg·m].
+    pub base: Vec<f64>,
+    /// Their deviations.
+    pub base_sd: Vec<f64>,
+    /// Viscous friction [N·m·s/rad].
+    pub viscous: [f64; 2],
+    /// Its deviations.
+    pub viscous_sd: [f64; 2],
+    /// Coulomb friction [N·m].
+    pub coulomb: [f64; 2],
+    /// Its deviations.
+    pub coulomb_sd: [f64; 2],
+    /// What the measured torque has more [N·m].
+    pub offset: [f64; 2],
+    /// Its deviations.
+    pub offset_sd: [f64; 2],
+    /// Condition of the regressor with J in 1e-3 kg·m², h in 1e-2 kg·m, friction in 1e-2.
+    pub condition: f64,
+    /// Root mean square of the filtered torque that is not explained [N·m].
+    pub residual_rms: [f64; 2],
+    /// The same over that of the torque.
+    pub residual_share: [f64; 2],
+}
+
+/// The greatest condition with which parameters are told apart.
+const GREATEST_CONDITION: f64 = 3e3;
+/// The greatest unexplained share of a torque.
+const GREATEST_SHARE: f64 = 0.5;
+
+/// Finds base parameters and friction of an arm.
+///
+/// # Errors
+/// What is wrong with the log, or which parameters its motion does not determine.
+pub fn identify(log: &Log, observed: &Observed<'_>) -> Result<Identification, IdentificationError> {
+    check_times(log, observed.tick_rate)?;
+    let angles = check_motion(log, observed)?;
+    check_mode(&angles, observed)?;
+    let torques = |exchanged: bool| {
+        [0, 1].map(|joint: usize| {
+            let from = if exchanged { 1 - joint } else { joint };
+            let factor = observed.torque_per_ampere[joint];
+            log.currents
+                .iter()
+                .map(|row| factor * row[from])
+                .collect::<Vec<f64>>()
+        })
+    };
+    let base = observed.base_count();
+    let solved = |exchanged: bool| -> Result<Solution, IdentificationError> {
+        let lost = |_| IdentificationError::OtherMode(0.01);
+        let system = system(&angles, &torques(exchanged), observed).map_err(lost)?;
+        if system.torque[0].len() < 4 * (base + 6) {
+            return Err(IdentificationError::TooShort(
+                log.times.last().unwrap_or(&0.0) - log.times[0],
+            ));
+        }
+        let nothing = || IdentificationError::NotSeen(vec!["anything".into()], f64::INFINITY);
+        solve(&system, base).ok_or_else(nothing)
+    };
+    let found = solved(false)?;
+    let worst = |solution: &Solution| solution.share[0].max(solution.share[1]);
+    let is_sound = |solution: &Solution| has_inertia(solution, &angles, observed);
+    if worst(&found) > 0.2 || !is_sound(&found) {
+        let exchanged = solved(true)?;
+        if worst(&exchanged) < 0.5 * worst(&found) && is_sound(&exchanged) {
+            return Err(IdentificationError::SwappedCurrents);
+        }
+    }
+    if found.condition > GREATEST_CONDITION {
+        let names = (0..base + 6).filter(|&index| found.weakest[index] > 0.3);
+        return Err(IdentificationError::NotSeen(
+            names.map(|index| name(index, base)).collect(),
+            found.condition,
+        ));
+    }
+    if !is_sound(&found) {
+        return Err(IdentificationError::Reversed);
+    }
+    for joint in 0..2 {
+        if found.share[joint] > GREATEST_SHARE {
+            let number = [1, 4][joint];
+            return Err(IdentificationError::Unexplained(number, found.share[joint]));
+        }
+    }
+    let (value, sd) = (&found.value, &found.sd);
+    let pair = |from: &nalgebra::DVector<f64>, index: usize| [from[index], from[index + 1]];
+    Ok(Identification {
+        base: value.as_slice()[..base].to_vec(),
+        base_sd: sd.as_slice()[..base].to_vec(),
+        viscous: pair(value, base),
+        viscous_sd: pair(sd, base),
+        coulomb: pair(value, base + 2),
+        coulomb_sd: pair(sd, base + 2),
+        offset: pair(value, base + 4),
+        offset_sd: pair(sd, base + 4),
+        condition: found.condition,
+        residual_rms: found.rms,
+        residual_share: found.share,
+    })
+}
+
+fn name(index: usize, base: usize) -> String {
+    match index.checked_sub(base) {
+        None => BASE_NAMES[index].into(),
+        Some(rest) => {
+            let what = ["viscous friction", "Coulomb friction", "offset"][rest / 2];
+            format!("{what} of joint {}", [1, 4][rest % 2])
+        }
+    }
+}
+
+/// Whether the mass matrix is positive definite in poses of the log.
+fn has_inertia(solution: &Solution, angles: &[Vec<f64>; 2], observed: &Observed<'_>) -> bool {
+    let rows = angles[0].len();
+    let base = &solution.value.as_slice()[..observed.base_count()];
+    let mut seen = (0..rows).step_by((rows / 50).max(1)).map(|row| {
+        let column = |alpha: [f64; 2]| {
+            let motion = [[angles[0][row], angles[1][row]], [0.0; 2], alpha];
+            let still = Vector2::zeros();
+            let at = Regressor::at(observed.geometry, observed.assembly, still, motion).ok()?;
+            Some(at.torque(base))
+        };
+        let [m11, m41] = column([1.0, 0.0])?;
+        let [m14, m44] = column([0.0, 1.0])?;
+        Some(m11 > 0.0 && m11 * m44 > m14 * m41)
+    });
+    seen.all(|sound| sound != Some(false))
+}

@@ -1,0 +1,36 @@
+//! Excitation trajectories as finite Fourier series (Swevers 1997).
+
+/// Harmonics of a trajectory.
+pub const HARMONICS: usize = 5;
+
+/// A periodic trajectory of both joints:
+/// q = q0 + Σk a_k/(k ω) sin kωt − b_k/(k ω) cos kωt with ω = 2π/period, so that a_k and b_k are
+/// amplitudes of the velocity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Excitation {
+    /// Its period [s].
+    pub period: f64,
+    /// Of joint 1, then of joint 4: q0 [rad], a1…a5, b1…b5 [rad/s].
+    pub coefficients: [f64; 22],
+}
+
+impl Excitation {
+    /// Angles, velocities and accelerations of both joints at a time [s].
+    pub fn at(&self, time: f64) -> [[f64; 2]; 3] {
+        let base = core::f64::consts::TAU / self.period;
+        let mut motion = [[0.0; 2]; 3];
+        for joint in 0..2 {
+            let own = &self.coefficients[11 * joint..11 * (joint + 1)];
+            motion[0][joint] = own[0];
+            for k in 1..=HARMONICS {
+                let rate = base * k as f64;
+                let (sin, cos) = libm::sincos(rate * time);
+                let (a, b) = (own[k], own[HARMONICS + k]);
+                motion[0][joint] += (a * sin - b * cos) / rate;
+                motion[1][joint] += a * cos + b * sin;
+                motion[2][joint] += rate * (b * cos - a * sin);
+            }
+        }
+        motion
+    }
+}

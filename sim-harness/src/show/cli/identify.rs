@@ -1,0 +1,71 @@
+//! `fivebar identify`: masses and friction from a log of motion.
+
+use super::failure::{Failure, refused};
+use super::figures::figures;
+use super::rewrite::rewrite;
+use super::say::{print, say};
+use crate::input::measurements::read_columns;
+use crate::input::robot::{BuiltIn, Robot};
+use crate::study::identification::{
+    answer, identify_robot, measured, proposal_answer, propose_for,
+};
+use clap::ArgGroup;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// Identifies an arm: its base parameters and friction from a log of its motion.
+///
+/// --propose gives a trajectory that excites the arm within its limits; the log of ten periods
+/// of it determines all parameters.
+#[derive(clap::Args)]
+#[command(group = ArgGroup::new("what").args(["log", "propose"]).required(true))]
+pub(super) struct Args {
+    /// A robot file, or the name of a built-in robot.
+    #[arg(long, value_name = "FILE", default_value = BuiltIn::DEFAULT)]
+    robot: String,
+    /// The log: a table with the columns time_s, theta1_rad, theta4_rad, current1_a and
+    /// current4_a and a row for every tick.
+    #[arg(long, value_name = "FILE.csv")]
+    log: Option<PathBuf>,
+    /// Propose excitations: one to identify, one to validate.
+    #[arg(long)]
+    propose: bool,
+    /// Write the robot file with the measured friction to FILE; a file that is there is kept as
+    /// FILE.old.
+    #[arg(long, value_name = "FILE", requires = "log")]
+    out: Option<PathBuf>,
+    /// Print the result as one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+const COLUMNS: [&str; 5] = [
+    "time_s",
+    "theta1_rad",
+    "theta4_rad",
+    "current1_a",
+    "current4_a",
+];
+
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    let robot = Robot::load(&args.robot).map_err(refused)?;
+    let answer = match &args.log {
+        Some(log) => identified(args, &robot, log)?,
+        None => proposal_answer(&robot, &propose_for(&robot).map_err(refused)?),
+    };
+    if args.json {
+        say(&answer)
+    } else {
+        print(figures(&answer))
+    }
+}
+
+fn identified(args: &Args, robot: &Robot, log: &Path) -> Result<Value, Failure> {
+    let rows = read_columns(log, COLUMNS).map_err(refused)?;
+    let found = identify_robot(robot, &rows)
+        .map_err(|error| refused(format_args!("{}: {error}", log.display())))?;
+    if let Some(out) = &args.out {
+        rewrite(&args.robot, out, &measured(&found))?;
+    }
+    Ok(answer(robot, rows.len(), &found))
+}

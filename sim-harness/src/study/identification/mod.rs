@@ -1,0 +1,163 @@
+//! Identification of a robot from a log, and the excitation proposed for it.
+
+mod answer;
+
+pub use answer::{answer, proposal_answer};
+
+use crate::input::robot::{HomeError, Measured, MeasuredKey, MissingMasses, Robot};
+use fivebar_design::identification::{
+    Bounds, Identification, IdentificationError, Log, Observed, ProposedExcitation,
+    base_parameters, identify, propose_excitation, standard_parameters,
+};
+use nalgebra::Vector2;
+
+/// Why a robot cannot be identified, or an excitation not be proposed.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum StudyError {
+    /// Without actuators currents are no torques.
+    #[error(
+        "robot `{0}` has no [[actuator]]: a torque is torque_constant times gear_ratio times the \
+         current"
+    )]
+    NoActuators(String),
+    /// The branch is not known.
+    #[error(transparent)]
+    Home(#[from] HomeError),
+    /// An excitation is planned with the drawing's masses.
+    #[error(transparent)]
+    Masses(#[from] MissingMasses),
+    /// The log is refused.
+    #[error(transparent)]
+    Log(#[from] IdentificationError),
+    /// No trajectory keeps within the limits.
+    #[error(
+        "no excitation was found within the limits of robot `{0}`: widen limits.angle, or check \
+         its masses and currents"
+    )]
+    NoExcitation(String),
+}
+
+/// Identifies a robot from rows of time, θ1, θ4, current 1, current 4.
+///
+/// # Errors
+/// The robot has no actuators or no pose at home, or the log is refused.
+pub fn identify_robot(robot: &Robot, rows: &[[f64; 5]]) -> Result<Identification, StudyError> {
+    let actuators = robot.actuators.as_ref();
+    let actuators = actuators.ok_or_else(|| StudyError::NoActuators(robot.name.clone()))?;
+    let mut log = Log::default();
+    for &[time, theta1, theta4, current1, current4] in rows {
+        log.times.push(time);
+        log.angles.push([theta1, theta4]);
+        log.currents.push([current1, current4]);
+    }
+    let torque_per_ampere = actuators
+        .each_ref()
+        .map(|actuator| actuator.peak_torque() / actuator.peak_current);
+    let observed = Observed {
+        geometry: &robot.geometry,
+        assembly: robot.home_pose()?.assembly(),
+        mode: robot.elbows,
+        gravity: robot.gravity,
+        torque_per_ampere,
+        current_limit: [0, 1].map(|joint| {
+            let stated = robot
+                .limits
+                .max_torque
+                .map_or(f64::INFINITY, |torque| torque[joint]);
+            actuators[joint]
+                .peak_current
+                .min(stated / torque_per_ampere[joint])
+        }),
+        tick_rate: robot.control.tick_rate,
+    };
+    Ok(identify(&log, &observed)?)
+}
+
+/// Two excitations: one to identify, one to validate.
+///
+/// # Errors
+/// The robot has no masses, actuators or pose at home, or no trajectory keeps within its limits.
+pub fn propose_for(robot: &Robot) -> Result<[ProposedExcitation; 2], StudyError> {
+    let bounds = bounds(robot)?;
+    let found = |seed| {
+        propose_excitation(&bounds, seed)
+            .ok_or_else(|| StudyError::NoExcitation(robot.name.clone()))
+    };
+    Ok([found(1)?, found(2)?])
+}
+
+/// The limits of a robot with a reserve: two thirds of the peak torque, four fifths of the
+/// continuous torque, 0.05 rad before the limits of the angles.
+fn bounds(robot: &Robot) -> Result<Bounds, StudyError> {
+    let actuators = robot.actuators.as_ref();
+    let actuators = actuators.ok_or_else(|| StudyError::NoActuators(robot.name.clone()))?;
+    let arm = robot.arm()?;
+    let home = robot.home_pose()?;
+    let middle = robot.best_point()?;
+    let best = robot.geometry.inverse(Vector2::from(middle), robot.elbows);
+    let angles = best.unwrap_or(home).angles();
+    let limits = &robot.limits;
+    let stated = |joint: usize| {
+        limits
+            .max_torque
+            .map_or(f64::INFINITY, |torque| torque[joint])
+    };
+    let peak = [0, 1].map(|joint| actuators[joint].peak_torque().min(stated(joint)));
+    let continuous = [0, 1].map(|joint: usize| {
+        let actuator = &actuators[joint];
+        peak[joint] * (actuator.continuous_current / actuator.peak_current).min(1.0)
+    });
+    let within = |joint: usize, angle: f64| {
+        let [least, greatest] = limits.angle[joint];
+        let turns = [0.0, 1.0, -1.0].map(|turn| angle + turn * std::f64::consts::TAU);
+        let inside = |angle: &f64| least <= *angle && *angle <= greatest;
+        turns.into_iter().find(inside).unwrap_or(angle)
+    };
+    Ok(Bounds {
+        geometry: robot.geometry,
+        assembly: home.assembly(),
+        mode: robot.elbows,
+        gravity: robot.gravity,
+        base: base_parameters(robot.geometry.lengths(), &standard_parameters(arm)),
+        friction: actuators
+            .each_ref()
+            .map(|actuator| [actuator.viscous_friction, actuator.coulomb_friction]),
+        angle: limits
+            .angle
+            .map(|[least, greatest]| [least + 0.05, greatest - 0.05]),
+        velocity: limits.max_speed.map(|speed| (0.9 * speed).min(20.0)),
+        acceleration: limits.max_acceleration.map(|greatest| 0.9 * greatest),
+        torque: peak.map(|torque| torque * 2.0 / 3.0),
+        torque_rms: continuous.map(|torque| 0.8 * torque),
+        margin: limits.singularity_margin.max(0.3),
+        middle: [within(0, angles[0]), within(1, angles[3])],
+    })
+}
+
+/// The values of the robot file that follow from an identification: the friction of both joints.
+pub fn measured(found: &Identification) -> Vec<Measured> {
+    let value = |joint: usize, name: &'static str, value: f64, sd: f64| Measured {
+        key: MeasuredKey::Actuator(joint, name),
+        value: format!("{:.6e}", value.max(0.0)),
+        origin: format!("± {sd:.1e} by identification"),
+    };
+    (0..2)
+        .flat_map(|joint| {
+            [
+                value(
+                    joint,
+                    "viscous_friction",
+                    found.viscous[joint],
+                    found.viscous_sd[joint],
+                ),
+                value(
+                    joint,
+                    "coulomb_friction",
+                    found.coulomb[joint],
+                    found.coulomb_sd[joint],
+                ),
+            ]
+        })
+        .collect()
+}
