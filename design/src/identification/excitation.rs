@@ -18,19 +18,20 @@ impl Excitation {
     /// Angles, velocities and accelerations of both joints at a time [s].
     pub fn at(&self, time: f64) -> [[f64; 2]; 3] {
         let base = core::f64::consts::TAU / self.period;
-        let mut motion = [[0.0; 2]; 3];
-        for joint in 0..2 {
+        let of = |joint: usize| {
             let own = &self.coefficients[11 * joint..11 * (joint + 1)];
-            motion[0][joint] = own[0];
+            let mut motion = [own[0], 0.0, 0.0];
             for k in 1..=HARMONICS {
                 let rate = base * k as f64;
                 let (sin, cos) = libm::sincos(rate * time);
                 let (a, b) = (own[k], own[HARMONICS + k]);
-                motion[0][joint] += (a * sin - b * cos) / rate;
-                motion[1][joint] += a * cos + b * sin;
-                motion[2][joint] += rate * (b * cos - a * sin);
+                motion[0] += (a * sin - b * cos) / rate;
+                motion[1] += a * cos + b * sin;
+                motion[2] += rate * (b * cos - a * sin);
             }
-        }
-        motion
+            motion
+        };
+        let (joint1, joint4) = (of(0), of(1));
+        [0, 1, 2].map(|derivative: usize| [joint1[derivative], joint4[derivative]])
     }
 }

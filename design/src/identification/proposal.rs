@@ -193,8 +193,8 @@ fn judge(bounds: &Bounds, x: &[f64; 22], instants: usize) -> (f64, f64) {
             squares[joint] += torque * torque / instants as f64;
         }
     }
-    for joint in 0..2 {
-        let over = squares[joint].sqrt() / bounds.torque_rms[joint] - 1.0;
+    for (square, bound) in squares.iter().zip(bounds.torque_rms) {
+        let over = square.sqrt() / bound - 1.0;
         penalty += instants as f64 * over.max(0.0);
     }
     let values = matrix.tr_mul(&matrix).symmetric_eigenvalues();

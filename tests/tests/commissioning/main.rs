@@ -2,4 +2,7 @@
 
 mod arms;
 mod calibration;
+mod excitations;
 mod identification;
+mod logs;
+mod refused_points;
