@@ -214,6 +214,7 @@ fn run(
             at.demand.torque(rate * rate, at.s_ddot / (slow * slow))
         });
         samples.push(RunSample {
+            demand: if share < 0.5 { from.demand } else { to.demand },
             s,
             s_dot,
             s_ddot,

@@ -10,6 +10,7 @@
 //! | tip speed | x ≤ (vmax/\|C′\|)² |
 
 use super::demand::{Demand, PlannedDrive};
+use super::passes::greatest_x;
 use fivebar_kinematics::PlanarVector;
 use nalgebra::Vector2;
 use std::f64::consts::PI;
@@ -102,6 +103,14 @@ impl PlanLimits {
         } else {
             rate * rate
         }
+    }
+
+    /// ṡ of the maximum velocity curve at a place: the greatest at which some s̈ satisfies every
+    /// limit; infinite where none bounds it.
+    pub fn maximum_velocity(&self, at: &Demand, drives: &[PlannedDrive; 2]) -> f64 {
+        let mut rows = Vec::new();
+        self.rows(at, drives, &mut rows);
+        greatest_x(&rows, self.ceiling(at)).sqrt()
     }
 
     /// The greatest share of a limit that a motion uses at a place; 1 is at the limit.

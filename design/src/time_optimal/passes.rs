@@ -118,6 +118,28 @@ impl Cells {
     }
 }
 
+/// The greatest x at a place at which some s̈ satisfies all rows: the square of the maximum
+/// velocity curve. `ceiling` bounds it from the speeds.
+pub(super) fn greatest_x(rows: &[Row], ceiling: f64) -> f64 {
+    let (mut x, mut last) = (ceiling, f64::INFINITY);
+    for pass in 0..MOST_PASSES {
+        let about = if pass == 0 { 0.0 } else { x };
+        let strips: Vec<Strip> = rows.iter().map(|row| row.strip(0.0, about)).collect();
+        x = ceiling;
+        for (k, one) in strips.iter().enumerate() {
+            for other in &strips[k + 1..] {
+                x = one.with(other, x);
+            }
+        }
+        x = x.max(0.0);
+        if (x - last).abs() <= CHANGE * x {
+            break;
+        }
+        last = x;
+    }
+    x
+}
+
 impl Row {
     fn strip(&self, w: f64, middle: f64) -> Strip {
         let (mut r, mut c) = (self.b, self.c);

@@ -21,6 +21,8 @@ pub struct RunSample {
     pub t: f64,
     /// Torque of joint 1 and joint 4 [N·m], with friction.
     pub torque: [f64; 2],
+    /// The coefficients of the limits there.
+    pub demand: Demand,
 }
 
 /// A run along a path from rest to rest.
@@ -162,7 +164,6 @@ fn run(solved: &Solved<'_>, places: usize) -> Run {
     let length = grid.length();
     let (mut time, mut active_time, mut most) = (0.0, 0.0, 0.0_f64);
     let mut samples: Vec<RunSample> = Vec::with_capacity(places);
-    let mut demands: Vec<&Demand> = Vec::with_capacity(places);
     for (i, cell) in grid.cells.iter().enumerate() {
         let u = 0.5 * (x[i + 1] - x[i]) / cell.w;
         let sample = |s: f64, t: f64, x: f64, at: &Demand| RunSample {
@@ -171,11 +172,11 @@ fn run(solved: &Solved<'_>, places: usize) -> Run {
             s_ddot: u,
             t,
             torque: at.torque(x, u),
+            demand: *at,
         };
         let place = grid.even_place(samples.len());
         if (cell.s - place).abs() < 1e-9 * length {
             samples.push(sample(place, time, x[i], &cell.start));
-            demands.push(&cell.start);
         }
         most = most.max(grid.excess(cell, x[i], x[i + 1]));
         let dt = 2.0 * cell.w / (x[i].sqrt() + x[i + 1].sqrt());
@@ -185,10 +186,9 @@ fn run(solved: &Solved<'_>, places: usize) -> Run {
         time += dt;
         if i + 1 == grid.cells.len() {
             samples.push(sample(length, time, x[i + 1], &cell.end));
-            demands.push(&cell.end);
         }
     }
-    smooth(grid, &mut samples, &demands);
+    smooth(grid, &mut samples);
     Run {
         length,
         time,
@@ -201,7 +201,7 @@ fn run(solved: &Solved<'_>, places: usize) -> Run {
 /// Keeps s̈ of every place between its means up to the places on either side. At a zero-inertia
 /// point s̈ of a cell alternates with the cells' width; its mean does not. Where the means pass a
 /// limit, the path bends between two places and s̈ stays as it is.
-fn smooth(grid: &Grid<'_>, samples: &mut [RunSample], demands: &[&Demand]) {
+fn smooth(grid: &Grid<'_>, samples: &mut [RunSample]) {
     let square = |sample: &RunSample| sample.s_dot * sample.s_dot;
     for k in 1..samples.len().saturating_sub(1) {
         let mean =
@@ -211,9 +211,9 @@ fn smooth(grid: &Grid<'_>, samples: &mut [RunSample], demands: &[&Demand]) {
         let sample = &mut samples[k];
         let (x, own) = (square(sample), sample.s_ddot);
         let between = own.clamp(before.min(after), before.max(after));
-        if grid.used(demands[k], x, between) <= grid.used(demands[k], x, own).max(1.0) {
+        if grid.used(&sample.demand, x, between) <= grid.used(&sample.demand, x, own).max(1.0) {
             sample.s_ddot = between;
-            sample.torque = demands[k].torque(x, between);
+            sample.torque = sample.demand.torque(x, between);
         }
     }
 }

@@ -99,7 +99,7 @@ fn the_time_is_that_of_the_integrated_phase_plane() {
         factors::<5>(),
         factors::<4>(),
         point(),
-        0.0..6.28_f64,
+        0.0..std::f64::consts::TAU,
         0.01..0.04_f64,
     );
     proptest!(ProptestConfig::with_cases(60), |((lengths, masses, from, angle, length) in tested)| {

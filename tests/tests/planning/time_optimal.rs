@@ -46,7 +46,8 @@ fn the_times_are_those_of_three_other_solvers() {
 #[test]
 fn speed_and_time_are_the_reference_s_all_along_the_path() {
     for case in cases() {
-        let runs = plan(&case).runs;
+        let plan = plan(&case);
+        let runs = &plan.runs;
         let expected = case["runs"].as_array().unwrap();
         assert_eq!(runs.len(), expected.len());
         for (run, expected) in runs.iter().zip(expected) {

@@ -6,6 +6,8 @@ use super::say::say;
 use super::value_error::ValueError;
 use crate::input::path_case::PathCase;
 use crate::input::robot::{BuiltIn, Robot};
+use crate::show::files::write_whole;
+use crate::show::pages;
 use crate::study::crossing;
 use crate::study::plan::PlanStudy;
 use std::path::{Path, PathBuf};
@@ -42,6 +44,9 @@ pub(super) struct Args {
     /// Greatest jerk of each joint [rad/s³]; by default none.
     #[arg(long, value_name = "J", value_parser = jerk, conflicts_with = "crossing")]
     jerk: Option<f64>,
+    /// Also write DIR/report.html: the phase plane and the torques.
+    #[arg(long, value_name = "DIR", conflicts_with = "crossing")]
+    out: Option<PathBuf>,
     /// Print the plan as one JSON object.
     #[arg(long)]
     json: bool,
@@ -97,6 +102,11 @@ fn along_path(args: &Args, path: &Path) -> Result<(), Failure> {
     let named = args.robot.as_deref().or(case.robot.as_deref());
     let robot = Robot::load(named.unwrap_or(BuiltIn::DEFAULT)).map_err(refused)?;
     let study = PlanStudy::new(&robot, &case, args.torque_share, args.jerk).map_err(refused)?;
+    if let Some(folder) = &args.out {
+        let name = case.name.as_deref().unwrap_or("the path");
+        let page = pages::plan(&study, name).render();
+        write_whole(&folder.join("report.html"), page).map_err(refused)?;
+    }
     if args.json {
         return say(study.answer());
     }

@@ -5,10 +5,12 @@ mod clearance;
 mod linkage;
 mod margins;
 mod mobility;
+mod plan;
 mod run;
 
 pub use clearance::clearance;
 pub use linkage::linkage;
 pub use margins::margins;
 pub use mobility::mobility;
+pub use plan::plan;
 pub use run::RunReport;

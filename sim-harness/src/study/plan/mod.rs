@@ -6,7 +6,9 @@ mod answer;
 
 use crate::input::path_case::{Corners, PathCase};
 use crate::input::robot::{MissingMasses, Robot};
-use fivebar_design::time_optimal::{DrivenArm, PlanError, PlanLimits, PlannedDrive, Run, plan};
+use fivebar_design::time_optimal::{
+    DrivenArm, PlanError, PlanLimits, PlannedDrive, Run, RunSample, plan,
+};
 use fivebar_kinematics::dynamics::{Arm, ModelError};
 use fivebar_kinematics::five_bar::GeometryError;
 use nalgebra::Vector2;
@@ -37,6 +39,9 @@ pub struct PlanStudy {
     pub runs: Vec<Run>,
     /// How long the planning took.
     pub planning: Duration,
+    /// The limits, with the share of the torque.
+    pub limits: PlanLimits,
+    drives: [PlannedDrive; 2],
 }
 
 impl PlanStudy {
@@ -70,7 +75,14 @@ impl PlanStudy {
         Ok(Self {
             runs,
             planning: begin.elapsed(),
+            limits,
+            drives: *arm.drives(),
         })
+    }
+
+    /// ṡ of the maximum velocity curve at a sample.
+    pub fn maximum_velocity(&self, sample: &RunSample) -> f64 {
+        self.limits.maximum_velocity(&sample.demand, &self.drives)
     }
 
     /// The duration of all runs [s].
