@@ -8,17 +8,16 @@ use super::run::PlanError;
 
 /// Cells between two even places at first.
 const CELLS_PER_PLACE: usize = 2;
-/// The relative excess of a limit above which a cell is split.
+/// The relative excess of a limit above which a cell is split, while one of them is above the
+/// second.
 const SPLIT_ABOVE: f64 = 2.5e-3;
+const ACCEPTED: f64 = 3.5e-3;
 /// Most parts of a cell in one round, most rounds, and most cells per first cell.
 const MOST_PARTS: f64 = 8.0;
-const ROUNDS: usize = 5;
-const MOST_CELLS: usize = 12;
+const ROUNDS: usize = 8;
+const MOST_CELLS: usize = 16;
 /// Passes before each split: the viscous term need not be exact there.
 const FIRST_PASSES: usize = 2;
-/// Most steps to where a joint turns back, and the least part of a cell.
-const TURN_STEPS: usize = 12;
-const LEAST_PART: f64 = 1e-6;
 /// Largest difference of the tangents of two pieces between which the run does not stop, relative.
 const KINK: f64 = 1e-4;
 /// A bound for x in units of length²/s² where no limit bounds it.
@@ -107,13 +106,13 @@ impl<'a> Grid<'a> {
         self.length * k as f64 / (self.places - 1) as f64
     }
 
-    fn demand(&self, piece: usize, local: f64, s: f64) -> Result<Demand, PlanError> {
+    pub(super) fn demand(&self, piece: usize, local: f64, s: f64) -> Result<Demand, PlanError> {
         let point = self.pieces[piece].at(local);
         let demand = self.arm.demand(&point);
         demand.map_err(|error| PlanError::Pose(s, error))
     }
 
-    fn cell(
+    pub(super) fn cell(
         &self,
         piece: usize,
         s: f64,
@@ -141,61 +140,6 @@ impl<'a> Grid<'a> {
         })
     }
 
-    /// Appends a cell, cut where a joint turns back, and returns the demand at its end. Coulomb
-    /// friction jumps there, so that it is constant within each cell.
-    fn push(
-        &mut self,
-        piece: usize,
-        s: f64,
-        local: f64,
-        w: f64,
-        mut start: Demand,
-    ) -> Result<Demand, PlanError> {
-        let end = self.demand(piece, local + w, s)?;
-        let mut cuts = [0.0, 1.0, 1.0];
-        for j in 0..2 {
-            if start.q1[j] * end.q1[j] < 0.0 {
-                cuts[j + 1] = self.turn(j, piece, [s, local, w], [start.q1[j], end.q1[j]])?;
-            }
-        }
-        cuts.sort_by(f64::total_cmp);
-        for k in 0..3 {
-            let next = if k == 2 { 1.0 } else { cuts[k + 1] };
-            let (from, width) = (cuts[k] * w, (next - cuts[k]) * w);
-            if width > LEAST_PART * w {
-                let cell = self.cell(piece, s + from, local + from, width, start)?;
-                start = cell.end;
-                self.cells.push(cell);
-            }
-        }
-        Ok(end)
-    }
-
-    /// The share of a cell at which joint j turns back, by the Illinois method.
-    fn turn(
-        &self,
-        j: usize,
-        piece: usize,
-        [s, local, w]: [f64; 3],
-        [mut at_low, mut at_high]: [f64; 2],
-    ) -> Result<f64, PlanError> {
-        let (mut low, mut high) = (0.0, 1.0);
-        for _ in 0..TURN_STEPS {
-            let share = (low * at_high - high * at_low) / (at_high - at_low);
-            let at = self.demand(piece, local + share * w, s)?.q1[j];
-            if at * at_high < 0.0 {
-                (low, at_low) = (high, at_high);
-            } else {
-                at_low *= 0.5;
-            }
-            (high, at_high) = (share, at);
-            if at == 0.0 || (high - low).abs() < LEAST_PART {
-                break;
-            }
-        }
-        Ok(high)
-    }
-
     /// x at the nodes, on cells that are split until no limit is passed by much.
     pub(super) fn solve(mut self) -> Result<Solved<'a>, PlanError> {
         let most = MOST_CELLS * self.cells.len();
@@ -212,12 +156,19 @@ impl<'a> Grid<'a> {
     }
 
     /// Splits the cells at whose ends a limit is passed, and gives x at the new nodes; none if
-    /// there is no such cell. The excess falls with the width, so a cell is split in proportion.
+    /// there is no need. The excess falls with the width, so a cell is split in proportion.
     fn split(&mut self, x: &[f64]) -> Result<Option<Vec<f64>>, PlanError> {
+        let excesses = self.cells.iter().zip(x.windows(2));
+        let excesses: Vec<f64> = excesses
+            .map(|(cell, ends)| self.excess(cell, ends[0], ends[1]))
+            .collect();
+        if excesses.iter().all(|excess| *excess <= ACCEPTED) {
+            return Ok(None);
+        }
         let mut cells = Vec::with_capacity(2 * self.cells.len());
         let mut guess = vec![x[0]];
-        for (cell, ends) in self.cells.iter().zip(x.windows(2)) {
-            let excess = self.excess(cell, ends[0], ends[1]) / SPLIT_ABOVE;
+        for ((cell, ends), excess) in self.cells.iter().zip(x.windows(2)).zip(excesses) {
+            let excess = excess / SPLIT_ABOVE;
             if excess <= 1.0 {
                 cells.push(*cell);
                 guess.push(ends[1]);
@@ -236,9 +187,8 @@ impl<'a> Grid<'a> {
                 guess.push(ends[0] + (ends[1] - ends[0]) * part / parts);
             }
         }
-        let same = cells.len() == self.cells.len();
         self.cells = cells;
-        Ok((!same).then_some(guess))
+        Ok(Some(guess))
     }
 
     /// The rows and bounds of all cells.

@@ -10,6 +10,7 @@ mod limits;
 mod passes;
 mod path;
 mod run;
+mod turning;
 
 pub use demand::{Demand, DrivenArm, PlannedDrive};
 pub use limits::PlanLimits;

@@ -34,7 +34,7 @@ struct Strip {
 }
 
 /// The relative change of the time from one pass to the next at which the passes end.
-const CHANGE: f64 = 1e-8;
+const CHANGE: f64 = 1e-7;
 /// The most passes; five are usual.
 pub(super) const MOST_PASSES: usize = 40;
 /// The largest share of what is left of a row's limit that the viscous term's constant part takes,

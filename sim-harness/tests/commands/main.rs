@@ -15,6 +15,7 @@ mod linkage;
 mod new;
 #[cfg(unix)]
 mod other_release;
+mod plan;
 mod query;
 mod query_slider;
 mod shell_help;

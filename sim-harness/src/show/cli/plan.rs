@@ -2,7 +2,7 @@
 
 use super::failure::{Failure, refused};
 use super::run_args::point;
-use super::say::say;
+use super::say::{say, warn};
 use super::value_error::ValueError;
 use crate::input::path_case::PathCase;
 use crate::input::robot::{BuiltIn, Robot};
@@ -102,6 +102,12 @@ fn along_path(args: &Args, path: &Path) -> Result<(), Failure> {
     let named = args.robot.as_deref().or(case.robot.as_deref());
     let robot = Robot::load(named.unwrap_or(BuiltIn::DEFAULT)).map_err(refused)?;
     let study = PlanStudy::new(&robot, &case, args.torque_share, args.jerk).map_err(refused)?;
+    if let Some((n, s, joint)) = study.outside(&robot) {
+        warn(format_args!(
+            "fivebar: warning: {joint} is outside limits.angle from s = {s:.4} of run {n} on; the path \
+             file's limits replace the robot's"
+        ));
+    }
     if let Some(folder) = &args.out {
         let name = case.name.as_deref().unwrap_or("the path");
         let page = pages::plan(&study, name).render();

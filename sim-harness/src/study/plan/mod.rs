@@ -10,7 +10,7 @@ use fivebar_design::time_optimal::{
     DrivenArm, PlanError, PlanLimits, PlannedDrive, Run, RunSample, plan,
 };
 use fivebar_kinematics::dynamics::{Arm, ModelError};
-use fivebar_kinematics::five_bar::GeometryError;
+use fivebar_kinematics::five_bar::{GeometryError, Joint, JointLimits};
 use nalgebra::Vector2;
 use std::time::{Duration, Instant};
 
@@ -83,6 +83,19 @@ impl PlanStudy {
     /// ṡ of the maximum velocity curve at a sample.
     pub fn maximum_velocity(&self, sample: &RunSample) -> f64 {
         self.limits.maximum_velocity(&sample.demand, &self.drives)
+    }
+
+    /// The run, from 1, and the place where a joint first leaves the robot's `limits.angle`.
+    pub fn outside(&self, robot: &Robot) -> Option<(usize, f64, Joint)> {
+        let [range1, range4] = robot.limits.angle;
+        let ranges = JointLimits::new(range1, range4).ok()?;
+        let runs = self.runs.iter().enumerate();
+        let mut samples = runs.flat_map(|(n, run)| run.samples.iter().map(move |at| (n + 1, at)));
+        samples.find_map(|(n, at)| {
+            let [theta1, theta4] = at.demand.direction.map(|u| u.y.atan2(u.x));
+            let outside = ranges.angles_within(theta1, theta4).err()?;
+            Some((n, at.s, outside.joint()))
+        })
     }
 
     /// The duration of all runs [s].
