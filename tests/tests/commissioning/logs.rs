@@ -20,7 +20,7 @@ pub(crate) const MODE: WorkingMode = WorkingMode::new(Side::Right, Side::Left);
 pub(crate) struct Setup {
     pub(crate) arm: Arm<f64>,
     base: Vec<f64>,
-    excitation: Excitation,
+    pub(crate) excitation: Excitation,
 }
 
 pub(crate) fn setup(upright: bool, which: usize) -> Setup {

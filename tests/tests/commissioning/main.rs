@@ -6,3 +6,4 @@ mod excitations;
 mod identification;
 mod logs;
 mod refused_points;
+mod simulated_arm;

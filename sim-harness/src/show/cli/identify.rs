@@ -6,10 +6,14 @@ use super::rewrite::rewrite;
 use super::say::{print, say};
 use crate::input::measurements::read_columns;
 use crate::input::robot::{BuiltIn, Robot};
+use crate::run::excitation::excite;
+use crate::show::export::motion_csv;
+use crate::show::files::write_whole;
 use crate::study::identification::{
     answer, identify_robot, measured, proposal_answer, propose_for,
 };
 use clap::ArgGroup;
+use fivebar_plant::Mismatch;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -18,7 +22,7 @@ use std::path::{Path, PathBuf};
 /// --propose gives a trajectory that excites the arm within its limits; the log of ten periods
 /// of it determines all parameters.
 #[derive(clap::Args)]
-#[command(group = ArgGroup::new("what").args(["log", "propose"]).required(true))]
+#[command(group = ArgGroup::new("what").args(["log", "propose", "simulate"]).required(true))]
 pub(super) struct Args {
     /// A robot file, or the name of a built-in robot.
     #[arg(long, value_name = "FILE", default_value = BuiltIn::DEFAULT)]
@@ -30,6 +34,10 @@ pub(super) struct Args {
     /// Propose excitations: one to identify, one to validate.
     #[arg(long)]
     propose: bool,
+    /// Simulate ten periods of the first proposed excitation on the arm with the declared
+    /// mismatch, and write the log.
+    #[arg(long, value_name = "FILE.csv")]
+    simulate: Option<PathBuf>,
     /// Write the robot file with the measured friction to FILE; a file that is there is kept as
     /// FILE.old.
     #[arg(long, value_name = "FILE", requires = "log")]
@@ -38,6 +46,9 @@ pub(super) struct Args {
     #[arg(long)]
     json: bool,
 }
+
+/// Periods of a simulated log.
+const PERIODS: u32 = 10;
 
 const COLUMNS: [&str; 5] = [
     "time_s",
@@ -49,9 +60,16 @@ const COLUMNS: [&str; 5] = [
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let robot = Robot::load(&args.robot).map_err(refused)?;
-    let answer = match &args.log {
-        Some(log) => identified(args, &robot, log)?,
-        None => proposal_answer(&robot, &propose_for(&robot).map_err(refused)?),
+    let answer = if let Some(log) = &args.log {
+        identified(args, &robot, log)?
+    } else {
+        let proposed = propose_for(&robot).map_err(refused)?;
+        if let Some(log) = &args.simulate {
+            let excitation = &proposed[0].excitation;
+            let rows = excite(&robot, excitation, PERIODS, &Mismatch::default(), 1);
+            write_whole(log, motion_csv(&rows.map_err(refused)?)).map_err(refused)?;
+        }
+        proposal_answer(&robot, &proposed)
     };
     if args.json {
         say(&answer)
