@@ -11,6 +11,7 @@ mod doctor;
 #[cfg(unix)]
 mod emulator_lifetime;
 mod export;
+mod identify;
 mod linkage;
 mod new;
 #[cfg(unix)]
