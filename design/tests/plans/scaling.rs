@@ -1,7 +1,7 @@
 //! Changes of arm, path and limits whose effect on a plan is known.
 
 use super::shared::{arm, driven, factors, line, point, torque_limits};
-use fivebar_design::time_optimal::{PathPiece, PlanError, PlanLimits, Run, plan};
+use fivebar_design::time_optimal::{PathPiece, PlanError, PlanLimits, Run, RunSample, plan};
 use fivebar_kinematics::five_bar::{Side, Tool, WorkingMode};
 use nalgebra::Vector2;
 use proptest::prelude::*;
@@ -187,4 +187,33 @@ fn what_cannot_be_planned_is_refused_with_its_place() {
         matches!(error, PlanError::Crosses(s) if (s - 0.0575).abs() < 2e-3),
         "{error}"
     );
+}
+
+/// The mean jerk between two samples, from q̈ = q′ s̈ + q″ ṡ² at each.
+#[test]
+fn the_jerk_of_a_run_is_within_its_limit_and_reaches_it() {
+    let driven = driven(&arm([1.0; 5], [1.0; 4], [0.0, -9.81]), [2e-3, 1e-2]);
+    let path = line(Vector2::new(-0.03, 0.13), Vector2::new(0.1, 0.18));
+    let unlimited = plan(&driven, &all_limits(), &path, None).unwrap().time;
+    let mut last = unlimited;
+    for jerk in [3e5, 1e5, 3e4] {
+        let run = plan(&driven, &all_limits(), &path, Some(jerk)).unwrap();
+        assert!(run.time > last, "{} s after {last} s", run.time);
+        last = run.time;
+        assert!(run.limit_excess < 1e-9);
+        let acceleration = |at: &RunSample, j: usize| {
+            at.demand.q1[j] * at.s_ddot + at.demand.q2[j] * at.s_dot * at.s_dot
+        };
+        let mut greatest = 0.0_f64;
+        for pair in run.samples.windows(2) {
+            for j in 0..2 {
+                let change = acceleration(&pair[1], j) - acceleration(&pair[0], j);
+                greatest = greatest.max((change / (pair[1].t - pair[0].t)).abs());
+            }
+        }
+        assert!(
+            (0.8..1.03).contains(&(greatest / jerk)),
+            "{greatest} of {jerk} rad/s³"
+        );
+    }
 }
