@@ -90,20 +90,11 @@ pub fn identify(log: &Log, observed: &Observed<'_>) -> Result<Identification, Id
     check_times(log, observed.tick_rate)?;
     let angles = check_motion(log, observed)?;
     check_mode(&angles, observed)?;
-    let torques = |exchanged: bool| {
-        [0, 1].map(|joint: usize| {
-            let from = if exchanged { 1 - joint } else { joint };
-            let factor = observed.torque_per_ampere[joint];
-            log.currents
-                .iter()
-                .map(|row| factor * row[from])
-                .collect::<Vec<f64>>()
-        })
-    };
     let base = observed.base_count();
-    let solved = |exchanged: bool| -> Result<Solution, IdentificationError> {
+    let solved = |columns: Columns| -> Result<Solution, IdentificationError> {
         let lost = |_| IdentificationError::OtherMode(0.01);
-        let system = system(&angles, &torques(exchanged), observed).map_err(lost)?;
+        let angles = columns.angles(&angles);
+        let system = system(&angles, &columns.torques(log, observed), observed).map_err(lost)?;
         if system.torque[0].len() < 4 * (base + 6) {
             return Err(IdentificationError::TooShort(
                 log.times.last().unwrap_or(&0.0) - log.times[0],
@@ -112,13 +103,20 @@ pub fn identify(log: &Log, observed: &Observed<'_>) -> Result<Identification, Id
         let nothing = || IdentificationError::NotSeen(vec!["anything".into()], f64::INFINITY);
         solve(&system, base).ok_or_else(nothing)
     };
-    let found = solved(false)?;
+    let found = solved(Columns::default())?;
     let worst = |solution: &Solution| solution.share[0].max(solution.share[1]);
-    let is_sound = |solution: &Solution| has_inertia(solution, &angles, observed);
-    if worst(&found) > 0.2 || !is_sound(&found) {
-        let exchanged = solved(true)?;
-        if worst(&exchanged) < 0.5 * worst(&found) && is_sound(&exchanged) {
-            return Err(IdentificationError::SwappedCurrents);
+    let is_sound = |solution: &Solution, columns: Columns| {
+        has_inertia(solution, &columns.angles(&angles), observed)
+    };
+    let as_given = is_sound(&found, Columns::default());
+    if worst(&found) > 0.2 || !as_given {
+        for columns in Columns::EXCHANGED {
+            let Ok(exchanged) = solved(columns) else {
+                continue;
+            };
+            if worst(&exchanged) < 0.5 * worst(&found) && is_sound(&exchanged, columns) {
+                return Err(columns.refusal());
+            }
         }
     }
     if found.condition > GREATEST_CONDITION {
@@ -128,7 +126,7 @@ pub fn identify(log: &Log, observed: &Observed<'_>) -> Result<Identification, Id
             found.condition,
         ));
     }
-    if !is_sound(&found) {
+    if !as_given {
         return Err(IdentificationError::Reversed);
     }
     for joint in 0..2 {
@@ -152,6 +150,55 @@ pub fn identify(log: &Log, observed: &Observed<'_>) -> Result<Identification, Id
         residual_rms: found.rms,
         residual_share: found.share,
     })
+}
+
+/// Which columns of a log are exchanged.
+#[derive(Clone, Copy, Default)]
+struct Columns {
+    angles: bool,
+    currents: bool,
+}
+
+impl Columns {
+    const EXCHANGED: [Self; 3] = [
+        Self {
+            angles: false,
+            currents: true,
+        },
+        Self {
+            angles: true,
+            currents: false,
+        },
+        Self {
+            angles: true,
+            currents: true,
+        },
+    ];
+
+    fn refusal(self) -> IdentificationError {
+        if self.angles {
+            IdentificationError::SwappedAngles
+        } else {
+            IdentificationError::SwappedCurrents
+        }
+    }
+
+    fn angles(self, given: &[Vec<f64>; 2]) -> [Vec<f64>; 2] {
+        let [first, second] = given.clone();
+        if self.angles {
+            [second, first]
+        } else {
+            [first, second]
+        }
+    }
+
+    fn torques(self, log: &Log, observed: &Observed<'_>) -> [Vec<f64>; 2] {
+        [0, 1].map(|joint: usize| {
+            let from = if self.currents { 1 - joint } else { joint };
+            let factor = observed.torque_per_ampere[joint];
+            log.currents.iter().map(|row| factor * row[from]).collect()
+        })
+    }
 }
 
 fn name(index: usize, base: usize) -> String {

@@ -282,3 +282,40 @@ fn wrong_holes_are_named_and_do_little_harm() {
     }
     assert!(drawn_off <= 4, "{drawn_off}");
 }
+
+#[test]
+fn few_points_suffice_where_they_determine_the_arm() {
+    let mut noise = Noise::new(8);
+    let mut refused = 0;
+    for number in 0..90 {
+        let count = [5, 6, 9][number % 3];
+        let Made {
+            truth,
+            drawn,
+            plate,
+        } = made(&mut noise, count, SIGMA);
+        // Five random poses may leave something undetermined.
+        let Ok(found) = calibrate(&plate, drawn) else {
+            refused += 1;
+            continue;
+        };
+        assert!(
+            found.residual_rms < 2.0 * SIGMA,
+            "{number}: {}",
+            found.residual_rms
+        );
+        for (index, (own, wanted)) in listed(&found.parameters)
+            .into_iter()
+            .zip(listed(&truth))
+            .enumerate()
+        {
+            let error = (own - wanted + 0.5 * TAU).rem_euclid(TAU) - 0.5 * TAU;
+            let sd = found.covariance[(index, index)].sqrt();
+            assert!(
+                error.abs() < 8.0 * sd,
+                "{number}: {index}: {error:e} for {sd:e}"
+            );
+        }
+    }
+    assert!(refused <= 6, "{refused}");
+}

@@ -5,5 +5,6 @@ mod calibration;
 mod excitations;
 mod identification;
 mod logs;
+mod random_logs;
 mod refused_points;
 mod simulated_arm;
