@@ -3,7 +3,7 @@
 use super::check::{check_mode, check_motion, check_times};
 use super::error::IdentificationError;
 use super::least_squares::{Solution, solve};
-use super::processing::system;
+use super::processing::systems;
 use super::regressor::{BASE_NAMES, Regressor};
 use fivebar_kinematics::five_bar::{Geometry, Side, WorkingMode};
 use nalgebra::Vector2;
@@ -94,14 +94,18 @@ pub fn identify(log: &Log, observed: &Observed<'_>) -> Result<Identification, Id
     let solved = |columns: Columns| -> Result<Solution, IdentificationError> {
         let lost = |_| IdentificationError::OtherMode(0.01);
         let angles = columns.angles(&angles);
-        let system = system(&angles, &columns.torques(log, observed), observed).map_err(lost)?;
-        if system.torque[0].len() < 4 * (base + 6) {
+        let systems = systems(&angles, &columns.torques(log, observed), observed);
+        let systems = systems.map_err(lost)?;
+        if systems[0].torque[0].len() < 4 * (base + 6) {
             return Err(IdentificationError::TooShort(
                 log.times.last().unwrap_or(&0.0) - log.times[0],
             ));
         }
-        let nothing = || IdentificationError::NotSeen(vec!["anything".into()], f64::INFINITY);
-        solve(&system, base).ok_or_else(nothing)
+        let unexplained = |solution: &Solution| solution.rms[0] * solution.rms[1];
+        let solutions = systems.iter().filter_map(|system| solve(system, base));
+        solutions
+            .min_by(|a, b| unexplained(a).total_cmp(&unexplained(b)))
+            .ok_or_else(|| IdentificationError::NotSeen(vec!["anything".into()], f64::INFINITY))
     };
     let found = solved(Columns::default())?;
     let worst = |solution: &Solution| solution.share[0].max(solution.share[1]);

@@ -15,7 +15,12 @@ use nalgebra::{DMatrix, DVector};
 /// The cut-off of the filter [Hz]; an excitation of a few hertz lies well below.
 pub(super) const CUTOFF: f64 = 60.0;
 
+/// Velocities within which Coulomb friction changes its sign [rad/s]; the one that explains the
+/// torques best is taken. Were it wrong, slow motions would err by some per cent of the friction.
+const SIGN_WIDTHS: [f64; 6] = [1e-6, 5e-3, 1e-2, 2e-2, 5e-2, 0.1];
+
 /// The linear system: two blocks of rows, of joint 1 and of joint 4.
+#[derive(Clone)]
 pub(super) struct System {
     /// The columns: base parameters, then viscous of both joints, Coulomb of both, offsets of both.
     pub(super) matrix: [DMatrix<f64>; 2],
@@ -23,12 +28,13 @@ pub(super) struct System {
     pub(super) torque: [DVector<f64>; 2],
 }
 
-/// The system of a log with continuous angles [rad] and torques [N·m].
-pub(super) fn system(
+/// The systems of a log with continuous angles [rad] and torques [N·m], one for each width of the
+/// sign.
+pub(super) fn systems(
     angles: &[Vec<f64>; 2],
     torques: &[Vec<f64>; 2],
     observed: &Observed<'_>,
-) -> Result<System, PoseError> {
+) -> Result<Vec<System>, PoseError> {
     let rate = observed.tick_rate;
     let filter = LowPass::new(CUTOFF.min(0.2 * rate), rate);
     let base = observed.base_count();
@@ -77,9 +83,6 @@ pub(super) fn system(
             base + joint,
             &DVector::from_vec(pick(&filter.apply(velocity))),
         );
-        let signs: Vec<f64> = velocity.iter().map(|omega| smooth_sign(*omega)).collect();
-        let signs = filter.apply(&filter.apply(&signs));
-        own.set_column(base + 2 + joint, &DVector::from_vec(pick(&signs)));
         own.column_mut(base + 4 + joint).fill(1.0);
     }
     let torque = [0, 1].map(|joint| {
@@ -91,11 +94,24 @@ pub(super) fn system(
         at_tick.extend(current.last());
         DVector::from_vec(pick(&filter.apply(&filter.apply(&at_tick))))
     });
-    Ok(System { matrix, torque })
+    let plain = System { matrix, torque };
+    let with_signs = |width: f64| {
+        let mut system = plain.clone();
+        for (joint, velocity) in velocities.iter().enumerate() {
+            let signs: Vec<f64> = velocity
+                .iter()
+                .map(|omega| smooth_sign(*omega, width))
+                .collect();
+            let signs = filter.apply(&filter.apply(&signs));
+            system.matrix[joint].set_column(base + 2 + joint, &DVector::from_vec(pick(&signs)));
+        }
+        system
+    };
+    Ok(SIGN_WIDTHS.into_iter().map(with_signs).collect())
 }
 
-/// The sign of a velocity, continuous within ±0.02 rad/s.
-pub(super) fn smooth_sign(omega: f64) -> f64 {
-    let x = omega / 0.02;
+/// The sign of a velocity, continuous within ± `width` [rad/s].
+pub(super) fn smooth_sign(omega: f64, width: f64) -> f64 {
+    let x = omega / width;
     x / (1.0 + x * x).sqrt()
 }

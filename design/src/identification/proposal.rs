@@ -183,7 +183,7 @@ fn judge(bounds: &Bounds, x: &[f64; 22], instants: usize) -> (f64, f64) {
             for index in 0..base {
                 matrix[(row, index)] = at.base(index)[joint] * scales[index];
             }
-            let sign = smooth_sign(omega[joint]);
+            let sign = smooth_sign(omega[joint], 0.02);
             matrix[(row, base + joint)] = omega[joint] * scales[base];
             matrix[(row, base + 2 + joint)] = sign * scales[base];
             matrix[(row, base + 4 + joint)] = scales[base];

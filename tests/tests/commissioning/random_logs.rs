@@ -39,6 +39,15 @@ fn random_arm(noise: &mut Noise, gravity: Vector2<f64>) -> Option<(Arm<f64>, Pos
     })
 }
 
+/// Coulomb friction may change its sign at once or within some velocity.
+fn smooth_sign(omega: f64, number: usize) -> f64 {
+    match number % 3 {
+        0 => omega.signum(),
+        1 => (omega / 0.01).tanh(),
+        _ => (omega / 0.05).clamp(-1.0, 1.0),
+    }
+}
+
 #[test]
 fn random_arms_are_identified_and_their_swapped_logs_refused() {
     let mut noise = Noise::new(9);
@@ -100,7 +109,7 @@ fn random_arms_are_identified_and_their_swapped_logs_refused() {
             log.angles
                 .push(q.map(|q| ((q / step).floor() + 0.5) * step));
             log.currents.push([0, 1].map(|joint: usize| {
-                let friction = 1.5e-3 * omega[joint] + 9e-3 * omega[joint].signum();
+                let friction = 1.5e-3 * omega[joint] + 9e-3 * smooth_sign(omega[joint], done);
                 (torque[joint] + friction) / 0.2 + 5e-3 * noise.normal()
             }));
         }
