@@ -127,13 +127,13 @@ fn random_arms_are_identified_and_their_swapped_logs_refused() {
         let largest = |range: std::ops::Range<usize>| {
             base[range].iter().fold(0.0, |a: f64, b| a.max(b.abs()))
         };
-        for index in 0..used {
+        for (index, (own, wanted)) in found.base.iter().zip(&base).enumerate() {
             let size = if index < 4 {
                 largest(0..4)
             } else {
                 largest(4..used)
             };
-            let error = (found.base[index] - base[index]).abs();
+            let error = (own - wanted).abs();
             assert!(
                 error < 0.01 * size,
                 "{number} at {rate} Hz: {index}: {error:e} of {size:e}"
