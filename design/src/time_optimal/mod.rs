@@ -3,6 +3,7 @@
 //! [`demand`](DrivenArm::demand) gives the coefficients of the limits at a place, the passes the
 //! greatest speed along the path, [`plan`] a run from rest to rest.
 
+mod blend;
 mod demand;
 mod grid;
 mod jerk;
@@ -12,6 +13,7 @@ mod path;
 mod run;
 mod turning;
 
+pub use blend::blend;
 pub use demand::{Demand, DrivenArm, PlannedDrive};
 pub use limits::PlanLimits;
 pub use path::{FourierSeries, PathPiece, PathPoint};

@@ -2,7 +2,7 @@
 
 use super::source::FileError;
 use super::text_file::{LARGEST_TOML, read_text};
-use fivebar_design::time_optimal::{FourierSeries, PathPiece, PlanLimits};
+use fivebar_design::time_optimal::{FourierSeries, PathPiece, PlanLimits, blend};
 use fivebar_kinematics::five_bar::{Side, WorkingMode};
 use nalgebra::Vector2;
 use serde::Deserialize;
@@ -17,6 +17,8 @@ pub enum Corners {
     /// One run along the whole path, which stops only where the direction jumps.
     #[default]
     Smooth,
+    /// As `Smooth`, with the corners between lines replaced by arcs.
+    Blend,
 }
 
 /// A path and how it is to be run along.
@@ -26,7 +28,7 @@ pub struct PathCase {
     pub name: Option<String>,
     /// The robot that it is meant for, if the file names one.
     pub robot: Option<String>,
-    /// Its pieces.
+    /// Its pieces; with [`Corners::Blend`] the arcs are among them.
     pub path: Vec<PathPiece>,
     /// The sides to which the elbows turn.
     pub working_mode: WorkingMode,
@@ -50,6 +52,7 @@ struct CaseFile {
     limits: LimitsFile,
     #[serde(default)]
     corners: Corners,
+    corner_tolerance: Option<f64>,
     gravity: Option<[f64; 2]>,
     payload: Option<f64>,
 }
@@ -131,7 +134,17 @@ impl PathCase {
     pub fn parse(file: &str, text: &str) -> Result<Self, FileError> {
         let case: Result<CaseFile, _> = serde_json::from_str(text);
         let case = case.map_err(|error| FileError::new(file, error))?;
-        Ok(case.into())
+        let tolerance = match (case.corners, case.corner_tolerance) {
+            (Corners::Blend, Some(tolerance)) if tolerance > 0.0 => tolerance,
+            (Corners::Blend, _) => {
+                let reason = "`corners` is \"blend\": give a positive `corner_tolerance` [m]";
+                return Err(FileError::new(file, reason));
+            }
+            _ => return Ok(case.into()),
+        };
+        let mut case = Self::from(case);
+        case.path = blend(&case.path, tolerance);
+        Ok(case)
     }
 }
 

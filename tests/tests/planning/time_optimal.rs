@@ -3,7 +3,7 @@
 use fivebar::input::path_case::PathCase;
 use fivebar::input::robot::Robot;
 use fivebar::study::plan::PlanStudy;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 fn cases() -> Vec<Value> {
     let text = include_str!("../../data/topp_public.json");
@@ -178,4 +178,40 @@ fn a_limit_of_jerk_is_refused_where_the_curvature_jumps() {
         error.contains("s = 0.022") && error.contains("curvature"),
         "{error}"
     );
+}
+
+#[test]
+fn blended_corners_give_the_rounded_square_of_the_reference() {
+    // Arcs of 8 mm pass a corner of a square at 8 mm · (√2 − 1).
+    let tolerance = 8e-3 * (2.0_f64.sqrt() - 1.0);
+    let rounded = &cases()[3];
+    let corners = [
+        [0.04, 0.13],
+        [0.07, 0.13],
+        [0.07, 0.19],
+        [0.01, 0.19],
+        [0.01, 0.13],
+        [0.04, 0.13],
+    ];
+    let lines = corners.windows(2);
+    let lines: Vec<Value> = lines
+        .map(|ends| json!({ "kind": "line", "from": ends[0], "to": ends[1] }))
+        .collect();
+    let mut case = rounded.clone();
+    case["path"] = json!(lines);
+    let sharp = plan(&case).time();
+    case["corners"] = json!("blend");
+    case["corner_tolerance"] = json!(tolerance);
+    let (found, expected) = (
+        plan(&case).time(),
+        rounded["optimal_time_s"].as_f64().unwrap(),
+    );
+    assert!(
+        (found / expected - 1.0).abs() < 1e-4,
+        "{found} s, not {expected} s"
+    );
+    assert!(sharp > found);
+    case["corner_tolerance"] = Value::Null;
+    let error = PathCase::parse("case.json", &case.to_string()).unwrap_err();
+    assert!(error.to_string().contains("corner_tolerance"), "{error}");
 }

@@ -65,7 +65,7 @@ impl PlanStudy {
         let pieces = &case.path[..];
         let parts: Vec<_> = match case.corners {
             Corners::Stop => pieces.chunks(1).collect(),
-            Corners::Smooth => vec![pieces],
+            Corners::Smooth | Corners::Blend => vec![pieces],
         };
         let runs = parts.iter().enumerate().map(|(n, pieces)| {
             let run = plan(&arm, &limits, pieces, jerk);
