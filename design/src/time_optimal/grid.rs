@@ -20,6 +20,8 @@ const MOST_CELLS: usize = 16;
 const FIRST_PASSES: usize = 2;
 /// Largest difference of the tangents of two pieces between which the run does not stop, relative.
 const KINK: f64 = 1e-4;
+/// |C′| as a share of that beside it, at most which the path has a cusp.
+const CUSP: f64 = 1e-6;
 /// A bound for x in units of length²/s² where no limit bounds it.
 const FASTEST: f64 = 1e12;
 
@@ -123,6 +125,10 @@ impl<'a> Grid<'a> {
         let middle = self.demand(piece, local + 0.5 * w, s)?;
         let mut end = self.demand(piece, local + w, s)?;
         (start.coulomb, end.coulomb) = (middle.coulomb, middle.coulomb);
+        let [a, b, c] = [&start, &middle, &end].map(|at| at.tangent.norm());
+        if a.min(b).min(c) <= CUSP * a.max(b).max(c) {
+            return Err(PlanError::Cusp(s));
+        }
         if [middle.sin32, end.sin32]
             .iter()
             .any(|sine| sine * start.sin32 <= 0.0)

@@ -56,6 +56,8 @@ pub enum PlanError {
     Pose(f64, PoseError),
     /// The arm passes through a singularity of type 2 near s.
     Crosses(f64),
+    /// C′ vanishes near s: the path has a cusp there, or does not move.
+    Cusp(f64),
     /// The curvature jumps at s where the arm moves, so its jerk there has no bound.
     CurvatureJump(f64),
     /// The limit of jerk cannot be kept.
@@ -84,6 +86,11 @@ impl fmt::Display for PlanError {
                 f,
                 "near s = {s:.6} the path passes through a singularity: B, C and D in line, or B \
                  meets D (type 2)"
+            ),
+            Self::Cusp(s) => write!(
+                f,
+                "near s = {s:.6} the path's derivative vanishes: it has a cusp there or does not \
+                 move; divide it there, or describe it by another s"
             ),
             Self::CurvatureJump(s) => write!(
                 f,

@@ -1,7 +1,9 @@
 //! Changes of arm, path and limits whose effect on a plan is known.
 
 use super::shared::{arm, driven, factors, line, point, torque_limits};
-use fivebar_design::time_optimal::{PathPiece, PlanError, PlanLimits, Run, RunSample, plan};
+use fivebar_design::time_optimal::{
+    FourierSeries, PathPiece, PlanError, PlanLimits, Run, RunSample, plan,
+};
 use fivebar_kinematics::five_bar::{Side, Tool, WorkingMode};
 use nalgebra::Vector2;
 use proptest::prelude::*;
@@ -175,6 +177,16 @@ fn what_cannot_be_planned_is_refused_with_its_place() {
     );
     assert_eq!(refusal(&limits, &line(a, b), Some(-1.0)), PlanError::Limit);
     assert_eq!(refusal(&limits, &line(a, b), Some(1e-3)), PlanError::Jerk);
+    // To and fro on a line by a cosine: C′ is 0 at both ends.
+    let series = |mean, amplitude| FourierSeries {
+        mean,
+        harmonics: vec![[amplitude, 0.0]],
+    };
+    let to_and_fro = [PathPiece::Fourier {
+        x: series(0.04, 0.03),
+        y: series(0.16, 0.0),
+    }];
+    assert_eq!(refusal(&limits, &to_and_fro, None), PlanError::Cusp(0.0));
     // Couplers of 0.12 m stretch on the way down.
     let short = arm([1.0, 0.75, 0.75, 1.0, 1.0], [1.0; 4], LEVEL);
     let tool = Tool::new(*short.geometry(), Vector2::zeros()).unwrap();
