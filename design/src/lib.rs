@@ -4,6 +4,7 @@ pub mod accuracy;
 pub mod calibration;
 pub mod crossing;
 mod dual;
+mod fit;
 pub mod identification;
 pub mod linkage;
 pub mod mobility;

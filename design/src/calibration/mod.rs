@@ -33,7 +33,6 @@
 //! ```
 
 mod error;
-mod fit;
 mod legs;
 mod observability;
 mod parameters;

@@ -1,12 +1,12 @@
 //! The calibration from a plate with known holes.
 
 use super::error::CalibrationError;
-use super::fit::{Loss, Rows, minimise};
 use super::legs::{LEAST_FOR_LEGS, joined, leg};
 use super::observability::{check_seen, covariance, leave_out, rank_and_condition};
 use super::parameters::{Parameters, Vector10};
 use super::start::{placed, samples};
 use super::tip::{on_plate, posed, tip};
+use crate::fit::{Loss, Rows, minimise};
 use core::f64::consts::{FRAC_PI_2, PI};
 use fivebar_kinematics::five_bar::{Geometry, Side};
 use nalgebra::{DMatrix, DVector, SMatrix, Vector2};

@@ -74,6 +74,15 @@ fn an_arm_is_excited_logged_identified_and_its_file_rewritten() {
     }
     assert!(found["condition"].as_f64().unwrap() < 10.0);
     let robot = fivebar::input::robot::Robot::load(out).unwrap();
+    // The masses of the new file have the base parameters that were found: J1* = J1 + l1² (m2 + K)
+    // with the rotor and the payload, K = h3x/l3.
+    let arm = robot.arm().unwrap();
+    let [link1, link2, link3, _] = arm.links();
+    let [l1, _, l3, ..] = robot.geometry.lengths();
+    let own = link1.inertia + link1.mass * link1.com.norm_squared() + 6.4e-5;
+    let beyond = link2.mass + arm.payload() + link3.mass * link3.com.x / l3;
+    let error = (own + l1 * l1 * beyond) / base["J1"].as_f64().unwrap() - 1.0;
+    assert!(error.abs() < 1e-4, "{error}");
     let [first, _] = robot.actuators.unwrap();
     assert!((first.coulomb_friction / 11.7e-3 - 1.0).abs() < 0.02);
     assert!(

@@ -5,7 +5,7 @@ use fivebar::input::robot::Robot;
 use fivebar::run::excitation::excite;
 use fivebar::study::identification::{identify_robot, propose_for};
 use fivebar_design::identification::{
-    Identification, Regressor, base_parameters, standard_parameters,
+    Identification, Regressor, base_parameters, physical_links, standard_parameters,
 };
 use fivebar_kinematics::dynamics::{Arm, Link};
 use fivebar_kinematics::five_bar::Side;
@@ -110,6 +110,46 @@ fn judged(robot: &Robot, upright: bool, found: &Identification) {
     let (before, _) = misprediction(robot, upright, &base, [[1.5e-3, 9e-3]; 2]);
     println!("before {before:.2e}, after {after:.2e} of {whole:.2e} N·m");
     assert!(after < 0.01 * whole && 10.0 * after < before);
+}
+
+#[test]
+fn physical_links_have_the_torques_of_their_base_parameters() {
+    for upright in [false, true] {
+        let robot = robot(upright);
+        let used = if upright { 11 } else { 7 };
+        let truth = &truth(&robot)[..used];
+        let drawn = robot.arm().unwrap();
+        let found = physical_links(drawn, truth).unwrap();
+        assert!(found.difference < 1e-5, "{}", found.difference);
+        let (payload, rotors) = (drawn.payload(), drawn.rotor_inertia());
+        let arm = Arm::new(
+            robot.geometry,
+            found.links,
+            payload,
+            drawn.gravity(),
+            rotors,
+        )
+        .unwrap();
+        // By Kane's equations along the second trajectory.
+        let excitation = setup(upright, 1).excitation;
+        for step in 0..100 {
+            let motion = excitation.at(0.0125 * f64::from(step));
+            let [q, omega, alpha] = motion;
+            let geometry = &robot.geometry;
+            let pose = geometry.forward(q[0], q[1], Side::Left).unwrap();
+            let rates = geometry
+                .forward_velocities(&pose, omega[0], omega[1])
+                .unwrap();
+            let accelerations = geometry
+                .forward_accelerations(&pose, &rates, alpha[0], alpha[1])
+                .unwrap();
+            let kane = arm.inverse_dynamics(&pose, &rates, &accelerations, Default::default());
+            let at = Regressor::at(geometry, Side::Left, robot.gravity, motion).unwrap();
+            for (kane, wanted) in kane.unwrap().into_iter().zip(at.torque(truth)) {
+                assert!((kane - wanted).abs() < 1e-5, "{kane} {wanted}");
+            }
+        }
+    }
 }
 
 #[test]

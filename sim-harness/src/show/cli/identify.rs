@@ -3,14 +3,14 @@
 use super::failure::{Failure, refused};
 use super::figures::figures;
 use super::rewrite::rewrite;
-use super::say::{print, say};
+use super::say::{print, say, warn};
 use crate::input::measurements::read_columns;
 use crate::input::robot::{BuiltIn, Robot};
 use crate::run::excitation::excite;
 use crate::show::export::motion_csv;
 use crate::show::files::write_whole;
 use crate::study::identification::{
-    answer, identify_robot, measured, proposal_answer, propose_for,
+    answer, identify_robot, measured, proposal_answer, propose_for, warning,
 };
 use clap::ArgGroup;
 use fivebar_plant::Mismatch;
@@ -38,7 +38,7 @@ pub(super) struct Args {
     /// mismatch, and write the log.
     #[arg(long, value_name = "FILE.csv")]
     simulate: Option<PathBuf>,
-    /// Write the robot file with the measured friction to FILE; a file that is there is kept as
+    /// Write the robot file with the measured friction and masses to FILE; a file that is there is kept as
     /// FILE.old.
     #[arg(long, value_name = "FILE", requires = "log")]
     out: Option<PathBuf>,
@@ -82,8 +82,11 @@ fn identified(args: &Args, robot: &Robot, log: &Path) -> Result<Value, Failure> 
     let rows = read_columns(log, COLUMNS).map_err(refused)?;
     let found = identify_robot(robot, &rows)
         .map_err(|error| refused(format_args!("{}: {error}", log.display())))?;
+    if let Some(warning) = warning(robot, &found) {
+        warn(format_args!("{}: {warning}", log.display()));
+    }
     if let Some(out) = &args.out {
-        rewrite(&args.robot, out, &measured(&found))?;
+        rewrite(&args.robot, out, &measured(robot, &found))?;
     }
     Ok(answer(robot, rows.len(), &found))
 }

@@ -7,7 +7,7 @@ pub use answer::{answer, proposal_answer};
 use crate::input::robot::{HomeError, Measured, MeasuredKey, MissingMasses, Robot};
 use fivebar_design::identification::{
     Bounds, Identification, IdentificationError, Log, Observed, ProposedExcitation,
-    base_parameters, identify, propose_excitation, standard_parameters,
+    base_parameters, identify, physical_links, propose_excitation, standard_parameters,
 };
 use nalgebra::Vector2;
 
@@ -135,29 +135,54 @@ fn bounds(robot: &Robot) -> Result<Bounds, StudyError> {
     })
 }
 
-/// The values of the robot file that follow from an identification: the friction of both joints.
-pub fn measured(found: &Identification) -> Vec<Measured> {
-    let value = |joint: usize, name: &'static str, value: f64, sd: f64| Measured {
+/// The values of the robot file that follow from an identification: the friction of both joints
+/// and, if the file has masses, masses with the measured torques.
+pub fn measured(robot: &Robot, found: &Identification) -> Vec<Measured> {
+    let friction = |joint: usize, name: &'static str, value: f64, sd: f64| Measured {
         key: MeasuredKey::Actuator(joint, name),
         value: format!("{:.6e}", value.max(0.0)),
         origin: format!("± {sd:.1e} by identification"),
     };
-    (0..2)
+    let mut values: Vec<Measured> = (0..2)
         .flat_map(|joint| {
+            let (viscous, coulomb) = (found.viscous[joint], found.coulomb[joint]);
+            let (viscous_sd, coulomb_sd) = (found.viscous_sd[joint], found.coulomb_sd[joint]);
             [
-                value(
-                    joint,
-                    "viscous_friction",
-                    found.viscous[joint],
-                    found.viscous_sd[joint],
-                ),
-                value(
-                    joint,
-                    "coulomb_friction",
-                    found.coulomb[joint],
-                    found.coulomb_sd[joint],
-                ),
+                friction(joint, "viscous_friction", viscous, viscous_sd),
+                friction(joint, "coulomb_friction", coulomb, coulomb_sd),
             ]
         })
-        .collect()
+        .collect();
+    let physical = robot
+        .arm()
+        .ok()
+        .and_then(|arm| physical_links(arm, &found.base));
+    let links = physical.map(|physical| physical.links);
+    for (index, link) in links.into_iter().flatten().enumerate() {
+        for (name, value) in [
+            ("mass", format!("{:.9e}", link.mass)),
+            ("com", format!("[{:.9e}, {:.9e}]", link.com.x, link.com.y)),
+            ("inertia", format!("{:.9e}", link.inertia)),
+        ] {
+            values.push(Measured {
+                key: MeasuredKey::Link(index, name),
+                value,
+                origin: "together with the other links, by identification".into(),
+            });
+        }
+    }
+    values
+}
+
+/// How far the base parameters are from those of any real arm, as a sentence; none if they are
+/// close enough.
+pub fn warning(robot: &Robot, found: &Identification) -> Option<String> {
+    let physical = physical_links(robot.arm().ok()?, &found.base)?;
+    (physical.difference > 0.02).then(|| {
+        format!(
+            "the base parameters are those of no real arm: the nearest differs by {:.3} (1e-3 \
+             kg·m² or 1e-2 kg·m); check the torque constants, and calibrate first",
+            physical.difference
+        )
+    })
 }

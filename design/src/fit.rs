@@ -3,11 +3,11 @@
 use nalgebra::{DMatrix, DVector};
 
 /// Residuals, their derivatives by the unknowns.
-pub(super) type Rows = (DVector<f64>, DMatrix<f64>);
+pub(crate) type Rows = (DVector<f64>, DMatrix<f64>);
 
 /// The sum of squares, or Huber's loss with its threshold [the residuals' unit].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Loss {
+pub(crate) enum Loss {
     Squares,
     Huber(f64),
 }
@@ -29,14 +29,14 @@ impl Loss {
         }
     }
 
-    pub(super) fn total(self, residuals: &DVector<f64>) -> f64 {
+    pub(crate) fn total(self, residuals: &DVector<f64>) -> f64 {
         residuals.iter().map(|&r| self.of(r)).sum()
     }
 }
 
 /// The unknowns with the least loss near `start`, and that loss. Without residuals at the start
 /// there is none.
-pub(super) fn minimise(
+pub(crate) fn minimise(
     start: &DVector<f64>,
     rows: &dyn Fn(&DVector<f64>) -> Option<Rows>,
     loss: Loss,
