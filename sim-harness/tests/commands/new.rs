@@ -260,6 +260,7 @@ fn the_file_explains_every_key_with_its_unit() {
         "restitution",
         "law",
         "friction",
+        "allowed",
     ];
     let text = Draft::new("arm").text();
     // The file with an unknown key at its top, and below each section's head.
