@@ -216,6 +216,7 @@ fn section(bytes: &mut Bytes<'_>, settings: &Settings) -> Section {
                     &mut axis.inductance,
                     &mut axis.viscous_friction,
                     &mut axis.coulomb_friction,
+                    &mut axis.encoder_latency,
                     &mut axis.home_angle,
                     low,
                     high,

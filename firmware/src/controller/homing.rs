@@ -91,8 +91,10 @@ fn homing_step(
         .map_err(|_| Fault::Envelope)?;
     let error = state.angle - joint.angle();
     let rate = state.rate - joint.velocity();
-    let position_loop = &model.position_loop;
-    let alpha = position_loop.acceleration(joint.integral, 0.0, error, rate);
+    let alpha = axis
+        .servo
+        .position_loop
+        .acceleration(joint.integral, 0.0, error, rate);
     let demanded = inertia * alpha + axis.friction.torque(state.rate);
     Ok((error, limited(demanded, axis.homing_torque)))
 }

@@ -2,9 +2,7 @@
 //! to the duty of its bridge.
 
 use super::model::AxisModel;
-use fivebar_kinematics::control::{
-    Bus, CurrentState, Drive, Integral, MotorHeat, ObserverState, VelocityObserver,
-};
+use fivebar_kinematics::control::{Bus, CurrentState, Drive, Integral, MotorHeat, ObserverState};
 
 /// The state of one joint from tick to tick, and what this tick measured.
 pub(crate) struct Joint {
@@ -59,7 +57,6 @@ impl Joint {
     #[inline(always)]
     pub(crate) fn measure(
         &mut self,
-        observer: &VelocityObserver<f32>,
         model: &AxisModel,
         counts: i32,
         current: u16,
@@ -68,7 +65,10 @@ impl Joint {
         self.counts = counts;
         self.current = model.current_offset + model.current_per_code * f32::from(current);
         let counted = self.counted(model);
-        observer.update(&mut self.observer, counted, alpha)
+        model
+            .servo
+            .observer
+            .update(&mut self.observer, counted, alpha)
     }
 
     /// Advances the motor's heat by two ticks at its current; true while it is too hot.
@@ -89,7 +89,7 @@ impl Joint {
     #[inline(always)]
     pub(crate) fn drive(&mut self, model: &AxisModel, torque: f32, bus: &Bus<f32>) -> bool {
         self.demand = torque * model.current_per_torque;
-        let Drive { duty, limited } = model.current_loop.update(
+        let Drive { duty, limited } = model.servo.current_loop.update(
             &mut self.current_state,
             self.demand,
             self.current,

@@ -45,6 +45,10 @@ pub struct Controller {
     ticks: u32,
     /// The tick in which the command timeout was last restarted.
     heard_at: u32,
+    /// Ticks for which reference and joints have been at rest.
+    still: u32,
+    /// Sums of the accelerations demanded in these ticks [rad/s²].
+    demanded: [f32; 2],
     /// Ticks until the bridges are awake; [`Model::wake_up_ticks`] while they are off.
     waking: u32,
     state: State,
@@ -90,6 +94,8 @@ impl Controller {
             setpoint: Setpoint::hold([Vector2::zeros(); 2]),
             homing: [HomingState::new(0.0); 2],
             error: [0.0; 2],
+            still: 0,
+            demanded: [0.0; 2],
             limits: Limits::empty(),
             bus_voltage: 0.0,
             ticks: 0,

@@ -3,7 +3,7 @@
 use super::homing_state::HomingConfig;
 use crate::drivers::WAKE_UP_TIME;
 use crate::safety::Monitor;
-use crate::settings::{AxisSettings, CheckedSettings};
+use crate::settings::{AxisSettings, CheckedSettings, ControlSettings};
 use core::f32::consts::TAU;
 use fivebar_kinematics::Scalar;
 use fivebar_kinematics::control::{
@@ -22,8 +22,6 @@ pub(crate) const DUTY_LIMIT: f32 = 0.95;
 #[repr(C)]
 pub(crate) struct Model {
     pub(crate) axes: [AxisModel; 2],
-    pub(crate) observer: VelocityObserver<f32>,
-    pub(crate) position_loop: PositionLoop<f32>,
     pub(crate) torque_limit: TorqueLimit<f32>,
     pub(crate) monitor: Monitor,
     pub(crate) equations: BaseParameterModel<f32>,
@@ -36,14 +34,42 @@ pub(crate) struct Model {
     pub(crate) nominal_inertia: [f32; 2],
     /// T [s].
     pub(crate) period: f32,
+    /// Ticks after which an arm rests.
+    pub(crate) rest_ticks: u32,
+    /// 1/`rest_ticks`.
+    pub(crate) per_rest_tick: f32,
+    /// The lag of the current loop, 1/ωc [s]: the set-point leads by it.
+    pub(crate) lag: f32,
     pub(crate) homing_configs: [HomingConfig; 2],
     /// Ticks from switching the bridges on to the first one that drives them.
     pub(crate) wake_up_ticks: u32,
 }
 
+/// The loops of one joint.
+#[derive(Clone, Copy)]
+pub(crate) struct Servo {
+    pub(crate) current_loop: CurrentLoop<f32>,
+    pub(crate) observer: VelocityObserver<f32>,
+    pub(crate) position_loop: PositionLoop<f32>,
+}
+
+/// The bandwidths of an arm at rest, as shares: of the position loop with its observer, and of the
+/// current loop. The arm need not follow, and a count of its encoders and the noise of its current
+/// sensors then give little torque.
+const REST: [f32; 2] = [0.14, 0.12];
+/// Time for which the reference must rest, and the joints be near it [s].
+const REST_TIME: f32 = 0.15;
+/// Greatest error of a joint that comes to rest, and that rests [counts].
+const REST_COUNTS: [f32; 2] = [3.0, 5.0];
+
 /// The constants of one joint.
 pub(crate) struct AxisModel {
-    pub(crate) current_loop: CurrentLoop<f32>,
+    /// The servo in use: a copy, because the tick reads it with few instructions.
+    pub(crate) servo: Servo,
+    /// The servo while the arm moves, and while it rests.
+    servos: [Servo; 2],
+    /// Greatest error of a joint that comes to rest, and that rests [rad].
+    pub(crate) rest_error: [f32; 2],
     pub(crate) heating: MotorHeating<f32>,
     pub(crate) friction: FrictionCompensation<f32>,
     /// Of the joint [rad].
@@ -59,26 +85,32 @@ pub(crate) struct AxisModel {
 }
 
 impl Model {
+    /// Gives both joints the servo of an arm that rests, or of one that moves.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn select_servos(&mut self, rests: bool) {
+        for axis in &mut self.axes {
+            let [moving, resting] = &axis.servos;
+            axis.servo = if rests { *resting } else { *moving };
+        }
+    }
+
     pub(crate) fn new(settings: &CheckedSettings) -> Self {
         let control = &settings.control;
         let period = 1.0 / control.tick_rate;
+        let rest_ticks = ((REST_TIME * control.tick_rate) as u32).max(1);
         Self {
             equations: BaseParameterModel::new(settings.arm()),
             tool: *settings.tool(),
             assembly: settings.assembly(),
             axes: settings.axes.map(|axis| AxisModel::new(&axis, settings)),
-            observer: VelocityObserver::new(control.observer_bandwidth, period),
-            position_loop: PositionLoop::new(
-                control.bandwidth,
-                control.damping,
-                1.0 / control.current_bandwidth,
-                control.integral_rate,
-                period,
-            ),
             torque_limit: TorqueLimit(settings.peak_torque()),
             nominal_inertia: settings.nominal_inertia(),
             computed_torque: control.computed_torque,
             period,
+            rest_ticks,
+            per_rest_tick: 1.0 / rest_ticks as f32,
+            lag: 1.0 / control.current_bandwidth,
             bus_voltage_per_code: settings.protection.bus_voltage_per_code,
             monitor: Monitor::new(settings),
             homing_configs: settings
@@ -90,6 +122,33 @@ impl Model {
     }
 }
 
+impl Servo {
+    /// The servo with these shares of the bandwidths: of the position loop with its observer, and
+    /// of the current loop.
+    fn new(axis: &AxisSettings, control: &ControlSettings, [share, of_current]: [f32; 2]) -> Self {
+        let period = 1.0 / control.tick_rate;
+        let current_bandwidth = of_current * control.current_bandwidth;
+        Self {
+            current_loop: CurrentLoop::new(
+                current_bandwidth,
+                period,
+                axis.resistance,
+                axis.inductance,
+                axis.gear_ratio * axis.torque_constant,
+            ),
+            observer: VelocityObserver::new(share * control.observer_bandwidth, period),
+            // The prediction bridges the encoder's latency, too.
+            position_loop: PositionLoop::new(
+                share * control.bandwidth,
+                control.damping,
+                1.0 / current_bandwidth + axis.encoder_latency,
+                share * control.integral_rate,
+                period,
+            ),
+        }
+    }
+}
+
 impl AxisModel {
     fn new(axis: &AxisSettings, settings: &CheckedSettings) -> Self {
         let control = &settings.control;
@@ -97,14 +156,11 @@ impl AxisModel {
         let counts_per_turn = axis.encoder_counts as f32 * axis.gear_ratio;
         let radians_per_count = TAU / counts_per_turn;
         let torque_per_current = axis.gear_ratio * axis.torque_constant;
+        let servos = [[1.0, 1.0], REST].map(|shares| Servo::new(axis, control, shares));
         Self {
-            current_loop: CurrentLoop::new(
-                control.current_bandwidth,
-                period,
-                axis.resistance,
-                axis.inductance,
-                torque_per_current,
-            ),
+            servo: servos[0],
+            servos,
+            rest_error: REST_COUNTS.map(|counts| counts * Scalar::abs(radians_per_count)),
             // Each joint's heat is updated in every other tick.
             heating: MotorHeating::new(
                 axis.continuous_current,

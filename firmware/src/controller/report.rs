@@ -58,10 +58,10 @@ impl Controller {
         self.latched.as_ref()
     }
 
-    /// Where the joints should be now: the set-point leads by the loop's lag d, so it is turned
-    /// back by ω d − ½ α d².
+    /// Where the joints should be now: the set-point leads by the current loop's lag d, so it
+    /// is turned back by ω d − ½ α d².
     fn reference_now(&self) -> [Vector2<f32>; 2] {
-        let lag = self.model.position_loop.lag();
+        let lag = self.model.lag;
         let [d1, d4] = self.setpoint.direction;
         let [omega1, omega4] = self.setpoint.omega;
         let [alpha1, alpha4] = self.setpoint.alpha;

@@ -97,7 +97,6 @@ impl Controller {
     fn measure(&mut self, sample: &SensorSample) -> Measurement {
         let [joint1, joint4] = &mut self.joints;
         let [model1, model4] = &self.model.axes;
-        let observer = &self.model.observer;
         let [alpha1, alpha4] = self.setpoint.alpha;
         let [counts1, counts4] = sample.counts;
         let [current1, current4] = sample.current;
@@ -107,8 +106,8 @@ impl Controller {
             joint4.begin(counts4);
         }
         let innovation = [
-            joint1.measure(observer, model1, counts1, current1, alpha1),
-            joint4.measure(observer, model4, counts4, current4, alpha4),
+            joint1.measure(model1, counts1, current1, alpha1),
+            joint4.measure(model4, counts4, current4, alpha4),
         ];
         // Motors warm slowly, so each one's heat is updated in every other tick.
         let too_hot = if self.ticks & 1 == 0 {
@@ -216,6 +215,7 @@ impl Controller {
 
     /// Clears the loops; the set-point stays at rest where it is.
     fn release(&mut self) {
+        self.move_on();
         self.limits = Limits::empty();
         self.setpoint.rest();
         for joint in &mut self.joints {

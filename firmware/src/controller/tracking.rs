@@ -5,8 +5,9 @@ use super::Controller;
 use super::setpoint::Setpoint;
 use super::tick::TorqueCommand;
 use crate::safety::{Event, Fault, Limits, State};
-use fivebar_kinematics::PlanarVector;
+use fivebar_kinematics::control::Integral;
 use fivebar_kinematics::five_bar::{Links, PoseError};
+use fivebar_kinematics::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 
 impl Controller {
@@ -22,9 +23,10 @@ impl Controller {
             ..
         } = self.setpoint;
         let [joint1, joint4] = &self.joints;
-        let position_loop = &self.model.position_loop;
-        let (theta1, omega1) = position_loop.predict(joint1.angle(), joint1.velocity(), alpha1d);
-        let (theta4, omega4) = position_loop.predict(joint4.angle(), joint4.velocity(), alpha4d);
+        let [axis1, axis4] = &self.model.axes;
+        let (loop1, loop4) = (&axis1.servo.position_loop, &axis4.servo.position_loop);
+        let (theta1, omega1) = loop1.predict(joint1.angle(), joint1.velocity(), alpha1d);
+        let (theta4, omega4) = loop4.predict(joint4.angle(), joint4.velocity(), alpha4d);
         let (u1, u4) = (Vector2::unit(theta1), Vector2::unit(theta4));
         let links = self.measured([u1, u4])?;
         if of_joints {
@@ -41,12 +43,14 @@ impl Controller {
         }
 
         let (rate1, rate4) = (omega1d - omega1, omega4d - omega4);
-        let position_loop = &self.model.position_loop;
         let [joint1, joint4] = &mut self.joints;
         let [axis1, axis4] = &self.model.axes;
+        let (loop1, loop4) = (&axis1.servo.position_loop, &axis4.servo.position_loop);
+        let mut alpha = [0.0; 2];
         let demanded = if self.model.computed_torque {
-            let alpha1 = position_loop.acceleration(joint1.integral, alpha1d, error1, rate1);
-            let alpha4 = position_loop.acceleration(joint4.integral, alpha4d, error4, rate4);
+            let alpha1 = loop1.acceleration(joint1.integral, alpha1d, error1, rate1);
+            let alpha4 = loop4.acceleration(joint4.integral, alpha4d, error4, rate4);
+            alpha = [alpha1, alpha4];
             let equations = &self.model.equations;
             let [torque1, torque4] = equations.torques(&links, [omega1, omega4], [alpha1, alpha4]);
             [
@@ -57,19 +61,82 @@ impl Controller {
             // Independent PD control: each joint by itself, with a constant inertia.
             let [inertia1, inertia4] = self.model.nominal_inertia;
             [
-                inertia1 * position_loop.acceleration(joint1.integral, 0.0, error1, rate1),
-                inertia4 * position_loop.acceleration(joint4.integral, 0.0, error4, rate4),
+                inertia1 * loop1.acceleration(joint1.integral, 0.0, error1, rate1),
+                inertia4 * loop4.acceleration(joint4.integral, 0.0, error4, rate4),
             ]
         };
         let (torque, limited) = self.model.torque_limit.apply(demanded);
         if self.model.computed_torque {
-            position_loop.integrate(&mut joint1.integral, error1, limited);
-            position_loop.integrate(&mut joint4.integral, error4, limited);
+            loop1.integrate(&mut joint1.integral, error1, limited);
+            loop4.integrate(&mut joint4.integral, error4, limited);
+            self.look_for_rest(alpha);
         }
         Ok(TorqueCommand {
             torque,
             limits: limits.with(Limits::TORQUE, limited),
         })
+    }
+
+    /// Counts the ticks for which the reference has been at rest and the joints near it. An arm
+    /// that begins to rest goes on with the mean of the accelerations demanded meanwhile, `alpha`
+    /// [rad/s²] being this tick's: under a load its torque stays.
+    #[inline(always)]
+    fn look_for_rest(&mut self, alpha: [f32; 2]) {
+        let Setpoint {
+            omega,
+            alpha: of_path,
+            ..
+        } = self.setpoint;
+        if omega != [0.0; 2] || of_path != [0.0; 2] {
+            return self.move_on();
+        }
+        let rests = self.still >= self.model.rest_ticks;
+        let [axis1, axis4] = &self.model.axes;
+        let [error1, error4] = self.error;
+        let near = Scalar::abs(error1) <= axis1.rest_error[usize::from(rests)]
+            && Scalar::abs(error4) <= axis4.rest_error[usize::from(rests)];
+        if !near {
+            return self.move_on();
+        }
+        if rests {
+            return;
+        }
+        let [sum1, sum4] = &mut self.demanded;
+        *sum1 += alpha[0];
+        *sum4 += alpha[1];
+        self.still += 1;
+        if self.still == self.model.rest_ticks {
+            self.come_to_hold();
+        }
+    }
+
+    /// The arm rests from now on.
+    #[cold]
+    #[inline(never)]
+    fn come_to_hold(&mut self) {
+        for (joint, sum) in self.joints.iter_mut().zip(self.demanded) {
+            joint.integral = Integral(sum * self.model.per_rest_tick);
+        }
+        self.model.select_servos(true);
+    }
+
+    /// The arm does not rest.
+    #[inline(always)]
+    pub(super) fn move_on(&mut self) {
+        if self.still == 0 {
+            return;
+        }
+        self.leave_rest();
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn leave_rest(&mut self) {
+        if self.still >= self.model.rest_ticks {
+            self.model.select_servos(false);
+        }
+        self.still = 0;
+        self.demanded = [0.0; 2];
     }
 
     /// The measured arm, if the angles belong to an arm inside its envelope.

@@ -81,6 +81,10 @@ impl AxisSettings {
                 self.encoder_counts > 0 && counts <= MAX_COUNTS_PER_TURN,
                 AxisField::EncoderCounts,
             ),
+            (
+                within(range::LATENCY, self.encoder_latency),
+                AxisField::EncoderLatency,
+            ),
             (Scalar::abs(self.home_angle) <= TAU, AxisField::HomeAngle),
             (
                 rising(self.angle_limits)

@@ -46,6 +46,8 @@ pub struct AxisSettings {
     pub coulomb_friction: f32,
     /// Encoder counts per motor turn, after quadrature.
     pub encoder_counts: u32,
+    /// Age of the encoder's angle when it is sampled [s].
+    pub encoder_latency: f32,
     /// Joint angle at which the home switch closes [rad].
     pub home_angle: f32,
     /// Whether the joint's angle grows towards its switch.

@@ -13,6 +13,8 @@ pub const RESISTANCE: [f32; 2] = [1e-5, 1e5];
 pub const INDUCTANCE: [f32; 2] = [1e-9, 1e3];
 /// Viscous friction [N·m·s/rad] and Coulomb friction [N·m].
 pub const FRICTION: [f32; 2] = [0.0, 1e4];
+/// Age of an encoder's angle [s].
+pub const LATENCY: [f32; 2] = [0.0, 0.1];
 /// Joint speed [rad/s].
 pub const SPEED: [f32; 2] = [1e-3, 1e4];
 /// Joint acceleration [rad/s²].

@@ -99,6 +99,7 @@ fn axis() -> impl Strategy<Value = AxisSettings> {
                 viscous_friction: v[5],
                 coulomb_friction: v[6],
                 encoder_counts,
+                encoder_latency: v[6] * 0.5,
                 home_angle: v[7],
                 home_forward,
                 angle_limits: [v[8], v[9]],

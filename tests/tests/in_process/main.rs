@@ -13,4 +13,5 @@ mod injected_faults;
 mod mobility_cases;
 mod plant_and_models;
 mod reference_vectors;
+mod servo_loop;
 mod tool_offsets;

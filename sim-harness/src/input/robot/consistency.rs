@@ -181,6 +181,7 @@ fn motor_setting(
             let motor = &motors[index];
             let (name, value) = match field {
                 AxisField::GearRatio => ("gear_ratio", motor.gear_ratio),
+                AxisField::EncoderLatency => ("encoder_latency", motor.encoder_latency),
                 AxisField::RotorInertia => ("rotor_inertia", motor.rotor_inertia),
                 AxisField::TorqueConstant => ("torque_constant", motor.torque_constant),
                 AxisField::Resistance => ("resistance", motor.resistance),

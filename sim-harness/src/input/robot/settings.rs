@@ -176,6 +176,7 @@ impl Robot {
             viscous_friction: single(actuator.viscous_friction),
             coulomb_friction: single(actuator.coulomb_friction),
             encoder_counts: actuator.encoder_counts,
+            encoder_latency: single(actuator.encoder_latency),
             home_angle: single(self.home[joint]),
             home_forward: self.home[joint] > 0.5 * (low + high),
             angle_limits: self.limits.angle[joint].map(single),

@@ -1,0 +1,155 @@
+//! The position loop in the time domain: its computed gain margin against the simulated arm, belts
+//! of any stiffness, and an arm at rest.
+
+use fivebar::input::robot::{BuiltIn, Robot};
+use fivebar::input::scenario::Scenario;
+use fivebar::run::link::InProcess;
+use fivebar::run::simulation::{Record, Sample};
+use fivebar_plant::Mismatch;
+use std::fs;
+
+/// The benchtop arm, with lines put in its place of others.
+fn benchtop(changes: &[(&str, &str)]) -> Robot {
+    let text = BuiltIn::find(BuiltIn::DEFAULT).expect("the default").text;
+    let line = |line: &str| {
+        let change = changes.iter().find(|(start, _)| line.starts_with(start));
+        change.map_or(line.to_owned(), |(_, new)| (*new).to_owned()) + "\n"
+    };
+    let text: String = text.lines().map(line).collect();
+    Robot::parse("changed.toml", &text).expect("a valid robot")
+}
+
+/// Belts of this stiffness [N·m/rad] with a damping ratio of 1 %.
+fn with_belts(stiffness: f64) -> Robot {
+    let inertia = 1.0 / (1.0 / 64e-6 + 1.0 / 1e-3);
+    let damping = 0.02 * (stiffness * inertia).sqrt();
+    let keys =
+        format!("encoder_counts = 16384\nstiffness = {stiffness:?}\ndrive_damping = {damping:?}");
+    benchtop(&[("encoder_counts", &keys)])
+}
+
+/// The declared arm with a job of this text.
+fn scenario(robot: Robot, job: &str) -> Scenario {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("job.gcode");
+    fs::write(&path, job).expect("written");
+    Scenario::of_job(path.to_str().expect("text"), robot).expect("a job")
+}
+
+/// Runs a job of this text.
+fn run(robot: Robot, job: &str) -> Record {
+    let scenario = scenario(robot, job);
+    let job = scenario.job().expect("valid");
+    let (_, record) = scenario
+        .simulate(&job, true, &mut |_| ())
+        .expect("it runs to its end or a fault");
+    record
+}
+
+/// Greatest less least torque of either joint [N·m].
+fn peak_to_peak(samples: &[Sample]) -> f64 {
+    let range = |joint: usize| {
+        let torque = samples.iter().map(|sample| sample.torque[joint]);
+        let greatest = torque.clone().fold(f64::NEG_INFINITY, f64::max);
+        greatest - torque.fold(f64::INFINITY, f64::min)
+    };
+    range(0).max(range(1))
+}
+
+#[test]
+fn an_arm_at_rest_gives_little_torque_in_every_working_mode() {
+    for mode in ["right left", "left left", "left right", "right right"] {
+        let (elbow1, elbow4) = mode.split_once(' ').expect("two");
+        let mode = format!("working_mode = [\"{elbow1}\", \"{elbow4}\"]");
+        let robot = benchtop(&[
+            ("working_mode", &mode),
+            ("home = ", "# home"),
+            ("angle = ", "angle = [[-6.28, 6.28], [-6.28, 6.28]]"),
+        ]);
+        let record = run(robot, "G21 G90\nM3\nG1 X5 F3000\nG4 S6\nG1 X6\n");
+        assert_eq!(record.faults, [], "{mode}");
+        let rests = |sample: &&Sample| sample.reference_velocity == [0.0; 2];
+        let samples = record.trace.samples();
+        let dwell = (5.7 / (samples[1].time - samples[0].time)) as usize;
+        let begun = samples
+            .iter()
+            .zip(samples.iter().skip(dwell))
+            .find(|(first, last)| rests(first) && rests(last))
+            .map(|(first, _)| first.time)
+            .expect("it rests");
+        let resting: Vec<Sample> = samples
+            .iter()
+            .filter(|sample| (begun + 0.5..begun + 5.5).contains(&sample.time))
+            .copied()
+            .collect();
+        assert!(resting.len() > 10_000 && resting.iter().all(|s| rests(&s)));
+        let torque = peak_to_peak(&resting);
+        assert!(torque < 5e-3 && torque > 1e-5, "{mode}: {torque} N·m");
+    }
+}
+
+#[test]
+fn own_bandwidths_are_stable_on_belts_of_any_stiffness() {
+    let robots = [5000.0, 2500.0, 1250.0, 700.0, 300.0].map(with_belts);
+    let rigid = benchtop(&[]);
+    for robot in robots.into_iter().chain([rigid]) {
+        let scenario = Scenario::demonstration(robot);
+        let job = scenario.job().expect("the demonstration");
+        let (summary, record) = scenario.simulate(&job, true, &mut |_| ()).expect("it runs");
+        let stiffness = scenario.robot.actuators.expect("drives")[0].stiffness;
+        assert_eq!(record.faults, [], "{stiffness:?}");
+        let greatest = if stiffness.is_some() { 1e-3 } else { 3.5e-6 };
+        let rms = summary.tip_error.rms_m;
+        assert!(rms < greatest, "{stiffness:?}: {rms} m");
+        for (_, servo) in scenario.robot.servos().expect("masses") {
+            let margin = servo.margins(&scenario.robot.control.gains()).modulus;
+            assert!(margin >= 0.5, "{stiffness:?}: {margin}");
+        }
+    }
+}
+
+/// The controller takes the arm for heavier by the computed gain margin, less or more 5 %: the
+/// torques that it demands are in proportion.
+#[test]
+fn the_simulated_arm_oscillates_beyond_its_computed_gain_margin_and_not_within() {
+    for mut robot in [benchtop(&[]), with_belts(2500.0), with_belts(700.0)] {
+        for drive in robot.actuators.as_mut().expect("drives") {
+            // Near the margin the counts of the arm's own encoders give much torque, and about
+            // rest Coulomb friction damps.
+            drive.encoder_counts = 1 << 19;
+            drive.coulomb_friction = 0.0;
+        }
+        let home = robot.home_pose().expect("a home");
+        let gains = robot.control.gains();
+        let servos = robot.servos().expect("masses");
+        let margin = servos[0].1.margins_by_poles(&gains).gain_up;
+        assert!((1.5..20.0).contains(&margin), "{margin}");
+        // A slow line at home, so that the arm does not rest.
+        let torque = |share: f64| {
+            let factor = (margin * share) as f32;
+            let mut scenario = scenario(robot.clone(), "G21 G90\nM3\nG1 X0.5 F12\n");
+            scenario.origin = Some([home.c.x, home.c.y]);
+            scenario.mismatch = Mismatch::NONE;
+            let mut settings = scenario.robot.settings().expect("masses");
+            for link in &mut settings.links {
+                link.mass *= factor;
+                link.inertia *= factor;
+            }
+            settings.payload *= factor;
+            for axis in &mut settings.axes {
+                axis.rotor_inertia *= factor;
+            }
+            let mut target = InProcess::new(&settings).expect("valid settings");
+            let job = scenario.job().expect("valid");
+            let (_, record) = scenario
+                .run_on(&mut target, &scenario.moves(&job), &mut |_| ())
+                .expect("it runs to its end or a fault");
+            let samples = record.trace.samples();
+            let end = samples.len() - samples.len() / 4;
+            peak_to_peak(&samples[end..])
+        };
+        let (within, beyond) = (torque(0.95), torque(1.05));
+        println!("factor {margin}: {within} N·m within, {beyond} beyond");
+        assert!(within < 0.3 && beyond > 1.0, "{margin}: {within} {beyond}");
+    }
+}
