@@ -53,7 +53,8 @@ impl Servo {
             .map(|drive| Law::new(gains, &drive, self.period))
     }
 
-    /// −L's inverse factors at the arm's response: L(z) = M K(z) P(z) V(z).
+    /// L(z) = M K(z) P(z) V(z): voltages for torques, encoder angles for voltages, torques
+    /// demanded for angles.
     pub(super) fn open_loop(&self, laws: &[Law; 2], arm: &ArmResponse) -> Matrix2<C> {
         let z = arm.z;
         let one = C::new(1.0, 0.0);

@@ -2,6 +2,7 @@
 
 use fivebar::input::robot::Robot;
 use fivebar_firmware::ActuatorCommand;
+use fivebar_kinematics::five_bar::Pose;
 use fivebar_plant::{FaultKind, Mismatch, PERIODS_PER_TURN, Parameters, Plant};
 use std::f64::consts::{PI, TAU};
 
@@ -23,18 +24,16 @@ fn frictionless() -> Parameters {
     parameters
 }
 
+/// The pose at these angles [rad].
+fn pose_at(parameters: &Parameters, [theta1, theta4]: [f64; 2]) -> Pose<f64> {
+    let home = Robot::load("benchtop").unwrap().home_pose().unwrap();
+    let geometry = parameters.arm.geometry();
+    geometry.forward(theta1, theta4, home.assembly()).unwrap()
+}
+
 /// The arm at these angles [rad].
 fn plant_at(parameters: &Parameters, mismatch: &Mismatch, angles: [f64; 2]) -> Plant {
-    let assembly = Robot::load("benchtop")
-        .unwrap()
-        .home_pose()
-        .unwrap()
-        .assembly();
-    let pose = parameters
-        .arm
-        .geometry()
-        .forward(angles[0], angles[1], assembly);
-    Plant::new(parameters, mismatch, &pose.unwrap(), 1)
+    Plant::new(parameters, mismatch, &pose_at(parameters, angles), 1)
 }
 
 fn driven_by(duty: [f32; 2], enable: [bool; 2]) -> ActuatorCommand {
@@ -60,18 +59,9 @@ fn cogging_holds_the_arm_in_its_positions_of_rest_with_its_frequency() {
         [2.3, 0.7].map(|near: f64| (2.0 * (near * PERIODS / TAU).round() + 1.0) * PI / PERIODS);
     let start = [rest[0] + 1e-5, rest[1] - 3e-5];
     let mut plant = plant_at(&parameters, &mismatch, start);
-    let assembly = Robot::load("benchtop")
-        .unwrap()
-        .home_pose()
-        .unwrap()
-        .assembly();
-    let pose = parameters
-        .arm
-        .geometry()
-        .forward(rest[0], rest[1], assembly);
     let eigen = parameters
         .arm
-        .mass_matrix(&pose.unwrap())
+        .mass_matrix(&pose_at(&parameters, rest))
         .unwrap()
         .symmetric_eigen();
     let modes: Vec<f64> = eigen

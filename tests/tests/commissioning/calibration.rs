@@ -3,7 +3,9 @@
 use crate::arms::{Made, made};
 use fivebar::input::robot::Robot;
 use fivebar_design::Noise;
-use fivebar_design::calibration::{Parameters, Plate, Touch, calibrate, propose, tip, tip_error};
+use fivebar_design::calibration::{
+    Calibration, Parameters, Plate, Touch, calibrate, propose, tip, tip_error,
+};
 use fivebar_kinematics::five_bar::{Geometry, Pose, Side, Workspace};
 use nalgebra::{Rotation2, Vector2};
 use serde_json::Value;
@@ -48,6 +50,15 @@ fn plate(touches: Vec<Touch>, huber: bool) -> Plate {
 fn listed(p: &Parameters) -> [f64; 10] {
     let ([l1, l2, l3, l4, l5], [d1, d4], [x, y]) = (p.lengths, p.offsets, p.origin);
     [l1, l2, l3, l4, l5, d1, d4, x, y, p.turn]
+}
+
+/// The error of each found parameter, whole turns left out, and its standard deviation.
+fn deviations(found: &Calibration, truth: &Parameters) -> impl Iterator<Item = (f64, f64)> {
+    let pairs = listed(&found.parameters).into_iter().zip(listed(truth));
+    pairs.enumerate().map(|(index, (own, wanted))| {
+        let error = (own - wanted + 0.5 * TAU).rem_euclid(TAU) - 0.5 * TAU;
+        (error, found.covariance[(index, index)].sqrt())
+    })
 }
 
 #[track_caller]
@@ -203,13 +214,7 @@ fn two_hundred_random_arms_are_found_from_their_drawing() {
         let found = calibrate(&plate, drawn)
             .unwrap_or_else(|error| panic!("{number}: {error} {truth:?} {drawn:?}"));
         rejected += found.rejected.len();
-        for (index, (own, true_value)) in listed(&found.parameters)
-            .into_iter()
-            .zip(listed(&truth))
-            .enumerate()
-        {
-            let error = (own - true_value + 0.5 * TAU).rem_euclid(TAU) - 0.5 * TAU;
-            let sd = found.covariance[(index, index)].sqrt();
+        for (index, (error, sd)) in deviations(&found, &truth).enumerate() {
             assert!(
                 error.abs() < 5.0 * sd,
                 "{number}: {index}: {error:e} for {sd:e}"
@@ -258,13 +263,7 @@ fn wrong_holes_are_named_and_do_little_harm() {
             drawn_off += 1;
             continue;
         }
-        for (index, (own, wanted)) in listed(&found.parameters)
-            .into_iter()
-            .zip(listed(&truth))
-            .enumerate()
-        {
-            let error = (own - wanted + 0.5 * TAU).rem_euclid(TAU) - 0.5 * TAU;
-            let sd = found.covariance[(index, index)].sqrt();
+        for (index, (error, sd)) in deviations(&found, &truth).enumerate() {
             assert!(
                 error.abs() < 7.0 * sd,
                 "{number}: {index}: {error:e} for {sd:e}"
@@ -304,13 +303,7 @@ fn few_points_suffice_where_they_determine_the_arm() {
             "{number}: {}",
             found.residual_rms
         );
-        for (index, (own, wanted)) in listed(&found.parameters)
-            .into_iter()
-            .zip(listed(&truth))
-            .enumerate()
-        {
-            let error = (own - wanted + 0.5 * TAU).rem_euclid(TAU) - 0.5 * TAU;
-            let sd = found.covariance[(index, index)].sqrt();
+        for (index, (error, sd)) in deviations(&found, &truth).enumerate() {
             assert!(
                 error.abs() < 8.0 * sd,
                 "{number}: {index}: {error:e} for {sd:e}"
