@@ -14,10 +14,15 @@ docs() { scripts/docs.sh; }
 licences() { scripts/licences.sh; }
 file_lengths() { scripts/file-lengths.sh; }
 tests() { cargo test; }
-# Each published crate as a package, compiled from its own archive.
+# Each published crate as a package, compiled from its own archive. Each run takes a new target folder, because
+# cargo unpacks an archive once for each path and version: at a known path it would compile the crates of an older run.
 package() {
-    cargo package --quiet --allow-dirty --package fivebar-kinematics --package fivebar-design \
-        --package fivebar-firmware --package fivebar-plant --package fivebar
+    mkdir -p target
+    local folder
+    folder=$(mktemp -d "$PWD/target/package-XXXXXX")
+    CARGO_TARGET_DIR=$folder cargo package --quiet --allow-dirty --package fivebar-kinematics \
+        --package fivebar-design --package fivebar-firmware --package fivebar-plant --package fivebar
+    rm -rf "$folder"
 }
 # A sample, which runs only by name; scripts/mutants.sh without it takes hours.
 mutants() { scripts/mutants.sh --sample; }
