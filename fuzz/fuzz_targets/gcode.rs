@@ -25,7 +25,7 @@ fuzz_target!(|bytes: &[u8]| {
                 assert!(tool.iter().all(|metres| metres.is_finite()));
             }
             for step in &job.steps {
-                job.pen_down(step.line);
+                job.draws(step.line);
             }
         }
         Err(error) => assert!(!error.to_string().is_empty()),

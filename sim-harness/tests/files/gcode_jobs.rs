@@ -161,9 +161,9 @@ fn an_arc_as_first_motion_is_preceded_by_a_line_to_its_start() {
 fn pen_commands_of_both_dialects_are_understood() {
     let text = "G0 X1\nM3\nG0 X2\nM5\nG0 X3\nM300 S30.00 (down)\nG0 X4\nM300 S50\nG0 X5\n\
                 M300 S5\nG0 X6\nM300 S255\nG0 X7";
-    let pen: Vec<bool> = steps(text).iter().map(|step| step.pen_down).collect();
+    let pen: Vec<bool> = steps(text).iter().map(Step::draws).collect();
     assert_eq!(pen, [false, true, false, true, false, true, false]);
-    assert!(job(text).pen_down(3) && !job(text).pen_down(5) && !job(text).pen_down(99));
+    assert!(job(text).draws(3) && !job(text).draws(5) && !job(text).draws(99));
 }
 
 #[test]
@@ -296,7 +296,7 @@ fn a_job_without_motion_is_refused() {
 fn written(step: &Step) -> String {
     let mm = |metres: f64| 1e3 * metres;
     let mut text = String::new();
-    let _ = writeln!(text, "{}", if step.pen_down { "M3" } else { "M5" });
+    let _ = writeln!(text, "{}", if step.draws() { "M3" } else { "M5" });
     let _ = match step.action {
         Action::Line { to, feed: None } => writeln!(text, "G0 X{:.6} Y{:.6}", mm(to[0]), mm(to[1])),
         Action::Line {
@@ -320,9 +320,9 @@ fn any_step() -> impl Strategy<Value = Step> {
     let line = (point, proptest::option::of(1e-3..2.0_f64))
         .prop_map(|(to, feed)| Action::Line { to, feed });
     let dwell = (1e-3..5.0).prop_map(|duration| Action::Dwell { duration });
-    (prop_oneof![4 => line, 1 => dwell], any::<bool>()).prop_map(|(action, pen_down)| Step {
+    (prop_oneof![4 => line, 1 => dwell], any::<bool>()).prop_map(|(action, down)| Step {
         line: 0,
-        pen_down,
+        tool: f64::from(u8::from(down)),
         action,
     })
 }
@@ -337,7 +337,7 @@ proptest! {
         prop_assert_eq!(read.len(), expected.len());
         for (index, (read, expected)) in read.iter().zip(&expected).enumerate() {
             prop_assert_eq!(read.line as usize, 2 * index + 2);
-            prop_assert_eq!(read.pen_down, expected.pen_down);
+            prop_assert_eq!(read.tool, expected.tool);
             match (read.action, expected.action) {
                 (Action::Line { to: a, feed: f }, Action::Line { to: b, feed: g }) => {
                     prop_assert!((a[0] - b[0]).hypot(a[1] - b[1]) < 1e-9);

@@ -61,7 +61,8 @@ struct Interpreter<'a> {
     motion: Option<MotionMode>,
     /// Speed [m/s].
     feed: Option<f64>,
-    pen_down: bool,
+    /// The tool's level, 0…1.
+    tool: f64,
     /// The tool's position in the job's frame, before placement [m].
     position: [f64; 2],
     /// The position of X0 Y0 in the job's frame; G92 moves it [m].
@@ -83,7 +84,7 @@ impl<'a> Interpreter<'a> {
             relative: false,
             motion: None,
             feed: None,
-            pen_down: false,
+            tool: 0.0,
             position: [0.0; 2],
             zero: [0.0; 2],
             placed: None,
@@ -100,10 +101,11 @@ impl<'a> Interpreter<'a> {
         for &(code, speed) in &line.miscellaneous {
             match code {
                 ('M', 2 | 30, 0) => ends = true,
-                ('M', 3 | 4, 0) => self.pen_down = true,
-                ('M', 5, 0) => self.pen_down = false,
+                ('M', 3 | 4, 0) => self.tool = 1.0,
+                ('M', 5, 0) => self.tool = 0.0,
                 ('M', 300, 0) if speed.is_some() => {
-                    self.pen_down = speed.is_some_and(|angle| angle <= PEN_DOWN_ANGLE);
+                    let down = speed.is_some_and(|angle| angle <= PEN_DOWN_ANGLE);
+                    self.tool = f64::from(u8::from(down));
                 }
                 unknown => self.warn(number, WarningKind::UnknownCode(spelled(unknown))),
             }
@@ -313,12 +315,8 @@ impl<'a> Interpreter<'a> {
     }
 
     fn push(&mut self, line: u32, action: Action) {
-        let pen_down = self.pen_down;
-        self.job.steps.push(Step {
-            line,
-            pen_down,
-            action,
-        });
+        let tool = self.tool;
+        self.job.steps.push(Step { line, tool, action });
     }
 
     /// Takes Z from the line; returns whether there was one.

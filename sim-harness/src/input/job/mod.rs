@@ -65,8 +65,9 @@ pub struct Job {
 pub struct Step {
     /// The line of the file, from 1.
     pub line: u32,
-    /// Whether the pen is down during the action.
-    pub pen_down: bool,
+    /// The tool's level during the action, 0…1: 0 is a pen that is up or a tool that is off, 1 a
+    /// pen that is down or a tool at full power.
+    pub tool: f64,
     /// The action.
     pub action: Action,
 }
@@ -97,6 +98,13 @@ pub enum Action {
         /// Its length [s].
         duration: f64,
     },
+}
+
+impl Step {
+    /// Whether the tool is down or on during the action.
+    pub fn draws(&self) -> bool {
+        self.tool > 0.0
+    }
 }
 
 impl Action {
@@ -147,11 +155,11 @@ impl Job {
         })
     }
 
-    /// Whether the pen is down on the moves of a line.
-    pub fn pen_down(&self, line: u32) -> bool {
+    /// Whether the moves of a line draw.
+    pub fn draws(&self, line: u32) -> bool {
         let first = self.steps.partition_point(|step| step.line < line);
         self.steps
             .get(first)
-            .is_some_and(|step| step.line == line && step.pen_down)
+            .is_some_and(|step| step.line == line && step.draws())
     }
 }

@@ -129,7 +129,7 @@ fn middle(job: &Job) -> [f64; 2] {
     let bounds = |drawn: bool| {
         job.steps
             .iter()
-            .filter(|step| step.pen_down || !drawn)
+            .filter(|step| step.draws() || !drawn)
             .filter_map(|step| step.action.end())
             .fold(None, |bounds: Option<[[f64; 2]; 2]>, [x, y]| {
                 let [[left, low], [right, high]] = bounds.unwrap_or([[x, y]; 2]);

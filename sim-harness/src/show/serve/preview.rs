@@ -111,7 +111,7 @@ impl Preview {
         }
         let mut strokes = Strokes::default();
         for (step, next) in job.steps.iter().zip(moves) {
-            strokes.pen(step.pen_down, from);
+            strokes.pen(step.draws(), from);
             from = draw(&mut strokes, from, &next.kind);
         }
         message.strokes = strokes.finish();

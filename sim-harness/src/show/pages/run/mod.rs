@@ -153,7 +153,7 @@ impl RunReport<'_> {
 
     /// Whether the tool draws at a sample; without a job it always does.
     fn draws(&self, sample: &Sample) -> bool {
-        self.job.is_none_or(|job| job.pen_down(sample.line))
+        self.job.is_none_or(|job| job.draws(sample.line))
     }
 }
 
