@@ -10,6 +10,7 @@ fuzz_target!(|bytes: &[u8]| {
     let placement = Placement {
         origin: [0.04, 0.18],
         scale: 1.0,
+        turn: 0.0,
         home: [0.04, 0.18],
     };
     match Job::parse(&text, &placement) {

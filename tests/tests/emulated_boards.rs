@@ -10,7 +10,7 @@ use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::{Request, Settings, Status};
 
 /// Lines, corners, arcs both ways, a dwell and a rapid move: 0.3 s of motion and more.
-const JOB: &str = "G21\nG90\nM3\nF12000\nG1 X20 Y0\nG1 X20 Y20\nG1 X0 Y20\nG2 X10 Y10 I10 J0\nG4 P50\nG3 X20 Y20 I0 J10\nG0 X25 Y15\n";
+const JOB: &str = "G21\nG90\nM3\nF12000\nG1 X20 Y0\nG1 X20 Y20\nG1 X0 Y20\nG2 X10 Y10 I10 J0\nG4 S0.05\nG3 X20 Y20 I0 J10\nG0 X25 Y15\n";
 
 fn scenario() -> Scenario {
     let robot = Robot::load("benchtop").expect("a built-in robot");

@@ -18,8 +18,13 @@ pub(crate) fn read_bytes(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
     if size > limit {
         return Err(too_large(format_args!("it has {size} bytes"), limit));
     }
+    read_stream(file, limit)
+}
+
+/// Reads a stream to its end, at most `limit` bytes.
+pub(crate) fn read_stream(stream: impl Read, limit: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    file.take(limit + 1).read_to_end(&mut bytes)?;
+    stream.take(limit + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > limit {
         return Err(too_large(format_args!("it goes on after that"), limit));
     }

@@ -6,6 +6,7 @@ use proptest::prelude::*;
 const AS_WRITTEN: Placement = Placement {
     origin: [0.0, 0.0],
     scale: 1.0,
+    turn: 0.0,
     home: [0.05, 0.2],
 };
 
@@ -77,7 +78,7 @@ fn stars_outside_checksums_are_text_in_comments_and_errors_elsewhere() {
         assert!(!matches!(refusal(stray).1, GcodeError::Checksum { .. }) || stray.contains("1*2"));
     }
     // Stars are text in messages, too.
-    assert_eq!(job("M117 half*2\nG1 F60 X1").steps.len(), 1);
+    assert_eq!(job("M117 half*2\nG0 F60 X1").steps.len(), 1);
 }
 
 #[test]

@@ -2,8 +2,11 @@
 
 mod document;
 mod drive_keys;
+mod gcode_codes;
+mod gcode_corpus;
 mod gcode_from_hosts;
 mod gcode_jobs;
 mod linkage_files;
 mod robot_files;
 mod robot_values;
+mod svg_jobs;

@@ -1,343 +1,257 @@
 //! The interpreter: it keeps the modes from line to line and makes the steps.
+//!
+//! A job is interpreted twice: the first time shows which words move the tool and which dialect it
+//! is in, the second time makes the steps by these rules.
 
 use super::error::quoted;
-use super::words::{Code, Line, spelled};
-use super::{Action, GcodeError, Job, JobError, Placement, Step, Warning, WarningKind, arc};
+use super::evidence::{Evidence, UNDECIDED};
+use super::modes::{CoordinateUse, LineModes, Modes, MotionMode};
+use super::motion::within_reach;
+use super::options::Dialect;
+use super::tool::{Activity, Rules, ToolState};
+use super::words::{Line, Words, spelled};
+use super::{Action, GcodeError, Job, JobError, JobOptions, Placement, Step, Stop, WarningKind};
 use fivebar_firmware::planner::LONGEST;
 
-/// Coordinates beyond this [m] are a mistake in the units.
-const MAX_COORDINATE: f64 = 1e3;
-/// Shorter motions [m] are dropped: their ends may be the same in `f32`.
-const MIN_LENGTH: f64 = 1e-7;
-/// M300 S up to this puts the pen down, above it lifts it (S255 turns its servo off).
-const PEN_DOWN_ANGLE: f64 = 40.0;
+/// A line of the file, read.
+struct SourceLine<'a> {
+    number: u32,
+    text: &'a str,
+    line: Result<Line, GcodeError>,
+}
 
-pub(super) fn interpret(text: &str, placement: &Placement) -> Result<Job, JobError> {
-    let mut interpreter = Interpreter::new(placement);
-    for (number, text) in (1..).zip(text.lines()) {
-        let ended = interpreter
-            .line(number, text)
-            .map_err(|reason| JobError::Line {
-                line: number,
-                text: quoted(text),
-                reason,
-            })?;
-        if ended {
-            break;
-        }
-    }
+pub(super) fn interpret(
+    text: &str,
+    placement: &Placement,
+    options: &JobOptions,
+) -> Result<Job, JobError> {
+    let lines = read(text);
+    // An error of the first reading comes again in the second.
+    let (_, evidence) = run(&lines, placement, UNDECIDED);
+    let (rules, notes) = evidence.rules(options);
+    let (job, _) = run(&lines, placement, rules);
+    let mut job = job?;
+    job.warnings.extend(notes);
+    job.warnings.sort_by_key(|warning| warning.line);
     let moves = |step: &Step| !matches!(step.action, Action::Dwell { .. });
-    if interpreter.job.steps.iter().any(moves) {
-        Ok(interpreter.job)
+    if job.steps.iter().any(moves) {
+        Ok(job)
     } else {
         Err(JobError::NoMotion)
     }
 }
 
-/// The motion mode. It lasts until another one is set.
-#[derive(Clone, Copy, PartialEq)]
-enum MotionMode {
-    Rapid,
-    Line,
-    Clockwise,
-    CounterClockwise,
+/// The lines up to the end of the job, or to the first that is no G-code. They end with a line
+/// feed, a carriage return or both.
+fn read(text: &str) -> Vec<SourceLine<'_>> {
+    let texts = text
+        .split('\n')
+        .flat_map(|line| line.strip_suffix('\r').unwrap_or(line).split('\r'));
+    let mut lines = Vec::new();
+    for (number, text) in (1..).zip(texts) {
+        let line = Line::read(text);
+        let is_last = line.as_ref().map_or(true, Line::ends);
+        lines.push(SourceLine { number, text, line });
+        if is_last {
+            break;
+        }
+    }
+    lines
 }
 
-/// What a line does with its coordinates.
-#[derive(Clone, Copy, PartialEq)]
-enum CoordinateUse {
-    Motion(MotionMode),
-    Dwell,
-    Home,
-    Shift,
+fn run(
+    lines: &[SourceLine<'_>],
+    placement: &Placement,
+    rules: Rules,
+) -> (Result<Job, JobError>, Evidence) {
+    let mut interpreter = Interpreter::new(placement, rules);
+    for SourceLine { number, text, line } in lines {
+        let done = match line {
+            Ok(line) => interpreter.line(*number, line),
+            Err(reason) => Err(reason.clone()),
+        };
+        if let Err(reason) = done {
+            let error = JobError::Line {
+                line: *number,
+                text: quoted(text),
+                reason,
+            };
+            return (Err(error), interpreter.evidence);
+        }
+    }
+    (Ok(interpreter.job), interpreter.evidence)
 }
 
-struct Interpreter<'a> {
-    placement: &'a Placement,
-    job: Job,
-    /// Metres per unit of the file.
-    unit: f64,
-    relative: bool,
-    motion: Option<MotionMode>,
+pub(super) struct Interpreter<'a> {
+    pub(super) placement: &'a Placement,
+    pub(super) rules: Rules,
+    pub(super) job: Job,
+    pub(super) evidence: Evidence,
+    pub(super) modes: Modes,
+    pub(super) tool: ToolState,
     /// Speed [m/s].
-    feed: Option<f64>,
-    /// The tool's level, 0…1.
-    tool: f64,
+    pub(super) feed: Option<f64>,
     /// The tool's position in the job's frame, before placement [m].
-    position: [f64; 2],
+    pub(super) position: [f64; 2],
     /// The position of X0 Y0 in the job's frame; G92 moves it [m].
-    zero: [f64; 2],
+    pub(super) zero: [f64; 2],
     /// The end of the last motion as placed [m]; none before the first.
-    placed: Option<[f64; 2]>,
-    height_warned: bool,
+    pub(super) placed: Option<[f64; 2]>,
 }
 
 impl<'a> Interpreter<'a> {
-    fn new(placement: &'a Placement) -> Self {
+    fn new(placement: &'a Placement, rules: Rules) -> Self {
         Self {
             placement,
-            job: Job {
-                steps: Vec::new(),
-                warnings: Vec::new(),
-            },
-            unit: 1e-3,
-            relative: false,
-            motion: None,
+            rules,
+            job: Job::default(),
+            evidence: Evidence::new(),
+            modes: Modes::new(),
+            tool: ToolState::new(),
             feed: None,
-            tool: 0.0,
             position: [0.0; 2],
             zero: [0.0; 2],
             placed: None,
-            height_warned: false,
         }
     }
 
-    /// Interprets one line; returns whether it ends the job. As in every dialect, the parts
-    /// of a line take effect in a fixed order: the pen, the modes, the feed rate in the units
-    /// of these modes, then the motion.
-    fn line(&mut self, number: u32, text: &str) -> Result<bool, GcodeError> {
-        let mut line = Line::read(text)?;
-        let mut ends = false;
-        for &(code, speed) in &line.miscellaneous {
-            match code {
-                ('M', 2 | 30, 0) => ends = true,
-                ('M', 3 | 4, 0) => self.tool = 1.0,
-                ('M', 5, 0) => self.tool = 0.0,
-                ('M', 300, 0) if speed.is_some() => {
-                    let down = speed.is_some_and(|angle| angle <= PEN_DOWN_ANGLE);
-                    self.tool = f64::from(u8::from(down));
-                }
-                unknown => self.warn(number, WarningKind::UnknownCode(spelled(unknown))),
-            }
-        }
-        let coordinate_use = self.modes(&line.general)?;
-        if let Some(feed) = line.take('F') {
+    /// Interprets one line. As in every dialect, the parts of a line take effect in a fixed
+    /// order: the tool, the modes, the feed rate in the units of these modes, then the motion.
+    fn line(&mut self, number: u32, line: &Line) -> Result<(), GcodeError> {
+        let mut words = Words::of(line);
+        self.evidence.codes(number, line);
+        self.miscellaneous(number, line)?;
+        let LineModes {
+            coordinate_use,
+            machine,
+        } = self.modes.set(&line.general)?;
+        if let Some(feed) = words.take('F') {
             if feed <= 0.0 {
                 return Err(GcodeError::Feed);
             }
-            self.feed = Some(feed * self.unit / 60.0);
+            self.feed = Some(feed * self.modes.unit / 60.0);
         }
+        // The number of the program.
+        words.take('O');
+        let power = match coordinate_use {
+            Some(CoordinateUse::Dwell) => None,
+            _ => words.take('S'),
+        };
+        self.tool.speed = power.or(self.tool.speed);
         match coordinate_use {
-            Some(CoordinateUse::Dwell) => self.dwell(number, &mut line)?,
-            Some(CoordinateUse::Home) => self.home(number, &mut line)?,
-            Some(CoordinateUse::Shift) => self.shift(number, &mut line)?,
-            Some(CoordinateUse::Motion(_)) | None => self.motion(number, &mut line)?,
-        }
-        // A spindle's speed; a pen has none.
-        line.take('S');
-        match line.left_over() {
-            Some(letter) => Err(GcodeError::StrayWord(letter)),
-            None => Ok(ends),
-        }
-    }
-
-    /// Sets the modes; returns what the line does with its coordinates.
-    fn modes(&mut self, codes: &[Code]) -> Result<Option<CoordinateUse>, GcodeError> {
-        let mut coordinate_use: Option<(CoordinateUse, Code)> = None;
-        for &code in codes {
-            let action = match code {
-                ('G', 0, 0) => CoordinateUse::Motion(MotionMode::Rapid),
-                ('G', 1, 0) => CoordinateUse::Motion(MotionMode::Line),
-                ('G', 2, 0) => CoordinateUse::Motion(MotionMode::Clockwise),
-                ('G', 3, 0) => CoordinateUse::Motion(MotionMode::CounterClockwise),
-                ('G', 4, 0) => CoordinateUse::Dwell,
-                ('G', 28, 0) => CoordinateUse::Home,
-                ('G', 92, 0) => CoordinateUse::Shift,
-                ('G', 20, 0) => {
-                    self.unit = 25.4e-3;
-                    continue;
-                }
-                ('G', 21, 0) => {
-                    self.unit = 1e-3;
-                    continue;
-                }
-                ('G', 90, 0) => {
-                    self.relative = false;
-                    continue;
-                }
-                ('G', 91, 0) => {
-                    self.relative = true;
-                    continue;
-                }
-                unknown => return Err(GcodeError::UnknownGCode(spelled(unknown))),
-            };
-            if let Some((_, other)) = coordinate_use {
-                return Err(GcodeError::Conflict(spelled(other), spelled(code)));
+            Some(CoordinateUse::Dwell) => self.dwell(number, &mut words)?,
+            Some(CoordinateUse::Home) => self.home(number, &mut words)?,
+            Some(CoordinateUse::Shift) => self.shift(number, &mut words)?,
+            Some(CoordinateUse::ToolLength) => {
+                words.take('H');
+                self.job.note(number, WarningKind::ToolLength);
+                self.motion(number, &mut words, machine, power)?;
             }
-            coordinate_use = Some((action, code));
+            Some(CoordinateUse::Motion(_)) | None => {
+                self.motion(number, &mut words, machine, power)?;
+            }
         }
-        if let Some((CoordinateUse::Motion(motion), _)) = coordinate_use {
-            self.motion = Some(motion);
+        // The tolerance of G64.
+        if line.general.contains(&('G', 64, 0)) {
+            words.take('P');
         }
-        Ok(coordinate_use.map(|(action, _)| action))
+        match words.left_over() {
+            Some(letter) => Err(GcodeError::StrayWord(letter)),
+            None => Ok(()),
+        }
     }
 
-    fn dwell(&mut self, number: u32, line: &mut Line) -> Result<(), GcodeError> {
-        let milliseconds = line.take('P').map(|p| 1e-3 * p);
-        let duration = milliseconds
-            .or_else(|| line.take('S'))
-            .ok_or(GcodeError::Dwell)?;
+    fn miscellaneous(&mut self, number: u32, line: &Line) -> Result<(), GcodeError> {
+        let mut stops = String::new();
+        for &(code, value) in &line.miscellaneous {
+            match code {
+                ('M', 2 | 30 | 7 | 8 | 9, 0) => {}
+                ('M', 0 | 1 | 6, 0) | ('T', ..) => {
+                    if !stops.is_empty() {
+                        stops.push(' ');
+                    }
+                    stops += &spelled(code);
+                }
+                ('M', 97..=99, _) => return Err(GcodeError::Subprogram(spelled(code))),
+                ('M', known, 0) if self.tool.apply(known, value) => {}
+                unknown => {
+                    let kind = WarningKind::UnknownCode(spelled(unknown));
+                    self.job.note(number, kind);
+                }
+            }
+        }
+        if !stops.is_empty() {
+            self.job.stops.push(Stop {
+                line: number,
+                before: self.job.steps.len(),
+                code: stops.clone(),
+            });
+            self.job.note(number, WarningKind::Stop(stops));
+        }
+        Ok(())
+    }
+
+    fn dwell(&mut self, number: u32, words: &mut Words) -> Result<(), GcodeError> {
+        let dialect = self.rules.dialect;
+        let by_p = words.take('P').map(|p| match dialect {
+            Dialect::Grbl => p,
+            Dialect::RepRap => 1e-3 * p,
+        });
+        if by_p.is_some_and(|duration| duration != 0.0) {
+            self.evidence.dwell = self.evidence.dwell.or(Some(number));
+        }
+        let error = GcodeError::Dwell(dialect);
+        let Some(duration) = by_p.or_else(|| words.take('S')) else {
+            return Err(error);
+        };
         if !(0.0..=f64::from(LONGEST)).contains(&duration) {
-            return Err(GcodeError::Dwell);
+            return Err(error);
         }
         if duration > 0.0 {
-            self.push(number, Action::Dwell { duration });
+            let activity = match self.modes.motion {
+                None | Some(MotionMode::Rapid) => Activity::RestAfterRapid,
+                Some(_) => Activity::RestAfterFeed,
+            };
+            let tool = self.tool.level(&self.rules, activity);
+            self.push(number, tool, Action::Dwell { duration });
         }
         Ok(())
     }
 
     /// G28: the tool goes home in x and y, whichever of them is named, because the arm's
-    /// joints cannot move along one axis alone.
-    fn home(&mut self, number: u32, line: &mut Line) -> Result<(), GcodeError> {
-        let (x, y) = (line.take('X'), line.take('Y'));
-        if self.skip_height(number, line) && x.is_none() && y.is_none() {
+    /// joints cannot move along one axis alone. With Z alone it is lifted only.
+    fn home(&mut self, number: u32, words: &mut Words) -> Result<(), GcodeError> {
+        let named = ['X', 'Y', 'Z'].map(|letter| words.take(letter).is_some());
+        if named[2] || named == [false; 3] {
+            self.tool.z = None;
+        }
+        if named == [false, false, true] {
             return Ok(());
         }
-        let Placement {
-            origin,
-            scale,
-            home,
-        } = *self.placement;
-        self.position = [0, 1].map(|axis| (home[axis] - origin[axis]) / scale);
-        self.go(number, None)
+        self.tool.extrudes = false;
+        self.position = self.placement.unplace(self.placement.home);
+        let tool = self.tool.level(&self.rules, Activity::Rapid);
+        self.go(number, tool, None)
     }
 
     /// G92: gives the tool's present position these coordinates.
-    fn shift(&mut self, number: u32, line: &mut Line) -> Result<(), GcodeError> {
-        self.skip_height(number, line);
-        let named = ['X', 'Y'].map(|letter| line.take(letter));
-        for axis in 0..2 {
+    fn shift(&mut self, number: u32, words: &mut Words) -> Result<(), GcodeError> {
+        let named = ['X', 'Y'].map(|letter| words.take(letter));
+        let (z, e) = (words.take('Z'), words.take('E'));
+        let none = named == [None; 2] && z.is_none() && e.is_none();
+        for (axis, value) in named.into_iter().enumerate() {
             // Without coordinates, the present position becomes (0, 0).
-            let value = match named {
-                [None, None] => Some(0.0),
-                _ => named[axis],
-            };
-            if let Some(value) = value {
-                self.zero[axis] = self.position[axis] - within_reach(value * self.unit)?;
+            if let Some(value) = if none { Some(0.0) } else { value } {
+                let value = within_reach(value * self.modes.unit)?;
+                self.zero[axis] = self.position[axis] - value;
             }
+        }
+        if let Some(z) = z {
+            self.set_z(number, within_reach(z * self.modes.unit)?);
+        }
+        if let Some(e) = e {
+            self.tool.set_e(e);
         }
         Ok(())
-    }
-
-    fn motion(&mut self, number: u32, line: &mut Line) -> Result<(), GcodeError> {
-        let start = self.position;
-        let mut end = start;
-        let mut moves = false;
-        for (axis, letter) in ['X', 'Y'].into_iter().enumerate() {
-            if let Some(value) = line.take(letter) {
-                let value = value * self.unit;
-                let from = if self.relative {
-                    start[axis]
-                } else {
-                    self.zero[axis]
-                };
-                end[axis] = within_reach(from + value)?;
-                moves = true;
-            }
-        }
-        self.skip_height(number, line);
-        let offset = ['I', 'J'].map(|letter| line.take(letter));
-        let radius = line.take('R').map(|radius| radius * self.unit);
-        let bends = offset.iter().any(Option::is_some) || radius.is_some();
-        if !moves && !bends {
-            return Ok(());
-        }
-        let motion = self.motion.ok_or(GcodeError::NoMode)?;
-        if matches!(motion, MotionMode::Rapid | MotionMode::Line) {
-            if bends {
-                return Err(GcodeError::StrayWord(if radius.is_some() {
-                    'R'
-                } else {
-                    'I'
-                }));
-            }
-            let feed = match motion {
-                MotionMode::Rapid => None,
-                _ => Some(self.feed.ok_or(GcodeError::NoFeed)?),
-            };
-            self.position = end;
-            return self.go(number, feed);
-        }
-        let feed = self.feed.ok_or(GcodeError::NoFeed)?;
-        let clockwise = motion == MotionMode::Clockwise;
-        let center = match (offset, radius) {
-            ([None, None], Some(radius)) => arc::center_by_radius(start, end, radius, clockwise)?,
-            ([None, None], None) | (_, Some(_)) => return Err(GcodeError::ArcForm),
-            (offset, None) => {
-                let offset = offset.map(|value| value.unwrap_or(0.0) * self.unit);
-                arc::center_by_offset(start, end, offset)?
-            }
-        };
-        // An arc starts at the job's position, even if no motion has brought the tool there.
-        self.go(number, None)?;
-        self.position = end;
-        if arc::is_negligible(
-            start,
-            end,
-            center,
-            clockwise,
-            MIN_LENGTH / self.placement.scale,
-        ) {
-            return Ok(());
-        }
-        let to = self.place(end)?;
-        self.placed = Some(to);
-        let center = self.place(center)?;
-        self.push(
-            number,
-            Action::Arc {
-                to,
-                center,
-                clockwise,
-                feed,
-            },
-        );
-        Ok(())
-    }
-
-    /// Adds a straight step to the job's position, unless the tool is there.
-    fn go(&mut self, number: u32, feed: Option<f64>) -> Result<(), GcodeError> {
-        let to = self.place(self.position)?;
-        let length = self.placed.map_or(f64::INFINITY, |from| {
-            (to[0] - from[0]).hypot(to[1] - from[1])
-        });
-        if length >= MIN_LENGTH {
-            self.placed = Some(to);
-            self.push(number, Action::Line { to, feed });
-        }
-        Ok(())
-    }
-
-    fn place(&self, point: [f64; 2]) -> Result<[f64; 2], GcodeError> {
-        let Placement { origin, scale, .. } = *self.placement;
-        let [x, y] = [0, 1].map(|axis| origin[axis] + scale * point[axis]);
-        Ok([within_reach(x)?, within_reach(y)?])
-    }
-
-    fn push(&mut self, line: u32, action: Action) {
-        let tool = self.tool;
-        self.job.steps.push(Step { line, tool, action });
-    }
-
-    /// Takes Z from the line; returns whether there was one.
-    fn skip_height(&mut self, number: u32, line: &mut Line) -> bool {
-        let found = line.take('Z').is_some();
-        if found && !self.height_warned {
-            self.height_warned = true;
-            self.warn(number, WarningKind::Height);
-        }
-        found
-    }
-
-    fn warn(&mut self, line: u32, kind: WarningKind) {
-        self.job.warnings.push(Warning { line, kind });
-    }
-}
-
-fn within_reach(coordinate: f64) -> Result<f64, GcodeError> {
-    if coordinate.abs() <= MAX_COORDINATE {
-        Ok(coordinate)
-    } else {
-        Err(GcodeError::TooFar(coordinate))
     }
 }

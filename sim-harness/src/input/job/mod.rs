@@ -1,32 +1,28 @@
-//! G-code jobs: from text to steps of the tool in metres, each with its line.
+//! Jobs: from the text of a file to steps of the tool in metres, each with its line.
 //!
-//! Supported: G0 G1 G2 G3 (I J or R) G4 (P in ms, S in s) G20 G21 G28 G90 G91 G92, F in
-//! mm/min or inch/min, M3 M4 M5 and M300 S for the pen, M2 and M30 as the end, comments in
-//! parentheses and after a semicolon, line numbers and their checksums. A line with
-//! coordinates only repeats the motion before. Other M codes are skipped with a warning,
-//! together with their text. Anything else is refused with its line. Every step of the job
-//! is kept, except steps of no length.
+//! G-code as Grbl, LinuxCNC and RepRap programs write it; docs/gcode.md lists every code with its
+//! meaning. What would change the drawing is refused with its line; what is skipped is noted. SVG
+//! drawings are read by the module `svg`. Every step of a job is kept, except steps of no length.
 
 mod arc;
 mod error;
+mod evidence;
 mod interpreter;
+mod modes;
+mod motion;
+mod options;
+#[cfg(feature = "program")]
+mod svg;
+mod text;
+mod tool;
 mod words;
 
 pub use error::{GcodeError, JobError, Warning, WarningKind};
+pub use options::{Dialect, JobOptions};
+pub use text::{read, read_from};
+pub use tool::ToolWords;
 
-use crate::input::text_file;
 use fivebar_firmware::{Move, MoveKind};
-use std::path::Path;
-
-/// Reads the text of a job's file. G-code is ASCII, but comments have any encoding. Bytes
-/// that are not UTF-8 become U+FFFD, which is refused outside comments.
-///
-/// # Errors
-/// The file cannot be read, or is larger than 64 MiB.
-pub fn read(path: &Path) -> std::io::Result<String> {
-    text_file::read_bytes(path, text_file::LARGEST_GCODE)
-        .map(|bytes| String::from_utf8_lossy(&bytes).into_owned())
-}
 
 /// The placement of a job in the frame of the base.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,8 +31,28 @@ pub struct Placement {
     pub origin: [f64; 2],
     /// Metres in the plane per metre in the job. Feed rates are not scaled.
     pub scale: f64,
+    /// The angle by which the job is turned about its (0, 0), counter-clockwise [rad].
+    pub turn: f64,
     /// The position to which G28 moves the tool [m].
     pub home: [f64; 2],
+}
+
+impl Placement {
+    /// A point of the job in the frame of the base [m].
+    pub fn place(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let (sin, cos) = self.turn.sin_cos();
+        [
+            self.origin[0] + self.scale * (cos * x - sin * y),
+            self.origin[1] + self.scale * (sin * x + cos * y),
+        ]
+    }
+
+    /// The point of the job that [`Placement::place`] takes to `point` [m].
+    pub fn unplace(&self, point: [f64; 2]) -> [f64; 2] {
+        let (sin, cos) = self.turn.sin_cos();
+        let [x, y] = [0, 1].map(|axis| (point[axis] - self.origin[axis]) / self.scale);
+        [cos * x + sin * y, cos * y - sin * x]
+    }
 }
 
 /// A job, read and placed.
@@ -44,7 +60,8 @@ pub struct Placement {
 /// ```
 /// use fivebar::input::job::{Action, Job, Placement};
 ///
-/// let placement = Placement { origin: [0.04, 0.18], scale: 1.0, home: [0.04, 0.18] }; // m
+/// let origin = [0.04, 0.18]; // m
+/// let placement = Placement { origin, scale: 1.0, turn: 0.0, home: origin };
 /// let job = Job::parse("G21 G90 F600\nG0 X0 Y0\nG1 X10 Y0\n", &placement)?;
 /// let Some(Action::Line { to, feed }) = job.steps.last().map(|step| step.action) else {
 ///     panic!("the last step is a line");
@@ -52,18 +69,34 @@ pub struct Placement {
 /// assert!((to[0] - 0.05).abs() < 1e-12 && (feed.unwrap_or(0.0) - 0.01).abs() < 1e-12); // m, m/s
 /// # Ok::<(), fivebar::input::job::JobError>(())
 /// ```
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Job {
     /// The steps, in order.
     pub steps: Vec<Step>,
-    /// The parts that are skipped.
+    /// The stops, in order.
+    pub stops: Vec<Stop>,
+    /// What is skipped, and what was guessed.
     pub warnings: Vec<Warning>,
+    /// Whether the job is an SVG. Its steps then count strokes in place of lines: stroke n has the
+    /// number 2n, the way to it 2n − 1.
+    pub is_drawing: bool,
+}
+
+/// A stop by M0, M1, M6 or T, at which a machine waits for its user. A simulation goes on.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Stop {
+    /// The line of the file, from 1.
+    pub line: u32,
+    /// The number of steps before it.
+    pub before: usize,
+    /// The codes: "M0", "M6 T2".
+    pub code: String,
 }
 
 /// One action of the tool, with its line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
-    /// The line of the file, from 1.
+    /// The line of the file, from 1; 0 for the way to the job's start, which no line asks for.
     pub line: u32,
     /// The tool's level during the action, 0…1: 0 is a pen that is up or a tool that is off, 1 a
     /// pen that is down or a tool at full power.
@@ -118,12 +151,41 @@ impl Action {
 }
 
 impl Job {
-    /// Reads G-code.
+    /// Reads G-code or SVG as [`JobOptions::default`] has it.
     ///
     /// # Errors
     /// The first line that is not valid, or a job without motion.
     pub fn parse(text: &str, placement: &Placement) -> Result<Self, JobError> {
-        interpreter::interpret(text, placement)
+        Self::parse_with(text, placement, &JobOptions::default())
+    }
+
+    /// Reads G-code or, if the text begins with `<`, SVG.
+    ///
+    /// # Errors
+    /// As [`Job::parse`].
+    pub fn parse_with(
+        text: &str,
+        placement: &Placement,
+        options: &JobOptions,
+    ) -> Result<Self, JobError> {
+        let (text, was_utf16) = text::without_mark(text);
+        let mut job = if !text.trim_start().starts_with('<') {
+            interpreter::interpret(text, placement, options)?
+        } else {
+            drawing(text, placement, options)?
+        };
+        if was_utf16 {
+            job.warnings.insert(0, Warning::at(0, WarningKind::Utf16));
+        }
+        Ok(job)
+    }
+
+    /// Adds a note, or counts it, if the job has the same one.
+    fn note(&mut self, line: u32, kind: WarningKind) {
+        match self.warnings.iter_mut().find(|other| other.kind == kind) {
+            Some(same) => same.count += 1,
+            None => self.warnings.push(Warning::at(line, kind)),
+        }
     }
 
     /// The job as moves for the planner, tagged with their lines, rapid ones at
@@ -158,8 +220,19 @@ impl Job {
     /// Whether the moves of a line draw.
     pub fn draws(&self, line: u32) -> bool {
         let first = self.steps.partition_point(|step| step.line < line);
-        self.steps
-            .get(first)
-            .is_some_and(|step| step.line == line && step.draws())
+        let steps = self.steps.get(first..).unwrap_or_default();
+        let mut of_line = steps.iter().take_while(|step| step.line == line);
+        of_line.any(Step::draws)
     }
+}
+
+#[cfg(feature = "program")]
+fn drawing(text: &str, placement: &Placement, options: &JobOptions) -> Result<Job, JobError> {
+    svg::interpret(text, placement, options)
+}
+
+#[cfg(not(feature = "program"))]
+fn drawing(_: &str, _: &Placement, _: &JobOptions) -> Result<Job, JobError> {
+    let reason = "the file is XML, and SVG is read only with the feature `program`";
+    Err(JobError::Svg(reason.into()))
 }

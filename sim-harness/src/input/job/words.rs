@@ -17,6 +17,8 @@ pub(super) struct Line {
     pub(super) general: Vec<Code>,
     /// The M and T codes, in order, each with its S if it has one.
     pub(super) miscellaneous: Vec<(Code, Option<f64>)>,
+    /// Whether the line has a checksum.
+    pub(super) has_checksum: bool,
     /// The words of the G codes, and the words without a code.
     words: Vec<(char, f64)>,
 }
@@ -24,22 +26,61 @@ pub(super) struct Line {
 impl Line {
     /// Reads a line.
     pub(super) fn read(text: &str) -> Result<Self, GcodeError> {
-        let text = without_comments(without_checksum(text)?)?;
-        match (Self::words(&text), unknown_m_code(&text)) {
+        let summed = without_checksum(text)?;
+        let has_checksum = summed.len() < text.len();
+        let text = without_comments(summed)?;
+        if let Some(homing) = Self::homing(&text) {
+            return Ok(Self {
+                has_checksum,
+                ..homing
+            });
+        }
+        let line = match (Self::words(&text), unknown_m_code(&text)) {
             // The text after an unknown M code belongs to the code and may be anything. After
             // M117 and M118 it is a message, even if it looks like words.
-            (_, Some(number @ (117 | 118))) | (Err(_), Some(number)) => Ok(Self {
+            (_, Some(number @ (117 | 118))) | (Err(_), Some(number)) => Self {
                 miscellaneous: vec![(('M', number, 0), None)],
                 ..Self::default()
-            }),
-            (line, _) => line,
+            },
+            (line, _) => line?,
+        };
+        Ok(Self {
+            has_checksum,
+            ..line
+        })
+    }
+
+    /// G28 with axes that have no number, as RepRap has it: `G28 X Y`. None: another line.
+    fn homing(text: &str) -> Option<Self> {
+        let mut words = text.split_whitespace();
+        let mut first = words.next()?.to_ascii_uppercase();
+        if first.starts_with('N') {
+            first = words.next()?.to_ascii_uppercase();
         }
+        let axes: Vec<&str> = words.collect();
+        let is_axis =
+            |axis: &&str| matches!(axis.to_ascii_uppercase().as_str(), "X" | "Y" | "Z" | "W");
+        if first != "G28" || axes.is_empty() || !axes.iter().all(is_axis) {
+            return None;
+        }
+        let mut line = Self::default();
+        line.general.push(('G', 28, 0));
+        // W leaves out the levelling of the bed, which this arm does not have.
+        for axis in axes.iter().flat_map(|axis| axis.chars()) {
+            if !matches!(axis, 'W' | 'w') {
+                line.push(axis, 0.0).ok()?;
+            }
+        }
+        Some(line)
     }
 
     /// Reads a line of words.
     fn words(text: &str) -> Result<Self, GcodeError> {
         if has_overlong_code(text) {
             return Err(GcodeError::Syntax("no code has that many digits".into()));
+        }
+        if has_exponent(text) {
+            return Err(GcodeError::Exponent);
         }
         let program = gcode::parse(text).map_err(|diagnostics| {
             let first = diagnostics.iter().next();
@@ -52,16 +93,20 @@ impl Line {
             value.ok_or_else(|| GcodeError::Syntax(format!("\"{}\" is not a number", quoted(word))))
         };
         let mut line = Self::default();
+        // Words after an M code that is not supported are its own: `M201 X500` moves nothing.
+        let mut is_unknown = false;
         for block in program.blocks {
             for code in block.codes {
                 match code {
                     gcode::Code::General(general) => {
+                        is_unknown = false;
                         line.general.push(named('G', general.number));
                         for word in general.args {
                             line.push(word.letter, value_at(word.span)?)?;
                         }
                     }
                     gcode::Code::Miscellaneous(code) => {
+                        is_unknown = !is_supported(code.number.major());
                         let speed = code
                             .args
                             .iter()
@@ -70,14 +115,16 @@ impl Line {
                         line.miscellaneous.push((named('M', code.number), speed));
                         // Coordinates after an M code belong to the line.
                         for word in code.args {
-                            if "XYZIJRF".contains(word.letter.to_ascii_uppercase()) {
-                                line.push(word.letter, value_at(word.span)?)?;
+                            let letter = word.letter.to_ascii_uppercase();
+                            if !is_unknown && "XYZIJREF".contains(letter) {
+                                line.push(letter, value_at(word.span)?)?;
                             }
                         }
                     }
-                    gcode::Code::ToolChange(code) => {
+                    gcode::Code::ToolChange(code) if !is_unknown => {
                         line.miscellaneous.push((named('T', code.number), None));
                     }
+                    gcode::Code::ToolChange(_) => {}
                     other => return Err(GcodeError::Syntax(format!("{other} is not supported"))),
                 }
             }
@@ -97,16 +144,42 @@ impl Line {
         Ok(())
     }
 
+    /// Whether the line has a word of this letter.
+    pub(super) fn has(&self, letter: char) -> bool {
+        self.words.iter().any(|&(other, _)| other == letter)
+    }
+
+    /// Whether the line ends the job.
+    pub(super) fn ends(&self) -> bool {
+        let mut codes = self.miscellaneous.iter().map(|&(code, _)| code);
+        codes.any(|code| matches!(code, ('M', 2 | 30, 0)))
+    }
+}
+
+/// The words of a line, each of which is taken once.
+#[derive(Debug)]
+pub(super) struct Words(Vec<(char, f64)>);
+
+impl Words {
+    pub(super) fn of(line: &Line) -> Self {
+        Self(line.words.clone())
+    }
+
     /// Takes the value of a word from the line.
     pub(super) fn take(&mut self, letter: char) -> Option<f64> {
-        let index = self.words.iter().position(|&(other, _)| other == letter)?;
-        Some(self.words.swap_remove(index).1)
+        let index = self.0.iter().position(|&(other, _)| other == letter)?;
+        Some(self.0.swap_remove(index).1)
     }
 
     /// A word that has not been taken.
     pub(super) fn left_over(&self) -> Option<char> {
-        self.words.first().map(|&(letter, _)| letter)
+        self.0.first().map(|&(letter, _)| letter)
     }
+}
+
+/// Whether the interpreter knows an M code. Motion words may follow it on its line.
+fn is_supported(number: u32) -> bool {
+    matches!(number, 0..=9 | 30 | 106 | 107 | 280 | 300)
 }
 
 fn named(letter: char, number: gcode::core::Number) -> Code {
@@ -172,7 +245,7 @@ fn unknown_m_code(text: &str) -> Option<u32> {
     }
     let code = text.strip_prefix(['M', 'm'])?;
     let number = code.get(..digits(code))?.parse().ok()?;
-    (!matches!(number, 2..=5 | 30 | 300)).then_some(number)
+    (!is_supported(number)).then_some(number)
 }
 
 /// Whether a code has more than eight digits: the crate's arithmetic would overflow.
@@ -183,6 +256,27 @@ fn has_overlong_code(text: &str) -> bool {
             let digits = after.trim_start().bytes().take_while(u8::is_ascii_digit);
             digits.count() > 8
         })
+}
+
+/// Whether a number has an exponent, which G-code does not know: `X1e-5`. An E right after a number
+/// is an extruder's word only if it is upper case with a decimal point in its number: `X10.5E0.2`.
+fn has_exponent(text: &str) -> bool {
+    text.bytes().enumerate().any(|(index, byte)| {
+        let follows =
+            |from: usize, length: usize| text.get(from..from + length).unwrap_or_default();
+        let before = index.checked_sub(1).map(|index| text.as_bytes()[index]);
+        if !before.is_some_and(|before| before.is_ascii_digit() || before == b'.') {
+            return false;
+        }
+        let sign = usize::from(matches!(follows(index + 1, 1), "+" | "-"));
+        let number = text.get(index + 1 + sign..).unwrap_or_default();
+        let digits = number.bytes().take_while(u8::is_ascii_digit).count();
+        match byte {
+            b'e' => digits > 0,
+            b'E' => digits > 0 && number.as_bytes().get(digits) != Some(&b'.'),
+            _ => false,
+        }
+    })
 }
 
 fn explain(kind: &gcode::DiagnosticKind) -> String {

@@ -2,7 +2,7 @@
 
 use super::fault_entry::FaultEntry;
 use super::{Scenario, ScenarioError};
-use crate::input::job;
+use crate::input::job::{self, JobOptions};
 use crate::input::robot::{BuiltIn, Robot};
 use crate::input::source::{FileError, Key, Source};
 use crate::input::text_file;
@@ -101,6 +101,8 @@ impl Scenario {
             job_text,
             origin: file.origin,
             scale: file.scale,
+            turn: 0.0,
+            options: JobOptions::default(),
             seed: file.seed,
             mismatch: file.mismatch,
             clearance: None,

@@ -3,7 +3,7 @@
 mod fault_entry;
 mod file;
 
-use crate::input::job::{Job, JobError, Placement};
+use crate::input::job::{Action, Job, JobError, JobOptions, Placement, Warning, WarningKind};
 use crate::input::robot::{HomeError, Robot};
 use crate::input::source::FileError;
 use fivebar_plant::{FaultKind, Mismatch, PlantFault};
@@ -24,6 +24,10 @@ pub struct Scenario {
     pub origin: Option<[f64; 2]>,
     /// Metres in the plane per metre in the job.
     pub scale: f64,
+    /// The angle by which the job is turned about its (0, 0), counter-clockwise [rad].
+    pub turn: f64,
+    /// How the job is read where its text leaves it open.
+    pub options: JobOptions,
     /// Seed of all pseudo-random numbers of the run.
     pub seed: u64,
     /// How the arm differs from the controller's model.
@@ -77,6 +81,8 @@ impl Scenario {
             job_text,
             origin: None,
             scale: 1.0,
+            turn: 0.0,
+            options: JobOptions::default(),
             seed: 1,
             mismatch: Mismatch::default(),
             clearance: None,
@@ -104,16 +110,24 @@ impl Scenario {
     /// A line that is not valid, or a robot without a home pose.
     pub fn job(&self) -> Result<Job, ScenarioError> {
         let home = self.robot.tool_at(&self.robot.home_pose()?);
+        let options = JobOptions {
+            tolerance: 0.5 * self.robot.motion.corner_tolerance / self.scale,
+            ..self.options
+        };
         let placed = |origin| {
             let placement = Placement {
                 origin,
                 scale: self.scale,
+                turn: self.turn,
                 home,
             };
-            Job::parse(&self.job_text, &placement).map_err(|error| ScenarioError::Job {
+            let job = Job::parse_with(&self.job_text, &placement, &options);
+            let mut job = job.map_err(|error| ScenarioError::Job {
                 file: self.job_file.clone(),
                 error,
-            })
+            })?;
+            self.note_speed(&mut job);
+            Ok(job)
         };
         if let Some(origin) = self.origin {
             return placed(origin);
@@ -121,6 +135,25 @@ impl Scenario {
         let [middle_x, middle_y] = middle(&placed([0.0; 2])?);
         let [x, y] = self.robot.best_point()?;
         placed([x - middle_x, y - middle_y])
+    }
+
+    /// Notes the feed rates above the arm's greatest speed, which the planner limits.
+    fn note_speed(&self, job: &mut Job) {
+        let limit = self.robot.motion.max_speed;
+        let too_fast = |feed: f64| feed > limit * (1.0 + 1e-6);
+        let mut lines = job.steps.iter().filter_map(|step| match step.action {
+            Action::Line {
+                feed: Some(feed), ..
+            }
+            | Action::Arc { feed, .. } => too_fast(feed).then_some(step.line),
+            _ => None,
+        });
+        if let Some(first) = lines.next() {
+            job.warnings.push(Warning {
+                count: 1 + lines.count() as u32,
+                ..Warning::at(first, WarningKind::Speed(limit))
+            });
+        }
     }
 }
 

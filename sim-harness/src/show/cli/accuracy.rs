@@ -198,6 +198,7 @@ fn study(args: &Args, robot: &Robot) -> Result<(Value, Page), Failure> {
         let placement = Placement {
             origin: args.origin,
             scale: args.scale,
+            turn: 0.0,
             home: robot
                 .home_pose()
                 .map_or(args.origin, |pose| [pose.c.x, pose.c.y]),

@@ -16,6 +16,7 @@ mod failure;
 mod figures;
 mod hil;
 mod identify;
+mod length;
 mod linkage;
 mod lockstep;
 mod log;

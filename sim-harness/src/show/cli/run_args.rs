@@ -1,9 +1,11 @@
 //! The options of commands that run a job.
 
 use super::failure::{Failure, refused};
+use super::length::{degrees, length, place, positive_length};
 use super::output::OutputArgs;
 use super::say::warn;
 use super::value_error::ValueError;
+use crate::input::job::{self, Dialect, JobOptions};
 use crate::input::robot::{BuiltIn, Robot};
 use crate::input::scenario::Scenario;
 use std::path::Path;
@@ -11,21 +13,66 @@ use std::path::Path;
 /// The job and the robot.
 #[derive(clap::Args)]
 pub(super) struct JobArgs {
-    /// A scenario in TOML, or a job in G-code; by default the demonstration.
-    #[arg(value_name = "SCENARIO.toml|JOB.gcode")]
+    /// A scenario in TOML, a job in G-code, or a drawing in SVG; `-` for a job on the standard
+    /// input; by default the demonstration.
+    #[arg(value_name = "SCENARIO.toml|JOB.gcode|DRAWING.svg")]
     file: Option<String>,
     /// A built-in robot (see `fivebar robots`) or a robot file; by default the scenario's, or
     /// else the benchtop arm.
     #[arg(long)]
     robot: Option<String>,
-    /// Position of the job's (0, 0) in the frame of the base [m]; by default the middle of
-    /// the drawing is at the point where the arm moves best.
-    #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
+    /// Position of the job's (0, 0) in the frame of the base, such as 30mm,160mm; by default the
+    /// drawing is where the arm moves best, or where it fits.
+    #[arg(long, value_name = "X,Y", value_parser = place, allow_hyphen_values = true)]
     origin: Option<[f64; 2]>,
     /// Metres in the plane per metre in the job. When left out: the scenario's, or 1; the
     /// demonstration is made as small as the arm needs.
     #[arg(long, value_parser = scale, allow_hyphen_values = true)]
     scale: Option<f64>,
+    /// Turn the job about its (0, 0), counter-clockwise [degrees].
+    #[arg(long, value_name = "DEGREES", value_parser = degrees, allow_hyphen_values = true)]
+    rotate: Option<f64>,
+    #[command(flatten)]
+    reading: ReadingArgs,
+}
+
+/// How a job is read where its text leaves it open.
+#[derive(clap::Args)]
+pub(super) struct ReadingArgs {
+    /// The unit of P in G4: seconds for grbl, milliseconds for reprap; by default reprap if the
+    /// job has M17, M18, an M code from M80, E or checksums.
+    #[arg(long, value_name = "grbl|reprap", value_parser = dialect)]
+    dialect: Option<Dialect>,
+    /// Z at or below which the pen is down, such as 1mm; by default 0, or the middle of the
+    /// job's heights if all are on one side of 0.
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
+    pen_height: Option<f64>,
+    /// S of M3 and M4 at full power, as $30 of Grbl.
+    #[arg(long, value_name = "S", default_value_t = 1000.0, value_parser = scale)]
+    full_power: f64,
+    /// Speed along the strokes of an SVG per second, such as 50mm; by default the arm's greatest.
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
+    speed: Option<f64>,
+}
+
+impl ReadingArgs {
+    pub(super) fn options(&self) -> JobOptions {
+        JobOptions {
+            dialect: self.dialect,
+            pen_height: self.pen_height,
+            full_power: self.full_power,
+            speed: self.speed,
+            ..JobOptions::default()
+        }
+    }
+}
+
+fn dialect(text: &str) -> Result<Dialect, ValueError> {
+    match text {
+        "grbl" => Ok(Dialect::Grbl),
+        "reprap" => Ok(Dialect::RepRap),
+        _ => Err(ValueError::Dialect),
+    }
 }
 
 /// The job, the robot and the results.
@@ -62,6 +109,10 @@ impl JobArgs {
         let arm = || robot.clone().map_or_else(|| load(BuiltIn::DEFAULT), Ok);
         let mut scenario = match &self.file {
             None => Scenario::demonstration(arm()?),
+            Some(file) if file == "-" => {
+                let text = job::read_from(std::io::stdin()).map_err(refused)?;
+                Scenario::new("standard input", arm()?, "standard input", text)
+            }
             Some(file) if Path::new(file).extension().is_some_and(|e| e == "toml") => {
                 Scenario::load(file).map_err(refused)?
             }
@@ -71,6 +122,8 @@ impl JobArgs {
             scenario.robot = robot;
         }
         scenario.origin = self.origin.or(scenario.origin);
+        scenario.turn = self.rotate.unwrap_or(scenario.turn);
+        scenario.options = self.reading.options();
         match self.scale {
             Some(scale) => scenario.scale = scale,
             None if self.file.is_none() => fit(&mut scenario),

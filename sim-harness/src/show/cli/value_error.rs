@@ -7,16 +7,26 @@ pub(super) enum ValueError {
     Address,
     #[error("give positive numbers of metres, such as 20e-6,50e-6")]
     Clearance,
+    #[error("give an angle in degrees, such as 90")]
+    Degrees,
+    #[error("give grbl or reprap")]
+    Dialect,
     #[error("give joints from A to E, such as B,D")]
     Joint,
     #[error("give a positive number of rad/s³, such as 1e5")]
     Jerk,
+    #[error("give a length, such as 30mm, 1.5in, or 0.03 in metres")]
+    Length,
     #[error("give a number of millimetres")]
     Millimetres,
     #[error("give {0} finite numbers, separated by commas")]
     Numbers(usize),
+    #[error("give two lengths, such as 30mm,160mm, or 0.03,0.16 in metres")]
+    Place,
     #[error("give two numbers, such as 0.02,0.14")]
     Point,
+    #[error("give a length above 0, such as 50mm")]
+    PositiveLength,
     #[error("give a positive number of metres, such as 20e-6")]
     PositiveMetres,
     #[error("give a positive number of millimetres")]

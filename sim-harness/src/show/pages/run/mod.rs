@@ -146,8 +146,7 @@ impl RunReport<'_> {
         let warnings = self.job.map_or(&[][..], |job| &job.warnings);
         if !warnings.is_empty() {
             let text: Vec<_> = warnings.iter().map(ToString::to_string).collect();
-            page.heading("Skipped parts of the job")
-                .paragraph(&text.join("; "));
+            page.heading("Notes on the job").paragraph(&text.join("; "));
         }
     }
 

@@ -78,6 +78,7 @@ fn shows_the_whole_run_in_one_small_offline_page() {
     let placement = Placement {
         origin: CENTER,
         scale: 1.0,
+        turn: 0.0,
         home: CENTER,
     };
     let job = Job::parse(text, &placement).unwrap();
@@ -117,6 +118,7 @@ fn the_picture_shows_the_ink_the_arm_and_its_way() {
         &Placement {
             origin: CENTER,
             scale: 1.0,
+            turn: 0.0,
             home: CENTER,
         },
     )
@@ -139,6 +141,7 @@ fn the_picture_shows_the_ink_the_arm_and_its_way() {
         &Placement {
             origin: CENTER,
             scale: 1.0,
+            turn: 0.0,
             home: CENTER,
         },
     );

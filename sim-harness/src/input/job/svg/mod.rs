@@ -1,0 +1,158 @@
+//! SVG drawings as jobs: the outlines of all visible shapes, in true size.
+//!
+//! The crate `usvg` resolves styles, units, transforms, references and texts, so that only lines
+//! and Bézier curves are left. Their points become metres with y up and (0, 0) in the lower left
+//! corner of the page. Curves are flattened, and the strokes are sorted for short ways between
+//! them. The tool is down along strokes; fills and widths of lines are not drawn.
+
+mod flatten;
+mod order;
+
+use super::motion::{MIN_LENGTH, within_reach};
+use super::{Action, Job, JobError, JobOptions, Placement, Step, Warning, WarningKind};
+use flatten::Flattener;
+use resvg::usvg::{self, Group, Node, Options, Transform, Tree};
+use std::sync::Arc;
+
+/// Metres per pixel: an inch has 96 pixels in SVG.
+const PIXEL: f64 = 25.4e-3 / 96.0;
+
+/// A polyline [m].
+pub(super) type Stroke = Vec<[f64; 2]>;
+
+pub(super) fn interpret(
+    text: &str,
+    placement: &Placement,
+    options: &JobOptions,
+) -> Result<Job, JobError> {
+    let tree = Tree::from_str(text, &reading())
+        .map_err(|error| JobError::Svg(format!("the file is no SVG that can be read: {error}")))?;
+    let mut reader = Reader {
+        height: f64::from(tree.size().height()),
+        flattener: Flattener::new(options.tolerance / PIXEL),
+        strokes: Vec::new(),
+        notes: Vec::new(),
+    };
+    if text.contains("<image") {
+        reader.note("images are left out: a tool draws lines only");
+    }
+    reader.group(tree.root())?;
+    let strokes = order::sorted(reader.strokes);
+    let mut job = Job {
+        is_drawing: true,
+        warnings: reader.notes,
+        ..Job::default()
+    };
+    let mut at: Option<[f64; 2]> = None;
+    for (number, stroke) in (1..).zip(&strokes) {
+        for (index, &point) in stroke.iter().enumerate() {
+            let [x, y] = placement.place(point);
+            let to = [checked(x)?, checked(y)?];
+            if at.is_some_and(|at| (to[0] - at[0]).hypot(to[1] - at[1]) < MIN_LENGTH) {
+                continue;
+            }
+            at = Some(to);
+            let draws = index > 0;
+            job.steps.push(Step {
+                line: 2 * number - u32::from(!draws),
+                tool: f64::from(u8::from(draws)),
+                action: Action::Line {
+                    to,
+                    feed: options.speed.filter(|_| draws),
+                },
+            });
+        }
+    }
+    if job.steps.iter().any(Step::draws) {
+        Ok(job)
+    } else {
+        let reason = "the SVG has no visible lines, shapes or texts to draw";
+        Err(JobError::Svg(reason.into()))
+    }
+}
+
+fn checked(coordinate: f64) -> Result<f64, JobError> {
+    within_reach(coordinate).map_err(|error| JobError::Svg(error.to_string()))
+}
+
+/// Texts are drawn in the built-in font, whatever font they name, and no other file is read.
+fn reading() -> Options<'static> {
+    let mut options = Options::default();
+    let fonts = options.fontdb_mut();
+    fonts.load_font_data(dejavu::sans::regular().to_vec());
+    options.font_resolver.select_font =
+        Box::new(|_, fonts| fonts.faces().next().map(|face| face.id));
+    options.image_href_resolver = usvg::ImageHrefResolver {
+        resolve_data: Box::new(|_, _: Arc<Vec<u8>>, _| None),
+        resolve_string: Box::new(|_, _| None),
+    };
+    options
+}
+
+struct Reader {
+    /// The page's height [px].
+    height: f64,
+    flattener: Flattener,
+    strokes: Vec<Stroke>,
+    notes: Vec<Warning>,
+}
+
+impl Reader {
+    fn group(&mut self, group: &Group) -> Result<(), JobError> {
+        if group.clip_path().is_some() || group.mask().is_some() {
+            self.note("clips and masks do not cut the lines");
+        }
+        for node in group.children() {
+            match node {
+                Node::Group(group) => self.group(group)?,
+                Node::Path(path) if path.is_visible() => self.path(path)?,
+                Node::Text(text) => {
+                    self.note("texts are drawn as outlines of DejaVu Sans");
+                    self.group(text.flattened())?;
+                }
+                Node::Path(_) | Node::Image(_) => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn path(&mut self, path: &usvg::Path) -> Result<(), JobError> {
+        if path.stroke().is_some_and(|it| it.dasharray().is_some()) {
+            self.note("dashed lines are drawn whole");
+        }
+        let Transform {
+            sx,
+            kx,
+            ky,
+            sy,
+            tx,
+            ty,
+        } = path.abs_transform();
+        let [sx, kx, ky, sy, tx, ty] = [sx, kx, ky, sy, tx, ty].map(f64::from);
+        let height = self.height;
+        let place = |point: usvg::tiny_skia_path::Point| {
+            let [x, y] = [point.x, point.y].map(f64::from);
+            [sx * x + kx * y + tx, height - (ky * x + sy * y + ty)]
+        };
+        let strokes = self.flattener.strokes(path.data().segments(), place);
+        let strokes = strokes.ok_or_else(|| {
+            let reason = "the SVG has too many points; simplify it, or scale it down";
+            JobError::Svg(reason.into())
+        })?;
+        let metres = |point: [f64; 2]| point.map(|pixels| pixels * PIXEL);
+        self.strokes.extend(
+            strokes
+                .into_iter()
+                .map(|it| it.into_iter().map(metres).collect()),
+        );
+        Ok(())
+    }
+
+    fn note(&mut self, what: &'static str) {
+        let kind = WarningKind::Drawing(what);
+        match self.notes.iter_mut().find(|note| note.kind == kind) {
+            Some(same) => same.count += 1,
+            None => self.notes.push(Warning::at(0, kind)),
+        }
+    }
+}

@@ -1,0 +1,16 @@
+; LightBurn 1.7.04
+; Marlin device profile, absolute coords
+G21
+G90
+M107
+G0 X1Y1F6000
+; Cut @ 20 mm/sec, 60% power
+M106 S153
+G1 X11Y1F1200
+G1 X11Y11
+M107
+G0 X20Y0F6000
+M106 S255
+G1 X30Y0F1200
+M107
+G0 X0Y0
