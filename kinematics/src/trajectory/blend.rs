@@ -21,6 +21,7 @@
 use super::curve::Curve;
 use super::number::{max, min};
 use super::path_segment::PathSegment;
+use super::ramp::{MotionLimits, distance, greatest_entry_speed, ramp};
 use crate::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 
@@ -117,6 +118,27 @@ fn hermite<S: Scalar>(
         },
         length,
     )
+}
+
+/// Whether passing a corner at its speed limit is faster than stopping there. Compares the
+/// times from `middle` [m] before the corner, half of the corner's blend at its speed limit.
+///
+/// With a low jerk, the speed limit of a tight corner can be so low, and apply for so long,
+/// that a stop takes less time.
+pub(super) fn saves_time<S: Scalar>(
+    corner: &MotionLimits<S>,
+    half: S,
+    middle: S,
+    straight: &MotionLimits<S>,
+) -> bool {
+    let time = |speed: S, way: S| {
+        let fast = min(greatest_entry_speed(speed, way, straight), straight.speed);
+        let slowing = ramp(fast, S::ZERO, speed, straight);
+        let rest = max(way - distance(&slowing), S::ZERO) / fast;
+        slowing.iter().fold(rest, |sum, phase| sum + phase.duration)
+    };
+    let rounded = half / corner.speed + time(corner.speed, middle - half);
+    rounded < time(S::ZERO, middle)
 }
 
 #[cfg(test)]

@@ -7,15 +7,15 @@
 //! other segments are planned again when more are pushed. A corner is rounded if the present
 //! motion still allows it; otherwise the motion stops there.
 
-use super::blend::blend;
+use super::blend::{blend, saves_time};
 use super::envelope::Envelope;
 use super::error::PushError;
 use super::number::{max, min};
 use super::path_segment::PathSegment;
 use super::profile::{Motion, VelocityProfile, time_to_cover};
 use super::queue::{PlannedSegment, Queue};
-use super::ramp::{MotionLimits, distance, greatest_entry_speed, ramp};
-use super::trajectory_segment::{Shape, TimeLaw, TrajectorySegment};
+use super::ramp::MotionLimits;
+use super::trajectory_segment::{Shape, TimeLaw, ToolOutput, TrajectorySegment};
 use super::window::LookaheadWindow;
 use crate::Scalar;
 use nalgebra::Vector2;
@@ -48,6 +48,8 @@ pub struct LookaheadPlanner<S, const N: usize> {
     place: S,
     motion: Motion<S>,
     profile: Option<VelocityProfile<S>>,
+    /// The tool's output during the moves that are pushed next.
+    tool: ToolOutput<S>,
     /// The first planned segment has changed since the last planning.
     stale: bool,
 }
@@ -66,6 +68,7 @@ impl<S: Scalar, const N: usize> LookaheadPlanner<S, N> {
             place: S::ZERO,
             motion: Motion::at_rest(),
             profile: None,
+            tool: ToolOutput::constant(S::ZERO),
             stale: false,
         }
     }
@@ -83,6 +86,13 @@ impl<S: Scalar, const N: usize> LookaheadPlanner<S, N> {
     /// Whether all pushed moves have been returned as trajectory segments.
     pub fn is_empty(&self) -> bool {
         self.queue.len() == 0
+    }
+
+    /// Sets the tool's output during the moves that are pushed from now on; it is 0 until then.
+    /// On the way from one output to another the motion does not stop. At a rounded corner the
+    /// output changes in the corner's middle, which is the point nearest to the end of the move.
+    pub fn set_tool_output(&mut self, tool: ToolOutput<S>) {
+        self.tool = tool;
     }
 
     /// Appends a path segment that starts where the last one ends. The motion keeps `limits`,
@@ -106,6 +116,7 @@ impl<S: Scalar, const N: usize> LookaheadPlanner<S, N> {
                 free: segment.length() * S::HALF,
                 limits,
                 tag,
+                tool: [self.tool; 2],
                 from_rest: true,
             });
         }
@@ -140,6 +151,7 @@ impl<S: Scalar, const N: usize> LookaheadPlanner<S, N> {
                 free: S::ZERO,
                 limits,
                 tag,
+                tool: [self.tool; 2],
                 from_rest: true,
             });
         }
@@ -168,6 +180,7 @@ impl<S: Scalar, const N: usize> LookaheadPlanner<S, N> {
             free: S::ZERO,
             limits: any,
             tag,
+            tool: [self.tool; 2],
             from_rest: true,
         });
         Ok(())
@@ -222,6 +235,7 @@ impl<S: Scalar, const N: usize> LookaheadPlanner<S, N> {
             return false;
         }
         let unshortened = *last;
+        let [_, tool_before] = last.tool;
         self.queue.shorten_last(half);
         self.queue.push(PlannedSegment {
             shape: Shape::Path(*corner.curve()),
@@ -229,6 +243,7 @@ impl<S: Scalar, const N: usize> LookaheadPlanner<S, N> {
             free: S::ZERO,
             limits: corner_limits,
             tag,
+            tool: [tool_before, self.tool],
             from_rest: false,
         });
         let rest = segment.part(half, segment.length());
@@ -238,6 +253,7 @@ impl<S: Scalar, const N: usize> LookaheadPlanner<S, N> {
             free: segment.length() * S::HALF,
             limits,
             tag,
+            tool: [self.tool; 2],
             from_rest: false,
         });
         if !in_hand {
@@ -270,7 +286,9 @@ impl<S: Scalar, const N: usize> LookaheadPlanner<S, N> {
                 if head.length <= S::ZERO {
                     continue;
                 }
-                return Some(TrajectorySegment::rest(position, head.length, head.tag));
+                let [tool, _] = head.tool;
+                let rest = TrajectorySegment::rest(position, head.length, head.tag);
+                return Some(TrajectorySegment { tool, ..rest });
             }
             if let Some(segment) = self.advance(&head) {
                 return Some(segment);
@@ -279,8 +297,8 @@ impl<S: Scalar, const N: usize> LookaheadPlanner<S, N> {
         None
     }
 
-    /// Advances to the end of the profile's phase or of the first planned segment, whichever
-    /// comes first.
+    /// Advances to the end of the profile's phase, to a change of the tool's output or to the end
+    /// of the first planned segment, whichever comes first.
     fn advance(&mut self, head: &PlannedSegment<S>) -> Option<TrajectorySegment<S>> {
         if self.stale || self.profile.is_none() {
             self.profile = self.window().best_profile(self.profile);
@@ -309,11 +327,15 @@ impl<S: Scalar, const N: usize> LookaheadPlanner<S, N> {
             }
             return None;
         };
+        let change = head.tool_change_after(self.place);
+        let left = change.map_or(left, |change| change - self.place);
+        let [before, after] = head.tool;
+        let tool = if change.is_some() { before } else { after };
         let law = TimeLaw::new(self.place, phase.speed, phase.acceleration, phase.jerk);
         let way = phase.distance();
         // In its last segment a profile runs to its own end, which is the segment's end apart
         // from rounding.
-        let whole = way <= left || profile.segments <= 1;
+        let whole = way <= left || (profile.segments <= 1 && change.is_none());
         let duration = if whole {
             profile.skip_phase();
             self.place += way;
@@ -334,7 +356,9 @@ impl<S: Scalar, const N: usize> LookaheadPlanner<S, N> {
             },
         };
         self.profile = Some(profile);
-        if !whole {
+        if let (false, Some(change)) = (whole, change) {
+            self.place = change;
+        } else if !whole {
             self.leave_segment();
             if let Some(profile) = &mut self.profile {
                 profile.segments -= 1;
@@ -346,6 +370,7 @@ impl<S: Scalar, const N: usize> LookaheadPlanner<S, N> {
             law,
             duration,
             tag: head.tag,
+            tool,
         })
     }
 
@@ -362,25 +387,4 @@ impl<S: Scalar, const N: usize> LookaheadPlanner<S, N> {
         self.place = S::ZERO;
         self.stale = true;
     }
-}
-
-/// Whether passing a corner at its speed limit is faster than stopping there. Compares the
-/// times from `middle` [m] before the corner, half of the corner's blend at its speed limit.
-///
-/// With a low jerk, the speed limit of a tight corner can be so low, and apply for so long,
-/// that a stop takes less time.
-fn saves_time<S: Scalar>(
-    corner: &MotionLimits<S>,
-    half: S,
-    middle: S,
-    straight: &MotionLimits<S>,
-) -> bool {
-    let time = |speed: S, way: S| {
-        let fast = min(greatest_entry_speed(speed, way, straight), straight.speed);
-        let slowing = ramp(fast, S::ZERO, speed, straight);
-        let rest = max(way - distance(&slowing), S::ZERO) / fast;
-        slowing.iter().fold(rest, |sum, phase| sum + phase.duration)
-    };
-    let rounded = half / corner.speed + time(corner.speed, middle - half);
-    rounded < time(S::ZERO, middle)
 }

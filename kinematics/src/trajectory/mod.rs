@@ -41,4 +41,4 @@ pub use lookahead::LookaheadPlanner;
 pub use path_segment::{PathSegment, PathSegmentError, Sense};
 pub use ramp::MotionLimits;
 pub use reference::Reference;
-pub use trajectory_segment::{PathState, TimeLaw, TrajectorySegment};
+pub use trajectory_segment::{PathState, TimeLaw, ToolOutput, TrajectorySegment};

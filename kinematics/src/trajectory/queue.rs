@@ -1,7 +1,7 @@
 //! The planned segments, first in, first out.
 
 use super::ramp::MotionLimits;
-use super::trajectory_segment::Shape;
+use super::trajectory_segment::{Shape, ToolOutput};
 use crate::Scalar;
 
 /// A shape and the limits of the motion along it.
@@ -14,8 +14,20 @@ pub(super) struct PlannedSegment<S> {
     pub(super) free: S,
     pub(super) limits: MotionLimits<S>,
     pub(super) tag: u32,
+    /// The tool's output on its first and on its second half. They differ only at a corner
+    /// between two moves with different outputs.
+    pub(super) tool: [ToolOutput<S>; 2],
     /// The motion along it must start from rest.
     pub(super) from_rest: bool,
+}
+
+impl<S: Scalar> PlannedSegment<S> {
+    /// Where the tool's output changes, if that is ahead of `place` [m].
+    pub(super) fn tool_change_after(&self, place: S) -> Option<S> {
+        let [first, second] = &self.tool;
+        let middle = self.length * S::HALF;
+        (first != second && place < middle).then_some(middle)
+    }
 }
 
 /// A ring buffer of planned segments.

@@ -94,6 +94,40 @@ pub(super) enum Shape<S> {
     Joint { from: [S; 2], direction: [S; 2] },
 }
 
+/// The output of a tool along a segment: a value at rest, and what speed adds to it. The unit is
+/// the caller's.
+///
+/// ```
+/// use fivebar_kinematics::trajectory::ToolOutput;
+///
+/// // 10 at any speed; and 200 per m/s.
+/// assert_eq!(ToolOutput::constant(10.0).at(0.3), 10.0);
+/// assert_eq!(ToolOutput { at_rest: 0.0, per_speed: 200.0 }.at(0.25), 50.0);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToolOutput<S> {
+    /// The output at rest.
+    pub at_rest: S,
+    /// The output per speed ṡ [s/m or s/rad].
+    pub per_speed: S,
+}
+
+impl<S: Scalar> ToolOutput<S> {
+    /// The same output at every speed.
+    pub const fn constant(at_rest: S) -> Self {
+        Self {
+            at_rest,
+            per_speed: S::ZERO,
+        }
+    }
+
+    /// The output at speed `s_dot` [m/s or rad/s].
+    #[inline(always)]
+    pub fn at(&self, s_dot: S) -> S {
+        self.at_rest + self.per_speed * s_dot
+    }
+}
+
 /// A segment of motion with a duration, continuous with its neighbours in position, velocity
 /// and acceleration.
 ///
@@ -117,6 +151,7 @@ pub struct TrajectorySegment<S> {
     pub(super) law: TimeLaw<S>,
     pub(super) duration: S,
     pub(super) tag: u32,
+    pub(super) tool: ToolOutput<S>,
 }
 
 impl<S: Scalar> TrajectorySegment<S> {
@@ -127,6 +162,7 @@ impl<S: Scalar> TrajectorySegment<S> {
             law: TimeLaw::new(S::ZERO, S::ZERO, S::ZERO, S::ZERO),
             duration,
             tag,
+            tool: ToolOutput::constant(S::ZERO),
         }
     }
 
@@ -141,6 +177,12 @@ impl<S: Scalar> TrajectorySegment<S> {
     #[inline]
     pub fn tag(&self) -> u32 {
         self.tag
+    }
+
+    /// The output of the tool along it.
+    #[inline(always)]
+    pub fn tool_output(&self) -> &ToolOutput<S> {
+        &self.tool
     }
 
     /// The curve along which it moves the tool; `None` for a dwell or a joint move.

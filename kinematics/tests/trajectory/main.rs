@@ -4,4 +4,5 @@ mod common;
 mod loads;
 mod lookahead;
 mod refusals;
+mod tool_output;
 mod validation;
