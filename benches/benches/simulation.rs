@@ -39,6 +39,7 @@ fn plant(c: &mut Criterion) {
                             duty: [duty, -duty],
                             enable,
                             brake: false,
+                            tool: 0,
                         },
                         TICK,
                     );

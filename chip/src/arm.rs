@@ -71,6 +71,7 @@ impl Arm {
     pub fn new(mut plant: Plant, wake: Time) -> Self {
         let acting = ActuatorCommand {
             brake: true,
+            tool: 0,
             ..ActuatorCommand::default()
         };
         let sample = plant.sense();

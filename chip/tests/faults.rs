@@ -156,6 +156,7 @@ fn a_planner_that_is_late() {
             &mut driven,
             Move {
                 tag,
+                tool: 0,
                 kind: MoveKind::Line { to, feed: 0.1 },
             },
         );

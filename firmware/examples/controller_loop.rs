@@ -81,7 +81,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     controller.request(Request::Arm)?;
     let to = [0.06, 0.19]; // m
     let kind = MoveKind::Line { to, feed: 0.1 }; // m/s
-    planner.push(&mut controller, &Move { tag: 1, kind })?;
+    planner.push(
+        &mut controller,
+        &Move {
+            tag: 1,
+            tool: 0,
+            kind,
+        },
+    )?;
     let mut ticks = 0;
     while !planner.is_empty() || controller.state() != State::Armed {
         period(&mut controller, &mut planner, &mut board);

@@ -1,5 +1,6 @@
 //! What the tick reads and writes: sensor samples and actuator commands, without HAL types.
 
+use crate::settings::Share;
 use serde::{Deserialize, Serialize};
 
 /// One tick's samples, as the peripherals deliver them. Index 0 is joint 1 (at A),
@@ -31,4 +32,7 @@ pub struct ActuatorCommand {
     pub enable: [bool; 2],
     /// Engage the holding brake, where one is fitted.
     pub brake: bool,
+    /// The share of time for which the tool's pin is high, see
+    /// [`ToolOutputSettings`](crate::settings::ToolOutputSettings).
+    pub tool: Share,
 }

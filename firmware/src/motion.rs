@@ -2,6 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+/// The level of a tool that is down, or at full power.
+pub const FULL_TOOL: u16 = u16::MAX;
+
 /// One move. It starts where the move before it ends.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -9,6 +12,9 @@ pub struct Move {
     /// The host's number for this move, such as a line of a job. It is repeated in the status
     /// and in errors.
     pub tag: u32,
+    /// The level of the tool during the move: 0 is up or off, [`FULL_TOOL`] is down or full power.
+    /// It changes where the move begins.
+    pub tool: u16,
     /// What to do.
     pub kind: MoveKind,
 }

@@ -31,6 +31,7 @@ fuzz_target!(|bytes: &[u8]| {
         duty: [0.5, -0.5],
         enable: [true; 2],
         brake: false,
+        tool: 0,
     };
     for _ in 0..5 {
         plant.sense();

@@ -83,6 +83,7 @@ impl Plant {
             noise,
             active: ActuatorCommand {
                 brake: true,
+                tool: 0,
                 ..ActuatorCommand::default()
             },
             time: 0.0,

@@ -198,6 +198,8 @@ fn columns<'py>(py: Python<'py>, samples: &[Sample]) -> PyResult<Bound<'py, PyDi
     column(&columns, "time", samples.iter().map(|s| s.time))?;
     column(&columns, "line", samples.iter().map(|s| s.line))?;
     column(&columns, "saturated", samples.iter().map(|s| s.saturated))?;
+    let level = samples.iter().map(|s| s.tool_level);
+    column(&columns, "tool_level", level)?;
     let pairs: [(&str, Pair); 10] = [
         ("reference", |s| s.reference),
         ("tool", |s| s.tool),

@@ -50,6 +50,7 @@ def test_the_trace_is_that_of_the_report(arm, program, tmp_path):
     assert np.allclose(trace.time, rows["time_s"], rtol=0, atol=1e-7)
     assert np.array_equal(trace.line, rows["line"])
     assert np.array_equal(trace.saturated, rows["saturated"] == 1)
+    assert np.allclose(trace.tool_level, rows["tool_level"], rtol=0, atol=1e-5)
     for ours, theirs in {
         "reference": "reference_{}_m", "tool": "tool_{}_m", "angle": "theta{}_rad",
         "reference_angle": "reference_theta{}_rad",

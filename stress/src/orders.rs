@@ -3,6 +3,7 @@
 use crate::bytes::Bytes;
 use crate::samples::Hostile;
 use fivebar_firmware::protocol::{HostCommand, Section, SectionKey, VERSION};
+use fivebar_firmware::settings::ToolOutputSettings;
 use fivebar_firmware::{MoveKind, Request, Settings};
 use fivebar_plant::FaultKind;
 
@@ -171,6 +172,29 @@ fn key(bytes: &mut Bytes<'_>) -> SectionKey {
     }
 }
 
+/// The output for a tool, of any kind.
+pub(crate) fn tool_output(which: u8) -> ToolOutputSettings {
+    match which & 3 {
+        0 => ToolOutputSettings::Servo {
+            up_width: 1e-3,
+            down_width: 2e-3,
+            frame_rate: 50.0,
+            down_time: 0.01,
+            up_time: 0.005,
+        },
+        1 => ToolOutputSettings::Switch {
+            active_low: which & 4 != 0,
+            down_time: 0.0,
+            up_time: 0.002,
+        },
+        2 => ToolOutputSettings::Power {
+            frequency: 1e4,
+            scale_with_speed: which & 4 != 0,
+        },
+        _ => ToolOutputSettings::None,
+    }
+}
+
 /// A section of the settings in use, with one of its values changed or none.
 fn section(bytes: &mut Bytes<'_>, settings: &Settings) -> Section {
     let Some(mut section) = key(bytes).of(settings) else {
@@ -269,6 +293,7 @@ fn section(bytes: &mut Bytes<'_>, settings: &Settings) -> Section {
                 ],
             );
         }
+        Section::ToolOutput(output) => *output = tool_output(which),
         Section::Homing(homing) => change(
             bytes,
             &mut [&mut homing.speed, &mut homing.back_off, &mut homing.current],

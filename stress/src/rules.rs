@@ -11,6 +11,7 @@
 //! | a fault stays until it is cleared; only a power-off fault replaces another | |
 //! | a pressed emergency stop switches the power off in its tick | |
 //! | no motion along a path with a host silent for longer than its timeout | |
+//! | the tool is off in its tick where no path is followed, after a stop, a fault or silence | nothing marks what the host did not ask for |
 //! | the status holds finite numbers | hosts and reports read it |
 
 use fivebar_firmware::safety::{Fault, Response, State};
@@ -60,6 +61,8 @@ pub struct Rules {
     pub silence: u32,
     /// Greatest allowed silence, in ticks.
     pub timeout: u32,
+    /// The output with the tool off.
+    pub tool_off: u16,
     fault: Option<Fault>,
     state: Option<State>,
 }
@@ -158,6 +161,16 @@ impl Rules {
             return broken(
                 "no path is followed for a silent host",
                 format_args!("{} ticks of silence", self.silence),
+            );
+        }
+        let follows = match state {
+            State::Armed | State::Running => self.silence <= self.timeout.saturating_add(2),
+            State::Stopped | State::Homing | State::Stopping | State::Fault => false,
+        };
+        if command.tool != self.tool_off && !follows {
+            return broken(
+                "the tool is off in the tick in which the arm no longer follows its path",
+                format_args!("{} in {state:?}", command.tool),
             );
         }
         if let Some(name) = not_finite(status) {

@@ -16,7 +16,9 @@ use fivebar_firmware::safety::State;
 use fivebar_firmware::session::{self, Board};
 use fivebar_firmware::settings::CheckedSettings;
 use fivebar_firmware::storage::StorageError;
-use fivebar_firmware::{ActuatorCommand, Move, MoveKind, Planner, Request, SensorSample, Settings};
+use fivebar_firmware::{
+    ActuatorCommand, FULL_TOOL, Move, MoveKind, Planner, Request, SensorSample, Settings,
+};
 use fivebar_plant::Plant;
 
 /// Ticks between two requests of the status.
@@ -70,10 +72,13 @@ pub(crate) struct Session<'b> {
 impl<'b> Session<'b> {
     /// A session after power-up. The commands of `replace` are replaced by requests of the status.
     pub(crate) fn new(bytes: &'b [u8], replace: Option<Vec<bool>>) -> Self {
-        let settings = &Settings::BENCHTOP;
-        let checked = settings.check().expect("the benchtop arm's are valid");
         let mut bytes = Bytes(bytes);
         let flags = bytes.byte();
+        let settings = Settings {
+            tool_output: orders::tool_output(flags >> 2),
+            ..Settings::BENCHTOP
+        };
+        let checked = settings.check().expect("the benchtop arm's are valid");
         let identity = Identity::new(Kind::Desktop, Reset::Power);
         let mut session = Self {
             plant: plant(flags, START),
@@ -148,7 +153,9 @@ impl<'b> Session<'b> {
                     MoveKind::Dwell { .. } => Followed::Dwell,
                     MoveKind::Joint { .. } => Followed::Joint,
                 });
-                self.command(HostCommand::Move(Move { tag, kind }))
+                // Up, down, and between.
+                let tool = [0, FULL_TOOL, 20_000][tag as usize % 3];
+                self.command(HostCommand::Move(Move { tag, tool, kind }))
             }
             Event::Recover => {
                 self.command(HostCommand::Request(Request::ClearFault))?;
@@ -312,6 +319,7 @@ impl<'b> Session<'b> {
         let protection = &settings.protection;
         self.rules.permitted = false;
         self.rules.renewed = true;
+        self.rules.tool_off = settings.tool_output.off();
         self.rules.timeout = (protection.command_timeout * settings.control.tick_rate) as u32;
     }
 

@@ -58,7 +58,7 @@ fn a_job_on_the_emulated_board_leaves_half_of_its_stack() {
         },
     ];
     for (tag, kind) in (2..).zip(kinds) {
-        let reply = bench.ask(HostCommand::Move(Move { tag, kind }));
+        let reply = bench.ask(HostCommand::Move(Move { tag, tool: 0, kind }));
         assert!(matches!(reply, Reply::Taken { .. }), "{reply:?}");
     }
     for _ in 0..300 {
@@ -81,7 +81,11 @@ fn the_production_image_leaves_half_of_its_stack() {
     let refused = client.write_settings(&settings).expect("answers");
     assert!(refused.is_err(), "its clock has failed");
     let kind = MoveKind::Dwell { duration: 0.01 };
-    let a_move = HostCommand::Move(Move { tag: 1, kind });
+    let a_move = HostCommand::Move(Move {
+        tag: 1,
+        tool: 0,
+        kind,
+    });
     for command in [
         a_move,
         HostCommand::SaveSettings,

@@ -54,7 +54,7 @@ pub(crate) fn moving() -> Driven {
     for tag in 1..=6 {
         let to = [x - 0.06 * [1.0, 0.0][tag as usize % 2], y];
         let kind = MoveKind::Line { to, feed: 0.1 };
-        offer(&mut driven, Move { tag, kind });
+        offer(&mut driven, Move { tag, tool: 0, kind });
     }
     driven.run(60 * MILLISECOND);
     assert_eq!(driven.status().state, State::Running);

@@ -23,9 +23,9 @@ use homing_state::HomingState;
 use joint::Joint;
 use model::Model;
 use nalgebra::Vector2;
-use path::Path;
-pub(crate) use path::stopping_time;
+use path::{Path, PathOutput};
 pub use path::{QUEUED_SEGMENTS, QueuedSegment};
+pub(crate) use path::{least_rest, stopping_time};
 pub use planning::{Hold, PlanningSnapshot};
 pub use request::{Request, RequestError};
 use setpoint::Setpoint;
@@ -90,7 +90,11 @@ impl Controller {
             latched: None,
             controlled_stop: false,
             at_rest: false,
-            path: Path::new(stopping_time(settings), 1.0 / settings.control.tick_rate),
+            path: Path::new(
+                stopping_time(settings),
+                1.0 / settings.control.tick_rate,
+                PathOutput::new(settings),
+            ),
             setpoint: Setpoint::hold([Vector2::zeros(); 2]),
             homing: [HomingState::new(0.0); 2],
             error: [0.0; 2],

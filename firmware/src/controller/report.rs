@@ -40,6 +40,7 @@ impl Controller {
             duty: self.joints.each_ref().map(|joint| joint.duty),
             bus_voltage: self.bus_voltage,
             tag: self.path.tag(),
+            tool_level: self.settings.tool_output.level(self.path.tool_output()),
         }
     }
 

@@ -42,6 +42,8 @@ pub struct Status {
     pub bus_voltage: f32,
     /// Tag of the move in progress.
     pub tag: Option<u32>,
+    /// The tool's level as a share: 0 is up or off, 1 is down or full power.
+    pub tool_level: f32,
 }
 
 /// Where both driven joints should be, with velocity and acceleration.

@@ -80,15 +80,17 @@ impl Controller {
             ControlMode::Homing => self.home(sample),
             ControlMode::Tracking => self.track(),
         };
-        let command = match torques.and_then(|torques| self.drive(torques)) {
+        let mut command = match torques.and_then(|torques| self.drive(torques)) {
             Ok(command) => command,
             Err(fault) => return self.power_off(fault),
         };
         // An arm that comes to rest needs no stop.
         if self.at_rest {
             self.come_to_rest();
+            command.tool = self.path.tool_output();
         } else if let Some(fault) = self.stopping_fault() {
             self.begin_controlled_stop(fault);
+            command.tool = self.path.tool_output();
         }
         command
     }
@@ -162,6 +164,7 @@ impl Controller {
             duty,
             enable: [true; 2],
             brake: false,
+            tool: self.path.tool_output(),
         })
     }
 
@@ -188,15 +191,17 @@ impl Controller {
         self.off()
     }
 
-    /// Bridges off, brake on.
+    /// Bridges off, brake on, tool off.
     #[inline(never)]
     fn off(&mut self) -> ActuatorCommand {
         self.waking = self.model.wake_up_ticks;
         self.release();
+        self.path.switch_tool_off();
         ActuatorCommand {
             duty: [0.0; 2],
             enable: [false; 2],
             brake: true,
+            tool: self.path.tool_output(),
         }
     }
 
@@ -210,6 +215,7 @@ impl Controller {
             duty: [0.0; 2],
             enable: [true; 2],
             brake: true,
+            tool: self.path.tool_output(),
         }
     }
 

@@ -163,6 +163,9 @@ impl Controller {
     fn advance(&mut self) -> Result<Limits, Fault> {
         if self.state == State::Armed {
             if self.path.is_empty() {
+                if !self.path.tool_is_off() && self.host_timed_out() {
+                    self.forget_path();
+                }
                 self.setpoint.rest();
                 return Ok(Limits::empty());
             }

@@ -124,8 +124,10 @@ impl Controller {
         }
     }
 
-    /// Drops the path. The new path generation shows the planner that its plan is out of date.
-    fn forget_path(&mut self) {
+    /// Drops the path, and switches the tool off. The new path generation shows the planner that its plan is out of date.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn forget_path(&mut self) {
         self.path_generation = self.path_generation.wrapping_add(1);
         self.path.clear();
     }

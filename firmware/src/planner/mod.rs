@@ -14,10 +14,10 @@ mod check;
 mod error;
 mod supply;
 
-use crate::controller::{Controller, PlanningSnapshot, QUEUED_SEGMENTS, stopping_time};
+use crate::controller::{Controller, PlanningSnapshot, QUEUED_SEGMENTS, least_rest, stopping_time};
 use crate::motion::Move;
 use crate::safety::State;
-use crate::settings::CheckedSettings;
+use crate::settings::{CheckedSettings, ToolOutputSettings};
 use check::CheckedMove;
 use fivebar_kinematics::five_bar::{JointLimits, Side, Workspace};
 use fivebar_kinematics::trajectory::{Envelope, LookaheadPlanner, MotionLimits, TorqueLimits};
@@ -56,7 +56,7 @@ const TORQUE_SHARE: f32 = 0.8;
 /// controller.request(Request::SetAngles([2.2, 0.9]))?; // rad
 /// controller.request(Request::Arm)?;
 ///
-/// let line = |to| Move { tag: 1, kind: MoveKind::Line { to, feed: 0.1 } }; // m, m/s
+/// let line = |to| Move { tag: 1, tool: 0, kind: MoveKind::Line { to, feed: 0.1 } }; // m, m/s
 /// planner.push(&mut controller, &line([0.05, 0.19]))?;
 /// // On the way to a point out of reach, leg 1 becomes too straight.
 /// let refused = planner.push(&mut controller, &line([0.05, 0.50])).unwrap_err();
@@ -72,6 +72,11 @@ pub struct Planner {
     end: Option<End>,
     /// The controller's path generation when the queue was begun.
     path_generation: u32,
+    tool_output: ToolOutputSettings,
+    /// The shortest rest where the tool's output changes [s].
+    least_rest: f32,
+    /// The tool's level at the end of the queue.
+    level: u16,
     /// Time of path that the controller should have queued [s].
     horizon: f32,
     /// Tags of the latest moves that go slower than requested.
@@ -118,6 +123,9 @@ impl Planner {
             end: None,
             path_generation: 0,
             slowed: HistoryBuf::new(),
+            tool_output: settings.tool_output,
+            least_rest: least_rest(settings),
+            level: 0,
             horizon: RESERVE + 0.5 * stopping_time(settings),
         }
     }
@@ -144,13 +152,15 @@ impl Planner {
             return Err(refuse(MoveErrorKind::Full));
         }
         let (checked, end) = self.check_move(start, next)?;
-        self.append(next.tag, &checked, start)?;
+        self.append(next, &checked, start)?;
         self.end = Some(end);
         Ok(())
     }
 
     /// Appends a checked move to the queue.
-    fn append(&mut self, tag: u32, checked: &CheckedMove, start: End) -> Result<(), MoveError> {
+    fn append(&mut self, next: &Move, checked: &CheckedMove, start: End) -> Result<(), MoveError> {
+        let tag = next.tag;
+        self.set_tool_level(next, checked, start)?;
         let appended = match checked {
             CheckedMove::Nowhere => Ok(()),
             CheckedMove::Path {
@@ -181,6 +191,36 @@ impl Planner {
         Ok(())
     }
 
+    /// Sets the tool's output for the next move. Where a servo or a switch changes, the arm rests
+    /// until it has settled. Together with the rest, no move takes more room than a move with a
+    /// rounded corner.
+    fn set_tool_level(
+        &mut self,
+        next: &Move,
+        checked: &CheckedMove,
+        start: End,
+    ) -> Result<(), MoveError> {
+        let output_at = |level| {
+            let speed = match checked {
+                CheckedMove::Path { feed, .. } => *feed,
+                CheckedMove::Joint { motion_limits, .. } => motion_limits.speed,
+                CheckedMove::Nowhere | CheckedMove::Dwell { .. } => 1.0,
+            };
+            self.tool_output.output(level, speed)
+        };
+        let output = output_at(next.tool);
+        let changes = output != output_at(self.level);
+        self.lookahead.set_tool_output(output);
+        if changes && self.tool_output.waits() {
+            let time = self.tool_output.settle_time(self.level, next.tool);
+            self.lookahead
+                .push_dwell(start.tool, time.max(self.least_rest), next.tag)
+                .map_err(|error| MoveError::new(next.tag, error.into()))?;
+        }
+        self.level = next.tool;
+        Ok(())
+    }
+
     /// The number of further moves for which there is room.
     pub fn free_slots(&self) -> usize {
         self.lookahead.free_slots()
@@ -197,6 +237,8 @@ impl Planner {
             self.path_generation = snapshot.path_generation;
             self.lookahead = LookaheadPlanner::new();
             self.end = None;
+            // The controller has switched the tool off.
+            self.level = 0;
         }
         if self.end.is_none() {
             self.envelope.workspace.mode = snapshot.working_mode;

@@ -30,4 +30,4 @@ pub use step_result::StepResult;
 /// Version of everything in this module. Both ends must have the same; [`HostCommand::Hello`]
 /// and [`CommandError::Version`] keep their bytes in every version, so that two ends of
 /// different versions can find out.
-pub const VERSION: u16 = 1;
+pub const VERSION: u16 = 2;

@@ -2,7 +2,7 @@
 
 use crate::settings::{
     AxisSettings, ControlSettings, HomingSettings, LinkSettings, MotionSettings,
-    ProtectionSettings, Settings,
+    ProtectionSettings, Settings, ToolOutputSettings,
 };
 use serde::{Deserialize, Serialize};
 
@@ -33,6 +33,8 @@ pub enum SectionKey {
     Assembly,
     /// The search for the home switches.
     Homing,
+    /// The output for a tool.
+    ToolOutput,
 }
 
 /// A section with its value; units as in [`Settings`].
@@ -62,11 +64,13 @@ pub enum Section {
     Assembly(bool),
     /// [`Settings::homing`].
     Homing(HomingSettings),
+    /// [`Settings::tool_output`].
+    ToolOutput(ToolOutputSettings),
 }
 
 impl SectionKey {
     /// Every section. Together they are the whole settings.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::Lengths,
         Self::Link(0),
         Self::Link(1),
@@ -83,6 +87,7 @@ impl SectionKey {
         Self::Protection,
         Self::Assembly,
         Self::Homing,
+        Self::ToolOutput,
     ];
 
     /// This section of `settings`; `None` if there is no such link or axis.
@@ -100,6 +105,7 @@ impl SectionKey {
             Self::Protection => Section::Protection(settings.protection),
             Self::Assembly => Section::Assembly(settings.assembly_left),
             Self::Homing => Section::Homing(settings.homing),
+            Self::ToolOutput => Section::ToolOutput(settings.tool_output),
         })
     }
 }
@@ -122,6 +128,7 @@ impl Section {
             Self::Protection(value) => settings.protection = value,
             Self::Assembly(value) => settings.assembly_left = value,
             Self::Homing(value) => settings.homing = value,
+            Self::ToolOutput(value) => settings.tool_output = value,
         }
         Some(())
     }

@@ -4,7 +4,7 @@
 
 use super::{
     AxisSettings, ControlSettings, HomingSettings, LinkSettings, MotionSettings,
-    ProtectionSettings, Settings,
+    ProtectionSettings, Settings, ToolOutputSettings,
 };
 
 const CRANK: LinkSettings = LinkSettings {
@@ -94,5 +94,6 @@ impl Settings {
             bus_voltage_per_code: 48.0 / 4096.0,
             command_timeout: 0.1,
         },
+        tool_output: ToolOutputSettings::None,
     };
 }

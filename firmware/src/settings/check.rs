@@ -131,6 +131,9 @@ impl Settings {
         if let Some(field) = self.broken_field() {
             return Err(SettingsError::Field(field));
         }
+        if let Some(field) = self.tool_output.broken_field() {
+            return Err(SettingsError::Field(field));
+        }
         let arm = self.arm()?;
         let tool = self.tool(&arm)?;
         Ok(CheckedSettings {

@@ -58,6 +58,10 @@ pub enum Field {
     BusVoltage,
     BusVoltagePerCode,
     CommandTimeout,
+    ToolPulseWidth,
+    ToolFrameRate,
+    ToolSettleTime,
+    ToolFrequency,
 }
 
 /// Why settings are refused.
@@ -171,6 +175,16 @@ impl Field {
                 "protection.command_timeout",
                 "must last at least one tick and at most 60 s",
             ),
+            Self::ToolPulseWidth => (
+                "tool_output: up_width and down_width",
+                "must differ, lie in 0.0001 to 0.005 s, and take 90 % of a frame at most",
+            ),
+            Self::ToolFrameRate => ("tool_output.frame_rate", "must lie in 40 to 400 Hz"),
+            Self::ToolSettleTime => (
+                "tool_output: down_time and up_time",
+                "must lie in 0 to 10 s",
+            ),
+            Self::ToolFrequency => ("tool_output.frequency", "must lie in 10 to 100 000 Hz"),
         }
     }
 }

@@ -9,12 +9,15 @@ mod check;
 mod checked;
 mod error;
 pub mod range;
+mod tool_output;
 
 use serde::{Deserialize, Serialize};
 
 pub use board::BoardLimits;
 pub use checked::CheckedSettings;
 pub use error::{AxisField, Field, SettingsError};
+pub(crate) use tool_output::rounded;
+pub use tool_output::{ALWAYS, Share, ToolOutputSettings};
 
 /// Inertia of one link, see `fivebar_kinematics::dynamics::Link`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -164,4 +167,6 @@ pub struct Settings {
     pub motion: MotionSettings,
     /// The trip points.
     pub protection: ProtectionSettings,
+    /// The output for a tool.
+    pub tool_output: ToolOutputSettings,
 }

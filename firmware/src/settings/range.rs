@@ -23,5 +23,13 @@ pub const ACCELERATION: [f32; 2] = [1e-3, 1e7];
 pub const CURRENT: [f32; 2] = [1e-4, 1e5];
 /// Time constant of the motor's heating [s].
 pub const HEATING: [f32; 2] = [1e-3, 1e6];
+/// Width of a hobby servo's pulse [s].
+pub const PULSE_WIDTH: [f32; 2] = [1e-4, 5e-3];
+/// Pulses of a hobby servo per second [Hz].
+pub const FRAME_RATE: [f32; 2] = [40.0, 400.0];
+/// Time for which the arm waits while the tool moves [s].
+pub const SETTLE_TIME: [f32; 2] = [0.0, 10.0];
+/// Frequency of a tool's PWM [Hz].
+pub const POWER_FREQUENCY: [f32; 2] = [10.0, 1e5];
 /// Current per ADC code [A].
 pub const CURRENT_PER_CODE: [f32; 2] = [1e-8, 1e3];

@@ -11,4 +11,5 @@ mod homing_again;
 mod independent_joints;
 mod moving;
 mod stopping;
+mod tool;
 mod waking;

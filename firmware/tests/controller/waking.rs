@@ -9,6 +9,7 @@ const WAKING: ActuatorCommand = ActuatorCommand {
     duty: [0.0; 2],
     enable: [true; 2],
     brake: true,
+    tool: 0,
 };
 
 fn homed() -> Rig {

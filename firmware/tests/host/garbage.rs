@@ -166,7 +166,7 @@ fn any_samples_requests_and_moves_keep_the_rules_of_the_tick() {
                     seen.requests.count(controller.request(request).is_ok());
                 }
                 Step::Move(kind) => {
-                    let pushed = planner.push(&mut controller, &Move { tag: 0, kind });
+                    let pushed = planner.push(&mut controller, &Move { tag: 0, tool: 0, kind });
                     seen.moves.count(pushed.is_ok());
                 }
                 Step::Missed(missed_ticks) => {

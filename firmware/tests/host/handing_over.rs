@@ -20,7 +20,7 @@ fn the_room_that_a_host_is_told_is_the_planner_s() {
             other => panic!("{other:?}"),
         }
         let kind = MoveKind::Dwell { duration: 0.5 };
-        match desk.ask(HostCommand::Move(Move { tag, kind })) {
+        match desk.ask(HostCommand::Move(Move { tag, tool: 0, kind })) {
             Reply::Taken { room } => {
                 assert!(room > 1);
                 assert_eq!(usize::from(room), desk.planner.free_slots());

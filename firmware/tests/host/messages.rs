@@ -8,7 +8,8 @@ use fivebar_firmware::protocol::{
 };
 use fivebar_firmware::safety::{Fault, Limits, State};
 use fivebar_firmware::settings::{
-    AxisSettings, ControlSettings, HomingSettings, LinkSettings, MotionSettings, ProtectionSettings,
+    AxisSettings, ControlSettings, HomingSettings, LinkSettings, MotionSettings,
+    ProtectionSettings, ToolOutputSettings,
 };
 use fivebar_firmware::storage::StorageError;
 use fivebar_firmware::{ActuatorCommand, Move, MoveKind, Request, SensorSample, Status};
@@ -46,7 +47,11 @@ pub(crate) fn move_kind(
 }
 
 fn a_move() -> impl Strategy<Value = Move> {
-    (any::<u32>(), move_kind(number())).prop_map(|(tag, kind)| Move { tag, kind })
+    (any::<u32>(), any::<u16>(), move_kind(number())).prop_map(|(tag, tool, kind)| Move {
+        tag,
+        tool,
+        kind,
+    })
 }
 
 fn sensor_sample() -> impl Strategy<Value = SensorSample> {
@@ -165,6 +170,31 @@ pub(crate) fn section() -> impl Strategy<Value = Section> {
                 current: v[2],
             })
         }),
+        tool_output().prop_map(Section::ToolOutput),
+    ]
+}
+
+fn tool_output() -> impl Strategy<Value = ToolOutputSettings> {
+    prop_oneof![
+        Just(ToolOutputSettings::None),
+        prop::array::uniform5(number()).prop_map(|v| ToolOutputSettings::Servo {
+            up_width: v[0],
+            down_width: v[1],
+            frame_rate: v[2],
+            down_time: v[3],
+            up_time: v[4],
+        }),
+        (any::<bool>(), pair()).prop_map(|(active_low, v)| ToolOutputSettings::Switch {
+            active_low,
+            down_time: v[0],
+            up_time: v[1],
+        }),
+        (number(), any::<bool>()).prop_map(|(frequency, scale_with_speed)| {
+            ToolOutputSettings::Power {
+                frequency,
+                scale_with_speed,
+            }
+        }),
     ]
 }
 
@@ -242,13 +272,13 @@ fn status() -> impl Strategy<Value = Status> {
         [prop::option::of(pair()), prop::option::of(pair())],
         prop::option::of(joints),
     );
-    let rest = (number(), any::<Option<u32>>());
+    let rest = (number(), any::<Option<u32>>(), number());
     (discrete, prop::array::uniform6(pair()), places, rest).prop_map(
         |(
             ([tick, missed_ticks], state, fault, limits, homed),
             [angle, velocity, torque, current_demand, current, duty],
             ([tool, reference], joint_reference),
-            (bus_voltage, tag),
+            (bus_voltage, tag, tool_level),
         )| Status {
             tick,
             missed_ticks,
@@ -267,6 +297,7 @@ fn status() -> impl Strategy<Value = Status> {
             duty,
             bus_voltage,
             tag,
+            tool_level,
         },
     )
 }
@@ -289,15 +320,18 @@ fn snapshot() -> impl Strategy<Value = Snapshot> {
 }
 
 fn step_result() -> impl Strategy<Value = StepResult> {
-    (status(), any::<[bool; 3]>(), any::<u32>()).prop_map(|(status, on, instructions)| {
-        let [enable1, enable4, brake] = on;
-        let command = ActuatorCommand {
-            duty: status.duty,
-            enable: [enable1, enable4],
-            brake,
-        };
-        StepResult::new(command, &status, instructions)
-    })
+    (status(), any::<[bool; 3]>(), any::<u16>(), any::<u32>()).prop_map(
+        |(status, on, tool, instructions)| {
+            let [enable1, enable4, brake] = on;
+            let command = ActuatorCommand {
+                duty: status.duty,
+                enable: [enable1, enable4],
+                brake,
+                tool,
+            };
+            StepResult::new(command, &status, instructions)
+        },
+    )
 }
 
 fn move_error() -> impl Strategy<Value = MoveError> {

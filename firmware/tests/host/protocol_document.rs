@@ -6,7 +6,7 @@ use fivebar_firmware::protocol::{
     Board, CommandError, ControllerMessage, Decoder, HostCommand, HostMessage, Identity, Message,
     Reply, Reset, SectionKey, Sequence, encode,
 };
-use fivebar_firmware::{Move, MoveKind, Request, SensorSample};
+use fivebar_firmware::{FULL_TOOL, Move, MoveKind, Request, SensorSample};
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::TestRunner;
 use std::collections::{BTreeMap, BTreeSet};
@@ -70,7 +70,7 @@ fn every_example_is_what_the_library_writes_and_reads() {
             command(
                 1,
                 HostCommand::Hello {
-                    version: 1,
+                    version: 2,
                     session: 7,
                 },
             ),
@@ -82,6 +82,7 @@ fn every_example_is_what_the_library_writes_and_reads() {
                 300,
                 HostCommand::Move(Move {
                     tag: 12,
+                    tool: FULL_TOOL,
                     kind: MoveKind::Line {
                         to: [0.0, 0.125],
                         feed: 0.5,
@@ -113,7 +114,7 @@ fn every_example_is_what_the_library_writes_and_reads() {
             reply(
                 1,
                 Reply::Hello(Identity {
-                    version: 1,
+                    version: 2,
                     board: Board::Stm32f405,
                     firmware: [0, 1, 0],
                     reset: Reset::Watchdog,
@@ -122,7 +123,7 @@ fn every_example_is_what_the_library_writes_and_reads() {
         ),
         (
             "version",
-            reply(1, Reply::Refused(CommandError::Version(1))),
+            reply(1, Reply::Refused(CommandError::Version(2))),
         ),
         ("taken", reply(300, Reply::Taken { room: 15 })),
         (

@@ -17,6 +17,7 @@ use fivebar_firmware::{Move, MoveKind, Request};
 fn dwell(tag: u32) -> HostCommand {
     HostCommand::Move(Move {
         tag,
+        tool: 0,
         kind: MoveKind::Dwell { duration: 0.5 },
     })
 }
@@ -254,6 +255,7 @@ fn line(desk: &Desk, tag: u32) -> HostCommand {
     };
     HostCommand::Move(Move {
         tag,
+        tool: 0,
         kind: MoveKind::Line { to, feed: 0.1 },
     })
 }

@@ -7,4 +7,5 @@ mod rig;
 
 mod bounds;
 mod storage;
+mod tool_output;
 mod values;

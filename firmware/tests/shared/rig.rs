@@ -9,8 +9,9 @@
 
 use fivebar_firmware::controller::{Controller, Request};
 use fivebar_firmware::planner::{MoveError, Planner};
+use fivebar_firmware::safety::State;
 use fivebar_firmware::settings::{AxisSettings, ControlSettings, ProtectionSettings, Settings};
-use fivebar_firmware::{ActuatorCommand, Move, MoveKind, SensorSample};
+use fivebar_firmware::{ActuatorCommand, FULL_TOOL, Move, MoveKind, SensorSample};
 use fivebar_kinematics::dynamics::{Arm, Link};
 use fivebar_kinematics::five_bar::{Geometry, Side};
 use nalgebra::Vector2;
@@ -29,6 +30,7 @@ pub(crate) const OFF: ActuatorCommand = ActuatorCommand {
     duty: [0.0; 2],
     enable: [false; 2],
     brake: true,
+    tool: 0,
 };
 
 /// The benchtop arm with coarser encoders and looser protection.
@@ -239,6 +241,9 @@ impl Rig {
     pub(crate) fn tick_alone(&mut self) -> ActuatorCommand {
         let command = self.controller.tick(&self.bench.sense());
         self.bench.step(&command);
+        let follows = matches!(self.controller.state(), State::Armed | State::Running);
+        let off = self.controller.settings().tool_output.off();
+        assert!(follows || command.tool == off, "the tool is on");
         command
     }
 
@@ -255,9 +260,16 @@ impl Rig {
         }
     }
 
-    /// Gives the planner a move.
+    /// Gives the planner a move with the tool down.
     pub(crate) fn push(&mut self, tag: u32, kind: MoveKind) -> Result<(), MoveError> {
-        self.planner.push(&mut self.controller, &Move { tag, kind })
+        self.planner.push(
+            &mut self.controller,
+            &Move {
+                tag,
+                tool: FULL_TOOL,
+                kind,
+            },
+        )
     }
 
     /// The tool's position as the controller measures it [m].

@@ -187,7 +187,13 @@ impl<S: Scalar, const N: usize> LookaheadPlanner<S, N> {
     }
 
     fn check(&self, limits: &MotionLimits<S>, length: S) -> Result<(), PushError> {
-        if !self.has_free_slot() {
+        // Behind a dwell no corner is rounded, so every move takes one slot.
+        let rests = self
+            .queue
+            .last()
+            .is_some_and(|last| matches!(last.shape, Shape::Rest(_)));
+        let free = N - self.queue.len();
+        if free == 0 || (free == 1 && !rests) {
             return Err(PushError::Full);
         }
         if !(limits.are_valid() && length.is_finite() && length >= S::ZERO) {

@@ -73,6 +73,12 @@ fn a_straight_path_is_not_slowed_where_the_output_changes() {
         let trajectory = planned(&corners, outputs, 1e-4);
         trajectory.iter().map(TrajectorySegment::duration).sum()
     };
-    let (same, alternating) = (time(&[1.0; 8]), time(&[1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0]));
-    assert!((same - alternating).abs() < 1e-9, "{same} s, {alternating} s");
+    let (same, alternating) = (
+        time(&[1.0; 8]),
+        time(&[1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0]),
+    );
+    assert!(
+        (same - alternating).abs() < 1e-9,
+        "{same} s, {alternating} s"
+    );
 }

@@ -75,6 +75,8 @@ class Trace:
     duty: Floats
     #: Whether the torques were limited, shape (N,).
     saturated: NDArray[np.bool_]
+    #: The tool's level as the controller sets it, 0 (up or off) to 1, shape (N,).
+    tool_level: Floats
 
     @property
     def tip_error(self) -> Floats:
@@ -157,7 +159,7 @@ def _run(
         computed_torque=computed_torque,
         mismatch=dict(mismatch or {}),
     )
-    alone = ("time", "line", "saturated")
+    alone = ("time", "line", "saturated", "tool_level")
     trace = {n: c if n in alone else c.reshape(-1, 2) for n, c in columns.items()}
     figures = json.loads(summary)
     del figures["out_dir"]  # nothing is written

@@ -123,6 +123,7 @@ pub fn excite(
             duty,
             enable: [true; 2],
             brake: false,
+            tool: 0,
         };
         plant.step(&command, period);
     }

@@ -304,6 +304,7 @@ fn no_number_in_a_robot_file_makes_the_program_panic_or_hang() {
                         duty: [0.5, -0.5],
                         enable: [true; 2],
                         brake: false,
+                        tool: 0,
                     },
                     1e-4,
                 );

@@ -28,6 +28,7 @@ fn driven_by(duty: [f32; 2]) -> ActuatorCommand {
         duty,
         enable: [true; 2],
         brake: false,
+        tool: 0,
     }
 }
 
@@ -318,6 +319,7 @@ fn brakes_hold_the_unpowered_arm_against_gravity_and_stop_its_motion() {
     );
     let engaged = ActuatorCommand {
         brake: true,
+        tool: 0,
         ..ActuatorCommand::default()
     };
     let start = plant.tool();

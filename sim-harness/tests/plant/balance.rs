@@ -58,6 +58,7 @@ fn command(time: f64) -> ActuatorCommand {
         ],
         enable: [(time % 0.3) > 0.01, true],
         brake: false,
+        tool: 0,
     }
 }
 

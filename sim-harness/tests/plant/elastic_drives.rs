@@ -31,6 +31,7 @@ const OFF: ActuatorCommand = ActuatorCommand {
     duty: [0.0; 2],
     enable: [false; 2],
     brake: false,
+    tool: 0,
 };
 
 /// Frequency [Hz] and damping ratio of an oscillation about zero, from the times of its upward

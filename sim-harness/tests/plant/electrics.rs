@@ -41,6 +41,7 @@ fn driven_by(duty: [f32; 2], enable: [bool; 2]) -> ActuatorCommand {
         duty,
         enable,
         brake: false,
+        tool: 0,
     }
 }
 

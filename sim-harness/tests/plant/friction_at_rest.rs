@@ -28,6 +28,7 @@ fn push(plant: &mut Plant, torque: f64) {
         duty: [(DUTY * torque + emf) as f32, 0.0],
         enable: [true, false],
         brake: false,
+        tool: 0,
     };
     plant.step(&command, TICK);
 }

@@ -25,6 +25,7 @@ fn driven_by(duty: [f32; 2]) -> ActuatorCommand {
         duty,
         enable: [true; 2],
         brake: false,
+        tool: 0,
     }
 }
 

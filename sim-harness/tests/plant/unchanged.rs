@@ -44,6 +44,7 @@ fn digest(robot: &str, mismatch: &Mismatch) -> u64 {
             duty: [-0.06 * sign, 0.04 * sign],
             enable: [tick < 2800; 2],
             brake: tick < 20,
+            tool: 0,
         };
         plant.step(&command, TICK);
         let sample = plant.sense();

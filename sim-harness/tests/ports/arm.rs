@@ -52,7 +52,7 @@ pub(crate) fn moves() -> Vec<Move> {
     ];
     (1..)
         .zip(kinds)
-        .map(|(tag, kind)| Move { tag, kind })
+        .map(|(tag, kind)| Move { tag, tool: 0, kind })
         .collect()
 }
 

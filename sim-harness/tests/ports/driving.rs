@@ -21,6 +21,7 @@ fn long_job() -> Vec<Move> {
     (1..=40)
         .map(|tag| Move {
             tag,
+            tool: 0,
             kind: MoveKind::Line {
                 to: [x + 0.01 * (tag % 2) as f32, y],
                 feed: 0.2,

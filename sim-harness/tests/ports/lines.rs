@@ -104,6 +104,7 @@ fn the_arm_stops_on_its_path_if_the_host_falls_silent() {
         .map(|x| x as f32);
     command(HostCommand::Move(Move {
         tag: 1,
+        tool: 0,
         kind: MoveKind::Line {
             to: [x, y],
             feed: 0.05,

@@ -153,7 +153,11 @@ impl<L: Read + Write> Bench<L> {
     fn a_move(&self) -> HostCommand {
         let [_, to] = ends();
         let kind = MoveKind::Line { to, feed: 0.1 };
-        HostCommand::Move(Move { tag: 1, kind })
+        HostCommand::Move(Move {
+            tag: 1,
+            tool: 0,
+            kind,
+        })
     }
 
     /// Injects a fault now.

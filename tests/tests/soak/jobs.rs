@@ -105,7 +105,7 @@ fn moves(robot: &Robot, random: &mut Rand64) -> Vec<Move> {
             },
         };
         let tag = moves.len() as u32;
-        let next = Move { tag, kind };
+        let next = Move { tag, tool: 0, kind };
         if let Ok(end) = planner.check(tool, &next) {
             tool = end;
             moves.push(next);

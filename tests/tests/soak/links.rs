@@ -68,6 +68,7 @@ fn job() -> Vec<Move> {
     (1..=24)
         .map(|tag| Move {
             tag,
+            tool: 0,
             kind: line(tag),
         })
         .collect()

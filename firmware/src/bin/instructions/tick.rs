@@ -216,6 +216,7 @@ impl<'a> Run<'a> {
         while self.given < self.scenario.count {
             let next = Move {
                 tag: 1,
+                tool: 0,
                 kind: shifted((self.scenario.moves)(self.given), self.start),
             };
             if self.planner.push(&mut self.controller, &next).is_err() {

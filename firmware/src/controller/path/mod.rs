@@ -7,14 +7,17 @@
 //! is therefore extended only when the segments behind it are long enough for a stop.
 
 mod brake;
+mod output;
 mod queue;
 
 use crate::safety::Limits;
+use crate::settings::{Share, rounded};
 use brake::{Brake, TimeScaling};
 use fivebar_kinematics::trajectory::{Reference, TrajectorySegment};
 use queue::PathQueue;
 
 pub(crate) use brake::stopping_time;
+pub(crate) use output::{PathOutput, least_rest};
 pub use queue::QUEUED_SEGMENTS;
 
 /// With this many queued segments or more the planner is not late, even if they are short.
@@ -56,6 +59,7 @@ pub(crate) struct Path {
     least: f32,
     /// [s].
     period: f32,
+    output: PathOutput,
     queue: PathQueue,
 }
 
@@ -70,8 +74,8 @@ pub(crate) struct Step {
 }
 
 impl Path {
-    /// No path; stops will take `stopping_time` [s], ticks `period` [s].
-    pub(crate) fn new(stopping_time: f32, period: f32) -> Self {
+    /// No path, the tool off; stops will take `stopping_time` [s], ticks `period` [s].
+    pub(crate) fn new(stopping_time: f32, period: f32, output: PathOutput) -> Self {
         Self {
             stopping_time,
             least: 0.5 * stopping_time + 2.0 * period,
@@ -80,14 +84,16 @@ impl Path {
             offset: 0.0,
             committed_left: 0.0,
             brake: None,
+            output,
             queue: PathQueue::new(),
         }
     }
 
-    /// Drops all segments.
+    /// Drops all segments, and switches the tool off.
     pub(crate) fn clear(&mut self) {
         self.queue.clear();
         self.finish();
+        self.output.switch_off();
     }
 
     /// Drops the committed segments.
@@ -97,6 +103,23 @@ impl Path {
         self.committed_left = 0.0;
         self.brake = None;
         self.queue.finish();
+        self.output.end();
+    }
+
+    /// The output of the tool.
+    #[inline(always)]
+    pub(crate) fn tool_output(&self) -> Share {
+        self.output.now()
+    }
+
+    /// Whether the tool is off or up.
+    pub(crate) fn tool_is_off(&self) -> bool {
+        self.output.is_off()
+    }
+
+    /// Switches the tool off, until the arm goes on along a path.
+    pub(crate) fn switch_tool_off(&mut self) {
+        self.output.switch_off();
     }
 
     /// Whether the queue is full.
@@ -158,9 +181,10 @@ impl Path {
         }
     }
 
-    /// Begins a stop. It is shorter than T where a path that ends in motion is too short for T.
+    /// Begins a stop, with the tool off. It is shorter than T where a path that ends in motion is too short for T.
     #[cold]
     pub(crate) fn brake(&mut self) {
+        self.output.switch_off();
         if self.brake.is_none() {
             let mut time = self.stopping_time;
             if self.committed_left < self.least && self.queue.ends_in_motion() {
@@ -212,11 +236,14 @@ impl Path {
         }
         self.committed_left = duration - time + self.queue.behind(first);
         let mut path_state = first.queued.segment.path_state(time);
-        if let Some(TimeScaling {
-            sigma, sigma_dot, ..
-        }) = scaling
-        {
-            path_state = path_state.time_scaled(sigma, sigma_dot);
+        match scaling {
+            Some(TimeScaling {
+                sigma, sigma_dot, ..
+            }) => path_state = path_state.time_scaled(sigma, sigma_dot),
+            None => {
+                let output = first.queued.segment.tool_output();
+                self.output.step(rounded(output.at(path_state.s_dot)));
+            }
         }
         Some(Step {
             at_rest: ended || scaling.is_some_and(|scaling| scaling.complete),

@@ -1,14 +1,20 @@
 //! The time along the path over hours, stops and thousands of segments.
 
 use super::*;
+use crate::Settings;
 use fivebar_kinematics::trajectory::{LookaheadPlanner, MotionLimits};
 use nalgebra::Vector2;
 
 const PERIOD: f32 = 1e-4;
 const STOPPING_TIME: f32 = 0.1;
 
+fn no_path() -> Path {
+    let settings = Settings::BENCHTOP.check().unwrap();
+    Path::new(STOPPING_TIME, PERIOD, PathOutput::new(&settings))
+}
+
 fn path_of(lookahead: &mut LookaheadPlanner<f32, 4>) -> Path {
-    let mut path = Path::new(STOPPING_TIME, PERIOD);
+    let mut path = no_path();
     while let Some(segment) = lookahead.next_segment() {
         path.push(queued(segment));
     }
@@ -147,7 +153,7 @@ fn the_time_left_is_that_of_the_segments_after_any_number_of_them() {
 /// Segments shorter than a tick: a tick passes two, and the path waits for the next tick.
 #[test]
 fn segments_shorter_than_a_tick_are_passed_two_at_a_time() {
-    let mut path = Path::new(STOPPING_TIME, PERIOD);
+    let mut path = no_path();
     for tag in 0..6 {
         let mut lookahead = LookaheadPlanner::<f32, 4>::new();
         lookahead
@@ -180,12 +186,12 @@ fn segment(duration: f32, open: bool) -> QueuedSegment {
 #[test]
 fn a_path_that_ends_in_motion_begins_when_it_lasts_longer_than_a_stop() {
     for (duration, begins) in [(0.001, false), (0.0695, false), (0.0707, true)] {
-        let mut path = Path::new(STOPPING_TIME, PERIOD);
+        let mut path = no_path();
         path.push(segment(duration, true));
         assert_eq!(path.is_enough(), begins, "{duration} s");
         assert_eq!(path.step().is_some(), begins, "{duration} s");
     }
-    let mut path = Path::new(STOPPING_TIME, PERIOD);
+    let mut path = no_path();
     path.push(segment(0.001, false));
     assert!(path.step().is_some(), "a path that ends at rest");
 }
@@ -193,7 +199,7 @@ fn a_path_that_ends_in_motion_begins_when_it_lasts_longer_than_a_stop() {
 #[test]
 fn a_path_runs_short_when_a_stop_needs_all_that_is_left_of_it() {
     for (left, short) in [(0.0497, true), (0.0507, false)] {
-        let mut path = Path::new(STOPPING_TIME, PERIOD);
+        let mut path = no_path();
         path.push(segment(0.1, true));
         let passed = ((0.1 - left) / 1e-4) as u32;
         for _ in 0..passed {
@@ -208,7 +214,7 @@ fn a_path_that_ends_at_rest_or_stops_never_runs_short() {
     let mut at_rest = dwell(0.01);
     at_rest.step().expect("a path");
     assert!(!at_rest.runs_short());
-    let mut stopping = Path::new(STOPPING_TIME, PERIOD);
+    let mut stopping = no_path();
     stopping.push(segment(0.1, true));
     for _ in 0..600 {
         stopping.step().expect("a path");
@@ -220,7 +226,7 @@ fn a_path_that_ends_at_rest_or_stops_never_runs_short() {
 
 #[test]
 fn the_time_left_counts_every_pushed_segment_once() {
-    let mut path = Path::new(STOPPING_TIME, PERIOD);
+    let mut path = no_path();
     assert_eq!(path.left(), 0.0);
     for (number, open) in [(1_u8, false), (2, true), (3, true), (4, false)] {
         path.push(segment(0.01, open));
@@ -233,7 +239,7 @@ fn the_time_left_counts_every_pushed_segment_once() {
 
 #[test]
 fn a_path_is_full_after_as_many_segments_as_it_has_room_for() {
-    let mut path = Path::new(STOPPING_TIME, PERIOD);
+    let mut path = no_path();
     for _ in 0..QUEUED_SEGMENTS {
         assert!(!path.is_full());
         path.push(segment(0.0001, true));
@@ -248,7 +254,7 @@ fn a_path_is_full_after_as_many_segments_as_it_has_room_for() {
 #[test]
 fn a_stop_on_a_path_too_short_for_it_ends_before_the_path_does() {
     for (left, ticks) in [(0.03, 596), (0.003, 56), (0.0007, 10), (0.0003, 2)] {
-        let mut path = Path::new(STOPPING_TIME, PERIOD);
+        let mut path = no_path();
         path.push(segment(0.1, true));
         for _ in 0..((0.1 - left) / 1e-4_f64).round() as u32 {
             path.step().expect("a path");
@@ -290,7 +296,7 @@ fn the_acceleration_of_a_stop_is_the_change_of_its_rate() {
 #[test]
 fn a_stop_takes_two_ticks_at_least() {
     for left in [0.0002, 0.0001] {
-        let mut path = Path::new(STOPPING_TIME, PERIOD);
+        let mut path = no_path();
         path.push(segment(0.1, true));
         for _ in 0..((0.1 - left) / 1e-4_f64).round() as u32 {
             path.step().expect("a path");

@@ -41,6 +41,7 @@ fn a_duty_of_either_joint_that_is_not_a_number_switches_off_in_its_tick() {
                 duty: [0.0; 2],
                 enable: [false; 2],
                 brake: true,
+                tool: 0,
             }
         );
         assert_eq!(controller.status().fault, Some(Fault::NotANumber));

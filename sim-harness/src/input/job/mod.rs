@@ -22,7 +22,7 @@ pub use options::{Dialect, JobOptions};
 pub use text::{read, read_from};
 pub use tool::ToolWords;
 
-use fivebar_firmware::{Move, MoveKind};
+use fivebar_firmware::{FULL_TOOL, Move, MoveKind};
 
 /// The placement of a job in the frame of the base.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -194,6 +194,7 @@ impl Job {
         let single = |[x, y]: [f64; 2]| [x as f32, y as f32];
         self.steps.iter().map(move |step| Move {
             tag: step.line,
+            tool: tool_level(step.tool),
             kind: match step.action {
                 Action::Line { to, feed } => MoveKind::Line {
                     to: single(to),
@@ -235,4 +236,10 @@ fn drawing(text: &str, placement: &Placement, options: &JobOptions) -> Result<Jo
 fn drawing(_: &str, _: &Placement, _: &JobOptions) -> Result<Job, JobError> {
     let reason = "the file is XML, and SVG is read only with the feature `program`";
     Err(JobError::Svg(reason.into()))
+}
+
+/// The level of a move for a tool's share, 0 to 1. A tool that is on stays on.
+fn tool_level(share: f64) -> u16 {
+    let level = (share * f64::from(FULL_TOOL)).round() as u16;
+    if share > 0.0 { level.max(1) } else { 0 }
 }

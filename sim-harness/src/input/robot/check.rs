@@ -6,7 +6,7 @@ use super::value::{
     LEAST_ACCELERATION, LEAST_INERTIA, LEAST_JERK, LEAST_MASS, LEAST_SPEED, LONGEST, POSITIVE,
     SHORTEST, at_least, finite, increasing, near, not_negative, positive, sized,
 };
-use super::{Actuator, Robot, consistency, drive, tolerance};
+use super::{Actuator, Robot, consistency, drive, tolerance, tool_output};
 use crate::input::source::{FileError, Key, Source};
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::dynamics::{Arm, Link};
@@ -78,6 +78,7 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
         home,
         actuators,
         tool: file.tool,
+        tool_output: tool_output::read(&source, &file.tool_output)?,
         limits: file.limits,
         motion: file.motion,
         control: file.control.given(),

@@ -2,6 +2,7 @@
 //!
 //! All values are in SI units and radians. Unknown keys are refused.
 
+use super::tool_output::ToolOutputFile;
 use fivebar_plant::contact::Contact;
 use fivebar_plant::{Encoder, EncoderSide, Harmonics, Motor, Transmission};
 use serde::Deserialize;
@@ -24,6 +25,8 @@ pub(super) struct RobotFile {
     pub(super) actuator: Vec<Actuator>,
     #[serde(default)]
     pub(super) tool: Tool,
+    #[serde(default)]
+    pub(super) tool_output: ToolOutputFile,
     #[serde(default)]
     pub(super) limits: Limits,
     #[serde(default)]

@@ -14,6 +14,7 @@ mod settings;
 mod slider;
 mod template;
 mod tolerance;
+mod tool_output;
 mod value;
 mod workspace;
 
@@ -29,6 +30,7 @@ pub use workspace::WorkspaceError;
 use crate::input::source::{FileError, Key, Source};
 use crate::input::text_file;
 use fivebar_design::accuracy::five_bar::{ArmTolerance, TolerancedArm};
+use fivebar_firmware::settings::ToolOutputSettings;
 use fivebar_kinematics::dynamics::Arm;
 use fivebar_kinematics::five_bar::{Geometry, WorkingMode};
 use fivebar_plant::contact::Contact;
@@ -64,6 +66,8 @@ pub struct Robot {
     pub actuators: Option<[Actuator; 2]>,
     /// The tool on link 2.
     pub tool: Tool,
+    /// The output for the tool.
+    pub tool_output: ToolOutputSettings,
     /// The joints' limits.
     pub limits: Limits,
     /// The tool's limits.

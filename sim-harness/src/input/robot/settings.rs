@@ -75,6 +75,7 @@ impl Robot {
                 bus_voltage_per_code: single(self.voltage_per_code()),
                 command_timeout: single(protection.command_timeout),
             },
+            tool_output: self.tool_output,
         })
     }
 

@@ -4,7 +4,7 @@ use super::{Target, TargetError};
 use fivebar_firmware::controller::{Controller, Request};
 use fivebar_firmware::planner::{MoveErrorKind, Planner};
 use fivebar_firmware::safety::State;
-use fivebar_firmware::settings::SettingsError;
+use fivebar_firmware::settings::{SettingsError, Share};
 use fivebar_firmware::{ActuatorCommand, Move, SensorSample, Settings, Status};
 
 /// The firmware's controller and planner, called directly.
@@ -24,6 +24,13 @@ impl InProcess {
             controller: Controller::new(&settings),
             planner: Planner::new(&settings),
         })
+    }
+}
+
+impl InProcess {
+    /// The level, as a share, that an output of the tool stands for.
+    pub(super) fn tool_level(&self, output: Share) -> f32 {
+        self.controller.settings().tool_output.level(output)
     }
 }
 

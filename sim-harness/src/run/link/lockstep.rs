@@ -173,6 +173,7 @@ impl<L: Read + Write> Target for Lockstep<L> {
             velocity: there.velocity,
             tool: there.tool,
             current_demand: there.current_demand,
+            tool_level: self.twin.tool_level(there.command.tool),
             ..status
         };
         Ok((there.command, status))
@@ -243,11 +244,21 @@ fn difference(here: &StepResult, there: &StepResult) -> Option<(&'static str, St
             fault,
             ..
         } = *result;
-        (command.enable, command.brake, tick, state, fault)
+        let ActuatorCommand {
+            enable,
+            brake,
+            tool,
+            ..
+        } = command;
+        (enable, brake, tool, tick, state, fault)
     };
     if discrete(here) != discrete(there) {
         let show = |result| format!("{:?}", discrete(result));
-        return Some(("enable, brake, tick, state, fault", show(here), show(there)));
+        return Some((
+            "enable, brake, tool, tick, state, fault",
+            show(here),
+            show(there),
+        ));
     }
     if tool(here) != tool(there) {
         return Some((

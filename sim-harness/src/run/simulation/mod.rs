@@ -19,7 +19,7 @@ use crate::input::robot::{HomeError, MissingMasses, robot_file_message};
 use crate::input::scenario::{Scenario, ScenarioError};
 use crate::run::link::{InProcess, Target, TargetError};
 use fivebar_firmware::settings::SettingsError;
-use fivebar_firmware::{Move, Planner};
+use fivebar_firmware::{Move, MoveKind, Planner};
 use fivebar_plant::contact::ClearanceError;
 use fivebar_plant::{MismatchError, Plant, WornJoints};
 use std::time::Instant;
@@ -72,9 +72,22 @@ pub enum RunError {
 const BEFORE_HOME: f64 = 0.1;
 
 impl Scenario {
-    /// The job as moves for the planner.
+    /// The job as moves for the planner. A servo or a switch that the job leaves on is switched off
+    /// at its end.
     pub fn moves(&self, job: &Job) -> Vec<Move> {
-        job.moves(self.robot.motion.max_speed).collect()
+        let mut moves: Vec<Move> = job.moves(self.robot.motion.max_speed).collect();
+        if let Some(last) = moves.last().filter(|last| last.tool > 0)
+            && self.robot.tool_output.waits()
+        {
+            let kind = MoveKind::Dwell { duration: 0.0 };
+            let lift = Move {
+                tag: last.tag,
+                tool: 0,
+                kind,
+            };
+            moves.push(lift);
+        }
+        moves
     }
 
     /// Checks all moves of the job against the arm's envelope, before anything moves.

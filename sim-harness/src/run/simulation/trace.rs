@@ -31,6 +31,8 @@ pub struct Sample {
     pub current: [f64; 2],
     /// Duties of the bridges, −1…1.
     pub duty: [f64; 2],
+    /// The tool's level as the controller sets it: 0 is up or off, 1 is down or full power.
+    pub tool_level: f64,
     /// Whether the torques were limited.
     pub saturated: bool,
 }
@@ -54,6 +56,7 @@ impl Sample {
             current_set_point: double(status.current_demand),
             current: double(status.current),
             duty: double(status.duty),
+            tool_level: f64::from(status.tool_level),
             saturated: status.limits.contains(Limits::TORQUE)
                 || status.limits.contains(Limits::VOLTAGE),
         })

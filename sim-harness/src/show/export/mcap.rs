@@ -30,8 +30,16 @@ const CHANNELS: [Channel; 5] = [
             ("reference_x", "m"),
             ("reference_y", "m"),
             ("error", "m"),
+            ("level", "1"),
         ],
-        values: |s| [s.tool.as_slice(), &s.reference, &[s.tip_error()]].concat(),
+        values: |s| {
+            [
+                s.tool.as_slice(),
+                &s.reference,
+                &[s.tip_error(), s.tool_level],
+            ]
+            .concat()
+        },
     },
     Channel {
         topic: "/joints",

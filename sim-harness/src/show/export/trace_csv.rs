@@ -3,7 +3,7 @@
 use super::table::Table;
 use crate::run::simulation::{Sample, Trace};
 
-const HEADER: [&str; 23] = [
+const HEADER: [&str; 24] = [
     "time_s",
     "line",
     "reference_x_m",
@@ -27,6 +27,7 @@ const HEADER: [&str; 23] = [
     "duty1",
     "duty4",
     "saturated",
+    "tool_level",
 ];
 
 /// The samples as comma-separated values with a header line.
@@ -37,7 +38,9 @@ pub fn trace_csv(trace: &Trace) -> String {
         let figures = pairs(sample).into_iter().flatten();
         let figures = figures.map(|figure| format!("{figure:.9}"));
         let saturated = u8::from(sample.saturated).to_string();
-        table.push(instant.into_iter().chain(figures).chain([saturated]));
+        let level = format!("{:.5}", sample.tool_level);
+        let last = [saturated, level];
+        table.push(instant.into_iter().chain(figures).chain(last));
     }
     table.into_text()
 }
@@ -71,13 +74,17 @@ mod tests {
                 time: f64::from(tick) * 1e-4,
                 duty: [0.25, -0.5],
                 saturated: true,
+                tool_level: 0.5,
                 ..Sample::default()
             });
         }
         let csv = trace_csv(&trace);
         let columns: Vec<usize> = csv.lines().map(|line| line.split(',').count()).collect();
-        assert_eq!(columns, [23; 4]);
+        assert_eq!(columns, [24; 4]);
         let last = csv.lines().last().unwrap();
-        assert!(last.starts_with("0.0002000,0,") && last.ends_with("0.250000000,-0.500000000,1"));
+        assert!(
+            last.starts_with("0.0002000,0,")
+                && last.ends_with("0.250000000,-0.500000000,1,0.50000")
+        );
     }
 }

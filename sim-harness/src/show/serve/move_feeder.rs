@@ -127,7 +127,11 @@ impl MoveFeeder {
         }
         // A target waits until the queue is nearly empty, so that the latest one is sent.
         let kind = self.target.filter(|_| room + 1 >= self.empty)?;
-        Some(Move { tag: 0, kind })
+        Some(Move {
+            tag: 0,
+            tool: 0,
+            kind,
+        })
     }
 
     /// Records that the controller has accepted the move.

@@ -150,9 +150,10 @@ impl RunReport<'_> {
         }
     }
 
-    /// Whether the tool draws at a sample; without a job it always does.
+    /// Whether the tool is down or on at a sample, by the controller's output. Without a job every
+    /// sample counts.
     fn draws(&self, sample: &Sample) -> bool {
-        self.job.is_none_or(|job| job.draws(sample.line))
+        self.job.is_none() || sample.tool_level > 0.0
     }
 }
 

@@ -39,7 +39,7 @@ export class Drawing {
       this.#canvas.dataset[name] = this.pixel(point);
     }
     if (!state.tool) return;
-    this.#trail.push(state.tool);
+    this.#trail.push({ at: state.tool, down: state.tool_level > 0 });
     if (this.#trail.length > TRAIL) this.#trail.shift();
   }
 
@@ -81,10 +81,22 @@ export class Drawing {
     context.lineCap = context.lineJoin = "round";
     this.#map.draw(context, (point) => this.pixel(point), (...line) => this.#line(...line));
     this.#drawJob();
-    this.#line(this.#trail, "--good", 2);
+    this.#drawTrail();
     if (this.#state?.joints) this.#drawArm(this.#state);
     else this.#drawHome();
     this.#drawBar(height);
+  }
+
+  // The trail: strong where the tool was down or on, faint elsewhere.
+  #drawTrail() {
+    let from = 0;
+    for (let to = 1; to <= this.#trail.length; to += 1) {
+      const { down } = this.#trail[from];
+      if (this.#trail[to]?.down === down) continue;
+      const points = this.#trail.slice(from, to + 1).map(({ at }) => at);
+      this.#line(points, down ? "--good" : "--quiet", down ? 2 : 1);
+      from = to;
+    }
   }
 
   #drawJob() {

@@ -1,0 +1,138 @@
+//! `[tool_output]`: the output for a tool.
+
+use crate::input::source::{FileError, Key, Source};
+use fivebar_firmware::settings::ToolOutputSettings;
+use fivebar_firmware::settings::range::{FRAME_RATE, POWER_FREQUENCY, PULSE_WIDTH, SETTLE_TIME};
+use serde::Deserialize;
+
+const SECTION: &str = "tool_output";
+
+/// Greatest part of a frame that a pulse may take.
+const LONGEST_PULSE: f64 = 0.9;
+
+/// The section as written. Which keys it needs depends on its `kind`.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(super) struct ToolOutputFile {
+    kind: Option<String>,
+    up_width: Option<f64>,
+    down_width: Option<f64>,
+    frame_rate: Option<f64>,
+    down_time: Option<f64>,
+    up_time: Option<f64>,
+    active_low: Option<bool>,
+    frequency: Option<f64>,
+    scale_with_speed: Option<bool>,
+}
+
+/// The keys of each kind.
+const KINDS: [(&str, &[&str]); 3] = [
+    (
+        "servo",
+        &[
+            "up_width",
+            "down_width",
+            "frame_rate",
+            "down_time",
+            "up_time",
+        ],
+    ),
+    ("switch", &["active_low", "down_time", "up_time"]),
+    ("power", &["frequency", "scale_with_speed"]),
+];
+
+impl ToolOutputFile {
+    /// The names of the keys that are given.
+    fn given(&self) -> impl Iterator<Item = &'static str> {
+        [
+            ("up_width", self.up_width.is_some()),
+            ("down_width", self.down_width.is_some()),
+            ("frame_rate", self.frame_rate.is_some()),
+            ("down_time", self.down_time.is_some()),
+            ("up_time", self.up_time.is_some()),
+            ("active_low", self.active_low.is_some()),
+            ("frequency", self.frequency.is_some()),
+            ("scale_with_speed", self.scale_with_speed.is_some()),
+        ]
+        .into_iter()
+        .filter_map(|(name, is_given)| is_given.then_some(name))
+    }
+}
+
+/// Checks the section.
+pub(super) fn read(
+    source: &Source<'_>,
+    file: &ToolOutputFile,
+) -> Result<ToolOutputSettings, FileError> {
+    let refuse = |name, reason: String| Err(source.refuse(Key::In(SECTION, name), reason));
+    let Some(kind) = file.kind.as_deref() else {
+        return match file.given().next() {
+            None => Ok(ToolOutputSettings::None),
+            Some(_) => refuse(
+                "kind",
+                "is missing: \"servo\", \"switch\" or \"power\"".into(),
+            ),
+        };
+    };
+    let Some((_, keys)) = KINDS.iter().find(|(name, _)| *name == kind) else {
+        let reason = format!("must be \"servo\", \"switch\" or \"power\", not \"{kind}\"");
+        return refuse("kind", reason);
+    };
+    if let Some(stray) = file.given().find(|name| !keys.contains(name)) {
+        let reason = format!(
+            "is no key of kind \"{kind}\", which has {}",
+            keys.join(", ")
+        );
+        return refuse(stray, reason);
+    }
+    let number =
+        |name, value: Option<f64>, default: Option<f64>, [least, greatest]: [f32; 2], unit| {
+            let Some(value) = value.or(default) else {
+                let reason = format!("is missing: kind \"{kind}\" needs it");
+                return Err(source.refuse(Key::In(SECTION, name), reason));
+            };
+            // As the controller compares them, in single precision.
+            if (least..=greatest).contains(&(value as f32)) {
+                return Ok(value as f32);
+            }
+            let reason = format!("must be {least:?} to {greatest:?} {unit}, not {value:?}");
+            Err(source.refuse(Key::In(SECTION, name), reason))
+        };
+    let settle = |name, value| number(name, value, None, SETTLE_TIME, "s");
+    Ok(match kind {
+        "servo" => {
+            let frame_rate = number("frame_rate", file.frame_rate, Some(50.0), FRAME_RATE, "Hz")?;
+            let width = |name, value| {
+                let width = number(name, value, None, PULSE_WIDTH, "s")?;
+                let longest = LONGEST_PULSE / f64::from(frame_rate);
+                if f64::from(width) > longest * (1.0 - 1e-6) {
+                    let reason =
+                        format!("must be at most {longest:.2e} s, 90 % of a frame, not {width:?}");
+                    return Err(source.refuse(Key::In(SECTION, name), reason));
+                }
+                Ok(width)
+            };
+            let up_width = width("up_width", file.up_width)?;
+            let down_width = width("down_width", file.down_width)?;
+            if up_width == down_width {
+                return refuse("down_width", "must not be the same as `up_width`".into());
+            }
+            ToolOutputSettings::Servo {
+                up_width,
+                down_width,
+                frame_rate,
+                down_time: settle("down_time", file.down_time)?,
+                up_time: settle("up_time", file.up_time)?,
+            }
+        }
+        "switch" => ToolOutputSettings::Switch {
+            active_low: file.active_low.unwrap_or(false),
+            down_time: settle("down_time", file.down_time)?,
+            up_time: settle("up_time", file.up_time)?,
+        },
+        _ => ToolOutputSettings::Power {
+            frequency: number("frequency", file.frequency, None, POWER_FREQUENCY, "Hz")?,
+            scale_with_speed: file.scale_with_speed.unwrap_or(false),
+        },
+    })
+}
