@@ -97,7 +97,7 @@ fn run(mut far: TTYPort, _near: &TTYPort, ends: &AtomicBool) {
 #[test]
 fn over_a_slow_port_an_emergency_stop_waits_for_one_round_trip_at_most() {
     let board = Board::start();
-    let server = Server::start(&["--port", &board.port]);
+    let server = Server::start_alone(&["--port", &board.port]);
     let times = stops_under_load(&server, &json!({ "request": "home" }), &[0, 0, 0]);
     eprintln!("emergency stops over a slow port took {times:.3?}");
     let mut times: Vec<f64> = times.iter().map(|time| time.controller).collect();
@@ -110,7 +110,7 @@ fn over_a_slow_port_an_emergency_stop_waits_for_one_round_trip_at_most() {
 #[test]
 fn over_a_slow_port_the_arm_rests_within_700_ms_after_its_page_is_lost() {
     let board = Board::start();
-    let server = Server::start(&["--port", &board.port]);
+    let server = Server::start_alone(&["--port", &board.port]);
     let mut watcher = server.page();
     let mut page = server.page();
     page.take_control_and_arm();

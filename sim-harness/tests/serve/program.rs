@@ -4,24 +4,46 @@ use serde_json::{Value, json};
 use std::io::{BufRead as _, BufReader, ErrorKind, Read as _, Write as _};
 use std::net::TcpStream;
 use std::process::{Child, Command, Stdio};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 use std::time::{Duration, Instant};
 use tungstenite::client::IntoClientRequest as _;
 use tungstenite::http::HeaderValue;
 use tungstenite::{Error, Message, WebSocket};
 
-/// `fivebar serve`, which ends when this value is dropped. One at a time: the tests measure times.
+/// `fivebar serve`, which ends when this value is dropped.
 pub(crate) struct Server {
     child: Child,
     pub(crate) host: String,
     token: String,
-    _alone: MutexGuard<'static, ()>,
+    _turn: Turn,
 }
+
+/// Servers that run together, or one alone.
+enum Turn {
+    Together {
+        _guard: RwLockReadGuard<'static, ()>,
+    },
+    Alone {
+        _guard: RwLockWriteGuard<'static, ()>,
+    },
+}
+
+static TURNS: RwLock<()> = RwLock::new(());
 
 impl Server {
     pub(crate) fn start(options: &[&str]) -> Self {
-        static ALONE: Mutex<()> = Mutex::new(());
-        let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+        let _guard = TURNS.read().unwrap_or_else(PoisonError::into_inner);
+        Self::spawn(options, Turn::Together { _guard })
+    }
+
+    /// Starts it when no other one runs: for an arm in the test's own process, which has to keep
+    /// up with real time.
+    pub(crate) fn start_alone(options: &[&str]) -> Self {
+        let _guard = TURNS.write().unwrap_or_else(PoisonError::into_inner);
+        Self::spawn(options, Turn::Alone { _guard })
+    }
+
+    fn spawn(options: &[&str], turn: Turn) -> Self {
         let mut child = Command::new(env!("CARGO_BIN_EXE_fivebar"))
             .args(["serve", "--listen", "127.0.0.1:0"])
             .args(options)
@@ -39,7 +61,7 @@ impl Server {
             child,
             host: host.into(),
             token: token.into(),
-            _alone: alone,
+            _turn: turn,
         }
     }
 

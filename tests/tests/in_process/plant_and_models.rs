@@ -10,6 +10,9 @@ use nalgebra::Vector2;
 use proptest::prelude::*;
 use std::fmt::Write as _;
 
+/// The bandwidths are given only because finding them would take most of these tests' time.
+const CONTROL: &str = "[control]\nbandwidth = 100\nintegral_rate = 20\nobserver_bandwidth = 800\ncurrent_bandwidth = 2000\n";
+
 /// The arm as a robot file, so that reading the file is tested too.
 fn robot(arm: &ReferenceArm) -> Robot {
     let mut text = format!(
@@ -24,6 +27,7 @@ fn robot(arm: &ReferenceArm) -> Robot {
         )
         .unwrap();
     }
+    text += CONTROL;
     Robot::parse("arm", &text).unwrap()
 }
 
