@@ -77,12 +77,12 @@ G0 X30 Y0
 G2 X30 Y0 I-30 J0 F12000
 """
 run = arm.simulate(job, origin=tuple(centre))
-pd = arm.simulate(job, origin=tuple(centre), computed_torque=False)
-ours, plain = run.summary["tip_error"], pd.summary["tip_error"]
+pid = arm.simulate(job, origin=tuple(centre), computed_torque=False)
+ours, plain = run.summary["tip_error"], pid.summary["tip_error"]
 print(f"simulated {run.summary['simulated_s']:.2f} s, homing included; "
       f"faults: {[name for _, name in run.faults]}")
 print(f"tip error {1e6 * ours['rms_m']:.1f} µm RMS, {1e6 * ours['max_m']:.1f} µm at most; "
-      f"by PD alone {1e6 * plain['rms_m']:.1f} µm RMS")
+      f"by PID at each joint {1e6 * plain['rms_m']:.1f} µm RMS")
 print(f"currents up to {np.abs(run.trace.current).max():.2f} A, torques up to "
       f"{1e3 * np.abs(run.trace.torque).max():.1f} mN·m")
 
@@ -100,7 +100,7 @@ else:
     left.plot(*run.trace.tool.T, color="tab:red")
     left.set(aspect="equal", xlabel="x [m]", ylabel="y [m]", title="reach, limits and the job")
     right.plot(run.trace.time, 1e6 * run.trace.tip_error, label="computed torque")
-    right.plot(pd.trace.time, 1e6 * pd.trace.tip_error, label="PD alone")
+    right.plot(pid.trace.time, 1e6 * pid.trace.tip_error, label="PID at each joint")
     right.set(xlabel="time [s]", ylabel="tip error [µm]", title="tip error")
     right.legend()
     figure.savefig("tour.png", dpi=100)

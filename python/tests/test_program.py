@@ -12,7 +12,7 @@ import fivebar
 ROOT = Path(__file__).resolve().parents[2]
 HARNESS = ROOT / "sim-harness"
 #: Keys that only the program's runs have, or that differ: the time that a run took.
-OWN = ("out_dir", "wall_s", "pd_tip_error")
+OWN = ("out_dir", "wall_s", "pid_tip_error")
 
 
 def figures(program, tmp_path, *arguments):
@@ -33,9 +33,9 @@ def test_a_job_comes_to_the_same_figures_to_the_last_bit(arm, program, tmp_path)
     assert status == 0
     run = arm.simulate(job, origin=(0.03, 0.2), scale=1.5)
     assert without(run.summary, *OWN) == without(expected, *OWN)
-    assert set(expected) - set(run.summary) == {"out_dir", "pd_tip_error"}
-    pd = arm.simulate(job, origin=(0.03, 0.2), scale=1.5, computed_torque=False)
-    assert pd.summary["tip_error"] == expected["pd_tip_error"]
+    assert set(expected) - set(run.summary) == {"out_dir", "pid_tip_error"}
+    pid = arm.simulate(job, origin=(0.03, 0.2), scale=1.5, computed_torque=False)
+    assert pid.summary["tip_error"] == expected["pid_tip_error"]
     text = arm.simulate(job.read_text(), origin=[0.03, 0.2], scale=1.5)
     assert without(text.summary, *OWN, "scenario") == without(expected, *OWN, "scenario")
     assert run.warnings == ["line 4: M117 is not supported and is skipped"]

@@ -63,7 +63,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         job: Some(&job),
         summary: &summary,
         trace: &record.trace,
-        pd: None,
+        pid: None,
         conditions: &[],
     };
     let samples = record.trace.samples().iter();

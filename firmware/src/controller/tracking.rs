@@ -46,31 +46,25 @@ impl Controller {
         let [joint1, joint4] = &mut self.joints;
         let [axis1, axis4] = &self.model.axes;
         let (loop1, loop4) = (&axis1.servo.position_loop, &axis4.servo.position_loop);
-        let mut alpha = [0.0; 2];
-        let demanded = if self.model.computed_torque {
-            let alpha1 = loop1.acceleration(joint1.integral, alpha1d, error1, rate1);
-            let alpha4 = loop4.acceleration(joint4.integral, alpha4d, error4, rate4);
-            alpha = [alpha1, alpha4];
+        let alpha1 = loop1.acceleration(joint1.integral, alpha1d, error1, rate1);
+        let alpha4 = loop4.acceleration(joint4.integral, alpha4d, error4, rate4);
+        let alpha = [alpha1, alpha4];
+        let [torque1, torque4] = if self.model.computed_torque {
             let equations = &self.model.equations;
-            let [torque1, torque4] = equations.torques(&links, [omega1, omega4], [alpha1, alpha4]);
-            [
-                torque1 + axis1.friction.torque(omega1d),
-                torque4 + axis4.friction.torque(omega4d),
-            ]
+            equations.torques(&links, [omega1, omega4], alpha)
         } else {
-            // Independent PD control: each joint by itself, with a constant inertia.
+            // Independent joints: PID and the acceleration's feed-forward at a constant inertia.
             let [inertia1, inertia4] = self.model.nominal_inertia;
-            [
-                inertia1 * loop1.acceleration(joint1.integral, 0.0, error1, rate1),
-                inertia4 * loop4.acceleration(joint4.integral, 0.0, error4, rate4),
-            ]
+            [inertia1 * alpha1, inertia4 * alpha4]
         };
+        let demanded = [
+            torque1 + axis1.friction.torque(omega1d),
+            torque4 + axis4.friction.torque(omega4d),
+        ];
         let (torque, limited) = self.model.torque_limit.apply(demanded);
-        if self.model.computed_torque {
-            loop1.integrate(&mut joint1.integral, error1, limited);
-            loop4.integrate(&mut joint4.integral, error4, limited);
-            self.look_for_rest(alpha);
-        }
+        loop1.integrate(&mut joint1.integral, error1, limited);
+        loop4.integrate(&mut joint4.integral, error4, limited);
+        self.look_for_rest(alpha);
         Ok(TorqueCommand {
             torque,
             limits: limits.with(Limits::TORQUE, limited),

@@ -90,7 +90,8 @@ pub struct ControlSettings {
     pub current_bandwidth: f32,
     /// Joint speed at which half of the Coulomb friction is compensated [rad/s].
     pub friction_smoothing: f32,
-    /// Feed the arm's model forward (computed torque); off: independent-joint PD.
+    /// Feed the arm's model forward (computed torque); off: PID at each joint, with
+    /// feed-forward of acceleration and friction.
     pub computed_torque: bool,
 }
 

@@ -322,7 +322,8 @@ class Arm:
         origin: the job's (0, 0) in the frame of the base [m]; by default the middle of the
         drawing goes where the arm moves best. scale: metres in the plane per metre in the
         job; default 1. seed: of every random number; default 1. computed_torque: control by
-        the arm's model (True, the default) or by PD alone. mismatch: how the arm differs from
+        the arm's model (True, the default) or by PID at each
+        joint with feed-forward of acceleration and friction. mismatch: how the arm differs from
         the controller's model: ``link_mass`` and ``friction`` as extra shares, ``payload``
         [kg], ``current_noise`` and ``current_offset`` [ADC codes], and the other keys of a
         scenario's ``[mismatch]`` with their lists (docs/robot-file.md); ``fivebar.NO_MISMATCH``

@@ -17,7 +17,7 @@ fn fivebar_without_arguments_draws_and_writes_a_report() {
     let read = |name: &str| std::fs::read_to_string(out.join(name)).unwrap();
     let report = read("report.html");
     assert!(
-        report.contains("PD of equal bandwidth") && report.contains("Torque of joint 1 by cause")
+        report.contains("PID with feed-forward") && report.contains("Torque of joint 1 by cause")
     );
     assert!(report.len() < 2_000_000, "{} bytes", report.len());
     assert!(read("trace.csv").lines().count() > 10_000);

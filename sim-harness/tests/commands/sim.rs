@@ -57,15 +57,15 @@ fn json(output: &Output) -> Value {
 }
 
 #[test]
-fn the_tip_error_is_below_50_micrometres_and_a_fifth_of_pds() {
+fn the_tip_error_is_below_3_5_micrometres_and_below_that_of_pid_with_feed_forward() {
     let bench = Bench::new();
     let output = bench.sim(&[PETAL, "--out", "deep/out", "--json"]);
     assert!(output.status.success(), "{output:?}");
     let summary = json(&output);
     let rms = summary["tip_error"]["rms_m"].as_f64().unwrap();
-    let pd = summary["pd_tip_error"]["rms_m"].as_f64().unwrap();
-    assert!(rms <= 50e-6, "{rms} m");
-    assert!(pd >= 5.0 * rms, "PD {pd} m, computed torque {rms} m");
+    let pid = summary["pid_tip_error"]["rms_m"].as_f64().unwrap();
+    assert!(rms <= 3.5e-6, "{rms} m");
+    assert!(pid >= 1.1 * rms, "PID {pid} m, computed torque {rms} m");
     assert!(summary["tip_error"]["max_m"].as_f64().unwrap() >= rms);
     assert_eq!(summary["robot"], "benchtop");
     assert_eq!(summary["scenario"], "petal");
@@ -82,7 +82,7 @@ fn the_tip_error_is_below_50_micrometres_and_a_fifth_of_pds() {
     let written = |name: &str| std::fs::read_to_string(bench.path("deep/out").join(name)).unwrap();
     let saved: Value = serde_json::from_str(&written("summary.json")).unwrap();
     assert_eq!(saved, summary);
-    assert!(written("report.html").contains("PD of equal bandwidth"));
+    assert!(written("report.html").contains("PID with feed-forward"));
     assert!(written("trace.csv").lines().count() > 1000);
 }
 

@@ -30,7 +30,8 @@ struct ScenarioFile {
     /// Seed of all pseudo-random numbers of the run.
     #[serde(default = "first")]
     seed: u64,
-    /// Whether control is by computed torque; else by a PD at each joint.
+    /// Whether control is by computed torque; else by a PID at each joint with
+    /// feed-forward of acceleration and friction.
     #[serde(default = "yes")]
     computed_torque: bool,
     /// How the arm differs from the controller's model.

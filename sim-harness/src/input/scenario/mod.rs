@@ -39,7 +39,8 @@ pub struct Scenario {
     pub initial_faults: Vec<FaultKind>,
     /// Faults that are injected during the job; their times count from its beginning.
     pub faults: Vec<PlantFault>,
-    /// Whether control is by computed torque; else by a PD at each joint.
+    /// Whether control is by computed torque; else by a PID at each joint with
+    /// feed-forward of acceleration and friction.
     pub computed_torque: bool,
 }
 

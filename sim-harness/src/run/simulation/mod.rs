@@ -146,7 +146,7 @@ impl Scenario {
         Ok(plant)
     }
 
-    /// Runs the job in this process, by computed torque or by PD alone. Calls `progress` with
+    /// Runs the job in this process, by computed torque or by PID at each joint. Calls `progress` with
     /// the number of moves that the controller has accepted.
     ///
     /// # Errors
@@ -161,7 +161,7 @@ impl Scenario {
         self.run_on(&mut target, &self.moves(job), progress)
     }
 
-    /// A controller in this process, as after a reset, with computed torque or PD alone.
+    /// A controller in this process, as after a reset, with computed torque or PID at each joint.
     ///
     /// # Errors
     /// The robot has no masses, or the controller refuses its settings.

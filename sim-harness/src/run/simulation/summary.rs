@@ -28,9 +28,9 @@ pub struct Summary {
     pub ticks: u64,
     /// The tip error.
     pub tip_error: TipError,
-    /// The tip error of the same run under PD alone, if it was made.
+    /// The tip error of the same run with PID at each joint, if it was made.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub pd_tip_error: Option<TipError>,
+    pub pid_tip_error: Option<TipError>,
     /// Greatest torque of each motor, at its joint [N·m].
     pub peak_torque_nm: [f64; 2],
     /// Ticks in which a torque was limited.
@@ -64,10 +64,10 @@ impl Summary {
         format!("{speed:.decimals$}")
     }
 
-    /// Ratio of the RMS tip error under PD alone to this one; none if a fault ended the run
+    /// Ratio of the RMS tip error with PID at each joint to this one; none if a fault ended the run
     /// early, because the runs are then not comparable.
-    pub fn ratio_to(&self, pd: TipError) -> Option<f64> {
+    pub fn ratio_to(&self, pid: TipError) -> Option<f64> {
         let is_whole = self.faults.is_empty() && self.tip_error.rms_m > 0.0;
-        is_whole.then(|| pd.rms_m / self.tip_error.rms_m)
+        is_whole.then(|| pid.rms_m / self.tip_error.rms_m)
     }
 }

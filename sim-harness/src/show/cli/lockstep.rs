@@ -115,7 +115,7 @@ pub(super) fn run(
         job: Some(&job),
         summary: &summary,
         trace: &record.trace,
-        pd: None,
+        pid: None,
         conditions: &conditions(&scenario),
     };
     let text = serde_json::to_string_pretty(&figures).map_err(refused)?;

@@ -24,7 +24,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     simulate(&args.run.scenario()?, &args.run.output, args.by_cause)
 }
 
-/// Runs a scenario, once more with PD alone for comparison, and on demand with each mismatch
+/// Runs a scenario, once more with PID at each joint for comparison, and on demand with each mismatch
 /// alone; writes and prints the results.
 pub(super) fn simulate(
     scenario: &Scenario,
@@ -40,7 +40,7 @@ pub(super) fn simulate(
         .check(&job)
         .map_err(|error| refusal(scenario, &error))?;
     let bar = progress_bar(scenario.moves(&job).len());
-    let (ours, pd) = rayon::join(
+    let (ours, pid) = rayon::join(
         || {
             let progress = &mut |done| bar.set_position(done as u64);
             scenario.simulate(&job, scenario.computed_torque, progress)
@@ -52,10 +52,10 @@ pub(super) fn simulate(
     );
     bar.finish_and_clear();
     let (mut summary, record) = ours.map_err(|error| refusal(scenario, &error))?;
-    // PD alone may fail where computed torque does not; then there is no comparison.
-    let pd = pd.and_then(Result::ok);
+    // PID may fail where computed torque does not; then there is no comparison.
+    let pid = pid.and_then(Result::ok);
     summary.out_dir = folders.out.path().display().to_string();
-    summary.pd_tip_error = pd.as_ref().map(|(pd, _)| pd.tip_error);
+    summary.pid_tip_error = pid.as_ref().map(|(pid, _)| pid.tip_error);
     if by_cause {
         let causes = scenario.by_cause(&job, &summary);
         summary.by_cause = causes.map_err(|error| refusal(scenario, &error))?;
@@ -66,7 +66,7 @@ pub(super) fn simulate(
         job: Some(&job),
         summary: &summary,
         trace: &record.trace,
-        pd: pd
+        pid: pid
             .as_ref()
             .map(|(summary, record)| (summary, &record.trace)),
         conditions: &conditions(scenario),
@@ -140,14 +140,14 @@ fn print_errors(summary: &Summary) -> Result<(), Failure> {
         format!("{rms} RMS, {max} max")
     };
     say(format_args!("  tip error   {}", figures(summary.tip_error)))?;
-    let Some(pd) = summary.pd_tip_error else {
+    let Some(pid) = summary.pid_tip_error else {
         return Ok(());
     };
-    let ratio = summary.ratio_to(pd);
+    let ratio = summary.ratio_to(pid);
     let ratio = ratio.map(|ratio| format!(" ({ratio:.1}×)"));
     say(format_args!(
-        "  PD alone    {}{}",
-        figures(pd),
+        "  joint PID   {}{}",
+        figures(pid),
         ratio.unwrap_or_default()
     ))
 }

@@ -19,7 +19,7 @@ pub fn conditions(scenario: &Scenario) -> Vec<(String, String)> {
     let control = if scenario.computed_torque {
         "computed torque"
     } else {
-        "PD alone"
+        "PID at each joint with feed-forward"
     };
     let mut conditions = vec![
         ("control", control.into()),

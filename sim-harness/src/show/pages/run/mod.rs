@@ -25,8 +25,9 @@ pub struct RunReport<'a> {
     pub summary: &'a Summary,
     /// The samples of the run.
     pub trace: &'a Trace,
-    /// The same run under independent-joint PD of equal bandwidth.
-    pub pd: Option<(&'a Summary, &'a Trace)>,
+    /// The same run with PID at each joint, feed-forward of acceleration and friction,
+    /// and equal bandwidths.
+    pub pid: Option<(&'a Summary, &'a Trace)>,
     /// The conditions of the run, by name and value.
     pub conditions: &'a [(String, String)],
 }
@@ -90,18 +91,18 @@ impl RunReport<'_> {
         );
         let chart = Chart::new("Tip error", "time [s]", "tip error [µm]");
         let own = microns(self.trace);
-        match self.pd {
+        match self.pid {
             None => page.chart(&chart.line("computed torque", own)),
-            Some((pd, pd_trace)) => {
+            Some((pid, pid_trace)) => {
                 page.chart(
                     &chart
                         .line("computed torque", own)
-                        .line("PD of equal bandwidth", microns(pd_trace)),
+                        .line("PID with feed-forward", microns(pid_trace)),
                 );
-                let (ours, theirs) = (self.summary.tip_error, pd.tip_error);
+                let (ours, theirs) = (self.summary.tip_error, pid.tip_error);
                 page.table(
                     &["controller", "RMS", "greatest"],
-                    &[("computed torque", ours), ("PD of equal bandwidth", theirs)].map(
+                    &[("computed torque", ours), ("PID with feed-forward", theirs)].map(
                         |(name, error)| {
                             let figures = [error.rms_m, error.max_m].map(|e| quantity(e, "m"));
                             let [rms, max] = figures;
@@ -112,8 +113,8 @@ impl RunReport<'_> {
                 match self.summary.ratio_to(theirs) {
                     None => page,
                     Some(ratio) => page.paragraph(&format!(
-                        "With the same arm, job, bandwidth and damping, but without the model, the \
-                         RMS error is {ratio:.1} times as large."
+                        "With a PID at each joint, equal bandwidths, and feed-forward of acceleration and \
+                         friction, but without the arm's model, the RMS error is {ratio:.2} times as large."
                     )),
                 }
             }

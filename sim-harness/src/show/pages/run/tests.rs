@@ -83,13 +83,13 @@ fn shows_the_whole_run_in_one_small_offline_page() {
         home: CENTER,
     };
     let job = Job::parse(text, &placement).unwrap();
-    let (own, pd) = (trace(&robot, 20e-6), trace(&robot, 200e-6));
+    let (own, pid) = (trace(&robot, 20e-6), trace(&robot, 200e-6));
     let report = RunReport {
         robot: &robot,
         job: Some(&job),
         summary: &summary(20e-6),
         trace: &own,
-        pd: Some((&summary(200e-6), &pd)),
+        pid: Some((&summary(200e-6), &pid)),
         conditions: &[("link masses".into(), "+10 %".into())],
     };
     let html = report.page().render();
@@ -129,7 +129,7 @@ fn the_picture_shows_the_ink_the_arm_and_its_way() {
         job,
         summary: &summary,
         trace,
-        pd: None,
+        pid: None,
         conditions: &[],
     };
     let ink = |svg: &str| svg.matches("class=\"ink\"").count();
@@ -160,7 +160,7 @@ fn a_run_that_ends_before_its_job_begins_shows_no_motion() {
         job: None,
         summary: &empty,
         trace: &Trace::default(),
-        pd: Some((&empty, &Trace::default())),
+        pid: Some((&empty, &Trace::default())),
         conditions: &[],
     };
     let html = report.page().render();
