@@ -18,9 +18,9 @@ fn independent_joints_hold_against_a_push_on_either() {
         rig.bench.push = push;
         rig.run(3000);
         assert_eq!(rig.controller.state(), State::Armed);
-        for joint in 0..2 {
+        for (joint, start) in START.into_iter().enumerate() {
             // The integral brings them back.
-            let way = rig.bench.theta[joint] - f64::from(START[joint]);
+            let way = rig.bench.theta[joint] - f64::from(start);
             assert!(way.abs() < 2e-4, "{way} rad");
             assert!(rig.bench.omega[joint].abs() < 0.1, "at rest");
         }

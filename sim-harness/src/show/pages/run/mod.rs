@@ -114,7 +114,7 @@ impl RunReport<'_> {
                     None => page,
                     Some(ratio) => page.paragraph(&format!(
                         "With a PID at each joint, equal bandwidths, and feed-forward of acceleration and \
-                         friction, but without the arm's model, the RMS error is {ratio:.2} times as large."
+                         friction, but without the arm's model, the RMS error is {ratio:.1} times as large."
                     )),
                 }
             }
