@@ -12,9 +12,25 @@ fi
 out=target/peers
 mkdir -p "$out"
 fivebar() { cargo run --quiet --release -- "$@"; }
-fivebar export mjcf usp_2dof --out "$out/arm.xml"
+
+# A run of an arm without mismatch, and the arm as a model, in a folder of its own.
+run() {
+    mkdir -p "$out/$1"
+    fivebar export mjcf "$2" --out "$out/$1/arm.xml"
+    fivebar sim sim-harness/scenarios/no_mismatch.toml --robot "$2" \
+        --out "$out/$1" --log "$out/$1/run.mcap" >"$out/$1/run.log"
+}
+run level usp_2dof
+# Upright, with a payload: its motors are ideal.
+sed -e 's/^gravity = .*/gravity = [0.0, -9.81]/' -e 's/^payload = .*/payload = 0.2/' \
+    sim-harness/robots/usp_2dof.toml >"$out/loaded.toml"
+run loaded "$out/loaded.toml"
+# Upright, with motors, their friction and brakes.
+sed -e 's/^gravity = .*/gravity = [0.0, -9.81]/' -e 's/^\[\[actuator\]\]/&\nbrake_torque = 0.5/' \
+    sim-harness/robots/benchtop.toml >"$out/upright.toml"
+run upright "$out/upright.toml"
 fivebar export urdf usp_2dof --out "$out/arm.urdf"
-fivebar sim sim-harness/scenarios/no_mismatch.toml --robot usp_2dof \
-    --out "$out" --log "$out/run.mcap" >"$out/run.log"
-"$venv/bin/python" tests/peers/mujoco_motion.py "$out/arm.xml" "$out/arm.urdf" "$out/trace.csv"
-"$venv/bin/python" tests/peers/mcap_counts.py "$out/run.mcap" "$out/trace.csv"
+# L/R: 1 ms of ideal motors, and 0.24 mH / 2.3 Ω.
+"$venv/bin/python" tests/peers/mujoco_motion.py "$out/arm.urdf" \
+    "$out/level" 1e-3 "$out/loaded" 1e-3 "$out/upright" 1.0435e-4
+"$venv/bin/python" tests/peers/mcap_counts.py "$out/level/run.mcap" "$out/level/trace.csv"
