@@ -78,6 +78,17 @@ impl Grid {
         })
     }
 
+    /// A grid with at least `cells` cells along the longer side of the reach, with a pitch of 1, 2
+    /// or 5 times a power of ten [m].
+    ///
+    /// # Errors
+    /// As [`Grid::over`].
+    pub fn with_cells(tool: &Tool<f64>, cells: u32) -> Result<Self, GridError> {
+        let [low, high] = reach_bounds(tool);
+        let size = (high.x - low.x).max(high.y - low.y);
+        Self::over(tool, round_down(size / f64::from(cells)))
+    }
+
     /// The lower left corner [m].
     pub fn low(&self) -> Vector2<f64> {
         self.low
@@ -113,6 +124,13 @@ impl Grid {
         let (row, column) = (index / self.columns, index % self.columns);
         self.low + Vector2::new(column as f64 + 0.5, row as f64 + 0.5) * self.pitch
     }
+}
+
+/// The greatest number of 1, 2, 5, 10, 20, … that is at most `value`.
+pub fn round_down(value: f64) -> f64 {
+    let decade = 10_f64.powf(value.log10().floor());
+    let steps = [5.0, 2.0].into_iter().find(|step| step * decade <= value);
+    steps.unwrap_or(1.0) * decade
 }
 
 /// The lower left and upper right corner of a box around the reach [m]. The tool T is within

@@ -9,5 +9,6 @@ pub mod mobility;
 pub mod path_case;
 pub mod robot;
 pub mod scenario;
+mod similar;
 pub mod source;
 mod text_file;

@@ -1,5 +1,6 @@
 //! Errors of TOML files, with file, line, key and reason.
 
+use super::similar::did_you_mean;
 use super::text_file::LARGEST_TOML;
 use std::fmt;
 use toml::de::{DeTable, DeValue};
@@ -69,6 +70,10 @@ impl<'a> Source<'a> {
                 .replace('\n', ", ")
                 .replace("expected f64", "expected a number")
                 .replace("expected u32", "expected a whole number");
+            let reason = match unknown_field(&reason) {
+                Some((name, known)) => reason.clone() + &did_you_mean(name, known),
+                None => reason,
+            };
             let start = error.span().map(|span| span.start);
             let key = start.and_then(|start| self.key_at(start));
             FileError {
@@ -171,6 +176,14 @@ impl<'a> Source<'a> {
         let before = self.text.as_bytes().iter().take(offset);
         1 + before.filter(|&&byte| byte == b'\n').count()
     }
+}
+
+/// The unknown key and the known ones, of "unknown field `a`, expected `b`" or "… one of `b`, `c`".
+fn unknown_field(reason: &str) -> Option<(&str, Vec<&str>)> {
+    let (_, rest) = reason.split_once("unknown field `")?;
+    let (name, rest) = rest.split_once('`')?;
+    let known = rest.split('`').skip(1).step_by(2).collect();
+    Some((name, known))
 }
 
 /// The key of a table, or of a table within it, whose value lies at `offset`.

@@ -47,7 +47,7 @@ fn each_mismatch_has_a_run_of_its_own_in_the_table_the_bars_and_the_json() {
             .all(|cause| cause["faults"] == Value::Array(vec![]))
     );
     let printed = run(&[]);
-    let report = std::fs::read_to_string(folder.path().join("out/report.html")).unwrap();
+    let report = std::fs::read_to_string(folder.path().join("out/sim/report.html")).unwrap();
     for name in names {
         assert!(
             printed.lines().any(|line| line.trim().starts_with(name)),

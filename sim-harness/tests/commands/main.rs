@@ -16,6 +16,7 @@ mod linkage;
 mod new;
 #[cfg(unix)]
 mod other_release;
+mod placement;
 mod plan;
 mod query;
 mod query_slider;

@@ -94,7 +94,7 @@ fn without_a_job_the_demonstration_is_drawn() {
     let summary = json(&output);
     assert_eq!(summary["robot"], "usp_2dof");
     assert_eq!(summary["scenario"], "the demonstration");
-    assert!(bench.path("out/report.html").exists());
+    assert!(bench.path("out/sim/report.html").exists());
 }
 
 #[test]
@@ -102,7 +102,7 @@ fn with_tools_far_from_c_the_demonstration_is_drawn_at_the_greatest_scale() {
     let bench = Bench::new();
     let benchtop = include_str!("../../robots/benchtop.toml");
     for (offset, scale) in [
-        ([-0.16, -0.1], Some("0.2")),
+        ([-0.16, -0.1], Some("0.5")),
         ([-0.1, 0.15], Some("0.5")),
         ([0.1, -0.1], None),
     ] {
@@ -149,8 +149,9 @@ fn a_seed_gives_the_same_run_again() {
 #[test]
 fn a_job_out_of_reach_is_refused_with_line_and_point() {
     let bench = Bench::new();
-    let words = ["petal.gcode, line 3", "at ("];
+    let words = ["petal.gcode, line 5", "--scale"];
     bench.assert_refused(&[PETAL, "--scale", "20"], 1, &words);
+    let words = ["petal.gcode, line 3", "at ("];
     bench.assert_refused(&[PETAL, "--origin", "0.04,0.30"], 1, &words);
 }
 

@@ -66,7 +66,7 @@ fn an_arm_at_rest_gives_little_torque_in_every_working_mode() {
             ("home = ", "# home"),
             ("angle = ", "angle = [[-6.28, 6.28], [-6.28, 6.28]]"),
         ]);
-        let record = run(robot, "G21 G90\nM3\nG1 X5 F3000\nG4 S6\nG1 X6\n");
+        let record = run(robot, "G21 G90\nM3\nM5\nG1 X5 F3000\nG4 S6\nG1 X6\n");
         assert_eq!(record.faults, [], "{mode}");
         let rests = |sample: &&Sample| sample.reference_velocity == [0.0; 2];
         let samples = record.trace.samples();

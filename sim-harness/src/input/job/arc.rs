@@ -1,6 +1,7 @@
 //! The centre of an arc, from I and J or from R.
 
 use super::GcodeError;
+use std::f64::consts::TAU;
 
 /// Greatest difference of the two radii of an arc, as a share of the radius [1] and as a
 /// length [m]: files have two or three decimals of a millimetre.
@@ -81,4 +82,22 @@ pub(super) fn is_negligible(
     let ahead = radius[0] * chord[1] - radius[1] * chord[0];
     let ahead = if clockwise { -ahead } else { ahead };
     chord[0].hypot(chord[1]) < shortest && ahead > 0.0
+}
+
+/// The radius of an arc [m] and the angle that it sweeps, 0…2π [rad]. It is a full turn if the end
+/// is the start.
+pub(crate) fn sweep(
+    start: [f64; 2],
+    end: [f64; 2],
+    center: [f64; 2],
+    clockwise: bool,
+) -> (f64, f64) {
+    let angle = |point: [f64; 2]| (point[1] - center[1]).atan2(point[0] - center[0]);
+    let radius = (start[0] - center[0]).hypot(start[1] - center[1]);
+    if start == end {
+        return (radius, TAU);
+    }
+    let turned = angle(end) - angle(start);
+    let swept = if clockwise { -turned } else { turned };
+    (radius, swept.rem_euclid(TAU))
 }

@@ -4,7 +4,7 @@
 //! meaning. What would change the drawing is refused with its line; what is skipped is noted. SVG
 //! drawings are read by the module `svg`. Every step of a job is kept, except steps of no length.
 
-mod arc;
+pub(crate) mod arc;
 mod error;
 mod evidence;
 mod interpreter;
@@ -148,6 +148,23 @@ impl Action {
             Self::Dwell { .. } => None,
         }
     }
+
+    /// The length of its path, with the tool at `from` before it [m].
+    pub fn length(&self, from: [f64; 2]) -> f64 {
+        match *self {
+            Self::Line { to, .. } => (to[0] - from[0]).hypot(to[1] - from[1]),
+            Self::Arc {
+                to,
+                center,
+                clockwise,
+                ..
+            } => {
+                let (radius, angle) = arc::sweep(from, to, center, clockwise);
+                radius * angle
+            }
+            Self::Dwell { .. } => 0.0,
+        }
+    }
 }
 
 impl Job {
@@ -216,6 +233,17 @@ impl Job {
                 },
             },
         })
+    }
+
+    /// The length of the path at the end of each step, with the tool at `from` before them [m].
+    pub fn path_lengths(&self, from: [f64; 2]) -> Vec<f64> {
+        let state = (from, 0.0);
+        let lengths = self.steps.iter().scan(state, |(at, length), step| {
+            *length += step.action.length(*at);
+            *at = step.action.end().unwrap_or(*at);
+            Some(*length)
+        });
+        lengths.collect()
     }
 
     /// Whether the moves of a line draw.

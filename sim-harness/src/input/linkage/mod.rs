@@ -10,6 +10,7 @@ mod tolerance;
 pub use builtin::{EXAMPLES, Example};
 pub(crate) use names::{driven_links, dyads, links_of, reaction_names};
 
+use crate::input::similar::did_you_mean;
 use crate::input::source::{FileError, Source};
 use crate::input::text_file;
 use fivebar_design::accuracy::linkage::{LinkageTolerance, TolerancedLinkage};
@@ -47,7 +48,11 @@ impl DrivenLinkage {
             let reason = match error.kind() {
                 ErrorKind::FileTooLarge => error.to_string(),
                 ErrorKind::InvalidData => format!("cannot be read as text: {error}"),
-                _ => format!("neither a built-in example nor a file: {error}"),
+                _ => {
+                    let known = EXAMPLES.iter().map(|example| example.name);
+                    let near = did_you_mean(name_or_path, known);
+                    format!("neither a built-in example nor a file: {error}{near}")
+                }
             };
             FileError::new(name_or_path, reason)
         })?;

@@ -27,6 +27,7 @@ pub use measured::{Measured, MeasuredKey, measured_text};
 pub use slider::{Mechanism, SliderRobot};
 pub use workspace::WorkspaceError;
 
+use crate::input::similar::did_you_mean;
 use crate::input::source::{FileError, Key, Source};
 use crate::input::text_file;
 use fivebar_design::accuracy::five_bar::{ArmTolerance, TolerancedArm};
@@ -162,8 +163,9 @@ fn read(path: &str) -> Result<String, FileError> {
             file: path.into(),
             line: None,
             reason: format!(
-                "no such robot: it is no built-in robot ({}), and as a file: {error}",
-                names.join(", ")
+                "no such robot: it is no built-in robot ({}), and as a file: {error}{}",
+                names.join(", "),
+                did_you_mean(path, names.iter().copied())
             ),
         }
     })

@@ -103,6 +103,7 @@ impl Scenario {
             origin: file.origin,
             scale: file.scale,
             turn: 0.0,
+            anywhere: false,
             options: JobOptions::default(),
             seed: file.seed,
             mismatch: file.mismatch,

@@ -2,11 +2,14 @@
 
 mod fault_entry;
 mod file;
+mod placement;
 
 use crate::input::job::{Action, Job, JobError, JobOptions, Placement, Warning, WarningKind};
 use crate::input::robot::{HomeError, Robot};
 use crate::input::source::FileError;
 use fivebar_plant::{FaultKind, Mismatch, PlantFault};
+
+pub use placement::{FitError, place_in_job};
 
 /// Everything that defines a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,12 +23,15 @@ pub struct Scenario {
     /// The job's G-code.
     pub job_text: String,
     /// The position of the job's (0, 0) in the frame of the base [m]; none: the middle of the
-    /// drawing is at the point where the arm moves best.
+    /// drawing is at the point where the arm moves best, or where the drawing fits.
     pub origin: Option<[f64; 2]>,
     /// Metres in the plane per metre in the job.
     pub scale: f64,
     /// The angle by which the job is turned about its (0, 0), counter-clockwise [rad].
     pub turn: f64,
+    /// Whether a job without an origin may be longer than the largest clear page: it then lies along
+    /// the edge of the reach.
+    pub anywhere: bool,
     /// How the job is read where its text leaves it open.
     pub options: JobOptions,
     /// Seed of all pseudo-random numbers of the run.
@@ -83,6 +89,7 @@ impl Scenario {
             origin: None,
             scale: 1.0,
             turn: 0.0,
+            anywhere: false,
             options: JobOptions::default(),
             seed: 1,
             mismatch: Mismatch::default(),
@@ -105,37 +112,19 @@ impl Scenario {
         )
     }
 
-    /// The job, read and placed.
-    ///
-    /// # Errors
-    /// A line that is not valid, or a robot without a home pose.
-    pub fn job(&self) -> Result<Job, ScenarioError> {
-        let home = self.robot.tool_at(&self.robot.home_pose()?);
+    /// The job at this placement.
+    fn read(&self, placement: &Placement) -> Result<Job, ScenarioError> {
         let options = JobOptions {
             tolerance: 0.5 * self.robot.motion.corner_tolerance / self.scale,
             ..self.options
         };
-        let placed = |origin| {
-            let placement = Placement {
-                origin,
-                scale: self.scale,
-                turn: self.turn,
-                home,
-            };
-            let job = Job::parse_with(&self.job_text, &placement, &options);
-            let mut job = job.map_err(|error| ScenarioError::Job {
-                file: self.job_file.clone(),
-                error,
-            })?;
-            self.note_speed(&mut job);
-            Ok(job)
-        };
-        if let Some(origin) = self.origin {
-            return placed(origin);
-        }
-        let [middle_x, middle_y] = middle(&placed([0.0; 2])?);
-        let [x, y] = self.robot.best_point()?;
-        placed([x - middle_x, y - middle_y])
+        let job = Job::parse_with(&self.job_text, placement, &options);
+        let mut job = job.map_err(|error| ScenarioError::Job {
+            file: self.job_file.clone(),
+            error,
+        })?;
+        self.note_speed(&mut job);
+        Ok(job)
     }
 
     /// Notes the feed rates above the arm's greatest speed, which the planner limits.

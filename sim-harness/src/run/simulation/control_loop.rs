@@ -26,6 +26,8 @@ pub struct Record {
     pub simulated: f64,
     /// Time from power-up to the beginning of the job [s]; none if homing failed.
     pub begun: Option<f64>,
+    /// Time from the beginning of the job to its end, or to the fault that ended it [s].
+    pub job_time: Option<f64>,
     /// Tip error during the job.
     pub tip_error: TipError,
     /// Greatest torque of each motor, at its joint [N·m].
@@ -72,8 +74,8 @@ impl<'a, T: Target> Simulation<'a, T> {
     }
 
     /// Homes the arm, does the moves and returns the record. `faults` are injected at their
-    /// times from the beginning of the job. `progress` is called with the number of moves
-    /// that the controller has accepted. A fault ends the run and is part of the record.
+    /// times from the beginning of the job. `progress` is called a hundred times a second with the
+    /// length of the path behind the reference [m]. A fault ends the run and is part of the record.
     ///
     /// # Errors
     /// The controller refuses a request or a move, or does not reply.
@@ -81,7 +83,7 @@ impl<'a, T: Target> Simulation<'a, T> {
         mut self,
         moves: &[Move],
         faults: &[PlantFault],
-        progress: &mut dyn FnMut(usize),
+        progress: &mut dyn FnMut(f64),
     ) -> Result<Record, TargetError> {
         self.tick()?;
         self.target.request(Request::Home)?;
@@ -90,6 +92,7 @@ impl<'a, T: Target> Simulation<'a, T> {
             self.record.begun = Some(self.now());
             self.plant.schedule_faults(faults);
             self.run_moves(moves, progress)?;
+            self.record.job_time = self.record.begun.map(|begun| self.now() - begun);
         }
         self.ended = true;
         self.pause(AFTERMATH)?;
@@ -114,18 +117,26 @@ impl<'a, T: Target> Simulation<'a, T> {
     fn run_moves(
         &mut self,
         moves: &[Move],
-        progress: &mut dyn FnMut(usize),
+        progress: &mut dyn FnMut(f64),
     ) -> Result<(), TargetError> {
         let mut offered = 0;
+        let every = (0.01 / self.period).ceil().max(1.0) as u64;
+        let (mut at, mut way): (Option<[f32; 2]>, f64) = (None, 0.0);
         loop {
             while let Some(next) = moves.get(offered) {
                 if !self.target.offer(next)? {
                     break;
                 }
                 offered += 1;
-                progress(offered);
             }
-            self.tick()?;
+            let status = self.tick()?;
+            if let (Some([x1, y1]), Some([x2, y2])) = (at, status.reference) {
+                way += f64::from((x2 - x1).hypot(y2 - y1));
+            }
+            at = status.reference.or(at);
+            if self.record.ticks.is_multiple_of(every) {
+                progress(way);
+            }
             let done = offered == moves.len() && self.target.is_idle();
             if done || !self.record.faults.is_empty() {
                 return Ok(());

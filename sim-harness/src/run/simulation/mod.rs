@@ -19,7 +19,7 @@ use crate::input::robot::{HomeError, MissingMasses, robot_file_message};
 use crate::input::scenario::{Scenario, ScenarioError};
 use crate::run::link::{InProcess, Target, TargetError};
 use fivebar_firmware::settings::SettingsError;
-use fivebar_firmware::{Move, MoveKind, Planner};
+use fivebar_firmware::{Move, Planner};
 use fivebar_plant::contact::ClearanceError;
 use fivebar_plant::{MismatchError, Plant, WornJoints};
 use std::time::Instant;
@@ -72,22 +72,15 @@ pub enum RunError {
 const BEFORE_HOME: f64 = 0.1;
 
 impl Scenario {
-    /// The job as moves for the planner. A servo or a switch that the job leaves on is switched off
-    /// at its end.
-    pub fn moves(&self, job: &Job) -> Vec<Move> {
-        let mut moves: Vec<Move> = job.moves(self.robot.motion.max_speed).collect();
-        if let Some(last) = moves.last().filter(|last| last.tool > 0)
-            && self.robot.tool_output.waits()
-        {
-            let kind = MoveKind::Dwell { duration: 0.0 };
-            let lift = Move {
-                tag: last.tag,
-                tool: 0,
-                kind,
-            };
-            moves.push(lift);
-        }
-        moves
+    /// The job as moves for an arm at home: where a straight way to the job would leave the
+    /// workspace, the joints move there.
+    ///
+    /// # Errors
+    /// The robot has no masses, or the controller refuses its settings.
+    pub fn run_moves(&self, job: &Job) -> Result<Vec<Move>, RunError> {
+        let settings = self.robot.settings()?.check();
+        let planner = Planner::new(&settings.map_err(|e| self.settings_error(e))?);
+        Ok(self.moves_from_home(&planner, job))
     }
 
     /// Checks all moves of the job against the arm's envelope, before anything moves.
@@ -97,12 +90,8 @@ impl Scenario {
     pub fn check(&self, job: &Job) -> Result<(), RunError> {
         let settings = self.robot.settings()?.check();
         let planner = Planner::new(&settings.map_err(|e| self.settings_error(e))?);
-        let [x, y] = self.robot.tool_at(&self.robot.home_pose()?);
-        let mut tool = [x as f32, y as f32];
-        for next in self.moves(job) {
-            tool = planner.check(tool, &next).map_err(TargetError::Move)?;
-        }
-        Ok(())
+        self.robot.home_pose()?;
+        Ok(self.verify(&planner, job).map_err(TargetError::Move)?)
     }
 
     fn settings_error(&self, error: SettingsError) -> RunError {
@@ -147,7 +136,7 @@ impl Scenario {
     }
 
     /// Runs the job in this process, by computed torque or by PID at each joint. Calls `progress` with
-    /// the number of moves that the controller has accepted.
+    /// the length of the path that is done [m].
     ///
     /// # Errors
     /// Anything that ends the run early, except faults: the record has those.
@@ -155,10 +144,10 @@ impl Scenario {
         &self,
         job: &Job,
         computed_torque: bool,
-        progress: &mut dyn FnMut(usize),
+        progress: &mut dyn FnMut(f64),
     ) -> Result<(Summary, Record), RunError> {
         let mut target = self.controller(computed_torque)?;
-        self.run_on(&mut target, &self.moves(job), progress)
+        self.run_on(&mut target, &self.run_moves(job)?, progress)
     }
 
     /// A controller in this process, as after a reset, with computed torque or PID at each joint.
@@ -179,7 +168,7 @@ impl Scenario {
         &self,
         target: &mut impl Target,
         moves: &[Move],
-        progress: &mut dyn FnMut(usize),
+        progress: &mut dyn FnMut(f64),
     ) -> Result<(Summary, Record), RunError> {
         let started = Instant::now();
         let simulation = Simulation::new(target, self.plant()?, self.robot.control.tick_rate);
@@ -193,6 +182,7 @@ impl Scenario {
             tip_error: record.tip_error,
             peak_torque_nm: record.peak_torque,
             saturated_ticks: record.saturated_ticks,
+            job_s: record.job_time,
             faults: record
                 .faults
                 .iter()

@@ -22,6 +22,9 @@ pub struct Summary {
     pub scenario: String,
     /// Simulated time [s].
     pub simulated_s: f64,
+    /// Time of the job itself, without homing and pauses around it [s].
+    #[serde(skip)]
+    pub job_s: Option<f64>,
     /// Real time of the run [s].
     pub wall_s: f64,
     /// Ticks of the controller.

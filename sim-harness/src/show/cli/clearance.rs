@@ -38,7 +38,7 @@ pub(super) struct Args {
     #[arg(long, value_parser = scale, allow_hyphen_values = true)]
     scale: Option<f64>,
     /// The folder for report.html and summary.json.
-    #[arg(long, value_name = "DIR", default_value = "out")]
+    #[arg(long, value_name = "DIR", default_value = "out/clearance")]
     out: PathBuf,
     /// Print the figures as one JSON object.
     #[arg(long)]

@@ -5,6 +5,7 @@ use super::log::LogArgs;
 use super::port::{PortArgs, interrupted};
 use super::run_args::JobArgs;
 use super::say::{say, warn};
+use super::sim::{millimetres, path_lengths};
 use crate::run::drive::{Drive, DriveError, Homing};
 use crate::run::simulation::{Sample, Trace};
 use fivebar_firmware::protocol::Board;
@@ -56,8 +57,13 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     }
     let wants_stop = || interrupted.load(Ordering::Relaxed);
     let mut drive = Drive::new(&mut client, &wants_stop);
-    let bar = ProgressBar::new(moves.len() as u64).with_style(
-        ProgressStyle::with_template("{bar:40} {pos}/{len} moves  {elapsed}  {msg}")
+    let lengths = path_lengths(&scenario, &job);
+    let done = |taken: usize| {
+        let last = taken.min(lengths.len()).checked_sub(1);
+        last.map_or(0.0, |last| lengths[last])
+    };
+    let bar = ProgressBar::new(millimetres(done(moves.len()))).with_style(
+        ProgressStyle::with_template("{bar:40} {pos}/{len} mm  {elapsed}  {msg}")
             .unwrap_or_else(|_| ProgressStyle::default_bar()),
     );
     let homing = args.at.map_or(Homing::Switches, |angles| {
@@ -75,7 +81,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         drive.home(homing)?;
         bar.set_message("");
         drive.follow(&moves, &settings, &mut |taken, status| {
-            bar.set_position(taken as u64);
+            bar.set_position(millimetres(done(taken)));
             let ticks = status.tick.wrapping_sub(*start.get_or_insert(status.tick));
             if let Some(sample) = Sample::reported(status, f64::from(ticks) / tick_rate) {
                 trace.push(sample);
@@ -98,9 +104,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             ))?;
             logged
         }
-        Err(error @ DriveError::Move(_)) => {
-            Err(refused(format_args!("{}, {error}", scenario.job_file)))
-        }
+        Err(DriveError::Move(error)) => Err(refused(scenario.named(error.tag, &error.to_string()))),
         Err(error) => Err(refused(error)),
     }
 }

@@ -21,6 +21,7 @@ pub(super) struct Args {
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let board = RemoteController {
         name: &args.port,
+        command: "hil",
         unit: "ns",
         likely_cause: "if its image `qemu` is older than this program, build it again with \
                        scripts/firmware.sh and flash it",

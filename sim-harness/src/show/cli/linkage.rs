@@ -17,7 +17,7 @@ pub(super) struct Args {
     /// A linkage in TOML, or the name of an example.
     file: Option<String>,
     /// The folder for report.html, table.csv and summary.json.
-    #[arg(long, value_name = "DIR", default_value = "out")]
+    #[arg(long, value_name = "DIR", default_value = "out/linkage")]
     out: PathBuf,
     /// Print the summary as one JSON object.
     #[arg(long)]

@@ -4,7 +4,7 @@
 use super::failure::{Failure, refused};
 use super::run_args::RunArgs;
 use super::say::say;
-use super::sim::{outcome, print, progress_bar, refusal};
+use super::sim::{millimetres, outcome, path_lengths, print, progress_bar, refusal};
 use crate::run::link::{Difference, Instructions, Lockstep, LockstepError, TargetError};
 use crate::run::simulation::{RunError, Summary};
 use crate::show::pages::RunReport;
@@ -48,6 +48,8 @@ struct PerTick {
 pub(super) struct RemoteController<'a> {
     /// Its name in messages.
     pub(super) name: &'a str,
+    /// The command that connects to it.
+    pub(super) command: &'a str,
     /// The unit in which it measures a tick.
     pub(super) unit: &'a str,
     /// The likely cause of other outputs, or of no reply.
@@ -62,11 +64,12 @@ pub(super) fn run(
 ) -> Result<(), Failure> {
     let RemoteController {
         name,
+        command,
         unit,
         likely_cause,
     } = other;
     let scenario = args.run.scenario()?;
-    let folders = args.run.output.prepare()?;
+    let folders = args.run.output.prepare(command)?;
     let job = scenario.job().map_err(refused)?;
     scenario
         .check(&job)
@@ -75,7 +78,8 @@ pub(super) fn run(
         let demonstration = !args.run.names_a_job();
         demonstration.then_some(MOVES_OF_THE_DEMONSTRATION)
     });
-    let mut moves = scenario.moves(&job);
+    let moves = scenario.run_moves(&job);
+    let mut moves = moves.map_err(|error| refusal(&scenario, &error))?;
     moves.truncate(count.unwrap_or(usize::MAX));
 
     let settings = scenario.robot.settings().map_err(refused)?;
@@ -86,9 +90,11 @@ pub(super) fn run(
             }
             other => refused(format_args!("{name}: {other}")),
         })?;
-    let bar = progress_bar(moves.len());
+    let lengths = path_lengths(&scenario, &job);
+    let last = moves.len().min(lengths.len()).saturating_sub(1);
+    let bar = progress_bar(lengths.get(last).copied());
     let ran = scenario.run_on(&mut lockstep, &moves, &mut |done| {
-        bar.set_position(done as u64);
+        bar.set_position(millimetres(done));
     });
     bar.finish_and_clear();
     let (mut summary, record) = ran.map_err(|error| match error {

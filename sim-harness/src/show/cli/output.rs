@@ -10,9 +10,10 @@ use std::path::PathBuf;
 /// The options for the results of a run.
 #[derive(clap::Args)]
 pub(super) struct OutputArgs {
-    /// The folder for report.html, trace.csv and summary.json.
-    #[arg(long, value_name = "DIR", default_value = "out")]
-    pub(super) out: PathBuf,
+    /// The folder for report.html, trace.csv and summary.json; by default out/ with the name of
+    /// the command.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
     #[command(flatten)]
     log: LogArgs,
     /// Print the figures as one JSON object.
@@ -29,10 +30,13 @@ pub(super) struct Folders {
 
 impl OutputArgs {
     /// Makes sure, before the run, that its files can be written.
-    pub(super) fn prepare(&self) -> Result<Folders, Failure> {
+    /// `command` names the folder if no other is given.
+    pub(super) fn prepare(&self, command: &str) -> Result<Folders, Failure> {
+        let out = self.out.clone();
+        let out = out.unwrap_or_else(|| PathBuf::from("out").join(command));
         Ok(Folders {
             _log: self.log.prepare()?,
-            out: OutputFolder::prepare(&self.out, "--out").map_err(refused)?,
+            out: OutputFolder::prepare(&out, "--out").map_err(refused)?,
         })
     }
 

@@ -25,6 +25,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         .unwrap_or_else(|| Emulator::built_image("qemu"));
     let board = RemoteController {
         name: "the emulated board",
+        command: "pil",
         unit: "instructions",
         likely_cause: &Emulator::likely_cause(&image),
     };

@@ -32,6 +32,10 @@ pub(super) struct JobArgs {
     /// Turn the job about its (0, 0), counter-clockwise [degrees].
     #[arg(long, value_name = "DEGREES", value_parser = degrees, allow_hyphen_values = true)]
     rotate: Option<f64>,
+    /// Draw as large as the arm can: with --scale only a turn and a place are searched, with
+    /// --rotate only a scale and a place.
+    #[arg(long, conflicts_with = "origin")]
+    fit: bool,
     #[command(flatten)]
     reading: ReadingArgs,
 }
@@ -126,8 +130,19 @@ impl JobArgs {
         scenario.options = self.reading.options();
         match self.scale {
             Some(scale) => scenario.scale = scale,
+            None if self.fit => {}
             None if self.file.is_none() => fit(&mut scenario),
             None => {}
+        }
+        if self.fit {
+            let (scale, turn) = (self.scale.is_some(), self.rotate.is_some());
+            scenario.fit_to_reach(scale, turn).map_err(refused)?;
+            warn(format_args!(
+                "{} is drawn with --scale {} --rotate {}",
+                scenario.job_file,
+                scenario.scale,
+                (1e6 * scenario.turn.to_degrees()).round() / 1e6
+            ));
         }
         Ok(scenario)
     }

@@ -4,6 +4,7 @@ use super::failure::{Failure, refused};
 use super::output::OutputArgs;
 use super::run_args::RunArgs;
 use super::say::{say, warn};
+use crate::input::job::Job;
 use crate::input::scenario::Scenario;
 use crate::run::simulation::{CauseError, Record, RunError, Summary, TipError};
 use crate::show::pages::RunReport;
@@ -31,7 +32,7 @@ pub(super) fn simulate(
     output: &OutputArgs,
     by_cause: bool,
 ) -> Result<(), Failure> {
-    let folders = output.prepare()?;
+    let folders = output.prepare("sim")?;
     let job = scenario.job().map_err(refused)?;
     for warning in &job.warnings {
         warn(format_args!("{}, {warning}", scenario.job_file));
@@ -39,10 +40,10 @@ pub(super) fn simulate(
     scenario
         .check(&job)
         .map_err(|error| refusal(scenario, &error))?;
-    let bar = progress_bar(scenario.moves(&job).len());
+    let bar = progress_bar(path_lengths(scenario, &job).last().copied());
     let (ours, pid) = rayon::join(
         || {
-            let progress = &mut |done| bar.set_position(done as u64);
+            let progress = &mut |done| bar.set_position(millimetres(done));
             scenario.simulate(&job, scenario.computed_torque, progress)
         },
         || {
@@ -88,10 +89,22 @@ pub(super) fn outcome(scenario: &Scenario, record: &Record) -> Result<(), Failur
     stopped_by(scenario, record).map_or(Ok(()), |reason| Err(refused(reason)))
 }
 
-pub(super) fn progress_bar(moves: usize) -> ProgressBar {
-    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} moves  {elapsed}");
+/// The length of the path at the end of each step, from home on [m].
+pub(super) fn path_lengths(scenario: &Scenario, job: &Job) -> Vec<f64> {
+    let robot = &scenario.robot;
+    let home = robot.home_pose().map(|home| robot.tool_at(&home));
+    job.path_lengths(home.unwrap_or_default())
+}
+
+pub(super) fn millimetres(metres: f64) -> u64 {
+    (1e3 * metres) as u64
+}
+
+/// A bar for a path of this length [m].
+pub(super) fn progress_bar(length: Option<f64>) -> ProgressBar {
+    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} mm  {elapsed}");
     // The bar is visible on a terminal only.
-    ProgressBar::new(moves as u64)
+    ProgressBar::new(millimetres(length.unwrap_or_default()))
         .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
@@ -100,8 +113,11 @@ pub(super) fn print(summary: &Summary, record: &Record) -> Result<(), Failure> {
         robot, scenario, ..
     } = summary;
     say(format_args!("{robot} draws {scenario}"))?;
+    if let Some(time) = summary.job_s {
+        say(format_args!("  job         {time:.3} s"))?;
+    }
     say(format_args!(
-        "  simulated   {:.3} s in {} ({} times real time)",
+        "  simulated   {:.3} s in {} ({} times real time), with homing",
         summary.simulated_s,
         quantity(summary.wall_s, "s"),
         summary.speed()

@@ -22,7 +22,7 @@ pub(super) struct Args {
     #[arg(default_value = BuiltIn::DEFAULT)]
     robot: String,
     /// The folder for workspace.svg, workspace.png and workspace.csv.
-    #[arg(long, value_name = "DIR", default_value = "out")]
+    #[arg(long, value_name = "DIR", default_value = "out/workspace")]
     out: PathBuf,
     /// The working mode to draw: the sides of elbows 1 and 4; by default the robot's own.
     #[arg(long, value_name = "ELBOW1,ELBOW4", value_parser = working_mode)]

@@ -38,10 +38,22 @@ pub fn write_new(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), WriteError>
         .map_err(|source| refusal(path, source))
 }
 
+/// The names of the files that belong to a report.html.
+const REPORT_FILES: [&str; 7] = [
+    "picture.svg",
+    "summary.json",
+    "table.csv",
+    "trace.csv",
+    "workspace.csv",
+    "workspace.png",
+    "workspace.svg",
+];
+
 /// Writes the files of one report into a folder. The first is the one that a reader opens. It is
 /// there only while all files are of the same report: an old one is removed before the others are
 /// replaced, and the new one follows them. An interruption therefore leaves all the old files, all
-/// the new ones, or no first file.
+/// the new ones, or no first file. Files that belong to the old first file and that the new report does
+/// not have are removed with it.
 ///
 /// # Errors
 /// The first that could not be written. If it could not even be prepared, nothing has changed.
@@ -53,7 +65,19 @@ pub fn write_report(folder: &Path, files: &[(&str, &dyn AsRef<[u8]>)]) -> Result
         drafts.push((draft.map_err(|source| refusal(&path, source))?, path));
     }
     if let [(first, path), _, ..] = drafts.as_slice() {
+        let had_report = fs::symlink_metadata(path).is_ok_and(|data| data.is_file());
         first.remove_old().map_err(|source| refusal(path, source))?;
+        let replaced = |name: &&str| files.iter().any(|(written, _)| written == name);
+        for name in REPORT_FILES
+            .iter()
+            .filter(|name| had_report && !replaced(name))
+        {
+            let path = folder.join(name);
+            // A folder or a link of that name is none of a report's files.
+            if fs::symlink_metadata(&path).is_ok_and(|data| data.is_file()) {
+                fs::remove_file(&path).map_err(|source| refusal(&path, source))?;
+            }
+        }
     }
     // The first file comes last.
     let first = usize::from(!drafts.is_empty());

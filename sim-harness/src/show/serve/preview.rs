@@ -3,6 +3,7 @@
 use super::message::{JobMessage, brief};
 use super::strokes::Strokes;
 use crate::input::job::Job;
+use crate::input::scenario::place_in_job;
 use fivebar_firmware::planner::{MoveError, Planner};
 use fivebar_firmware::settings::{CheckedSettings, SettingsError};
 use fivebar_firmware::{Move, MoveKind, Settings, Status};
@@ -104,7 +105,10 @@ impl Preview {
         match checked {
             Ok(Ok(())) => {}
             Ok(Err(refusal)) => {
-                message.refusal = Some(brief(format!("Line {}: {refusal}.", refusal.tag)));
+                let place = place_in_job(job.is_drawing, refusal.tag);
+                let mut sentence = format!("{place}: {refusal}.");
+                sentence[..1].make_ascii_uppercase();
+                message.refusal = Some(brief(sentence));
                 message.at = refusal.point;
             }
             Err(error) => message.refusal = Some(format!("The settings: {error}.")),

@@ -7,12 +7,10 @@ use crate::run::simulation::{DemoScaleError, Record, RunError, fault_name};
 use fivebar_firmware::safety::Fault;
 
 /// Why a run of this scenario was refused or ended early. A refused move is a line of the
-/// job's file.
+/// job's file, with a placement that would work.
 pub fn refusal(scenario: &Scenario, error: &RunError) -> String {
     match error {
-        RunError::Target(error @ TargetError::Move(_)) => {
-            format!("{}, {error}", scenario.job_file)
-        }
+        RunError::Target(TargetError::Move(error)) => scenario.refused_move(error),
         other => other.to_string(),
     }
 }
@@ -75,7 +73,12 @@ pub fn no_demo_scale(error: &DemoScaleError) -> String {
         DemoScaleError::Scenario(error) => error.to_string(),
         DemoScaleError::TooLarge(scenario, error) => format!(
             "{}, even at a scale of {}",
-            refusal(scenario, error),
+            match error {
+                RunError::Target(TargetError::Move(error)) => {
+                    scenario.named(error.tag, &error.to_string())
+                }
+                other => refusal(scenario, other),
+            },
             scenario.scale
         ),
         DemoScaleError::Run(scenario, error) => refusal(scenario, error),

@@ -5,7 +5,9 @@
 mod answer;
 
 use crate::input::robot::{Robot, WorkspaceError};
-use fivebar_design::workspace::{Areas, Grid, GridError, Rectangle, WorkspaceMap, reach_bounds};
+use fivebar_design::workspace::{
+    Areas, Grid, GridError, Rectangle, WorkspaceMap, reach_bounds, round_down,
+};
 use fivebar_kinematics::five_bar::{Side, WorkingMode};
 use nalgebra::Vector2;
 use rayon::prelude::*;
@@ -124,16 +126,9 @@ impl Branch {
     }
 }
 
-/// The greatest number of 1, 2, 5, 10, 20, … that is at most `value`.
-fn round_down(value: f64) -> f64 {
-    let decade = 10_f64.powf(value.log10().floor());
-    let steps = [5.0, 2.0].into_iter().find(|step| step * decade <= value);
-    steps.unwrap_or(1.0) * decade
-}
-
 #[cfg(test)]
 mod tests {
-    use super::round_down;
+    use fivebar_design::workspace::round_down;
 
     #[test]
     fn cells_have_round_sizes() {

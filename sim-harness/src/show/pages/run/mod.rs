@@ -44,6 +44,12 @@ impl RunReport<'_> {
         ];
         let [torque1, torque4] = summary.peak_torque_nm;
         let others = [
+            (
+                "job time",
+                summary
+                    .job_s
+                    .map_or("–".into(), |time| format!("{time:.2} s")),
+            ),
             ("peak torque", quantity(torque1.max(torque4), "N·m")),
             ("simulated", format!("{:.2} s", summary.simulated_s)),
             ("speed", format!("{}× real time", summary.speed())),
