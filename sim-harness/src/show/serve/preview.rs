@@ -105,7 +105,11 @@ impl Preview {
         match checked {
             Ok(Ok(())) => {}
             Ok(Err(refusal)) => {
-                let place = place_in_job(job.is_drawing, refusal.tag);
+                // The way to the job belongs to the first line that moves.
+                let mut lines = job.steps.iter().map(|step| step.line);
+                let first = lines.find(|&line| line > 0).unwrap_or_default();
+                let line = if refusal.tag == 0 { first } else { refusal.tag };
+                let place = place_in_job(job.is_drawing, line);
                 let mut sentence = format!("{place}: {refusal}.");
                 sentence[..1].make_ascii_uppercase();
                 message.refusal = Some(brief(sentence));
