@@ -11,4 +11,4 @@ pub mod robot;
 pub mod scenario;
 mod similar;
 pub mod source;
-mod text_file;
+pub(crate) mod text_file;

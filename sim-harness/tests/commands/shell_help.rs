@@ -70,7 +70,7 @@ fn offered(words: &[&str]) -> Vec<String> {
 
 #[test]
 fn bash_completes_commands_options_and_values() {
-    assert_eq!(offered(&["fivebar", "s"]), ["serve", "sim"]);
+    assert_eq!(offered(&["fivebar", "s"]), ["serve", "settings", "sim"]);
     let formats = offered(&["fivebar", "export", "m"]);
     assert!(formats.contains(&"mjcf".to_owned()), "{formats:?}");
     let options = offered(&["fivebar", "sim", "--o"]);

@@ -9,3 +9,5 @@ mod hil;
 mod lines;
 #[cfg(unix)]
 mod serial;
+#[cfg(unix)]
+mod settings;

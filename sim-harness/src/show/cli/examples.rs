@@ -26,6 +26,7 @@ const EXAMPLES: &[(&str, &[&str])] = &[
             "fivebar clearance my-arm.toml my.gcode --joints B,D --radius 50e-6 --out out/worn",
         ],
     ),
+    ("clear", &["fivebar clear --port /dev/ttyUSB0"]),
     (
         "completions",
         &[
@@ -147,6 +148,14 @@ const EXAMPLES: &[(&str, &[&str])] = &[
         &[
             "fivebar serve",
             "fivebar serve --robot my-arm.toml --listen 127.0.0.1:9000",
+        ],
+    ),
+    (
+        "settings",
+        &[
+            "fivebar settings show --port /dev/ttyUSB0",
+            "fivebar settings upload --port /dev/ttyUSB0 --robot my-arm.toml",
+            "fivebar settings download --port /dev/ttyUSB0 --out as-found.toml",
         ],
     ),
     (

@@ -36,6 +36,7 @@ mod robots;
 mod run_args;
 mod say;
 mod serve;
+mod settings;
 mod sim;
 mod value_error;
 mod workspace;
@@ -63,6 +64,7 @@ enum Command {
     Accuracy(Box<accuracy::Args>),
     Calibrate(calibrate::Args),
     Clearance(clearance::Args),
+    Clear(settings::ClearArgs),
     Completions(completions::Args),
     Doctor(doctor::Args),
     Drive(drive::Args),
@@ -80,6 +82,7 @@ enum Command {
     Query(query::Args),
     Robots(robots::Args),
     Serve(serve::Args),
+    Settings(settings::Args),
     Sim(sim::Args),
     Workspace(workspace::Args),
 }
@@ -99,6 +102,7 @@ pub fn main() -> ExitCode {
             Command::Accuracy(args) => accuracy::run(&args),
             Command::Calibrate(args) => calibrate::run(&args),
             Command::Clearance(args) => clearance::run(&args),
+            Command::Clear(args) => settings::clear(&args),
             Command::Completions(args) => completions::run(&args),
             Command::Doctor(args) => doctor::run(&args),
             Command::Drive(args) => drive::run(&args),
@@ -116,6 +120,7 @@ pub fn main() -> ExitCode {
             Command::Query(args) => query::run(&args),
             Command::Robots(args) => robots::run(&args),
             Command::Serve(args) => serve::run(&args),
+            Command::Settings(args) => settings::run(&args),
             Command::Sim(args) => sim::run(&args),
             Command::Workspace(args) => workspace::run(&args),
         },

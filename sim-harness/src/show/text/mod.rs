@@ -5,6 +5,7 @@ mod ending;
 mod margins;
 mod mobility;
 mod quantity;
+pub(crate) mod settings;
 mod workspace;
 
 pub use conditions::conditions;
