@@ -12,3 +12,5 @@ pub mod scenario;
 mod similar;
 pub mod source;
 pub(crate) mod text_file;
+
+pub(crate) use similar::did_you_mean;

@@ -1,5 +1,6 @@
 //! Files that are read: robots, linkages, jobs.
 
+mod approach;
 mod document;
 mod drive_keys;
 mod gcode_codes;

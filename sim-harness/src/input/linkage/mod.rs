@@ -10,7 +10,7 @@ mod tolerance;
 pub use builtin::{EXAMPLES, Example};
 pub(crate) use names::{driven_links, dyads, links_of, reaction_names};
 
-use crate::input::similar::did_you_mean;
+use crate::input::did_you_mean;
 use crate::input::source::{FileError, Source};
 use crate::input::text_file;
 use fivebar_design::accuracy::linkage::{LinkageTolerance, TolerancedLinkage};

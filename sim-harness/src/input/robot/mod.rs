@@ -27,7 +27,7 @@ pub use measured::{Measured, MeasuredKey, measured_text};
 pub use slider::{Mechanism, SliderRobot};
 pub use workspace::WorkspaceError;
 
-use crate::input::similar::did_you_mean;
+use crate::input::did_you_mean;
 use crate::input::source::{FileError, Key, Source};
 use crate::input::text_file;
 use fivebar_design::accuracy::five_bar::{ArmTolerance, TolerancedArm};

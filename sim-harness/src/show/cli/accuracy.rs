@@ -2,12 +2,14 @@
 
 use super::failure::{Failure, refused};
 use super::figures::figures;
+use super::length::place;
 use super::say::{print, say, warn};
 use super::value_error::ValueError;
 use crate::input::accuracy_classes::Classes;
 use crate::input::job::{self, Job, Placement};
 use crate::input::linkage::DrivenLinkage;
 use crate::input::robot::{Mechanism, Robot, SliderRobot};
+use crate::input::scenario::Scenario;
 use crate::show::files::write_whole;
 use crate::show::pages::accuracy::{at_page, linkage_page, map_page, path_page, slider_page};
 use crate::show::report::Page;
@@ -55,9 +57,10 @@ pub(super) struct Args {
     /// Force on C [N].
     #[arg(long, value_name = "X,Y", value_parser = numbers::<2>, allow_hyphen_values = true, default_value = "0,0")]
     force: [f64; 2],
-    /// With --path: position of the job's (0,0) [m].
-    #[arg(long, value_name = "X,Y", value_parser = numbers::<2>, allow_hyphen_values = true, default_value = "0,0")]
-    origin: [f64; 2],
+    /// With --path: position of the job's (0,0), such as 30mm,160mm; by default where `fivebar sim`
+    /// draws it.
+    #[arg(long, value_name = "X,Y", value_parser = place, allow_hyphen_values = true)]
+    origin: Option<[f64; 2]>,
     /// With --path: metres in the plane per metre in the job.
     #[arg(long, default_value_t = 1.0)]
     scale: f64,
@@ -195,18 +198,28 @@ fn study(args: &Args, robot: &Robot) -> Result<(Value, Page), Failure> {
         ));
     }
     if let Some(path) = &args.path {
-        let placement = Placement {
-            origin: args.origin,
-            scale: args.scale,
-            turn: 0.0,
-            home: robot
-                .home_pose()
-                .map_or(args.origin, |pose| [pose.c.x, pose.c.y]),
-        };
         let shown = path.display();
         let in_file = |error: &dyn Display| refused(format_args!("{shown}: {error}"));
         let text = job::read(path).map_err(|error| in_file(&error))?;
-        let job = Job::parse(&text, &placement).map_err(|error| in_file(&error))?;
+        let job = match args.origin {
+            Some(origin) => {
+                let placement = Placement {
+                    origin,
+                    scale: args.scale,
+                    turn: 0.0,
+                    home: robot
+                        .home_pose()
+                        .map_or(origin, |pose| [pose.c.x, pose.c.y]),
+                };
+                Job::parse(&text, &placement).map_err(|error| in_file(&error))?
+            }
+            None => {
+                let file = shown.to_string();
+                let mut scenario = Scenario::new(&file, robot.clone(), &file, text);
+                scenario.scale = args.scale;
+                scenario.job().map_err(refused)?
+            }
+        };
         let along = path_accuracy(robot, &job, force).map_err(|error| in_file(&error))?;
         return Ok((
             path_answer(&robot.name, &along),

@@ -1,7 +1,8 @@
 //! `fivebar clearance`: a job on the new arm and with worn joints.
 
 use super::failure::{Failure, refused};
-use super::run_args::{point, scale};
+use super::length::place;
+use super::run_args::scale;
 use super::say::{say, warn};
 use super::value_error::ValueError;
 use crate::input::robot::Robot;
@@ -32,7 +33,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "A,B,…", value_delimiter = ',', value_parser = joint, default_value = "A,B,C,D,E")]
     joints: Vec<usize>,
     /// Position of the job's (0, 0) in the frame of the base [m].
-    #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y", value_parser = place, allow_hyphen_values = true)]
     origin: Option<[f64; 2]>,
     /// Metres in the plane per metre in the job.
     #[arg(long, value_parser = scale, allow_hyphen_values = true)]

@@ -47,7 +47,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let settings = scenario.robot.settings().map_err(refused)?;
     let moves = scenario.moves(&job);
 
-    let _folder = args.log.prepare()?;
+    args.log.prepare()?;
     let interrupted = interrupted()?;
     let (mut client, identity) = args.port.open()?;
     if identity.board == Board::Emulated {

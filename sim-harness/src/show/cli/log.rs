@@ -17,11 +17,10 @@ pub(super) struct LogArgs {
 }
 
 impl LogArgs {
-    /// Makes sure, before the run, that the log can be written. Keep the folder until the log
-    /// is written: when it is dropped, an empty one is removed.
-    pub(super) fn prepare(&self) -> Result<Option<OutputFolder>, Failure> {
+    /// Makes sure, before the run, that the log can be written.
+    pub(super) fn prepare(&self) -> Result<(), Failure> {
         let Some(log) = &self.log else {
-            return Ok(None);
+            return Ok(());
         };
         if log.is_dir() {
             return Err(refused(format!(
@@ -29,7 +28,8 @@ impl LogArgs {
                 log.display()
             )));
         }
-        OutputFolder::prepare_for(log, "--log").map_err(refused)
+        let folder = OutputFolder::prepare_for(log, "--log");
+        folder.map(drop).map_err(refused)
     }
 
     /// Writes the log of a run, if the option is given.

@@ -2,6 +2,7 @@
 
 use super::failure::{Failure, refused};
 use super::say::say;
+use crate::input::did_you_mean;
 use crate::input::mobility::{EXAMPLES, MobilityCase, parse, read};
 use crate::show::files::write_whole;
 use crate::show::pages;
@@ -68,8 +69,9 @@ fn studies(file: Option<&str>) -> Result<Vec<MobilityCase>, Failure> {
     if !path.exists() {
         let names: Vec<&str> = EXAMPLES.iter().map(|(name, _)| *name).collect();
         return Err(refused(format_args!(
-            "{file}: there is no such file and no such example; the examples are {}",
-            names.join(", ")
+            "{file}: there is no such file and no such example; the examples are {}{}",
+            names.join(", "),
+            did_you_mean(file, names.iter().copied())
         )));
     }
     read(&path).map_err(refused)

@@ -24,8 +24,6 @@ pub(super) struct OutputArgs {
 /// The folders for the files of a run.
 pub(super) struct Folders {
     pub(super) out: OutputFolder,
-    /// Kept until the log is written: when it is dropped, an empty folder is removed.
-    _log: Option<OutputFolder>,
 }
 
 impl OutputArgs {
@@ -34,8 +32,8 @@ impl OutputArgs {
     pub(super) fn prepare(&self, command: &str) -> Result<Folders, Failure> {
         let out = self.out.clone();
         let out = out.unwrap_or_else(|| PathBuf::from("out").join(command));
+        self.log.prepare()?;
         Ok(Folders {
-            _log: self.log.prepare()?,
             out: OutputFolder::prepare(&out, "--out").map_err(refused)?,
         })
     }

@@ -2,6 +2,7 @@
 
 use super::Failure;
 use super::say::{print, say};
+use crate::input::did_you_mean;
 use crate::input::robot::{BUILT_IN, BuiltIn};
 
 /// Lists the built-in robots, or prints the file of one.
@@ -20,7 +21,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     };
     let robot = BuiltIn::find(name).ok_or_else(|| {
         Failure::Usage(format!(
-            "there is no built-in robot `{name}`; `fivebar robots` lists them"
+            "there is no built-in robot `{name}`; `fivebar robots` lists them{}",
+            did_you_mean(name, BUILT_IN.iter().map(|robot| robot.name))
         ))
     })?;
     print(robot.text)?;

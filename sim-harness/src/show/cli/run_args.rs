@@ -14,7 +14,7 @@ use std::path::Path;
 #[derive(clap::Args)]
 pub(super) struct JobArgs {
     /// A scenario in TOML, a job in G-code, or a drawing in SVG; `-` for a job on the standard
-    /// input; by default the demonstration.
+    /// input. Without it `sim`, `pil` and `hil` do the demonstration.
     #[arg(value_name = "SCENARIO.toml|JOB.gcode|DRAWING.svg")]
     file: Option<String>,
     /// A built-in robot (see `fivebar robots`) or a robot file; by default the scenario's, or

@@ -143,6 +143,12 @@ pub(super) fn print(summary: &Summary, record: &Record) -> Result<(), Failure> {
         "  torque      {torque1} and {torque4} max, limited in {} ticks",
         summary.saturated_ticks
     ))?;
+    let stride = record.trace.stride();
+    if stride > 1 {
+        say(format_args!(
+            "  trace       every {stride}th tick is kept, to bound the memory"
+        ))?;
+    }
     say(format_args!(
         "  report      {}/report.html",
         summary.out_dir

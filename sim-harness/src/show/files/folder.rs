@@ -3,13 +3,11 @@
 use super::write::{WriteError, is_stream, write_report};
 use std::path::{Path, PathBuf};
 
-/// A folder that can be written to. If no file is written, the folders that were made for it
-/// are removed when it is dropped.
+/// A folder that can be written to. It is made with its files, so that an interrupted run leaves
+/// no empty folder.
 #[derive(Debug)]
 pub struct OutputFolder {
     path: PathBuf,
-    /// The folders made, the outermost first.
-    made: Vec<PathBuf>,
 }
 
 /// The folder cannot be written to.
@@ -51,14 +49,13 @@ impl OutputFolder {
             .take_while(|p| !p.exists())
             .map(Path::to_owned)
             .collect();
-        made.reverse();
-        let folder = Self {
+        let tried = std::fs::create_dir_all(path).and_then(|()| tempfile::tempfile_in(path));
+        // The innermost first; this removes empty folders only.
+        made.retain(|made| std::fs::remove_dir(made).is_err());
+        tried.map_err(refused)?;
+        Ok(Self {
             path: path.to_owned(),
-            made,
-        };
-        std::fs::create_dir_all(path).map_err(refused)?;
-        tempfile::tempfile_in(path).map_err(refused)?;
-        Ok(folder)
+        })
     }
 
     /// The folder.
@@ -73,16 +70,5 @@ impl OutputFolder {
     /// The first that could not be written.
     pub fn write(&self, files: &[(&str, &dyn AsRef<[u8]>)]) -> Result<(), WriteError> {
         write_report(&self.path, files)
-    }
-}
-
-impl Drop for OutputFolder {
-    fn drop(&mut self) {
-        // This removes empty folders only: written files stay.
-        for made in self.made.iter().rev() {
-            if std::fs::remove_dir(made).is_err() {
-                return;
-            }
-        }
     }
 }
