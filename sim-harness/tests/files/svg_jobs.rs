@@ -177,3 +177,17 @@ fn files_that_are_no_svg_are_refused() {
     let huge = format!("<path {LINE} d=\"M0 0 L2e6 0\"/>");
     assert!(matches!(read(&page(&huge)), Err(JobError::Svg(_))));
 }
+
+#[test]
+fn deeply_nested_groups_do_not_exhaust_a_small_stack() {
+    let nested = |depth: usize| {
+        let (open, close) = ("<g opacity=\"0.5\">".repeat(depth), "</g>".repeat(depth));
+        page(&format!("{open}<path {LINE} d=\"M1 1 L9 1\"/>{close}"))
+    };
+    let thread = std::thread::Builder::new().stack_size(1 << 18);
+    let reader = thread.spawn(move || {
+        assert_eq!(strokes(&read(&nested(1000)).unwrap()).len(), 1);
+        assert!(matches!(read(&nested(100_000)), Err(JobError::Svg(_))));
+    });
+    reader.unwrap().join().unwrap();
+}

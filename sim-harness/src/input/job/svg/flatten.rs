@@ -7,7 +7,7 @@
 use resvg::usvg::tiny_skia_path::{PathSegment, Point as PathPoint};
 
 /// Most points of a drawing.
-const MOST_POINTS: usize = 4_000_000;
+const MOST_POINTS: usize = 1_000_000;
 
 type Point = [f64; 2];
 

@@ -20,11 +20,27 @@ const PIXEL: f64 = 25.4e-3 / 96.0;
 /// A polyline [m].
 pub(super) type Stroke = Vec<[f64; 2]>;
 
+/// Stack for the thread that reads a drawing: usvg calls itself for each level of nested groups, of
+/// which there are up to a thousand.
+const STACK: usize = 64 << 20;
+
+/// Reads a drawing in a thread of its own.
 pub(super) fn interpret(
     text: &str,
     placement: &Placement,
     options: &JobOptions,
 ) -> Result<Job, JobError> {
+    let unread = |reason: String| JobError::Svg(format!("the SVG cannot be read: {reason}"));
+    std::thread::scope(|scope| {
+        let thread = std::thread::Builder::new().stack_size(STACK);
+        let reader = thread.spawn_scoped(scope, || drawn(text, placement, options));
+        let reader = reader.map_err(|error| unread(error.to_string()))?;
+        let job = reader.join();
+        job.unwrap_or_else(|_| Err(unread("its reader failed".into())))
+    })
+}
+
+fn drawn(text: &str, placement: &Placement, options: &JobOptions) -> Result<Job, JobError> {
     let tree = Tree::from_str(text, &reading())
         .map_err(|error| JobError::Svg(format!("the file is no SVG that can be read: {error}")))?;
     let mut reader = Reader {
