@@ -82,8 +82,9 @@ fn run(
     (Ok(interpreter.job), interpreter.evidence)
 }
 
-pub(super) struct Interpreter<'a> {
-    pub(super) placement: &'a Placement,
+#[derive(Clone)]
+pub(super) struct Interpreter {
+    pub(super) placement: Placement,
     pub(super) rules: Rules,
     pub(super) job: Job,
     pub(super) evidence: Evidence,
@@ -99,10 +100,10 @@ pub(super) struct Interpreter<'a> {
     pub(super) placed: Option<[f64; 2]>,
 }
 
-impl<'a> Interpreter<'a> {
-    fn new(placement: &'a Placement, rules: Rules) -> Self {
+impl Interpreter {
+    pub(super) fn new(placement: &Placement, rules: Rules) -> Self {
         Self {
-            placement,
+            placement: *placement,
             rules,
             job: Job::default(),
             evidence: Evidence::new(),
@@ -117,7 +118,7 @@ impl<'a> Interpreter<'a> {
 
     /// Interprets one line. As in every dialect, the parts of a line take effect in a fixed
     /// order: the tool, the modes, the feed rate in the units of these modes, then the motion.
-    fn line(&mut self, number: u32, line: &Line) -> Result<(), GcodeError> {
+    pub(super) fn line(&mut self, number: u32, line: &Line) -> Result<(), GcodeError> {
         let mut words = Words::of(line);
         self.evidence.codes(number, line);
         self.miscellaneous(number, line)?;

@@ -11,6 +11,7 @@ mod interpreter;
 mod modes;
 mod motion;
 mod options;
+mod stream;
 #[cfg(feature = "program")]
 mod svg;
 mod text;
@@ -19,6 +20,7 @@ mod words;
 
 pub use error::{GcodeError, JobError, Warning, WarningKind};
 pub use options::{Dialect, JobOptions};
+pub use stream::JobStream;
 pub use text::{read, read_from};
 pub use tool::ToolWords;
 

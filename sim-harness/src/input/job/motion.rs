@@ -11,7 +11,7 @@ const MAX_COORDINATE: f64 = 1e3;
 /// Shorter motions [m] are dropped: their ends may be the same in `f32`.
 pub(super) const MIN_LENGTH: f64 = 1e-7;
 
-impl Interpreter<'_> {
+impl Interpreter {
     pub(super) fn motion(
         &mut self,
         number: u32,
