@@ -1,6 +1,8 @@
 //! The outputs: pages, files for other programs, the live page and the command line.
 
 #[cfg(feature = "program")]
+pub mod bridge;
+#[cfg(feature = "program")]
 pub mod cli;
 #[cfg(feature = "program")]
 pub mod doctor;

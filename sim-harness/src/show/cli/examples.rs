@@ -13,6 +13,14 @@ const EXAMPLES: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "bridge",
+        &[
+            "fivebar bridge",
+            "fivebar bridge --robot my-arm.toml --port /dev/ttyUSB0 --origin 30mm,160mm",
+            "fivebar bridge --dialect reprap --listen 127.0.0.1:9001",
+        ],
+    ),
+    (
         "calibrate",
         &[
             "fivebar calibrate --robot my-arm.toml --propose 24 --plate plate.svg",

@@ -4,6 +4,7 @@
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
 mod accuracy;
+mod bridge;
 mod calibrate;
 mod clearance;
 mod completions;
@@ -62,6 +63,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Accuracy(Box<accuracy::Args>),
+    Bridge(bridge::Args),
     Calibrate(calibrate::Args),
     Clearance(clearance::Args),
     Clear(settings::ClearArgs),
@@ -100,6 +102,7 @@ pub fn main() -> ExitCode {
         None => demo::run(&cli.demo),
         Some(command) => match command {
             Command::Accuracy(args) => accuracy::run(&args),
+            Command::Bridge(args) => bridge::run(&args),
             Command::Calibrate(args) => calibrate::run(&args),
             Command::Clearance(args) => clearance::run(&args),
             Command::Clear(args) => settings::clear(&args),

@@ -8,7 +8,7 @@ use crate::input::robot::{BuiltIn, Robot};
 use crate::run::link::Emulator;
 use crate::show::serve::{ControllerSource, Guard, ServeError, serve};
 use std::net::{IpAddr, SocketAddr, UdpSocket};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
 /// Serves a live page on which a browser shows the arm, jogs it and runs jobs.
@@ -16,9 +16,20 @@ use std::sync::atomic::Ordering;
 /// By default the arm is simulated in real time.
 #[derive(clap::Args)]
 pub(super) struct Args {
+    #[command(flatten)]
+    controller: ControllerArgs,
+    /// The address to listen on; port 0 is any free port. The printed link contains a token,
+    /// which is needed to connect. The connection is not encrypted.
+    #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8105", value_parser = address)]
+    listen: SocketAddr,
+}
+
+/// The arm and its controller.
+#[derive(clap::Args)]
+pub(super) struct ControllerArgs {
     /// A built-in robot (see `fivebar robots`) or a robot file.
     #[arg(long, default_value = BuiltIn::DEFAULT)]
-    robot: String,
+    pub(super) robot: String,
     /// Run the firmware on an emulated Cortex-M4F with the simulated arm; slower than real
     /// time.
     #[arg(long)]
@@ -32,31 +43,50 @@ pub(super) struct Args {
     /// Store the robot's settings on the controller on the port.
     #[arg(long, requires = "port")]
     upload: bool,
-    /// The address to listen on; port 0 is any free port. The printed link contains a token,
-    /// which is needed to connect. The connection is not encrypted.
-    #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8105", value_parser = address)]
-    listen: SocketAddr,
 }
 
-fn address(text: &str) -> Result<SocketAddr, ValueError> {
+impl ControllerArgs {
+    /// The image of the emulated board.
+    pub(super) fn image(&self) -> PathBuf {
+        let image = self.image.clone();
+        image.unwrap_or_else(|| Emulator::built_image("qemu"))
+    }
+
+    /// The controller that is asked for.
+    pub(super) fn source<'a>(&'a self, image: &'a Path) -> ControllerSource<'a> {
+        match &self.port {
+            Some(name) => ControllerSource::Port {
+                name,
+                upload: self.upload,
+            },
+            None if self.emulated => ControllerSource::Emulated(image),
+            None => ControllerSource::Simulated,
+        }
+    }
+}
+
+/// The failure, with its likely cause where the board is emulated.
+pub(super) fn described(error: ServeError, args: &ControllerArgs) -> Failure {
+    match error {
+        ServeError::Link(_) | ServeError::Refused(_) if args.emulated => refused(format_args!(
+            "{error}; {}",
+            Emulator::likely_cause(&args.image())
+        )),
+        other => refused(other),
+    }
+}
+
+pub(super) fn address(text: &str) -> Result<SocketAddr, ValueError> {
     let address = text.parse();
     address.map_err(|_| ValueError::Address)
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    let robot = Robot::load(&args.robot).map_err(refused)?;
+    let robot = Robot::load(&args.controller.robot).map_err(refused)?;
     let guard = Guard::with_new_token().map_err(refused)?;
     let query = format!("?token={}", guard.token());
-    let image = args.image.clone();
-    let image = image.unwrap_or_else(|| Emulator::built_image("qemu"));
-    let source = match &args.port {
-        Some(name) => ControllerSource::Port {
-            name,
-            upload: args.upload,
-        },
-        None if args.emulated => ControllerSource::Emulated(&image),
-        None => ControllerSource::Simulated,
-    };
+    let image = args.controller.image();
+    let source = args.controller.source(&image);
     let ready = |address| {
         say(format_args!(
             "{} is at http://{}/{query}",
@@ -68,12 +98,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let interrupted = interrupted()?;
     let ends = move || interrupted.load(Ordering::Relaxed);
     let served = serve(&robot, source, args.listen, guard, ready, ends);
-    served.map_err(|error| match error {
-        ServeError::Link(_) | ServeError::Refused(_) if args.emulated => {
-            refused(format_args!("{error}; {}", Emulator::likely_cause(&image)))
-        }
-        other => refused(other),
-    })
+    served.map_err(|error| described(error, &args.controller))
 }
 
 /// The address at which others reach a server that listens on all of this computer's

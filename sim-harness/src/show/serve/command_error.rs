@@ -5,7 +5,7 @@ use fivebar_firmware::protocol::CommandError;
 use fivebar_firmware::safety::State;
 
 /// Why a command was refused.
-pub(super) fn sentence(error: &CommandError) -> String {
+pub(in crate::show) fn sentence(error: &CommandError) -> String {
     match error {
         CommandError::Move(error) if error.tag == 0 => format!("The move is refused: {error}."),
         CommandError::Move(error) => format!("Line {} is refused: {error}.", error.tag),

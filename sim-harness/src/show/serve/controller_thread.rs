@@ -13,6 +13,7 @@ use super::move_feeder::{JobStatus, MoveFeeder};
 use super::pace::SpeedMeter;
 use super::preview::{JobStart, Preview};
 use super::simulated::SteppedArm;
+use super::source::Connection;
 use super::stop_signal::Stop;
 use crate::input::robot::Robot;
 use crate::run::link::{Client, LinkError};
@@ -22,7 +23,6 @@ use fivebar_firmware::protocol::{CommandError, HostCommand, Reply};
 use fivebar_firmware::safety::{self, Fault};
 use fivebar_firmware::settings::CheckedSettings;
 use fivebar_firmware::{Request, Status};
-use std::io::{Read, Write};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -34,10 +34,6 @@ const SAMPLES_STEPPED: f32 = 200.0;
 const EVENTS_PER_CYCLE: usize = 64;
 /// Longest time for the arm to come to rest when the program ends.
 const LONGEST_STOP: Duration = Duration::from_secs(5);
-
-/// A stream of bytes to a controller.
-pub(super) trait Connection: Read + Write + Send {}
-impl<L: Read + Write + Send> Connection for L {}
 
 /// One controller and the pages that show it.
 pub(super) struct ControllerThread {

@@ -16,6 +16,7 @@
 //! | module | content |
 //! |---|---|
 //! | `simulated`, `pace` | the simulated arm in real time, also in lockstep with a board |
+//! | `source` | the controller that is chosen, opened; `fivebar bridge` uses it too |
 //! | `arm`, `maps` | the arm and its workspace, sent to pages before the arm moves |
 //! | `controller_thread`, `move_feeder` | the exchange with the controller; the moves that wait |
 //! | `requests`, `command_error` | what each request of a page does; refusals as sentences |
@@ -32,7 +33,7 @@
 mod accept;
 mod arm;
 mod channels;
-mod command_error;
+pub(super) mod command_error;
 mod controller_thread;
 mod frame_meter;
 mod guard;
@@ -49,6 +50,7 @@ mod rate;
 mod requests;
 mod simulated;
 mod socket;
+pub(super) mod source;
 mod stop_signal;
 mod strokes;
 mod web;
@@ -56,13 +58,13 @@ mod web;
 pub use guard::Guard;
 
 use crate::input::robot::{HomeError, Robot, WorkspaceError};
-use crate::run::drive::{Drive, DriveError};
-use crate::run::link::{Client, Emulator, EmulatorError, LinkError, PortError, SerialLine};
+use crate::run::drive::DriveError;
+use crate::run::link::{EmulatorError, LinkError, PortError};
 use crate::run::simulation::RunError;
-use controller_thread::{Connection, ControllerThread};
+use controller_thread::ControllerThread;
 use fivebar_design::workspace::GridError;
-use fivebar_firmware::protocol::{Board, CommandError};
-use simulated::SteppedArm;
+use fivebar_firmware::protocol::CommandError;
+use source::Opened;
 use std::io;
 use std::net::{SocketAddr, TcpListener};
 use std::path::Path;
@@ -147,32 +149,13 @@ pub fn serve(
 ) -> Result<(), ServeError> {
     let listener = TcpListener::bind(address);
     let listener = listener.map_err(|source| ServeError::Listen { address, source })?;
-    let line: Box<dyn Connection> = match source {
-        ControllerSource::Simulated => Box::new(simulated::line(robot)?),
-        ControllerSource::Emulated(image) => Box::new(Emulator::start(image)?),
-        ControllerSource::Port { name, .. } => Box::new(SerialLine::open(name)?),
-    };
-    let (mut client, identity) = Client::open(line)?;
-    let settings = robot.settings().map_err(RunError::from)?.check()?;
-    let (place, stepped) = match identity.board {
-        Board::Emulated => {
-            let answer = client.write_settings(&settings)?;
-            answer.map_err(ServeError::Refused)?;
-            (
-                "emulated controller, simulated arm",
-                Some(SteppedArm::new(robot)?),
-            )
-        }
-        Board::Desktop | Board::Stm32f405 => {
-            let upload = matches!(source, ControllerSource::Port { upload: true, .. });
-            Drive::new(&mut client, &|| false).agree_on(&settings, upload)?;
-            match source {
-                ControllerSource::Port { name, .. } => (name, None),
-                ControllerSource::Simulated | ControllerSource::Emulated(_) => ("simulated", None),
-            }
-        }
-    };
-    let arm = arm::describe(robot, place)?;
+    let Opened {
+        client,
+        stepped,
+        settings,
+        place,
+    } = source::open(robot, source)?;
+    let arm = arm::describe(robot, &place)?;
     let maps = maps::describe(robot, settings.assembly())?;
     let (pages, controller_end) = channels::channels();
     let machine = ControllerThread::new(client, stepped, robot.clone(), settings, controller_end)?;

@@ -1,0 +1,356 @@
+//! The thread of the controller: it does stops at once, lines in order, and reports.
+
+use super::BridgeOptions;
+use super::connection::{Event, Shared};
+use super::orders::Progress;
+use super::path::PathQueue;
+use super::protocol::{Engine, MachineState, Refusal, Response, View};
+use super::sender::Sender;
+use crate::input::job::{Dialect, JobOptions, Placement};
+use crate::run::link::{Client, LinkError};
+use crate::run::simulation::fault_name;
+use crate::show::serve::ServeError;
+use crate::show::serve::command_error::sentence;
+use crate::show::serve::source::{Connection, Opened, SteppedArm};
+use fivebar_firmware::planner::{MoveErrorKind, Planner};
+use fivebar_firmware::protocol::{CommandError, HostCommand, Reply};
+use fivebar_firmware::safety::{Fault, State};
+use fivebar_firmware::settings::CheckedSettings;
+use fivebar_firmware::{Request, Status};
+use std::sync::Arc;
+use std::sync::mpsc::Receiver;
+use std::time::{Duration, Instant};
+
+/// Lines that are answered before the controller gets its next sign of life.
+const LINES_PER_CYCLE: usize = 64;
+/// Longest time for the arm to come to rest when the program ends.
+const LONGEST_STOP: Duration = Duration::from_secs(5);
+
+/// What the arm does apart from its path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Phase {
+    /// It follows the path.
+    Ready,
+    /// It searches its home switches.
+    Homing,
+    /// It comes to rest or rests on the path, which goes on from there.
+    Hold { rests: bool },
+    /// It comes to rest, and the path is dropped.
+    Dropping,
+}
+
+/// The controller and the sender in control of it.
+pub(super) struct Machine<'a> {
+    pub(super) client: Client<Box<dyn Connection>>,
+    stepped: Option<SteppedArm>,
+    pub(super) settings: CheckedSettings,
+    pub(super) planner: Planner,
+    pub(super) placement: Placement,
+    pub(super) reading: JobOptions,
+    pub(super) fixed: Option<Dialect>,
+    pub(super) events: Receiver<Event>,
+    pub(super) shared: Arc<Shared>,
+    pub(super) note: &'a dyn Fn(&str),
+    pub(super) sender: Option<Sender>,
+    pub(super) path: PathQueue,
+    pub(super) phase: Phase,
+    pub(super) jogs: bool,
+    /// Whether the user has said to go on before the arm rested.
+    pub(super) goes_on: bool,
+    pub(super) status: Status,
+    pub(super) room: u8,
+    all_room: u8,
+    idle_since: Option<u32>,
+    pub(super) fault: Option<Fault>,
+    /// A tick, the reference in it [m], and the speed up to it [m/s].
+    speed: (u32, Option<[f32; 2]>, f64),
+}
+
+impl<'a> Machine<'a> {
+    pub(super) fn new(
+        opened: Opened,
+        placement: Placement,
+        options: &BridgeOptions,
+        events: Receiver<Event>,
+        shared: Arc<Shared>,
+        note: &'a dyn Fn(&str),
+    ) -> Result<Self, ServeError> {
+        let Opened {
+            mut client,
+            stepped,
+            settings,
+            ..
+        } = opened;
+        let (status, room) = client.status()?;
+        Ok(Self {
+            client,
+            stepped,
+            planner: Planner::new(&settings),
+            settings,
+            placement,
+            reading: options.reading,
+            fixed: options.dialect,
+            events,
+            shared,
+            note,
+            sender: None,
+            path: PathQueue::default(),
+            phase: Phase::Ready,
+            jogs: false,
+            goes_on: false,
+            fault: status.fault,
+            speed: (status.tick, None, 0.0),
+            status,
+            room,
+            all_room: room,
+            idle_since: None,
+        })
+    }
+
+    /// Runs until `ends` returns true. It then brings the arm to rest and disarms it.
+    pub(super) fn run(&mut self, ends: &dyn Fn() -> bool) -> Result<(), LinkError> {
+        while !ends() {
+            self.cycle()?;
+        }
+        let deadline = Instant::now() + LONGEST_STOP;
+        // Both requests are refused if a fault is latched: then the controller itself brings the
+        // arm to rest.
+        let _ = self.request(Request::Stop)?;
+        while self.moves() && Instant::now() < deadline {
+            self.pass_time()?;
+            (self.status, _) = self.client.status()?;
+        }
+        let _ = self.request(Request::Disarm)?;
+        Ok(())
+    }
+
+    fn cycle(&mut self) -> Result<(), LinkError> {
+        self.stop_if_asked()?;
+        self.take_events()?;
+        self.update()?;
+        for _ in 0..LINES_PER_CYCLE {
+            self.stop_if_asked()?;
+            self.feed()?;
+            if !self.advance()? {
+                break;
+            }
+        }
+        self.stop_if_asked()?;
+        self.release_lost_sender();
+        self.pass_time()
+    }
+
+    fn pass_time(&mut self) -> Result<(), LinkError> {
+        match &mut self.stepped {
+            Some(arm) => arm.step(&mut self.client),
+            None => self.client.poll(),
+        }
+    }
+
+    pub(super) fn request(&mut self, request: Request) -> Result<Result<(), String>, LinkError> {
+        let answer = self.client.command(HostCommand::Request(request))?;
+        Ok(answer.map_err(|refusal| sentence(&refusal)))
+    }
+
+    /// Reads the status, which is also the sign of life, and draws the consequences.
+    fn update(&mut self) -> Result<(), LinkError> {
+        (self.status, self.room) = self.client.status()?;
+        self.all_room = self.all_room.max(self.room);
+        self.measure_speed();
+        if self.status.fault != self.fault {
+            self.fault = self.status.fault;
+            if let Some(fault) = self.fault {
+                self.report_fault(fault);
+            }
+        }
+        if let Some(tag) = self.status.tag {
+            self.path.progress(tag);
+        }
+        let rests = matches!(
+            self.status.state,
+            State::Armed | State::Stopped | State::Fault
+        );
+        let is_idle = self.is_idle();
+        match self.phase {
+            Phase::Hold { rests: false } if rests => {
+                if let Some(place) = self.status.reference {
+                    self.path.resume_from(place);
+                }
+                self.phase = Phase::Hold { rests: true };
+                if self.goes_on {
+                    self.phase = Phase::Ready;
+                }
+            }
+            Phase::Dropping if rests => {
+                self.phase = Phase::Ready;
+                self.drop_path();
+            }
+            Phase::Ready if is_idle && self.path.is_accepted() => {
+                self.path.finish();
+                self.jogs = false;
+            }
+            Phase::Ready | Phase::Homing | Phase::Hold { .. } | Phase::Dropping => {}
+        }
+        Ok(())
+    }
+
+    /// Whether the controller has done all its moves. Between two ticks its queue may be empty
+    /// although its last segment has not begun, so this must hold in two different ticks.
+    fn is_idle(&mut self) -> bool {
+        if self.status.state != State::Armed || self.room != self.all_room {
+            self.idle_since = None;
+            return false;
+        }
+        *self.idle_since.get_or_insert(self.status.tick) != self.status.tick
+    }
+
+    fn report_fault(&mut self, fault: Fault) {
+        self.drop_path();
+        self.phase = Phase::Ready;
+        let why = format!("fault {}, {}", fault.number(), fault_name(fault));
+        (self.note)(&why);
+        if let Some(sender) = &mut self.sender {
+            sender.outlet.send(&Engine::alarm(sender.dialect, &why));
+        }
+    }
+
+    /// Drops the path; the next line begins where the arm is.
+    pub(super) fn drop_path(&mut self) {
+        self.path.clear();
+        self.jogs = false;
+        self.idle_since = None;
+        let tool = self.tool();
+        if let (Some(sender), Some(tool)) = (&mut self.sender, tool) {
+            sender.engine.set_position(tool);
+        }
+    }
+
+    /// Gives the controller the moves that wait.
+    fn feed(&mut self) -> Result<(), LinkError> {
+        while self.phase == Phase::Ready
+            && self.room > 0
+            && let Some(next) = self.path.next()
+        {
+            match self.client.call(HostCommand::Move(next))? {
+                Reply::Taken { room } => {
+                    self.room = room;
+                    self.idle_since = None;
+                    self.path.accept();
+                }
+                Reply::Refused(CommandError::Move(error)) if error.kind == MoveErrorKind::Full => {
+                    return Ok(());
+                }
+                reply => {
+                    let why = match reply {
+                        Reply::Refused(refusal) => sentence(&refusal),
+                        other => format!("unexpected reply to a move: {other:?}"),
+                    };
+                    self.path.drop_waiting();
+                    if let Some(sender) = &mut self.sender {
+                        sender.refuse(&Refusal::new(15, why));
+                    }
+                    return Ok(());
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Does what the present line still asks for, or takes the next one. Returns whether there
+    /// is more to do at once.
+    fn advance(&mut self) -> Result<bool, LinkError> {
+        let view = self.view();
+        let Some(sender) = &mut self.sender else {
+            return Ok(false);
+        };
+        let Some((_, response)) = &sender.current else {
+            return Ok(sender.next(&view));
+        };
+        let Some(order) = response.orders.first().cloned() else {
+            sender.accept();
+            return Ok(true);
+        };
+        match self.execute(order)? {
+            Progress::Done => {
+                if let Some((_, response)) = self.current() {
+                    response.orders.remove(0);
+                }
+                Ok(true)
+            }
+            Progress::Begun(rest) => {
+                if let Some((_, response)) = self.current() {
+                    response.orders[0] = rest;
+                }
+                Ok(true)
+            }
+            Progress::Waits => {
+                if let Some(sender) = &mut self.sender {
+                    sender.show_that_it_is_busy();
+                }
+                Ok(false)
+            }
+            Progress::Refused(refusal) => {
+                if let Some(sender) = &mut self.sender {
+                    sender.refuse(&refusal);
+                }
+                Ok(true)
+            }
+        }
+    }
+
+    fn current(&mut self) -> Option<&mut (Dialect, Response)> {
+        self.sender.as_mut()?.current.as_mut()
+    }
+
+    /// Whether the arm moves.
+    pub(super) fn moves(&self) -> bool {
+        matches!(
+            self.status.state,
+            State::Running | State::Stopping | State::Homing
+        )
+    }
+
+    /// The position where the next move begins [m].
+    pub(super) fn tool(&self) -> Option<[f64; 2]> {
+        let tool = self.status.reference.or(self.status.tool)?;
+        Some(tool.map(f64::from))
+    }
+
+    fn measure_speed(&mut self) {
+        let (tick, before, _) = self.speed;
+        let passed = self.status.tick.wrapping_sub(tick);
+        if passed == 0 {
+            return;
+        }
+        let speed = match (before, self.status.reference) {
+            (Some([x0, y0]), Some([x, y])) => {
+                let time = f64::from(passed) / f64::from(self.settings.control.tick_rate);
+                f64::from((x - x0).hypot(y - y0)) / time
+            }
+            _ => 0.0,
+        };
+        self.speed = (self.status.tick, self.status.reference, speed);
+    }
+
+    pub(super) fn view(&self) -> View {
+        let state = match self.phase {
+            _ if self.status.fault.is_some() => MachineState::Alarm,
+            Phase::Homing => MachineState::Home,
+            Phase::Hold { rests } => MachineState::Hold { rests },
+            _ if !self.status.homed => MachineState::Alarm,
+            _ if self.jogs => MachineState::Jog,
+            Phase::Ready if self.path.is_empty() && !self.moves() => MachineState::Idle,
+            Phase::Ready | Phase::Dropping => MachineState::Run,
+        };
+        View {
+            state,
+            homed: self.status.homed,
+            armed: matches!(self.status.state, State::Armed | State::Running),
+            tool: self.status.tool.map(|tool| tool.map(f64::from)),
+            speed: self.speed.2,
+            level: f64::from(self.status.tool_level),
+            room: self.room,
+            waiting: self.sender.as_ref().map_or(0, |sender| sender.waiting),
+        }
+    }
+}

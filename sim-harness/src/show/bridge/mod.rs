@@ -1,0 +1,114 @@
+//! The bridge: senders of G-code that speak Grbl 1.1 or RepRap move an arm through its controller.
+//!
+//! | module | content |
+//! |---|---|
+//! | `protocol` | from text to orders and answers, without input or output |
+//! | `path` | the moves on their way, and what remains of them after a stop |
+//! | `connection` | senders over TCP and at a pseudo-terminal, a thread each way |
+//! | `sender` | the sender in control: its lines, and the answers to them |
+//! | `machine`, `events` | the thread of the controller: stops at once, lines in order, reports |
+//! | `orders` | what each order of a line does |
+//!
+//! A line is answered when the controller has accepted its moves, so a sender waits while the
+//! controller's queue is full. Stops, reports and the way on pass the waiting lines, and an
+//! emergency stop passes the queue of events too: the machine looks for it before each exchange
+//! with the controller.
+
+mod connection;
+mod events;
+mod machine;
+mod orders;
+mod path;
+mod protocol;
+mod sender;
+
+use crate::input::job::{Dialect, JobOptions, Placement};
+use crate::input::robot::{HomeError, Robot};
+use crate::show::serve::source;
+use crate::show::serve::{ControllerSource, ServeError};
+use connection::Shared;
+use std::io;
+use std::net::SocketAddr;
+use std::sync::Arc;
+
+/// What the bridge is asked for.
+#[derive(Clone, Debug)]
+pub struct BridgeOptions {
+    /// Where senders connect.
+    pub address: SocketAddr,
+    /// The only dialect; none: Grbl's until a line is RepRap's.
+    pub dialect: Option<Dialect>,
+    /// The position of X0 Y0 before any G92 [m]; none: home.
+    pub origin: Option<[f64; 2]>,
+    /// How lines are read where they leave it open.
+    pub reading: JobOptions,
+}
+
+/// Where the bridge is reached.
+#[derive(Clone, Debug)]
+pub struct Endpoints {
+    /// The address for TCP.
+    pub address: SocketAddr,
+    /// The pseudo-terminal, on systems that have them.
+    pub terminal: Option<String>,
+    /// Where the controller runs.
+    pub place: String,
+}
+
+/// Why the bridge ends.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum BridgeError {
+    /// The bridge cannot listen on the address.
+    #[error("cannot listen on {address}: {source}; choose another address with --listen")]
+    Listen {
+        /// The address.
+        address: SocketAddr,
+        /// The system's error.
+        source: io::Error,
+    },
+    /// There is no pseudo-terminal.
+    #[error("cannot open a pseudo-terminal: {0}")]
+    Terminal(io::Error),
+    /// The robot has no home pose.
+    #[error(transparent)]
+    Home(#[from] HomeError),
+    /// The controller cannot be opened, or its connection failed.
+    #[error(transparent)]
+    Controller(#[from] ServeError),
+}
+
+/// Serves senders until `ends` returns true or the connection to the controller fails. Calls
+/// `ready` as soon as senders can connect, and `note` with each event that a user should know.
+///
+/// # Errors
+/// The address or the port cannot be opened, the robot cannot be simulated, or the controller
+/// has settings for another arm or does not reply.
+pub fn bridge(
+    robot: &Robot,
+    source: ControllerSource<'_>,
+    options: &BridgeOptions,
+    ready: impl FnOnce(&Endpoints),
+    note: &dyn Fn(&str),
+    ends: &dyn Fn() -> bool,
+) -> Result<(), BridgeError> {
+    let home = robot.tool_at(&robot.home_pose()?);
+    let placement = Placement {
+        origin: options.origin.unwrap_or(home),
+        scale: 1.0,
+        turn: 0.0,
+        home,
+    };
+    let opened = source::open(robot, source)?;
+    let place = opened.place.clone();
+    let shared = Arc::new(Shared::default());
+    let (address, terminal, events) =
+        connection::listen(options.address, options.dialect, &shared)?;
+    let mut machine = machine::Machine::new(opened, placement, options, events, shared, note)?;
+    ready(&Endpoints {
+        address,
+        terminal,
+        place,
+    });
+    Ok(machine.run(ends).map_err(ServeError::from)?)
+}

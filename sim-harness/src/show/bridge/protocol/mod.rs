@@ -1,0 +1,18 @@
+//! The protocols of senders: text in, orders and answers out, without input or output.
+//!
+//! | module | content |
+//! |---|---|
+//! | `splitter` | from bytes to lines and real-time commands |
+//! | `engine` | what a line asks for, and the answers to it |
+//! | `grbl` | the words of Grbl 1.1 |
+//! | `reprap` | the words of RepRap: line numbers, checksums, reports |
+
+mod engine;
+mod grbl;
+mod reprap;
+mod splitter;
+#[cfg(test)]
+mod tests;
+
+pub(super) use engine::{Engine, MachineState, Order, Refusal, Response, View};
+pub(super) use splitter::{Input, Line, RealTime, Splitter};

@@ -1,0 +1,224 @@
+//! From a sender's bytes to lines and real-time commands.
+
+use crate::input::job::Dialect;
+
+/// Bytes of the longest line that is read.
+const LONGEST_LINE: usize = 256;
+
+/// A command that waits for no line before it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::show::bridge) enum RealTime {
+    /// `?`: report the state.
+    Report,
+    /// `!`: stop on the path.
+    Hold,
+    /// `~` or M108: go on.
+    Resume,
+    /// ^X or M112: bridges off at once.
+    Emergency,
+    /// 0x85: stop jogging.
+    CancelJog,
+}
+
+/// A line, without its end.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(in crate::show::bridge) struct Line {
+    pub(in crate::show::bridge) dialect: Dialect,
+    pub(in crate::show::bridge) text: String,
+    /// The bytes that it took of the sender's count of characters.
+    pub(in crate::show::bridge) length: usize,
+}
+
+/// What a sender has sent.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(in crate::show::bridge) enum Input {
+    Line(Line),
+    RealTime(RealTime),
+    /// A request of a web browser, which is no sender: the connection is to be closed.
+    Web,
+}
+
+/// Divides a sender's bytes. The dialect is Grbl's until a line has a checksum or one of M105,
+/// M110 and M115, unless it is fixed.
+#[derive(Debug)]
+pub(in crate::show::bridge) struct Splitter {
+    dialect: Dialect,
+    is_fixed: bool,
+    line: Vec<u8>,
+    length: usize,
+    after_return: bool,
+}
+
+impl Splitter {
+    pub(in crate::show::bridge) fn new(fixed: Option<Dialect>) -> Self {
+        Self {
+            dialect: fixed.unwrap_or(Dialect::Grbl),
+            is_fixed: fixed.is_some(),
+            line: Vec::new(),
+            length: 0,
+            after_return: false,
+        }
+    }
+
+    /// Takes a byte; returns what it completes.
+    pub(in crate::show::bridge) fn feed(&mut self, byte: u8) -> impl Iterator<Item = Input> {
+        let is_grbl = self.dialect == Dialect::Grbl;
+        let second_of_pair = byte == b'\n' && std::mem::take(&mut self.after_return);
+        let at_once = match byte {
+            0x18 => Some(RealTime::Emergency),
+            b'?' if is_grbl => Some(RealTime::Report),
+            b'!' if is_grbl => Some(RealTime::Hold),
+            b'~' if is_grbl => Some(RealTime::Resume),
+            0x85 if is_grbl => Some(RealTime::CancelJog),
+            _ => None,
+        };
+        if at_once == Some(RealTime::Emergency) {
+            self.line.clear();
+            self.length = 0;
+        }
+        let (mut first, mut second) = (at_once.map(Input::RealTime), None);
+        match byte {
+            _ if first.is_some() || second_of_pair => {}
+            b'\r' | b'\n' => {
+                self.after_return = byte == b'\r';
+                (first, second) = self.end();
+            }
+            // Grbl's other real-time commands: overrides, which are left out.
+            0x80.. if is_grbl => {}
+            _ => {
+                self.length += 1;
+                if self.line.len() < LONGEST_LINE {
+                    self.line.push(byte);
+                }
+            }
+        }
+        first.into_iter().chain(second)
+    }
+
+    fn end(&mut self) -> (Option<Input>, Option<Input>) {
+        let bytes = std::mem::take(&mut self.line);
+        let length = std::mem::take(&mut self.length) + 1;
+        let text = String::from_utf8_lossy(&bytes).trim().to_owned();
+        if text.contains(" HTTP/1.") {
+            return (Some(Input::Web), None);
+        }
+        let command = command(&text);
+        let is = |name: &str| {
+            let rest = command.strip_prefix(name);
+            rest.is_some_and(|rest| !rest.starts_with(|c: char| c.is_ascii_digit()))
+        };
+        let is_numbered = text.starts_with(['N', 'n']) && text.contains('*');
+        if !self.is_fixed && (is_numbered || ["M105", "M110", "M115"].into_iter().any(is)) {
+            self.dialect = Dialect::RepRap;
+        }
+        let at_once = match self.dialect {
+            _ if is("M112") => Some(RealTime::Emergency),
+            _ if is("M108") => Some(RealTime::Resume),
+            _ => None,
+        };
+        let line = Input::Line(Line {
+            dialect: self.dialect,
+            text,
+            length,
+        });
+        match at_once {
+            Some(command) => (Some(Input::RealTime(command)), Some(line)),
+            None => (Some(line), None),
+        }
+    }
+}
+
+/// A line's text in capitals without its number and its spaces.
+pub(super) fn command(text: &str) -> String {
+    let text = text.trim_start();
+    let numbered = text.strip_prefix(['N', 'n']);
+    let text = numbered.map_or(text, |rest| {
+        rest.trim_start_matches(|c: char| c.is_ascii_digit() || c == '-')
+    });
+    text.split_whitespace().collect::<String>().to_uppercase()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Input, Splitter};
+    use crate::input::job::Dialect;
+
+    fn inputs(splitter: &mut Splitter, bytes: &[u8]) -> Vec<String> {
+        let all = bytes
+            .iter()
+            .flat_map(|&byte| splitter.feed(byte).collect::<Vec<_>>());
+        all.map(|input| match input {
+            Input::Line(line) => format!("{:?} {}", line.dialect, line.text),
+            Input::RealTime(command) => format!("{command:?}"),
+            Input::Web => "Web".into(),
+        })
+        .collect()
+    }
+
+    #[test]
+    fn real_time_commands_are_taken_out_of_a_line() {
+        let mut splitter = Splitter::new(None);
+        let found = inputs(&mut splitter, b"G1 X?1\x850!\r\nG0~\n");
+        let expected = [
+            "Report",
+            "CancelJog",
+            "Hold",
+            "Grbl G1 X10",
+            "Resume",
+            "Grbl G0",
+        ];
+        assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn an_emergency_stop_drops_the_begun_line() {
+        let mut splitter = Splitter::new(None);
+        assert_eq!(
+            inputs(&mut splitter, b"G1 X1\x18$X\n"),
+            ["Emergency", "Grbl $X"]
+        );
+    }
+
+    #[test]
+    fn a_checksum_switches_to_reprap_where_a_question_is_text() {
+        let mut splitter = Splitter::new(None);
+        let found = inputs(&mut splitter, b"N0 M110 N0*125\nM117 done?\nM112\nM108\n");
+        let expected = [
+            "RepRap N0 M110 N0*125",
+            "RepRap M117 done?",
+            "Emergency",
+            "RepRap M112",
+            "Resume",
+            "RepRap M108",
+        ];
+        assert_eq!(found, expected);
+        assert_eq!(inputs(&mut Splitter::new(None), b"M105\n"), ["RepRap M105"]);
+        assert_eq!(inputs(&mut Splitter::new(None), b"M1050\n"), ["Grbl M1050"]);
+    }
+
+    #[test]
+    fn a_fixed_dialect_stays() {
+        let mut splitter = Splitter::new(Some(Dialect::Grbl));
+        assert_eq!(inputs(&mut splitter, b"M105\n?"), ["Grbl M105", "Report"]);
+    }
+
+    #[test]
+    fn the_length_of_a_line_counts_its_end_and_no_real_time_command() {
+        let mut splitter = Splitter::new(None);
+        let all = b"G1 X1?\n"
+            .iter()
+            .flat_map(|&byte| splitter.feed(byte).collect::<Vec<_>>());
+        let Some(Input::Line(line)) = all.last() else {
+            panic!("no line");
+        };
+        assert_eq!(line.length, 6);
+    }
+
+    #[test]
+    fn a_browser_is_recognized() {
+        assert_eq!(
+            inputs(&mut Splitter::new(None), b"POST / HTTP/1.1\r\n"),
+            ["Web"]
+        );
+    }
+}

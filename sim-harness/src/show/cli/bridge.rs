@@ -1,0 +1,59 @@
+//! `fivebar bridge`: an endpoint for senders of G-code.
+
+use super::failure::{Failure, refused};
+use super::length::place;
+use super::port::interrupted;
+use super::run_args::ReadingArgs;
+use super::say::{say, warn};
+use super::serve::{ControllerArgs, address, described};
+use crate::input::robot::Robot;
+use crate::show::bridge::{BridgeError, BridgeOptions, Endpoints, bridge};
+use std::net::SocketAddr;
+use std::sync::atomic::Ordering;
+
+/// Lets senders such as UGS, Candle, LightBurn, OctoPrint or Printrun move the arm.
+///
+/// It speaks Grbl 1.1 and, to a sender that speaks it, RepRap, over TCP and at a pseudo-terminal.
+/// The first line printed is host:port and the terminal's path. $H or G28 homes, the first move
+/// arms, and G92 X0 Y0 makes the tool's position the job's zero. By default the arm is simulated
+/// in real time.
+#[derive(clap::Args)]
+pub(super) struct Args {
+    #[command(flatten)]
+    controller: ControllerArgs,
+    /// The address to listen on; port 0 is any free port. Any program that reaches the address
+    /// can move the arm.
+    #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8106", value_parser = address)]
+    listen: SocketAddr,
+    /// Position of X0 Y0 before any G92, in the frame of the base, such as 30mm,160mm; by default
+    /// home.
+    #[arg(long, value_name = "X,Y", value_parser = place, allow_hyphen_values = true)]
+    origin: Option<[f64; 2]>,
+    #[command(flatten)]
+    reading: ReadingArgs,
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    let robot = Robot::load(&args.controller.robot).map_err(refused)?;
+    let reading = args.reading.options();
+    let options = BridgeOptions {
+        address: args.listen,
+        dialect: reading.dialect,
+        origin: args.origin,
+        reading,
+    };
+    let ready = |endpoints: &Endpoints| {
+        let terminal = endpoints.terminal.as_deref().unwrap_or("no-terminal");
+        say(format_args!("{} {terminal}", endpoints.address)).unwrap_or_else(warn);
+        warn(format_args!("{}, {}", robot.name, endpoints.place));
+    };
+    let interrupted = interrupted()?;
+    let ends = move || interrupted.load(Ordering::Relaxed);
+    let image = args.controller.image();
+    let source = args.controller.source(&image);
+    let note = |text: &str| warn(text);
+    bridge(&robot, source, &options, ready, &note, &ends).map_err(|error| match error {
+        BridgeError::Controller(error) => described(error, &args.controller),
+        other => refused(other),
+    })
+}
