@@ -12,7 +12,7 @@ use fivebar_firmware::protocol::{
     VERSION, encode,
 };
 use fivebar_firmware::safety::State;
-use fivebar_firmware::{Move, MoveKind, Request, SensorSample};
+use fivebar_firmware::{Move, MoveKind, Request, SensorSample, Settings};
 
 #[test]
 fn sequence_and_session_are_checked() {
@@ -49,6 +49,20 @@ fn sequence_and_session_are_checked() {
     assert_eq!(
         say(&driven, 7, tick),
         [Reply::Refused(CommandError::Unsupported)]
+    );
+    let reply = say(&driven, 8, HostCommand::Sample);
+    let [Reply::Sample(sample)] = reply[..] else {
+        panic!("{reply:?}");
+    };
+    // The arm rests, its bridges asleep, on a bus of 24 V.
+    for code in sample.current {
+        assert!(code.abs_diff(2048) < 20, "{sample:?}");
+    }
+    let bus = f32::from(sample.bus_voltage) * Settings::BENCHTOP.protection.bus_voltage_per_code;
+    assert!((bus - 24.0).abs() < 0.5, "{sample:?}");
+    assert_eq!(
+        (sample.home, sample.emergency_stop, sample.driver_fault),
+        ([false; 2], false, [false; 2])
     );
 }
 

@@ -43,7 +43,7 @@ mod app {
     use fivebar_firmware::protocol::{Board, Decoder, HostCommand, HostMessage, Identity};
     use fivebar_firmware::safety::Fault;
     use fivebar_firmware::session::{Session, fault_at_start};
-    use fivebar_firmware::{Controller, Request, Settings};
+    use fivebar_firmware::{Controller, Request, SensorSample, Settings};
     use heapless::spsc::{Consumer, Producer, Queue};
     use stm32f4xx_hal::pac::Interrupt;
 
@@ -55,6 +55,8 @@ mod app {
     #[shared]
     struct Shared {
         controller: Controller,
+        /// The sample of the last tick.
+        sample: SensorSample,
     }
 
     #[local]
@@ -141,7 +143,8 @@ mod app {
             services,
             log: EventLog::new(),
         };
-        (Shared { controller }, local)
+        let sample = SensorSample::default();
+        (Shared { controller, sample }, local)
     }
 
     /// The break input has switched the outputs off; this tells the controller.
@@ -159,7 +162,7 @@ mod app {
     }
 
     /// The control tick, at the end of the converter's sequence.
-    #[task(binds = ADC, priority = 3, shared = [controller], local = [sensors, outputs, meter])]
+    #[task(binds = ADC, priority = 3, shared = [controller, sample], local = [sensors, outputs, meter])]
     fn tick(mut cx: tick::Context) {
         let (sensors, outputs, meter) = (cx.local.sensors, cx.local.outputs, cx.local.meter);
         let missed = meter.missed(TICK_CYCLES);
@@ -169,6 +172,7 @@ mod app {
             }
             let stopped = STOP.swap(false, Ordering::Relaxed);
             let sample = sensors.sample(missed, stopped);
+            cx.shared.sample.lock(|latest| *latest = sample);
             cx.shared.controller.lock(|controller| {
                 if CLOCK_FAILED.load(Ordering::Relaxed) {
                     controller.latch_fault(Fault::ClockFailure);
@@ -200,13 +204,14 @@ mod app {
         });
     }
 
-    #[idle(shared = [controller], local = [commands, sender, planner, session, services, log])]
+    #[idle(shared = [controller, sample], local = [commands, sender, planner, session, services, log])]
     fn converse(mut cx: converse::Context) -> ! {
         let local = cx.local;
         loop {
             let controller = &mut cx.shared.controller;
             if let Some(message) = local.commands.dequeue() {
                 let session = &mut *local.session;
+                local.services.sample = cx.shared.sample.lock(|latest| *latest);
                 if let Some(frame) =
                     session.answer(&message, controller, local.planner, local.services)
                 {

@@ -15,6 +15,8 @@ pub struct BoardServices {
     storage: Option<SettingsStorage<SettingsFlash>>,
     /// Refreshed when all tasks have advanced.
     pub watchdog: Watchdog,
+    /// The sample of the last tick.
+    pub sample: SensorSample,
 }
 
 impl BoardServices {
@@ -30,7 +32,12 @@ impl BoardServices {
                 Err(error) => (None, Err(error)),
             };
         let watchdog = Watchdog::start(watchdog);
-        (Self { storage, watchdog }, settings)
+        let services = Self {
+            storage,
+            watchdog,
+            sample: SensorSample::default(),
+        };
+        (services, settings)
     }
 }
 
@@ -58,5 +65,9 @@ impl Board for BoardServices {
 
     fn stack(&self) -> Option<StackUse> {
         Some(stack::used())
+    }
+
+    fn sample(&self) -> Option<SensorSample> {
+        Some(self.sample)
     }
 }

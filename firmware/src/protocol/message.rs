@@ -57,4 +57,6 @@ pub enum HostCommand {
     Tick(SensorSample),
     /// Report how much of the stack has been used since the reset.
     Stack,
+    /// Report the sensor sample of the last tick, in any state.
+    Sample,
 }

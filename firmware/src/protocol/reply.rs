@@ -5,6 +5,7 @@ use super::identity::Identity;
 use super::section::Section;
 use super::sequence::Sequence;
 use super::step_result::StepResult;
+use crate::SensorSample;
 use crate::controller::{self, Snapshot, Status};
 use crate::planner::MoveError;
 use crate::storage::StorageError;
@@ -57,6 +58,8 @@ pub enum Reply {
     StepResult(StepResult),
     /// To [`HostCommand::Stack`](super::HostCommand::Stack).
     Stack(StackUse),
+    /// To [`HostCommand::Sample`](super::HostCommand::Sample).
+    Sample(SensorSample),
 }
 
 /// How much of the stack has been in use since the reset.

@@ -46,6 +46,11 @@ pub trait Board {
     fn stack(&self) -> Option<StackUse> {
         None
     }
+
+    /// The sensor sample of the last tick; `None` where samples come from the host.
+    fn sample(&self) -> Option<SensorSample> {
+        None
+    }
 }
 
 /// The state of the session with one host.
@@ -208,6 +213,10 @@ impl Session {
             HostCommand::Stack => board
                 .stack()
                 .map(Reply::Stack)
+                .ok_or(CommandError::Unsupported),
+            HostCommand::Sample => board
+                .sample()
+                .map(Reply::Sample)
                 .ok_or(CommandError::Unsupported),
         };
         outcome.unwrap_or_else(Reply::Refused)

@@ -7,6 +7,7 @@ mod rig;
 
 mod desk;
 mod messages;
+mod sections;
 
 mod frames;
 mod garbage;

@@ -1,26 +1,23 @@
 //! Random messages of every kind, for property tests.
 
+use crate::sections::{section, section_key};
 use fivebar_firmware::controller::{self, JointReference, Snapshot};
 use fivebar_firmware::planner::{MoveError, MoveErrorKind};
 use fivebar_firmware::protocol::{
     Board, CommandError, ControllerMessage, HostCommand, HostMessage, Identity, Reply, Reset,
-    Section, SectionKey, Sequence, StackUse, StepResult, Telemetry, VERSION,
+    Sequence, StackUse, StepResult, Telemetry, VERSION,
 };
 use fivebar_firmware::safety::{Fault, Limits, State};
-use fivebar_firmware::settings::{
-    AxisSettings, ControlSettings, HomingSettings, LinkSettings, MotionSettings,
-    ProtectionSettings, ToolOutputSettings,
-};
 use fivebar_firmware::storage::StorageError;
 use fivebar_firmware::{ActuatorCommand, Move, MoveKind, Request, SensorSample, Status};
 use proptest::prelude::*;
 
 /// Every bit pattern of an `f32`, NaN and infinities included.
-fn number() -> impl Strategy<Value = f32> + Clone {
+pub(crate) fn number() -> impl Strategy<Value = f32> + Clone {
     any::<u32>().prop_map(f32::from_bits)
 }
 
-fn pair() -> impl Strategy<Value = [f32; 2]> + Clone {
+pub(crate) fn pair() -> impl Strategy<Value = [f32; 2]> + Clone {
     [number(), number()]
 }
 
@@ -79,125 +76,6 @@ fn sensor_sample() -> impl Strategy<Value = SensorSample> {
         )
 }
 
-fn section_key() -> impl Strategy<Value = SectionKey> {
-    prop_oneof![
-        prop::sample::select(SectionKey::ALL.to_vec()),
-        any::<u8>().prop_map(SectionKey::Link),
-        any::<u8>().prop_map(SectionKey::Axis),
-    ]
-}
-
-fn axis() -> impl Strategy<Value = AxisSettings> {
-    (
-        prop::array::uniform16(number()),
-        any::<u32>(),
-        any::<u16>(),
-        any::<bool>(),
-    )
-        .prop_map(
-            |(v, encoder_counts, current_zero_code, home_forward)| AxisSettings {
-                gear_ratio: v[0],
-                rotor_inertia: v[1],
-                torque_constant: v[2],
-                resistance: v[3],
-                inductance: v[4],
-                viscous_friction: v[5],
-                coulomb_friction: v[6],
-                encoder_counts,
-                encoder_latency: v[6] * 0.5,
-                home_angle: v[7],
-                home_forward,
-                angle_limits: [v[8], v[9]],
-                max_speed: v[10],
-                max_acceleration: v[11],
-                peak_current: v[12],
-                continuous_current: v[13],
-                thermal_time_constant: v[14],
-                current_per_code: v[15],
-                current_zero_code,
-            },
-        )
-}
-
-/// Any section.
-pub(crate) fn section() -> impl Strategy<Value = Section> {
-    prop_oneof![
-        prop::array::uniform5(number()).prop_map(Section::Lengths),
-        (any::<u8>(), number(), pair(), number()).prop_map(|(index, mass, com, inertia)| {
-            Section::Link(index, LinkSettings { mass, com, inertia })
-        }),
-        number().prop_map(Section::Payload),
-        pair().prop_map(Section::Gravity),
-        pair().prop_map(Section::ToolOffset),
-        any::<[bool; 2]>().prop_map(Section::Elbows),
-        (any::<u8>(), axis()).prop_map(|(index, axis)| Section::Axis(index, axis)),
-        (prop::array::uniform7(number()), any::<bool>()).prop_map(|(v, computed_torque)| {
-            Section::Control(ControlSettings {
-                tick_rate: v[0],
-                bandwidth: v[1],
-                damping: v[2],
-                integral_rate: v[3],
-                observer_bandwidth: v[4],
-                current_bandwidth: v[5],
-                friction_smoothing: v[6],
-                computed_torque,
-            })
-        }),
-        prop::array::uniform5(number()).prop_map(|v| {
-            Section::Motion(MotionSettings {
-                max_speed: v[0],
-                max_acceleration: v[1],
-                max_jerk: v[2],
-                corner_tolerance: v[3],
-                singularity_margin: v[4],
-            })
-        }),
-        prop::array::uniform7(number()).prop_map(|v| {
-            Section::Protection(ProtectionSettings {
-                following_error: v[0],
-                over_speed: v[1],
-                over_current: v[2],
-                bus_voltage: [v[3], v[4]],
-                bus_voltage_per_code: v[5],
-                command_timeout: v[6],
-            })
-        }),
-        any::<bool>().prop_map(Section::Assembly),
-        prop::array::uniform3(number()).prop_map(|v| {
-            Section::Homing(HomingSettings {
-                speed: v[0],
-                back_off: v[1],
-                current: v[2],
-            })
-        }),
-        tool_output().prop_map(Section::ToolOutput),
-    ]
-}
-
-fn tool_output() -> impl Strategy<Value = ToolOutputSettings> {
-    prop_oneof![
-        Just(ToolOutputSettings::None),
-        prop::array::uniform5(number()).prop_map(|v| ToolOutputSettings::Servo {
-            up_width: v[0],
-            down_width: v[1],
-            frame_rate: v[2],
-            down_time: v[3],
-            up_time: v[4],
-        }),
-        (any::<bool>(), pair()).prop_map(|(active_low, v)| ToolOutputSettings::Switch {
-            active_low,
-            down_time: v[0],
-            up_time: v[1],
-        }),
-        (number(), any::<bool>()).prop_map(|(frequency, scale_with_speed)| {
-            ToolOutputSettings::Power {
-                frequency,
-                scale_with_speed,
-            }
-        }),
-    ]
-}
-
 /// Any message of a host.
 pub(crate) fn host_message() -> impl Strategy<Value = HostMessage> {
     let command = prop_oneof![
@@ -209,6 +87,7 @@ pub(crate) fn host_message() -> impl Strategy<Value = HostMessage> {
             HostCommand::ApplySettings,
             HostCommand::SaveSettings,
             HostCommand::Stack,
+            HostCommand::Sample,
         ]),
         request().prop_map(HostCommand::Request),
         a_move().prop_map(HostCommand::Move),
@@ -398,6 +277,7 @@ pub(crate) fn controller_message() -> impl Strategy<Value = ControllerMessage> {
         section().prop_map(Reply::Section),
         step_result().prop_map(Reply::StepResult),
         any::<[u32; 2]>().prop_map(|[most, size]| Reply::Stack(StackUse { most, size })),
+        sensor_sample().prop_map(Reply::Sample),
     ];
     prop_oneof![
         (any::<u16>(), reply).prop_map(|(sequence, reply)| ControllerMessage::Reply {

@@ -2,6 +2,8 @@
 
 use crate::arm;
 use crate::board::{Board, end, fivebar};
+use fivebar::run::link::Loopback;
+use fivebar_firmware::SensorSample;
 use std::io::Write;
 use std::process::Command;
 use std::time::Duration;
@@ -38,6 +40,35 @@ fn a_monitor_shows_samples_and_counts_losses() {
     );
     assert_eq!(lines[5], "5 samples, 0 lost");
     assert!(err.contains("firmware 0."), "{err}");
+}
+
+#[test]
+fn a_monitor_shows_raw_inputs_before_settings_and_homing() {
+    let pressed = SensorSample {
+        counts: [-12_345, 678],
+        current: [2047, 2050],
+        bus_voltage: 1234,
+        home: [false, true],
+        emergency_stop: true,
+        driver_fault: [true, false],
+        missed_ticks: 0,
+    };
+    let settings = arm::robot().settings().expect("the robot has masses");
+    let controller = Loopback::driving(&settings, Box::new(move |_| pressed));
+    let board = Board::start(Some(controller.expect("valid settings")));
+    // The first sample is asked for before the first tick.
+    let child = board.fivebar(&["monitor", "--raw", "--rate", "50", "--samples", "3"]);
+    let (status, out, err) = end(child);
+    assert_eq!(status, Some(0), "{err}");
+    let last: Vec<_> = out
+        .lines()
+        .last()
+        .expect("a line")
+        .split_whitespace()
+        .collect();
+    let expected = "counts -12345 678 currents 2047 2050 codes bus 1234 codes home - pressed \
+                    emergency stop pressed bridges fault -";
+    assert_eq!(last.join(" "), expected);
 }
 
 #[test]

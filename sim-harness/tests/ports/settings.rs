@@ -19,7 +19,10 @@ fn settings_are_sent_shown_saved_and_sent_back_without_motion() {
 
     let (status, out, err) = run(&board, &["settings", "upload", "--robot", "benchtop_belt"]);
     assert_eq!(status, Some(0), "{err}");
-    assert!(out.contains("benchtop_belt; home the arm before it moves"), "{out}");
+    assert!(
+        out.contains("benchtop_belt; home the arm before it moves"),
+        "{out}"
+    );
     let (_, again, err) = run(&board, &["settings", "upload", "--robot", "benchtop_belt"]);
     assert!(again.contains("no value changed"), "{again}{err}");
 
@@ -64,7 +67,11 @@ fn settings_that_are_not_valid_are_refused_before_they_are_sent() {
     for (from, to, word) in [
         ("payload = ", "payload = -", "payload"),
         ("payload = ", "paylaod = ", "payload"),
-        ("tick_rate = 10000.0", "tick_rate = nan", "control.tick_rate"),
+        (
+            "tick_rate = 10000.0",
+            "tick_rate = nan",
+            "control.tick_rate",
+        ),
     ] {
         let wrong = before.replacen(from, to, 1);
         assert_ne!(wrong, before);

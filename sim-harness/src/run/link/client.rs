@@ -167,6 +167,19 @@ impl<L: Read + Write> Client<L> {
         }
     }
 
+    /// The sensor sample of the controller's last tick; none from a board whose samples come from
+    /// its host.
+    ///
+    /// # Errors
+    /// A silent controller or a failed connection.
+    pub fn sample(&mut self) -> Result<Option<SensorSample>, LinkError> {
+        match self.call(HostCommand::Sample)? {
+            Reply::Sample(sample) => Ok(Some(sample)),
+            Reply::Refused(CommandError::Unsupported) => Ok(None),
+            other => Err(unexpected(&HostCommand::Sample, &other)),
+        }
+    }
+
     /// Reads the settings in use, section by section, into `settings`.
     ///
     /// # Errors

@@ -32,6 +32,8 @@ struct Desktop {
     saved: Option<Settings>,
     /// The board's plant and the last outputs; none in lockstep with the host.
     plant: Option<(Plant, ActuatorCommand)>,
+    /// The sample of the last tick.
+    sample: SensorSample,
 }
 
 impl Board for Desktop {
@@ -49,6 +51,10 @@ impl Board for Desktop {
             Some(_) => None,
             None => Some((controller.tick(sample), 0)),
         }
+    }
+
+    fn sample(&self) -> Option<SensorSample> {
+        self.plant.is_some().then_some(self.sample)
     }
 }
 
@@ -79,7 +85,11 @@ impl Loopback {
             session: Session::new(identity, &settings, true),
             controller: Controller::new(&settings),
             planner: Planner::new(&settings),
-            board: Desktop { saved: None, plant },
+            board: Desktop {
+                saved: None,
+                plant,
+                sample: SensorSample::default(),
+            },
             decoder: Decoder::new(),
             out: VecDeque::new(),
         })
@@ -115,7 +125,8 @@ impl Loopback {
         };
         for _ in 0..TICKS_PER_READ {
             self.planner.run(&mut self.controller);
-            *command = self.controller.tick(&plant(command));
+            self.board.sample = plant(command);
+            *command = self.controller.tick(&self.board.sample);
         }
         self.send_telemetry();
     }

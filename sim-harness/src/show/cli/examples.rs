@@ -113,6 +113,7 @@ const EXAMPLES: &[(&str, &[&str])] = &[
     (
         "monitor",
         &[
+            "fivebar monitor --raw --port /dev/ttyUSB0",
             "fivebar monitor --port /dev/ttyUSB0",
             "fivebar monitor --port /dev/ttyUSB0 --rate 100 --samples 1000",
         ],
