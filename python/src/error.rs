@@ -1,7 +1,7 @@
 //! Errors as the exceptions of `fivebar._errors`, with their attributes.
 
 use fivebar::input::job::JobError;
-use fivebar::input::scenario::ScenarioError;
+use fivebar::input::scenario::{ScenarioError, place_in_job};
 use fivebar::input::source::FileError;
 use fivebar::run::link::TargetError;
 use fivebar::run::simulation::RunError;
@@ -49,8 +49,9 @@ pub(crate) fn scenario(py: Python<'_>, error: ScenarioError) -> PyErr {
 pub(crate) fn run(py: Python<'_>, job_file: &str, error: RunError) -> PyErr {
     match error {
         RunError::Scenario(error) => scenario(py, error),
-        RunError::Target(error @ TargetError::Move(refusal)) => {
-            let message = format!("{job_file}, {error}");
+        RunError::Target(TargetError::Move(refusal)) => {
+            let place = place_in_job(false, refusal.tag);
+            let message = format!("{job_file}, {place}: {refusal}");
             raise(py, "JobError", (message, refusal.tag, refusal.point))
         }
         RunError::Target(error) => raise(py, "RunError", (error.to_string(),)),

@@ -81,7 +81,7 @@ impl Scenario {
                 ticks: 0,
                 interrupt: &mut interrupt,
             };
-            let moves = scenario.moves(&job);
+            let moves = scenario.run_moves(&job)?;
             let (summary, record) = scenario.run_on(&mut target, &moves, &mut |_| ())?;
             Ok((job, summary, record))
         });

@@ -298,3 +298,26 @@ fn the_job_time_is_told_beside_the_simulations() {
         "{printed}"
     );
 }
+
+#[test]
+fn the_dialect_decides_how_long_a_dwell_is() {
+    let bench = Bench::new();
+    let job = bench.file("wait.gcode", "G0 X0 Y0\nG4 P2\nG0 X1\n");
+    let time = |dialect: &[&str]| -> f64 {
+        let output = bench.sim(&[&[&job[..]], dialect].concat());
+        let printed = String::from_utf8(output.stdout).unwrap();
+        let line = printed
+            .lines()
+            .find(|line| line.starts_with("  job "))
+            .unwrap();
+        line.split_whitespace().nth(1).unwrap().parse().unwrap()
+    };
+    let [found, grbl, reprap] =
+        [&[][..], &["--dialect", "grbl"], &["--dialect", "reprap"]].map(time);
+    assert!(
+        found > 2.0 && found == grbl && reprap < 1.5,
+        "{found} {grbl} {reprap} s"
+    );
+    let wrong = bench.sim(&[&job, "--dialect", "fanuc"]);
+    assert_eq!(wrong.status.code(), Some(2));
+}
