@@ -63,6 +63,17 @@ fn codes_that_change_nothing_here_are_accepted() {
 }
 
 #[test]
+fn settings_and_commands_of_grbl_are_skipped_and_jogs_refused() {
+    let text = "$H\n$32=1\nG21G90G0X1.Y.5\ng1x2.f60";
+    let job = job(text);
+    let notes: Vec<String> = job.warnings.iter().map(ToString::to_string).collect();
+    assert_eq!(notes[1], "line 1: $H is not supported and is skipped");
+    assert_eq!(notes[2], "line 2: $32=1 is not supported and is skipped");
+    assert_eq!(job.steps.len(), 2);
+    assert_eq!(refusal("G0 X1\n$J=G91 X10 F100").0, 2);
+}
+
+#[test]
 fn lines_end_with_a_carriage_return_a_line_feed_or_both() {
     let plain = job(SQUARE).steps;
     for end in ["\r", "\r\n"] {

@@ -120,6 +120,10 @@ impl Interpreter {
     /// order: the tool, the modes, the feed rate in the units of these modes, then the motion.
     pub(super) fn line(&mut self, number: u32, line: &Line) -> Result<(), GcodeError> {
         let mut words = Words::of(line);
+        if let Some(command) = &line.system_command {
+            self.job
+                .note(number, WarningKind::UnknownCode(command.clone()));
+        }
         self.evidence.codes(number, line);
         self.miscellaneous(number, line)?;
         let LineModes {

@@ -19,6 +19,8 @@ pub(super) struct Line {
     pub(super) miscellaneous: Vec<(Code, Option<f64>)>,
     /// Whether the line has a checksum.
     pub(super) has_checksum: bool,
+    /// A setting or a command of Grbl, such as `$H`, which is skipped.
+    pub(super) system_command: Option<String>,
     /// The words of the G codes, and the words without a code.
     words: Vec<(char, f64)>,
 }
@@ -29,6 +31,9 @@ impl Line {
         let summed = without_checksum(text)?;
         let has_checksum = summed.len() < text.len();
         let text = without_comments(summed)?;
+        if let Some(command) = text.trim().strip_prefix('$') {
+            return Self::system_command(command);
+        }
         if let Some(homing) = Self::homing(&text) {
             return Ok(Self {
                 has_checksum,
@@ -47,6 +52,21 @@ impl Line {
         Ok(Self {
             has_checksum,
             ..line
+        })
+    }
+
+    /// A line that begins with `$`, as Grbl has it. Jogs are refused, because they would move the
+    /// tool.
+    fn system_command(command: &str) -> Result<Self, GcodeError> {
+        let command = command.trim().to_ascii_uppercase();
+        if command.starts_with('J') {
+            return Err(GcodeError::Syntax(
+                "a jog of Grbl; write G91 and G1 in place of $J=".into(),
+            ));
+        }
+        Ok(Self {
+            system_command: Some(format!("${}", quoted(&command))),
+            ..Self::default()
         })
     }
 
