@@ -6,6 +6,7 @@ use crate::peripherals::adc::Adc;
 use crate::peripherals::dma::Dma;
 use crate::peripherals::encoder_timer::EncoderTimer;
 use crate::peripherals::flash::Operation;
+use crate::peripherals::pwm_timer::PwmTimer;
 use crate::violation::{Access, refuse};
 
 impl Mcu {
@@ -59,6 +60,7 @@ impl Mcu {
                 self.follow_encoder(joint);
                 self.encoders[joint].read(offset)
             }
+            Unit::Tool => self.tool.read(offset, self.now),
             Unit::Adc => self.adc.read(offset),
             Unit::Dma2 => self.dma.read(offset),
             Unit::Usart1 => self.usart.read(offset),
@@ -102,6 +104,7 @@ impl Mcu {
                 self.follow_encoder(joint);
                 self.encoders[joint].write(offset, value)
             }
+            Unit::Tool => self.tool.write(offset, value, self.now),
             Unit::Adc => self.adc.write(offset, value, self.now),
             Unit::Dma2 => self.dma.write(offset, value),
             Unit::Usart1 => {
@@ -130,6 +133,9 @@ impl Mcu {
             if held {
                 *encoder = EncoderTimer::new();
             }
+        }
+        if self.rcc.in_reset(3) >> 1 & 1 != 0 {
+            self.tool = PwmTimer::new(self.core * self.rcc.timer_cycles(0));
         }
         if dma {
             self.dma = Dma::new();

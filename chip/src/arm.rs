@@ -2,6 +2,7 @@
 
 use crate::peripherals::adc::SampleWindow;
 use crate::peripherals::gpio::Pin;
+use crate::peripherals::pwm_timer::Pulses;
 use crate::peripherals::tim1::Output;
 use crate::time::{MICROSECOND, NEVER, SECOND, Time};
 use crate::wiring::{Outputs, Wiring};
@@ -64,6 +65,8 @@ pub struct Arm {
     pub ticks: Vec<Tick>,
     /// Changes of what the bridges do, with their times.
     pub history: Vec<(Time, ActuatorCommand)>,
+    /// Changes of what the tool gets, with their times.
+    pub tool: Vec<(Time, Pulses)>,
 }
 
 impl Arm {
@@ -71,7 +74,6 @@ impl Arm {
     pub fn new(mut plant: Plant, wake: Time) -> Self {
         let acting = ActuatorCommand {
             brake: true,
-            tool: 0,
             ..ActuatorCommand::default()
         };
         let sample = plant.sense();
@@ -93,6 +95,7 @@ impl Arm {
             windows: [None; 3],
             ticks: Vec::new(),
             history: Vec::new(),
+            tool: Vec::new(),
         }
     }
 
@@ -115,6 +118,7 @@ impl Arm {
     pub fn forget(&mut self) {
         self.ticks.clear();
         self.history.clear();
+        self.tool.clear();
     }
 
     /// The last samples.
@@ -181,6 +185,7 @@ impl Arm {
                 self.awake_at[j] <= now && (in1 > 0.0 || in2 > 0.0)
             }),
             brake: self.outputs.brake != Some(true),
+            tool: 0,
         }
     }
 
@@ -235,6 +240,9 @@ impl Wiring for SharedArm {
             } else if arm.awake_at[joint] == NEVER {
                 arm.awake_at[joint] = now + arm.wake;
             }
+        }
+        if arm.outputs.tool != outputs.tool {
+            arm.tool.push((now, outputs.tool));
         }
         arm.outputs = *outputs;
         let acts = arm.acts(now);

@@ -13,6 +13,8 @@ pub(crate) enum Unit {
     Encoder(usize),
     Adc,
     Dma2,
+    /// TIM3.
+    Tool,
     Usart1,
     Iwdg,
     Pwr,
@@ -26,8 +28,9 @@ pub(crate) enum Unit {
 type Gate = Option<(usize, u32)>;
 
 /// Where the units are: first address, size, unit, and the bus and bit of its clock.
-const MAP: [(u32, u32, Unit, Gate); 13] = [
+const MAP: [(u32, u32, Unit, Gate); 14] = [
     (0x4000_0000, 0x400, Unit::Encoder(1), Some((3, 0))),
+    (0x4000_0400, 0x400, Unit::Tool, Some((3, 1))),
     (0x4000_0c00, 0x400, Unit::Encoder(0), Some((3, 3))),
     (0x4000_3000, 0x400, Unit::Iwdg, None),
     (0x4000_7000, 0x400, Unit::Pwr, Some((3, 28))),

@@ -3,6 +3,7 @@
 use crate::mcu::{Mcu, RAM};
 use crate::nvic::SYS_TICK;
 use crate::peripherals::gpio::{Mode, Pin};
+use crate::peripherals::pwm_timer::Pulses;
 use crate::peripherals::rcc::ResetCause;
 use crate::peripherals::tim1::Output;
 use crate::time::Time;
@@ -17,6 +18,7 @@ impl Mcu {
         self.rcc
             .due()
             .min(self.tim1.due())
+            .min(self.tool.due())
             .min(self.adc.due())
             .min(self.usart.due())
             .min(self.iwdg.due())
@@ -50,6 +52,9 @@ impl Mcu {
             if events.trigger {
                 self.trigger_converters(at);
             }
+        }
+        if self.tool.due() <= at {
+            self.tool.advance(at);
         }
         if self.adc.due() <= at {
             self.adc.advance(at);
@@ -196,6 +201,10 @@ impl Mcu {
             pwm: [0, 1, 2, 3].map(channel),
             sleep: [14, 15].map(|pin| self.ports[1].driven(pin)),
             brake: self.ports[2].driven(6),
+            tool: match self.is_alternate(2, 7, 2) {
+                true => self.tool.pulses(1),
+                false => Pulses::Released,
+            },
         }
     }
 }

@@ -34,6 +34,7 @@ pub use mcu::Options;
 pub use peripherals::adc::SampleWindow;
 pub use peripherals::flash::FlashEvent;
 pub use peripherals::gpio::Pin;
+pub use peripherals::pwm_timer::Pulses;
 pub use peripherals::rcc::ResetCause;
 pub use peripherals::tim1::{Output, RepetitionReading};
 pub use trace::Step;

@@ -7,6 +7,7 @@ use crate::peripherals::encoder_timer::EncoderTimer;
 use crate::peripherals::flash::Flash;
 use crate::peripherals::gpio::Port;
 use crate::peripherals::iwdg::Iwdg;
+use crate::peripherals::pwm_timer::PwmTimer;
 use crate::peripherals::rcc::{Rcc, ResetCause};
 use crate::peripherals::tim1::Tim1;
 use crate::peripherals::usart::Usart;
@@ -56,6 +57,8 @@ pub(crate) struct Mcu {
     pub(crate) flash: Flash,
     pub(crate) tim1: Tim1,
     pub(crate) encoders: [EncoderTimer; 2],
+    /// TIM3.
+    pub(crate) tool: PwmTimer,
     pub(crate) adc: Adc,
     pub(crate) dma: Dma,
     pub(crate) usart: Usart,
@@ -96,6 +99,7 @@ impl Mcu {
             flash: Flash::new(sectors),
             tim1: Tim1::new(core),
             encoders: [EncoderTimer::new(), EncoderTimer::new()],
+            tool: PwmTimer::new(core),
             adc: Adc::new(),
             dma: Dma::new(),
             usart: Usart::new(options.host_baud),
@@ -127,6 +131,7 @@ impl Mcu {
         self.flash.reset();
         self.tim1.reset();
         self.encoders = [EncoderTimer::new(), EncoderTimer::new()];
+        self.tool = PwmTimer::new(self.core);
         self.adc = Adc::new();
         self.dma = Dma::new();
         self.usart.reset();
@@ -169,6 +174,8 @@ impl Mcu {
         };
         self.tim1
             .set_clock(self.core * self.rcc.timer_cycles(1), at);
+        self.tool
+            .set_clock(self.core * self.rcc.timer_cycles(0), at);
         self.usart.set_clock(self.bus_period(1));
         if let Some(rule) = self.rcc.check_limits(self.flash.wait_states()) {
             self.note::<()>(refuse("RCC", self.rcc.read(8), rule));

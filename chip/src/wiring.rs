@@ -2,6 +2,7 @@
 
 use crate::peripherals::adc::SampleWindow;
 use crate::peripherals::gpio::Pin;
+use crate::peripherals::pwm_timer::Pulses;
 use crate::peripherals::tim1::Output;
 use crate::time::{NEVER, Time};
 
@@ -14,6 +15,8 @@ pub struct Outputs {
     pub sleep: [Option<bool>; 2],
     /// PC6: releases the brake.
     pub brake: Option<bool>,
+    /// PC7: the tool.
+    pub tool: Pulses,
 }
 
 impl Outputs {
@@ -22,6 +25,7 @@ impl Outputs {
         pwm: [Output::Released; 4],
         sleep: [None; 2],
         brake: None,
+        tool: Pulses::Released,
     };
 }
 

@@ -121,7 +121,13 @@ fn messages_that_are_cut_short_or_malformed_are_dropped() {
                 },
                 MoveKind::Dwell { duration: 1.0 },
             ]
-            .map(|kind| HostCommand::Move(Move { tag: 300, tool: 0, kind })),
+            .map(|kind| {
+                HostCommand::Move(Move {
+                    tag: 300,
+                    tool: 0,
+                    kind,
+                })
+            }),
         );
     for command in commands {
         let sequence = Sequence(0x4000);
@@ -178,7 +184,11 @@ fn nothing_moves_without_settings() {
 }
 
 fn offer(driven: &mut Driven, kind: MoveKind) -> Result<(), MoveErrorKind> {
-    let command = HostCommand::Move(Move { tag: 1, tool: 0, kind });
+    let command = HostCommand::Move(Move {
+        tag: 1,
+        tool: 0,
+        kind,
+    });
     match driven.client.call(command).expect("an answer") {
         Reply::Taken { .. } => Ok(()),
         Reply::Refused(CommandError::Move(error)) => Err(error.kind),

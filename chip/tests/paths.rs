@@ -124,7 +124,11 @@ fn an_arm_with_independent_joints_and_a_tool_beside_its_end_is_driven() {
 fn refuses(driven: &mut Driven, kind: MoveKind) -> MoveErrorKind {
     let reply = driven
         .client
-        .call(HostCommand::Move(Move { tag: 9, tool: 0, kind }))
+        .call(HostCommand::Move(Move {
+            tag: 9,
+            tool: 0,
+            kind,
+        }))
         .expect("an answer");
     match reply {
         Reply::Refused(CommandError::Move(error)) => {
@@ -179,7 +183,11 @@ fn each_reason_to_refuse_a_move() {
     for radius in [0.05, 0.2, -0.05, -0.2] {
         for center in [[x + radius, y], [x, y + radius]] {
             let kind = arc([x, y], center);
-            let call = HostCommand::Move(Move { tag: 1, tool: 0, kind });
+            let call = HostCommand::Move(Move {
+                tag: 1,
+                tool: 0,
+                kind,
+            });
             let reply = driven.client.call(call).expect("an answer");
             let is_refused = matches!(reply, Reply::Refused(CommandError::Move(_)));
             assert!(is_refused, "{center:?}: {reply:?}");
@@ -199,7 +207,11 @@ fn a_load_too_heavy_for_the_motors_is_refused() {
     let mut found = Vec::new();
     for end in [[0.15, y], [0.2, 0.1], [-0.1, 0.1], [0.2, 0.05]] {
         let kind = MoveKind::Line { to: end, feed: 0.1 };
-        let call = HostCommand::Move(Move { tag: 1, tool: 0, kind });
+        let call = HostCommand::Move(Move {
+            tag: 1,
+            tool: 0,
+            kind,
+        });
         if let Reply::Refused(CommandError::Move(error)) =
             driven.client.call(call).expect("an answer")
         {
@@ -233,7 +245,11 @@ fn each_reason_to_refuse_a_request() {
         to: [x - 0.06, y],
         feed: 0.1,
     };
-    let call = HostCommand::Move(Move { tag: 1, tool: 0, kind });
+    let call = HostCommand::Move(Move {
+        tag: 1,
+        tool: 0,
+        kind,
+    });
     let taken = driven.client.call(call).expect("an answer");
     assert!(matches!(taken, Reply::Taken { .. }), "{taken:?}");
     // The host is silent: the arm is held, and the fault cannot be cleared while it moves.

@@ -7,6 +7,7 @@ pub(crate) mod encoder_timer;
 pub(crate) mod flash;
 pub(crate) mod gpio;
 pub(crate) mod iwdg;
+pub(crate) mod pwm_timer;
 pub(crate) mod rcc;
 pub(crate) mod tim1;
 pub(crate) mod usart;

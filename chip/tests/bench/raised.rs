@@ -1,11 +1,12 @@
 //! What every fault must do, and the arm in motion when one is raised.
 
 use super::{Bench, Driven, arm_at, robot};
-use fivebar_chip::Options;
 use fivebar_chip::time::{MICROSECOND, MILLISECOND, Time};
+use fivebar_chip::{Options, Pulses};
 use fivebar_firmware::protocol::{HostCommand, Reply};
 use fivebar_firmware::safety::{Fault, State};
-use fivebar_firmware::{Move, MoveKind, Request};
+use fivebar_firmware::settings::ToolOutputSettings;
+use fivebar_firmware::{FULL_TOOL, Move, MoveKind, Request};
 
 pub(crate) const TICK: Time = 100 * MICROSECOND;
 
@@ -46,19 +47,36 @@ pub(crate) fn offer(driven: &mut Driven, next: Move) {
     assert!(matches!(reply, Ok(Reply::Taken { .. })), "{reply:?}");
 }
 
-/// The arm on its way along the line, to and fro, at 0.1 m/s.
+/// A power: it is switched at once, in the middle of a frame, too.
+pub(crate) const POWER: ToolOutputSettings = ToolOutputSettings::Power {
+    frequency: 5e3,
+    scale_with_speed: false,
+};
+
+/// The arm on its way along the line, to and fro, at 0.1 m/s, with its tool on.
 pub(crate) fn moving() -> Driven {
     let [x, y] = tool_at_start();
-    let mut driven = at_the_end(Options::default()).ready();
+    let mut driven =
+        at_the_end(Options::default()).ready_with(|settings| settings.tool_output = POWER);
     driven.arm();
     for tag in 1..=6 {
         let to = [x - 0.06 * [1.0, 0.0][tag as usize % 2], y];
         let kind = MoveKind::Line { to, feed: 0.1 };
-        offer(&mut driven, Move { tag, tool: 0, kind });
+        let tool = FULL_TOOL / 2;
+        offer(&mut driven, Move { tag, tool, kind });
     }
     driven.run(60 * MILLISECOND);
     assert_eq!(driven.status().state, State::Running);
+    assert!(!tool_is_off(&driven));
     driven
+}
+
+/// Whether the tool gets nothing.
+pub(crate) fn tool_is_off(driven: &Driven) -> bool {
+    matches!(
+        driven.arm.get().outputs().tool,
+        Pulses::Released | Pulses::Level(false)
+    )
 }
 
 /// Runs until the fault is latched, the host giving signs of life; the ticks that it took.
@@ -73,6 +91,10 @@ pub(crate) fn ticks_until_off(driven: &mut Driven, within: u64) -> u64 {
         driven.run(TICK / 2);
     }
     let (off_at, _) = *driven.arm.get().history.last().expect("a change");
+    // The tool goes off with the bridges: by the same tick, or before it by a stop.
+    let tool = driven.arm.get().tool.last().copied();
+    assert!(tool_is_off(driven), "the tool is on: {tool:?}");
+    assert!(tool.is_none_or(|(at, _)| at <= off_at + TICK), "{tool:?}");
     (off_at - began).div_ceil(TICK)
 }
 
@@ -91,7 +113,7 @@ pub(crate) fn stays_off_until_cleared(driven: &mut Driven, fault: Fault) {
     ] {
         assert!(driven.request(request).is_err(), "{request:?}");
         driven.run(5 * TICK);
-        assert!(driven.is_off());
+        assert!(driven.is_off() && tool_is_off(driven));
     }
     assert_eq!(driven.arm.get().history.len(), changes);
     driven.request(Request::ClearFault).expect("cleared");
@@ -101,7 +123,7 @@ pub(crate) fn stays_off_until_cleared(driven: &mut Driven, fault: Fault) {
 
 /// The arm rests, and the bridges stay on until the fault is cleared.
 pub(crate) fn is_held_until_cleared(driven: &mut Driven, fault: Fault) {
-    assert!(!driven.is_off());
+    assert!(!driven.is_off() && tool_is_off(driven));
     let at = driven.arm.get().plant().tool();
     driven.run(100 * TICK);
     assert!((driven.arm.get().plant().tool() - at).norm() < 1e-4);

@@ -21,7 +21,7 @@ use core::panic::PanicInfo;
 use cortex_m_rt::exception;
 use defmt_rtt as _;
 use fivebar_firmware::board::post_mortem::{EndCause, reset_after};
-use fivebar_firmware::board::{clocks, pwm, serial};
+use fivebar_firmware::board::{clocks, pwm, serial, tool};
 
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
 mod app {
@@ -38,7 +38,7 @@ mod app {
     use fivebar_firmware::board::sensors::Sensors;
     use fivebar_firmware::board::services::BoardServices;
     use fivebar_firmware::board::watchdog::Tasks;
-    use fivebar_firmware::board::{brown_out, post_mortem, serial};
+    use fivebar_firmware::board::{brown_out, post_mortem, pwm, serial, tool};
     use fivebar_firmware::planner::Planner;
     use fivebar_firmware::protocol::{Board, Decoder, HostCommand, HostMessage, Identity};
     use fivebar_firmware::safety::Fault;
@@ -72,6 +72,7 @@ mod app {
         session: Session,
         services: BoardServices,
         log: EventLog,
+        source: Source,
     }
 
     #[init(local = [
@@ -84,7 +85,8 @@ mod app {
         brown_out::enable_reset(&device.FLASH);
         let (mut rcc, source) = clocks::start(device.RCC, &device.FLASH);
         let pins = Pins::new(device.GPIOA, device.GPIOB, device.GPIOC, &mut rcc);
-        let mut outputs = BoardOutputs::new(device.TIM1, pins.outputs, &mut rcc);
+        let (tool_timer, tool) = tool::new(device.TIM3, pins.tool, source.tool_timer(), &mut rcc);
+        let outputs = BoardOutputs::new(device.TIM1, pins.outputs, tool, &mut rcc);
         let sensors = Sensors {
             encoders: Encoders::new(
                 (device.TIM5, pins.encoder1),
@@ -109,7 +111,7 @@ mod app {
         );
         let (arrived, commands) = cx.local.queue.split();
 
-        let (services, stored) = BoardServices::start(device.FLASH, device.IWDG);
+        let (services, stored) = BoardServices::start(device.FLASH, device.IWDG, tool_timer);
         let (Ok(settings), stored) = (match stored {
             Ok(settings) => (Ok(settings), None),
             Err(error) => (Settings::BENCHTOP.check(), Some(error)),
@@ -125,9 +127,8 @@ mod app {
         defmt::info!("started after a reset: {}", reset);
 
         let meter = CycleMeter::new(&mut core.DCB, &mut core.DWT);
-        match source {
-            Source::Crystal => outputs.timer.start(),
-            Source::Internal => clocks::start_slow_tick(&mut core.SYST),
+        if source == Source::Internal {
+            clocks::start_slow_tick(&mut core.SYST);
         }
         let identity = Identity::new(Board::Stm32f405, reset);
         let local = Local {
@@ -142,6 +143,7 @@ mod app {
             session: Session::new(identity, &settings, stored.is_none()),
             services,
             log: EventLog::new(),
+            source,
         };
         let sample = SensorSample::default();
         (Shared { controller, sample }, local)
@@ -204,9 +206,12 @@ mod app {
         });
     }
 
-    #[idle(shared = [controller, sample], local = [commands, sender, planner, session, services, log])]
+    #[idle(shared = [controller, sample], local = [commands, sender, planner, session, services, log, source])]
     fn converse(mut cx: converse::Context) -> ! {
         let local = cx.local;
+        if *local.source == Source::Crystal {
+            pwm::start();
+        }
         loop {
             let controller = &mut cx.shared.controller;
             if let Some(message) = local.commands.dequeue() {
@@ -284,4 +289,5 @@ unsafe fn NonMaskableInt() {
     app::CLOCK_FAILED.store(true, core::sync::atomic::Ordering::Relaxed);
     clocks::acknowledge_failure();
     serial::follow_internal_oscillator();
+    tool::follow_internal_oscillator();
 }

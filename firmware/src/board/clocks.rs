@@ -23,6 +23,15 @@ pub enum Source {
 }
 
 impl Source {
+    /// Clock of the tool's timer, on the first bus [Hz].
+    pub fn tool_timer(self) -> u32 {
+        match self {
+            // Timers run at twice the clock of a divided bus.
+            Self::Crystal => 84_000_000,
+            Self::Internal => 16_000_000,
+        }
+    }
+
     /// Clock of the peripherals on the second bus, USART1 among them [Hz].
     pub fn second_bus(self) -> u32 {
         match self {

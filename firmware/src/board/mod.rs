@@ -20,4 +20,5 @@ pub mod serial;
 pub mod services;
 pub mod stack;
 pub mod storage;
+pub mod tool;
 pub mod watchdog;

@@ -1,7 +1,8 @@
-//! The outputs of an actuator command: both bridges, their timer and the brake.
+//! The outputs of an actuator command: both bridges, their timer, the brake and the tool.
 
 use super::pins::OutputPins;
 use super::pwm::{Channel, PwmTimer};
+use super::tool::ToolChannel;
 use crate::ActuatorCommand;
 use crate::drivers::Bridge;
 use embedded_hal::digital::OutputPin;
@@ -22,17 +23,20 @@ pub struct Outputs<Sleep1, Sleep4, Brake> {
     pub bridge4: Bridge<Channel<2>, Channel<3>, Sleep4>,
     /// The holding brake.
     pub brake: Brake,
+    /// The tool.
+    pub tool: ToolChannel,
 }
 
 impl BoardOutputs {
     /// The outputs: bridges asleep, outputs low, brake engaged.
-    pub fn new(timer: TIM1, pins: OutputPins, rcc: &mut RCC) -> Self {
+    pub fn new(timer: TIM1, pins: OutputPins, tool: ToolChannel, rcc: &mut RCC) -> Self {
         let (timer, (in1, in2, in3, in4)) = PwmTimer::new(timer, pins.pwm, rcc);
         Self {
             timer,
             bridge1: Bridge::new(in1, in2, pins.sleep1),
             bridge4: Bridge::new(in3, in4, pins.sleep4),
             brake: pins.brake,
+            tool,
         }
     }
 }
@@ -56,5 +60,6 @@ impl<Sleep1: OutputPin, Sleep4: OutputPin, Brake: OutputPin> Outputs<Sleep1, Sle
         self.timer.power(enable1 || enable4);
         // A pin of this chip cannot fail to be written.
         let _ = self.brake.set_state((!command.brake).into());
+        self.tool.set(command.tool);
     }
 }

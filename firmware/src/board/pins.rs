@@ -8,7 +8,7 @@ use super::pwm;
 use crate::drivers::Inputs;
 use stm32f4xx_hal::gpio::{
     Alternate, Analog, Input, Output, PA0, PA1, PA15, PB0, PB1, PB3, PB6, PB7, PB12, PB14, PB15,
-    PC0, PC1, PC2, PC4, PC5, PC6, PinPull, Pull,
+    PC0, PC1, PC2, PC4, PC5, PC6, PC7, PinPull, Pull,
 };
 use stm32f4xx_hal::pac::{GPIOA, GPIOB, GPIOC};
 use stm32f4xx_hal::prelude::*;
@@ -30,6 +30,8 @@ pub struct Pins {
     pub analog: (PC0<Analog>, PC1<Analog>, PC2<Analog>),
     /// Switches and fault outputs.
     pub switches: Switches,
+    /// The tool's output, floating.
+    pub tool: PC7<Input>,
     /// The serial line: out, in.
     pub serial: (PB6<Alternate<7>>, PB7<Alternate<7>>),
 }
@@ -82,6 +84,7 @@ impl Pins {
                 fault1: b.pb0.into_pull_up_input(),
                 fault4: b.pb1.into_pull_up_input(),
             },
+            tool: c.pc7,
             serial: (b.pb6.into_alternate(), pulled_up(b.pb7.into_alternate())),
         }
     }

@@ -43,7 +43,17 @@ pub fn unpower() {
     }
 }
 
-/// The timer: its start, its main output enable and its break flag.
+/// Lets the timer run: PWM at 20 kHz, the converter and so the tick at 10 kHz. Called once, when
+/// interrupts are enabled: the first tick then begins in time.
+pub fn start() {
+    // SAFETY: after its setup, nothing else writes this register.
+    #[allow(unsafe_code)]
+    unsafe {
+        (*TIM1::ptr()).cr1().modify(|_, w| w.cen().enabled());
+    }
+}
+
+/// The timer: its main output enable and its break flag.
 pub struct PwmTimer {
     timer: TIM1,
     powered: bool,
@@ -110,11 +120,6 @@ impl PwmTimer {
             ticks_to_check: TICKS_TO_CHECK,
         };
         (timer, (Channel(()), Channel(()), Channel(()), Channel(())))
-    }
-
-    /// Lets the timer run: PWM at 20 kHz, the converter and so the tick at 10 kHz.
-    pub fn start(&mut self) {
-        self.timer.cr1().modify(|_, w| w.cen().enabled());
     }
 
     /// Whether the converter is triggered at the wrong end of the period, in the drive pulse.

@@ -1,7 +1,9 @@
-//! What the session needs from this board: settings stored in flash, and the stack's use.
+//! What the session needs from this board: settings stored in flash, the tool's timer, and the
+//! stack's use.
 
 use super::stack;
 use super::storage::SettingsFlash;
+use super::tool::ToolTimer;
 use super::watchdog::Watchdog;
 use crate::protocol::StackUse;
 use crate::session::Board;
@@ -13,6 +15,7 @@ use stm32f4xx_hal::pac::{FLASH, IWDG};
 /// The settings' storage, and the watchdog, whose timeout is longer while settings are written.
 pub struct BoardServices {
     storage: Option<SettingsStorage<SettingsFlash>>,
+    tool: ToolTimer,
     /// Refreshed when all tasks have advanced.
     pub watchdog: Watchdog,
     /// The sample of the last tick.
@@ -20,9 +23,13 @@ pub struct BoardServices {
 }
 
 impl BoardServices {
-    /// Opens the storage and starts the watchdog. Also returns the stored settings, if this board
-    /// can use them.
-    pub fn start(flash: FLASH, watchdog: IWDG) -> (Self, Result<CheckedSettings, StorageError>) {
+    /// Opens the storage, sets the tool's timer up and starts the watchdog. Also returns the stored
+    /// settings, if this board can use them.
+    pub fn start(
+        flash: FLASH,
+        watchdog: IWDG,
+        mut tool: ToolTimer,
+    ) -> (Self, Result<CheckedSettings, StorageError>) {
         let (storage, settings) =
             match SettingsStorage::new(SettingsFlash::new(flash), SettingsFlash::RANGE) {
                 Ok(mut storage) => {
@@ -31,10 +38,13 @@ impl BoardServices {
                 }
                 Err(error) => (None, Err(error)),
             };
-        let watchdog = Watchdog::start(watchdog);
+        if let Ok(settings) = &settings {
+            tool.configure(&settings.tool_output);
+        }
         let services = Self {
             storage,
-            watchdog,
+            tool,
+            watchdog: Watchdog::start(watchdog),
             sample: SensorSample::default(),
         };
         (services, settings)
@@ -53,6 +63,10 @@ impl Board for BoardServices {
     fn save(&mut self, settings: &Settings) -> Result<(), StorageError> {
         let storage = self.storage.as_mut().ok_or(StorageError::Range)?;
         self.watchdog.with_erase_timeout(|| storage.save(settings))
+    }
+
+    fn use_settings(&mut self, settings: &CheckedSettings) {
+        self.tool.configure(&settings.tool_output);
     }
 
     fn limits(&self) -> Option<BoardLimits> {

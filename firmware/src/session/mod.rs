@@ -29,6 +29,9 @@ pub trait Board {
     /// Why they are not stored.
     fn save(&mut self, settings: &Settings) -> Result<(), StorageError>;
 
+    /// Takes from new settings what the board's own parts need. Called with the bridges off.
+    fn use_settings(&mut self, _settings: &CheckedSettings) {}
+
     /// The board's bounds of the settings; `None` where the host steps the ticks.
     fn limits(&self) -> Option<BoardLimits> {
         None
@@ -255,6 +258,7 @@ impl Session {
             *controller = new_controller;
             Ok(())
         })?;
+        board.use_settings(&settings);
         *planner = Planner::new(&settings);
         self.has_settings = true;
         self.sampler.restart_ticks();

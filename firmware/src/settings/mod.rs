@@ -16,7 +16,6 @@ use serde::{Deserialize, Serialize};
 pub use board::BoardLimits;
 pub use checked::CheckedSettings;
 pub use error::{AxisField, Field, SettingsError};
-pub(crate) use tool_output::rounded;
 pub use tool_output::{ALWAYS, Share, ToolOutputSettings};
 
 /// Inertia of one link, see `fivebar_kinematics::dynamics::Link`.

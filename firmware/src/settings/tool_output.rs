@@ -15,6 +15,9 @@ pub const ALWAYS: Share = u16::MAX;
 /// Shares in a whole.
 const WHOLE: f32 = 65_536.0;
 
+/// What is added to a share, so that cutting rounds it.
+const ROUNDING: f32 = 0.5;
+
 /// Greatest part of a frame that a servo's pulse may take.
 const LONGEST_PULSE: f32 = 0.9;
 
@@ -87,13 +90,14 @@ impl ToolOutputSettings {
     /// The output with the tool up or off: in every state that follows no path, and from the tick
     /// on in which a stop begins or a fault is found.
     pub fn off(&self) -> Share {
-        rounded(self.output(0, 1.0).at_rest)
+        self.output(0, 1.0).at_rest as Share
     }
 
-    /// The output at a level, along a move with this requested speed [m/s or rad/s].
+    /// The output at a level, along a move with this requested speed [m/s or rad/s]. Cut to a whole
+    /// number it is the nearest share.
     pub fn output(&self, level: u16, speed: f32) -> ToolOutput<f32> {
         let share = f32::from(level) / f32::from(FULL_TOOL);
-        ToolOutput::constant(match *self {
+        let at_rest = match *self {
             Self::None
             | Self::Power {
                 scale_with_speed: false,
@@ -104,7 +108,7 @@ impl ToolOutputSettings {
                 ..
             } => {
                 return ToolOutput {
-                    at_rest: 0.0,
+                    at_rest: ROUNDING,
                     per_speed: f32::from(level) / speed,
                 };
             }
@@ -121,7 +125,8 @@ impl ToolOutputSettings {
                     f32::from(ALWAYS)
                 }
             }
-        })
+        };
+        ToolOutput::constant(at_rest + ROUNDING)
     }
 
     /// The level that an output stands for, as a share: 0 is up or off, 1 is down or full power.
@@ -131,7 +136,7 @@ impl ToolOutputSettings {
         if output == self.off() {
             return 0.0;
         }
-        ((f32::from(output) - up) / (down - up)).clamp(0.0, 1.0)
+        ((f32::from(output) + ROUNDING - up) / (down - up)).clamp(0.0, 1.0)
     }
 
     /// The first field that is invalid.
@@ -165,11 +170,4 @@ impl ToolOutputSettings {
             }
         }
     }
-}
-
-/// The share nearest to a value.
-#[inline(always)]
-pub(crate) fn rounded(share: f32) -> Share {
-    // `as` saturates.
-    (share + 0.5) as Share
 }

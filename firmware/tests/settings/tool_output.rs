@@ -82,7 +82,7 @@ fn each_value_out_of_its_bounds_is_refused_with_its_field() {
 
 #[test]
 fn levels_give_their_outputs_and_outputs_their_levels() {
-    let at = |settings: ToolOutputSettings, level| settings.output(level, 0.1).at(0.1);
+    let at = |settings: ToolOutputSettings, level| settings.output(level, 0.1).at(0.1) - 0.5;
     // 5 % and 7.5 % of a frame, in 1/65536.
     assert!((at(servo(SERVO), 0) - 3276.8).abs() < 0.01);
     assert!((at(servo(SERVO), FULL_TOOL) - 4915.2).abs() < 0.01);
@@ -95,8 +95,8 @@ fn levels_give_their_outputs_and_outputs_their_levels() {
         assert_eq!(switch(active_low).level(off), 0.0);
     }
     // All of it at the requested speed, half at half of it.
-    assert_eq!(power(1e4, true).output(20_000, 0.2).at(0.1), 10_000.0);
-    assert_eq!(power(1e4, false).output(20_000, 0.2).at(0.1), 20_000.0);
+    assert_eq!(power(1e4, true).output(20_000, 0.2).at(0.1), 10_000.5);
+    assert_eq!(power(1e4, false).output(20_000, 0.2).at(0.1), 20_000.5);
     assert_eq!(power(1e4, true).off(), 0);
     assert_eq!(ToolOutputSettings::None.level(FULL_TOOL), 1.0);
 }

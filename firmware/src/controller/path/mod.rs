@@ -11,7 +11,7 @@ mod output;
 mod queue;
 
 use crate::safety::Limits;
-use crate::settings::{Share, rounded};
+use crate::settings::Share;
 use brake::{Brake, TimeScaling};
 use fivebar_kinematics::trajectory::{Reference, TrajectorySegment};
 use queue::PathQueue;
@@ -92,18 +92,22 @@ impl Path {
     /// Drops all segments, and switches the tool off.
     pub(crate) fn clear(&mut self) {
         self.queue.clear();
-        self.finish();
-        self.output.switch_off();
+        self.drop_committed();
+        self.output.clear();
     }
 
     /// Drops the committed segments.
     pub(crate) fn finish(&mut self) {
+        self.drop_committed();
+        self.output.end();
+    }
+
+    fn drop_committed(&mut self) {
         self.ticks = 0;
         self.offset = 0.0;
         self.committed_left = 0.0;
         self.brake = None;
         self.queue.finish();
-        self.output.end();
     }
 
     /// The output of the tool.
@@ -117,7 +121,8 @@ impl Path {
         self.output.is_off()
     }
 
-    /// Switches the tool off, until the arm goes on along a path.
+    /// Switches the tool off. The path is dropped before the arm goes on.
+    #[inline(always)]
     pub(crate) fn switch_tool_off(&mut self) {
         self.output.switch_off();
     }
@@ -205,6 +210,7 @@ impl Path {
         let scaling = match &mut self.brake {
             None => {
                 self.ticks = self.ticks.wrapping_add(1);
+                self.output.step();
                 None
             }
             Some(brake) => Some(brake.step(self.period)),
@@ -236,14 +242,13 @@ impl Path {
         }
         self.committed_left = duration - time + self.queue.behind(first);
         let mut path_state = first.queued.segment.path_state(time);
-        match scaling {
-            Some(TimeScaling {
-                sigma, sigma_dot, ..
-            }) => path_state = path_state.time_scaled(sigma, sigma_dot),
-            None => {
-                let output = first.queued.segment.tool_output();
-                self.output.step(rounded(output.at(path_state.s_dot)));
-            }
+        let output = first.queued.segment.tool_output();
+        self.output.set(output.at(path_state.s_dot));
+        if let Some(TimeScaling {
+            sigma, sigma_dot, ..
+        }) = scaling
+        {
+            path_state = path_state.time_scaled(sigma, sigma_dot);
         }
         Some(Step {
             at_rest: ended || scaling.is_some_and(|scaling| scaling.complete),

@@ -6,18 +6,21 @@
 use crate::settings::{CheckedSettings, Share};
 
 /// The values that the delay holds. A power of two.
-const VALUES: usize = 16;
+const VALUES: usize = 8;
 
 /// The greatest delay [ticks]. A servo and a switch rest for longer where they change.
-const LONGEST_DELAY: u32 = VALUES as u32 - 1;
+const LONGEST_DELAY: u32 = VALUES as u32;
 
-/// The output with its delay.
+/// The output with its delay. The value of a tick is taken in the next one: so the tick of a stop
+/// computes the way of the stop, or this delay, and never both.
 pub(crate) struct PathOutput {
     now: Share,
     off: Share,
     /// The output stays as it is where a path ends.
     stays: bool,
-    /// [ticks].
+    /// The value of the last tick.
+    latest: f32,
+    /// Ticks from taking a value to its output.
     delay: u32,
     count: u32,
     values: [Share; VALUES],
@@ -43,7 +46,8 @@ impl PathOutput {
             now: off,
             off,
             stays: settings.tool_output.waits(),
-            delay: delay(settings),
+            latest: f32::from(off),
+            delay: delay(settings).saturating_sub(1),
             count: 0,
             values: [off; VALUES],
         }
@@ -58,31 +62,49 @@ impl PathOutput {
         self.now == self.off
     }
 
-    /// Takes this tick's value.
+    /// Sets this tick's value: cut to a whole number, a share.
     #[inline(always)]
-    pub(super) fn step(&mut self, value: Share) {
+    pub(super) fn set(&mut self, value: f32) {
+        self.latest = value;
+    }
+
+    /// Takes the last tick's value.
+    #[inline(always)]
+    pub(super) fn step(&mut self) {
         self.count = self.count.wrapping_add(1);
         let [new, old] = [self.count, self.count.wrapping_sub(self.delay)];
         if let Some(slot) = self.values.get_mut(new as usize % VALUES) {
-            *slot = value;
+            // `as` saturates.
+            *slot = self.latest as Share;
         }
         if let Some(&value) = self.values.get(old as usize % VALUES) {
             self.now = value;
         }
     }
 
-    /// Switches the tool off at once. It stays off until a path is followed.
+    /// Switches the tool off at once. The path is dropped before the arm goes on.
+    #[inline(always)]
     pub(super) fn switch_off(&mut self) {
         self.now = self.off;
-        self.values = [self.off; VALUES];
+    }
+
+    /// The path is dropped: the tool is off.
+    pub(super) fn clear(&mut self) {
+        self.now = self.off;
+        self.fill();
     }
 
     /// The path has ended. What stays is the value of the last ticks, because the arm has rested
     /// after each change.
     pub(super) fn end(&mut self) {
         if !self.stays {
-            self.switch_off();
+            self.now = self.off;
         }
+        self.fill();
+    }
+
+    fn fill(&mut self) {
+        self.latest = f32::from(self.now);
         self.values = [self.now; VALUES];
     }
 }
