@@ -10,7 +10,7 @@ use fivebar_firmware::protocol::{
     CommandError, ControllerMessage, HostCommand, Reply, Sequence, StepResult, encode,
 };
 use fivebar_firmware::safety::{Fault, Response, State};
-use fivebar_firmware::{Move, MoveKind, Request, Settings, Status};
+use fivebar_firmware::{FULL_TOOL, Move, MoveKind, Request, Settings, Status};
 use fivebar_plant::Plant;
 use fivebar_plant::{FaultKind, Mismatch};
 use nalgebra::Vector2;
@@ -122,7 +122,7 @@ impl<L: Read + Write> Bench<L> {
         bench
     }
 
-    /// The arm moves along a line at 0.1 m/s.
+    /// The arm moves along a line at 0.1 m/s with the tool down.
     pub(crate) fn moving(line: L) -> Self {
         Self::moving_on(line, FaultRates::default())
     }
@@ -144,7 +144,8 @@ impl<L: Read + Write> Bench<L> {
 
     #[track_caller]
     pub(crate) fn is_moving(&mut self) {
-        assert_eq!(self.status().state, State::Running);
+        let status = self.status();
+        assert_eq!((status.state, status.tool_level), (State::Running, 1.0));
         let speed = self.plant.model().tool_velocity(self.plant.state()).norm();
         assert!(speed > 0.09, "{speed} m/s");
     }
@@ -155,7 +156,7 @@ impl<L: Read + Write> Bench<L> {
         let kind = MoveKind::Line { to, feed: 0.1 };
         HostCommand::Move(Move {
             tag: 1,
-            tool: 0,
+            tool: FULL_TOOL,
             kind,
         })
     }
@@ -211,6 +212,9 @@ impl<L: Read + Write> Bench<L> {
             Reply::StepResult(result) => {
                 let period = 1.0 / f64::from(self.settings.control.tick_rate);
                 self.plant.step(&result.command, period);
+                let follows = matches!(result.state, State::Armed | State::Running);
+                let tool = result.command.tool;
+                assert!(follows || tool == 0, "the tool is on: {result:?}");
                 result
             }
             other => panic!("{other:?}"),

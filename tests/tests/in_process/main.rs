@@ -15,3 +15,4 @@ mod plant_and_models;
 mod reference_vectors;
 mod servo_loop;
 mod tool_offsets;
+mod tool_strokes;

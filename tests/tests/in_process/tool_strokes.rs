@@ -1,0 +1,209 @@
+//! The strokes that the tool's output draws against the strokes that a job asks for.
+
+use fivebar::input::job::{Action, Job};
+use fivebar::input::robot::{BuiltIn, Robot};
+use fivebar::input::scenario::Scenario;
+use fivebar::run::link::{InProcess, Target, TargetError};
+use fivebar_firmware::controller::Request;
+use fivebar_firmware::{ActuatorCommand, Move, SensorSample, Status};
+use nalgebra::Vector2;
+
+type V = Vector2<f64>;
+
+const SERVO: &str = "
+[tool_output]
+kind = \"servo\"
+up_width = 1e-3
+down_width = 2e-3
+down_time = 0.03
+up_time = 0.02
+";
+
+/// Distance between the points of a stroke [m].
+const STEP: f64 = 50e-6;
+/// Greatest distance of a drawn point from its stroke [m]: the corner tolerance of 50 µm, and what the arm
+/// and its encoders are off.
+const TOLERANCE: f64 = 50e-6 + 40e-6;
+/// Greatest distance of a stroke's ends [m].
+const ENDS: f64 = 40e-6;
+
+/// A controller in this process, and what it did in each tick.
+struct Recorded {
+    target: InProcess,
+    /// The tool by the encoders [m], where it should be, and whether it is down.
+    ticks: Vec<(V, V, bool)>,
+    up: u16,
+}
+
+impl Target for Recorded {
+    fn tick(&mut self, sample: &SensorSample) -> Result<(ActuatorCommand, Status), TargetError> {
+        let (command, status) = self.target.tick(sample)?;
+        let point = |[x, y]: [f32; 2]| V::new(f64::from(x), f64::from(y));
+        if let (Some(tool), Some(reference)) = (status.tool, status.reference) {
+            let down = command.tool != self.up;
+            self.ticks.push((point(tool), point(reference), down));
+        }
+        Ok((command, status))
+    }
+
+    fn request(&mut self, request: Request) -> Result<(), TargetError> {
+        self.target.request(request)
+    }
+
+    fn offer(&mut self, next: &Move) -> Result<bool, TargetError> {
+        self.target.offer(next)
+    }
+
+    fn is_idle(&self) -> bool {
+        self.target.is_idle()
+    }
+}
+
+/// The points of each stroke of a job, `STEP` apart.
+fn asked(job: &Job, home: V) -> Vec<Vec<V>> {
+    let mut strokes: Vec<Vec<V>> = Vec::new();
+    let (mut at, mut was_down) = (home, false);
+    for step in &job.steps {
+        let from = at;
+        let mut points = Vec::new();
+        match step.action {
+            Action::Dwell { .. } => {}
+            Action::Line { to, .. } => {
+                at = V::new(to[0], to[1]);
+                let count = ((at - from).norm() / STEP).ceil().max(1.0);
+                points.extend((1..=count as u32).map(|n| from.lerp(&at, f64::from(n) / count)));
+            }
+            Action::Arc {
+                to,
+                center,
+                clockwise,
+                ..
+            } => {
+                at = V::new(to[0], to[1]);
+                let center = V::new(center[0], center[1]);
+                let [r0, r1] = [from - center, at - center];
+                let mut turn = r0.perp(&r1).atan2(r0.dot(&r1));
+                let full = std::f64::consts::TAU;
+                if clockwise && turn >= 0.0 {
+                    turn -= full;
+                } else if !clockwise && turn <= 0.0 {
+                    turn += full;
+                }
+                let count = (turn.abs() * r0.norm() / STEP).ceil().max(1.0);
+                points.extend((1..=count as u32).map(|n| {
+                    let angle = turn * f64::from(n) / count;
+                    center + nalgebra::Rotation2::new(angle) * r0
+                }));
+            }
+        }
+        let down = step.tool > 0.0;
+        if down && !was_down {
+            strokes.push(vec![from]);
+        }
+        if let (true, Some(stroke)) = (down, strokes.last_mut()) {
+            stroke.extend(points);
+        }
+        was_down = down;
+    }
+    strokes
+}
+
+/// The distance of a point from a stroke near `place`, and the place found.
+fn distance(stroke: &[V], place: usize, point: V) -> (f64, usize) {
+    let from = place.saturating_sub(40);
+    let near = stroke.iter().enumerate().skip(from).take(140);
+    near.map(|(index, &at)| ((at - point).norm(), index))
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .expect("a stroke has points")
+}
+
+fn draws_what_is_asked(path: &str) {
+    let text = BuiltIn::find(BuiltIn::DEFAULT).expect("the default").text;
+    let robot = Robot::parse("servo.toml", &format!("{text}{SERVO}")).expect("a valid robot");
+    let scenario = Scenario::of_job(path, robot).expect("a job");
+    let job = scenario.job().expect("a valid job");
+    let settings = scenario.robot.settings().expect("masses");
+    let mut target = Recorded {
+        target: InProcess::new(&settings).expect("valid settings"),
+        ticks: Vec::new(),
+        up: settings.tool_output.off(),
+    };
+    let (_, record) = scenario
+        .run_on(&mut target, &scenario.moves(&job), &mut |_| ())
+        .expect("a run");
+    assert_eq!(record.faults, []);
+    let home = target.ticks[0].1;
+    let asked = asked(&job, home);
+    let drawn: Vec<&[(V, V, bool)]> = target
+        .ticks
+        .chunk_by(|a, b| a.2 == b.2)
+        .filter(|chunk| chunk[0].2)
+        .collect();
+    assert_eq!(drawn.len(), asked.len(), "{path}: strokes");
+    assert!(!asked.is_empty());
+    let mut farthest = 0.0_f64;
+    for (drawn, asked) in drawn.iter().zip(&asked) {
+        let ends = [
+            (drawn[0], asked[0]),
+            (drawn[drawn.len() - 1], asked[asked.len() - 1]),
+        ];
+        for ((tool, reference, _), end) in ends {
+            assert!((reference - end).norm() < 1e-6, "{path}: {reference} {end}");
+            assert!((tool - end).norm() < ENDS, "{path}: {tool} {end}");
+        }
+        let mut place = 0;
+        let mut reached = vec![false; asked.len()];
+        for &(tool, ..) in *drawn {
+            let (off, found) = distance(asked, place, tool);
+            place = found.max(place);
+            reached[found] = true;
+            farthest = farthest.max(off);
+        }
+        assert_eq!(place, asked.len() - 1, "{path}: the stroke's end");
+        // Points are passed at most 30 µm a tick; round corners may leave some out.
+        let gap = reached
+            .chunk_by(|a, b| a == b)
+            .filter(|chunk| !chunk[0])
+            .map(<[bool]>::len)
+            .max();
+        assert!(gap.unwrap_or(0) <= 8, "{path}: {gap:?} points left out");
+    }
+    // Half a step is the distance between points.
+    let allowed = TOLERANCE + 0.5 * STEP;
+    println!("{path}: {} strokes, {farthest:.2e} m", asked.len());
+    assert!(farthest <= allowed, "{path}: {farthest} m off");
+}
+
+fn built_in(name: &str) -> String {
+    format!(
+        "{}/../sim-harness/jobs/{name}.gcode",
+        env!("CARGO_MANIFEST_DIR")
+    )
+}
+
+#[test]
+fn the_demonstration_is_drawn_as_asked() {
+    draws_what_is_asked(&built_in("fivebar"));
+}
+
+#[test]
+fn jobs_with_corners_and_curves_are_drawn_as_asked() {
+    draws_what_is_asked(&built_in("gear"));
+    draws_what_is_asked(&built_in("petal"));
+}
+
+/// Short strokes, a dot, strokes that meet, a full circle, and a tool left down at the end.
+#[test]
+fn short_strokes_and_dots_are_drawn_as_asked() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("strokes.gcode");
+    let mut text = String::from("G21 G90 F3000\n");
+    for n in 0..8 {
+        let (x, y) = (4 * n, 3 * (n % 3));
+        text += &format!("G0 X{x} Y{y}\nM3\nG1 X{}\nM5\n", f64::from(x) + 0.4);
+    }
+    text += "G0 X10 Y15\nM3\nG4 P50\nM5\nG0 X15\nM3\nG1 X20 Y20\nM5\nM3\nG1 X25 Y15\nM5\n";
+    text += "G0 X30 Y10\nM3\nG2 I-4 J0\nM5\nG0 X5 Y12\nM3\nG1 X8 Y14\n";
+    std::fs::write(&path, text).expect("written");
+    draws_what_is_asked(path.to_str().expect("text"));
+}
