@@ -91,6 +91,9 @@ impl Controller {
         } else if let Some(fault) = self.stopping_fault() {
             self.begin_controlled_stop(fault);
             command.tool = self.path.tool_output();
+        } else if self.path.tool_changes() {
+            self.path.step_tool();
+            command.tool = self.path.tool_output();
         }
         command
     }

@@ -52,6 +52,8 @@ pub(crate) struct Path {
     offset: f32,
     /// Committed time left, as of the last tick [s].
     committed_left: f32,
+    /// ṡ in the last tick [m/s or rad/s].
+    s_dot: f32,
     brake: Option<Brake>,
     /// T [s].
     stopping_time: f32,
@@ -83,6 +85,7 @@ impl Path {
             ticks: 0,
             offset: 0.0,
             committed_left: 0.0,
+            s_dot: 0.0,
             brake: None,
             output,
             queue: PathQueue::new(),
@@ -106,6 +109,7 @@ impl Path {
         self.ticks = 0;
         self.offset = 0.0;
         self.committed_left = 0.0;
+        self.s_dot = 0.0;
         self.brake = None;
         self.queue.finish();
     }
@@ -114,6 +118,22 @@ impl Path {
     #[inline(always)]
     pub(crate) fn tool_output(&self) -> Share {
         self.output.now()
+    }
+
+    /// Whether [`Path::step_tool`] has something to do.
+    #[inline(always)]
+    pub(crate) fn tool_changes(&self) -> bool {
+        self.output.is_busy()
+    }
+
+    /// Lets the tool follow the path in the tick that [`Path::step`] has stepped.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn step_tool(&mut self) {
+        if let Some(first) = self.queue.first() {
+            let output = first.queued.segment.tool_output();
+            self.output.step(output, self.s_dot);
+        }
     }
 
     /// Whether the tool is off or up.
@@ -169,7 +189,11 @@ impl Path {
 
     /// Appends a segment; drops it if the queue is full.
     pub(crate) fn push(&mut self, queued: QueuedSegment) {
-        if self.queue.push(queued).is_err() {
+        if self.queue.is_full() {
+            return;
+        }
+        let changes_tool = self.output.push(queued.segment.tool_output());
+        if self.queue.push(queued, changes_tool).is_err() {
             return;
         }
         // The committed path already ends in motion, so commit any extension at once.
@@ -183,6 +207,8 @@ impl Path {
         self.committed_left += self.queue.commit();
         if let (true, Some(first)) = (begins, self.queue.first()) {
             self.committed_left += first.queued.segment.duration();
+            let output = first.queued.segment.tool_output();
+            self.output.begin(output, first.changes_tool);
         }
     }
 
@@ -210,7 +236,6 @@ impl Path {
         let scaling = match &mut self.brake {
             None => {
                 self.ticks = self.ticks.wrapping_add(1);
-                self.output.step();
                 None
             }
             Some(brake) => Some(brake.step(self.period)),
@@ -228,6 +253,9 @@ impl Path {
                 time -= duration;
                 self.queue.pass();
                 first = self.queue.first()?;
+                if first.changes_tool {
+                    self.output.wake();
+                }
                 duration = first.queued.segment.duration();
                 if time < duration {
                     break;
@@ -242,8 +270,7 @@ impl Path {
         }
         self.committed_left = duration - time + self.queue.behind(first);
         let mut path_state = first.queued.segment.path_state(time);
-        let output = first.queued.segment.tool_output();
-        self.output.set(output.at(path_state.s_dot));
+        self.s_dot = path_state.s_dot;
         if let Some(TimeScaling {
             sigma, sigma_dot, ..
         }) = scaling

@@ -22,6 +22,8 @@ const LONGEST: u32 = 60_000_000;
 #[derive(Clone, Copy)]
 pub(super) struct Timed {
     pub(super) queued: QueuedSegment,
+    /// Its tool output differs from that of the segment before, or follows the speed.
+    pub(super) changes_tool: bool,
     /// [µs].
     end: u32,
 }
@@ -67,6 +69,7 @@ impl PathQueue {
             pushed: start,
             slots: [Timed {
                 queued: nothing,
+                changes_tool: false,
                 end: 0,
             }; QUEUED_SEGMENTS],
         }
@@ -136,7 +139,11 @@ impl PathQueue {
     }
 
     /// Appends a segment; returns it if there is no room.
-    pub(super) fn push(&mut self, queued: QueuedSegment) -> Result<(), QueuedSegment> {
+    pub(super) fn push(
+        &mut self,
+        queued: QueuedSegment,
+        changes_tool: bool,
+    ) -> Result<(), QueuedSegment> {
         if self.is_full() {
             return Err(queued);
         }
@@ -151,6 +158,7 @@ impl PathQueue {
         };
         *slot = Timed {
             queued,
+            changes_tool,
             end: self.pushed.end,
         };
         Ok(())
@@ -210,7 +218,7 @@ mod tests {
     fn order_and_time_behind_survive_the_wrap_of_the_clock() {
         let mut queue = old();
         for n in 1..=10_u8 {
-            queue.push(dwell(1e-3 * f32::from(n))).expect("room");
+            queue.push(dwell(1e-3 * f32::from(n)), false).expect("room");
         }
         assert!(queue.is_empty() && (queue.uncommitted() - 55e-3).abs() <= 1e-5);
         queue.commit();
@@ -236,24 +244,24 @@ mod tests {
         let mut queue = old();
         for n in 0..QUEUED_SEGMENTS {
             assert!(!queue.is_full());
-            queue.push(dwell(1e-3 * n as f32)).expect("room");
+            queue.push(dwell(1e-3 * n as f32), false).expect("room");
         }
-        assert!(queue.is_full() && queue.push(dwell(9.0)).is_err());
+        assert!(queue.is_full() && queue.push(dwell(9.0), false).is_err());
         queue.commit();
         assert_eq!(
             queue.first().map(|first| first.queued.segment.duration()),
             Some(0.0)
         );
         queue.pass();
-        queue.push(dwell(9.0)).expect("room");
+        queue.push(dwell(9.0), false).expect("room");
     }
 
     #[test]
     fn what_is_not_committed_is_neither_taken_nor_lost() {
         let mut queue = old();
-        queue.push(dwell(1.0)).expect("room");
+        queue.push(dwell(1.0), false).expect("room");
         queue.commit();
-        queue.push(dwell(2.0)).expect("room");
+        queue.push(dwell(2.0), false).expect("room");
         queue.pass();
         let first = queue.first().expect("the committed one");
         assert_eq!(
@@ -272,7 +280,7 @@ mod tests {
     fn days_of_waiting_count_as_minutes() {
         let mut queue = old();
         for _ in 0..QUEUED_SEGMENTS {
-            queue.push(dwell(86_400.0)).expect("room");
+            queue.push(dwell(86_400.0), false).expect("room");
         }
         queue.commit();
         let first = queue.first().expect("a segment");

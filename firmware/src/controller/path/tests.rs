@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::Settings;
+use crate::settings::ToolOutputSettings;
 use fivebar_kinematics::trajectory::{LookaheadPlanner, MotionLimits};
 use nalgebra::Vector2;
 
@@ -305,4 +306,51 @@ fn a_stop_takes_two_ticks_at_least() {
         let ticks = (1..100).find(|_| path.step().expect("a path").at_rest);
         assert!(matches!(ticks, Some(2 | 3)), "{ticks:?} with {left} s left");
     }
+}
+
+/// A power goes off where a path ends, and comes back with segments that were pushed before.
+#[test]
+fn segments_pushed_behind_the_end_of_a_path_switch_the_tool_on_again() {
+    let settings = Settings {
+        tool_output: ToolOutputSettings::Power {
+            frequency: 1e4,
+            scale_with_speed: false,
+        },
+        ..Settings::BENCHTOP
+    };
+    let settings = settings.check().unwrap();
+    let mut path = Path::new(STOPPING_TIME, PERIOD, PathOutput::new(&settings));
+    let mut lookahead = LookaheadPlanner::<f32, 16>::new();
+    let mut push = |path: &mut Path, level, open| {
+        lookahead.set_tool_output(settings.tool_output.output(level, 1.0));
+        lookahead.push_dwell(Vector2::zeros(), 5e-3, 0).unwrap();
+        let segment = lookahead.next_segment().unwrap();
+        path.push(QueuedSegment {
+            open,
+            ..queued(segment)
+        });
+    };
+    let run = |path: &mut Path| {
+        let (mut on, mut first) = (0, None);
+        for tick in 0.. {
+            let step = path.step().unwrap();
+            if step.at_rest {
+                path.finish();
+                break;
+            }
+            path.step_tool();
+            if path.tool_output() == 700 {
+                on += 1;
+                first.get_or_insert(tick);
+            }
+        }
+        (on, first)
+    };
+    push(&mut path, 700, false);
+    push(&mut path, 700, true);
+    // 50 ticks, the last of which ends the segment; the delay is 3.
+    assert_eq!(run(&mut path), (46, Some(3)));
+    assert_eq!(path.tool_output(), 0);
+    push(&mut path, 0, false);
+    assert_eq!(run(&mut path), (49, Some(3)));
 }
