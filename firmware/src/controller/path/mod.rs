@@ -253,7 +253,8 @@ impl Path {
                 time -= duration;
                 self.queue.pass();
                 first = self.queue.first()?;
-                if first.changes_tool {
+                // After the beginning of a stop the tool stays off.
+                if first.changes_tool && scaling.is_none() {
                     self.output.wake();
                 }
                 duration = first.queued.segment.duration();
