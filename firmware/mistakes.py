@@ -153,6 +153,19 @@ MISTAKES = [
     ("homing at more current than joint 1's peak", "settings/check.rs", "&& homing.current <= axis1.peak_current", ""),
     ("joint 1 unchecked", "settings/check.rs", "for (joint, axis) in [1, 4].into_iter().zip(&self.axes) {", "for (joint, axis) in [1, 4].into_iter().zip(&self.axes).skip(1) {"),
     ("a board's count rate of one joint only", "settings/board.rs", "settings.axes.iter().all(", "settings.axes.iter().take(1).all("),
+    ("a fault that holds the arm leaves the tool down in its tick", "controller/tick.rs", "self.begin_controlled_stop(fault);\n            command.tool = self.path.tool_output();", "self.begin_controlled_stop(fault);"),
+    ("the tool not switched off when off", "controller/tick.rs", "        self.path.switch_tool_off();\n", ""),
+    ("a stop on the path leaves the tool down", "controller/path/mod.rs", "pub(crate) fn brake(&mut self) {\n        self.output.switch_off();", "pub(crate) fn brake(&mut self) {"),
+    ("a stop passes segments that switch the tool on", "controller/path/mod.rs", "first.changes_tool && scaling.is_none()", "first.changes_tool"),
+    ("a dropped path leaves the tool down", "controller/path/mod.rs", "self.drop_committed();\n        self.output.clear();", "self.drop_committed();"),
+    ("the tool stays down for a silent host", "controller/tracking.rs", "!self.path.tool_is_off() && self.host_timed_out()", "self.path.tool_is_off() && self.host_timed_out()"),
+    ("a power stays on behind the path's end", "controller/path/output.rs", "if !self.stays {", "if self.stays {"),
+    ("the tool's output without its delay", "controller/path/output.rs", "self.count.wrapping_sub(self.delay)", "self.count"),
+    ("no rest where a servo changes", "planner/mod.rs", "changes && self.tool_output.waits()", "changes && !self.tool_output.waits()"),
+    ("the planner takes the tool for down after a stop", "planner/mod.rs", "            self.level = 0;\n", ""),
+    ("a servo's times exchanged", "settings/tool_output.rs", "if to > from {", "if to < from {"),
+    ("an active low switch as an active high one", "settings/tool_output.rs", "(level > 0) == active_low", "level == 0"),
+    ("widths of a servo beyond its frame pass", "settings/tool_output.rs", "<= LONGEST_PULSE", "<= 1e9 * LONGEST_PULSE"),
 ]
 
 
