@@ -29,6 +29,7 @@ mutants() { scripts/mutants.sh --sample; }
 peers() { scripts/peers.sh; }
 browser() { scripts/browser.sh; }
 python() { scripts/python.sh; }
+senders() { scripts/senders.sh; }
 setup() { scripts/toolchain.sh; }
 firmware() {
     scripts/firmware.sh
@@ -50,7 +51,7 @@ fuzz() {
 commands() { scripts/commands.sh; }
 demo() { cargo run --release --quiet -- --out target/demonstration; }
 
-all=(format file_lengths lint docs licences tests demo package peers python browser setup firmware chip emulated fuzz commands)
+all=(format file_lengths lint docs licences tests demo package peers python senders browser setup firmware chip emulated fuzz commands)
 steps=("$@")
 [ $# -gt 0 ] || steps=("${all[@]}")
 

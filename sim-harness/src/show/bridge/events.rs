@@ -110,6 +110,8 @@ impl Machine<'_> {
             RealTime::Hold if self.jogs || self.phase == Phase::Homing => self.stop_and_drop()?,
             RealTime::Hold => {
                 if self.phase == Phase::Ready {
+                    self.read_status()?;
+                    self.held_at = self.status.reference;
                     let _ = self.request(Request::Stop)?;
                     self.goes_on = false;
                     self.phase = Phase::Hold { rests: false };

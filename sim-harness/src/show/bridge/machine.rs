@@ -2,6 +2,7 @@
 
 use super::BridgeOptions;
 use super::connection::{Event, Shared};
+use super::log::PathLog;
 use super::orders::Progress;
 use super::path::PathQueue;
 use super::protocol::{Engine, MachineState, Refusal, Response, View};
@@ -51,12 +52,16 @@ pub(super) struct Machine<'a> {
     pub(super) events: Receiver<Event>,
     pub(super) shared: Arc<Shared>,
     pub(super) note: &'a dyn Fn(&str),
+    log: Option<PathLog>,
     pub(super) sender: Option<Sender>,
     pub(super) path: PathQueue,
     pub(super) phase: Phase,
     pub(super) jogs: bool,
     /// Whether the user has said to go on before the arm rested.
     pub(super) goes_on: bool,
+    /// Where the tool was when the stop began [m]. The stop switches the tool off at once, so the
+    /// path goes on from there.
+    pub(super) held_at: Option<[f32; 2]>,
     pub(super) status: Status,
     pub(super) room: u8,
     all_room: u8,
@@ -74,6 +79,7 @@ impl<'a> Machine<'a> {
         events: Receiver<Event>,
         shared: Arc<Shared>,
         note: &'a dyn Fn(&str),
+        log: Option<PathLog>,
     ) -> Result<Self, ServeError> {
         let Opened {
             mut client,
@@ -93,11 +99,13 @@ impl<'a> Machine<'a> {
             events,
             shared,
             note,
+            log,
             sender: None,
             path: PathQueue::default(),
             phase: Phase::Ready,
             jogs: false,
             goes_on: false,
+            held_at: None,
             fault: status.fault,
             speed: (status.tick, None, 0.0),
             status,
@@ -152,19 +160,32 @@ impl<'a> Machine<'a> {
         Ok(answer.map_err(|refusal| sentence(&refusal)))
     }
 
-    /// Reads the status, which is also the sign of life, and draws the consequences.
-    fn update(&mut self) -> Result<(), LinkError> {
+    /// Reads the status, which is also the sign of life, and notes which moves are done. During a
+    /// stop on the path none is: the path goes on from the place where the stop began.
+    pub(super) fn read_status(&mut self) -> Result<(), LinkError> {
         (self.status, self.room) = self.client.status()?;
+        if let (Some(tag), Phase::Ready) = (self.status.tag, self.phase) {
+            self.path.progress(tag);
+        }
+        Ok(())
+    }
+
+    /// Reads the status and draws the consequences.
+    fn update(&mut self) -> Result<(), LinkError> {
+        self.read_status()?;
         self.all_room = self.all_room.max(self.room);
         self.measure_speed();
+        if let Some(log) = &mut self.log
+            && let Err(error) = log.add(&self.status)
+        {
+            (self.note)(&format!("the log ends: {error}"));
+            self.log = None;
+        }
         if self.status.fault != self.fault {
             self.fault = self.status.fault;
             if let Some(fault) = self.fault {
                 self.report_fault(fault);
             }
-        }
-        if let Some(tag) = self.status.tag {
-            self.path.progress(tag);
         }
         let rests = matches!(
             self.status.state,
@@ -173,8 +194,9 @@ impl<'a> Machine<'a> {
         let is_idle = self.is_idle();
         match self.phase {
             Phase::Hold { rests: false } if rests => {
-                if let Some(place) = self.status.reference {
-                    self.path.resume_from(place);
+                if let (Some(begun), Some(rest)) = (self.held_at.take(), self.status.reference) {
+                    let speed = self.settings.motion.max_speed;
+                    self.path.resume_from(begun, rest, speed);
                 }
                 self.phase = Phase::Hold { rests: true };
                 if self.goes_on {

@@ -7,6 +7,7 @@
 //! | `connection` | senders over TCP and at a pseudo-terminal, a thread each way |
 //! | `sender` | the sender in control: its lines, and the answers to them |
 //! | `machine`, `events` | the thread of the controller: stops at once, lines in order, reports |
+//! | `log` | the arm's path as a table |
 //! | `orders` | what each order of a line does |
 //!
 //! A line is answered when the controller has accepted its moves, so a sender waits while the
@@ -16,6 +17,7 @@
 
 mod connection;
 mod events;
+mod log;
 mod machine;
 mod orders;
 mod path;
@@ -27,8 +29,11 @@ use crate::input::robot::{HomeError, Robot};
 use crate::show::serve::source;
 use crate::show::serve::{ControllerSource, ServeError};
 use connection::Shared;
+use fivebar_firmware::settings::CheckedSettings;
+use log::PathLog;
 use std::io;
 use std::net::SocketAddr;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// What the bridge is asked for.
@@ -42,6 +47,8 @@ pub struct BridgeOptions {
     pub origin: Option<[f64; 2]>,
     /// How lines are read where they leave it open.
     pub reading: JobOptions,
+    /// The file for a log of the arm's path.
+    pub log: Option<PathBuf>,
 }
 
 /// Where the bridge is reached.
@@ -70,6 +77,14 @@ pub enum BridgeError {
     /// There is no pseudo-terminal.
     #[error("cannot open a pseudo-terminal: {0}")]
     Terminal(io::Error),
+    /// The log cannot be written.
+    #[error("cannot write {}: {source}", path.display())]
+    Log {
+        /// The log's file.
+        path: PathBuf,
+        /// The system's error.
+        source: io::Error,
+    },
     /// The robot has no home pose.
     #[error(transparent)]
     Home(#[from] HomeError),
@@ -101,14 +116,29 @@ pub fn bridge(
     };
     let opened = source::open(robot, source)?;
     let place = opened.place.clone();
+    let log = log_of(options, &opened.settings)?;
     let shared = Arc::new(Shared::default());
     let (address, terminal, events) =
         connection::listen(options.address, options.dialect, &shared)?;
-    let mut machine = machine::Machine::new(opened, placement, options, events, shared, note)?;
+    let mut machine = machine::Machine::new(opened, placement, options, events, shared, note, log)?;
     ready(&Endpoints {
         address,
         terminal,
         place,
     });
     Ok(machine.run(ends).map_err(ServeError::from)?)
+}
+
+fn log_of(
+    options: &BridgeOptions,
+    settings: &CheckedSettings,
+) -> Result<Option<PathLog>, BridgeError> {
+    let Some(path) = &options.log else {
+        return Ok(None);
+    };
+    let log = PathLog::create(path, settings.control.tick_rate.into());
+    log.map(Some).map_err(|source| BridgeError::Log {
+        path: path.clone(),
+        source,
+    })
 }

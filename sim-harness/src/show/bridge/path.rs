@@ -82,9 +82,10 @@ impl PathQueue {
         self.waiting.clear();
     }
 
-    /// After a stop at `place` [m] that has dropped the controller's path: the rest of it waits
-    /// again.
-    pub(super) fn resume_from(&mut self, place: [f32; 2]) {
+    /// After a stop that began at `place` [m] and has dropped the controller's path: the rest of it
+    /// waits again. The stop has switched the tool off at `place`, so the arm first goes back there
+    /// from `rest_at` [m] at `speed` [m/s] with the tool up.
+    pub(super) fn resume_from(&mut self, place: [f32; 2], rest_at: [f32; 2], speed: f32) {
         let mut rest: VecDeque<Move> = VecDeque::new();
         let mut accepted = std::mem::take(&mut self.accepted).into_iter();
         for first in accepted.by_ref() {
@@ -96,6 +97,14 @@ impl PathQueue {
         }
         rest.extend(accepted);
         rest.extend(std::mem::take(&mut self.waiting));
+        if distance(place.map(f64::from), rest_at.map(f64::from)) >= NEGLIGIBLE {
+            let kind = MoveKind::Line {
+                to: place,
+                feed: speed,
+            };
+            let (tag, tool) = (0, 0);
+            rest.push_front(Move { tag, tool, kind });
+        }
         let rest: Vec<Move> = rest.into();
         self.push(&rest);
     }
@@ -245,8 +254,13 @@ mod tests {
         queue.accept();
         queue.accept();
         queue.progress(2);
-        queue.resume_from([0.1, 0.04]);
+        queue.resume_from([0.1, 0.04], [0.1, 0.05], 0.3);
         assert!(!queue.is_accepted());
+        // Back to where the stop began, with the tool up.
+        let back = queue.next().unwrap();
+        let (to, feed) = ([0.1, 0.04], 0.3);
+        assert_eq!((back.tool, back.kind), (0, MoveKind::Line { to, feed }));
+        queue.accept();
         assert_eq!(rest(&mut queue), [moves[1].kind, moves[2].kind]);
     }
 
@@ -256,7 +270,7 @@ mod tests {
         let mut queue = PathQueue::default();
         queue.push(&moves);
         queue.accept();
-        queue.resume_from([0.1, 0.0]);
+        queue.resume_from([0.1, 0.0], [0.1, 0.0], 0.3);
         assert_eq!(rest(&mut queue), [moves[1].kind]);
     }
 
@@ -277,7 +291,7 @@ mod tests {
         queue.accept();
         queue.progress(2);
         // Beside the arc, where a corner was rounded: a short line leads back to it.
-        queue.resume_from([0.0, -0.1001]);
+        queue.resume_from([0.0, -0.1001], [0.0, -0.1001], 0.3);
         let kinds = rest(&mut queue);
         let MoveKind::Line { to, .. } = kinds[0] else {
             panic!("{kinds:?}");

@@ -9,6 +9,7 @@ use super::serve::{ControllerArgs, address, described};
 use crate::input::robot::Robot;
 use crate::show::bridge::{BridgeError, BridgeOptions, Endpoints, bridge};
 use std::net::SocketAddr;
+use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
 /// Lets senders such as UGS, Candle, LightBurn, OctoPrint or Printrun move the arm.
@@ -29,6 +30,9 @@ pub(super) struct Args {
     /// home.
     #[arg(long, value_name = "X,Y", value_parser = place, allow_hyphen_values = true)]
     origin: Option<[f64; 2]>,
+    /// Write the arm's path as a table: time [s], the tool's reference position [m] and its level.
+    #[arg(long, value_name = "FILE.csv")]
+    log: Option<PathBuf>,
     #[command(flatten)]
     reading: ReadingArgs,
 }
@@ -41,6 +45,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         dialect: reading.dialect,
         origin: args.origin,
         reading,
+        log: args.log.clone(),
     };
     let ready = |endpoints: &Endpoints| {
         let terminal = endpoints.terminal.as_deref().unwrap_or("no-terminal");

@@ -27,6 +27,17 @@ fn numbered(text: &str) -> Result<(Option<i64>, &str), &'static str> {
     Ok((Some(number), summed[1 + digits..].trim()))
 }
 
+/// The line without a feed rate of zero, which senders write where they know none: it changes
+/// nothing.
+fn without_zero_feed(text: &str) -> String {
+    let is_zero = |word: &&str| {
+        let rate = word.strip_prefix(['F', 'f']).map(str::parse::<f64>);
+        matches!(rate, Some(Ok(0.0)))
+    };
+    let words: Vec<&str> = text.split(' ').filter(|word| !is_zero(word)).collect();
+    words.join(" ")
+}
+
 /// The number after a letter.
 fn value(text: &str, letter: char) -> Option<i64> {
     let upper = text.to_uppercase();
@@ -78,7 +89,7 @@ impl Engine {
             _ if is("M999") => done("", vec![Order::Unlock]),
             _ if is("M18") || is("M84") => done("", vec![Order::Finish, Order::Disarm]),
             _ if is("M17") => done("", Vec::new()),
-            _ => self.gcode(Dialect::RepRap, text, view),
+            _ => self.gcode(Dialect::RepRap, &without_zero_feed(text), view),
         }
     }
 

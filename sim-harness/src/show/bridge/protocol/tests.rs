@@ -220,6 +220,22 @@ fn a_wrong_checksum_is_asked_for_again() {
 }
 
 #[test]
+fn a_feed_rate_of_zero_changes_nothing_in_reprap() {
+    let mut engine = engine();
+    ask(&mut engine, &numbered(1, "G1 X1 F600"), &view()).unwrap();
+    ask(&mut engine, &numbered(2, "G1 F0.0"), &view()).unwrap();
+    let response = ask(&mut engine, &numbered(3, "G1 X2 F0"), &view()).unwrap();
+    let [Order::Moves(moves)] = response.orders.as_slice() else {
+        panic!("{response:?}");
+    };
+    assert!(
+        matches!(moves[0].kind, MoveKind::Line { feed: 0.01, .. }),
+        "{moves:?}"
+    );
+    assert_eq!(ask(&mut engine, "G1 X3 F0", &view()).unwrap_err().code, 22);
+}
+
+#[test]
 fn reprap_reports() {
     let mut engine = engine();
     let mut said = |line: &str| {
