@@ -95,6 +95,29 @@ serve() {
     [[ $reply == *' 200 '* ]] || fail "$place: the page answers $reply"
 }
 
+# Starts the bridge, asks for its version at the printed address, and stops it.
+bridge() {
+    local place=$1 address reply
+    $2 --listen 127.0.0.1:0 >bridge.log 2>&1 </dev/null &
+    server=$!
+    trap 'kill "$server" 2>/dev/null || true' EXIT
+    for _ in $(seq 100); do
+        grep -q '^127' bridge.log && break
+        sleep 0.1
+    done
+    address=$(sed -n 's|^\(127[0-9.:]*\) .*|\1|p' bridge.log)
+    [ -n "$address" ] || fail "$place: no address within 10 s: $(cat bridge.log)"
+    exec 3<>"/dev/tcp/${address%:*}/${address#*:}"
+    printf 'M115\n' >&3
+    while read -r -t 10 reply <&3; do
+        [[ $reply == FIRMWARE_NAME:* ]] && break
+    done
+    exec 3>&-
+    kill "$server"
+    trap - EXIT
+    [[ $reply == FIRMWARE_NAME:* ]] || fail "$place: the bridge answers $reply"
+}
+
 # Runs a command that needs a board, with a port that does not exist. The command must read all
 # its other input and then refuse the port.
 without_port() {
@@ -142,6 +165,8 @@ while IFS=$'\t' read -r place shown comment; do
         without_port "$place" "$command"
     elif [[ $command == "$program serve"* ]]; then
         serve "$place" "$command"
+    elif [[ $command == "$program bridge"* ]]; then
+        bridge "$place" "$command"
     elif [[ $command =~ ^(echo\ \'[^\']*\'\ \|\ )?"$program"( |$) || $command == 'cp '* ]]; then
         run "$place" "$command" "$comment"
     else
