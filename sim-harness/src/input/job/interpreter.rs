@@ -234,6 +234,7 @@ impl Interpreter {
             return Ok(());
         }
         self.tool.extrudes = false;
+        self.job.depends_on_home = true;
         self.position = self.placement.unplace(self.placement.home);
         let tool = self.tool.level(&self.rules, Activity::Rapid);
         self.go(number, tool, None)

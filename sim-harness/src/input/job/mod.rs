@@ -82,6 +82,8 @@ pub struct Job {
     /// Whether the job is an SVG. Its steps then count strokes in place of lines: stroke n has the
     /// number 2n, the way to it 2n − 1.
     pub is_drawing: bool,
+    /// Whether a point depends on where home is, so that the job has another shape elsewhere.
+    pub(crate) depends_on_home: bool,
 }
 
 /// A stop by M0, M1, M6 or T, at which a machine waits for its user. A simulation goes on.
@@ -235,6 +237,22 @@ impl Job {
                 },
             },
         })
+    }
+
+    /// The same job placed once more: its points become those of `placement`.
+    pub(crate) fn moved(&self, placement: &Placement) -> Self {
+        let mut moved = self.clone();
+        for step in &mut moved.steps {
+            match &mut step.action {
+                Action::Line { to, .. } => *to = placement.place(*to),
+                Action::Arc { to, center, .. } => {
+                    *to = placement.place(*to);
+                    *center = placement.place(*center);
+                }
+                Action::Dwell { .. } => {}
+            }
+        }
+        moved
     }
 
     /// The length of the path at the end of each step, with the tool at `from` before them [m].

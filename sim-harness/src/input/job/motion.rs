@@ -34,6 +34,7 @@ impl Interpreter {
             end[axis] = within_reach(from + value * self.modes.unit)?;
         }
         if machine {
+            self.job.depends_on_home |= moves;
             end = self.machine_point(start, named)?;
         }
         self.lift(number, words.take('Z'), machine)?;

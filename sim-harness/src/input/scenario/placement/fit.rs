@@ -73,7 +73,9 @@ impl Scenario {
                     scale: self.scale,
                     turn: self.turn + added,
                 };
-                if self.fits(&reach, &planner, fit) {
+                if has_room(&reach, &outline.placed(added, 1.0))
+                    && self.fits(&reach, &planner, job, fit)
+                {
                     return Some(fit);
                 }
                 continue;
@@ -95,7 +97,7 @@ impl Scenario {
                 if fit.scale < least * self.scale {
                     break;
                 }
-                if self.fits(&reach, &planner, fit) {
+                if self.fits(&reach, &planner, job, fit) {
                     best = Some(fit);
                     break;
                 }
@@ -105,23 +107,29 @@ impl Scenario {
         best
     }
 
-    /// Whether a job without an origin finds a place at this scale and turn.
-    fn fits(&self, reach: &Reach, planner: &Planner, Fit { scale, turn }: Fit) -> bool {
+    /// Whether `job`, at 0 with the present scale and turn, finds a place at this scale and turn.
+    fn fits(&self, reach: &Reach, planner: &Planner, job: &Job, Fit { scale, turn }: Fit) -> bool {
         let tried = Self {
             scale,
             turn,
             origin: None,
             ..self.clone()
         };
-        let Ok(unplaced) = tried.placed([0.0; 2]) else {
+        let Some(unplaced) = tried.moved(job, self, [0.0; 2]) else {
             return false;
         };
-        let at_best = tried.at_best_point(&unplaced);
+        let at_best = tried.at_best_point(&unplaced).ok();
         let is_there = at_best
-            .and_then(|origin| tried.placed(origin))
-            .is_ok_and(|job| tried.accepts(planner, &job));
+            .and_then(|origin| tried.moved(&unplaced, &tried, origin))
+            .is_some_and(|job| tried.accepts(planner, &job));
         is_there || tried.search(reach, planner, &unplaced).is_some()
     }
+}
+
+/// Whether the page has room for the box of an outline, or the map for its cells.
+fn has_room(reach: &Reach, outline: &Outline) -> bool {
+    let ([width, height], page) = (outline.extent().size(), reach.page_size());
+    (width <= page[0] && height <= page[1]) || !reach.corners(outline).is_empty()
 }
 
 /// The greatest factor, above `least`, by which an outline that is turned by `turn` [rad] can be

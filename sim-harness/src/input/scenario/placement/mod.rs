@@ -127,7 +127,7 @@ impl Scenario {
             return None;
         }
         let fits = |origin: [f64; 2]| {
-            let job = self.placed(origin).ok();
+            let job = self.moved(unplaced, self, origin);
             job.is_some_and(|job| self.accepts(planner, &job))
         };
         if fits(on_page) {
@@ -151,6 +151,20 @@ impl Scenario {
             }
         }
         None
+    }
+
+    /// The job of this scenario with its (0, 0) at `origin` [m], from `unplaced`, the job of `other`
+    /// at 0, which has another scale and turn. Reading a long job again would take a second.
+    fn moved(&self, unplaced: &Job, other: &Self, origin: [f64; 2]) -> Option<Job> {
+        if unplaced.depends_on_home {
+            return self.placed(origin).ok();
+        }
+        Some(unplaced.moved(&Placement {
+            origin,
+            scale: self.scale / other.scale,
+            turn: self.turn - other.turn,
+            home: [0.0; 2],
+        }))
     }
 
     /// The job with its (0, 0) at `origin` [m].

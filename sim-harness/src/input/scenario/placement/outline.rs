@@ -66,7 +66,9 @@ impl Outline {
             }
             at = Some(end);
         }
-        Self { points }
+        Self {
+            points: thinned(points, spacing),
+        }
     }
 
     /// The outline turned by `turn` [rad] and scaled.
@@ -96,6 +98,20 @@ impl Outline {
         let cells: BTreeSet<[i32; 2]> = self.points.iter().map(cell).collect();
         cells.into_iter().collect()
     }
+}
+
+/// One point of each cell of this size [m], and the points that the extent depends on.
+fn thinned(mut points: Vec<[f64; 2]>, size: f64) -> Vec<[f64; 2]> {
+    let Some(Extent { low, high }) = Extent::of(points.iter().copied()) else {
+        return points;
+    };
+    let mut cells = BTreeSet::new();
+    points.retain(|point| {
+        let is_extreme = (0..2).any(|axis| point[axis] == low[axis] || point[axis] == high[axis]);
+        let cell = point.map(|coordinate| (coordinate / size) as i64);
+        cells.insert(cell) || is_extreme
+    });
+    points
 }
 
 /// The number of the first line after which the drawing is larger than `page` [m], in the frame
