@@ -5,7 +5,6 @@ mod ending;
 mod margins;
 mod mobility;
 mod quantity;
-pub(crate) mod settings;
 mod workspace;
 
 pub use conditions::conditions;

@@ -1,5 +1,7 @@
 //! `fivebar settings` and `fivebar clear`: what a controller stores, without moving the arm.
 
+mod text;
+
 use super::failure::{Failure, refused};
 use super::port::{PortArgs, PortClient};
 use super::say::say;
@@ -8,7 +10,6 @@ use crate::input::text_file;
 use crate::run::drive::Drive;
 use crate::run::simulation::fault_name;
 use crate::show::files::write_new;
-use crate::show::text::settings;
 use fivebar_firmware::Settings;
 use std::path::{Path, PathBuf};
 
@@ -120,7 +121,7 @@ pub(super) fn clear(args: &ClearArgs) -> Result<(), Failure> {
 fn download(client: &mut PortClient) -> Result<String, Failure> {
     let mut theirs = Settings::BENCHTOP;
     client.read_settings(&mut theirs).map_err(refused)?;
-    settings::write(&theirs).map_err(refused)
+    text::write(&theirs).map_err(refused)
 }
 
 fn of_robot(robot: &str) -> Result<Settings, Failure> {
@@ -132,7 +133,7 @@ fn of_file(file: &Path) -> Result<Settings, Failure> {
     let shown = file.display();
     let text = text_file::read_text(file, text_file::LARGEST_TOML)
         .map_err(|error| refused(format_args!("cannot read {shown}: {error}")))?;
-    let new = settings::parse(&text).map_err(|error| refused(format_args!("{shown}: {error}")))?;
+    let new = text::parse(&text).map_err(|error| refused(format_args!("{shown}: {error}")))?;
     new.check()
         .map_err(|error| refused(format_args!("{shown}: {error}")))?;
     Ok(new)

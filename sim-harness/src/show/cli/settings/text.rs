@@ -121,7 +121,7 @@ fn unit(table: &str, key: &str) -> Option<&'static str> {
 ///
 /// # Errors
 /// A value that TOML does not have.
-pub(crate) fn write(settings: &Settings) -> Result<String, toml::ser::Error> {
+pub(super) fn write(settings: &Settings) -> Result<String, toml::ser::Error> {
     let mut table = "";
     let mut lines = String::new();
     let text = toml::to_string(settings)?;
@@ -145,7 +145,7 @@ pub(crate) fn write(settings: &Settings) -> Result<String, toml::ser::Error> {
 ///
 /// # Errors
 /// Text that is not TOML, an unknown kind of value, a missing key.
-pub(crate) fn parse(text: &str) -> Result<Settings, toml::de::Error> {
+pub(super) fn parse(text: &str) -> Result<Settings, toml::de::Error> {
     toml::from_str(text)
 }
 
