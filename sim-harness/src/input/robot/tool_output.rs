@@ -136,3 +136,87 @@ pub(super) fn read(
         },
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::input::robot::{BuiltIn, Robot};
+    use fivebar_firmware::settings::ToolOutputSettings;
+
+    const SERVO: &str =
+        "kind = \"servo\"\nup_width = 1e-3\ndown_width = 2e-3\ndown_time = 0.1\nup_time = 0.05\n";
+
+    fn read(section: &str) -> Result<ToolOutputSettings, String> {
+        let text = BuiltIn::find(BuiltIn::DEFAULT).unwrap().text;
+        let robot = Robot::parse("arm.toml", &format!("{text}\n[tool_output]\n{section}"));
+        let robot = robot.map_err(|error| error.to_string())?;
+        let settings = robot.settings().unwrap().check().unwrap();
+        assert_eq!(settings.tool_output, robot.tool_output);
+        Ok(robot.tool_output)
+    }
+
+    #[test]
+    fn each_kind_is_read_with_its_keys_and_defaults() {
+        assert_eq!(read(""), Ok(ToolOutputSettings::None));
+        let servo = ToolOutputSettings::Servo {
+            up_width: 1e-3,
+            down_width: 2e-3,
+            frame_rate: 50.0,
+            down_time: 0.1,
+            up_time: 0.05,
+        };
+        assert_eq!(read(SERVO), Ok(servo));
+        let switch = ToolOutputSettings::Switch {
+            active_low: false,
+            down_time: 0.0,
+            up_time: 10.0,
+        };
+        let text = "kind = \"switch\"\ndown_time = 0.0\nup_time = 10.0\n";
+        assert_eq!(read(text), Ok(switch));
+        let power = ToolOutputSettings::Power {
+            frequency: 1e5,
+            scale_with_speed: true,
+        };
+        let text = "kind = \"power\"\nfrequency = 1e5\nscale_with_speed = true\n";
+        assert_eq!(read(text), Ok(power));
+    }
+
+    #[test]
+    fn what_is_not_valid_is_refused_with_file_key_and_reason() {
+        let with = |from: &str, to: &str| SERVO.replace(from, to);
+        for (text, key, reason) in [
+            (with("servo", "pen"), "kind", "not \"pen\""),
+            (with("kind = \"servo\"", ""), "kind", "is missing"),
+            (with("up_width = 1e-3", ""), "up_width", "is missing"),
+            (with("1e-3", "nan"), "up_width", "must be 0.0001 to 0.005 s"),
+            (with("1e-3", "1.0"), "up_width", "must be 0.0001 to 0.005 s"),
+            (with("2e-3", "1e-3"), "down_width", "the same as `up_width`"),
+            (with("0.05", "-0.1"), "up_time", "must be 0.0 to 10.0 s"),
+            (
+                format!("{SERVO}frame_rate = 500.0\n"),
+                "frame_rate",
+                "must be 40.0 to 400.0 Hz",
+            ),
+            (
+                format!("{}frame_rate = 300.0\n", with("2e-3", "4e-3")),
+                "down_width",
+                "90 % of a frame",
+            ),
+            (
+                format!("{SERVO}frequency = 50.0\n"),
+                "frequency",
+                "is no key of kind \"servo\"",
+            ),
+            (
+                "kind = \"power\"\nfrequency = 1.0\n".into(),
+                "frequency",
+                "must be 10.0",
+            ),
+            (format!("{SERVO}colour = 1\n"), "colour", "unknown field"),
+        ] {
+            let refused = read(&text).unwrap_err();
+            assert!(refused.starts_with("arm.toml, line "), "{refused}");
+            assert!(refused.contains(&format!("`{key}`")), "{key}: {refused}");
+            assert!(refused.contains(reason), "{reason}: {refused}");
+        }
+    }
+}
