@@ -15,8 +15,8 @@ struct Size {
 const COMMITTED: &str = include_str!("../data/image_size.json");
 /// The most that the image may take [bytes].
 const BUDGET: Size = Size {
-    flash: 96 * 1024,
-    static_ram: 24 * 1024,
+    flash: 192 * 1024,
+    static_ram: 40 * 1024,
 };
 /// The share by which another compiler's image may differ from the committed one.
 const TOLERANCE: f64 = 0.1;
