@@ -3,6 +3,7 @@
 use super::{Engine, Input, Line, MachineState, Order, Refusal, Response, Splitter, View};
 use crate::input::job::{Dialect, JobOptions, Placement};
 use fivebar_firmware::{FULL_TOOL, MoveKind, Settings};
+use proptest::prelude::*;
 
 const HOME: [f64; 2] = [0.04, 0.2];
 
@@ -261,4 +262,28 @@ fn an_answer_is_one_line_whatever_the_sender_wrote() {
     let refusal = engine.line(&line, &view()).unwrap_err();
     let answer = engine.refuse(Dialect::Grbl, &refusal);
     assert_eq!(answer.matches(['[', ']', '\n']).count(), 4, "{answer}");
+}
+
+proptest! {
+    #[test]
+    fn any_bytes_are_answered_in_whole_lines(
+        bytes in prop::collection::vec(any::<u8>(), 0..80),
+        text in "[NnMmGgXYFSJ$=*0-9 .;()-]{0,40}",
+    ) {
+        let mut engine = engine();
+        let mut splitter = Splitter::new(None);
+        let text = [&bytes[..], b"\n", text.as_bytes(), b"\n"].concat();
+        for byte in text {
+            for input in splitter.feed(byte).collect::<Vec<_>>() {
+                let Input::Line(line) = input else { continue };
+                let answer = match engine.line(&line, &view()) {
+                    Ok(response) => response.text + &response.ok,
+                    Err(refusal) => engine.refuse(line.dialect, &refusal),
+                };
+                prop_assert!(answer.ends_with('\n'), "{answer}");
+                let ends = answer.lines().filter(|line| line.starts_with("ok") || line.starts_with("error:"));
+                prop_assert_eq!(ends.count(), 1, "{}", answer);
+            }
+        }
+    }
 }
