@@ -286,6 +286,10 @@ impl<'a> Machine<'a> {
             return Ok(false);
         };
         let Some((_, response)) = &sender.current else {
+            // With the bridges off, nothing holds the arm: it may have moved since the last line.
+            if let (State::Stopped, true, Some(tool)) = (self.status.state, view.homed, view.tool) {
+                sender.engine.set_position(tool);
+            }
             return Ok(sender.next(&view));
         };
         let Some(order) = response.orders.first().cloned() else {
