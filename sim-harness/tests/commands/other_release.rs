@@ -45,7 +45,7 @@ fn the_error_for_an_image_of_another_release_says_how_to_build_it() {
     let stderr = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(1), "{stderr}");
     for part in [
-        "uses version 2 of the protocol",
+        &format!("uses version {} of the protocol", VERSION + 1),
         &image.display().to_string(),
         "scripts/firmware.sh",
     ] {
