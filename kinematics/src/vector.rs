@@ -23,6 +23,9 @@ pub trait PlanarVector<S>: Sized {
     /// u(θ) = (cos θ, sin θ), θ in radians.
     fn unit(angle: S) -> Self;
 
+    /// u(θ) of two angles; one call takes fewer instructions than two.
+    fn units(angles: [S; 2]) -> [Self; 2];
+
     /// a×b = ax·by − ay·bx, the z component of the spatial cross product: positive where b
     /// lies to the left of a.
     fn cross_z(self, other: Self) -> S;
@@ -51,6 +54,12 @@ impl<S: Scalar> PlanarVector<S> for Vector2<S> {
     fn unit(angle: S) -> Self {
         let (sin, cos) = angle.sin_cos();
         Self::new(cos, sin)
+    }
+
+    #[inline(always)]
+    fn units(angles: [S; 2]) -> [Self; 2] {
+        let [(sin1, cos1), (sin2, cos2)] = S::sin_cos_both(angles);
+        [Self::new(cos1, sin1), Self::new(cos2, sin2)]
     }
 
     #[inline(always)]

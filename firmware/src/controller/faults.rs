@@ -8,9 +8,8 @@ use crate::io::SensorSample;
 use crate::safety::{Fault, State};
 
 impl Controller {
-    /// The most serious fault that the sample alone shows, or that the host has left the arm
-    /// alone. While the bridges are off, only the
-    /// emergency stop and an encoder jump are faults. Each of them switches the bridges off.
+    /// The most serious fault that the sample alone shows, with the bridges on. Each of them
+    /// switches the bridges off.
     #[inline(always)]
     pub(super) fn sampled_fault(
         &self,
@@ -19,13 +18,19 @@ impl Controller {
         mode: ControlMode,
     ) -> Option<Fault> {
         let monitor = &self.model.monitor;
-        let fault = self.unpowered_fault(sample, measurement.innovation);
-        if fault.is_some() || !mode.is_powered() {
-            return fault;
+        if let Some(fault) = self.unpowered_fault(sample, measurement.innovation) {
+            return Some(fault);
+        }
+        if self.pending_off.is_some() {
+            return self.pending_off;
         }
         // A bridge's fault output means nothing while the bridge wakes up.
+        let awake = match mode {
+            ControlMode::Homing | ControlMode::Tracking => true,
+            ControlMode::Waking | ControlMode::Off => false,
+        };
         let [driver1, driver4] = sample.driver_fault;
-        if (driver1 | driver4) && self.waking == 0 {
+        if awake && (driver1 | driver4) {
             return Some(Fault::DriverFault);
         }
         if monitor.over_current(measurement.current) {
@@ -37,12 +42,7 @@ impl Controller {
         if let Some(fault) = monitor.bus(self.bus_voltage) {
             return Some(fault);
         }
-        if measurement.too_hot {
-            return Some(Fault::OverTemperature);
-        }
-        monitor
-            .abandoned(self.silence())
-            .then_some(Fault::CommandTimeout)
+        None
     }
 
     /// The faults that do not need the bridges to be on.
@@ -59,8 +59,7 @@ impl Controller {
         jumped.then_some(Fault::EncoderJump)
     }
 
-    /// The fault, if any, that stops the arm on its path. It is checked at the end of the tick,
-    /// and the stop begins with the next tick: the tick that latches a fault takes long enough.
+    /// The fault, if any, that stops the arm on its path.
     #[inline(always)]
     pub(super) fn stopping_fault(&self) -> Option<Fault> {
         match self.state {
@@ -77,6 +76,12 @@ impl Controller {
     #[inline(always)]
     pub(super) fn host_timed_out(&self) -> bool {
         self.model.monitor.silent(self.silence())
+    }
+
+    /// Whether the host has sent nothing for so long that the arm is left alone.
+    #[inline(always)]
+    pub(super) fn abandoned(&self) -> bool {
+        self.model.monitor.abandoned(self.silence())
     }
 
     /// Ticks since the host's last sign of life.

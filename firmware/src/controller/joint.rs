@@ -5,21 +5,23 @@ use super::model::AxisModel;
 use fivebar_kinematics::control::{Bus, CurrentState, Drive, Integral, MotorHeat, ObserverState};
 
 /// The state of one joint from tick to tick, and what this tick measured.
+// In the order of `LatchedJoint` first.
+#[repr(C)]
 pub(crate) struct Joint {
+    observer: ObserverState<f32>,
+    /// Motor current [A].
+    pub(crate) current: f32,
+    /// Current set-point [A].
+    pub(crate) demand: f32,
     /// Counts at the last tick.
     counts: i32,
     /// The counts at which the angle is `angle_at_origin`: those of the first tick until homed.
     origin: i32,
     angle_at_origin: f32,
-    observer: ObserverState<f32>,
     heat: MotorHeat<f32>,
     current_state: CurrentState<f32>,
     /// Integral of the position loop.
     pub(crate) integral: Integral<f32>,
-    /// Motor current [A].
-    pub(crate) current: f32,
-    /// Current set-point [A].
-    pub(crate) demand: f32,
     /// Duty of the bridge.
     pub(crate) duty: f32,
 }
@@ -80,8 +82,9 @@ impl Joint {
     /// Takes the counts of the first tick as the origin until homed. A counter may start at any
     /// value, and `f32` angles far from 0 would lose resolution.
     #[cold]
-    pub(crate) fn begin(&mut self, counts: i32) {
+    pub(crate) fn begin(&mut self, model: &AxisModel, counts: i32) {
         self.origin = counts;
+        self.settle(model);
     }
 
     /// Sets the duty that gives the current which `torque` [N·m] needs; true if the bus voltage
@@ -105,11 +108,6 @@ impl Joint {
     fn counted(&self, model: &AxisModel) -> f32 {
         let turned = self.counts.wrapping_sub(self.origin);
         self.angle_at_origin + model.radians_per_count * turned as f32
-    }
-
-    /// The demanded torque [N·m].
-    pub(crate) fn torque(&self, model: &AxisModel) -> f32 {
-        self.demand / model.current_per_torque
     }
 
     /// The latched counts.

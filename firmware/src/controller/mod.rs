@@ -10,13 +10,15 @@ mod path;
 mod planning;
 mod report;
 mod request;
+mod rest;
 mod setpoint;
 mod status;
 mod tick;
 mod tracking;
 mod transitions;
+mod turns;
 
-use crate::safety::{Limits, State};
+use crate::safety::{Fault, Limits, State};
 use crate::settings::{CheckedSettings, Settings};
 use fivebar_kinematics::five_bar::WorkingMode;
 use homing_state::HomingState;
@@ -28,8 +30,10 @@ pub use path::{QUEUED_SEGMENTS, QueuedSegment};
 pub(crate) use path::{least_rest, stopping_time};
 pub use planning::{Hold, PlanningSnapshot};
 pub use request::{Request, RequestError};
+use rest::Rest;
 use setpoint::Setpoint;
 pub use status::{JointReference, Snapshot, Status};
+use transitions::Latched;
 
 /// The whole controller of an arm.
 ///
@@ -45,10 +49,7 @@ pub struct Controller {
     ticks: u32,
     /// The tick in which the command timeout was last restarted.
     heard_at: u32,
-    /// Ticks for which reference and joints have been at rest.
-    still: u32,
-    /// Sums of the accelerations demanded in these ticks [rad/s²].
-    demanded: [f32; 2],
+    rest: Rest,
     /// Ticks until the bridges are awake; [`Model::wake_up_ticks`] while they are off.
     waking: u32,
     state: State,
@@ -60,15 +61,19 @@ pub struct Controller {
     homed: bool,
     /// The latched fault allows a controlled stop: the bridges stay on.
     controlled_stop: bool,
-    /// This tick reaches the end of the path or of a stop; its end changes the state.
+    /// This tick reaches the end of the path or of a stop; a turn changes the state.
     at_rest: bool,
+    /// The fault that stops the arm on its path, found by the turn before.
+    pending_stop: Option<Fault>,
+    /// The fault that switches the bridges off in the next tick.
+    pending_off: Option<Fault>,
     model: Model,
     path: Path,
     /// The settings in use, which were checked.
     settings: Settings,
     homing: [HomingState; 2],
     /// The latched fault, as it was raised.
-    latched: Option<Snapshot>,
+    latched: Option<Latched>,
     missed_ticks: u32,
     /// Goes up whenever the path is dropped before its end.
     path_generation: u32,
@@ -95,11 +100,12 @@ impl Controller {
                 1.0 / settings.control.tick_rate,
                 PathOutput::new(settings),
             ),
+            pending_stop: None,
+            pending_off: None,
             setpoint: Setpoint::hold([Vector2::zeros(); 2]),
             homing: [HomingState::new(0.0); 2],
             error: [0.0; 2],
-            still: 0,
-            demanded: [0.0; 2],
+            rest: Rest::new(),
             limits: Limits::empty(),
             bus_voltage: 0.0,
             ticks: 0,
@@ -124,7 +130,7 @@ impl Controller {
     fn torques(&self) -> [f32; 2] {
         let [joint1, joint4] = &self.joints;
         let [model1, model4] = &self.model.axes;
-        [joint1.torque(model1), joint4.torque(model4)]
+        [model1.torque(joint1.demand), model4.torque(joint4.demand)]
     }
 
     #[inline(always)]

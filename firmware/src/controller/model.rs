@@ -1,6 +1,7 @@
 //! The constants of the tick, computed once from the settings.
 
 use super::homing_state::HomingConfig;
+use super::turns::TURNS;
 use crate::drivers::WAKE_UP_TIME;
 use crate::safety::Monitor;
 use crate::settings::{AxisSettings, CheckedSettings, ControlSettings};
@@ -68,6 +69,8 @@ pub(crate) struct AxisModel {
     pub(crate) servo: Servo,
     /// The servo while the arm moves, and while it rests.
     servos: [Servo; 2],
+    /// The servo in use is that of an arm that rests.
+    pub(crate) rests: bool,
     /// Greatest error of a joint that comes to rest, and that rests [rad].
     pub(crate) rest_error: [f32; 2],
     pub(crate) heating: MotorHeating<f32>,
@@ -85,16 +88,6 @@ pub(crate) struct AxisModel {
 }
 
 impl Model {
-    /// Gives both joints the servo of an arm that rests, or of one that moves.
-    #[cold]
-    #[inline(never)]
-    pub(crate) fn select_servos(&mut self, rests: bool) {
-        for axis in &mut self.axes {
-            let [moving, resting] = &axis.servos;
-            axis.servo = if rests { *resting } else { *moving };
-        }
-    }
-
     pub(crate) fn new(settings: &CheckedSettings) -> Self {
         let control = &settings.control;
         let period = 1.0 / control.tick_rate;
@@ -150,6 +143,20 @@ impl Servo {
 }
 
 impl AxisModel {
+    /// Gives the joint the servo of an arm that rests, or of one that moves.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn select_servo(&mut self, rests: bool) {
+        let [moving, resting] = &self.servos;
+        self.servo = if rests { *resting } else { *moving };
+        self.rests = rests;
+    }
+
+    /// The joint's torque [N·m] at this motor current [A].
+    pub(crate) fn torque(&self, current: f32) -> f32 {
+        current / self.current_per_torque
+    }
+
     fn new(axis: &AxisSettings, settings: &CheckedSettings) -> Self {
         let control = &settings.control;
         let period = 1.0 / control.tick_rate;
@@ -160,12 +167,13 @@ impl AxisModel {
         Self {
             servo: servos[0],
             servos,
+            rests: false,
             rest_error: REST_COUNTS.map(|counts| counts * Scalar::abs(radians_per_count)),
-            // Each joint's heat is updated in every other tick.
+            // Each joint's heat is updated once in all turns.
             heating: MotorHeating::new(
                 axis.continuous_current,
                 axis.thermal_time_constant,
-                2.0 * period,
+                TURNS as f32 * period,
             ),
             friction: FrictionCompensation::new(
                 axis.viscous_friction,

@@ -19,7 +19,7 @@ impl Controller {
             tick: self.ticks,
             missed_ticks: self.missed_ticks,
             state: self.state,
-            fault: self.latched.as_ref().map(|snapshot| snapshot.fault),
+            fault: self.latched.as_ref().map(|latched| latched.fault),
             limits: self.limits,
             homed: self.homed,
             angle: self.angles(),
@@ -55,8 +55,21 @@ impl Controller {
     }
 
     /// The latched fault, with the measured values of the tick that raised it.
-    pub fn fault(&self) -> Option<&Snapshot> {
-        self.latched.as_ref()
+    pub fn fault(&self) -> Option<Snapshot> {
+        let latched = self.latched.as_ref()?;
+        let [joint1, joint4] = &latched.joints;
+        let [axis1, axis4] = &self.model.axes;
+        Some(Snapshot {
+            fault: latched.fault,
+            tick: latched.tick,
+            state: latched.state,
+            angle: [joint1.angle, joint4.angle],
+            velocity: [joint1.velocity, joint4.velocity],
+            error: latched.error,
+            current: [joint1.current, joint4.current],
+            torque: [axis1.torque(joint1.demand), axis4.torque(joint4.demand)],
+            bus_voltage: latched.bus_voltage,
+        })
     }
 
     /// Where the joints should be now: the set-point leads by the current loop's lag d, so it

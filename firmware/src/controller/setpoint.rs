@@ -16,8 +16,6 @@ pub(crate) struct Setpoint {
     pub(crate) omega: [f32; 2],
     /// α1d, α4d [rad/s²].
     pub(crate) alpha: [f32; 2],
-    /// It comes from a joint move.
-    pub(crate) of_joints: bool,
 }
 
 impl Setpoint {
@@ -28,7 +26,6 @@ impl Setpoint {
             direction,
             omega: [0.0; 2],
             alpha: [0.0; 2],
-            of_joints: false,
         }
     }
 
@@ -37,16 +34,16 @@ impl Setpoint {
     pub(crate) fn rest(&mut self) {
         self.omega = [0.0; 2];
         self.alpha = [0.0; 2];
-        self.of_joints = false;
     }
 
-    /// Sets the set-point to a reference; one of the tool is solved in working mode `mode`.
+    /// Sets the set-point to a reference; one of the tool is solved in working mode `mode`, one
+    /// of the joints may change it.
     #[inline(always)]
     pub(crate) fn follow(
         &mut self,
         reference: &Reference<f32>,
         model: &Model,
-        mode: WorkingMode,
+        mode: &mut WorkingMode,
     ) -> Result<(), PoseError> {
         match *reference {
             Reference::Tool {
@@ -60,27 +57,44 @@ impl Setpoint {
                     alpha,
                 } = model
                     .tool
-                    .actuated_joints(position, velocity, acceleration, mode)?;
+                    .actuated_joints(position, velocity, acceleration, *mode)?;
                 *self = Self {
                     direction,
                     omega,
                     alpha,
-                    of_joints: false,
                 };
             }
             Reference::Joint {
                 angles,
                 rates,
                 accelerations,
-            } => {
-                *self = Self {
-                    direction: angles.map(Vector2::unit),
-                    omega: rates,
-                    alpha: accelerations,
-                    of_joints: true,
-                };
-            }
+            } => self.follow_joints(angles, rates, accelerations, model, mode),
         }
         Ok(())
+    }
+
+    /// Sets the set-point to a reference of the joints, angles in rad. The working mode is then
+    /// that of the reference.
+    // Not inlined: the tick of an arm that follows its tool keeps its registers.
+    #[inline(never)]
+    fn follow_joints(
+        &mut self,
+        angles: [f32; 2],
+        omega: [f32; 2],
+        alpha: [f32; 2],
+        model: &Model,
+        mode: &mut WorkingMode,
+    ) {
+        let [u1, u4] = Vector2::units(angles);
+        let tool = &model.tool;
+        // Where the links do not meet, the measured arm raises the fault.
+        if let Ok(links) = tool.geometry().links(u1, u4, model.assembly) {
+            *mode = tool.working_mode(&tool.geometry().pose(&links));
+        }
+        *self = Self {
+            direction: [u1, u4],
+            omega,
+            alpha,
+        };
     }
 }

@@ -44,7 +44,6 @@ pub(super) struct Measurement {
     pub(super) innovation: [f32; 2],
     pub(super) current: [f32; 2],
     pub(super) velocity: [f32; 2],
-    pub(super) too_hot: bool,
 }
 
 impl Controller {
@@ -64,37 +63,45 @@ impl Controller {
         let measurement = self.measure(sample);
         // Every fault that is found before the end of the tick switches the bridges off, and the
         // tick ends with it: so its longest path holds one fault.
+        let mode = self.control_mode();
         if sample.missed_ticks > 0 {
-            self.missed_ticks = self.missed_ticks.saturating_add(sample.missed_ticks);
-            if sample.missed_ticks > TOLERATED_TICKS && self.is_powered() {
-                return self.overrun(self.unpowered_fault(sample, measurement.innovation));
+            self.missed_ticks = self.missed_ticks.wrapping_add(sample.missed_ticks);
+            if sample.missed_ticks > TOLERATED_TICKS && mode.is_powered() {
+                self.overrun(self.unpowered_fault(sample, measurement.innovation));
+                return self.off();
             }
         }
-        let mode = self.control_mode();
+        if !mode.is_powered() {
+            self.stay_off(sample, measurement.innovation);
+            return self.off();
+        }
         if let Some(fault) = self.sampled_fault(sample, &measurement, mode) {
-            return self.power_off(fault);
+            self.power_off(fault);
+            return self.off();
         }
         let torques = match mode {
             ControlMode::Off => return self.off(),
-            ControlMode::Waking => return self.wake(),
+            ControlMode::Waking => {
+                self.wake();
+                return self.waking();
+            }
             ControlMode::Homing => self.home(sample),
             ControlMode::Tracking => self.track(),
         };
-        let mut command = match torques.and_then(|torques| self.drive(torques)) {
-            Ok(command) => command,
-            Err(fault) => return self.power_off(fault),
+        let torques = match torques {
+            Ok(torques) => torques,
+            Err(fault) => {
+                self.power_off(fault);
+                return self.off();
+            }
         };
-        // An arm that comes to rest needs no stop.
-        if self.at_rest {
-            self.come_to_rest();
-            command.tool = self.path.tool_output();
-        } else if let Some(fault) = self.stopping_fault() {
-            self.begin_controlled_stop(fault);
-            command.tool = self.path.tool_output();
-        } else if self.path.tool_changes() {
-            self.path.step_tool();
-            command.tool = self.path.tool_output();
-        }
+        let Some(mut command) = self.drive(torques) else {
+            // The next tick latches the fault: this one has taken long enough.
+            self.pending_off = Some(Fault::NotANumber);
+            return self.off();
+        };
+        self.take_turn();
+        command.tool = self.path.tool_output();
         command
     }
 
@@ -105,26 +112,14 @@ impl Controller {
         let [alpha1, alpha4] = self.setpoint.alpha;
         let [counts1, counts4] = sample.counts;
         let [current1, current4] = sample.current;
-        if !self.begun {
-            self.begun = true;
-            joint1.begin(counts1);
-            joint4.begin(counts4);
-        }
         let innovation = [
             joint1.measure(model1, counts1, current1, alpha1),
             joint4.measure(model4, counts4, current4, alpha4),
         ];
-        // Motors warm slowly, so each one's heat is updated in every other tick.
-        let too_hot = if self.ticks & 1 == 0 {
-            joint1.warm(model1)
-        } else {
-            joint4.warm(model4)
-        };
         Measurement {
             innovation,
             current: [joint1.current, joint4.current],
             velocity: [joint1.velocity(), joint4.velocity()],
-            too_hot,
         }
     }
 
@@ -146,10 +141,10 @@ impl Controller {
         self.control_mode().is_powered()
     }
 
-    /// Runs the current loops. This is the last check before the bridges: a duty that is not a
-    /// number raises a fault.
+    /// Runs the current loops. This is the last check before the bridges: none where a duty is not
+    /// a number.
     #[inline(always)]
-    fn drive(&mut self, command: TorqueCommand) -> Result<ActuatorCommand, Fault> {
+    fn drive(&mut self, command: TorqueCommand) -> Option<ActuatorCommand> {
         let bus = Bus::new(self.bus_voltage, DUTY_LIMIT);
         let [joint1, joint4] = &mut self.joints;
         let [model1, model4] = &self.model.axes;
@@ -161,13 +156,18 @@ impl Controller {
         // Each duty is within ±1 or not a number, so one look at their sum checks both.
         let [duty1, duty4] = duty;
         if !(duty1 + duty4).is_finite() {
-            return Err(Fault::NotANumber);
+            for joint in &mut self.joints {
+                joint.release();
+            }
+            self.path.switch_tool_off();
+            return None;
         }
-        Ok(ActuatorCommand {
+        Some(ActuatorCommand {
             duty,
             enable: [true; 2],
             brake: false,
-            tool: self.path.tool_output(),
+            // Of the end of the tick.
+            tool: 0,
         })
     }
 
@@ -175,31 +175,67 @@ impl Controller {
     /// arm's motion.
     #[cold]
     #[inline(never)]
-    fn overrun(&mut self, other: Option<Fault>) -> ActuatorCommand {
+    fn overrun(&mut self, other: Option<Fault>) {
         self.latch_power_off(Fault::TickOverrun);
         match other {
             Some(fault) => self.power_off(fault),
-            None => self.off(),
+            None => self.unpowered(),
         }
     }
 
     /// A fault that switches the bridges off.
     #[cold]
     #[inline(never)]
-    fn power_off(&mut self, fault: Fault) -> ActuatorCommand {
-        if self.at_rest {
-            self.come_to_rest();
-        }
+    fn power_off(&mut self, fault: Fault) {
         self.latch_power_off(fault);
-        self.off()
+        self.unpowered();
     }
 
-    /// Bridges off, brake on, tool off.
+    /// A tick with the bridges off, in which the emergency stop and an encoder jump are faults. The
+    /// first tick takes its counts as the origin.
     #[inline(never)]
-    fn off(&mut self) -> ActuatorCommand {
+    fn stay_off(&mut self, sample: &SensorSample, mut innovation: [f32; 2]) {
+        self.forget_rest();
+        self.cool();
+        if !self.begun {
+            self.begun = true;
+            innovation = [0.0; 2];
+            for ((joint, axis), counts) in self
+                .joints
+                .iter_mut()
+                .zip(&self.model.axes)
+                .zip(sample.counts)
+            {
+                joint.begin(axis, counts);
+            }
+        }
+        match self.unpowered_fault(sample, innovation) {
+            Some(fault) => self.power_off(fault),
+            None => self.unpowered(),
+        }
+    }
+
+    /// The bridges go off, or are off.
+    #[inline(always)]
+    fn unpowered(&mut self) {
         self.waking = self.model.wake_up_ticks;
         self.release();
         self.path.switch_tool_off();
+    }
+
+    /// The bridges wake up.
+    #[cold]
+    #[inline(never)]
+    fn wake(&mut self) {
+        self.waking = self.waking.saturating_sub(1);
+        self.forget_rest();
+        self.cool();
+        self.release();
+    }
+
+    /// Bridges off, brake on, tool off.
+    #[inline(always)]
+    fn off(&self) -> ActuatorCommand {
         ActuatorCommand {
             duty: [0.0; 2],
             enable: [false; 2],
@@ -209,23 +245,20 @@ impl Controller {
     }
 
     /// Bridges on, which do not drive yet; brake on.
-    #[cold]
-    #[inline(never)]
-    fn wake(&mut self) -> ActuatorCommand {
-        self.waking = self.waking.saturating_sub(1);
-        self.release();
+    #[inline(always)]
+    fn waking(&self) -> ActuatorCommand {
         ActuatorCommand {
-            duty: [0.0; 2],
             enable: [true; 2],
-            brake: true,
-            tool: self.path.tool_output(),
+            ..self.off()
         }
     }
 
     /// Clears the loops; the set-point stays at rest where it is.
     fn release(&mut self) {
-        self.move_on();
         self.limits = Limits::empty();
+        self.at_rest = false;
+        self.pending_stop = None;
+        self.pending_off = None;
         self.setpoint.rest();
         for joint in &mut self.joints {
             joint.release();

@@ -1,8 +1,50 @@
 //! Transitions: only [`Controller::dispatch`] changes the state, by the table of
 //! [`State::after`]. It also runs the entry action of the next state.
 
-use super::{Controller, Snapshot};
+use super::Controller;
+use super::joint::Joint;
 use crate::safety::{Event, Fault, Response, State};
+
+/// One joint in the tick that raised a fault.
+#[repr(C)]
+pub(super) struct LatchedJoint {
+    /// θ̂ [rad].
+    pub(super) angle: f32,
+    /// ω̂ [rad/s].
+    pub(super) velocity: f32,
+    /// Measured current [A].
+    pub(super) current: f32,
+    /// Current set-point [A].
+    pub(super) demand: f32,
+}
+
+/// The latched fault and the tick that raised it: plain copies, so that latching takes few
+/// instructions.
+#[repr(C)]
+pub(super) struct Latched {
+    pub(super) joints: [LatchedJoint; 2],
+    /// Position errors [rad] as last computed.
+    pub(super) error: [f32; 2],
+    /// Bus voltage [V].
+    pub(super) bus_voltage: f32,
+    /// Ticks since the reset.
+    pub(super) tick: u32,
+    pub(super) fault: Fault,
+    /// The state in which it was raised.
+    pub(super) state: State,
+}
+
+impl LatchedJoint {
+    #[inline(always)]
+    fn of(joint: &Joint) -> Self {
+        Self {
+            angle: joint.angle(),
+            velocity: joint.velocity(),
+            current: joint.current,
+            demand: joint.demand,
+        }
+    }
+}
 
 impl Controller {
     /// Gives an event to the state machine. Requests check their conditions before they call it.
@@ -65,35 +107,41 @@ impl Controller {
 
     /// Latches a fault for which the arm stops on its path and is held: in Armed, Running and
     /// Stopping, where no fault is latched.
-    #[cold]
-    #[inline(never)]
-    pub(super) fn begin_controlled_stop(&mut self, fault: Fault) {
+    fn begin_controlled_stop(&mut self, fault: Fault) {
         self.latched = Some(self.snapshot(fault));
         self.controlled_stop = true;
         // Every state accepts this event.
         let _ = self.dispatch(Event::Fault);
     }
 
+    /// Latches a fault as [`Self::begin_controlled_stop`] does, where the stop has begun.
+    #[inline(always)]
+    pub(super) fn latch_stop(&mut self, fault: Fault) {
+        self.latched = Some(self.snapshot(fault));
+        // So the transition leaves the path alone.
+        self.controlled_stop = false;
+        // Every state accepts this event.
+        let _ = self.dispatch(Event::Fault);
+        self.controlled_stop = true;
+    }
+
     /// The present values, for a fault.
     #[inline(always)]
-    fn snapshot(&self, fault: Fault) -> Snapshot {
-        Snapshot {
-            fault,
-            tick: self.ticks,
-            state: self.state,
-            angle: self.angles(),
-            velocity: self.velocities(),
+    fn snapshot(&self, fault: Fault) -> Latched {
+        let [joint1, joint4] = &self.joints;
+        Latched {
+            joints: [LatchedJoint::of(joint1), LatchedJoint::of(joint4)],
             error: self.error,
-            current: self.joints.each_ref().map(|joint| joint.current),
-            torque: self.torques(),
             bus_voltage: self.bus_voltage,
+            tick: self.ticks,
+            fault,
+            state: self.state,
         }
     }
 
     /// The arm has come to rest: at the end of its path, or after a stop.
-    #[cold]
+    #[inline(always)]
     pub(super) fn come_to_rest(&mut self) {
-        self.at_rest = false;
         // Each state has its own call, so that only its own transition is compiled into it. Both
         // accept their event.
         match self.state {

@@ -5,5 +5,5 @@ mod monitor;
 mod state;
 
 pub use fault::{Fault, Limits, Response};
-pub(crate) use monitor::{Monitor, TOLERATED_TICKS};
+pub(crate) use monitor::{Monitor, NOTICED_WITHIN, TOLERATED_TICKS};
 pub use state::{Event, State};

@@ -19,6 +19,9 @@ pub(crate) const TOLERATED_TICKS: u32 = 2;
 /// switched off [s]. An arm that nobody commands must not stay powered for ever.
 pub(crate) const DISARM_TIMEOUT: f32 = 60.0;
 
+/// Ticks within which the tick notices that a host is silent, and latches the fault.
+pub(crate) const NOTICED_WITHIN: u32 = 9;
+
 /// The trip points.
 pub(crate) struct Monitor {
     /// Greatest innovation of each joint [rad].
@@ -38,9 +41,9 @@ pub(crate) struct Monitor {
     reach: [f32; 2],
     /// Least |r2 × r3|: l2 l3 times the least |sin| at C [m²].
     margin: f32,
-    /// The command timeout [ticks].
+    /// The command timeout, less [`NOTICED_WITHIN`] [ticks].
     silence: u32,
-    /// The disarm timeout [ticks].
+    /// The disarm timeout, less the same [ticks].
     abandonment: u32,
 }
 
@@ -69,8 +72,8 @@ impl Monitor {
                 0.5 * (high - low) + slack
             }),
             margin: 0.5 * settings.motion.singularity_margin * l2 * l3,
-            silence: (protection.command_timeout * rate) as u32,
-            abandonment: (DISARM_TIMEOUT * rate) as u32,
+            silence: in_time(protection.command_timeout * rate),
+            abandonment: in_time(DISARM_TIMEOUT * rate),
         }
     }
 
@@ -140,6 +143,11 @@ impl Monitor {
     pub(crate) fn silent(&self, ticks: u32) -> bool {
         ticks > self.silence
     }
+}
+
+/// The ticks of silence after which a fault is latched within `ticks` of it.
+fn in_time(ticks: f32) -> u32 {
+    (ticks as u32).saturating_sub(NOTICED_WITHIN)
 }
 
 #[inline(always)]

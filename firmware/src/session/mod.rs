@@ -177,7 +177,7 @@ impl Session {
                 room: free_slots(planner),
             }),
             HostCommand::Snapshot => Ok(Reply::Snapshot(
-                controller.lock(|controller| controller.fault().copied()),
+                controller.lock(|controller| controller.fault()),
             )),
             HostCommand::Request(request) => self.request(request, controller),
             HostCommand::Move(a_move) => planner

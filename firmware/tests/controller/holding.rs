@@ -49,11 +49,17 @@ fn ticks_until_off(rig: &mut Rig) -> u32 {
         .expect("the bridges are off")
 }
 
+/// Switched off within a minute, at most some ticks earlier.
+#[track_caller]
+fn assert_in_a_minute(ticks: u32) {
+    assert!((ALONE - 10..=ALONE).contains(&ticks), "{ticks} ticks");
+}
+
 #[test]
 fn an_armed_arm_that_its_host_has_left_is_switched_off_after_a_minute() {
     let mut rig = Rig::armed(&settings());
     assert_eq!(rig.controller.state(), State::Armed);
-    assert_eq!(ticks_until_off(&mut rig), ALONE);
+    assert_in_a_minute(ticks_until_off(&mut rig));
     assert_eq!(rig.controller.state(), State::Fault);
     assert_eq!(rig.controller.status().fault, Some(Fault::CommandTimeout));
 }
@@ -63,7 +69,7 @@ fn an_arm_that_is_held_under_a_fault_is_switched_off_after_a_minute() {
     let mut rig = Rig::armed(&settings());
     rig.controller.latch_fault(Fault::QueueUnderrun);
     rig.tick_alone();
-    assert_eq!(ticks_until_off(&mut rig), ALONE - 1);
+    assert_in_a_minute(ticks_until_off(&mut rig));
     // The fault that holds no longer holds: the one that switched the bridges off is shown.
     assert_eq!(rig.controller.status().fault, Some(Fault::CommandTimeout));
 }

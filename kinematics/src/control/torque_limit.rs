@@ -23,16 +23,13 @@ impl<S: Scalar> TorqueLimit<S> {
         let [torque1, torque4] = torque;
         let [limit1, limit4] = self.0;
         let (size1, size4) = (torque1.abs(), torque4.abs());
-        if size1 <= limit1 && size4 <= limit4 {
-            return (torque, false);
+        if size1 > limit1 || size4 > limit4 {
+            // A torque of zero has an infinite share.
+            let (share1, share4) = (limit1 / size1, limit4 / size4);
+            let factor = if share1 < share4 { share1 } else { share4 };
+            return ([torque1 * factor, torque4 * factor], true);
         }
-        // min(limit1/size1, limit4/size4), compared without dividing by a zero.
-        let factor = if limit1 * size4 <= limit4 * size1 {
-            limit1 / size1
-        } else {
-            limit4 / size4
-        };
-        ([torque1 * factor, torque4 * factor], true)
+        (torque, false)
     }
 }
 
@@ -62,7 +59,9 @@ mod tests {
 
     #[test]
     fn a_torque_that_is_not_a_number_stays_one() {
-        let ([t1, _], limited) = TorqueLimit([1.0, 1.0]).apply([f64::NAN, 0.0]);
-        assert!(limited && t1.is_nan());
+        for other in [0.0, 2.0] {
+            let ([t1, _], _) = TorqueLimit([1.0, 1.0]).apply([f64::NAN, other]);
+            assert!(t1.is_nan());
+        }
     }
 }

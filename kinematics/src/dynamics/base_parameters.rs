@@ -128,11 +128,16 @@ impl<S: Scalar> BaseParameterModel<S> {
         let (c43, x43) = (p3 * dot43 + q3 * cross34, q3 * dot43 - p3 * cross34);
         let [j1, j2, j3, j4] = self.second;
         let [g1, g2, g3, g4] = self.weight;
-        let k2 = c12 * alpha1 + x12 * square1 + j2 * alpha2 - r2.dot(&g2);
-        let k3 = c43 * alpha4 + x43 * square4 + j3 * alpha3 - r3.dot(&g3);
+        // Gravity's moments by components: each then takes one instruction less.
+        let k2 = c12 * alpha1 + x12 * square1 + j2 * alpha2 - r2.x * g2.x - r2.y * g2.y;
+        let k3 = c43 * alpha4 + x43 * square4 + j3 * alpha3 - r3.x * g3.x - r3.y * g3.y;
         [
-            j1 * alpha1 + c12 * alpha2 - x12 * square2 - r1.dot(&g1) + omega21 * k2 + omega31 * k3,
-            j4 * alpha4 + c43 * alpha3 - x43 * square3 - r4.dot(&g4) + omega24 * k2 + omega34 * k3,
+            j1 * alpha1 + c12 * alpha2 - x12 * square2 - r1.x * g1.x - r1.y * g1.y
+                + omega21 * k2
+                + omega31 * k3,
+            j4 * alpha4 + c43 * alpha3 - x43 * square3 - r4.x * g4.x - r4.y * g4.y
+                + omega24 * k2
+                + omega34 * k3,
         ]
     }
 }

@@ -21,11 +21,13 @@ use core::fmt;
     derive(serde::Serialize, serde::Deserialize),
     serde(rename_all = "snake_case")
 )]
+// The numbers are the sign bits of `f32`: the tick gives a value its sign without a branch.
+#[repr(u32)]
 pub enum Side {
     /// To the left: the cross product is positive.
-    Left,
+    Left = 0,
     /// To the right: the cross product is negative.
-    Right,
+    Right = 1 << 31,
 }
 
 impl Side {
@@ -45,10 +47,7 @@ impl Side {
     /// `value` on the left, −`value` on the right.
     #[inline]
     pub fn sign<S: crate::Scalar>(self, value: S) -> S {
-        match self {
-            Self::Left => value,
-            Self::Right => -value,
-        }
+        value.xor_sign(self as u32)
     }
 
     /// The other side.

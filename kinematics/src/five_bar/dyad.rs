@@ -202,7 +202,7 @@ impl<S: Scalar> Dyad<S> {
         if product > self.least {
             let half_per_p_squared = S::HALF / p_squared;
             let a = S::HALF + self.sum_difference * half_per_p_squared;
-            let h = side.sign(product.sqrt() * half_per_p_squared);
+            let h = side.sign(product.sqrt()) * half_per_p_squared;
             Ok(DyadSolution {
                 joint: p * a + p.perpendicular() * h,
                 cross: h * p_squared,

@@ -65,6 +65,17 @@ pub trait Scalar:
     fn sqrt(self) -> Self;
     /// (sin x, cos x), x in radians.
     fn sin_cos(self) -> (Self, Self);
+    /// This number where `sign_bit` is 0, its negative where it is 1 << 31.
+    #[inline(always)]
+    #[must_use]
+    fn xor_sign(self, sign_bit: u32) -> Self {
+        if sign_bit == 0 { self } else { -self }
+    }
+    /// Sine and cosine of two angles; one call takes fewer instructions than two.
+    #[inline(always)]
+    fn sin_cos_both([first, second]: [Self; 2]) -> [(Self, Self); 2] {
+        [first.sin_cos(), second.sin_cos()]
+    }
     /// The angle of (x, y) in (−π, π], `self` being y.
     fn atan2(self, x: Self) -> Self;
 

@@ -29,6 +29,15 @@ impl Scalar for f32 {
     fn sin_cos(self) -> (Self, Self) {
         sin_cos(self)
     }
+    #[inline(always)]
+    fn xor_sign(self, sign_bit: u32) -> Self {
+        Self::from_bits(self.to_bits() ^ sign_bit)
+    }
+    #[inline(always)]
+    fn sin_cos_both([first, second]: [Self; 2]) -> [(Self, Self); 2] {
+        let (first, second) = (reduced(first), reduced(second));
+        [first.turned(), second.turned()]
+    }
     #[inline]
     fn atan2(self, x: Self) -> Self {
         atan2(self, x)
@@ -75,6 +84,21 @@ impl Scalar for f32 {
 /// exceed 1. An infinite angle or NaN gives NaN.
 #[inline]
 fn sin_cos(x: f32) -> (f32, f32) {
+    reduced(x).turned()
+}
+
+/// An angle within an eighth of a turn of a whole number of quarter turns.
+struct Reduced {
+    /// The quarter turns k: its last two bits.
+    quadrant: u32,
+    /// sin r.
+    sin: f32,
+    /// cos r.
+    cos: f32,
+}
+
+#[inline(always)]
+fn reduced(x: f32) -> Reduced {
     // 1.5·2²³: adding it rounds to an integer, whose last bits are then the sum's.
     const ROUND: f32 = 12_582_912.0;
     // π/2 = C1 + C2. C1 has 12 bits, so that k C1 is exact for |k| < 2¹²; C2 carries
@@ -90,15 +114,23 @@ fn sin_cos(x: f32) -> (f32, f32) {
 
     let s = (-1.949_495e-4 * z + 8.331_973e-3) * z - 0.166_666_51;
     let c = (2.443_773e-5 * z - 1.388_736_2e-3) * z + 4.166_664_6e-2;
-    let sin_r = r + r * z * s;
-    let cos_r = 1.0 - z * (0.5 - z * c);
+    Reduced {
+        quadrant,
+        sin: r + r * z * s,
+        cos: 1.0 - z * (0.5 - z * c),
+    }
+}
 
-    // k quarter turns back.
-    match quadrant & 3 {
-        0 => (sin_r, cos_r),
-        1 => (cos_r, -sin_r),
-        2 => (-sin_r, -cos_r),
-        _ => (-cos_r, sin_r),
+impl Reduced {
+    /// k quarter turns back.
+    #[inline(always)]
+    fn turned(&self) -> (f32, f32) {
+        match self.quadrant & 3 {
+            0 => (self.sin, self.cos),
+            1 => (self.cos, -self.sin),
+            2 => (-self.sin, -self.cos),
+            _ => (-self.cos, self.sin),
+        }
     }
 }
 
@@ -141,14 +173,26 @@ fn atan2(y: f32, x: f32) -> f32 {
 
 /// √x by the FPU's own instruction, for which `core` has no stable intrinsic.
 ///
-/// The one use of `unsafe` in this crate. It is sound because the body is the whole function:
-/// by the hard-float C calling convention `s0` holds the argument and the result, the
-/// instruction touches no other register and no memory, and it traps for no input.
+/// The one use of `unsafe` in this crate. It is sound because the instruction reads one register,
+/// writes another, touches no memory, and traps for no input.
 #[cfg(all(target_arch = "arm", target_abi = "eabihf", target_os = "none"))]
-#[unsafe(naked)]
+#[inline(always)]
 #[allow(unsafe_code)]
-extern "C" fn square_root(x: f32) -> f32 {
-    core::arch::naked_asm!(".fpu fpv4-sp-d16", "vsqrt.f32 s0, s0", "bx lr")
+fn square_root(x: f32) -> f32 {
+    let root: u32;
+    // SAFETY: see above; the target has the FPU.
+    unsafe {
+        core::arch::asm!(
+            "vmov s0, {x}",
+            "vsqrt.f32 s0, s0",
+            "vmov {root}, s0",
+            x = in(reg) x.to_bits(),
+            root = lateout(reg) root,
+            out("s0") _,
+            options(pure, nomem, nostack, preserves_flags)
+        );
+    }
+    f32::from_bits(root)
 }
 
 /// √x, correctly rounded, as the FPU's own instruction rounds it.

@@ -83,7 +83,9 @@ impl<S: Scalar> PathState<S> {
 }
 
 /// What a segment moves along.
+// With a tag of its own, not in the curve's: the tick tells it with fewer instructions.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(u32)]
 pub(super) enum Shape<S> {
     /// The tool along a curve, s in metres.
     Path(Curve<S>),
@@ -190,6 +192,15 @@ impl<S: Scalar> TrajectorySegment<S> {
         match &self.shape {
             Shape::Path(curve) => Some(curve),
             Shape::Rest(_) | Shape::Joint { .. } => None,
+        }
+    }
+
+    /// Where it holds the tool at rest [m]; `None` for a segment that moves.
+    #[inline(always)]
+    pub fn place_of_rest(&self) -> Option<Vector2<S>> {
+        match self.shape {
+            Shape::Rest(position) => Some(position),
+            Shape::Path(_) | Shape::Joint { .. } => None,
         }
     }
 

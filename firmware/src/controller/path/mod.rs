@@ -10,10 +10,11 @@ mod brake;
 mod output;
 mod queue;
 
+use super::turns::REACTION;
 use crate::safety::Limits;
 use crate::settings::Share;
 use brake::{Brake, TimeScaling};
-use fivebar_kinematics::trajectory::{Reference, TrajectorySegment};
+use fivebar_kinematics::trajectory::{PathState, Reference, TrajectorySegment};
 use queue::PathQueue;
 
 pub(crate) use brake::stopping_time;
@@ -52,12 +53,11 @@ pub(crate) struct Path {
     offset: f32,
     /// Committed time left, as of the last tick [s].
     committed_left: f32,
-    /// ṡ in the last tick [m/s or rad/s].
-    s_dot: f32,
     brake: Option<Brake>,
     /// T [s].
     stopping_time: f32,
-    /// Length of path that a stop needs: T/2 and two ticks [s].
+    /// Length of path that a stop needs: T/2, two ticks, and the ticks from the fault to the
+    /// beginning of the stop [s].
     least: f32,
     /// [s].
     period: f32,
@@ -66,13 +66,23 @@ pub(crate) struct Path {
 }
 
 /// One tick's step along the path.
-pub(crate) struct Step {
-    /// Where the arm should be.
-    pub(crate) reference: Reference<f32>,
+pub(crate) struct Step<'a> {
+    /// The segment that the arm follows.
+    pub(crate) segment: &'a TrajectorySegment<f32>,
+    /// How far along it.
+    path_state: PathState<f32>,
     /// The limits that slow its move below the requested speed.
     pub(crate) limits: Limits,
     /// The arm has come to rest: at the end of the path, or after a stop.
     pub(crate) at_rest: bool,
+}
+
+impl Step<'_> {
+    /// Where the arm should be.
+    #[inline(always)]
+    pub(crate) fn reference(&self) -> Reference<f32> {
+        self.segment.reference(self.path_state)
+    }
 }
 
 impl Path {
@@ -80,12 +90,11 @@ impl Path {
     pub(crate) fn new(stopping_time: f32, period: f32, output: PathOutput) -> Self {
         Self {
             stopping_time,
-            least: 0.5 * stopping_time + 2.0 * period,
+            least: 0.5 * stopping_time + (2 + REACTION) as f32 * period,
             period,
             ticks: 0,
             offset: 0.0,
             committed_left: 0.0,
-            s_dot: 0.0,
             brake: None,
             output,
             queue: PathQueue::new(),
@@ -109,7 +118,6 @@ impl Path {
         self.ticks = 0;
         self.offset = 0.0;
         self.committed_left = 0.0;
-        self.s_dot = 0.0;
         self.brake = None;
         self.queue.finish();
     }
@@ -118,22 +126,6 @@ impl Path {
     #[inline(always)]
     pub(crate) fn tool_output(&self) -> Share {
         self.output.now()
-    }
-
-    /// Whether [`Path::step_tool`] has something to do.
-    #[inline(always)]
-    pub(crate) fn tool_changes(&self) -> bool {
-        self.output.is_busy()
-    }
-
-    /// Lets the tool follow the path in the tick that [`Path::step`] has stepped.
-    #[cold]
-    #[inline(never)]
-    pub(crate) fn step_tool(&mut self) {
-        if let Some(first) = self.queue.first() {
-            let output = first.queued.segment.tool_output();
-            self.output.step(output, self.s_dot);
-        }
     }
 
     /// Whether the tool is off or up.
@@ -212,15 +204,25 @@ impl Path {
         }
     }
 
-    /// Begins a stop, with the tool off. It is shorter than T where a path that ends in motion is too short for T.
+    /// Begins a stop, with the tool off. It is shorter than T where a path that ends in motion is
+    /// too short for T.
     #[cold]
     pub(crate) fn brake(&mut self) {
         self.output.switch_off();
+        self.slow_down();
+    }
+
+    /// Begins a stop, as [`Self::brake`], the tool being off.
+    #[inline(always)]
+    pub(crate) fn slow_down(&mut self) {
         if self.brake.is_none() {
             let mut time = self.stopping_time;
-            if self.committed_left < self.least && self.queue.ends_in_motion() {
+            if self.queue.ends_in_motion() {
                 let tick = self.period;
-                time = 2.0 * (self.committed_left - tick - tick);
+                let most = 2.0 * (self.committed_left - tick - tick);
+                if most < time {
+                    time = most;
+                }
                 if time < tick + tick {
                     time = tick + tick;
                 }
@@ -231,18 +233,51 @@ impl Path {
 
     /// Advances by one tick; `None` where there is no path.
     #[inline(always)]
-    pub(crate) fn step(&mut self) -> Option<Step> {
-        let mut first = self.queue.first()?;
-        let scaling = match &mut self.brake {
-            None => {
-                self.ticks = self.ticks.wrapping_add(1);
-                None
+    pub(crate) fn step(&mut self) -> Option<Step<'_>> {
+        // Each case by itself: a tick that brakes does not do the work of one at full speed.
+        let (path_state, at_rest) = if let Some(brake) = &mut self.brake {
+            let TimeScaling {
+                advance,
+                sigma,
+                sigma_dot,
+                complete,
+            } = brake.step(self.period);
+            let (time, ended) = self.pass(Some(advance))?;
+            let segment = &self.queue.first()?.queued.segment;
+            // Nobody asks for the time left of a path that will be dropped, and the tool is off.
+            let path_state = segment.path_state(time).time_scaled(sigma, sigma_dot);
+            (at_rest(path_state, ended), ended || complete)
+        } else {
+            self.ticks = self.ticks.wrapping_add(1);
+            let (time, ended) = self.pass(None)?;
+            let first = self.queue.first()?;
+            let segment = &first.queued.segment;
+            self.committed_left = segment.duration() - time + self.queue.behind(first);
+            let path_state = segment.path_state(time);
+            if self.output.is_busy() {
+                self.output.step(segment.tool_output(), path_state.s_dot);
             }
-            Some(brake) => Some(brake.step(self.period)),
+            (at_rest(path_state, ended), ended)
         };
-        let advance = scaling.as_ref().map_or(0.0, |scaling| scaling.advance);
-        let mut time = self.offset + self.period * self.ticks as f32 + advance;
-        let mut duration = first.queued.segment.duration();
+        let queued = &self.queue.first()?.queued;
+        Some(Step {
+            at_rest,
+            segment: &queued.segment,
+            path_state,
+            limits: queued.limits,
+        })
+    }
+
+    /// Passes the segments that this tick ends, at most [`SEGMENTS_PER_TICK`]; `advance` [s] is the
+    /// time since a stop began. Returns the time [s] into the first segment, and whether the path
+    /// has ended there.
+    #[inline(always)]
+    fn pass(&mut self, advance: Option<f32>) -> Option<(f32, bool)> {
+        let mut duration = self.queue.first()?.queued.segment.duration();
+        let mut time = self.offset + self.period * self.ticks as f32;
+        if let Some(advance) = advance {
+            time += advance;
+        }
         let mut ended = false;
         if time >= duration {
             for _ in 0..SEGMENTS_PER_TICK {
@@ -252,9 +287,9 @@ impl Path {
                 }
                 time -= duration;
                 self.queue.pass();
-                first = self.queue.first()?;
+                let first = self.queue.first()?;
                 // After the beginning of a stop the tool stays off.
-                if first.changes_tool && scaling.is_none() {
+                if first.changes_tool && advance.is_none() {
                     self.output.wake();
                 }
                 duration = first.queued.segment.duration();
@@ -267,22 +302,22 @@ impl Path {
                 time = duration;
             }
             self.ticks = 0;
-            self.offset = time - advance;
+            self.offset = advance.map_or(time, |advance| time - advance);
         }
-        self.committed_left = duration - time + self.queue.behind(first);
-        let mut path_state = first.queued.segment.path_state(time);
-        self.s_dot = path_state.s_dot;
-        if let Some(TimeScaling {
-            sigma, sigma_dot, ..
-        }) = scaling
-        {
-            path_state = path_state.time_scaled(sigma, sigma_dot);
-        }
-        Some(Step {
-            at_rest: ended || scaling.is_some_and(|scaling| scaling.complete),
-            reference: first.queued.segment.reference(path_state),
-            limits: first.queued.limits,
-        })
+        Some((time, ended))
+    }
+}
+
+/// At the end of a path, its last place at rest.
+#[inline(always)]
+fn at_rest(path_state: PathState<f32>, ended: bool) -> PathState<f32> {
+    if !ended {
+        return path_state;
+    }
+    PathState {
+        s: path_state.s,
+        s_dot: 0.0,
+        s_ddot: 0.0,
     }
 }
 

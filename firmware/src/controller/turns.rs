@@ -1,0 +1,101 @@
+//! What ticks do in turns, each at its end one part of it.
+//!
+//! Motors warm within seconds, a host is silent for tenths of a second, and a change of state or of
+//! gains may come some ticks later. So each of these is done in one of eight ticks, and the longest
+//! tick holds one of them.
+
+use super::Controller;
+use crate::safety::{Fault, State};
+
+/// Ticks in which each turn comes once.
+pub(super) const TURNS: u32 = 8;
+
+const _: () = assert!(TURNS < crate::safety::NOTICED_WITHIN);
+
+/// Ticks from a fault on the path to the beginning of the stop, at most.
+pub(super) const REACTION: u32 = TURNS + 2;
+
+impl Controller {
+    /// This tick's turn.
+    #[inline(always)]
+    pub(super) fn take_turn(&mut self) {
+        match self.ticks % TURNS {
+            0 => self.warm(0),
+            1 => self.end_path(),
+            2 => self.warm(1),
+            3 => self.change_gains(0),
+            4 => self.watch_path(),
+            5 => self.begin_pending_stop(),
+            6 => self.latch_pending_stop(),
+            _ => self.change_gains(1),
+        }
+    }
+
+    /// Keeps the motors' heat in a tick without power.
+    pub(super) fn cool(&mut self) {
+        match self.ticks % TURNS {
+            0 => self.warm(0),
+            2 => self.warm(1),
+            _ => {}
+        }
+    }
+
+    /// Advances a motor's heat by all turns at its current. The next tick switches a motor off
+    /// that is too hot, or an arm that nobody commands.
+    #[inline(always)]
+    fn warm(&mut self, index: usize) {
+        let (Some(joint), Some(axis)) = (self.joints.get_mut(index), self.model.axes.get(index))
+        else {
+            return;
+        };
+        if joint.warm(axis) {
+            self.pending_off = Some(Fault::OverTemperature);
+        } else if self.abandoned() {
+            self.pending_off = Some(Fault::CommandTimeout);
+        }
+    }
+
+    /// Ends a path or a stop where this tick has reached its end. An arm that comes to rest needs no
+    /// stop.
+    #[inline(always)]
+    fn end_path(&mut self) {
+        if self.at_rest {
+            self.at_rest = false;
+            self.pending_stop = None;
+            self.come_to_rest();
+        }
+    }
+
+    /// Looks for a fault that stops the arm on its path, and switches the tool off for it.
+    #[inline(always)]
+    fn watch_path(&mut self) {
+        self.pending_stop = self.stopping_fault();
+        if self.pending_stop.is_some() {
+            self.path.switch_tool_off();
+        }
+    }
+
+    /// Begins the stop for that fault.
+    #[inline(always)]
+    fn begin_pending_stop(&mut self) {
+        if self.pending_stop.is_some() && self.moves() {
+            self.path.slow_down();
+        }
+    }
+
+    /// Latches the fault, unless the arm has been stopped since.
+    #[inline(always)]
+    fn latch_pending_stop(&mut self) {
+        if let (Some(fault), true) = (self.pending_stop.take(), self.moves()) {
+            self.latch_stop(fault);
+        }
+    }
+
+    #[inline(always)]
+    fn moves(&self) -> bool {
+        match self.state {
+            State::Running | State::Stopping => true,
+            State::Stopped | State::Homing | State::Armed | State::Fault => false,
+        }
+    }
+}
