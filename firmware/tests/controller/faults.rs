@@ -311,7 +311,8 @@ fn a_silent_host_stops_the_arm_on_its_path_and_holds_it() {
         alone(&mut rig);
     }
     for (theta, held) in rig.bench.theta.into_iter().zip(held) {
-        assert!((theta - held).abs() < 3e-4, "held");
+        // Within the five counts by which an arm at rest may be off.
+        assert!((theta - held).abs() < 8e-4, "held");
     }
     assert!(rig.push(9, MoveKind::Dwell { duration: 1.0 }).is_err());
     clears(&mut rig);
