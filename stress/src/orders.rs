@@ -294,6 +294,11 @@ fn section(bytes: &mut Bytes<'_>, settings: &Settings) -> Section {
             );
         }
         Section::ToolOutput(output) => *output = tool_output(which),
+        Section::EncoderTable(_, table) => {
+            change(bytes, &mut [&mut table.shaft_ratio]);
+            table.points[usize::from(which) % 4][usize::from(which / 4) % 16] =
+                i16::from_le_bytes([bytes.byte(), which]);
+        }
         Section::Homing(homing) => change(
             bytes,
             &mut [&mut homing.speed, &mut homing.back_off, &mut homing.current],

@@ -50,14 +50,18 @@ impl Controller {
     /// Both switches are found. The angles are absolute from now on, if a pose on the branch of
     /// the settings has them.
     fn finish_homing(&mut self, counts: [i32; 2]) -> Result<(), Fault> {
-        for (((joint, axis), settings), counts) in self
+        for ((((joint, axis), encoder), settings), counts) in self
             .joints
             .iter_mut()
             .zip(&self.model.axes)
+            .zip(&mut self.encoders)
             .zip(&self.settings.axes)
             .zip(counts)
         {
             joint.set_origin(axis, counts, settings.home_angle);
+            if let Some(encoder) = encoder {
+                encoder.set_origin(settings.home_angle, encoder.shown_at_home);
+            }
         }
         let [u1, u4] = self.angles().map(Vector2::unit);
         let tool = &self.model.tool;

@@ -1,6 +1,7 @@
 //! One driven joint: from sensor samples to its angle, velocity and current, and from a torque
 //! to the duty of its bridge.
 
+use super::encoder::Scale;
 use super::model::AxisModel;
 use fivebar_kinematics::control::{Bus, CurrentState, Drive, Integral, MotorHeat, ObserverState};
 
@@ -15,7 +16,7 @@ pub(crate) struct Joint {
     pub(crate) demand: f32,
     /// Counts at the last tick.
     counts: i32,
-    /// The counts at which the angle is `angle_at_origin`: those of the first tick until homed.
+    /// The counts from which the angle is counted: those of the first tick until homed.
     origin: i32,
     angle_at_origin: f32,
     heat: MotorHeat<f32>,
@@ -106,8 +107,7 @@ impl Joint {
     /// The counted angle [rad]. Counts wrap; their wrapping difference from the origin is right.
     #[inline(always)]
     fn counted(&self, model: &AxisModel) -> f32 {
-        let turned = self.counts.wrapping_sub(self.origin);
-        self.angle_at_origin + model.radians_per_count * turned as f32
+        self.angle_at_origin + model.radians_per_count * self.from_origin() as f32
     }
 
     /// The latched counts.
@@ -115,7 +115,27 @@ impl Joint {
         self.counts
     }
 
-    /// Sets the origin: the joint's angle is `angle` [rad] at `counts`.
+    /// Counts from the origin.
+    #[inline(always)]
+    pub(crate) fn from_origin(&self) -> i32 {
+        self.counts.wrapping_sub(self.origin)
+    }
+
+    /// Changes the angle over the counts.
+    #[inline(always)]
+    pub(crate) fn set_scale(&mut self, model: &mut AxisModel, scale: Scale) {
+        self.angle_at_origin = scale.at_origin;
+        model.radians_per_count = scale.per_count;
+    }
+
+    /// Changes the angle over the counts of an arm that is not driven. The velocity stays.
+    pub(crate) fn shift_to_scale(&mut self, model: &mut AxisModel, scale: Scale) {
+        let before = self.counted(model);
+        self.set_scale(model, scale);
+        self.observer.angle += self.counted(model) - before;
+    }
+
+    /// Sets the origin: the joint's angle is `angle` [rad] at `counts`. The velocity stays.
     pub(crate) fn set_origin(&mut self, model: &AxisModel, counts: i32, angle: f32) {
         let before = self.counted(model);
         self.origin = counts;

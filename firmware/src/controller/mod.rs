@@ -1,6 +1,7 @@
 //! The controller: the tick, from a sensor sample to an actuator command, and the requests that
 //! tasks below the tick make.
 
+mod encoder;
 mod faults;
 mod homing;
 mod homing_state;
@@ -20,6 +21,7 @@ mod turns;
 
 use crate::safety::{Fault, Limits, State};
 use crate::settings::{CheckedSettings, Settings};
+use encoder::Encoder;
 use fivebar_kinematics::five_bar::WorkingMode;
 use homing_state::HomingState;
 use joint::Joint;
@@ -69,6 +71,8 @@ pub struct Controller {
     pending_off: Option<Fault>,
     model: Model,
     path: Path,
+    /// The encoders with a known error.
+    encoders: [Option<Encoder>; 2],
     /// The settings in use, which were checked.
     settings: Settings,
     homing: [HomingState; 2],
@@ -86,6 +90,7 @@ impl Controller {
         Self {
             waking: model.wake_up_ticks,
             model,
+            encoders: encoder::encoders(settings),
             settings: **settings,
             joints: [Joint::new(), Joint::new()],
             begun: false,

@@ -75,7 +75,7 @@ pub(crate) struct AxisModel {
     pub(crate) rest_error: [f32; 2],
     pub(crate) heating: MotorHeating<f32>,
     pub(crate) friction: FrictionCompensation<f32>,
-    /// Of the joint [rad].
+    /// Of the joint [rad]; changes with the correction of its encoder's error.
     pub(crate) radians_per_count: f32,
     /// [A].
     pub(crate) current_per_code: f32,

@@ -124,8 +124,17 @@ impl Controller {
         if self.model.tool.working_mode(&pose) != self.settings.working_mode() {
             return Err(RequestError::NotOnBranch);
         }
-        for ((joint, axis), angle) in self.joints.iter_mut().zip(&self.model.axes).zip(angles) {
+        for (((joint, axis), encoder), angle) in self
+            .joints
+            .iter_mut()
+            .zip(&self.model.axes)
+            .zip(&mut self.encoders)
+            .zip(angles)
+        {
             joint.set_origin(axis, joint.counts(), angle);
+            if let Some(encoder) = encoder {
+                encoder.set_origin(angle, encoder.shown_at(angle));
+            }
         }
         self.homed = true;
         Ok(())

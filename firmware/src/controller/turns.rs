@@ -1,19 +1,22 @@
 //! What ticks do in turns, each at its end one part of it.
 //!
 //! Motors warm within seconds, a host is silent for tenths of a second, and a change of state or of
-//! gains may come some ticks later. So each of these is done in one of eight ticks, and the longest
-//! tick holds one of them.
+//! gains may come some ticks later. So each of these is done in one of eight or sixteen
+//! ticks, and the longest tick holds one of them.
 
 use super::Controller;
+use super::encoder::Scale;
+use super::joint::Joint;
+use super::model::AxisModel;
 use crate::safety::{Fault, State};
 
-/// Ticks in which each turn comes once.
-pub(super) const TURNS: u32 = 8;
-
-const _: () = assert!(TURNS < crate::safety::NOTICED_WITHIN);
+/// Ticks in which each turn comes once; what concerns the path comes twice.
+pub(super) const TURNS: u32 = 16;
 
 /// Ticks from a fault on the path to the beginning of the stop, at most.
-pub(super) const REACTION: u32 = TURNS + 2;
+pub(super) const REACTION: u32 = TURNS / 2 + 2;
+
+const _: () = assert!(REACTION <= crate::safety::NOTICED_WITHIN + 1);
 
 impl Controller {
     /// This tick's turn.
@@ -21,22 +24,45 @@ impl Controller {
     pub(super) fn take_turn(&mut self) {
         match self.ticks % TURNS {
             0 => self.warm(0),
-            1 => self.end_path(),
-            2 => self.warm(1),
-            3 => self.change_gains(0),
-            4 => self.watch_path(),
-            5 => self.begin_pending_stop(),
-            6 => self.latch_pending_stop(),
-            _ => self.change_gains(1),
+            8 => self.warm(1),
+            1 | 9 => self.end_path(),
+            2 => self.change_gains(0),
+            10 => self.change_gains(1),
+            3 | 11 => self.correct_encoder(0, Joint::set_scale),
+            4 | 12 => self.watch_path(),
+            5 | 13 => self.begin_pending_stop(),
+            6 | 14 => self.latch_pending_stop(),
+            _ => self.correct_encoder(1, Joint::set_scale),
         }
     }
 
-    /// Keeps the motors' heat in a tick without power.
+    /// Keeps the motors' heat, and the correction of the encoders, in a tick without power.
     pub(super) fn cool(&mut self) {
         match self.ticks % TURNS {
             0 => self.warm(0),
-            2 => self.warm(1),
+            8 => self.warm(1),
+            3 | 11 => self.correct_encoder(0, Joint::shift_to_scale),
+            7 | 15 => self.correct_encoder(1, Joint::shift_to_scale),
             _ => {}
+        }
+    }
+
+    /// Corrects an encoder with a known error where it is now.
+    #[inline(always)]
+    fn correct_encoder(
+        &mut self,
+        index: usize,
+        set: impl FnOnce(&mut Joint, &mut AxisModel, Scale),
+    ) {
+        let (Some(Some(encoder)), Some(joint), Some(axis)) = (
+            self.encoders.get_mut(index),
+            self.joints.get_mut(index),
+            self.model.axes.get_mut(index),
+        ) else {
+            return;
+        };
+        if let Some(scale) = encoder.scale(joint.from_origin()) {
+            set(joint, axis, scale);
         }
     }
 

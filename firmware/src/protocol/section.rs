@@ -1,7 +1,7 @@
 //! The settings in sections, each small enough for a frame.
 
 use crate::settings::{
-    AxisSettings, ControlSettings, HomingSettings, LinkSettings, MotionSettings,
+    AxisSettings, ControlSettings, EncoderTable, HomingSettings, LinkSettings, MotionSettings,
     ProtectionSettings, Settings, ToolOutputSettings,
 };
 use serde::{Deserialize, Serialize};
@@ -35,6 +35,8 @@ pub enum SectionKey {
     Homing,
     /// The output for a tool.
     ToolOutput,
+    /// The known error of a joint's encoder: 0 is joint 1, 1 is joint 4.
+    EncoderTable(u8),
 }
 
 /// A section with its value; units as in [`Settings`].
@@ -66,11 +68,13 @@ pub enum Section {
     Homing(HomingSettings),
     /// [`Settings::tool_output`].
     ToolOutput(ToolOutputSettings),
+    /// One of [`Settings::encoder_tables`].
+    EncoderTable(u8, EncoderTable),
 }
 
 impl SectionKey {
     /// Every section. Together they are the whole settings.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 19] = [
         Self::Lengths,
         Self::Link(0),
         Self::Link(1),
@@ -88,6 +92,8 @@ impl SectionKey {
         Self::Assembly,
         Self::Homing,
         Self::ToolOutput,
+        Self::EncoderTable(0),
+        Self::EncoderTable(1),
     ];
 
     /// This section of `settings`; `None` if there is no such link or axis.
@@ -106,6 +112,9 @@ impl SectionKey {
             Self::Assembly => Section::Assembly(settings.assembly_left),
             Self::Homing => Section::Homing(settings.homing),
             Self::ToolOutput => Section::ToolOutput(settings.tool_output),
+            Self::EncoderTable(index) => {
+                Section::EncoderTable(index, *settings.encoder_tables.get(usize::from(index))?)
+            }
         })
     }
 }
@@ -129,6 +138,9 @@ impl Section {
             Self::Assembly(value) => settings.assembly_left = value,
             Self::Homing(value) => settings.homing = value,
             Self::ToolOutput(value) => settings.tool_output = value,
+            Self::EncoderTable(index, value) => {
+                *settings.encoder_tables.get_mut(usize::from(index))? = value;
+            }
         }
         Some(())
     }

@@ -3,7 +3,7 @@
 //! instruction counts are measured with them.
 
 use super::{
-    AxisSettings, ControlSettings, HomingSettings, LinkSettings, MotionSettings,
+    AxisSettings, ControlSettings, EncoderTable, HomingSettings, LinkSettings, MotionSettings,
     ProtectionSettings, Settings, ToolOutputSettings,
 };
 
@@ -95,5 +95,6 @@ impl Settings {
             command_timeout: 0.1,
         },
         tool_output: ToolOutputSettings::None,
+        encoder_tables: [EncoderTable::NONE; 2],
     };
 }

@@ -128,6 +128,11 @@ impl Settings {
                 return Err(SettingsError::Axis(joint, field));
             }
         }
+        for (joint, table) in [1, 4].into_iter().zip(&self.encoder_tables) {
+            if !table.is_sound() {
+                return Err(SettingsError::Axis(joint, AxisField::EncoderTable));
+            }
+        }
         if let Some(field) = self.broken_field() {
             return Err(SettingsError::Field(field));
         }

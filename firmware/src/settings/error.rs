@@ -8,7 +8,7 @@ use fivebar_kinematics::five_bar::GeometryError;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(
     missing_docs,
-    reason = "each is the field of AxisSettings of this name"
+    reason = "each is the field of AxisSettings of this name, or the encoder's table"
 )]
 #[non_exhaustive]
 pub enum AxisField {
@@ -21,6 +21,7 @@ pub enum AxisField {
     CoulombFriction,
     EncoderCounts,
     EncoderLatency,
+    EncoderTable,
     HomeAngle,
     AngleLimits,
     MaxSpeed,
@@ -104,6 +105,10 @@ impl AxisField {
                 "must be positive, and at most 4 194 304 per turn of the joint",
             ),
             Self::EncoderLatency => ("encoder_latency", "must lie in 0 to 0.1 s"),
+            Self::EncoderTable => (
+                "encoder_error",
+                "must change by less than a third of the shaft's angle",
+            ),
             Self::HomeAngle => ("home_angle", "must be within ±2π [rad]"),
             Self::AngleLimits => ("angle_limits", "must be rising and within ±2π [rad]"),
             Self::MaxSpeed => ("max_speed", "must lie in 0.001 to 10 000 rad/s"),

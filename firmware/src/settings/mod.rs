@@ -7,6 +7,7 @@ mod benchtop;
 mod board;
 mod check;
 mod checked;
+mod encoder_table;
 mod error;
 pub mod range;
 mod tool_output;
@@ -15,6 +16,7 @@ use serde::{Deserialize, Serialize};
 
 pub use board::BoardLimits;
 pub use checked::CheckedSettings;
+pub use encoder_table::{ENCODER_POINTS, ENCODER_UNIT, EncoderTable};
 pub use error::{AxisField, Field, SettingsError};
 pub use tool_output::{ALWAYS, Share, ToolOutputSettings};
 
@@ -159,6 +161,8 @@ pub struct Settings {
     pub assembly_left: bool,
     /// The driven joints.
     pub axes: [AxisSettings; 2],
+    /// Their encoders' known errors.
+    pub encoder_tables: [EncoderTable; 2],
     /// The loops.
     pub control: ControlSettings,
     /// The search for the home switches.

@@ -20,10 +20,10 @@ use serde::{Deserialize, Serialize};
 
 /// Layout of the stored settings, and the key under which they are stored. Every change of
 /// [`Settings`] needs a new number, so that firmware never reads the bytes of another layout.
-pub const LAYOUT: u8 = 2;
+pub const LAYOUT: u8 = 3;
 
 /// Room for an item, its key and its padding [bytes].
-const BUFFER: usize = 512;
+const BUFFER: usize = 1024;
 
 /// A half is erased after so many items, before they fill a sector of 128 KiB. From a full sector
 /// the library moves what is newest to the next one, and searches the whole sector for every item

@@ -33,7 +33,7 @@ fn a_stored_copy_fits_half_a_kilobyte() {
 
 #[test]
 fn each_field_of_an_axis_is_checked() {
-    let cases: [(Change, AxisField); 26] = [
+    let cases: [(Change, AxisField); 29] = [
         (|s| s.axes[1].gear_ratio = 0.0, AxisField::GearRatio),
         (|s| s.axes[1].gear_ratio = f32::NAN, AxisField::GearRatio),
         (|s| s.axes[1].rotor_inertia = -1e-9, AxisField::RotorInertia),
@@ -50,6 +50,21 @@ fn each_field_of_an_axis_is_checked() {
         (
             |s| s.axes[1].coulomb_friction = f32::INFINITY,
             AxisField::CoulombFriction,
+        ),
+        (
+            |s| s.encoder_tables[1].shaft_ratio = f32::NAN,
+            AxisField::EncoderTable,
+        ),
+        (
+            |s| s.encoder_tables[1].shaft_ratio = 2e4,
+            AxisField::EncoderTable,
+        ),
+        (
+            |s| {
+                s.encoder_tables[1].shaft_ratio = -10.0;
+                s.encoder_tables[1].points[3][15] = -1073;
+            },
+            AxisField::EncoderTable,
         ),
         (|s| s.axes[1].encoder_counts = 0, AxisField::EncoderCounts),
         (

@@ -3,7 +3,8 @@
 use super::{Actuator, MissingMasses, Robot};
 use fivebar_firmware::Settings;
 use fivebar_firmware::settings::{
-    AxisSettings, ControlSettings, HomingSettings, LinkSettings, MotionSettings, ProtectionSettings,
+    AxisSettings, ControlSettings, EncoderTable, HomingSettings, LinkSettings, MotionSettings,
+    ProtectionSettings,
 };
 use fivebar_kinematics::dynamics::Arm;
 use fivebar_kinematics::five_bar::Side;
@@ -76,6 +77,7 @@ impl Robot {
                 command_timeout: single(protection.command_timeout),
             },
             tool_output: self.tool_output,
+            encoder_tables: actuators.map(|actuator| encoder_table(&actuator)),
         })
     }
 
@@ -190,6 +192,23 @@ impl Robot {
             current_zero_code: ZERO_CODE,
         }
     }
+}
+
+/// The correction of an encoder's known error.
+fn encoder_table(actuator: &Actuator) -> EncoderTable {
+    let error = actuator.encoder_error;
+    if error.is_zero() {
+        return EncoderTable::NONE;
+    }
+    let ratio = match actuator.encoder_side {
+        EncoderSide::Motor => actuator.gear_ratio,
+        EncoderSide::Joint => 1.0,
+    };
+    // Measured = true + error(true): the true angle by repeated insertion.
+    EncoderTable::new(single(ratio), |measured| {
+        let shaft = (0..100).fold(measured, |shaft, _| measured - error.at(shaft));
+        measured - shaft
+    })
 }
 
 /// A drive close to an ideal torque source: a frictionless direct drive without inertia that
