@@ -360,6 +360,13 @@ impl Builder<'_> {
                 _ => u32::from(self.image.half(place)?),
             };
             let target = origin + 2 * distance;
+            // Behind a jump whose table is elsewhere, constants follow after a NOP at most.
+            let is_padding = target == origin
+                && start != origin
+                && self.image.end_of_data(target + 2).is_some();
+            if is_padding {
+                return None;
+            }
             let is_code = (self.function.address..self.function.end).contains(&target)
                 && self.image.end_of_data(target).is_none();
             is_code.then_some(target)

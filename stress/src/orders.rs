@@ -294,10 +294,9 @@ fn section(bytes: &mut Bytes<'_>, settings: &Settings) -> Section {
             );
         }
         Section::ToolOutput(output) => *output = tool_output(which),
-        Section::EncoderTable(_, table) => {
-            change(bytes, &mut [&mut table.shaft_ratio]);
-            table.points[usize::from(which) % 4][usize::from(which / 4) % 16] =
-                i16::from_le_bytes([bytes.byte(), which]);
+        Section::EncoderShaft(_, ratio) => change(bytes, &mut [ratio]),
+        Section::EncoderPoints(_, points) => {
+            points[usize::from(which) % 16] = i16::from_le_bytes([bytes.byte(), which]);
         }
         Section::Homing(homing) => change(
             bytes,

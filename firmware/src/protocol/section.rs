@@ -1,10 +1,13 @@
 //! The settings in sections, each small enough for a frame.
 
 use crate::settings::{
-    AxisSettings, ControlSettings, EncoderTable, HomingSettings, LinkSettings, MotionSettings,
+    AxisSettings, ControlSettings, ENCODER_POINTS, HomingSettings, LinkSettings, MotionSettings,
     ProtectionSettings, Settings, ToolOutputSettings,
 };
 use serde::{Deserialize, Serialize};
+
+/// Sections that the points of an encoder's table take.
+const QUARTERS: usize = ENCODER_POINTS / 16;
 
 /// The key of a section.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -35,8 +38,10 @@ pub enum SectionKey {
     Homing,
     /// The output for a tool.
     ToolOutput,
-    /// The known error of a joint's encoder: 0 is joint 1, 1 is joint 4.
-    EncoderTable(u8),
+    /// The ratio of the shaft of an encoder with a known error: 0 is joint 1, 1 is joint 4.
+    EncoderShaft(u8),
+    /// A quarter of an encoder's known error: 0…3 are joint 1's, 4…7 joint 4's.
+    EncoderPoints(u8),
 }
 
 /// A section with its value; units as in [`Settings`].
@@ -68,13 +73,16 @@ pub enum Section {
     Homing(HomingSettings),
     /// [`Settings::tool_output`].
     ToolOutput(ToolOutputSettings),
-    /// One of [`Settings::encoder_tables`].
-    EncoderTable(u8, EncoderTable),
+    /// The ratio of one of [`Settings::encoder_tables`].
+    EncoderShaft(u8, f32),
+    /// A quarter of the points of one of [`Settings::encoder_tables`]: small, because the interrupt
+    /// that receives it moves it.
+    EncoderPoints(u8, [i16; 16]),
 }
 
 impl SectionKey {
     /// Every section. Together they are the whole settings.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 27] = [
         Self::Lengths,
         Self::Link(0),
         Self::Link(1),
@@ -92,8 +100,16 @@ impl SectionKey {
         Self::Assembly,
         Self::Homing,
         Self::ToolOutput,
-        Self::EncoderTable(0),
-        Self::EncoderTable(1),
+        Self::EncoderShaft(0),
+        Self::EncoderShaft(1),
+        Self::EncoderPoints(0),
+        Self::EncoderPoints(1),
+        Self::EncoderPoints(2),
+        Self::EncoderPoints(3),
+        Self::EncoderPoints(4),
+        Self::EncoderPoints(5),
+        Self::EncoderPoints(6),
+        Self::EncoderPoints(7),
     ];
 
     /// This section of `settings`; `None` if there is no such link or axis.
@@ -112,8 +128,14 @@ impl SectionKey {
             Self::Assembly => Section::Assembly(settings.assembly_left),
             Self::Homing => Section::Homing(settings.homing),
             Self::ToolOutput => Section::ToolOutput(settings.tool_output),
-            Self::EncoderTable(index) => {
-                Section::EncoderTable(index, *settings.encoder_tables.get(usize::from(index))?)
+            Self::EncoderShaft(index) => {
+                let table = settings.encoder_tables.get(usize::from(index))?;
+                Section::EncoderShaft(index, table.shaft_ratio)
+            }
+            Self::EncoderPoints(index) => {
+                let table = settings.encoder_tables.get(usize::from(index) / QUARTERS)?;
+                let points = table.points.get(usize::from(index) % QUARTERS)?;
+                Section::EncoderPoints(index, *points)
             }
         })
     }
@@ -138,8 +160,15 @@ impl Section {
             Self::Assembly(value) => settings.assembly_left = value,
             Self::Homing(value) => settings.homing = value,
             Self::ToolOutput(value) => settings.tool_output = value,
-            Self::EncoderTable(index, value) => {
-                *settings.encoder_tables.get_mut(usize::from(index))? = value;
+            Self::EncoderShaft(index, value) => {
+                let table = settings.encoder_tables.get_mut(usize::from(index))?;
+                table.shaft_ratio = value;
+            }
+            Self::EncoderPoints(index, value) => {
+                let table = settings
+                    .encoder_tables
+                    .get_mut(usize::from(index) / QUARTERS)?;
+                *table.points.get_mut(usize::from(index) % QUARTERS)? = value;
             }
         }
         Some(())
