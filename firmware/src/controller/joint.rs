@@ -107,7 +107,7 @@ impl Joint {
     /// The counted angle [rad]. Counts wrap; their wrapping difference from the origin is right.
     #[inline(always)]
     fn counted(&self, model: &AxisModel) -> f32 {
-        self.angle_at_origin + model.radians_per_count * self.from_origin() as f32
+        self.angle_at_origin + model.radians_per_count * self.turned() as f32
     }
 
     /// The latched counts.
@@ -117,7 +117,7 @@ impl Joint {
 
     /// Counts from the origin.
     #[inline(always)]
-    pub(crate) fn from_origin(&self) -> i32 {
+    pub(crate) fn turned(&self) -> i32 {
         self.counts.wrapping_sub(self.origin)
     }
 

@@ -61,7 +61,7 @@ impl Controller {
         ) else {
             return;
         };
-        if let Some(scale) = encoder.scale(joint.from_origin()) {
+        if let Some(scale) = encoder.scale(joint.turned()) {
             set(joint, axis, scale);
         }
     }
