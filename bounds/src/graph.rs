@@ -361,9 +361,8 @@ impl Builder<'_> {
             };
             let target = origin + 2 * distance;
             // Behind a jump whose table is elsewhere, constants follow after a NOP at most.
-            let is_padding = target == origin
-                && start != origin
-                && self.image.end_of_data(target + 2).is_some();
+            let is_padding =
+                target == origin && start != origin && self.image.end_of_data(target + 2).is_some();
             if is_padding {
                 return None;
             }

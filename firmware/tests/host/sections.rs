@@ -100,6 +100,9 @@ pub(crate) fn section() -> impl Strategy<Value = Section> {
             })
         }),
         tool_output().prop_map(Section::ToolOutput),
+        (any::<u8>(), number()).prop_map(|(index, ratio)| Section::EncoderShaft(index, ratio)),
+        (any::<u8>(), prop::array::uniform16(any::<i16>()))
+            .prop_map(|(index, points)| Section::EncoderPoints(index, points)),
     ]
 }
 
