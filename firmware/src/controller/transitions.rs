@@ -173,8 +173,7 @@ impl Controller {
     }
 
     /// Drops the path, and switches the tool off. The new path generation shows the planner that its plan is out of date.
-    #[cold]
-    #[inline(never)]
+    #[inline]
     pub(super) fn forget_path(&mut self) {
         self.path_generation = self.path_generation.wrapping_add(1);
         self.path.clear();

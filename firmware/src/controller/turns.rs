@@ -29,10 +29,12 @@ impl Controller {
             2 => self.change_gains(0),
             10 => self.change_gains(1),
             3 | 11 => self.correct_encoder(0, Joint::set_scale),
-            4 | 12 => self.watch_path(),
+            4 | 12 => self.pending_stop = self.stopping_fault(),
             5 | 13 => self.begin_pending_stop(),
             6 | 14 => self.latch_pending_stop(),
-            _ => self.correct_encoder(1, Joint::set_scale),
+            7 | 15 => self.correct_encoder(1, Joint::set_scale),
+            // There is no other number, so the machine code has no comparison for it.
+            _ => {}
         }
     }
 
@@ -92,20 +94,11 @@ impl Controller {
         }
     }
 
-    /// Looks for a fault that stops the arm on its path, and switches the tool off for it.
-    #[inline(always)]
-    fn watch_path(&mut self) {
-        self.pending_stop = self.stopping_fault();
-        if self.pending_stop.is_some() {
-            self.path.switch_tool_off();
-        }
-    }
-
-    /// Begins the stop for that fault.
+    /// Begins the stop for that fault, and switches the tool off.
     #[inline(always)]
     fn begin_pending_stop(&mut self) {
         if self.pending_stop.is_some() && self.moves() {
-            self.path.slow_down();
+            self.path.brake();
         }
     }
 

@@ -25,7 +25,7 @@ impl Scalar for f32 {
     fn sqrt(self) -> Self {
         square_root(self)
     }
-    #[inline]
+    #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
         sin_cos(self)
     }
@@ -82,7 +82,7 @@ impl Scalar for f32 {
 /// Beyond, the error is at most |x|·2⁻²³, the distance between neighbours of x. From 2²⁰ rad
 /// on, neighbours are an eighth of a radian apart: the result has no correct digit and may
 /// exceed 1. An infinite angle or NaN gives NaN.
-#[inline]
+#[inline(always)]
 fn sin_cos(x: f32) -> (f32, f32) {
     reduced(x).turned()
 }

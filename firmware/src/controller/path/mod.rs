@@ -209,12 +209,6 @@ impl Path {
     #[cold]
     pub(crate) fn brake(&mut self) {
         self.output.switch_off();
-        self.slow_down();
-    }
-
-    /// Begins a stop, as [`Self::brake`], the tool being off.
-    #[inline(always)]
-    pub(crate) fn slow_down(&mut self) {
         if self.brake.is_none() {
             let mut time = self.stopping_time;
             if self.queue.ends_in_motion() {
@@ -278,7 +272,7 @@ impl Path {
         if let Some(advance) = advance {
             time += advance;
         }
-        let mut ended = false;
+        let (mut ended, mut changes_tool) = (false, false);
         if time >= duration {
             for _ in 0..SEGMENTS_PER_TICK {
                 if self.queue.is_last() {
@@ -288,10 +282,7 @@ impl Path {
                 time -= duration;
                 self.queue.pass();
                 let first = self.queue.first()?;
-                // After the beginning of a stop the tool stays off.
-                if first.changes_tool && advance.is_none() {
-                    self.output.wake();
-                }
+                changes_tool |= first.changes_tool;
                 duration = first.queued.segment.duration();
                 if time < duration {
                     break;
@@ -300,6 +291,10 @@ impl Path {
             if time > duration {
                 // The path has ended, or waits for the next tick.
                 time = duration;
+            }
+            // After the beginning of a stop the tool stays off.
+            if changes_tool && advance.is_none() {
+                self.output.wake();
             }
             self.ticks = 0;
             self.offset = advance.map_or(time, |advance| time - advance);

@@ -102,6 +102,7 @@ impl PathOutput {
     }
 
     /// Takes the output of this tick, at the speed ṡ [m/s or rad/s].
+    #[inline(always)]
     pub(super) fn step(&mut self, output: &ToolOutput<f32>, s_dot: f32) {
         if output.per_speed == 0.0 {
             self.busy = self.busy.saturating_sub(1);
@@ -109,8 +110,8 @@ impl PathOutput {
         self.count = self.count.wrapping_add(1);
         let [new, old] = [self.count, self.count.wrapping_sub(self.delay)];
         if let Some(slot) = self.values.get_mut(new as usize % VALUES) {
-            // `as u32` saturates in one instruction, `as u16` in nine.
-            *slot = (output.at(s_dot) as u32).min(u32::from(ALWAYS)) as Share;
+            // As `i32` it saturates in two instructions, as `u16` in nine.
+            *slot = (output.at(s_dot) as i32).clamp(0, i32::from(ALWAYS)) as Share;
         }
         if let Some(&value) = self.values.get(old as usize % VALUES) {
             self.now = value;
