@@ -246,7 +246,7 @@ fn known_keys(text: &str) -> Vec<String> {
 #[test]
 fn the_file_explains_every_key_with_its_unit() {
     // Dimensionless numbers, and values that are not numbers.
-    const WITHOUT_UNIT: [&str; 15] = [
+    const WITHOUT_UNIT: [&str; 17] = [
         "name",
         "working_mode",
         "gear_ratio",
@@ -262,6 +262,8 @@ fn the_file_explains_every_key_with_its_unit() {
         "friction",
         "allowed",
         "kind",
+        "active_low",
+        "scale_with_speed",
     ];
     let text = Draft::new("arm").text();
     // The file with an unknown key at its top, and below each section's head.

@@ -49,6 +49,16 @@ const UNITS: &[(&str, &[(&str, &str)])] = &[
         ],
     ),
     (
+        "encoder_tables",
+        &[
+            ("shaft_ratio", "turns of the encoder per turn of the joint"),
+            (
+                "points",
+                "error of the encoder's shaft in units of ENCODER_UNIT",
+            ),
+        ],
+    ),
+    (
         "control",
         &[
             ("tick_rate", "Hz"),
