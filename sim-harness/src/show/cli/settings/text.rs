@@ -52,10 +52,7 @@ const UNITS: &[(&str, &[(&str, &str)])] = &[
         "encoder_tables",
         &[
             ("shaft_ratio", "turns of the encoder per turn of the joint"),
-            (
-                "points",
-                "error of the encoder's shaft in units of ENCODER_UNIT",
-            ),
+            ("points", "error of the shaft, in 1/32768 rad"),
         ],
     ),
     (
