@@ -3,7 +3,7 @@
 //! [`Monitor`]: crate::safety::Monitor
 
 use super::Controller;
-use super::tick::{ControlMode, Measurement};
+use super::tick::Measurement;
 use crate::io::SensorSample;
 use crate::safety::{Fault, State};
 
@@ -15,24 +15,25 @@ impl Controller {
         &self,
         sample: &SensorSample,
         measurement: &Measurement,
-        mode: ControlMode,
     ) -> Option<Fault> {
-        let monitor = &self.model.monitor;
         if let Some(fault) = self.unpowered_fault(sample, measurement.innovation) {
             return Some(fault);
         }
         if self.pending_off.is_some() {
             return self.pending_off;
         }
-        // A bridge's fault output means nothing while the bridge wakes up.
-        let awake = match mode {
-            ControlMode::Homing | ControlMode::Tracking => true,
-            ControlMode::Waking | ControlMode::Off => false,
-        };
         let [driver1, driver4] = sample.driver_fault;
-        if awake && (driver1 | driver4) {
+        if driver1 | driver4 {
             return Some(Fault::DriverFault);
         }
+        self.measured_fault(measurement)
+    }
+
+    /// The faults that the measured values show with the bridges on, also while these wake up and
+    /// their fault outputs mean nothing.
+    #[inline(always)]
+    pub(super) fn measured_fault(&self, measurement: &Measurement) -> Option<Fault> {
+        let monitor = &self.model.monitor;
         if monitor.over_current(measurement.current) {
             return Some(Fault::OverCurrent);
         }

@@ -71,20 +71,18 @@ impl Controller {
                 return self.off();
             }
         }
-        if !mode.is_powered() {
-            self.stay_off(sample, measurement.innovation);
-            return self.off();
+        if let ControlMode::Off | ControlMode::Waking = mode {
+            return match self.drive_nothing(sample, measurement, mode) {
+                true => self.waking(),
+                false => self.off(),
+            };
         }
-        if let Some(fault) = self.sampled_fault(sample, &measurement, mode) {
+        if let Some(fault) = self.sampled_fault(sample, &measurement) {
             self.power_off(fault);
             return self.off();
         }
         let torques = match mode {
-            ControlMode::Off => return self.off(),
-            ControlMode::Waking => {
-                self.wake();
-                return self.waking();
-            }
+            ControlMode::Off | ControlMode::Waking => return self.off(),
             ControlMode::Homing => self.home(sample),
             ControlMode::Tracking => self.track(),
         };
@@ -191,15 +189,22 @@ impl Controller {
         self.unpowered();
     }
 
-    /// A tick with the bridges off, in which the emergency stop and an encoder jump are faults. The
-    /// first tick takes its counts as the origin.
+    /// A tick with the bridges off, in which the emergency stop and an encoder jump are faults, or
+    /// one in which they wake up. Returns whether they are on after it. The first tick takes its
+    /// counts as the origin.
     #[inline(never)]
-    fn stay_off(&mut self, sample: &SensorSample, mut innovation: [f32; 2]) {
+    fn drive_nothing(
+        &mut self,
+        sample: &SensorSample,
+        mut measurement: Measurement,
+        mode: ControlMode,
+    ) -> bool {
         self.forget_rest();
         self.cool();
         if !self.begun {
             self.begun = true;
-            innovation = [0.0; 2];
+            measurement.innovation = [0.0; 2];
+            measurement.velocity = [0.0; 2];
             for ((joint, axis), counts) in self
                 .joints
                 .iter_mut()
@@ -209,9 +214,25 @@ impl Controller {
                 joint.begin(axis, counts);
             }
         }
-        match self.unpowered_fault(sample, innovation) {
-            Some(fault) => self.power_off(fault),
-            None => self.unpowered(),
+        let wakes = mode.is_powered();
+        let mut fault = self.unpowered_fault(sample, measurement.innovation);
+        if wakes {
+            fault = fault.or_else(|| self.measured_fault(&measurement));
+        }
+        match fault {
+            Some(fault) => {
+                self.power_off(fault);
+                false
+            }
+            None if wakes => {
+                self.waking = self.waking.saturating_sub(1);
+                self.release();
+                true
+            }
+            None => {
+                self.unpowered();
+                false
+            }
         }
     }
 
@@ -221,16 +242,6 @@ impl Controller {
         self.waking = self.model.wake_up_ticks;
         self.release();
         self.path.switch_tool_off();
-    }
-
-    /// The bridges wake up.
-    #[cold]
-    #[inline(never)]
-    fn wake(&mut self) {
-        self.waking = self.waking.saturating_sub(1);
-        self.forget_rest();
-        self.cool();
-        self.release();
     }
 
     /// Bridges off, brake on, tool off.

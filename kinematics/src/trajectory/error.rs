@@ -72,11 +72,14 @@ pub struct PathError<S> {
 /// let mut planner = LookaheadPlanner::<f64, 4>::new();
 /// let place = Vector2::new(0.04, 0.18); // m
 /// assert_eq!(planner.push_dwell(place, -1.0, 0), Err(PushError::NotFinite));
-/// while planner.has_free_slot() {
-///     planner.push_dwell(place, 0.5, 1)?; // s
-/// }
-/// assert_eq!(planner.push_dwell(place, 0.5, 2), Err(PushError::Full));
-/// # Ok::<(), PushError>(())
+/// let mut dwells = 0;
+/// let refusal = loop {
+///     match planner.push_dwell(place, 0.5, 1) { // s
+///         Ok(()) => dwells += 1,
+///         Err(error) => break error,
+///     }
+/// };
+/// assert_eq!((dwells, refusal), (4, PushError::Full));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
