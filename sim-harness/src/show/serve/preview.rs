@@ -91,7 +91,8 @@ impl Preview {
     pub(super) fn job(&self, name: &str, job: &Job, moves: &[Move], start: JobStart) -> JobMessage {
         let mut message = JobMessage {
             name: name.into(),
-            moves: moves.len(),
+            // Without the approach, which is the program's own and has no line.
+            moves: moves.iter().filter(|next| next.tag > 0).count(),
             ..JobMessage::default()
         };
         let Some(mut from) = start.tool else {
