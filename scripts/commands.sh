@@ -71,17 +71,23 @@ fail() {
     exit 1
 }
 
+# Starts a command that listens, and waits at most 10 s for a line with this pattern in its log.
+start_server() {
+    local command=$1 pattern=$2 log=$3
+    $command --listen 127.0.0.1:0 >"$log" 2>&1 </dev/null &
+    server=$!
+    trap 'kill "$server" 2>/dev/null || true' EXIT
+    for _ in $(seq 100); do
+        grep -q "$pattern" "$log" && break
+        sleep 0.1
+    done
+}
+
 # Starts the server, requests its page by the printed link, which must come within 10 s, and stops
 # the server. The link's token becomes a cookie.
 serve() {
     local place=$1 address token reply
-    $2 --listen 127.0.0.1:0 >serve.log 2>&1 </dev/null &
-    server=$!
-    trap 'kill "$server" 2>/dev/null || true' EXIT
-    for _ in $(seq 100); do
-        grep -q 'is at http' serve.log && break
-        sleep 0.1
-    done
+    start_server "$2" 'is at http' serve.log
     address=$(sed -n 's|.* is at http://\([^/]*\)/.*|\1|p' serve.log)
     token=$(sed -n 's|.*?token=||p' serve.log)
     [ -n "$address" ] && [ -n "$token" ] || fail "$place: no page within 10 s: $(cat serve.log)"
@@ -98,13 +104,7 @@ serve() {
 # Starts the bridge, asks for its version at the printed address, and stops it.
 bridge() {
     local place=$1 address reply
-    $2 --listen 127.0.0.1:0 >bridge.log 2>&1 </dev/null &
-    server=$!
-    trap 'kill "$server" 2>/dev/null || true' EXIT
-    for _ in $(seq 100); do
-        grep -q '^127' bridge.log && break
-        sleep 0.1
-    done
+    start_server "$2" '^127' bridge.log
     address=$(sed -n 's|^\(127[0-9.:]*\) .*|\1|p' bridge.log)
     [ -n "$address" ] || fail "$place: no address within 10 s: $(cat bridge.log)"
     exec 3<>"/dev/tcp/${address%:*}/${address#*:}"

@@ -1,6 +1,7 @@
 //! The commands of the program `fivebar`, run as a user runs them.
 
 mod accuracy;
+mod bench;
 mod by_cause;
 mod calibrate;
 mod clearance;

@@ -1,32 +1,12 @@
 //! Where a job is drawn: by itself, by --fit, and what a refusal advises.
 
+use crate::bench::Bench;
 use serde_json::Value;
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Stdio};
 
 const PETAL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/jobs/petal.gcode");
 
-struct Bench(tempfile::TempDir);
-
 impl Bench {
-    fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
-
-    fn file(&self, name: &str, text: &str) -> String {
-        let path = self.0.path().join(name);
-        std::fs::write(&path, text).unwrap();
-        path.to_str().unwrap().into()
-    }
-
-    fn sim(&self, arguments: &[&str]) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_fivebar"))
-            .arg("sim")
-            .args(arguments)
-            .current_dir(self.0.path())
-            .output()
-            .unwrap()
-    }
-
     /// Runs a job to its end; returns its figures and what it says on the standard error.
     #[track_caller]
     fn drawn(&self, arguments: &[&str]) -> (Value, String) {
@@ -49,7 +29,7 @@ impl Bench {
 
     /// Extent of what was drawn in the last run [m].
     fn extent(&self) -> [[f64; 2]; 2] {
-        let trace = std::fs::read_to_string(self.0.path().join("out/sim/trace.csv")).unwrap();
+        let trace = std::fs::read_to_string(self.path("out/sim/trace.csv")).unwrap();
         let mut lines = trace.lines();
         let header: Vec<&str> = lines.next().unwrap().split(',').collect();
         let column = |name: &str| header.iter().position(|it| *it == name).unwrap();
@@ -231,7 +211,7 @@ fn a_job_comes_from_the_standard_input() {
     let bench = Bench::new();
     let mut child = Command::new(env!("CARGO_BIN_EXE_fivebar"))
         .args(["sim", "-", "--json"])
-        .current_dir(bench.0.path())
+        .current_dir(bench.path(""))
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .spawn()
@@ -262,15 +242,15 @@ fn names_close_to_a_mistyped_one_are_told() {
 fn nothing_of_another_run_stays_beside_new_results() {
     let bench = Bench::new();
     bench.drawn(&[PETAL, "--out", "mine"]);
-    let own = bench.0.path().join("mine/notes.csv");
+    let own = bench.path("mine/notes.csv");
     std::fs::write(&own, "my own").unwrap();
     let linkage = Command::new(env!("CARGO_BIN_EXE_fivebar"))
         .args(["linkage", "four_bar", "--out", "mine"])
-        .current_dir(bench.0.path())
+        .current_dir(bench.path(""))
         .output()
         .unwrap();
     assert!(linkage.status.success());
-    let files = std::fs::read_dir(bench.0.path().join("mine")).unwrap();
+    let files = std::fs::read_dir(bench.path("mine")).unwrap();
     let mut names: Vec<_> = files.map(|file| file.unwrap().file_name()).collect();
     names.sort();
     assert_eq!(

@@ -1,41 +1,14 @@
 //! The command `fivebar sim`: its accuracy, output, files and errors.
 
+use crate::bench::Bench;
 use serde_json::Value;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
+use std::process::Output;
 
 const PETAL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/jobs/petal.gcode");
 const SCENARIOS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios");
 
-/// A temporary folder for one test.
-struct Bench(tempfile::TempDir);
-
 impl Bench {
-    fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    /// Writes a file and returns its path.
-    fn file(&self, name: &str, text: &str) -> String {
-        let path = self.path(name);
-        std::fs::write(&path, text).unwrap();
-        path.to_str().unwrap().into()
-    }
-
-    /// Runs `fivebar sim` in the folder.
-    fn sim(&self, arguments: &[&str]) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_fivebar"))
-            .arg("sim")
-            .args(arguments)
-            .current_dir(self.0.path())
-            .output()
-            .unwrap()
-    }
-
     /// Asserts that the command is refused with `status` and a message that contains these
     /// words, and that it writes nothing.
     #[track_caller]

@@ -1,30 +1,13 @@
 //! Codes that change nothing here, codes that are refused because they would change the drawing,
 //! and the words of the tool.
 
+use crate::placed::{AS_WRITTEN, job, refusal};
 use fivebar::input::job::{
-    self, Action, Dialect, GcodeError, Job, JobError, JobOptions, Placement, ToolWords, WarningKind,
+    self, Action, Dialect, GcodeError, Job, JobOptions, Placement, ToolWords, WarningKind,
 };
-
-const AS_WRITTEN: Placement = Placement {
-    origin: [0.0, 0.0],
-    scale: 1.0,
-    turn: 0.0,
-    home: [0.05, 0.2],
-};
-
-fn job(text: &str) -> Job {
-    Job::parse(text, &AS_WRITTEN).unwrap_or_else(|refusal| panic!("{text}\n{refusal}"))
-}
 
 fn with(options: JobOptions, text: &str) -> Job {
     Job::parse_with(text, &AS_WRITTEN, &options).unwrap_or_else(|refusal| panic!("{refusal}"))
-}
-
-fn refusal(text: &str) -> (u32, GcodeError) {
-    match Job::parse(text, &AS_WRITTEN) {
-        Err(JobError::Line { line, reason, .. }) => (line, reason),
-        other => panic!("{text:?} gave {other:?}"),
-    }
 }
 
 fn levels(job: &Job) -> Vec<f64> {

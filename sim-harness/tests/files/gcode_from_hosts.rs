@@ -1,25 +1,8 @@
 //! G-code as common programs write it: with line numbers, checksums and old encodings.
 
-use fivebar::input::job::{self, GcodeError, Job, JobError, Placement};
+use crate::placed::{AS_WRITTEN, job, refusal};
+use fivebar::input::job::{self, GcodeError, Job};
 use proptest::prelude::*;
-
-const AS_WRITTEN: Placement = Placement {
-    origin: [0.0, 0.0],
-    scale: 1.0,
-    turn: 0.0,
-    home: [0.05, 0.2],
-};
-
-fn job(text: &str) -> Job {
-    Job::parse(text, &AS_WRITTEN).unwrap_or_else(|refusal| panic!("{text}\n{refusal}"))
-}
-
-fn refusal(text: &str) -> (u32, GcodeError) {
-    match Job::parse(text, &AS_WRITTEN) {
-        Err(JobError::Line { line, reason, .. }) => (line, reason),
-        other => panic!("{text:?} gave {other:?}"),
-    }
-}
 
 /// A line with its checksum, as hosts of the RepRap family send it.
 fn with_checksum(line: &str) -> String {

@@ -1,32 +1,15 @@
 //! The G-code reader: the steps of each code, the errors for unsupported text, and random texts,
 //! on which it must not panic.
 
+use crate::placed::{AS_WRITTEN, job, refusal};
 use fivebar::input::job::{
     Action, GcodeError, Job, JobError, JobOptions, Placement, Step, ToolWords,
 };
 use proptest::prelude::*;
 use std::fmt::Write as _;
 
-const AS_WRITTEN: Placement = Placement {
-    origin: [0.0, 0.0],
-    scale: 1.0,
-    turn: 0.0,
-    home: [0.05, 0.2],
-};
-
-fn job(text: &str) -> Job {
-    Job::parse(text, &AS_WRITTEN).unwrap_or_else(|refusal| panic!("{refusal}"))
-}
-
 fn steps(text: &str) -> Vec<Step> {
     job(text).steps
-}
-
-fn refusal(text: &str) -> (u32, GcodeError) {
-    match Job::parse(text, &AS_WRITTEN) {
-        Err(JobError::Line { line, reason, .. }) => (line, reason),
-        other => panic!("{text:?} gave {other:?}"),
-    }
 }
 
 fn ends(text: &str) -> Vec<[f64; 2]> {

@@ -8,6 +8,7 @@ mod gcode_corpus;
 mod gcode_from_hosts;
 mod gcode_jobs;
 mod linkage_files;
+mod placed;
 mod robot_files;
 mod robot_values;
 mod svg_jobs;

@@ -1,0 +1,34 @@
+//! `fivebar sim`, run in a folder of its own.
+
+use std::path::PathBuf;
+use std::process::{Command, Output};
+
+/// A temporary folder in which `fivebar sim` is run.
+pub(crate) struct Bench(tempfile::TempDir);
+
+impl Bench {
+    pub(crate) fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    /// Writes a file and returns its path.
+    pub(crate) fn file(&self, name: &str, text: &str) -> String {
+        let path = self.path(name);
+        std::fs::write(&path, text).unwrap();
+        path.to_str().unwrap().into()
+    }
+
+    /// Runs `fivebar sim` in the folder.
+    pub(crate) fn sim(&self, arguments: &[&str]) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_fivebar"))
+            .arg("sim")
+            .args(arguments)
+            .current_dir(self.0.path())
+            .output()
+            .unwrap()
+    }
+}
