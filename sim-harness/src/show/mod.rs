@@ -10,6 +10,8 @@ pub mod export;
 pub mod files;
 pub mod pages;
 #[cfg(feature = "program")]
+mod path_queue;
+#[cfg(feature = "program")]
 pub mod picture;
 pub mod report;
 #[cfg(feature = "program")]

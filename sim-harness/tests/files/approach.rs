@@ -52,3 +52,25 @@ fn the_joints_move_where_a_straight_way_would_leave_the_workspace() {
     }
     assert!(by_joints >= 3, "{by_joints} places");
 }
+
+#[test]
+fn a_job_from_a_line_on_stays_in_place_and_goes_there_with_the_tool_up() {
+    let text = "G21 G90 F600\nM3\nG1 X10\nG1 Y10\nM0\nG1 X0\n";
+    let mut scenario = scenario(text, [0.04, 0.2]);
+    let whole = scenario.job().unwrap();
+    scenario.from_line = Some(4);
+    let job = scenario.job().unwrap();
+    let way = job.steps[0];
+    assert_eq!(
+        (way.line, way.tool, way.action.end()),
+        (0, 0.0, Some([0.05, 0.2]))
+    );
+    assert_eq!(job.steps[1..], whole.steps[whole.steps.len() - 2..]);
+    assert_eq!(job.stops[0].before, 2, "behind the way and line 4");
+    scenario.from_line = Some(7);
+    let refusal = scenario.job().unwrap_err().to_string();
+    assert!(
+        refusal.contains("no motion at or behind line 7"),
+        "{refusal}"
+    );
+}

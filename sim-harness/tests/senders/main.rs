@@ -309,3 +309,30 @@ fn the_pseudo_terminal_takes_a_sender_too() {
         std::thread::sleep(Duration::from_millis(300));
     }
 }
+
+#[test]
+fn the_feed_rate_changes_within_a_second_and_a_half_of_the_override() {
+    let bridge = Bridge::start();
+    let mut sender = bridge.connect();
+    assert_eq!(sender.ask("$H").split(' ').next_back(), Some("ok"));
+    sender.send("G21 G91\nG1 X60 F600\n");
+    let pace = |sender: &mut Sender| {
+        let (before, then) = (sender.report().1[0], Instant::now());
+        std::thread::sleep(Duration::from_millis(500));
+        (sender.report().1[0] - before) / then.elapsed().as_secs_f64()
+    };
+    std::thread::sleep(Duration::from_millis(500));
+    let whole = pace(&mut sender);
+    for byte in [b"\x92"; 5] {
+        sender.stream.write_all(byte).expect("a bridge that reads");
+    }
+    std::thread::sleep(Duration::from_millis(1500));
+    let half = pace(&mut sender);
+    // A busy machine slows both down.
+    assert!(
+        (0.4..0.6).contains(&(half / whole)),
+        "{whole} mm/s, then {half} mm/s"
+    );
+    sender.send("?");
+    while !sender.line().contains("|Ov:50,100,100>") {}
+}

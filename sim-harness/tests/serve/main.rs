@@ -4,6 +4,7 @@
 
 mod hostile;
 mod lost_page;
+mod own_job;
 mod port;
 mod program;
 mod soak;

@@ -266,6 +266,37 @@ impl Job {
         lengths.collect()
     }
 
+    /// The job from this line on, or from this stroke of a drawing. The tool first goes, up, to where
+    /// it would be there. None if no step is left.
+    pub fn starting_at(&self, line: u32) -> Option<Self> {
+        let line = if self.is_drawing {
+            line.saturating_mul(2).saturating_sub(1)
+        } else {
+            line
+        };
+        let first = self.steps.iter().position(|step| step.line >= line)?;
+        let (before, rest) = self.steps.split_at(first);
+        let place = before.iter().rev().find_map(|step| step.action.end());
+        let way = place.map(|to| Step {
+            line: 0,
+            tool: 0.0,
+            action: Action::Line { to, feed: None },
+        });
+        let stops = self.stops.iter().filter(|stop| stop.before >= first);
+        let shift = first - usize::from(way.is_some());
+        Some(Self {
+            steps: way.into_iter().chain(rest.iter().copied()).collect(),
+            stops: stops
+                .map(|stop| Stop {
+                    before: stop.before - shift,
+                    ..stop.clone()
+                })
+                .collect(),
+            warnings: self.warnings.clone(),
+            ..*self
+        })
+    }
+
     /// Whether the moves of a line draw.
     pub fn draws(&self, line: u32) -> bool {
         let first = self.steps.partition_point(|step| step.line < line);

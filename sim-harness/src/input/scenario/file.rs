@@ -104,6 +104,7 @@ impl Scenario {
             scale: file.scale,
             turn: 0.0,
             anywhere: false,
+            from_line: None,
             options: JobOptions::default(),
             seed: file.seed,
             mismatch: file.mismatch,

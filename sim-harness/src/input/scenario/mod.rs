@@ -32,6 +32,9 @@ pub struct Scenario {
     /// Whether a job without an origin may be longer than the largest clear page: it then lies along
     /// the edge of the reach.
     pub anywhere: bool,
+    /// The first line of the job that is done, or the first stroke of a drawing; none: the first of
+    /// all. The place is that of the whole job.
+    pub from_line: Option<u32>,
     /// How the job is read where its text leaves it open.
     pub options: JobOptions,
     /// Seed of all pseudo-random numbers of the run.
@@ -73,6 +76,14 @@ pub enum ScenarioError {
         /// The error.
         error: JobError,
     },
+    /// The job has no motion from this line on.
+    #[error("{file} has no motion at or behind line {line}, where it is to start")]
+    FromLine {
+        /// The job's file.
+        file: String,
+        /// The line.
+        line: u32,
+    },
     /// The robot has no home pose.
     #[error(transparent)]
     HomeError(#[from] HomeError),
@@ -90,6 +101,7 @@ impl Scenario {
             scale: 1.0,
             turn: 0.0,
             anywhere: false,
+            from_line: None,
             options: JobOptions::default(),
             seed: 1,
             mismatch: Mismatch::default(),

@@ -2,7 +2,7 @@
 
 use super::connection::{Event, Outlet};
 use super::machine::{Machine, Phase};
-use super::protocol::{Engine, Input, RealTime};
+use super::protocol::{Engine, FeedChange, Input, RealTime};
 use super::sender::Sender;
 use crate::input::job::Dialect;
 use crate::run::link::LinkError;
@@ -122,6 +122,13 @@ impl Machine<'_> {
                 Phase::Hold { rests: false } => self.goes_on = true,
                 Phase::Ready | Phase::Homing | Phase::Dropping => {}
             },
+            RealTime::Feed(change) => {
+                let share = match change {
+                    FeedChange::To(share) => share,
+                    FeedChange::By(by) => (100.0 * self.path.feed()).round() as i32 + by,
+                };
+                self.path.set_feed(share as f32 / 100.0);
+            }
             RealTime::CancelJog if self.jogs => self.stop_and_drop()?,
             RealTime::CancelJog => {}
             // `stop_if_asked` has done it.

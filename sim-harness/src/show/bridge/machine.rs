@@ -4,12 +4,12 @@ use super::BridgeOptions;
 use super::connection::{Event, Shared};
 use super::log::PathLog;
 use super::orders::Progress;
-use super::path::PathQueue;
 use super::protocol::{Engine, MachineState, Refusal, Response, View};
 use super::sender::Sender;
 use crate::input::job::{Dialect, JobOptions, Placement};
 use crate::run::link::{Client, LinkError};
 use crate::run::simulation::fault_name;
+use crate::show::path_queue::{PathQueue, way_back};
 use crate::show::serve::ServeError;
 use crate::show::serve::command_error::sentence;
 use crate::show::serve::source::{Connection, Opened, SteppedArm};
@@ -196,7 +196,7 @@ impl<'a> Machine<'a> {
             Phase::Hold { rests: false } if rests => {
                 if let (Some(begun), Some(rest)) = (self.held_at.take(), self.status.reference) {
                     let speed = self.settings.motion.max_speed;
-                    self.path.resume_from(begun, rest, speed);
+                    self.path.resume_from(begun, way_back(rest, begun, speed));
                 }
                 self.phase = Phase::Hold { rests: true };
                 if self.goes_on {
@@ -207,9 +207,9 @@ impl<'a> Machine<'a> {
                 self.phase = Phase::Ready;
                 self.drop_path();
             }
-            Phase::Ready if is_idle && self.path.is_accepted() => {
+            Phase::Ready if is_idle => {
                 self.path.finish();
-                self.jogs = false;
+                self.jogs &= !self.path.is_accepted();
             }
             Phase::Ready | Phase::Homing | Phase::Hold { .. } | Phase::Dropping => {}
         }
@@ -269,7 +269,11 @@ impl<'a> Machine<'a> {
                     };
                     self.path.drop_waiting();
                     if let Some(sender) = &mut self.sender {
-                        sender.refuse(&Refusal::new(15, why));
+                        if sender.current.is_some() {
+                            sender.refuse(&Refusal::new(15, why));
+                        } else {
+                            sender.outlet.send(&Engine::note(sender.dialect, &why));
+                        }
                     }
                     return Ok(());
                 }
@@ -375,6 +379,7 @@ impl<'a> Machine<'a> {
             tool: self.status.tool.map(|tool| tool.map(f64::from)),
             speed: self.speed.2,
             level: f64::from(self.status.tool_level),
+            feed: f64::from(self.path.feed()),
             room: self.room,
             waiting: self.sender.as_ref().map_or(0, |sender| sender.waiting),
         }

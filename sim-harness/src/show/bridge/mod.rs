@@ -3,15 +3,14 @@
 //! | module | content |
 //! |---|---|
 //! | `protocol` | from text to orders and answers, without input or output |
-//! | `path` | the moves on their way, and what remains of them after a stop |
 //! | `connection` | senders over TCP and at a pseudo-terminal, a thread each way |
 //! | `sender` | the sender in control: its lines, and the answers to them |
 //! | `machine`, `events` | the thread of the controller: stops at once, lines in order, reports |
 //! | `log` | the arm's path as a table |
 //! | `orders` | what each order of a line does |
 //!
-//! A line is answered when the controller has accepted its moves, so a sender waits while the
-//! controller's queue is full. Stops, reports and the way on pass the waiting lines, and an
+//! A line is answered when few of its moves wait for the controller, so a sender waits while the
+//! controller has enough. Stops, reports and the way on pass the waiting lines, and an
 //! emergency stop passes the queue of events too: the machine looks for it before each exchange
 //! with the controller.
 
@@ -20,7 +19,6 @@ mod events;
 mod log;
 mod machine;
 mod orders;
-mod path;
 mod protocol;
 mod sender;
 

@@ -9,6 +9,8 @@ use fivebar_firmware::{Move, Request};
 
 /// Grbl's number for a target out of reach.
 const OUT_OF_REACH: u8 = 15;
+/// Moves that wait for the controller while further lines are answered.
+const WAITING: usize = 16;
 
 /// How far an order is done.
 pub(super) enum Progress {
@@ -24,7 +26,7 @@ impl Machine<'_> {
         match order {
             Order::Moves(moves) => self.add(&moves, false),
             Order::Jog(moves) => self.add(&moves, true),
-            Order::Accepted if self.phase == Phase::Ready && self.path.is_accepted() => {
+            Order::Accepted if self.phase == Phase::Ready && self.path.waiting() < WAITING => {
                 Ok(Progress::Done)
             }
             Order::Finish if self.rests() => Ok(Progress::Done),
@@ -56,7 +58,7 @@ impl Machine<'_> {
 
     /// Adds moves to the path, if the controller will accept all of them. The first one arms.
     fn add(&mut self, moves: &[Move], is_jog: bool) -> Result<Progress, LinkError> {
-        if self.phase != Phase::Ready || !self.path.is_accepted() {
+        if self.phase != Phase::Ready || self.path.waiting() >= WAITING {
             return Ok(Progress::Waits);
         }
         if let Some(fault) = self.status.fault {

@@ -36,6 +36,10 @@ pub(super) struct JobArgs {
     /// --rotate only a scale and a place.
     #[arg(long, conflicts_with = "origin")]
     fit: bool,
+    /// Start at this line of the job, or at this stroke of an SVG: the tool goes there without
+    /// drawing what comes before.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    from_line: Option<u32>,
     #[command(flatten)]
     reading: ReadingArgs,
 }
@@ -128,6 +132,7 @@ impl JobArgs {
         scenario.origin = self.origin.or(scenario.origin);
         scenario.turn = self.rotate.unwrap_or(scenario.turn);
         scenario.options = self.reading.options();
+        scenario.from_line = self.from_line;
         match self.scale {
             Some(scale) => scenario.scale = scale,
             None if self.fit => {}

@@ -23,6 +23,7 @@ use fivebar_firmware::protocol::{CommandError, HostCommand, Reply};
 use fivebar_firmware::safety::{self, Fault};
 use fivebar_firmware::settings::CheckedSettings;
 use fivebar_firmware::{Request, Status};
+use fivebar_kinematics::five_bar::Side;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -51,8 +52,12 @@ pub(super) struct ControllerThread {
     sent_fault: Option<Option<Fault>>,
     pub(super) jobs: JobThread,
     pub(super) loaded: Option<LoadedJob>,
-    /// The page that wants the job to run as soon as it is read and checked.
-    pub(super) run_asked_by: Option<PageId>,
+    /// The page that wants the job to run from this line as soon as it is read and checked.
+    pub(super) run_asked_by: Option<(PageId, u32)>,
+    /// Whether the job runs on when no page is in control.
+    pub(super) run_on: bool,
+    /// The arm's working mode where the job began.
+    pub(super) job_elbows: Option<[Side; 2]>,
     speed: SpeedMeter,
 }
 
@@ -96,6 +101,8 @@ impl ControllerThread {
             sent_fault: None,
             loaded: None,
             run_asked_by: None,
+            run_on: false,
+            job_elbows: None,
             speed: SpeedMeter::from(0.0, Instant::now()),
         })
     }
@@ -118,6 +125,8 @@ impl ControllerThread {
         while let Some(sample) = self.client.take_telemetry() {
             let homed = sample.status.homed && !self.status.homed;
             self.status = sample.status;
+            let job = self.feeder.follow(&sample.status);
+            self.report_job(job);
             if homed {
                 self.check_job_again();
             }
@@ -150,7 +159,11 @@ impl ControllerThread {
                 break;
             };
             asked = true;
-            self.feeder.clear();
+            let was_running = self.feeder.is_running();
+            self.feeder.stop();
+            if was_running {
+                self.report_job(JobStatus::Held);
+            }
             self.run_asked_by = None;
             let answer = self.client.command(HostCommand::Request(stop.into()))?;
             if let Err(refusal) = answer {
@@ -160,13 +173,36 @@ impl ControllerThread {
         Ok(asked)
     }
 
-    /// Drops moves and job of a page that is no longer in control.
+    /// Drops the moves of a page that is no longer in control. Its job keeps its place, or goes on
+    /// if it was told to.
     fn drop_moves_of_a_lost_page(&mut self) {
         let holder = self.pages.shared.lease.holder();
         if holder != self.controlled_by {
             self.controlled_by = holder;
-            self.feeder.clear();
             self.run_asked_by = None;
+            if self.runs_on() {
+                self.feeder.drop_target();
+            } else {
+                self.feeder.leave();
+            }
+        }
+    }
+
+    /// Whether a job runs that goes on without a page in control.
+    pub(super) fn runs_on(&self) -> bool {
+        self.run_on && self.feeder.is_running()
+    }
+
+    fn report_job(&self, status: JobStatus) {
+        match status {
+            JobStatus::Unchanged => {}
+            JobStatus::Finished => self.notice("The job is done."),
+            JobStatus::Held => {
+                let line = self.feeder.line().unwrap_or_default();
+                self.notice(&format!(
+                    "The job has stopped at line {line} and can be resumed there."
+                ));
+            }
         }
     }
 
@@ -178,13 +214,13 @@ impl ControllerThread {
     }
 
     /// Whether the host may send to the controller now: only while the page in control gives
-    /// signs of life, and after the stops that pages have asked for.
+    /// signs of life or a job runs on without one, and after the stops that pages have asked for.
     fn may_feed(&mut self) -> Result<bool, LinkError> {
         if self.stop_if_asked()? {
             return Ok(false);
         }
         self.drop_moves_of_a_lost_page();
-        Ok(self.pages.shared.lease.is_alive(Instant::now()))
+        Ok(self.runs_on() || self.pages.shared.lease.is_alive(Instant::now()))
     }
 
     /// Gives the controller a sign of life and the moves that wait.
@@ -193,11 +229,8 @@ impl ControllerThread {
             return Ok(());
         }
         let (status, mut room) = self.client.status()?;
-        match self.feeder.update(&status, room) {
-            JobStatus::Unchanged => {}
-            JobStatus::Finished => self.notice("The job is done."),
-            JobStatus::Cancelled => self.notice("The rest of the job is cancelled."),
-        }
+        let job = self.feeder.update(&status, room);
+        self.report_job(job);
         while self.may_feed()? {
             let Some(next) = self.feeder.next(room) else {
                 break;
@@ -267,8 +300,12 @@ impl ControllerThread {
                     })));
             }
         }
-        let status = &self.status;
-        let time = f64::from(status.tick) / f64::from(self.settings.control.tick_rate);
+        // Pages know moves by the lines of the job.
+        let mut status = self.status;
+        status.tag = status.tag.and_then(|_| self.feeder.line());
+        let status = &status;
+        let tick_rate = f64::from(self.settings.control.tick_rate);
+        let time = f64::from(status.tick) / tick_rate;
         let now = Instant::now();
         let pose = self.preview.pose(status);
         let lease = &self.pages.shared.lease;
@@ -281,6 +318,10 @@ impl ControllerThread {
             control: lease.holder(),
             alive: lease.is_alive(now),
             progress: self.feeder.progress(),
+            left: self.feeder.left(tick_rate),
+            held: self.feeder.held().and_then(|_| self.feeder.line()),
+            run_on: self.run_on,
+            feed: self.feeder.feed(),
         }));
         Ok(())
     }

@@ -6,6 +6,7 @@ use super::preview::{JobStart, Preview};
 use crate::input::job::Job;
 use crate::input::robot::Robot;
 use crate::input::scenario::Scenario;
+use crate::show::path_queue::{divided, duration, end};
 use fivebar_firmware::Move;
 use std::sync::{Arc, Condvar, Mutex, PoisonError, mpsc};
 use std::thread;
@@ -15,7 +16,30 @@ use tokio_tungstenite::tungstenite::Utf8Bytes;
 pub(super) struct ParsedJob {
     name: String,
     job: Job,
-    pub(super) moves: Vec<Move>,
+    moves: Vec<Move>,
+    /// The moves in pieces short enough for a new share of the feed rate to take effect soon.
+    pub(super) pieces: Vec<Move>,
+    /// The time from the start to the end of each piece, at its feed rate [s].
+    pub(super) times: Vec<f64>,
+}
+
+impl ParsedJob {
+    fn new(name: String, job: Job, moves: Vec<Move>) -> Self {
+        let pieces = divided(None, &moves);
+        let (mut place, mut time) = (None, 0.0);
+        let times = pieces.iter().map(|next| {
+            time += duration(place, next);
+            place = end(next).or(place);
+            time
+        });
+        Self {
+            times: times.collect(),
+            pieces,
+            name,
+            job,
+            moves,
+        }
+    }
 }
 
 /// What the thread is to do.
@@ -169,11 +193,10 @@ fn prepare(robot: &Robot, preview: &Preview, work: Work, start: JobStart) -> Pre
             let name = brief(name);
             let scenario = Scenario::new(&name, robot.clone(), &name, text);
             match scenario.job() {
-                Ok(job) => Arc::new(ParsedJob {
-                    moves: scenario.moves(&job),
-                    name,
-                    job,
-                }),
+                Ok(job) => {
+                    let moves = scenario.moves(&job);
+                    Arc::new(ParsedJob::new(name, job, moves))
+                }
                 Err(error) => {
                     let refusal = Some(brief(error.to_string()));
                     let message = JobMessage {

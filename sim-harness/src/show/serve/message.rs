@@ -54,6 +54,14 @@ pub(super) enum ClientRequest {
     },
     /// Run the loaded job.
     Run,
+    /// Run it from this line on.
+    RunFrom(u32),
+    /// Go on with the job at the place where it was stopped.
+    Resume,
+    /// Whether the job runs on when no page is in control.
+    RunOn(bool),
+    /// The share of the job's feed rates.
+    Feed(f64),
 }
 
 /// A driven joint.
@@ -137,8 +145,16 @@ pub(super) struct StateMessage<'a> {
     pub(super) control: Option<PageId>,
     /// Whether that page is alive.
     pub(super) alive: bool,
-    /// Moves of the running job that the controller has accepted, and all its moves.
-    pub(super) progress: Option<[usize; 2]>,
+    /// The time of the begun job that has passed, and its whole time, at its feed rates [s].
+    pub(super) progress: Option<[f64; 2]>,
+    /// The time that the running job still takes, estimated [s].
+    pub(super) left: Option<f64>,
+    /// The line at which a stopped job can go on.
+    pub(super) held: Option<u32>,
+    /// Whether the job runs on when no page is in control.
+    pub(super) run_on: bool,
+    /// The share of the job's feed rates.
+    pub(super) feed: f32,
 }
 
 /// A fault by name, with the snapshot of the tick that raised it.
@@ -201,7 +217,7 @@ mod tests {
     fn every_request_in_the_document_is_read_and_every_kind_has_an_example() {
         let (_, rest) = DOCUMENT.split_once("```json\n").unwrap();
         let (examples, _) = rest.split_once("```").unwrap();
-        let mut seen = [false; 9];
+        let mut seen = [false; 13];
         for example in examples.lines() {
             let kind = match serde_json::from_str(example).expect(example) {
                 ClientRequest::Alive => 0,
@@ -213,10 +229,14 @@ mod tests {
                 ClientRequest::Mode(_) => 6,
                 ClientRequest::Load { .. } => 7,
                 ClientRequest::Run => 8,
+                ClientRequest::RunFrom(_) => 9,
+                ClientRequest::Resume => 10,
+                ClientRequest::RunOn(_) => 11,
+                ClientRequest::Feed(_) => 12,
             };
             seen[kind] = true;
         }
-        assert_eq!(seen, [true; 9]);
+        assert_eq!(seen, [true; 13]);
     }
 
     #[test]
@@ -232,6 +252,10 @@ mod tests {
             control: None,
             alive: false,
             progress: None,
+            left: None,
+            held: None,
+            run_on: false,
+            feed: 1.0,
         };
         let (_, section) = DOCUMENT.split_once("The keys of `state`").unwrap();
         let state = serde_json::to_value(state).unwrap();

@@ -19,7 +19,7 @@
 //! | `source` | the controller that is chosen, opened; `fivebar bridge` uses it too |
 //! | `arm`, `maps` | the arm and its workspace, sent to pages before the arm moves |
 //! | `controller_thread`, `move_feeder` | the exchange with the controller; the moves that wait |
-//! | `requests`, `command_error` | what each request of a page does; refusals as sentences |
+//! | `requests`, `job_requests`, `command_error` | what each request of a page does; refusals as sentences |
 //! | `job_thread` | the thread that reads and checks jobs |
 //! | `preview`, `strokes` | the arm and its jobs as lines to draw |
 //! | `stop_signal` | stops, on a path past every queue |
@@ -37,6 +37,7 @@ pub(super) mod command_error;
 mod controller_thread;
 mod frame_meter;
 mod guard;
+mod job_requests;
 mod job_thread;
 mod lease;
 mod maps;

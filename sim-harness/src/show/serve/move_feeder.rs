@@ -1,23 +1,56 @@
 //! The moves that wait for the controller: a job, or the latest target.
 
 use super::job_thread::ParsedJob;
+use crate::show::path_queue::{PathQueue, end};
 use fivebar_firmware::safety::State;
 use fivebar_firmware::{Move, MoveKind, Status};
 use std::sync::Arc;
 
+/// Moves of the job that wait in the queue.
+const WAITING: usize = 4;
+/// Time of a job after which its pace is known [s].
+const MEASURED: f64 = 1.0;
+
 /// Gives the controller a move whenever its queue has room.
 #[derive(Default)]
 pub(super) struct MoveFeeder {
-    /// The running job, and how many of its moves the controller has accepted.
-    job: Option<(Arc<ParsedJob>, usize)>,
+    /// The running job, or one that was stopped and keeps its place.
+    job: Option<RunningJob>,
+    /// Its moves on their way. Their own tags are their numbers in the job, from 1.
+    path: PathQueue,
     /// The next target; it is sent as soon as the queue is nearly empty.
     target: Option<MoveKind>,
-    /// The end of the last accepted move; none: the arm's present reference.
+    /// The end of the last accepted target; none: the arm's present reference.
     end: Option<MoveEnd>,
     /// How many moves the controller's empty queue takes.
     empty: u8,
     /// The tick since which the controller has had no moves.
     idle_since: Option<u32>,
+}
+
+/// A job and how much of it is on its way.
+struct RunningJob {
+    job: Arc<ParsedJob>,
+    /// The number of its moves that were put on their way.
+    sent: usize,
+    phase: JobPhase,
+    /// Where the tool should have been when the job was last seen to go on [m].
+    place: Option<[f32; 2]>,
+    /// The tick in which it began or went on, and the time of the job that had passed [s].
+    begun: Option<(u32, f64)>,
+    /// The tick in which it was last seen to go on.
+    seen: u32,
+}
+
+/// What happens to a job.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum JobPhase {
+    /// It runs.
+    Fed,
+    /// The controller follows the moves that it has and gets no more.
+    Left,
+    /// It rests, or comes to rest, at its place.
+    Held,
 }
 
 /// The end of a move, as it was requested.
@@ -47,25 +80,106 @@ pub(super) enum JobStatus {
     Unchanged,
     /// The job is done.
     Finished,
-    /// The controller no longer accepts moves: the rest of the job is cancelled.
-    Cancelled,
+    /// The controller no longer accepts moves: the job waits at its place.
+    Held,
 }
 
 impl MoveFeeder {
     pub(super) fn is_running(&self) -> bool {
-        self.job.is_some()
+        let job = self.job.as_ref();
+        job.is_some_and(|job| job.phase == JobPhase::Fed)
     }
 
-    /// Accepted moves of the job, and all its moves.
-    pub(super) fn progress(&self) -> Option<[usize; 2]> {
-        let (job, taken) = self.job.as_ref()?;
-        Some([*taken, job.moves.len()])
+    /// The line of the job at which it goes on; none if no job was begun.
+    pub(super) fn line(&self) -> Option<u32> {
+        let run = self.job.as_ref()?;
+        let number = self.path.present().map_or(run.sent, |tag| tag as usize);
+        Some(run.job.pieces.get(number.saturating_sub(1))?.tag)
     }
 
-    /// Starts a job.
-    pub(super) fn run(&mut self, job: Arc<ParsedJob>) {
+    /// The job that was stopped, and the place at which it goes on [m].
+    pub(super) fn held(&self) -> Option<(&Arc<ParsedJob>, [f32; 2])> {
+        let run = self.job.as_ref()?;
+        (run.phase != JobPhase::Fed).then_some((&run.job, run.place?))
+    }
+
+    /// The time of the job that has passed, and its whole time, both at its feed rates [s].
+    pub(super) fn progress(&self) -> Option<[f64; 2]> {
+        let run = self.job.as_ref()?;
+        let number = self.path.present().map_or(run.sent, |tag| tag as usize - 1);
+        let passed = number
+            .checked_sub(1)
+            .map_or(0.0, |last| run.job.times[last]);
+        Some([passed, *run.job.times.last()?])
+    }
+
+    /// The time that the running job still takes [s]: as long as its moves at their feed rates, and
+    /// longer by as much as it was so far.
+    pub(super) fn left(&self, tick_rate: f64) -> Option<f64> {
+        let run = self.job.as_ref().filter(|_| self.is_running())?;
+        let [passed, all] = self.progress()?;
+        let mut longer = 1.0 / f64::from(self.feed());
+        if let Some((tick, before)) = run.begun.filter(|(_, before)| passed - before > MEASURED) {
+            let took = f64::from(run.seen.wrapping_sub(tick)) / tick_rate;
+            longer = took / (passed - before);
+        }
+        Some((all - passed) * longer)
+    }
+
+    /// Chooses the share of the job's feed rates.
+    pub(super) fn set_feed(&mut self, share: f32) {
+        self.path.set_feed(share);
+    }
+
+    /// The share of the job's feed rates.
+    pub(super) fn feed(&self) -> f32 {
+        self.path.feed()
+    }
+
+    /// Starts a job at the move with this index. `way` leads to its start with the tool up.
+    pub(super) fn run(&mut self, job: Arc<ParsedJob>, index: usize, way: Option<MoveKind>) {
         self.target = None;
-        self.job = Some((job, 0));
+        self.path.clear();
+        if let Some(kind) = way {
+            let tag = index as u32 + 1;
+            self.path.push(&[Move { tag, tool: 0, kind }]);
+        }
+        self.job = Some(RunningJob {
+            job,
+            sent: index,
+            phase: JobPhase::Fed,
+            place: None,
+            begun: None,
+            seen: 0,
+        });
+        self.fill();
+    }
+
+    /// Goes on with the job that was stopped. `way` leads to its place with the tool up.
+    pub(super) fn resume(&mut self, way: Option<MoveKind>) {
+        self.target = None;
+        if let Some(run) = &mut self.job
+            && let Some(place) = run.place
+        {
+            run.phase = JobPhase::Fed;
+            run.begun = None;
+            self.path.resume_from(place, way);
+        }
+        self.fill();
+    }
+
+    /// Puts moves of the job on their way.
+    fn fill(&mut self) {
+        let Some(run) = self.job.as_mut().filter(|run| run.phase == JobPhase::Fed) else {
+            return;
+        };
+        while self.path.waiting() < WAITING
+            && let Some(next) = run.job.pieces.get(run.sent)
+        {
+            run.sent += 1;
+            let tag = run.sent as u32;
+            self.path.push(&[Move { tag, ..*next }]);
+        }
     }
 
     /// Replaces a target that the controller has not accepted yet.
@@ -78,36 +192,77 @@ impl MoveFeeder {
         self.target.as_ref().and_then(MoveEnd::of).or(self.end)
     }
 
-    /// Removes job and target.
-    pub(super) fn clear(&mut self) {
-        self.job = None;
+    /// Drops the target, and stops the job at its place.
+    pub(super) fn stop(&mut self) {
+        self.drop_target();
+        if let Some(run) = &mut self.job {
+            run.phase = JobPhase::Held;
+        }
+    }
+
+    /// Drops the target; the job gets no more moves, and its place is where the arm comes to rest.
+    pub(super) fn leave(&mut self) {
+        self.drop_target();
+        if let Some(run) = self.job.as_mut().filter(|run| run.phase == JobPhase::Fed) {
+            run.phase = JobPhase::Left;
+        }
+    }
+
+    pub(super) fn drop_target(&mut self) {
         self.target = None;
         self.end = None;
+    }
+
+    /// Forgets the job and its place.
+    pub(super) fn forget(&mut self) {
+        self.job = None;
+        self.path.clear();
+    }
+
+    /// Follows the arm along the job, up to a stop or a fault.
+    pub(super) fn follow(&mut self, status: &Status) -> JobStatus {
+        let Some(run) = self.job.as_mut().filter(|run| run.phase != JobPhase::Held) else {
+            return JobStatus::Unchanged;
+        };
+        if !takes_moves(status.state) {
+            run.phase = JobPhase::Held;
+            self.drop_target();
+            return JobStatus::Held;
+        }
+        run.place = status.reference.or(run.place);
+        run.seen = status.tick;
+        if let Some(tag) = status.tag {
+            self.path.progress(tag);
+        }
+        let passed = self.progress().map_or(0.0, |[passed, _]| passed);
+        if let Some(run) = &mut self.job {
+            run.begun.get_or_insert((status.tick, passed));
+        }
+        JobStatus::Unchanged
     }
 
     /// Updates the job from the controller's status and its room for further moves.
     pub(super) fn update(&mut self, status: &Status, room: u8) -> JobStatus {
         self.empty = self.empty.max(room);
-        if !takes_moves(status.state) {
-            let abandoned = self.is_running();
-            self.clear();
-            return if abandoned {
-                JobStatus::Cancelled
-            } else {
-                JobStatus::Unchanged
-            };
+        if self.follow(status) == JobStatus::Held {
+            return JobStatus::Held;
         }
-        if !self.is_idle(status, room) {
+        if !takes_moves(status.state) {
+            self.drop_target();
             return JobStatus::Unchanged;
         }
-        self.end = None;
-        match &self.job {
-            Some((job, taken)) if *taken == job.moves.len() => {
-                self.job = None;
-                JobStatus::Finished
+        if self.is_idle(status, room) {
+            self.end = None;
+            if self.is_running() {
+                self.path.finish();
+                if self.path.is_empty() {
+                    self.job = None;
+                    return JobStatus::Finished;
+                }
             }
-            _ => JobStatus::Unchanged,
         }
+        self.fill();
+        JobStatus::Unchanged
     }
 
     /// Whether all moves are done. Between two ticks a queue may be empty although its
@@ -122,32 +277,40 @@ impl MoveFeeder {
 
     /// The move to send now, if there is one.
     pub(super) fn next(&self, room: u8) -> Option<Move> {
-        if let Some((job, taken)) = &self.job {
-            return job.moves.get(*taken).filter(|_| room > 0).copied();
+        if self.is_running() {
+            return self.path.next().filter(|_| room > 0);
         }
         // A target waits until the queue is nearly empty, so that the latest one is sent.
         let kind = self.target.filter(|_| room + 1 >= self.empty)?;
-        Some(Move {
-            tag: 0,
-            tool: 0,
-            kind,
-        })
+        let (tag, tool) = (0, 0);
+        Some(Move { tag, tool, kind })
     }
 
     /// Records that the controller has accepted the move.
     pub(super) fn taken(&mut self, next: &Move) {
-        match &mut self.job {
-            Some((_, taken)) => *taken += 1,
-            None => self.target = None,
+        if self.is_running() {
+            self.path.accept();
+            self.fill();
+        } else {
+            self.target = None;
         }
         self.end = MoveEnd::of(&next.kind).or(self.end);
         self.idle_since = None;
     }
 
-    /// Records that the controller has refused the move: job and target end.
+    /// Records that the controller has refused the move: the job gets no more.
     pub(super) fn refused(&mut self) {
-        self.job = None;
-        self.target = None;
+        self.leave();
+    }
+}
+
+impl ParsedJob {
+    /// The first move of this line or of one behind it, and where the tool is before it [m]; none if
+    /// no move is.
+    pub(super) fn at_line(&self, line: u32) -> Option<(usize, Option<[f32; 2]>)> {
+        let index = self.pieces.iter().position(|next| next.tag >= line)?;
+        let place = self.pieces[..index].iter().rev().find_map(end);
+        Some((index, place))
     }
 }
 

@@ -20,7 +20,7 @@ pub(super) struct JobStart {
     /// The tool's position [m]; none if it is unknown.
     tool: Option<[f32; 2]>,
     /// The arm's working mode; none until the arm is homed.
-    elbows: Option<[Side; 2]>,
+    pub(super) elbows: Option<[Side; 2]>,
 }
 
 impl JobStart {
@@ -128,7 +128,7 @@ impl Preview {
     }
 
     /// A planner like the controller's, in the arm's working mode.
-    fn planner(&self, start: JobStart) -> Result<Planner, SettingsError> {
+    pub(super) fn planner(&self, start: JobStart) -> Result<Planner, SettingsError> {
         let mut settings = self.settings;
         if let Some(elbows) = start.elbows {
             settings.elbows_left = elbows.map(|side| side == Side::Left);

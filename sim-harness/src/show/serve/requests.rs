@@ -2,36 +2,40 @@
 
 use super::channels::{Event, EventKind, Page};
 use super::command_error::sentence;
-use super::controller_thread::{ControllerThread, LoadedJob};
-use super::job_thread::{JobSource, Prepared, Work};
+use super::controller_thread::ControllerThread;
+use super::job_thread::JobSource;
 use super::message::{ClientRequest, ControllerRequest, DrivenJoint};
 use super::move_feeder::{MoveEnd, takes_moves};
 use super::preview::nearest;
+use super::stop_signal::Stop;
 use crate::run::link::LinkError;
 use fivebar_firmware::protocol::HostCommand;
 use fivebar_firmware::{MoveKind, Request};
 use fivebar_kinematics::five_bar::Side;
-use std::sync::Arc;
 use std::time::Instant;
 
 /// Speed of joint moves, as a share of the joints' greatest speed.
-const JOINT_SPEED: f32 = 0.4;
+pub(super) const JOINT_SPEED: f32 = 0.4;
 
 /// Why a request is refused, as a sentence.
-type Refused = String;
+pub(super) type Refused = String;
 
 impl ClientRequest {
     /// Whether a stop cancels the request if it still waits.
     fn ends_with_a_stop(&self) -> bool {
         match self {
-            Self::Alive | Self::Control | Self::Load { .. } => false,
+            Self::Alive | Self::Control | Self::Load { .. } | Self::RunOn(_) | Self::Feed(_) => {
+                false
+            }
             Self::Request(_)
             | Self::Jog(_)
             | Self::Follow(_)
             | Self::JogJoint { .. }
             | Self::Turn { .. }
             | Self::Mode(_)
-            | Self::Run => true,
+            | Self::Run
+            | Self::RunFrom(_)
+            | Self::Resume => true,
         }
     }
 }
@@ -56,8 +60,8 @@ impl ControllerThread {
         let outcome = match kind {
             EventKind::Joined => {
                 // After a page is lost, a moving arm comes to rest before another page may
-                // get control without asking.
-                if self.rests() && !self.pages.shared.lease.is_alive(now) {
+                // get control without asking, unless its job runs on.
+                if (self.rests() || self.runs_on()) && !self.pages.shared.lease.is_alive(now) {
                     let lease = &self.pages.shared.lease;
                     lease.acquire(&page, received, now, false);
                 }
@@ -104,9 +108,19 @@ impl ControllerThread {
             _ if !in_control => Err("This page watches: take control first.".into()),
             // `handle_event` has asked the controller.
             ClientRequest::Request(_) => Ok(()),
+            ClientRequest::RunOn(on) => {
+                self.run_on = on;
+                Ok(())
+            }
+            ClientRequest::Feed(share) => {
+                self.feeder.set_feed(single(share));
+                Ok(())
+            }
             _ if self.feeder.is_running() => Err("A job is running: stop it first.".into()),
             ClientRequest::Load { name, text } => self.load_job(page, JobSource::Text(name, text)),
-            ClientRequest::Run => self.run_job(page),
+            ClientRequest::Run => self.run_job(page, 0),
+            ClientRequest::RunFrom(line) => self.run_job(page, line),
+            ClientRequest::Resume => self.resume_job(),
             _ if !takes_moves(self.status.state) => {
                 Err("The arm is not armed: home it, then arm it.".into())
             }
@@ -134,6 +148,10 @@ impl ControllerThread {
                 "Another page is in control of a moving arm: stop the arm, then take control."
                     .into(),
             );
+        }
+        if before != Some(page.id) && !self.rests() && !self.runs_on() {
+            // The path of the lost page is not this page's.
+            self.pages.shared.stop.raise(Stop::OnPath, page.id);
         }
         if before.is_some_and(|before| before != page.id) {
             self.refuse(before, "Another page has taken control.".into());
@@ -231,120 +249,9 @@ impl ControllerThread {
             None => Some(self.status.joint_reference?.angle),
         }
     }
-
-    fn load_job(&mut self, page: &Page, source: JobSource) -> Result<(), Refused> {
-        if self.feeder.is_running() {
-            return Err("A job is running: stop it first.".into());
-        }
-        if !self.rests() {
-            return Err("The arm is moving: stop it or wait until it rests.".into());
-        }
-        self.run_asked_by = None;
-        let start = self.preview.start(&self.status);
-        self.jobs.order(Work::Load(page.id, source), start);
-        Ok(())
-    }
-
-    /// Has the loaded job checked from the tool's present position.
-    pub(super) fn check_job_again(&mut self) {
-        if let Some(loaded) = &self.loaded {
-            let start = self.preview.start(&self.status);
-            if !self.jobs.is_busy() && loaded.start != start {
-                let job = Arc::clone(&loaded.job);
-                self.jobs.order(Work::Check(job), start);
-            }
-        }
-    }
-
-    /// Starts the job, if all of it can be done from the tool's present position. A job that is
-    /// still read or checked starts afterwards.
-    fn run_job(&mut self, page: &Page) -> Result<(), Refused> {
-        if !self.rests() {
-            return Err("The arm is moving: stop it or wait until it rests.".into());
-        }
-        if !takes_moves(self.status.state) {
-            return Err("The arm is not armed: home it, then arm it.".into());
-        }
-        if self.loaded.is_none() && !self.jobs.is_busy() {
-            return Err("There is no job: load one.".into());
-        }
-        self.check_job_again();
-        if self.jobs.is_busy() {
-            self.run_asked_by = Some(page.id);
-            return Ok(());
-        }
-        self.start_job()
-    }
-
-    fn start_job(&mut self) -> Result<(), Refused> {
-        let loaded = self.loaded.as_ref().ok_or("There is no job: load one.")?;
-        if let Some(why) = &loaded.refusal {
-            return Err(format!("The job cannot be done. {why}"));
-        }
-        if !takes_moves(self.status.state) {
-            return Err("The arm is not armed: home it, then arm it.".into());
-        }
-        if !self.rests() || loaded.start != self.preview.start(&self.status) {
-            return Err("The arm has moved while its job was checked: run it again.".into());
-        }
-        self.feeder.run(Arc::clone(&loaded.job));
-        self.notice("The job has started.");
-        Ok(())
-    }
-
-    /// Takes a job that was read and checked, and starts it if its page has asked for that.
-    pub(super) fn take_prepared_job(&mut self) {
-        let Some(prepared) = self.jobs.take() else {
-            return;
-        };
-        let asked_by = self.run_asked_by.take();
-        let (start, again) = match prepared {
-            Prepared::Job {
-                job,
-                start,
-                refusal,
-                message,
-                again,
-            } => {
-                self.loaded = Some(LoadedJob {
-                    job,
-                    start,
-                    refusal,
-                });
-                self.pages.send_job(message);
-                (start, again)
-            }
-            Prepared::Unreadable(message) => {
-                self.loaded = None;
-                self.pages.send_job(message);
-                return;
-            }
-            Prepared::NoJob(page, why) => {
-                self.refuse(
-                    Some(page),
-                    format!("The server does not know this request; load the page again ({why})."),
-                );
-                return;
-            }
-        };
-        // The arm may have been homed or moved while the job was read.
-        if !again && (asked_by.is_some() || !start.is_known()) {
-            self.check_job_again();
-        }
-        let Some(page) = asked_by else { return };
-        if self.jobs.is_busy() {
-            self.run_asked_by = Some(page);
-            return;
-        }
-        let alive = self.pages.shared.lease.is_held_by(page, Instant::now());
-        let started = if alive { self.start_job() } else { Ok(()) };
-        if let Err(why) = started {
-            self.refuse(Some(page), why);
-        }
-    }
 }
 
 /// A page's number in the controller's precision; infinite if it is too large.
-fn single(value: f64) -> f32 {
+pub(super) fn single(value: f64) -> f32 {
     value as f32
 }

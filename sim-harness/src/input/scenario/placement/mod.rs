@@ -89,8 +89,20 @@ impl Scenario {
     /// The job, read and placed.
     ///
     /// # Errors
-    /// A line that is not valid, or a robot without a home pose.
+    /// A line that is not valid, no motion where the job is to start, or a robot without a home pose.
     pub fn job(&self) -> Result<Job, ScenarioError> {
+        let job = self.whole_job()?;
+        let Some(line) = self.from_line else {
+            return Ok(job);
+        };
+        job.starting_at(line)
+            .ok_or_else(|| ScenarioError::FromLine {
+                file: self.job_file.clone(),
+                line,
+            })
+    }
+
+    fn whole_job(&self) -> Result<Job, ScenarioError> {
         if let Some(origin) = self.origin {
             return self.placed(origin);
         }

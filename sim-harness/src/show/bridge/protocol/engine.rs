@@ -5,7 +5,7 @@ use super::{grbl, reprap};
 use crate::input::job::{
     Action, Dialect, GcodeError, JobOptions, JobStream, Placement, WarningKind,
 };
-use crate::show::bridge::path::divided;
+use crate::show::path_queue::divided;
 use fivebar_firmware::{FULL_TOOL, Move, MoveKind, Settings};
 
 /// Length of the rest in which the tool's level changes [s].
@@ -28,7 +28,7 @@ pub(in crate::show::bridge) enum Order {
     Finish,
     /// The same, and then wait for the user.
     Pause,
-    /// Wait until the moves that were added are accepted.
+    /// Wait until few of the moves that were added wait.
     Accepted,
     /// Wait until homing has ended.
     Homed,
@@ -125,6 +125,8 @@ pub(in crate::show::bridge) struct View {
     pub(in crate::show::bridge) speed: f64,
     /// The tool's level, 0…1.
     pub(in crate::show::bridge) level: f64,
+    /// The share of the feed rates.
+    pub(in crate::show::bridge) feed: f64,
     /// How many moves the controller accepts now.
     pub(in crate::show::bridge) room: u8,
     /// Bytes of lines that wait.

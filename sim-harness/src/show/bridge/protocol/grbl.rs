@@ -18,7 +18,7 @@ pub(super) fn greeting(locked: bool) -> String {
     format!("\r\nGrbl 1.1h ['$' for help]\n{unlock}")
 }
 
-/// The answer to `?`: `<Idle|MPos:0.000,0.000,0.000|Bf:15,128|FS:0,0|WCO:0.000,0.000,0.000>`.
+/// The answer to `?`: `<Idle|MPos:0.000,0.000,0.000|Bf:15,128|FS:0,0|WCO:0.000,0.000,0.000|Ov:100,100,100>`.
 /// Lengths are in millimetres. The machine's zero is home.
 pub(super) fn report(engine: &Engine, view: &View) -> String {
     let state = match view.state {
@@ -32,13 +32,14 @@ pub(super) fn report(engine: &Engine, view: &View) -> String {
     };
     let from_home = |[x, y]: [f64; 2]| place([x - engine.home[0], y - engine.home[1]]);
     format!(
-        "<{state}|MPos:{}|Bf:{},{}|FS:{:.0},{:.0}|WCO:{}>\n",
+        "<{state}|MPos:{}|Bf:{},{}|FS:{:.0},{:.0}|WCO:{}|Ov:{:.0},100,100>\n",
         from_home(view.tool.unwrap_or(engine.home)),
         view.room,
         RECEIVED.saturating_sub(view.waiting),
         view.speed * PER_MINUTE,
         view.level * engine.full_power,
         from_home(engine.stream.zero()),
+        100.0 * view.feed,
     )
 }
 

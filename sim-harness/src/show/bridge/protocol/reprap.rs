@@ -83,8 +83,11 @@ impl Engine {
                 ),
                 Vec::new(),
             ),
-            // Both have taken effect when they were received.
-            _ if is("M108") || is("M112") => done("", Vec::new()),
+            _ if is("M220") && !words.contains('S') => {
+                done(&format!("FR:{:.0}%\n", 100.0 * view.feed), Vec::new())
+            }
+            // They have taken effect when they were received.
+            _ if is("M108") || is("M112") || is("M220") => done("", Vec::new()),
             _ if is("M400") => done("", vec![Order::Finish]),
             _ if is("M999") => done("", vec![Order::Unlock]),
             _ if is("M18") || is("M84") => done("", vec![Order::Finish, Order::Disarm]),

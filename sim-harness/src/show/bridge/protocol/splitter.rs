@@ -18,6 +18,15 @@ pub(in crate::show::bridge) enum RealTime {
     Emergency,
     /// 0x85: stop jogging.
     CancelJog,
+    /// 0x90 to 0x94 or M220: another share of the feed rate.
+    Feed(FeedChange),
+}
+
+/// A change of the share of the feed rate [%].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::show::bridge) enum FeedChange {
+    To(i32),
+    By(i32),
 }
 
 /// A line, without its end.
@@ -70,6 +79,11 @@ impl Splitter {
             b'!' if is_grbl => Some(RealTime::Hold),
             b'~' if is_grbl => Some(RealTime::Resume),
             0x85 if is_grbl => Some(RealTime::CancelJog),
+            0x90 if is_grbl => Some(RealTime::Feed(FeedChange::To(100))),
+            0x91 if is_grbl => Some(RealTime::Feed(FeedChange::By(10))),
+            0x92 if is_grbl => Some(RealTime::Feed(FeedChange::By(-10))),
+            0x93 if is_grbl => Some(RealTime::Feed(FeedChange::By(1))),
+            0x94 if is_grbl => Some(RealTime::Feed(FeedChange::By(-1))),
             _ => None,
         };
         if at_once == Some(RealTime::Emergency) {
@@ -83,7 +97,7 @@ impl Splitter {
                 self.after_return = byte == b'\r';
                 (first, second) = self.end();
             }
-            // Grbl's other real-time commands: overrides, which are left out.
+            // Grbl's other real-time commands: overrides of rapids and spindle, which are left out.
             0x80.. if is_grbl => {}
             _ => {
                 self.length += 1;
@@ -114,6 +128,9 @@ impl Splitter {
         let at_once = match self.dialect {
             _ if is("M112") => Some(RealTime::Emergency),
             _ if is("M108") => Some(RealTime::Resume),
+            _ if is("M220") => {
+                value(&command, 'S').map(|share| RealTime::Feed(FeedChange::To(share)))
+            }
             _ => None,
         };
         let line = Input::Line(Line {
@@ -126,6 +143,13 @@ impl Splitter {
             None => (Some(line), None),
         }
     }
+}
+
+/// The whole number after a letter, without what follows it.
+fn value(command: &str, letter: char) -> Option<i32> {
+    let (_, after) = command.split_once(letter)?;
+    let end = after.find(|c: char| !c.is_ascii_digit());
+    after[..end.unwrap_or(after.len())].parse().ok()
 }
 
 /// A line's text in capitals without its number and its spaces.
@@ -166,6 +190,21 @@ mod tests {
             "Grbl G1 X10",
             "Resume",
             "Grbl G0",
+        ];
+        assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn the_share_of_the_feed_rate_changes_at_once() {
+        let mut splitter = Splitter::new(None);
+        let found = inputs(&mut splitter, b"G1\x90\x91 X\x941\nM220 S50\n");
+        let expected = [
+            "Feed(To(100))",
+            "Feed(By(10))",
+            "Feed(By(-1))",
+            "Grbl G1 X1",
+            "Feed(To(50))",
+            "Grbl M220 S50",
         ];
         assert_eq!(found, expected);
     }

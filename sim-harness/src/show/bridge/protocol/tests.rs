@@ -27,6 +27,7 @@ fn view() -> View {
         tool: Some([0.05, 0.18]),
         speed: 0.01,
         level: 0.5,
+        feed: 1.0,
         room: 16,
         waiting: 28,
     }
@@ -56,7 +57,7 @@ fn numbered(number: i64, text: &str) -> String {
 fn a_report_has_the_fields_of_grbl() {
     let mut engine = engine();
     let report = engine.report(&view());
-    let expected = "<Idle|MPos:10.000,-20.000,0.000|Bf:16,100|FS:600,500|WCO:0.000,0.000,0.000>\n";
+    let expected = "<Idle|MPos:10.000,-20.000,0.000|Bf:16,100|FS:600,500|WCO:0.000,0.000,0.000|Ov:100,100,100>\n";
     assert_eq!(report, expected);
     engine.set_position([0.05, 0.18]);
     ask(&mut engine, "G92 X5 Y0", &view()).unwrap();
@@ -65,7 +66,10 @@ fn a_report_has_the_fields_of_grbl() {
         ..view()
     });
     assert!(report.starts_with("<Hold:0|"), "{report}");
-    assert!(report.ends_with("|WCO:5.000,-20.000,0.000>\n"), "{report}");
+    assert!(
+        report.ends_with("|WCO:5.000,-20.000,0.000|Ov:100,100,100>\n"),
+        "{report}"
+    );
 }
 
 #[test]
@@ -80,7 +84,7 @@ fn grbl_counts_the_characters_of_lines_that_wait() {
 #[test]
 fn a_line_becomes_a_move_and_is_answered_ok() {
     let mut engine = engine();
-    let response = ask(&mut engine, "G1 X10 F600", &view()).unwrap();
+    let response = ask(&mut engine, "G1 X10 F6000", &view()).unwrap();
     assert_eq!((response.text.as_str(), response.ok.as_str()), ("", "ok\n"));
     let [Order::Moves(moves)] = response.orders.as_slice() else {
         panic!("{response:?}");
@@ -92,7 +96,7 @@ fn a_line_becomes_a_move_and_is_answered_ok() {
         (to[0] - 0.05).abs() < 1e-7 && (to[1] - 0.2).abs() < 1e-7,
         "{to:?}"
     );
-    assert!((feed - 0.01).abs() < 1e-9);
+    assert!((feed - 0.1).abs() < 1e-8);
     assert_eq!(moves[0].tool, FULL_TOOL);
 }
 
@@ -116,7 +120,7 @@ fn a_move_that_the_machine_refuses_leaves_the_position() {
     ask(&mut engine, "G91 G1 X900 F600", &view()).unwrap();
     engine.refuse(Dialect::Grbl, &Refusal::new(15, "out of reach"));
     // The mode of the refused line is forgotten too.
-    let response = ask(&mut engine, "G1 X10 F600", &view()).unwrap();
+    let response = ask(&mut engine, "G1 X10 F6000", &view()).unwrap();
     let [Order::Moves(moves)] = response.orders.as_slice() else {
         panic!("{response:?}");
     };
@@ -175,7 +179,7 @@ fn a_jog_has_modes_of_its_own_and_a_tool_that_is_up() {
 fn a_tool_that_is_switched_at_rest_changes_at_once() {
     let mut engine = engine();
     ask(&mut engine, "M3 S1000", &view()).unwrap();
-    ask(&mut engine, "G1 X10 F600", &view()).unwrap();
+    ask(&mut engine, "G1 X10 F6000", &view()).unwrap();
     let response = ask(&mut engine, "M5", &view()).unwrap();
     let [Order::Moves(moves)] = response.orders.as_slice() else {
         panic!("{response:?}");

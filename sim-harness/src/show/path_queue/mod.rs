@@ -1,0 +1,214 @@
+//! The moves that are on their way: those that wait, and those that the controller has accepted.
+//!
+//! The controller drops its path at a stop. This queue keeps the accepted moves until they are
+//! done, so that after a stop it has the rest of the path, from the place where the stop began.
+
+mod pieces;
+#[cfg(test)]
+mod tests;
+
+use fivebar_firmware::{Move, MoveKind};
+use pieces::{NEGLIGIBLE, distance, remaining};
+use std::collections::VecDeque;
+
+pub(in crate::show) use pieces::{divided, duration};
+
+/// Time of path behind the present move that the controller gets [s]. What waits longer here still
+/// takes a new share of the feed rate. It is several times what a stop takes.
+const AHEAD: f64 = 0.4;
+/// The least and the greatest share of the feed rates that can be chosen.
+pub(in crate::show) const FEED_SHARES: [f32; 2] = [0.1, 2.0];
+
+/// A move under the tag that the controller knows it by. Its own tag is the caller's.
+#[derive(Clone, Copy, Debug)]
+struct Queued {
+    tag: u32,
+    next: Move,
+    /// The time that it takes at the feed rate at which it was given [s].
+    duration: f64,
+}
+
+/// The path behind the arm's present place.
+#[derive(Debug)]
+pub(in crate::show) struct PathQueue {
+    /// Accepted by the controller, with tags in ascending order; the first is in progress.
+    accepted: VecDeque<Queued>,
+    waiting: VecDeque<Queued>,
+    last_tag: u32,
+    /// The share of the feed rates at which moves are given to the controller.
+    feed: f32,
+    /// The end of the moves that were accepted [m].
+    accepted_to: Option<[f32; 2]>,
+}
+
+impl Default for PathQueue {
+    fn default() -> Self {
+        Self {
+            accepted: VecDeque::new(),
+            waiting: VecDeque::new(),
+            last_tag: 0,
+            feed: 1.0,
+            accepted_to: None,
+        }
+    }
+}
+
+impl PathQueue {
+    /// Adds moves. Each gets a tag of its own towards the controller.
+    pub(in crate::show) fn push(&mut self, moves: &[Move]) {
+        for &next in moves {
+            self.last_tag = self.last_tag.wrapping_add(1).max(1);
+            let tag = self.last_tag;
+            let duration = 0.0;
+            self.waiting.push_back(Queued {
+                tag,
+                next,
+                duration,
+            });
+        }
+    }
+
+    /// The move to give to the controller next, at the chosen share of its feed rate; none if it has
+    /// enough.
+    pub(in crate::show) fn next(&self) -> Option<Move> {
+        let ahead: f64 = self.accepted.iter().skip(1).map(|q| q.duration).sum();
+        let Queued { tag, next, .. } = *self.waiting.front().filter(|_| ahead < AHEAD)?;
+        let kind = match next.kind {
+            MoveKind::Line { to, feed } => MoveKind::Line {
+                to,
+                feed: feed * self.feed,
+            },
+            MoveKind::Arc {
+                to,
+                center,
+                clockwise,
+                feed,
+            } => MoveKind::Arc {
+                to,
+                center,
+                clockwise,
+                feed: feed * self.feed,
+            },
+            other @ (MoveKind::Dwell { .. } | MoveKind::Joint { .. }) => other,
+        };
+        Some(Move { tag, kind, ..next })
+    }
+
+    /// Chooses the share of the feed rates of all moves that are not accepted yet.
+    pub(in crate::show) fn set_feed(&mut self, share: f32) {
+        let [least, greatest] = FEED_SHARES;
+        self.feed = share.clamp(least, greatest);
+    }
+
+    /// The share of the feed rates.
+    pub(in crate::show) fn feed(&self) -> f32 {
+        self.feed
+    }
+
+    /// Records that the controller has accepted this move.
+    pub(in crate::show) fn accept(&mut self) {
+        let Some(mut queued) = self.waiting.pop_front() else {
+            return;
+        };
+        let share = f64::from(self.feed);
+        queued.duration = duration(self.accepted_to, &queued.next) / share;
+        self.accepted_to = end(&queued.next).or(self.accepted_to);
+        self.accepted.push_back(queued);
+    }
+
+    /// The number of moves that the controller has not accepted.
+    pub(in crate::show) fn waiting(&self) -> usize {
+        self.waiting.len()
+    }
+
+    /// Whether the controller has accepted all moves.
+    pub(in crate::show) fn is_accepted(&self) -> bool {
+        self.waiting.is_empty()
+    }
+
+    /// Whether there is no move.
+    pub(in crate::show) fn is_empty(&self) -> bool {
+        self.waiting.is_empty() && self.accepted.is_empty()
+    }
+
+    /// The caller's tag of the first move that is not done.
+    pub(in crate::show) fn present(&self) -> Option<u32> {
+        let first = self.accepted.front().or(self.waiting.front())?;
+        Some(first.next.tag)
+    }
+
+    /// Records that the move with this tag is in progress: those before it are done.
+    pub(in crate::show) fn progress(&mut self, tag: u32) {
+        if let Some(index) = self.accepted.iter().position(|queued| queued.tag == tag) {
+            self.accepted.drain(..index);
+        }
+    }
+
+    /// Records that all accepted moves are done.
+    pub(in crate::show) fn finish(&mut self) {
+        self.accepted.clear();
+    }
+
+    /// Drops the moves that the controller has not accepted.
+    pub(in crate::show) fn drop_waiting(&mut self) {
+        self.waiting.clear();
+    }
+
+    /// The end of the path [m]; none if no move goes to a place.
+    pub(in crate::show) fn end(&self) -> Option<[f32; 2]> {
+        let moves = self.waiting.iter().rev().chain(self.accepted.iter().rev());
+        moves.filter_map(|queued| end(&queued.next)).next()
+    }
+
+    /// Drops all moves.
+    pub(in crate::show) fn clear(&mut self) {
+        self.accepted.clear();
+        self.waiting.clear();
+    }
+
+    /// After a stop that began at `place` [m] and has dropped the controller's path: the rest of it
+    /// waits again. The stop has switched the tool off at `place`, so the arm first goes `back`
+    /// there with the tool up; none: it is there.
+    pub(in crate::show) fn resume_from(&mut self, place: [f32; 2], back: Option<MoveKind>) {
+        let mut rest: VecDeque<Move> = VecDeque::new();
+        let mut accepted = std::mem::take(&mut self.accepted).into_iter();
+        for first in accepted.by_ref() {
+            let remaining = remaining(place, first.next);
+            if !remaining.is_empty() {
+                rest.extend(remaining);
+                break;
+            }
+        }
+        rest.extend(accepted.map(|queued| queued.next));
+        let waiting = std::mem::take(&mut self.waiting);
+        rest.extend(waiting.into_iter().map(|queued| queued.next));
+        if let Some(kind) = back {
+            let tag = rest.front().map_or(0, |first| first.tag);
+            rest.push_front(Move { tag, tool: 0, kind });
+        }
+        let rest: Vec<Move> = rest.into();
+        self.push(&rest);
+    }
+}
+
+/// The straight way back from `rest_at` to `place` [m] at `speed` [m/s]; none if it is there.
+pub(in crate::show) fn way_back(
+    rest_at: [f32; 2],
+    place: [f32; 2],
+    speed: f32,
+) -> Option<MoveKind> {
+    let away = distance(place.map(f64::from), rest_at.map(f64::from));
+    let line = MoveKind::Line {
+        to: place,
+        feed: speed,
+    };
+    (away >= NEGLIGIBLE).then_some(line)
+}
+
+/// Where a move ends [m]; none if it goes to no place.
+pub(in crate::show) fn end(next: &Move) -> Option<[f32; 2]> {
+    match next.kind {
+        MoveKind::Line { to, .. } | MoveKind::Arc { to, .. } => Some(to),
+        MoveKind::Dwell { .. } | MoveKind::Joint { .. } => None,
+    }
+}

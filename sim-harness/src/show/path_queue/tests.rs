@@ -1,0 +1,112 @@
+use super::{PathQueue, divided, way_back};
+use fivebar_firmware::{Move, MoveKind};
+
+fn line(to: [f32; 2]) -> Move {
+    let kind = MoveKind::Line { to, feed: 10.0 };
+    Move {
+        tag: 0,
+        tool: 7,
+        kind,
+    }
+}
+
+fn arc(to: [f32; 2], center: [f32; 2]) -> Move {
+    let kind = MoveKind::Arc {
+        to,
+        center,
+        clockwise: false,
+        feed: 10.0,
+    };
+    Move {
+        tag: 0,
+        tool: 7,
+        kind,
+    }
+}
+
+fn rest(queue: &mut PathQueue) -> Vec<MoveKind> {
+    let mut kinds = Vec::new();
+    while let Some(next) = queue.next() {
+        assert_eq!(next.tool, 7);
+        kinds.push(next.kind);
+        queue.accept();
+    }
+    kinds
+}
+
+#[test]
+fn after_a_stop_the_rest_of_the_path_waits_from_its_place() {
+    let moves = [line([0.1, 0.0]), line([0.1, 0.1]), line([0.0, 0.1])];
+    let mut queue = PathQueue::default();
+    queue.push(&moves);
+    queue.accept();
+    queue.accept();
+    queue.progress(2);
+    let place = [0.1, 0.04];
+    queue.resume_from(place, way_back([0.1, 0.05], place, 0.3));
+    assert!(!queue.is_accepted());
+    // Back to where the stop began, with the tool up.
+    let back = queue.next().unwrap();
+    let (to, feed) = ([0.1, 0.04], 0.3);
+    assert_eq!((back.tool, back.kind), (0, MoveKind::Line { to, feed }));
+    queue.accept();
+    assert_eq!(rest(&mut queue), [moves[1].kind, moves[2].kind]);
+}
+
+#[test]
+fn a_move_that_was_done_when_the_arm_came_to_rest_is_not_repeated() {
+    let moves = [line([0.1, 0.0]), line([0.1, 0.1])];
+    let mut queue = PathQueue::default();
+    queue.push(&moves);
+    queue.accept();
+    let place = [0.1, 0.0];
+    queue.resume_from(place, way_back(place, place, 0.3));
+    assert_eq!(rest(&mut queue), [moves[1].kind]);
+}
+
+#[test]
+fn a_full_circle_is_two_half_circles_and_goes_on_from_its_place() {
+    let circle = arc([0.1, 0.0], [0.0, 0.0]);
+    let halves = divided(Some([0.1, 0.0]), &[circle]);
+    let [MoveKind::Arc { to, .. }, MoveKind::Arc { to: end, .. }] =
+        [halves[0].kind, halves[1].kind]
+    else {
+        panic!("{halves:?}");
+    };
+    assert!((to[0] + 0.1).abs() < 1e-7 && to[1].abs() < 1e-7, "{to:?}");
+    assert_eq!(end, [0.1, 0.0]);
+    let mut queue = PathQueue::default();
+    queue.push(&halves);
+    queue.accept();
+    queue.accept();
+    queue.progress(2);
+    // Beside the arc, where a corner was rounded: a short line leads back to it.
+    queue.resume_from([0.0, -0.1001], None);
+    let kinds = rest(&mut queue);
+    let MoveKind::Line { to, .. } = kinds[0] else {
+        panic!("{kinds:?}");
+    };
+    assert!(to[0].abs() < 1e-7 && (to[1] + 0.1).abs() < 1e-7, "{to:?}");
+    assert_eq!(kinds[1..], [halves[1].kind]);
+}
+
+#[test]
+fn the_share_of_the_feed_applies_to_moves_that_wait_and_keeps_their_tags() {
+    let mut queue = PathQueue::default();
+    queue.push(&[
+        Move {
+            tag: 9,
+            ..line([0.1, 0.0])
+        },
+        line([0.1, 0.1]),
+    ]);
+    queue.accept();
+    queue.set_feed(0.5);
+    let to = [0.1, 0.1];
+    assert_eq!(queue.next().unwrap().kind, MoveKind::Line { to, feed: 5.0 });
+    assert_eq!(queue.present(), Some(9));
+    queue.set_feed(7.0);
+    assert_eq!(queue.feed(), 2.0);
+    queue.resume_from([0.05, 0.0], None);
+    assert_eq!((queue.present(), queue.next().unwrap().tag), (Some(9), 3));
+}

@@ -1,0 +1,166 @@
+//! A job belongs to the host: it keeps its place, and runs on without a page if it was told to.
+
+use crate::program::{Page, Server, number, speed, time};
+use serde_json::{Value, json};
+
+/// Strokes to and fro for about six seconds, one on each line from 3 on.
+fn load(page: &mut Page) {
+    let text = format!("G21 G90 F3000\nM3\n{}", "G1 X40\nG1 X0\n".repeat(3));
+    page.send(&json!({ "load": { "name": "strokes", "text": text } }));
+    page.wait("the job", |message| message.get("job").cloned());
+}
+
+fn run(page: &mut Page) {
+    page.send(&json!("run"));
+    page.state("full speed", |state| {
+        state["state"] == "Running" && speed(state) > 0.2 && state["tool_level"] == 1.0
+    });
+}
+
+fn notice(page: &mut Page, words: &str) {
+    page.wait(words, |message| {
+        let text = message.get("notice")?.get("text")?.as_str()?;
+        text.contains(words).then_some(())
+    });
+}
+
+/// The positions of the tool where it was down until the job was done.
+fn drawn_to_the_end(page: &mut Page) -> Vec<[f64; 2]> {
+    let mut drawn = Vec::new();
+    loop {
+        let Some(message) = page.next() else { continue };
+        if let Some(state) = message.get("state")
+            && state["tool_level"] == 1.0
+        {
+            drawn.push([0, 1].map(|axis| number(&state["tool"][axis])));
+        }
+        assert!(
+            message.get("fault").is_none_or(Value::is_null),
+            "the job ends without a fault: {message}"
+        );
+        if message["notice"]["text"] == "The job is done." {
+            return drawn;
+        }
+    }
+}
+
+#[test]
+fn a_job_told_to_run_on_ends_though_its_page_is_closed_and_a_page_that_comes_back_has_control() {
+    let server = Server::start(&[]);
+    let mut watcher = server.page();
+    let mut page = server.page();
+    page.take_control_and_arm();
+    load(&mut page);
+    page.send(&json!({ "run_on": true }));
+    run(&mut page);
+    drop(page);
+    let begun = time(&watcher.latest_state());
+    let state = watcher.state("two seconds", |state| time(state) > begun + 2.0);
+    assert_eq!(state["state"], "Running");
+    assert!(state["run_on"] == true && number(&state["left"]) > 0.1);
+    let mut again = server.page();
+    again.state("control", |state| state["alive"] == true);
+    drop(again);
+    assert!(!drawn_to_the_end(&mut watcher).is_empty());
+}
+
+#[test]
+fn a_plain_job_stops_with_its_page_and_goes_on_at_its_place() {
+    let server = Server::start(&[]);
+    let mut page = server.page();
+    page.take_control_and_arm();
+    load(&mut page);
+    run(&mut page);
+    drop(page);
+    let mut page = server.page();
+    let fault = page.state_named("Fault");
+    page.state("rest", |state| time(state) > time(&fault) + 1.0);
+    page.take_control_and_arm();
+    let line = number(&page.latest_state()["held"]);
+    assert!((3.0..8.0).contains(&line), "line {line}");
+    page.send(&json!("resume"));
+    drawn_to_the_end(&mut page);
+}
+
+#[test]
+fn a_stopped_job_goes_on_where_the_tool_was_lifted_though_the_arm_was_jogged_away() {
+    let server = Server::start(&[]);
+    let mut page = server.page();
+    page.take_control_and_arm();
+    load(&mut page);
+    run(&mut page);
+    page.request("stop");
+    notice(&mut page, "can be resumed");
+    let lifted = page.state("the tool up", |state| state["tool_level"] == 0.0);
+    let lifted = number(&lifted["tool"][0]);
+    page.state_named("Armed");
+    page.send(&json!({ "jog": [0.0, 0.01] }));
+    let start = time(&page.latest_state());
+    page.state("the jog", |state| time(state) > start + 0.7);
+    page.send(&json!("resume"));
+    let drawn = drawn_to_the_end(&mut page);
+    // The stop took effect up to 35 ms before this state, and states come every 33 ms.
+    let begun = drawn[0][0];
+    assert!((begun - lifted).abs() < 8e-3, "{lifted} m, then {begun} m");
+    let row = drawn[0][1];
+    assert!(drawn.iter().all(|at| (at[1] - row).abs() < 1e-4));
+}
+
+#[test]
+fn a_job_goes_on_after_an_emergency_stop_by_another_page() {
+    let server = Server::start(&[]);
+    let mut page = server.page();
+    page.take_control_and_arm();
+    load(&mut page);
+    page.send(&json!({ "run_on": true }));
+    run(&mut page);
+    let mut other = server.page();
+    other.request("emergency_stop");
+    page.state_named("Fault");
+    page.take_control_and_arm();
+    page.send(&json!("resume"));
+    drawn_to_the_end(&mut page);
+}
+
+#[test]
+fn a_job_starts_at_a_line_with_the_tool_up_on_the_way_there() {
+    let server = Server::start(&[]);
+    let mut page = server.page();
+    page.take_control_and_arm();
+    load(&mut page);
+    page.send(&json!({ "run_from": 99 }));
+    notice(&mut page, "no motion at or behind line 99");
+    page.send(&json!({ "run_from": 8 }));
+    let drawn = drawn_to_the_end(&mut page);
+    let [first, last] = [drawn[0][0], drawn[drawn.len() - 1][0]];
+    assert!(first - last > 0.035, "from {first} m to {last} m");
+    let back = |pair: &[[f64; 2]]| pair[1][0] <= pair[0][0] + 1e-5;
+    assert!(drawn.windows(2).all(back), "one stroke to the left");
+}
+
+#[test]
+fn a_share_of_the_feed_rate_takes_effect_within_a_second_and_a_half() {
+    let server = Server::start(&[]);
+    let mut page = server.page();
+    page.take_control_and_arm();
+    let text = "G21 G90 F600\nM3\nG1 X80\nG1 X0\n";
+    page.send(&json!({ "load": { "name": "slow", "text": text } }));
+    page.wait("the job", |message| message.get("job").cloned());
+    page.send(&json!("run"));
+    let pace = |page: &mut Page| {
+        let one = page.latest_state();
+        let two = page.state("later", |state| time(state) > time(&one) + 0.3);
+        let moved = number(&two["reference"][0]) - number(&one["reference"][0]);
+        moved.abs() / (time(&two) - time(&one))
+    };
+    page.state("the feed rate", |state| state["tool_level"] == 1.0);
+    let begun = time(&page.latest_state());
+    page.state("the feed rate", |state| time(state) > begun + 0.5);
+    let before = pace(&mut page);
+    assert!((before - 0.01).abs() < 5e-4, "{before} m/s");
+    page.send(&json!({ "feed": 2.0 }));
+    let asked = time(&page.latest_state());
+    page.state("its effect", |state| time(state) > asked + 1.5);
+    let after = pace(&mut page);
+    assert!((after - 0.02).abs() < 1e-3, "{after} m/s");
+}
