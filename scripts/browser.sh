@@ -14,6 +14,12 @@ if ! command -v chromium >/dev/null || ! command -v chromedriver >/dev/null; the
     as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends \
         chromium chromium-driver >/dev/null
 fi
+axe=target/axe
+if [ ! -e "$axe/node_modules/axe-core/axe.min.js" ]; then
+    command -v npm >/dev/null || { echo "browser: npm is needed (Debian: apt-get install npm)" >&2; exit 1; }
+    mkdir -p "$axe"
+    npm install --silent --no-save --prefix "$axe" axe-core@4.10.3
+fi
 if [ $# -gt 0 ]; then
     cargo build --package fivebar --release
     exec tests/browser/live_page.py target/release/fivebar --screenshots "$1"

@@ -14,6 +14,8 @@ import time
 import access
 import looks
 import moving
+import owning
+import reach
 import watching
 from live import Page, Server
 from webdriver import Browser
@@ -38,6 +40,10 @@ def main():
         passed("keys, drags, refusals, branches, jobs, emergency stop")
         looks.check(page)
         passed("phone, light and dark")
+        reach.check(page)
+        passed("keyboard, touch, axe-core")
+        page = owning.check(page, server.url)
+        passed("reload, closed tab, resumed jobs")
         if arguments.screenshots:
             looks.take(arguments.program, server.url, browser, arguments.screenshots)
             passed(f"pictures in {arguments.screenshots}")

@@ -56,7 +56,7 @@ def keys_alone_home_arm_jog_and_stop(page):
 
     def go_to(selector):
         browser.script("window.steps = 0;")
-        for _ in range(40):
+        for _ in range(60):
             browser.press(TAB)
             if browser.script(f"return document.activeElement.matches('{selector}');"):
                 return
@@ -83,7 +83,8 @@ def keys_alone_home_arm_jog_and_stop(page):
     browser.script("document.activeElement.blur();")
     browser.press(SPACE)
     page.wait_for("Armed")
-    browser.wait("the end of the job", lambda: "cancelled" in browser.text("#notice") or page.at_rest())
+    browser.wait("its place", lambda: "stopped at line" in browser.text("#left"))
+    browser.click('[data-zoom="arm"]')
 
 
 def what_is_out_of_reach_is_refused_with_the_reason(page):

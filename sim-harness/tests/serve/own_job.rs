@@ -164,3 +164,35 @@ fn a_share_of_the_feed_rate_takes_effect_within_a_second_and_a_half() {
     let after = pace(&mut page);
     assert!((after - 0.02).abs() < 1e-3, "{after} m/s");
 }
+
+#[test]
+fn a_drawing_is_moved_scaled_and_turned_about_a_point_and_checked_there() {
+    let server = Server::start(&[]);
+    let mut page = server.page();
+    page.take_control_and_arm();
+    load(&mut page);
+    let box_of = |message: &Value| {
+        let strokes = message["job"]["strokes"].as_array()?;
+        let down = strokes.iter().filter(|stroke| stroke["down"] == true);
+        let points = down.flat_map(|stroke| stroke["points"].as_array().expect("points"));
+        let at = |axis: usize| points.clone().map(move |point| number(&point[axis]));
+        let least = |axis| at(axis).fold(f64::MAX, f64::min);
+        let most = |axis| at(axis).fold(f64::MIN, f64::max);
+        Some([least(0), least(1), most(0), most(1)])
+    };
+    let place = json!({ "about": [0.04, 0.17], "by": [0.0, 0.0], "scale": 1.0, "turn": 0.0 });
+    page.send(&json!({ "place": place }));
+    let [left, low, right, _] = page.wait("the same", box_of);
+    let middle = [0.5 * (left + right), low];
+    let turn = std::f64::consts::FRAC_PI_2;
+    let place = json!({ "about": middle, "by": [0.01, 0.0], "scale": 0.5, "turn": turn });
+    page.send(&json!({ "place": place }));
+    let [left, low, right, high] = page.wait("the new place", box_of);
+    assert!((left - right).abs() < 1e-6 && (left - middle[0] - 0.01).abs() < 1e-6);
+    assert!((high - low - 0.02).abs() < 1e-6 && (0.5 * (high + low) - middle[1]).abs() < 1e-6);
+    let away = json!({ "about": middle, "by": [0.5, 0.0], "scale": 1.0, "turn": 0.0 });
+    page.send(&json!({ "place": away }));
+    page.wait("a refusal", |message| {
+        message["job"]["refusal"].as_str().map(str::to_owned)
+    });
+}

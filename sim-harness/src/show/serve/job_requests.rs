@@ -3,6 +3,7 @@
 use super::channels::Page;
 use super::controller_thread::{ControllerThread, LoadedJob};
 use super::job_thread::{JobSource, Prepared, Work};
+use super::message::Shift;
 use super::move_feeder::takes_moves;
 use super::preview::nearest;
 use super::requests::{JOINT_SPEED, Refused};
@@ -24,6 +25,22 @@ impl ControllerThread {
         self.run_on = false;
         let start = self.preview.start(&self.status);
         self.jobs.order(Work::Load(page.id, source), start);
+        Ok(())
+    }
+
+    /// Places the loaded drawing elsewhere and checks it there.
+    pub(super) fn place_job(&mut self, shift: Shift) -> Result<(), Refused> {
+        if !self.rests() {
+            return Err("The arm is moving: stop it or wait until it rests.".into());
+        }
+        if self.jobs.is_busy() {
+            return Err("The job is being checked: wait a moment.".into());
+        }
+        let loaded = self.loaded.as_ref().ok_or("There is no job: load one.")?;
+        let job = Arc::clone(&loaded.job);
+        self.feeder.forget();
+        let start = self.preview.start(&self.status);
+        self.jobs.order(Work::Place(job, shift), start);
         Ok(())
     }
 

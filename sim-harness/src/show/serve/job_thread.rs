@@ -1,9 +1,9 @@
 //! The thread that reads and checks jobs, so that the controller's thread waits for none.
 
 use super::lease::PageId;
-use super::message::{ClientRequest, JobMessage, ServerMessage, brief};
+use super::message::{ClientRequest, JobMessage, ServerMessage, Shift, brief};
 use super::preview::{JobStart, Preview};
-use crate::input::job::Job;
+use crate::input::job::{Job, Placement};
 use crate::input::robot::Robot;
 use crate::input::scenario::Scenario;
 use crate::show::path_queue::{divided, duration, end};
@@ -42,10 +42,31 @@ impl ParsedJob {
     }
 }
 
+impl Shift {
+    /// The same as a placement of the drawing as it is. A drawing becomes neither a point nor
+    /// larger than any arm.
+    fn placement(&self) -> Placement {
+        let centred = Placement {
+            origin: [0.0; 2],
+            scale: self.scale.clamp(1e-3, 1e3),
+            turn: self.turn,
+            home: [0.0; 2],
+        };
+        let [x, y] = centred.place(self.about);
+        let [about, by] = [self.about, self.by];
+        Placement {
+            origin: [about[0] + by[0] - x, about[1] + by[1] - y],
+            ..centred
+        }
+    }
+}
+
 /// What the thread is to do.
 pub(super) enum Work {
     /// Read a job and check it.
     Load(PageId, JobSource),
+    /// Place a job elsewhere and check it.
+    Place(Arc<ParsedJob>, Shift),
     /// Check a job again, because the arm has moved.
     Check(Arc<ParsedJob>),
 }
@@ -181,6 +202,12 @@ fn prepare(robot: &Robot, preview: &Preview, work: Work, start: JobStart) -> Pre
     let again = matches!(work, Work::Check(_));
     let job = match work {
         Work::Check(job) => job,
+        Work::Place(job, shift) => {
+            let moved = job.job.moved(&shift.placement());
+            let scenario = Scenario::new(&job.name, robot.clone(), &job.name, String::new());
+            let moves = scenario.moves(&moved);
+            Arc::new(ParsedJob::new(job.name.clone(), moved, moves))
+        }
         Work::Load(page, source) => {
             let (name, text) = match source {
                 JobSource::Text(name, text) => (name, text),

@@ -52,6 +52,8 @@ pub(super) enum ClientRequest {
         /// The G-code.
         text: String,
     },
+    /// Place the loaded drawing elsewhere.
+    Place(Shift),
     /// Run the loaded job.
     Run,
     /// Run it from this line on.
@@ -62,6 +64,20 @@ pub(super) enum ClientRequest {
     RunOn(bool),
     /// The share of the job's feed rates.
     Feed(f64),
+}
+
+/// How a drawing is placed anew: scaled and turned about a point, then moved.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Shift {
+    /// The point [m].
+    pub(super) about: [f64; 2],
+    /// How far it moves [m].
+    pub(super) by: [f64; 2],
+    /// The factor of all lengths.
+    pub(super) scale: f64,
+    /// The angle, counter-clockwise [rad].
+    pub(super) turn: f64,
 }
 
 /// A driven joint.
@@ -217,7 +233,7 @@ mod tests {
     fn every_request_in_the_document_is_read_and_every_kind_has_an_example() {
         let (_, rest) = DOCUMENT.split_once("```json\n").unwrap();
         let (examples, _) = rest.split_once("```").unwrap();
-        let mut seen = [false; 13];
+        let mut seen = [false; 14];
         for example in examples.lines() {
             let kind = match serde_json::from_str(example).expect(example) {
                 ClientRequest::Alive => 0,
@@ -233,10 +249,11 @@ mod tests {
                 ClientRequest::Resume => 10,
                 ClientRequest::RunOn(_) => 11,
                 ClientRequest::Feed(_) => 12,
+                ClientRequest::Place(_) => 13,
             };
             seen[kind] = true;
         }
-        assert_eq!(seen, [true; 13]);
+        assert_eq!(seen, [true; 14]);
     }
 
     #[test]

@@ -24,9 +24,12 @@ impl ClientRequest {
     /// Whether a stop cancels the request if it still waits.
     fn ends_with_a_stop(&self) -> bool {
         match self {
-            Self::Alive | Self::Control | Self::Load { .. } | Self::RunOn(_) | Self::Feed(_) => {
-                false
-            }
+            Self::Alive
+            | Self::Control
+            | Self::Load { .. }
+            | Self::Place(_)
+            | Self::RunOn(_)
+            | Self::Feed(_) => false,
             Self::Request(_)
             | Self::Jog(_)
             | Self::Follow(_)
@@ -118,6 +121,7 @@ impl ControllerThread {
             }
             _ if self.feeder.is_running() => Err("A job is running: stop it first.".into()),
             ClientRequest::Load { name, text } => self.load_job(page, JobSource::Text(name, text)),
+            ClientRequest::Place(shift) => self.place_job(shift),
             ClientRequest::Run => self.run_job(page, 0),
             ClientRequest::RunFrom(line) => self.run_job(page, line),
             ClientRequest::Resume => self.resume_job(),

@@ -24,7 +24,8 @@ use tokio_tungstenite::tungstenite::handshake::server::create_response_with_body
 const UPGRADE_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// Browsers load only what this server sends, and show the page in no frame of another.
-const POLICY: &str = "default-src 'self'; frame-ancestors 'none'; base-uri 'none'";
+const POLICY: &str =
+    "default-src 'self'; img-src 'self' data:; frame-ancestors 'none'; base-uri 'none'";
 
 /// A file of the page: its path, its media type, its text.
 type Asset = (&'static str, &'static str, &'static str);

@@ -1,7 +1,9 @@
 // The arm on its canvas, with its trail and the path of the job.
 import { colour } from "./colour.js";
 
-const TRAIL = 600; // samples
+const DRAWN = 20000; // samples of strokes
+const TRAVELLED = 90; // samples of the way with the pen up
+const ZOOMS = [0.5, 60];
 const BARS = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1]; // m
 
 export class Drawing {
@@ -10,8 +12,12 @@ export class Drawing {
   #arm;
   #map;
   #state = null;
-  #trail = [];
+  #drawn = []; // strokes
+  #travelled = [];
+  #view = { zoom: 1, x: 0, y: 0 }; // the zoom, and the shift of the middle [px]
   job = null;
+  shift = [0, 0]; // of the drawing while it is dragged [m]
+  grabs = false; // whether a drag moves the drawing
   target = null; // where the pointer drags [m]
 
   constructor(canvas, arm, map) {
@@ -24,6 +30,9 @@ export class Drawing {
   get base() {
     return this.#arm.base;
   }
+
+  #down = false; // whether the tool was down
+  #count = 0; // samples of strokes
 
   // What can be dragged, by name; null until the arm is homed.
   get handles() {
@@ -39,16 +48,85 @@ export class Drawing {
       this.#canvas.dataset[name] = this.pixel(point);
     }
     if (!state.tool) return;
-    this.#trail.push({ at: state.tool, down: state.tool_level > 0 });
-    if (this.#trail.length > TRAIL) this.#trail.shift();
+    this.#travelled.push(state.tool);
+    if (this.#travelled.length > TRAVELLED) this.#travelled.shift();
+    const down = state.tool_level > 0;
+    if (down && !this.#down) this.#drawn.push([]);
+    if (down) this.#drawn.at(-1).push(state.tool);
+    this.#down = down;
+    this.#count += down;
+    while (this.#count > DRAWN && this.#drawn.length > 1) this.#count -= this.#drawn.shift().length;
+  }
+
+  // Forgets what was drawn.
+  forget() {
+    this.#drawn = [];
+    this.#count = 0;
+    this.#down = false;
+  }
+
+  // Lower left and upper right corner of what the job draws [m].
+  get jobBox() {
+    const strokes = this.job?.strokes ?? [];
+    const points = strokes.filter(({ down }) => down).flatMap(({ points }) => points);
+    if (!points.length) return null;
+    const box = [Infinity, Infinity, -Infinity, -Infinity];
+    for (const [x, y] of points) {
+      box[0] = Math.min(box[0], x);
+      box[1] = Math.min(box[1], y);
+      box[2] = Math.max(box[2], x);
+      box[3] = Math.max(box[3], y);
+    }
+    return box;
+  }
+
+  isInJob([x, y]) {
+    const box = this.jobBox;
+    const wide = 20 / this.#scale()[0];
+    return box !== null && x > box[0] - wide && x < box[2] + wide && y > box[1] - wide && y < box[3] + wide;
+  }
+
+  // Zooms about a pixel, by default the middle.
+  zoom(by, [x, y] = [this.#canvas.clientWidth / 2, this.#canvas.clientHeight / 2]) {
+    const view = this.#view;
+    const [least, greatest] = ZOOMS;
+    const zoom = Math.min(greatest, Math.max(least, view.zoom * by));
+    const share = zoom / view.zoom;
+    const [middleX, middleY] = [this.#canvas.clientWidth / 2, this.#canvas.clientHeight / 2];
+    view.x = (x - middleX) * (1 - share) + view.x * share;
+    view.y = (y - middleY) * (1 - share) + view.y * share;
+    view.zoom = zoom;
+  }
+
+  pan(x, y) {
+    this.#view.x += x;
+    this.#view.y += y;
+  }
+
+  showAll() {
+    this.#view = { zoom: 1, x: 0, y: 0 };
+  }
+
+  // Shows what the job draws, as large as the canvas.
+  showJob() {
+    this.showAll();
+    const box = this.jobBox;
+    if (!box) return;
+    const [scale] = this.#scale();
+    const { clientWidth: width, clientHeight: height } = this.#canvas;
+    const size = Math.max((box[2] - box[0]) / width, (box[3] - box[1]) / height, 1e-6) * scale;
+    this.#view.zoom = Math.min(ZOOMS[1], Math.max(1, 0.6 / size));
+    const [x, y] = this.pixel([(box[0] + box[2]) / 2, (box[1] + box[3]) / 2]);
+    this.pan(width / 2 - x, height / 2 - y);
   }
 
   // Pixels per metre, and the pixel of the origin.
   #scale() {
     const { clientWidth: width, clientHeight: height } = this.#canvas;
     const [x0, y0, x1, y1] = this.#map.box;
-    const scale = 0.94 * Math.min(width / (x1 - x0), height / (y1 - y0));
-    return [scale, width / 2 - (scale * (x0 + x1)) / 2, height / 2 + (scale * (y0 + y1)) / 2];
+    const { zoom, x, y } = this.#view;
+    const scale = 0.94 * zoom * Math.min(width / (x1 - x0), height / (y1 - y0));
+    return [scale, width / 2 + x - (scale * (x0 + x1)) / 2, height / 2 + y + (scale * (y0 + y1)) / 2];
   }
 
   // The pixel of a position [m], counted from the canvas's corner.
@@ -87,29 +165,34 @@ export class Drawing {
     this.#drawBar(height);
   }
 
-  // The trail: strong where the tool was down or on, faint elsewhere.
+  // What was drawn, and the latest way of the tool.
   #drawTrail() {
-    let from = 0;
-    for (let to = 1; to <= this.#trail.length; to += 1) {
-      const { down } = this.#trail[from];
-      if (this.#trail[to]?.down === down) continue;
-      const points = this.#trail.slice(from, to + 1).map(({ at }) => at);
-      this.#line(points, down ? "--good" : "--quiet", down ? 2 : 1);
-      from = to;
-    }
+    const context = this.#context;
+    context.setLineDash([1, 4]);
+    this.#line(this.#travelled, "--quiet", 1.5);
+    context.setLineDash([]);
+    for (const stroke of this.#drawn) this.#line(stroke, "--drawn", 3);
   }
 
   #drawJob() {
-    for (const { down, points } of this.job?.strokes ?? []) {
-      if (down) {
-        this.#line(points, "--path", 1.5);
-      } else {
-        this.#context.setLineDash([2, 5]);
-        this.#line(points, "--quiet", 1);
-        this.#context.setLineDash([]);
-      }
-    }
+    const strokes = this.job?.strokes ?? [];
+    const moved = (points) => points.map(([x, y]) => [x + this.shift[0], y + this.shift[1]]);
+    const context = this.#context;
+    context.setLineDash([2, 5]);
+    for (const { down, points } of strokes) if (!down) this.#line(moved(points), "--casing", 1.5);
+    context.lineDashOffset = 3.5;
+    for (const { down, points } of strokes) if (!down) this.#line(moved(points), "--path", 1);
+    context.lineDashOffset = 0;
+    context.setLineDash([]);
+    for (const { down, points } of strokes) if (down) this.#line(moved(points), "--casing", 5);
+    for (const { down, points } of strokes) if (down) this.#line(moved(points), "--path", 2);
     if (this.job?.at) this.#cross(this.job.at);
+    if (this.grabs && this.jobBox) {
+      const [x0, y0, x1, y1] = this.jobBox;
+      context.setLineDash([6, 4]);
+      this.#line(moved([[x0, y0], [x1, y0], [x1, y1], [x0, y1], [x0, y0]]), "--one", 2);
+      context.setLineDash([]);
+    }
   }
 
   // The home pose, pale, because the arm's real pose is unknown until it is homed.
@@ -124,8 +207,9 @@ export class Drawing {
   #drawArm({ joints: [b, c, d], tool, reference }) {
     const [a, e] = [[0, 0], [this.base, 0]];
     if (reference) this.#dot(reference, "--good", 8);
-    this.#line([b, c, d], "--ink", 4);
-    if (tool) this.#line([c, tool], "--ink", 4);
+    this.#line([a, b, c, d, e], "--casing", 10);
+    this.#line([b, c, d], "--ink", 5);
+    if (tool) this.#line([c, tool], "--ink", 5);
     this.#line([a, b], "--one", 7);
     this.#line([e, d], "--four", 7);
     for (const point of [a, e]) this.#dot(point, "--quiet", 7);

@@ -6,7 +6,10 @@ const OUTSIDE = -1;
 const FORBIDDEN = 200;
 
 const STEPS = 10;
-const PALE = 0.35; // opacity of cells that are not allowed
+const PALE = 0.62; // share of the paper in the colour of cells that are not allowed
+// Ten colours of viridis, those of the picture of a workspace.
+const VIRIDIS = ["#440154", "#482878", "#3e4989", "#31688e", "#26828e",
+  "#1f9e89", "#35b779", "#6ece58", "#b5de2b", "#fde725"];
 
 export class WorkspaceMap {
   #maps;
@@ -30,15 +33,9 @@ export class WorkspaceMap {
     this.paint();
   }
 
-  // The colours of the steps, from the worst to the best.
+  // The colours of the steps, from the worst to the best, and what pale ones are mixed with.
   get #ramp() {
-    const stops = ["--worst", "--middling", "--best"].map((name) => channels(colour(name)));
-    return Array.from({ length: STEPS }, (_, step) => {
-      const along = (2 * step) / (STEPS - 1);
-      const [from, to] = along < 1 ? stops : stops.slice(1);
-      const share = along < 1 ? along : along - 1;
-      return from.map((channel, i) => Math.round(channel + share * (to[i] - channel)));
-    });
+    return VIRIDIS.map(channels);
   }
 
   // Colours for a legend.
@@ -55,6 +52,8 @@ export class WorkspaceMap {
     const context = this.#picture.getContext("2d");
     const image = context.createImageData(columns, rows);
     const ramp = this.#ramp;
+    const paper = channels(colour("--paper"));
+    const pale = ramp.map((step) => step.map((part, i) => Math.round(part + PALE * (paper[i] - part))));
     cells.forEach((cell, index) => {
       if (cell === OUTSIDE) return;
       const forbidden = cell >= FORBIDDEN;
@@ -62,7 +61,7 @@ export class WorkspaceMap {
       const step = Math.min(STEPS - 1, Math.floor((condition * STEPS) / 100));
       // The picture's rows begin at the top.
       const pixel = (rows - 1 - Math.floor(index / columns)) * columns + (index % columns);
-      image.data.set([...ramp[step], forbidden ? 255 * PALE : 255], 4 * pixel);
+      image.data.set([...(forbidden ? pale : ramp)[step], 255], 4 * pixel);
     });
     context.putImageData(image, 0, 0);
   }
@@ -76,7 +75,7 @@ export class WorkspaceMap {
     context.drawImage(this.#picture, left, top, right - left, bottom - top);
     for (const curve of type1) line(curve, "--quiet", 1.5);
     context.setLineDash([6, 4]);
-    for (const curve of type2) line(curve, "--bad", 1.5);
+    for (const curve of type2) line(curve, "--drawn", 1.5);
     context.setLineDash([]);
   }
 }

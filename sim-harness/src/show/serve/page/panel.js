@@ -2,11 +2,21 @@
 
 const LIMITS = ["torque", "voltage", "speed"]; // by bit
 
-// What to add to a fault's name and snapshot, by its number.
+// What has happened and what to do, by the fault's number.
 const CAUSES = {
-  10: "The bridges are off and the brake is on.",
+  1: "An encoder's counts jumped. Check its cable, then home again.",
+  2: "The angles after homing belong to no pose. Check switches and zeros.",
+  3: "A joint was too far from its reference. Look for what blocks it.",
+  5: "A current was too high. Look for a short circuit or a blocked joint.",
+  6: "A motor is too hot. Wait until it has cooled.",
+  7: "The supply voltage was too low.",
+  8: "The supply voltage was too high.",
+  9: "A bridge has reported a fault.",
+  10: "The bridges are off and the brake is on. Go on when the danger is over.",
+  11: "A joint left its limits, or the arm came too near a singularity.",
   12: "The page in control was closed, disconnected or suspended while the arm moved. The arm "
     + "came to rest on its path and is held.",
+  13: "The path did not arrive in time. The arm came to rest on it and is held.",
 };
 
 const at = (id) => document.getElementById(id);
@@ -14,29 +24,99 @@ const degrees = (angle) => `${((angle * 180) / Math.PI).toFixed(2)}°`.replace("
 const numbers = (values, digits) => values.map((v) => v.toFixed(digits).replace("-", "−")).join(", ");
 const sides = ([elbow1, elbow4]) => `1 ${elbow1}, 4 ${elbow4}`;
 
+// Sets a text only if it changes, so that screen readers do not repeat it.
+export function put(id, text) {
+  if (at(id).textContent !== text) at(id).textContent = text;
+}
+
+// A time such as 2:05.
+function clock(seconds) {
+  const whole = Math.round(seconds);
+  return `${Math.floor(whole / 60)}:${String(whole % 60).padStart(2, "0")}`;
+}
+
 // The state of the arm and of the page in a few words.
 export function stateText(state, watching) {
   const parts = [state.homed ? state.state : `${state.state}, not homed`];
   if (watching) parts.push("this page watches");
-  if (!state.alive) parts.push("no page is in control");
+  if (!state.alive) parts.push(state.run_on && state.state === "Running" ? "the job runs on" : "no page is in control");
   return parts.join(" · ");
 }
 
+export const isMoving = ({ state }) => ["Running", "Homing", "Stopping"].includes(state);
+
+// Whether a control has a use now: null, or why it has none.
+export function whyNot(control, state, job) {
+  if (!state) return "there is no connection";
+  const { state: name, homed } = state;
+  const armed = name === "Armed", running = name === "Running";
+  const isJob = state.left !== null;
+  switch (control) {
+    case "home": return name === "Stopped" ? null : `the arm is ${name}`;
+    case "arm": return name !== "Stopped" ? `the arm is ${name}` : homed ? null : "the arm is not homed";
+    case "disarm": return armed ? null : `the arm is ${name}`;
+    case "stop": return isMoving(state) ? null : "the arm rests";
+    case "clear_fault": return name === "Fault" ? null : "there is no fault";
+    case "jog": case "change":
+      return isJob ? "a job runs" : armed || running ? null : "the arm is not armed";
+    case "resume": return state.held === null ? "no job was stopped" : armed ? null : "the arm is not armed";
+    case "run": case "run-from":
+      if (isJob) return "a job runs";
+      if (!job) return "no job is loaded";
+      if (job.refusal && homed) return `The job cannot be done. ${job.refusal}`;
+      return armed ? null : "the arm is not armed";
+    case "place": return isJob ? "a job runs" : job?.moves ? null : "no job is loaded";
+    default: return null;
+  }
+}
+
+// The next step: a sentence, and the control that does it (its name, and its words).
+export function nextStep(state, job, fault, watching) {
+  if (!state) return ["No connection. A moving arm comes to rest, unless its job runs on. The page connects again by itself.", null, "Wait"];
+  const held = state.held !== null ? ` The job waits at line ${state.held}.` : "";
+  if (watching) {
+    if (state.left !== null) return ["Another page's job runs. Any page may stop it.", "stop", "Stop"];
+    return [`This page watches.${held}`, "control", "Take control"];
+  }
+  switch (state.state) {
+    case "Fault": {
+      const what = fault ? `Fault ${fault.fault}, ${fault.name}. ${CAUSES[fault.fault] ?? ""}` : "Fault.";
+      return [`${what} Repair the cause, then clear the fault.${held}`, "clear_fault", "Clear fault"];
+    }
+    case "Homing": return ["The arm searches for its home switches.", "stop", "Stop"];
+    case "Stopping": return ["The arm comes to rest on its path.", null, "Wait"];
+    case "Stopped":
+      if (!state.homed) return ["The joint angles are unknown: home the arm. It will move.", "home", "Home"];
+      return [`The bridges are off.${held} Arm, then it holds its position.`, "arm", "Arm"];
+    case "Running":
+      if (state.left === null) return ["The arm moves.", "stop", "Stop"];
+      return [`The job is at line ${state.tag ?? "–"}, about ${clock(state.left)} left.`, "stop", "Stop"];
+    default:
+      if (state.left !== null) return ["The job begins.", "stop", "Stop"];
+      if (held) return [`${held.trim()} Resume it, or run it from the start.`, "resume", "Resume"];
+      if (!job) return ["The arm is armed. Open a job, or drag the tool.", "demonstration", "Load demonstration"];
+      if (job.refusal) return [`${job.name} does not fit as it lies: move it, make it smaller or turn it.`, "grab", "Move drawing"];
+      return [`${job.name} fits. Run it.`, "run", "Run job"];
+  }
+}
+
 export function showNumbers(state) {
-  at("theta1").textContent = state.homed ? degrees(state.angle[0]) : "–";
-  at("theta4").textContent = state.homed ? degrees(state.angle[1]) : "–";
-  at("tool").textContent = state.tool ? `${numbers(state.tool.map((x) => 1000 * x), 2)} mm` : "–";
-  at("elbows").textContent = state.elbows ? sides(state.elbows) : "–";
-  at("limits").textContent = LIMITS.filter((_, bit) => state.limits & (1 << bit)).join(", ") || "none";
-  at("bus").textContent = `${state.bus_voltage.toFixed(1)} V`;
-  at("line").textContent = state.tag || "–";
-  at("speed").textContent = state.speed === null ? "–" : `${state.speed.toFixed(2)}×`;
+  put("theta1", state.homed ? degrees(state.angle[0]) : "–");
+  put("theta4", state.homed ? degrees(state.angle[1]) : "–");
+  put("tool", state.tool ? `${numbers(state.tool.map((x) => 1000 * x), 2)} mm` : "–");
+  put("elbows", state.elbows ? sides(state.elbows) : "–");
+  put("limits", LIMITS.filter((_, bit) => state.limits & (1 << bit)).join(", ") || "none");
+  put("bus", `${state.bus_voltage.toFixed(1)} V`);
+  put("line", String(state.tag || state.held || "–"));
+  put("speed", state.speed === null ? "–" : `${state.speed.toFixed(2)}×`);
   const [done, all] = state.progress ?? [0, 1];
-  at("progress").value = done / all;
+  at("progress").value = all > 0 ? done / all : 0;
+  put("left", state.left !== null ? `about ${clock(state.left)} left`
+    : state.held !== null ? `stopped at line ${state.held}` : "–");
 }
 
 export function showNotice(text, refused = false) {
-  at("notice").textContent = text;
+  put("notice", text);
   at("notice").classList.toggle("refused", refused);
 }
 
@@ -68,9 +148,8 @@ export function showFault(fault) {
 }
 
 export function showJob(job) {
-  at("run").disabled = false;
-  at("job").textContent = job.refusal
+  put("job", job.refusal
     ? `${job.name} is refused. ${job.refusal}`
-    : `${job.name}: ${job.moves} moves, all within the arm's limits.`;
+    : `${job.name}: ${job.moves} moves, all within the arm's limits.`);
   at("job").classList.toggle("refused", job.refusal !== null);
 }
