@@ -70,7 +70,8 @@ fn server(
             source(),
             "127.0.0.1:0".parse().expect("an address"),
             guard,
-            |address| ready.send(address).expect("a test that waits"),
+            None,
+            |address, _| ready.send(address).expect("a test that waits"),
             move || ends.load(Ordering::Relaxed),
         )
     });
@@ -317,7 +318,8 @@ fn a_controller_of_another_arm_is_refused() {
         at_port(&port)(),
         "127.0.0.1:0".parse().expect("an address"),
         Guard::with_new_token().expect("random numbers"),
-        |_| panic!("nothing is to be served"),
+        None,
+        |_, _| panic!("nothing is to be served"),
         || false,
     );
     let error = outcome.expect_err("a refusal").to_string();

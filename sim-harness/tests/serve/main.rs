@@ -7,5 +7,6 @@ mod lost_page;
 mod own_job;
 mod port;
 mod program;
+mod senders;
 mod soak;
 mod stops;

@@ -14,6 +14,8 @@ use tungstenite::{Error, Message, WebSocket};
 pub(crate) struct Server {
     child: Child,
     pub(crate) host: String,
+    /// Where senders of G-code connect, if the options ask for it.
+    pub(crate) senders: String,
     token: String,
     _turn: Turn,
 }
@@ -51,15 +53,20 @@ impl Server {
             .spawn()
             .expect("the program starts");
         let output = child.stdout.take().expect("its output");
+        let mut output = BufReader::new(output);
         let mut line = String::new();
-        BufReader::new(output)
-            .read_line(&mut line)
-            .expect("a line of text");
+        output.read_line(&mut line).expect("a line of text");
+        let mut senders = String::new();
+        if options.contains(&"--senders") {
+            output.read_line(&mut senders).expect("a line of text");
+        }
+        let senders = senders.split_whitespace().nth(1).unwrap_or_default();
         let (_, link) = line.trim().split_once("http://").expect("a link");
         let (host, token) = link.split_once("/?token=").expect("a token in the link");
         Self {
             child,
             host: host.into(),
+            senders: senders.into(),
             token: token.into(),
             _turn: turn,
         }

@@ -35,14 +35,22 @@ pub(super) enum Event {
 
 /// The way to a sender.
 pub(super) struct Outlet {
-    answers: SyncSender<String>,
-    close: Box<dyn Fn() + Send>,
+    /// A text to send; none: disconnect the sender.
+    answers: SyncSender<Option<String>>,
+    close: Arc<dyn Fn() + Send + Sync>,
 }
 
 impl Outlet {
     /// Sends a text. A sender that has left too many answers unread is disconnected.
     pub(super) fn send(&self, text: &str) {
-        if !text.is_empty() && self.answers.try_send(text.into()).is_err() {
+        if !text.is_empty() && self.answers.try_send(Some(text.into())).is_err() {
+            self.close();
+        }
+    }
+
+    /// Disconnects the sender after what was sent to it.
+    pub(super) fn end(&self) {
+        if self.answers.try_send(None).is_err() {
             self.close();
         }
     }
@@ -169,14 +177,21 @@ fn serve(desk: &Desk, mut stream: TcpStream) {
 /// to it.
 fn outlet(
     mut write: impl FnMut(&str) -> bool + Send + 'static,
-    close: impl Fn() + Send + 'static,
+    close: impl Fn() + Send + Sync + 'static,
 ) -> Outlet {
-    let (answers, texts) = mpsc::sync_channel::<String>(ANSWERS);
-    thread::spawn(move || while texts.recv().is_ok_and(|text| write(&text)) {});
-    Outlet {
-        answers,
-        close: Box::new(close),
-    }
+    let (answers, texts) = mpsc::sync_channel::<Option<String>>(ANSWERS);
+    let close: Arc<dyn Fn() + Send + Sync> = Arc::new(close);
+    let ends = Arc::clone(&close);
+    thread::spawn(move || {
+        while let Ok(text) = texts.recv() {
+            match text {
+                Some(text) if write(&text) => {}
+                Some(_) => return,
+                None => return ends(),
+            }
+        }
+    });
+    Outlet { answers, close }
 }
 
 #[cfg(not(unix))]

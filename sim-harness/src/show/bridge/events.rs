@@ -10,6 +10,9 @@ use fivebar_firmware::Request;
 use fivebar_firmware::safety::State;
 use std::sync::atomic::Ordering;
 
+/// What a sender is told that comes while a page moves the arm.
+const BUSY: &str = "[MSG:the live page moves the arm: connect when it rests]\nerror:9\n";
+
 impl Machine<'_> {
     /// Does an emergency stop, if one was asked for: bridges off, and all that was sent before it
     /// is dropped. Bridges that are off stay as they are.
@@ -56,7 +59,15 @@ impl Machine<'_> {
 
     fn take(&mut self, event: Event) -> Result<(), LinkError> {
         match event {
+            Event::Opened(outlet) if !self.admits => {
+                outlet.send(BUSY);
+                outlet.end();
+            }
             Event::Opened(outlet) => self.open(outlet),
+            // It was not admitted.
+            Event::Closed(_) if self.sender.is_none() => {
+                self.shared.taken.store(false, Ordering::SeqCst);
+            }
             Event::Closed(why) => {
                 if let Some(sender) = &mut self.sender {
                     sender.drop_lines();
@@ -80,6 +91,9 @@ impl Machine<'_> {
         if let Some(tool) = self.tool() {
             engine.set_position(tool);
         }
+        self.fault = self.status.fault;
+        self.phase = Phase::Ready;
+        self.path.clear();
         let dialect = self.fixed.unwrap_or(Dialect::Grbl);
         let locked = self.status.fault.is_some() || !self.status.homed;
         outlet.send(&Engine::greeting(dialect, locked));
@@ -99,7 +113,7 @@ impl Machine<'_> {
         }
     }
 
-    fn at_once(&mut self, command: RealTime) -> Result<(), LinkError> {
+    pub(super) fn at_once(&mut self, command: RealTime) -> Result<(), LinkError> {
         match command {
             RealTime::Report => {
                 let view = self.view();

@@ -41,19 +41,21 @@ pub(super) enum Phase {
 }
 
 /// The controller and the sender in control of it.
-pub(super) struct Machine<'a> {
-    pub(super) client: Client<Box<dyn Connection>>,
+pub(in crate::show) struct Machine<'a> {
+    pub(in crate::show) client: Client<Box<dyn Connection>>,
     stepped: Option<SteppedArm>,
-    pub(super) settings: CheckedSettings,
+    pub(in crate::show) settings: CheckedSettings,
     pub(super) planner: Planner,
     pub(super) placement: Placement,
     pub(super) reading: JobOptions,
     pub(super) fixed: Option<Dialect>,
     pub(super) events: Receiver<Event>,
     pub(super) shared: Arc<Shared>,
-    pub(super) note: &'a dyn Fn(&str),
+    pub(super) note: Box<dyn Fn(&str) + Send + 'a>,
     log: Option<PathLog>,
     pub(super) sender: Option<Sender>,
+    /// Whether a sender may take control now.
+    pub(in crate::show) admits: bool,
     pub(super) path: PathQueue,
     pub(super) phase: Phase,
     pub(super) jogs: bool,
@@ -62,7 +64,7 @@ pub(super) struct Machine<'a> {
     /// Where the tool was when the stop began [m]. The stop switches the tool off at once, so the
     /// path goes on from there.
     pub(super) held_at: Option<[f32; 2]>,
-    pub(super) status: Status,
+    pub(in crate::show) status: Status,
     pub(super) room: u8,
     all_room: u8,
     idle_since: Option<u32>,
@@ -78,7 +80,7 @@ impl<'a> Machine<'a> {
         options: &BridgeOptions,
         events: Receiver<Event>,
         shared: Arc<Shared>,
-        note: &'a dyn Fn(&str),
+        note: Box<dyn Fn(&str) + Send + 'a>,
         log: Option<PathLog>,
     ) -> Result<Self, ServeError> {
         let Opened {
@@ -101,6 +103,7 @@ impl<'a> Machine<'a> {
             note,
             log,
             sender: None,
+            admits: true,
             path: PathQueue::default(),
             phase: Phase::Ready,
             jogs: false,
@@ -133,6 +136,12 @@ impl<'a> Machine<'a> {
     }
 
     fn cycle(&mut self) -> Result<(), LinkError> {
+        self.serve_sender()?;
+        self.pass_time()
+    }
+
+    /// Does what the sender asks for, without passing time.
+    pub(super) fn serve_sender(&mut self) -> Result<(), LinkError> {
         self.stop_if_asked()?;
         self.take_events()?;
         self.update()?;
@@ -145,10 +154,10 @@ impl<'a> Machine<'a> {
         }
         self.stop_if_asked()?;
         self.release_lost_sender();
-        self.pass_time()
+        Ok(())
     }
 
-    fn pass_time(&mut self) -> Result<(), LinkError> {
+    pub(in crate::show) fn pass_time(&mut self) -> Result<(), LinkError> {
         match &mut self.stepped {
             Some(arm) => arm.step(&mut self.client),
             None => self.client.poll(),

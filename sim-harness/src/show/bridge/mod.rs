@@ -6,6 +6,7 @@
 //! | `connection` | senders over TCP and at a pseudo-terminal, a thread each way |
 //! | `sender` | the sender in control: its lines, and the answers to them |
 //! | `machine`, `events` | the thread of the controller: stops at once, lines in order, reports |
+//! | `seat` | the machine as a part of the live page's server |
 //! | `log` | the arm's path as a table |
 //! | `orders` | what each order of a line does |
 //!
@@ -20,6 +21,7 @@ mod log;
 mod machine;
 mod orders;
 mod protocol;
+mod seat;
 mod sender;
 
 use crate::input::job::{Dialect, JobOptions, Placement};
@@ -29,6 +31,8 @@ use crate::show::serve::{ControllerSource, ServeError};
 use connection::Shared;
 use fivebar_firmware::settings::CheckedSettings;
 use log::PathLog;
+pub(in crate::show) use machine::Machine;
+pub(in crate::show) use seat::Seat;
 use std::io;
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -49,6 +53,19 @@ pub struct BridgeOptions {
     pub log: Option<PathBuf>,
 }
 
+impl BridgeOptions {
+    /// Senders of either dialect at this address, X0 Y0 at home, no log.
+    pub fn at(address: SocketAddr) -> Self {
+        Self {
+            address,
+            dialect: None,
+            origin: None,
+            reading: JobOptions::default(),
+            log: None,
+        }
+    }
+}
+
 /// Where the bridge is reached.
 #[derive(Clone, Debug)]
 pub struct Endpoints {
@@ -65,7 +82,7 @@ pub struct Endpoints {
 #[non_exhaustive]
 pub enum BridgeError {
     /// The bridge cannot listen on the address.
-    #[error("cannot listen on {address}: {source}; choose another address with --listen")]
+    #[error("cannot listen on {address}: {source}; choose another address")]
     Listen {
         /// The address.
         address: SocketAddr,
@@ -102,16 +119,10 @@ pub fn bridge(
     source: ControllerSource<'_>,
     options: &BridgeOptions,
     ready: impl FnOnce(&Endpoints),
-    note: &dyn Fn(&str),
+    note: Box<dyn Fn(&str) + Send + '_>,
     ends: &dyn Fn() -> bool,
 ) -> Result<(), BridgeError> {
-    let home = robot.tool_at(&robot.home_pose()?);
-    let placement = Placement {
-        origin: options.origin.unwrap_or(home),
-        scale: 1.0,
-        turn: 0.0,
-        home,
-    };
+    let placement = placement(robot, options)?;
     let opened = source::open(robot, source)?;
     let place = opened.place.clone();
     let log = log_of(options, &opened.settings)?;
@@ -125,6 +136,17 @@ pub fn bridge(
         place,
     });
     Ok(machine.run(ends).map_err(ServeError::from)?)
+}
+
+/// Where X0 Y0 is before any G92.
+fn placement(robot: &Robot, options: &BridgeOptions) -> Result<Placement, HomeError> {
+    let home = robot.tool_at(&robot.home_pose()?);
+    Ok(Placement {
+        origin: options.origin.unwrap_or(home),
+        scale: 1.0,
+        turn: 0.0,
+        home,
+    })
 }
 
 fn log_of(

@@ -56,8 +56,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let ends = move || interrupted.load(Ordering::Relaxed);
     let image = args.controller.image();
     let source = args.controller.source(&image);
-    let note = |text: &str| warn(text);
-    bridge(&robot, source, &options, ready, &note, &ends).map_err(|error| match error {
+    let note = Box::new(|text: &str| warn(text));
+    bridge(&robot, source, &options, ready, note, &ends).map_err(|error| match error {
         BridgeError::Controller(error) => described(error, &args.controller),
         other => refused(other),
     })

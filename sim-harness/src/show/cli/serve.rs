@@ -6,6 +6,7 @@ use super::say::{say, warn};
 use super::value_error::ValueError;
 use crate::input::robot::{BuiltIn, Robot};
 use crate::run::link::Emulator;
+use crate::show::bridge::{BridgeOptions, Endpoints};
 use crate::show::serve::{ControllerSource, Guard, ServeError, serve};
 use std::net::{IpAddr, SocketAddr, UdpSocket};
 use std::path::{Path, PathBuf};
@@ -22,6 +23,10 @@ pub(super) struct Args {
     /// which is needed to connect. The connection is not encrypted.
     #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8105", value_parser = address)]
     listen: SocketAddr,
+    /// Let senders of G-code move the arm, too, as `fivebar bridge` does; by default at
+    /// 127.0.0.1:8106. Any program that reaches the address can move the arm.
+    #[arg(long, value_name = "ADDRESS:PORT", num_args = 0..=1, default_missing_value = "127.0.0.1:8106", value_parser = address)]
+    senders: Option<SocketAddr>,
 }
 
 /// The arm and its controller.
@@ -87,17 +92,30 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let query = format!("?token={}", guard.token());
     let image = args.controller.image();
     let source = args.controller.source(&image);
-    let ready = |address| {
+    let ready = |address, endpoints: Option<&Endpoints>| {
         say(format_args!(
             "{} is at http://{}/{query}",
             robot.name,
             reached(address)
         ))
         .unwrap_or_else(warn);
+        if let Some(endpoints) = endpoints {
+            let terminal = endpoints.terminal.as_deref().unwrap_or("no-terminal");
+            say(format_args!("senders: {} {terminal}", endpoints.address)).unwrap_or_else(warn);
+        }
     };
+    let senders = args.senders.map(BridgeOptions::at);
     let interrupted = interrupted()?;
     let ends = move || interrupted.load(Ordering::Relaxed);
-    let served = serve(&robot, source, args.listen, guard, ready, ends);
+    let served = serve(
+        &robot,
+        source,
+        args.listen,
+        guard,
+        senders.as_ref(),
+        ready,
+        ends,
+    );
     served.map_err(|error| described(error, &args.controller))
 }
 

@@ -12,19 +12,18 @@ use super::message::{FaultMessage, ServerMessage, StateMessage, brief};
 use super::move_feeder::{JobStatus, MoveFeeder};
 use super::pace::SpeedMeter;
 use super::preview::{JobStart, Preview};
-use super::simulated::SteppedArm;
-use super::source::Connection;
+use super::source::Opened;
 use super::stop_signal::Stop;
 use crate::input::robot::Robot;
-use crate::run::link::{Client, LinkError};
+use crate::run::link::LinkError;
 use crate::run::simulation::fault_name;
+use crate::show::bridge::{Machine, Seat};
+use fivebar_firmware::Request;
 use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::protocol::{CommandError, HostCommand, Reply};
 use fivebar_firmware::safety::{self, Fault};
-use fivebar_firmware::settings::CheckedSettings;
-use fivebar_firmware::{Request, Status};
 use fivebar_kinematics::five_bar::Side;
-use std::sync::Arc;
+use std::sync::{Arc, mpsc};
 use std::time::{Duration, Instant};
 
 /// States sent to pages per second of the controller's time [Hz].
@@ -38,16 +37,15 @@ const LONGEST_STOP: Duration = Duration::from_secs(5);
 
 /// One controller and the pages that show it.
 pub(super) struct ControllerThread {
-    pub(super) client: Client<Box<dyn Connection>>,
-    /// The simulated arm of a board in lockstep.
-    stepped: Option<SteppedArm>,
+    /// The controller, and the sender of G-code that may be in control of it.
+    pub(super) machine: Machine<'static>,
+    /// What the machine tells the pages.
+    notes: mpsc::Receiver<String>,
     pub(super) pages: ControllerEnd,
-    pub(super) settings: CheckedSettings,
     pub(super) preview: Preview,
     /// The page that was in control when the feeder got its moves.
     controlled_by: Option<PageId>,
     pub(super) feeder: MoveFeeder,
-    pub(super) status: Status,
     /// The fault last sent to all pages, or that there is none; `None` before the first.
     sent_fault: Option<Option<Fault>>,
     pub(super) jobs: JobThread,
@@ -73,31 +71,31 @@ pub(super) struct LoadedJob {
 impl ControllerThread {
     /// Starts the controller's telemetry.
     pub(super) fn new(
-        mut client: Client<Box<dyn Connection>>,
-        stepped: Option<SteppedArm>,
+        opened: Opened,
+        seat: Seat,
         robot: Robot,
-        settings: CheckedSettings,
         pages: ControllerEnd,
     ) -> Result<Self, ServeError> {
-        let samples = if stepped.is_some() {
+        let samples = if opened.stepped.is_some() {
             SAMPLES_STEPPED
         } else {
             SAMPLES
         };
-        let every = (settings.control.tick_rate / samples) as u16;
-        client.call(HostCommand::Telemetry { every })?;
-        let (status, _) = client.status()?;
-        let preview = Preview::new(&settings);
+        let (tell, notes) = mpsc::channel();
+        // It fails only when this thread has ended.
+        let note = move |text: &str| drop(tell.send(text.to_owned()));
+        let mut machine = seat.machine(&robot, opened, Box::new(note))?;
+        let every = (machine.settings.control.tick_rate / samples) as u16;
+        machine.client.call(HostCommand::Telemetry { every })?;
+        let preview = Preview::new(&machine.settings);
         Ok(Self {
-            client,
-            stepped,
+            machine,
+            notes,
             pages,
-            settings,
             jobs: JobThread::start(robot, preview.clone()),
             preview,
             controlled_by: None,
             feeder: MoveFeeder::default(),
-            status,
             sent_fault: None,
             loaded: None,
             run_asked_by: None,
@@ -119,12 +117,20 @@ impl ControllerThread {
     fn cycle(&mut self) -> Result<(), LinkError> {
         self.handle_events()?;
         self.take_prepared_job();
-        self.feed_controller()?;
+        let admits = self.rests() && !self.feeder.is_running();
+        if self.machine.serve_seat(admits)? {
+            self.feeder.drop_target();
+        } else {
+            self.feed_controller()?;
+        }
+        while let Ok(note) = self.notes.try_recv() {
+            self.notice(&note);
+        }
         self.stop_if_asked()?;
-        self.pass_time()?;
-        while let Some(sample) = self.client.take_telemetry() {
-            let homed = sample.status.homed && !self.status.homed;
-            self.status = sample.status;
+        self.machine.pass_time()?;
+        while let Some(sample) = self.machine.client.take_telemetry() {
+            let homed = sample.status.homed && !self.machine.status.homed;
+            self.machine.status = sample.status;
             let job = self.feeder.follow(&sample.status);
             self.report_job(job);
             if homed {
@@ -159,13 +165,23 @@ impl ControllerThread {
                 break;
             };
             asked = true;
+            if self.machine.is_taken() {
+                match stop {
+                    Stop::OnPath => self.machine.hold()?,
+                    Stop::Emergency => self.machine.emergency_stop()?,
+                }
+                continue;
+            }
             let was_running = self.feeder.is_running();
             self.feeder.stop();
             if was_running {
                 self.report_job(JobStatus::Held);
             }
             self.run_asked_by = None;
-            let answer = self.client.command(HostCommand::Request(stop.into()))?;
+            let answer = self
+                .machine
+                .client
+                .command(HostCommand::Request(stop.into()))?;
             if let Err(refusal) = answer {
                 self.refuse(Some(page), sentence(&refusal));
             }
@@ -206,13 +222,6 @@ impl ControllerThread {
         }
     }
 
-    fn pass_time(&mut self) -> Result<(), LinkError> {
-        match &mut self.stepped {
-            Some(arm) => arm.step(&mut self.client),
-            None => self.client.poll(),
-        }
-    }
-
     /// Whether the host may send to the controller now: only while the page in control gives
     /// signs of life or a job runs on without one, and after the stops that pages have asked for.
     fn may_feed(&mut self) -> Result<bool, LinkError> {
@@ -228,14 +237,14 @@ impl ControllerThread {
         if !self.may_feed()? {
             return Ok(());
         }
-        let (status, mut room) = self.client.status()?;
+        let (status, mut room) = self.machine.client.status()?;
         let job = self.feeder.update(&status, room);
         self.report_job(job);
         while self.may_feed()? {
             let Some(next) = self.feeder.next(room) else {
                 break;
             };
-            match self.client.call(HostCommand::Move(next))? {
+            match self.machine.client.call(HostCommand::Move(next))? {
                 Reply::Refused(CommandError::Move(refusal))
                     if refusal.kind == MoveErrorKind::Full =>
                 {
@@ -261,7 +270,7 @@ impl ControllerThread {
     /// Whether the arm rests, with bridges on or off.
     pub(super) fn rests(&self) -> bool {
         use safety::State::{Armed, Fault, Homing, Running, Stopped, Stopping};
-        match self.status.state {
+        match self.machine.status.state {
             Stopped | Armed | Fault => true,
             Homing | Running | Stopping => false,
         }
@@ -271,23 +280,29 @@ impl ControllerThread {
         let deadline = Instant::now() + LONGEST_STOP;
         // Both requests are refused if a fault is latched: then the controller itself
         // brings the arm to rest.
-        let _ = self.client.command(HostCommand::Request(Request::Stop))?;
+        let _ = self
+            .machine
+            .client
+            .command(HostCommand::Request(Request::Stop))?;
         loop {
-            (self.status, _) = self.client.status()?;
+            (self.machine.status, _) = self.machine.client.status()?;
             if self.rests() || Instant::now() > deadline {
                 break;
             }
-            self.pass_time()?;
+            self.machine.pass_time()?;
         }
-        let _ = self.client.command(HostCommand::Request(Request::Disarm))?;
+        let _ = self
+            .machine
+            .client
+            .command(HostCommand::Request(Request::Disarm))?;
         Ok(())
     }
 
     fn send_state(&mut self) -> Result<(), LinkError> {
-        if self.sent_fault != Some(self.status.fault) {
-            self.sent_fault = Some(self.status.fault);
-            let snapshot = match self.status.fault {
-                Some(_) => self.client.call(HostCommand::Snapshot)?,
+        if self.sent_fault != Some(self.machine.status.fault) {
+            self.sent_fault = Some(self.machine.status.fault);
+            let snapshot = match self.machine.status.fault {
+                Some(_) => self.machine.client.call(HostCommand::Snapshot)?,
                 None => Reply::Snapshot(None),
             };
             if let Reply::Snapshot(snapshot) = snapshot {
@@ -301,10 +316,10 @@ impl ControllerThread {
             }
         }
         // Pages know moves by the lines of the job.
-        let mut status = self.status;
+        let mut status = self.machine.status;
         status.tag = status.tag.and_then(|_| self.feeder.line());
         let status = &status;
-        let tick_rate = f64::from(self.settings.control.tick_rate);
+        let tick_rate = f64::from(self.machine.settings.control.tick_rate);
         let time = f64::from(status.tick) / tick_rate;
         let now = Instant::now();
         let pose = self.preview.pose(status);
@@ -315,6 +330,7 @@ impl ControllerThread {
             speed: self.speed.at(time, now),
             joints: pose.map(|pose| [pose.b, pose.c, pose.d].map(|point| [point.x, point.y])),
             elbows: pose.map(|pose| self.preview.elbows(&pose)),
+            sender: self.machine.is_taken(),
             control: lease.holder(),
             alive: lease.is_alive(now),
             progress: self.feeder.progress(),

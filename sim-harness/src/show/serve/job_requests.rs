@@ -23,7 +23,7 @@ impl ControllerThread {
         self.run_asked_by = None;
         self.feeder.forget();
         self.run_on = false;
-        let start = self.preview.start(&self.status);
+        let start = self.preview.start(&self.machine.status);
         self.jobs.order(Work::Load(page.id, source), start);
         Ok(())
     }
@@ -39,7 +39,7 @@ impl ControllerThread {
         let loaded = self.loaded.as_ref().ok_or("There is no job: load one.")?;
         let job = Arc::clone(&loaded.job);
         self.feeder.forget();
-        let start = self.preview.start(&self.status);
+        let start = self.preview.start(&self.machine.status);
         self.jobs.order(Work::Place(job, shift), start);
         Ok(())
     }
@@ -47,7 +47,7 @@ impl ControllerThread {
     /// Has the loaded job checked from the tool's present position.
     pub(super) fn check_job_again(&mut self) {
         if let Some(loaded) = &self.loaded {
-            let start = self.preview.start(&self.status);
+            let start = self.preview.start(&self.machine.status);
             if !self.jobs.is_busy() && loaded.start != start {
                 let job = Arc::clone(&loaded.job);
                 self.jobs.order(Work::Check(job), start);
@@ -75,7 +75,7 @@ impl ControllerThread {
         if !self.rests() {
             return Err("The arm is moving: stop it or wait until it rests.".into());
         }
-        if !takes_moves(self.status.state) {
+        if !takes_moves(self.machine.status.state) {
             return Err("The arm is not armed: home it, then arm it.".into());
         }
         Ok(())
@@ -86,10 +86,10 @@ impl ControllerThread {
         if let Some(why) = &loaded.refusal {
             return Err(format!("The job cannot be done. {why}"));
         }
-        if !takes_moves(self.status.state) {
+        if !takes_moves(self.machine.status.state) {
             return Err("The arm is not armed: home it, then arm it.".into());
         }
-        let start = self.preview.start(&self.status);
+        let start = self.preview.start(&self.machine.status);
         if !self.rests() || loaded.start != start {
             return Err("The arm has moved while its job was checked: run it again.".into());
         }
@@ -113,7 +113,7 @@ impl ControllerThread {
     pub(super) fn resume_job(&mut self) -> Result<(), Refused> {
         self.is_ready()?;
         let (_, place) = self.feeder.held().ok_or("No job was stopped: run one.")?;
-        if self.preview.start(&self.status).elbows != self.job_elbows {
+        if self.preview.start(&self.machine.status).elbows != self.job_elbows {
             return Err("The job was begun on another branch: change back to it first.".into());
         }
         let way = self.way_to(place)?;
@@ -125,15 +125,15 @@ impl ControllerThread {
     /// The way to a place of the job [m] with the tool up: straight, or by the joints if a straight
     /// line would leave the workspace.
     fn way_to(&self, place: [f32; 2]) -> Result<Option<MoveKind>, Refused> {
-        let start = self.preview.start(&self.status);
-        let (Some(from), Some(elbows)) = (self.status.reference, start.elbows) else {
+        let start = self.preview.start(&self.machine.status);
+        let (Some(from), Some(elbows)) = (self.machine.status.reference, start.elbows) else {
             return Err("The arm is not armed: home it, then arm it.".into());
         };
-        let Some(line) = way_back(from, place, self.settings.motion.max_speed) else {
+        let Some(line) = way_back(from, place, self.machine.settings.motion.max_speed) else {
             return Ok(None);
         };
         let planner = self.preview.planner(start).map_err(|e| e.to_string())?;
-        let [now1, now4] = self.status.angle;
+        let [now1, now4] = self.machine.status.angle;
         let by_joints = self.preview.joints(place, elbows).map(|[to1, to4]| {
             let to = [nearest(to1, now1), nearest(to4, now4)];
             let speed = JOINT_SPEED;

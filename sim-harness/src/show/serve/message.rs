@@ -157,6 +157,8 @@ pub(super) struct StateMessage<'a> {
     pub(super) joints: Option<[[f32; 2]; 3]>,
     /// The arm's working mode; none until the arm is homed.
     pub(super) elbows: Option<[Side; 2]>,
+    /// Whether a sender of G-code is in control; pages watch then.
+    pub(super) sender: bool,
     /// The page in control.
     pub(super) control: Option<PageId>,
     /// Whether that page is alive.
@@ -266,6 +268,7 @@ mod tests {
             speed: None,
             joints: None,
             elbows: None,
+            sender: false,
             control: None,
             alive: false,
             progress: None,

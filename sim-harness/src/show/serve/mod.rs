@@ -62,10 +62,10 @@ use crate::input::robot::{HomeError, Robot, WorkspaceError};
 use crate::run::drive::DriveError;
 use crate::run::link::{EmulatorError, LinkError, PortError};
 use crate::run::simulation::RunError;
+use crate::show::bridge::{BridgeError, BridgeOptions, Endpoints, Seat};
 use controller_thread::ControllerThread;
 use fivebar_design::workspace::GridError;
 use fivebar_firmware::protocol::CommandError;
-use source::Opened;
 use std::io;
 use std::net::{SocketAddr, TcpListener};
 use std::path::Path;
@@ -99,6 +99,9 @@ pub enum ServeError {
         /// The system's error.
         source: io::Error,
     },
+    /// Senders cannot connect.
+    #[error("senders: {0}")]
+    Senders(#[from] Box<BridgeError>),
     /// The web server failed.
     #[error("the web server failed: {0}")]
     Web(#[from] io::Error),
@@ -134,8 +137,9 @@ pub enum ServeError {
     Settings(#[from] fivebar_firmware::settings::SettingsError),
 }
 
-/// Serves the page at `address` until `ends` returns true or the connection to the
-/// controller fails. Calls `ready` with the address as soon as pages are served.
+/// Serves the page at `address`, and `senders` of G-code if they are asked for, until `ends` returns
+/// true or the connection to the controller fails. Calls `ready` with the addresses as soon as pages
+/// are served.
 ///
 /// # Errors
 /// The address or the port cannot be opened, the robot cannot be simulated, or the
@@ -145,22 +149,25 @@ pub fn serve(
     source: ControllerSource<'_>,
     address: SocketAddr,
     guard: Guard,
-    ready: impl FnOnce(SocketAddr),
+    senders: Option<&BridgeOptions>,
+    ready: impl FnOnce(SocketAddr, Option<&Endpoints>),
     ends: impl Fn() -> bool + Send + 'static,
 ) -> Result<(), ServeError> {
     let listener = TcpListener::bind(address);
     let listener = listener.map_err(|source| ServeError::Listen { address, source })?;
-    let Opened {
-        client,
-        stepped,
-        settings,
-        place,
-    } = source::open(robot, source)?;
-    let arm = arm::describe(robot, &place)?;
-    let maps = maps::describe(robot, settings.assembly())?;
+    let opened = source::open(robot, source)?;
+    let arm = arm::describe(robot, &opened.place)?;
+    let maps = maps::describe(robot, opened.settings.assembly())?;
+    let (seat, endpoints) = match senders {
+        Some(options) => {
+            let (seat, endpoints) = Seat::listen(options, &opened.place).map_err(Box::new)?;
+            (seat, Some(endpoints))
+        }
+        None => (Seat::empty(), None),
+    };
     let (pages, controller_end) = channels::channels();
-    let machine = ControllerThread::new(client, stepped, robot.clone(), settings, controller_end)?;
-    ready(listener.local_addr()?);
+    let machine = ControllerThread::new(opened, seat, robot.clone(), controller_end)?;
+    ready(listener.local_addr()?, endpoints.as_ref());
     let site = web::Site {
         guard,
         pages,

@@ -78,6 +78,11 @@ impl ControllerThread {
                 if stops < self.pages.shared.stop.count() && request.ends_with_a_stop() {
                     return Ok(false);
                 }
+                if self.machine.is_taken() && !matches!(request, ClientRequest::Alive) {
+                    let why = "A sender of G-code is in control: disconnect it first.";
+                    self.report(&page, Err(why.into()));
+                    return Ok(false);
+                }
                 if let ClientRequest::Request(wanted) = request
                     && in_control
                 {
@@ -125,7 +130,7 @@ impl ControllerThread {
             ClientRequest::Run => self.run_job(page, 0),
             ClientRequest::RunFrom(line) => self.run_job(page, line),
             ClientRequest::Resume => self.resume_job(),
-            _ if !takes_moves(self.status.state) => {
+            _ if !takes_moves(self.machine.status.state) => {
                 Err("The arm is not armed: home it, then arm it.".into())
             }
             _ if self.run_asked_by.is_some() => {
@@ -176,7 +181,7 @@ impl ControllerThread {
                 return Ok(Ok(()));
             }
         };
-        let answer = self.client.command(HostCommand::Request(request))?;
+        let answer = self.machine.client.command(HostCommand::Request(request))?;
         Ok(answer.map_err(|refusal| sentence(&refusal)))
     }
 
@@ -189,7 +194,7 @@ impl ControllerThread {
     }
 
     fn move_tool(&mut self, to: [f32; 2]) {
-        let feed = self.settings.motion.max_speed;
+        let feed = self.machine.settings.motion.max_speed;
         self.feeder.set_target(MoveKind::Line { to, feed });
     }
 
@@ -226,7 +231,7 @@ impl ControllerThread {
 
     fn move_joints(&mut self, angles: [f32; 2]) {
         let [to1, to4] = angles;
-        let [now1, now4] = self.status.angle;
+        let [now1, now4] = self.machine.status.angle;
         self.feeder.set_target(MoveKind::Joint {
             to: [nearest(to1, now1), nearest(to4, now4)],
             speed: JOINT_SPEED,
@@ -238,7 +243,7 @@ impl ControllerThread {
         match self.feeder.end() {
             Some(MoveEnd::Tool(tool)) => Some(tool),
             Some(MoveEnd::Joints(angles)) => self.preview.tool_at(angles),
-            None => self.status.reference,
+            None => self.machine.status.reference,
         }
     }
 
@@ -246,11 +251,11 @@ impl ControllerThread {
     fn joints_end(&self) -> Option<[f32; 2]> {
         match self.feeder.end() {
             Some(MoveEnd::Tool(tool)) => {
-                let pose = self.preview.pose(&self.status)?;
+                let pose = self.preview.pose(&self.machine.status)?;
                 self.preview.joints(tool, self.preview.elbows(&pose))
             }
             Some(MoveEnd::Joints(angles)) => Some(angles),
-            None => Some(self.status.joint_reference?.angle),
+            None => Some(self.machine.status.joint_reference?.angle),
         }
     }
 }

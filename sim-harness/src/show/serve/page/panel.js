@@ -39,7 +39,8 @@ function clock(seconds) {
 export function stateText(state, watching) {
   const parts = [state.homed ? state.state : `${state.state}, not homed`];
   if (watching) parts.push("this page watches");
-  if (!state.alive) parts.push(state.run_on && state.state === "Running" ? "the job runs on" : "no page is in control");
+  if (state.sender) parts.push("a sender is in control");
+  else if (!state.alive) parts.push(state.run_on && state.state === "Running" ? "the job runs on" : "no page is in control");
   return parts.join(" · ");
 }
 
@@ -48,6 +49,7 @@ export const isMoving = ({ state }) => ["Running", "Homing", "Stopping"].include
 // Whether a control has a use now: null, or why it has none.
 export function whyNot(control, state, job) {
   if (!state) return "there is no connection";
+  if (state.sender && control !== "stop") return "a sender of G-code is in control";
   const { state: name, homed } = state;
   const armed = name === "Armed", running = name === "Running";
   const isJob = state.left !== null;
@@ -74,6 +76,7 @@ export function whyNot(control, state, job) {
 export function nextStep(state, job, fault, watching) {
   if (!state) return ["No connection. A moving arm comes to rest, unless its job runs on. The page connects again by itself.", null, "Wait"];
   const held = state.held !== null ? ` The job waits at line ${state.held}.` : "";
+  if (state.sender) return ["A sender of G-code is in control. Any page may stop the arm.", "stop", "Stop"];
   if (watching) {
     if (state.left !== null) return ["Another page's job runs. Any page may stop it.", "stop", "Stop"];
     return [`This page watches.${held}`, "control", "Take control"];

@@ -1,0 +1,89 @@
+//! A sender of G-code at the endpoint of the live page's server.
+
+use crate::program::{Server, number, speed, time};
+use serde_json::json;
+use std::io::{BufRead as _, BufReader, Write as _};
+use std::net::TcpStream;
+use std::time::Duration;
+
+/// A sender; the lines that it receives.
+struct Sender {
+    stream: TcpStream,
+    lines: BufReader<TcpStream>,
+}
+
+impl Sender {
+    fn connect(server: &Server) -> Self {
+        let stream = TcpStream::connect(&server.senders).expect("an endpoint");
+        let longest = Some(Duration::from_secs(30));
+        stream.set_read_timeout(longest).expect("a timeout");
+        let lines = BufReader::new(stream.try_clone().expect("a second handle"));
+        Self { stream, lines }
+    }
+
+    fn send(&mut self, text: &[u8]) {
+        self.stream.write_all(text).expect("a server that reads");
+    }
+
+    /// Waits for a line with these words.
+    fn wait_for(&mut self, words: &str) {
+        let mut line = String::new();
+        while !line.contains(words) {
+            line.clear();
+            let count = self.lines.read_line(&mut line).expect("an answer in time");
+            assert!(count > 0, "no {words} before the end");
+        }
+    }
+}
+
+#[test]
+fn a_sender_moves_the_arm_while_pages_watch_and_any_page_stops_it() {
+    let server = Server::start(&["--senders", "127.0.0.1:0"]);
+    let mut page = server.page();
+    page.latest_state();
+    let mut sender = Sender::connect(&server);
+    sender.wait_for("Grbl 1.1");
+    sender.send(b"$H\n");
+    sender.wait_for("ok");
+    sender.send(b"G21 G91 F1200\nG1 X30\nG1 X-30\n");
+    let state = page.state("a moving arm", |state| speed(state) > 0.1);
+    assert_eq!(state["sender"], true);
+    page.request("disarm");
+    page.wait("a refusal", |message| {
+        let text = message["notice"]["text"].as_str()?;
+        text.contains("sender of G-code is in control")
+            .then_some(())
+    });
+    page.request("stop");
+    page.state("rest", |state| state["state"] == "Armed");
+    sender.send(b"?");
+    sender.wait_for("<Hold:0");
+    sender.send(b"~");
+    page.state("the way on", |state| speed(state) > 0.1);
+    page.request("emergency_stop");
+    sender.wait_for("ALARM:3");
+    page.state_named("Fault");
+    sender.send(b"$X\n");
+    sender.wait_for("ok");
+    drop(sender);
+    page.state("the page's turn", |state| state["sender"] == false);
+    page.take_control_and_arm();
+}
+
+#[test]
+fn a_sender_is_not_admitted_while_a_page_moves_the_arm() {
+    let server = Server::start(&["--senders", "127.0.0.1:0"]);
+    let mut page = server.page();
+    page.take_control_and_arm();
+    page.run_long_job();
+    let mut sender = Sender::connect(&server);
+    sender.wait_for("the live page moves the arm");
+    let begun = time(&page.latest_state());
+    let state = page.state("a second", |state| time(state) > begun + 1.0);
+    assert!(state["state"] == "Running" && number(&state["left"]) > 1.0);
+    page.request("stop");
+    page.state_named("Armed");
+    page.send(&json!("alive"));
+    let mut sender = Sender::connect(&server);
+    sender.wait_for("Grbl 1.1");
+}
