@@ -16,7 +16,7 @@ def run(*command, **options):
 
 def copy_sources(copy):
     """Brings the copy up to date with the files that git lists."""
-    for file in filter(None, run("git", "ls-files", cwd=ROOT).stdout.split("\n")):
+    for file in filter(None, run("git", "ls-files", "--cached", "--others", "--exclude-standard", cwd=ROOT).stdout.split("\n")):
         source, target = ROOT / file, copy / file
         target.parent.mkdir(parents=True, exist_ok=True)
         # A copy gets the present time: with an old one, cargo would not see that it replaces a

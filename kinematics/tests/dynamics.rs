@@ -122,6 +122,17 @@ proptest! {
     }
 
     #[test]
+    fn at_rest_a_driven_link_hands_its_load_on_with_its_own_weight((moving, arm, force) in loaded()) {
+        let still = Moving { omega: [0.0; 2], alpha: [0.0; 2], ..moving };
+        let (pose, velocities, accelerations) = still.now();
+        let reactions = arm.reactions(&pose, &velocities, &accelerations, force).unwrap();
+        let [weight1, _, _, weight4] = arm.links().map(|link| -arm.gravity() * link.mass);
+        let size = reactions.b.norm() + reactions.d.norm() + 1.0;
+        prop_assert!((reactions.a - reactions.b - weight1).norm() < 1e-12 * size);
+        prop_assert!((reactions.e - reactions.d - weight4).norm() < 1e-12 * size);
+    }
+
+    #[test]
     fn gravity_torque_is_inverse_dynamics_at_rest_and_the_slope_of_the_potential(
         (moving, arm, _) in loaded()
     ) {
@@ -175,9 +186,9 @@ fn arm() -> Arm<f64> {
 #[test]
 fn shares_of_a_motion_are_time_weighted_portions() {
     let shares = |inertia: f64, gravity: f64| TorqueComponents {
-        inertia: [inertia, 0.0],
+        inertia: [inertia, 3.0],
         velocity: [0.0; 2],
-        gravity: [gravity, 0.0],
+        gravity: [gravity, -1.0],
         external: [0.0; 2],
         friction: [0.0; 2],
     };
@@ -188,8 +199,17 @@ fn shares_of_a_motion_are_time_weighted_portions() {
     // ∫|inertia| = 1 + 1, ∫|gravity| = 0.5 + 0.25.
     assert_close("inertia", fractions[0][0], 2.0 / 2.75, 1e-15);
     assert_close("gravity", fractions[2][0], 0.75 / 2.75, 1e-15);
-    assert_eq!(fractions.map(|part| part[1]), [0.0; 5]);
-    assert_eq!(totals.peaks()[0], [4.0, 0.0]);
+    assert_eq!(fractions.map(|part| part[1]), [0.75, 0.0, 0.25, 0.0, 0.0]);
+    assert_eq!(totals.peaks()[0], [4.0, 3.0]);
+    assert_eq!(ShareTotals::<f64>::default().fractions(), [[0.0; 2]; 5]);
+}
+
+#[test]
+fn a_uniform_rod_has_its_mass_spread_over_its_length() {
+    let rod = Link::uniform_rod(0.06, 0.16);
+    assert_eq!((rod.mass, rod.com), (0.06, Vector2::new(0.08, 0.0)));
+    // m l²/12.
+    assert_close("inertia", rod.inertia, 1.28e-4, 1e-14);
 }
 
 #[test]

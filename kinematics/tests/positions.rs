@@ -63,6 +63,33 @@ proptest! {
     }
 
     #[test]
+    fn links_are_the_vectors_between_the_joints_of_their_pose(case in pose(1e-3)) {
+        let Case { geometry, assembly, pose, .. } = case;
+        let links = geometry.links(pose.u1, pose.u4, assembly).unwrap();
+        for (vector, root, tip) in [
+            (links.ab, Vector2::zeros(), pose.b),
+            (links.bc, pose.b, pose.c),
+            (links.dc, pose.d, pose.c),
+            (links.ed, geometry.e(), pose.d),
+        ] {
+            prop_assert!(distance(root + vector, tip) < 1e-12);
+        }
+        prop_assert!((links.cross - links.bc.cross_z(links.dc)).abs() < 1e-12);
+        let of_links = geometry.pose(&links);
+        for (found, expected) in [
+            (of_links.u1, pose.u1),
+            (of_links.u2, pose.u2),
+            (of_links.u3, pose.u3),
+            (of_links.u4, pose.u4),
+            (of_links.b, pose.b),
+            (of_links.c, pose.c),
+            (of_links.d, pose.d),
+        ] {
+            prop_assert!(distance(found, expected) < 1e-11, "{found} for {expected}");
+        }
+    }
+
+    #[test]
     fn half_angle_formulas_give_the_same_roots(case in pose(1e-3)) {
         let Case { geometry, theta1, theta4, assembly, pose } = case;
         let [_, theta2, theta3, _] = pose.angles();
@@ -134,6 +161,30 @@ fn what_inverse_refuses_is_what_reach_refuses() {
     });
     tally.assert_accepted(0.12);
     tally.assert_refused(0.5);
+}
+
+#[test]
+fn a_leg_reaches_from_the_difference_of_its_links_to_their_sum() {
+    let geometry = Geometry::new([0.1, 0.16, 0.12, 0.05, 0.08]).unwrap();
+    for (radii, expected) in [
+        (geometry.leg1_radii(), [0.06, 0.26]),
+        (geometry.leg4_radii(), [0.07, 0.17]),
+    ] {
+        assert_close("the least radius", radii[0], expected[0], 1e-15);
+        assert_close("the greatest radius", radii[1], expected[1], 1e-15);
+    }
+}
+
+#[test]
+fn half_angle_formulas_give_a_driven_link_along_the_base() {
+    // θ1 = 0 on one elbow: C is straight above B, and all numbers are exact in binary.
+    let geometry = Geometry::new([3.0, 4.0, 4.0, 3.0, 2.0]).unwrap();
+    let mode = WorkingMode::new(Side::Left, Side::Right);
+    let c = Vector2::new(3.0, 4.0);
+    let [theta1, theta4] = geometry.half_angle_inverse(c, mode).unwrap();
+    let [expected1, _, _, expected4]: [f64; 4] = geometry.inverse(c, mode).unwrap().angles();
+    assert_eq!((theta1, expected1), (0.0, 0.0));
+    assert_close("θ4", theta4, expected4, 1e-15);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Workspace, its limits and its margin from singularities.
 
 use fivebar_kinematics::five_bar::{
-    Geometry, Joint, JointLimits, PoseError, Tool, Unreachable, WorkingMode, Workspace,
+    Geometry, Joint, JointLimits, Pose, PoseError, Tool, Unreachable, WorkingMode, Workspace,
     WorkspaceViolation,
 };
 use fivebar_testkit::pose;
@@ -27,6 +27,25 @@ proptest! {
             prop_assert!(clearance.sine >= least * (1.0 - 1e-9));
         }
     }
+}
+
+#[test]
+fn c_has_no_speed_where_both_legs_are_straight() {
+    // Two legs of 5 m + 5 m along 3 : 4 : 5 triangles, so that the sines are exactly zero.
+    let geometry = Geometry::new([5.0, 5.0, 5.0, 5.0, 12.0]).unwrap();
+    let (u1, u4) = (Vector2::new(0.6, 0.8), Vector2::new(-0.6, 0.8));
+    let pose = Pose {
+        u1,
+        u2: u1,
+        u3: u4,
+        u4,
+        b: u1 * 5.0,
+        c: u1 * 10.0,
+        d: geometry.e() + u4 * 5.0,
+    };
+    let jacobian = geometry.jacobian(&pose).unwrap();
+    assert_eq!(jacobian.singular_values(), [0.0, 0.0]);
+    assert_eq!(jacobian.inverse_condition(), 0.0);
 }
 
 #[test]

@@ -5,3 +5,4 @@ mod rig;
 
 mod planned_limits;
 mod planning;
+mod refusals;

@@ -4,7 +4,7 @@ use crate::rig::{Rig, settings};
 use fivebar_firmware::MoveKind;
 use fivebar_firmware::controller::{QueuedSegment, Request};
 use fivebar_firmware::planner::MoveErrorKind;
-use fivebar_firmware::safety::{Limits, State};
+use fivebar_firmware::safety::{Fault, Limits, State};
 use fivebar_kinematics::trajectory::TrajectorySegment;
 use nalgebra::Vector2;
 
@@ -75,4 +75,19 @@ fn a_line_is_refused_where_it_reaches_the_margin_from_a_singularity() {
     let pose = checked.tool().inverse(Vector2::new(x, y), mode).unwrap();
     let (_, margin) = checked.tool().nearest_singularity(&pose);
     assert!((margin - 0.15).abs() < 0.02, "{margin}");
+}
+
+#[test]
+fn a_planner_that_falls_behind_stops_a_joint_move_on_its_way() {
+    let mut rig = Rig::armed(&settings());
+    let to = [2.6, 0.6];
+    rig.push(1, MoveKind::Joint { to, speed: 0.02 }).unwrap();
+    rig.run(1000);
+    for _ in 0..10_000 {
+        rig.controller.feed_host_timeout();
+        rig.tick_alone();
+    }
+    assert_eq!(rig.controller.status().fault, Some(Fault::QueueUnderrun));
+    let turned = rig.bench.theta[0] - 2.2;
+    assert!(0.01 < turned && turned < 0.399, "{turned} rad");
 }

@@ -128,6 +128,28 @@ fn blank_flash_and_flash_full_of_zeros_hold_no_settings() {
     assert_eq!(load(&mut zeros), Ok(settings(5)));
 }
 
+/// The two sectors of a half at once; the log by itself erases one at a time.
+#[test]
+fn a_half_is_erased_as_a_whole_at_its_two_hundredth_save_and_at_no_other() {
+    let mut flash = Nor::blank();
+    let mut erased_whole = Vec::new();
+    for number in 0..810 {
+        let before = flash.erased;
+        save(&mut flash, number).expect("power is on");
+        if flash.erased - before == nor::SECTORS / 2 {
+            erased_whole.push(number);
+        }
+    }
+    assert_eq!(erased_whole, [398, 399, 798, 799]);
+}
+
+#[test]
+fn a_flash_that_fails_is_told_from_one_that_is_damaged() {
+    let mut flash = Nor::blank();
+    flash.cut = Some((0, Cut::Before));
+    assert_eq!(save(&mut flash, 1), Err(StorageError::Flash));
+}
+
 #[test]
 fn a_range_of_less_than_four_sectors_is_refused() {
     for end in [0, 1, SECTOR, 3 * SECTOR, 4 * SECTOR - 4] {

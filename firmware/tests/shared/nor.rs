@@ -32,6 +32,8 @@ pub(crate) struct Nor {
     pub(crate) bytes: Vec<u8>,
     /// Words written and sectors erased so far.
     pub(crate) operations: usize,
+    /// Sectors erased so far.
+    pub(crate) erased: usize,
     /// The operation at which the power fails, and what it leaves behind.
     pub(crate) cut: Option<(usize, Cut)>,
 }
@@ -63,6 +65,7 @@ impl Nor {
         Self {
             bytes: vec![0xff; SECTORS * SECTOR],
             operations: 0,
+            erased: 0,
             cut: None,
         }
     }
@@ -132,6 +135,7 @@ impl NorFlash for Nor {
                 Some(Cut::After(words)) => (words, u32::MAX),
                 None => (SECTOR / WORD, u32::MAX),
             };
+            self.erased += 1;
             let sector = &mut self.bytes[start..start + SECTOR];
             for word in sector.chunks_mut(WORD).take(words) {
                 for (cell, mask) in word.iter_mut().zip(mask.to_le_bytes()) {

@@ -240,6 +240,22 @@ mod tests {
     }
 
     #[test]
+    fn a_demand_beyond_the_bus_is_limited_on_its_own_side_and_its_integral_follows() {
+        // ωc T = 0.2 and R T/L = 0.1: kp = R ωc T/(1 − e^(−0.1)), ki T = R ωc T.
+        let current = CurrentLoop::new(2000.0, T, 1.0, 1e-3, 0.05);
+        let tracking = 1.0 - libm::exp(-0.1);
+        for demand in [100.0, -100.0] {
+            let limit = 11.4_f64.copysign(demand);
+            let mut state = CurrentState(0.0);
+            let drive = current.update(&mut state, demand, 0.0, 0.0, &Bus::new(12.0, 0.95));
+            assert!(drive.limited && (drive.duty - limit / 12.0).abs() < 1e-12);
+            let asked = 0.2 / tracking * demand;
+            let integral = 0.2 * demand + tracking * (limit - asked);
+            assert!((state.0 - integral).abs() < 1e-9, "{} V", state.0);
+        }
+    }
+
+    #[test]
     fn a_long_saturation_does_not_wind_up() {
         let (r, l) = (1.0, 1e-3);
         let current = CurrentLoop::new(2000.0, T, r, l, 0.05);

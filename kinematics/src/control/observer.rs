@@ -139,6 +139,20 @@ mod tests {
     }
 
     #[test]
+    fn a_known_acceleration_is_predicted_to_the_end_of_the_tick() {
+        let observer = VelocityObserver::new(1500.0, T);
+        let (omega, alpha) = (3.0, 1e4);
+        let mut state = ObserverState {
+            angle: 0.2,
+            velocity: omega,
+        };
+        let angle = 0.2 + omega * T + 0.5 * alpha * T * T;
+        let innovation = observer.update(&mut state, angle, alpha);
+        assert!(innovation.abs() < 1e-15, "{innovation} rad");
+        assert!((state.velocity - (omega + alpha * T)).abs() < 1e-9);
+    }
+
+    #[test]
     fn known_acceleration_leaves_only_quantisation() {
         let observer = VelocityObserver::new(800.0, T);
         let w = core::f64::consts::TAU * 3.0;

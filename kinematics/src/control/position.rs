@@ -157,6 +157,27 @@ mod tests {
         assert_eq!(gains.kd(), 2.0 * 0.7 * 200.0);
     }
 
+    #[test]
+    fn a_limited_torque_lets_the_integral_only_shrink() {
+        let gains = PositionLoop::new(200.0, 0.7, 0.0, 50.0, T);
+        let after = |integral, error, limited| {
+            let mut integral = Integral(integral);
+            gains.integrate(&mut integral, error, limited);
+            integral.0
+        };
+        let step = after(0.0, 1.0, false);
+        assert!(step > 0.0);
+        // Integrals both smaller and larger than the step.
+        for size in [0.1 * step, 10.0 * step] {
+            for sign in [1.0, -1.0] {
+                let start = sign * size;
+                assert_eq!(after(start, sign, true), start, "it would grow");
+                assert_eq!(after(start, -sign, true), start - sign * step);
+                assert_eq!(after(start, sign, false), start + sign * step);
+            }
+        }
+    }
+
     proptest! {
         #[test]
         fn closed_loop_poles_lie_where_asked(

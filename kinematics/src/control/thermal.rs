@@ -91,6 +91,8 @@ mod tests {
             (4.0_f32, 2.0_f32, 5.0_f32),
             (2.2, 2.0, 5.0),
             (3.0, 2.0, 20.0),
+            // Here a tick adds less than ten roundings of x.
+            (4.0, 2.0, 400.0),
         ] {
             let heating = MotorHeating::new(continuous, tau, 1e-4);
             let mut heat = MotorHeat::cold();

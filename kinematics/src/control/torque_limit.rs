@@ -58,6 +58,14 @@ mod tests {
     }
 
     #[test]
+    fn a_torque_at_its_limit_is_not_limited() {
+        let limit = TorqueLimit([1.5, 0.7]);
+        for torque in [[1.5, 0.0], [0.0, -0.7], [-1.5, 0.7]] {
+            assert_eq!(limit.apply(torque), (torque, false));
+        }
+    }
+
+    #[test]
     fn a_torque_that_is_not_a_number_stays_one() {
         for other in [0.0, 2.0] {
             let ([t1, _], _) = TorqueLimit([1.0, 1.0]).apply([f64::NAN, other]);

@@ -335,6 +335,23 @@ mod tests {
     }
 
     #[test]
+    fn a_joint_in_line_to_rounding_stays_on_its_side() {
+        for side in Side::BOTH {
+            let p = Vector2::new(0.3, 0.4) * (1.0 - 4.0 * f64::EPSILON);
+            assert!(Dyad::new(0.2, 0.3).solve(p, side).is_err());
+            let joint = joint(p, 0.2, 0.3, side).unwrap();
+            assert_eq!(Side::of(p.cross_z(joint)), side);
+            assert!(p.cross_z(joint).abs() > 1e-10);
+        }
+    }
+
+    #[test]
+    fn equal_links_that_fold_onto_each_other_point_across() {
+        let joint = joint(Vector2::new(1e-10, 0.0), 0.2, 0.2, Side::Left).unwrap();
+        assert!((joint - Vector2::new(0.0, 0.2)).length() < 1e-9);
+    }
+
+    #[test]
     fn every_miss_says_why() {
         assert_eq!(at(0.5 + 1e-12, 0.2, 0.3), Err(DyadError::TooFar));
         assert_eq!(at(1e200, 0.2, 0.3), Err(DyadError::TooFar));

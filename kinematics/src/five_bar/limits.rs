@@ -142,6 +142,9 @@ mod tests {
         assert_eq!(limits.angles_within(1.0, 0.0), Ok([1.0, 0.0]));
         let [theta1, _] = limits.angles_within(-2.9, 0.0).unwrap();
         assert!((theta1 - (2.0 * PI - 2.9)).abs() < 1e-15);
+        let negative = JointLimits::new([-4.0, -0.5], [-1.0, 1.0]).unwrap();
+        let [theta1, _] = negative.angles_within(2.9, 0.0).unwrap();
+        assert!((theta1 - (2.9 - 2.0 * PI)).abs() < 1e-15);
         let outside = |joint| Err(JointLimitError::Outside(joint));
         assert_eq!(limits.angles_within(0.4, 0.0), outside(Joint::Joint1));
         assert_eq!(limits.angles_within(1.0, 1.1), outside(Joint::Joint4));

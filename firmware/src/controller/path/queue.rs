@@ -277,6 +277,19 @@ mod tests {
     }
 
     #[test]
+    fn a_commit_adds_the_time_of_what_it_commits_and_no_other() {
+        let mut queue = old();
+        let mut commit = |duration| {
+            queue.push(dwell(duration), false).expect("room");
+            queue.commit()
+        };
+        assert_eq!(commit(1.0), 0.0, "nothing is behind the first one");
+        for duration in [2.0, 3.0] {
+            assert!((commit(duration) - duration).abs() <= 1e-5);
+        }
+    }
+
+    #[test]
     fn days_of_waiting_count_as_minutes() {
         let mut queue = old();
         for _ in 0..QUEUED_SEGMENTS {

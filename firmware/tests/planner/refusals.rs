@@ -1,0 +1,154 @@
+//! What the check of a move gives: where the move ends, or why it is refused and at which point.
+
+use crate::rig::{START, settings, with};
+use fivebar_firmware::planner::{LONGEST, MoveError, MoveErrorKind, Planner};
+use fivebar_firmware::safety::State;
+use fivebar_firmware::settings::Settings;
+use fivebar_firmware::{FULL_TOOL, Move, MoveKind};
+
+/// A point that the tool can reach [m].
+const FROM: [f32; 2] = [0.04, 0.2];
+
+fn check_from(from: [f32; 2], settings: &Settings, kind: MoveKind) -> Result<[f32; 2], MoveError> {
+    let tool = FULL_TOOL;
+    Planner::new(&settings.check().unwrap()).check(from, &Move { tag: 7, tool, kind })
+}
+
+fn check(kind: MoveKind) -> Result<[f32; 2], MoveError> {
+    check_from(FROM, &settings(), kind)
+}
+
+/// A line from [`FROM`] by this displacement [m].
+fn line_by([x, y]: [f32; 2]) -> MoveKind {
+    let to = [FROM[0] + x, FROM[1] + y];
+    MoveKind::Line { to, feed: 0.1 }
+}
+
+#[test]
+fn a_checked_move_ends_where_it_was_sent_and_a_dwell_where_it_began() {
+    let (to, feed) = ([0.05, 0.18], 0.1);
+    assert_eq!(check(MoveKind::Line { to, feed }), Ok(to));
+    assert_eq!(check(MoveKind::Dwell { duration: 1.0 }), Ok(FROM));
+    assert_eq!(check(line_by([0.0, 0.0])), Ok(FROM));
+    let arc = MoveKind::Arc {
+        to: [0.06, 0.18],
+        center: [0.04, 0.18],
+        clockwise: true,
+        feed: 0.1,
+    };
+    assert_eq!(check(arc), Ok([0.06, 0.18]));
+    let to = START;
+    let [x, y] = check(MoveKind::Joint { to, speed: 0.1 }).unwrap();
+    // The circles of links 2 and 3, 0.16 m about the ends of the cranks, meet there.
+    assert!((x - 0.04322).abs() < 1e-4, "{x}");
+    assert!((y - 0.20407).abs() < 1e-4, "{y}");
+}
+
+#[test]
+fn a_number_that_no_speed_can_have_is_refused_without_a_point() {
+    let refused = MoveError {
+        tag: 7,
+        kind: MoveErrorKind::Number,
+        point: None,
+    };
+    for feed in [0.0, -0.1, f32::NAN, f32::INFINITY] {
+        let to = [0.04, 0.19];
+        assert_eq!(check(MoveKind::Line { to, feed }), Err(refused), "{feed}");
+    }
+    for speed in [0.0, -0.1, 1.01, f32::NAN] {
+        let kind = MoveKind::Joint { to: START, speed };
+        assert_eq!(check(kind), Err(refused), "{speed}");
+    }
+    let speed = 1.0;
+    assert!(check(MoveKind::Joint { to: START, speed }).is_ok());
+}
+
+#[test]
+fn each_violation_of_the_envelope_has_its_own_kind() {
+    for (by, kind) in [
+        ([0.3, 0.0], MoveErrorKind::LegSingularity(1)),
+        ([-0.3, 0.0], MoveErrorKind::LegSingularity(4)),
+        ([0.0, -0.3], MoveErrorKind::JointLimit(1)),
+        ([0.115, -0.277], MoveErrorKind::JointLimit(4)),
+    ] {
+        assert_eq!(check(line_by(by)).unwrap_err().kind, kind, "{by:?}");
+    }
+    let heavy = with(|settings| {
+        settings.payload = 0.5;
+        settings.gravity = [0.0, -9.81];
+    });
+    for (by, joint) in [([-0.277, -0.115], 1), ([0.277, -0.115], 4)] {
+        let refused = check_from(FROM, &heavy, line_by(by)).unwrap_err();
+        assert_eq!(refused.kind, MoveErrorKind::Torque(joint));
+        let kind = check(line_by(by)).unwrap_err().kind;
+        assert_ne!(kind, MoveErrorKind::Torque(joint), "without the load");
+    }
+}
+
+/// Of a joint move, the joint that turns further decides.
+#[test]
+fn a_move_may_take_a_day_and_no_longer() {
+    assert!(check(MoveKind::Dwell { duration: LONGEST }).is_ok());
+    let too_long = |result: Result<_, MoveError>| {
+        result.is_err_and(|error| error.kind == MoveErrorKind::TooLong)
+    };
+    let duration = LONGEST + 0.01;
+    assert!(too_long(check(MoveKind::Dwell { duration })));
+
+    let joints = joints_at_from();
+    let slow = with(|settings| {
+        settings
+            .axes
+            .iter_mut()
+            .for_each(|axis| axis.max_speed = 1.0)
+    });
+    // 0.1 rad at this share of 1 rad/s.
+    let share = |days: f32| 0.1 / (days * LONGEST);
+    for turned in [[0.1, 0.02], [-0.1, 0.02], [0.02, 0.1], [0.02, -0.1]] {
+        let to = [joints[0] + turned[0], joints[1] + turned[1]];
+        let check = |speed| check_from(FROM, &slow, MoveKind::Joint { to, speed });
+        assert!(check(share(0.9)).is_ok(), "{turned:?}");
+        assert!(too_long(check(share(1.1))), "{turned:?}");
+    }
+}
+
+/// θ1, θ4 with the tool at [`FROM`] [rad].
+fn joints_at_from() -> [f32; 2] {
+    let checked = settings().check().unwrap();
+    let mode = settings().working_mode();
+    let pose = checked.tool().inverse(FROM.into(), mode).unwrap();
+    [pose.u1, pose.u4].map(|u| u.y.atan2(u.x))
+}
+
+#[test]
+fn every_refused_move_reads_as_a_sentence_with_its_point() {
+    let texts = [
+        MoveErrorKind::State(State::Stopping),
+        MoveErrorKind::Full,
+        MoveErrorKind::Number,
+        MoveErrorKind::Arc,
+        MoveErrorKind::Unreachable,
+        MoveErrorKind::JointLimit(4),
+        MoveErrorKind::LegSingularity(1),
+        MoveErrorKind::ParallelSingularity,
+        MoveErrorKind::Torque(4),
+        MoveErrorKind::TooLong,
+    ]
+    .map(|kind| kind.to_string());
+    for (number, text) in texts.iter().enumerate() {
+        assert!(text.split(' ').count() > 3, "{text}");
+        assert!(!texts[..number].contains(text), "{text}");
+    }
+    assert_eq!(texts[5], "joint 4 would leave its limits");
+    let mut error = MoveError {
+        tag: 1,
+        kind: MoveErrorKind::Full,
+        point: None,
+    };
+    assert_eq!(error.to_string(), "the queue is full");
+    error.point = Some([0.25, -1.5]);
+    assert_eq!(
+        error.to_string(),
+        "the queue is full at (0.250000, -1.500000) m"
+    );
+}
