@@ -11,6 +11,11 @@ export CARGO_TERM_COLOR=${CARGO_TERM_COLOR:-never}
 format() { cargo fmt --all --check; }
 lint() { cargo clippy --workspace --all-targets --features fivebar-tests/emulator --quiet -- -D warnings; }
 docs() { scripts/docs.sh; }
+# Whether the mistakes that are seeded into the firmware still find their places in it.
+mistakes() {
+    firmware/mistakes.py --check
+    chip/mistakes.py --check
+}
 licences() { scripts/licences.sh; }
 file_lengths() { scripts/file-lengths.sh; }
 tests() { cargo test; }
@@ -51,7 +56,7 @@ fuzz() {
 commands() { scripts/commands.sh; }
 demo() { cargo run --release --quiet -- --out target/demonstration; }
 
-all=(format file_lengths lint docs licences tests demo package peers python senders browser setup firmware chip emulated fuzz commands)
+all=(format file_lengths mistakes lint docs licences tests demo package peers python senders browser setup firmware chip emulated fuzz commands)
 steps=("$@")
 [ $# -gt 0 ] || steps=("${all[@]}")
 

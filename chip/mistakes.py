@@ -4,6 +4,7 @@ tests on the image built from it. Each must be caught.
 
     chip/mistakes.py            all of them; the table goes to chip/mistakes.md
     chip/mistakes.py 3 7        those by number, without writing the table
+    chip/mistakes.py --check    only whether each old text occurs once in its file
 """
 import pathlib
 import shutil
@@ -110,7 +111,12 @@ MISTAKES = [
 ]
 
 
+def path_of(file):
+    return ("firmware/src/" if "/" in file else "firmware/src/board/") + file
+
+
 def main():
+    seeded_mistakes.check_texts(MISTAKES, path_of)
     copy = ROOT / "target" / "mistakes"
     seeded_mistakes.copy_sources(copy)
     # What is not ours is compiled already.
@@ -123,14 +129,11 @@ def main():
         done = seeded_mistakes.run("cargo", "test", "--manifest-path", manifest)
         return done.returncode, done.stdout + done.stderr
 
-    def path_of(file):
-        return copy / ("firmware/src" if "/" in file else "firmware/src/board") / file
-
     head = (
         "Mistakes that `chip/mistakes.py` seeds into the board's drivers, and the tests that caught each. A run\n"
         "ends with the first file of tests in which one fails, so others may catch it, too.\n\n"
     )
-    seeded_mistakes.check(MISTAKES, path_of, test, ROOT / "chip/mistakes.md", head)
+    seeded_mistakes.check(MISTAKES, copy, path_of, test, ROOT / "chip/mistakes.md", head)
 
 
 main()

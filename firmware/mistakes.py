@@ -4,6 +4,7 @@ and runs the tests of fivebar-firmware. Each must be caught.
 
     firmware/mistakes.py            all of them; the table goes to docs/mistakes.md
     firmware/mistakes.py 3 7        those by number, without writing the table
+    firmware/mistakes.py --check    only whether each old text occurs once in its file
 """
 import os
 import pathlib
@@ -13,7 +14,6 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 sys.path.append(str(ROOT / "scripts"))
 import seeded_mistakes
 
-OFF = "self.latch_power_off(fault);\n        self.off()"
 # What, file, and pairs of old and new text.
 MISTAKES = [
     ("a following error holds the arm", "safety/fault.rs", "Self::CommandTimeout | Self::QueueUnderrun =>", "Self::CommandTimeout | Self::QueueUnderrun | Self::FollowingError =>", "            | Self::FollowingError\n", ""),
@@ -45,36 +45,36 @@ MISTAKES = [
     ("the singularity monitor never fires", "safety/monitor.rs", "Scalar::abs(links.cross) < self.margin", "Scalar::abs(links.cross) < -self.margin"),
     ("a tenth of the singularity margin", "safety/monitor.rs", "margin: 0.5 * settings", "margin: 0.1 * settings"),
     ("the singularity monitor for one assembly only", "safety/monitor.rs", "Scalar::abs(links.cross) < self.margin", "links.cross < self.margin"),
-    ("silence doubled", "safety/monitor.rs", "silence: (protection.command_timeout * rate) as u32", "silence: (2.0 * protection.command_timeout * rate) as u32"),
+    ("silence doubled", "safety/monitor.rs", "silence: in_time(protection.command_timeout * rate)", "silence: in_time(2.0 * protection.command_timeout * rate)"),
     ("silence one tick too long", "safety/monitor.rs", "ticks > self.silence", "ticks > self.silence + 1"),
     ("twenty missed ticks tolerated", "safety/monitor.rs", "TOLERATED_TICKS: u32 = 2;", "TOLERATED_TICKS: u32 = 20;"),
     ("a stop while stopped is refused", "safety/state.rs", "Event::Disarm | Event::Stop | Event::Clear) => Some(Self::Stopped)", "Event::Disarm | Event::Clear) => Some(Self::Stopped)", "Event::Homed | Event::Begin | Event::Finish | Event::Rest) => None", "Event::Homed | Event::Begin | Event::Finish | Event::Rest | Event::Stop) => None"),
     ("not-a-number duty of joint 4 unchecked", "controller/tick.rs", "(duty1 + duty4).is_finite()", "(duty1 + 0.0 * f32::from(duty4 > 2.0)).is_finite()"),
     ("not-a-number duty of joint 1 unchecked", "controller/tick.rs", "(duty1 + duty4).is_finite()", "(duty4 + 0.0 * f32::from(duty1 > 2.0)).is_finite()"),
-    ("a fault latched without switching off in its tick", "controller/tick.rs", OFF, "self.latch_power_off(fault);\n        self.wake()"),
+    ("a fault latched without switching off in its tick", "controller/tick.rs", "self.power_off(fault);\n            return self.off();\n        }\n        let torques", "self.power_off(fault);\n            return self.waking();\n        }\n        let torques"),
     ("the brake released when off", "controller/tick.rs", "enable: [false; 2],\n            brake: true,", "enable: [false; 2],\n            brake: false,"),
     ("the brake engaged while driving", "controller/tick.rs", "enable: [true; 2],\n            brake: false,", "enable: [true; 2],\n            brake: true,"),
-    ("the brake released while the bridges wake up", "controller/tick.rs", "enable: [true; 2],\n            brake: true,", "enable: [true; 2],\n            brake: false,"),
+    ("the brake released while the bridges wake up", "controller/tick.rs", "enable: [true; 2],\n            ..self.off()", "enable: [true; 2],\n            brake: false,\n            ..self.off()"),
     ("loops not reset when off", "controller/tick.rs", "self.waking = self.model.wake_up_ticks;\n        self.release();", "self.waking = self.model.wake_up_ticks;"),
     ("bridges not woken again after they slept", "controller/tick.rs", "self.waking = self.model.wake_up_ticks;\n        self.release();", "self.release();"),
-    ("missed ticks not added up", "controller/tick.rs", "self.missed_ticks.saturating_add(sample.missed_ticks)", "self.missed_ticks.saturating_add(1)"),
-    ("missed ticks only counted", "controller/tick.rs", "sample.missed_ticks > TOLERATED_TICKS && self.is_powered()", "sample.missed_ticks > 1000 * TOLERATED_TICKS && self.is_powered()"),
-    ("missed ticks a fault with the bridges off", "controller/tick.rs", "sample.missed_ticks > TOLERATED_TICKS && self.is_powered()", "sample.missed_ticks > TOLERATED_TICKS"),
-    ("joint 4's motor never warms", "controller/tick.rs", "joint4.warm(model4)", "false"),
-    ("joint 1's motor never warms", "controller/tick.rs", "joint1.warm(model1)\n        } else {", "false\n        } else {"),
-    ("heat at half of its speed", "controller/model.rs", "2.0 * period,\n            ),", "period,\n            ),"),
-    ("joint 4 with joint 1's constants of heat", "controller/tick.rs", "joint4.warm(model4)", "joint4.warm(model1)"),
+    ("missed ticks not added up", "controller/tick.rs", "self.missed_ticks.wrapping_add(sample.missed_ticks)", "self.missed_ticks.wrapping_add(1)"),
+    ("missed ticks only counted", "controller/tick.rs", "sample.missed_ticks > TOLERATED_TICKS && mode.is_powered()", "sample.missed_ticks > 1000 * TOLERATED_TICKS && mode.is_powered()"),
+    ("missed ticks a fault with the bridges off", "controller/tick.rs", "sample.missed_ticks > TOLERATED_TICKS && mode.is_powered()", "sample.missed_ticks > TOLERATED_TICKS"),
+    ("joint 4's motor never warms", "controller/turns.rs", "if joint.warm(axis) {", "if index == 0 && joint.warm(axis) {"),
+    ("joint 1's motor never warms", "controller/turns.rs", "if joint.warm(axis) {", "if index == 1 && joint.warm(axis) {"),
+    ("heat at half of its speed", "controller/model.rs", "TURNS as f32 * period,", "0.5 * TURNS as f32 * period,"),
+    ("joint 4 with joint 1's constants of heat", "controller/turns.rs", "self.model.axes.get(index))\n        else", "self.model.axes.first())\n        else"),
     ("full duty", "controller/model.rs", "DUTY_LIMIT: f32 = 0.95", "DUTY_LIMIT: f32 = 1.0"),
     ("bridges driven before they are awake", "controller/model.rs", "(WAKE_UP_TIME * control.tick_rate) as u32 + 1", "1"),
-    ("a bridge's fault of joint 4 unchecked", "controller/faults.rs", "(driver1 | driver4)", "(driver1 | (driver1 & driver4))"),
-    ("a bridge judged while it wakes up", "controller/faults.rs", " && self.waking == 0 {", " && self.waking < 1000 {"),
-    ("too hot is no fault", "controller/faults.rs", "if measurement.too_hot {", "if measurement.too_hot && self.waking > 0 {"),
+    ("a bridge's fault of joint 4 unchecked", "controller/faults.rs", "if driver1 | driver4 {", "if driver1 | (driver1 & driver4) {"),
+    ("a bridge judged while it wakes up", "controller/tick.rs", "self.measured_fault(&measurement)", "self.sampled_fault(sample, &measurement)"),
+    ("too hot is no fault", "controller/turns.rs", "if joint.warm(axis) {", "if joint.warm(axis) && self.waking > 0 {"),
     ("bus voltage unchecked", "controller/faults.rs", "if let Some(fault) = monitor.bus(self.bus_voltage)", "if let Some(fault) = monitor.bus(self.bus_voltage).filter(|_| self.waking > 0)"),
     ("encoder jump ignored when unpowered", "controller/faults.rs", "let jumped = self.model.monitor.jumped(innovation);", "let jumped = self.is_powered() && self.model.monitor.jumped(innovation);"),
     ("emergency stop ignored when unpowered", "controller/faults.rs", "if sample.emergency_stop {", "if sample.emergency_stop && self.is_powered() {"),
     ("emergency stop ignored while homing", "controller/faults.rs", "if sample.emergency_stop {", "if sample.emergency_stop && self.state != State::Homing {"),
     ("silent host ignored while stopping", "controller/faults.rs", "State::Running | State::Stopping if self.host_timed_out()", "State::Running if self.host_timed_out()"),
-    ("silent host a fault while armed", "controller/faults.rs", "State::Running | State::Stopping if self.host_timed_out()", "State::Armed | State::Running | State::Stopping if self.host_timed_out()"),
+    ("silent host a fault while armed", "controller/faults.rs", "monitor.abandoned(self.silence())", "monitor.silent(self.silence())"),
     ("queue underrun ignored", "controller/faults.rs", "State::Running if self.path.runs_short()", "State::Stopped if self.path.runs_short()"),
     ("silence counted from the reset", "controller/faults.rs", "self.ticks.wrapping_sub(self.heard_at)", "self.ticks"),
     ("homing ignores a silent host", "controller/homing.rs", "if self.host_timed_out() {", "if self.host_timed_out() && self.homed {"),
@@ -142,8 +142,8 @@ MISTAKES = [
     ("checksum unchecked", "protocol/decoder.rs", "if CRC.checksum(checked) != u32::from_le_bytes(*crc) {", "if CRC.checksum(checked) != u32::from_le_bytes(*crc) && checked.is_empty() {"),
     ("frames of the own end accepted", "protocol/decoder.rs", "if sender != M::SENDER as u8 {", "if sender == 0 && sender != M::SENDER as u8 {"),
     ("bytes behind a message accepted", "protocol/decoder.rs", "Ok((message, [])) => Ok(message),", "Ok((message, _)) => Ok(message),"),
-    ("settings of another layout accepted", "storage/mod.rs", "pub const LAYOUT: u8 = 1;", "pub const LAYOUT: u8 = 2;"),
-    ("a save not read back", "storage/mod.rs", "if self.newest()? == Some((item, half)) {", "if self.newest()? == Some((item, half)) || item.number > 0 {"),
+    ("settings of another layout accepted", "storage/mod.rs", "pub const LAYOUT: u8 = 3;", "pub const LAYOUT: u8 = 2;"),
+    ("a save not read back", "storage/mod.rs", "if self.newest()? == Some((item, half)) {", "if self.newest()? == Some((item, half)) || item.number > 0 {", "Some(found) if found == *item => Ok(())", "Some(_) => Ok(())"),
     ("the half with the newest settings overwritten", "storage/mod.rs", "Some((newest, half)) if half == first => (newest.number.wrapping_add(1), second),", "Some((newest, half)) if half == second => (newest.number.wrapping_add(1), second),"),
     ("damaged settings are no fault at the start", "session/start.rs", "(_, Some(StorageError::Corrupt)) => Some(Fault::SettingsCorrupt),", "(Reset::Watchdog, Some(StorageError::Corrupt)) => Some(Fault::SettingsCorrupt),", "(_, Some(StorageError::Blank |", "(_, Some(StorageError::Corrupt | StorageError::Blank |"),
     ("a watchdog reset is no fault at the start", "session/start.rs", "(Reset::Watchdog, _) => Some(Fault::WatchdogReset),", "(Reset::Watchdog, None) => None,"),
@@ -153,10 +153,10 @@ MISTAKES = [
     ("homing at more current than joint 1's peak", "settings/check.rs", "&& homing.current <= axis1.peak_current", ""),
     ("joint 1 unchecked", "settings/check.rs", "for (joint, axis) in [1, 4].into_iter().zip(&self.axes) {", "for (joint, axis) in [1, 4].into_iter().zip(&self.axes).skip(1) {"),
     ("a board's count rate of one joint only", "settings/board.rs", "settings.axes.iter().all(", "settings.axes.iter().take(1).all("),
-    ("a fault that holds the arm leaves the tool down in its tick", "controller/tick.rs", "self.begin_controlled_stop(fault);\n            command.tool = self.path.tool_output();", "self.begin_controlled_stop(fault);"),
-    ("the tool not switched off when off", "controller/tick.rs", "        self.path.switch_tool_off();\n", ""),
+    ("a fault that holds the arm leaves the tool down in its tick", "controller/tick.rs", "self.take_turn();\n        command.tool = self.path.tool_output();", "command.tool = self.path.tool_output();\n        self.take_turn();"),
+    ("the tool not switched off when off", "controller/tick.rs", "        self.release();\n        self.path.switch_tool_off();\n", "        self.release();\n"),
     ("a stop on the path leaves the tool down", "controller/path/mod.rs", "pub(crate) fn brake(&mut self) {\n        self.output.switch_off();", "pub(crate) fn brake(&mut self) {"),
-    ("a stop passes segments that switch the tool on", "controller/path/mod.rs", "first.changes_tool && scaling.is_none()", "first.changes_tool"),
+    ("a stop passes segments that switch the tool on", "controller/path/mod.rs", "changes_tool && advance.is_none()", "changes_tool", ".time_scaled(sigma, sigma_dot);\n", ".time_scaled(sigma, sigma_dot);\n            if self.output.is_busy() {\n                self.output.step(segment.tool_output(), 1.0);\n            }\n"),
     ("a dropped path leaves the tool down", "controller/path/mod.rs", "self.drop_committed();\n        self.output.clear();", "self.drop_committed();"),
     ("the tool stays down for a silent host", "controller/tracking.rs", "!self.path.tool_is_off() && self.host_timed_out()", "self.path.tool_is_off() && self.host_timed_out()"),
     ("a power stays on behind the path's end", "controller/path/output.rs", "if !self.stays {", "if self.stays {"),
@@ -169,7 +169,12 @@ MISTAKES = [
 ]
 
 
+def path_of(file):
+    return f"firmware/src/{file}"
+
+
 def main():
+    seeded_mistakes.check_texts(MISTAKES, path_of)
     copy = ROOT / "target" / "mistakes-firmware"
     seeded_mistakes.copy_sources(copy)
     # The copy has a target folder of its own: in a shared one, cargo takes what was compiled from
@@ -200,8 +205,8 @@ def main():
         "the tests that caught each. A run ends with the first test program in which one fails, so others\n"
         "may catch it, too.\n\n"
     )
-    sources = copy / "firmware/src"
-    seeded_mistakes.check(MISTAKES, sources.joinpath, test, ROOT / "docs/mistakes.md", head)
+    seeded_mistakes.check(MISTAKES, copy, path_of, test, ROOT / "docs/mistakes.md", head)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""Runs the mutants that cargo-mutants lists, all compiled into one program: a build for each would
-take days. scripts/mutants.sh installs what this needs and calls it.
+"""Runs the mutants that cargo-mutants lists, all compiled into one program (switchable.py): a build
+for each would take days. scripts/mutants.sh installs what this needs and calls it.
 
-In a copy of the sources, each mutated expression becomes `(if original {…} else if mutant 17 {…} …)`,
-and the environment variable MUTANT chooses one when a test program starts. A first run of each
-test notes which mutants it reaches; only these tests run for a mutant, until one fails.
+A first run of each test notes which mutants it reaches. Only these tests run for a mutant, until
+one fails. Mutants in constants cannot be switched at run time and are built one at a time.
 """
 import argparse
 import collections
 import concurrent.futures
+import importlib.util
 import json
 import os
 import pathlib
@@ -17,278 +17,32 @@ import resource
 import subprocess
 import sys
 
-import tree_sitter
-import tree_sitter_rust
-
 import seeded_mistakes
+import switchable
+from switchable import CONSTANT, COPY, ROOT
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
-COPY = ROOT / "target/mutants-tree"
 REPORT = ROOT / "target/mutants"
-PARSER = tree_sitter.Parser(tree_sitter.Language(tree_sitter_rust.language()))
-CHAIN = ("binary_expression", "compound_assignment_expr")
 # A mutant that allocates without end fails, too.
 MEMORY = 4 << 30
 SURVIVES = "survives"
-SWITCH = """
-/// Which mutant is switched on, and which were reached.
-#[doc(hidden)]
-pub mod mutant {
-    extern crate std;
-    use core::sync::atomic::{AtomicU8, AtomicU32, Ordering::Relaxed};
-
-    const COUNT: usize = @COUNT@;
-    const RECORD: u32 = u32::MAX;
-    static ACTIVE: AtomicU32 = AtomicU32::new(RECORD);
-    static REACHED: [AtomicU8; COUNT] = [const { AtomicU8::new(0) }; COUNT];
-
-    unsafe extern "C" {
-        fn atexit(function: extern "C" fn()) -> i32;
-    }
-
-    #[used]
-    #[unsafe(link_section = ".init_array")]
-    static START: extern "C" fn() = start;
-
-    extern "C" fn start() {
-        let number = std::env::var("MUTANT").ok().and_then(|text| text.parse().ok());
-        ACTIVE.store(number.unwrap_or(RECORD), Relaxed);
-        if number.is_none() {
-            // SAFETY: the function is one of C's library and takes a function without arguments.
-            unsafe { atexit(end) };
-        }
-    }
-
-    extern "C" fn end() {
-        if let Ok(file) = std::env::var("MUTANTS_REACHED") {
-            let reached = core::array::from_fn::<u8, COUNT, _>(|i| REACHED[i].load(Relaxed));
-            let _ = std::fs::write(file, reached);
-        }
-    }
-
-    /// Whether this mutant is switched on.
-    #[inline]
-    pub fn on(mutant: u32) -> bool {
-        any(mutant, mutant + 1)
-    }
-
-    /// Whether one of these mutants is switched on.
-    #[inline]
-    pub fn any(first: u32, end: u32) -> bool {
-        let active = ACTIVE.load(Relaxed);
-        if active == RECORD {
-            REACHED[first as usize].store(1, Relaxed);
-        }
-        (first..end).contains(&active)
-    }
-}
-"""
-
-
-class Site:
-    """A piece of source text with the mutants in its place, which have numbers in a row."""
-
-    def __init__(self, start, end, kind):
-        self.start, self.end, self.kind, self.mutants = start, end, kind, []
-
-
-def ancestors(node):
-    while node is not None:
-        yield node
-        node = node.parent
-
-
-def find_site(tree, text, mutant):
-    """The range that a mutant replaces as a whole, its kind, and the text in its place; or a word
-    for why it cannot be switched on at run time."""
-    start, end = mutant["start"], mutant["end"]
-    node = tree.root_node.descendant_for_byte_range(start, end - 1)
-    outer = list(ancestors(node))
-    function = next((n for n in outer if n.type == "function_item"), None)
-    if function is None or any(n.type in ("const_item", "static_item", "const_block") for n in outer):
-        return "constant"
-    modifiers = next((c for c in function.children if c.type == "function_modifiers"), None)
-    if modifiers is not None and b"const" in modifiers.text:
-        return "constant"
-
-    def replaced(piece):
-        return text[piece.start_byte : start] + mutant["replacement"].encode() + text[end : piece.end_byte]
-
-    genre = mutant["genre"]
-    if genre == "BinaryOperator":
-        chain = next((n for n in outer if n.type in CHAIN), None)
-        while chain is not None and chain.parent.type in CHAIN:
-            chain = chain.parent
-        if chain is None:
-            return "not found"
-        return chain.start_byte, chain.end_byte, "expression", replaced(chain)
-    if genre == "UnaryOperator":
-        unary = next(n for n in outer if n.type == "unary_expression")
-        if unary.start_byte != start:
-            return "not found"
-        return unary.start_byte, unary.end_byte, "expression", replaced(unary)
-    if genre == "StructField":
-        struct = next(n for n in outer if n.type == "struct_expression")
-        return struct.start_byte, struct.end_byte, "expression", replaced(struct)
-    if genre == "MatchArmGuard":
-        return start, end, "expression", mutant["replacement"].encode()
-    if genre == "MatchArm":
-        pattern = next(n for n in outer if n.type == "match_arm").child_by_field_name("pattern")
-        return pattern.start_byte, pattern.end_byte, "arm", b""
-    if genre == "FnValue":
-        body = function.child_by_field_name("body")
-        return body.start_byte, body.end_byte, "body", mutant["replacement"].encode()
-    return "not found"
-
-
-def marked(mutant):
-    number = mutant["number"]
-    return b"/*<%d>*/ %s /*</%d>*/" % (number, mutant["text"], number)
-
-
-def render(text, start, end, sites, left_out):
-    """The text with its sites made switchable. What replaces a site is taken as it was written, so
-    a site inside another one is in the other's original only."""
-    out, position = b"", start
-    while sites:
-        site = sites[0]
-        inside = [s for s in sites[1:] if s.end <= site.end]
-        sites = sites[1 + len(inside) :]
-        original = render(text, site.start, site.end, inside, left_out)
-        mutants = [m for m in site.mutants if m["number"] not in left_out]
-        out += text[position : site.start] + (switched(site, original, mutants) if mutants else original)
-        position = site.end
-    return out + text[position:end]
-
-
-def switched(site, original, mutants):
-    if site.kind == "expression":
-        numbers = (site.mutants[0]["number"], site.mutants[-1]["number"] + 1)
-        out = b"(if !crate::mutant::any(%d, %d) { %s\n}" % (*numbers, original)
-        for m in mutants[:-1]:
-            out += b" else if crate::mutant::on(%d) { %s\n}" % (m["number"], marked(m))
-        return out + b" else { %s\n})" % marked(mutants[-1])
-    if site.kind == "body":
-        for m in mutants:
-            original = b"{\nif crate::mutant::on(%d) { return %s; }" % (m["number"], marked(m)) + original[1:]
-        return original
-    # An arm that is deleted has a condition that does not hold.
-    pattern, *condition = re.split(rb"\sif\s", original, maxsplit=1)
-    left = b"%s if !crate::mutant::on(%d)" % (pattern, mutants[0]["number"])
-    return left + b"".join(b" && (%s)" % text for text in condition)
-
-
-def offset(text, place):
-    """The byte offset of a line and column that count characters from one."""
-    lines = text.split(b"\n")
-    line = lines[place["line"] - 1].decode()
-    before = sum(len(line) + 1 for line in lines[: place["line"] - 1])
-    return before + len(line[: place["column"] - 1].encode())
-
-
-def list_mutants(package, files):
-    words = [word for file in files for word in ("--file", file)]
-    listed = seeded_mistakes.run("cargo", "mutants", "--list", "--json", "--package", package, *words, cwd=ROOT)
-    if listed.returncode != 0:
-        raise SystemExit(listed.stderr)
-    return json.loads(listed.stdout)
-
-
-def find_sites(mutants):
-    """The sites by file. Numbers the mutants; those that cannot be switched get the reason."""
-    by_file = collections.defaultdict(dict)
-    trees = {}
-    for mutant in mutants:
-        file = mutant["file"]
-        if file not in trees:
-            text = (ROOT / file).read_bytes()
-            trees[file] = text, PARSER.parse(text)
-        text, tree = trees[file]
-        mutant["start"], mutant["end"] = (offset(text, mutant["span"][side]) for side in ("start", "end"))
-        found = find_site(tree, text, mutant)
-        if isinstance(found, str):
-            mutant["outcome"] = found
-        else:
-            *place, mutant["text"] = found
-            by_file[file].setdefault(tuple(place), Site(*place)).mutants.append(mutant)
-    number = 0
-    for file, sites in by_file.items():
-        by_file[file] = sorted(sites.values(), key=lambda s: (s.start, -s.end, s.kind != "body"))
-        for site in by_file[file]:
-            for mutant in site.mutants:
-                mutant["number"], mutant["site"] = number, site.mutants[0]
-                number += 1
-    return by_file, number
-
-
-def write(path, text):
-    if not path.exists() or path.read_bytes() != text:
-        path.write_bytes(text)
-
-
-def write_sources(crate, by_file, count, left_out):
-    for file, sites in by_file.items():
-        text = (ROOT / file).read_bytes()
-        write(COPY / file, render(text, 0, len(text), sites, left_out))
-    lib = f"{crate}/src/lib.rs"
-    write(COPY / lib, (ROOT / lib).read_bytes() + SWITCH.replace("@COUNT@", str(count)).encode())
-
-
-def build(package):
-    """Builds the tests; their programs, and the errors as file and byte offset."""
-    flags = {**os.environ, "RUSTFLAGS": "--cap-lints=allow", "CARGO_INCREMENTAL": "1"}
-    flags.pop("CARGO_TARGET_DIR", None)
-    command = ["cargo", "test", "--no-run", "--package", package, "--lib", "--tests", "--message-format=json"]
-    done = seeded_mistakes.run(*command, cwd=COPY, env=flags)
-    programs, errors = [], []
-    for line in done.stdout.splitlines():
-        message = json.loads(line)
-        if message["reason"] == "compiler-artifact" and message.get("executable"):
-            programs.append(message["executable"])
-        if message["reason"] == "compiler-message" and message["message"]["level"] == "error":
-            errors.append(message["message"])
-    if done.returncode != 0 and not errors:
-        raise SystemExit(done.stderr[-3000:])
-    return programs, errors
-
-
-def blamed(errors):
-    """The mutants in whose text the compiler reports an error."""
-    numbers, elsewhere = set(), []
-    for error in errors:
-        found = set()
-        places = [span for span in error["spans"] if span["is_primary"]] + error["spans"]
-        places += [span for child in error["children"] for span in child["spans"]]
-        for span in places:
-            while span and not str(COPY / span["file_name"]).startswith(str(COPY)):
-                span = span["expansion"] and span["expansion"]["span"]
-            path = COPY / span["file_name"]
-            if not path.is_file():
-                continue
-            text = path.read_bytes()
-            before = list(re.finditer(rb"/\*<(\d+)>\*/", text[: span["byte_end"]]))
-            if before:
-                number = int(before[-1][1])
-                if text.index(b"/*</%d>*/" % number) >= span["byte_start"]:
-                    found.add(number)
-                    break
-        numbers |= found
-        if not found and error["spans"]:
-            elsewhere.append(error["rendered"])
-    return numbers, elsewhere
+TIMEOUT = "no verdict in time"
 
 
 class Test:
-    """A test, the mutants' expressions that it reaches, and the seconds that it takes."""
+    """A test, the mutants that it reaches, and the processor's seconds that it takes."""
 
-    def __init__(self, program, name):
-        self.program, self.name, self.kills = program, name, 0
+    def __init__(self, program, name, folder):
+        self.program, self.name, self.folder, self.kills = program, name, folder, 0
+        self.reached, self.seconds = b"", 0.0
         self.label = re.sub(r"-[0-9a-f]{16}$", "", pathlib.Path(program).name) + "::" + name
 
-    def run(self, limit, **variables):
+    def run(self, seconds, **variables):
+        """The exit status within these seconds of the processor, which a busy machine does not
+        shorten."""
+
         def limits():
-            os.nice(19)
-            resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 1))
+            os.nice(5)
+            resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
             resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
 
         environment = {
@@ -299,123 +53,123 @@ class Test:
             "RUST_TEST_THREADS": "1",
             **variables,
         }
+        command = [self.program, "--exact", self.name]
+        options = {"cwd": COPY / self.folder, "env": environment, "preexec_fn": limits}
         try:
-            return subprocess.run(
-                [self.program, "--exact", self.name],
-                cwd=COPY / self.folder,
-                env=environment,
-                preexec_fn=limits,
-                capture_output=True,
-                timeout=40 * limit,
-            ).returncode
+            return subprocess.run(command, capture_output=True, timeout=40 * seconds, **options).returncode
         except subprocess.TimeoutExpired:
-            return "timeout"
+            return TIMEOUT
+
+    def record(self):
+        """Runs without a mutant, and notes which ones are reached."""
+        file = REPORT / "reached"
+        file.write_bytes(b"")
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        if self.run(600, MUTANTS_REACHED=str(file)) != 0:
+            raise SystemExit(f"{self.label} fails without a mutant")
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        self.seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+        self.reached = file.read_bytes()
 
 
-def record(programs, folder):
-    tests = []
+def tests_of(programs, folder):
     for program in programs:
         listing = seeded_mistakes.run(program, "--list", "--format", "terse").stdout
         for name in re.findall(r"^(.*): test$", listing, re.M):
-            test = Test(program, name)
-            test.folder = folder
-            file = REPORT / "reached"
-            file.write_bytes(b"")
-            before = resource.getrusage(resource.RUSAGE_CHILDREN)
-            status = test.run(600, MUTANTS_REACHED=str(file))
-            after = resource.getrusage(resource.RUSAGE_CHILDREN)
-            test.seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-            if status != 0:
-                raise SystemExit(f"{test.label} fails without a mutant")
-            test.reached = file.read_bytes()
-            tests.append(test)
-    return sorted(tests, key=lambda test: test.seconds)
+            yield Test(program, name, folder)
 
 
 def judge(mutant, tests):
-    """What a mutant comes to: the label of the first test that it fails, or "survives"."""
-    able = [test for test in tests if test.reached and test.reached[mutant["site"]["number"]]]
+    """What a mutant comes to: the label of the first test that it fails, or that it survives."""
+    noted = mutant.get("noted_as")
+    able = [test for test in tests if noted is None or any(test.reached[n : n + 1] == b"\1" for n in noted)]
     # What is quick comes first, and what has caught others.
     for test in sorted(able, key=lambda test: test.seconds / (1 + test.kills)):
-        status = test.run(int(3 * test.seconds) + 3, MUTANT=str(mutant["number"]))
-        if status == "timeout":
-            return "no verdict: " + test.label
+        variables = {"MUTANT": str(mutant["number"])} if noted else {}
+        status = test.run(int(3 * test.seconds) + 3, **variables)
+        if status == TIMEOUT:
+            return TIMEOUT
         if status != 0:
             test.kills += 1
             return test.label
     return SURVIVES
 
 
-def run_crate(crate, files, options):
+def judge_constant(mutant, source, package, tests):
+    """Builds one mutant in the place of its file."""
+    switchable.write(mutant["file"], switchable.changed(source.text, mutant["changes"]))
+    _, errors = switchable.build(package)
+    return "does not compile" if errors else judge(mutant, tests)
+
+
+def list_mutants(crate, files):
+    words = [word for file in files for word in ("--file", file)]
+    command = ["cargo", "mutants", "--list", "--json", "--package", f"fivebar-{crate}", *words]
+    listed = seeded_mistakes.run(*command, cwd=ROOT)
+    if listed.returncode != 0:
+        raise SystemExit(listed.stderr)
+    mutants = json.loads(listed.stdout)
+    return sorted(mutants, key=lambda m: (m["file"], *(m["span"]["start"][key] for key in ("line", "column"))))
+
+
+def list_mistakes():
+    """Those of firmware/mistakes.py as mutants."""
+    spec = importlib.util.spec_from_file_location("mistakes", ROOT / "firmware/mistakes.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return [
+        {"name": f"{number}: {name}", "file": module.path_of(file), "texts": texts}
+        for number, (name, file, *texts) in enumerate(module.MISTAKES, 1)
+    ]
+
+
+def run_crate(crate, mutants, place, options):
     package = f"fivebar-{crate}"
-    mutants = list_mutants(package, files)
-    by_file, count = find_sites(mutants)
-    left_out = set()
-    while True:
-        write_sources(crate, by_file, count, left_out)
-        programs, errors = build(package)
-        if not errors:
-            break
-        numbers, elsewhere = blamed(errors)
-        if not numbers:
-            raise SystemExit("errors outside the mutants:\n" + "\n".join(elsewhere[:5]))
-        print(f"{package}: {len(numbers)} mutants do not compile", flush=True)
-        left_out |= numbers
-    tests = record(programs, crate)
+    programs, sources = switchable.compile_all(crate, mutants, place)
+    tests = list(tests_of(programs, crate))
+    for test in tests:
+        test.record()
     print(f"{package}: {len(tests)} tests, {sum(test.seconds for test in tests):.0f} s", flush=True)
-    runnable = []
-    for mutant in mutants:
-        if mutant.get("number") in left_out:
-            mutant["outcome"] = "does not compile"
-        elif "number" in mutant and re.search(options.only or "", mutant["name"]):
-            runnable.append(mutant)
-    with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-        for mutant, outcome in zip(runnable, pool.map(lambda m: judge(m, tests), runnable)):
-            mutant["outcome"] = outcome
-            if outcome == SURVIVES:
+
+    def run(mutant):
+        if "outcome" not in mutant and re.search(options.only, mutant["name"]):
+            mutant["outcome"] = judge(mutant, tests)
+            if mutant["outcome"] == SURVIVES:
                 print("survives:", mutant["name"], flush=True)
-    return [{key: m[key] for key in ("name", "file", "outcome") if key in m} for m in mutants]
 
-
-def main():
-    options = argparse.ArgumentParser()
-    options.add_argument("--jobs", type=int, default=1)
-    options.add_argument("--only", help="runs mutants whose names match this pattern")
-    options.add_argument("files", nargs="+")
-    options = options.parse_args()
-    seeded_mistakes.copy_sources(COPY)
-    REPORT.mkdir(parents=True, exist_ok=True)
-    report = []
-    for crate in ("firmware", "kinematics"):
-        files = [file for file in options.files if file.startswith(crate + "/")]
-        if files:
-            report += run_crate(crate, files, options)
-            (REPORT / "outcomes.json").write_text(json.dumps(report, indent=1))
-    return summarise(report)
+    with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+        list(pool.map(run, mutants))
+    for mutant in mutants:
+        if options.constants and mutant.get("outcome") == CONSTANT and re.search(options.only, mutant["name"]):
+            switched_file = (COPY / mutant["file"]).read_bytes()
+            mutant["outcome"] = judge_constant(mutant, sources[mutant["file"]], package, tests)
+            switchable.write(mutant["file"], switched_file)
+            print(f"{mutant['outcome']}: {mutant['name']}", flush=True)
+    return [{key: m.get(key, "not run") for key in ("name", "file", "outcome")} for m in mutants]
 
 
 def summarise(report):
-    """Prints what each folder comes to; fails if scripts/mutants.txt does not justify a survivor."""
+    """Prints what each folder comes to; the survivors that scripts/mutants.txt does not justify."""
     # A line of the list justifies one survivor, so that it does not hide another one in the same
     # function. Names are without line and column, which change with every edit.
-    justified = collections.Counter(
-        line.split(" | ")[0] for line in (ROOT / "scripts/mutants.txt").read_text().splitlines()
-    )
-    rows, open_ones = collections.defaultdict(collections.Counter), []
+    lines = (ROOT / "scripts/mutants.txt").read_text().splitlines()
+    justified = collections.Counter(line.split(" | ")[0] for line in lines)
+    rows, unjustified = collections.defaultdict(collections.Counter), []
     for mutant in report:
-        outcome = mutant.get("outcome", "not run")
+        outcome = mutant["outcome"]
         if outcome == SURVIVES:
             name = re.sub(r":\d+:\d+:", ":", mutant["name"], count=1)
             if justified[name] > 0:
                 justified[name] -= 1
                 outcome = "justified"
             else:
-                open_ones.append(mutant["name"])
-        elif "::" in outcome and not outcome.startswith("no verdict"):
+                unjustified.append(mutant["name"])
+        elif "::" in outcome:
             outcome = "caught"
         elif outcome != "does not compile":
             outcome = "not run"
         rows["/".join(mutant["file"].split("/")[:3])][outcome] += 1
+    rows["all"] = sum(rows.values(), collections.Counter())
     print("| folder | mutants | do not compile | not run | caught | justified | survive | score |")
     print("|---|---|---|---|---|---|---|---|")
     for folder, n in rows.items():
@@ -423,9 +177,32 @@ def summarise(report):
         score = f"{100 * n['caught'] / tried:.1f} %" if tried else "–"
         columns = [n[key] for key in ("does not compile", "not run", "caught", "justified", SURVIVES)]
         print(f"| `{folder}` |", " | ".join(map(str, [sum(n.values()), *columns, score])), "|")
-    for name in open_ones:
-        print("survives, and scripts/mutants.txt does not justify it:", name, file=sys.stderr)
-    return 1 if open_ones else 0
+    return unjustified
+
+
+def main():
+    options = argparse.ArgumentParser(description=__doc__)
+    options.add_argument("--jobs", type=int, default=1, help="tests that run at the same time")
+    options.add_argument("--only", default="", help="runs mutants whose names match this pattern")
+    options.add_argument("--constants", action="store_true", help="also those that need a build each")
+    options.add_argument("--mistakes", action="store_true", help="those of firmware/mistakes.py instead")
+    options.add_argument("files", nargs="*", help="files and patterns")
+    options = options.parse_args()
+    seeded_mistakes.copy_sources(COPY)
+    REPORT.mkdir(parents=True, exist_ok=True)
+    report = []
+    if options.mistakes:
+        report = run_crate("firmware", list_mistakes(), switchable.place_mistake, options)
+        for mutant in report:
+            print(f"{mutant['name']} | {mutant['outcome']}")
+    for crate in ("firmware", "kinematics"):
+        files = [file for file in options.files if file.startswith(crate + "/")]
+        if files:
+            report += run_crate(crate, list_mutants(crate, files), switchable.place_listed, options)
+    (REPORT / "outcomes.json").write_text(json.dumps(report, indent=1))
+    for name in (unjustified := summarise(report)):
+        print("mutants: survives, and scripts/mutants.txt does not justify it:", name, file=sys.stderr)
+    return 1 if unjustified else 0
 
 
 if __name__ == "__main__":

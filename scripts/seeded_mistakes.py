@@ -15,8 +15,9 @@ def run(*command, **options):
 
 
 def copy_sources(copy):
-    """Brings the copy up to date with the files that git lists."""
-    for file in filter(None, run("git", "ls-files", "--cached", "--others", "--exclude-standard", cwd=ROOT).stdout.split("\n")):
+    """Brings the copy up to date with the files that git lists or would add."""
+    listed = run("git", "ls-files", "--cached", "--others", "--exclude-standard", cwd=ROOT).stdout
+    for file in filter(None, listed.split("\n")):
         source, target = ROOT / file, copy / file
         target.parent.mkdir(parents=True, exist_ok=True)
         # A copy gets the present time: with an old one, cargo would not see that it replaces a
@@ -29,19 +30,31 @@ def seed(path, texts):
     """Puts the mistake in, given by pairs of old and new text; the text before."""
     before = text = path.read_text()
     for old, new in zip(texts[::2], texts[1::2]):
-        if old not in text:
-            raise SystemExit(f"{path.name} has no '{old}'")
-        text = text.replace(old, new, 1)
+        text = text.replace(old, new)
     path.write_text(text)
     return before
 
 
-def check(mistakes, path_of, test, table, head):
+def check_texts(mistakes, path_of):
+    """Ends the program if an old text does not occur exactly once in its file, or if it was
+    called with `--check`."""
+    wrong = []
+    for number, (_, file, *texts) in enumerate(mistakes, 1):
+        text = (ROOT / path_of(file)).read_text()
+        for old, new in zip(texts[::2], texts[1::2]):
+            if text.count(old) != 1:
+                wrong.append(f"{number}: {file} has {text.count(old)} times {old!r}")
+            text = text.replace(old, new)
+    if wrong or sys.argv[1:] == ["--check"]:
+        raise SystemExit("\n".join(wrong) or 0)
+
+
+def check(mistakes, copy, path_of, test, table, head):
     """Runs `test`, which returns its status and output, without a mistake and then with each:
     all of `mistakes`, or those whose numbers are on the command line.
 
     A mistake is what it is called, its file, and pairs of old and new text; `path_of` gives the
-    file's path in the copy. A run of all writes the file `table`, below `head`.
+    file's path below the root. A run of all writes the file `table`, below `head`.
     """
     status, output = test()
     if status != 0:
@@ -49,7 +62,7 @@ def check(mistakes, path_of, test, table, head):
     rows, missed = [], []
     for number in [int(word) for word in sys.argv[1:]] or range(1, len(mistakes) + 1):
         name, file, *texts = mistakes[number - 1]
-        path = path_of(file)
+        path = copy / path_of(file)
         before = seed(path, texts)
         status, output = test()
         path.write_text(before)

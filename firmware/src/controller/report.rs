@@ -95,3 +95,27 @@ impl Controller {
         Some([point.x, point.y])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Settings;
+
+    /// A joint at θ with ω and α passed θ − ω d + ½ α d² the time d ago.
+    #[test]
+    fn the_reference_is_where_the_set_point_was_a_lag_ago() {
+        let settings = Settings::BENCHTOP.check().expect("valid settings");
+        let mut controller = Controller::new(&settings);
+        let (angle, omega, alpha) = ([2.0_f32, 1.0], [3.0, -4.0], [900.0, -700.0]);
+        controller.setpoint.direction = angle.map(Vector2::unit);
+        controller.setpoint.omega = omega;
+        controller.setpoint.alpha = alpha;
+        let d = controller.model.lag;
+        assert!(d > 1e-4, "{d} s");
+        let found = controller.reference_now().map(Vector2::polar_angle);
+        for (((found, angle), omega), alpha) in found.into_iter().zip(angle).zip(omega).zip(alpha) {
+            let expected = angle - omega * d + 0.5 * alpha * d * d;
+            assert!((found - expected).abs() < 5e-7, "{found} for {expected}");
+        }
+    }
+}

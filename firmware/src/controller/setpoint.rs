@@ -98,3 +98,22 @@ impl Setpoint {
         };
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fivebar_kinematics::PlanarVector;
+
+    #[test]
+    fn a_set_point_that_comes_to_rest_stays_where_it_is() {
+        let direction = [2.0, 1.0].map(Vector2::unit);
+        let mut setpoint = Setpoint {
+            direction,
+            omega: [3.0, -4.0],
+            alpha: [900.0, -700.0],
+        };
+        setpoint.rest();
+        assert_eq!(setpoint.direction, direction);
+        assert_eq!((setpoint.omega, setpoint.alpha), ([0.0; 2], [0.0; 2]));
+    }
+}

@@ -152,3 +152,28 @@ impl Limits {
         if active { self.union(limit) } else { self }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_silent_host_and_an_empty_queue_leave_the_arm_held() {
+        for fault in Fault::all() {
+            let held = matches!(fault, Fault::CommandTimeout | Fault::QueueUnderrun);
+            assert_eq!(
+                fault.response() == Response::ControlledStop,
+                held,
+                "{fault:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn only_encoders_that_jump_or_disagree_lose_the_angles() {
+        for fault in Fault::all() {
+            let lost = matches!(fault, Fault::EncoderJump | Fault::EncoderDisagreement);
+            assert_eq!(fault.loses_angles(), lost, "{fault:?}");
+        }
+    }
+}

@@ -4,6 +4,7 @@
 mod rig;
 
 mod either_joint;
+mod encoder_error;
 mod faults;
 mod holding;
 mod homing;

@@ -3,7 +3,7 @@
 use crate::desk::Desk;
 use crate::rig::{Rig, START, settings};
 use fivebar_firmware::controller::{QueuedSegment, Request};
-use fivebar_firmware::protocol::{HostCommand, Reply};
+use fivebar_firmware::protocol::{HostCommand, Reply, Section, VERSION};
 use fivebar_firmware::safety::{Limits, State};
 use fivebar_firmware::{Move, MoveKind};
 use fivebar_kinematics::trajectory::TrajectorySegment;
@@ -92,4 +92,20 @@ fn independent_joints_have_the_mean_inertia_of_the_arm_s_poses() {
     for inertia in [inertia1, inertia4] {
         assert!((inertia - 1.1815e-3).abs() < 2e-6, "{inertia} kg·m²");
     }
+}
+
+#[test]
+fn a_session_begins_with_the_settings_in_use_whatever_the_one_before_has_drafted() {
+    let mut desk = Desk::greeted();
+    let in_use = *desk.controller.settings();
+    let draft = HostCommand::SetSection(Section::Payload(0.123));
+    assert_eq!(desk.ask(draft), Reply::Done);
+    let version = VERSION;
+    let hello = HostCommand::Hello {
+        version,
+        session: 2,
+    };
+    assert!(matches!(desk.ask(hello), Reply::Hello(_)));
+    assert_eq!(desk.ask(HostCommand::ApplySettings), Reply::Done);
+    assert_eq!(*desk.controller.settings(), in_use);
 }

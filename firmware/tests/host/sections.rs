@@ -1,6 +1,7 @@
-//! Random sections of the settings, for property tests.
+//! Sections of the settings: random ones for property tests, and their places.
 
 use crate::messages::{number, pair};
+use fivebar_firmware::Settings;
 use fivebar_firmware::protocol::{Section, SectionKey};
 use fivebar_firmware::settings::{
     AxisSettings, ControlSettings, HomingSettings, LinkSettings, MotionSettings,
@@ -128,4 +129,25 @@ fn tool_output() -> impl Strategy<Value = ToolOutputSettings> {
             }
         }),
     ]
+}
+
+#[test]
+fn each_quarter_of_an_encoders_table_has_its_own_place() {
+    let points = |index: u8| [i16::from(index) + 1; 16];
+    let mut settings = Settings::BENCHTOP;
+    for index in 0..8 {
+        let section = Section::EncoderPoints(index, points(index));
+        assert_eq!(section.put(&mut settings), Some(()));
+    }
+    for index in 0..8 {
+        let section = SectionKey::EncoderPoints(index).of(&settings);
+        assert_eq!(section, Some(Section::EncoderPoints(index, points(index))));
+        let table = settings.encoder_tables[usize::from(index / 4)];
+        assert_eq!(table.points[usize::from(index % 4)], points(index));
+    }
+    assert_eq!(SectionKey::EncoderPoints(8).of(&settings), None);
+    assert_eq!(
+        Section::EncoderPoints(8, points(8)).put(&mut settings),
+        None
+    );
 }

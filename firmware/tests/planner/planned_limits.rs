@@ -1,6 +1,6 @@
 //! Each limit of a planned path by itself.
 
-use crate::rig::{Rig, settings};
+use crate::rig::{Rig, START, settings, with};
 use fivebar_firmware::MoveKind;
 use fivebar_firmware::controller::{QueuedSegment, Request};
 use fivebar_firmware::planner::MoveErrorKind;
@@ -90,4 +90,86 @@ fn a_planner_that_falls_behind_stops_a_joint_move_on_its_way() {
     assert_eq!(rig.controller.status().fault, Some(Fault::QueueUnderrun));
     let turned = rig.bench.theta[0] - 2.2;
     assert!(0.01 < turned && turned < 0.399, "{turned} rad");
+}
+
+/// The greatest difference of this order between points that are `STEP` ticks apart, per second to
+/// that power.
+fn peak(points: &[[f64; 2]], order: u32) -> f64 {
+    const STEP: usize = 20;
+    let mut values: Vec<[f64; 2]> = points.iter().copied().step_by(STEP).collect();
+    for _ in 0..order {
+        let pairs = values.windows(2);
+        values = pairs
+            .map(|pair| [0, 1].map(|i| pair[1][i] - pair[0][i]))
+            .collect();
+    }
+    let greatest = values.iter().map(|[x, y]| x.hypot(*y)).fold(0.0, f64::max);
+    greatest / (STEP as f64 * 1e-4).powi(order as i32)
+}
+
+/// Reaches 90 % of each limit at least. A limit of the jerk is exceeded where the reported reference
+/// changes its acceleration within a tick.
+#[track_caller]
+fn assert_reaches(peaks: [f64; 3], limits: [f64; 3]) {
+    for (peak, limit) in peaks.into_iter().zip(limits) {
+        assert!((0.9..=1.1).contains(&(peak / limit)), "{peak} of {limit}");
+    }
+}
+
+#[test]
+fn a_line_keeps_the_tools_own_limits_of_speed_acceleration_and_jerk() {
+    let settings = with(|settings| {
+        settings.motion.max_speed = 0.2;
+        settings.motion.max_acceleration = 4.0;
+        settings.motion.max_jerk = 150.0;
+    });
+    let mut rig = Rig::armed(&settings);
+    let [x, y] = rig.tool_position();
+    let to = [x - 0.06, y];
+    rig.push(1, MoveKind::Line { to, feed: 5.0 }).unwrap();
+    let mut points = Vec::new();
+    while rig.controller.state() != State::Armed || !rig.planner.is_empty() {
+        rig.tick();
+        points.extend(
+            rig.controller
+                .status()
+                .reference
+                .map(|point| point.map(f64::from)),
+        );
+    }
+    assert_reaches(
+        [1, 2, 3].map(|order| peak(&points, order)),
+        [0.2, 4.0, 150.0],
+    );
+}
+
+#[test]
+fn a_joint_move_keeps_the_joints_own_limits_of_speed_and_acceleration() {
+    for joint in [0, 1] {
+        let mut to = START;
+        to[joint] -= 0.4;
+        let settings = with(|settings| {
+            settings.motion.max_acceleration = 40.0;
+            settings.motion.max_jerk = 4000.0;
+            for axis in &mut settings.axes {
+                (axis.max_speed, axis.max_acceleration) = (2.0, 40.0);
+            }
+        });
+        let mut rig = Rig::armed(&settings);
+        rig.push(1, MoveKind::Joint { to, speed: 1.0 }).unwrap();
+        let mut peaks = [0.0_f32; 2];
+        while rig.controller.state() != State::Armed || !rig.planner.is_empty() {
+            rig.tick();
+            let reference = rig.controller.status().joint_reference.expect("armed");
+            for (peak, value) in peaks
+                .iter_mut()
+                .zip([reference.velocity, reference.acceleration])
+            {
+                *peak = peak.max(value[joint].abs());
+            }
+        }
+        let [speed, acceleration] = peaks.map(f64::from);
+        // One half of a joint's acceleration is for its speed, the other for bends of the path.
+        assert_reaches([speed, acceleration, 1.0], [2.0, 20.0, 1.0]);
+    }
 }

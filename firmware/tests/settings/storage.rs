@@ -2,7 +2,7 @@
 
 use crate::nor::{self, Cut, Nor, SECTOR};
 use fivebar_firmware::Settings;
-use fivebar_firmware::storage::{SettingsStorage, StorageError};
+use fivebar_firmware::storage::{LAYOUT, SettingsStorage, StorageError};
 use fivebar_testkit::Tally;
 use proptest::prelude::*;
 
@@ -141,6 +141,15 @@ fn a_half_is_erased_as_a_whole_at_its_two_hundredth_save_and_at_no_other() {
         }
     }
     assert_eq!(erased_whole, [398, 399, 798, 799]);
+}
+
+/// Names, order and nesting of all fields, and the number that is stored with them. Whoever changes
+/// the settings gives their layout a new number, then states both here.
+#[test]
+fn a_change_of_the_settings_gives_their_layout_a_new_number() {
+    let fields = format!("{:?}", settings(0));
+    let digest = crc::Crc::<u32>::new(&crc::CRC_32_ISCSI).checksum(fields.as_bytes());
+    assert_eq!((LAYOUT, digest), (3, 0x39ca_f1ef), "{fields}");
 }
 
 #[test]

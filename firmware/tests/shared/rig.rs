@@ -84,6 +84,8 @@ pub(crate) struct Bench {
     pub(crate) stuck: Option<[bool; 2]>,
     /// Added to the counts.
     pub(crate) extra_counts: [i32; 2],
+    /// Measured less true angle of each encoder's shaft, by the measured angle [rad].
+    pub(crate) encoder_error: fn(f64) -> f64,
     command: ActuatorCommand,
 }
 
@@ -115,6 +117,7 @@ impl Bench {
             overlay: SensorSample::default(),
             stuck: None,
             extra_counts: [0; 2],
+            encoder_error: |_| 0.0,
             command: ActuatorCommand::default(),
         }
     }
@@ -123,8 +126,10 @@ impl Bench {
     pub(crate) fn sense(&self) -> SensorSample {
         let axes = &self.settings.axes;
         let counts = |joint: usize| {
-            let turns = self.theta[joint] / TAU * f64::from(axes[joint].gear_ratio);
-            let counts = (turns * f64::from(axes[joint].encoder_counts)).round() as i32;
+            let shaft = self.theta[joint] * f64::from(axes[joint].gear_ratio);
+            let measured =
+                (0..20).fold(shaft, |measured, _| shaft + (self.encoder_error)(measured));
+            let counts = (measured / TAU * f64::from(axes[joint].encoder_counts)).round() as i32;
             counts.wrapping_add(self.extra_counts[joint])
         };
         let code = |joint: usize| {

@@ -73,3 +73,20 @@ fn an_unknown_joint_is_not_corrected() {
 fn an_encoder_without_a_known_error_needs_no_correction() {
     assert!(Encoder::new(&EncoderTable::NONE, &axis()).is_none());
 }
+
+#[test]
+fn the_error_between_two_points_is_on_the_line_between_them() {
+    let mut encoder = encoder();
+    encoder.points = [[0; 16]; ENCODER_POINTS / 16];
+    encoder.points[0][2] = 100;
+    for (shown, error) in [
+        (1.0, 0.0),
+        (1.25, 25.0),
+        (1.75, 75.0),
+        (2.0, 100.0),
+        (2.5, 50.0),
+    ] {
+        assert_eq!(encoder.error(shown), error, "at {shown}");
+    }
+    assert_eq!(encoder.error(3.5), 0.0);
+}

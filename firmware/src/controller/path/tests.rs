@@ -130,6 +130,23 @@ fn a_stop_is_as_smooth_late_in_a_long_segment_as_early() {
 }
 
 #[test]
+fn a_stop_takes_two_ticks_at_least_however_near_the_end_of_its_path() {
+    // Ticks to the end of a path that ends in motion: 2.5 and 1.5.
+    for passed in [9998, 9999] {
+        let mut path = no_path();
+        path.push(QueuedSegment {
+            open: true,
+            ..queued(TrajectorySegment::rest(Vector2::zeros(), 1.000_05, 0))
+        });
+        for _ in 0..passed {
+            assert!(!path.step().expect("a path").at_rest);
+        }
+        path.brake();
+        assert_eq!(ticks_to_rest(&mut path), 2);
+    }
+}
+
+#[test]
 fn the_time_left_is_that_of_the_segments_after_any_number_of_them() {
     let mut path = dwell(0.01);
     let mut segments = [0.000_31_f32, 0.0117, 0.0008, 0.0042].into_iter().cycle();

@@ -12,7 +12,7 @@ mod modes;
 mod motion;
 mod options;
 mod stream;
-#[cfg(feature = "program")]
+#[cfg(feature = "svg")]
 mod svg;
 mod text;
 mod tool;
@@ -306,14 +306,14 @@ impl Job {
     }
 }
 
-#[cfg(feature = "program")]
+#[cfg(feature = "svg")]
 fn drawing(text: &str, placement: &Placement, options: &JobOptions) -> Result<Job, JobError> {
     svg::interpret(text, placement, options)
 }
 
-#[cfg(not(feature = "program"))]
+#[cfg(not(feature = "svg"))]
 fn drawing(_: &str, _: &Placement, _: &JobOptions) -> Result<Job, JobError> {
-    let reason = "the file is XML, and SVG is read only with the feature `program`";
+    let reason = "the file is XML, and SVG is read only with the feature `svg`";
     Err(JobError::Svg(reason.into()))
 }
 
