@@ -97,10 +97,9 @@ fn a_move_may_take_a_day_and_no_longer() {
 
     let joints = joints_at_from();
     let slow = with(|settings| {
-        settings
-            .axes
-            .iter_mut()
-            .for_each(|axis| axis.max_speed = 1.0)
+        for axis in &mut settings.axes {
+            axis.max_speed = 1.0;
+        }
     });
     // 0.1 rad at this share of 1 rad/s.
     let share = |days: f32| 0.1 / (days * LONGEST);

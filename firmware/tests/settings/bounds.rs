@@ -143,10 +143,9 @@ fn the_count_rate_of_either_encoder_is_within_the_board_s() {
 fn an_arm_whose_inertia_has_no_number_is_refused() {
     let refused = result(|settings| {
         settings.payload = f32::MAX;
-        settings
-            .links
-            .iter_mut()
-            .for_each(|link| link.mass = f32::MAX);
+        for link in &mut settings.links {
+            link.mass = f32::MAX;
+        }
     });
     assert_eq!(refused, Some(SettingsError::NoPose));
 }
