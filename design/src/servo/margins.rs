@@ -103,7 +103,7 @@ impl Servo {
     pub(super) fn point(&self, laws: &[Law; 2], arm: &ArmResponse) -> LoopPoint {
         LoopPoint {
             omega: arm.omega,
-            loci: eigenvalues(&self.open_loop(laws, arm)),
+            loci: eigenvalues(&self.open_loop(laws, arm).response),
         }
     }
 

@@ -16,6 +16,14 @@ pub(super) struct ArmResponse {
     angles: Matrix2<C>,
 }
 
+/// The open loop at one frequency.
+pub(super) struct OpenLoop {
+    /// L: the torques demanded for torques.
+    pub(super) response: Matrix2<C>,
+    /// M K: the torques demanded for encoder angles.
+    pub(super) feedback: Matrix2<C>,
+}
+
 fn complex(matrix: &DMatrix<f64>) -> DMatrix<C> {
     matrix.map(|x| C::new(x, 0.0))
 }
@@ -55,42 +63,58 @@ impl Servo {
 
     /// L(z) = M K(z) P(z) V(z): voltages for torques, encoder angles for voltages, torques
     /// demanded for angles.
-    pub(super) fn open_loop(&self, laws: &[Law; 2], arm: &ArmResponse) -> Matrix2<C> {
+    pub(super) fn open_loop(&self, laws: &[Law; 2], arm: &ArmResponse) -> OpenLoop {
         let z = arm.z;
         let one = C::new(1.0, 0.0);
         let diagonal = |of: [C; 2]| Matrix2::from_diagonal(&Vector2::from(of));
-        let estimates = laws.map(|law| estimate(&law, z));
+        let estimates = laws.map(|law| Estimate::new(&law, z));
         let current = [0, 1].map(|j: usize| {
             let law = &laws[j];
             law.current_integral / (z - one) + law.current_gain
         });
-        let back_emf = [0, 1].map(|j: usize| estimates[j].y * laws[j].back_emf);
+        let back_emf = [0, 1].map(|j: usize| estimates[j].velocity * laws[j].back_emf);
         // v = C (τ/(N k) − i) + Ke ω̂.
         let volts = Matrix2::identity() + diagonal(current) * arm.currents
             - diagonal(back_emf) * arm.angles;
         let per_torque = [0, 1].map(|j: usize| current[j] / self.drives[j].torque_per_current);
         let nan = Matrix2::from_element(C::new(f64::NAN, 0.0));
         let volts = volts.try_inverse().unwrap_or(nan) * diagonal(per_torque);
-        self.feedback(laws, arm) * arm.angles * volts
+        let feedback = self.feedback(laws, z, &estimates);
+        OpenLoop {
+            response: feedback * arm.angles * volts,
+            feedback,
+        }
     }
 
     /// M K(z): the torques demanded against encoder angles.
-    pub(super) fn feedback(&self, laws: &[Law; 2], arm: &ArmResponse) -> Matrix2<C> {
-        let z = arm.z;
-        let feedback = laws.map(|law| {
-            let estimate = estimate(&law, z);
+    fn feedback(&self, laws: &[Law; 2], z: C, estimates: &[Estimate; 2]) -> Matrix2<C> {
+        let feedback = [0, 1].map(|j: usize| {
+            let (law, estimate) = (&laws[j], &estimates[j]);
             let integral = law.integral_gain / (z - 1.0);
-            estimate.x * law.angle_gain
-                + estimate.y * law.velocity_gain
-                + (estimate.x + estimate.y * law.lead) * integral
+            estimate.angle * law.angle_gain
+                + estimate.velocity * law.velocity_gain
+                + (estimate.angle + estimate.velocity * law.lead) * integral
         });
         self.mass_matrix.map(|m| C::new(m, 0.0)) * Matrix2::from_diagonal(&Vector2::from(feedback))
     }
 }
 
-/// θ̂ and ω̂ for the measured angle: (1 − O/z)⁻¹ o.
-fn estimate(law: &Law, z: C) -> Vector2<C> {
-    let o = law.observer.map(|x| C::new(x, 0.0)) / z;
-    let nan = Matrix2::from_element(C::new(f64::NAN, 0.0));
-    (Matrix2::identity() - o).try_inverse().unwrap_or(nan) * law.measured.map(|x| C::new(x, 0.0))
+/// θ̂ and ω̂ for the measured angle.
+struct Estimate {
+    angle: C,
+    velocity: C,
+}
+
+impl Estimate {
+    /// (1 − O/z)⁻¹ o, with o the response to the measured angle.
+    fn new(law: &Law, z: C) -> Self {
+        let o = law.observer.map(|x| C::new(x, 0.0) / z);
+        let [x, y] = law.measured.into();
+        let (p, q) = (1.0 - o[(0, 0)], 1.0 - o[(1, 1)]);
+        let determinant = p * q - o[(0, 1)] * o[(1, 0)];
+        Self {
+            angle: (q * x + o[(0, 1)] * y) / determinant,
+            velocity: (o[(1, 0)] * x + p * y) / determinant,
+        }
+    }
 }

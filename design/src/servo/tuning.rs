@@ -11,7 +11,6 @@
 
 use super::arm::Servo;
 use super::law::{Gains, Law};
-use super::margins::LoopPoint;
 use super::response::ArmResponse;
 use nalgebra::{Complex, Matrix2};
 use std::f64::consts::PI;
@@ -59,6 +58,7 @@ pub fn tune(poses: &[Servo]) -> Option<Tuning> {
     for step in 0..STEPS {
         let bandwidth = tidy(HIGHEST / period * RATIO.powi(step as i32));
         let mut here: Vec<Tuning> = Vec::new();
+        let mut greatest = best.map_or(0.0, |best| best.modulus);
         for current in CURRENTS {
             for observer in OBSERVERS {
                 let gains = Gains {
@@ -71,7 +71,9 @@ pub fn tune(poses: &[Servo]) -> Option<Tuning> {
                 let possible = gains.bandwidth <= 0.25 * gains.current_bandwidth
                     && gains.observer_bandwidth <= 1.0 / period;
                 if possible {
-                    here.push(judge(poses, &arms, gains));
+                    let tuning = judge(poses, &arms, gains, greatest.min(TARGET_MODULUS));
+                    greatest = greatest.max(tuning.modulus);
+                    here.push(tuning);
                 }
             }
         }
@@ -129,8 +131,9 @@ impl Responses {
     }
 }
 
-/// Margin and noise at all poses.
-fn judge(poses: &[Servo], arms: &[Responses], gains: Gains) -> Tuning {
+/// Margin and noise at all poses. Gains with a margin below `least` are of no use, so their
+/// judgement ends at the first point that shows it.
+fn judge(poses: &[Servo], arms: &[Responses], gains: Gains, least: f64) -> Tuning {
     let mut tuning = Tuning {
         gains,
         modulus: f64::INFINITY,
@@ -138,21 +141,14 @@ fn judge(poses: &[Servo], arms: &[Responses], gains: Gains) -> Tuning {
     };
     for (servo, responses) in poses.iter().zip(arms) {
         let laws = servo.laws(&gains);
-        let points: Vec<_> = responses
-            .loci
-            .iter()
-            .map(|arm| servo.point(&laws, arm))
-            .collect();
-        // The order of two eigenvalues does not matter to the distance of points from −1.
-        let near = |p: &LoopPoint| {
-            p.loci
-                .iter()
-                .map(|l| (l + 1.0).norm())
-                .fold(f64::INFINITY, f64::min)
-        };
-        tuning.modulus = points.iter().map(near).fold(tuning.modulus, f64::min);
-        if tuning.modulus.is_nan() || tuning.modulus < 0.5 * TARGET_MODULUS {
-            return tuning;
+        for arm in &responses.loci {
+            // The order of two eigenvalues does not matter to the distance of points from −1.
+            for locus in servo.point(&laws, arm).loci {
+                tuning.modulus = tuning.modulus.min((locus + 1.0).norm());
+            }
+            if tuning.modulus < least {
+                return tuning;
+            }
         }
         tuning.noise = tuning.noise.max(servo.noise_at(&laws, &responses.noise));
     }
@@ -177,8 +173,9 @@ impl Servo {
         let nan = Matrix2::from_element(Complex::new(f64::NAN, 0.0));
         let mut variance = [0.0; 2];
         for arm in responses {
-            let sensitivity = Matrix2::identity() + self.open_loop(laws, arm);
-            let closed = sensitivity.try_inverse().unwrap_or(nan) * self.feedback(laws, arm);
+            let open = self.open_loop(laws, arm);
+            let sensitivity = Matrix2::identity() + open.response;
+            let closed = sensitivity.try_inverse().unwrap_or(nan) * open.feedback;
             for (j, sum) in variance.iter_mut().enumerate() {
                 for (from, drive) in self.drives.iter().enumerate() {
                     let counts = drive.count * drive.count / 12.0;
