@@ -236,7 +236,8 @@ impl<S: Scalar, const N: usize> LookaheadPlanner<S, N> {
         };
         let half = corner.length() * S::HALF;
         let in_hand = self.queue.run() == self.queue.len();
-        let middle = S::HALF * min(before.length(), segment.length());
+        // A blend before this one has taken of the segment before, so this one may reach past its middle.
+        let middle = max(S::HALF * min(before.length(), segment.length()), half);
         if !saves_time(&corner_limits, half, middle, &last.limits.tightest(&limits)) {
             return false;
         }

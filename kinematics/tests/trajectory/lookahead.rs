@@ -206,6 +206,29 @@ fn a_fine_polyline_is_passed_at_full_speed() {
     assert!(time < ideal * 1.02, "{time} s instead of {ideal} s");
 }
 
+/// The blend of two collinear lines takes up half of each.
+#[test]
+fn a_line_in_pieces_takes_as_long_as_the_whole_line() {
+    let envelope = envelope(5e-5);
+    let [from, to] = [[0.08, 0.30], [0.12, 0.30]].map(|[x, y]| V::new(x, y));
+    let time = |pieces: u32| -> f64 {
+        let at = |i: u32| from + (to - from) * (f64::from(i) / f64::from(pieces));
+        let segments: Vec<_> = (0..pieces)
+            .map(|i| PathSegment::line(at(i), at(i + 1)).unwrap())
+            .collect();
+        let trajectory = run(&segments, 0.1, &envelope);
+        trajectory.iter().map(TrajectorySegment::duration).sum()
+    };
+    let whole = time(1);
+    for pieces in [2, 3, 4, 7, 12] {
+        let cut = time(pieces);
+        assert!(
+            cut < whole * 1.03,
+            "{cut} s in {pieces} pieces, {whole} s whole"
+        );
+    }
+}
+
 /// Six full circles through one point: long segments with a slow corner after each.
 #[test]
 fn slow_corners_do_not_slow_what_lies_between() {
