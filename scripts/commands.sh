@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Runs every command that the documents show in their fenced sh blocks, in order, as a reader
 # of README.md would. It runs them in a separate folder, with the release binary in place of
-# `cargo run`.
+# `cargo run` and of an installed `fivebar`.
 #
 # A command whose comment says "on purpose" must end with status 1, every other command with
 # status 0, and each output file that a command names must exist afterwards.
@@ -148,7 +148,8 @@ declare -A seen
 count=0
 skipped=0
 while IFS=$'\t' read -r place shown comment; do
-    command=$(sed -E "s#cargo run --release( --( |\$)|\$)#$program\2#" <<<"$shown")
+    command=$(sed -E -e "s#cargo run --release( --( |\$)|\$)#$program\2#" \
+        -e "s#(^|\| )fivebar( |\$)#\1$program\2#" <<<"$shown")
     started=$SECONDS
     if why=$(reason_not_to_run "$shown"); then
         skipped=$((skipped + 1))

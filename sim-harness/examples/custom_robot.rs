@@ -64,6 +64,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         summary: &summary,
         trace: &record.trace,
         pid: None,
+        stopped: None,
         conditions: &[],
     };
     let samples = record.trace.samples().iter();

@@ -5,6 +5,7 @@ import subprocess
 import tempfile
 import time
 
+import reach
 from live import Page
 
 
@@ -104,6 +105,7 @@ def a_report_fits_a_phone(program, browser):
                         charts.flatMap((chart) => [...chart.querySelectorAll('svg')])
                             .filter(isShown).map((svg) => svg.parentElement.className)];""")
             assert wide <= width and beyond == 0, f"{wide} px wide on {width} px, {beyond} beyond"
+            reach.has_no_serious_violation(browser, f"the report at {width} px")
             assert charts > 5 and shown == [drawing] * charts, (charts, shown)
 
 

@@ -114,9 +114,28 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     if args.json {
         say(&answer)?;
     } else {
+        if let Some(headline) = headline(&answer) {
+            say(headline)?;
+        }
         print(figures(&answer))?;
     }
     Ok(())
+}
+
+/// The answer in a sentence, where a robot was analysed at one position.
+fn headline(answer: &Value) -> Option<String> {
+    let figure = |value: &Value| Some(quantity(value.as_f64()?, "m"));
+    let [x, y] = [0, 1].map(|axis| figure(&answer["position_sd_m"][axis]));
+    let [inputs, clearances] =
+        ["input_worst_m", "clearance_worst_m"].map(|key| figure(&answer[key]));
+    let mut text = format!(
+        "the tool scatters by {} in x and {} in y (standard deviation)",
+        x?, y?
+    );
+    if let (Some(inputs), Some(clearances)) = (inputs, clearances) {
+        text += &format!("; at worst the inputs add {inputs}, the clearances {clearances}");
+    }
+    Some(text)
 }
 
 /// Analyses the linkage or the robot of the file; its content shows which of them it is.

@@ -22,6 +22,9 @@ const UNITS: [(&str, &str); 14] = [
     ("share_y", "%"),
 ];
 
+/// Less than this is rounding, in any unit.
+const NOTHING: f64 = 1e-15;
+
 /// Most objects of a list that is shown; of a longer list only the length is shown.
 const LISTED: usize = 12;
 
@@ -45,6 +48,9 @@ fn block<'a>(
     unit: &str,
 ) {
     for (key, value) in fields {
+        if is_zero(value) {
+            continue;
+        }
         let (label, own) = label_and_unit(key);
         let unit = if own.is_empty() { unit } else { own };
         let _ = write!(text, "{:1$}{label}:", "", 2 * depth);
@@ -66,6 +72,18 @@ fn block<'a>(
                 let _ = writeln!(text, " {}", plain(other, unit));
             }
         }
+    }
+}
+
+/// Whether a value holds measured figures only, and all are 0: what was not asked for.
+fn is_zero(value: &Value) -> bool {
+    match value {
+        Value::Number(number) => {
+            number.is_f64() && number.as_f64().is_some_and(|value| value.abs() < NOTHING)
+        }
+        Value::Array(items) => !items.is_empty() && items.iter().all(is_zero),
+        Value::Object(fields) => !fields.is_empty() && fields.values().all(is_zero),
+        Value::Null | Value::Bool(_) | Value::String(_) => false,
     }
 }
 

@@ -8,7 +8,7 @@ use super::sim::{millimetres, outcome, path_lengths, print, progress_bar, refusa
 use crate::run::link::{Difference, Instructions, Lockstep, LockstepError, TargetError};
 use crate::run::simulation::{RunError, Summary};
 use crate::show::pages::RunReport;
-use crate::show::text::conditions;
+use crate::show::text::{conditions, fault_and_next_step};
 use serde::Serialize;
 use std::io::{Read, Write};
 
@@ -116,12 +116,14 @@ pub(super) fn run(
         bit_exact: lockstep.first_difference().is_none(),
         first_difference: lockstep.first_difference(),
     };
+    let stopped = fault_and_next_step(&scenario, &record);
     let report = RunReport {
         robot: &scenario.robot,
         job: Some(&job),
         summary: &summary,
         trace: &record.trace,
         pid: None,
+        stopped: stopped.as_deref(),
         conditions: &conditions(&scenario),
     };
     let text = serde_json::to_string_pretty(&figures).map_err(refused)?;

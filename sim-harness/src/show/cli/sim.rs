@@ -8,7 +8,7 @@ use crate::input::job::Job;
 use crate::input::scenario::Scenario;
 use crate::run::simulation::{CauseError, Record, RunError, Summary, TipError};
 use crate::show::pages::RunReport;
-use crate::show::text::{self, conditions, quantity, stopped_by};
+use crate::show::text::{self, conditions, fault_and_next_step, quantity, stopped_by};
 use indicatif::{ProgressBar, ProgressStyle};
 
 /// Simulates a job from power-up to its end and writes a report.
@@ -62,6 +62,7 @@ pub(super) fn simulate(
         summary.by_cause = causes.map_err(|error| refusal(scenario, &error))?;
     }
     let text = serde_json::to_string_pretty(&summary).map_err(refused)?;
+    let stopped = fault_and_next_step(scenario, &record);
     let report = RunReport {
         robot: &scenario.robot,
         job: Some(&job),
@@ -70,6 +71,7 @@ pub(super) fn simulate(
         pid: pid
             .as_ref()
             .map(|(summary, record)| (summary, &record.trace)),
+        stopped: stopped.as_deref(),
         conditions: &conditions(scenario),
     };
     output.write(&folders, &report, &text)?;

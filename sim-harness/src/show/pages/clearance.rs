@@ -15,6 +15,7 @@ pub fn clearance(study: &ClearanceStudy, conditions: &[(String, String)]) -> Pag
          its joints. Pins fly, strike and slide in their bearings. The controller's model has no \
          clearance, and its encoders measure the driven links.",
     );
+    add_errors(&mut page, study);
     page.heading("New and worn");
     page.table(
         &[
@@ -35,7 +36,6 @@ pub fn clearance(study: &ClearanceStudy, conditions: &[(String, String)]) -> Pag
          arm at the same time, on the job's path without the way from home.",
     );
     add_prediction(&mut page, study);
-    add_errors(&mut page, study);
     add_joints(&mut page, study);
     page.heading("Conditions");
     let rows = conditions.iter();
@@ -118,10 +118,10 @@ fn add_prediction(page: &mut Page, study: &ClearanceStudy) {
 }
 
 fn add_errors(page: &mut Page, study: &ClearanceStudy) {
-    let mut chart = Chart::new("Tip error", "time [s]", "distance [m]");
+    let mut chart = Chart::new("Tip error", "time [s]", "tip error [µm]");
     for outcome in study.outcomes.iter().rev() {
         let samples = outcome.record.trace.samples().iter();
-        let points: Vec<Point> = samples.map(|s| [s.time, s.tip_error()]).collect();
+        let points: Vec<Point> = samples.map(|s| [s.time, 1e6 * s.tip_error()]).collect();
         chart = chart.line(label(outcome), points);
     }
     page.chart(&chart);

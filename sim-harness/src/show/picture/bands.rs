@@ -2,23 +2,9 @@
 
 use super::PAPER;
 use super::axes::PictureFrame;
+pub(super) use crate::show::report::BANDS;
 use fivebar_design::workspace::{Cell, WorkspaceMap};
 use std::fmt::Write as _;
-
-/// The colours from 1/κ = 0 to 1: ten colours of viridis (by van der Walt and Smith, CC0),
-/// whose steps look equal, also with colour blindness.
-pub(super) const BANDS: [[u8; 3]; 10] = [
-    [0x44, 0x01, 0x54],
-    [0x48, 0x28, 0x78],
-    [0x3e, 0x49, 0x89],
-    [0x31, 0x68, 0x8e],
-    [0x26, 0x82, 0x8e],
-    [0x1f, 0x9e, 0x89],
-    [0x35, 0xb7, 0x79],
-    [0x6e, 0xce, 0x58],
-    [0xb5, 0xde, 0x2b],
-    [0xfd, 0xe7, 0x25],
-];
 
 /// Share of white in the colour of a cell that is not allowed.
 const PALE: f64 = 0.62;

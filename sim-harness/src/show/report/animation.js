@@ -142,7 +142,7 @@ for (const figure of document.querySelectorAll("figure.animation")) {
   });
   new ResizeObserver(draw).observe(canvas);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
-  // For readers who prefer reduced motion, show the end of the animation, with all traces.
-  if (matchMedia("(prefers-reduced-motion: reduce)").matches) now = end; else play(true);
+  // The page opens on the end of the animation, with all traces.
+  now = end;
   draw();
 }

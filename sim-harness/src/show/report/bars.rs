@@ -20,7 +20,9 @@ pub fn bars(bars: &[Bar<'_>]) -> String {
     let longest = bars.iter().map(|bar| bar.name.chars().count()).max();
     let left = 12 + 8 * longest.unwrap_or(0);
     let width = left + 490;
-    let mut svg = format!("<svg viewBox=\"0 0 {width} {height}\" width=\"{width}\" role=\"img\">");
+    let mut svg = format!(
+        "<svg viewBox=\"0 0 {width} {height}\" width=\"{width}\" role=\"img\" aria-label=\"Shares as bars\">"
+    );
     for (row, Bar { name, share, label }) in bars.iter().enumerate() {
         let y = 26 * row;
         let (name, label) = (escape(*name), escape(label));

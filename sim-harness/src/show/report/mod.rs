@@ -4,12 +4,14 @@
 //! and is rendered to a string. Callers pass plain text; it is escaped here.
 
 mod animation;
+mod bands;
 mod bars;
 mod chart;
 mod decimate;
 mod page;
 
 pub use animation::{AnimatedBody, AnimatedTrace, Animation};
+pub use bands::BANDS;
 pub use bars::{Bar, bars};
 pub use chart::{Chart, Series, Stroke};
 pub(crate) use decimate::{BoundingBox, is_finite, thin};

@@ -32,6 +32,11 @@ impl Page {
         self.push(&format!("<p>{}</p>\n", escape(text)))
     }
 
+    /// Adds a paragraph about a failure, in red.
+    pub fn failure(&mut self, text: &str) -> &mut Self {
+        self.push(&format!("<p class=\"failure\">{}</p>\n", escape(text)))
+    }
+
     /// Adds a row of the most important figures, each with its name: ("RMS tip error", "42 µm").
     pub fn key_figures(&mut self, figures: &[(&str, String)]) -> &mut Self {
         self.push("<dl class=\"key\">\n");
@@ -57,7 +62,7 @@ impl Page {
             Some(true) => " class=\"number\"",
             _ => "",
         };
-        let mut html = String::from("<div class=\"scroll\"><table>\n<thead><tr>");
+        let mut html = String::from("<div class=\"scroll\" tabindex=\"0\"><table>\n<thead><tr>");
         for (column, cell) in header.iter().enumerate() {
             let (class, text) = (class(column), escape(*cell));
             let _ = write!(html, "<th scope=\"col\"{class}>{text}</th>");
@@ -146,6 +151,7 @@ mod tests {
         let html = Page::new(evil)
             .heading(evil)
             .paragraph(evil)
+            .failure(evil)
             .key_figures(&[(evil, evil.into())])
             .table(&[evil], &[vec![evil.into()]])
             .chart(&Chart::new(evil, evil, evil).line(evil, vec![[0.0, 0.0], [1.0, 1.0]]))

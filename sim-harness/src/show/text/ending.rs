@@ -34,6 +34,40 @@ pub fn stopped_by(scenario: &Scenario, record: &Record) -> Option<String> {
     Some(sentence + &cause.unwrap_or_default())
 }
 
+/// Which fault stopped the arm, when, and what to do next; none without a fault.
+pub fn fault_and_next_step(scenario: &Scenario, record: &Record) -> Option<String> {
+    let (_, fault) = record.faults.first()?;
+    let mut sentence = stopped_by(scenario, record)?;
+    sentence[..1].make_ascii_uppercase();
+    Some(format!("{sentence}. {}", next_step(*fault)))
+}
+
+/// What to do after a fault.
+fn next_step(fault: Fault) -> &'static str {
+    match fault {
+        Fault::EncoderJump => "Check the encoder and its cable, then home again.",
+        Fault::EncoderDisagreement => "Check the home switches and their angles, then home again.",
+        Fault::FollowingError => {
+            "Look for what blocks or drives the joint; else reduce speed and acceleration."
+        }
+        Fault::OverSpeed => "Reduce the speeds of [motion], or look for what drives the joint.",
+        Fault::OverCurrent => "Look for a short circuit or a blocked joint.",
+        Fault::OverTemperature => "Let the motor cool; reduce acceleration or payload.",
+        Fault::UnderVoltage => "Check the supply; reduce acceleration.",
+        Fault::OverVoltage => "Check the supply, and whether it takes the braking energy.",
+        Fault::DriverFault => "Read the bridge's fault output; check its supply and its heat.",
+        Fault::EmergencyStop => "Go on when the danger is over.",
+        Fault::Envelope => "Check joint limits, home switches and payload.",
+        Fault::CommandTimeout => "Check the host and the connection to it.",
+        Fault::QueueUnderrun => "Check what delays the host or the planner.",
+        Fault::TickOverrun => "Check what delays the tick.",
+        Fault::NotANumber => "Report this as an error of the firmware, with the job.",
+        Fault::ClockFailure => "Check the crystal.",
+        Fault::WatchdogReset => "Report this as an error of the firmware, with the job.",
+        Fault::SettingsCorrupt => "Store the settings again.",
+    }
+}
+
 /// If the arm falls between homing and the job, while it is unpowered: a sentence about it.
 fn falls(scenario: &Scenario) -> Option<String> {
     let home = scenario.robot.home_pose().ok()?;

@@ -8,7 +8,7 @@ mod quantity;
 mod workspace;
 
 pub use conditions::conditions;
-pub use ending::{no_demo_scale, refusal, stopped_by};
+pub use ending::{fault_and_next_step, no_demo_scale, refusal, stopped_by};
 pub use margins::margins;
 pub use mobility::explain;
 pub(crate) use mobility::steps;

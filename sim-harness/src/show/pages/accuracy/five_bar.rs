@@ -1,15 +1,15 @@
 //! Pages of the accuracy of a five-bar: figures by analysis and sampling, ellipses, maps.
 
+use super::heat_map::heat_map;
 use super::pareto::pareto;
 use crate::show::report::{Chart, Page};
 use crate::show::text::quantity;
 use crate::study::accuracy::{JOINTS, PathAccuracy};
 use fivebar_design::accuracy::five_bar::{AccuracyAnalysis, AccuracyMap, MonteCarlo};
 use std::f64::consts::TAU;
-use std::fmt::Write as _;
 
 /// One figure of an analysis [m].
-type Figure = fn(&AccuracyAnalysis) -> f64;
+pub(super) type Figure = fn(&AccuracyAnalysis) -> f64;
 
 /// The limits of the models, stated on every page.
 const LIMITS: &str = "First order, except where a figure is called exact: errors are small \
@@ -181,7 +181,6 @@ pub fn path_page(robot: &str, along: &PathAccuracy) -> Page {
 /// The page of a map.
 pub fn map_page(robot: &str, map: &AccuracyMap) -> Page {
     let mut page = Page::new(format!("Accuracy of {robot} over its workspace"));
-    page.paragraph(LIMITS);
     let figures: [(&str, Figure); 4] = [
         (
             "standard deviation, radial",
@@ -200,11 +199,14 @@ pub fn map_page(robot: &str, map: &AccuracyMap) -> Page {
         if greatest > 0.0 {
             let (from, to) = (quantity(least, "m"), quantity(greatest, "m"));
             page.figure(
-                &heat_map(map, figure, least, greatest),
-                &format!("{name}: {from} (pale) to {to} (dark), on a logarithmic scale."),
+                &heat_map(map, (name, figure), [least, greatest]),
+                &format!(
+                    "{name}: {from} (yellow) to {to} (violet), on a logarithmic scale. Axes in mm."
+                ),
             );
         }
     }
+    page.paragraph(LIMITS);
     page
 }
 
@@ -238,26 +240,4 @@ fn position_shares(analysis: &AccuracyAnalysis) -> Vec<(&str, f64)> {
         .collect();
     shares.sort_by(|(_, a), (_, b)| b.total_cmp(a));
     shares
-}
-
-fn heat_map(map: &AccuracyMap, figure: Figure, least: f64, greatest: f64) -> String {
-    let rows = map.cells.len() / map.columns;
-    let span = (greatest / least).ln().max(1e-9);
-    let (width, height) = (8 * map.columns, 8 * rows);
-    let mut svg = format!("<svg viewBox=\"0 0 {width} {height}\" width=\"{width}\" role=\"img\">");
-    for (index, cell) in map.cells.iter().enumerate() {
-        let Some(analysis) = &cell.analysis else {
-            continue;
-        };
-        let (x, y) = (
-            8 * (index % map.columns),
-            8 * (rows - 1 - index / map.columns),
-        );
-        let shade = 0.08 + 0.92 * ((figure(analysis) / least).ln() / span);
-        let _ = write!(
-            svg,
-            "<rect x=\"{x}\" y=\"{y}\" width=\"8\" height=\"8\" fill=\"currentColor\" opacity=\"{shade:.2}\"/>"
-        );
-    }
-    svg + "</svg>"
 }

@@ -1,6 +1,7 @@
 //! Pages of accuracy: figures by analysis and sampling, and contributions.
 
 mod five_bar;
+mod heat_map;
 mod linkage;
 mod pareto;
 mod slider;

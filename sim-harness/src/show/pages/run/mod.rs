@@ -28,6 +28,8 @@ pub struct RunReport<'a> {
     /// The same run with PID at each joint, feed-forward of acceleration and friction,
     /// and equal bandwidths.
     pub pid: Option<(&'a Summary, &'a Trace)>,
+    /// Which fault stopped the arm, when, why, and what to do; none without a fault.
+    pub stopped: Option<&'a str>,
     /// The conditions of the run, by name and value.
     pub conditions: &'a [(String, String)],
 }
@@ -37,27 +39,23 @@ impl RunReport<'_> {
     pub fn page(&self) -> Page {
         let summary = self.summary;
         let mut page = Page::new(format!("{} draws {}", summary.robot, summary.scenario));
-        page.paragraph(&self.outcome());
-        let errors = [
+        if summary.faults.is_empty() {
+            page.paragraph(&self.outcome());
+        } else {
+            page.failure(&self.outcome());
+        }
+        let time = summary.job_s.map(|time| format!("{time:.2} s"));
+        let time = [("job time", time.unwrap_or_else(|| "–".into()))];
+        let figures = [
             ("RMS tip error", quantity(summary.tip_error.rms_m, "m")),
             ("greatest tip error", quantity(summary.tip_error.max_m, "m")),
-        ];
-        let [torque1, torque4] = summary.peak_torque_nm;
-        let others = [
-            (
-                "job time",
-                summary
-                    .job_s
-                    .map_or("–".into(), |time| format!("{time:.2} s")),
-            ),
-            ("peak torque", quantity(torque1.max(torque4), "N·m")),
-            ("simulated", format!("{:.2} s", summary.simulated_s)),
-            ("speed", format!("{}× real time", summary.speed())),
+            ("peak torque, of the limit", self.torque_used()),
+            ("peak current, of the limit", self.current_used()),
         ];
         if self.trace.samples().is_empty() {
-            page.key_figures(&others);
+            page.key_figures(&time);
         } else {
-            page.key_figures(&[&errors[..], &others].concat());
+            page.key_figures(&[&time[..], &figures].concat());
             self.add_motion(&mut page);
             self.add_errors(&mut page);
             self.add_causes(&mut page);
@@ -78,12 +76,37 @@ impl RunReport<'_> {
             "The job was done without a fault. All figures below are of the simulated arm itself, \
              not of the controller's estimates."
                 .into()
+        } else if let Some(stopped) = self.stopped {
+            format!("{stopped}{unbegun}")
         } else {
             format!(
                 "The run ended with a fault: {}.{unbegun}",
                 faults.join(", ")
             )
         }
+    }
+
+    /// The greatest torque as a share of what the motor can give at its joint; at the joint where
+    /// this is greatest.
+    fn torque_used(&self) -> String {
+        let settings = self.robot.settings().ok();
+        let checked = settings.and_then(|settings| settings.check().ok());
+        let limits = checked.map(|settings| settings.peak_torque().map(f64::from));
+        share(self.summary.peak_torque_nm, limits)
+    }
+
+    /// The greatest current as a share of the peak current of its motor.
+    fn current_used(&self) -> String {
+        let greatest = [0, 1].map(|joint| {
+            let samples = self.trace.samples().iter();
+            let currents = samples.map(|sample| sample.current[joint].abs());
+            currents.fold(0.0, f64::max)
+        });
+        let limits = self.robot.drives().ok();
+        share(
+            greatest,
+            limits.map(|drives| drives.map(|d| d.peak_current)),
+        )
     }
 
     fn add_errors(&self, page: &mut Page) {
@@ -132,6 +155,7 @@ impl RunReport<'_> {
         let mut rows = vec![
             row("simulated time", format!("{:.4} s", summary.simulated_s)),
             row("real time", quantity(summary.wall_s, "s")),
+            row("speed", format!("{}× real time", summary.speed())),
             row("ticks", summary.ticks.to_string()),
             row(
                 "ticks with a limited torque",
@@ -161,6 +185,16 @@ impl RunReport<'_> {
     /// sample counts.
     fn draws(&self, sample: &Sample) -> bool {
         self.job.is_none() || sample.tool_level > 0.0
+    }
+}
+
+/// The greater share of a limit, one of each joint; "–" where there is none.
+fn share(values: [f64; 2], limits: Option<[f64; 2]>) -> String {
+    let shares = limits.map(|limits| [0, 1].map(|joint| values[joint] / limits[joint]));
+    let greatest = shares.map(|[one, four]| one.max(four));
+    match greatest.filter(|share| share.is_finite()) {
+        Some(share) => format!("{:.0} %", 100.0 * share),
+        None => "–".into(),
     }
 }
 

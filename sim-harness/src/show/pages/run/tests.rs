@@ -90,6 +90,7 @@ fn shows_the_whole_run_in_one_small_offline_page() {
         summary: &summary(20e-6),
         trace: &own,
         pid: Some((&summary(200e-6), &pid)),
+        stopped: None,
         conditions: &[("link masses".into(), "+10 %".into())],
     };
     let html = report.page().render();
@@ -130,6 +131,7 @@ fn the_picture_shows_the_ink_the_arm_and_its_way() {
         summary: &summary,
         trace,
         pid: None,
+        stopped: None,
         conditions: &[],
     };
     let ink = |svg: &str| svg.matches("class=\"ink\"").count();
@@ -161,6 +163,7 @@ fn a_run_that_ends_before_its_job_begins_shows_no_motion() {
         summary: &empty,
         trace: &Trace::default(),
         pid: Some((&empty, &Trace::default())),
+        stopped: None,
         conditions: &[],
     };
     let html = report.page().render();
