@@ -3,8 +3,8 @@
 #[path = "../shared/rig.rs"]
 mod rig;
 
+mod drives;
 mod either_joint;
-mod encoder_error;
 mod faults;
 mod holding;
 mod homing;

@@ -110,10 +110,16 @@ fn a_host_that_falls_silent_while_the_arm_homes_switches_off() {
 #[test]
 fn an_arm_that_only_holds_may_have_a_silent_host() {
     let mut rig = Rig::armed(&settings());
+    let generation = rig.controller.planning_snapshot().path_generation;
     for _ in 0..3000 {
         assert_eq!(silent(&mut rig).enable, [true; 2]);
     }
-    assert_eq!(rig.controller.state(), State::Armed);
+    // Nothing is dropped, either, where the tool is off.
+    let after = rig.controller.planning_snapshot();
+    assert_eq!(
+        (after.state, after.path_generation),
+        (State::Armed, generation)
+    );
 }
 
 #[test]

@@ -183,6 +183,59 @@ fn the_output_is_delayed_by_the_arms_lag() {
     );
 }
 
+/// The longest delay, 7 ticks, at a bandwidth of which the current loop lags by 7.1. The segments
+/// behind the one that changes the output are alike.
+#[test]
+fn the_longest_delay_hands_on_each_change_of_the_output() {
+    let mut rig = Rig::armed(&with(|s| {
+        s.tool_output = ToolOutputSettings::Power {
+            frequency: 5e3,
+            scale_with_speed: false,
+        };
+        s.control.current_bandwidth = 1400.0;
+        s.control.bandwidth = 140.0;
+        s.control.observer_bandwidth = 1100.0;
+        s.control.integral_rate = 30.0;
+    }));
+    let levels = [0, FULL_TOOL, 20_000, 0, FULL_TOOL];
+    let corners = push(&mut rig, &levels.map(|level| ([-0.005, 0.0], level)), 0.1);
+    let mut ticks = drawn(&mut rig);
+    ticks.dedup_by_key(|(_, output)| *output);
+    // Off, on at each corner, and off after the path.
+    assert_eq!(ticks.len(), levels.len() + 1, "{ticks:?}");
+    for (change, corner) in ticks[1..levels.len()].iter().zip(&corners[1..]) {
+        assert!(distance(change.0, *corner) < 1.2e-5, "{change:?}");
+    }
+}
+
+/// The rest lasts for the delay of 3 ticks and four more.
+#[test]
+fn a_switch_that_settles_at_once_changes_while_the_arm_rests() {
+    let mut rig = armed(ToolOutputSettings::Switch {
+        active_low: false,
+        down_time: 0.0,
+        up_time: 0.0,
+    });
+    push(
+        &mut rig,
+        &[([-0.01, 0.0], 0), ([-0.01, 0.0], FULL_TOOL)],
+        0.1,
+    );
+    let mut rest = Vec::new();
+    let mut began = false;
+    while rig.controller.state() != State::Armed || !began {
+        let command = rig.tick();
+        let reference = rig.controller.status().joint_reference.unwrap();
+        let rests = reference.velocity == [0.0; 2];
+        began |= !rests;
+        if began && rests && rig.controller.state() == State::Running {
+            rest.push(command.tool > 0);
+        }
+    }
+    assert!((6..=12).contains(&rest.len()), "{rest:?}");
+    assert!(!rest[0] && rest[rest.len() - 1], "{rest:?}");
+}
+
 #[test]
 fn a_power_that_follows_the_speed_is_off_at_rest_and_any_power_is_off_after_the_path() {
     for scale_with_speed in [false, true] {

@@ -3,7 +3,7 @@
 use crate::desk::Desk;
 use crate::rig::{Rig, START, settings};
 use fivebar_firmware::controller::{QueuedSegment, Request};
-use fivebar_firmware::protocol::{HostCommand, Reply, Section, VERSION};
+use fivebar_firmware::protocol::{CommandError, HostCommand, Reply, Section, VERSION};
 use fivebar_firmware::safety::{Limits, State};
 use fivebar_firmware::{Move, MoveKind};
 use fivebar_kinematics::trajectory::TrajectorySegment;
@@ -108,4 +108,10 @@ fn a_session_begins_with_the_settings_in_use_whatever_the_one_before_has_drafted
     assert!(matches!(desk.ask(hello), Reply::Hello(_)));
     assert_eq!(desk.ask(HostCommand::ApplySettings), Reply::Done);
     assert_eq!(*desk.controller.settings(), in_use);
+}
+
+#[test]
+fn a_board_that_gets_its_samples_from_the_host_has_none_of_its_own() {
+    let refused = Reply::Refused(CommandError::Unsupported);
+    assert_eq!(Desk::armed().ask(HostCommand::Sample), refused);
 }

@@ -149,3 +149,19 @@ fn an_arm_whose_inertia_has_no_number_is_refused() {
     });
     assert_eq!(refused, Some(SettingsError::NoPose));
 }
+
+#[test]
+fn an_encoders_error_may_be_large_and_must_change_slowly() {
+    let table = |points: [i16; 3]| {
+        result(|settings| {
+            let [table, _] = &mut settings.encoder_tables;
+            table.shaft_ratio = 10.0;
+            table.points = [[points[0]; 16]; 4];
+            table.points[2][7..9].copy_from_slice(&points[1..]);
+        })
+    };
+    assert_eq!(table([5000, 5000, 5000]), None);
+    assert_eq!(table([-300, 772, 772]), None);
+    assert!(table([-300, 773, 773]).is_some());
+    assert!(table([-300, -1373, -1373]).is_some());
+}

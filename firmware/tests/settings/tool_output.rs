@@ -114,3 +114,16 @@ fn the_longest_settings_fit_the_storage_with_their_number() {
     // The number, the key, and the padding to a word.
     assert!(stored.len() + 5 + 1 + 8 <= 1024, "{} bytes", stored.len());
 }
+
+#[test]
+fn a_tool_settles_after_a_change_in_the_time_of_its_direction() {
+    let (down_time, up_time) = (0.3, 0.2);
+    let switch = ToolOutputSettings::Switch {
+        active_low: true,
+        down_time,
+        up_time,
+    };
+    for (from, to, time) in [(0, 1, down_time), (1, 9, down_time), (9, 0, up_time)] {
+        assert_eq!(switch.settle_time(from, to), time);
+    }
+}

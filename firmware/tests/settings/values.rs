@@ -266,7 +266,7 @@ fn a_trip_point_that_the_converter_cannot_show_is_refused() {
     at_the_end.axes[1].current_per_code = at_the_end.axes[0].current_per_code;
     assert!(at_the_end.check().is_ok());
     refused(
-        |s| s.axes[1].current_per_code = s.protection.over_current / 2047.5,
+        |s| s.axes[1].current_per_code = s.protection.over_current / 2046.5,
         SettingsError::Field(Field::OverCurrent),
     );
     refused(

@@ -160,3 +160,18 @@ fn a_host_is_silent_so_early_that_the_fault_is_latched_in_time() {
     assert!(monitor.silent(992));
     assert!(monitor.silent(u32::MAX));
 }
+
+/// A minute, at 10,000 ticks a second.
+#[test]
+fn an_arm_is_abandoned_after_a_minute_of_silence_and_stays_so() {
+    let monitor = monitor();
+    let last = super::in_time(600_000.0);
+    for (ticks, abandoned) in [
+        (0, false),
+        (last, false),
+        (last + 1, true),
+        (u32::MAX, true),
+    ] {
+        assert_eq!(monitor.abandoned(ticks), abandoned, "after {ticks} ticks");
+    }
+}
