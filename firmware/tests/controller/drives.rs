@@ -1,6 +1,11 @@
 //! What the controller knows of its drives: the error of an encoder, friction, heat, and the noise
 //! and the load of an arm that rests.
 
+#![allow(
+    clippy::needless_range_loop,
+    reason = "a joint's number names it in every array"
+)]
+
 use crate::rig::{Rig, START, settings, with};
 use fivebar_firmware::MoveKind;
 use fivebar_firmware::controller::{Controller, Request};

@@ -216,7 +216,7 @@ fn a_path_that_ends_in_motion_begins_when_it_lasts_longer_than_a_stop() {
 
 #[test]
 fn a_path_runs_short_when_a_stop_needs_all_that_is_left_of_it() {
-    for (left, short) in [(0.0507, true), (0.0517, false)] {
+    for (left, short) in [(0.051, true), (0.0514, false)] {
         let mut path = no_path();
         path.push(segment(0.1, true));
         let passed = ((0.1 - left) / 1e-4) as u32;
