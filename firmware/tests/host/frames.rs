@@ -2,8 +2,8 @@
 
 use crate::messages::{controller_message, host_message};
 use fivebar_firmware::protocol::{
-    ControllerMessage, Decoder, FrameError, HostCommand, HostMessage, MAX_CONTENT, Message,
-    Sequence, encode,
+    ControllerMessage, Decoder, FrameError, HostCommand, HostMessage, MAX_CONTENT, MAX_FRAME,
+    Message, Sequence, encode,
 };
 use proptest::prelude::*;
 
@@ -158,6 +158,14 @@ fn undamaged_frames_without_a_message_are_refused() {
         assert_eq!(decode(&mut decoder, &framed(content)), [Err(error)]);
     }
     assert_eq!(decoder.counts().foreign, 4);
+}
+
+#[test]
+fn a_frame_has_room_for_the_longest_content_and_for_no_more() {
+    let longest = framed(&[b'H'; MAX_CONTENT - 4]);
+    // `framed` leaves out the delimiter before the frame.
+    let delimiters = longest.iter().filter(|&&byte| byte == 0).count();
+    assert_eq!(longest.len() + 2 - delimiters, MAX_FRAME);
 }
 
 #[test]
