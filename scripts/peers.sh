@@ -5,9 +5,9 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 venv=target/peers-venv
-if ! "$venv/bin/python" -c 'import mujoco, mcap' 2>/dev/null; then
+if ! "$venv/bin/python" -c 'import mujoco, mcap, mcap_ros1' 2>/dev/null; then
     python3 -m venv "$venv"
-    "$venv/bin/pip" install --quiet mujoco mcap
+    "$venv/bin/pip" install --quiet mujoco mcap mcap-ros1-support
 fi
 out=target/peers
 mkdir -p "$out"

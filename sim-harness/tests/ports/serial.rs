@@ -90,7 +90,7 @@ fn a_job_over_a_port_runs_to_its_end() {
     );
     let mcap = std::fs::read(mcap).expect("the log is written");
     let messages = mcap::MessageStream::new(&mcap).expect("MCAP");
-    let tool_messages = messages.filter(|it| it.as_ref().unwrap().channel.topic == "/tool");
+    let tool_messages = messages.filter(|it| it.as_ref().unwrap().channel.topic == "/run");
     let count = tool_messages.count();
     // The tool's position is requested 100 times per second for about two seconds.
     assert!(count > 100, "{count} messages");
