@@ -9,6 +9,7 @@ pub mod io;
 pub mod motion;
 pub mod planner;
 pub mod protocol;
+pub mod recorder;
 pub mod safety;
 pub mod session;
 pub mod settings;

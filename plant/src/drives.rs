@@ -109,6 +109,14 @@ impl Drives {
         })
     }
 
+    /// Puts the drives to rest behind the joints of `state`.
+    pub(crate) fn rest_at(&mut self, state: &State) {
+        self.state = DRIVEN.map(|link| DriveState {
+            angle: state.q[link].angular,
+            ..DriveState::default()
+        });
+    }
+
     /// Advances the arm by `time` [s] under constant loads. `loads.voltage` is without the
     /// supply's resistance, `duty` times the supply's voltage.
     pub(crate) fn step(

@@ -23,6 +23,7 @@ mod ripple;
 mod sensors;
 mod supply;
 mod transmission;
+mod wiring;
 mod worn_joints;
 
 pub use chain::{Chain, JOINTS, PerJoint};
@@ -36,8 +37,9 @@ pub use mismatch_error::{Bound, MismatchError};
 pub use motor::Motor;
 pub use parameters::Parameters;
 pub use planar::{Body, PlanarVector};
-pub use plant::Plant;
+pub use plant::{Hands, Plant};
 pub use ripple::PERIODS_PER_TURN;
 pub use sensors::JointSensors;
 pub use transmission::Transmission;
+pub use wiring::Wiring;
 pub use worn_joints::{ContactStatistics, WornJoints};

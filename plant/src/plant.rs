@@ -12,16 +12,27 @@ use crate::mismatch::Mismatch;
 use crate::parameters::Parameters;
 use crate::planar::PlanarVector;
 use crate::sensors::{self, JointSensors};
+use crate::wiring::Wiring;
 use crate::worn_joints::WornJoints;
 use fivebar_design::Noise;
 use fivebar_firmware::{ActuatorCommand, SensorSample};
 use fivebar_kinematics::five_bar::Pose;
 use nalgebra::Vector2;
+use std::f64::consts::TAU;
 
 /// Steps of the PWM timer: 168 MHz at 20 kHz, counting up and down.
 const PWM_STEPS: f64 = 4200.0;
 /// A braked or jammed joint is modelled by this inertia of its link [kg·m²].
 const HELD: f64 = 1e6;
+
+/// The switches that a hand presses.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Hands {
+    /// The emergency stop.
+    pub emergency_stop: bool,
+    /// The home switches of joint 1 and joint 4.
+    pub home: [bool; 2],
+}
 
 /// An arm with its motors, bridges and sensors.
 #[derive(Clone, Debug)]
@@ -47,6 +58,9 @@ pub struct Plant {
     /// Scheduled faults, the last one first.
     pending: Vec<PlantFault>,
     faults: ActiveFaults,
+    hands: Hands,
+    /// Mistakes in the wiring, if any, with the counts from which encoders count.
+    wiring: Option<(Wiring, [i32; 2])>,
     /// Ticks that the controller is going to miss.
     late_by: u32,
     /// Ticks that it missed before this one.
@@ -89,6 +103,8 @@ impl Plant {
             time: 0.0,
             pending: Vec::new(),
             faults: ActiveFaults::default(),
+            hands: Hands::default(),
+            wiring: None,
             late_by: 0,
             missed_ticks: 0,
             tool_force: Vector2::zeros(),
@@ -106,6 +122,34 @@ impl Plant {
         self
     }
 
+    /// Wires the arm like this; an encoder counts wrongly from its present angle on.
+    pub fn rewire(&mut self, wiring: &Wiring) {
+        let wrong = *wiring != Wiring::default();
+        self.wiring = wrong.then(|| (*wiring, [0, 1].map(|joint| self.counts(joint))));
+    }
+
+    /// Presses these switches, and no others.
+    pub fn press(&mut self, hands: Hands) {
+        self.hands = hands;
+    }
+
+    /// Advances by one tick of `period` [s] in which a hand holds the arm in `pose`, at rest; its
+    /// bridges are off.
+    pub fn hold_by_hand(&mut self, pose: &Pose<f64>, period: f64) {
+        let before = self.state.q;
+        self.state = self.model.state_at(pose, [0.0; 4]);
+        // The links go on in the turn in which they were.
+        for (link, before) in self.state.q.iter_mut().zip(before) {
+            link.angular += ((before.angular - link.angular) / TAU).round() * TAU;
+        }
+        if let Some(drives) = &mut self.drives {
+            drives.rest_at(&self.state);
+        }
+        self.time += period;
+        self.missed_ticks = 0;
+        self.record_angles();
+    }
+
     /// Injects each of these faults at its time from now.
     pub fn schedule_faults(&mut self, faults: &[PlantFault]) {
         self.pending.extend(faults.iter().map(|fault| PlantFault {
@@ -120,17 +164,24 @@ impl Plant {
         let counts = [0, 1].map(|j| self.faults.frozen_counts[j].unwrap_or_else(|| self.counts(j)));
         let home = [0, 1].map(|j| {
             let followed = || self.sensors[j].at_home(self.angle(j));
-            self.faults.stuck_switch[j].unwrap_or_else(followed)
+            self.faults.stuck_switch[j].unwrap_or_else(|| self.hands.home[j] || followed())
         });
         let current = self.state.current;
-        SensorSample {
+        let sample = SensorSample {
             counts,
             current: [0, 1].map(|j| self.sensors[j].current_code(current[j], &mut self.noise)),
             bus_voltage: sensors::adc_code(self.bus_voltage() / self.volts_per_code),
             home,
-            emergency_stop: self.faults.emergency_stop,
+            emergency_stop: self.faults.emergency_stop || self.hands.emergency_stop,
             driver_fault: self.faults.driver_fault,
             missed_ticks: self.missed_ticks,
+        };
+        match &self.wiring {
+            None => sample,
+            Some((wiring, origin)) => {
+                let zero = [0, 1].map(|j| self.sensors[j].current_zero_code);
+                wiring.seen(sample, *origin, zero)
+            }
         }
     }
 
@@ -146,7 +197,11 @@ impl Plant {
     }
 
     fn advance(&mut self, command: &ActuatorCommand, period: f64) {
-        let applied = std::mem::replace(&mut self.active, *command);
+        let command = match &self.wiring {
+            None => *command,
+            Some((wiring, _)) => wiring.driven(command),
+        };
+        let applied = std::mem::replace(&mut self.active, command);
         let duty = [0, 1].map(|j| self.duty(&applied, j));
         let loads = Loads {
             voltage: duty.map(|duty| duty.map(|duty| duty * self.bus_voltage)),
@@ -202,7 +257,8 @@ impl Plant {
     fn duty(&self, command: &ActuatorCommand, joint: usize) -> Option<f64> {
         let off = self.faults.disconnected[joint]
             || self.faults.driver_fault[joint]
-            || self.faults.emergency_stop;
+            || self.faults.emergency_stop
+            || self.hands.emergency_stop;
         if off || !command.enable[joint] {
             return None;
         }

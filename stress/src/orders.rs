@@ -2,6 +2,7 @@
 
 use crate::bytes::Bytes;
 use crate::samples::Hostile;
+use fivebar_firmware::controller::{Excitation, Excited};
 use fivebar_firmware::protocol::{HostCommand, Section, SectionKey, VERSION};
 use fivebar_firmware::settings::ToolOutputSettings;
 use fivebar_firmware::{MoveKind, Request, Settings};
@@ -80,11 +81,32 @@ fn request(bytes: &mut Bytes<'_>) -> Request {
     match bytes.byte() {
         0..=79 => Request::Arm,
         80..=99 => Request::Disarm,
-        100..=119 => Request::Home,
+        100..=114 => Request::Home,
+        115..=119 => Request::Excite(excitation(bytes)),
         120..=159 => Request::Stop,
         160..=179 => Request::EmergencyStop,
         180..=239 => Request::ClearFault,
         240..=255 => Request::SetAngles(bytes.pair(-4.0, 4.0)),
+    }
+}
+
+/// Half of these are within their bounds on an arm as strong as the benchtop arm.
+fn excitation(bytes: &mut Bytes<'_>) -> Excitation {
+    let of = match bytes.byte() {
+        0..=127 => Excited::Voltage,
+        128..=255 => Excited::Current,
+    };
+    let [offset, amplitude] = bytes.pair(-1.0, 1.0);
+    let [current, travel] = bytes.pair(0.0, 2.5);
+    Excitation {
+        joint: bytes.byte() % 2,
+        of,
+        offset,
+        amplitude,
+        hold: bytes.byte().into(),
+        ticks: 10 * u32::from(bytes.byte()),
+        current,
+        travel,
     }
 }
 

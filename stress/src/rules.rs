@@ -119,27 +119,31 @@ impl Rules {
         }
         if power && !self.permitted {
             return broken(
-                "power needs an accepted Arm or Home",
+                "power needs an accepted Arm, Home or Excite",
                 format_args!("{state:?}"),
             );
         }
         let holds = |fault: Fault| fault.response() == Response::ControlledStop;
         let may = match state {
-            State::Homing | State::Armed | State::Running | State::Stopping => true,
+            State::Homing | State::Exciting | State::Armed | State::Running | State::Stopping => {
+                true
+            }
             State::Fault => status.fault.is_some_and(holds),
             State::Stopped => false,
         };
         // The tick that ends a search for the switches still has power.
-        let ended = self.state == Some(State::Homing) && state == State::Stopped;
+        let ended =
+            matches!(self.state, Some(State::Homing | State::Exciting)) && state == State::Stopped;
         if power && !(may || ended) {
             return broken(
                 "no power in Stopped or under a power-off fault",
                 format_args!("{state:?}, {:?}", status.fault),
             );
         }
-        if power && !(status.homed || state == State::Homing) {
+        let searches = matches!(state, State::Homing | State::Exciting);
+        if power && !(status.homed || searches) {
             return broken(
-                "without known angles there is power only while homing",
+                "without known angles there is power only while homing and exciting",
                 format_args!("{state:?}"),
             );
         }
@@ -165,7 +169,9 @@ impl Rules {
         }
         let follows = match state {
             State::Armed | State::Running => self.silence <= self.timeout.saturating_add(2),
-            State::Stopped | State::Homing | State::Stopping | State::Fault => false,
+            State::Stopped | State::Homing | State::Exciting | State::Stopping | State::Fault => {
+                false
+            }
         };
         if command.tool != self.tool_off && !follows {
             return broken(

@@ -297,7 +297,9 @@ impl<'b> Session<'b> {
             return;
         }
         match command {
-            HostCommand::Request(Request::Arm | Request::Home) => self.rules.permitted = true,
+            HostCommand::Request(Request::Arm | Request::Home | Request::Excite(_)) => {
+                self.rules.permitted = true;
+            }
             HostCommand::Request(Request::Disarm | Request::EmergencyStop) => {
                 self.rules.permitted = false;
             }

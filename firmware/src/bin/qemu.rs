@@ -21,6 +21,7 @@ mod app {
     use fivebar_firmware::board::{clocks, serial, stack};
     use fivebar_firmware::planner::Planner;
     use fivebar_firmware::protocol::{Board, Decoder, HostMessage, Identity, Reset, StackUse};
+    use fivebar_firmware::recorder::Recorder;
     use fivebar_firmware::session::{self, Session};
     use fivebar_firmware::storage::StorageError;
     use fivebar_firmware::{ActuatorCommand, Controller, SensorSample, Settings};
@@ -43,6 +44,9 @@ mod app {
         lockstep: Lockstep,
     }
 
+    /// The log at the tick rate.
+    static RECORDER: Recorder = Recorder::new();
+
     /// This board: it stores nothing, and its ticks come from the host.
     pub(crate) struct Lockstep {
         counter: InstructionCounter,
@@ -59,11 +63,17 @@ mod app {
             sample: &SensorSample,
         ) -> Option<(ActuatorCommand, u32)> {
             // On a board, too, only an emergency stop interrupts a tick.
-            Some(cortex_m::interrupt::free(|_| {
+            let (command, instructions) = cortex_m::interrupt::free(|_| {
                 let start = self.counter.now();
                 let command = controller.tick(sample);
                 (command, self.counter.since(start))
-            }))
+            });
+            RECORDER.record(sample, &command, controller.ticks());
+            Some((command, instructions))
+        }
+
+        fn recorder(&self) -> Option<&Recorder> {
+            Some(&RECORDER)
         }
 
         fn stack(&self) -> Option<StackUse> {

@@ -36,7 +36,7 @@ mod app {
     use fivebar_firmware::board::pins::Pins;
     use fivebar_firmware::board::pwm::{PwmTimer, TICK_CYCLES};
     use fivebar_firmware::board::sensors::Sensors;
-    use fivebar_firmware::board::services::BoardServices;
+    use fivebar_firmware::board::services::{BoardServices, RECORDER};
     use fivebar_firmware::board::watchdog::Tasks;
     use fivebar_firmware::board::{brown_out, post_mortem, pwm, serial, tool};
     use fivebar_firmware::planner::Planner;
@@ -179,7 +179,9 @@ mod app {
                 if CLOCK_FAILED.load(Ordering::Relaxed) {
                     controller.latch_fault(Fault::ClockFailure);
                 }
-                outputs.apply(&controller.tick(&sample));
+                let command = controller.tick(&sample);
+                outputs.apply(&command);
+                RECORDER.record(&sample, &command, controller.ticks());
                 outputs.timer.rearm_break();
             });
         });

@@ -6,11 +6,15 @@ use super::storage::SettingsFlash;
 use super::tool::ToolTimer;
 use super::watchdog::Watchdog;
 use crate::protocol::StackUse;
+use crate::recorder::Recorder;
 use crate::session::Board;
 use crate::settings::{BoardLimits, CheckedSettings};
 use crate::storage::{SettingsStorage, StorageError};
 use crate::{ActuatorCommand, Controller, SensorSample, Settings};
 use stm32f4xx_hal::pac::{FLASH, IWDG};
+
+/// The log at the tick rate.
+pub static RECORDER: Recorder = Recorder::new();
 
 /// The settings' storage, and the watchdog, whose timeout is longer while settings are written.
 pub struct BoardServices {
@@ -79,6 +83,10 @@ impl Board for BoardServices {
 
     fn stack(&self) -> Option<StackUse> {
         Some(stack::used())
+    }
+
+    fn recorder(&self) -> Option<&Recorder> {
+        Some(&RECORDER)
     }
 
     fn sample(&self) -> Option<SensorSample> {

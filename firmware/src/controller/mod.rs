@@ -1,7 +1,9 @@
 //! The controller: the tick, from a sensor sample to an actuator command, and the requests that
 //! tasks below the tick make.
 
+mod current_zeros;
 mod encoder;
+mod excitation;
 mod faults;
 mod homing;
 mod homing_state;
@@ -21,7 +23,10 @@ mod turns;
 
 use crate::safety::{Fault, Limits, State};
 use crate::settings::{CheckedSettings, Settings};
+use current_zeros::CurrentZeros;
 use encoder::Encoder;
+use excitation::ExcitationState;
+pub use excitation::{Excitation, ExcitationEnd, Excited, FARTHEST_EXCITATION, LONGEST_EXCITATION};
 use fivebar_kinematics::five_bar::WorkingMode;
 use homing_state::HomingState;
 use joint::Joint;
@@ -76,6 +81,8 @@ pub struct Controller {
     /// The settings in use, which were checked.
     settings: Settings,
     homing: [HomingState; 2],
+    excitation: ExcitationState,
+    zeros: CurrentZeros,
     /// The latched fault, as it was raised.
     latched: Option<Latched>,
     missed_ticks: u32,
@@ -109,6 +116,8 @@ impl Controller {
             pending_off: None,
             setpoint: Setpoint::hold([Vector2::zeros(); 2]),
             homing: [HomingState::new(0.0); 2],
+            excitation: ExcitationState::none(settings.control.tick_rate),
+            zeros: CurrentZeros::new(),
             error: [0.0; 2],
             rest: Rest::new(),
             limits: Limits::empty(),

@@ -82,7 +82,9 @@ impl Controller {
     pub fn extend_path(&mut self, path_generation: u32, queued: QueuedSegment) {
         let follows_paths = match self.state {
             State::Armed | State::Running => true,
-            State::Stopped | State::Homing | State::Stopping | State::Fault => false,
+            State::Stopped | State::Homing | State::Exciting | State::Stopping | State::Fault => {
+                false
+            }
         };
         if follows_paths && path_generation == self.path_generation {
             self.path.push(queued);

@@ -1,6 +1,6 @@
 //! Requests of the host, and why one can be refused.
 
-use super::{Controller, Setpoint};
+use super::{Controller, Excitation, Setpoint};
 use crate::safety::{Event, Fault, State};
 use fivebar_kinematics::five_bar::Pose;
 use fivebar_kinematics::{PlanarVector, Scalar};
@@ -39,6 +39,8 @@ pub enum Request {
     EmergencyStop,
     /// Leave the fault.
     ClearFault,
+    /// Put a voltage or a current on one motor of an arm that is not homed.
+    Excite(Excitation),
 }
 
 /// Why a request was refused. A refused request changes nothing.
@@ -58,6 +60,12 @@ pub enum RequestError {
     NotOnBranch,
     /// The arm still moves.
     Moving,
+    /// A current sensor reads a current with the bridges off.
+    CurrentZero,
+    /// The arm is homed, and an excitation would move it without feedback.
+    Homed,
+    /// A value of the excitation is out of its bounds.
+    Excitation,
 }
 
 impl core::fmt::Display for RequestError {
@@ -69,6 +77,9 @@ impl core::fmt::Display for RequestError {
             Self::NearSingularity => "the arm is too near a singularity",
             Self::NotOnBranch => "the angles close no arm on the branch of the settings",
             Self::Moving => "the arm still moves",
+            Self::CurrentZero => "a current sensor reads a current with the bridges off: check it",
+            Self::Homed => "the arm is homed, and is not moved without feedback",
+            Self::Excitation => "a value of the excitation is out of its bounds",
         })
     }
 }
@@ -82,10 +93,21 @@ impl Controller {
     /// Why the request is refused; nothing has changed then.
     pub fn request(&mut self, request: Request) -> Result<(), RequestError> {
         self.feed_host_timeout();
+        let powers = matches!(request, Request::Arm | Request::Home | Request::Excite(_));
+        if powers && self.state == State::Stopped && !self.zeros.are_plausible() {
+            return Err(RequestError::CurrentZero);
+        }
         let event = match request {
             Request::Arm => {
                 self.prepare_to_hold()?;
                 Event::Arm
+            }
+            Request::Excite(excitation) => {
+                if self.state != State::Stopped {
+                    return Err(RequestError::State(self.state));
+                }
+                self.prepare_excitation(&excitation)?;
+                Event::Excite
             }
             Request::Disarm => Event::Disarm,
             Request::Home => Event::Home,

@@ -20,7 +20,7 @@ pub(super) struct TorqueCommand {
 pub(super) enum ControlMode {
     /// Nothing: the bridges are off.
     Off,
-    /// Wait: the bridges wake up.
+    /// Wait: the bridges wake up; or excite a motor, when they are awake.
     Waking,
     /// Look for the home switches.
     Homing,
@@ -37,6 +37,16 @@ impl ControlMode {
             Self::Waking | Self::Homing | Self::Tracking => true,
         }
     }
+}
+
+/// What the bridges do in a tick without a reference.
+pub(super) enum Bridges {
+    /// They are off.
+    Off,
+    /// They wake up.
+    Waking,
+    /// They have the duties of an excitation.
+    Excited,
 }
 
 /// What the tick measured, for the detection of faults.
@@ -72,9 +82,10 @@ impl Controller {
             }
         }
         if let ControlMode::Off | ControlMode::Waking = mode {
-            return match self.drive_nothing(sample, measurement, mode) {
-                true => self.waking(),
-                false => self.off(),
+            return match self.follow_nothing(sample, measurement, mode) {
+                Bridges::Off => self.off(),
+                Bridges::Waking => self.waking(),
+                Bridges::Excited => self.excited(),
             };
         }
         if let Some(fault) = self.sampled_fault(sample, &measurement) {
@@ -126,6 +137,7 @@ impl Controller {
     pub(super) fn control_mode(&self) -> ControlMode {
         match self.state {
             State::Armed | State::Homing if self.waking > 0 => ControlMode::Waking,
+            State::Exciting => ControlMode::Waking,
             State::Armed | State::Running | State::Stopping => ControlMode::Tracking,
             State::Fault if self.controlled_stop => ControlMode::Tracking,
             State::Homing => ControlMode::Homing,
@@ -184,21 +196,21 @@ impl Controller {
     /// A fault that switches the bridges off.
     #[cold]
     #[inline(never)]
-    fn power_off(&mut self, fault: Fault) {
+    pub(super) fn power_off(&mut self, fault: Fault) {
         self.latch_power_off(fault);
         self.unpowered();
     }
 
     /// A tick with the bridges off, in which the emergency stop and an encoder jump are faults, or
-    /// one in which they wake up. Returns whether they are on after it. The first tick takes its
-    /// counts as the origin.
+    /// one in which they wake up or excite a motor. Returns what they do after it. The first tick
+    /// takes its counts as the origin.
     #[inline(never)]
-    fn drive_nothing(
+    fn follow_nothing(
         &mut self,
         sample: &SensorSample,
         mut measurement: Measurement,
         mode: ControlMode,
-    ) -> bool {
+    ) -> Bridges {
         self.forget_rest();
         self.cool();
         if !self.begun {
@@ -214,6 +226,9 @@ impl Controller {
                 joint.begin(axis, counts);
             }
         }
+        if self.state == State::Exciting && self.waking == 0 {
+            return self.excite(sample, &measurement);
+        }
         let wakes = mode.is_powered();
         let mut fault = self.unpowered_fault(sample, measurement.innovation);
         if wakes {
@@ -222,23 +237,25 @@ impl Controller {
         match fault {
             Some(fault) => {
                 self.power_off(fault);
-                false
+                Bridges::Off
             }
             None if wakes => {
                 self.waking = self.waking.saturating_sub(1);
+                self.zeros.restart();
                 self.release();
-                true
+                Bridges::Waking
             }
             None => {
+                self.measure_zeros(sample);
                 self.unpowered();
-                false
+                Bridges::Off
             }
         }
     }
 
     /// The bridges go off, or are off.
     #[inline(always)]
-    fn unpowered(&mut self) {
+    pub(super) fn unpowered(&mut self) {
         self.waking = self.model.wake_up_ticks;
         self.release();
         self.path.switch_tool_off();
@@ -246,7 +263,7 @@ impl Controller {
 
     /// Bridges off, brake on, tool off.
     #[inline(always)]
-    fn off(&self) -> ActuatorCommand {
+    pub(super) fn off(&self) -> ActuatorCommand {
         ActuatorCommand {
             duty: [0.0; 2],
             enable: [false; 2],

@@ -65,7 +65,7 @@ impl Controller {
             (State::Armed, Event::Stop | Event::Rest) => self.forget_path(),
             (State::Stopping, _) => self.path.brake(),
             (State::Fault, _) if self.controlled_stop => self.path.brake(),
-            (State::Armed | State::Running | State::Fault, _) => {}
+            (State::Armed | State::Running | State::Exciting | State::Fault, _) => {}
         }
         Ok(())
     }
@@ -84,7 +84,7 @@ impl Controller {
                 let _ = self.dispatch(Event::Fault);
             }
             // A controlled stop needs a path, or a position to hold.
-            (Response::ControlledStop, State::Stopped | State::Homing) => {
+            (Response::ControlledStop, State::Stopped | State::Homing | State::Exciting) => {
                 self.latch_power_off(fault);
             }
             (Response::PowerOff, _) => self.latch_power_off(fault),
@@ -153,7 +153,7 @@ impl Controller {
             }
             // The arm is held until the fault is cleared.
             State::Fault => self.forget_path(),
-            State::Stopped | State::Homing | State::Armed => {}
+            State::Stopped | State::Homing | State::Exciting | State::Armed => {}
         }
     }
 

@@ -114,7 +114,7 @@ impl Controller {
     fn moves(&self) -> bool {
         match self.state {
             State::Running | State::Stopping => true,
-            State::Stopped | State::Homing | State::Armed | State::Fault => false,
+            State::Stopped | State::Homing | State::Exciting | State::Armed | State::Fault => false,
         }
     }
 }

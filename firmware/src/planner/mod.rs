@@ -260,6 +260,6 @@ impl Planner {
 fn accepts(state: State) -> bool {
     match state {
         State::Armed | State::Running => true,
-        State::Stopped | State::Homing | State::Stopping | State::Fault => false,
+        State::Stopped | State::Homing | State::Exciting | State::Stopping | State::Fault => false,
     }
 }

@@ -3,6 +3,7 @@
 use super::frame::{Message, Sender};
 use super::section::{Section, SectionKey};
 use super::sequence::Sequence;
+use crate::recorder::LogConfig;
 use crate::{Move, Request, SensorSample};
 use serde::{Deserialize, Serialize};
 
@@ -59,4 +60,13 @@ pub enum HostCommand {
     Stack,
     /// Report the sensor sample of the last tick, in any state.
     Sample,
+    /// Drop what the log holds and begin it anew.
+    BeginLog(LogConfig),
+    /// Report a page of the log.
+    ReadLog {
+        /// The first word of the page.
+        from: u16,
+    },
+    /// Report what ended the last excitation.
+    ExcitationEnd,
 }

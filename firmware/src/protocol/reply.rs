@@ -6,8 +6,9 @@ use super::section::Section;
 use super::sequence::Sequence;
 use super::step_result::StepResult;
 use crate::SensorSample;
-use crate::controller::{self, Snapshot, Status};
+use crate::controller::{self, ExcitationEnd, Snapshot, Status};
 use crate::planner::MoveError;
+use crate::recorder::LogPage;
 use crate::storage::StorageError;
 use serde::{Deserialize, Serialize};
 
@@ -60,6 +61,11 @@ pub enum Reply {
     Stack(StackUse),
     /// To [`HostCommand::Sample`](super::HostCommand::Sample).
     Sample(SensorSample),
+    /// To [`HostCommand::ReadLog`](super::HostCommand::ReadLog).
+    Log(LogPage),
+    /// To [`HostCommand::ExcitationEnd`](super::HostCommand::ExcitationEnd): none while it lasts,
+    /// and before the first one.
+    ExcitationEnd(Option<ExcitationEnd>),
 }
 
 /// How much of the stack has been in use since the reset.
@@ -96,6 +102,8 @@ pub enum CommandError {
     Settings,
     /// The settings could not be stored.
     Storage(StorageError),
+    /// The log has no signals, or rows 0 ticks apart.
+    Log,
 }
 
 /// A sample of the status.
@@ -120,6 +128,7 @@ impl core::fmt::Display for CommandError {
             Self::NoSection => f.write_str("it has no such section of the settings"),
             Self::Settings => f.write_str("the settings are invalid as a whole"),
             Self::Storage(error) => write!(f, "the settings were not stored: {error}"),
+            Self::Log => f.write_str("a log needs a signal, and rows one tick apart or more"),
         }
     }
 }

@@ -49,6 +49,12 @@ pub enum State {
     /// Entry: from everywhere by a fault, with a snapshot of the tick that raised it.
     /// Exit: to Stopped by an explicit clear.
     Fault,
+    /// Putting a voltage or a current on one motor of an arm that is not homed.
+    ///
+    /// Entry: by request from Stopped.
+    /// Exit: to Stopped when its time, travel or current is reached and the arm has been slowed
+    /// down, or at once, bridges off, by a stop or disarm.
+    Exciting,
 }
 
 /// What can happen in a state. The conditions for arming and for clearing a fault are checked
@@ -76,17 +82,20 @@ pub enum Event {
     Fault,
     /// Leave the fault.
     Clear,
+    /// Put a voltage or a current on one motor.
+    Excite,
 }
 
 impl State {
     /// All states.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Stopped,
         Self::Homing,
         Self::Armed,
         Self::Running,
         Self::Stopping,
         Self::Fault,
+        Self::Exciting,
     ];
 
     /// The state after `event`; `None` if this state does not accept the event, and stays.
@@ -95,6 +104,7 @@ impl State {
         match (self, event) {
             (Self::Stopped, Event::Arm) => Some(Self::Armed),
             (Self::Stopped, Event::Home) => Some(Self::Homing),
+            (Self::Stopped, Event::Excite) => Some(Self::Exciting),
             (Self::Stopped, Event::Disarm | Event::Stop | Event::Clear) => Some(Self::Stopped),
             (Self::Stopped, Event::Homed | Event::Begin | Event::Finish | Event::Rest) => None,
 
@@ -106,7 +116,20 @@ impl State {
                 | Event::Begin
                 | Event::Finish
                 | Event::Rest
-                | Event::Clear,
+                | Event::Clear
+                | Event::Excite,
+            ) => None,
+
+            (Self::Exciting, Event::Finish | Event::Stop | Event::Disarm) => Some(Self::Stopped),
+            (
+                Self::Exciting,
+                Event::Arm
+                | Event::Home
+                | Event::Homed
+                | Event::Begin
+                | Event::Rest
+                | Event::Clear
+                | Event::Excite,
             ) => None,
 
             (Self::Armed, Event::Begin) => Some(Self::Running),
@@ -114,14 +137,22 @@ impl State {
             (Self::Armed, Event::Arm | Event::Stop) => Some(Self::Armed),
             (
                 Self::Armed,
-                Event::Home | Event::Homed | Event::Finish | Event::Rest | Event::Clear,
+                Event::Home
+                | Event::Homed
+                | Event::Finish
+                | Event::Rest
+                | Event::Clear
+                | Event::Excite,
             ) => None,
 
             (Self::Running, Event::Finish) => Some(Self::Armed),
             (Self::Running, Event::Stop) => Some(Self::Stopping),
             (Self::Running, Event::Disarm) => Some(Self::Stopped),
             (Self::Running, Event::Arm | Event::Begin) => Some(Self::Running),
-            (Self::Running, Event::Home | Event::Homed | Event::Rest | Event::Clear) => None,
+            (
+                Self::Running,
+                Event::Home | Event::Homed | Event::Rest | Event::Clear | Event::Excite,
+            ) => None,
 
             (Self::Stopping, Event::Rest) => Some(Self::Armed),
             (Self::Stopping, Event::Disarm) => Some(Self::Stopped),
@@ -133,7 +164,8 @@ impl State {
                 | Event::Homed
                 | Event::Begin
                 | Event::Finish
-                | Event::Clear,
+                | Event::Clear
+                | Event::Excite,
             ) => None,
 
             (Self::Fault, Event::Clear) => Some(Self::Stopped),
@@ -146,7 +178,8 @@ impl State {
                 | Event::Begin
                 | Event::Finish
                 | Event::Stop
-                | Event::Rest,
+                | Event::Rest
+                | Event::Excite,
             ) => None,
 
             (
@@ -155,7 +188,8 @@ impl State {
                 | Self::Armed
                 | Self::Running
                 | Self::Stopping
-                | Self::Fault,
+                | Self::Fault
+                | Self::Exciting,
                 Event::Fault,
             ) => Some(Self::Fault),
         }
@@ -164,11 +198,11 @@ impl State {
 
 #[cfg(test)]
 mod tests {
-    use super::Event::{Arm, Begin, Clear, Disarm, Finish, Home, Homed, Rest, Stop};
-    use super::State::{Armed, Fault, Homing, Running, Stopped, Stopping};
+    use super::Event::{Arm, Begin, Clear, Disarm, Excite, Finish, Home, Homed, Rest, Stop};
+    use super::State::{Armed, Exciting, Fault, Homing, Running, Stopped, Stopping};
     use super::{Event, State};
 
-    const EVENTS: [Event; 10] = [
+    const EVENTS: [Event; 11] = [
         Arm,
         Disarm,
         Home,
@@ -179,25 +213,28 @@ mod tests {
         Rest,
         Event::Fault,
         Clear,
+        Excite,
     ];
 
     /// Row by state, column by event; `None` if the event is not accepted.
-    const TABLE: [[Option<State>; 10]; 6] = {
+    const TABLE: [[Option<State>; 11]; 7] = {
         const S: Option<State> = Some(Stopped);
         const H: Option<State> = Some(Homing);
         const A: Option<State> = Some(Armed);
         const R: Option<State> = Some(Running);
         const P: Option<State> = Some(Stopping);
         const F: Option<State> = Some(Fault);
+        const X: Option<State> = Some(Exciting);
         const N: Option<State> = None;
         [
-            //  Arm Disarm Home Homed Begin Finish Stop Rest Fault Clear
-            [A, S, H, N, N, N, S, N, F, S], // Stopped
-            [N, S, N, S, N, N, S, N, F, N], // Homing
-            [A, S, N, N, R, N, A, N, F, N], // Armed
-            [R, S, N, N, R, A, P, N, F, N], // Running
-            [N, S, N, N, N, N, P, A, F, N], // Stopping
-            [N, N, N, N, N, N, N, N, F, S], // Fault
+            //  Arm Disarm Home Homed Begin Finish Stop Rest Fault Clear Excite
+            [A, S, H, N, N, N, S, N, F, S, X], // Stopped
+            [N, S, N, S, N, N, S, N, F, N, N], // Homing
+            [A, S, N, N, R, N, A, N, F, N, N], // Armed
+            [R, S, N, N, R, A, P, N, F, N, N], // Running
+            [N, S, N, N, N, N, P, A, F, N, N], // Stopping
+            [N, N, N, N, N, N, N, N, F, S, N], // Fault
+            [N, S, N, N, N, S, S, N, F, N, N], // Exciting
         ]
     };
 

@@ -13,6 +13,7 @@ use crate::protocol::{
     CommandError, ControllerMessage, Frame, HostCommand, HostMessage, Identity, Reply, Sequence,
     SequenceCheck, StackUse, StepResult, Telemetry, VERSION, encode,
 };
+use crate::recorder::Recorder;
 use crate::safety::State;
 use crate::settings::{BoardLimits, CheckedSettings};
 use crate::storage::StorageError;
@@ -47,6 +48,11 @@ pub trait Board {
 
     /// How much of the stack has been used; `None` where that is not measured.
     fn stack(&self) -> Option<StackUse> {
+        None
+    }
+
+    /// The log at the tick rate; `None` on a board without one.
+    fn recorder(&self) -> Option<&Recorder> {
         None
     }
 
@@ -221,6 +227,20 @@ impl Session {
                 .sample()
                 .map(Reply::Sample)
                 .ok_or(CommandError::Unsupported),
+            HostCommand::BeginLog(config) => match board.recorder() {
+                Some(log) => log
+                    .begin(&config)
+                    .map(|()| Reply::Done)
+                    .map_err(|_| CommandError::Log),
+                None => Err(CommandError::Unsupported),
+            },
+            HostCommand::ReadLog { from } => board
+                .recorder()
+                .map(|log| Reply::Log(log.page(from)))
+                .ok_or(CommandError::Unsupported),
+            HostCommand::ExcitationEnd => Ok(Reply::ExcitationEnd(
+                controller.lock(|controller| controller.excitation_end()),
+            )),
         };
         outcome.unwrap_or_else(Reply::Refused)
     }
@@ -230,7 +250,7 @@ impl Session {
         request: Request,
         controller: &mut impl Mutex<T = Controller>,
     ) -> Result<Reply, CommandError> {
-        let powers = matches!(request, Request::Arm | Request::Home);
+        let powers = matches!(request, Request::Arm | Request::Home | Request::Excite(_));
         if powers && !self.has_settings {
             return Err(CommandError::NoSettings);
         }

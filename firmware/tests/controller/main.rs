@@ -3,8 +3,10 @@
 #[path = "../shared/rig.rs"]
 mod rig;
 
+mod current_zeros;
 mod drives;
 mod either_joint;
+mod excitation;
 mod faults;
 mod holding;
 mod homing;

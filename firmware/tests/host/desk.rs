@@ -6,6 +6,7 @@ use fivebar_firmware::protocol::{Board as Kind, Reset};
 use fivebar_firmware::protocol::{
     ControllerMessage, Decoder, Frame, HostCommand, HostMessage, Identity, Reply, Sequence, VERSION,
 };
+use fivebar_firmware::recorder::Recorder;
 use fivebar_firmware::session::{Board, Session};
 use fivebar_firmware::settings::BoardLimits;
 use fivebar_firmware::storage::StorageError;
@@ -16,6 +17,7 @@ pub(crate) struct Memory {
     pub(crate) saved: Vec<Settings>,
     pub(crate) flash: Result<(), StorageError>,
     pub(crate) limits: Option<BoardLimits>,
+    pub(crate) recorder: Box<Recorder>,
 }
 
 impl Board for Memory {
@@ -34,7 +36,13 @@ impl Board for Memory {
         controller: &mut Controller,
         sample: &SensorSample,
     ) -> Option<(ActuatorCommand, u32)> {
-        Some((controller.tick(sample), 0))
+        let command = controller.tick(sample);
+        self.recorder.record(sample, &command, controller.ticks());
+        Some((command, 0))
+    }
+
+    fn recorder(&self) -> Option<&Recorder> {
+        Some(&self.recorder)
     }
 }
 
@@ -68,6 +76,7 @@ impl Desk {
                 saved: Vec::new(),
                 flash: Ok(()),
                 limits: None,
+                recorder: Box::default(),
             },
             bench: rig::Bench::new(&settings),
             last: Sequence(0xfffe),

@@ -3,7 +3,7 @@
 
 use crate::messages::move_kind;
 use crate::rig::{Bench, START, settings};
-use fivebar_firmware::controller::Request;
+use fivebar_firmware::controller::{Excitation, Excited, Request};
 use fivebar_firmware::safety::{Response, State};
 use fivebar_firmware::{ActuatorCommand, Controller, Move, MoveKind, Planner, SensorSample};
 use fivebar_testkit::Tally;
@@ -66,7 +66,23 @@ fn request() -> impl Strategy<Value = Request> {
         3 => Just(Request::Stop),
         1 => Just(Request::EmergencyStop),
         5 => Just(Request::ClearFault),
+        3 => excitation().prop_map(Request::Excite),
     ]
+}
+
+/// Excitations within their bounds.
+fn excitation() -> impl Strategy<Value = Excitation> {
+    let of = prop::sample::select(vec![Excited::Voltage, Excited::Current]);
+    (0..2_u8, of, -0.5..0.5_f32, 1..900_u32).prop_map(|(joint, of, offset, ticks)| Excitation {
+        joint,
+        of,
+        offset,
+        amplitude: 0.1,
+        hold: 3,
+        ticks,
+        current: 0.7,
+        travel: 0.3,
+    })
 }
 
 /// Moves with any numbers, and some that the arm can make from its start.
@@ -102,7 +118,7 @@ fn tick(controller: &mut Controller, sample: &SensorSample) -> ActuatorCommand {
     let command = controller.tick(sample);
     let powered = match controller.state() {
         State::Stopped => false,
-        State::Homing | State::Armed | State::Running | State::Stopping => true,
+        State::Homing | State::Exciting | State::Armed | State::Running | State::Stopping => true,
         State::Fault => controller.fault().unwrap().fault.response() == Response::ControlledStop,
     };
     for (duty, enable) in command.duty.into_iter().zip(command.enable) {

@@ -6,6 +6,7 @@ mod nor;
 mod rig;
 
 mod desk;
+mod log;
 mod messages;
 mod sections;
 

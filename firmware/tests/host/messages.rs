@@ -1,12 +1,15 @@
 //! Random messages of every kind, for property tests.
 
 use crate::sections::{section, section_key};
-use fivebar_firmware::controller::{self, JointReference, Snapshot};
+use fivebar_firmware::controller::{
+    self, Excitation, ExcitationEnd, Excited, JointReference, Snapshot,
+};
 use fivebar_firmware::planner::{MoveError, MoveErrorKind};
 use fivebar_firmware::protocol::{
     Board, CommandError, ControllerMessage, HostCommand, HostMessage, Identity, Reply, Reset,
     Sequence, StackUse, StepResult, Telemetry, VERSION,
 };
+use fivebar_firmware::recorder::{LogConfig, LogPage, LogState};
 use fivebar_firmware::safety::{Fault, Limits, State};
 use fivebar_firmware::storage::StorageError;
 use fivebar_firmware::{ActuatorCommand, Move, MoveKind, Request, SensorSample, Status};
@@ -88,6 +91,7 @@ pub(crate) fn host_message() -> impl Strategy<Value = HostMessage> {
             HostCommand::SaveSettings,
             HostCommand::Stack,
             HostCommand::Sample,
+            HostCommand::ExcitationEnd,
         ]),
         request().prop_map(HostCommand::Request),
         a_move().prop_map(HostCommand::Move),
@@ -95,6 +99,14 @@ pub(crate) fn host_message() -> impl Strategy<Value = HostMessage> {
         section().prop_map(HostCommand::SetSection),
         any::<u16>().prop_map(|every| HostCommand::Telemetry { every }),
         sensor_sample().prop_map(HostCommand::Tick),
+        any::<(u8, u16, bool)>().prop_map(|(signals, every, powered)| {
+            HostCommand::BeginLog(LogConfig {
+                signals,
+                every,
+                powered,
+            })
+        }),
+        any::<u16>().prop_map(|from| HostCommand::ReadLog { from }),
     ];
     (any::<u16>(), command).prop_map(|(sequence, command)| HostMessage {
         sequence: Sequence(sequence),
@@ -113,7 +125,49 @@ fn request() -> impl Strategy<Value = Request> {
             Request::ClearFault,
         ]),
         pair().prop_map(Request::SetAngles),
+        excitation().prop_map(Request::Excite),
     ]
+}
+
+fn excitation() -> impl Strategy<Value = Excitation> {
+    let of = prop::sample::select(vec![Excited::Voltage, Excited::Current]);
+    (any::<u8>(), of, pair(), any::<(u16, u32)>(), pair()).prop_map(
+        |(joint, of, [offset, amplitude], (hold, ticks), [current, travel])| Excitation {
+            joint,
+            of,
+            offset,
+            amplitude,
+            hold,
+            ticks,
+            current,
+            travel,
+        },
+    )
+}
+
+fn log_page() -> impl Strategy<Value = LogPage> {
+    let state = prop::sample::select(vec![
+        LogState::Empty,
+        LogState::Waiting,
+        LogState::Recording,
+        LogState::Full,
+    ]);
+    (state, any::<(u16, u32)>(), any::<[[u16; 32]; 2]>()).prop_map(
+        |(state, (words, first_tick), page)| LogPage {
+            state,
+            words,
+            first_tick,
+            page,
+        },
+    )
+}
+
+fn excitation_end() -> impl Strategy<Value = ExcitationEnd> {
+    prop::sample::select(vec![
+        ExcitationEnd::Time,
+        ExcitationEnd::Travel,
+        ExcitationEnd::Current,
+    ])
 }
 
 fn state() -> impl Strategy<Value = State> {
@@ -243,6 +297,8 @@ fn command_error() -> impl Strategy<Value = CommandError> {
             CommandError::Settings,
             CommandError::Storage(StorageError::Blank),
             CommandError::Storage(StorageError::Range),
+            CommandError::Log,
+            CommandError::Request(controller::RequestError::Excitation),
         ]),
     ]
 }
@@ -278,6 +334,8 @@ pub(crate) fn controller_message() -> impl Strategy<Value = ControllerMessage> {
         step_result().prop_map(Reply::StepResult),
         any::<[u32; 2]>().prop_map(|[most, size]| Reply::Stack(StackUse { most, size })),
         sensor_sample().prop_map(Reply::Sample),
+        log_page().prop_map(Reply::Log),
+        prop::option::of(excitation_end()).prop_map(Reply::ExcitationEnd),
     ];
     prop_oneof![
         (any::<u16>(), reply).prop_map(|(sequence, reply)| ControllerMessage::Reply {

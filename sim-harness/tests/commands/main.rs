@@ -6,6 +6,7 @@ mod by_cause;
 mod calibrate;
 mod clearance;
 mod closed_output;
+mod commission;
 mod demonstration;
 #[cfg(unix)]
 mod doctor;

@@ -63,7 +63,7 @@ impl<T: Target> Target for Watched<T> {
     fn request(&mut self, request: Request) -> Result<(), TargetError> {
         self.inner.request(request)?;
         match request {
-            Request::Arm | Request::Home => self.rules.permitted = true,
+            Request::Arm | Request::Home | Request::Excite(_) => self.rules.permitted = true,
             Request::Disarm | Request::EmergencyStop => self.rules.permitted = false,
             Request::ClearFault => self.rules.cleared = true,
             Request::Stop | Request::SetAngles(_) => {}

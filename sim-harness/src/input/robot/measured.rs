@@ -91,7 +91,7 @@ pub fn measured_text(file: &str, text: &str, values: &[Measured]) -> Result<Stri
 }
 
 /// The date of today (UTC), as 2026-11-22.
-fn today() -> String {
+pub fn today() -> String {
     let seconds = SystemTime::now().duration_since(UNIX_EPOCH);
     date(seconds.map_or(0, |time| time.as_secs() / 86_400))
 }

@@ -23,7 +23,7 @@ pub(crate) use consistency::robot_file_message;
 pub use draft::{Draft, DraftError, Motor};
 pub use file::{Actuator, Control, Crossing, Limits, Protection, Supply, Tool, ToolLimits};
 pub use home::HomeError;
-pub use measured::{Measured, MeasuredKey, measured_text};
+pub use measured::{Measured, MeasuredKey, measured_text, today};
 pub use slider::{Mechanism, SliderRobot};
 pub use workspace::WorkspaceError;
 

@@ -6,7 +6,7 @@ use crate::input::job::{self, JobOptions};
 use crate::input::robot::{BuiltIn, Robot};
 use crate::input::source::{FileError, Key, Source};
 use crate::input::text_file;
-use fivebar_plant::{Mismatch, PlantFault};
+use fivebar_plant::{Mismatch, PlantFault, Wiring};
 use serde::Deserialize;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -37,6 +37,9 @@ struct ScenarioFile {
     /// How the arm differs from the controller's model.
     #[serde(default)]
     mismatch: Mismatch,
+    /// Mistakes in the wiring.
+    #[serde(default)]
+    wiring: Wiring,
     /// The faults to inject.
     #[serde(default)]
     fault: Vec<FaultEntry>,
@@ -108,6 +111,7 @@ impl Scenario {
             options: JobOptions::default(),
             seed: file.seed,
             mismatch: file.mismatch,
+            wiring: file.wiring,
             clearance: None,
             initial_faults,
             faults,
@@ -134,6 +138,11 @@ fn check(source: &Source<'_>, file: &ScenarioFile) -> Result<(), FileError> {
     {
         let reason = format!("must be finite, not [{x:?}, {y:?}]");
         return Err(source.refuse(Key::Top("origin"), reason));
+    }
+    let [counts1, counts4] = file.wiring.counts;
+    if !(counts1 > -1.0 && counts4 > -1.0 && (counts1 + counts4).is_finite()) {
+        let reason = "must be above -1, and finite";
+        return Err(source.refuse(Key::In("wiring", "counts"), reason));
     }
     file.mismatch
         .check()

@@ -7,7 +7,7 @@ mod placement;
 use crate::input::job::{Action, Job, JobError, JobOptions, Placement, Warning, WarningKind};
 use crate::input::robot::{HomeError, Robot};
 use crate::input::source::FileError;
-use fivebar_plant::{FaultKind, Mismatch, PlantFault};
+use fivebar_plant::{FaultKind, Mismatch, PlantFault, Wiring};
 
 pub use placement::{FitError, place_in_job};
 
@@ -41,6 +41,8 @@ pub struct Scenario {
     pub seed: u64,
     /// How the arm differs from the controller's model.
     pub mismatch: Mismatch,
+    /// Mistakes in the wiring.
+    pub wiring: Wiring,
     /// Radial clearance of the joints A to E [m], 0 for a joint that is not worn. The run then
     /// records forces and contacts of all joints. None: ideal joints, nothing recorded.
     pub clearance: Option<[f64; 5]>,
@@ -105,6 +107,7 @@ impl Scenario {
             options: JobOptions::default(),
             seed: 1,
             mismatch: Mismatch::default(),
+            wiring: Wiring::default(),
             clearance: None,
             initial_faults: Vec::new(),
             faults: Vec::new(),

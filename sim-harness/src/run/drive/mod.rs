@@ -193,7 +193,9 @@ impl<'a, L: Read + Write> Drive<'a, L> {
         for _ in 0..LONGEST_STOP {
             let (status, _) = self.client.status()?;
             match status.state {
-                State::Running | State::Stopping | State::Homing => self.client.poll()?,
+                State::Running | State::Stopping | State::Homing | State::Exciting => {
+                    self.client.poll()?;
+                }
                 State::Stopped | State::Armed | State::Fault => break,
             }
         }
@@ -216,6 +218,7 @@ impl<'a, L: Read + Write> Drive<'a, L> {
             Request::Stop => "stop",
             Request::EmergencyStop => "stop at once",
             Request::ClearFault => "clear the fault",
+            Request::Excite(_) => "put a voltage or a current on a motor",
         };
         self.command(what, HostCommand::Request(request))
     }

@@ -1,6 +1,7 @@
 //! A controller in this process behind a stream of bytes, like a board on a serial line.
 
 use fivebar_firmware::protocol::{Board as Kind, Decoder, HostMessage, Identity, Reset};
+use fivebar_firmware::recorder::Recorder;
 use fivebar_firmware::session::{Board, Session, fault_at_start};
 use fivebar_firmware::settings::SettingsError;
 use fivebar_firmware::storage::StorageError;
@@ -34,6 +35,8 @@ struct Desktop {
     plant: Option<(Plant, ActuatorCommand)>,
     /// The sample of the last tick.
     sample: SensorSample,
+    /// The log at the tick rate.
+    recorder: Box<Recorder>,
 }
 
 impl Board for Desktop {
@@ -49,8 +52,16 @@ impl Board for Desktop {
     ) -> Option<(ActuatorCommand, u32)> {
         match self.plant {
             Some(_) => None,
-            None => Some((controller.tick(sample), 0)),
+            None => {
+                let command = controller.tick(sample);
+                self.recorder.record(sample, &command, controller.ticks());
+                Some((command, 0))
+            }
         }
+    }
+
+    fn recorder(&self) -> Option<&Recorder> {
+        Some(&self.recorder)
     }
 
     fn sample(&self) -> Option<SensorSample> {
@@ -89,6 +100,7 @@ impl Loopback {
                 saved: None,
                 plant,
                 sample: SensorSample::default(),
+                recorder: Box::default(),
             },
             decoder: Decoder::new(),
             out: VecDeque::new(),
@@ -127,6 +139,8 @@ impl Loopback {
             self.planner.run(&mut self.controller);
             self.board.sample = plant(command);
             *command = self.controller.tick(&self.board.sample);
+            let (log, sample) = (&self.board.recorder, &self.board.sample);
+            log.record(sample, command, self.controller.ticks());
         }
         self.send_telemetry();
     }

@@ -129,6 +129,7 @@ impl Scenario {
             }
             plant = plant.worn(WornJoints::new(&self.robot.contact, clearance)?);
         }
+        plant.rewire(&self.wiring);
         for &fault in &self.initial_faults {
             plant.inject(fault);
         }

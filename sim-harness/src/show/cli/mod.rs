@@ -7,6 +7,7 @@ mod accuracy;
 mod bridge;
 mod calibrate;
 mod clearance;
+mod commission;
 mod completions;
 mod demo;
 mod doctor;
@@ -67,6 +68,7 @@ enum Command {
     Calibrate(calibrate::Args),
     Clearance(clearance::Args),
     Clear(settings::ClearArgs),
+    Commission(commission::Args),
     Completions(completions::Args),
     Doctor(doctor::Args),
     Drive(drive::Args),
@@ -106,6 +108,7 @@ pub fn main() -> ExitCode {
             Command::Calibrate(args) => calibrate::run(&args),
             Command::Clearance(args) => clearance::run(&args),
             Command::Clear(args) => settings::clear(&args),
+            Command::Commission(args) => commission::run(&args),
             Command::Completions(args) => completions::run(&args),
             Command::Doctor(args) => doctor::run(&args),
             Command::Drive(args) => drive::run(&args),

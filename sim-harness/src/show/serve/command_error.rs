@@ -39,6 +39,7 @@ fn while_in(state: State) -> &'static str {
     match state {
         State::Stopped => "while the arm is stopped: home it, then arm it",
         State::Homing => "while the arm is homing: wait, or stop it",
+        State::Exciting => "while a motor is being measured: wait, or stop it",
         State::Armed => "while the arm is armed: disarm it first",
         State::Running => "while the arm is moving: stop it first",
         State::Stopping => "while the arm is stopping: wait until it rests",

@@ -1,0 +1,274 @@
+//! Excitation: a voltage or a current on one motor of an arm that is not homed, without feedback of
+//! its position, to measure motor and wiring before anything is known of them.
+//!
+//! The other motor's terminals are shorted by its bridge, which slows its joint down. Three limits
+//! are checked in each tick: the measured current, the time, and the travel of either joint. At the
+//! first one that is reached the excitation ends: both motors are shorted until the joints rest,
+//! because that brakes whatever the signs of wiring and sensors are, and then the bridges go off.
+//! Faults are detected as ever, and a silent host is one.
+
+use super::homing_state::limited;
+use super::model::DUTY_LIMIT;
+use super::tick::{Bridges, Measurement};
+use super::{Controller, RequestError};
+use crate::io::{ActuatorCommand, SensorSample};
+use crate::safety::{Event, Fault};
+use crate::settings::Settings;
+use fivebar_kinematics::Scalar;
+use fivebar_kinematics::control::Bus;
+use serde::{Deserialize, Serialize};
+
+/// The longest excitation [s].
+pub const LONGEST_EXCITATION: f32 = 2.0;
+/// The farthest travel of a joint during an excitation [rad].
+pub const FARTHEST_EXCITATION: f32 = 2.0;
+/// Joint speed below which the shorted motors have brought an arm to rest [rad/s].
+const REST_SPEED: f32 = 0.05;
+/// The longest braking [s]: gravity may move an arm on shorted motors for ever.
+const LONGEST_BRAKING: f32 = 0.5;
+/// The shortest braking, in which the currents vanish [s].
+const SHORTEST_BRAKING: f32 = 0.005;
+
+/// What an excitation sets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Excited {
+    /// The motor's voltage; values in V.
+    Voltage,
+    /// The motor's current, by the current loop; values in A.
+    Current,
+}
+
+/// An excitation: `offset` ± `amplitude`, the sign by a pseudo-random binary sequence.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Excitation {
+    /// The bridge: 0 is joint 1's, 1 is joint 4's.
+    pub joint: u8,
+    /// What is set.
+    pub of: Excited,
+    /// The mean [V or A].
+    pub offset: f32,
+    /// The amplitude of the sequence around it [V or A]; 0 for a constant value.
+    pub amplitude: f32,
+    /// Ticks for which each value of the sequence lasts, from 1.
+    pub hold: u16,
+    /// Duration [ticks], at most [`LONGEST_EXCITATION`].
+    pub ticks: u32,
+    /// Measured current of either motor at which it ends [A]; at most the motor's continuous
+    /// current. Voltages are at most twice what drives it through the winding at rest.
+    pub current: f32,
+    /// Travel of either joint at which it ends [rad]; at most [`FARTHEST_EXCITATION`].
+    pub travel: f32,
+}
+
+/// What ended an excitation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum ExcitationEnd {
+    /// Its duration was over.
+    Time,
+    /// A joint reached the travel.
+    Travel,
+    /// A motor reached the current.
+    Current,
+}
+
+/// The excitation in progress.
+pub(super) struct ExcitationState {
+    excitation: Excitation,
+    /// Angles at its beginning [rad].
+    start: [f32; 2],
+    /// Ticks since its beginning, or since the beginning of the braking.
+    ticks: u32,
+    /// State of the sequence's shift register, never 0.
+    register: u16,
+    /// What ended it; none while it lasts, and before the first one.
+    end: Option<ExcitationEnd>,
+    /// Braking lasts between so many ticks.
+    braking: [u32; 2],
+}
+
+impl Excitation {
+    /// Whether every value is within its bounds for an arm of these settings.
+    fn is_bounded(&self, settings: &Settings) -> bool {
+        let Some(axis) = settings.axes.get(usize::from(self.joint)) else {
+            return false;
+        };
+        let most = match self.of {
+            Excited::Voltage => 2.0 * axis.resistance * self.current,
+            Excited::Current => self.current,
+        };
+        let size = Scalar::abs(self.offset) + Scalar::abs(self.amplitude);
+        // A comparison with NaN is false.
+        let small = size <= most && self.current > 0.0 && self.current <= axis.continuous_current;
+        let near = self.travel > 0.0 && self.travel <= FARTHEST_EXCITATION;
+        let short = (self.ticks as f32) <= LONGEST_EXCITATION * settings.control.tick_rate;
+        small && near && short && self.ticks > 0 && self.hold > 0
+    }
+}
+
+impl ExcitationState {
+    /// No excitation.
+    pub(super) fn none(tick_rate: f32) -> Self {
+        Self {
+            excitation: Excitation {
+                joint: 0,
+                of: Excited::Voltage,
+                offset: 0.0,
+                amplitude: 0.0,
+                hold: 1,
+                ticks: 0,
+                current: 0.0,
+                travel: 0.0,
+            },
+            start: [0.0; 2],
+            ticks: 0,
+            register: 1,
+            end: None,
+            braking: [SHORTEST_BRAKING, LONGEST_BRAKING].map(|time| (time * tick_rate) as u32),
+        }
+    }
+
+    fn begin(&mut self, excitation: &Excitation) {
+        self.excitation = *excitation;
+        self.ticks = 0;
+        self.register = 1;
+        self.end = None;
+    }
+
+    /// The limit that this tick has reached.
+    fn reached(&self, angle: [f32; 2], current: [f32; 2]) -> Option<ExcitationEnd> {
+        let Excitation { travel, ticks, .. } = self.excitation;
+        let ([angle1, angle4], [start1, start4]) = (angle, self.start);
+        let [current1, current4] = current;
+        let most = self.excitation.current;
+        if Scalar::abs(current1) > most || Scalar::abs(current4) > most {
+            return Some(ExcitationEnd::Current);
+        }
+        if Scalar::abs(angle1 - start1) > travel || Scalar::abs(angle4 - start4) > travel {
+            return Some(ExcitationEnd::Travel);
+        }
+        (self.ticks >= ticks).then_some(ExcitationEnd::Time)
+    }
+
+    /// The next value [V or A]. The sequence is that of a 16-bit shift register of maximum length.
+    fn value(&mut self) -> f32 {
+        let Excitation {
+            offset,
+            amplitude,
+            hold,
+            ..
+        } = self.excitation;
+        if self.ticks.checked_rem(u32::from(hold)) == Some(0) {
+            let out = self.register & 1;
+            self.register = (self.register >> 1) ^ (0xb400 * out);
+        }
+        if self.register & 1 == 1 {
+            offset + amplitude
+        } else {
+            offset - amplitude
+        }
+    }
+}
+
+impl Controller {
+    /// Sets an excitation up, if the arm may have one.
+    pub(super) fn prepare_excitation(
+        &mut self,
+        excitation: &Excitation,
+    ) -> Result<(), RequestError> {
+        if self.homed {
+            return Err(RequestError::Homed);
+        }
+        if !excitation.is_bounded(&self.settings) {
+            return Err(RequestError::Excitation);
+        }
+        self.excitation.begin(excitation);
+        Ok(())
+    }
+
+    /// What ended the last excitation; none while it lasts, and before the first one.
+    pub fn excitation_end(&self) -> Option<ExcitationEnd> {
+        self.excitation.end
+    }
+
+    /// One tick of an excitation.
+    pub(super) fn excite(&mut self, sample: &SensorSample, measurement: &Measurement) -> Bridges {
+        let silent = self.host_timed_out().then_some(Fault::CommandTimeout);
+        if let Some(fault) = self.sampled_fault(sample, measurement).or(silent) {
+            self.power_off(fault);
+            return Bridges::Off;
+        }
+        let angles = self.angles();
+        let excitation = &mut self.excitation;
+        if excitation.ticks == 0 && excitation.end.is_none() {
+            excitation.start = angles;
+        }
+        if excitation.end.is_none()
+            && let Some(end) = excitation.reached(angles, measurement.current)
+        {
+            excitation.end = Some(end);
+            excitation.ticks = 0;
+        }
+        if excitation.end.is_some() {
+            return self.brake_excited(measurement);
+        }
+        let value = excitation.value();
+        excitation.ticks += 1;
+        self.drive_excited(value)
+    }
+
+    /// The voltage or the current on one motor; the other one is shorted.
+    fn drive_excited(&mut self, value: f32) -> Bridges {
+        let Excitation { joint, of, .. } = self.excitation.excitation;
+        let index = usize::from(joint);
+        let (Some(joint), Some(model)) = (self.joints.get_mut(index), self.model.axes.get(index))
+        else {
+            return Bridges::Off;
+        };
+        match of {
+            Excited::Voltage => joint.duty = limited(value / self.bus_voltage, DUTY_LIMIT),
+            Excited::Current => {
+                let bus = Bus::new(self.bus_voltage, DUTY_LIMIT);
+                joint.drive(model, model.torque(value), &bus);
+            }
+        }
+        if joint.duty.is_finite() {
+            return Bridges::Excited;
+        }
+        self.power_off(Fault::NotANumber);
+        Bridges::Off
+    }
+
+    /// Both motors shorted, until the joints rest.
+    fn brake_excited(&mut self, measurement: &Measurement) -> Bridges {
+        for joint in &mut self.joints {
+            joint.release();
+        }
+        let excitation = &mut self.excitation;
+        excitation.ticks += 1;
+        let [least, most] = excitation.braking;
+        let [omega1, omega4] = measurement.velocity;
+        let rests = Scalar::abs(omega1) < REST_SPEED && Scalar::abs(omega4) < REST_SPEED;
+        if excitation.ticks < most && !(rests && excitation.ticks >= least) {
+            return Bridges::Excited;
+        }
+        // Exciting accepts this event.
+        let _ = self.dispatch(Event::Finish);
+        self.unpowered();
+        Bridges::Off
+    }
+
+    /// Both bridges on with the joints' duties; brake off.
+    #[inline(always)]
+    pub(super) fn excited(&self) -> ActuatorCommand {
+        let [joint1, joint4] = &self.joints;
+        ActuatorCommand {
+            duty: [joint1.duty, joint4.duty],
+            enable: [true; 2],
+            brake: false,
+            ..self.off()
+        }
+    }
+}

@@ -1,0 +1,241 @@
+//! A log of chosen signals at the tick rate, in memory, which the host fetches afterwards.
+//!
+//! The tick's interrupt records a row, and the session below it begins the log and reads it. All
+//! fields are atomic, so neither waits for the other: while the log is set up, it is idle.
+
+use crate::io::{ActuatorCommand, SensorSample};
+use core::sync::atomic::{AtomicU8, AtomicU16, AtomicU32, Ordering};
+use serde::{Deserialize, Serialize};
+
+/// Room of the log [words of 16 bits]: 0.3 s of four signals at 10 kHz.
+pub const LOG_WORDS: usize = 12_288;
+/// Words of a page, in rows of [`PAGE_ROW`].
+pub const PAGE_WORDS: usize = 2 * PAGE_ROW;
+/// The longest array that serde reads.
+const PAGE_ROW: usize = 32;
+
+bitflags::bitflags! {
+    /// The signals of a log, one bit each. A row holds one word for each, in this order.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub struct Signals: u8 {
+        /// The lower 16 bits of joint 1's counts.
+        const COUNTS_1 = 1;
+        /// The same of joint 4.
+        const COUNTS_4 = 2;
+        /// The current of joint 1 [ADC codes].
+        const CURRENT_1 = 4;
+        /// The same of joint 4.
+        const CURRENT_4 = 8;
+        /// The duty of joint 1 times 32767, as a signed number. It was computed from this row's
+        /// sample and acts from the next tick on.
+        const DUTY_1 = 16;
+        /// The same of joint 4.
+        const DUTY_4 = 32;
+        /// The bus voltage [ADC codes].
+        const BUS_VOLTAGE = 64;
+        /// Bits from the lowest: home switches of joints 1 and 4, emergency stop, fault outputs of
+        /// bridges 1 and 4, enables of bridges 1 and 4, brake; above them the missed ticks, 255 at
+        /// most.
+        const INPUTS = 128;
+    }
+}
+
+/// What is recorded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LogConfig {
+    /// The bits of [`Signals`].
+    pub signals: u8,
+    /// Ticks from one row to the next, from 1.
+    pub every: u16,
+    /// Wait for a tick in which a bridge is on.
+    pub powered: bool,
+}
+
+/// What the log does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum LogState {
+    /// Nothing was recorded since the reset.
+    Empty,
+    /// It waits for power.
+    Waiting,
+    /// It records.
+    Recording,
+    /// It is full.
+    Full,
+}
+
+/// A part of the log.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LogPage {
+    /// What the log does.
+    pub state: LogState,
+    /// Its words so far.
+    pub words: u16,
+    /// The tick of its first row.
+    pub first_tick: u32,
+    /// The words from the one asked for; zeros behind the last one.
+    pub page: [[u16; PAGE_ROW]; 2],
+}
+
+/// The values are refused: no signals, or no ticks between rows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct InvalidLog;
+
+/// The log.
+pub struct Recorder {
+    state: AtomicU8,
+    signals: AtomicU8,
+    /// Words of a row.
+    row: AtomicU8,
+    every: AtomicU16,
+    /// Ticks until the next row.
+    wait: AtomicU16,
+    words: AtomicU16,
+    first_tick: AtomicU32,
+    store: [AtomicU16; LOG_WORDS],
+}
+
+const EMPTY: u8 = 0;
+const WAITING: u8 = 1;
+const RECORDING: u8 = 2;
+const FULL: u8 = 3;
+
+impl Default for Recorder {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Recorder {
+    /// An empty log.
+    pub const fn new() -> Self {
+        Self {
+            state: AtomicU8::new(EMPTY),
+            signals: AtomicU8::new(0),
+            row: AtomicU8::new(0),
+            every: AtomicU16::new(1),
+            wait: AtomicU16::new(0),
+            words: AtomicU16::new(0),
+            first_tick: AtomicU32::new(0),
+            store: [const { AtomicU16::new(0) }; LOG_WORDS],
+        }
+    }
+
+    /// Drops what was recorded and begins a log.
+    ///
+    /// # Errors
+    /// No signals, or rows 0 ticks apart; the log stays as it is.
+    pub fn begin(&self, config: &LogConfig) -> Result<(), InvalidLog> {
+        if config.signals == 0 || config.every == 0 {
+            return Err(InvalidLog);
+        }
+        // The tick's interrupt leaves an empty log alone.
+        self.state.store(EMPTY, Ordering::SeqCst);
+        self.signals.store(config.signals, Ordering::SeqCst);
+        let row = config.signals.count_ones() as u8;
+        self.row.store(row, Ordering::SeqCst);
+        self.every.store(config.every, Ordering::SeqCst);
+        self.wait.store(0, Ordering::SeqCst);
+        self.words.store(0, Ordering::SeqCst);
+        let state = if config.powered { WAITING } else { RECORDING };
+        self.state.store(state, Ordering::SeqCst);
+        Ok(())
+    }
+
+    /// Records a tick, if a row is due. Its number counts from the reset.
+    #[inline(always)]
+    pub fn record(&self, sample: &SensorSample, command: &ActuatorCommand, tick: u32) {
+        let state = self.state.load(Ordering::Relaxed);
+        if state == EMPTY || state == FULL {
+            return;
+        }
+        let [enable1, enable4] = command.enable;
+        if state == WAITING {
+            if !(enable1 || enable4) {
+                return;
+            }
+            self.state.store(RECORDING, Ordering::Relaxed);
+        }
+        let wait = self.wait.load(Ordering::Relaxed);
+        if wait > 0 {
+            self.wait.store(wait - 1, Ordering::Relaxed);
+            return;
+        }
+        let every = self.every.load(Ordering::Relaxed);
+        self.wait.store(every.saturating_sub(1), Ordering::Relaxed);
+        let start = self.words.load(Ordering::Relaxed);
+        let row = u16::from(self.row.load(Ordering::Relaxed));
+        if usize::from(start) + usize::from(row) > LOG_WORDS {
+            self.state.store(FULL, Ordering::Relaxed);
+            return;
+        }
+        if start == 0 {
+            self.first_tick.store(tick, Ordering::Relaxed);
+        }
+        let signals = self.signals.load(Ordering::Relaxed);
+        let mut place = usize::from(start);
+        let mut put = |signal: Signals, value: u16| {
+            if signals & signal.bits() == 0 {
+                return;
+            }
+            if let Some(word) = self.store.get(place) {
+                word.store(value, Ordering::Relaxed);
+            }
+            place += 1;
+        };
+        let ([counts1, counts4], [current1, current4]) = (sample.counts, sample.current);
+        let [duty1, duty4] = command.duty;
+        let scaled = |duty: f32| (duty * 32_767.0) as i16 as u16;
+        put(Signals::COUNTS_1, counts1 as u16);
+        put(Signals::COUNTS_4, counts4 as u16);
+        put(Signals::CURRENT_1, current1);
+        put(Signals::CURRENT_4, current4);
+        put(Signals::DUTY_1, scaled(duty1));
+        put(Signals::DUTY_4, scaled(duty4));
+        put(Signals::BUS_VOLTAGE, sample.bus_voltage);
+        put(Signals::INPUTS, inputs(sample, command));
+        self.words.store(start + row, Ordering::Relaxed);
+    }
+
+    /// The words from `from` on.
+    pub fn page(&self, from: u16) -> LogPage {
+        let words = self.words.load(Ordering::Relaxed);
+        let mut page = [[0; PAGE_ROW]; 2];
+        let recorded = self.store.get(usize::from(from)..usize::from(words));
+        for (slot, word) in page
+            .iter_mut()
+            .flatten()
+            .zip(recorded.into_iter().flatten())
+        {
+            *slot = word.load(Ordering::Relaxed);
+        }
+        LogPage {
+            state: match self.state.load(Ordering::Relaxed) {
+                WAITING => LogState::Waiting,
+                RECORDING => LogState::Recording,
+                FULL => LogState::Full,
+                _ => LogState::Empty,
+            },
+            words,
+            first_tick: self.first_tick.load(Ordering::Relaxed),
+            page,
+        }
+    }
+}
+
+/// The word of [`Signals::INPUTS`].
+#[inline(always)]
+fn inputs(sample: &SensorSample, command: &ActuatorCommand) -> u16 {
+    let ([home1, home4], [driver1, driver4]) = (sample.home, sample.driver_fault);
+    let [enable1, enable4] = command.enable;
+    let missed = sample.missed_ticks.min(255) as u16;
+    u16::from(home1)
+        | u16::from(home4) << 1
+        | u16::from(sample.emergency_stop) << 2
+        | u16::from(driver1) << 3
+        | u16::from(driver4) << 4
+        | u16::from(enable1) << 5
+        | u16::from(enable4) << 6
+        | u16::from(command.brake) << 7
+        | missed << 8
+}

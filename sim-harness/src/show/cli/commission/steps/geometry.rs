@@ -1,0 +1,109 @@
+//! The step that finds lengths and joint offsets from touched holes.
+
+use super::super::bench::Bench;
+use super::super::finding::StepError;
+use super::super::operator::{Operator, Task};
+use super::super::record::Value;
+use super::Outcome;
+use crate::input::measurements::read_columns;
+use crate::study::calibration::{calibrate_robot, measured, propose_poses};
+use fivebar_design::Noise;
+use std::f64::consts::TAU;
+
+/// Holes that are touched.
+const HOLES: usize = 24;
+/// Standard deviation of a hole's x and of its y [m].
+const SIGMA: f64 = 20e-6;
+
+pub(in super::super) fn geometry(bench: &mut Bench) -> Result<Outcome, StepError> {
+    let rows = match bench.points.clone() {
+        Some(points) => {
+            read_columns(&points, ["counts1", "counts4", "x", "y"]).map_err(StepError::other)?
+        }
+        None => touched(bench)?,
+    };
+    let study = calibrate_robot(&bench.robot, &rows, SIGMA, true).map_err(|error| {
+        StepError::wrong(
+            format_args!("the holes do not determine the arm: {error}"),
+            "check the plate's table, counts and gear ratios, and touch the holes again",
+        )
+    })?;
+    let p = &study.calibration.parameters;
+    let sd = |index: usize| study.calibration.covariance[(index, index)].sqrt();
+    let names = [
+        "l1_m",
+        "l2_m",
+        "l3_m",
+        "l4_m",
+        "base_m",
+        "offset1_rad",
+        "offset4_rad",
+    ];
+    let found = p.lengths.iter().chain(&p.offsets);
+    let mut values: Vec<Value> = (names.iter().zip(found).enumerate())
+        .map(|(index, (name, value))| {
+            Value::new(*name, *value, "by touched holes").with_sd(sd(index))
+        })
+        .collect();
+    for (index, name) in ["plate_x_m", "plate_y_m", "plate_phi_rad"]
+        .into_iter()
+        .enumerate()
+    {
+        let placed = [p.origin[0], p.origin[1], p.turn][index];
+        values.push(
+            Value::new(name, placed, "of the plate, by touched holes").with_sd(sd(7 + index)),
+        );
+    }
+    let mut text = format!("lengths and offsets from {} holes", rows.len());
+    if let Some(expected) = &study.tip_error {
+        values.push(Value::new(
+            "tip_error_expected_m",
+            expected.rms,
+            "over the workspace",
+        ));
+        text += &format!(", a tip error of {:.1} µm expected", 1e6 * expected.rms);
+    }
+    Ok(Outcome {
+        found: text,
+        values,
+        measured: measured(&bench.robot, &study),
+    })
+}
+
+/// Counts of both joints and the place of each hole.
+fn touched(bench: &mut Bench) -> Result<Vec<[f64; 4]>, StepError> {
+    let proposal = propose_poses(&bench.robot, HOLES, SIGMA).map_err(StepError::other)?;
+    bench.home()?;
+    bench.tell("The holes of the plate, in the arm's own frame: fivebar calibrate --propose 24 --plate FILE.svg")?;
+    let simulated = matches!(bench.operator, Operator::Simulated(_));
+    let mut noise = Noise::new(7);
+    let mut rows = Vec::new();
+    let mut first = None;
+    for (index, place) in proposal.proposal.places.iter().enumerate() {
+        let stated = [place.x, place.y];
+        // A simulated plate has its holes where a drill has put them.
+        let true_place = match simulated {
+            true => stated.map(|x| x + SIGMA * noise.normal()),
+            false => stated,
+        };
+        bench.ask(Task::Hole(index, true_place))?;
+        let counts = bench.sample()?.counts;
+        // The angle of the first hole as the controller knows it; the others follow by counts.
+        let (start, angle) = match first {
+            Some(first) => first,
+            None => {
+                let angle = bench.client.status()?.0.angle;
+                *first.insert((counts, angle))
+            }
+        };
+        let mut row = [0.0, 0.0, stated[0], stated[1]];
+        for joint in [0, 1] {
+            let per_radian = bench.counts_per_turn(joint)? / TAU;
+            let turned = f64::from(counts[joint].wrapping_sub(start[joint]));
+            row[joint] = f64::from(angle[joint]) * per_radian - 0.5 + turned;
+        }
+        rows.push(row);
+    }
+    bench.ask(Task::LetGo)?;
+    Ok(rows)
+}
