@@ -113,7 +113,8 @@ impl Recorder {
             state: AtomicU8::new(EMPTY),
             signals: AtomicU8::new(0),
             row: AtomicU8::new(0),
-            every: AtomicU16::new(1),
+            // All zeros: the linker then needs no copy of the log in flash.
+            every: AtomicU16::new(0),
             wait: AtomicU16::new(0),
             words: AtomicU16::new(0),
             first_tick: AtomicU32::new(0),

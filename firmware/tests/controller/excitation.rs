@@ -6,6 +6,9 @@ use fivebar_firmware::controller::{
 };
 use fivebar_firmware::safety::{Fault, State};
 
+/// What raises a fault.
+type Cause<'a> = &'a dyn Fn(&mut Rig);
+
 /// 1 V on motor 1 for 0.1 s.
 const GENTLE: Excitation = Excitation {
     joint: 0,
@@ -29,9 +32,11 @@ fn excite(rig: &mut Rig, excitation: Excitation) -> (u32, f64, f64) {
         if rig.tick() == OFF {
             return (ticks, current, travel);
         }
-        for joint in 0..2 {
-            current = current.max(rig.bench.current[joint].abs());
-            travel = travel.max((rig.bench.theta[joint] - start[joint]).abs());
+        for amperes in rig.bench.current {
+            current = current.max(amperes.abs());
+        }
+        for (theta, start) in rig.bench.theta.iter().zip(start) {
+            travel = travel.max((theta - start).abs());
         }
     }
     panic!("it does not end");
@@ -262,15 +267,15 @@ fn a_silent_host_a_stop_and_a_disarm_end_it() {
 
 #[test]
 fn faults_end_it_in_their_tick() {
-    let faults: [(Fault, fn(&mut Rig)); 4] = [
-        (Fault::EmergencyStop, |rig| {
-            rig.bench.overlay.emergency_stop = true
-        }),
-        (Fault::DriverFault, |rig| {
-            rig.bench.overlay.driver_fault = [false, true]
-        }),
-        (Fault::UnderVoltage, |rig| rig.bench.bus = 12.0),
-        (Fault::EncoderJump, |rig| rig.bench.extra_counts = [0, 700]),
+    let stop = |rig: &mut Rig| rig.bench.overlay.emergency_stop = true;
+    let driver = |rig: &mut Rig| rig.bench.overlay.driver_fault = [false, true];
+    let sag = |rig: &mut Rig| rig.bench.bus = 12.0;
+    let jump = |rig: &mut Rig| rig.bench.extra_counts = [0, 700];
+    let faults: [(Fault, Cause<'_>); 4] = [
+        (Fault::EmergencyStop, &stop),
+        (Fault::DriverFault, &driver),
+        (Fault::UnderVoltage, &sag),
+        (Fault::EncoderJump, &jump),
     ];
     for (fault, cause) in faults {
         let mut rig = Rig::new(&settings());

@@ -36,6 +36,14 @@ const EXAMPLES: &[(&str, &[&str])] = &[
     ),
     ("clear", &["fivebar clear --port /dev/ttyUSB0"]),
     (
+        "commission",
+        &[
+            "fivebar commission --port simulated --robot benchtop --out commissioning",
+            "fivebar commission --port /dev/ttyUSB0 --robot my-arm.toml",
+            "fivebar commission --port /dev/ttyUSB0 --robot my-arm.toml --again geometry",
+        ],
+    ),
+    (
         "completions",
         &[
             "fivebar completions bash > ~/.local/share/bash-completion/completions/fivebar",
