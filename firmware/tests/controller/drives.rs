@@ -184,3 +184,22 @@ fn a_motor_that_has_switched_off_cools_down_before_it_is_driven_again() {
         assert!(second > first / 2, "{second} ticks after {first}");
     }
 }
+
+/// At 8 Ω, the current that holds against the push needs more voltage than the bus has.
+#[test]
+fn a_bridge_drives_for_no_more_than_a_share_of_its_period() {
+    for joint in [0, 1] {
+        let mut rig = Rig::armed(&with(|settings| {
+            for axis in &mut settings.axes {
+                axis.resistance = 8.0;
+            }
+        }));
+        rig.bench.push[joint] = 0.7;
+        let mut greatest = 0.0_f32;
+        for _ in 0..2000 {
+            let [duty1, duty4] = rig.tick().duty;
+            greatest = greatest.max(duty1.abs()).max(duty4.abs());
+        }
+        assert!((greatest - 0.95).abs() < 1e-6, "{greatest}");
+    }
+}

@@ -3,7 +3,9 @@
 use crate::desk::Desk;
 use crate::rig::{Rig, START, settings};
 use fivebar_firmware::controller::{QueuedSegment, Request};
-use fivebar_firmware::protocol::{CommandError, HostCommand, Reply, Section, VERSION};
+use fivebar_firmware::protocol::{
+    Board, CommandError, HostCommand, Identity, Reply, Reset, Section, VERSION,
+};
 use fivebar_firmware::safety::{Limits, State};
 use fivebar_firmware::{Move, MoveKind};
 use fivebar_kinematics::trajectory::TrajectorySegment;
@@ -114,4 +116,13 @@ fn a_session_begins_with_the_settings_in_use_whatever_the_one_before_has_drafted
 fn a_board_that_gets_its_samples_from_the_host_has_none_of_its_own() {
     let refused = Reply::Refused(CommandError::Unsupported);
     assert_eq!(Desk::armed().ask(HostCommand::Sample), refused);
+}
+
+#[test]
+fn a_controller_gives_the_version_of_its_library() {
+    let [major, minor, patch] = Identity::new(Board::Desktop, Reset::Power).firmware;
+    assert_eq!(
+        format!("{major}.{minor}.{patch}"),
+        env!("CARGO_PKG_VERSION")
+    );
 }
