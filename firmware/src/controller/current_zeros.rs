@@ -67,8 +67,9 @@ impl CurrentZeros {
 /// Whether a sensor with this zero code can be used.
 fn is_plausible(zero: f32, axis: &AxisSettings, over_current: f32) -> bool {
     let near = Scalar::abs(zero - f32::from(axis.current_zero_code)) <= TOLERANCE;
-    let room = zero.min(FULL_SCALE - zero) - 1.0;
-    near && over_current <= room * axis.current_per_code
+    // Not `min`, which would call the library.
+    let codes = over_current / axis.current_per_code + 1.0;
+    near && codes <= zero && codes <= FULL_SCALE - zero
 }
 
 impl Controller {
