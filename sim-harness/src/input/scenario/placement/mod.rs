@@ -108,7 +108,10 @@ impl Scenario {
         }
         let unplaced = self.placed([0.0; 2])?;
         let first = self.at_best_point(&unplaced)?;
-        let job = self.placed(first)?;
+        let job = match self.moved(&unplaced, self, first) {
+            Some(job) => job,
+            None => self.placed(first)?,
+        };
         let Some(planner) = self.planner() else {
             return Ok(job);
         };
@@ -116,7 +119,10 @@ impl Scenario {
             return Ok(job);
         }
         match Reach::of(&self.robot).and_then(|reach| self.search(&reach, &planner, &unplaced)) {
-            Some(origin) => self.placed(origin),
+            Some(origin) => match self.moved(&unplaced, self, origin) {
+                Some(job) => Ok(job),
+                None => self.placed(origin),
+            },
             None => Ok(job),
         }
     }

@@ -1,0 +1,13 @@
+#!/usr/bin/env bash
+# Runs a job through OctoPrint, from PyPI, and `fivebar bridge`: a trial by hand, because OctoPrint
+# brings a hundred packages along.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+cargo build --quiet --package fivebar
+venv=target/octoprint-venv
+if ! "$venv/bin/octoprint" --version >/dev/null 2>&1; then
+    python3 -m venv "$venv"
+    "$venv/bin/pip" install --quiet --disable-pip-version-check octoprint==1.11.8
+fi
+exec python3 tests/senders/octoprint.py "$venv/bin/octoprint" target/debug/fivebar
