@@ -29,7 +29,7 @@ package() {
         --package fivebar-design --package fivebar-firmware --package fivebar-plant --package fivebar
     rm -rf "$folder"
 }
-# A sample, which runs only by name; scripts/mutants.sh without it takes hours.
+# A sample, which runs only by name, and on CI as a job of its own: it compiles a copy of the sources.
 mutants() { scripts/mutants.sh --sample; }
 peers() { scripts/peers.sh; }
 browser() { scripts/browser.sh; }
