@@ -18,10 +18,10 @@ use crate::input::robot::Robot;
 use crate::run::link::LinkError;
 use crate::run::simulation::fault_name;
 use crate::show::bridge::{Machine, Seat};
-use fivebar_firmware::Request;
 use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::protocol::{CommandError, HostCommand, Reply};
 use fivebar_firmware::safety::{self, Fault};
+use fivebar_firmware::{Request, Status};
 use fivebar_kinematics::five_bar::Side;
 use std::sync::{Arc, mpsc};
 use std::time::{Duration, Instant};
@@ -32,6 +32,8 @@ const SAMPLES: f32 = 30.0;
 const SAMPLES_STEPPED: f32 = 200.0;
 /// Events of pages that are handled before the controller gets its next sign of life.
 const EVENTS_PER_CYCLE: usize = 64;
+/// Places of the tool in one state.
+const MOST_PLACES: usize = 32;
 /// Longest time for the arm to come to rest when the program ends.
 const LONGEST_STOP: Duration = Duration::from_secs(5);
 
@@ -46,6 +48,8 @@ pub(super) struct ControllerThread {
     /// The page that was in control when the feeder got its moves.
     controlled_by: Option<PageId>,
     pub(super) feeder: MoveFeeder,
+    /// Where the tool was since the last state [m], and its level there.
+    trail: Vec<[f32; 3]>,
     /// The fault last sent to all pages, or that there is none; `None` before the first.
     sent_fault: Option<Option<Fault>>,
     pub(super) jobs: JobThread,
@@ -96,6 +100,7 @@ impl ControllerThread {
             preview,
             controlled_by: None,
             feeder: MoveFeeder::default(),
+            trail: Vec::new(),
             sent_fault: None,
             loaded: None,
             run_asked_by: None,
@@ -119,6 +124,8 @@ impl ControllerThread {
         self.take_prepared_job();
         let admits = self.rests() && !self.feeder.is_running();
         if self.machine.serve_seat(admits)? {
+            let status = self.machine.status;
+            self.note_place(&status);
             self.feeder.drop_target();
         } else {
             self.feed_controller()?;
@@ -238,6 +245,7 @@ impl ControllerThread {
             return Ok(());
         }
         let (status, mut room) = self.machine.client.status()?;
+        self.note_place(&status);
         let job = self.feeder.update(&status, room);
         self.report_job(job);
         while self.may_feed()? {
@@ -265,6 +273,13 @@ impl ControllerThread {
             }
         }
         Ok(())
+    }
+
+    /// Notes where the tool is, for the drawing.
+    fn note_place(&mut self, status: &Status) {
+        if let Some([x, y]) = status.tool.filter(|_| self.trail.len() < MOST_PLACES) {
+            self.trail.push([x, y, status.tool_level]);
+        }
     }
 
     /// Whether the arm rests, with bridges on or off.
@@ -330,6 +345,7 @@ impl ControllerThread {
             speed: self.speed.at(time, now),
             joints: pose.map(|pose| [pose.b, pose.c, pose.d].map(|point| [point.x, point.y])),
             elbows: pose.map(|pose| self.preview.elbows(&pose)),
+            trail: &self.trail,
             sender: self.machine.is_taken(),
             control: lease.holder(),
             alive: lease.is_alive(now),
@@ -339,6 +355,7 @@ impl ControllerThread {
             run_on: self.run_on,
             feed: self.feeder.feed(),
         }));
+        self.trail.clear();
         Ok(())
     }
 

@@ -157,6 +157,8 @@ pub(super) struct StateMessage<'a> {
     pub(super) joints: Option<[[f32; 2]; 3]>,
     /// The arm's working mode; none until the arm is homed.
     pub(super) elbows: Option<[Side; 2]>,
+    /// Where the tool was since the state before [m], and its level there.
+    pub(super) trail: &'a [[f32; 3]],
     /// Whether a sender of G-code is in control; pages watch then.
     pub(super) sender: bool,
     /// The page in control.
@@ -268,6 +270,7 @@ mod tests {
             speed: None,
             joints: None,
             elbows: None,
+            trail: &[],
             sender: false,
             control: None,
             alive: false,

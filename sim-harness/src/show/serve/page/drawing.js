@@ -1,8 +1,8 @@
 // The arm on its canvas, with its trail and the path of the job.
 import { colour } from "./colour.js";
 
-const DRAWN = 20000; // samples of strokes
-const TRAVELLED = 90; // samples of the way with the pen up
+const DRAWN = 50000; // samples of strokes
+const TRAVELLED = 250; // samples of the way with the pen up
 const ZOOMS = [0.5, 60];
 const BARS = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1]; // m
 
@@ -48,14 +48,17 @@ export class Drawing {
       this.#canvas.dataset[name] = this.pixel(point);
     }
     if (!state.tool) return;
-    this.#travelled.push(state.tool);
+    for (const [x, y, level] of [...state.trail, [...state.tool, state.tool_level]]) this.#follow([x, y], level > 0);
+    while (this.#count > DRAWN && this.#drawn.length > 1) this.#count -= this.#drawn.shift().length;
+  }
+
+  #follow(point, down) {
+    this.#travelled.push(point);
     if (this.#travelled.length > TRAVELLED) this.#travelled.shift();
-    const down = state.tool_level > 0;
     if (down && !this.#down) this.#drawn.push([]);
-    if (down) this.#drawn.at(-1).push(state.tool);
+    if (down) this.#drawn.at(-1).push(point);
     this.#down = down;
     this.#count += down;
-    while (this.#count > DRAWN && this.#drawn.length > 1) this.#count -= this.#drawn.shift().length;
   }
 
   // Forgets what was drawn.
