@@ -221,6 +221,28 @@ fn a_motor_that_gets_too_hot() {
     stays_off_until_cleared(&mut driven, Fault::OverTemperature);
 }
 
+/// Rotors with sixty times the inertia are expected, which is too much gain for any loop.
+#[test]
+fn a_loop_that_oscillates() {
+    let mut driven = armed_with(|settings| {
+        for axis in &mut settings.axes {
+            axis.rotor_inertia *= 60.0;
+        }
+    });
+    let [x, y] = tool_at_start();
+    let to = [x - 0.02, y];
+    offer(
+        &mut driven,
+        Move {
+            tag: 1,
+            tool: 0,
+            kind: MoveKind::Line { to, feed: 0.1 },
+        },
+    );
+    ticks_until_off(&mut driven, 400);
+    stays_off_until_cleared(&mut driven, Fault::Oscillation);
+}
+
 #[test]
 fn switches_at_angles_that_close_no_arm() {
     let bench = Bench::with(Options::default(), Vec::new(), MILLISECOND);

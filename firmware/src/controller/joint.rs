@@ -3,6 +3,7 @@
 
 use super::encoder::Scale;
 use super::model::AxisModel;
+use super::oscillation::Oscillation;
 use fivebar_kinematics::control::{Bus, CurrentState, Drive, Integral, MotorHeat, ObserverState};
 
 /// The state of one joint from tick to tick, and what this tick measured.
@@ -25,6 +26,7 @@ pub(crate) struct Joint {
     pub(crate) integral: Integral<f32>,
     /// Duty of the bridge.
     pub(crate) duty: f32,
+    oscillation: Oscillation,
 }
 
 impl Joint {
@@ -40,6 +42,7 @@ impl Joint {
             current: 0.0,
             demand: 0.0,
             duty: 0.0,
+            oscillation: Oscillation::NONE,
         }
     }
 
@@ -78,6 +81,19 @@ impl Joint {
     #[inline(always)]
     pub(crate) fn warm(&mut self, model: &AxisModel) -> bool {
         model.heating.update(&mut self.heat, self.current)
+    }
+
+    /// Half of the turns before [`Joint::oscillates`].
+    #[inline(always)]
+    pub(crate) fn expect_oscillation(&mut self) {
+        self.oscillation.begin(self.demand);
+    }
+
+    /// Whether the joint's loop oscillates; once in all turns.
+    #[inline(always)]
+    pub(crate) fn oscillates(&mut self, model: &AxisModel) -> bool {
+        self.oscillation
+            .exceeds(self.demand, model.oscillation_limit)
     }
 
     /// Takes the counts of the first tick as the origin until homed. A counter may start at any
@@ -149,6 +165,7 @@ impl Joint {
         self.integral = Integral(0.0);
         self.demand = 0.0;
         self.duty = 0.0;
+        self.oscillation = Oscillation::NONE;
     }
 
     /// Clears all motion; keeps the counts and the origin.

@@ -9,6 +9,7 @@ mod homing;
 mod homing_state;
 mod joint;
 mod model;
+mod oscillation;
 mod path;
 mod planning;
 mod report;

@@ -1,6 +1,7 @@
 //! The constants of the tick, computed once from the settings.
 
 use super::homing_state::HomingConfig;
+use super::oscillation;
 use super::turns::TURNS;
 use crate::drivers::WAKE_UP_TIME;
 use crate::safety::Monitor;
@@ -85,6 +86,8 @@ pub(crate) struct AxisModel {
     pub(crate) current_per_torque: f32,
     /// Greatest torque while homing [N·m].
     pub(crate) homing_torque: f32,
+    /// Greatest mean change of the current set-point [A].
+    pub(crate) oscillation_limit: f32,
 }
 
 impl Model {
@@ -185,6 +188,7 @@ impl AxisModel {
             current_offset: -axis.current_per_code * f32::from(axis.current_zero_code),
             current_per_torque: 1.0 / torque_per_current,
             homing_torque: Scalar::abs(torque_per_current) * settings.homing.current,
+            oscillation_limit: oscillation::limit(axis),
         }
     }
 }

@@ -23,8 +23,8 @@ impl Controller {
     #[inline(always)]
     pub(super) fn take_turn(&mut self) {
         match self.ticks % TURNS {
-            0 => self.warm(0),
-            8 => self.warm(1),
+            0 => self.watch(0, 1),
+            8 => self.watch(1, 0),
             1 | 9 => self.end_path(),
             2 => self.change_gains(0),
             10 => self.change_gains(1),
@@ -68,8 +68,18 @@ impl Controller {
         }
     }
 
-    /// Advances a motor's heat by all turns at its current. The next tick switches a motor off
-    /// that is too hot, or an arm that nobody commands.
+    /// Watches a motor and its loop, and begins to watch the other joint's loop, whose turn is half
+    /// of the turns later.
+    #[inline(always)]
+    fn watch(&mut self, index: usize, other: usize) {
+        if let Some(joint) = self.joints.get_mut(other) {
+            joint.expect_oscillation();
+        }
+        self.warm(index);
+    }
+
+    /// Advances a motor's heat by all turns at its current. The next tick switches off a motor that
+    /// is too hot, a loop that oscillates, or an arm that nobody commands.
     #[inline(always)]
     fn warm(&mut self, index: usize) {
         let (Some(joint), Some(axis)) = (self.joints.get_mut(index), self.model.axes.get(index))
@@ -78,6 +88,8 @@ impl Controller {
         };
         if joint.warm(axis) {
             self.pending_off = Some(Fault::OverTemperature);
+        } else if joint.oscillates(axis) {
+            self.pending_off = Some(Fault::Oscillation);
         } else if self.abandoned() {
             self.pending_off = Some(Fault::CommandTimeout);
         }

@@ -61,6 +61,8 @@ pub enum Fault {
     WatchdogReset = 17,
     /// The stored settings are corrupt.
     SettingsCorrupt = 18,
+    /// A position loop oscillates: the arm differs too much from its settings.
+    Oscillation = 19,
 }
 
 /// What a fault does to the arm.
@@ -105,7 +107,8 @@ impl Fault {
             | Self::NotANumber
             | Self::ClockFailure
             | Self::WatchdogReset
-            | Self::SettingsCorrupt => Response::PowerOff,
+            | Self::SettingsCorrupt
+            | Self::Oscillation => Response::PowerOff,
         }
     }
 

@@ -1,7 +1,7 @@
 //! Every fault, raised by its own cause: its number, bridges off in the tick that detects it (or a
 //! controlled stop, if that is its response), and nothing moves until it is cleared.
 
-use crate::rig::{Rig, START, WAKING_TICKS, settings};
+use crate::rig::{Bench, Rig, START, WAKING_TICKS, settings};
 use fivebar_firmware::controller::{Controller, Request, RequestError};
 use fivebar_firmware::safety::{Fault, Response, State};
 use fivebar_firmware::{ActuatorCommand, MoveKind, Settings};
@@ -150,6 +150,26 @@ fn over_temperature() {
     rig.run(1500);
     assert_eq!(rig.controller.state(), State::Armed);
     powers_off(&mut rig, Fault::OverTemperature, 6, 1000);
+}
+
+/// A controller that expects rotors with sixty times the inertia has too much gain for any loop.
+#[test]
+fn a_loop_that_oscillates() {
+    let mut rig = Rig::new(&with(|s| {
+        s.axes
+            .iter_mut()
+            .for_each(|axis| axis.rotor_inertia *= 60.0);
+    }));
+    rig.bench = Bench::new(&settings());
+    rig.controller.request(Request::SetAngles(START)).unwrap();
+    rig.controller.request(Request::Arm).unwrap();
+    rig.run(WAKING_TICKS + 1);
+    let [x, y] = rig.tool_position();
+    let to = [x - 0.06, y];
+    rig.push(3, MoveKind::Line { to, feed: 0.2 }).unwrap();
+    powers_off(&mut rig, Fault::Oscillation, 19, 200);
+    clears(&mut rig);
+    assert!(rig.controller.status().homed, "the angles are known");
 }
 
 #[test]
@@ -352,7 +372,7 @@ fn numbers_are_stable_and_complete() {
     for (fault, number) in Fault::all().zip(1..) {
         assert_eq!(fault.number(), number);
     }
-    assert_eq!(Fault::all().count(), 18);
+    assert_eq!(Fault::all().count(), 19);
 }
 
 #[test]
