@@ -221,12 +221,12 @@ fn a_motor_that_gets_too_hot() {
     stays_off_until_cleared(&mut driven, Fault::OverTemperature);
 }
 
-/// Rotors with sixty times the inertia are expected, which is too much gain for any loop.
+/// Rotors with two hundred times the inertia are expected, which is too much gain for any loop.
 #[test]
 fn a_loop_that_oscillates() {
     let mut driven = armed_with(|settings| {
         for axis in &mut settings.axes {
-            axis.rotor_inertia *= 60.0;
+            axis.rotor_inertia *= 200.0;
         }
     });
     let [x, y] = tool_at_start();

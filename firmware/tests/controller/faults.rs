@@ -152,13 +152,13 @@ fn over_temperature() {
     powers_off(&mut rig, Fault::OverTemperature, 6, 1000);
 }
 
-/// A controller that expects rotors with sixty times the inertia has too much gain for any loop.
+/// A controller that expects rotors with two hundred times the inertia has too much gain for any loop.
 #[test]
 fn a_loop_that_oscillates() {
     let mut rig = Rig::new(&with(|s| {
         s.axes
             .iter_mut()
-            .for_each(|axis| axis.rotor_inertia *= 60.0);
+            .for_each(|axis| axis.rotor_inertia *= 200.0);
     }));
     rig.bench = Bench::new(&settings());
     rig.controller.request(Request::SetAngles(START)).unwrap();

@@ -332,6 +332,30 @@ fn every_built_in_scenario_ends_as_described() {
     }
 }
 
+/// Belts that the robot file does not declare, as soft as they are on printers.
+#[test]
+fn an_arm_on_undeclared_belts_ends_with_the_fault_of_a_loop_that_oscillates() {
+    let bench = Bench::new();
+    for (stiffness, faults) in [
+        (700.0, &["oscillation"][..]),
+        (1250.0, &["oscillation"]),
+        (20_000.0, &[]),
+    ] {
+        let run = format!(
+            "job = {PETAL:?}\n[mismatch]\nstiffness = [{stiffness:?}, {stiffness:?}]\n\
+             drive_damping = [0.03, 0.03]\n"
+        );
+        let file = bench.file("belt.toml", &run);
+        let output = bench.sim(&[&file, "--json"]);
+        let figures: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(
+            figures["faults"],
+            serde_json::json!(faults),
+            "{stiffness} N·m/rad"
+        );
+    }
+}
+
 #[test]
 fn a_run_that_ends_early_by_a_fault_has_no_comparison_with_pd() {
     let bench = Bench::new();

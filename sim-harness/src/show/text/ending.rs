@@ -65,6 +65,10 @@ fn next_step(fault: Fault) -> &'static str {
         Fault::ClockFailure => "Check the crystal.",
         Fault::WatchdogReset => "Report this as an error of the firmware, with the job.",
         Fault::SettingsCorrupt => "Store the settings again.",
+        Fault::Oscillation => {
+            "State the drives' `stiffness` and the arm's masses as they are, or give [control] \
+             lower bandwidths (fivebar margins)."
+        }
     }
 }
 
