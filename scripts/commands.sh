@@ -162,7 +162,7 @@ while IFS=$'\t' read -r place shown comment; do
     fi
     seen[$shown]=yes
     cd "$scratch"
-    if [[ $command == "$program"*' --port '* ]]; then
+    if [[ $command == "$program"*' --port '* && $command != *' --port simulated '* ]]; then
         without_port "$place" "$command"
     elif [[ $command == "$program serve"* ]]; then
         serve "$place" "$command"

@@ -185,7 +185,7 @@ fn a_sound_arm_gets_to_the_end_and_a_run_that_ended_goes_on() {
     let robot = Robot::load(&folder.path().join("out/robot.toml").display().to_string()).unwrap();
     // The declared mismatch: 30 % more friction.
     for drive in robot.actuators.unwrap() {
-        assert!((drive.viscous_friction - 1.95e-3).abs() < 0.02 * 1.95e-3);
+        assert!((drive.viscous_friction - 1.95e-3).abs() < 0.05 * 1.95e-3);
         assert!((drive.coulomb_friction - 1.17e-2).abs() < 0.05 * 1.17e-2);
     }
     let robot = fs::read_to_string(folder.path().join("out/robot.toml")).unwrap();
@@ -260,4 +260,33 @@ fn bad_input_overwrites_nothing() {
     let output = commission(folder.path(), &[]);
     assert!(text(&output.stderr).contains("no record of a commissioning"));
     assert_eq!(fs::read(&path).unwrap(), b"{");
+}
+
+/// An arm as workshops build it. The tip is compared with the path on the touched plate, not with
+/// what the controller believes.
+#[test]
+fn commissioning_takes_three_quarters_of_the_realistic_arms_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let scenario = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/realistic.toml");
+    let output = commission(
+        folder.path(),
+        &["--robot", "benchtop_belt", "--scenario", scenario],
+    );
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let record = record(folder.path());
+    let [before, after] =
+        ["before", "after"].map(|when| value(&record, &format!("tip_error_{when}_rms_m")));
+    assert!((before - 79.5e-6).abs() < 5e-6, "{before} m");
+    assert!(
+        after < 25e-6 && after < 0.25 * before,
+        "{after} m after {before} m"
+    );
+    let robot = folder.path().join("out/robot.toml");
+    let robot = Robot::load(&robot.display().to_string()).unwrap();
+    // 2.5 mrad of the first harmonic, at 0.4 and 2.6 rad.
+    for (drive, phase) in robot.actuators.unwrap().iter().zip([0.4, 2.6]) {
+        let first = drive.encoder_error.terms()[0];
+        assert!((first.amplitude - 2.5e-3).abs() < 0.8e-3, "{first:?}");
+        assert!((first.phase - phase).abs() < 0.4, "{first:?}");
+    }
 }

@@ -71,10 +71,13 @@ pub fn measured_text(file: &str, text: &str, values: &[Measured]) -> Result<Stri
             changes.push((span.start, span.len(), value.clone()));
             changes.push((line, 0, comment));
         } else {
-            // A key that the file leaves out: above the first line that must stand at its head.
-            let base = source
-                .span_of(Key::Top("base"))
-                .map_or(0, |span| span.start);
+            // A key that the file leaves out: above a line of its table that every file has.
+            let beside = match *key {
+                MeasuredKey::Actuator(index, _) => Key::Of("actuator", index, "encoder_counts"),
+                MeasuredKey::Link(index, _) => Key::Of("link", index, "length"),
+                _ => Key::Top("base"),
+            };
+            let base = source.span_of(beside).map_or(0, |span| span.start);
             let line = text[..base].rfind('\n').map_or(0, |end| end + 1);
             let name = key.name();
             let added = format!("# {name}: measured {date}, {origin}\n{name} = {value}\n");
@@ -165,6 +168,13 @@ mod tests {
             .collect();
         let new = measured_text("benchtop", &shorter, &values).unwrap();
         assert_eq!(Robot::parse("new", &new).unwrap().home, [2.8, 0.35]);
+        // A key that an actuator leaves out is added to it.
+        let error = "[{ harmonic = 1, amplitude = 1e-3, phase = 0.5 }]";
+        let values = [measured(MeasuredKey::Actuator(1, "encoder_error"), error)];
+        let new = measured_text("benchtop", text, &values).unwrap();
+        let actuators = Robot::parse("new", &new).unwrap().actuators.unwrap();
+        assert!(actuators[0].encoder_error.is_zero());
+        assert_eq!(actuators[1].encoder_error.terms()[0].phase, 0.5);
         // A value that makes no robot is refused.
         let wrong = [measured(MeasuredKey::Base, "-1.0")];
         assert!(measured_text("benchtop", text, &wrong).is_err());

@@ -1,6 +1,7 @@
 //! The steps, in their order.
 
 mod arm;
+mod encoder_errors;
 mod fit;
 mod geometry;
 mod inputs;
