@@ -148,6 +148,8 @@ def place_listed(source, mutant, constant_functions):
         kind, node = "arm", node.child_by_field_name("pattern")
     elif mutant["genre"] == "MatchArmGuard":
         node = outer[0]
+    if node is None:
+        return False  # In a chain of conditions with `let`.
     # As in the plain text, an operator can change what the others of its chain bind.
     while node.type in CHAIN and node.parent.type in CHAIN:
         node = node.parent
