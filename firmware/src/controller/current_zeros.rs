@@ -97,3 +97,21 @@ impl Controller {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Settings;
+
+    #[test]
+    fn a_zero_leaves_room_for_the_over_current_and_one_code() {
+        let [axis, _] = Settings::BENCHTOP.axes;
+        // 6 A at 16/4096 A a code are 1536 codes.
+        let axis = AxisSettings {
+            current_zero_code: 1537,
+            ..axis
+        };
+        assert!(is_plausible(1537.0, &axis, 6.0));
+        assert!(!is_plausible(1536.5, &axis, 6.0));
+    }
+}

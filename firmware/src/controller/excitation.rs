@@ -272,3 +272,6 @@ impl Controller {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
