@@ -290,3 +290,35 @@ fn commissioning_takes_three_quarters_of_the_realistic_arms_error() {
         assert!((first.phase - phase).abs() < 0.4, "{first:?}");
     }
 }
+
+/// Arms that are measured and weighed wrongly at random. Thirty of these were tried once.
+#[test]
+fn random_arms_end_within_twice_their_own_prediction() {
+    let mut random = oorandom::Rand64::new(5);
+    for arm in 0..4 {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("dot.gcode"), "G1 X1 F600\n").unwrap();
+        let mut within = |most: f64| most * (2.0 * random.rand_float() - 1.0);
+        let mut pair = |most: f64| [within(most), within(most)];
+        let [[l1, l2], [l3, l4], [base, _]] = [pair(3e-4), pair(3e-4), pair(3e-4)];
+        let ([mass, friction], home, constant) = (pair(0.2), pair(0.01), pair(0.05));
+        let scenario = folder.path().join("random.toml");
+        let lines = format!(
+            "job = \"dot.gcode\"\nseed = {}\n[mismatch]\nlink_mass = {mass:?}\nfriction = \
+             {friction:?}\nlink_length = [{l1:?}, {l2:?}, {l3:?}, {l4:?}]\nbase_length = {base:?}\n\
+             home_error = {home:?}\ntorque_constant = {constant:?}\n",
+            arm + 1
+        );
+        fs::write(&scenario, &lines).unwrap();
+        let scenario = scenario.display().to_string();
+        let output = commission(folder.path(), &["--scenario", &scenario]);
+        assert!(output.status.success(), "{lines}: {}", text(&output.stderr));
+        let record = record(folder.path());
+        let after = value(&record, "tip_error_after_rms_m");
+        let expected = value(&record, "tip_error_expected_m");
+        assert!(
+            after < 2.0 * expected,
+            "{after} m, {expected} m expected: {lines}"
+        );
+    }
+}
