@@ -119,7 +119,7 @@ fn cells(name: &str) -> Vec<&'static str> {
 fn the_table_is_what_the_first_command_prints() {
     let folder = tempfile::tempdir().unwrap();
     let output = Command::new(env!("CARGO_BIN_EXE_fivebar"))
-        .args(["clearance", "benchtop", "--radius", "20e-6,50e-6,100e-6"])
+        .args(["clearance", "benchtop", "--radius", "5e-6,10e-6,20e-6"])
         .args(["--json", "--out"])
         .arg(folder.path())
         .output()
