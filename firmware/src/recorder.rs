@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 /// Room of the log [words of 16 bits]: 0.3 s of four signals at 10 kHz.
 pub const LOG_WORDS: usize = 12_288;
-/// Words of a page, in rows of [`PAGE_ROW`].
+/// Words of a page, in rows of 32.
 pub const PAGE_WORDS: usize = 2 * PAGE_ROW;
 /// The longest array that serde reads.
 const PAGE_ROW: usize = 32;
