@@ -230,7 +230,7 @@ fn a_loop_that_oscillates() {
         }
     });
     let [x, y] = tool_at_start();
-    let to = [x - 0.02, y];
+    let to = [x - 0.06, y];
     offer(
         &mut driven,
         Move {
@@ -239,7 +239,7 @@ fn a_loop_that_oscillates() {
             kind: MoveKind::Line { to, feed: 0.1 },
         },
     );
-    ticks_until_off(&mut driven, 400);
+    ticks_until_off(&mut driven, 5000);
     stays_off_until_cleared(&mut driven, Fault::Oscillation);
 }
 

@@ -3,18 +3,18 @@
 //! An unstable loop soon demands current from limit to limit. Once in all turns, the change of the
 //! current set-point over half of them is compared with the greatest current:
 //!
-//! m ← m + (|i − i₋₈| − m)/16, a fault above 0.5 of the peak current.
+//! m ← m + (|i − i₋₈| − m)/256, a fault above 0.5 of the peak current.
 //!
 //! At 10 kHz these are the changes over 0.8 ms, once in 1.6 ms. A sine of full amplitude and
 //! frequency f has the mean (4/π) |sin(π f · 0.8 ms)|, which is above 0.5 from 161 Hz on. An arm
 //! that moves has a few hundredths; the counts of an arm whose tool is far from its joints can
-//! make 0.4. A single reversal of the peak current adds an eighth.
+//! make 0.4. The mean is over 0.4 s, so an arm that chatters for a moment is no fault.
 
 use crate::settings::AxisSettings;
 use fivebar_kinematics::Scalar;
 
 /// Weight of a new change.
-const WEIGHT: f32 = 1.0 / 16.0;
+const WEIGHT: f32 = 1.0 / 256.0;
 /// Greatest mean change, per peak current.
 const GREATEST: f32 = 0.5;
 
@@ -59,7 +59,7 @@ mod tests {
     /// The turns after which a set-point, as a function of the time [turns], is a fault.
     fn turns(set_point: impl Fn(f32) -> f32) -> Option<u32> {
         let mut oscillation = Oscillation::NONE;
-        (1..200).find(|&turn| {
+        (1..2000).find(|&turn| {
             oscillation.begin(set_point(turn as f32 - 0.5));
             oscillation.exceeds(set_point(turn as f32), GREATEST)
         })
@@ -71,7 +71,10 @@ mod tests {
         let sine = |cycles: f32| move |time: f32| (TAU * cycles * time).sin();
         for cycles in [0.28, 0.31, 0.47, 0.61, 0.83, 1.13, 1.43, 1.61] {
             let found = turns(sine(cycles));
-            assert!(found.is_some_and(|turns| turns < 60), "{cycles} {found:?}");
+            assert!(
+                found.is_some_and(|turns| turns < 1000),
+                "{cycles} {found:?}"
+            );
         }
         for cycles in [0.0, 0.01, 0.05, 0.1, 0.2, 0.23] {
             assert_eq!(turns(sine(cycles)), None, "{cycles}");
@@ -91,6 +94,6 @@ mod tests {
         };
         assert_eq!(turns(reversed), None);
         let alternating = |time: f32| if time.fract() < 0.25 { 1.0 } else { -1.0 };
-        assert_eq!(turns(alternating), Some(5));
+        assert_eq!(turns(alternating), Some(74));
     }
 }

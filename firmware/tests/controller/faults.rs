@@ -167,7 +167,7 @@ fn a_loop_that_oscillates() {
     let [x, y] = rig.tool_position();
     let to = [x - 0.06, y];
     rig.push(3, MoveKind::Line { to, feed: 0.2 }).unwrap();
-    powers_off(&mut rig, Fault::Oscillation, 19, 200);
+    powers_off(&mut rig, Fault::Oscillation, 19, 5000);
     clears(&mut rig);
     assert!(rig.controller.status().homed, "the angles are known");
 }
