@@ -7,6 +7,7 @@
 #   scripts/soak.sh board FIRST_SEED TICKS        random jobs on the emulated board, bit by bit;
 #                                                 needs the images of scripts/firmware.sh
 #   scripts/soak.sh links                         a job over bad links: the table
+#   scripts/soak.sh serve MINUTES                 clients of the live page come and go: memory
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -20,10 +21,14 @@ case ${1:-} in
         SOAK_SEED=$2 SOAK_SECONDS=$3 soak --test soak -- robots::
         ;;
     board)
-        SOAK_SEED=$2 SOAK_TICKS=$3 soak --features emulator --test soak -- board::
+        SOAK_SEED=$2 SOAK_TICKS=$3 soak --features emulator --test soak -- board::random_jobs
         ;;
     links)
         soak --test soak -- links::every
+        ;;
+    serve)
+        SOAK_MINUTES=$2 cargo test --quiet --package fivebar --test serve -- \
+            --nocapture --ignored --exact soak::memory_stays_flat_while_clients_come_and_go
         ;;
     *)
         sed -n '2,/^set/p' "$0" | sed '$d; s/^# \{0,1\}//' >&2

@@ -101,3 +101,15 @@ fn a_current_in_an_armed_arm_is_no_zero() {
     rig.run(10);
     rig.controller.request(Request::Arm).unwrap();
 }
+
+#[test]
+fn codes_from_before_the_bridges_were_on_are_in_no_mean() {
+    let mut rig = shifted([2068, 2068], MEASURED - 100);
+    rig.controller.request(Request::SetAngles(START)).unwrap();
+    rig.controller.request(Request::Arm).unwrap();
+    rig.run(20);
+    rig.controller.request(Request::Disarm).unwrap();
+    rig.run(200);
+    let current = rig.controller.status().current;
+    assert!(current.iter().all(|it| it.abs() < 1e-5), "{current:?}");
+}

@@ -5,6 +5,8 @@
 mod board;
 mod jobs;
 mod links;
+#[cfg(feature = "emulator")]
+mod replay;
 mod robots;
 mod slow_line;
 mod watched;

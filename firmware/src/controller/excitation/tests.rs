@@ -1,6 +1,7 @@
 //! The bounds of an excitation, and what ends it.
 
 use super::*;
+use crate::controller::Request;
 
 /// 0.5 A at most, and 0.1 rad.
 fn excitation() -> Excitation {
@@ -83,4 +84,30 @@ fn the_sequence_begins_low_and_has_as_many_high_values_as_low_ones() {
     assert_eq!(values[0], 0.75);
     let high = values.iter().filter(|&&value| value == 1.25).count();
     assert!((400..600).contains(&high), "{high} of 1000");
+}
+
+/// The ticks of braking until the bridges go off, with these joint speeds [rad/s].
+fn braked_for(velocity: [f32; 2]) -> u32 {
+    let settings = Settings::BENCHTOP.check().unwrap();
+    let mut controller = Controller::new(&settings);
+    let request = Request::Excite(excitation());
+    controller.request(request).unwrap();
+    let measurement = Measurement {
+        innovation: [0.0; 2],
+        current: [0.0; 2],
+        velocity,
+    };
+    let braked = |_: &u32| matches!(controller.brake_excited(&measurement), Bridges::Excited);
+    1 + (0..10_000).take_while(braked).count() as u32
+}
+
+#[test]
+fn motors_stay_shorted_for_5_ms_and_until_both_joints_rest_or_half_a_second() {
+    // 10 kHz.
+    for rests in [[0.0, 0.0], [0.049, -0.049]] {
+        assert_eq!(braked_for(rests), 50);
+    }
+    for turns in [[0.05, 0.0], [0.0, 0.05], [-1.0, 0.0], [0.0, -1.0], [1.0; 2]] {
+        assert_eq!(braked_for(turns), 5000, "{turns:?}");
+    }
 }

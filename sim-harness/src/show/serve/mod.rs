@@ -29,6 +29,7 @@
 //! | `accept`, `guard` | limits of connections; which web requests are served |
 //! | `web` | the page's files and the way to a websocket |
 //! | `socket`, `frame_meter`, `rate` | the exchange with a page, and its limits |
+//! | `heard` | the exchange with a page whose bytes are known, for tests and the fuzzer |
 
 mod accept;
 mod arm;
@@ -37,6 +38,8 @@ pub(super) mod command_error;
 mod controller_thread;
 mod frame_meter;
 mod guard;
+#[cfg(any(test, fuzzing))]
+pub mod heard;
 mod job_requests;
 mod job_thread;
 mod lease;

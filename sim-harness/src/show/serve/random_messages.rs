@@ -1,5 +1,6 @@
 //! Random messages of pages: each is read or refused in a short text, and none panics.
 
+use super::heard::{Heard, hear, text_frame};
 use super::message::{ClientRequest, brief};
 use proptest::prelude::*;
 
@@ -105,5 +106,53 @@ fn a_message_nested_deeply_is_refused() {
     for (open, close) in [("[", "]"), ("{\"jog\":", "}")] {
         let depth = 100_000;
         assert!(!read(&(open.repeat(depth) + "1" + &close.repeat(depth))));
+    }
+}
+
+#[test]
+fn a_page_is_heard_in_all_that_it_says() {
+    let mut bytes = Vec::new();
+    for text in [
+        r#""run""#,
+        r#"{"request": "emergency_stop"}"#,
+        r#"{"request": "stop"}"#,
+        "no request",
+        r#"{"jog": [0.001, 0.0]}"#,
+    ] {
+        bytes.extend(text_frame(text.as_bytes()));
+    }
+    bytes.extend(text_frame(&vec![b'x'; 70_000]));
+    let expected = Heard {
+        requests: 3,
+        stops: 2,
+        refusals: 1,
+        reason: None,
+    };
+    assert_eq!(hear(&bytes), expected);
+    let stops = text_frame(br#"{"request": "stop"}"#).repeat(200);
+    let heard = hear(&stops);
+    assert_eq!(heard.stops, 100);
+    let reason = heard.reason.expect("it is disconnected");
+    assert!(reason.contains("stops in a second"), "{reason}");
+}
+
+proptest! {
+    #[test]
+    fn any_frames_of_a_page_leave_no_trace(
+        frames in prop::collection::vec(
+            (any::<u8>(), any::<u8>(), prop::collection::vec(any::<u8>(), 0..40), any::<bool>()),
+            0..30,
+        ),
+    ) {
+        let mut bytes = Vec::new();
+        for (first, second, content, whole) in frames {
+            if whole {
+                bytes.extend(text_frame(&content));
+            } else {
+                bytes.extend([first, second]);
+                bytes.extend(content);
+            }
+        }
+        hear(&bytes);
     }
 }

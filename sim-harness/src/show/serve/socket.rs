@@ -9,11 +9,10 @@ use super::message::{ClientRequest, ServerMessage, brief};
 use super::rate::PerSecond;
 use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt as _, StreamExt as _};
-use hyper::upgrade::Upgraded;
-use hyper_util::rt::TokioIo;
 use std::borrow::Cow;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::sync::broadcast::error::RecvError;
 use tokio::sync::mpsc;
 use tokio::time::timeout;
@@ -35,16 +34,20 @@ const LONGEST_GOODBYE: Duration = Duration::from_millis(250);
 /// Bytes read into the websocket's buffer at once.
 const BUFFER: usize = 4 << 10;
 
-type Stream = FrameMeter<TokioIo<Upgraded>>;
-type Socket = WebSocketStream<Stream>;
+type Socket<S> = WebSocketStream<FrameMeter<S>>;
+
+/// A page's connection, after its web request was accepted.
+pub(super) trait Connection: AsyncRead + AsyncWrite + Unpin {}
+
+impl<S: AsyncRead + AsyncWrite + Unpin> Connection for S {}
 
 /// Why a connection ends: a sentence, if the page is to know.
 type End = Option<Cow<'static, str>>;
 
 /// Exchanges messages with a page until it disconnects or exceeds a limit.
-pub(super) async fn exchange(upgraded: Upgraded, pages: WebEnd) {
+pub(super) async fn exchange<S: Connection>(stream: S, pages: WebEnd) {
     let page = Arc::new(Page::new());
-    let stream = FrameMeter::new(TokioIo::new(upgraded), page.id, pages.clone());
+    let stream = FrameMeter::new(stream, page.id, pages.clone());
     let config = WebSocketConfig::default()
         .read_buffer_size(BUFFER)
         .write_buffer_size(BUFFER)
@@ -78,7 +81,7 @@ pub(super) async fn exchange(upgraded: Upgraded, pages: WebEnd) {
 
 /// Sends the reason and waits until the page has closed. A connection closed while it is sent
 /// to would drop the reason.
-async fn close(socket: &mut Socket, reason: &str) {
+async fn close<S: Connection>(socket: &mut Socket<S>, reason: &str) {
     let frame = CloseFrame {
         code: CloseCode::Policy,
         reason: Utf8Bytes::from(reason),
@@ -88,15 +91,15 @@ async fn close(socket: &mut Socket, reason: &str) {
     }
 }
 
-struct Reader<'a> {
+struct Reader<'a, S> {
     page: &'a Arc<Page>,
     pages: &'a WebEnd,
-    stream: SplitStream<Socket>,
+    stream: SplitStream<Socket<S>>,
     refusals: mpsc::Sender<Utf8Bytes>,
     stops: PerSecond,
 }
 
-impl Reader<'_> {
+impl<S: Connection> Reader<'_, S> {
     async fn run(&mut self) -> End {
         loop {
             let message = match self.stream.next().await? {
@@ -179,15 +182,15 @@ fn limit(error: &Error) -> End {
     Some(limit.to_string().into())
 }
 
-struct Writer<'a> {
+struct Writer<'a, S> {
     page: &'a Arc<Page>,
     pages: WebEnd,
-    sink: SplitSink<Socket, Message>,
+    sink: SplitSink<Socket<S>, Message>,
     /// Refusals for this page alone.
     own: mpsc::Receiver<Utf8Bytes>,
 }
 
-impl Writer<'_> {
+impl<S: Connection> Writer<'_, S> {
     async fn run(&mut self) -> End {
         let hello = format!(r#"{{"hello":{}}}"#, self.page.id);
         self.send(hello.into()).await?;

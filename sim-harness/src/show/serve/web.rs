@@ -12,6 +12,7 @@ use axum::http::{HeaderValue, StatusCode, header};
 use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
+use hyper_util::rt::TokioIo;
 use std::net::TcpListener;
 use std::sync::Arc;
 use std::thread;
@@ -146,7 +147,7 @@ async fn live(State(pages): State<WebEnd>, mut request: Request) -> Response {
     let upgrade = hyper::upgrade::on(&mut request);
     tokio::spawn(async move {
         if let Ok(Ok(upgraded)) = timeout(UPGRADE_TIMEOUT, upgrade).await {
-            exchange(upgraded, pages).await;
+            exchange(TokioIo::new(upgraded), pages).await;
         }
         drop(place);
     });
