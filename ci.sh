@@ -45,6 +45,7 @@ emulated() {
     cargo test --package fivebar-tests --features emulator \
         --test images --test instructions --test emulated_boards --test emulated_faults \
         --test emulated_port --test production_image --test stack --test live_page
+    cargo test --package fivebar-tests --features emulator --test soak -- board:: replay::
 }
 # Builds the fuzz targets and runs each over its committed inputs.
 fuzz() {

@@ -3,6 +3,7 @@
 use crate::program::{Page, Server};
 use serde_json::json;
 use std::io::{Read as _, Write as _};
+use std::net::TcpStream;
 use std::time::{Duration, Instant};
 use tungstenite::Message;
 
@@ -19,38 +20,42 @@ fn is_in_control(page: &mut Page) {
     page.state_named("Armed");
 }
 
+/// 300 requests that are half sent, and 700 connections without a word.
+fn hold_connections(server: &Server, page: &mut Page) -> Vec<TcpStream> {
+    let long = "x".repeat(60_000);
+    let half = |_| {
+        let mut stream = server.connect();
+        // The server may have closed it already.
+        let _ = write!(
+            stream,
+            "GET / HTTP/1.1\r\nHost: {}\r\nA: {long}",
+            server.host
+        );
+        page.next();
+        stream
+    };
+    let mut held: Vec<_> = (0..300).map(half).collect();
+    held.extend((0..700).map(|_| {
+        page.next();
+        server.connect()
+    }));
+    held
+}
+
 #[test]
 fn half_requests_and_a_thousand_connections_leave_the_page_in_control_unharmed() {
     let server = Server::start(&[]);
     let mut page = server.page();
     page.take_control_and_arm();
-    let long = "x".repeat(60_000);
-    let half: Vec<_> = (0..300)
-        .map(|_| {
-            let mut stream = server.connect();
-            // The server may have closed it already.
-            let _ = write!(
-                stream,
-                "GET / HTTP/1.1\r\nHost: {}\r\nA: {long}",
-                server.host
-            );
-            page.next();
-            stream
-        })
-        .collect();
-    let idle: Vec<_> = (0..700)
-        .map(|_| {
-            page.next();
-            server.connect()
-        })
-        .collect();
+    let held = hold_connections(&server, &mut page);
     is_in_control(&mut page);
     let cookie = format!("Cookie: {}\r\n", server.cookie());
     assert_eq!(server.get("/app.js", &cookie), Some(200));
     assert!(server.open_files() < 200, "{} files", server.open_files());
     let peak = server.peak_memory();
+    eprintln!("at most {peak:.0} MB");
     assert!(peak < MEMORY, "{peak} MB");
-    drop((half, idle));
+    drop(held);
 }
 
 #[test]
@@ -70,12 +75,13 @@ fn a_request_that_stays_unfinished_is_closed() {
     );
 }
 
-#[test]
-fn keys_of_15_mb_and_empty_frames_cost_little_memory_and_do_not_disturb_the_page_in_control() {
-    let server = Server::start(&[]);
-    let mut page = server.page();
-    page.take_control_and_arm();
-    let key = |megabytes: usize| format!(r#"{{"{}":1}}"#, "k".repeat(megabytes << 20));
+/// A message with a key of this size.
+fn key(megabytes: usize) -> String {
+    format!(r#"{{"{}":1}}"#, "k".repeat(megabytes << 20))
+}
+
+/// Six connections send keys of 15 MB, and six a message that goes on in empty frames.
+fn send_keys_and_empty_frames(server: &Server, page: &mut Page) {
     std::thread::scope(|scope| {
         for _ in 0..6 {
             scope.spawn(|| {
@@ -105,6 +111,14 @@ fn keys_of_15_mb_and_empty_frames_cost_little_memory_and_do_not_disturb_the_page
             page.next();
         }
     });
+}
+
+#[test]
+fn keys_of_15_mb_and_empty_frames_cost_little_memory_and_do_not_disturb_the_page_in_control() {
+    let server = Server::start(&[]);
+    let mut page = server.page();
+    page.take_control_and_arm();
+    send_keys_and_empty_frames(&server, &mut page);
     // The page in control may send long messages; others hear nothing of a bad one.
     let mut watcher = server.page();
     page.send(&serde_json::from_str(&key(10)).expect("JSON"));
@@ -123,6 +137,20 @@ fn keys_of_15_mb_and_empty_frames_cost_little_memory_and_do_not_disturb_the_page
     let peak = server.peak_memory();
     eprintln!("at most {peak:.0} MB");
     assert!(peak < MEMORY, "{peak} MB");
+}
+
+#[test]
+fn all_hostile_clients_at_once_cost_little_memory_and_leave_the_page_in_control_unharmed() {
+    let server = Server::start(&[]);
+    let mut page = server.page();
+    page.take_control_and_arm();
+    let held = hold_connections(&server, &mut page);
+    send_keys_and_empty_frames(&server, &mut page);
+    is_in_control(&mut page);
+    let peak = server.peak_memory();
+    eprintln!("at once, at most {peak:.0} MB");
+    assert!(peak < MEMORY, "{peak} MB");
+    drop(held);
 }
 
 #[test]

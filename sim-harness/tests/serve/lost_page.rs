@@ -1,7 +1,9 @@
 //! The arm rests soon after the page in control is lost.
 
 use crate::program::{Page, Server, speed, time};
+use crate::stops::{self, EndOnDrop, large_job, under_load};
 use serde_json::json;
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 /// Joints slower than this rest [rad/s].
@@ -54,4 +56,35 @@ fn the_arm_rests_within_700_ms_after_its_page_is_lost_in_the_midst_of_a_flood() 
         assert!(rests < 0.7, "{rests} s");
         drop(page);
     }
+}
+
+#[test]
+fn the_arm_rests_within_700_ms_after_its_page_is_lost_while_others_flood_and_load_and_read_nothing()
+{
+    let server = Server::start(&[]);
+    let mut watcher = server.page();
+    let ends = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        let _end = EndOnDrop(&ends);
+        for closes in [true, false] {
+            let mut page = server.page();
+            page.take_control_and_arm();
+            page.run_long_job();
+            if closes {
+                // A page that is not in control: its jobs are read, and refused.
+                scope.spawn(|| stops::flood(&server, &large_job(10), None, &ends));
+            }
+            let rests = under_load(&server, &json!("run"), || {
+                flood(&mut page, Duration::from_millis(500));
+                let lost = time(&watcher.latest_state());
+                page.lively = false;
+                let page = (!closes).then_some(page);
+                let rests = time_to_rest(&mut watcher, lost);
+                drop(page);
+                rests
+            });
+            eprintln!("closed: {closes}; at rest under load after {rests:.3} s");
+            assert!(rests < 0.7, "{rests} s");
+        }
+    });
 }

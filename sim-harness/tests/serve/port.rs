@@ -2,7 +2,7 @@
 
 use crate::lost_page::time_to_rest;
 use crate::program::{Server, time};
-use crate::stops::stops_under_load;
+use crate::stops::{StopTimes, stops_under_load};
 use fivebar::input::robot::{BuiltIn, Robot};
 use fivebar::input::scenario::Scenario;
 use fivebar::run::link::Loopback;
@@ -98,13 +98,17 @@ fn run(mut far: TTYPort, _near: &TTYPort, ends: &AtomicBool) {
 fn over_a_slow_port_an_emergency_stop_waits_for_one_round_trip_at_most() {
     let board = Board::start();
     let server = Server::start_alone(&["--port", &board.port]);
-    let times = stops_under_load(&server, &json!({ "request": "home" }), &[0, 0, 0]);
+    let times = stops_under_load(&server, &json!({ "request": "home" }), &[0, 0, 0, 8, 8, 8]);
     eprintln!("emergency stops over a slow port took {times:.3?}");
-    let mut times: Vec<f64> = times.iter().map(|time| time.controller).collect();
-    times.sort_by(f64::total_cmp);
     // 50 ms and a round trip (16 ms for the reply that is awaited, 16 ms of the board's own
     // looks), and up to 50 ms between the state from which the time counts and the stop.
-    assert!(times[1] < 0.13, "{times:.3?} s");
+    let in_time = |times: &[StopTimes]| times.iter().filter(|time| time.controller < 0.13).count();
+    let (flooded, loading) = times.split_at(3);
+    assert!(in_time(flooded) >= 2, "{flooded:.3?} s");
+    // While jobs of 10 MB are sent and read, this process's board does not always get its time: on
+    // two cores it stands still for up to 0.2 s. A job in the way of the stop would take seconds.
+    assert!(in_time(loading) >= 1, "{loading:.3?} s");
+    assert!(times.iter().all(|time| time.real < 2.0), "{times:.3?} s");
 }
 
 #[test]

@@ -38,26 +38,36 @@ pub(crate) fn emergency_stop(page: &mut Page) -> StopTimes {
     }
 }
 
-/// Emergency stops of a page while another page in control loads so many jobs of 10 MB, ten read
-/// nothing, and two flood: one with requests, one with this message.
+/// Runs `body` while ten pages read nothing and two flood: one with 900 requests a second, one with
+/// this message as fast as it can.
+pub(crate) fn under_load<T>(server: &Server, message: &Value, body: impl FnOnce() -> T) -> T {
+    let ends = AtomicBool::new(false);
+    let silent: Vec<_> = (0..10).map(|_| server.socket().expect("a place")).collect();
+    let result = std::thread::scope(|scope| {
+        let _end = EndOnDrop(&ends);
+        let ends = &ends;
+        scope.spawn(|| flood(server, &json!({ "jog": [0.0, 0.0] }), Some(900), ends));
+        scope.spawn(|| flood(server, message, None, ends));
+        body()
+    });
+    drop(silent);
+    result
+}
+
+/// Emergency stops of a page under this load, while another page takes control and loads so many jobs
+/// of 10 MB.
 pub(crate) fn stops_under_load(server: &Server, message: &Value, jobs: &[usize]) -> Vec<StopTimes> {
     let job = large_job(10).to_string();
     let mut page = server.page();
     page.take_control_and_arm();
     emergency_stop(&mut page);
-    let ends = AtomicBool::new(false);
-    let end = EndOnDrop(&ends);
-    let silent: Vec<_> = (0..10).map(|_| server.socket().expect("a place")).collect();
-    let mut times = Vec::new();
-    std::thread::scope(|scope| {
-        let end = end;
-        let ends = &ends;
-        scope.spawn(|| flood(server, &json!({ "jog": [0.0, 0.0] }), Some(900), ends));
-        scope.spawn(|| flood(server, message, None, ends));
-        for &count in jobs {
-            page.take_control_and_arm();
+    let stop_while_loading = |&count: &usize| {
+        page.take_control_and_arm();
+        let ends = AtomicBool::new(false);
+        std::thread::scope(|scope| {
+            let _end = EndOnDrop(&ends);
             let mut loading = server.socket().expect("a place");
-            let job = &job;
+            let (job, ends) = (&job, &ends);
             let (begun, begins) = mpsc::channel();
             scope.spawn(move || {
                 send(&mut loading, &json!("control"));
@@ -76,12 +86,12 @@ pub(crate) fn stops_under_load(server: &Server, message: &Value, jobs: &[usize])
             while begun.elapsed() < Duration::from_millis(50) {
                 page.next();
             }
-            times.push(emergency_stop(&mut page));
-        }
-        drop(end);
-    });
-    drop(silent);
-    times
+            emergency_stop(&mut page)
+        })
+    };
+    under_load(server, message, || {
+        jobs.iter().map(stop_while_loading).collect()
+    })
 }
 
 /// Ends a flood, also when a test fails.
@@ -132,12 +142,12 @@ pub(crate) fn large_job(megabytes: usize) -> Value {
 fn an_emergency_stop_takes_effect_within_100_ms_while_other_pages_flood_and_load_and_read_nothing()
 {
     let server = Server::start(&[]);
-    let times = stops_under_load(&server, &json!("run"), &[8, 1, 1, 1, 1]);
+    let times = stops_under_load(&server, &json!("run"), &[8, 8, 8]);
     eprintln!("emergency stops under load took {times:.3?}");
     let mut real: Vec<f64> = times.iter().map(|time| time.real).collect();
-    // A busy machine may delay some of them.
     real.sort_by(f64::total_cmp);
-    assert!(real[1] < 0.1, "{times:.3?}");
+    // A busy machine may delay one of them, by far less than a queue or a job would.
+    assert!(real[1] < 0.1 && real[2] < 1.0, "{times:.3?}");
 }
 
 #[test]
