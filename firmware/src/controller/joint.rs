@@ -174,3 +174,27 @@ impl Joint {
         self.observer = ObserverState::at_rest(self.counted(model));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::controller::model::Model;
+    use crate::settings::Settings;
+
+    #[test]
+    fn a_bridge_that_was_off_begins_without_the_integral_of_its_current_loop() {
+        let model = Model::new(&Settings::BENCHTOP.check().unwrap());
+        let [axis, _] = &model.axes;
+        let bus = Bus::new(24.0, 0.95);
+        let mut fresh = Joint::new();
+        fresh.drive(axis, 0.05, &bus);
+        let mut used = Joint::new();
+        for _ in 0..20 {
+            used.drive(axis, 0.05, &bus);
+        }
+        assert!(used.duty > 1.5 * fresh.duty, "the integral grows");
+        used.release();
+        used.drive(axis, 0.05, &bus);
+        assert_eq!(used.duty, fresh.duty);
+    }
+}

@@ -192,3 +192,40 @@ impl AxisModel {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::Settings;
+
+    /// The model of an arm with this change of joint 4.
+    fn model(change: impl FnOnce(&mut AxisSettings)) -> Model {
+        let mut settings = Settings::BENCHTOP;
+        change(&mut settings.axes[1]);
+        Model::new(&settings.check().unwrap())
+    }
+
+    #[test]
+    fn the_limits_of_a_reversed_gear_are_those_of_the_same_gear_forward() {
+        let forward = model(|_| ());
+        let reversed = model(|axis| axis.gear_ratio = -axis.gear_ratio);
+        let ([_, forward4], [_, reversed4]) = (&forward.axes, &reversed.axes);
+        assert_eq!(reversed4.current_per_torque, -forward4.current_per_torque);
+        assert_eq!(reversed4.rest_error, forward4.rest_error);
+        assert_eq!(reversed4.homing_torque, forward4.homing_torque);
+        assert_eq!(reversed.torque_limit.0, forward.torque_limit.0);
+        assert!(reversed4.homing_torque > 0.0);
+    }
+
+    #[test]
+    fn a_joint_is_predicted_by_the_lag_of_its_current_loop_and_the_age_of_its_angle() {
+        let model = model(|axis| axis.encoder_latency = 1e-3);
+        let lags = model.axes.each_ref().map(|axis| {
+            let (angle, _) = axis.servo.position_loop.predict(0.0, 1.0, 0.0);
+            angle
+        });
+        for (lag, wanted) in lags.into_iter().zip([1.0 / 3500.0, 1.0 / 3500.0 + 1e-3]) {
+            assert!((lag - wanted).abs() < 1e-9, "{lag} s");
+        }
+    }
+}

@@ -130,3 +130,34 @@ impl Controller {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::Settings;
+
+    /// The turns of so many ticks, with this current set-point [A] of one joint.
+    fn run(controller: &mut Controller, joint: usize, ticks: u32, demand: impl Fn(u32) -> f32) {
+        for tick in 0..ticks {
+            controller.ticks = tick;
+            controller.joints[joint].demand = demand(tick);
+            controller.take_turn();
+        }
+    }
+
+    #[test]
+    fn the_oscillation_of_either_joint_is_found_and_forgotten_with_the_power() {
+        for joint in [0, 1] {
+            let mut controller = Controller::new(&Settings::BENCHTOP.check().unwrap());
+            let swings = |tick| if tick / 8 % 2 == 0 { 4.0 } else { -4.0 };
+            run(&mut controller, joint, 16_000, swings);
+            let found = controller.pending_off.take();
+            assert_eq!(found, Some(Fault::Oscillation), "joint {joint}");
+            for joint in &mut controller.joints {
+                joint.release();
+            }
+            run(&mut controller, joint, 160, |_| 0.0);
+            assert_eq!(controller.pending_off, None, "joint {joint}");
+        }
+    }
+}

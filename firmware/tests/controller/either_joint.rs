@@ -192,3 +192,15 @@ fn a_counter_that_wraps_on_the_way_changes_nothing() {
         }
     }
 }
+
+#[test]
+fn an_encoder_that_jumps_while_ticks_are_missed_loses_the_angles() {
+    for joint in [0, 1] {
+        let mut rig = Rig::armed(&settings());
+        rig.bench.overlay.missed_ticks = 5;
+        rig.bench.extra_counts = only(joint, 2000, 0);
+        assert_eq!(rig.tick(), OFF);
+        assert_eq!(rig.controller.status().fault, Some(Fault::TickOverrun));
+        assert!(!rig.controller.status().homed);
+    }
+}

@@ -1,6 +1,6 @@
 //! An excitation keeps its limits, each of them by itself, and ends in a stopped arm.
 
-use crate::rig::{OFF, Rig, START, WAKING_TICKS, settings};
+use crate::rig::{OFF, Rig, START, WAKING_TICKS, settings, with};
 use fivebar_firmware::controller::{
     Excitation, ExcitationEnd, Excited, FARTHEST_EXCITATION, Request, RequestError,
 };
@@ -286,4 +286,35 @@ fn faults_end_it_in_their_tick() {
         assert_eq!(rig.controller.fault().unwrap().fault, fault);
         assert_eq!(rig.controller.fault().unwrap().state, State::Exciting);
     }
+}
+
+#[test]
+fn a_voltage_beyond_the_bus_is_given_at_the_greatest_duty() {
+    for sign in [1.0, -1.0] {
+        let mut rig = Rig::new(&with(|s| {
+            s.axes.iter_mut().for_each(|axis| axis.resistance = 20.0);
+        }));
+        let high = Excitation {
+            offset: sign * 30.0,
+            ..GENTLE
+        };
+        rig.controller.request(Request::Excite(high)).unwrap();
+        rig.run(WAKING_TICKS);
+        assert_eq!(rig.tick().duty, [sign * 0.95, 0.0]);
+    }
+}
+
+#[test]
+fn the_travel_of_either_joint_counts_from_where_it_was_at_the_beginning() {
+    let mut rig = Rig::new(&settings());
+    excite(&mut rig, GENTLE);
+    // Joint 1 is away from joint 4 now.
+    let rest = Excitation {
+        offset: 0.0,
+        ticks: 50,
+        travel: 0.03,
+        ..GENTLE
+    };
+    excite(&mut rig, rest);
+    assert_eq!(rig.controller.excitation_end(), Some(ExcitationEnd::Time));
 }

@@ -15,4 +15,5 @@ mod independent_joints;
 mod moving;
 mod stopping;
 mod tool;
+mod unlike_joints;
 mod waking;

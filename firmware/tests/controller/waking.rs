@@ -104,3 +104,19 @@ fn a_path_begins_when_the_bridges_are_awake() {
     assert!((tool_x - f64::from(x - 0.02)).abs() < 1e-4, "{tool_x}");
     assert!((tool_y - f64::from(y)).abs() < 1e-4, "{tool_y}");
 }
+
+#[test]
+fn currents_and_voltages_are_judged_while_the_bridges_wake_up() {
+    for (current, bus, fault) in [
+        (6.5, 24.0, Fault::OverCurrent),
+        (0.0, 40.0, Fault::OverVoltage),
+    ] {
+        let mut rig = homed();
+        rig.controller.request(Request::Arm).unwrap();
+        rig.run(5);
+        rig.bench.current = [0.0, current];
+        rig.bench.bus = bus;
+        assert_eq!(rig.tick().enable, [false; 2], "{fault:?}");
+        assert_eq!(rig.controller.status().fault, Some(fault));
+    }
+}

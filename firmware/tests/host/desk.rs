@@ -8,7 +8,7 @@ use fivebar_firmware::protocol::{
 };
 use fivebar_firmware::recorder::Recorder;
 use fivebar_firmware::session::{Board, Session};
-use fivebar_firmware::settings::BoardLimits;
+use fivebar_firmware::settings::{BoardLimits, CheckedSettings};
 use fivebar_firmware::storage::StorageError;
 use fivebar_firmware::{ActuatorCommand, Planner, Request, SensorSample, Settings};
 
@@ -18,6 +18,8 @@ pub(crate) struct Memory {
     pub(crate) flash: Result<(), StorageError>,
     pub(crate) limits: Option<BoardLimits>,
     pub(crate) recorder: Box<Recorder>,
+    /// How often it was given settings.
+    pub(crate) used: u32,
 }
 
 impl Board for Memory {
@@ -25,6 +27,10 @@ impl Board for Memory {
         self.flash?;
         self.saved.push(*settings);
         Ok(())
+    }
+
+    fn use_settings(&mut self, _: &CheckedSettings) {
+        self.used += 1;
     }
 
     fn limits(&self) -> Option<BoardLimits> {
@@ -77,6 +83,7 @@ impl Desk {
                 flash: Ok(()),
                 limits: None,
                 recorder: Box::default(),
+                used: 0,
             },
             bench: rig::Bench::new(&settings),
             last: Sequence(0xfffe),

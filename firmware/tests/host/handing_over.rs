@@ -126,3 +126,49 @@ fn a_controller_gives_the_version_of_its_library() {
         env!("CARGO_PKG_VERSION")
     );
 }
+
+#[test]
+fn applied_settings_are_the_planners_and_the_boards_too() {
+    let mut desk = Desk::greeted();
+    desk.tick();
+    let mut axis = settings().axes[0];
+    axis.angle_limits = [2.0, 2.4];
+    desk.ask(HostCommand::SetSection(Section::Axis(0, axis)));
+    assert_eq!(desk.board.used, 0);
+    assert_eq!(desk.ask(HostCommand::ApplySettings), Reply::Done);
+    assert_eq!(desk.board.used, 1);
+    desk.tick();
+    for request in [Request::SetAngles(START), Request::Arm] {
+        assert_eq!(desk.ask(HostCommand::Request(request)), Reply::Done);
+    }
+    let to = |theta1| {
+        let kind = MoveKind::Joint {
+            to: [theta1, START[1]],
+            speed: 0.1,
+        };
+        HostCommand::Move(Move {
+            tag: 1,
+            tool: 0,
+            kind,
+        })
+    };
+    assert!(matches!(desk.ask(to(2.5)), Reply::Refused(_)));
+    assert!(matches!(desk.ask(to(2.3)), Reply::Taken { .. }));
+}
+
+#[test]
+fn telemetry_goes_on_after_settings_have_set_the_ticks_to_zero() {
+    let mut desk = Desk::greeted();
+    assert_eq!(desk.ask(HostCommand::Telemetry { every: 10 }), Reply::Done);
+    let run = |desk: &mut Desk, ticks| {
+        let due = (0..ticks).filter(|_| {
+            desk.tick();
+            desk.session.telemetry(&mut desk.controller).is_some()
+        });
+        due.count()
+    };
+    assert_eq!(run(&mut desk, 100), 10);
+    assert_eq!(desk.ask(HostCommand::ApplySettings), Reply::Done);
+    assert!(desk.session.telemetry(&mut desk.controller).is_none());
+    assert_eq!(run(&mut desk, 100), 10);
+}

@@ -1,12 +1,13 @@
 //! Each limit of a planned path by itself.
 
 use crate::rig::{Rig, START, settings, with};
-use fivebar_firmware::MoveKind;
 use fivebar_firmware::controller::{QueuedSegment, Request};
 use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::safety::{Fault, Limits, State};
+use fivebar_firmware::{Move, MoveKind, Planner};
 use fivebar_kinematics::trajectory::TrajectorySegment;
 use nalgebra::Vector2;
+use std::f32::consts::TAU;
 
 /// On its way along 60 mm at 0.1 m/s.
 fn running() -> Rig {
@@ -172,4 +173,37 @@ fn a_joint_move_keeps_the_joints_own_limits_of_speed_and_acceleration() {
         // One half of a joint's acceleration is for its speed, the other for bends of the path.
         assert_reaches([speed, acceleration, 1.0], [2.0, 20.0, 1.0]);
     }
+}
+
+#[test]
+fn moves_behind_a_joint_move_are_planned_in_its_working_mode() {
+    let mut rig = Rig::armed(&settings());
+    // Through the straight leg 1, to 0.05 rad from the end of joint 1's range.
+    let turn = MoveKind::Joint {
+        to: [0.65, 0.9],
+        speed: 0.1,
+    };
+    let planned = |kind| Move {
+        tag: 1,
+        tool: 0,
+        kind,
+    };
+    let end = rig.planner.check(rig.tool_position(), &planned(turn));
+    let end = end.expect("a way");
+    rig.push(1, turn).expect("a way");
+    let in_mode = |elbows_left| {
+        let settings = with(|s| s.elbows_left = elbows_left);
+        Planner::new(&settings.check().expect("valid settings"))
+    };
+    let [before, after] = [[false, true], [true, true]].map(in_mode);
+    let mut differ = 0;
+    for direction in 0..16 {
+        let (sin, cos) = (direction as f32 * TAU / 16.0).sin_cos();
+        let to = [end[0] + 0.015 * cos, end[1] + 0.015 * sin];
+        let line = planned(MoveKind::Line { to, feed: 0.05 });
+        let refusal = |planner: &Planner| planner.check(end, &line).err().map(|error| error.kind);
+        assert_eq!(refusal(&rig.planner), refusal(&after), "{direction}");
+        differ += u32::from(refusal(&before) != refusal(&after));
+    }
+    assert!(differ > 2, "{differ} of 16");
 }

@@ -210,3 +210,15 @@ fn damage_never_makes_settings_that_were_not_saved() {
     });
     found.assert_accepted(0.8);
 }
+
+#[test]
+fn a_half_that_cannot_be_read_is_not_taken_for_an_empty_one() {
+    for half in [0..2 * SECTOR, 2 * SECTOR..4 * SECTOR] {
+        let mut flash = history(4).pop().expect("four saves");
+        let before = flash.bytes.clone();
+        flash.unreadable = half;
+        assert_eq!(load(&mut flash), Err(StorageError::Flash));
+        assert_eq!(save(&mut flash, 5), Err(StorageError::Flash));
+        assert_eq!(flash.bytes, before);
+    }
+}

@@ -2,6 +2,7 @@
 
 #![allow(dead_code, reason = "each binary uses its own part")]
 
+use core::ops::Range;
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash, check_erase, check_read,
     check_write,
@@ -36,6 +37,8 @@ pub(crate) struct Nor {
     pub(crate) erased: usize,
     /// The operation at which the power fails, and what it leaves behind.
     pub(crate) cut: Option<(usize, Cut)>,
+    /// Bytes whose reading fails.
+    pub(crate) unreadable: Range<usize>,
 }
 
 /// What went wrong.
@@ -67,6 +70,7 @@ impl Nor {
             operations: 0,
             erased: 0,
             cut: None,
+            unreadable: 0..0,
         }
     }
 
@@ -92,6 +96,9 @@ impl ReadNorFlash for Nor {
     fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Fault> {
         check_read(self, offset, bytes.len())?;
         let offset = offset as usize;
+        if offset < self.unreadable.end && self.unreadable.start < offset + bytes.len() {
+            return Err(Fault::Dark);
+        }
         bytes.copy_from_slice(&self.bytes[offset..offset + bytes.len()]);
         Ok(())
     }

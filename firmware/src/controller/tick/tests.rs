@@ -1,8 +1,13 @@
 //! The last check before the bridges.
 
 use crate::controller::Request;
+use crate::controller::setpoint::Setpoint;
 use crate::safety::Fault;
-use crate::{ActuatorCommand, Controller, SensorSample, Settings};
+use crate::settings::ToolOutputSettings;
+use crate::{
+    ActuatorCommand, Controller, FULL_TOOL, Move, MoveKind, Planner, SensorSample, Settings,
+};
+use fivebar_kinematics::five_bar::{Side, WorkingMode};
 
 /// Zero current, 24 V.
 const SAMPLE: SensorSample = SensorSample {
@@ -48,4 +53,66 @@ fn a_duty_of_either_joint_that_is_not_a_number_switches_off_in_its_tick() {
         assert!(!controller.tick(&SAMPLE).enable.contains(&true));
         assert_eq!(controller.status().fault, Some(Fault::NotANumber));
     }
+}
+
+#[test]
+fn a_duty_that_is_not_a_number_switches_the_tool_off_in_its_tick() {
+    let mut settings = Settings::BENCHTOP;
+    settings.tool_output = ToolOutputSettings::Switch {
+        active_low: false,
+        down_time: 0.01,
+        up_time: 0.01,
+    };
+    let mut controller = armed(&settings);
+    let mut planner = Planner::new(&settings.check().expect("valid settings"));
+    let dwell = Move {
+        tag: 1,
+        tool: FULL_TOOL,
+        kind: MoveKind::Dwell { duration: 0.5 },
+    };
+    planner.push(&mut controller, &dwell).expect("armed");
+    let off = settings.tool_output.off();
+    let is_on = (0..1000).any(|_| {
+        controller.feed_host_timeout();
+        planner.run(&mut controller);
+        controller.tick(&SAMPLE).tool != off
+    });
+    assert!(is_on);
+    controller.model.axes[0].current_offset = f32::NAN;
+    let command = controller.tick(&SAMPLE);
+    assert_eq!((command.enable, command.tool), ([false; 2], off));
+}
+
+#[test]
+fn what_waits_for_its_turn_and_what_moves_end_with_the_power() {
+    let mut controller = armed(&Settings::BENCHTOP);
+    controller.pending_stop = Some(Fault::CommandTimeout);
+    controller.pending_off = Some(Fault::OverTemperature);
+    controller.at_rest = true;
+    controller.setpoint.omega = [1.0, -1.0];
+    controller.setpoint.alpha = [10.0, -10.0];
+    controller.request(Request::Disarm).expect("accepted");
+    controller.tick(&SAMPLE);
+    assert_eq!(
+        (controller.pending_stop, controller.pending_off),
+        (None, None)
+    );
+    assert!(!controller.at_rest);
+    let Setpoint { omega, alpha, .. } = controller.setpoint;
+    assert_eq!((omega, alpha), ([0.0; 2], [0.0; 2]));
+}
+
+#[test]
+fn an_arm_is_armed_in_the_working_mode_in_which_it_is() {
+    let mut controller = armed(&Settings::BENCHTOP);
+    let mode = controller.working_mode();
+    controller.request(Request::Disarm).expect("accepted");
+    controller.tick(&SAMPLE);
+    // That of a joint move before; somebody has turned the arm back by hand.
+    controller.mode = WorkingMode::new(Side::Left, Side::Left);
+    assert_ne!(controller.mode, mode);
+    for request in [Request::SetAngles([2.2, 0.9]), Request::Arm] {
+        controller.request(request).expect("accepted");
+    }
+    assert_eq!(controller.working_mode(), mode);
 }

@@ -175,3 +175,11 @@ fn an_arm_is_abandoned_after_a_minute_of_silence_and_stays_so() {
         assert_eq!(monitor.abandoned(ticks), abandoned, "after {ticks} ticks");
     }
 }
+
+#[test]
+fn the_margin_at_c_counts_with_the_lengths_of_both_links() {
+    let mut unlike = Settings::BENCHTOP;
+    unlike.lengths[2] = 0.18;
+    let monitor = monitor_of(&unlike);
+    assert!((monitor.margin - 0.5 * 0.15 * 0.16 * 0.18).abs() < 1e-9);
+}
