@@ -18,6 +18,7 @@
 //!
 //! |r − p| ≤ ℓ (3/32 |Δt| + 0.0028 ℓ|Δκ| + 0.0022 ℓ² (κ₀² + κ₁²)).
 
+use super::corner_limits::CornerLimits;
 use super::curve::Curve;
 use super::number::{max, min};
 use super::path_segment::PathSegment;
@@ -126,7 +127,7 @@ fn hermite<S: Scalar>(
 /// With a low jerk, the speed limit of a tight corner can be so low, and apply for so long,
 /// that a stop takes less time.
 pub(super) fn saves_time<S: Scalar>(
-    corner: &MotionLimits<S>,
+    corner: &CornerLimits<S>,
     half: S,
     middle: S,
     straight: &MotionLimits<S>,
@@ -137,7 +138,8 @@ pub(super) fn saves_time<S: Scalar>(
         let rest = max(way - distance(&slowing), S::ZERO) / fast;
         slowing.iter().fold(rest, |sum, phase| sum + phase.duration)
     };
-    let rounded = half / corner.speed + time(corner.speed, middle - half);
+    let out = corner.speed_after(half);
+    let rounded = half * S::TWO / (corner.middle + out) + time(out, middle - half);
     rounded < time(S::ZERO, middle)
 }
 

@@ -1,9 +1,11 @@
 //! Whether a move may be made, and how fast: the whole path is verified, and the motion
 //! limits follow from what it demands of the joints.
 
+use super::corner_limits::{CornerLimits, corner_limits};
 use super::envelope::Envelope;
 use super::error::{ConstraintViolation, PathError};
 use super::motion_limits::{JointDemand, tool_limits};
+use super::number::min;
 use super::path_segment::PathSegment;
 use super::ramp::MotionLimits;
 use crate::Scalar;
@@ -29,6 +31,21 @@ impl<S: Scalar> Envelope<S> {
                 point: segment.start(),
                 violation: ConstraintViolation::Limits,
             })
+    }
+
+    /// As [`Self::check`], for the blend of a corner; `None` where the corner cannot be rounded.
+    pub(super) fn check_corner(
+        &self,
+        blend: &PathSegment<S>,
+        speed: S,
+    ) -> Option<CornerLimits<S>> {
+        let mut demand = JointDemand::none();
+        self.verify_path(blend, |point, pose| demand.add_path(self, point, pose))
+            .ok()?;
+        let tool = corner_limits(blend, speed, &self.tool_motion);
+        let halves = demand.within(&tool.halves, self)?;
+        let middle = min(tool.middle, halves.speed);
+        Some(CornerLimits { middle, halves })
     }
 
     /// Checks the whole of a straight joint move against the envelope. Links 2 and 3 must

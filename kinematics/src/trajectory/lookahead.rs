@@ -7,10 +7,9 @@
 //! other segments are planned again when more are pushed. A corner is rounded if the present
 //! motion still allows it; otherwise the motion stops there.
 
-use super::blend::{blend, saves_time};
 use super::envelope::Envelope;
 use super::error::PushError;
-use super::number::{max, min};
+use super::number::max;
 use super::path_segment::PathSegment;
 use super::profile::{Motion, VelocityProfile, time_to_cover};
 use super::queue::{PlannedSegment, Queue};
@@ -20,7 +19,10 @@ use super::window::LookaheadWindow;
 use crate::Scalar;
 use nalgebra::Vector2;
 
-/// A queue of up to `N` segments; a move takes one, and one more for the corner before it.
+/// Planned segments of a move: its own, and two for the halves of the corner before it.
+const SEGMENTS_PER_MOVE: usize = 3;
+
+/// A queue of up to `N` segments; a move takes one, and two more for the corner before it.
 ///
 /// ```
 /// use fivebar_kinematics::trajectory::{LookaheadPlanner, MotionLimits, Reference};
@@ -43,13 +45,13 @@ use nalgebra::Vector2;
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct LookaheadPlanner<S, const N: usize> {
-    queue: Queue<S, N>,
+    pub(super) queue: Queue<S, N>,
     /// The end of the committed motion, as distance in the first planned segment [m].
-    place: S,
-    motion: Motion<S>,
-    profile: Option<VelocityProfile<S>>,
+    pub(super) place: S,
+    pub(super) motion: Motion<S>,
+    pub(super) profile: Option<VelocityProfile<S>>,
     /// The tool's output during the moves that are pushed next.
-    tool: ToolOutput<S>,
+    pub(super) tool: ToolOutput<S>,
     /// The first planned segment has changed since the last planning.
     stale: bool,
 }
@@ -80,7 +82,7 @@ impl<S: Scalar, const N: usize> LookaheadPlanner<S, N> {
 
     /// The number of moves of any kind that can be pushed now.
     pub fn free_slots(&self) -> usize {
-        (N - self.queue.len()) / 2
+        (N - self.queue.len()) / SEGMENTS_PER_MOVE
     }
 
     /// Whether all pushed moves have been returned as trajectory segments.
@@ -112,11 +114,13 @@ impl<S: Scalar, const N: usize> LookaheadPlanner<S, N> {
         if !self.push_rounded(segment, limits, tag, envelope) {
             self.queue.push(PlannedSegment {
                 shape: Shape::Path(*segment.curve()),
+                offset: S::ZERO,
                 length: segment.length(),
                 free: segment.length() * S::HALF,
                 limits,
+                entry: limits.speed,
                 tag,
-                tool: [self.tool; 2],
+                tool: self.tool,
                 from_rest: true,
             });
         }
@@ -147,11 +151,13 @@ impl<S: Scalar, const N: usize> LookaheadPlanner<S, N> {
                     from,
                     direction: [d1 / length, d4 / length],
                 },
+                offset: S::ZERO,
                 length,
                 free: S::ZERO,
                 limits,
+                entry: limits.speed,
                 tag,
-                tool: [self.tool; 2],
+                tool: self.tool,
                 from_rest: true,
             });
         }
@@ -176,110 +182,32 @@ impl<S: Scalar, const N: usize> LookaheadPlanner<S, N> {
         self.check(&any, duration)?;
         self.queue.push(PlannedSegment {
             shape: Shape::Rest(position),
+            offset: S::ZERO,
             length: duration,
             free: S::ZERO,
             limits: any,
+            entry: any.speed,
             tag,
-            tool: [self.tool; 2],
+            tool: self.tool,
             from_rest: true,
         });
         Ok(())
     }
 
     fn check(&self, limits: &MotionLimits<S>, length: S) -> Result<(), PushError> {
-        // Behind a dwell no corner is rounded, so every move takes one slot.
+        // Behind a dwell no corner is rounded, so every move takes one place.
         let rests = self
             .queue
             .last()
             .is_some_and(|last| matches!(last.shape, Shape::Rest(_)));
         let free = N - self.queue.len();
-        if free == 0 || (free == 1 && !rests) {
+        if free == 0 || (free < SEGMENTS_PER_MOVE && !rests) {
             return Err(PushError::Full);
         }
         if !(limits.are_valid() && length.is_finite() && length >= S::ZERO) {
             return Err(PushError::NotFinite);
         }
         Ok(())
-    }
-
-    /// Pushes the segment with its corner rounded. Returns false, with the queue unchanged,
-    /// where the corner cannot be rounded.
-    fn push_rounded(
-        &mut self,
-        segment: &PathSegment<S>,
-        limits: MotionLimits<S>,
-        tag: u32,
-        envelope: &Envelope<S>,
-    ) -> bool {
-        let Some(last) = self.queue.last() else {
-            return false;
-        };
-        let Shape::Path(curve) = last.shape else {
-            return false;
-        };
-        let done = if self.queue.len() == 1 {
-            self.place
-        } else {
-            S::ZERO
-        };
-        let reach = [
-            min(last.free, last.length - done),
-            segment.length() * S::HALF,
-        ];
-        let before = PathSegment::new(curve, last.length);
-        let speed = min(last.limits.speed, limits.speed);
-        let Some((corner, corner_limits)) =
-            blend(&before, segment, envelope.corner_tolerance, reach)
-                .and_then(|corner| Some((corner, envelope.check(&corner, speed).ok()?)))
-        else {
-            return false;
-        };
-        let half = corner.length() * S::HALF;
-        let in_hand = self.queue.run() == self.queue.len();
-        // A blend before this one has taken of the segment before, so this one may reach past its middle.
-        let middle = max(S::HALF * min(before.length(), segment.length()), half);
-        if !saves_time(&corner_limits, half, middle, &last.limits.tightest(&limits)) {
-            return false;
-        }
-        let unshortened = *last;
-        let [_, tool_before] = last.tool;
-        self.queue.shorten_last(half);
-        self.queue.push(PlannedSegment {
-            shape: Shape::Path(*corner.curve()),
-            length: corner.length(),
-            free: S::ZERO,
-            limits: corner_limits,
-            tag,
-            tool: [tool_before, self.tool],
-            from_rest: false,
-        });
-        let rest = segment.part(half, segment.length());
-        self.queue.push(PlannedSegment {
-            shape: Shape::Path(*rest.curve()),
-            length: rest.length(),
-            free: segment.length() * S::HALF,
-            limits,
-            tag,
-            tool: [self.tool; 2],
-            from_rest: false,
-        });
-        if !in_hand {
-            // A point of rest lies before it, so planning starts there.
-            return true;
-        }
-        // The present profile may end at the former corner.
-        let kept = self
-            .profile
-            .filter(|profile| profile.segments + 2 < self.queue.run());
-        self.profile = match self.window().best_profile(kept) {
-            None if self.motion != Motion::at_rest() => {
-                self.queue.drop_last(3);
-                self.queue.push(unshortened);
-                return false;
-            }
-            profile => profile,
-        };
-        true
     }
 
     /// The next trajectory segment, starting where the last one ended; `None` when all moves
@@ -293,9 +221,11 @@ impl<S: Scalar, const N: usize> LookaheadPlanner<S, N> {
                 if head.length <= S::ZERO {
                     continue;
                 }
-                let [tool, _] = head.tool;
                 let rest = TrajectorySegment::rest(position, head.length, head.tag);
-                return Some(TrajectorySegment { tool, ..rest });
+                return Some(TrajectorySegment {
+                    tool: head.tool,
+                    ..rest
+                });
             }
             if let Some(segment) = self.advance(&head) {
                 return Some(segment);
@@ -304,8 +234,8 @@ impl<S: Scalar, const N: usize> LookaheadPlanner<S, N> {
         None
     }
 
-    /// Advances to the end of the profile's phase, to a change of the tool's output or to the end
-    /// of the first planned segment, whichever comes first.
+    /// Advances to the end of the profile's phase or to the end of the first planned segment,
+    /// whichever comes first.
     fn advance(&mut self, head: &PlannedSegment<S>) -> Option<TrajectorySegment<S>> {
         if self.stale || self.profile.is_none() {
             self.profile = self.window().best_profile(self.profile);
@@ -334,15 +264,16 @@ impl<S: Scalar, const N: usize> LookaheadPlanner<S, N> {
             }
             return None;
         };
-        let change = head.tool_change_after(self.place);
-        let left = change.map_or(left, |change| change - self.place);
-        let [before, after] = head.tool;
-        let tool = if change.is_some() { before } else { after };
-        let law = TimeLaw::new(self.place, phase.speed, phase.acceleration, phase.jerk);
+        let law = TimeLaw::new(
+            head.offset + self.place,
+            phase.speed,
+            phase.acceleration,
+            phase.jerk,
+        );
         let way = phase.distance();
         // In its last segment a profile runs to its own end, which is the segment's end apart
         // from rounding.
-        let whole = way <= left || (profile.segments <= 1 && change.is_none());
+        let whole = way <= left || profile.segments <= 1;
         let duration = if whole {
             profile.skip_phase();
             self.place += way;
@@ -363,9 +294,7 @@ impl<S: Scalar, const N: usize> LookaheadPlanner<S, N> {
             },
         };
         self.profile = Some(profile);
-        if let (false, Some(change)) = (whole, change) {
-            self.place = change;
-        } else if !whole {
+        if !whole {
             self.leave_segment();
             if let Some(profile) = &mut self.profile {
                 profile.segments -= 1;
@@ -377,11 +306,11 @@ impl<S: Scalar, const N: usize> LookaheadPlanner<S, N> {
             law,
             duration,
             tag: head.tag,
-            tool,
+            tool: head.tool,
         })
     }
 
-    fn window(&self) -> LookaheadWindow<'_, S, N> {
+    pub(super) fn window(&self) -> LookaheadWindow<'_, S, N> {
         LookaheadWindow {
             queue: &self.queue,
             place: self.place,

@@ -19,6 +19,8 @@
 mod blend;
 mod bounds;
 mod check;
+mod corner;
+mod corner_limits;
 mod curve;
 mod envelope;
 mod error;

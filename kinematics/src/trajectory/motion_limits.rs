@@ -39,26 +39,31 @@ pub(super) fn tool_limits<S: Scalar>(
     tool: &MotionLimits<S>,
 ) -> MotionLimits<S> {
     let bounds = CurveBounds::of(segment.curve());
-    let first = max(bounds.first, S::ONE);
-    let straight = MotionLimits {
-        speed: min(speed, tool.speed) / first,
-        acceleration: tool.acceleration / first,
-        jerk: tool.jerk / first,
-    };
+    let straight = tool_straight(&bounds, speed, tool);
     if bounds.second == S::ZERO {
         return straight;
     }
     share_out(&straight, &bounds)
 }
 
-fn share_out<S: Scalar>(straight: &MotionLimits<S>, bounds: &CurveBounds<S>) -> MotionLimits<S> {
+/// The limits that keep the tool's own where a path of these bounds is straight.
+pub(super) fn tool_straight<S: Scalar>(
+    bounds: &CurveBounds<S>,
+    speed: S,
+    tool: &MotionLimits<S>,
+) -> MotionLimits<S> {
+    let first = max(bounds.first, S::ONE);
+    MotionLimits {
+        speed: min(speed, tool.speed) / first,
+        acceleration: tool.acceleration / first,
+        jerk: tool.jerk / first,
+    }
+}
+
+pub(super) fn share_out<S: Scalar>(straight: &MotionLimits<S>, bounds: &CurveBounds<S>) -> MotionLimits<S> {
     let c = S::from_f64;
     let (a, j) = (straight.acceleration, straight.jerk);
-    let (bending, turning) = if bounds.apart {
-        (c(0.7), c(0.35))
-    } else {
-        (c(0.5), c(0.2))
-    };
+    let (bending, turning) = (c(0.5), c(0.2));
     let along = c(0.6);
     // |r″ṡ² + r′s̈|² = aₙ² + aₜ² + 2 aₙ aₜ cos; with aₜ = 0.6 a, aₙ = (√(1 − 0.36 sin²) − 0.6 cos) a.
     let cos = min(bounds.lean / bounds.second, S::ONE);
@@ -193,7 +198,6 @@ impl<S: Scalar> JointDemand<S> {
     ) -> Option<MotionLimits<S>> {
         let mut limits = *limits;
         let usable = S::from_f64(USABLE);
-        let half = S::HALF * usable;
         for (((rate, bend), speed), acceleration) in self
             .rate
             .into_iter()
@@ -202,11 +206,9 @@ impl<S: Scalar> JointDemand<S> {
             .zip(envelope.joint_acceleration)
         {
             limits.speed = bounded_by(limits.speed, speed * usable, rate);
-            limits.speed = bounded_by_root(limits.speed, acceleration * half, bend);
-            limits.acceleration = bounded_by(limits.acceleration, acceleration * half, rate);
+            share(&mut limits, acceleration * usable, bend, rate);
         }
-        limits.speed = bounded_by_root(limits.speed, S::HALF, self.passing);
-        limits.acceleration = bounded_by(limits.acceleration, S::HALF, self.starting);
+        share(&mut limits, S::ONE, self.passing, self.starting);
         limits.are_valid().then_some(limits)
     }
 
@@ -241,6 +243,17 @@ fn no_pose(error: PoseError) -> ConstraintViolation {
 
 fn greater<S: Scalar>([a1, a4]: [S; 2], [b1, b4]: [S; 2]) -> [S; 2] {
     [max(a1, b1.abs()), max(a4, b4.abs())]
+}
+
+/// Tightens speed and acceleration until `passing` ṡ² + `starting` |s̈| is within `limit`. Each
+/// has half of it, and what the other leaves of its half.
+fn share<S: Scalar>(limits: &mut MotionLimits<S>, limit: S, passing: S, starting: S) {
+    let half = limit * S::HALF;
+    let passed = passing * limits.speed * limits.speed;
+    let started = starting * limits.acceleration;
+    limits.speed = bounded_by_root(limits.speed, limit - min(half, started), passing);
+    limits.acceleration =
+        bounded_by(limits.acceleration, limit - min(half, passed), starting);
 }
 
 /// The lesser of `value` and `limit`/`per`, if that is a finite limit.

@@ -8,26 +8,19 @@ use crate::Scalar;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PlannedSegment<S> {
     pub(super) shape: Shape<S>,
+    /// Where it starts on the shape: the second half of a blend starts in its middle [m].
+    pub(super) offset: S,
     /// Length: of a curve [m], of a joint move [rad], of a dwell [s].
     pub(super) length: S,
     /// The part of its end that the next corner may replace [m].
     pub(super) free: S,
     pub(super) limits: MotionLimits<S>,
+    /// Greatest speed at its start, at most that of its limits [m/s].
+    pub(super) entry: S,
     pub(super) tag: u32,
-    /// The tool's output on its first and on its second half. They differ only at a corner
-    /// between two moves with different outputs.
-    pub(super) tool: [ToolOutput<S>; 2],
+    pub(super) tool: ToolOutput<S>,
     /// The motion along it must start from rest.
     pub(super) from_rest: bool,
-}
-
-impl<S: Scalar> PlannedSegment<S> {
-    /// Where the tool's output changes, if that is ahead of `place` [m].
-    pub(super) fn tool_change_after(&self, place: S) -> Option<S> {
-        let [first, second] = &self.tool;
-        let middle = self.length * S::HALF;
-        (first != second && place < middle).then_some(middle)
-    }
 }
 
 /// A ring buffer of planned segments.

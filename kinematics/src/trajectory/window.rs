@@ -39,9 +39,14 @@ impl<S: Scalar, const N: usize> LookaheadWindow<'_, S, N> {
         let first = self.queue.first()?;
         let mut ahead = [(S::ZERO, first.limits); N];
         let (mut way, mut limits) = (-self.place, first.limits);
-        for (planned, slot) in self.queue.iter().take(segments).zip(&mut ahead) {
+        for (index, (planned, slot)) in
+            self.queue.iter().take(segments).zip(&mut ahead).enumerate()
+        {
             way += planned.length;
             limits = limits.tightest(&planned.limits);
+            if index > 0 {
+                limits.speed = min(limits.speed, planned.entry);
+            }
             *slot = (way, limits);
         }
         let mut best: Option<(VelocityProfile<S>, S, S)> = None;
@@ -85,11 +90,18 @@ impl<S: Scalar, const N: usize> LookaheadWindow<'_, S, N> {
         for boundary in (1..segments).rev() {
             let mut best = S::ZERO;
             let mut way = S::ZERO;
-            let Some(mut limits) = self.queue.get(boundary).map(|planned| planned.limits) else {
+            let Some((mut limits, entry_limit)) = self
+                .queue
+                .get(boundary)
+                .map(|planned| (planned.limits, planned.entry))
+            else {
                 continue;
             };
             for (index, planned) in self.queue.iter().enumerate().take(segments).skip(boundary) {
                 limits = limits.tightest(&planned.limits);
+                if index > boundary {
+                    limits.speed = min(limits.speed, planned.entry);
+                }
                 way += planned.length;
                 if limits.speed <= best {
                     break;
@@ -103,7 +115,7 @@ impl<S: Scalar, const N: usize> LookaheadWindow<'_, S, N> {
                 .get(boundary - 1)
                 .map(|planned| planned.limits.speed);
             if let (Some(slot), Some(before)) = (entry.get_mut(boundary), before) {
-                *slot = min(best, before);
+                *slot = min(best, min(before, entry_limit));
             }
         }
         entry
