@@ -28,8 +28,8 @@ use rtic_core::Mutex;
 pub use error::{LONGEST, MoveError, MoveErrorKind};
 pub use supply::SEGMENTS_PER_RUN;
 
-/// Planned segments in the look-ahead. A move takes one, and one more for a rounded corner.
-pub const PLANNED_SEGMENTS: usize = 32;
+/// Planned segments in the look-ahead. A move takes one, and two more for a rounded corner.
+pub const PLANNED_SEGMENTS: usize = 48;
 
 /// Time of path that the controller gets beyond what a stop needs [s].
 const RESERVE: f32 = 0.03;

@@ -18,11 +18,11 @@
 //!
 //! |r − p| ≤ ℓ (3/32 |Δt| + 0.0028 ℓ|Δκ| + 0.0022 ℓ² (κ₀² + κ₁²)).
 
-use super::corner_limits::CornerLimits;
 use super::curve::Curve;
 use super::number::{max, min};
 use super::path_segment::PathSegment;
 use super::ramp::{MotionLimits, distance, greatest_entry_speed, ramp};
+use super::shares::BendLimits;
 use crate::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 
@@ -121,31 +121,31 @@ fn hermite<S: Scalar>(
     )
 }
 
-/// Whether passing a corner at its speed limit is faster than stopping there. Compares the
-/// times from `middle` [m] before the corner, half of the corner's blend at its speed limit.
-///
-/// With a low jerk, the speed limit of a tight corner can be so low, and apply for so long,
-/// that a stop takes less time.
-pub(super) fn saves_time<S: Scalar>(
-    corner: &CornerLimits<S>,
-    half: S,
+/// The time [s] from `middle` [m] before the middle of a corner to that, or from there: at rest
+/// there, or, with the limits of a blend of which one half is `half` [m] long, in motion.
+pub(super) fn time_to_corner<S: Scalar>(
+    rounded: Option<(&BendLimits<S>, S)>,
     middle: S,
     straight: &MotionLimits<S>,
-) -> bool {
+) -> S {
     let time = |speed: S, way: S| {
         let fast = min(greatest_entry_speed(speed, way, straight), straight.speed);
         let slowing = ramp(fast, S::ZERO, speed, straight);
         let rest = max(way - distance(&slowing), S::ZERO) / fast;
         slowing.iter().fold(rest, |sum, phase| sum + phase.duration)
     };
-    let out = corner.speed_after(half);
-    let rounded = half * S::TWO / (corner.middle + out) + time(out, middle - half);
-    rounded < time(S::ZERO, middle)
+    match rounded {
+        None => time(S::ZERO, middle),
+        Some((limits, half)) => {
+            let out = limits.speed_after(half);
+            half * S::TWO / (limits.middle + out) + time(out, middle - half)
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::bounds::CurveBounds;
+    use super::super::bounds::{Bend, CurveBounds, PLACES};
     use super::*;
     use crate::trajectory::Sense;
     use proptest::prelude::*;
@@ -239,29 +239,30 @@ mod tests {
                 prop_assert!((here.curvature - there.curvature).length() < 1e-9 * scale);
             }
             let bounds = CurveBounds::of(corner.curve());
-            let mut greatest = [0.0_f64; 4];
+            let bends = bounds.bends.unwrap();
+            let mut greatest = [0.0_f64; 2];
             for i in 0..=500 {
                 let s = length * f64::from(i) / 500.0;
                 let (here, there) = (corner.at(s), path(s));
                 prop_assert!((here.position - there.position).length() <= tolerance * (1.0 + 1e-9));
                 let ahead = corner.at(s + 1e-6 * length).curvature;
                 let third = (ahead - here.curvature) * (1e6 / length);
-                let found = [
-                    here.tangent.length(),
-                    here.curvature.length(),
-                    third.length(),
-                    here.tangent.dot(&here.curvature).abs(),
-                ];
-                for (greatest, found) in greatest.iter_mut().zip(found) {
-                    *greatest = greatest.max(found);
-                }
+                // The bounds hold between the places on either side.
+                let place = ((2.0 * s / length - 1.0).abs() * (PLACES - 1) as f64).min(7.999) as usize;
+                let stated = |of: fn(&Bend<f64>) -> f64| of(&bends[place]).max(of(&bends[place + 1]));
+                let second = here.curvature.length();
+                prop_assert!(here.tangent.length() <= bounds.first * (1.0 + 1e-9));
+                prop_assert!(here.tangent.length() <= stated(|bend| bend.first) * (1.0 + 1e-9));
+                prop_assert!(second <= stated(|bend| bend.second) * (1.0 + 1e-9));
+                prop_assert!(third.length() <= stated(|bend| bend.third) * (1.0 + 1e-4));
+                greatest = [greatest[0].max(second), greatest[1].max(third.length())];
             }
-            // The bounds hold, and are not far above what they bound.
-            let stated = [bounds.first, bounds.second, bounds.third, bounds.lean];
-            for (stated, found) in stated.iter().zip(greatest) {
-                prop_assert!(found <= stated * (1.0 + 1e-4));
+            // They are not far above what they bound.
+            for (second, found) in [true, false].into_iter().zip(greatest) {
+                let of = |bend: &Bend<f64>| if second { bend.second } else { bend.third };
+                let most = bends.iter().map(of).fold(0.0, f64::max);
+                prop_assert!(most <= 1.1 * found + 1e-3 / length, "{most} for {found}");
             }
-            prop_assert!(bounds.second <= 1.1 * greatest[1] + 1e-3);
         }
     }
 

@@ -5,19 +5,53 @@ use super::number::max;
 use crate::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 
-/// The greatest values along a curve of the quantities that limit the speed on it.
+/// Places from the middle of a blend to its ends.
+pub(super) const PLACES: usize = 9;
+
+/// Bounds on the bend of a curve, as far from its middle in both directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct CurveBounds<S> {
+pub(super) struct Bend<S> {
     /// |r′|.
     pub(super) first: S,
     /// |r″| [1/m].
     pub(super) second: S,
     /// |r‴| [1/m²].
     pub(super) third: S,
-    /// |r′·r″| [1/m]: the component of r″ along the path.
-    pub(super) lean: S,
-    /// Whether |r″| is 0 where |r‴| is greatest, as in a corner between lines.
-    pub(super) apart: bool,
+    /// Cosine of the angle between r″ and the path, without sign.
+    pub(super) second_lean: S,
+    /// Cosine of the angle between the path and the sum of any multiples of r″ and r‴.
+    pub(super) third_lean: S,
+}
+
+impl<S: Scalar> Bend<S> {
+    fn none() -> Self {
+        Self {
+            first: S::ZERO,
+            second: S::ZERO,
+            third: S::ZERO,
+            second_lean: S::ZERO,
+            third_lean: S::ZERO,
+        }
+    }
+
+    fn add(&mut self, other: &Self) {
+        self.first = max(self.first, other.first);
+        self.second = max(self.second, other.second);
+        self.third = max(self.third, other.third);
+        self.second_lean = max(self.second_lean, other.second_lean);
+        self.third_lean = max(self.third_lean, other.third_lean);
+    }
+}
+
+/// The greatest values along a curve of the quantities that limit the speed on it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct CurveBounds<S> {
+    /// |r′|, 1 or more.
+    pub(super) first: S,
+    /// The bend at places from the middle to the ends; `None` on a line.
+    pub(super) bends: Option<[Bend<S>; PLACES]>,
+    /// The bend is the same everywhere.
+    pub(super) is_even: bool,
 }
 
 impl<S: Scalar> CurveBounds<S> {
@@ -26,17 +60,22 @@ impl<S: Scalar> CurveBounds<S> {
         match *curve {
             Curve::Line { .. } => Self {
                 first: S::ONE,
-                second: S::ZERO,
-                third: S::ZERO,
-                lean: S::ZERO,
-                apart: false,
+                bends: None,
+                is_even: true,
             },
             Curve::Arc { curvature, .. } => Self {
                 first: S::ONE,
-                second: curvature.abs(),
-                third: curvature * curvature,
-                lean: S::ZERO,
-                apart: false,
+                bends: Some(
+                    [Bend {
+                        first: S::ONE,
+                        second: curvature.abs(),
+                        third: curvature * curvature,
+                        second_lean: S::ZERO,
+                        // r‴ is along the path.
+                        third_lean: S::ONE,
+                    }; PLACES],
+                ),
+                is_even: true,
             },
             Curve::Blend {
                 coefficients,
@@ -48,14 +87,13 @@ impl<S: Scalar> CurveBounds<S> {
 
 /// Bounds on a quintic's derivatives by length.
 ///
-/// Between samples a distance h apart a function exceeds the greater of them by at most
-/// h²/8 times its greatest second derivative, and the fourth derivative of a quintic is
-/// linear, so its greatest is at an end: samples and that remainder bound the rest.
+/// Between samples a distance h apart a function exceeds the straight line between them by at most
+/// h²/8 times its greatest second derivative, and the fourth derivative of a quintic is linear,
+/// so its greatest is at an end: samples and that remainder bound the rest.
 fn of_quintic<S: Scalar>(coefficients: &[Vector2<S>; 6], inverse_length: S) -> CurveBounds<S> {
-    const INTERVALS: u8 = 8;
-    let step = S::from_f64(1.0 / f64::from(INTERVALS));
-    let [_, c1, c2, c3, c4, c5] = *coefficients;
     let c = S::from_f64;
+    let step = c(0.5 / (PLACES - 1) as f64);
+    let [_, c1, c2, c3, c4, c5] = *coefficients;
     let fifth = c5 * c(120.0);
     let fourth = |u: S| c4 * c(24.0) + fifth * u;
     let third = |u: S| c3 * c(6.0) + (c4 * c(24.0) + c5 * (c(60.0) * u)) * u;
@@ -63,29 +101,56 @@ fn of_quintic<S: Scalar>(coefficients: &[Vector2<S>; 6], inverse_length: S) -> C
     let first =
         |u: S| c1 + (c2 * c(2.0) + (c3 * c(3.0) + (c4 * c(4.0) + c5 * (c(5.0) * u)) * u) * u) * u;
 
-    let m4 = max(fourth(S::ZERO).length(), fourth(S::ONE).length());
-    let m5 = fifth.length();
-    let (mut m1, mut m2, mut m3, mut lean) = (S::ZERO, S::ZERO, S::ZERO, S::ZERO);
-    let mut u = S::ZERO;
-    for _ in 0..=INTERVALS {
-        m1 = max(m1, first(u).length());
-        m2 = max(m2, second(u).length());
-        m3 = max(m3, third(u).length());
-        lean = max(lean, first(u).dot(&second(u)).abs());
-        u += step;
-    }
     // h²/8.
     let between = step * step * c(1.0 / 8.0);
-    m3 += between * m5;
-    m2 += between * m4;
-    lean += between * (c(3.0) * m2 * m3 + (m1 + between * m3) * m4);
-    m1 += between * m3;
+    let of_second = between * max(fourth(S::ZERO).length(), fourth(S::ONE).length());
+    let of_third = between * fifth.length();
+    // A vector near 0 has no direction: a little of the greatest is added to all.
+    let a_little = |lengths: [S; 3]| {
+        let greatest = lengths.into_iter().fold(S::ZERO, |a, b| max(a, b));
+        greatest * c(0.003)
+    };
+    let places = [S::ZERO, S::HALF, S::ONE];
+    let least_second = of_second + a_little(places.map(|u| second(u).length()));
+    let thirds = places.map(|u| third(u).length());
+    let least_third = of_third + a_little(thirds);
+    // The third derivative is a quadratic: from its ends and middle it rises by an eighth of its
+    // second derivative at most.
+    let bent = max(thirds[0], max(thirds[1], thirds[2])) + fifth.length() * c(1.0 / 32.0);
+    let of_first = between * bent * inverse_length;
     let per = inverse_length;
+    let mut greatest = S::ZERO;
+    let mut bends = [Bend::none(); PLACES];
+    let mut d = S::ZERO;
+    for bend in &mut bends {
+        for u in [S::HALF + d, S::HALF - d] {
+            let (along, second, third) = (first(u), second(u), third(u));
+            let length = along.length();
+            let lean = |v: Vector2<S>, bound: S| {
+                let part = v.dot(&along).abs();
+                if part < bound * length {
+                    part / (bound * length)
+                } else {
+                    S::ONE
+                }
+            };
+            let l2 = second.length() + least_second;
+            let l3 = third.length() + least_third;
+            let second_lean = lean(second, l2);
+            bend.add(&Bend {
+                first: length * per + of_first,
+                second: l2 * (per * per),
+                third: l3 * (per * per * per),
+                second_lean,
+                third_lean: max(second_lean, lean(third, l3)),
+            });
+            greatest = max(greatest, length);
+        }
+        d += step;
+    }
     CurveBounds {
-        first: m1 * per,
-        second: m2 * (per * per),
-        third: m3 * (per * per * per),
-        lean: lean * (per * per * per),
-        apart: c2 == Vector2::zeros() && second(S::ONE).length() <= m2 * c(1e-3),
+        first: max(greatest * per + of_first, S::ONE),
+        bends: Some(bends),
+        is_even: false,
     }
 }

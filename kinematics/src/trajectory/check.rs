@@ -1,13 +1,13 @@
 //! Whether a move may be made, and how fast: the whole path is verified, and the motion
 //! limits follow from what it demands of the joints.
 
-use super::corner_limits::{CornerLimits, corner_limits};
 use super::envelope::Envelope;
 use super::error::{ConstraintViolation, PathError};
-use super::motion_limits::{JointDemand, tool_limits};
+use super::motion_limits::JointDemand;
 use super::number::min;
 use super::path_segment::PathSegment;
 use super::ramp::MotionLimits;
+use super::shares::{BendLimits, tool_limits};
 use crate::Scalar;
 use crate::five_bar::{Pose, Side};
 
@@ -22,30 +22,28 @@ impl<S: Scalar> Envelope<S> {
         segment: &PathSegment<S>,
         speed: S,
     ) -> Result<MotionLimits<S>, PathError<S>> {
-        let mut demand = JointDemand::none();
-        self.verify_path(segment, |point, pose| demand.add_path(self, point, pose))?;
-        demand
-            .within(&tool_limits(segment, speed, &self.tool_motion), self)
-            .ok_or(PathError {
-                fraction: S::ZERO,
-                point: segment.start(),
-                violation: ConstraintViolation::Limits,
-            })
+        self.check_bend(segment, speed).map(|limits| MotionLimits {
+            speed: limits.middle,
+            ..limits.halves
+        })
     }
 
-    /// As [`Self::check`], for the blend of a corner; `None` where the corner cannot be rounded.
-    pub(super) fn check_corner(
+    /// As [`Self::check`], with a limit of its own for the speed in the middle.
+    pub(super) fn check_bend(
         &self,
-        blend: &PathSegment<S>,
+        segment: &PathSegment<S>,
         speed: S,
-    ) -> Option<CornerLimits<S>> {
+    ) -> Result<BendLimits<S>, PathError<S>> {
         let mut demand = JointDemand::none();
-        self.verify_path(blend, |point, pose| demand.add_path(self, point, pose))
-            .ok()?;
-        let tool = corner_limits(blend, speed, &self.tool_motion);
-        let halves = demand.within(&tool.halves, self)?;
+        self.verify_path(segment, |point, pose| demand.add_path(self, point, pose))?;
+        let tool = tool_limits(segment, speed, &self.tool_motion);
+        let halves = demand.within(&tool.halves, self).ok_or(PathError {
+            fraction: S::ZERO,
+            point: segment.start(),
+            violation: ConstraintViolation::Limits,
+        })?;
         let middle = min(tool.middle, halves.speed);
-        Some(CornerLimits { middle, halves })
+        Ok(BendLimits { middle, halves })
     }
 
     /// Checks the whole of a straight joint move against the envelope. Links 2 and 3 must

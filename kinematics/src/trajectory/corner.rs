@@ -1,6 +1,6 @@
 //! A move behind another: the corner between them, rounded where that is possible and saves time.
 
-use super::blend::{blend, saves_time};
+use super::blend::{blend, time_to_corner};
 use super::envelope::Envelope;
 use super::lookahead::LookaheadPlanner;
 use super::number::{max, min};
@@ -10,6 +10,10 @@ use super::queue::PlannedSegment;
 use super::ramp::MotionLimits;
 use super::trajectory_segment::Shape;
 use crate::Scalar;
+
+/// A corner is rounded where that takes at most this share of the time with a stop. The estimate
+/// leaves out that acceleration and jerk stay low on the way out of a corner.
+const MARGIN: f64 = 0.95;
 
 impl<S: Scalar, const N: usize> LookaheadPlanner<S, N> {
     /// Pushes the segment with its corner rounded: the two halves of the corner's blend, and
@@ -39,9 +43,10 @@ impl<S: Scalar, const N: usize> LookaheadPlanner<S, N> {
         ];
         let before = PathSegment::new(curve, last.length);
         let speed = min(last.limits.speed, limits.speed);
+        let straight = last.limits.tightest(&limits);
         let Some((corner, corner_limits)) =
             blend(&before, segment, envelope.corner_tolerance, reach)
-                .and_then(|corner| Some((corner, envelope.check_corner(&corner, speed)?)))
+                .and_then(|corner| Some((corner, envelope.check_bend(&corner, speed).ok()?)))
         else {
             return false;
         };
@@ -49,7 +54,8 @@ impl<S: Scalar, const N: usize> LookaheadPlanner<S, N> {
         let in_hand = self.queue.run() == self.queue.len();
         // A blend before this one has taken of the segment before, so this one may reach past its middle.
         let middle = max(S::HALF * min(before.length(), segment.length()), half);
-        if !saves_time(&corner_limits, half, middle, &last.limits.tightest(&limits)) {
+        let rounded = time_to_corner(Some((&corner_limits, half)), middle, &straight);
+        if rounded >= S::from_f64(MARGIN) * time_to_corner(None, middle, &straight) {
             return false;
         }
         let unshortened = *last;

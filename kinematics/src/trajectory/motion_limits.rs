@@ -1,28 +1,16 @@
 //! How fast a path segment may be passed.
 //!
-//! Along a path r̈ = r″ ṡ² + r′ s̈ and r⃛ = r‴ ṡ³ + 3 r″ ṡ s̈ + r′ s⃛. Where it is straight
-//! all of the tool's acceleration and jerk is for s̈ and s⃛. Where it bends they are
-//! shared out beforehand, so that s(t) has constant limits on a segment:
-//!
-//! - s̈ gets 0.6 of the acceleration, r″ṡ² what that leaves: 0.8 at right angles to it,
-//!   less where r″ has a component along the path;
-//! - s⃛ gets 0.3 of the jerk, r‴ṡ³ and 3 r″ṡs̈ together 0.7. On an arc they add up and get
-//!   0.5 and 0.2. In a corner between lines, with |r‴| ∝ |1−2u| and |r″| ∝ 4u(1−u), the
-//!   sum A|1−2u| + 4Bu(1−u) is no more than A while B ≤ ½A: 0.7 and 0.35.
-//!
-//! The driven joints follow with θ̇ = θ′ ṡ, θ̈ = θ″ ṡ² + θ′ s̈, and their torques with
-//! τ = τ_g + τ_v ṡ² + τ_a s̈: gravity's, that of passing at unit speed, that of unit
-//! acceleration from rest. Of the acceleration, and of the torque that gravity leaves,
-//! ṡ² and s̈ get half each. θ′, θ″ and τ are sampled while the path is verified, with
-//! short steps near singularities; a reserve of a twentieth covers the places between the
-//! samples.
+//! The tool's own limits are shared out in [`shares`](super::shares). The driven joints follow with
+//! θ̇ = θ′ ṡ, θ̈ = θ″ ṡ² + θ′ s̈, and their torques with τ = τ_g + τ_v ṡ² + τ_a s̈: gravity's, that of
+//! passing at unit speed, that of unit acceleration from rest. Of the acceleration, and of the
+//! torque that gravity leaves, ṡ² and s̈ get half each, and what the other does not need of its half.
+//! θ′, θ″ and τ are sampled while the path is verified, with short steps near singularities; a
+//! reserve of a twentieth covers the places between the samples.
 
-use super::bounds::CurveBounds;
 use super::curve::CurvePoint;
 use super::envelope::Envelope;
 use super::error::ConstraintViolation;
-use super::number::{cube_root, max, min};
-use super::path_segment::PathSegment;
+use super::number::{max, min};
 use super::ramp::MotionLimits;
 use crate::Scalar;
 use crate::five_bar::{Accelerations, Joint, Pose, PoseError, Velocities, WorkspaceViolation};
@@ -30,56 +18,6 @@ use nalgebra::Vector2;
 
 /// The share of the limits that is used; the rest is the reserve.
 const USABLE: f64 = 0.95;
-
-/// The limits that keep the tool's own limits on a segment, moved along at no more than
-/// `speed` [m/s].
-pub(super) fn tool_limits<S: Scalar>(
-    segment: &PathSegment<S>,
-    speed: S,
-    tool: &MotionLimits<S>,
-) -> MotionLimits<S> {
-    let bounds = CurveBounds::of(segment.curve());
-    let straight = tool_straight(&bounds, speed, tool);
-    if bounds.second == S::ZERO {
-        return straight;
-    }
-    share_out(&straight, &bounds)
-}
-
-/// The limits that keep the tool's own where a path of these bounds is straight.
-pub(super) fn tool_straight<S: Scalar>(
-    bounds: &CurveBounds<S>,
-    speed: S,
-    tool: &MotionLimits<S>,
-) -> MotionLimits<S> {
-    let first = max(bounds.first, S::ONE);
-    MotionLimits {
-        speed: min(speed, tool.speed) / first,
-        acceleration: tool.acceleration / first,
-        jerk: tool.jerk / first,
-    }
-}
-
-pub(super) fn share_out<S: Scalar>(straight: &MotionLimits<S>, bounds: &CurveBounds<S>) -> MotionLimits<S> {
-    let c = S::from_f64;
-    let (a, j) = (straight.acceleration, straight.jerk);
-    let (bending, turning) = (c(0.5), c(0.2));
-    let along = c(0.6);
-    // |r″ṡ² + r′s̈|² = aₙ² + aₜ² + 2 aₙ aₜ cos; with aₜ = 0.6 a, aₙ = (√(1 − 0.36 sin²) − 0.6 cos) a.
-    let cos = min(bounds.lean / bounds.second, S::ONE);
-    let across = (S::ONE - along * along * (S::ONE - cos * cos)).sqrt() - along * cos;
-    let by_acceleration = (across * a / bounds.second).sqrt();
-    let by_jerk = cube_root(bending * j / bounds.third);
-    let speed = min(straight.speed, min(by_acceleration, by_jerk));
-    // 3 |r″| ṡ s̈ within its share: first less s̈, below a twentieth less ṡ.
-    let product = turning * j / (c(3.0) * bounds.second);
-    let acceleration = max(min(along * a, product / speed), c(0.05) * a);
-    MotionLimits {
-        speed: min(speed, product / acceleration),
-        acceleration,
-        jerk: c(0.3) * j,
-    }
-}
 
 /// The greatest demands that passing a path makes on the driven joints.
 #[derive(Clone, Copy, Debug)]
@@ -252,8 +190,7 @@ fn share<S: Scalar>(limits: &mut MotionLimits<S>, limit: S, passing: S, starting
     let passed = passing * limits.speed * limits.speed;
     let started = starting * limits.acceleration;
     limits.speed = bounded_by_root(limits.speed, limit - min(half, started), passing);
-    limits.acceleration =
-        bounded_by(limits.acceleration, limit - min(half, passed), starting);
+    limits.acceleration = bounded_by(limits.acceleration, limit - min(half, passed), starting);
 }
 
 /// The lesser of `value` and `limit`/`per`, if that is a finite limit.

@@ -39,8 +39,7 @@ pub(super) struct VelocityProfile<S> {
 impl<S: Scalar> VelocityProfile<S> {
     /// The fastest profile of this form over `length` [m]. It ends at `exit` [m/s] or, where
     /// that cannot be reached, at the greatest speed possible. `None` where `length` is too
-    /// short to slow down or to hold `least` [m/s], or where the start already violates the
-    /// limits: it is too fast, or it decelerates so hard that the motion would reverse
+    /// short to slow down, or where the start already violates the limits: it is too fast, or it decelerates so hard that the motion would reverse
     /// before the deceleration could be removed.
     ///
     /// The distance needed grows with the speed held, so bisection finds that speed. The
@@ -49,7 +48,6 @@ impl<S: Scalar> VelocityProfile<S> {
         length: S,
         start: Motion<S>,
         exit: S,
-        least: S,
         limits: &MotionLimits<S>,
         segments: usize,
     ) -> Option<Self> {
@@ -57,12 +55,11 @@ impl<S: Scalar> VelocityProfile<S> {
         let released = speed_after_release(start.speed, start.acceleration, limits.jerk);
         let within = max(start.speed, released) <= limits.speed * (S::ONE + hair)
             && released >= -(limits.speed * hair)
-            && start.acceleration.abs() <= limits.acceleration * (S::ONE + hair)
-            && least <= limits.speed;
+            && start.acceleration.abs() <= limits.acceleration * (S::ONE + hair);
         if !within {
             return None;
         }
-        let lowest = max(max(released, S::ZERO), least);
+        let lowest = max(released, S::ZERO);
         let fastest = max(limits.speed, lowest);
         let ramps = |held: S| {
             let up = ramp(start.speed, start.acceleration, held, limits);
@@ -152,15 +149,10 @@ impl<S: Scalar> VelocityProfile<S> {
         self.elapsed += t;
     }
 
-    /// The remaining time [s] and the greatest remaining speed [m/s].
-    pub(super) fn outlook(&self) -> (S, S) {
-        let mut time = -self.elapsed;
-        let mut peak = self.exit;
-        for phase in self.phases.iter().skip(self.current) {
-            time += phase.duration;
-            peak = max(peak, phase.speed);
-        }
-        (time, peak)
+    /// The remaining time [s].
+    pub(super) fn time_left(&self) -> S {
+        let phases = self.phases.iter().skip(self.current);
+        phases.fold(-self.elapsed, |time, phase| time + phase.duration)
     }
 }
 

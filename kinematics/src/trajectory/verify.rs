@@ -162,7 +162,7 @@ impl<S: Scalar> Envelope<S> {
         let mut joints = JointTracker { angles: None };
 
         let length = segment.length();
-        let pace = max(CurveBounds::of(segment.curve()).first, S::ONE);
+        let pace = CurveBounds::of(segment.curve()).first;
         let quarter = S::from_f64(0.25);
         // A blend of any length has its greatest curvature in its middle.
         let longest = match segment.curve() {

@@ -14,6 +14,7 @@ use super::number::{max, min};
 use super::profile::{Motion, VelocityProfile};
 use super::queue::{PlannedSegment, Queue};
 use super::ramp::{MotionLimits, greatest_entry_speed};
+use super::shares::loss_of_gain;
 use crate::Scalar;
 
 /// The queued segments and the present motion.
@@ -39,8 +40,7 @@ impl<S: Scalar, const N: usize> LookaheadWindow<'_, S, N> {
         let first = self.queue.first()?;
         let mut ahead = [(S::ZERO, first.limits); N];
         let (mut way, mut limits) = (-self.place, first.limits);
-        for (index, (planned, slot)) in
-            self.queue.iter().take(segments).zip(&mut ahead).enumerate()
+        for (index, (planned, slot)) in self.queue.iter().take(segments).zip(&mut ahead).enumerate()
         {
             way += planned.length;
             limits = limits.tightest(&planned.limits);
@@ -49,34 +49,31 @@ impl<S: Scalar, const N: usize> LookaheadWindow<'_, S, N> {
             }
             *slot = (way, limits);
         }
-        let mut best: Option<(VelocityProfile<S>, S, S)> = None;
-        let on_time = S::from_f64(0.99);
-        // Lower bound on the remaining time: from the boundary to the end of the run, each
-        // boundary passed at its speed. Too short for a profile that still accelerates, so
-        // such a profile wins only if its peak speed is higher.
+        let mut best: Option<(VelocityProfile<S>, S)> = None;
+        // The remaining time: from the boundary to the end of the run, each boundary passed at
+        // its speed. A profile that arrives at less takes longer by what gaining the rest costs.
         let mut rest = S::ZERO;
         for boundary in (1..=segments).rev() {
             let &(way, limits) = ahead.get(boundary - 1)?;
             if let Some(planned) = self.queue.get(boundary).filter(|_| boundary < segments) {
                 rest += passing_time(planned, speed_at(boundary), speed_at(boundary + 1));
             }
-            // A profile slower than both its boundary and the best one cannot win.
-            let least = best.as_ref().map_or(S::ZERO, |&(_, best_peak, _)| {
-                min(best_peak, speed_at(boundary) * on_time)
-            });
             let exit = speed_at(boundary);
-            let fresh = VelocityProfile::over(way, self.motion, exit, least, &limits, boundary);
+            let fresh = VelocityProfile::over(way, self.motion, exit, &limits, boundary);
             let kept = kept.filter(|profile| {
                 profile.segments == boundary && profile.exit <= exit * S::from_f64(1.0 + 1e-5)
             });
             for profile in [fresh, kept].into_iter().flatten() {
-                let (time, peak) = profile.outlook();
-                let total = time + rest;
-                let better = best.as_ref().is_none_or(|&(_, best_peak, best_total)| {
-                    total < best_total && (profile.exit >= exit * on_time || peak > best_peak)
+                let time = profile.time_left();
+                let late = self.queue.get(boundary).map_or(S::ZERO, |next| {
+                    loss_of_gain(profile.exit, exit, &next.limits)
                 });
+                let total = time + rest + late;
+                let better = best
+                    .as_ref()
+                    .is_none_or(|&(_, best_total)| total < best_total);
                 if better {
-                    best = Some((profile, peak, total));
+                    best = Some((profile, total));
                 }
             }
         }
@@ -137,9 +134,9 @@ fn passing_time<S: Scalar>(planned: &PlannedSegment<S>, from: S, to: S) -> S {
             speed: from,
             acceleration: S::ZERO,
         };
-        VelocityProfile::over(planned.length, start, to, S::ZERO, limits, 1)
+        VelocityProfile::over(planned.length, start, to, limits, 1)
             .filter(|profile| profile.exit >= to * S::from_f64(0.99))
-            .map(|profile| profile.outlook().0)
+            .map(|profile| profile.time_left())
     } else {
         None
     };
@@ -178,7 +175,7 @@ mod tests {
             let limits = MotionLimits { speed: 10.0, acceleration: a as f32, jerk: j as f32 };
             let speed = with_reserve(exit, way, &limits);
             let start = Motion { speed, acceleration: 0.0 };
-            let profile = VelocityProfile::over(way, start, exit, 0.0, &limits, 1);
+            let profile = VelocityProfile::over(way, start, exit, &limits, 1);
             prop_assert!(profile.is_some_and(|profile| profile.exit == exit), "{speed} to {exit} in {way} m");
         }
     }

@@ -241,8 +241,14 @@ fn slow_corners_do_not_slow_what_lies_between() {
         let trajectory = run(&circles, 0.25, &envelope(corner_tolerance));
         trajectory.iter().map(TrajectorySegment::duration).sum()
     };
-    let (rounded, stopped) = (time(5e-5), time(0.0));
-    assert!(rounded < stopped, "{rounded} s against {stopped} s");
+    let stopped = time(0.0);
+    let mut last = stopped;
+    for tolerance in [5e-5, 1e-4, 2e-4, 4e-4] {
+        let rounded = time(tolerance);
+        assert!(rounded <= last, "{rounded} s against {last} s");
+        last = rounded;
+    }
+    assert!(last < 0.97 * stopped, "{last} s against {stopped} s");
 }
 
 #[test]

@@ -4,5 +4,6 @@ mod common;
 mod loads;
 mod lookahead;
 mod refusals;
+mod smooth;
 mod tool_output;
 mod validation;
