@@ -203,3 +203,29 @@ fn a_bridge_drives_for_no_more_than_a_share_of_its_period() {
         assert!((greatest - 0.95).abs() < 1e-6, "{greatest}");
     }
 }
+
+#[test]
+fn a_known_error_of_the_encoders_is_corrected_from_the_home_switches_on() {
+    let mut rig = erring();
+    rig.controller.request(Request::Home).unwrap();
+    while rig.controller.state() == State::Homing {
+        rig.tick();
+    }
+    assert!(rig.controller.status().homed);
+    rig.run(1000);
+    assert!(off(&rig) < 5e-4, "{} rad", off(&rig));
+    rig.controller.request(Request::Arm).unwrap();
+    rig.run(30);
+    let [to1, to4] = START;
+    let kind = MoveKind::Joint {
+        to: [to1, to4],
+        speed: 0.1,
+    };
+    rig.push(1, kind).unwrap();
+    let mut worst = 0.0_f64;
+    while rig.controller.state() != State::Armed || !rig.planner.is_empty() {
+        rig.tick();
+        worst = worst.max(off(&rig));
+    }
+    assert!(worst < 5e-4, "{worst} rad");
+}

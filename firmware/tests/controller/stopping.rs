@@ -233,3 +233,48 @@ fn a_fault_that_would_hold_the_arm_switches_off_where_nothing_is_held() {
         }
     }
 }
+
+#[test]
+fn a_stop_drops_the_path_of_an_arm_that_has_not_begun_it() {
+    let mut rig = Rig::armed(&settings());
+    let before = rig.bench.tool();
+    let [x, y] = rig.tool_position();
+    let to = [x - 0.06, y];
+    rig.push(1, MoveKind::Line { to, feed: 0.1 }).unwrap();
+    rig.planner.run(&mut rig.controller);
+    rig.controller.request(Request::Stop).unwrap();
+    rig.run(3000);
+    assert_eq!(rig.controller.state(), State::Armed);
+    for (after, before) in rig.bench.tool().into_iter().zip(before) {
+        assert!((after - before).abs() < 1e-4, "{after} m");
+    }
+}
+
+#[test]
+fn a_planner_that_was_late_does_not_go_on_with_a_path_that_was_stopped() {
+    let mut rig = running(&settings());
+    rig.controller.request(Request::Stop).unwrap();
+    while rig.controller.state() != State::Armed {
+        rig.controller.feed_host_timeout();
+        rig.tick_alone();
+    }
+    let [start, _] = rig.bench.tool();
+    rig.run(3000);
+    assert_eq!(rig.controller.state(), State::Armed);
+    let [end, _] = rig.bench.tool();
+    assert!((end - start).abs() < 2e-4, "{start} m, then {end} m");
+    assert!(rig.planner.is_empty());
+}
+
+#[test]
+fn what_was_latched_with_a_fault_stays_while_the_arm_comes_to_rest() {
+    let mut rig = running(&settings());
+    while rig.controller.fault().is_none() {
+        silent(&mut rig);
+    }
+    let latched = rig.controller.fault();
+    let _ = rest(&mut rig, silent);
+    rig.bench.push = [0.02, -0.02];
+    rig.run(200);
+    assert_eq!(rig.controller.fault(), latched);
+}

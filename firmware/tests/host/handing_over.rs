@@ -2,7 +2,7 @@
 
 use crate::desk::Desk;
 use crate::rig::{Rig, START, settings};
-use fivebar_firmware::controller::{QueuedSegment, Request};
+use fivebar_firmware::controller::{Excitation, Excited, QueuedSegment, Request};
 use fivebar_firmware::protocol::{
     Board, CommandError, HostCommand, Identity, Reply, Reset, Section, VERSION,
 };
@@ -171,4 +171,26 @@ fn telemetry_goes_on_after_settings_have_set_the_ticks_to_zero() {
     assert_eq!(desk.ask(HostCommand::ApplySettings), Reply::Done);
     assert!(desk.session.telemetry(&mut desk.controller).is_none());
     assert_eq!(run(&mut desk, 100), 10);
+}
+
+#[test]
+fn no_motor_is_excited_on_default_settings() {
+    let mut desk = Desk::without_settings();
+    desk.tick();
+    let excite = HostCommand::Request(Request::Excite(Excitation {
+        joint: 0,
+        of: Excited::Voltage,
+        offset: 0.5,
+        amplitude: 0.0,
+        hold: 1,
+        ticks: 10,
+        current: 1.0,
+        travel: 0.1,
+    }));
+    let refused = Reply::Refused(CommandError::NoSettings);
+    assert_eq!(desk.ask(excite), refused);
+    assert_eq!(desk.controller.state(), State::Stopped);
+    assert_eq!(desk.ask(HostCommand::ApplySettings), Reply::Done);
+    desk.tick();
+    assert_eq!(desk.ask(excite), Reply::Done);
 }

@@ -165,3 +165,15 @@ fn an_encoders_error_may_be_large_and_must_change_slowly() {
     assert!(table([-300, 773, 773]).is_some());
     assert!(table([-300, -1373, -1373]).is_some());
 }
+
+#[test]
+fn a_reversed_gear_has_the_bounds_of_the_same_gear_forward() {
+    for ratio in [8.0, -8.0] {
+        let refused = result(|s| {
+            s.axes[1].gear_ratio = ratio;
+            s.axes[1].encoder_counts = 600_000;
+        });
+        let expected = SettingsError::Axis(4, AxisField::EncoderCounts);
+        assert_eq!(refused, Some(expected), "{ratio}");
+    }
+}
