@@ -40,6 +40,20 @@ pub(super) enum CheckedMove {
     },
 }
 
+impl CheckedMove {
+    /// Whether its numbers are those of a motion. A queue that refused it later would have taken the
+    /// change of the tool before it.
+    fn is_valid(&self) -> bool {
+        match self {
+            Self::Nowhere => true,
+            Self::Dwell { duration } => *duration >= 0.0 && duration.is_finite(),
+            Self::Path { motion_limits, .. } | Self::Joint { motion_limits, .. } => {
+                motion_limits.are_valid()
+            }
+        }
+    }
+}
+
 impl Planner {
     /// Checks a move as [`Planner::push`] would with the tool at `from` [m] in the working mode,
     /// without accepting it. Returns the tool's position after it [m]. A whole job can be
@@ -56,14 +70,15 @@ impl Planner {
         Ok([end.tool.x, end.tool.y])
     }
 
-    /// The move, if it keeps the envelope from `start` on, and its end.
+    /// The move, if it keeps the envelope from `start` on, and its end. The queue takes it then, if it
+    /// has room.
     pub(super) fn check_move(
         &self,
         start: End,
         next: &Move,
     ) -> Result<(CheckedMove, End), MoveError> {
         let tag = next.tag;
-        match next.kind {
+        let (checked, end) = match next.kind {
             MoveKind::Line { to, feed } => {
                 let segment = PathSegment::line(start.tool, vec2(to));
                 self.check_path(tag, segment, start, to, feed)
@@ -82,6 +97,11 @@ impl Planner {
                 Ok((CheckedMove::Dwell { duration }, start))
             }
             MoveKind::Joint { to, speed } => self.check_joint_move(tag, start, to, speed),
+        }?;
+        if checked.is_valid() {
+            Ok((checked, end))
+        } else {
+            Err(MoveError::new(tag, MoveErrorKind::Number))
         }
     }
 

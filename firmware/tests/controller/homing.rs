@@ -219,3 +219,15 @@ fn arming_is_refused_until_homed_and_where_the_arm_may_not_be() {
         Err(RequestError::OutsideLimits)
     );
 }
+
+#[test]
+fn an_arm_reports_its_tool_only_when_it_is_homed() {
+    let mut rig = Rig::new(&settings());
+    rig.run(10);
+    assert_eq!(rig.controller.status().tool, None);
+    rig.controller.request(Request::SetAngles(START)).unwrap();
+    assert!(rig.controller.status().tool.is_some());
+    rig.controller.request(Request::Home).unwrap();
+    rig.run(100);
+    assert_eq!(rig.controller.status().tool, None);
+}

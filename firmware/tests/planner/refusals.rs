@@ -1,9 +1,9 @@
 //! What the check of a move gives: where the move ends, or why it is refused and at which point.
 
-use crate::rig::{START, settings, with};
+use crate::rig::{Rig, START, settings, with};
 use fivebar_firmware::planner::{LONGEST, MoveError, MoveErrorKind, Planner};
 use fivebar_firmware::safety::State;
-use fivebar_firmware::settings::Settings;
+use fivebar_firmware::settings::{Settings, ToolOutputSettings};
 use fivebar_firmware::{FULL_TOOL, Move, MoveKind};
 
 /// A point that the tool can reach [m].
@@ -150,4 +150,42 @@ fn every_refused_move_reads_as_a_sentence_with_its_point() {
         error.to_string(),
         "the queue is full at (0.250000, -1.500000) m"
     );
+}
+
+#[test]
+fn a_move_that_is_refused_for_its_numbers_leaves_tool_and_queue_as_they_were() {
+    let settings = with(|s| {
+        s.tool_output = ToolOutputSettings::Switch {
+            active_low: false,
+            down_time: 0.01,
+            up_time: 0.01,
+        };
+    });
+    let dwell = |duration| MoveKind::Dwell { duration };
+    let numbers = [-1.0, -1e34, f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
+    for kind in numbers.map(dwell) {
+        let mut rig = Rig::armed(&settings);
+        let from = rig.tool_position();
+        let next = Move {
+            tag: 1,
+            tool: FULL_TOOL,
+            kind,
+        };
+        let refused = MoveErrorKind::Number;
+        let checked = rig.planner.check(from, &next);
+        assert_eq!(
+            checked.map_err(|error| error.kind),
+            Err(refused),
+            "{kind:?}"
+        );
+        let before = rig.planner.free_slots();
+        let pushed = rig.push(1, kind);
+        assert_eq!(pushed.map_err(|error| error.kind), Err(refused), "{kind:?}");
+        assert_eq!(rig.planner.free_slots(), before);
+        assert!(rig.planner.is_empty());
+        let off = settings.tool_output.off();
+        assert!((0..500).all(|_| rig.tick().tool == off), "{kind:?}");
+        assert_eq!(rig.controller.state(), State::Armed);
+    }
+    assert_eq!(check(dwell(0.0)), Ok(FROM));
 }

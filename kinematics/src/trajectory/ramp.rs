@@ -40,7 +40,7 @@ pub struct MotionLimits<S> {
 
 impl<S: Scalar> MotionLimits<S> {
     /// Whether all are positive and finite.
-    pub(super) fn are_valid(&self) -> bool {
+    pub fn are_valid(&self) -> bool {
         [self.speed, self.acceleration, self.jerk]
             .iter()
             .all(|&limit| limit > S::ZERO && limit.is_finite())
