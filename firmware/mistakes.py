@@ -227,7 +227,6 @@ MISTAKES = [
     ("the demanded current reported as the measured one", "controller/report.rs", "current: self.joints.each_ref().map(|joint| joint.current)", "current: self.joints.each_ref().map(|joint| joint.demand)"),
     ("the state before a fault reported as the fault", "controller/report.rs", "state: latched.state,", "state: self.state,"),
     ("an excitation of an arm that is homed", "controller/excitation.rs", "if self.homed {\n            return Err", "if self.homed && self.ticks == 0 {\n            return Err"),
-    ("a held arm's joints known from its tool only", "planner/mod.rs", "joints: Some(hold.joints()),", "joints: None,"),
     ("an end in motion taken for a rest", "planner/supply.rs", "open: ends_in_motion(&segment),", "open: false,"),
     ("the planner ignores the torque", "planner/mod.rs", "torque: Some(TorqueLimits {", "torque: None.or(Some(TorqueLimits {", "torque: settings.peak_torque().map(|torque| TORQUE_SHARE * torque),\n                }),", "torque: settings.peak_torque().map(|torque| 1e6 * TORQUE_SHARE * torque),\n                })),"),
     ("corners cut ten times as far", "planner/mod.rs", "corner_tolerance: motion.corner_tolerance", "corner_tolerance: 10.0 * motion.corner_tolerance"),

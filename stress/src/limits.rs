@@ -137,9 +137,11 @@ impl Limits {
             .tool_motion(theta, [omega1, omega4], [alpha1, alpha4])
             .map_err(|error| format!("no pose has the set-point: {error}"))?;
         let [leg1, leg4, parallel] = sines.map(f64::abs);
+        // Before a path, or without one, an arm may rest with a straight leg while its tool changes.
+        let rests = (joints.velocity, joints.acceleration) == ([0.0; 2], [0.0; 2]);
         let least = match followed {
-            Followed::Path => leg1.min(leg4).min(parallel),
-            Followed::Joint | Followed::Dwell => parallel,
+            Followed::Path if !rests => leg1.min(leg4).min(parallel),
+            Followed::Path | Followed::Joint | Followed::Dwell => parallel,
         };
         reached.margin = f64::from(motion.singularity_margin) / least;
         within("singularity margin over the sine", reached.margin)?;

@@ -40,3 +40,13 @@ fn sessions_of_fixed_seeds_move_the_arm_near_its_limits_and_raise_faults() {
         "{sum:?}"
     );
 }
+
+/// Seeds of sessions that once broke a rule.
+#[test]
+fn a_refused_dwell_leaves_no_trace_and_an_arm_may_rest_with_a_straight_leg() {
+    for seed in [2142, 2623] {
+        if let Err(violation) = run(&bytes_of(seed, 600)) {
+            panic!("seed {seed}: {violation}");
+        }
+    }
+}

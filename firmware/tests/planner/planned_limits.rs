@@ -1,7 +1,7 @@
 //! Each limit of a planned path by itself.
 
 use crate::rig::{Rig, START, settings, with};
-use fivebar_firmware::controller::{Controller, QueuedSegment, Request};
+use fivebar_firmware::controller::{QueuedSegment, Request};
 use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::safety::{Fault, Limits, State};
 use fivebar_firmware::{Move, MoveKind, Planner};
@@ -206,48 +206,4 @@ fn moves_behind_a_joint_move_are_planned_in_its_working_mode() {
         differ += u32::from(refusal(&before) != refusal(&after));
     }
     assert!(differ > 2, "{differ} of 16");
-}
-
-/// Where leg 1 is straight, the tool tells its angles by the root of the rounding only.
-#[test]
-fn a_joint_move_begins_at_the_joints_of_an_arm_held_with_a_straight_leg() {
-    let settings = settings();
-    let at = |theta1: f32| {
-        let mut rig = Rig::new(&settings);
-        rig.bench.theta[0] = f64::from(theta1);
-        rig.controller = Controller::new(&settings.check().expect("valid settings"));
-        rig.run(1);
-        let angles = [theta1, START[1]];
-        let accepted = rig.controller.request(Request::SetAngles(angles)).is_ok();
-        accepted.then_some(rig)
-    };
-    // Beyond the straight leg the working mode is another one.
-    let (mut beyond, mut straight) = (0.65, START[0]);
-    while straight - beyond > 1e-6 {
-        let middle = 0.5 * (beyond + straight);
-        match at(middle) {
-            Some(_) => straight = middle,
-            None => beyond = middle,
-        }
-    }
-    let mut rig = at(straight).expect("on this side");
-    rig.controller.request(Request::Arm).unwrap();
-    rig.run(100);
-    let reference = |rig: &Rig| {
-        rig.controller
-            .status()
-            .joint_reference
-            .expect("powered")
-            .angle
-    };
-    let before = reference(&rig);
-    let to = [straight + 0.5, START[1]];
-    rig.push(1, MoveKind::Joint { to, speed: 0.01 }).unwrap();
-    while rig.controller.state() != State::Running {
-        rig.tick();
-    }
-    rig.run(3);
-    for (after, before) in reference(&rig).into_iter().zip(before) {
-        assert!((after - before).abs() < 2e-5, "{before} rad, then {after}");
-    }
 }
