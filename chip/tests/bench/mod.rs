@@ -6,12 +6,12 @@ pub(crate) mod raised;
 
 use fivebar::input::robot::{BuiltIn, Robot};
 use fivebar::input::scenario::Scenario;
-use fivebar::run::link::Client;
-use fivebar_chip::time::{MILLISECOND, Time};
+use fivebar::run::link::{Client, LinkError};
+use fivebar_chip::time::{MICROSECOND, MILLISECOND, Time};
 use fivebar_chip::{Arm, Chip, HostLine, Image, Options, Output, SharedArm};
 use fivebar_firmware::protocol::{
-    CommandError, ControllerMessage, Decoder, HostCommand, HostMessage, Reply, Reset, Sequence,
-    encode,
+    CommandError, ControllerMessage, Decoder, HostCommand, HostMessage, Identity, Reply, Reset,
+    Sequence, encode,
 };
 use fivebar_firmware::{Move, MoveKind, Request, Settings, Status};
 use fivebar_plant::Mismatch;
@@ -21,6 +21,7 @@ use std::cell::RefMut;
 use std::path::PathBuf;
 use std::process::Command;
 use std::sync::{Arc, OnceLock};
+use std::time::Duration;
 
 /// The image, built from the sources beside this folder.
 pub(crate) fn image() -> Arc<Image> {
@@ -97,12 +98,17 @@ impl Bench {
         Self { line, arm }
     }
 
-    /// A host opens a session.
+    /// A host opens a session, and waits for replies by the chip's time.
     pub(crate) fn connect(self) -> Driven {
         let Self { line, arm } = self;
-        let (client, _) = Client::open(line.clone()).expect("the controller answers");
+        let (client, _) = open(&line).expect("the controller answers");
         Driven { client, line, arm }
     }
+}
+
+fn open(line: &HostLine) -> Result<(Client<HostLine>, Identity), LinkError> {
+    let time = |line: &HostLine| Duration::from_micros(line.chip().now() / MICROSECOND);
+    Client::open_with_clock(line.clone(), time)
 }
 
 /// A line from home, a half circle, a dwell and a line back.
@@ -222,7 +228,7 @@ impl Driven {
 
     /// The host begins a new session, as after a reset: why the controller started.
     pub(crate) fn reconnect(&mut self) -> Reset {
-        let opened = Client::open(self.line.clone());
+        let opened = open(&self.line);
         let (client, identity) = opened.expect("the controller answers");
         self.client = client;
         identity.reset

@@ -114,7 +114,7 @@ fn asked(job: &Job, home: V) -> Vec<Vec<V>> {
 fn distance(stroke: &[V], place: usize, point: V) -> (f64, usize) {
     let from = place.saturating_sub(40);
     let near = stroke.iter().enumerate().skip(from).take(56);
-    near.map(|(index, &at)| ((at - point).norm(), index))
+    near.map(|(index, at)| ((at.x - point.x).hypot(at.y - point.y), index))
         .min_by(|a, b| a.0.total_cmp(&b.0))
         .expect("a stroke has points")
 }

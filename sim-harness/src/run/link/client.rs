@@ -9,6 +9,7 @@ use fivebar_firmware::protocol::{
 use fivebar_firmware::{SensorSample, Settings, Status};
 use std::collections::VecDeque;
 use std::io::{self, ErrorKind, Read, Write};
+use std::sync::LazyLock;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
@@ -39,6 +40,8 @@ pub struct Client<L> {
     telemetry: VecDeque<Telemetry>,
     unread: VecDeque<u8>,
     repeats: u32,
+    /// The time by which it waits for replies, from any beginning.
+    clock: fn(&L) -> Duration,
 }
 
 /// Why there is no usable reply.
@@ -77,6 +80,18 @@ impl<L: Read + Write> Client<L> {
     /// # Errors
     /// A silent controller, a failed connection, or another version of the protocol.
     pub fn open(line: L) -> Result<(Self, Identity), LinkError> {
+        Self::open_with_clock(line, computer_time)
+    }
+
+    /// As [`Client::open`], with waits by the time of a simulated controller: a computer that is too
+    /// slow for real time makes none of its replies late.
+    ///
+    /// # Errors
+    /// As [`Client::open`].
+    pub fn open_with_clock(
+        line: L,
+        clock: fn(&L) -> Duration,
+    ) -> Result<(Self, Identity), LinkError> {
         let mut client = Self {
             line,
             decoder: Decoder::new(),
@@ -84,6 +99,7 @@ impl<L: Read + Write> Client<L> {
             telemetry: VecDeque::new(),
             unread: VecDeque::new(),
             repeats: 0,
+            clock,
         };
         let hello = HostCommand::Hello {
             version: VERSION,
@@ -239,11 +255,11 @@ impl<L: Read + Write> Client<L> {
 
     /// The reply with this sequence number; none if it does not arrive within `wait`.
     fn reply_to(&mut self, sequence: Sequence, wait: Duration) -> Result<Option<Reply>, LinkError> {
-        let deadline = Instant::now() + wait;
+        let deadline = (self.clock)(&self.line) + wait;
         // On a connection within this process reads take no time: count timed-out reads too.
         let max_idle_reads = wait.as_millis() / READ.as_millis();
         let mut idle_reads = 0;
-        while Instant::now() < deadline && idle_reads < max_idle_reads {
+        while (self.clock)(&self.line) < deadline && idle_reads < max_idle_reads {
             match self.next_message()? {
                 Some(ControllerMessage::Reply { sequence: s, reply }) if s == sequence => {
                     return Ok(Some(reply));
@@ -273,6 +289,12 @@ impl<L: Read + Write> Client<L> {
         }
         Ok(None)
     }
+}
+
+/// This computer's time since its first use here.
+fn computer_time<L>(_: &L) -> Duration {
+    static START: LazyLock<Instant> = LazyLock::new(Instant::now);
+    START.elapsed()
 }
 
 /// A session number that no recent session has used.
