@@ -12,6 +12,7 @@
 
 mod check;
 mod error;
+mod joined;
 mod supply;
 
 use crate::controller::{Controller, PlanningSnapshot, QUEUED_SEGMENTS, least_rest, stopping_time};
@@ -22,6 +23,7 @@ use check::CheckedMove;
 use fivebar_kinematics::five_bar::{JointLimits, Side, Workspace};
 use fivebar_kinematics::trajectory::{Envelope, LookaheadPlanner, MotionLimits, TorqueLimits};
 use heapless::HistoryBuf;
+use joined::Waiting;
 use nalgebra::Vector2;
 use rtic_core::Mutex;
 
@@ -68,6 +70,12 @@ pub struct Planner {
     envelope: Envelope<f32>,
     assembly: Side,
     lookahead: LookaheadPlanner<f32, PLANNED_SEGMENTS>,
+    /// The latest line, not yet in the look-ahead.
+    waiting: Option<Waiting>,
+    /// The settings' corner tolerance [m].
+    corner_tolerance: f32,
+    /// What the last line in the look-ahead uses of it [m].
+    used_before: f32,
     /// The end of the queue; none if it is empty and the arm is held.
     end: Option<End>,
     /// The controller's path generation when the queue was begun.
@@ -120,6 +128,9 @@ impl Planner {
             },
             assembly: settings.assembly(),
             lookahead: LookaheadPlanner::new(),
+            waiting: None,
+            corner_tolerance: motion.corner_tolerance,
+            used_before: 0.0,
             end: None,
             path_generation: 0,
             slowed: HistoryBuf::new(),
@@ -148,11 +159,23 @@ impl Planner {
             Some(start) if accepts(snapshot.state) => start,
             _ => return Err(refuse(MoveErrorKind::State(snapshot.state))),
         };
+        if let Some(end) = self.join(next) {
+            self.end = Some(end);
+            return Ok(());
+        }
         if self.free_slots() == 0 {
             return Err(refuse(MoveErrorKind::Full));
         }
         let (checked, end) = self.check_move(start, next)?;
-        self.append(next, &checked, start)?;
+        self.append_waiting()?;
+        match Waiting::new(next, checked, start) {
+            Ok(waiting) => self.waiting = Some(waiting),
+            Err(checked) => {
+                self.used_before = 0.0;
+                self.envelope.corner_tolerance = self.corner_tolerance;
+                self.append(next, &checked, start)?;
+            }
+        }
         self.end = Some(end);
         Ok(())
     }
@@ -223,12 +246,13 @@ impl Planner {
 
     /// The number of further moves for which there is room.
     pub fn free_slots(&self) -> usize {
-        self.lookahead.free_slots()
+        let waiting = usize::from(self.waiting.is_some());
+        self.lookahead.free_slots().saturating_sub(waiting)
     }
 
     /// Whether all moves have been handed to the controller.
     pub fn is_empty(&self) -> bool {
-        self.lookahead.is_empty()
+        self.waiting.is_none() && self.lookahead.is_empty()
     }
 
     /// Clears the queue if the controller has dropped its path or follows none in its state.
@@ -236,6 +260,8 @@ impl Planner {
         if self.path_generation != snapshot.path_generation || !accepts(snapshot.state) {
             self.path_generation = snapshot.path_generation;
             self.lookahead = LookaheadPlanner::new();
+            self.waiting = None;
+            self.used_before = 0.0;
             self.end = None;
             // The controller has switched the tool off.
             self.level = 0;

@@ -15,6 +15,8 @@ impl Planner {
     /// milliseconds while the arm moves. The controller is unlocked while a segment is planned.
     pub fn run(&mut self, controller: &mut impl Mutex<T = Controller>) {
         let mut snapshot = controller.lock(|controller| controller.planning_snapshot());
+        self.follow(&snapshot);
+        self.append_waiting_in_time();
         for handed in 0..QUEUED_SEGMENTS as u32 {
             self.follow(&snapshot);
             let enough = handed >= SEGMENTS_PER_RUN && snapshot.path_is_enough;

@@ -38,6 +38,15 @@ fn first_broken<F: Copy>(rules: &[(bool, F)]) -> Option<F> {
         .find_map(|&(holds, field)| if holds { None } else { Some(field) })
 }
 
+/// The longest that a stop may take [s]. The planner hands out the path for a stop in advance, and
+/// nobody waits longer for an arm to stop.
+const LONGEST_STOP: f32 = 10.0;
+
+/// Whether a stop from `speed` at no more than `acceleration` takes at most [`LONGEST_STOP`].
+fn stops_in_time(speed: f32, acceleration: f32) -> bool {
+    1.5 * speed <= LONGEST_STOP * acceleration
+}
+
 impl AxisSettings {
     /// The greatest current [A] that the converter can tell from its full scale, in either
     /// direction.
@@ -93,7 +102,8 @@ impl AxisSettings {
             ),
             (within(range::SPEED, self.max_speed), AxisField::MaxSpeed),
             (
-                within(range::ACCELERATION, self.max_acceleration),
+                within(range::ACCELERATION, self.max_acceleration)
+                    && stops_in_time(self.max_speed, self.max_acceleration),
                 AxisField::MaxAcceleration,
             ),
             (
@@ -205,8 +215,16 @@ impl Settings {
                 Field::HomingCurrent,
             ),
             (positive(motion.max_speed), Field::MaxSpeed),
-            (positive(motion.max_acceleration), Field::MaxAcceleration),
-            (positive(motion.max_jerk), Field::MaxJerk),
+            (
+                positive(motion.max_acceleration)
+                    && stops_in_time(motion.max_speed, motion.max_acceleration),
+                Field::MaxAcceleration,
+            ),
+            (
+                positive(motion.max_jerk)
+                    && 6.0 * motion.max_speed <= LONGEST_STOP * LONGEST_STOP * motion.max_jerk,
+                Field::MaxJerk,
+            ),
             (
                 not_negative(motion.corner_tolerance),
                 Field::CornerTolerance,

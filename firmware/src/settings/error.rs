@@ -112,7 +112,10 @@ impl AxisField {
             Self::HomeAngle => ("home_angle", "must be within ±2π [rad]"),
             Self::AngleLimits => ("angle_limits", "must be rising and within ±2π [rad]"),
             Self::MaxSpeed => ("max_speed", "must lie in 0.001 to 10 000 rad/s"),
-            Self::MaxAcceleration => ("max_acceleration", "must lie in 0.001 to 1e7 rad/s²"),
+            Self::MaxAcceleration => (
+                "max_acceleration",
+                "must lie in 0.001 to 1e7 rad/s², and stop the joint from max_speed within 10 s",
+            ),
             Self::PeakCurrent => ("peak_current", "must lie in 1e-4 to 1e5 A"),
             Self::ContinuousCurrent => (
                 "continuous_current",
@@ -158,8 +161,14 @@ impl Field {
                 "must be positive and at most the least peak_current [A]",
             ),
             Self::MaxSpeed => ("motion.max_speed", "must be positive [m/s]"),
-            Self::MaxAcceleration => ("motion.max_acceleration", "must be positive [m/s²]"),
-            Self::MaxJerk => ("motion.max_jerk", "must be positive [m/s³]"),
+            Self::MaxAcceleration => (
+                "motion.max_acceleration",
+                "must be positive, and stop the tool from max_speed within 10 s [m/s²]",
+            ),
+            Self::MaxJerk => (
+                "motion.max_jerk",
+                "must be positive, and stop the tool from max_speed within 10 s [m/s³]",
+            ),
             Self::CornerTolerance => ("motion.corner_tolerance", "must not be negative [m]"),
             Self::SingularityMargin => ("motion.singularity_margin", "must lie within 0 and 1"),
             Self::FollowingError => ("protection.following_error", "must lie within 0 and 1 rad"),

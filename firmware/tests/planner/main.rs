@@ -6,3 +6,4 @@ mod rig;
 mod planned_limits;
 mod planning;
 mod refusals;
+mod short_lines;

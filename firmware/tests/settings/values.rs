@@ -128,7 +128,7 @@ fn each_field_of_an_axis_is_checked() {
 
 #[test]
 fn each_other_field_is_checked() {
-    let cases: [(Change, Field); 25] = [
+    let cases: [(Change, Field); 27] = [
         (|s| s.tool_offset = [f32::NAN, 0.0], Field::ToolOffset),
         (|s| s.control.tick_rate = 0.0, Field::TickRate),
         (|s| s.control.tick_rate = f32::NAN, Field::TickRate),
@@ -153,7 +153,16 @@ fn each_other_field_is_checked() {
         (|s| s.homing.current = 5.0, Field::HomingCurrent),
         (|s| s.motion.max_speed = f32::NAN, Field::MaxSpeed),
         (|s| s.motion.max_acceleration = 0.0, Field::MaxAcceleration),
+        // Stops that take more than 10 s.
+        (
+            |s| s.motion.max_acceleration = 0.14 * s.motion.max_speed,
+            Field::MaxAcceleration,
+        ),
         (|s| s.motion.max_jerk = -1.0, Field::MaxJerk),
+        (
+            |s| s.motion.max_jerk = 0.059 * s.motion.max_speed,
+            Field::MaxJerk,
+        ),
         (
             |s| s.motion.corner_tolerance = -1e-6,
             Field::CornerTolerance,
@@ -242,6 +251,10 @@ fn values_that_no_arm_has_are_refused_before_they_overflow() {
         (|s| s.axes[0].max_speed = 1e-20, AxisField::MaxSpeed),
         (
             |s| s.axes[0].max_acceleration = 1e-10,
+            AxisField::MaxAcceleration,
+        ),
+        (
+            |s| s.axes[0].max_acceleration = 0.14 * s.axes[0].max_speed,
             AxisField::MaxAcceleration,
         ),
         (|s| s.axes[0].peak_current = 1e20, AxisField::PeakCurrent),

@@ -85,6 +85,11 @@ impl<S: Scalar, const N: usize> LookaheadPlanner<S, N> {
         (N - self.queue.len()) / SEGMENTS_PER_MOVE
     }
 
+    /// The number of planned segments in the queue.
+    pub fn len(&self) -> usize {
+        self.queue.len()
+    }
+
     /// Whether all pushed moves have been returned as trajectory segments.
     pub fn is_empty(&self) -> bool {
         self.queue.len() == 0

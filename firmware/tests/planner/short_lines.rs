@@ -1,0 +1,130 @@
+//! Paths of many short lines: the look-ahead sees far enough, and the tool stays near the lines.
+
+use crate::rig::{Rig, with};
+use fivebar_firmware::planner::MoveErrorKind;
+use fivebar_firmware::safety::State;
+use fivebar_firmware::{MoveKind, Settings};
+use proptest::prelude::*;
+
+/// Draws lines from the tool's position on. Returns the points of the reference in each tick [m].
+fn draw(settings: &Settings, offsets: &[[f32; 2]], feed: f32) -> (Vec<[f64; 2]>, [f32; 2]) {
+    let mut rig = Rig::armed(settings);
+    let start = rig.tool_position();
+    let mut points = Vec::new();
+    let mut next = 0;
+    while next < offsets.len() || rig.controller.state() != State::Armed || !rig.planner.is_empty()
+    {
+        // A host gives some lines in each millisecond.
+        if points.len() % 10 == 0 {
+            for _ in 0..10 {
+                let Some([x, y]) = offsets.get(next) else {
+                    break;
+                };
+                let to = [start[0] + x, start[1] + y];
+                match rig.push(next as u32, MoveKind::Line { to, feed }) {
+                    Ok(()) => next += 1,
+                    Err(error) => {
+                        assert_eq!(error.kind, MoveErrorKind::Full);
+                        break;
+                    }
+                }
+            }
+        }
+        rig.tick();
+        let status = rig.controller.status();
+        assert_eq!(status.fault, None);
+        points.push(status.reference.expect("armed").map(f64::from));
+        assert!(points.len() < 200_000, "never ends");
+    }
+    (points, start)
+}
+
+/// 0.1 mm lines along an arc: at 0.3 m/s there are 3000 in a second, and a stop takes 15 mm.
+#[test]
+fn lines_of_a_tenth_of_a_millimetre_are_drawn_at_full_speed() {
+    let settings = with(|settings| {
+        settings.motion.max_speed = 0.3;
+        settings.motion.max_acceleration = 4.0;
+        settings.motion.max_jerk = 1000.0;
+        settings.motion.corner_tolerance = 5e-5;
+    });
+    let (radius, lines) = (0.08_f32, 700_u16);
+    let offsets: Vec<_> = (1..=lines)
+        .map(|line| {
+            let (sin, cos) = (f32::from(line) * 1e-4 / radius).sin_cos();
+            [-radius * sin, radius * (cos - 1.0)]
+        })
+        .collect();
+    let (points, start) = draw(&settings, &offsets, 0.3);
+    let moving = points.windows(2).filter(|pair| pair[0] != pair[1]).count();
+    // 70 mm at 0.3 m/s, and 0.3/4 s + 4/1000 s for the beginning and the end.
+    let time = moving as f64 * 1e-4;
+    let ideal = 0.07 / 0.3 + 0.079;
+    let [cx, cy] = [f64::from(start[0]), f64::from(start[1] - radius)];
+    for [x, y] in &points {
+        let off = ((x - cx).hypot(y - cy) - f64::from(radius)).abs();
+        assert!(off < 5e-5, "{off} m off the arc");
+    }
+    let fastest = points
+        .windows(2)
+        .map(|pair| (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]) * 1e4)
+        .fold(0.0, f64::max);
+    assert!(fastest > 0.295, "{fastest} m/s");
+    // It begins while the queue fills, which costs a tenth of a second or two.
+    assert!(time < ideal + 0.15, "{time} s for {ideal} s");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+    /// Also where lines are joined: the distance to the lines as they were asked for, and that of
+    /// their points to the motion.
+    #[test]
+    fn the_tool_stays_within_the_tolerance_of_the_lines_as_asked(
+        steps in prop::collection::vec((-1.0..1.0_f32, -4.0..-2.7_f32, 1..12_u8), 2..14),
+    ) {
+        let tolerance = 5e-5;
+        let settings = with(|settings| settings.motion.corner_tolerance = tolerance);
+        let mut offsets = Vec::new();
+        let (mut at, mut direction) = ([0.0_f32; 2], 0.0_f32);
+        for (turn, exponent, count) in steps {
+            // A sharp corner, then lines that bend a little.
+            direction += turn;
+            for _ in 0..count {
+                direction += 0.02 * turn;
+                let length = 10_f32.powf(exponent);
+                at = [at[0] + length * direction.cos(), at[1] + length * direction.sin()];
+                offsets.push(at);
+            }
+        }
+        let (points, [x, y]) = draw(&settings, &offsets, 0.1);
+        let lines: Vec<[f64; 2]> = std::iter::once([0.0; 2])
+            .chain(offsets)
+            .map(|[dx, dy]| [f64::from(x + dx), f64::from(y + dy)])
+            .collect();
+        // The status gives positions in single precision.
+        let bound = f64::from(tolerance) + 1e-7;
+        let mut greatest = 0.0_f64;
+        for &point in &points {
+            let near = lines.windows(2).map(|ends| distance(point, ends[0], ends[1]));
+            greatest = greatest.max(near.fold(f64::MAX, f64::min));
+        }
+        prop_assert!(greatest <= bound, "{greatest} m off the lines");
+        for &corner in &lines {
+            let near = points.windows(2).map(|ends| distance(corner, ends[0], ends[1]));
+            let missed = near.fold(f64::MAX, f64::min);
+            prop_assert!(missed <= bound, "{missed} m from a corner");
+        }
+    }
+}
+
+/// From a point to the line between two others [m].
+fn distance([x, y]: [f64; 2], [ax, ay]: [f64; 2], [bx, by]: [f64; 2]) -> f64 {
+    let (dx, dy) = (bx - ax, by - ay);
+    let square = dx * dx + dy * dy;
+    let share = if square > 0.0 {
+        (((x - ax) * dx + (y - ay) * dy) / square).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    (x - ax - share * dx).hypot(y - ay - share * dy)
+}
