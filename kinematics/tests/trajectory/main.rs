@@ -1,5 +1,6 @@
 //! Whole trajectories: which paths are accepted, their motion limits, and the motion.
 
+mod bound;
 mod common;
 mod loads;
 mod lookahead;
