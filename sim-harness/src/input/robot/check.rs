@@ -287,6 +287,28 @@ fn sections(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
     ] {
         at_least(source, Key::In("motion", key), value, least)?;
     }
+    // The controller's own rules: a stop from full speed takes at most 10 s.
+    let mut gains = vec![(
+        Key::In("motion", "max_acceleration"),
+        motion.max_acceleration,
+        0.15 * motion.max_speed,
+        "m/s²",
+    )];
+    let jerk = Key::In("motion", "max_jerk");
+    gains.push((jerk, motion.max_jerk, 0.06 * motion.max_speed, "m/s³"));
+    for (speed, acceleration) in limits.max_speed.into_iter().zip(limits.max_acceleration) {
+        let key = Key::In("limits", "max_acceleration");
+        gains.push((key, acceleration, 0.15 * speed, "rad/s²"));
+    }
+    for (key, value, least, unit) in gains {
+        if value < least {
+            let reason = format!(
+                "is {value:?} {unit}: a stop from max_speed would take more than 10 s; at least \
+                 {least:.4} {unit} is needed"
+            );
+            return Err(source.refuse(key, reason));
+        }
+    }
     for (section, key, value) in [
         ("control", "tick_rate", control.tick_rate),
         ("control", "bandwidth", control.bandwidth),
