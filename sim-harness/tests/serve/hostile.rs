@@ -15,7 +15,7 @@ fn is_in_control(page: &mut Page) {
     let state = page.latest_state();
     assert_eq!(state["alive"], true);
     assert_eq!(state["state"], "Armed", "nothing has stopped the arm");
-    page.send(&json!({ "jog": [0.0, 0.000_1] }));
+    page.send(&json!({ "jog": [0.0, 0.005] }));
     page.state("a move", |state| state["state"] == "Running");
     page.state_named("Armed");
 }
