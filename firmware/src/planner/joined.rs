@@ -97,7 +97,7 @@ impl Planner {
     /// Makes one line of the one that waits and `next`, if that leaves both within tolerance.
     pub(super) fn join(&mut self, next: &Move) -> Option<End> {
         let waiting = self.waiting.as_ref()?;
-        let (asked, error) = waiting.extended(next, SHARE * self.corner_tolerance)?;
+        let (asked, error) = waiting.extended(next, SHARE * self.deviation)?;
         let (checked, end) = self.check_move(waiting.start, &asked).ok()?;
         let MoveKind::Line { to, .. } = waiting.asked.kind else {
             return None;
@@ -116,7 +116,7 @@ impl Planner {
         };
         let used = self.used_before.max(waiting.error);
         self.used_before = waiting.error;
-        self.envelope.corner_tolerance = self.corner_tolerance - used;
+        self.envelope.corner_tolerance = self.deviation - used;
         self.append(&waiting.asked, &waiting.checked, waiting.start)
     }
 

@@ -73,7 +73,7 @@ pub struct Planner {
     /// The latest line, not yet in the look-ahead.
     waiting: Option<Waiting>,
     /// The settings' corner tolerance [m].
-    corner_tolerance: f32,
+    deviation: f32,
     /// What the last line in the look-ahead uses of it [m].
     used_before: f32,
     /// The end of the queue; none if it is empty and the arm is held.
@@ -129,7 +129,7 @@ impl Planner {
             assembly: settings.assembly(),
             lookahead: LookaheadPlanner::new(),
             waiting: None,
-            corner_tolerance: motion.corner_tolerance,
+            deviation: motion.corner_tolerance,
             used_before: 0.0,
             end: None,
             path_generation: 0,
@@ -172,7 +172,7 @@ impl Planner {
             Ok(waiting) => self.waiting = Some(waiting),
             Err(checked) => {
                 self.used_before = 0.0;
-                self.envelope.corner_tolerance = self.corner_tolerance;
+                self.envelope.corner_tolerance = self.deviation;
                 self.append(next, &checked, start)?;
             }
         }
