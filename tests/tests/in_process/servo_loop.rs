@@ -100,7 +100,7 @@ fn own_bandwidths_are_stable_on_belts_of_any_stiffness() {
         let (summary, record) = scenario.simulate(&job, true, &mut |_| ()).expect("it runs");
         let stiffness = scenario.robot.actuators.expect("drives")[0].stiffness;
         assert_eq!(record.faults, [], "{stiffness:?}");
-        let greatest = if stiffness.is_some() { 1e-3 } else { 4.2e-6 };
+        let greatest = if stiffness.is_some() { 1e-3 } else { 3.5e-6 };
         let rms = summary.tip_error.rms_m;
         assert!(rms < greatest, "{stiffness:?}: {rms} m");
         for (_, servo) in scenario.robot.servos().expect("masses") {
