@@ -66,10 +66,10 @@ impl Settings {
         ],
         control: ControlSettings {
             tick_rate: 10_000.0,
-            bandwidth: 350.0,
+            bandwidth: 390.0,
             damping: 1.0,
-            integral_rate: 87.5,
-            observer_bandwidth: 2800.0,
+            integral_rate: 97.5,
+            observer_bandwidth: 3120.0,
             current_bandwidth: 3500.0,
             friction_smoothing: 0.02,
             computed_torque: true,
