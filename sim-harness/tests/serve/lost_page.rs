@@ -40,7 +40,7 @@ fn flood(page: &mut Page, duration: Duration) {
 
 #[test]
 fn the_arm_rests_within_700_ms_after_its_page_is_lost_in_the_midst_of_a_flood() {
-    let server = Server::start(&[]);
+    let server = Server::start_alone(&[]);
     let mut watcher = server.page();
     // It closes its connection, or keeps it and is silent.
     for closes in [true, false] {
@@ -61,7 +61,7 @@ fn the_arm_rests_within_700_ms_after_its_page_is_lost_in_the_midst_of_a_flood() 
 #[test]
 fn the_arm_rests_within_700_ms_after_its_page_is_lost_while_others_flood_and_load_and_read_nothing()
 {
-    let server = Server::start(&[]);
+    let server = Server::start_alone(&[]);
     let mut watcher = server.page();
     let ends = AtomicBool::new(false);
     std::thread::scope(|scope| {

@@ -38,8 +38,8 @@ impl Server {
         Self::spawn(options, Turn::Together { _guard })
     }
 
-    /// Starts it when no other one runs: for an arm in the test's own process, which has to keep
-    /// up with real time.
+    /// Starts it when no other one runs: for times that a test compares, and for an arm in the
+    /// test's own process, which has to keep up with real time.
     pub(crate) fn start_alone(options: &[&str]) -> Self {
         let _guard = TURNS.write().unwrap_or_else(PoisonError::into_inner);
         Self::spawn(options, Turn::Alone { _guard })

@@ -141,7 +141,7 @@ pub(crate) fn large_job(megabytes: usize) -> Value {
 #[test]
 fn an_emergency_stop_takes_effect_within_100_ms_while_other_pages_flood_and_load_and_read_nothing()
 {
-    let server = Server::start(&[]);
+    let server = Server::start_alone(&[]);
     let times = stops_under_load(&server, &json!("run"), &[8, 8, 8]);
     eprintln!("emergency stops under load took {times:.3?}");
     let mut real: Vec<f64> = times.iter().map(|time| time.real).collect();

@@ -14,7 +14,7 @@ pub(super) type PageId = u64;
 /// The page in control counts as lost after this time without a message. Every page, also a
 /// hidden one, sends a sign of life every 50 ms. With the controller's command timeout (0.1 s)
 /// and the ramp to rest that follows it, the arm rests within 0.7 s.
-pub(super) const TIMEOUT: Duration = Duration::from_millis(400);
+pub(super) const TIMEOUT: Duration = Duration::from_millis(300);
 
 /// No page.
 const NONE: PageId = 0;
