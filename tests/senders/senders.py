@@ -18,7 +18,7 @@ import time
 from pathlib import Path
 
 FEED = 900  # mm/min
-ON_STROKE = 0.06  # mm: the corner tolerance, and the place where homing ends
+ON_STROKE = 0.06  # mm: the corner tolerance and the arm's own error
 DRAWN = 0.3  # mm: the log has a line every 10 ms, in which the tool goes 0.15 mm
 STEP = 0.2  # mm
 LONGEST = 120  # s
@@ -58,10 +58,10 @@ class Bridge:
             self.process.kill()
 
     def path(self):
-        """Position [mm] from where the arm was armed, and the tool's level."""
+        """Position [mm] from the job's zero, where it ends at rest, and the tool's level."""
         with self.log.open() as log:
             rows = [[float(row[key]) for key in ("x_m", "y_m", "tool")] for row in csv.DictReader(log)]
-        x0, y0, _ = rows[0]
+        x0, y0, _ = rows[-1]
         return [(1e3 * (x - x0), 1e3 * (y - y0), tool) for x, y, tool in rows]
 
 
