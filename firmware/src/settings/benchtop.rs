@@ -82,7 +82,7 @@ impl Settings {
         motion: MotionSettings {
             max_speed: 0.3,
             max_acceleration: 4.0,
-            max_jerk: 175.0,
+            max_jerk: 200.0,
             corner_tolerance: 5e-5,
             singularity_margin: 0.15,
         },
