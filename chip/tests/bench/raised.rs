@@ -91,7 +91,9 @@ pub(crate) fn ticks_until_off(driven: &mut Driven, within: u64) -> u64 {
         driven.run(TICK / 2);
     }
     let (off_at, _) = *driven.arm.get().history.last().expect("a change");
-    // The tool goes off with the bridges: by the same tick, or before it by a stop.
+    // The tool goes off with the bridges: by the same tick, or before it by a stop. The look at the
+    // bridges can come between the tick's two writes.
+    driven.run(TICK);
     let tool = driven.arm.get().tool.last().copied();
     assert!(tool_is_off(driven), "the tool is on: {tool:?}");
     assert!(tool.is_none_or(|(at, _)| at <= off_at + TICK), "{tool:?}");
