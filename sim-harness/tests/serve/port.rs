@@ -1,7 +1,7 @@
 //! A controller on a port that delivers its replies every 16 ms, as an FTDI adapter does.
 
 use crate::lost_page::time_to_rest;
-use crate::program::{Server, time};
+use crate::program::{Server, machine, time};
 use crate::stops::{StopTimes, stops_under_load};
 use fivebar::input::robot::{BuiltIn, Robot};
 use fivebar::input::scenario::Scenario;
@@ -97,7 +97,8 @@ fn run(mut far: TTYPort, _near: &TTYPort, ends: &AtomicBool) {
 #[test]
 fn over_a_slow_port_an_emergency_stop_waits_for_one_round_trip_at_most() {
     let board = Board::start();
-    let server = Server::start_alone(&["--port", &board.port]);
+    let server = Server::start_homed(&["--port", &board.port]);
+    let _machine = machine();
     let times = stops_under_load(&server, &json!({ "request": "home" }), &[0, 0, 0, 8, 8, 8]);
     eprintln!("emergency stops over a slow port took {times:.3?}");
     // 50 ms and a round trip (16 ms for the reply that is awaited, 16 ms of the board's own
@@ -114,7 +115,8 @@ fn over_a_slow_port_an_emergency_stop_waits_for_one_round_trip_at_most() {
 #[test]
 fn over_a_slow_port_the_arm_rests_within_700_ms_after_its_page_is_lost() {
     let board = Board::start();
-    let server = Server::start_alone(&["--port", &board.port]);
+    let server = Server::start_homed(&["--port", &board.port]);
+    let _machine = machine();
     let mut watcher = server.page();
     let mut page = server.page();
     page.take_control_and_arm();

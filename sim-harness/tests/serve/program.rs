@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 use std::io::{BufRead as _, BufReader, ErrorKind, Read as _, Write as _};
 use std::net::TcpStream;
 use std::process::{Child, Command, Stdio};
-use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use tungstenite::client::IntoClientRequest as _;
 use tungstenite::http::HeaderValue;
@@ -17,35 +17,17 @@ pub(crate) struct Server {
     /// Where senders of G-code connect, if the options ask for it.
     pub(crate) senders: String,
     token: String,
-    _turn: Turn,
 }
 
-/// Servers that run together, or one alone.
-enum Turn {
-    Together {
-        _guard: RwLockReadGuard<'static, ()>,
-    },
-    Alone {
-        _guard: RwLockWriteGuard<'static, ()>,
-    },
+/// The machine, for as long as the guard lives. Tests take it that load the machine or measure
+/// times: one at a time, while tests that mostly wait run beside them.
+pub(crate) fn machine() -> MutexGuard<'static, ()> {
+    static MACHINE: Mutex<()> = Mutex::new(());
+    MACHINE.lock().unwrap_or_else(PoisonError::into_inner)
 }
-
-static TURNS: RwLock<()> = RwLock::new(());
 
 impl Server {
     pub(crate) fn start(options: &[&str]) -> Self {
-        let _guard = TURNS.read().unwrap_or_else(PoisonError::into_inner);
-        Self::spawn(options, Turn::Together { _guard })
-    }
-
-    /// Starts it when no other one runs: for times that a test compares, and for an arm in the
-    /// test's own process, which has to keep up with real time.
-    pub(crate) fn start_alone(options: &[&str]) -> Self {
-        let _guard = TURNS.write().unwrap_or_else(PoisonError::into_inner);
-        Self::spawn(options, Turn::Alone { _guard })
-    }
-
-    fn spawn(options: &[&str], turn: Turn) -> Self {
         let mut child = Command::new(env!("CARGO_BIN_EXE_fivebar"))
             .args(["serve", "--listen", "127.0.0.1:0"])
             .args(options)
@@ -68,8 +50,17 @@ impl Server {
             host: host.into(),
             senders: senders.into(),
             token: token.into(),
-            _turn: turn,
         }
+    }
+
+    /// Starts it and homes its arm.
+    pub(crate) fn start_homed(options: &[&str]) -> Self {
+        let server = Self::start(options);
+        let mut page = server.page();
+        page.take_control_and_arm();
+        page.request("disarm");
+        page.state_named("Stopped");
+        server
     }
 
     /// The cookie of a page that has shown the token.
@@ -187,11 +178,16 @@ impl Page {
         self.send(&json!({ "request": name }));
     }
 
-    /// The next message, if one arrives soon.
-    pub(crate) fn next(&mut self) -> Option<Value> {
+    /// Gives a sign of life, if one is due.
+    pub(crate) fn keep_alive(&mut self) {
         if self.lively && self.spoke.elapsed() > Duration::from_millis(50) {
             self.send(&json!("alive"));
         }
+    }
+
+    /// The next message, if one arrives soon.
+    pub(crate) fn next(&mut self) -> Option<Value> {
+        self.keep_alive();
         match self.socket.read() {
             Ok(Message::Text(text)) => {
                 let message: Value = serde_json::from_str(&text).expect("JSON");

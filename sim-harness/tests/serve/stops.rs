@@ -1,6 +1,6 @@
 //! The emergency stop while other pages do what they can to delay it.
 
-use crate::program::{Page, Server, number, period, time};
+use crate::program::{Page, Server, machine, number, period, time};
 use serde_json::{Value, json};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc;
@@ -59,6 +59,7 @@ pub(crate) fn under_load<T>(server: &Server, message: &Value, body: impl FnOnce(
 pub(crate) fn stops_under_load(server: &Server, message: &Value, jobs: &[usize]) -> Vec<StopTimes> {
     let job = large_job(10).to_string();
     let mut page = server.page();
+    // Without a page in control a flooding one would get it.
     page.take_control_and_arm();
     emergency_stop(&mut page);
     let stop_while_loading = |&count: &usize| {
@@ -141,7 +142,8 @@ pub(crate) fn large_job(megabytes: usize) -> Value {
 #[test]
 fn an_emergency_stop_takes_effect_within_100_ms_while_other_pages_flood_and_load_and_read_nothing()
 {
-    let server = Server::start_alone(&[]);
+    let server = Server::start_homed(&[]);
+    let _machine = machine();
     let times = stops_under_load(&server, &json!("run"), &[8, 8, 8]);
     eprintln!("emergency stops under load took {times:.3?}");
     let mut real: Vec<f64> = times.iter().map(|time| time.real).collect();
