@@ -244,23 +244,25 @@ impl Page {
 
     /// Takes control of an arm that rests, and arms it.
     pub(crate) fn take_control_and_arm(&mut self) {
-        self.send(&json!("control"));
+        let deadline = Instant::now() + Duration::from_secs(30);
         loop {
+            // Again, because a page that floods gets control if this one is not heard for a while.
+            self.send(&json!("control"));
             let state = self.latest_state();
             match state["state"].as_str() {
+                Some("Armed") => return,
                 // The fault of an arm that still swings cannot be cleared yet.
                 Some("Fault") => self.request("clear_fault"),
-                Some("Stopped") if state["homed"] == true => break,
+                Some("Stopped") if state["homed"] == true => self.request("arm"),
                 Some("Stopped") => self.request("home"),
                 _ => {}
             }
+            assert!(Instant::now() < deadline, "it cannot be armed: {state}");
             let asked = Instant::now();
-            while asked.elapsed() < Duration::from_millis(100) {
+            while asked.elapsed() < Duration::from_millis(50) {
                 self.next();
             }
         }
-        self.request("arm");
-        self.state_named("Armed");
     }
 
     /// Runs a job of lines to and fro, about half a minute long.
@@ -287,9 +289,4 @@ pub(crate) fn speed(state: &Value) -> f64 {
 /// The controller's time [s] of a state.
 pub(crate) fn time(state: &Value) -> f64 {
     number(&state["time"])
-}
-
-/// Seconds per tick of the controller.
-pub(crate) fn period(state: &Value) -> f64 {
-    time(state) / number(&state["tick"])
 }
