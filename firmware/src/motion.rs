@@ -1,5 +1,7 @@
 //! The moves that a host can ask for: in the protocol and in the planner's queue.
 
+use fivebar_kinematics::trajectory::{Curve, TimeLaw};
+use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
 /// The level of a tool that is down, or at full power.
@@ -53,4 +55,87 @@ pub enum MoveKind {
         /// Share of the joints' greatest speed, 0 to 1.
         speed: f32,
     },
+    /// A piece of a motion that the host has planned.
+    Timed(TimedMove),
+}
+
+/// The tool along a part of a curve by a time law of the host. The controller follows it as it is,
+/// if every limit of the joints is kept. The limits of `motion` are for the controller's own plans
+/// and do not apply.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct TimedMove {
+    /// The curve.
+    pub curve: TimedCurve,
+    /// s [m], ṡ [m/s], s̈ [m/s²] at its beginning, and the constant s⃛ [m/s³]; s from the curve's
+    /// start.
+    pub law: [f32; 4],
+    /// [s].
+    pub duration: f32,
+}
+
+impl TimedMove {
+    /// Where the tool is at its end [m].
+    pub fn end(&self) -> [f32; 2] {
+        let [s, s_dot, s_ddot, jerk] = self.law;
+        let state = TimeLaw::new(s, s_dot, s_ddot, jerk).at(self.duration);
+        Curve::from(self.curve).at(state.s).position.into()
+    }
+}
+
+/// A curve by its length s, see [`Curve`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum TimedCurve {
+    /// Straight.
+    Line {
+        /// Where s is 0 [m].
+        start: [f32; 2],
+        /// The direction, a unit vector.
+        tangent: [f32; 2],
+    },
+    /// Circular.
+    Arc {
+        /// Where s is 0 [m].
+        start: [f32; 2],
+        /// The direction there, a unit vector.
+        tangent: [f32; 2],
+        /// [1/m], positive where the arc turns left.
+        curvature: f32,
+    },
+    /// Σ cₖ (s/ℓ)ᵏ.
+    Blend {
+        /// c₀ … c₅ [m].
+        coefficients: [[f32; 2]; 6],
+        /// 1/ℓ [1/m].
+        inverse_length: f32,
+    },
+}
+
+impl From<TimedCurve> for Curve<f32> {
+    fn from(curve: TimedCurve) -> Self {
+        let vector = Vector2::from;
+        match curve {
+            TimedCurve::Line { start, tangent } => Self::Line {
+                start: vector(start),
+                tangent: vector(tangent),
+            },
+            TimedCurve::Arc {
+                start,
+                tangent,
+                curvature,
+            } => Self::Arc {
+                start: vector(start),
+                tangent: vector(tangent),
+                curvature,
+            },
+            TimedCurve::Blend {
+                coefficients,
+                inverse_length,
+            } => Self::Blend {
+                coefficients: coefficients.map(vector),
+                inverse_length,
+            },
+        }
+    }
 }

@@ -149,7 +149,9 @@ impl<'b> Session<'b> {
             Event::Move(kind) => {
                 let tag = self.kinds.len() as u32;
                 self.kinds.push(match kind {
-                    MoveKind::Line { .. } | MoveKind::Arc { .. } => Followed::Path,
+                    MoveKind::Line { .. } | MoveKind::Arc { .. } | MoveKind::Timed(_) => {
+                        Followed::Path
+                    }
                     MoveKind::Dwell { .. } => Followed::Dwell,
                     MoveKind::Joint { .. } => Followed::Joint,
                 });

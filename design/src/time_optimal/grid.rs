@@ -66,7 +66,7 @@ impl<'a> Grid<'a> {
             arm,
             limits,
             pieces,
-            length: pieces.iter().map(PathPiece::length).sum(),
+            length: Self::length_of(pieces),
             places,
             cells: Vec::with_capacity(CELLS_PER_PLACE * (places + pieces.len())),
         };
@@ -97,6 +97,11 @@ impl<'a> Grid<'a> {
             begin = end;
         }
         Ok(grid)
+    }
+
+    /// The length of a path.
+    pub(super) fn length_of(pieces: &[PathPiece]) -> f64 {
+        pieces.iter().map(PathPiece::length).sum()
     }
 
     pub(super) fn length(&self) -> f64 {
@@ -215,6 +220,15 @@ impl<'a> Grid<'a> {
             last = Some(cell);
         }
         problem.ceiling.push(0.0);
+        Ok(problem)
+    }
+
+    /// As [`Self::problem`], with x at the nodes at most at `caps`.
+    pub(super) fn problem_below(&self, caps: &[f64]) -> Result<Cells, PlanError> {
+        let mut problem = self.problem()?;
+        for (ceiling, cap) in problem.ceiling.iter_mut().zip(caps) {
+            *ceiling = ceiling.min(*cap);
+        }
         Ok(problem)
     }
 

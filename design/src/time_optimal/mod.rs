@@ -11,6 +11,8 @@ mod limits;
 mod passes;
 mod path;
 mod run;
+mod spline;
+mod timed;
 mod turning;
 
 pub use blend::blend;
@@ -18,3 +20,4 @@ pub use demand::{Demand, DrivenArm, PlannedDrive};
 pub use limits::PlanLimits;
 pub use path::{FourierSeries, PathPiece, PathPoint};
 pub use run::{PlanError, Run, RunSample, plan};
+pub use timed::{TimedPiece, TimedRun, plan_timed};

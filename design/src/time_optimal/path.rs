@@ -4,9 +4,11 @@
 //! |---|---|---|
 //! | line | P + s u | length [m] |
 //! | arc | M + r u(φ), φ = φ0 ± s/r | length [m] |
+//! | curve | a shape of a trajectory, from one s to another | that of the curve, from 0 [m] |
 //! | Fourier | x0 + Σ ak cos 2πks + bk sin 2πks, and y alike | 0…1 |
 
 use fivebar_kinematics::PlanarVector;
+use fivebar_kinematics::trajectory::Curve;
 use nalgebra::Vector2;
 use std::f64::consts::TAU;
 
@@ -47,6 +49,15 @@ pub enum PathPiece {
         x: FourierSeries,
         /// y(s).
         y: FourierSeries,
+    },
+    /// A part of a shape on which the controller moves the tool.
+    Curve {
+        /// The shape.
+        curve: Curve<f64>,
+        /// Where it begins on the shape [m].
+        from: f64,
+        /// Its length [m].
+        length: f64,
     },
 }
 
@@ -90,6 +101,7 @@ impl PathPiece {
             Self::Line { from, to } => (to - from).norm(),
             Self::Arc { radius, sweep, .. } => radius * sweep.abs(),
             Self::Fourier { .. } => 1.0,
+            Self::Curve { length, .. } => *length,
         }
     }
 
@@ -117,6 +129,14 @@ impl PathPiece {
                     c: centre + u * *radius,
                     tangent: u.perpendicular() * turn,
                     curvature: u / -radius,
+                }
+            }
+            Self::Curve { curve, from, .. } => {
+                let point = curve.at(from + s);
+                PathPoint {
+                    c: point.position,
+                    tangent: point.tangent,
+                    curvature: point.curvature,
                 }
             }
             Self::Fourier { x, y } => {

@@ -139,7 +139,7 @@ pub fn plan(
     }
 }
 
-fn check(limits: &PlanLimits, pieces: &[PathPiece]) -> Result<(), PlanError> {
+pub(super) fn check(limits: &PlanLimits, pieces: &[PathPiece]) -> Result<(), PlanError> {
     let joints = [limits.torque, limits.speed, limits.acceleration].concat();
     let others = [limits.voltage, limits.tip_speed, limits.tip_acceleration];
     let mut all = joints.into_iter().chain(others.into_iter().flatten());

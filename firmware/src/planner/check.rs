@@ -4,7 +4,9 @@ use super::{End, MoveError, MoveErrorKind, Planner};
 use crate::motion::{Move, MoveKind};
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::WorkingMode;
-use fivebar_kinematics::trajectory::{MotionLimits, PathSegment, PathSegmentError, Sense};
+use fivebar_kinematics::trajectory::{
+    MotionLimits, PathSegment, PathSegmentError, Sense, ToolOutput,
+};
 use nalgebra::Vector2;
 
 /// Greatest error of an arc's centre, from the rounding in its file [m].
@@ -38,6 +40,8 @@ pub(super) enum CheckedMove {
         /// The working mode at its end.
         mode: WorkingMode,
     },
+    /// A timed move.
+    Timed,
 }
 
 impl CheckedMove {
@@ -45,7 +49,7 @@ impl CheckedMove {
     /// change of the tool before it.
     fn is_valid(&self) -> bool {
         match self {
-            Self::Nowhere => true,
+            Self::Nowhere | Self::Timed => true,
             Self::Dwell { duration } => *duration >= 0.0 && duration.is_finite(),
             Self::Path { motion_limits, .. } | Self::Joint { motion_limits, .. } => {
                 motion_limits.are_valid()
@@ -97,6 +101,10 @@ impl Planner {
                 Ok((CheckedMove::Dwell { duration }, start))
             }
             MoveKind::Joint { to, speed } => self.check_joint_move(tag, start, to, speed),
+            MoveKind::Timed(timed) => {
+                let (_, [tool, ..]) = self.check_timed(tag, &timed, ToolOutput::constant(0.0))?;
+                Ok((CheckedMove::Timed, End { tool, joints: None }))
+            }
         }?;
         if checked.is_valid() {
             Ok((checked, end))

@@ -47,6 +47,11 @@ pub enum MoveErrorKind {
     Torque(u8),
     /// The move would take longer than [`LONGEST`].
     TooLong,
+    /// The move does not go on where a timed motion is: in position, velocity and acceleration, or
+    /// with a tool that needs a rest.
+    Discontinuous,
+    /// Joint 1 or 4 would pass its greatest speed, acceleration or torque on a timed move.
+    Overload(u8),
 }
 
 impl MoveError {
@@ -109,6 +114,9 @@ impl From<ConstraintViolation> for MoveErrorKind {
                 Self::JointLimit(number(joint))
             }
             ConstraintViolation::Torque(joint) => Self::Torque(number(joint)),
+            ConstraintViolation::JointSpeed(joint)
+            | ConstraintViolation::JointAcceleration(joint)
+            | ConstraintViolation::MotionTorque(joint) => Self::Overload(number(joint)),
             // A violation that this version of the protocol does not distinguish.
             _ => Self::Unreachable,
         }
@@ -160,6 +168,15 @@ impl fmt::Display for MoveErrorKind {
             Self::TooLong => write!(
                 f,
                 "the move would take longer than {LONGEST} s; go faster, or in several moves"
+            ),
+            Self::Discontinuous => f.write_str(
+                "the move does not go on where the timed motion before it is; let that come to rest \
+                 first",
+            ),
+            Self::Overload(joint) => write!(
+                f,
+                "joint {joint} would pass its greatest speed, acceleration or torque; plan with a \
+                 smaller share of the torque"
             ),
         }
     }

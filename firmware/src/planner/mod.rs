@@ -14,18 +14,23 @@ mod check;
 mod error;
 mod joined;
 mod supply;
+mod timed;
 
 use crate::controller::{Controller, PlanningSnapshot, QUEUED_SEGMENTS, least_rest, stopping_time};
-use crate::motion::Move;
+use crate::motion::{Move, MoveKind};
 use crate::safety::State;
 use crate::settings::{CheckedSettings, ToolOutputSettings};
 use check::CheckedMove;
+use fivebar_kinematics::control::FrictionCompensation;
 use fivebar_kinematics::five_bar::{JointLimits, Side, Workspace};
-use fivebar_kinematics::trajectory::{Envelope, LookaheadPlanner, MotionLimits, TorqueLimits};
+use fivebar_kinematics::trajectory::{
+    Envelope, LookaheadPlanner, MotionLimits, ToolOutput, TorqueLimits,
+};
 use heapless::HistoryBuf;
 use joined::Waiting;
 use nalgebra::Vector2;
 use rtic_core::Mutex;
+use timed::ToolMotion;
 
 pub use error::{LONGEST, MoveError, MoveErrorKind};
 pub use supply::SEGMENTS_PER_RUN;
@@ -78,6 +83,12 @@ pub struct Planner {
     used_before: f32,
     /// The end of the queue; none if it is empty and the arm is held.
     end: Option<End>,
+    /// The motion at the end of the queue, if that is a timed move that ends in motion.
+    in_motion: Option<ToolMotion>,
+    /// The joints' friction, as fed forward.
+    friction: [FrictionCompensation<f32>; 2],
+    /// The joints' greatest torques [N·m].
+    peak_torque: [f32; 2],
     /// The controller's path generation when the queue was begun.
     path_generation: u32,
     tool_output: ToolOutputSettings,
@@ -132,6 +143,12 @@ impl Planner {
             deviation: motion.corner_tolerance,
             used_before: 0.0,
             end: None,
+            in_motion: None,
+            friction: settings.axes.map(|axis| {
+                let smoothing = settings.control.friction_smoothing;
+                FrictionCompensation::new(axis.viscous_friction, axis.coulomb_friction, smoothing)
+            }),
+            peak_torque: settings.peak_torque(),
             path_generation: 0,
             slowed: HistoryBuf::new(),
             tool_output: settings.tool_output,
@@ -159,6 +176,12 @@ impl Planner {
             Some(start) if accepts(snapshot.state) => start,
             _ => return Err(refuse(MoveErrorKind::State(snapshot.state))),
         };
+        if let MoveKind::Timed(timed) = &next.kind {
+            return self.push_timed(controller, &snapshot, start, next, timed);
+        }
+        if self.in_motion.is_some() {
+            return Err(refuse(MoveErrorKind::Discontinuous));
+        }
         if let Some(end) = self.join(next) {
             self.end = Some(end);
             return Ok(());
@@ -206,6 +229,8 @@ impl Planner {
                 motion_limits,
                 ..
             } => self.lookahead.push_joint(*from, *to, *motion_limits, tag),
+            // It passes no look-ahead.
+            CheckedMove::Timed => Ok(()),
         };
         appended.map_err(|error| MoveError::new(tag, error.into()))?;
         if let CheckedMove::Joint { mode, .. } = checked {
@@ -227,7 +252,7 @@ impl Planner {
             let speed = match checked {
                 CheckedMove::Path { feed, .. } => *feed,
                 CheckedMove::Joint { motion_limits, .. } => motion_limits.speed,
-                CheckedMove::Nowhere | CheckedMove::Dwell { .. } => 1.0,
+                CheckedMove::Nowhere | CheckedMove::Dwell { .. } | CheckedMove::Timed => 1.0,
             };
             self.tool_output.output(level, speed)
         };
@@ -235,13 +260,37 @@ impl Planner {
         let changes = output != output_at(self.level);
         self.lookahead.set_tool_output(output);
         if changes && self.tool_output.waits() {
-            let time = self.tool_output.settle_time(self.level, next.tool);
-            self.lookahead
-                .push_dwell(start.tool, time.max(self.least_rest), next.tag)
-                .map_err(|error| MoveError::new(next.tag, error.into()))?;
+            self.rest_for_tool(next.tool, output, start, next.tag)?;
         }
         self.level = next.tool;
         Ok(())
+    }
+
+    /// Appends the rest in which the tool goes to `level`, with its new output.
+    fn rest_for_tool(
+        &mut self,
+        level: u16,
+        output: ToolOutput<f32>,
+        start: End,
+        tag: u32,
+    ) -> Result<(), MoveError> {
+        let time = self.tool_output.settle_time(self.level, level);
+        self.lookahead.set_tool_output(output);
+        self.lookahead
+            .push_dwell(start.tool, time.max(self.least_rest), tag)
+            .map_err(|error| MoveError::new(tag, error.into()))?;
+        self.level = level;
+        Ok(())
+    }
+
+    /// The envelope for timed moves: with all of the torque, because the host keeps a share for
+    /// feedback.
+    fn envelope_of_timed(&self) -> Envelope<f32> {
+        let mut envelope = self.envelope;
+        if let Some(limits) = &mut envelope.torque {
+            limits.torque = self.peak_torque;
+        }
+        envelope
     }
 
     /// The number of further moves for which there is room.
@@ -263,6 +312,7 @@ impl Planner {
             self.waiting = None;
             self.used_before = 0.0;
             self.end = None;
+            self.in_motion = None;
             // The controller has switched the tool off.
             self.level = 0;
         }

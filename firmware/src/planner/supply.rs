@@ -45,7 +45,7 @@ impl Planner {
 }
 
 /// Whether another segment must follow this one: its speed at the end is more than rounding.
-fn ends_in_motion(segment: &TrajectorySegment<f32>) -> bool {
+pub(super) fn ends_in_motion(segment: &TrajectorySegment<f32>) -> bool {
     match segment.evaluate(segment.duration()) {
         Reference::Tool { velocity, .. } => velocity.norm_squared() > 1e-6,
         Reference::Joint { rates, .. } => rates.iter().any(|&rate| Scalar::abs(rate) > 1e-2),

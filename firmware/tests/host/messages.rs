@@ -12,7 +12,9 @@ use fivebar_firmware::protocol::{
 use fivebar_firmware::recorder::{LogConfig, LogPage, LogState};
 use fivebar_firmware::safety::{Fault, Limits, State};
 use fivebar_firmware::storage::StorageError;
-use fivebar_firmware::{ActuatorCommand, Move, MoveKind, Request, SensorSample, Status};
+use fivebar_firmware::{
+    ActuatorCommand, Move, MoveKind, Request, SensorSample, Status, TimedCurve, TimedMove,
+};
 use proptest::prelude::*;
 
 /// Every bit pattern of an `f32`, NaN and infinities included.
@@ -42,8 +44,40 @@ pub(crate) fn move_kind(
         number
             .clone()
             .prop_map(|duration| MoveKind::Dwell { duration }),
-        (pair, number).prop_map(|(to, speed)| MoveKind::Joint { to, speed }),
+        (pair.clone(), number.clone()).prop_map(|(to, speed)| MoveKind::Joint { to, speed }),
+        timed_move(pair, number).prop_map(MoveKind::Timed),
     ]
+}
+
+fn timed_move(
+    pair: impl Strategy<Value = [f32; 2]> + Clone + 'static,
+    number: impl Strategy<Value = f32> + Clone + 'static,
+) -> BoxedStrategy<TimedMove> {
+    let curve = prop_oneof![
+        (pair.clone(), pair.clone())
+            .prop_map(|(start, tangent)| TimedCurve::Line { start, tangent }),
+        (pair.clone(), pair.clone(), number.clone()).prop_map(|(start, tangent, curvature)| {
+            TimedCurve::Arc {
+                start,
+                tangent,
+                curvature,
+            }
+        }),
+        (prop::array::uniform6(pair), number.clone()).prop_map(|(coefficients, inverse_length)| {
+            TimedCurve::Blend {
+                coefficients,
+                inverse_length,
+            }
+        }),
+    ];
+    let law = prop::array::uniform4(number.clone());
+    let moves = (curve.boxed(), law, number).prop_map(|(curve, law, duration)| TimedMove {
+        curve,
+        law,
+        duration,
+    });
+    // On the heap: a test that draws many would overflow its stack.
+    moves.boxed()
 }
 
 fn a_move() -> impl Strategy<Value = Move> {

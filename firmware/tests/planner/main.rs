@@ -7,3 +7,4 @@ mod planned_limits;
 mod planning;
 mod refusals;
 mod short_lines;
+mod timed;

@@ -27,6 +27,12 @@ pub enum ConstraintViolation {
     Torque(Joint),
     /// A speed or a limit given is not a positive finite number.
     Limits,
+    /// The joint would be faster than its limit.
+    JointSpeed(Joint),
+    /// The joint would accelerate more than its limit.
+    JointAcceleration(Joint),
+    /// The motion needs more than the joint's greatest torque.
+    MotionTorque(Joint),
 }
 
 /// The first point found on a path that violates a constraint.
@@ -97,6 +103,11 @@ impl fmt::Display for ConstraintViolation {
             Self::Workspace(violation) => violation.fmt(f),
             Self::Torque(joint) => write!(f, "{joint} has not the torque to hold the arm"),
             Self::Limits => f.write_str("a speed or limit is not a positive finite number"),
+            Self::JointSpeed(joint) => write!(f, "{joint} would pass its greatest speed"),
+            Self::JointAcceleration(joint) => {
+                write!(f, "{joint} would pass its greatest acceleration")
+            }
+            Self::MotionTorque(joint) => write!(f, "{joint} would pass its greatest torque"),
         }
     }
 }

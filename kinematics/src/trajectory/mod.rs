@@ -32,6 +32,7 @@ mod queue;
 mod ramp;
 mod reference;
 mod shares;
+mod timed;
 mod trajectory_segment;
 mod verify;
 mod window;

@@ -168,6 +168,23 @@ impl<S: Scalar> TrajectorySegment<S> {
         }
     }
 
+    /// The tool along `curve` by `law` for `duration` [s], a motion that was planned elsewhere.
+    pub fn along(
+        curve: Curve<S>,
+        law: TimeLaw<S>,
+        duration: S,
+        tag: u32,
+        tool: ToolOutput<S>,
+    ) -> Self {
+        Self {
+            shape: Shape::Path(curve),
+            law,
+            duration,
+            tag,
+            tool,
+        }
+    }
+
     /// Its duration [s]; may be shorter than a tick.
     #[inline]
     pub fn duration(&self) -> S {

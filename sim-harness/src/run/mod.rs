@@ -4,3 +4,4 @@ pub mod drive;
 pub mod excitation;
 pub mod link;
 pub mod simulation;
+pub mod time_optimal;

@@ -1,5 +1,6 @@
 //! Plans at the limits of the arm against figures of independent solvers.
 
 mod crossing;
+mod jobs;
 mod time_optimal;
 mod working_modes;

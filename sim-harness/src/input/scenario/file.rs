@@ -116,6 +116,7 @@ impl Scenario {
             initial_faults,
             faults,
             computed_torque: file.computed_torque,
+            time_optimal: None,
         })
     }
 

@@ -53,6 +53,9 @@ pub struct Scenario {
     /// Whether control is by computed torque; else by a PID at each joint with
     /// feed-forward of acceleration and friction.
     pub computed_torque: bool,
+    /// Plan the job time-optimally with this share of the torque limits, 0 to 1; none: the
+    /// controller plans it.
+    pub time_optimal: Option<f64>,
 }
 
 /// Why a scenario cannot be run.
@@ -112,6 +115,7 @@ impl Scenario {
             initial_faults: Vec::new(),
             faults: Vec::new(),
             computed_torque: true,
+            time_optimal: None,
         }
     }
 

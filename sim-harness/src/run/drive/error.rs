@@ -2,6 +2,7 @@
 
 use crate::run::link::LinkError;
 use crate::run::simulation::fault_name;
+use crate::run::time_optimal::TimeOptimalError;
 use fivebar_firmware::planner::MoveError;
 use fivebar_firmware::protocol::{CommandError, SectionKey};
 use fivebar_firmware::safety::Fault;
@@ -34,6 +35,9 @@ pub enum DriveError {
     /// A move cannot be done.
     #[error("line {}: {_0}", _0.tag)]
     Move(#[from] MoveError),
+    /// The job cannot be planned time-optimally.
+    #[error(transparent)]
+    TimeOptimal(#[from] TimeOptimalError),
     /// A fault is latched.
     #[error(
         "the controller stopped the arm with fault {}, {}; repair the cause, then drive with \

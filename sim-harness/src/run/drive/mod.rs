@@ -103,6 +103,14 @@ impl<'a, L: Read + Write> Drive<'a, L> {
         Err(DriveError::NeverHomed)
     }
 
+    /// The tool of the homed arm [m].
+    ///
+    /// # Errors
+    /// A latched fault, or an arm whose place is not known.
+    pub fn tool(&mut self) -> Result<[f32; 2], DriveError> {
+        self.fault_free_status()?.tool.ok_or(DriveError::NoTool)
+    }
+
     /// Arms, does the moves and disarms.
     ///
     /// All moves are checked, from the tool's position on, before anything moves.
@@ -118,9 +126,8 @@ impl<'a, L: Read + Write> Drive<'a, L> {
         settings: &Settings,
         progress: &mut dyn FnMut(usize, &Status),
     ) -> Result<(), DriveError> {
-        let status = self.fault_free_status()?;
+        let mut tool = self.tool()?;
         let planner = Planner::new(&settings.check().map_err(DriveError::Settings)?);
-        let mut tool = status.tool.ok_or(DriveError::NoTool)?;
         for next in moves {
             tool = planner.check(tool, next)?;
         }

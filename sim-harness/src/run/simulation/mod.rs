@@ -18,6 +18,7 @@ use crate::input::job::Job;
 use crate::input::robot::{HomeError, MissingMasses, robot_file_message};
 use crate::input::scenario::{Scenario, ScenarioError};
 use crate::run::link::{InProcess, Target, TargetError};
+use crate::run::time_optimal::{JobPlanner, TimeOptimalError};
 use fivebar_firmware::settings::SettingsError;
 use fivebar_firmware::{Move, Planner};
 use fivebar_plant::contact::ClearanceError;
@@ -63,6 +64,9 @@ pub enum RunError {
         /// The value that does not fit.
         error: MismatchError,
     },
+    /// The job cannot be planned time-optimally.
+    #[error(transparent)]
+    TimeOptimal(#[from] TimeOptimalError),
     /// The controller refuses the job or a request, or does not reply.
     #[error(transparent)]
     Target(#[from] TargetError),
@@ -76,11 +80,25 @@ impl Scenario {
     /// workspace, the joints move there.
     ///
     /// # Errors
-    /// The robot has no masses, or the controller refuses its settings.
+    /// The robot has no masses, the controller refuses its settings, or a time-optimal job cannot
+    /// be planned.
     pub fn run_moves(&self, job: &Job) -> Result<Vec<Move>, RunError> {
+        self.first_moves(job, usize::MAX)
+    }
+
+    /// As [`Scenario::run_moves`], for the first `count` moves of the job.
+    ///
+    /// # Errors
+    /// As [`Scenario::run_moves`].
+    pub fn first_moves(&self, job: &Job, count: usize) -> Result<Vec<Move>, RunError> {
         let settings = self.robot.settings()?.check();
         let planner = Planner::new(&settings.map_err(|e| self.settings_error(e))?);
-        Ok(self.moves_from_home(&planner, job))
+        let mut moves = self.moves_from_home(&planner, job);
+        moves.truncate(count);
+        let (Some(share), Some(home)) = (self.time_optimal, self.home_point()) else {
+            return Ok(moves);
+        };
+        Ok(JobPlanner::new(&self.robot, share)?.moves(home, &moves, &planner)?)
     }
 
     /// Checks all moves of the job against the arm's envelope, before anything moves.

@@ -8,7 +8,9 @@ use super::say::{say, warn};
 use super::sim::{millimetres, path_lengths};
 use crate::run::drive::{Drive, DriveError, Homing};
 use crate::run::simulation::{Sample, Trace};
+use crate::run::time_optimal::JobPlanner;
 use fivebar_firmware::protocol::Board;
+use fivebar_firmware::{Move, Planner};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::sync::atomic::Ordering;
 
@@ -45,7 +47,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         warn(format_args!("{}, {warning}", scenario.job_file));
     }
     let settings = scenario.robot.settings().map_err(refused)?;
-    let moves = scenario.moves(&job);
+    let mut moves = scenario.moves(&job);
 
     args.log.prepare()?;
     let interrupted = interrupted()?;
@@ -58,11 +60,12 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let wants_stop = || interrupted.load(Ordering::Relaxed);
     let mut drive = Drive::new(&mut client, &wants_stop);
     let lengths = path_lengths(&scenario, &job);
-    let done = |taken: usize| {
-        let last = taken.min(lengths.len()).checked_sub(1);
-        last.map_or(0.0, |last| lengths[last])
+    let done = |last: Option<&Move>| {
+        let line = last.map_or(0, |last| last.tag);
+        let steps = job.steps.partition_point(|step| step.line <= line);
+        steps.checked_sub(1).map_or(0.0, |last| lengths[last])
     };
-    let bar = ProgressBar::new(millimetres(done(moves.len()))).with_style(
+    let bar = ProgressBar::new(millimetres(done(moves.last()))).with_style(
         ProgressStyle::with_template("{bar:40} {pos}/{len} mm  {elapsed}  {msg}")
             .unwrap_or_else(|_| ProgressStyle::default_bar()),
     );
@@ -80,8 +83,14 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         bar.set_message("homing");
         drive.home(homing)?;
         bar.set_message("");
+        if let Some(share) = scenario.time_optimal {
+            let planner = Planner::new(&settings.check().map_err(DriveError::Settings)?);
+            let job = JobPlanner::new(&scenario.robot, share)?;
+            moves = job.moves(drive.tool()?, &moves, &planner)?;
+        }
         drive.follow(&moves, &settings, &mut |taken, status| {
-            bar.set_position(millimetres(done(taken)));
+            let last = taken.checked_sub(1).and_then(|last| moves.get(last));
+            bar.set_position(millimetres(done(last)));
             let ticks = status.tick.wrapping_sub(*start.get_or_insert(status.tick));
             if let Some(sample) = Sample::reported(status, f64::from(ticks) / tick_rate) {
                 trace.push(sample);

@@ -78,9 +78,9 @@ pub(super) fn run(
         let demonstration = !args.run.names_a_job();
         demonstration.then_some(MOVES_OF_THE_DEMONSTRATION)
     });
-    let moves = scenario.run_moves(&job);
-    let mut moves = moves.map_err(|error| refusal(&scenario, &error))?;
-    moves.truncate(count.unwrap_or(usize::MAX));
+    let count = count.unwrap_or(usize::MAX);
+    let moves = scenario.first_moves(&job, count);
+    let moves = moves.map_err(|error| refusal(&scenario, &error))?;
 
     let settings = scenario.robot.settings().map_err(refused)?;
     let (mut lockstep, _) =
@@ -91,7 +91,7 @@ pub(super) fn run(
             other => refused(format_args!("{name}: {other}")),
         })?;
     let lengths = path_lengths(&scenario, &job);
-    let last = moves.len().min(lengths.len()).saturating_sub(1);
+    let last = count.min(lengths.len()).saturating_sub(1);
     let bar = progress_bar(lengths.get(last).copied());
     let ran = scenario.run_on(&mut lockstep, &moves, &mut |done| {
         bar.set_position(millimetres(done));

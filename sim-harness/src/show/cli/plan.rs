@@ -52,7 +52,7 @@ pub(super) struct Args {
     json: bool,
 }
 
-fn share(text: &str) -> Result<f64, ValueError> {
+pub(super) fn share(text: &str) -> Result<f64, ValueError> {
     let value: f64 = text.parse().map_err(|_| ValueError::Share)?;
     if value > 0.0 && value <= 1.0 {
         Ok(value)

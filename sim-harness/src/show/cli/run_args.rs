@@ -3,6 +3,7 @@
 use super::failure::{Failure, refused};
 use super::length::{degrees, length, place, positive_length};
 use super::output::OutputArgs;
+use super::plan::share;
 use super::say::warn;
 use super::value_error::ValueError;
 use crate::input::job::{self, Dialect, JobOptions};
@@ -40,6 +41,13 @@ pub(super) struct JobArgs {
     /// drawing what comes before.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     from_line: Option<u32>,
+    /// Draw as fast as the arm's torque allows: feed rates and `[motion]` limits do not apply.
+    #[arg(long)]
+    time_optimal: bool,
+    /// The share of the torque limits that --time-optimal plans with; the rest is for feedback. 0.7
+    /// suits an arm as built, 0.9 one whose masses are identified.
+    #[arg(long, value_name = "S", default_value_t = 0.7, value_parser = share, requires = "time_optimal")]
+    torque_share: f64,
     #[command(flatten)]
     reading: ReadingArgs,
 }
@@ -133,6 +141,7 @@ impl JobArgs {
         scenario.turn = self.rotate.unwrap_or(scenario.turn);
         scenario.options = self.reading.options();
         scenario.from_line = self.from_line;
+        scenario.time_optimal = self.time_optimal.then_some(self.torque_share);
         match self.scale {
             Some(scale) => scenario.scale = scale,
             None if self.fit => {}

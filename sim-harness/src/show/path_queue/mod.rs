@@ -89,7 +89,7 @@ impl PathQueue {
                 clockwise,
                 feed: feed * self.feed,
             },
-            other @ (MoveKind::Dwell { .. } | MoveKind::Joint { .. }) => other,
+            other @ (MoveKind::Dwell { .. } | MoveKind::Joint { .. } | MoveKind::Timed(_)) => other,
         };
         Some(Move { tag, kind, ..next })
     }
@@ -209,6 +209,7 @@ pub(in crate::show) fn way_back(
 pub(in crate::show) fn end(next: &Move) -> Option<[f32; 2]> {
     match next.kind {
         MoveKind::Line { to, .. } | MoveKind::Arc { to, .. } => Some(to),
+        MoveKind::Timed(timed) => Some(timed.end()),
         MoveKind::Dwell { .. } | MoveKind::Joint { .. } => None,
     }
 }

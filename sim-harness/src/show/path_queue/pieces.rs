@@ -1,7 +1,7 @@
 //! Moves in pieces: what remains of a move behind a place on it, and long moves divided.
 
 use super::end;
-use fivebar_firmware::{Move, MoveKind};
+use fivebar_firmware::{Move, MoveKind, TimedMove};
 use std::f64::consts::{PI, TAU};
 
 /// What remains of a move is dropped if it is shorter than this [m].
@@ -45,7 +45,10 @@ pub(super) fn remaining(place: [f32; 2], next: Move) -> Vec<Move> {
             moves.push(next);
             moves
         }
-        MoveKind::Line { .. } | MoveKind::Dwell { .. } | MoveKind::Joint { .. } => vec![next],
+        MoveKind::Line { .. }
+        | MoveKind::Dwell { .. }
+        | MoveKind::Joint { .. }
+        | MoveKind::Timed(_) => vec![next],
     }
 }
 
@@ -109,7 +112,7 @@ fn divide(start: [f64; 2], next: &Move, all: &mut Vec<Move>) {
                 all.push(Move { kind, ..*next });
             }
         }
-        MoveKind::Dwell { .. } | MoveKind::Joint { .. } => {}
+        MoveKind::Dwell { .. } | MoveKind::Joint { .. } | MoveKind::Timed(_) => {}
     }
 }
 
@@ -132,7 +135,9 @@ pub(in crate::show) fn duration(from: Option<[f32; 2]>, next: &Move) -> f64 {
             let (to, middle) = (to.map(f64::from), center.map(f64::from));
             distance(to, middle) * turn(from, to, middle, clockwise) / f64::from(feed)
         }
-        (MoveKind::Dwell { duration }, _) => duration.into(),
+        (MoveKind::Dwell { duration } | MoveKind::Timed(TimedMove { duration, .. }), _) => {
+            duration.into()
+        }
         (MoveKind::Line { .. } | MoveKind::Arc { .. }, None) | (MoveKind::Joint { .. }, _) => 0.0,
     }
 }

@@ -67,6 +67,7 @@ impl MoveEnd {
     fn of(kind: &MoveKind) -> Option<Self> {
         match *kind {
             MoveKind::Line { to, .. } | MoveKind::Arc { to, .. } => Some(Self::Tool(to)),
+            MoveKind::Timed(timed) => Some(Self::Tool(timed.end())),
             MoveKind::Joint { to, .. } => Some(Self::Joints(to)),
             MoveKind::Dwell { .. } => None,
         }

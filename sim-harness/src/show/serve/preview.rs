@@ -175,6 +175,10 @@ fn draw(strokes: &mut Strokes, from: [f32; 2], kind: &MoveKind) -> [f32; 2] {
             let end = at(count);
             [end.x, end.y]
         }
+        MoveKind::Timed(timed) => {
+            strokes.push(timed.end());
+            timed.end()
+        }
         MoveKind::Dwell { .. } | MoveKind::Joint { .. } => from,
     }
 }

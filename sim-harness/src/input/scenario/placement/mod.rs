@@ -265,7 +265,7 @@ impl Scenario {
     }
 
     /// The tool at home [m].
-    fn home_point(&self) -> Option<[f32; 2]> {
+    pub(crate) fn home_point(&self) -> Option<[f32; 2]> {
         let home = self.robot.home_pose().ok()?;
         Some(self.robot.tool_at(&home).map(|x| x as f32))
     }

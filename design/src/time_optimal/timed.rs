@@ -1,0 +1,243 @@
+//! A run as cubic pieces, each on one piece of its path: what a controller can follow.
+//!
+//! The least-time run is smoothed by a [`Spline`]. Where that passes a limit, x = ṡ² of the run is
+//! bounded lower there and for an interval before and after, and the run is planned again, until every limit holds in
+//! the middle and at the ends of every cell.
+
+use super::demand::DrivenArm;
+use super::grid::{Grid, Solved};
+use super::limits::PlanLimits;
+use super::passes::MOST_PASSES;
+use super::path::PathPiece;
+use super::run::{PlanError, check};
+use super::spline::{Spline, State, later, time_at};
+
+/// A cubic in time on one piece of the path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TimedPiece {
+    /// The index of the path's piece.
+    pub piece: usize,
+    /// s on that piece, ṡ and s̈ at its beginning, and the constant s⃛.
+    pub law: [f64; 4],
+    /// [s].
+    pub duration: f64,
+}
+
+/// A run in cubic pieces, with continuous acceleration.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TimedRun {
+    /// The pieces in their order.
+    pub pieces: Vec<TimedPiece>,
+    /// Its duration [s].
+    pub time: f64,
+    /// Most by which a limit is passed in a cell, relative.
+    pub limit_excess: f64,
+}
+
+/// Most rounds of bounding and planning again.
+const ROUNDS: usize = 60;
+/// The excess of a limit that is accepted, relative.
+const ACCEPTED: f64 = 5e-3;
+/// The part of an excess by which x is bounded lower in one round, and the least part.
+const STEP: f64 = 1.0;
+/// Fewest intervals of a run.
+const FEWEST: f64 = 4.0;
+/// Pieces shorter than this are merged into their neighbour [s].
+const SHORTEST: f64 = 2e-7;
+/// The longest slowing at the end, for limits that bounds of x do not keep.
+const SLOWEST: f64 = 1.5;
+
+/// The run along pieces that follow one another, from rest to rest, in cubics of at most `interval`
+/// [s]. The shorter the interval, the faster and the less smooth the run.
+///
+/// # Errors
+/// [`PlanError`], with the place.
+pub fn plan_timed(
+    arm: &DrivenArm,
+    limits: &PlanLimits,
+    pieces: &[PathPiece],
+    interval: f64,
+) -> Result<TimedRun, PlanError> {
+    check(limits, pieces)?;
+    let places = 2 + (Grid::length_of(pieces) / 1e-3).ceil() as usize;
+    let mut solved = Grid::new(arm, limits, pieces, places)?.solve()?;
+    let mut caps = vec![f64::INFINITY; solved.x.len()];
+    let mut best: Option<(f64, Spline)> = None;
+    for _ in 0..ROUNDS {
+        let times = times(&solved);
+        let spline = smoothed(&solved, &times, interval);
+        let worst = bound(&solved, &times, &spline, &mut caps);
+        if best.as_ref().is_none_or(|(least, _)| worst < *least) {
+            best = Some((worst, spline));
+        }
+        if worst <= ACCEPTED {
+            break;
+        }
+        let problem = solved.grid.problem_below(&caps)?;
+        solved.x = problem.solve(Some(&solved.x), MOST_PASSES);
+    }
+    let (mut excess, mut spline) = best.ok_or(PlanError::Jerk)?;
+    let mut kappa = 1.0;
+    while excess > ACCEPTED && kappa < SLOWEST {
+        let step = (1.0 + excess).sqrt().min(1.1);
+        kappa *= step;
+        spline = spline.slowed(step);
+        excess = excess_of(&solved, &spline);
+    }
+    if excess > ACCEPTED {
+        return Err(PlanError::Jerk);
+    }
+    Ok(TimedRun {
+        time: spline.duration(),
+        pieces: cut(&spline, pieces),
+        limit_excess: excess.max(0.0),
+    })
+}
+
+/// The time at each node.
+fn times(solved: &Solved<'_>) -> Vec<f64> {
+    let mut t = vec![0.0];
+    for (cell, ends) in solved.grid.cells.iter().zip(solved.x.windows(2)) {
+        let dt = 2.0 * cell.w / (ends[0].sqrt() + ends[1].sqrt());
+        t.push(t[t.len() - 1] + dt);
+    }
+    t
+}
+
+/// The spline of a run at even times.
+fn smoothed(solved: &Solved<'_>, times: &[f64], interval: f64) -> Spline {
+    let total = times[times.len() - 1];
+    let count = (total / interval).ceil().max(FEWEST);
+    let h = total / count;
+    let (cells, x) = (&solved.grid.cells, &solved.x);
+    let mut i = 0;
+    let mut samples = Vec::with_capacity(count as usize + 1);
+    for k in 0..count as usize {
+        let t = h * k as f64;
+        while i + 1 < cells.len() && times[i + 1] <= t {
+            i += 1;
+        }
+        let u = 0.5 * (x[i + 1] - x[i]) / cells[i].w;
+        let dt = t - times[i];
+        let s = cells[i].s + dt * (x[i].sqrt() + 0.5 * dt * u);
+        samples.push(s.min(cells[i].s + cells[i].w));
+    }
+    samples.push(solved.grid.length());
+    Spline::new(&samples, h)
+}
+
+/// Walks along a spline by s.
+struct Walk<'a> {
+    spline: &'a Spline,
+    interval: usize,
+    state: State,
+    end: f64,
+}
+
+impl<'a> Walk<'a> {
+    fn new(spline: &'a Spline) -> Self {
+        Self {
+            spline,
+            interval: 0,
+            state: spline.start(0),
+            end: later(spline.start(0), spline.interval)[0],
+        }
+    }
+
+    /// The time [s] and the state at s, which rises from call to call.
+    fn at(&mut self, s: f64) -> (f64, State) {
+        while self.end < s && self.interval + 1 < self.spline.len() {
+            self.interval += 1;
+            self.state = self.spline.start(self.interval);
+            self.end = later(self.state, self.spline.interval)[0];
+        }
+        let t = time_at(self.state, s, self.spline.interval);
+        let begin = self.spline.interval * self.interval as f64;
+        (begin + t, later(self.state, t))
+    }
+}
+
+/// The excess of each cell: the most by which a limit is passed at its ends or in its middle.
+fn excesses(solved: &Solved<'_>, spline: &Spline) -> Vec<f64> {
+    let grid = &solved.grid;
+    let mut walk = Walk::new(spline);
+    let mut used = |s: f64, demand| {
+        let (_, [_, v, a, _]) = walk.at(s);
+        grid.used(demand, v * v, a)
+    };
+    let cells = grid.cells.iter();
+    cells
+        .map(|cell| {
+            let start = used(cell.s, &cell.start);
+            let middle = used(cell.s + 0.5 * cell.w, &cell.middle);
+            let end = used(cell.s + cell.w, &cell.end);
+            start.max(middle).max(end) - 1.0
+        })
+        .collect()
+}
+
+fn excess_of(solved: &Solved<'_>, spline: &Spline) -> f64 {
+    excesses(solved, spline).into_iter().fold(0.0, f64::max)
+}
+
+/// Bounds x lower where the spline passes a limit, and returns the greatest excess.
+fn bound(solved: &Solved<'_>, times: &[f64], spline: &Spline, caps: &mut [f64]) -> f64 {
+    let excesses = excesses(solved, spline);
+    let mut factors = vec![1.0_f64; caps.len()];
+    let around = spline.interval;
+    for (i, &excess) in excesses
+        .iter()
+        .enumerate()
+        .filter(|(_, e)| **e > 0.5 * ACCEPTED)
+    {
+        let factor = 1.0 / (1.0 + STEP * excess.min(1.0));
+        let (from, to) = (times[i] - around, times[i + 1] + around);
+        let first = times.partition_point(|&t| t < from);
+        let last = times.partition_point(|&t| t <= to);
+        for other in &mut factors[first..last] {
+            *other = other.min(factor);
+        }
+    }
+    for ((cap, factor), x) in caps.iter_mut().zip(factors).zip(&solved.x) {
+        if factor < 1.0 && *x > 0.0 {
+            *cap = cap.min(factor * x);
+        }
+    }
+    excesses.into_iter().fold(0.0, f64::max)
+}
+
+/// The cubics between the knots, cut where pieces of the path meet.
+fn cut(spline: &Spline, pieces: &[PathPiece]) -> Vec<TimedPiece> {
+    let mut timed = Vec::with_capacity(spline.len() + pieces.len());
+    let (mut piece, mut begin) = (0, 0.0);
+    for interval in 0..spline.len() {
+        let mut state = spline.start(interval);
+        let mut left = spline.interval;
+        while left > 0.0 {
+            let end = begin + pieces[piece].length();
+            let crosses = piece + 1 < pieces.len() && later(state, left)[0] > end;
+            let mut duration = if crosses {
+                time_at(state, end, left)
+            } else {
+                left
+            };
+            if left - duration < SHORTEST {
+                duration = left;
+            }
+            if duration >= SHORTEST || !crosses {
+                let [s, v, a, j] = state;
+                timed.push(TimedPiece {
+                    piece,
+                    law: [s - begin, v, a, j],
+                    duration,
+                });
+                state = later(state, duration);
+                left -= duration;
+            }
+            if crosses {
+                (piece, begin) = (piece + 1, end);
+            }
+        }
+    }
+    timed
+}

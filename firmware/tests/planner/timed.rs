@@ -1,0 +1,150 @@
+//! Timed moves: followed as they are, or refused with the reason.
+
+use crate::rig::{Rig, settings};
+use fivebar_firmware::controller::Request;
+use fivebar_firmware::planner::MoveErrorKind;
+use fivebar_firmware::safety::State;
+use fivebar_firmware::{MoveKind, TimedCurve, TimedMove};
+
+/// Pieces of a straight motion of `way` [m] to the right, from rest to rest: the jerk is +j, −j, −j, +j.
+fn pieces(rig: &Rig, way: f32, duration: f32) -> Vec<TimedMove> {
+    let start = rig.tool_position();
+    let t = duration / 4.0;
+    let jerk = way / (2.0 * t * t * t);
+    let (mut s, mut v, mut a) = (0.0, 0.0, 0.0);
+    [jerk, -jerk, -jerk, jerk]
+        .map(|j| {
+            let piece = TimedMove {
+                curve: TimedCurve::Line {
+                    start,
+                    tangent: [1.0, 0.0],
+                },
+                law: [s, v, a, j],
+                duration: t,
+            };
+            s += t * (v + t * (a / 2.0 + t * j / 6.0));
+            v += t * (a + t * j / 2.0);
+            a += t * j;
+            piece
+        })
+        .to_vec()
+}
+
+fn push(rig: &mut Rig, piece: TimedMove) -> Result<(), MoveErrorKind> {
+    let pushed = rig.push(1, MoveKind::Timed(piece));
+    pushed.map_err(|error| error.kind)
+}
+
+#[test]
+fn a_timed_motion_is_followed_to_its_end_beyond_the_limits_of_motion() {
+    let mut rig = Rig::armed(&settings());
+    let [x, y] = rig.tool_position();
+    // 30 mm in 0.1 s: at 0.6 m/s twice as fast as [motion] allows.
+    for piece in pieces(&rig, 0.03, 0.1) {
+        assert_eq!(push(&mut rig, piece), Ok(()));
+    }
+    let (mut fastest, mut worst) = (0.0_f32, 0.0_f64);
+    let mut last = rig.tool_position();
+    for _ in 0..1100 {
+        let [tx, ty] = rig.bench.tool();
+        rig.tick();
+        let status = rig.controller.status();
+        assert_eq!(status.fault, None);
+        if let Some([rx, ry]) = status.reference {
+            fastest = fastest.max((rx - last[0]).hypot(ry - last[1]) * 1e4);
+            worst = worst.max((tx - f64::from(rx)).hypot(ty - f64::from(ry)));
+            last = [rx, ry];
+        }
+    }
+    assert_eq!(rig.controller.state(), State::Armed);
+    assert!(fastest > 0.55, "{fastest} m/s");
+    assert!(worst < 2e-4, "{worst} m");
+    let [ex, ey] = rig.tool_position();
+    assert!((ex - x - 0.03).hypot(ey - y) < 1e-5, "{ex}, {ey}");
+}
+
+#[test]
+fn a_piece_that_does_not_go_on_where_the_last_one_ends_is_refused() {
+    let mut rig = Rig::armed(&settings());
+    let motion = pieces(&rig, 0.03, 0.1);
+    assert_eq!(push(&mut rig, motion[1]), Err(MoveErrorKind::Discontinuous));
+    assert_eq!(push(&mut rig, motion[0]), Ok(()));
+    for (value, most) in [(0, 1e-5), (1, 0.01), (2, 2.0)] {
+        let mut other = motion[1];
+        other.law[value] += most;
+        assert_eq!(push(&mut rig, other), Err(MoveErrorKind::Discontinuous));
+    }
+    // Other moves wait until the motion has come to rest.
+    let to = rig.tool_position();
+    let line = rig.push(2, MoveKind::Line { to, feed: 0.1 });
+    assert_eq!(line.unwrap_err().kind, MoveErrorKind::Discontinuous);
+    assert_eq!(push(&mut rig, motion[1]), Ok(()));
+}
+
+#[test]
+fn a_motion_beyond_a_limit_of_the_joints_is_refused() {
+    let rig = &mut Rig::armed(&settings());
+    for (way, duration) in [(0.03, 0.03), (0.12, 0.05)] {
+        let refused = pieces(rig, way, duration)
+            .into_iter()
+            .map(|piece| push(rig, piece))
+            .find_map(Result::err);
+        assert!(
+            matches!(refused, Some(MoveErrorKind::Overload(1 | 4))),
+            "{refused:?}"
+        );
+    }
+    // Out of reach.
+    let mut far = pieces(rig, 0.0, 0.05)[0];
+    far.law = [0.0, 6.0, 0.0, 0.0];
+    far.duration = 0.06;
+    let refused = push(rig, far).unwrap_err();
+    assert!(
+        matches!(
+            refused,
+            MoveErrorKind::LegSingularity(_) | MoveErrorKind::Unreachable
+        ),
+        "{refused:?}"
+    );
+}
+
+#[test]
+fn malformed_pieces_are_refused() {
+    let rig = &mut Rig::armed(&settings());
+    let good = pieces(rig, 0.03, 0.1)[0];
+    let mut bad = [good; 5];
+    bad[0].duration = 0.0;
+    (bad[1].law, bad[1].duration) = ([0.0, 0.01, 0.0, 0.0], 0.2);
+    bad[2].law[3] = f32::NAN;
+    // Backward.
+    bad[3].law[3] = -good.law[3];
+    bad[4].curve = TimedCurve::Line {
+        start: rig.tool_position(),
+        tangent: [1.1, 0.0],
+    };
+    for piece in bad {
+        let refused = push(rig, piece).unwrap_err();
+        assert_eq!(refused, MoveErrorKind::Number, "{piece:?}");
+    }
+    assert_eq!(push(rig, good), Ok(()));
+}
+
+#[test]
+fn a_stop_on_a_timed_motion_stays_on_its_line_and_ends_at_rest() {
+    let mut rig = Rig::armed(&settings());
+    let [_, y] = rig.tool_position();
+    for piece in pieces(&rig, 0.05, 0.24) {
+        assert_eq!(push(&mut rig, piece), Ok(()));
+    }
+    rig.run(1000);
+    rig.controller.request(Request::Stop).unwrap();
+    for _ in 0..2000 {
+        rig.tick();
+        let [_, ty] = rig.bench.tool();
+        assert!((ty - f64::from(y)).abs() < 1e-4, "{ty}");
+    }
+    assert_eq!(rig.controller.state(), State::Armed);
+    // What comes then begins at rest.
+    let again = pieces(&rig, 0.01, 0.1);
+    assert_eq!(push(&mut rig, again[0]), Ok(()));
+}

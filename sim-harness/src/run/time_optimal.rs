@@ -1,0 +1,403 @@
+//! Whole jobs by time-optimal motion: moves become timed moves, planned on the host.
+//!
+//! The path is that of the controller's own look-ahead, with its rounded corners. The feed rates
+//! do not apply: each run from rest to rest is as fast as the joints' torques, speeds and
+//! accelerations and the motors' voltage allow.
+
+use crate::input::robot::{MissingMasses, Robot, WorkspaceError};
+use fivebar_design::time_optimal::{
+    DrivenArm, PathPiece, PlanError, PlanLimits, PlannedDrive, TimedPiece, TimedRun, plan_timed,
+};
+use fivebar_firmware::planner::{MoveError, Planner};
+use fivebar_firmware::settings::ToolOutputSettings;
+use fivebar_firmware::{Move, MoveKind, TimedCurve, TimedMove};
+use fivebar_kinematics::dynamics::ModelError;
+use fivebar_kinematics::five_bar::GeometryError;
+use fivebar_kinematics::trajectory::{
+    Curve, Envelope, LookaheadPlanner, MotionLimits, PathError, PathSegment, PathSegmentError,
+    Reference, Sense, ToolOutput, TorqueLimits, TrajectorySegment,
+};
+use nalgebra::Vector2;
+use rayon::prelude::*;
+
+/// Why a job is not planned.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum TimeOptimalError {
+    /// The robot has lengths only.
+    #[error(transparent)]
+    Masses(#[from] MissingMasses),
+    /// The robot's masses are not valid.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// The robot's tool is not valid.
+    #[error(transparent)]
+    Tool(#[from] GeometryError),
+    /// The robot has no workspace.
+    #[error(transparent)]
+    Workspace(#[from] WorkspaceError),
+    /// The tool's power follows its speed, but the job's feed rates do not apply.
+    #[error(
+        "the tool's power follows its speed (`scale_with_speed`), so it needs the job's feed rates; \
+         run the job without --time-optimal"
+    )]
+    PowerBySpeed,
+    /// A move leaves the workspace.
+    #[error("line {0}: {1}")]
+    Path(u32, PathError<f64>),
+    /// A move is no path.
+    #[error("line {0}: {1}")]
+    Segment(u32, PathSegmentError),
+    /// No motion along the path from a line on keeps the limits.
+    #[error("the path from line {0} on: {1}")]
+    Plan(u32, PlanError),
+    /// A move is refused.
+    #[error(transparent)]
+    Move(#[from] MoveError),
+}
+
+/// The share of the joints' speeds and accelerations, and of the supply, that plans use.
+const JOINT_SHARE: f64 = 0.98;
+/// Time between the knots of a plan's spline [s].
+const INTERVAL: f64 = 4e-3;
+/// The limits of the tool by which the look-ahead chooses between rounding a corner and stopping
+/// there: more than an arm's.
+const TOOL: MotionLimits<f64> = MotionLimits {
+    speed: 10.0,
+    acceleration: 1000.0,
+    jerk: 1e4,
+};
+/// Room of the look-ahead.
+const PLANNED: usize = 64;
+/// Greatest error of an arc's centre [m], as on the controller.
+const ARC_TOLERANCE: f64 = 1e-4;
+/// Speeds below this are rest [m/s].
+const REST: f64 = 1e-6;
+
+/// A part of one run.
+struct Part {
+    piece: PathPiece,
+    tag: u32,
+    level: u16,
+}
+
+/// What becomes of a job: runs to plan, and moves that stay as they are.
+enum Stage {
+    Run(Vec<Part>),
+    Move(Move),
+}
+
+/// A robot's planner of whole jobs.
+pub struct JobPlanner {
+    arm: DrivenArm,
+    envelope: Envelope<f64>,
+    limits: PlanLimits,
+    waits: bool,
+    /// [m/s].
+    approach: f32,
+}
+
+impl JobPlanner {
+    /// A planner for the robot's working mode, whose plans use `torque_share` of the torque limits; the
+    /// rest is for feedback.
+    ///
+    /// # Errors
+    /// A robot without masses, or with a tool whose power follows its speed.
+    pub fn new(robot: &Robot, torque_share: f64) -> Result<Self, TimeOptimalError> {
+        if let ToolOutputSettings::Power {
+            scale_with_speed: true,
+            ..
+        } = robot.tool_output
+        {
+            return Err(TimeOptimalError::PowerBySpeed);
+        }
+        let arm = robot.arm()?;
+        let drives = robot.drives()?;
+        let torque = drives.map(|drive| torque_share * drive.peak_torque());
+        let share = |values: [f64; 2]| values.map(|value| JOINT_SHARE * value);
+        let planned = robot.actuators.map_or_else(Default::default, |actuators| {
+            actuators.map(|actuator| PlannedDrive {
+                viscous: actuator.viscous_friction,
+                coulomb: actuator.coulomb_friction,
+                torque_constant: actuator.torque_constant * actuator.gear_ratio.abs(),
+                resistance: actuator.resistance,
+            })
+        });
+        let tool = robot.tool_on_link()?;
+        let mode = robot.working_mode();
+        let workspace = robot.workspace(mode)?;
+        Ok(Self {
+            arm: DrivenArm::new(arm, tool, mode, planned)?,
+            envelope: Envelope {
+                workspace,
+                joint_speed: share(robot.limits.max_speed),
+                joint_acceleration: share(robot.limits.max_acceleration),
+                torque: Some(TorqueLimits { arm: *arm, torque }),
+                tool_motion: TOOL,
+                corner_tolerance: robot.motion.corner_tolerance,
+            },
+            limits: PlanLimits {
+                torque,
+                speed: share(robot.limits.max_speed),
+                acceleration: share(robot.limits.max_acceleration),
+                voltage: robot
+                    .actuators
+                    .is_some()
+                    .then_some(JOINT_SHARE * robot.supply.voltage),
+                tip_speed: None,
+                tip_acceleration: None,
+            },
+            waits: robot.tool_output.waits(),
+            approach: robot.motion.max_speed as f32,
+        })
+    }
+
+    /// The same job by timed moves, with the tool at rest at `from` [m] before it. Dwells and joint
+    /// moves stay as they are. The first move is a line to `from`, because an arm is never held
+    /// quite there.
+    ///
+    /// # Errors
+    /// The line that cannot be planned, and why.
+    pub fn moves(
+        &self,
+        from: [f32; 2],
+        moves: &[Move],
+        planner: &Planner,
+    ) -> Result<Vec<Move>, TimeOptimalError> {
+        let mut stages = vec![Stage::Move(Move {
+            tag: 0,
+            tool: 0,
+            kind: MoveKind::Line {
+                to: from,
+                feed: self.approach,
+            },
+        })];
+        stages.extend(self.stages(from, moves, planner)?);
+        let planned: Result<Vec<Vec<Move>>, TimeOptimalError> = stages
+            .into_par_iter()
+            .map(|stage| match stage {
+                Stage::Move(next) => Ok(vec![next]),
+                Stage::Run(parts) => self.run(&parts),
+            })
+            .collect();
+        Ok(planned?.concat())
+    }
+
+    /// The timed moves of one run.
+    fn run(&self, parts: &[Part]) -> Result<Vec<Move>, TimeOptimalError> {
+        let pieces: Vec<PathPiece> = parts.iter().map(|part| part.piece.clone()).collect();
+        let line = parts.first().map_or(0, |part| part.tag);
+        let TimedRun { pieces: timed, .. } = plan_timed(&self.arm, &self.limits, &pieces, INTERVAL)
+            .map_err(|error| TimeOptimalError::Plan(line, error))?;
+        let timed = timed.iter().filter_map(|piece| {
+            let part = &parts[piece.piece];
+            Some(Move {
+                tag: part.tag,
+                tool: part.level,
+                kind: MoveKind::Timed(timed_move(&part.piece, piece)?),
+            })
+        });
+        Ok(timed.collect())
+    }
+
+    fn stages(
+        &self,
+        from: [f32; 2],
+        moves: &[Move],
+        planner: &Planner,
+    ) -> Result<Vec<Stage>, TimeOptimalError> {
+        let mut path = Path::new(self.waits);
+        let mut at = from;
+        for next in moves {
+            let tag = next.tag;
+            let segment = match next.kind {
+                MoveKind::Line { to, .. } => PathSegment::line(point(at), point(to)),
+                MoveKind::Arc {
+                    to,
+                    center,
+                    clockwise,
+                    ..
+                } => {
+                    let sense = if clockwise {
+                        Sense::Clockwise
+                    } else {
+                        Sense::CounterClockwise
+                    };
+                    PathSegment::arc(point(at), point(to), point(center), sense, ARC_TOLERANCE)
+                }
+                MoveKind::Dwell { .. } | MoveKind::Joint { .. } | MoveKind::Timed(_) => {
+                    path.finish();
+                    path.stages.push(Stage::Move(*next));
+                    at = planner.check(at, next)?;
+                    continue;
+                }
+            };
+            match segment {
+                Ok(segment) => {
+                    let limits = self.envelope.check(&segment, TOOL.speed);
+                    let limits = limits.map_err(|error| TimeOptimalError::Path(tag, error))?;
+                    path.push(&segment, limits, next, &self.envelope);
+                }
+                Err(PathSegmentError::ZeroLength) => {}
+                Err(error) => return Err(TimeOptimalError::Segment(tag, error)),
+            }
+            at = planner.check(at, next)?;
+        }
+        path.finish();
+        Ok(path.stages)
+    }
+}
+
+/// The path of a job, from its look-ahead.
+struct Path {
+    lookahead: Box<LookaheadPlanner<f64, PLANNED>>,
+    stages: Vec<Stage>,
+    run: Vec<Part>,
+    waits: bool,
+    level: u16,
+}
+
+impl Path {
+    fn new(waits: bool) -> Self {
+        Self {
+            lookahead: Box::default(),
+            stages: Vec::new(),
+            run: Vec::new(),
+            waits,
+            level: 0,
+        }
+    }
+
+    fn push(
+        &mut self,
+        segment: &PathSegment<f64>,
+        limits: MotionLimits<f64>,
+        next: &Move,
+        envelope: &Envelope<f64>,
+    ) {
+        if self.waits && next.tool != self.level {
+            self.finish();
+        }
+        self.level = next.tool;
+        while !self.lookahead.has_free_slot() {
+            self.take();
+        }
+        let level = ToolOutput::constant(f64::from(next.tool));
+        self.lookahead.set_tool_output(level);
+        // The limits are finite, and there is room.
+        let _ = self.lookahead.push(segment, limits, next.tag, envelope);
+    }
+
+    /// Takes what is planned; the motion ends at rest.
+    fn finish(&mut self) {
+        while self.take() {}
+        self.end_run();
+    }
+
+    fn end_run(&mut self) {
+        if !self.run.is_empty() {
+            self.stages.push(Stage::Run(std::mem::take(&mut self.run)));
+        }
+    }
+
+    /// Takes the next segment; false if there is none.
+    fn take(&mut self) -> bool {
+        let Some(segment) = self.lookahead.next_segment() else {
+            return false;
+        };
+        let Some(part) = part(&segment) else {
+            return true;
+        };
+        match self.run.last_mut() {
+            Some(last) if last.continues_in(&part) => last.lengthen(&part),
+            _ => self.run.push(part),
+        }
+        if at_rest(&segment) {
+            self.end_run();
+        }
+        true
+    }
+}
+
+impl Part {
+    /// Whether another part goes on along the same curve.
+    fn continues_in(&self, next: &Self) -> bool {
+        match (&self.piece, &next.piece) {
+            (PathPiece::Curve { curve, .. }, PathPiece::Curve { curve: other, .. }) => {
+                curve == other && (self.tag, self.level) == (next.tag, next.level)
+            }
+            _ => false,
+        }
+    }
+
+    fn lengthen(&mut self, next: &Self) {
+        if let PathPiece::Curve { length, .. } = &mut self.piece {
+            *length += next.piece.length();
+        }
+    }
+}
+
+/// The part of the path that a segment covers.
+fn part(segment: &TrajectorySegment<f64>) -> Option<Part> {
+    let curve = *segment.curve()?;
+    let [from, to] = [0.0, segment.duration()].map(|t| segment.path_state(t).s);
+    (to > from).then(|| Part {
+        piece: PathPiece::Curve {
+            curve,
+            from,
+            length: to - from,
+        },
+        tag: segment.tag(),
+        level: segment.tool_output().at(0.0) as u16,
+    })
+}
+
+fn at_rest(segment: &TrajectorySegment<f64>) -> bool {
+    match segment.evaluate(segment.duration()) {
+        Reference::Tool { velocity, .. } => velocity.norm() < REST,
+        Reference::Joint { .. } => true,
+    }
+}
+
+/// A piece of a plan as a move.
+fn timed_move(piece: &PathPiece, timed: &TimedPiece) -> Option<TimedMove> {
+    let PathPiece::Curve { curve, from, .. } = piece else {
+        return None;
+    };
+    let [s, s_dot, s_ddot, jerk] = timed.law;
+    Some(TimedMove {
+        curve: single_curve(curve),
+        law: [from + s, s_dot, s_ddot, jerk].map(|value| value as f32),
+        duration: timed.duration as f32,
+    })
+}
+
+fn single_curve(curve: &Curve<f64>) -> TimedCurve {
+    let single = |v: Vector2<f64>| [v.x as f32, v.y as f32];
+    match *curve {
+        Curve::Line { start, tangent } => TimedCurve::Line {
+            start: single(start),
+            tangent: single(tangent),
+        },
+        Curve::Arc {
+            start,
+            tangent,
+            curvature,
+        } => TimedCurve::Arc {
+            start: single(start),
+            tangent: single(tangent),
+            curvature: curvature as f32,
+        },
+        Curve::Blend {
+            coefficients,
+            inverse_length,
+        } => TimedCurve::Blend {
+            coefficients: coefficients.map(single),
+            inverse_length: inverse_length as f32,
+        },
+    }
+}
+
+fn point([x, y]: [f32; 2]) -> Vector2<f64> {
+    Vector2::new(f64::from(x), f64::from(y))
+}
