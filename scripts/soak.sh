@@ -7,6 +7,7 @@
 #   scripts/soak.sh board FIRST_SEED TICKS        random jobs on the emulated board, bit by bit;
 #                                                 needs the images of scripts/firmware.sh
 #   scripts/soak.sh links                         a job over bad links: the table
+#   scripts/soak.sh arms FIRST_SEED COUNT         commissioning of random simulated arms
 #   scripts/soak.sh serve MINUTES                 clients of the live page come and go: memory
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -25,6 +26,11 @@ case ${1:-} in
         ;;
     links)
         soak --test soak -- links::every
+        ;;
+    arms)
+        ARMS_SEED=$2 ARMS_COUNT=$3 cargo test --quiet --package fivebar --test commands -- \
+            --nocapture --ignored --exact \
+            random_arms::many_random_arms_end_named_or_within_twice_their_own_prediction
         ;;
     serve)
         SOAK_MINUTES=$2 cargo test --quiet --package fivebar --test serve -- \

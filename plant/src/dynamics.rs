@@ -17,6 +17,8 @@ pub struct Model {
     pub gravity: Vector2<f64>,
     /// The tool on link 2, from the link's centre of mass, in the link's frame [m].
     pub tool: Vector2<f64>,
+    /// Integration steps in the longest time that resolves motors and friction, from 1.
+    pub(crate) finer_steps: f64,
 }
 
 /// Positions, velocities and currents.
@@ -169,7 +171,7 @@ impl Model {
     pub fn longest_step(&self) -> f64 {
         let about_pivot = self.about_pivots();
         let rates = [0, 1].map(|j| self.motors[j].fastest_rate(about_pivot[j]));
-        (1.0 / rates[0].max(rates[1])).max(SHORTEST_STEP)
+        (1.0 / (self.finer_steps * rates[0].max(rates[1]))).max(SHORTEST_STEP)
     }
 
     /// All torque on each driven joint [N·m].

@@ -127,6 +127,7 @@ impl Model {
             motors,
             gravity: arm.gravity(),
             tool: Vector2::new(l2 + along, aside) - com2,
+            finer_steps: 1.0,
         }
     }
 

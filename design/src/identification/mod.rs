@@ -19,6 +19,7 @@ mod physical;
 mod processing;
 mod proposal;
 mod regressor;
+mod validation;
 
 pub use arm_masses::{base_parameters, standard_parameters};
 pub use error::IdentificationError;
@@ -27,3 +28,4 @@ pub use excitation::{Excitation, HARMONICS};
 pub use physical::{PhysicalLinks, physical_links};
 pub use proposal::{Bounds, ProposedExcitation, propose_excitation};
 pub use regressor::{BASE_COLUMNS, BASE_NAMES, Regressor};
+pub use validation::{Misprediction, Predictor, validate};

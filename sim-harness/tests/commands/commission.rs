@@ -5,15 +5,34 @@ use fivebar::input::robot::Robot;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
+use std::time::Duration;
 
-fn commission(folder: &Path, args: &[&str]) -> Output {
+pub(crate) fn commission(folder: &Path, args: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_fivebar"));
     command.args(["commission", "--port", "simulated", "--out"]);
     command.arg(folder.join("out")).args(args).output().unwrap()
 }
 
-fn text(bytes: &[u8]) -> String {
+/// Begins a commissioning and kills it after this time; its record is whole then.
+pub(crate) fn killed_after(folder: &Path, args: &[&str], time: Duration) {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_fivebar"))
+        .args(["commission", "--port", "simulated", "--out"])
+        .arg(folder.join("out"))
+        .args(args)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(time);
+    let _ = child.kill();
+    child.wait().unwrap();
+    if folder.join("out/record.json").exists() {
+        record(folder);
+    }
+}
+
+pub(crate) fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
@@ -124,12 +143,12 @@ fn two_mistakes_are_found_one_after_the_other() {
     );
 }
 
-fn record(folder: &Path) -> Value {
+pub(crate) fn record(folder: &Path) -> Value {
     let text = fs::read_to_string(folder.join("out/record.json")).unwrap();
     serde_json::from_str(&text).unwrap()
 }
 
-fn value(record: &Value, name: &str) -> f64 {
+pub(crate) fn value(record: &Value, name: &str) -> f64 {
     let steps = record["steps"].as_array().unwrap();
     let mut values = steps
         .iter()
@@ -139,15 +158,15 @@ fn value(record: &Value, name: &str) -> f64 {
 }
 
 #[test]
-fn a_sound_arm_gets_to_the_end_and_a_run_that_ended_goes_on() {
+fn a_sound_arm_is_measured_and_a_run_that_ended_goes_on() {
     let folder = tempfile::tempdir().unwrap();
     let output = commission(folder.path(), &["--until", "homing"]);
     assert!(output.status.success(), "{}", text(&output.stderr));
     let begun = record(folder.path());
     assert_eq!(begun["steps"].as_array().unwrap().len(), 6);
-    let output = commission(folder.path(), &[]);
+    let output = commission(folder.path(), &["--until", "validation"]);
     assert!(output.status.success(), "{}", text(&output.stderr));
-    assert!(text(&output.stdout).contains("6/11 electrics: done on"));
+    assert!(text(&output.stdout).contains("6/12 electrics: done on"));
     let done = record(folder.path());
     assert_eq!(
         done["steps"].as_array().unwrap()[..6],
@@ -157,10 +176,8 @@ fn a_sound_arm_gets_to_the_end_and_a_run_that_ended_goes_on() {
     for (name, wanted, share) in [
         ("resistance1", 2.3, 0.01),
         ("resistance4", 2.3, 0.01),
-        // The plant integrates the current with one step of fourth order per tick, which makes
-        // 0.2440 mH of the motor's 0.24.
-        ("inductance1", 0.2440e-3, 0.01),
-        ("inductance4", 0.2440e-3, 0.01),
+        ("inductance1", 0.24e-3, 0.01),
+        ("inductance4", 0.24e-3, 0.01),
         ("torque_constant1", 0.0234, 0.01),
         ("torque_constant4", 0.0234, 0.01),
         // The drawing's base parameters with 10 % more mass and 20 g more payload.
@@ -175,19 +192,19 @@ fn a_sound_arm_gets_to_the_end_and_a_run_that_ended_goes_on() {
             "{name}: {found}, not {wanted}"
         );
     }
-    let [before, after] = ["before", "after"].map(|when| {
-        let rms = value(&done, &format!("tip_error_{when}_rms_m"));
-        assert!(rms < 15e-6, "{when}: {rms} m");
-        rms
-    });
-    // The arm has the drawing's lengths: the measured ones cost the holes' errors only.
-    assert!(before < 6e-6 && after < 2.0 * value(&done, "tip_error_expected_m"));
     let robot = Robot::load(&folder.path().join("out/robot.toml").display().to_string()).unwrap();
     // The declared mismatch: 30 % more friction.
     for drive in robot.actuators.unwrap() {
-        assert!((drive.viscous_friction - 1.95e-3).abs() < 0.05 * 1.95e-3);
-        assert!((drive.coulomb_friction - 1.17e-2).abs() < 0.05 * 1.17e-2);
+        assert!((drive.viscous_friction - 1.95e-3).abs() < 0.02 * 1.95e-3);
+        assert!((drive.coulomb_friction - 1.17e-2).abs() < 0.02 * 1.17e-2);
     }
+    // Along a second motion.
+    let [torque, before, after] = ["rms", "error_before", "error_after"]
+        .map(|which| value(&done, &format!("torque_{which}_nm")));
+    assert!(
+        after < 0.01 * torque && 10.0 * after < before,
+        "{after} N·m after {before} N·m, of {torque} N·m"
+    );
     let robot = fs::read_to_string(folder.path().join("out/robot.toml")).unwrap();
     for origin in [
         "by calibration; before: 0.10",
@@ -196,31 +213,6 @@ fn a_sound_arm_gets_to_the_end_and_a_run_that_ended_goes_on() {
     ] {
         assert!(robot.contains(origin), "{origin}");
     }
-}
-
-#[test]
-fn a_killed_run_resumes_and_its_files_are_whole() {
-    let folder = tempfile::tempdir().unwrap();
-    for millis in [150, 400, 900, 1700] {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_fivebar"))
-            .args(["commission", "--port", "simulated", "--out"])
-            .arg(folder.path().join("out"))
-            .stdout(std::process::Stdio::null())
-            .stderr(std::process::Stdio::null())
-            .spawn()
-            .unwrap();
-        std::thread::sleep(std::time::Duration::from_millis(millis));
-        let _ = child.kill();
-        child.wait().unwrap();
-        if folder.path().join("out/record.json").exists() {
-            record(folder.path());
-        }
-    }
-    let output = commission(folder.path(), &[]);
-    assert!(output.status.success(), "{}", text(&output.stderr));
-    let record = record(folder.path());
-    assert_eq!(record["steps"].as_array().unwrap().len(), 11);
-    assert!(value(&record, "tip_error_after_rms_m") < 30e-6);
 }
 
 #[test]
@@ -254,7 +246,7 @@ fn bad_input_overwrites_nothing() {
         text(&output.stderr)
     );
     let kept = record(folder.path());
-    assert_eq!(kept["steps"].as_array().unwrap().len(), 7);
+    assert_eq!(kept["steps"].as_array().unwrap().len(), 8);
     // A record that is none.
     fs::write(&path, "{").unwrap();
     let output = commission(folder.path(), &[]);
@@ -263,15 +255,16 @@ fn bad_input_overwrites_nothing() {
 }
 
 /// An arm as workshops build it. The tip is compared with the path on the touched plate, not with
-/// what the controller believes.
+/// what the controller believes. The run is killed twice and goes on.
 #[test]
 fn commissioning_takes_three_quarters_of_the_realistic_arms_error() {
     let folder = tempfile::tempdir().unwrap();
     let scenario = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/realistic.toml");
-    let output = commission(
-        folder.path(),
-        &["--robot", "benchtop_belt", "--scenario", scenario],
-    );
+    let args = ["--robot", "benchtop_belt", "--scenario", scenario];
+    for millis in [200, 900] {
+        killed_after(folder.path(), &args, Duration::from_millis(millis));
+    }
+    let output = commission(folder.path(), &args);
     assert!(output.status.success(), "{}", text(&output.stderr));
     let record = record(folder.path());
     let [before, after] =
@@ -288,37 +281,5 @@ fn commissioning_takes_three_quarters_of_the_realistic_arms_error() {
         let first = drive.encoder_error.terms()[0];
         assert!((first.amplitude - 2.5e-3).abs() < 0.8e-3, "{first:?}");
         assert!((first.phase - phase).abs() < 0.4, "{first:?}");
-    }
-}
-
-/// Arms that are measured and weighed wrongly at random. Thirty of these were tried once.
-#[test]
-fn random_arms_end_within_twice_their_own_prediction() {
-    let mut random = oorandom::Rand64::new(5);
-    for arm in 0..4 {
-        let folder = tempfile::tempdir().unwrap();
-        fs::write(folder.path().join("dot.gcode"), "G1 X1 F600\n").unwrap();
-        let mut within = |most: f64| most * (2.0 * random.rand_float() - 1.0);
-        let mut pair = |most: f64| [within(most), within(most)];
-        let [[l1, l2], [l3, l4], [base, _]] = [pair(3e-4), pair(3e-4), pair(3e-4)];
-        let ([mass, friction], home, constant) = (pair(0.2), pair(0.01), pair(0.05));
-        let scenario = folder.path().join("random.toml");
-        let lines = format!(
-            "job = \"dot.gcode\"\nseed = {}\n[mismatch]\nlink_mass = {mass:?}\nfriction = \
-             {friction:?}\nlink_length = [{l1:?}, {l2:?}, {l3:?}, {l4:?}]\nbase_length = {base:?}\n\
-             home_error = {home:?}\ntorque_constant = {constant:?}\n",
-            arm + 1
-        );
-        fs::write(&scenario, &lines).unwrap();
-        let scenario = scenario.display().to_string();
-        let output = commission(folder.path(), &["--scenario", &scenario]);
-        assert!(output.status.success(), "{lines}: {}", text(&output.stderr));
-        let record = record(folder.path());
-        let after = value(&record, "tip_error_after_rms_m");
-        let expected = value(&record, "tip_error_expected_m");
-        assert!(
-            after < 2.0 * expected,
-            "{after} m, {expected} m expected: {lines}"
-        );
     }
 }

@@ -22,6 +22,7 @@ mod placement;
 mod plan;
 mod query;
 mod query_slider;
+mod random_arms;
 mod shell_help;
 mod sim;
 mod workspace;

@@ -315,7 +315,7 @@ fn commented_keys_show_their_defaults() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(ProptestConfig::with_cases(24))]
 
     #[test]
     fn a_draft_is_read_back_with_the_same_values(

@@ -6,8 +6,9 @@ pub use answer::{answer, proposal_answer};
 
 use crate::input::robot::{HomeError, Measured, MeasuredKey, MissingMasses, Robot};
 use fivebar_design::identification::{
-    Bounds, Identification, IdentificationError, Log, Observed, ProposedExcitation,
-    base_parameters, identify, physical_links, propose_excitation, standard_parameters,
+    Bounds, Identification, IdentificationError, Log, Misprediction, Observed, Predictor,
+    ProposedExcitation, base_parameters, identify, physical_links, propose_excitation,
+    standard_parameters, validate,
 };
 use nalgebra::Vector2;
 
@@ -43,18 +44,54 @@ pub enum StudyError {
 /// # Errors
 /// The robot has no actuators or no pose at home, or the log is refused.
 pub fn identify_robot(robot: &Robot, rows: &[[f64; 5]]) -> Result<Identification, StudyError> {
+    Ok(identify(&log_of(rows), &observed(robot)?)?)
+}
+
+/// How well a robot with this identification predicts the torques of rows as for
+/// [`identify_robot`]; its friction is that of the robot file. Without one, masses are the file's, too.
+///
+/// # Errors
+/// The robot has no actuators, masses or pose at home, or the log is refused.
+pub fn validate_robot(
+    robot: &Robot,
+    found: Option<&Identification>,
+    rows: &[[f64; 5]],
+) -> Result<Misprediction, StudyError> {
     let actuators = robot.actuators.as_ref();
     let actuators = actuators.ok_or_else(|| StudyError::NoActuators(robot.name.clone()))?;
+    let base = match found {
+        Some(found) => found.base.clone(),
+        None => {
+            let standard = standard_parameters(robot.arm()?);
+            base_parameters(robot.geometry.lengths(), &standard).to_vec()
+        }
+    };
+    let predictor = Predictor {
+        base,
+        viscous: actuators.each_ref().map(|drive| drive.viscous_friction),
+        coulomb: actuators.each_ref().map(|drive| drive.coulomb_friction),
+        offset: found.map_or([0.0; 2], |found| found.offset),
+    };
+    Ok(validate(&log_of(rows), &observed(robot)?, &predictor)?)
+}
+
+fn log_of(rows: &[[f64; 5]]) -> Log {
     let mut log = Log::default();
     for &[time, theta1, theta4, current1, current4] in rows {
         log.times.push(time);
         log.angles.push([theta1, theta4]);
         log.currents.push([current1, current4]);
     }
+    log
+}
+
+fn observed(robot: &Robot) -> Result<Observed<'_>, StudyError> {
+    let actuators = robot.actuators.as_ref();
+    let actuators = actuators.ok_or_else(|| StudyError::NoActuators(robot.name.clone()))?;
     let torque_per_ampere = actuators
         .each_ref()
         .map(|actuator| actuator.peak_torque() / actuator.peak_current);
-    let observed = Observed {
+    Ok(Observed {
         geometry: &robot.geometry,
         assembly: robot.home_pose()?.assembly(),
         mode: robot.elbows,
@@ -70,8 +107,7 @@ pub fn identify_robot(robot: &Robot, rows: &[[f64; 5]]) -> Result<Identification
                 .min(stated / torque_per_ampere[joint])
         }),
         tick_rate: robot.control.tick_rate,
-    };
-    Ok(identify(&log, &observed)?)
+    })
 }
 
 /// Two excitations: one to identify, one to validate.
@@ -153,11 +189,18 @@ pub fn measured(robot: &Robot, found: &Identification) -> Vec<Measured> {
             ]
         })
         .collect();
+    values.extend(measured_masses(robot, found));
+    values
+}
+
+/// The masses of the robot file with the measured torques; none if the file has no masses.
+pub fn measured_masses(robot: &Robot, found: &Identification) -> Vec<Measured> {
     let physical = robot
         .arm()
         .ok()
         .and_then(|arm| physical_links(arm, &found.base));
     let links = physical.map(|physical| physical.links);
+    let mut values = Vec::new();
     for (index, link) in links.into_iter().flatten().enumerate() {
         for (name, value) in [
             ("mass", format!("{:.9e}", link.mass)),

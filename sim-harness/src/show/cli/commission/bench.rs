@@ -12,6 +12,7 @@ use fivebar_firmware::protocol::{CommandError, HostCommand, Reply};
 use fivebar_firmware::recorder::{LogConfig, LogPage, PAGE_WORDS, Signals};
 use fivebar_firmware::safety::State;
 use fivebar_firmware::{Request, SensorSample, Settings, Status};
+use std::f64::consts::TAU;
 use std::fmt::Display;
 use std::io::{Read, Write};
 use std::path::PathBuf;
@@ -34,6 +35,8 @@ pub(super) struct Bench {
     pub(super) zeros: [f64; 2],
     /// The place of the touched plate, see [`Record::placement`](super::record::Record::placement).
     pub(super) placement: [f64; 3],
+    /// Greatest travel [rad] and current [A] of each joint in all excitations.
+    pub(super) greatest: [[f64; 2]; 2],
     /// Touched holes in place of those that the geometry step asks for.
     pub(super) points: Option<PathBuf>,
 }
@@ -72,6 +75,7 @@ impl Bench {
             robot,
             drawn,
             placement: [0.0; 3],
+            greatest: [[0.0; 2]; 2],
             points,
         })
     }
@@ -278,9 +282,24 @@ impl Bench {
             }
         }
         let rows = self.read_log(&config)?;
+        self.take_greatest(pulse.joint, &rows)?;
         match self.client.call(HostCommand::ExcitationEnd)? {
             Reply::ExcitationEnd(Some(end)) => Ok((rows, end)),
             other => Err(StepError::other(format_args!("no end of it: {other:?}"))),
         }
+    }
+
+    fn take_greatest(&mut self, joint: usize, rows: &LogRows) -> Result<(), StepError> {
+        let per_count = (TAU / self.counts_per_turn(joint)?).abs();
+        let per_code = f64::from(self.settings.axes[joint].current_per_code);
+        let zero = self.zeros[joint];
+        let most = |values: Vec<f64>, zero: f64, unit: f64| {
+            let sizes = values.into_iter().map(|value| (value - zero).abs() * unit);
+            sizes.fold(0.0, f64::max)
+        };
+        let [travel, current] = &mut self.greatest[joint];
+        *travel = travel.max(most(rows.counts(joint), 0.0, per_count));
+        *current = current.max(most(rows.current_codes(joint), zero, per_code));
+        Ok(())
     }
 }

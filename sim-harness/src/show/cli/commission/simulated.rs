@@ -12,8 +12,8 @@ use nalgebra::Vector2;
 use std::f64::consts::TAU;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Ticks for which the hand moves the arm: at 10 kHz, 0.4 s.
-const MOVING_TICKS: u32 = 4000;
+/// Ticks for which the hand moves the arm: at 10 kHz, 0.2 s.
+const MOVING_TICKS: u32 = 2000;
 
 /// From where to where the hand moves the arm.
 #[derive(Clone, Copy)]
@@ -192,9 +192,10 @@ pub(super) fn arm(scenario: &Scenario, robot: &Robot) -> Result<(Loopback, Hand)
     let best = true_robot.best_point().map_err(StepError::other)?;
     let middle = geometry.inverse(Vector2::from(best), true_robot.elbows);
     let middle = middle.map_err(StepError::other)?.angles();
+    let plant = scenario.plant().map_err(StepError::other)?;
     let held = Held {
         middle: [middle[0], middle[3]],
-        plant: scenario.plant().map_err(StepError::other)?,
+        plant: plant.with_resolved_windings(),
         geometry,
         assembly: true_robot.home_pose().map_err(StepError::other)?.assembly(),
         mode: true_robot.elbows,

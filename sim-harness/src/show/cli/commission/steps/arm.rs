@@ -1,5 +1,4 @@
-//! The steps that move the homed arm: homing itself, masses, gains, and the drawing that validates
-//! them.
+//! The steps of the whole arm: homing, gains, and the drawing that validates what was measured.
 
 use super::super::bench::Bench;
 use super::super::finding::StepError;
@@ -9,11 +8,8 @@ use super::Outcome;
 use crate::input::robot::Robot;
 use crate::input::scenario::Scenario;
 use crate::run::drive::Drive;
-use crate::study::calibration::propose_poses;
-use crate::study::identification::{identify_robot, measured};
 use crate::study::margins::MarginsStudy;
-use fivebar_firmware::recorder::{LogConfig, Signals};
-use fivebar_firmware::{Move, MoveKind, Planner, Status};
+use fivebar_firmware::Status;
 use std::f64::consts::TAU;
 
 /// Searches for the home switches.
@@ -65,145 +61,6 @@ pub(in super::super) fn homing(bench: &mut Bench) -> Result<Outcome, StepError> 
         "both switches were found three times, at the same counts",
         values,
     ))
-}
-
-/// Rows of the log of a motion per second.
-const LOG_RATE: f64 = 1000.0;
-
-/// Masses and friction from the currents along a motion of both joints.
-pub(in super::super) fn dynamics(bench: &mut Bench) -> Result<Outcome, StepError> {
-    bench.home()?;
-    let moves = excitation(bench)?;
-    let every = (bench.robot.control.tick_rate / LOG_RATE).round().max(1.0) as u16;
-    let config = LogConfig {
-        signals: (Signals::COUNTS_1 | Signals::COUNTS_4 | Signals::CURRENT_1 | Signals::CURRENT_4)
-            .bits(),
-        every,
-        powered: true,
-    };
-    let start = bench.pause(0.3)?.angle;
-    bench.begin_log(config)?;
-    let settings = bench.settings;
-    Drive::new(&mut bench.client, &|| false).follow(&moves, &settings, &mut |_, _| ())?;
-    let log = bench.read_log(&config)?;
-    bench.measure_zeros()?;
-    let period = f64::from(every) / bench.robot.control.tick_rate;
-    let (mut angles, mut currents) = (Vec::new(), Vec::new());
-    for joint in [0, 1] {
-        let per_count = TAU / bench.counts_per_turn(joint)?;
-        let begin = f64::from(start[joint]);
-        angles.push(
-            log.counts(joint)
-                .iter()
-                .map(|c| begin + c * per_count)
-                .collect::<Vec<_>>(),
-        );
-        let sign = bench.drive(joint)?.gear_ratio.signum();
-        let per_code = sign * f64::from(bench.settings.axes[joint].current_per_code);
-        let zero = bench.zeros[joint];
-        let amperes = log
-            .current_codes(joint)
-            .into_iter()
-            .map(|code| (code - zero) * per_code);
-        currents.push(amperes.collect::<Vec<_>>());
-    }
-    // The mean of both ends of a row: the current that acted within it.
-    let rows: Vec<[f64; 5]> = (1..angles[0].len())
-        .map(|k| {
-            let acted = |joint: usize| 0.5 * (currents[joint][k] + currents[joint][k - 1]);
-            [
-                k as f64 * period,
-                angles[0][k],
-                angles[1][k],
-                acted(0),
-                acted(1),
-            ]
-        })
-        .collect();
-    let mut slow = bench.robot.clone();
-    slow.control.tick_rate /= f64::from(every);
-    let found = identify_robot(&slow, &rows).map_err(|error| {
-        StepError::wrong(
-            format_args!("the motion does not determine the masses: {error}"),
-            "check currents and the robot file's masses, and do the step geometry first",
-        )
-    })?;
-    let mut values = Vec::new();
-    let names = fivebar_design::identification::BASE_NAMES;
-    for (index, (name, value)) in names.iter().zip(&found.base).enumerate() {
-        values.push(
-            Value::new(*name, *value, "by a motion of both joints").with_sd(found.base_sd[index]),
-        );
-    }
-    let residual = found.residual_rms;
-    let text = format!(
-        "the torques are explained to {:.2} and {:.2} mN·m from {} rows",
-        1e3 * residual[0],
-        1e3 * residual[1],
-        rows.len()
-    );
-    Ok(Outcome {
-        found: text,
-        values,
-        measured: measured(&bench.robot, &found),
-    })
-}
-
-/// Fast moves of both joints between places all over the workspace.
-fn excitation(bench: &mut Bench) -> Result<Vec<Move>, StepError> {
-    let places = propose_poses(&bench.robot, 12, 20e-6).map_err(StepError::other)?;
-    let settings = bench.settings.check().map_err(StepError::other)?;
-    let planner = Planner::new(&settings);
-    let robot = &bench.robot;
-    let mut tool = bench.client.status()?.0.tool.ok_or_else(|| {
-        StepError::other("the controller is homed and knows no place of its tool")
-    })?;
-    let (mut moves, mut tag) = (Vec::new(), 0);
-    let count = places.proposal.places.len();
-    let best = robot.best_point().map_err(StepError::other)?;
-    for round in 0..7_usize {
-        for step in 0..count {
-            // Each round visits them in another order.
-            let visited = places.proposal.places[(step * [5, 7, 11, 1][round % 4] + round) % count];
-            // At last to a place from which the switches are found.
-            let place = if round < 6 { visited } else { best.into() };
-            let Ok(pose) = robot.geometry.inverse(place, robot.elbows) else {
-                continue;
-            };
-            let angles = pose.angles();
-            let within = |joint: usize, angle: f64| {
-                let [least, greatest] = robot.limits.angle[joint];
-                let turns = [0.0, TAU, -TAU].map(|turn| angle + turn);
-                turns
-                    .into_iter()
-                    .find(|angle| (least..=greatest).contains(angle))
-            };
-            let (Some(theta1), Some(theta4)) = (within(0, angles[0]), within(1, angles[3])) else {
-                continue;
-            };
-            let to = [theta1 as f32, theta4 as f32];
-            for speed in [0.6, 0.3] {
-                let next = Move {
-                    tag,
-                    tool: 0,
-                    kind: MoveKind::Joint { to, speed },
-                };
-                if let Ok(end) = planner.check(tool, &next) {
-                    tool = end;
-                    moves.push(next);
-                    tag += 1;
-                    break;
-                }
-            }
-        }
-    }
-    if moves.len() < 12 {
-        return Err(StepError::wrong(
-            "hardly any move between places of the workspace is possible",
-            "check limits.angle and singularity_margin of the robot file",
-        ));
-    }
-    Ok(moves)
 }
 
 /// The gains follow from the arm; their margins must do.

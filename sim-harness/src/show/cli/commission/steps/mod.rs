@@ -1,11 +1,15 @@
 //! The steps, in their order.
 
 mod arm;
+mod dynamics;
+mod electrics;
 mod encoder_errors;
 mod fit;
+mod friction;
 mod geometry;
 mod inputs;
 mod motors;
+mod moving;
 
 use super::bench::Bench;
 use super::finding::StepError;
@@ -48,7 +52,7 @@ pub(super) struct Step {
 }
 
 /// All steps.
-pub(super) const STEPS: [Step; 11] = [
+pub(super) const STEPS: [Step; 12] = [
     Step {
         name: "supply",
         does: "reads the bus voltage and the current sensors; nothing is switched on",
@@ -79,12 +83,17 @@ pub(super) const STEPS: [Step; 11] = [
         name: "electrics",
         does: "puts voltages on one motor at a time, for 0.8 s and 0.45 rad at most, up to the \
                motor's continuous current; the joints must be free to turn away from their switches",
-        run: motors::electrics,
+        run: electrics::electrics,
     },
     Step {
         name: "homing",
         does: "searches for the home switches three times, at the speed and current of the settings",
         run: arm::homing,
+    },
+    Step {
+        name: "friction",
+        does: "homes the arm, then turns one joint at a time there and back at constant speeds",
+        run: friction::friction,
     },
     Step {
         name: "geometry",
@@ -93,8 +102,8 @@ pub(super) const STEPS: [Step; 11] = [
     },
     Step {
         name: "dynamics",
-        does: "homes the arm, then moves both joints through the workspace for some seconds",
-        run: arm::dynamics,
+        does: "homes the arm, then moves both joints fast through the workspace, twice for some seconds",
+        run: dynamics::dynamics,
     },
     Step {
         name: "tuning",
