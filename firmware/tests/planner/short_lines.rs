@@ -117,6 +117,22 @@ proptest! {
     }
 }
 
+/// Lines to and fro on one straight line: one line in place of two would leave out the turn.
+#[test]
+fn a_line_that_turns_back_is_not_joined_with_the_one_before() {
+    let settings = with(|_| {});
+    for ends in [[4e-3, 1e-3], [4e-3, -4e-3], [-2e-3, 3e-3]] {
+        let offsets = ends.map(|x| [x, 0.0]);
+        let (points, [x, _]) = draw(&settings, &offsets, 0.05);
+        for end in ends {
+            let end = f64::from(x + end);
+            let missed = points.iter().map(|point| (point[0] - end).abs());
+            let missed = missed.fold(f64::MAX, f64::min);
+            assert!(missed < 1e-4, "{ends:?}: {missed} m from an end");
+        }
+    }
+}
+
 /// From a point to the line between two others [m].
 fn distance([x, y]: [f64; 2], [ax, ay]: [f64; 2], [bx, by]: [f64; 2]) -> f64 {
     let (dx, dy) = (bx - ax, by - ay);

@@ -50,6 +50,29 @@ fn distance(line: &PathSegment<f64>, point: V) -> f64 {
     (point - line.at(along.clamp(0.0, line.length())).position).norm()
 }
 
+/// A sharp corner, whose blend is short, and a flat one, whose blend would be long.
+#[test]
+fn two_corners_of_a_line_take_half_of_it_each_at_most() {
+    let corners = [[0.12, 0.29], [0.12, 0.3], [0.122, 0.3], [0.132, 0.301]];
+    let corners = corners.map(|[x, y]| V::new(x, y));
+    let line = |ends: &[V]| PathSegment::line(ends[0], ends[1]).unwrap();
+    let segments: Vec<_> = corners.windows(2).map(line).collect();
+    let middle = (corners[1] + corners[2]) * 0.5;
+    let trajectory = run(&segments, 0.06, &limited(5e-5, 1000.0));
+    let mut nearest = f64::MAX;
+    for trajectory_segment in &trajectory {
+        for step in 0..=100 {
+            let t = trajectory_segment.duration() * f64::from(step) / 100.0;
+            let (position, velocity, _) = tool(trajectory_segment, t);
+            // How far the path passes from the line's middle, seen from a place near it.
+            if (position.x - middle.x).abs() < 1e-4 && velocity.length() > 0.0 {
+                nearest = nearest.min((position.y - middle.y).abs());
+            }
+        }
+    }
+    assert!(nearest < 1e-9, "{nearest} m from the line's middle");
+}
+
 proptest! {
     /// The distance to the whole polyline, whatever segment a place belongs to.
     #[test]
