@@ -53,7 +53,7 @@ fn distance(line: &PathSegment<f64>, point: V) -> f64 {
 /// A sharp corner, whose blend is short, and a flat one, whose blend would be long.
 #[test]
 fn two_corners_of_a_line_take_half_of_it_each_at_most() {
-    let corners = [[0.12, 0.29], [0.12, 0.3], [0.122, 0.3], [0.132, 0.301]];
+    let corners = [[0.113, 0.293], [0.12, 0.3], [0.122, 0.3], [0.132, 0.301]];
     let corners = corners.map(|[x, y]| V::new(x, y));
     let line = |ends: &[V]| PathSegment::line(ends[0], ends[1]).unwrap();
     let segments: Vec<_> = corners.windows(2).map(line).collect();
@@ -64,7 +64,7 @@ fn two_corners_of_a_line_take_half_of_it_each_at_most() {
         for step in 0..=100 {
             let t = trajectory_segment.duration() * f64::from(step) / 100.0;
             let (position, velocity, _) = tool(trajectory_segment, t);
-            // How far the path passes from the line's middle, seen from a place near it.
+            // How far the path passes from the middle, seen from a place near it.
             if (position.x - middle.x).abs() < 1e-4 && velocity.length() > 0.0 {
                 nearest = nearest.min((position.y - middle.y).abs());
             }

@@ -5,7 +5,8 @@ use fivebar::input::robot::{BuiltIn, Robot};
 use fivebar::input::scenario::Scenario;
 use fivebar::run::link::{InProcess, Target, TargetError};
 use fivebar_firmware::controller::Request;
-use fivebar_firmware::{ActuatorCommand, Move, SensorSample, Status};
+use fivebar_firmware::safety::State;
+use fivebar_firmware::{ActuatorCommand, Move, SensorSample, Settings, Status};
 use nalgebra::Vector2;
 use std::path::Path;
 
@@ -33,7 +34,47 @@ struct Recorded {
     target: InProcess,
     /// The tool by the encoders [m], where it should be, and whether it is down.
     ticks: Vec<(V, V, bool)>,
+    /// The tag of the move in each of these ticks.
+    tags: Vec<Option<u32>>,
+    /// The tag of the next move.
+    tag: u32,
+    /// The tags of the moves with which the tool comes down or lifts, and whether it is down then.
+    changes: Vec<(u32, bool)>,
     up: u16,
+}
+
+impl Recorded {
+    fn new(settings: &Settings) -> Self {
+        Self {
+            target: InProcess::new(settings).expect("valid settings"),
+            ticks: Vec::new(),
+            tags: Vec::new(),
+            tag: 1,
+            changes: Vec::new(),
+            up: settings.tool_output.off(),
+        }
+    }
+
+    /// The output changes `lag` ticks behind the tick in which the reference comes to the move that
+    /// changes it, give or take one tick.
+    fn assert_changes_in_their_ticks(&self, path: &str, lag: usize) {
+        let output = self.ticks.windows(2).enumerate();
+        let mut output = output
+            .filter(|(_, pair)| pair[0].2 != pair[1].2)
+            .map(|(tick, _)| tick + 1);
+        let mut from = 0;
+        for &(tag, down) in &self.changes {
+            let begun = self.tags.iter().skip(from).position(|&at| at == Some(tag));
+            from += begun.expect("each move is begun");
+            let changed = output.next().expect("a change of the output");
+            assert_eq!(self.ticks[changed].2, down, "{path}: move {tag}");
+            assert!(
+                changed.abs_diff(from + lag) <= 1,
+                "{path}: move {tag} begins in tick {from}, the output changes in {changed}"
+            );
+        }
+        assert_eq!(output.next(), None, "{path}: a change without a move");
+    }
 }
 
 impl Target for Recorded {
@@ -43,6 +84,9 @@ impl Target for Recorded {
         if let (Some(tool), Some(reference)) = (status.tool, status.reference) {
             let down = command.tool != self.up;
             self.ticks.push((point(tool), point(reference), down));
+            // A path that has not begun shows its first move already.
+            self.tags
+                .push(status.tag.filter(|_| status.state == State::Running));
         }
         Ok((command, status))
     }
@@ -52,7 +96,19 @@ impl Target for Recorded {
     }
 
     fn offer(&mut self, next: &Move) -> Result<bool, TargetError> {
-        self.target.offer(next)
+        // Tags of their own: several moves of a job may have one.
+        let next = Move {
+            tag: self.tag,
+            ..*next
+        };
+        let is_taken = self.target.offer(&next)?;
+        self.tag += u32::from(is_taken);
+        let was_down = self.changes.last().is_some_and(|&(_, down)| down);
+        let down = next.tool > 0;
+        if is_taken && down != was_down {
+            self.changes.push((next.tag, down));
+        }
+        Ok(is_taken)
     }
 
     fn is_idle(&self) -> bool {
@@ -125,15 +181,13 @@ fn draws_what_is_asked(path: &str) {
     let scenario = Scenario::of_job(path, robot).expect("a job");
     let job = scenario.job().expect("a valid job");
     let settings = scenario.robot.settings().expect("masses");
-    let mut target = Recorded {
-        target: InProcess::new(&settings).expect("valid settings"),
-        ticks: Vec::new(),
-        up: settings.tool_output.off(),
-    };
+    let mut target = Recorded::new(&settings);
     let (_, record) = scenario
         .run_on(&mut target, &scenario.moves(&job), &mut |_| ())
         .expect("a run");
     assert_eq!(record.faults, []);
+    let lag = settings.control.tick_rate / settings.control.current_bandwidth;
+    target.assert_changes_in_their_ticks(path, lag.round() as usize);
     let home = target.ticks[0].1;
     let asked = asked(&job, home);
     let drawn: Vec<&[(V, V, bool)]> = target

@@ -118,7 +118,12 @@ fn bent_at(place: usize, second: f64, third: f64) -> [Bend<f64>; PLACES] {
 #[test]
 fn the_loss_of_a_change_of_speed_is_its_time_less_that_of_its_way_at_the_new_speed() {
     // With and without a phase of constant acceleration.
-    for (from, to, jerk) in [(0.0, 0.3, 1000.0), (0.1, 0.3, 20.0), (0.2, 0.3, 1e5)] {
+    for (from, to, jerk) in [
+        (0.0, 0.3, 1000.0),
+        (0.1, 0.3, 20.0),
+        (0.1, 0.3, 60.0),
+        (0.2, 0.3, 1e5),
+    ] {
         let limits = limits(1.0, 4.0, jerk);
         let phases = ramp(from, 0.0, to, &limits);
         let time: f64 = phases.iter().map(|phase| phase.duration).sum();
