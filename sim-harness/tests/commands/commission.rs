@@ -283,3 +283,18 @@ fn commissioning_takes_three_quarters_of_the_realistic_arms_error() {
         assert!((first.phase - phase).abs() < 0.4, "{first:?}");
     }
 }
+
+#[test]
+fn an_arm_searches_for_its_switches_as_its_file_says() {
+    let folder = tempfile::tempdir().unwrap();
+    let robot = folder.path().join("arm.toml");
+    let benchtop = include_str!("../../robots/benchtop.toml");
+    let search = "[homing]\nforward = [false, true]\nspeed = 0.3\nback_off = 0.08\ncurrent = 0.9\n";
+    fs::write(&robot, format!("{benchtop}\n{search}")).unwrap();
+    let robot = robot.display().to_string();
+    let output = commission(folder.path(), &["--robot", &robot, "--until", "friction"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let record = record(folder.path());
+    assert!(value(&record, "home_repeatability1_rad") < 1e-4);
+    assert!(value(&record, "home_repeatability4_rad") < 1e-4);
+}

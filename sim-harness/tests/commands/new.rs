@@ -246,7 +246,7 @@ fn known_keys(text: &str) -> Vec<String> {
 #[test]
 fn the_file_explains_every_key_with_its_unit() {
     // Dimensionless numbers, and values that are not numbers.
-    const WITHOUT_UNIT: [&str; 17] = [
+    const WITHOUT_UNIT: [&str; 18] = [
         "name",
         "working_mode",
         "gear_ratio",
@@ -263,6 +263,7 @@ fn the_file_explains_every_key_with_its_unit() {
         "allowed",
         "kind",
         "active_low",
+        "forward",
         "scale_with_speed",
     ];
     let text = Draft::new("arm").text();

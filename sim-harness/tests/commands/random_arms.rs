@@ -87,7 +87,7 @@ impl RandomArm {
             "job = \"dot.gcode\"\nseed = {seed}\n[mismatch]\nlink_mass = {mass:?}\nfriction = \
              {friction:?}\nlink_length = [{l1:?}, {l2:?}, {l3:?}, {l4:?}]\nbase_length = {base:?}\n\
              payload = {:?}\nhome_error = {home:?}\ntorque_constant = {constant:?}\n",
-            50.0 * payload
+            50.0 * payload.abs()
         );
         if !wired {
             return Self {

@@ -35,6 +35,12 @@ fn the_robot_of_the_document_is_read_with_every_section() {
     assert_eq!(bare.control.tick_rate, whole.control.tick_rate);
     assert_eq!(bare.protection, whole.protection);
     assert_eq!(bare.contact, whole.contact);
+    let search = |robot: &Robot| {
+        let settings = robot.settings().unwrap();
+        let forward = settings.axes.map(|axis| axis.home_forward);
+        (settings.homing.speed, settings.homing.back_off, forward)
+    };
+    assert_eq!(search(&bare), search(&whole));
     assert_eq!(bare.supply.voltage, whole.supply.voltage);
     assert_eq!(bare.limits.max_speed, whole.limits.max_speed);
     assert_eq!(

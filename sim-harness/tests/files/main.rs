@@ -7,6 +7,7 @@ mod gcode_codes;
 mod gcode_corpus;
 mod gcode_from_hosts;
 mod gcode_jobs;
+mod homing_keys;
 mod linkage_files;
 mod placed;
 mod robot_files;

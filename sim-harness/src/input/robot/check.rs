@@ -6,7 +6,7 @@ use super::value::{
     LEAST_ACCELERATION, LEAST_INERTIA, LEAST_JERK, LEAST_MASS, LEAST_SPEED, LONGEST, POSITIVE,
     SHORTEST, at_least, finite, increasing, near, not_negative, positive, sized,
 };
-use super::{Actuator, Robot, consistency, drive, tolerance, tool_output};
+use super::{Actuator, Robot, consistency, drive, homing, tolerance, tool_output};
 use crate::input::source::{FileError, Key, Source};
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::dynamics::{Arm, Link};
@@ -84,6 +84,7 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
         control: file.control.given(),
         supply: file.supply,
         protection: file.protection,
+        homing: file.homing,
         tolerance: tolerance::read(&source, &file.tolerance)?,
         contact: file.contact,
         crossing: file.crossing,
@@ -93,6 +94,7 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
     }
     not_negative(&source, Key::In("crossing", "drag"), robot.crossing.drag)?;
     sections(&source, &robot)?;
+    homing::check(&source, &robot)?;
     if file.home.is_some() {
         home_fits(&source, &robot)?;
     }

@@ -2,6 +2,7 @@
 //!
 //! All values are in SI units and radians. Unknown keys are refused.
 
+use super::homing::HomeSearch;
 use super::tool_output::ToolOutputFile;
 use fivebar_plant::contact::Contact;
 use fivebar_plant::{Encoder, EncoderSide, Harmonics, Motor, Transmission};
@@ -37,6 +38,8 @@ pub(super) struct RobotFile {
     pub(super) supply: Supply,
     #[serde(default)]
     pub(super) protection: Protection,
+    #[serde(default)]
+    pub(super) homing: HomeSearch,
     #[serde(default)]
     pub(super) tolerance: ToleranceFile,
     #[serde(default)]

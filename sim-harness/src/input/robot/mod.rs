@@ -8,6 +8,7 @@ mod draft;
 mod drive;
 mod file;
 mod home;
+mod homing;
 mod measured;
 mod servo;
 mod settings;
@@ -23,6 +24,7 @@ pub(crate) use consistency::robot_file_message;
 pub use draft::{Draft, DraftError, Motor};
 pub use file::{Actuator, Control, Crossing, Limits, Protection, Supply, Tool, ToolLimits};
 pub use home::HomeError;
+pub use homing::HomeSearch;
 pub use measured::{Measured, MeasuredKey, measured_text, today};
 pub use slider::{Mechanism, SliderRobot};
 pub use workspace::WorkspaceError;
@@ -79,6 +81,8 @@ pub struct Robot {
     pub supply: Supply,
     /// The trip points.
     pub protection: Protection,
+    /// The search for the home switches.
+    pub homing: HomeSearch,
     /// The tolerances of its parts.
     pub tolerance: ArmTolerance,
     /// Material and contact law of its pins and bearings.

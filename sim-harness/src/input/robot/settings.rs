@@ -57,8 +57,8 @@ impl Robot {
                 computed_torque: true,
             },
             homing: HomingSettings {
-                speed: single(0.02 * least(self.limits.max_speed)),
-                back_off: 0.05,
+                speed: single(self.homing_speed()),
+                back_off: single(self.homing.back_off),
                 current: single(self.homing_current(arm, &actuators)),
             },
             motion: MotionSettings {
@@ -118,9 +118,18 @@ impl Robot {
         })
     }
 
-    /// Greatest current while homing [A]: the current that holds the arm's weight at home, and
+    /// Speed of the first approach to a switch [rad/s].
+    fn homing_speed(&self) -> f64 {
+        let slow = 0.02 * least(self.limits.max_speed);
+        self.homing.speed.unwrap_or(slow)
+    }
+
+    /// Greatest current while homing [A], if the file has none: the current that holds the arm's weight at home, and
     /// 0.3 of the peak current to move it. So little bends no part if a switch is missed.
     fn homing_current(&self, arm: &Arm<f64>, actuators: &[Actuator; 2]) -> f64 {
+        if let Some(current) = self.homing.current {
+            return current;
+        }
         let weight = self.home_pose().ok();
         let weight = weight.and_then(|home| arm.gravity_torque(&home).ok());
         let held = actuators.iter().zip(weight.unwrap_or([0.0; 2]));
@@ -181,7 +190,10 @@ impl Robot {
             encoder_counts: actuator.encoder_counts,
             encoder_latency: single(actuator.encoder_latency),
             home_angle: single(self.home[joint]),
-            home_forward: self.home[joint] > 0.5 * (low + high),
+            home_forward: match self.homing.forward {
+                Some(forward) => forward[joint],
+                None => self.home[joint] > 0.5 * (low + high),
+            },
             angle_limits: self.limits.angle[joint].map(single),
             max_speed: single(self.limits.max_speed[joint]),
             max_acceleration: single(self.limits.max_acceleration[joint]),

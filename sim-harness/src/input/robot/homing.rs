@@ -1,0 +1,71 @@
+//! `[homing]`: how the arm searches for its home switches.
+
+use super::Robot;
+use super::value::positive;
+use crate::input::source::{FileError, Key, Source};
+use serde::Deserialize;
+
+/// The search for the home switches.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct HomeSearch {
+    /// Whether joint 1 and joint 4 approach their switches with a growing angle; none: towards the
+    /// limit of `limits.angle` that is nearer to the switch.
+    pub forward: Option<[bool; 2]>,
+    /// Speed of the first approach [rad/s], the second has an eighth of it; none: 0.02 of the slower
+    /// joint's greatest speed.
+    pub speed: Option<f64>,
+    /// Way by which a joint backs off from its closed switch [rad].
+    pub back_off: f64,
+    /// Greatest motor current [A]; none: 0.3 of the peak current and what holds the arm's weight.
+    pub current: Option<f64>,
+}
+
+impl Default for HomeSearch {
+    fn default() -> Self {
+        Self {
+            forward: None,
+            speed: None,
+            back_off: 0.05,
+            current: None,
+        }
+    }
+}
+
+/// Refuses values that the controller would refuse, with their lines.
+pub(super) fn check(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
+    let HomeSearch {
+        speed,
+        back_off,
+        current,
+        ..
+    } = robot.homing;
+    let at_most = |name: &'static str, value: f64, most: f64, of: &str| {
+        let key = Key::In("homing", name);
+        if positive(source, key, value)? <= most {
+            return Ok(());
+        }
+        Err(source.refuse(key, format!("must be at most {most:?}{of}, not {value:?}")))
+    };
+    let least = |[a, b]: [f64; 2]| a.min(b);
+    if let Some(speed) = speed {
+        let most = least(robot.limits.max_speed);
+        at_most("speed", speed, most, " rad/s, the slower joint's max_speed")?;
+    }
+    // The controller takes less than 1 rad.
+    at_most("back_off", back_off, 0.99, " rad")?;
+    let Some(current) = current else {
+        return Ok(());
+    };
+    let Some(actuators) = &robot.actuators else {
+        let reason = "is a motor's: give both [[actuator]], or leave it out";
+        return Err(source.refuse(Key::In("homing", "current"), reason));
+    };
+    let peaks = [0, 1].map(|joint| robot.limited(joint, actuators[joint]).peak_current);
+    at_most(
+        "current",
+        current,
+        least(peaks),
+        " A, the least peak current",
+    )
+}
