@@ -12,8 +12,6 @@ const PLACES: usize = 400;
 const HALVINGS: usize = 60;
 /// The least |sin(θ3−θ2)| at which the torque is computed: it is f/sin, f being exact to 1e-15 N.
 const NEAREST: f64 = 1e-5;
-/// Coulomb's sign is smoothed as tanh(ω/ωs) [rad/s].
-const SMOOTHING: f64 = 0.1;
 
 /// What a motion needs at most; pairs are of joint 1 and joint 4.
 #[derive(Clone, Copy, Debug, Default)]
@@ -127,13 +125,8 @@ impl CrossingTask<'_> {
                 self.arm
                     .inverse_dynamics(&pose, &velocities, &accelerations, Vector2::zeros());
             let torque = torque.map_err(|error| CrossingError::Pose(s, error))?;
-            let friction =
-                |j: usize, w: f64| self.viscous[j] * w + self.coulomb[j] * (w / SMOOTHING).tanh();
-            let [t1, t4] = torque;
-            raise(
-                &mut needs.torque,
-                [t1 + friction(0, w1), t4 + friction(1, w4)],
-            );
+            let friction = self.friction([w1, w4]);
+            raise(&mut needs.torque, [0, 1].map(|j| torque[j] + friction[j]));
         }
         Ok(needs)
     }

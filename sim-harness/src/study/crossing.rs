@@ -3,6 +3,7 @@
 //! The mechanics are in [`fivebar_design::crossing`].
 
 use crate::input::robot::{MissingMasses, Robot};
+use crate::run::crossing::CrossingRun;
 use fivebar_design::crossing::{CrossingError, CrossingPlan, CrossingTask};
 use nalgebra::Vector2;
 use serde_json::{Value, json};
@@ -34,9 +35,21 @@ pub enum CrossingStudyError {
 /// The robot file does not allow it, or the line, the time, a limit or the drag forbids it.
 pub fn plan(
     robot: &Robot,
-    [from, to]: [[f64; 2]; 2],
+    ends: [[f64; 2]; 2],
     time: f64,
 ) -> Result<CrossingPlan, CrossingStudyError> {
+    Ok(task(robot, ends, time)?.plan()?)
+}
+
+/// The crossing of a robot along a line between two points [m] in `time` [s], not planned yet.
+///
+/// # Errors
+/// The robot file does not allow it.
+pub fn task(
+    robot: &Robot,
+    [from, to]: [[f64; 2]; 2],
+    time: f64,
+) -> Result<CrossingTask<'_>, CrossingStudyError> {
     let arm = robot.arm()?;
     if !robot.crossing.allowed {
         return Err(CrossingStudyError::NotAllowed(robot.name.clone()));
@@ -58,7 +71,7 @@ pub fn plan(
     {
         *most = most.min(limit);
     }
-    let task = CrossingTask {
+    Ok(CrossingTask {
         arm,
         mode: robot.elbows,
         viscous: friction(|motor| motor.viscous_friction),
@@ -72,13 +85,12 @@ pub fn plan(
         from: Vector2::from(from),
         to: Vector2::from(to),
         time,
-    };
-    Ok(task.plan()?)
+    })
 }
 
-/// The plan as one JSON object, in SI units.
-pub fn answer(plan: &CrossingPlan) -> Value {
-    json!({
+/// The plan as one JSON object, in SI units, with the simulated run if there is one.
+pub fn answer(plan: &CrossingPlan, run: Option<&CrossingRun>) -> Value {
+    let mut answer = json!({
         "tc": plan.t_c,
         "s_c": plan.s_c,
         "s_dot_c": plan.s_dot_c,
@@ -89,5 +101,15 @@ pub fn answer(plan: &CrossingPlan) -> Value {
         "polynomial_in_t_over_tf": plan.law.coefficients,
         "peak_torque": plan.peak_torque,
         "assembly": plan.assembly,
-    })
+    });
+    if let Some(run) = run {
+        answer["simulated"] = json!({
+            "assembly": run.assembly,
+            "tip_error_m": run.tip_error,
+            "end_error_m": run.end_error,
+            "saturated_ticks": run.saturated_ticks,
+            "unpowered_at_s": run.unpowered_at,
+        });
+    }
+    answer
 }

@@ -8,22 +8,22 @@ use fivebar_kinematics::five_bar::{Geometry, Side, WorkingMode};
 use nalgebra::Vector2;
 use serde_json::Value;
 
-fn case(name: &str) -> Value {
+pub(crate) fn case(name: &str) -> Value {
     let text = include_str!("../../data/crossing.json");
     let all: Value = serde_json::from_str(text).unwrap();
     all["cases"][name].clone()
 }
 
-fn number(value: &Value) -> f64 {
+pub(crate) fn number(value: &Value) -> f64 {
     value.as_f64().unwrap()
 }
 
-fn pair(value: &Value) -> [f64; 2] {
+pub(crate) fn pair(value: &Value) -> [f64; 2] {
     [number(&value[0]), number(&value[1])]
 }
 
 /// The robot file of a case; the benchtop arm's drives have the case's friction and rotors.
-fn robot(case: &Value, extra: &str) -> Robot {
+pub(crate) fn robot(case: &Value, extra: &str) -> Robot {
     let built_in = fivebar::input::robot::BuiltIn::find("benchtop")
         .unwrap()
         .text;

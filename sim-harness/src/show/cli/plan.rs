@@ -6,8 +6,10 @@ use super::say::{say, warn};
 use super::value_error::ValueError;
 use crate::input::path_case::PathCase;
 use crate::input::robot::{BuiltIn, Robot};
+use crate::run::crossing::{CrossingConditions, follow};
 use crate::show::files::write_whole;
 use crate::show::pages;
+use crate::show::text::quantity;
 use crate::study::crossing;
 use crate::study::plan::PlanStudy;
 use std::path::{Path, PathBuf};
@@ -38,6 +40,9 @@ pub(super) struct Args {
     /// Its duration [s].
     #[arg(long, value_name = "T", requires = "crossing")]
     time: Option<f64>,
+    /// Also follow the crossing on the simulated arm, with the declared mismatch.
+    #[arg(long, requires = "crossing")]
+    simulate: bool,
     /// The share of the torque limits that the plan uses; the rest is kept for feedback.
     #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = share)]
     torque_share: f64,
@@ -80,9 +85,15 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         ));
     };
     let robot = Robot::load(args.robot.as_deref().unwrap_or(BuiltIn::DEFAULT)).map_err(refused)?;
-    let plan = crossing::plan(&robot, [from, to], time).map_err(refused)?;
+    let task = crossing::task(&robot, [from, to], time).map_err(refused)?;
+    let plan = task.plan().map_err(refused)?;
+    let run = args.simulate.then(|| {
+        let conditions = CrossingConditions::default();
+        follow(&robot, &task, &plan, &conditions).map_err(refused)
+    });
+    let run = run.transpose()?;
     if args.json {
-        return say(crossing::answer(&plan));
+        return say(crossing::answer(&plan, run.as_ref()));
     }
     let [before, after] = plan.assembly;
     let [torque1, torque4] = plan.peak_torque;
@@ -94,7 +105,20 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         100.0 * plan.s_c,
         plan.s_dot_c,
         plan.s_ddot_c,
-    ))
+    ))?;
+    let Some(run) = run else { return Ok(()) };
+    say(format_args!(
+        "simulated: ends in assembly {}, tip within {} of the plan, {} at the end",
+        run.assembly,
+        quantity(run.tip_error, "m"),
+        quantity(run.end_error, "m"),
+    ))?;
+    match run.unpowered_at {
+        Some(at) => Err(refused(format_args!(
+            "the arm was stuck; its torque ended at {at:.4} s"
+        ))),
+        None => Ok(()),
+    }
 }
 
 fn along_path(args: &Args, path: &Path) -> Result<(), Failure> {
