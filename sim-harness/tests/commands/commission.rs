@@ -274,6 +274,11 @@ fn commissioning_takes_three_quarters_of_the_realistic_arms_error() {
         after < 25e-6 && after < 0.25 * before,
         "{after} m after {before} m"
     );
+    let picture = fs::read_to_string(folder.path().join("out/validation.svg")).unwrap();
+    for (when, rms) in [("before", before), ("after", after)] {
+        let words = format!("{when}: {:.1} µm RMS", 1e6 * rms);
+        assert!(picture.contains(&words), "{words}");
+    }
     let robot = folder.path().join("out/robot.toml");
     let robot = Robot::load(&robot.display().to_string()).unwrap();
     // 2.5 mrad of the first harmonic, at 0.4 and 2.6 rad.

@@ -7,9 +7,11 @@ mod bands;
 mod legend;
 mod plate;
 mod png;
+mod validation;
 
 pub use plate::plate;
 pub use png::{PngError, png};
+pub use validation::{DrawnPoint, validation};
 
 use crate::study::workspace::{WorkspaceStudy, WorkspaceStudyError};
 use arm::ArmDrawing;

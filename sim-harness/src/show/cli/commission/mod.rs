@@ -128,6 +128,9 @@ fn one(
             ))
         })?),
     };
+    if let Some(picture) = &outcome.picture {
+        record.draw(step.name, picture)?;
+    }
     let done = Done {
         step: step.name.into(),
         date: today(),

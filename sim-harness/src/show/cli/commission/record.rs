@@ -150,6 +150,12 @@ impl Record {
             .retain(|done| !steps.contains(&done.step.as_str()));
     }
 
+    /// Writes the picture of a step, `STEP.svg`.
+    pub(super) fn draw(&self, step: &str, picture: &str) -> Result<(), StepError> {
+        let path = self.folder.join(format!("{step}.svg"));
+        write_whole(&path, picture).map_err(StepError::other)
+    }
+
     /// Writes the robot file, then the record with this step. Killed between the two, the next run
     /// does the step again.
     pub(super) fn add(&mut self, done: Done, robot: Option<&str>) -> Result<(), StepError> {

@@ -8,6 +8,7 @@ use super::Outcome;
 use crate::input::robot::Robot;
 use crate::input::scenario::Scenario;
 use crate::run::drive::Drive;
+use crate::show::picture::{DrawnPoint, validation as picture};
 use crate::study::margins::MarginsStudy;
 use fivebar_firmware::Status;
 use std::f64::consts::TAU;
@@ -105,23 +106,34 @@ pub(in super::super) fn validation(bench: &mut Bench) -> Result<Outcome, StepErr
     };
     let text = format!(
         "tip error {:.1} µm RMS before and {:.1} µm after ({origin}); at most {:.1} and {:.1} µm",
-        1e6 * before[0],
-        1e6 * after[0],
-        1e6 * before[1],
-        1e6 * after[1]
+        1e6 * before.rms,
+        1e6 * after.rms,
+        1e6 * before.greatest,
+        1e6 * after.greatest
     );
     let values = vec![
-        Value::new("tip_error_before_rms_m", before[0], origin),
-        Value::new("tip_error_before_max_m", before[1], origin),
-        Value::new("tip_error_after_rms_m", after[0], origin),
-        Value::new("tip_error_after_max_m", after[1], origin),
+        Value::new("tip_error_before_rms_m", before.rms, origin),
+        Value::new("tip_error_before_max_m", before.greatest, origin),
+        Value::new("tip_error_after_rms_m", after.rms, origin),
+        Value::new("tip_error_after_max_m", after.greatest, origin),
     ];
-    Ok(Outcome::new(text, values))
+    let picture = picture([&before.points, &after.points]);
+    Ok(Outcome {
+        picture,
+        ..Outcome::new(text, values)
+    })
 }
 
-/// Draws the demonstration; the error of the tip [m], root mean square and greatest. A simulated tip
-/// is measured on the plate that was touched: C of the arm is R(φ) C + (x, y) there.
-fn draw(bench: &mut Bench, [plate_x, plate_y, phi]: [f64; 3]) -> Result<[f64; 2], StepError> {
+/// A drawing and the error of its tip.
+struct Drawing {
+    points: Vec<DrawnPoint>,
+    /// Root mean square and greatest error [m].
+    rms: f64,
+    greatest: f64,
+}
+
+/// Draws the demonstration. A simulated tip is measured on the plate that was touched: C of the arm is R(φ) C + (x, y) there.
+fn draw(bench: &mut Bench, [plate_x, plate_y, phi]: [f64; 3]) -> Result<Drawing, StepError> {
     bench.upload()?;
     bench.home()?;
     let scenario = demonstration(&bench.robot)?;
@@ -131,7 +143,7 @@ fn draw(bench: &mut Bench, [plate_x, plate_y, phi]: [f64; 3]) -> Result<[f64; 2]
         Operator::Simulated(hand) => Some(hand.clone()),
         Operator::Person => None,
     };
-    let (mut sum, mut most, mut count) = (0.0, 0.0_f64, 0.0);
+    let mut points = Vec::new();
     let mut take = |_: usize, status: &Status| {
         let Some(reference) = status.reference else {
             return;
@@ -144,17 +156,23 @@ fn draw(bench: &mut Bench, [plate_x, plate_y, phi]: [f64; 3]) -> Result<[f64; 2]
         let Some(([x, y], [xd, yd])) = seen.or(believed) else {
             return;
         };
-        let error = (x - xd).hypot(y - yd);
-        sum += error * error;
-        most = most.max(error);
-        count += 1.0;
+        points.push(DrawnPoint {
+            wanted: [xd, yd],
+            error: [x - xd, y - yd],
+        });
     };
     let settings = bench.settings;
     Drive::new(&mut bench.client, &|| false).follow(&moves, &settings, &mut take)?;
-    if count == 0.0 {
+    if points.is_empty() {
         return Err(StepError::other("the drawing gave no samples"));
     }
-    Ok([f64::sqrt(sum / count), most])
+    let size = |point: &DrawnPoint| point.error[0].hypot(point.error[1]);
+    let squares: f64 = points.iter().map(|point| size(point).powi(2)).sum();
+    Ok(Drawing {
+        rms: (squares / points.len() as f64).sqrt(),
+        greatest: points.iter().map(size).fold(0.0, f64::max),
+        points,
+    })
 }
 
 /// The demonstration, as large as the arm can.

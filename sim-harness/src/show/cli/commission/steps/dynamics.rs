@@ -62,6 +62,7 @@ pub(in super::super) fn dynamics(bench: &mut Bench) -> Result<Outcome, StepError
         found: text,
         values,
         measured: measured_masses(&bench.robot, &found),
+        picture: None,
     })
 }
 

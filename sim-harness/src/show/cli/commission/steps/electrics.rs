@@ -122,6 +122,7 @@ pub(in super::super) fn electrics(bench: &mut Bench) -> Result<Outcome, StepErro
         found: found.join("; "),
         values,
         measured: keys,
+        picture: None,
     })
 }
 

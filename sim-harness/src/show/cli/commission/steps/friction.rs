@@ -65,6 +65,7 @@ pub(in super::super) fn friction(bench: &mut Bench) -> Result<Outcome, StepError
         found: texts.join("; "),
         values,
         measured: keys,
+        picture: None,
     })
 }
 

@@ -95,6 +95,7 @@ pub(in super::super) fn geometry(bench: &mut Bench) -> Result<Outcome, StepError
         found: text,
         values,
         measured: keys,
+        picture: None,
     })
 }
 

@@ -24,6 +24,8 @@ pub(super) struct Outcome {
     pub(super) values: Vec<Value>,
     /// For the robot file.
     pub(super) measured: Vec<Measured>,
+    /// A picture of it as SVG.
+    pub(super) picture: Option<String>,
 }
 
 impl Outcome {
@@ -32,6 +34,7 @@ impl Outcome {
             found: found.into(),
             values,
             measured: Vec::new(),
+            picture: None,
         }
     }
 }
