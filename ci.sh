@@ -46,6 +46,7 @@ emulated() {
         --test images --test instructions --test emulated_boards --test emulated_faults \
         --test emulated_port --test production_image --test stack --test live_page
     cargo test --package fivebar-tests --features emulator --test soak -- board:: replay::
+    scripts/senders.sh --emulated
 }
 # Builds the fuzz targets and runs each over its committed inputs.
 fuzz() {

@@ -1,6 +1,9 @@
 #!/usr/bin/env bash
 # Tests `fivebar bridge` with two real senders, in a fresh virtual environment: Printrun's printcore
 # over TCP and grbl-streamer, which counts characters, at the pseudo-terminal.
+#
+#   scripts/senders.sh              with the simulated arm
+#   scripts/senders.sh --emulated   with the firmware on the emulated board (scripts/firmware.sh)
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

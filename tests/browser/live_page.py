@@ -52,6 +52,8 @@ def main():
         passed("watchers, hidden, closed, sleeping and cut-off pages")
         looks.a_report_fits_a_phone(arguments.program, browser)
         passed("a report on a phone")
+        looks.the_reports_of_studies_are_accessible(arguments.program, browser)
+        passed("reports of studies: axe-core")
 
 
 if __name__ == "__main__":

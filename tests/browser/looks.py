@@ -109,6 +109,20 @@ def a_report_fits_a_phone(program, browser):
             assert charts > 5 and shown == [drawing] * charts, (charts, shown)
 
 
+def the_reports_of_studies_are_accessible(program, browser):
+    """A page of each kind; those of runs are looked at on a phone."""
+    studies = (["accuracy", "benchtop", "--map"], ["linkage", "shaper"], ["margins"], ["mobility"])
+    for study in studies:
+        with tempfile.TemporaryDirectory() as out:
+            subprocess.run([program, *study, "--out", out], check=True, stdout=subprocess.DEVNULL)
+            browser.open(f"file://{out}/report.html")
+            browser.resize(1200, 844)
+            for dark in (False, True):
+                browser.dark(dark)
+                reach.has_no_serious_violation(browser, f"the report of {study[0]}, dark: {dark}")
+    browser.dark(False)
+
+
 def take(program, url, browser, folder):
     """Pictures of the page at work, of a run's report and of a workspace map."""
     folder.mkdir(parents=True, exist_ok=True)
