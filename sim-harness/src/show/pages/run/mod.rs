@@ -5,6 +5,7 @@ mod loads;
 mod motion;
 mod picture;
 mod shares;
+mod speed;
 #[cfg(test)]
 mod tests;
 
@@ -57,6 +58,7 @@ impl RunReport<'_> {
         } else {
             page.key_figures(&[&time[..], &figures].concat());
             self.add_motion(&mut page);
+            self.add_speed(&mut page);
             self.add_errors(&mut page);
             self.add_causes(&mut page);
             self.add_loads(&mut page);

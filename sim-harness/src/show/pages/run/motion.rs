@@ -89,7 +89,7 @@ impl RunReport<'_> {
     }
 }
 
-fn path_samples(samples: &[Sample]) -> impl Iterator<Item = &Sample> {
+pub(super) fn path_samples(samples: &[Sample]) -> impl Iterator<Item = &Sample> {
     spaced(samples, PATH_SAMPLES)
 }
 
