@@ -88,6 +88,25 @@ fn the_loose_four_bar_has_the_scatter_of_the_literature() {
 }
 
 #[test]
+fn the_map_of_an_arm_shows_the_singularities_of_both_types() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    answer(&["benchtop", "--map", "--out", out]);
+    let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
+    let map = page.split("role=\"img\"").nth(1).unwrap();
+    let curves = map
+        .split("<path d=\"M")
+        .filter(|path| path.contains("stroke="));
+    let long = curves.filter(|path| path.split_whitespace().count() > 50);
+    let (dashed, solid): (Vec<_>, Vec<_>) =
+        long.partition(|path| path.contains("stroke-dasharray"));
+    assert!(
+        !dashed.is_empty() && solid.len() >= 2,
+        "{dashed:?} {solid:?}"
+    );
+}
+
+#[test]
 fn pins_without_a_stated_direction_are_seated_by_their_reactions() {
     let text = include_str!("../../linkages/four_bar.toml").to_string()
         + "\n[tolerance]\ninput_max = 1e-3\nclearance_radius = 1e-5\n";

@@ -268,7 +268,7 @@ fn study(args: &Args, robot: &Robot) -> Result<(Value, Page), Failure> {
     }
     let map = accuracy_map(robot, force, args.region).map_err(refused)?;
     let mut answer = map_answer(&robot.name, &map);
-    let mut page = map_page(&robot.name, &map);
+    let mut page = map_page(robot, &map);
     if let (Some(wanted), Some(path)) = (args.wanted, &args.classes) {
         let classes = Classes::read(path).map_err(refused)?;
         let allocation = cheapest_classes(&map, wanted, &classes.inputs(), &classes.lengths())

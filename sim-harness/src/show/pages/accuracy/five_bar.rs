@@ -2,10 +2,14 @@
 
 use super::heat_map::heat_map;
 use super::pareto::pareto;
+use crate::input::robot::Robot;
 use crate::show::report::{Chart, Page};
 use crate::show::text::quantity;
 use crate::study::accuracy::{JOINTS, PathAccuracy};
 use fivebar_design::accuracy::five_bar::{AccuracyAnalysis, AccuracyMap, MonteCarlo};
+use fivebar_design::workspace::singularity_curves;
+use fivebar_kinematics::five_bar::Tool;
+use nalgebra::Vector2;
 use std::f64::consts::TAU;
 
 /// One figure of an analysis [m].
@@ -179,8 +183,14 @@ pub fn path_page(robot: &str, along: &PathAccuracy) -> Page {
 }
 
 /// The page of a map.
-pub fn map_page(robot: &str, map: &AccuracyMap) -> Page {
-    let mut page = Page::new(format!("Accuracy of {robot} over its workspace"));
+pub fn map_page(robot: &Robot, map: &AccuracyMap) -> Page {
+    let mut page = Page::new(format!("Accuracy of {} over its workspace", robot.name));
+    // The map is that of C.
+    let at_c = Tool::new(robot.geometry, Vector2::zeros());
+    let curves = at_c.map_or_else(
+        |_| Vec::new(),
+        |at_c| singularity_curves(&at_c, robot.elbows),
+    );
     let figures: [(&str, Figure); 4] = [
         (
             "standard deviation, radial",
@@ -199,9 +209,10 @@ pub fn map_page(robot: &str, map: &AccuracyMap) -> Page {
         if greatest > 0.0 {
             let (from, to) = (quantity(least, "m"), quantity(greatest, "m"));
             page.figure(
-                &heat_map(map, (name, figure), [least, greatest]),
+                &heat_map(map, &curves, (name, figure), [least, greatest]),
                 &format!(
-                    "{name}: {from} (yellow) to {to} (violet), on a logarithmic scale. Axes in mm."
+                    "{name}: {from} (yellow) to {to} (violet), on a logarithmic scale. Lines: a leg \
+                     is straight or folded; dashed: the couplers are parallel. Axes in mm."
                 ),
             );
         }

@@ -3,6 +3,8 @@
 use super::five_bar::Figure;
 use crate::show::report::BANDS;
 use fivebar_design::accuracy::five_bar::AccuracyMap;
+use fivebar_design::workspace::SingularityCurve;
+use fivebar_kinematics::five_bar::Singularity;
 use std::fmt::Write as _;
 
 /// Side of a cell [px].
@@ -15,9 +17,11 @@ const STEPS: [f64; 6] = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5];
 /// Least distance of two figures [px].
 const APART: f64 = 60.0;
 
-/// The figure of each cell: the least is yellow, the greatest violet, on a logarithmic scale.
+/// The figure of each cell: the least is yellow, the greatest violet, on a logarithmic scale. Singularity
+/// curves of C lie above them.
 pub(super) fn heat_map(
     map: &AccuracyMap,
+    singularities: &[SingularityCurve],
     (name, figure): (&str, Figure),
     [least, greatest]: [f64; 2],
 ) -> String {
@@ -30,17 +34,15 @@ pub(super) fn heat_map(
         LEFT + width + 12.0,
         height + BOTTOM
     );
-    let mut corner = None;
+    let corner = map.cells.first().map(|cell| {
+        let [x, y] = cell.position;
+        [x - 0.5 * map.pitch, y - 0.5 * map.pitch]
+    });
     for (index, cell) in map.cells.iter().enumerate() {
         let Some(analysis) = &cell.analysis else {
             continue;
         };
         let [column, row] = [index % map.columns, index / map.columns].map(|i| i as f64);
-        let c = analysis.pose.c;
-        corner.get_or_insert([
-            c.x - (column + 0.5) * map.pitch,
-            c.y - (row + 0.5) * map.pitch,
-        ]);
         let share = (figure(analysis) / least).ln() / span;
         let band = ((1.0 - share) * BANDS.len() as f64) as usize;
         let [red, green, blue] = BANDS[band.min(BANDS.len() - 1)];
@@ -53,6 +55,25 @@ pub(super) fn heat_map(
     }
     if let Some([left, low]) = corner {
         let scale = CELL / map.pitch;
+        // What lies outside the map is cut off.
+        let _ = write!(
+            svg,
+            "<svg x=\"{LEFT}\" y=\"0\" width=\"{width}\" height=\"{height}\" fill=\"none\" \
+             stroke-width=\"1.5\">"
+        );
+        for curve in singularities {
+            let mut path = String::from("M");
+            for point in &curve.points {
+                let (x, y) = (scale * (point.x - left), height - scale * (point.y - low));
+                let _ = write!(path, "{x:.1} {y:.1} ");
+            }
+            let stroke = match curve.singularity {
+                Singularity::Leg1 | Singularity::Leg4 => "stroke=\"currentColor\"",
+                Singularity::Parallel => "stroke=\"#d81b60\" stroke-dasharray=\"7 4\"",
+            };
+            let _ = write!(svg, "<path d=\"{path}\" {stroke}/>");
+        }
+        svg.push_str("</svg>");
         let step = STEPS.into_iter().find(|step| step * scale >= APART);
         let step = step.unwrap_or(1.0);
         for (x, text) in figures(left, left + width / scale, step) {
