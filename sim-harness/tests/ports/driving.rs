@@ -3,9 +3,10 @@
 use crate::arm;
 use fivebar::run::drive::{Drive, DriveError, Homing};
 use fivebar::run::link::{Client, Loopback};
+use fivebar::run::time_optimal::JobPlanner;
 use fivebar_firmware::protocol::{HostCommand, SectionKey};
 use fivebar_firmware::safety::{Fault, State};
-use fivebar_firmware::{Move, MoveKind, Request};
+use fivebar_firmware::{Move, MoveKind, Planner, Request};
 use std::cell::Cell;
 
 fn client() -> Client<Loopback> {
@@ -48,6 +49,44 @@ fn a_job_is_executed_completely_and_the_bridges_are_off_afterwards() {
     let [x, y] = arm::robot().best_point().expect("a reachable point");
     let [tool_x, tool_y] = status.tool.expect("the arm is homed").map(f64::from);
     assert!((tool_x - x).hypot(tool_y - y) < 5e-4, "{tool_x} {tool_y}");
+}
+
+/// The same job by timed moves, from where the arm is.
+fn timed_job(drive: &mut Drive<'_, Loopback>) -> Vec<Move> {
+    let planner = Planner::new(&arm::settings().check().expect("valid settings"));
+    let job = JobPlanner::new(&arm::robot(), 0.7).expect("the robot has masses");
+    let from = drive.tool().expect("the arm is homed");
+    job.moves(from, &long_job(), &planner)
+        .expect("the job is planned")
+}
+
+#[test]
+fn a_time_optimal_job_is_executed_completely_and_can_be_stopped() {
+    let mut client = client();
+    let mut drive = Drive::new(&mut client, &|| false);
+    drive.home(Homing::Switches).expect("homing succeeds");
+    let job = timed_job(&mut drive);
+    let timed = |next: &&Move| matches!(next.kind, MoveKind::Timed(_));
+    assert!(job.iter().filter(timed).count() > 100);
+    drive
+        .follow(&job, &arm::settings(), &mut |_, _| ())
+        .expect("the job is executed");
+    let [x, y] = arm::robot().best_point().expect("a reachable point");
+    let [tool_x, tool_y] = drive.tool().expect("the arm is homed").map(f64::from);
+    assert!((tool_x - x).hypot(tool_y - y) < 5e-4, "{tool_x} {tool_y}");
+
+    let calls = Cell::new(0);
+    let stop_requested = || {
+        calls.set(calls.get() + 1);
+        calls.get() > 60
+    };
+    let mut drive = Drive::new(&mut client, &stop_requested);
+    let job = timed_job(&mut drive);
+    let outcome = drive.follow(&job, &arm::settings(), &mut |_, _| ());
+    let stopped = matches!(outcome, Err(DriveError::Stopped(Some(2..=39))));
+    assert!(stopped, "{outcome:?}");
+    let (status, _) = client.status().expect("the link works");
+    assert_eq!((status.state, status.fault), (State::Stopped, None));
 }
 
 #[test]
