@@ -3,10 +3,10 @@
 #![cfg(unix)]
 
 use fivebar::input::robot::Robot;
-use fivebar::input::scenario::Scenario;
 use fivebar::run::link::{Client, Loopback, SerialLine};
 use fivebar::show::serve::{ControllerSource, Guard, ServeError, serve};
 use fivebar_firmware::safety::State;
+use fivebar_plant::{Mismatch, Plant};
 use serde_json::{Value, json};
 use serialport::{SerialPort, TTYPort};
 use std::io::{ErrorKind, Read, Write};
@@ -181,9 +181,22 @@ fn board() -> (Until<()>, String) {
     let name = near.name().expect("a name");
     let robot = benchtop();
     let settings = robot.settings().expect("masses");
-    let mut plant = Scenario::new("port", robot, "port", String::new())
-        .plant()
-        .expect("masses");
+    // A little before the home switches, so that homing is short.
+    let before = |joint: usize| {
+        let sign = if settings.axes[joint].home_forward {
+            -1.0
+        } else {
+            1.0
+        };
+        0.03 * sign
+    };
+    let pose = robot.pose_near_home([before(0), before(1)]);
+    let mut plant = Plant::new(
+        &robot.plant_parameters().expect("masses"),
+        &Mismatch::default(),
+        &pose.expect("a reachable pose"),
+        7,
+    );
     let period = 1.0 / f64::from(settings.control.tick_rate);
     let arm = move |command: &_| {
         plant.step(command, period);
@@ -198,7 +211,7 @@ fn board() -> (Until<()>, String) {
         while !ends.load(Ordering::Relaxed) {
             let heard = far.read(&mut bytes).unwrap_or(0);
             if heard == 0 {
-                std::thread::sleep(Duration::from_millis(40));
+                std::thread::sleep(Duration::from_millis(20));
             }
             controller
                 .write_all(&bytes[..heard])
