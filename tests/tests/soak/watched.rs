@@ -25,7 +25,8 @@ impl<T> Watched<T> {
         let kinds = moves.iter().map(|next| match next.kind {
             MoveKind::Line { .. } | MoveKind::Arc { .. } => Followed::Path,
             MoveKind::Dwell { .. } => Followed::Dwell,
-            MoveKind::Joint { .. } => Followed::Joint,
+            // The limits of the tool apply to neither.
+            MoveKind::Joint { .. } | MoveKind::Timed(_) => Followed::Joint,
         });
         Self {
             inner,
