@@ -8,3 +8,4 @@ mod logs;
 mod random_logs;
 mod refused_points;
 mod simulated_arm;
+mod tip_error;
