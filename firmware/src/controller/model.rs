@@ -2,6 +2,7 @@
 
 use super::homing_state::HomingConfig;
 use super::oscillation;
+use super::rest::Stage;
 use super::turns::TURNS;
 use crate::drivers::WAKE_UP_TIME;
 use crate::safety::Monitor;
@@ -55,25 +56,27 @@ pub(crate) struct Servo {
     pub(crate) position_loop: PositionLoop<f32>,
 }
 
-/// The bandwidths of an arm at rest, as shares: of the position loop with its observer, and of the
-/// current loop. The arm need not follow, and a count of its encoders and the noise of its current
-/// sensors then give little torque.
-const REST: [f32; 2] = [0.14, 0.12];
-/// Time for which the reference must rest, and the joints be near it [s].
+/// The bandwidths of an arm that moves, that settles and that rests, as shares: of the position loop
+/// with its observer, and of the current loop. An arm at rest need not follow, and a count of its
+/// encoders and the noise of its current sensors then give little torque. The gains of a moving arm
+/// can keep it in a limit cycle of a count, whose velocity would carry an arm at rest away by many:
+/// between them, it settles.
+const STAGES: [[f32; 2]; 3] = [[1.0, 1.0], [0.4, 0.4], [0.14, 0.12]];
+/// Time for which the reference must rest, and the joints be near it, in each stage [s].
 const REST_TIME: f32 = 0.15;
-/// Greatest error of a joint that comes to rest, and that rests [counts].
-const REST_COUNTS: [f32; 2] = [3.0, 5.0];
+/// Greatest error of a joint that comes to rest or rests [counts].
+const REST_COUNTS: f32 = 5.0;
 
 /// The constants of one joint.
 pub(crate) struct AxisModel {
     /// The servo in use: a copy, because the tick reads it with few instructions.
     pub(crate) servo: Servo,
-    /// The servo while the arm moves, and while it rests.
-    servos: [Servo; 2],
-    /// The servo in use is that of an arm that rests.
-    pub(crate) rests: bool,
-    /// Greatest error of a joint that comes to rest, and that rests [rad].
-    pub(crate) rest_error: [f32; 2],
+    /// The servo of each stage.
+    servos: [Servo; STAGES.len()],
+    /// The stage whose servo is in use.
+    pub(crate) stage: Stage,
+    /// Greatest error of a joint that comes to rest or rests [rad].
+    pub(crate) rest_error: f32,
     pub(crate) heating: MotorHeating<f32>,
     pub(crate) friction: FrictionCompensation<f32>,
     /// Of the joint [rad]; changes with the correction of its encoder's error.
@@ -146,13 +149,17 @@ impl Servo {
 }
 
 impl AxisModel {
-    /// Gives the joint the servo of an arm that rests, or of one that moves.
+    /// Gives the joint the servo of this stage.
     #[cold]
     #[inline(never)]
-    pub(crate) fn select_servo(&mut self, rests: bool) {
-        let [moving, resting] = &self.servos;
-        self.servo = if rests { *resting } else { *moving };
-        self.rests = rests;
+    pub(crate) fn select_servo(&mut self, stage: Stage) {
+        let [moving, settling, resting] = &self.servos;
+        self.servo = match stage {
+            Stage::Moves => *moving,
+            Stage::Settles => *settling,
+            Stage::Rests => *resting,
+        };
+        self.stage = stage;
     }
 
     /// The joint's torque [N·m] at this motor current [A].
@@ -166,12 +173,12 @@ impl AxisModel {
         let counts_per_turn = axis.encoder_counts as f32 * axis.gear_ratio;
         let radians_per_count = TAU / counts_per_turn;
         let torque_per_current = axis.gear_ratio * axis.torque_constant;
-        let servos = [[1.0, 1.0], REST].map(|shares| Servo::new(axis, control, shares));
+        let servos = STAGES.map(|shares| Servo::new(axis, control, shares));
         Self {
             servo: servos[0],
             servos,
-            rests: false,
-            rest_error: REST_COUNTS.map(|counts| counts * Scalar::abs(radians_per_count)),
+            stage: Stage::Moves,
+            rest_error: REST_COUNTS * Scalar::abs(radians_per_count),
             // Each joint's heat is updated once in all turns.
             heating: MotorHeating::new(
                 axis.continuous_current,

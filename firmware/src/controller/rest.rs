@@ -8,12 +8,23 @@ use super::model::Model;
 use fivebar_kinematics::Scalar;
 use fivebar_kinematics::control::Integral;
 
+/// How far an arm has come to rest: each stage has gains of its own.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Stage {
+    Moves,
+    Settles,
+    Rests,
+}
+
 /// Whether the arm rests.
 pub(super) struct Rest {
-    /// Ticks for which reference and joints have been at rest.
+    stage: Stage,
+    /// Ticks of this stage for which reference and joints have been at rest.
     still: u32,
     /// Sums of the accelerations demanded in these ticks [rad/s²].
     sums: [f32; 2],
+    /// The mean accelerations demanded in the stage before [rad/s²].
+    means: [f32; 2],
     /// The accelerations demanded in the tick before [rad/s²].
     pub(super) demanded: [f32; 2],
 }
@@ -21,8 +32,10 @@ pub(super) struct Rest {
 impl Rest {
     pub(super) fn new() -> Self {
         Self {
+            stage: Stage::Moves,
             still: 0,
             sums: [0.0; 2],
+            means: [0.0; 2],
             demanded: [0.0; 2],
         }
     }
@@ -30,51 +43,59 @@ impl Rest {
     /// One tick in which the reference rests, after one with these position errors [rad].
     #[inline(always)]
     pub(super) fn look(&mut self, error: [f32; 2], model: &Model) {
-        let rests = self.still >= model.rest_ticks;
         let [axis1, axis4] = &model.axes;
         let [error1, error4] = error;
-        let near = Scalar::abs(error1) <= axis1.rest_error[usize::from(rests)]
-            && Scalar::abs(error4) <= axis4.rest_error[usize::from(rests)];
+        let near =
+            Scalar::abs(error1) <= axis1.rest_error && Scalar::abs(error4) <= axis4.rest_error;
         if !near {
             return self.move_on();
         }
-        if rests {
-            return;
-        }
-        if self.still == 0 {
-            self.sums = [0.0; 2];
-        }
+        let next = match self.stage {
+            Stage::Moves => Stage::Settles,
+            Stage::Settles => Stage::Rests,
+            Stage::Rests => return,
+        };
         let ([sum1, sum4], [alpha1, alpha4]) = (&mut self.sums, self.demanded);
         *sum1 += alpha1;
         *sum4 += alpha4;
         self.still += 1;
+        if self.still >= model.rest_ticks {
+            self.means = self.sums.map(|sum| sum * model.per_rest_tick);
+            self.begin(next);
+        }
     }
 
     /// The arm does not rest.
     #[inline(always)]
     pub(super) fn move_on(&mut self) {
+        self.begin(Stage::Moves);
+    }
+
+    #[inline(always)]
+    fn begin(&mut self, stage: Stage) {
+        self.stage = stage;
         self.still = 0;
+        self.sums = [0.0; 2];
     }
 }
 
 impl Controller {
-    /// Gives a joint the gains of an arm that rests, or of one that moves. An arm that begins to
-    /// rest goes on with the mean of the accelerations demanded meanwhile: under a load its torque
-    /// stays.
+    /// Gives a joint the gains of the arm's stage. An arm that settles or begins to rest goes on
+    /// with the mean of the accelerations demanded meanwhile: under a load its torque stays.
     #[inline(always)]
     pub(super) fn change_gains(&mut self, index: usize) {
-        let rests = self.rest.still >= self.model.rest_ticks;
+        let Rest { stage, means, .. } = self.rest;
         let Some(axis) = self.model.axes.get_mut(index) else {
             return;
         };
-        if axis.rests == rests {
+        if axis.stage == stage {
             return;
         }
-        axis.select_servo(rests);
-        if let (true, Some(joint), Some(sum)) =
-            (rests, self.joints.get_mut(index), self.rest.sums.get(index))
+        axis.select_servo(stage);
+        if let (Stage::Settles | Stage::Rests, Some(joint), Some(mean)) =
+            (stage, self.joints.get_mut(index), means.get(index))
         {
-            joint.integral = Integral(sum * self.model.per_rest_tick);
+            joint.integral = Integral(*mean);
         }
     }
 
@@ -82,8 +103,8 @@ impl Controller {
     pub(super) fn forget_rest(&mut self) {
         self.rest = Rest::new();
         for axis in &mut self.model.axes {
-            if axis.rests {
-                axis.select_servo(false);
+            if axis.stage != Stage::Moves {
+                axis.select_servo(Stage::Moves);
             }
         }
     }

@@ -96,6 +96,8 @@ proptest! {
                 offsets.push(at);
             }
         }
+        // The arm reaches all of it.
+        prop_assume!(offsets.iter().all(|[x, y]| x.hypot(*y) < 0.05));
         let (points, [x, y]) = draw(&settings, &offsets, 0.1);
         let lines: Vec<[f64; 2]> = std::iter::once([0.0; 2])
             .chain(offsets)
