@@ -173,7 +173,7 @@ MISTAKES = [
     ("joint 4's search with joint 1's range", "controller/homing.rs", "state4, config4, closed4", "state4, config1, closed4"),
     ("the margin at C by the length of link 2 alone", "safety/monitor.rs", "singularity_margin * l2 * l3", "singularity_margin * l2 * l2"),
     ("jumps of a reversed gear", "safety/monitor.rs", "TAU / (Scalar::abs(axis.gear_ratio) *", "TAU / (axis.gear_ratio *"),
-    ("a reversed gear never rests", "controller/model.rs", "counts * Scalar::abs(radians_per_count)", "counts * radians_per_count"),
+    ("a reversed gear never rests", "controller/model.rs", "REST_COUNTS * Scalar::abs(radians_per_count)", "REST_COUNTS * radians_per_count"),
     ("the homing torque of a reversed gear", "controller/model.rs", "homing_torque: Scalar::abs(torque_per_current)", "homing_torque: torque_per_current"),
     ("homing at the peak current", "controller/model.rs", "* settings.homing.current", "* axis.peak_current"),
     ("the peak torque of a reversed gear", "settings/arm.rs", "Scalar::abs(axis.gear_ratio) * axis.torque_constant", "axis.gear_ratio * axis.torque_constant"),
