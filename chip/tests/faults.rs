@@ -149,7 +149,7 @@ fn a_planner_that_is_late() {
     let mut driven = at_the_end(options).ready();
     driven.arm();
     // The planner commits a little more of the path than a stop needs, in moves of 20 ms here.
-    for tag in 1..=17 {
+    for tag in 1..=14 {
         let [x, y] = tool_at_start();
         let to = [x - 0.002 * tag as f32, y];
         offer(

@@ -36,7 +36,7 @@ pub use error::{LONGEST, MoveError, MoveErrorKind};
 pub use supply::SEGMENTS_PER_RUN;
 
 /// Planned segments in the look-ahead. A move takes one, and two more for a rounded corner.
-pub const PLANNED_SEGMENTS: usize = 40;
+pub const PLANNED_SEGMENTS: usize = 39;
 
 /// Time of path that the controller gets beyond what a stop needs [s].
 const RESERVE: f32 = 0.03;
