@@ -54,6 +54,7 @@ impl Planner {
             }
             // The arm rests until the tool has settled; then the host offers the move again.
             self.rest_for_tool(next.tool, output, start, next.tag)?;
+            self.end = Some(start);
             return Err(refuse(MoveErrorKind::Full));
         }
         self.level = next.tool;

@@ -1,10 +1,11 @@
 //! Timed moves: followed as they are, or refused with the reason.
 
-use crate::rig::{Rig, settings};
+use crate::rig::{Rig, settings, with};
 use fivebar_firmware::controller::Request;
 use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::safety::State;
-use fivebar_firmware::{MoveKind, TimedCurve, TimedMove};
+use fivebar_firmware::settings::ToolOutputSettings;
+use fivebar_firmware::{Move, MoveKind, TimedCurve, TimedMove};
 
 /// Pieces of a straight motion of `way` [m] to the right, from rest to rest: the jerk is +j, −j, −j, +j.
 fn pieces(rig: &Rig, way: f32, duration: f32) -> Vec<TimedMove> {
@@ -147,4 +148,59 @@ fn a_stop_on_a_timed_motion_stays_on_its_line_and_ends_at_rest() {
     // What comes then begins at rest.
     let again = pieces(&rig, 0.01, 0.1);
     assert_eq!(push(&mut rig, again[0]), Ok(()));
+}
+
+/// Offers the piece in each tick until it is taken. Returns the ticks that this took.
+fn push_when_free(rig: &mut Rig, piece: TimedMove) -> u32 {
+    for ticks in 0..2000 {
+        match push(rig, piece) {
+            Ok(()) => return ticks,
+            Err(refused) => assert_eq!(refused, MoveErrorKind::Full),
+        }
+        rig.tick();
+    }
+    panic!("never taken");
+}
+
+#[test]
+fn a_timed_move_waits_for_the_moves_before_it() {
+    let mut rig = Rig::armed(&settings());
+    let motion = pieces(&rig, 0.03, 0.1);
+    rig.push(1, MoveKind::Dwell { duration: 0.02 }).unwrap();
+    assert_eq!(push(&mut rig, motion[0]), Err(MoveErrorKind::Full));
+    let ticks = push_when_free(&mut rig, motion[0]);
+    assert!((1..300).contains(&ticks), "{ticks} ticks");
+}
+
+#[test]
+fn a_timed_motion_begins_when_the_tool_has_settled_and_keeps_its_level() {
+    let mut rig = Rig::armed(&with(|settings| {
+        settings.tool_output = ToolOutputSettings::Switch {
+            active_low: false,
+            down_time: 0.05,
+            up_time: 0.05,
+        };
+    }));
+    let [x, _] = rig.tool_position();
+    let motion = pieces(&rig, 0.03, 0.1);
+    // The rest in which the tool goes down takes the queue's place first.
+    let ticks = push_when_free(&mut rig, motion[0]);
+    assert!((1..300).contains(&ticks), "{ticks} ticks");
+    assert_eq!(push(&mut rig, motion[1]), Ok(()));
+    let up = Move {
+        tag: 2,
+        tool: 0,
+        kind: MoveKind::Timed(motion[2]),
+    };
+    let refused = rig.planner.push(&mut rig.controller, &up).unwrap_err();
+    assert_eq!(refused.kind, MoveErrorKind::Discontinuous);
+    for piece in &motion[2..] {
+        assert_eq!(push(&mut rig, *piece), Ok(()));
+    }
+    let moved = |rig: &Rig| (rig.controller.status().reference.expect("armed")[0] - x).abs();
+    rig.run(480 - ticks);
+    assert!(moved(&rig) < 1e-5, "the tool settles");
+    rig.run(1100);
+    assert!((moved(&rig) - 0.03).abs() < 1e-5);
+    assert_eq!(rig.controller.status().fault, None);
 }

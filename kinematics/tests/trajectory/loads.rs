@@ -14,7 +14,7 @@ use nalgebra::Vector2;
 use proptest::prelude::*;
 
 /// Links of a tenth of a kilogram and heavy rotors, gravity in the plane.
-fn arm(envelope: &Envelope<f64>) -> Arm<f64> {
+pub(crate) fn arm(envelope: &Envelope<f64>) -> Arm<f64> {
     let link = Link {
         mass: 0.1,
         com: V::new(0.11, 0.005),
@@ -25,7 +25,11 @@ fn arm(envelope: &Envelope<f64>) -> Arm<f64> {
 }
 
 /// Joint speeds, accelerations and torques at a reference of the tool.
-fn joints(envelope: &Envelope<f64>, arm: &Arm<f64>, (p, v, a): (V, V, V)) -> [[f64; 2]; 3] {
+pub(crate) fn joints(
+    envelope: &Envelope<f64>,
+    arm: &Arm<f64>,
+    (p, v, a): (V, V, V),
+) -> [[f64; 2]; 3] {
     let workspace = &envelope.workspace;
     let pose = workspace.tool.inverse(p, workspace.mode).unwrap();
     let velocities = workspace.tool.inverse_velocities(&pose, v).unwrap();

@@ -6,5 +6,6 @@ mod loads;
 mod lookahead;
 mod refusals;
 mod smooth;
+mod timed;
 mod tool_output;
 mod validation;
