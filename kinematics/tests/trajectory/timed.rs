@@ -110,6 +110,11 @@ fn a_violation_is_reported_at_its_place() {
     assert!(speed_at(at) > 0.5 * speed && speed_at(at - 1e-3) <= 0.5 * speed);
     let (position, ..) = tool(&motion, at);
     assert!((error.point - position).norm() < 1e-12);
+    // At the end only, which lies between two of the places.
+    let motion = segment(line(0.3), FASTER, 0.0405);
+    let [[(speed, _), _], ..] = greatest(&motion);
+    limited.joint_speed[0] = 0.99 * speed;
+    assert_eq!(check(&limited, &motion).unwrap_err().fraction, 1.0);
 }
 
 #[test]
