@@ -4,5 +4,6 @@ pub mod crossing;
 pub mod drive;
 pub mod excitation;
 pub mod link;
+pub(crate) mod segment;
 pub mod simulation;
 pub mod time_optimal;

@@ -1,12 +1,28 @@
-//! Checks the drive of an `[[actuator]]`: its stiffness, and what is known of its encoder.
+//! The drive of an `[[actuator]]`: checks its stiffness and what is known of its encoder, and gives
+//! what plans need of it.
 
-use super::Actuator;
 use super::value::{not_negative, positive};
+use super::{Actuator, Robot};
 use crate::input::source::{FileError, Key, Source};
+use fivebar_design::time_optimal::PlannedDrive;
 use fivebar_plant::{Bound, MismatchError, check_harmonics};
 
 /// Greatest latency of an encoder [s].
 const LONGEST_LATENCY: f64 = 0.1;
+
+impl Robot {
+    /// The joints' drives as plans of motion have them; ideal without `[[actuator]]`.
+    pub(crate) fn planned_drives(&self) -> [PlannedDrive; 2] {
+        self.actuators.map_or_else(Default::default, |actuators| {
+            actuators.map(|actuator| PlannedDrive {
+                viscous: actuator.viscous_friction,
+                coulomb: actuator.coulomb_friction,
+                torque_constant: actuator.torque_constant * actuator.gear_ratio.abs(),
+                resistance: actuator.resistance,
+            })
+        })
+    }
+}
 
 pub(super) fn check(
     source: &Source<'_>,

@@ -7,8 +7,9 @@
 mod path;
 
 use crate::input::robot::{MissingMasses, Robot, WorkspaceError};
+use crate::run::segment::segment;
 use fivebar_design::time_optimal::{
-    DrivenArm, PathPiece, PlanError, PlanLimits, PlannedDrive, TimedPiece, TimedRun, plan_timed,
+    DrivenArm, PathPiece, PlanError, PlanLimits, TimedPiece, TimedRun, plan_timed,
 };
 use fivebar_firmware::planner::{MoveError, Planner};
 use fivebar_firmware::settings::ToolOutputSettings;
@@ -16,7 +17,7 @@ use fivebar_firmware::{Move, MoveKind, TimedCurve, TimedMove};
 use fivebar_kinematics::dynamics::ModelError;
 use fivebar_kinematics::five_bar::GeometryError;
 use fivebar_kinematics::trajectory::{
-    Curve, Envelope, MotionLimits, PathError, PathSegment, PathSegmentError, Sense, TorqueLimits,
+    Curve, Envelope, MotionLimits, PathError, PathSegmentError, TorqueLimits,
 };
 use nalgebra::Vector2;
 use path::{Part, Path, Stage};
@@ -69,8 +70,6 @@ const TOOL: MotionLimits<f64> = MotionLimits {
     acceleration: 1000.0,
     jerk: 1e4,
 };
-/// Greatest error of an arc's centre [m], as on the controller.
-const ARC_TOLERANCE: f64 = 1e-4;
 
 /// A robot's planner of whole jobs.
 pub struct JobPlanner {
@@ -100,19 +99,11 @@ impl JobPlanner {
         let drives = robot.drives()?;
         let torque = drives.map(|drive| torque_share * drive.peak_torque());
         let share = |values: [f64; 2]| values.map(|value| JOINT_SHARE * value);
-        let planned = robot.actuators.map_or_else(Default::default, |actuators| {
-            actuators.map(|actuator| PlannedDrive {
-                viscous: actuator.viscous_friction,
-                coulomb: actuator.coulomb_friction,
-                torque_constant: actuator.torque_constant * actuator.gear_ratio.abs(),
-                resistance: actuator.resistance,
-            })
-        });
         let tool = robot.tool_on_link()?;
         let mode = robot.working_mode();
         let workspace = robot.workspace(mode)?;
         Ok(Self {
-            arm: DrivenArm::new(arm, tool, mode, planned)?,
+            arm: DrivenArm::new(arm, tool, mode, robot.planned_drives())?,
             envelope: Envelope {
                 workspace,
                 joint_speed: share(robot.limits.max_speed),
@@ -195,27 +186,11 @@ impl JobPlanner {
         let mut at = from;
         for next in moves {
             let tag = next.tag;
-            let segment = match next.kind {
-                MoveKind::Line { to, .. } => PathSegment::line(point(at), point(to)),
-                MoveKind::Arc {
-                    to,
-                    center,
-                    clockwise,
-                    ..
-                } => {
-                    let sense = if clockwise {
-                        Sense::Clockwise
-                    } else {
-                        Sense::CounterClockwise
-                    };
-                    PathSegment::arc(point(at), point(to), point(center), sense, ARC_TOLERANCE)
-                }
-                MoveKind::Dwell { .. } | MoveKind::Joint { .. } | MoveKind::Timed(_) => {
-                    path.finish();
-                    path.stages.push(Stage::Move(*next));
-                    at = planner.check(at, next)?;
-                    continue;
-                }
+            let Some(segment) = segment(&next.kind, at) else {
+                path.finish();
+                path.stages.push(Stage::Move(*next));
+                at = planner.check(at, next)?;
+                continue;
             };
             match segment {
                 Ok(segment) => {
@@ -270,8 +245,4 @@ fn single_curve(curve: &Curve<f64>) -> TimedCurve {
             inverse_length: inverse_length as f32,
         },
     }
-}
-
-fn point([x, y]: [f32; 2]) -> Vector2<f64> {
-    Vector2::new(f64::from(x), f64::from(y))
 }

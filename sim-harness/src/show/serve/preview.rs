@@ -4,15 +4,12 @@ use super::message::{JobMessage, brief};
 use super::strokes::Strokes;
 use crate::input::job::Job;
 use crate::input::scenario::place_in_job;
+use crate::run::segment::segment;
 use fivebar_firmware::planner::{MoveError, Planner};
 use fivebar_firmware::settings::{CheckedSettings, SettingsError};
 use fivebar_firmware::{Move, MoveKind, Settings, Status};
 use fivebar_kinematics::five_bar::{Pose, Side, Tool, WorkingMode};
-use fivebar_kinematics::trajectory::{PathSegment, Sense};
 use nalgebra::Vector2;
-
-/// Greatest error of an arc's centre in a drawing [m].
-const ARC_TOLERANCE: f32 = 1e-4;
 
 /// Where a job begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -151,19 +148,8 @@ fn draw(strokes: &mut Strokes, from: [f32; 2], kind: &MoveKind) -> [f32; 2] {
             strokes.push(to);
             to
         }
-        MoveKind::Arc {
-            to,
-            center,
-            clockwise,
-            ..
-        } => {
-            let sense = if clockwise {
-                Sense::Clockwise
-            } else {
-                Sense::CounterClockwise
-            };
-            let arc = PathSegment::arc(vec2(from), vec2(to), vec2(center), sense, ARC_TOLERANCE);
-            let Ok(arc) = arc else {
+        MoveKind::Arc { to, .. } => {
+            let Some(Ok(arc)) = segment::<f32>(kind, from) else {
                 strokes.push(to);
                 return to;
             };

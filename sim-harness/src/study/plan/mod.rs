@@ -113,14 +113,7 @@ fn driven_arm(robot: &Robot, case: &PathCase) -> Result<DrivenArm, PlanStudyErro
         case.gravity.map_or(own.gravity(), Vector2::from),
         own.rotor_inertia(),
     )?;
-    let drives = robot.actuators.map_or_else(Default::default, |actuators| {
-        actuators.map(|actuator| PlannedDrive {
-            viscous: actuator.viscous_friction,
-            coulomb: actuator.coulomb_friction,
-            torque_constant: actuator.torque_constant * actuator.gear_ratio.abs(),
-            resistance: actuator.resistance,
-        })
-    });
     let tool = robot.tool_on_link()?;
+    let drives = robot.planned_drives();
     Ok(DrivenArm::new(&arm, tool, case.working_mode, drives)?)
 }
