@@ -111,10 +111,13 @@ def a_report_fits_a_phone(program, browser):
 
 def the_reports_of_studies_are_accessible(program, browser):
     """A page of each kind; those of runs are looked at on a phone."""
-    studies = (["accuracy", "benchtop", "--map"], ["linkage", "shaper"], ["margins"], ["mobility"])
+    square = pathlib.Path(__file__).parents[2] / "sim-harness/paths/square.json"
+    studies = (["accuracy", "benchtop", "--map"], ["clearance", "benchtop", "-", "--radius", "20e-6"],
+               ["linkage", "shaper"], ["margins"], ["mobility"], ["plan", "--path", square])
     for study in studies:
         with tempfile.TemporaryDirectory() as out:
-            subprocess.run([program, *study, "--out", out], check=True, stdout=subprocess.DEVNULL)
+            subprocess.run([program, *study, "--out", out], input="G21 G90\nG1 X2 F3000\nG1 X0\n", text=True,
+                           check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
             browser.open(f"file://{out}/report.html")
             browser.resize(1200, 844)
             for dark in (False, True):

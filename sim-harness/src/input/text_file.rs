@@ -3,6 +3,7 @@
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
+use std::sync::OnceLock;
 
 /// Greatest size of a TOML or JSON file [bytes]; real ones are far smaller.
 pub(crate) const LARGEST_TOML: u64 = 1 << 20;
@@ -10,8 +11,15 @@ pub(crate) const LARGEST_TOML: u64 = 1 << 20;
 /// Greatest size of a G-code file [bytes].
 pub(crate) const LARGEST_GCODE: u64 = 64 << 20;
 
-/// Reads a file of at most `limit` bytes. Devices and FIFOs are read, too, up to the limit.
+/// The path that stands for the standard input.
+pub(crate) const STANDARD_INPUT: &str = "-";
+
+/// Reads a file of at most `limit` bytes, or the standard input if the path is `-`. Devices and FIFOs
+/// are read, too, up to the limit.
 pub(crate) fn read_bytes(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
+    if path == Path::new(STANDARD_INPUT) {
+        return read_standard_input(limit);
+    }
     let file = File::open(path)?;
     // Of a device or a FIFO, the size is 0.
     let size = file.metadata()?.len();
@@ -21,8 +29,18 @@ pub(crate) fn read_bytes(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
     read_stream(file, limit)
 }
 
+/// Reads the standard input to its end. A command may read its files more than once, so the bytes are kept.
+fn read_standard_input(limit: u64) -> io::Result<Vec<u8>> {
+    static BYTES: OnceLock<Vec<u8>> = OnceLock::new();
+    if let Some(bytes) = BYTES.get() {
+        return Ok(bytes.clone());
+    }
+    let bytes = read_stream(io::stdin(), limit)?;
+    Ok(BYTES.get_or_init(|| bytes).clone())
+}
+
 /// Reads a stream to its end, at most `limit` bytes.
-pub(crate) fn read_stream(stream: impl Read, limit: u64) -> io::Result<Vec<u8>> {
+fn read_stream(stream: impl Read, limit: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     stream.take(limit + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > limit {

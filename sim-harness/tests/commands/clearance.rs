@@ -96,7 +96,7 @@ fn invalid_options_and_files_are_refused_with_the_reason() {
     refused(
         &["benchtop", "--radius", "-1e-6"],
         2,
-        "positive numbers of metres",
+        "a length above 0",
     );
     refused(&["benchtop", "--joints", "F"], 2, "joints from A to E");
     refused(&["duet"], 1, "clearance_radius");

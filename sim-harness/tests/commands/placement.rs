@@ -206,21 +206,39 @@ fn an_svg_is_drawn_in_its_true_size() {
     assert!(message.contains("drawing.svg, stroke 1:"), "{message}");
 }
 
-#[test]
-fn a_job_comes_from_the_standard_input() {
+/// What the program prints on its standard output when `text` is its standard input.
+fn piped(arguments: &[&str], text: &[u8]) -> Vec<u8> {
     let bench = Bench::new();
     let mut child = Command::new(env!("CARGO_BIN_EXE_fivebar"))
-        .args(["sim", "-", "--json"])
+        .args(arguments)
         .current_dir(bench.path(""))
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
+        .stderr(Stdio::null())
         .spawn()
         .unwrap();
-    let text = std::fs::read(PETAL).unwrap();
-    std::io::Write::write_all(&mut child.stdin.take().unwrap(), &text).unwrap();
+    std::io::Write::write_all(&mut child.stdin.take().unwrap(), text).unwrap();
     let output = child.wait_with_output().unwrap();
-    let figures: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(output.status.success(), "{arguments:?}");
+    output.stdout
+}
+
+#[test]
+fn a_job_comes_from_the_standard_input() {
+    let output = piped(&["sim", "-", "--json"], &std::fs::read(PETAL).unwrap());
+    let figures: Value = serde_json::from_slice(&output).unwrap();
     assert_eq!(figures["scenario"], "standard input");
+}
+
+#[test]
+fn a_file_goes_from_the_standard_input_to_the_standard_output() {
+    let robot = piped(&["new", "-", "--defaults"], b"");
+    let graph = piped(&["export", "dot", "-", "--out", "-"], &robot);
+    let graph = String::from_utf8(graph).unwrap();
+    assert!(
+        graph.starts_with("graph") && graph.trim_end().ends_with('}'),
+        "nothing but the graph: {graph}"
+    );
 }
 
 #[test]

@@ -21,7 +21,7 @@ mod words;
 pub use error::{GcodeError, JobError, Warning, WarningKind};
 pub use options::{Dialect, JobOptions};
 pub use stream::JobStream;
-pub use text::{read, read_from};
+pub use text::read;
 pub use tool::ToolWords;
 
 use fivebar_firmware::{FULL_TOOL, Move, MoveKind};

@@ -1,13 +1,13 @@
 //! The bytes of a job's file as text.
 
 use crate::input::text_file;
-use std::io::{self, Read};
+use std::io;
 use std::path::Path;
 
 /// The byte order mark.
 const MARK: char = '\u{FEFF}';
 
-/// Reads the text of a job's file. G-code is ASCII, but comments have any encoding: bytes that are
+/// Reads the text of a job's file, or of the standard input if the path is `-`. G-code is ASCII, but comments have any encoding: bytes that are
 /// not UTF-8 become U+FFFD, which is refused outside comments. A byte order mark is kept. UTF-16
 /// with a mark is read as such and then has two marks, by which [`super::Job::parse`] notes it.
 ///
@@ -15,14 +15,6 @@ const MARK: char = '\u{FEFF}';
 /// The file cannot be read, or is larger than 64 MiB.
 pub fn read(path: &Path) -> io::Result<String> {
     text_file::read_bytes(path, text_file::LARGEST_GCODE).map(|bytes| decoded(&bytes))
-}
-
-/// Reads a job as [`read`] does, from a stream to its end.
-///
-/// # Errors
-/// The stream cannot be read, or gives more than 64 MiB.
-pub fn read_from(stream: impl Read) -> io::Result<String> {
-    text_file::read_stream(stream, text_file::LARGEST_GCODE).map(|bytes| decoded(&bytes))
 }
 
 fn decoded(bytes: &[u8]) -> String {

@@ -120,12 +120,17 @@ impl Scenario {
         })
     }
 
-    /// A scenario with the job of a G-code file and the declared mismatch.
+    /// A scenario with the job of a G-code file, or of the standard input if the path is `-`, and the
+    /// declared mismatch.
     ///
     /// # Errors
     /// A file that cannot be read.
     pub fn of_job(path: &str, robot: Robot) -> Result<Self, ScenarioError> {
-        Ok(Self::new(&stem(path), robot, path, read_job(path)?))
+        let text = read_job(path)?;
+        if path == text_file::STANDARD_INPUT {
+            return Ok(Self::new("standard input", robot, "standard input", text));
+        }
+        Ok(Self::new(&stem(path), robot, path, text))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::failure::{Failure, refused};
 use super::figures::figures;
-use super::length::place;
+use super::length::{place, positive_length};
 use super::say::{print, say, warn};
 use super::value_error::ValueError;
 use crate::input::accuracy_classes::Classes;
@@ -36,8 +36,8 @@ use std::path::PathBuf;
 pub(super) struct Args {
     /// A robot or linkage file with [tolerance], or a built-in robot or example.
     file: String,
-    /// Analyse one position X,Y of C [m]; for a slider-driven mechanism, of P.
-    #[arg(long, value_name = "X,Y", value_parser = numbers::<2>, allow_hyphen_values = true)]
+    /// Analyse one position X,Y of C, such as 40mm,200mm; for a slider-driven mechanism, of P.
+    #[arg(long, value_name = "X,Y", value_parser = place, allow_hyphen_values = true)]
     at: Option<[f64; 2]>,
     /// Analyse the path of a G-code job at its feed rates.
     #[arg(long, value_name = "JOB.gcode")]
@@ -68,8 +68,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = numbers::<4>, allow_hyphen_values = true)]
     region: Option<[f64; 4]>,
     /// With --map: find the cheapest tolerances with a radial standard deviation of at most
-    /// this everywhere [m].
-    #[arg(long, value_name = "METRES", requires_all = ["map", "classes"])]
+    /// this everywhere, such as 50um.
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length, requires_all = ["map", "classes"])]
     wanted: Option<f64>,
     /// With --wanted: the classes of tolerance with their deviations and costs (TOML).
     #[arg(long, value_name = "CLASSES.toml", requires = "wanted")]

@@ -2,9 +2,9 @@
 
 use super::failure::{Failure, refused};
 use super::figures::figures;
+use super::length::positive_length;
 use super::rewrite::rewrite;
-use super::say::{print, say, warn};
-use super::value_error::ValueError;
+use super::say::{leave_output_to, print, say, warn};
 use crate::input::measurements::read_columns;
 use crate::input::robot::{BuiltIn, Robot};
 use crate::show::files::write_whole;
@@ -33,8 +33,8 @@ pub(super) struct Args {
     /// Propose K holes, in the arm's own frame.
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(5..=400))]
     propose: Option<u16>,
-    /// Standard deviation of a hole's x and of its y [m].
-    #[arg(long, value_name = "METRES", value_parser = metres, default_value = "20e-6")]
+    /// Standard deviation of a hole's x and of its y.
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length, default_value = "20um")]
     sigma: f64,
     /// Minimise the sum of squares in place of Huber's loss.
     #[arg(long, requires = "points")]
@@ -49,12 +49,6 @@ pub(super) struct Args {
     /// Print the result as one JSON object.
     #[arg(long)]
     json: bool,
-}
-
-fn metres(text: &str) -> Result<f64, ValueError> {
-    let value = text.parse().ok();
-    let value = value.filter(|value: &f64| *value > 0.0 && value.is_finite());
-    value.ok_or(ValueError::PositiveMetres)
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
@@ -86,6 +80,7 @@ fn calibrated(args: &Args, robot: &Robot, points: &Path) -> Result<Value, Failur
 fn proposed(args: &Args, robot: &Robot, count: usize) -> Result<Value, Failure> {
     let study = propose_poses(robot, count, args.sigma).map_err(refused)?;
     if let Some(path) = &args.plate {
+        leave_output_to(path);
         write_whole(path, plate(&study.proposal.places)).map_err(refused)?;
     }
     Ok(proposal_answer(robot, &study))

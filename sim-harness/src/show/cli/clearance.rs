@@ -1,7 +1,7 @@
 //! `fivebar clearance`: a job on the new arm and with worn joints.
 
 use super::failure::{Failure, refused};
-use super::length::place;
+use super::length::{place, positive_length};
 use super::run_args::scale;
 use super::say::{say, warn};
 use super::value_error::ValueError;
@@ -23,11 +23,12 @@ const JOB: &str = include_str!("../../../jobs/petal.gcode");
 pub(super) struct Args {
     /// A robot file, or the name of a built-in robot.
     file: String,
-    /// A scenario, whose robot is replaced by FILE, or a job; by default a petal of two arcs.
+    /// A scenario, whose robot is replaced by FILE, or a job (`-` for the standard input); by default a
+    /// petal of two arcs.
     #[arg(value_name = "SCENARIO.toml|JOB.gcode")]
     job: Option<String>,
-    /// Radial clearances, one run for each [m]; by default the robot's `clearance_radius`.
-    #[arg(long, value_name = "METRES,…", allow_hyphen_values = true, value_delimiter = ',', value_parser = positive)]
+    /// Radial clearances, one run for each, such as 20um,50um; by default the robot's `clearance_radius`.
+    #[arg(long, value_name = "LENGTH,…", allow_hyphen_values = true, value_delimiter = ',', value_parser = positive_length)]
     radius: Vec<f64>,
     /// The joints that wear; the others stay ideal.
     #[arg(long, value_name = "A,B,…", value_delimiter = ',', value_parser = joint, default_value = "A,B,C,D,E")]
@@ -44,12 +45,6 @@ pub(super) struct Args {
     /// Print the figures as one JSON object.
     #[arg(long)]
     json: bool,
-}
-
-fn positive(text: &str) -> Result<f64, ValueError> {
-    let number = text.trim().parse().ok();
-    let number = number.filter(|x: &f64| *x > 0.0 && x.is_finite());
-    number.ok_or(ValueError::Clearance)
 }
 
 fn joint(text: &str) -> Result<usize, ValueError> {

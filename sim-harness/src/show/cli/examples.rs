@@ -7,7 +7,7 @@ const EXAMPLES: &[(&str, &[&str])] = &[
     (
         "accuracy",
         &[
-            "fivebar accuracy benchtop --at 0.04,0.2",
+            "fivebar accuracy benchtop --at 40mm,200mm",
             "fivebar accuracy my-arm.toml --map --out out/accuracy",
             "fivebar accuracy loose_four_bar --time 0.1 --json",
         ],
@@ -30,8 +30,8 @@ const EXAMPLES: &[(&str, &[&str])] = &[
     (
         "clearance",
         &[
-            "fivebar clearance benchtop --radius 20e-6,50e-6",
-            "fivebar clearance my-arm.toml my.gcode --joints B,D --radius 50e-6 --out out/worn",
+            "fivebar clearance benchtop --radius 20um,50um",
+            "fivebar clearance my-arm.toml my.gcode --joints B,D --radius 50um --out out/worn",
         ],
     ),
     ("clear", &["fivebar clear --port /dev/ttyUSB0"]),

@@ -1,7 +1,7 @@
 //! `fivebar export`: a robot for other tools.
 
 use super::failure::{Failure, refused};
-use super::say::{print, say};
+use super::say::{leave_output_to, print, say};
 use crate::input::robot::Robot;
 use crate::show::export::{dot, mjcf, urdf};
 use crate::show::files::write_whole;
@@ -50,6 +50,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     };
     match &args.out {
         Some(path) => {
+            leave_output_to(path);
             write_whole(path, text).map_err(refused)?;
             say(format_args!(
                 "wrote {} for {} to {}",

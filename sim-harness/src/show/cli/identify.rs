@@ -3,7 +3,7 @@
 use super::failure::{Failure, refused};
 use super::figures::figures;
 use super::rewrite::rewrite;
-use super::say::{print, say, warn};
+use super::say::{leave_output_to, print, say, warn};
 use crate::input::measurements::read_columns;
 use crate::input::robot::{BuiltIn, Robot};
 use crate::run::excitation::excite;
@@ -65,6 +65,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     } else {
         let proposed = propose_for(&robot).map_err(refused)?;
         if let Some(log) = &args.simulate {
+            leave_output_to(log);
             let excitation = &proposed[0].excitation;
             let rows = excite(&robot, excitation, PERIODS, &Mismatch::default(), 1);
             write_whole(log, motion_csv(&rows.map_err(refused)?)).map_err(refused)?;

@@ -1,6 +1,7 @@
 //! The log of a run, for Foxglove.
 
 use super::failure::{Failure, refused};
+use super::say::leave_output_to;
 use crate::input::robot::Robot;
 use crate::run::simulation::Trace;
 use crate::show::export::mcap;
@@ -11,7 +12,7 @@ use std::path::PathBuf;
 /// The option for the log of a run.
 #[derive(clap::Args)]
 pub(super) struct LogArgs {
-    /// Also write a log of the run as MCAP, for Foxglove.
+    /// Also write a log of the run as MCAP, for Foxglove; `-` for the standard output.
     #[arg(long, value_name = "FILE.mcap")]
     log: Option<PathBuf>,
 }
@@ -22,6 +23,7 @@ impl LogArgs {
         let Some(log) = &self.log else {
             return Ok(());
         };
+        leave_output_to(log);
         if log.is_dir() {
             return Err(refused(format!(
                 "--log {} is a folder; give a file in it",

@@ -4,6 +4,7 @@ use super::failure::{Failure, refused};
 use super::say::say;
 use crate::input::did_you_mean;
 use crate::input::mobility::{EXAMPLES, MobilityCase, parse, read};
+use crate::input::text_file::STANDARD_INPUT;
 use crate::show::files::write_whole;
 use crate::show::pages;
 use crate::show::text::explain;
@@ -66,7 +67,7 @@ fn studies(file: Option<&str>) -> Result<Vec<MobilityCase>, Failure> {
         return Ok(vec![example(found)?]);
     }
     let path = PathBuf::from(file);
-    if !path.exists() {
+    if file != STANDARD_INPUT && !path.exists() {
         let names: Vec<&str> = EXAMPLES.iter().map(|(name, _)| *name).collect();
         return Err(refused(format_args!(
             "{file}: there is no such file and no such example; the examples are {}{}",

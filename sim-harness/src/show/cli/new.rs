@@ -2,13 +2,13 @@
 
 use super::failure::{Failure, refused};
 use super::questions::{ARM, MOTOR, Question, asks_for_own_motor};
-use super::say::{hint, say, warn};
+use super::say::{hint, leave_output_to, say, warn};
 use crate::input::robot::{BuiltIn, Draft};
 use crate::run::simulation::find_demo_scale;
-use crate::show::files::write_new;
+use crate::show::files::{STANDARD_OUTPUT, write_new};
 use crate::show::text::no_demo_scale;
 use std::io::{self, BufRead};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Asks the few questions that an arm needs and writes its robot file.
 ///
@@ -19,7 +19,7 @@ use std::path::PathBuf;
 /// the reason is printed.
 #[derive(clap::Args)]
 pub(super) struct Args {
-    /// The file to write, such as my-arm.toml.
+    /// The file to write, such as my-arm.toml; `-` for the standard output.
     #[arg(value_name = "ROBOT.toml")]
     file: PathBuf,
     /// Use all defaults and ask no questions.
@@ -29,6 +29,7 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let file = args.file.display();
+    leave_output_to(&args.file);
     if args.file.exists() {
         return Err(refused(format_args!(
             "{file} exists already; give another name or move the file"
@@ -44,7 +45,12 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         )));
     }
     let stem = args.file.file_stem().unwrap_or_default();
-    let mut draft = Draft::new(&stem.to_string_lossy());
+    let is_unnamed = args.file.as_path() == Path::new(STANDARD_OUTPUT);
+    let mut draft = Draft::new(&if is_unnamed {
+        "my arm".into()
+    } else {
+        stem.to_string_lossy()
+    });
     if !args.defaults {
         interview(&mut draft, &mut io::stdin().lock())?;
     }

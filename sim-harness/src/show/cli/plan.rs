@@ -1,7 +1,7 @@
 //! `fivebar plan`: time-optimal motion along a path.
 
 use super::failure::{Failure, refused};
-use super::run_args::point;
+use super::length::place;
 use super::say::{say, warn};
 use super::value_error::ValueError;
 use crate::input::path_case::PathCase;
@@ -31,11 +31,11 @@ pub(super) struct Args {
     /// Plan a crossing of a singularity of type 2, which the robot file must allow.
     #[arg(long, conflicts_with_all = ["path", "torque_share"], requires_all = ["from", "to", "time"])]
     crossing: bool,
-    /// Where the crossing begins [m].
-    #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true, requires = "crossing")]
+    /// Where the crossing begins, such as 20mm,140mm.
+    #[arg(long, value_name = "X,Y", value_parser = place, allow_hyphen_values = true, requires = "crossing")]
     from: Option<[f64; 2]>,
-    /// Where it ends [m].
-    #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true, requires = "crossing")]
+    /// Where it ends.
+    #[arg(long, value_name = "X,Y", value_parser = place, allow_hyphen_values = true, requires = "crossing")]
     to: Option<[f64; 2]>,
     /// Its duration [s].
     #[arg(long, value_name = "T", requires = "crossing")]

@@ -1,7 +1,7 @@
 //! A robot file with measured values, the old one kept.
 
 use super::failure::{Failure, refused};
-use super::say::warn;
+use super::say::{leave_output_to, warn};
 use crate::input::robot::{Measured, measured_text, text_of};
 use crate::show::files::{write_new, write_whole};
 use std::path::{Path, PathBuf};
@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 /// Writes the file of `robot` with measured values to `out`. A file that is there is kept beside
 /// it as FILE.old, FILE.old2, and so on.
 pub(super) fn rewrite(robot: &str, out: &Path, values: &[Measured]) -> Result<(), Failure> {
+    leave_output_to(out);
     let text = text_of(robot).map_err(refused)?;
     let new = measured_text(robot, &text, values).map_err(|error| {
         refused(format_args!(

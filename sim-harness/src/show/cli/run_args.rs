@@ -6,7 +6,7 @@ use super::output::OutputArgs;
 use super::plan::share;
 use super::say::warn;
 use super::value_error::ValueError;
-use crate::input::job::{self, Dialect, JobOptions};
+use crate::input::job::{Dialect, JobOptions};
 use crate::input::robot::{BuiltIn, Robot};
 use crate::input::scenario::Scenario;
 use std::path::Path;
@@ -125,10 +125,6 @@ impl JobArgs {
         let arm = || robot.clone().map_or_else(|| load(BuiltIn::DEFAULT), Ok);
         let mut scenario = match &self.file {
             None => Scenario::demonstration(arm()?),
-            Some(file) if file == "-" => {
-                let text = job::read_from(std::io::stdin()).map_err(refused)?;
-                Scenario::new("standard input", arm()?, "standard input", text)
-            }
             Some(file) if Path::new(file).extension().is_some_and(|e| e == "toml") => {
                 Scenario::load(file).map_err(refused)?
             }
@@ -177,6 +173,7 @@ fn fit(demonstration: &mut Scenario) {
     }
 }
 
+/// Two numbers without a unit.
 pub(super) fn point(text: &str) -> Result<[f64; 2], ValueError> {
     let parse = || {
         let (x, y) = text.split_once(',')?;

@@ -1,8 +1,21 @@
 //! Printing on standard output and standard error.
 
 use super::failure::{Failure, refused};
+use crate::show::files::STANDARD_OUTPUT;
 use std::fmt::Display;
 use std::io::{self, ErrorKind, Write};
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Whether a file goes to the standard output, so that lines go to the standard error.
+static OUTPUT_IS_A_FILE: AtomicBool = AtomicBool::new(false);
+
+/// Leaves the standard output to `file` if that is `-`: lines are then printed to the standard error.
+pub(super) fn leave_output_to(file: &Path) {
+    if file == Path::new(STANDARD_OUTPUT) {
+        OUTPUT_IS_A_FILE.store(true, Ordering::Relaxed);
+    }
+}
 
 /// Prints a line to the standard output.
 pub(super) fn say(line: impl Display) -> Result<(), Failure> {
@@ -12,6 +25,9 @@ pub(super) fn say(line: impl Display) -> Result<(), Failure> {
 /// Prints a text without adding anything. A closed output, as in `fivebar robots | head -1`,
 /// is no failure: the command finishes its work, and its exit status shows the result.
 pub(super) fn print(text: impl Display) -> Result<(), Failure> {
+    if OUTPUT_IS_A_FILE.load(Ordering::Relaxed) {
+        return print_to(&mut io::stderr().lock(), text);
+    }
     print_to(&mut io::stdout().lock(), text)
 }
 

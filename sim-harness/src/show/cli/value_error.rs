@@ -5,8 +5,6 @@
 pub(super) enum ValueError {
     #[error("give a numeric address and a port, such as 127.0.0.1:9000")]
     Address,
-    #[error("give positive numbers of metres, such as 20e-6,50e-6")]
-    Clearance,
     #[error("give an angle in degrees, such as 90")]
     Degrees,
     #[error("give grbl or reprap")]
@@ -23,12 +21,10 @@ pub(super) enum ValueError {
     Numbers(usize),
     #[error("give two lengths, such as 30mm,160mm, or 0.03,0.16 in metres")]
     Place,
-    #[error("give two numbers, such as 0.02,0.14")]
+    #[error("give two numbers, such as 2.79,0.35")]
     Point,
-    #[error("give a length above 0, such as 50mm")]
+    #[error("give a length above 0, such as 50mm or 20um")]
     PositiveLength,
-    #[error("give a positive number of metres, such as 20e-6")]
-    PositiveMetres,
     #[error("give a positive number of millimetres")]
     PositiveMillimetres,
     #[error("give a number from 0.2 to 2000")]

@@ -3,7 +3,7 @@
 //! A regular file is written under another name in its folder, made durable, and renamed, so
 //! that a reader finds either the old or the new file, complete, also after a power cut.
 //! A symbolic link stays and its file is replaced. A device, a FIFO or a socket stays, too, and
-//! the bytes are written into it.
+//! the bytes are written into it. The path `-` stands for the standard output.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Error, ErrorKind, Write as _};
@@ -17,6 +17,9 @@ pub struct WriteError {
     path: PathBuf,
     source: io::Error,
 }
+
+/// The path that stands for the standard output.
+pub const STANDARD_OUTPUT: &str = "-";
 
 /// Writes a file. Makes its folder if it does not exist.
 ///
@@ -33,6 +36,9 @@ pub fn write_whole(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), WriteErro
 /// # Errors
 /// As [`write_whole`], or the file exists.
 pub fn write_new(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), WriteError> {
+    if path == Path::new(STANDARD_OUTPUT) {
+        return write_whole(path, bytes);
+    }
     written(path, bytes.as_ref())
         .and_then(|file| Ok(file.persist_noclobber(path).map(drop)?))
         .map_err(|source| refusal(path, source))
@@ -88,8 +94,11 @@ pub fn write_report(folder: &Path, files: &[(&str, &dyn AsRef<[u8]>)]) -> Result
     Ok(())
 }
 
-/// Whether `path` leads to a device, a FIFO or a socket, into which bytes are written.
+/// Whether `path` leads to the standard output, a device, a FIFO or a socket, into which bytes are written.
 pub(super) fn is_stream(path: &Path) -> bool {
+    if path == Path::new(STANDARD_OUTPUT) {
+        return true;
+    }
     let open = ["/dev/fd", "/dev/std", "/proc"];
     let text = path.to_string_lossy();
     let named = open.iter().any(|prefix| text.starts_with(prefix));
@@ -130,6 +139,11 @@ impl<'a> Draft<'a> {
             Self::File(file, path) => {
                 file.persist(&path)?;
                 sync_folder(&path)
+            }
+            Self::Stream(bytes, path) if path == Path::new(STANDARD_OUTPUT) => {
+                let mut out = io::stdout().lock();
+                out.write_all(bytes)?;
+                out.flush()
             }
             Self::Stream(bytes, path) => {
                 let mut stream = OpenOptions::new().append(true).open(path)?;

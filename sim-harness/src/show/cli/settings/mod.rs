@@ -4,7 +4,7 @@ mod text;
 
 use super::failure::{Failure, refused};
 use super::port::{PortArgs, PortClient};
-use super::say::say;
+use super::say::{leave_output_to, say};
 use crate::input::robot::Robot;
 use crate::input::text_file;
 use crate::run::drive::Drive;
@@ -66,6 +66,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             say(text.trim_end())
         }
         Action::Download { port, out } => {
+            leave_output_to(out);
             let text = download(&mut port.open()?.0)?;
             write_new(out, text.as_bytes()).map_err(refused)?;
             say(format_args!(
