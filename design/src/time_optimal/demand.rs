@@ -85,6 +85,15 @@ impl DrivenArm {
         })
     }
 
+    /// The same arm in another working mode.
+    #[must_use]
+    pub fn in_mode(&self, mode: WorkingMode) -> Self {
+        Self {
+            mode,
+            ..self.clone()
+        }
+    }
+
     /// The drives.
     pub fn drives(&self) -> &[PlannedDrive; 2] {
         &self.drives

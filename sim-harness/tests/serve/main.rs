@@ -10,3 +10,4 @@ mod program;
 mod senders;
 mod soak;
 mod stops;
+mod time_optimal;

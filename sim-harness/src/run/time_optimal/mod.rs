@@ -15,7 +15,7 @@ use fivebar_firmware::planner::{MoveError, Planner};
 use fivebar_firmware::settings::ToolOutputSettings;
 use fivebar_firmware::{Move, MoveKind, TimedCurve, TimedMove};
 use fivebar_kinematics::dynamics::ModelError;
-use fivebar_kinematics::five_bar::GeometryError;
+use fivebar_kinematics::five_bar::{GeometryError, WorkingMode};
 use fivebar_kinematics::trajectory::{
     Curve, Envelope, MotionLimits, PathError, PathSegmentError, TorqueLimits,
 };
@@ -71,7 +71,18 @@ const TOOL: MotionLimits<f64> = MotionLimits {
     jerk: 1e4,
 };
 
+/// A planned move, and the index of the job's move that it belongs to; none for the first move,
+/// which leads to the job.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlannedMove {
+    /// The move.
+    pub next: Move,
+    /// The index.
+    pub source: Option<usize>,
+}
+
 /// A robot's planner of whole jobs.
+#[derive(Clone)]
 pub struct JobPlanner {
     arm: DrivenArm,
     envelope: Envelope<f64>,
@@ -140,37 +151,69 @@ impl JobPlanner {
         moves: &[Move],
         planner: &Planner,
     ) -> Result<Vec<Move>, TimeOptimalError> {
-        let mut stages = vec![Stage::Move(Move {
+        let planned = self.plan(from, moves, planner)?;
+        Ok(planned.into_iter().map(|planned| planned.next).collect())
+    }
+
+    /// As [`Self::moves`], with the origin of each move.
+    ///
+    /// # Errors
+    /// As [`Self::moves`].
+    pub fn plan(
+        &self,
+        from: [f32; 2],
+        moves: &[Move],
+        planner: &Planner,
+    ) -> Result<Vec<PlannedMove>, TimeOptimalError> {
+        let way = Move {
             tag: 0,
             tool: 0,
             kind: MoveKind::Line {
                 to: from,
                 feed: self.approach,
             },
+        };
+        let mut stages = vec![Stage::Move(PlannedMove {
+            next: way,
+            source: None,
         })];
         stages.extend(self.stages(from, moves, planner)?);
-        let planned: Result<Vec<Vec<Move>>, TimeOptimalError> = stages
+        let planned: Result<Vec<Vec<PlannedMove>>, TimeOptimalError> = stages
             .into_par_iter()
             .map(|stage| match stage {
                 Stage::Move(next) => Ok(vec![next]),
-                Stage::Run(parts) => self.run(&parts),
+                Stage::Run(parts) => self.run(&parts, moves),
             })
             .collect();
         Ok(planned?.concat())
     }
 
+    /// The same planner in another working mode.
+    #[must_use]
+    pub fn in_mode(&self, mode: WorkingMode) -> Self {
+        let mut other = self.clone();
+        other.arm = other.arm.in_mode(mode);
+        other.envelope.workspace.mode = mode;
+        other
+    }
+
     /// The timed moves of one run.
-    fn run(&self, parts: &[Part]) -> Result<Vec<Move>, TimeOptimalError> {
+    fn run(&self, parts: &[Part], moves: &[Move]) -> Result<Vec<PlannedMove>, TimeOptimalError> {
         let pieces: Vec<PathPiece> = parts.iter().map(|part| part.piece.clone()).collect();
-        let line = parts.first().map_or(0, |part| part.tag);
+        let tag = |part: &Part| moves.get(part.source).map_or(0, |source| source.tag);
+        let line = parts.first().map_or(0, tag);
         let TimedRun { pieces: timed, .. } = plan_timed(&self.arm, &self.limits, &pieces, INTERVAL)
             .map_err(|error| TimeOptimalError::Plan(line, error))?;
         let timed = timed.iter().filter_map(|piece| {
             let part = &parts[piece.piece];
-            Some(Move {
-                tag: part.tag,
+            let next = Move {
+                tag: tag(part),
                 tool: part.level,
                 kind: MoveKind::Timed(timed_move(&part.piece, piece)?),
+            };
+            Some(PlannedMove {
+                next,
+                source: Some(part.source),
             })
         });
         Ok(timed.collect())
@@ -184,11 +227,14 @@ impl JobPlanner {
     ) -> Result<Vec<Stage>, TimeOptimalError> {
         let mut path = Path::new(self.waits);
         let mut at = from;
-        for next in moves {
+        for (source, next) in moves.iter().enumerate() {
             let tag = next.tag;
             let Some(segment) = segment(&next.kind, at) else {
                 path.finish();
-                path.stages.push(Stage::Move(*next));
+                path.stages.push(Stage::Move(PlannedMove {
+                    next: *next,
+                    source: Some(source),
+                }));
                 at = planner.check(at, next)?;
                 continue;
             };
@@ -196,7 +242,7 @@ impl JobPlanner {
                 Ok(segment) => {
                     let limits = self.envelope.check(&segment, TOOL.speed);
                     let limits = limits.map_err(|error| TimeOptimalError::Path(tag, error))?;
-                    path.push(&segment, limits, next, &self.envelope);
+                    path.push(&segment, limits, source, next.tool, &self.envelope);
                 }
                 Err(PathSegmentError::ZeroLength) => {}
                 Err(error) => return Err(TimeOptimalError::Segment(tag, error)),

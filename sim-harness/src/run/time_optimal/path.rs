@@ -1,7 +1,7 @@
 //! The path of a job: runs from rest to rest, as the look-ahead has them.
 
+use super::PlannedMove;
 use fivebar_design::time_optimal::PathPiece;
-use fivebar_firmware::Move;
 use fivebar_kinematics::trajectory::{
     Envelope, LookaheadPlanner, MotionLimits, PathSegment, Reference, ToolOutput, TrajectorySegment,
 };
@@ -14,14 +14,15 @@ const REST: f64 = 1e-6;
 /// A part of one run.
 pub(super) struct Part {
     pub(super) piece: PathPiece,
-    pub(super) tag: u32,
+    /// The index of its move.
+    pub(super) source: usize,
     pub(super) level: u16,
 }
 
 /// What becomes of a job: runs to plan, and moves that stay as they are.
 pub(super) enum Stage {
     Run(Vec<Part>),
-    Move(Move),
+    Move(PlannedMove),
 }
 
 /// The path of a job, from its look-ahead.
@@ -48,20 +49,23 @@ impl Path {
         &mut self,
         segment: &PathSegment<f64>,
         limits: MotionLimits<f64>,
-        next: &Move,
+        source: usize,
+        tool: u16,
         envelope: &Envelope<f64>,
     ) {
-        if self.waits && next.tool != self.level {
+        if self.waits && tool != self.level {
             self.finish();
         }
-        self.level = next.tool;
+        self.level = tool;
         while !self.lookahead.has_free_slot() {
             self.take();
         }
-        let level = ToolOutput::constant(f64::from(next.tool));
+        let level = ToolOutput::constant(f64::from(tool));
         self.lookahead.set_tool_output(level);
         // The limits are finite, and there is room.
-        let _ = self.lookahead.push(segment, limits, next.tag, envelope);
+        let _ = self
+            .lookahead
+            .push(segment, limits, source as u32, envelope);
     }
 
     /// Takes what is planned; the motion ends at rest.
@@ -100,7 +104,7 @@ impl Part {
     fn continues_in(&self, next: &Self) -> bool {
         match (&self.piece, &next.piece) {
             (PathPiece::Curve { curve, .. }, PathPiece::Curve { curve: other, .. }) => {
-                curve == other && (self.tag, self.level) == (next.tag, next.level)
+                curve == other && (self.source, self.level) == (next.source, next.level)
             }
             _ => false,
         }
@@ -123,7 +127,7 @@ fn part(segment: &TrajectorySegment<f64>) -> Option<Part> {
             from,
             length: to - from,
         },
-        tag: segment.tag(),
+        source: segment.tag() as usize,
         level: segment.tool_output().at(0.0) as u16,
     })
 }

@@ -1,13 +1,14 @@
 //! `fivebar serve`: the live page.
 
 use super::failure::{Failure, refused};
+use super::plan::share;
 use super::port::interrupted;
 use super::say::{say, warn};
 use super::value_error::ValueError;
 use crate::input::robot::{BuiltIn, Robot};
 use crate::run::link::Emulator;
 use crate::show::bridge::{BridgeOptions, Endpoints};
-use crate::show::serve::{ControllerSource, Guard, ServeError, serve};
+use crate::show::serve::{ControllerSource, Guard, ServeError, ServeOptions, serve};
 use std::net::{IpAddr, SocketAddr, UdpSocket};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
@@ -27,6 +28,14 @@ pub(super) struct Args {
     /// 127.0.0.1:8106. Any program that reaches the address can move the arm.
     #[arg(long, value_name = "ADDRESS:PORT", num_args = 0..=1, default_missing_value = "127.0.0.1:8106", value_parser = address)]
     senders: Option<SocketAddr>,
+    /// Run the pages' jobs as fast as the arm's torque allows: feed rates and `[motion]` limits do
+    /// not apply. Senders' moves keep theirs.
+    #[arg(long)]
+    time_optimal: bool,
+    /// The share of the torque limits that --time-optimal plans with; the rest is for feedback. 0.7
+    /// suits an arm as built, 0.9 one whose masses are identified.
+    #[arg(long, value_name = "S", default_value_t = 0.7, value_parser = share, requires = "time_optimal")]
+    torque_share: f64,
 }
 
 /// The arm and its controller.
@@ -107,15 +116,13 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let senders = args.senders.map(BridgeOptions::at);
     let interrupted = interrupted()?;
     let ends = move || interrupted.load(Ordering::Relaxed);
-    let served = serve(
-        &robot,
-        source,
-        args.listen,
+    let options = ServeOptions {
+        address: args.listen,
         guard,
-        senders.as_ref(),
-        ready,
-        ends,
-    );
+        senders: senders.as_ref(),
+        time_optimal: args.time_optimal.then_some(args.torque_share),
+    };
+    let served = serve(&robot, source, options, ready, ends);
     served.map_err(|error| described(error, &args.controller))
 }
 

@@ -7,17 +7,20 @@ mod pieces;
 #[cfg(test)]
 mod tests;
 
-use fivebar_firmware::{Move, MoveKind};
-use pieces::{NEGLIGIBLE, distance, remaining};
+use fivebar_firmware::{Move, MoveKind, TimedMove};
+use pieces::{NEGLIGIBLE, distance};
 use std::collections::VecDeque;
 
-pub(in crate::show) use pieces::{divided, duration};
+pub(in crate::show) use pieces::{divided, duration, remaining};
 
 /// Time of path behind the present move that the controller gets [s]. What waits longer here still
 /// takes a new share of the feed rate. It is several times what a stop takes.
 const AHEAD: f64 = 0.4;
 /// The least and the greatest share of the feed rates that can be chosen.
 pub(in crate::show) const FEED_SHARES: [f32; 2] = [0.1, 2.0];
+
+/// A timed move that begins slower than this begins at rest [m/s].
+const AT_REST: f32 = 1e-6;
 
 /// A move under the tag that the controller knows it by. Its own tag is the caller's.
 #[derive(Clone, Copy, Debug)]
@@ -37,6 +40,8 @@ pub(in crate::show) struct PathQueue {
     last_tag: u32,
     /// The share of the feed rates at which moves are given to the controller.
     feed: f32,
+    /// The share of the speed of the latest timed moves. It changes where they begin at rest.
+    timed_feed: f32,
     /// The end of the moves that were accepted [m].
     accepted_to: Option<[f32; 2]>,
 }
@@ -48,6 +53,7 @@ impl Default for PathQueue {
             waiting: VecDeque::new(),
             last_tag: 0,
             feed: 1.0,
+            timed_feed: 1.0,
             accepted_to: None,
         }
     }
@@ -89,9 +95,24 @@ impl PathQueue {
                 clockwise,
                 feed: feed * self.feed,
             },
-            other @ (MoveKind::Dwell { .. } | MoveKind::Joint { .. } | MoveKind::Timed(_)) => other,
+            MoveKind::Timed(timed) => {
+                MoveKind::Timed(pieces::slowed(&timed, self.timed_share(&timed)))
+            }
+            other @ (MoveKind::Dwell { .. } | MoveKind::Joint { .. }) => other,
         };
         Some(Move { tag, kind, ..next })
+    }
+
+    /// The share of its speed with which a timed move is given. It is the chosen one, at most 1, where
+    /// the motion begins at rest, and then the same up to the next rest: a step of the speed on the
+    /// way would be a jerk.
+    fn timed_share(&self, timed: &TimedMove) -> f32 {
+        let [_, speed, ..] = timed.law;
+        if speed.abs() < AT_REST {
+            self.feed.min(1.0)
+        } else {
+            self.timed_feed
+        }
     }
 
     /// Chooses the share of the feed rates of all moves that are not accepted yet.
@@ -110,8 +131,12 @@ impl PathQueue {
         let Some(mut queued) = self.waiting.pop_front() else {
             return;
         };
-        let share = f64::from(self.feed);
-        queued.duration = duration(self.accepted_to, &queued.next) / share;
+        let mut share = self.feed;
+        if let MoveKind::Timed(timed) = &queued.next.kind {
+            share = self.timed_share(timed);
+            self.timed_feed = share;
+        }
+        queued.duration = duration(self.accepted_to, &queued.next) / f64::from(share);
         self.accepted_to = end(&queued.next).or(self.accepted_to);
         self.accepted.push_back(queued);
     }

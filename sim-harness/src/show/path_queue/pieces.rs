@@ -13,7 +13,7 @@ const PIECE: f64 = 0.5;
 
 /// What remains of a move from a place on it [m]. Beside an arc, where a corner was rounded, the
 /// arc is reached by a straight line.
-pub(super) fn remaining(place: [f32; 2], next: Move) -> Vec<Move> {
+pub(in crate::show) fn remaining(place: [f32; 2], next: Move) -> Vec<Move> {
     let from = place.map(f64::from);
     match next.kind {
         MoveKind::Line { to, .. } if distance(from, to.map(f64::from)) < NEGLIGIBLE => Vec::new(),
@@ -139,6 +139,17 @@ pub(in crate::show) fn duration(from: Option<[f32; 2]>, next: &Move) -> f64 {
             duration.into()
         }
         (MoveKind::Line { .. } | MoveKind::Arc { .. }, None) | (MoveKind::Joint { .. }, _) => 0.0,
+    }
+}
+
+/// A timed move at a share of its speed.
+pub(super) fn slowed(timed: &TimedMove, share: f32) -> TimedMove {
+    let [s, s_dot, s_ddot, jerk] = timed.law;
+    let square = share * share;
+    TimedMove {
+        law: [s, share * s_dot, square * s_ddot, square * share * jerk],
+        duration: timed.duration / share,
+        ..*timed
     }
 }
 

@@ -1,5 +1,5 @@
 use super::{PathQueue, divided, way_back};
-use fivebar_firmware::{Move, MoveKind};
+use fivebar_firmware::{Move, MoveKind, TimedCurve, TimedMove};
 
 fn line(to: [f32; 2]) -> Move {
     let kind = MoveKind::Line { to, feed: 10.0 };
@@ -109,4 +109,38 @@ fn the_share_of_the_feed_applies_to_moves_that_wait_and_keeps_their_tags() {
     assert_eq!(queue.feed(), 2.0);
     queue.resume_from([0.05, 0.0], None);
     assert_eq!((queue.present(), queue.next().unwrap().tag), (Some(9), 3));
+}
+
+#[test]
+fn a_timed_motion_keeps_its_share_of_the_speed_until_it_begins_at_rest() {
+    let timed = |law| {
+        let curve = TimedCurve::Line {
+            start: [0.0; 2],
+            tangent: [1.0, 0.0],
+        };
+        let duration = 0.004;
+        let kind = MoveKind::Timed(TimedMove {
+            curve,
+            law,
+            duration,
+        });
+        Move {
+            kind,
+            ..line([0.0; 2])
+        }
+    };
+    let mut queue = PathQueue::default();
+    let rest = timed([0.0, 0.0, 8.0, 0.0]);
+    queue.push(&[rest, timed([0.0, 1.0, 8.0, 16.0]), rest]);
+    queue.accept();
+    queue.set_feed(0.5);
+    let mut given = || {
+        let Some(MoveKind::Timed(timed)) = queue.next().map(|next| next.kind) else {
+            panic!("a timed move");
+        };
+        queue.accept();
+        (timed.law, timed.duration)
+    };
+    assert_eq!(given(), ([0.0, 1.0, 8.0, 16.0], 0.004));
+    assert_eq!(given(), ([0.0, 0.0, 2.0, 0.0], 0.008));
 }

@@ -6,17 +6,19 @@
 use super::ServeError;
 use super::channels::ControllerEnd;
 use super::command_error::sentence;
-use super::job_thread::{JobThread, ParsedJob};
+use super::job_thread::JobThread;
 use super::lease::PageId;
 use super::message::{FaultMessage, ServerMessage, StateMessage, brief};
 use super::move_feeder::{JobStatus, MoveFeeder};
 use super::pace::SpeedMeter;
+use super::parsed_job::ParsedJob;
 use super::preview::{JobStart, Preview};
 use super::source::Opened;
 use super::stop_signal::Stop;
 use crate::input::robot::Robot;
 use crate::run::link::LinkError;
 use crate::run::simulation::fault_name;
+use crate::run::time_optimal::JobPlanner;
 use crate::show::bridge::{Machine, Seat};
 use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::protocol::{CommandError, HostCommand, Reply};
@@ -78,6 +80,7 @@ impl ControllerThread {
         opened: Opened,
         seat: Seat,
         robot: Robot,
+        planner: Option<JobPlanner>,
         pages: ControllerEnd,
     ) -> Result<Self, ServeError> {
         let samples = if opened.stepped.is_some() {
@@ -96,7 +99,7 @@ impl ControllerThread {
             machine,
             notes,
             pages,
-            jobs: JobThread::start(robot, preview.clone()),
+            jobs: JobThread::start(robot, preview.clone(), planner),
             preview,
             controlled_by: None,
             feeder: MoveFeeder::default(),

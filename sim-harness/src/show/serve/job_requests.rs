@@ -3,9 +3,11 @@
 use super::channels::Page;
 use super::controller_thread::{ControllerThread, LoadedJob};
 use super::job_thread::{JobSource, Prepared, Work};
+use super::lease::PageId;
 use super::message::Shift;
 use super::move_feeder::takes_moves;
-use super::preview::nearest;
+use super::parsed_job::ParsedJob;
+use super::preview::{JobStart, nearest};
 use super::requests::{JOINT_SPEED, Refused};
 use crate::show::path_queue::way_back;
 use fivebar_firmware::{Move, MoveKind};
@@ -67,7 +69,7 @@ impl ControllerThread {
             self.run_asked_by = Some((page.id, line));
             return Ok(());
         }
-        self.start_job(line)
+        self.start_job(page.id, line)
     }
 
     /// Whether the arm is at rest and takes moves.
@@ -81,7 +83,7 @@ impl ControllerThread {
         Ok(())
     }
 
-    fn start_job(&mut self, line: u32) -> Result<(), Refused> {
+    fn start_job(&mut self, page: PageId, line: u32) -> Result<(), Refused> {
         let loaded = self.loaded.as_ref().ok_or("There is no job: load one.")?;
         if let Some(why) = &loaded.refusal {
             return Err(format!("The job cannot be done. {why}"));
@@ -98,6 +100,10 @@ impl ControllerThread {
             .at_line(line)
             .ok_or_else(|| format!("The job has no motion at or behind line {line}."))?;
         let way = match place.filter(|_| line > 0) {
+            Some(place) if self.jobs.is_time_optimal => {
+                self.order_rest(page, job, index, place);
+                return Ok(());
+            }
             Some(place) => self.way_to(place)?,
             None => None,
         };
@@ -110,14 +116,48 @@ impl ControllerThread {
     }
 
     /// Goes on with the job at the place where it was stopped.
-    pub(super) fn resume_job(&mut self) -> Result<(), Refused> {
+    pub(super) fn resume_job(&mut self, page: &Page) -> Result<(), Refused> {
         self.is_ready()?;
-        let (_, place) = self.feeder.held().ok_or("No job was stopped: run one.")?;
+        let (job, place) = self.feeder.held().ok_or("No job was stopped: run one.")?;
         if self.preview.start(&self.machine.status).elbows != self.job_elbows {
             return Err("The job was begun on another branch: change back to it first.".into());
         }
+        if self.jobs.is_time_optimal {
+            if self.jobs.is_busy() {
+                return Err("The job is being checked: wait a moment.".into());
+            }
+            let (job, part) = (Arc::clone(job), self.feeder.part().unwrap_or_default());
+            self.order_rest(page.id, job, part, place);
+            return Ok(());
+        }
         let way = self.way_to(place)?;
         self.feeder.resume(way);
+        self.notice("The job goes on.");
+        Ok(())
+    }
+
+    /// Has the rest of a time-optimal job planned; it starts when it is.
+    fn order_rest(&mut self, page: PageId, job: Arc<ParsedJob>, part: usize, place: [f32; 2]) {
+        let start = self.preview.start(&self.machine.status);
+        self.jobs.order(Work::Rest(job, part, place), start);
+        self.run_asked_by = Some((page, 0));
+    }
+
+    /// Starts the rest of a time-optimal job.
+    fn start_rest(
+        &mut self,
+        job: Result<Arc<ParsedJob>, String>,
+        start: JobStart,
+        place: [f32; 2],
+    ) -> Result<(), Refused> {
+        self.is_ready()?;
+        let job = job.map_err(|why| format!("The rest of the job cannot be done. {why}"))?;
+        if self.preview.start(&self.machine.status) != start {
+            return Err("The arm has moved while its job was planned: ask again.".into());
+        }
+        let way = self.way_to(place)?;
+        self.job_elbows = start.elbows;
+        self.feeder.run(job, 0, way);
         self.notice("The job goes on.");
         Ok(())
     }
@@ -169,6 +209,15 @@ impl ControllerThread {
                 self.pages.send_job(message);
                 (start, again)
             }
+            Prepared::Rest { job, start, place } => {
+                let Some((page, _)) = asked_by.filter(|&(page, _)| self.has_control(page)) else {
+                    return;
+                };
+                if let Err(why) = self.start_rest(job, start, place) {
+                    self.refuse(Some(page), why);
+                }
+                return;
+            }
             Prepared::Unreadable(message) => {
                 self.loaded = None;
                 self.pages.send_job(message);
@@ -193,10 +242,14 @@ impl ControllerThread {
             self.run_asked_by = asked_by;
             return;
         }
-        let alive = self.pages.shared.lease.is_held_by(page, Instant::now());
-        let started = if alive { self.start_job(line) } else { Ok(()) };
-        if let Err(why) = started {
+        if self.has_control(page)
+            && let Err(why) = self.start_job(page, line)
+        {
             self.refuse(Some(page), why);
         }
+    }
+
+    fn has_control(&self, page: PageId) -> bool {
+        self.pages.shared.lease.is_held_by(page, Instant::now())
     }
 }

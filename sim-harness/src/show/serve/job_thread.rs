@@ -2,45 +2,15 @@
 
 use super::lease::PageId;
 use super::message::{ClientRequest, JobMessage, ServerMessage, Shift, brief};
+use super::parsed_job::ParsedJob;
 use super::preview::{JobStart, Preview};
-use crate::input::job::{Job, Placement};
+use crate::input::job::Placement;
 use crate::input::robot::Robot;
 use crate::input::scenario::Scenario;
-use crate::show::path_queue::{divided, duration, end};
-use fivebar_firmware::Move;
+use crate::run::time_optimal::JobPlanner;
 use std::sync::{Arc, Condvar, Mutex, PoisonError, mpsc};
 use std::thread;
 use tokio_tungstenite::tungstenite::Utf8Bytes;
-
-/// A job that was read.
-pub(super) struct ParsedJob {
-    name: String,
-    job: Job,
-    moves: Vec<Move>,
-    /// The moves in pieces short enough for a new share of the feed rate to take effect soon.
-    pub(super) pieces: Vec<Move>,
-    /// The time from the start to the end of each piece, at its feed rate [s].
-    pub(super) times: Vec<f64>,
-}
-
-impl ParsedJob {
-    fn new(name: String, job: Job, moves: Vec<Move>) -> Self {
-        let pieces = divided(None, &moves);
-        let (mut place, mut time) = (None, 0.0);
-        let times = pieces.iter().map(|next| {
-            time += duration(place, next);
-            place = end(next).or(place);
-            time
-        });
-        Self {
-            times: times.collect(),
-            pieces,
-            name,
-            job,
-            moves,
-        }
-    }
-}
 
 impl Shift {
     /// The same as a placement of the drawing as it is. A drawing becomes neither a point nor
@@ -69,6 +39,8 @@ pub(super) enum Work {
     Place(Arc<ParsedJob>, Shift),
     /// Check a job again, because the arm has moved.
     Check(Arc<ParsedJob>),
+    /// Plan the rest of a time-optimal job from this place [m] on one of its parts on.
+    Rest(Arc<ParsedJob>, usize, [f32; 2]),
 }
 
 /// A job as a page sent it.
@@ -93,6 +65,14 @@ pub(super) enum Prepared {
         /// Whether the job was read earlier and only checked now.
         again: bool,
     },
+    /// The rest of a time-optimal job.
+    Rest {
+        job: Result<Arc<ParsedJob>, String>,
+        /// Where the arm was when it was asked for.
+        start: JobStart,
+        /// Where the rest begins [m].
+        place: [f32; 2],
+    },
     /// The job cannot be read; this tells the pages why.
     Unreadable(Utf8Bytes),
     /// The page's message is no job, for this reason.
@@ -116,16 +96,32 @@ pub(super) struct JobThread {
     /// The number of the last order.
     last: u64,
     busy: bool,
+    /// Whether jobs run as time-optimal motions.
+    pub(super) is_time_optimal: bool,
+}
+
+/// What the thread prepares jobs with.
+struct Workshop {
+    robot: Robot,
+    preview: Preview,
+    /// The planner of time-optimal motion; none: the controller plans.
+    planner: Option<JobPlanner>,
 }
 
 impl JobThread {
-    pub(super) fn start(robot: Robot, preview: Preview) -> Self {
+    pub(super) fn start(robot: Robot, preview: Preview, planner: Option<JobPlanner>) -> Self {
+        let is_time_optimal = planner.is_some();
+        let workshop = Workshop {
+            robot,
+            preview,
+            planner,
+        };
         let place = Arc::new(Place::default());
         let (sender, results) = mpsc::channel();
         let orders = Arc::clone(&place);
         thread::spawn(move || {
             while let Some((number, work, start)) = orders.wait() {
-                let prepared = prepare(&robot, &preview, work, start);
+                let prepared = workshop.prepare(work, start);
                 if sender.send((number, prepared)).is_err() {
                     return;
                 }
@@ -136,6 +132,7 @@ impl JobThread {
             results,
             last: 0,
             busy: false,
+            is_time_optimal,
         }
     }
 
@@ -198,50 +195,87 @@ impl Place {
     }
 }
 
-fn prepare(robot: &Robot, preview: &Preview, work: Work, start: JobStart) -> Prepared {
-    let again = matches!(work, Work::Check(_));
-    let job = match work {
-        Work::Check(job) => job,
-        Work::Place(job, shift) => {
-            let moved = job.job.moved(&shift.placement());
-            let scenario = Scenario::new(&job.name, robot.clone(), &job.name, String::new());
-            let moves = scenario.moves(&moved);
-            Arc::new(ParsedJob::new(job.name.clone(), moved, moves))
-        }
-        Work::Load(page, source) => {
-            let (name, text) = match source {
-                JobSource::Text(name, text) => (name, text),
-                JobSource::Message(message) => match serde_json::from_str(&message) {
-                    Ok(ClientRequest::Load { name, text }) => (name, text),
-                    Ok(_) => return Prepared::NoJob(page, "it is too long".into()),
-                    Err(error) => return Prepared::NoJob(page, brief(error.to_string())),
-                },
-            };
-            let name = brief(name);
-            let scenario = Scenario::new(&name, robot.clone(), &name, text);
-            match scenario.job() {
-                Ok(job) => {
-                    let moves = scenario.moves(&job);
-                    Arc::new(ParsedJob::new(name, job, moves))
-                }
-                Err(error) => {
-                    let refusal = Some(brief(error.to_string()));
-                    let message = JobMessage {
-                        name,
-                        refusal,
-                        ..JobMessage::default()
-                    };
-                    return Prepared::Unreadable(ServerMessage::Job(&message).json());
+impl Workshop {
+    fn prepare(&self, work: Work, start: JobStart) -> Prepared {
+        let again = matches!(work, Work::Check(_));
+        let job = match work {
+            Work::Check(job) => job,
+            Work::Rest(job, part, place) => {
+                let from = start.at(place);
+                let rest = job.rest(part, place);
+                let planned = self.planner.as_ref().map_or_else(
+                    || Err("The server plans no motion.".into()),
+                    |planner| rest.planned(planner, &self.preview, from),
+                );
+                return Prepared::Rest {
+                    job: planned.map(Arc::new),
+                    start,
+                    place,
+                };
+            }
+            Work::Place(job, shift) => {
+                let moved = job.job.moved(&shift.placement());
+                let scenario = self.scenario(&job.name, String::new());
+                let moves = scenario.moves(&moved);
+                Arc::new(ParsedJob::new(job.name.clone(), moved, moves))
+            }
+            Work::Load(page, source) => match self.load(page, source) {
+                Ok(job) => Arc::new(job),
+                Err(unreadable) => return unreadable,
+            },
+        };
+        let mut message = self.preview.job(&job.name, &job.job, &job.moves, start);
+        let job = match &self.planner {
+            Some(planner) if message.refusal.is_none() => {
+                match job.planned(planner, &self.preview, start) {
+                    Ok(planned) => Arc::new(planned),
+                    Err(why) => {
+                        message.refusal = Some(brief(why));
+                        job
+                    }
                 }
             }
+            _ => job,
+        };
+        Prepared::Job {
+            message: ServerMessage::Job(&message).json(),
+            refusal: message.refusal,
+            job,
+            start,
+            again,
         }
-    };
-    let message = preview.job(&job.name, &job.job, &job.moves, start);
-    Prepared::Job {
-        message: ServerMessage::Job(&message).json(),
-        refusal: message.refusal,
-        job,
-        start,
-        again,
+    }
+
+    fn scenario(&self, name: &str, text: String) -> Scenario {
+        Scenario::new(name, self.robot.clone(), name, text)
+    }
+
+    /// Reads a job; or else what the pages get to know.
+    fn load(&self, page: PageId, source: JobSource) -> Result<ParsedJob, Prepared> {
+        let (name, text) = match source {
+            JobSource::Text(name, text) => (name, text),
+            JobSource::Message(message) => match serde_json::from_str(&message) {
+                Ok(ClientRequest::Load { name, text }) => (name, text),
+                Ok(_) => return Err(Prepared::NoJob(page, "it is too long".into())),
+                Err(error) => return Err(Prepared::NoJob(page, brief(error.to_string()))),
+            },
+        };
+        let name = brief(name);
+        let scenario = self.scenario(&name, text);
+        match scenario.job() {
+            Ok(job) => {
+                let moves = scenario.moves(&job);
+                Ok(ParsedJob::new(name, job, moves))
+            }
+            Err(error) => {
+                let refusal = Some(brief(error.to_string()));
+                let message = JobMessage {
+                    name,
+                    refusal,
+                    ..JobMessage::default()
+                };
+                Err(Prepared::Unreadable(ServerMessage::Job(&message).json()))
+            }
+        }
     }
 }

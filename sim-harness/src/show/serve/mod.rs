@@ -20,7 +20,7 @@
 //! | `arm`, `maps` | the arm and its workspace, sent to pages before the arm moves |
 //! | `controller_thread`, `move_feeder` | the exchange with the controller; the moves that wait |
 //! | `requests`, `job_requests`, `command_error` | what each request of a page does; refusals as sentences |
-//! | `job_thread` | the thread that reads and checks jobs |
+//! | `job_thread`, `parsed_job` | the thread that reads, checks and plans jobs; a job |
 //! | `preview`, `strokes` | the arm and its jobs as lines to draw |
 //! | `stop_signal` | stops, on a path past every queue |
 //! | `lease` | which page is in control, and whether it is alive |
@@ -47,6 +47,7 @@ mod maps;
 mod message;
 mod move_feeder;
 mod pace;
+mod parsed_job;
 mod preview;
 #[cfg(test)]
 mod random_messages;
@@ -65,6 +66,7 @@ use crate::input::robot::{HomeError, Robot, WorkspaceError};
 use crate::run::drive::DriveError;
 use crate::run::link::{EmulatorError, LinkError, PortError};
 use crate::run::simulation::RunError;
+use crate::run::time_optimal::{JobPlanner, TimeOptimalError};
 use crate::show::bridge::{BridgeError, BridgeOptions, Endpoints, Seat};
 use controller_thread::ControllerThread;
 use fivebar_design::workspace::GridError;
@@ -120,6 +122,9 @@ pub enum ServeError {
     /// The grid of the map cannot be made.
     #[error("the robot's workspace: {0}")]
     Grid(#[from] GridError),
+    /// Jobs of this robot cannot be planned time-optimally.
+    #[error("--time-optimal: {0}")]
+    TimeOptimal(#[from] TimeOptimalError),
     /// The port cannot be opened.
     #[error(transparent)]
     Port(#[from] PortError),
@@ -140,39 +145,55 @@ pub enum ServeError {
     Settings(#[from] fivebar_firmware::settings::SettingsError),
 }
 
-/// Serves the page at `address`, and `senders` of G-code if they are asked for, until `ends` returns
+/// How the page is served.
+pub struct ServeOptions<'a> {
+    /// The address to listen on.
+    pub address: SocketAddr,
+    /// Which requests are served.
+    pub guard: Guard,
+    /// Senders of G-code, if they may move the arm.
+    pub senders: Option<&'a BridgeOptions>,
+    /// Run jobs as time-optimal motions with this share of the torque limits, 0 to 1; none: the
+    /// controller plans them.
+    pub time_optimal: Option<f64>,
+}
+
+/// Serves the page, and senders of G-code if they are asked for, until `ends` returns
 /// true or the connection to the controller fails. Calls `ready` with the addresses as soon as pages
 /// are served.
 ///
 /// # Errors
-/// The address or the port cannot be opened, the robot cannot be simulated, or the
-/// controller has settings for another arm or does not reply.
+/// The address or the port cannot be opened, the robot cannot be simulated, or its jobs cannot be
+/// planned, or the controller has settings for another arm or does not reply.
 pub fn serve(
     robot: &Robot,
     source: ControllerSource<'_>,
-    address: SocketAddr,
-    guard: Guard,
-    senders: Option<&BridgeOptions>,
+    options: ServeOptions<'_>,
     ready: impl FnOnce(SocketAddr, Option<&Endpoints>),
     ends: impl Fn() -> bool + Send + 'static,
 ) -> Result<(), ServeError> {
+    let address = options.address;
+    let planner = options
+        .time_optimal
+        .map(|share| JobPlanner::new(robot, share));
+    let planner = planner.transpose()?;
     let listener = TcpListener::bind(address);
     let listener = listener.map_err(|source| ServeError::Listen { address, source })?;
     let opened = source::open(robot, source)?;
     let arm = arm::describe(robot, &opened.place)?;
     let maps = maps::describe(robot, opened.settings.assembly())?;
-    let (seat, endpoints) = match senders {
-        Some(options) => {
-            let (seat, endpoints) = Seat::listen(options, &opened.place).map_err(Box::new)?;
+    let (seat, endpoints) = match options.senders {
+        Some(senders) => {
+            let (seat, endpoints) = Seat::listen(senders, &opened.place).map_err(Box::new)?;
             (seat, Some(endpoints))
         }
         None => (Seat::empty(), None),
     };
     let (pages, controller_end) = channels::channels();
-    let machine = ControllerThread::new(opened, seat, robot.clone(), controller_end)?;
+    let machine = ControllerThread::new(opened, seat, robot.clone(), planner, controller_end)?;
     ready(listener.local_addr()?, endpoints.as_ref());
     let site = web::Site {
-        guard,
+        guard: options.guard,
         pages,
         arm,
         maps,

@@ -1,7 +1,7 @@
 //! The moves that wait for the controller: a job, or the latest target.
 
-use super::job_thread::ParsedJob;
-use crate::show::path_queue::{PathQueue, end};
+use super::parsed_job::ParsedJob;
+use crate::show::path_queue::PathQueue;
 use fivebar_firmware::safety::State;
 use fivebar_firmware::{Move, MoveKind, Status};
 use std::sync::Arc;
@@ -104,6 +104,13 @@ impl MoveFeeder {
         (run.phase != JobPhase::Fed).then_some((&run.job, run.place?))
     }
 
+    /// The part of the job at which it goes on; none if no job was begun.
+    pub(super) fn part(&self) -> Option<usize> {
+        let run = self.job.as_ref()?;
+        let number = self.path.present().map_or(run.sent, |tag| tag as usize - 1);
+        Some(run.job.part(number))
+    }
+
     /// The time of the job that has passed, and its whole time, both at its feed rates [s].
     pub(super) fn progress(&self) -> Option<[f64; 2]> {
         let run = self.job.as_ref()?;
@@ -111,7 +118,8 @@ impl MoveFeeder {
         let passed = number
             .checked_sub(1)
             .map_or(0.0, |last| run.job.times[last]);
-        Some([passed, *run.job.times.last()?])
+        let done = run.job.done;
+        Some([done + passed, done + *run.job.times.last()?])
     }
 
     /// The time that the running job still takes [s]: as long as its moves at their feed rates, and
@@ -302,16 +310,6 @@ impl MoveFeeder {
     /// Records that the controller has refused the move: the job gets no more.
     pub(super) fn refused(&mut self) {
         self.leave();
-    }
-}
-
-impl ParsedJob {
-    /// The first move of this line or of one behind it, and where the tool is before it [m]; none if
-    /// no move is.
-    pub(super) fn at_line(&self, line: u32) -> Option<(usize, Option<[f32; 2]>)> {
-        let index = self.pieces.iter().position(|next| next.tag >= line)?;
-        let place = self.pieces[..index].iter().rev().find_map(end);
-        Some((index, place))
     }
 }
 

@@ -25,6 +25,25 @@ impl JobStart {
     pub(super) fn is_known(&self) -> bool {
         self.tool.is_some()
     }
+
+    /// The tool's position [m]; none if it is unknown.
+    pub(super) fn tool(&self) -> Option<[f32; 2]> {
+        self.tool
+    }
+
+    /// The arm's working mode; none until the arm is homed.
+    pub(super) fn mode(&self) -> Option<WorkingMode> {
+        let [elbow1, elbow4] = self.elbows?;
+        Some(WorkingMode::new(elbow1, elbow4))
+    }
+
+    /// The same arm with its tool at another place [m].
+    pub(super) fn at(self, place: [f32; 2]) -> Self {
+        Self {
+            tool: Some(place),
+            ..self
+        }
+    }
 }
 
 /// Draws the arm of a controller's settings, and checks its jobs.

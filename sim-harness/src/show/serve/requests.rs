@@ -120,6 +120,10 @@ impl ControllerThread {
                 self.run_on = on;
                 Ok(())
             }
+            ClientRequest::Feed(share) if self.jobs.is_time_optimal && share > 1.0 => Err(
+                "The job is as fast as the arm's torque allows: choose 100 % of its speed or less."
+                    .into(),
+            ),
             ClientRequest::Feed(share) => {
                 self.feeder.set_feed(single(share));
                 Ok(())
@@ -129,7 +133,7 @@ impl ControllerThread {
             ClientRequest::Place(shift) => self.place_job(shift),
             ClientRequest::Run => self.run_job(page, 0),
             ClientRequest::RunFrom(line) => self.run_job(page, line),
-            ClientRequest::Resume => self.resume_job(),
+            ClientRequest::Resume => self.resume_job(page),
             _ if !takes_moves(self.machine.status.state) => {
                 Err("The arm is not armed: home it, then arm it.".into())
             }

@@ -1,0 +1,69 @@
+//! Jobs that run as time-optimal motions.
+
+use crate::program::{Page, Server, number, time};
+use serde_json::{Value, json};
+
+/// Strokes of 40 mm to and fro at 10 mm/s, which would take minutes.
+fn load(page: &mut Page, strokes: usize) {
+    let text = format!("G21 G90 F600\nM3\n{}", "G1 X40\nG1 X0\n".repeat(strokes));
+    page.send(&json!({ "load": { "name": "strokes", "text": text } }));
+    let job = page.wait("the job", |message| message.get("job").cloned());
+    assert_eq!(job["refusal"], Value::Null);
+}
+
+fn notice(page: &mut Page, words: &str) {
+    page.wait(words, |message| {
+        assert!(message.get("fault").is_none_or(Value::is_null), "{message}");
+        let text = message.get("notice")?.get("text")?.as_str()?;
+        text.contains(words).then_some(())
+    });
+}
+
+/// The mean speed of the job: its time that passes in a time of the controller.
+fn pace(page: &mut Page) -> f64 {
+    let [begin, end] = [0.25, 0.5].map(|wait| {
+        let start = time(&page.latest_state());
+        page.state("some time", |state| time(state) > start + wait)
+    });
+    let passed = |state: &Value| number(&state["progress"][0]);
+    (passed(&end) - passed(&begin)) / (time(&end) - time(&begin))
+}
+
+#[test]
+fn a_job_runs_at_the_arms_limit_and_goes_on_after_a_stop_and_slows_on_demand() {
+    let server = Server::start(&["--time-optimal", "--torque-share", "0.6"]);
+    let mut page = server.page();
+    page.take_control_and_arm();
+    page.send(&json!({ "feed": 1.5 }));
+    notice(&mut page, "choose 100 %");
+    load(&mut page, 60);
+    page.send(&json!("run"));
+    notice(&mut page, "has started");
+    let running = page.state("strokes", |state| number(&state["progress"][0]) > 0.1);
+    let all = number(&running["progress"][1]);
+    assert!(all < 10.0, "{all} s for 4.8 m");
+    let fast = pace(&mut page);
+    assert!((fast - 1.0).abs() < 0.1, "{fast}");
+    page.send(&json!({ "feed": 0.5 }));
+    let slow = pace(&mut page);
+    assert!((slow - 0.5).abs() < 0.1, "{slow}");
+    page.request("stop");
+    notice(&mut page, "can be resumed");
+    let stopped = page.state_named("Armed");
+    let done = number(&stopped["progress"][0]);
+    page.send(&json!({ "jog": [0.0, 0.01] }));
+    let start = time(&page.latest_state());
+    page.state("the jog", |state| time(state) > start + 0.4);
+    page.send(&json!({ "feed": 1.0 }));
+    page.send(&json!("resume"));
+    notice(&mut page, "goes on");
+    let resumed = page.state("motion", |state| number(&state["progress"][0]) > done + 0.2);
+    let left = number(&resumed["progress"][1]);
+    assert!((left - all).abs() < 0.5, "{left} s of {all} s");
+    page.request("stop");
+    notice(&mut page, "can be resumed");
+    page.state_named("Armed");
+    page.send(&json!({ "run_from": 118 }));
+    notice(&mut page, "goes on");
+    notice(&mut page, "The job is done.");
+}
