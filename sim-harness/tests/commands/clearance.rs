@@ -93,11 +93,7 @@ fn invalid_options_and_files_are_refused_with_the_reason() {
         assert!(message.contains(reason), "{message}");
     };
     refused(&["benchtop", "--radius", "5e-3"], 1, "leaves no pin");
-    refused(
-        &["benchtop", "--radius", "-1e-6"],
-        2,
-        "a length above 0",
-    );
+    refused(&["benchtop", "--radius", "-1e-6"], 2, "a length above 0");
     refused(&["benchtop", "--joints", "F"], 2, "joints from A to E");
     refused(&["duet"], 1, "clearance_radius");
     let contact = folder.path().join("arm.toml");

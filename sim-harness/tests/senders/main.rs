@@ -333,6 +333,16 @@ fn the_feed_rate_changes_within_a_second_and_a_half_of_the_override() {
         (0.4..0.6).contains(&(half / whole)),
         "{whole} mm/s, then {half} mm/s"
     );
-    sender.send("?");
-    while !sender.line().contains("|Ov:50,100,100>") {}
+    // G0 at a quarter. The benchtop arm has no tool whose power could change.
+    sender
+        .stream
+        .write_all(b"\x97\x9B?")
+        .expect("a bridge that reads");
+    while !sender.line().contains("|Ov:50,25,100>") {}
+    // An emergency stop ends the changes.
+    sender
+        .stream
+        .write_all(b"\x18?")
+        .expect("a bridge that reads");
+    while !sender.line().contains("|Ov:100,100,100>") {}
 }

@@ -2,12 +2,14 @@
 
 use super::connection::{Event, Outlet};
 use super::machine::{Machine, Phase};
-use super::protocol::{Engine, FeedChange, Input, RealTime};
+use super::protocol::{Engine, Input, RealTime, ShareChange};
 use super::sender::Sender;
 use crate::input::job::Dialect;
 use crate::run::link::LinkError;
+use crate::show::path_queue::Shares;
 use fivebar_firmware::Request;
 use fivebar_firmware::safety::State;
+use fivebar_firmware::settings::ToolOutputSettings;
 use std::sync::atomic::Ordering;
 
 /// What a sender is told that comes while a page moves the arm.
@@ -26,6 +28,7 @@ impl Machine<'_> {
         (self.status, self.room) = self.client.status()?;
         self.fault = self.status.fault;
         self.drop_path();
+        self.path.set_shares(Shares::WHOLE);
         self.phase = Phase::Ready;
         while let Ok(event) = self.events.try_recv() {
             match event {
@@ -94,6 +97,7 @@ impl Machine<'_> {
         self.fault = self.status.fault;
         self.phase = Phase::Ready;
         self.path.clear();
+        self.path.set_shares(Shares::WHOLE);
         let dialect = self.fixed.unwrap_or(Dialect::Grbl);
         let locked = self.status.fault.is_some() || !self.status.homed;
         outlet.send(&Engine::greeting(dialect, locked));
@@ -137,18 +141,31 @@ impl Machine<'_> {
                 Phase::Ready | Phase::Homing | Phase::Dropping => {}
             },
             RealTime::Feed(change) => {
-                let share = match change {
-                    FeedChange::To(share) => share,
-                    FeedChange::By(by) => (100.0 * self.path.feed()).round() as i32 + by,
-                };
-                self.path.set_feed(share as f32 / 100.0);
+                self.change_shares(|shares| shares.feed = changed(shares.feed, change));
             }
+            RealTime::Rapid(share) => self.change_shares(|shares| shares.rapid = part(share)),
+            RealTime::Power(change) => {
+                // The level of a servo or a switch is no power.
+                if let ToolOutputSettings::Power { .. } = self.settings.tool_output {
+                    self.change_shares(|shares| shares.power = changed(shares.power, change));
+                }
+            }
+            RealTime::Speed(share) => self.change_shares(|shares| {
+                shares.feed = part(share);
+                shares.rapid = part(share);
+            }),
             RealTime::CancelJog if self.jogs => self.stop_and_drop()?,
             RealTime::CancelJog => {}
             // `stop_if_asked` has done it.
             RealTime::Emergency => {}
         }
         Ok(())
+    }
+
+    fn change_shares(&mut self, change: impl FnOnce(&mut Shares)) {
+        let mut shares = self.path.shares();
+        change(&mut shares);
+        self.path.set_shares(shares);
     }
 
     /// Comes to rest on the path and drops the rest of it.
@@ -158,4 +175,17 @@ impl Machine<'_> {
         self.phase = Phase::Dropping;
         Ok(())
     }
+}
+
+/// A share after a change.
+fn changed(share: f32, change: ShareChange) -> f32 {
+    part(match change {
+        ShareChange::To(to) => to,
+        ShareChange::By(by) => (100.0 * share).round() as i32 + by,
+    })
+}
+
+/// A share in percent, as a part of the whole.
+fn part(percent: i32) -> f32 {
+    percent as f32 / 100.0
 }

@@ -388,7 +388,7 @@ impl<'a> Machine<'a> {
             tool: self.status.tool.map(|tool| tool.map(f64::from)),
             speed: self.speed.2,
             level: f64::from(self.status.tool_level),
-            feed: f64::from(self.path.feed()),
+            shares: self.path.shares(),
             room: self.room,
             waiting: self.sender.as_ref().map_or(0, |sender| sender.waiting),
         }

@@ -4,6 +4,7 @@
 //! done, so that after a stop it has the rest of the path, from the place where the stop began.
 
 mod pieces;
+mod shares;
 #[cfg(test)]
 mod tests;
 
@@ -12,12 +13,11 @@ use pieces::{NEGLIGIBLE, distance};
 use std::collections::VecDeque;
 
 pub(in crate::show) use pieces::{divided, duration, remaining};
+pub(in crate::show) use shares::{RAPID, Shares};
 
 /// Time of path behind the present move that the controller gets [s]. What waits longer here still
 /// takes a new share of the feed rate. It is several times what a stop takes.
 const AHEAD: f64 = 0.4;
-/// The least and the greatest share of the feed rates that can be chosen.
-pub(in crate::show) const FEED_SHARES: [f32; 2] = [0.1, 2.0];
 
 /// A timed move that begins slower than this begins at rest [m/s].
 const AT_REST: f32 = 1e-6;
@@ -38,8 +38,8 @@ pub(in crate::show) struct PathQueue {
     accepted: VecDeque<Queued>,
     waiting: VecDeque<Queued>,
     last_tag: u32,
-    /// The share of the feed rates at which moves are given to the controller.
-    feed: f32,
+    /// What moves are given to the controller with.
+    shares: Shares,
     /// The share of the speed of the latest timed moves. It changes where they begin at rest.
     timed_feed: f32,
     /// The end of the moves that were accepted [m].
@@ -52,7 +52,7 @@ impl Default for PathQueue {
             accepted: VecDeque::new(),
             waiting: VecDeque::new(),
             last_tag: 0,
-            feed: 1.0,
+            shares: Shares::WHOLE,
             timed_feed: 1.0,
             accepted_to: None,
         }
@@ -74,33 +74,16 @@ impl PathQueue {
         }
     }
 
-    /// The move to give to the controller next, at the chosen share of its feed rate; none if it has
+    /// The move to give to the controller next, at the chosen shares; none if it has
     /// enough.
     pub(in crate::show) fn next(&self) -> Option<Move> {
         let ahead: f64 = self.accepted.iter().skip(1).map(|q| q.duration).sum();
         let Queued { tag, next, .. } = *self.waiting.front().filter(|_| ahead < AHEAD)?;
-        let kind = match next.kind {
-            MoveKind::Line { to, feed } => MoveKind::Line {
-                to,
-                feed: feed * self.feed,
-            },
-            MoveKind::Arc {
-                to,
-                center,
-                clockwise,
-                feed,
-            } => MoveKind::Arc {
-                to,
-                center,
-                clockwise,
-                feed: feed * self.feed,
-            },
-            MoveKind::Timed(timed) => {
-                MoveKind::Timed(pieces::slowed(&timed, self.timed_share(&timed)))
-            }
-            other @ (MoveKind::Dwell { .. } | MoveKind::Joint { .. }) => other,
-        };
-        Some(Move { tag, kind, ..next })
+        let mut scaled = self.shares.apply(next);
+        if let MoveKind::Timed(timed) = &next.kind {
+            scaled.kind = MoveKind::Timed(pieces::slowed(timed, self.timed_share(timed)));
+        }
+        Some(Move { tag, ..scaled })
     }
 
     /// The share of its speed with which a timed move is given. It is the chosen one, at most 1, where
@@ -109,21 +92,20 @@ impl PathQueue {
     fn timed_share(&self, timed: &TimedMove) -> f32 {
         let [_, speed, ..] = timed.law;
         if speed.abs() < AT_REST {
-            self.feed.min(1.0)
+            self.shares.feed.min(1.0)
         } else {
             self.timed_feed
         }
     }
 
-    /// Chooses the share of the feed rates of all moves that are not accepted yet.
-    pub(in crate::show) fn set_feed(&mut self, share: f32) {
-        let [least, greatest] = FEED_SHARES;
-        self.feed = share.clamp(least, greatest);
+    /// Chooses the shares of all moves that are not accepted yet, within their limits.
+    pub(in crate::show) fn set_shares(&mut self, shares: Shares) {
+        self.shares = shares.limited();
     }
 
-    /// The share of the feed rates.
-    pub(in crate::show) fn feed(&self) -> f32 {
-        self.feed
+    /// The shares of moves that are not accepted yet.
+    pub(in crate::show) fn shares(&self) -> Shares {
+        self.shares
     }
 
     /// Records that the controller has accepted this move.
@@ -131,7 +113,7 @@ impl PathQueue {
         let Some(mut queued) = self.waiting.pop_front() else {
             return;
         };
-        let mut share = self.feed;
+        let mut share = self.shares.speed(&queued.next);
         if let MoveKind::Timed(timed) = &queued.next.kind {
             share = self.timed_share(timed);
             self.timed_feed = share;

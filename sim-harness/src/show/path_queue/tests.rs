@@ -1,5 +1,5 @@
-use super::{PathQueue, divided, way_back};
-use fivebar_firmware::{Move, MoveKind, TimedCurve, TimedMove};
+use super::{PathQueue, RAPID, Shares, divided, way_back};
+use fivebar_firmware::{FULL_TOOL, Move, MoveKind, TimedCurve, TimedMove};
 
 fn line(to: [f32; 2]) -> Move {
     let kind = MoveKind::Line { to, feed: 10.0 };
@@ -101,12 +101,24 @@ fn the_share_of_the_feed_applies_to_moves_that_wait_and_keeps_their_tags() {
         line([0.1, 0.1]),
     ]);
     queue.accept();
-    queue.set_feed(0.5);
+    queue.set_shares(Shares {
+        feed: 0.5,
+        ..Shares::WHOLE
+    });
     let to = [0.1, 0.1];
     assert_eq!(queue.next().unwrap().kind, MoveKind::Line { to, feed: 5.0 });
     assert_eq!(queue.present(), Some(9));
-    queue.set_feed(7.0);
-    assert_eq!(queue.feed(), 2.0);
+    queue.set_shares(Shares {
+        feed: 7.0,
+        rapid: 3.0,
+        power: 0.0,
+    });
+    let limited = Shares {
+        feed: 2.0,
+        rapid: 1.0,
+        power: 0.1,
+    };
+    assert_eq!(queue.shares(), limited);
     queue.resume_from([0.05, 0.0], None);
     assert_eq!((queue.present(), queue.next().unwrap().tag), (Some(9), 3));
 }
@@ -133,7 +145,10 @@ fn a_timed_motion_keeps_its_share_of_the_speed_until_it_begins_at_rest() {
     let rest = timed([0.0, 0.0, 8.0, 0.0]);
     queue.push(&[rest, timed([0.0, 1.0, 8.0, 16.0]), rest]);
     queue.accept();
-    queue.set_feed(0.5);
+    queue.set_shares(Shares {
+        feed: 0.5,
+        ..Shares::WHOLE
+    });
     let mut given = || {
         let Some(MoveKind::Timed(timed)) = queue.next().map(|next| next.kind) else {
             panic!("a timed move");
@@ -143,4 +158,36 @@ fn a_timed_motion_keeps_its_share_of_the_speed_until_it_begins_at_rest() {
     };
     assert_eq!(given(), ([0.0, 1.0, 8.0, 16.0], 0.004));
     assert_eq!(given(), ([0.0, 0.0, 2.0, 0.0], 0.008));
+}
+
+#[test]
+fn rapid_moves_and_the_tools_power_have_shares_of_their_own() {
+    let rapid = Move {
+        tag: RAPID,
+        tool: 0,
+        ..line([0.1, 0.0])
+    };
+    let stroke = Move {
+        tool: 40_000,
+        ..line([0.1, 0.1])
+    };
+    let mut queue = PathQueue::default();
+    queue.push(&[rapid, stroke]);
+    queue.set_shares(Shares {
+        feed: 0.5,
+        rapid: 0.25,
+        power: 1.2,
+    });
+    let to = [0.1, 0.0];
+    assert_eq!(queue.next().unwrap().kind, MoveKind::Line { to, feed: 2.5 });
+    queue.accept();
+    let next = queue.next().unwrap();
+    let to = [0.1, 0.1];
+    assert_eq!(next.kind, MoveKind::Line { to, feed: 5.0 });
+    assert_eq!(next.tool, 48_000);
+    queue.set_shares(Shares {
+        power: 2.0,
+        ..Shares::WHOLE
+    });
+    assert_eq!(queue.next().unwrap().tool, FULL_TOOL);
 }

@@ -1,7 +1,7 @@
 //! The moves that wait for the controller: a job, or the latest target.
 
 use super::parsed_job::ParsedJob;
-use crate::show::path_queue::PathQueue;
+use crate::show::path_queue::{PathQueue, Shares};
 use fivebar_firmware::safety::State;
 use fivebar_firmware::{Move, MoveKind, Status};
 use std::sync::Arc;
@@ -137,12 +137,16 @@ impl MoveFeeder {
 
     /// Chooses the share of the job's feed rates.
     pub(super) fn set_feed(&mut self, share: f32) {
-        self.path.set_feed(share);
+        let shares = self.path.shares();
+        self.path.set_shares(Shares {
+            feed: share,
+            ..shares
+        });
     }
 
     /// The share of the job's feed rates.
     pub(super) fn feed(&self) -> f32 {
-        self.path.feed()
+        self.path.shares().feed
     }
 
     /// Starts a job at the move with this index. `way` leads to its start with the tool up.

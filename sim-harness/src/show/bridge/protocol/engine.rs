@@ -1,11 +1,11 @@
 //! What a line asks for, and the answers to it.
 
-use super::splitter::{Line, command};
+use super::splitter::{LONGEST_LINE, Line, command};
 use super::{grbl, reprap};
 use crate::input::job::{
-    Action, Dialect, GcodeError, JobOptions, JobStream, Placement, WarningKind,
+    Action, Dialect, GcodeError, JobOptions, JobStream, Placement, Step, WarningKind,
 };
-use crate::show::path_queue::divided;
+use crate::show::path_queue::{RAPID, Shares, divided};
 use fivebar_firmware::{FULL_TOOL, Move, MoveKind, Settings};
 
 /// Length of the rest in which the tool's level changes [s].
@@ -125,8 +125,8 @@ pub(in crate::show::bridge) struct View {
     pub(in crate::show::bridge) speed: f64,
     /// The tool's level, 0…1.
     pub(in crate::show::bridge) level: f64,
-    /// The share of the feed rates.
-    pub(in crate::show::bridge) feed: f64,
+    /// The shares of speed and power that the user has chosen.
+    pub(in crate::show::bridge) shares: Shares,
     /// How many moves the controller accepts now.
     pub(in crate::show::bridge) room: u8,
     /// Bytes of lines that wait.
@@ -195,6 +195,12 @@ impl Engine {
         view: &View,
     ) -> Result<Response, Refusal> {
         self.before = None;
+        if line.length > LONGEST_LINE {
+            return Err(Refusal::new(
+                11,
+                format!("the line has more than {} characters", LONGEST_LINE - 1),
+            ));
+        }
         match line.dialect {
             Dialect::Grbl => self.grbl(&line.text, view),
             Dialect::RepRap => self.reprap(&line.text, view),
@@ -267,7 +273,14 @@ impl Engine {
             }
         }
         let rapid = f64::from(self.settings.motion.max_speed);
-        let moves: Vec<Move> = job.moves(rapid).collect();
+        let moves: Vec<Move> = job
+            .moves(rapid)
+            .zip(&job.steps)
+            .map(|(next, step)| Move {
+                tag: if is_rapid(step) { RAPID } else { 0 },
+                ..next
+            })
+            .collect();
         let mut moves = divided(before.position(), &moves);
         let ends = ["M2", "M30"].contains(&words.as_str());
         let level = if ends { 0 } else { share(self.stream.level()) };
@@ -323,6 +336,11 @@ impl Engine {
         self.level = 0;
         Ok(moves)
     }
+}
+
+/// Whether a step is a G0.
+fn is_rapid(step: &Step) -> bool {
+    matches!(step.action, Action::Line { feed: None, .. })
 }
 
 /// A share as a level of the tool.

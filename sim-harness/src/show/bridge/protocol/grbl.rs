@@ -32,14 +32,16 @@ pub(super) fn report(engine: &Engine, view: &View) -> String {
     };
     let from_home = |[x, y]: [f64; 2]| place([x - engine.home[0], y - engine.home[1]]);
     format!(
-        "<{state}|MPos:{}|Bf:{},{}|FS:{:.0},{:.0}|WCO:{}|Ov:{:.0},100,100>\n",
+        "<{state}|MPos:{}|Bf:{},{}|FS:{:.0},{:.0}|WCO:{}|Ov:{:.0},{:.0},{:.0}>\n",
         from_home(view.tool.unwrap_or(engine.home)),
         view.room,
         RECEIVED.saturating_sub(view.waiting),
         view.speed * PER_MINUTE,
         view.level * engine.full_power,
         from_home(engine.stream.zero()),
-        100.0 * view.feed,
+        100.0 * view.shares.feed,
+        100.0 * view.shares.rapid,
+        100.0 * view.shares.power,
     )
 }
 

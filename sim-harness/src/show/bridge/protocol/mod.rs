@@ -15,4 +15,4 @@ mod splitter;
 mod tests;
 
 pub(super) use engine::{Engine, MachineState, Order, Refusal, Response, View};
-pub(super) use splitter::{FeedChange, Input, Line, RealTime, Splitter};
+pub(super) use splitter::{Input, Line, RealTime, ShareChange, Splitter};

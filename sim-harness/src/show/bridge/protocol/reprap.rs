@@ -83,9 +83,10 @@ impl Engine {
                 ),
                 Vec::new(),
             ),
-            _ if is("M220") && !words.contains('S') => {
-                done(&format!("FR:{:.0}%\n", 100.0 * view.feed), Vec::new())
-            }
+            _ if is("M220") && !words.contains('S') => done(
+                &format!("FR:{:.0}%\n", 100.0 * view.shares.feed),
+                Vec::new(),
+            ),
             // They have taken effect when they were received.
             _ if is("M108") || is("M112") || is("M220") => done("", Vec::new()),
             _ if is("M400") => done("", vec![Order::Finish]),

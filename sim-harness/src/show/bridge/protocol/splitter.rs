@@ -2,8 +2,8 @@
 
 use crate::input::job::Dialect;
 
-/// Bytes of the longest line that is read.
-const LONGEST_LINE: usize = 256;
+/// Bytes of the longest line that is read. Of a longer one, the beginning is kept, and it is refused.
+pub(super) const LONGEST_LINE: usize = 1024;
 
 /// A command that waits for no line before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,13 +18,19 @@ pub(in crate::show::bridge) enum RealTime {
     Emergency,
     /// 0x85: stop jogging.
     CancelJog,
-    /// 0x90 to 0x94 or M220: another share of the feed rate.
-    Feed(FeedChange),
+    /// 0x90 to 0x94: another share of the feed rate.
+    Feed(ShareChange),
+    /// 0x95 to 0x97: another share of the speed of G0 [%].
+    Rapid(i32),
+    /// 0x99 to 0x9D: another share of the tool's power.
+    Power(ShareChange),
+    /// M220: another share of all speeds [%].
+    Speed(i32),
 }
 
-/// A change of the share of the feed rate [%].
+/// A change of a share [%].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::show::bridge) enum FeedChange {
+pub(in crate::show::bridge) enum ShareChange {
     To(i32),
     By(i32),
 }
@@ -79,11 +85,19 @@ impl Splitter {
             b'!' if is_grbl => Some(RealTime::Hold),
             b'~' if is_grbl => Some(RealTime::Resume),
             0x85 if is_grbl => Some(RealTime::CancelJog),
-            0x90 if is_grbl => Some(RealTime::Feed(FeedChange::To(100))),
-            0x91 if is_grbl => Some(RealTime::Feed(FeedChange::By(10))),
-            0x92 if is_grbl => Some(RealTime::Feed(FeedChange::By(-10))),
-            0x93 if is_grbl => Some(RealTime::Feed(FeedChange::By(1))),
-            0x94 if is_grbl => Some(RealTime::Feed(FeedChange::By(-1))),
+            0x90 if is_grbl => Some(RealTime::Feed(ShareChange::To(100))),
+            0x91 if is_grbl => Some(RealTime::Feed(ShareChange::By(10))),
+            0x92 if is_grbl => Some(RealTime::Feed(ShareChange::By(-10))),
+            0x93 if is_grbl => Some(RealTime::Feed(ShareChange::By(1))),
+            0x94 if is_grbl => Some(RealTime::Feed(ShareChange::By(-1))),
+            0x95 if is_grbl => Some(RealTime::Rapid(100)),
+            0x96 if is_grbl => Some(RealTime::Rapid(50)),
+            0x97 if is_grbl => Some(RealTime::Rapid(25)),
+            0x99 if is_grbl => Some(RealTime::Power(ShareChange::To(100))),
+            0x9A if is_grbl => Some(RealTime::Power(ShareChange::By(10))),
+            0x9B if is_grbl => Some(RealTime::Power(ShareChange::By(-10))),
+            0x9C if is_grbl => Some(RealTime::Power(ShareChange::By(1))),
+            0x9D if is_grbl => Some(RealTime::Power(ShareChange::By(-1))),
             _ => None,
         };
         if at_once == Some(RealTime::Emergency) {
@@ -97,7 +111,8 @@ impl Splitter {
                 self.after_return = byte == b'\r';
                 (first, second) = self.end();
             }
-            // Grbl's other real-time commands: overrides of rapids and spindle, which are left out.
+            // Grbl's other real-time commands: safety door, coolant, and the spindle's stop during a
+            // hold, in which the tool is off in any case.
             0x80.. if is_grbl => {}
             _ => {
                 self.length += 1;
@@ -128,9 +143,7 @@ impl Splitter {
         let at_once = match self.dialect {
             _ if is("M112") => Some(RealTime::Emergency),
             _ if is("M108") => Some(RealTime::Resume),
-            _ if is("M220") => {
-                value(&command, 'S').map(|share| RealTime::Feed(FeedChange::To(share)))
-            }
+            _ if is("M220") => value(&command, 'S').map(RealTime::Speed),
             _ => None,
         };
         let line = Input::Line(Line {
@@ -195,15 +208,17 @@ mod tests {
     }
 
     #[test]
-    fn the_share_of_the_feed_rate_changes_at_once() {
+    fn shares_of_speed_and_power_change_at_once() {
         let mut splitter = Splitter::new(None);
-        let found = inputs(&mut splitter, b"G1\x90\x91 X\x941\nM220 S50\n");
+        let found = inputs(&mut splitter, b"G1\x90\x91 X\x941\x96\x9B\x9E\nM220 S50\n");
         let expected = [
             "Feed(To(100))",
             "Feed(By(10))",
             "Feed(By(-1))",
+            "Rapid(50)",
+            "Power(By(-10))",
             "Grbl G1 X1",
-            "Feed(To(50))",
+            "Speed(50)",
             "Grbl M220 S50",
         ];
         assert_eq!(found, expected);

@@ -2,6 +2,7 @@
 
 use super::{Engine, Input, Line, MachineState, Order, Refusal, Response, Splitter, View};
 use crate::input::job::{Dialect, JobOptions, Placement};
+use crate::show::path_queue::Shares;
 use fivebar_firmware::{FULL_TOOL, MoveKind, Settings};
 use proptest::prelude::*;
 
@@ -27,7 +28,11 @@ fn view() -> View {
         tool: Some([0.05, 0.18]),
         speed: 0.01,
         level: 0.5,
-        feed: 1.0,
+        shares: Shares {
+            feed: 0.9,
+            rapid: 0.25,
+            power: 1.1,
+        },
         room: 16,
         waiting: 28,
     }
@@ -57,7 +62,7 @@ fn numbered(number: i64, text: &str) -> String {
 fn a_report_has_the_fields_of_grbl() {
     let mut engine = engine();
     let report = engine.report(&view());
-    let expected = "<Idle|MPos:10.000,-20.000,0.000|Bf:16,100|FS:600,500|WCO:0.000,0.000,0.000|Ov:100,100,100>\n";
+    let expected = "<Idle|MPos:10.000,-20.000,0.000|Bf:16,100|FS:600,500|WCO:0.000,0.000,0.000|Ov:90,25,110>\n";
     assert_eq!(report, expected);
     engine.set_position([0.05, 0.18]);
     ask(&mut engine, "G92 X5 Y0", &view()).unwrap();
@@ -67,7 +72,7 @@ fn a_report_has_the_fields_of_grbl() {
     });
     assert!(report.starts_with("<Hold:0|"), "{report}");
     assert!(
-        report.ends_with("|WCO:5.000,-20.000,0.000|Ov:100,100,100>\n"),
+        report.ends_with("|WCO:5.000,-20.000,0.000|Ov:90,25,110>\n"),
         "{report}"
     );
 }
@@ -290,4 +295,14 @@ proptest! {
             }
         }
     }
+}
+
+#[test]
+fn a_line_that_is_too_long_is_refused_as_a_whole() {
+    let mut engine = engine();
+    let long = format!("G1 X1{}0 F100", " ".repeat(2000));
+    let refusal = ask(&mut engine, &long, &view()).unwrap_err();
+    assert_eq!(refusal.code, 11);
+    let commented = format!("G1 X41 F100 ;{}", "-".repeat(900));
+    assert!(ask(&mut engine, &commented, &view()).is_ok());
 }
