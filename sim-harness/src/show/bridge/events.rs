@@ -22,6 +22,19 @@ impl Machine<'_> {
         if !self.shared.emergency.swap(false, Ordering::SeqCst) {
             return Ok(());
         }
+        self.switch_off()?;
+        while let Ok(event) = self.events.try_recv() {
+            match event {
+                Event::Input(Input::RealTime(RealTime::Emergency)) => break,
+                Event::Input(_) => {}
+                other => self.take(other)?,
+            }
+        }
+        self.report_emergency();
+        Ok(())
+    }
+
+    fn switch_off(&mut self) -> Result<(), LinkError> {
         if self.status.state != State::Stopped {
             let _ = self.request(Request::EmergencyStop)?;
         }
@@ -30,13 +43,11 @@ impl Machine<'_> {
         self.drop_path();
         self.path.set_shares(Shares::WHOLE);
         self.phase = Phase::Ready;
-        while let Ok(event) = self.events.try_recv() {
-            match event {
-                Event::Input(Input::RealTime(RealTime::Emergency)) => break,
-                Event::Input(_) => {}
-                other => self.take(other)?,
-            }
-        }
+        Ok(())
+    }
+
+    /// Tells the sender of the emergency stop. What it has sent before is dropped.
+    fn report_emergency(&mut self) {
         let locked = self.fault.is_some() || !self.status.homed;
         if let Some(sender) = &mut self.sender {
             sender.drop_lines();
@@ -50,7 +61,6 @@ impl Machine<'_> {
                 sender.outlet.send(&Engine::greeting(dialect, locked));
             }
         }
-        Ok(())
     }
 
     pub(super) fn take_events(&mut self) -> Result<(), LinkError> {
@@ -156,6 +166,11 @@ impl Machine<'_> {
             }),
             RealTime::CancelJog if self.jogs => self.stop_and_drop()?,
             RealTime::CancelJog => {}
+            // It has come since `stop_if_asked` looked; what follows it is not dropped.
+            RealTime::Emergency if self.shared.emergency.swap(false, Ordering::SeqCst) => {
+                self.switch_off()?;
+                self.report_emergency();
+            }
             // `stop_if_asked` has done it.
             RealTime::Emergency => {}
         }
