@@ -6,6 +6,7 @@ pub mod crossing;
 mod dual;
 mod fit;
 pub mod identification;
+pub mod joint_path;
 pub mod linkage;
 pub mod mobility;
 mod noise;

@@ -30,7 +30,7 @@ fn run(twin: impl FnOnce(&mut Settings)) -> (Lockstep<Emulator>, Summary, Record
     let (mut lockstep, identity) = Lockstep::begin(board, &settings, &other).expect("a start");
     assert_eq!(identity.board, Board::Emulated);
     let (summary, record) = scenario
-        .run_on(&mut lockstep, &scenario.moves(&job), &mut |_| ())
+        .run_on(&mut lockstep, &scenario.moves(&job).unwrap(), &mut |_| ())
         .expect("a run");
     (lockstep, summary, record)
 }

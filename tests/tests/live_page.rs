@@ -4,7 +4,7 @@
 
 use fivebar::input::robot::Robot;
 use fivebar::run::link::{Client, Loopback, SerialLine};
-use fivebar::show::serve::{ControllerSource, Guard, ServeError, serve};
+use fivebar::show::serve::{ControllerSource, Guard, ServeError, ServeOptions, serve};
 use fivebar_firmware::safety::State;
 use fivebar_plant::{Mismatch, Plant};
 use serde_json::{Value, json};
@@ -57,6 +57,16 @@ struct Link {
     token: String,
 }
 
+/// Any free port, and jobs as the controller plans them.
+fn options(guard: Guard) -> ServeOptions<'static> {
+    ServeOptions {
+        address: "127.0.0.1:0".parse().expect("an address"),
+        guard,
+        senders: None,
+        time_optimal: None,
+    }
+}
+
 /// A server for the benchtop arm.
 fn server(
     source: impl FnOnce() -> ControllerSource<'static> + Send + 'static,
@@ -68,9 +78,7 @@ fn server(
         serve(
             &benchtop(),
             source(),
-            "127.0.0.1:0".parse().expect("an address"),
-            guard,
-            None,
+            options(guard),
             |address, _| ready.send(address).expect("a test that waits"),
             move || ends.load(Ordering::Relaxed),
         )
@@ -329,9 +337,7 @@ fn a_controller_of_another_arm_is_refused() {
     let outcome = serve(
         &Robot::load("usp_2dof").expect("a built-in robot"),
         at_port(&port)(),
-        "127.0.0.1:0".parse().expect("an address"),
-        Guard::with_new_token().expect("random numbers"),
-        None,
+        options(Guard::with_new_token().expect("random numbers")),
         |_, _| panic!("nothing is to be served"),
         || false,
     );

@@ -3,7 +3,7 @@
 use super::{End, MoveError, MoveErrorKind, Planner};
 use crate::motion::{Move, MoveKind};
 use fivebar_kinematics::PlanarVector;
-use fivebar_kinematics::five_bar::WorkingMode;
+use fivebar_kinematics::five_bar::{Side, WorkingMode, Workspace};
 use fivebar_kinematics::trajectory::{
     MotionLimits, PathSegment, PathSegmentError, Sense, ToolOutput,
 };
@@ -72,6 +72,62 @@ impl Planner {
         };
         let (_, end) = self.check_move(start, next)?;
         Ok([end.tool.x, end.tool.y])
+    }
+
+    /// Checks moves one behind the other, as [`Planner::check`] does with the first. Joint moves may
+    /// change the working mode; those behind them are checked in the new one.
+    ///
+    /// # Errors
+    /// Why the first move that would be refused is refused, and at which point.
+    pub fn check_all<'a>(
+        &mut self,
+        from: [f32; 2],
+        moves: impl IntoIterator<Item = &'a Move>,
+    ) -> Result<(), MoveError> {
+        let mode = self.envelope.workspace.mode;
+        let mut start = End {
+            tool: vec2(from),
+            joints: None,
+        };
+        let checked = moves.into_iter().try_for_each(|next| {
+            let (checked, end) = self.check_move(start, next)?;
+            if let CheckedMove::Joint { mode, .. } = checked {
+                self.envelope.workspace.mode = mode;
+            }
+            start = end;
+            Ok(())
+        });
+        self.envelope.workspace.mode = mode;
+        checked
+    }
+
+    /// Checks a straight move of the joints from θ1, θ4 [rad] on, without accepting it.
+    ///
+    /// # Errors
+    /// Why it would be refused, and at which point.
+    pub fn check_joints(&self, from: [f32; 2], to: [f32; 2], speed: f32) -> Result<(), MoveError> {
+        let start = End {
+            tool: Vector2::zeros(),
+            joints: Some(from),
+        };
+        self.check_joint_move(0, start, to, speed).map(|_| ())
+    }
+
+    /// The arm and its limits, in the working mode at the end of the queue.
+    pub fn workspace(&self) -> &Workspace<f32> {
+        &self.envelope.workspace
+    }
+
+    /// The assembly mode.
+    pub fn assembly(&self) -> Side {
+        self.assembly
+    }
+
+    /// The same planner of an arm in another working mode.
+    #[must_use]
+    pub fn in_mode(mut self, mode: WorkingMode) -> Self {
+        self.envelope.workspace.mode = mode;
+        self
     }
 
     /// The move, if it keeps the envelope from `start` on, and its end. The queue takes it then, if it

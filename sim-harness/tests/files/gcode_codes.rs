@@ -313,3 +313,36 @@ fn stops_are_kept_with_their_place_and_noted() {
     let noted: Vec<_> = job.warnings.iter().map(|note| note.line).collect();
     assert_eq!(noted, [0, 2, 4, 5, 6, 8]);
 }
+
+#[test]
+fn m780_changes_the_working_mode_where_the_tool_is_and_needs_both_elbows() {
+    use fivebar_kinematics::five_bar::{Side, WorkingMode};
+    let text = "G1 X1 Y0 F600\nm780 i-1 j1 ; to the right\nG4 P1\nG1 X2 M780 I1 J1\n";
+    let job = job(text);
+    let changes = job.steps.iter().filter_map(|step| match step.action {
+        Action::ChangeMode(mode) => Some((step.line, step.tool, mode)),
+        _ => None,
+    });
+    let left = WorkingMode::new(Side::Left, Side::Left);
+    let expected = [
+        (2, 0.0, WorkingMode::new(Side::Right, Side::Left)),
+        (4, 0.0, left),
+    ];
+    assert_eq!(changes.collect::<Vec<_>>(), expected);
+    // It is no sign of RepRap: P is in seconds.
+    assert!(
+        job.steps
+            .iter()
+            .any(|step| step.action == Action::Dwell { duration: 1.0 })
+    );
+    for (line, reason) in [
+        ("M780", GcodeError::Elbows),
+        ("M780 I1", GcodeError::Elbows),
+        ("M780 I1 J2", GcodeError::Elbows),
+        ("M780 I0 J1", GcodeError::Elbows),
+        ("M780 I1 J1 X5", GcodeError::StrayWord('X')),
+    ] {
+        let text = format!("G1 X1 Y0 F600\n{line}\n");
+        assert_eq!(refusal(&text), (2, reason), "{line}");
+    }
+}

@@ -19,7 +19,7 @@ fn ends(text: &str) -> Vec<[f64; 2]> {
             Action::Line { to, .. } | Action::Arc { to, .. } => {
                 ends.push(to.map(|metres| (metres * 1e9).round() / 1e6));
             }
-            Action::Dwell { .. } => {}
+            Action::Dwell { .. } | Action::ChangeMode(_) => {}
         }
     }
     ends
@@ -264,7 +264,7 @@ fn written(step: &Step) -> String {
             mm(feed) * 60.0
         ),
         Action::Dwell { duration } => writeln!(text, "G4 S{duration:.9}"),
-        Action::Arc { .. } => unreachable!("`any_step` makes no arcs"),
+        Action::Arc { .. } | Action::ChangeMode(_) => unreachable!("`any_step` makes none"),
     };
     text
 }

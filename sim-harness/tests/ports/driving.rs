@@ -53,10 +53,10 @@ fn a_job_is_executed_completely_and_the_bridges_are_off_afterwards() {
 
 /// The same job by timed moves, from where the arm is.
 fn timed_job(drive: &mut Drive<'_, Loopback>) -> Vec<Move> {
-    let planner = Planner::new(&arm::settings().check().expect("valid settings"));
+    let mut planner = Planner::new(&arm::settings().check().expect("valid settings"));
     let job = JobPlanner::new(&arm::robot(), 0.7).expect("the robot has masses");
     let from = drive.tool().expect("the arm is homed");
-    job.moves(from, &long_job(), &planner)
+    job.moves(from, &long_job(), &mut planner)
         .expect("the job is planned")
 }
 

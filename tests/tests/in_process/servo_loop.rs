@@ -153,7 +153,7 @@ fn the_simulated_arm_oscillates_beyond_its_computed_gain_margin_and_not_within()
             let mut target = InProcess::new(&settings).expect("valid settings");
             let job = scenario.job().expect("valid");
             let (_, record) = scenario
-                .run_on(&mut target, &scenario.moves(&job), &mut |_| ())
+                .run_on(&mut target, &scenario.moves(&job).unwrap(), &mut |_| ())
                 .expect("it runs to its end or a fault");
             let samples = record.trace.samples();
             let end = samples.len() - samples.len() / 4;
@@ -180,7 +180,7 @@ fn a_declared_error_of_the_encoders_costs_little() {
         let mut target = InProcess::new(&settings).expect("valid settings");
         let job = scenario.job().expect("the demonstration");
         let (summary, record) = scenario
-            .run_on(&mut target, &scenario.moves(&job), &mut |_| ())
+            .run_on(&mut target, &scenario.moves(&job).unwrap(), &mut |_| ())
             .expect("it runs to its end or a fault");
         assert_eq!(record.faults, [], "{keys}");
         summary.tip_error.rms_m

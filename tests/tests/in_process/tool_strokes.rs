@@ -124,7 +124,7 @@ fn asked(job: &Job, home: V) -> Vec<Vec<V>> {
         let from = at;
         let mut points = Vec::new();
         match step.action {
-            Action::Dwell { .. } => {}
+            Action::Dwell { .. } | Action::ChangeMode(_) => {}
             Action::Line { to, .. } => {
                 at = V::new(to[0], to[1]);
                 let count = ((at - from).norm() / STEP).ceil().max(1.0);
@@ -183,7 +183,7 @@ fn draws_what_is_asked(path: &str) {
     let settings = scenario.robot.settings().expect("masses");
     let mut target = Recorded::new(&settings);
     let (_, record) = scenario
-        .run_on(&mut target, &scenario.moves(&job), &mut |_| ())
+        .run_on(&mut target, &scenario.moves(&job).unwrap(), &mut |_| ())
         .expect("a run");
     assert_eq!(record.faults, []);
     let lag = settings.control.tick_rate / settings.control.current_bandwidth;

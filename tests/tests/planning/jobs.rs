@@ -56,13 +56,13 @@ fn an_identified_arm_uses_more_of_its_torque() {
 /// The controller's check of each piece, with the model that the plan has.
 fn check(share: f64) -> Result<(), MoveErrorKind> {
     let scenario = demonstration(0.7);
-    let planner = Planner::new(&scenario.robot.settings().unwrap().check().unwrap());
+    let mut planner = Planner::new(&scenario.robot.settings().unwrap().check().unwrap());
     let job = scenario.job().unwrap();
-    let moves = scenario.moves(&job);
+    let moves = scenario.moves(&job).unwrap();
     let from = [0.04, 0.18];
     let planned = JobPlanner::new(&scenario.robot, share).unwrap();
     let mut at = from;
-    for next in planned.moves(from, &moves, &planner).unwrap() {
+    for next in planned.moves(from, &moves, &mut planner).unwrap() {
         at = planner.check(at, &next).map_err(|error| error.kind)?;
     }
     Ok(())

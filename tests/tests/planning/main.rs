@@ -3,5 +3,6 @@
 mod crossing;
 mod crossing_loop;
 mod jobs;
+mod mode_changes;
 mod time_optimal;
 mod working_modes;

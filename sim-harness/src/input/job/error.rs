@@ -108,6 +108,9 @@ pub enum GcodeError {
         match .0 { Dialect::Grbl => "; with --dialect reprap P is in ms", Dialect::RepRap => "" }
     )]
     Dwell(Dialect),
+    /// Not both sides of the elbows, or another number than 1 and -1.
+    #[error("M780 takes the sides of both elbows, such as I1 J-1: 1 is left, -1 is right")]
+    Elbows,
     /// I and J together with R, or none of them.
     #[error("an arc takes I and J, or R")]
     ArcForm,

@@ -12,6 +12,7 @@ use super::tool::{Activity, Rules, ToolState};
 use super::words::{Line, Words, spelled};
 use super::{Action, GcodeError, Job, JobError, JobOptions, Placement, Step, Stop, WarningKind};
 use fivebar_firmware::planner::LONGEST;
+use fivebar_kinematics::five_bar::{Side, WorkingMode};
 
 /// A line of the file, read.
 struct SourceLine<'a> {
@@ -33,7 +34,7 @@ pub(super) fn interpret(
     let mut job = job?;
     job.warnings.extend(notes);
     job.warnings.sort_by_key(|warning| warning.line);
-    let moves = |step: &Step| !matches!(step.action, Action::Dwell { .. });
+    let moves = |step: &Step| step.action.end().is_some();
     if job.steps.iter().any(moves) {
         Ok(job)
     } else {
@@ -126,6 +127,9 @@ impl Interpreter {
         }
         self.evidence.codes(number, line);
         self.miscellaneous(number, line)?;
+        if let Some(sides) = line.elbows {
+            self.elbows(number, sides)?;
+        }
         let LineModes {
             coordinate_use,
             machine,
@@ -193,6 +197,20 @@ impl Interpreter {
             });
             self.job.note(number, WarningKind::Stop(stops));
         }
+        Ok(())
+    }
+
+    /// M780: the elbows go to these sides, and the tool goes back to its place.
+    fn elbows(&mut self, number: u32, sides: [Option<f64>; 2]) -> Result<(), GcodeError> {
+        let side = |value: Option<f64>| match value {
+            Some(1.0) => Ok(Side::Left),
+            Some(-1.0) => Ok(Side::Right),
+            _ => Err(GcodeError::Elbows),
+        };
+        let [elbow1, elbow4] = sides;
+        let mode = WorkingMode::new(side(elbow1)?, side(elbow4)?);
+        self.approach()?;
+        self.push(number, 0.0, Action::ChangeMode(mode));
         Ok(())
     }
 

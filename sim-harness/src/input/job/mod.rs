@@ -25,6 +25,7 @@ pub use text::read;
 pub use tool::ToolWords;
 
 use fivebar_firmware::{FULL_TOOL, Move, MoveKind};
+use fivebar_kinematics::five_bar::WorkingMode;
 
 /// The placement of a job in the frame of the base.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -135,6 +136,8 @@ pub enum Action {
         /// Its length [s].
         duration: f64,
     },
+    /// A change to this working mode; the tool goes back to its place.
+    ChangeMode(WorkingMode),
 }
 
 impl Step {
@@ -142,14 +145,46 @@ impl Step {
     pub fn draws(&self) -> bool {
         self.tool > 0.0
     }
+
+    /// The step as a move, a rapid one at `rapid_speed` [m/s]. None for a change of the working mode,
+    /// whose moves depend on the arm.
+    pub(crate) fn as_move(&self, rapid_speed: f64) -> Option<Move> {
+        let single = |[x, y]: [f64; 2]| [x as f32, y as f32];
+        let kind = match self.action {
+            Action::Line { to, feed } => MoveKind::Line {
+                to: single(to),
+                feed: feed.unwrap_or(rapid_speed) as f32,
+            },
+            Action::Arc {
+                to,
+                center,
+                clockwise,
+                feed,
+            } => MoveKind::Arc {
+                to: single(to),
+                center: single(center),
+                clockwise,
+                feed: feed as f32,
+            },
+            Action::Dwell { duration } => MoveKind::Dwell {
+                duration: duration as f32,
+            },
+            Action::ChangeMode(_) => return None,
+        };
+        Some(Move {
+            tag: self.line,
+            tool: tool_level(self.tool),
+            kind,
+        })
+    }
 }
 
 impl Action {
-    /// The position of the tool afterwards [m]; none for a dwell.
+    /// The position of the tool afterwards [m]; none if it stays or comes back.
     pub fn end(&self) -> Option<[f64; 2]> {
         match *self {
             Self::Line { to, .. } | Self::Arc { to, .. } => Some(to),
-            Self::Dwell { .. } => None,
+            Self::Dwell { .. } | Self::ChangeMode(_) => None,
         }
     }
 
@@ -166,7 +201,7 @@ impl Action {
                 let (radius, angle) = arc::sweep(from, to, center, clockwise);
                 radius * angle
             }
-            Self::Dwell { .. } => 0.0,
+            Self::Dwell { .. } | Self::ChangeMode(_) => 0.0,
         }
     }
 }
@@ -209,34 +244,19 @@ impl Job {
         }
     }
 
-    /// The job as moves for the planner, tagged with their lines, rapid ones at
-    /// `rapid_speed` [m/s].
+    /// The lines, arcs and pauses of the job as moves for the planner, tagged with their lines, rapid
+    /// ones at `rapid_speed` [m/s]. [`Scenario::moves`](super::scenario::Scenario::moves) also has the
+    /// changes of the working mode, which depend on the arm.
     pub fn moves(&self, rapid_speed: f64) -> impl Iterator<Item = Move> {
-        let single = |[x, y]: [f64; 2]| [x as f32, y as f32];
-        self.steps.iter().map(move |step| Move {
-            tag: step.line,
-            tool: tool_level(step.tool),
-            kind: match step.action {
-                Action::Line { to, feed } => MoveKind::Line {
-                    to: single(to),
-                    feed: feed.unwrap_or(rapid_speed) as f32,
-                },
-                Action::Arc {
-                    to,
-                    center,
-                    clockwise,
-                    feed,
-                } => MoveKind::Arc {
-                    to: single(to),
-                    center: single(center),
-                    clockwise,
-                    feed: feed as f32,
-                },
-                Action::Dwell { duration } => MoveKind::Dwell {
-                    duration: duration as f32,
-                },
-            },
-        })
+        let steps = self.steps.iter();
+        steps.filter_map(move |step| step.as_move(rapid_speed))
+    }
+
+    /// The first line that changes the working mode.
+    pub fn first_change_of_mode(&self) -> Option<u32> {
+        let mut steps = self.steps.iter();
+        let change = steps.find(|step| matches!(step.action, Action::ChangeMode(_)))?;
+        Some(change.line)
     }
 
     /// The same job placed once more: its points become those of `placement`.
@@ -249,7 +269,7 @@ impl Job {
                     *to = placement.place(*to);
                     *center = placement.place(*center);
                 }
-                Action::Dwell { .. } => {}
+                Action::Dwell { .. } | Action::ChangeMode(_) => {}
             }
         }
         moved

@@ -159,7 +159,7 @@ impl Interpreter {
 
     /// Takes the tool to the job's position, if no motion has brought it there: a job begins at
     /// its X0 Y0. The way belongs to no line.
-    fn approach(&mut self) -> Result<(), GcodeError> {
+    pub(super) fn approach(&mut self) -> Result<(), GcodeError> {
         match self.placed {
             None => self.go(0, 0.0, None),
             Some(_) => Ok(()),

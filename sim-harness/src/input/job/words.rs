@@ -7,6 +7,9 @@
 use super::GcodeError;
 use super::error::quoted;
 
+/// The M code that changes the working mode.
+const CHANGE_MODE: u32 = 780;
+
 /// A code by letter, number and decimal: G91.1 is `('G', 91, 1)`.
 pub(super) type Code = (char, u32, u32);
 
@@ -21,6 +24,8 @@ pub(super) struct Line {
     pub(super) has_checksum: bool,
     /// A setting or a command of Grbl, such as `$H`, which is skipped.
     pub(super) system_command: Option<String>,
+    /// The sides of M780, by I and J.
+    pub(super) elbows: Option<[Option<f64>; 2]>,
     /// The words of the G codes, and the words without a code.
     words: Vec<(char, f64)>,
 }
@@ -125,6 +130,19 @@ impl Line {
                             line.push(word.letter, value_at(word.span)?)?;
                         }
                     }
+                    gcode::Code::Miscellaneous(code) if code.number.major() == CHANGE_MODE => {
+                        is_unknown = false;
+                        let mut sides = [None; 2];
+                        for word in code.args {
+                            let side = match word.letter.to_ascii_uppercase() {
+                                'I' => &mut sides[0],
+                                'J' => &mut sides[1],
+                                letter => return Err(GcodeError::StrayWord(letter)),
+                            };
+                            *side = Some(value_at(word.span)?);
+                        }
+                        line.elbows = Some(sides);
+                    }
                     gcode::Code::Miscellaneous(code) => {
                         is_unknown = !is_supported(code.number.major());
                         let speed = code
@@ -199,7 +217,7 @@ impl Words {
 
 /// Whether the interpreter knows an M code. Motion words may follow it on its line.
 fn is_supported(number: u32) -> bool {
-    matches!(number, 0..=9 | 30 | 106 | 107 | 280 | 300)
+    matches!(number, 0..=9 | 30 | 106 | 107 | 280 | 300 | CHANGE_MODE)
 }
 
 fn named(letter: char, number: gcode::core::Number) -> Code {

@@ -2,6 +2,7 @@
 
 mod fault_entry;
 mod file;
+mod mode_change;
 mod placement;
 
 use crate::input::job::{Action, Job, JobError, JobOptions, Placement, Warning, WarningKind};
@@ -9,6 +10,8 @@ use crate::input::robot::{HomeError, Robot};
 use crate::input::source::FileError;
 use fivebar_plant::{FaultKind, Mismatch, PlantFault, Wiring};
 
+pub use mode_change::{ModeChangeError, RefusedModeChange, change_of_mode};
+pub(crate) use placement::RefusedMove;
 pub use placement::{FitError, place_in_job};
 
 /// Everything that defines a run.

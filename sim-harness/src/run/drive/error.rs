@@ -1,5 +1,6 @@
 //! Why a job was not driven to its end.
 
+use crate::input::scenario::RefusedModeChange;
 use crate::run::link::LinkError;
 use crate::run::simulation::fault_name;
 use crate::run::time_optimal::TimeOptimalError;
@@ -35,6 +36,9 @@ pub enum DriveError {
     /// A move cannot be done.
     #[error("line {}: {_0}", _0.tag)]
     Move(#[from] MoveError),
+    /// The working mode cannot be changed as the job asks for.
+    #[error(transparent)]
+    ModeChange(#[from] RefusedModeChange),
     /// The job cannot be planned time-optimally.
     #[error(transparent)]
     TimeOptimal(#[from] TimeOptimalError),

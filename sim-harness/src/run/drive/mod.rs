@@ -111,6 +111,19 @@ impl<'a, L: Read + Write> Drive<'a, L> {
         self.fault_free_status()?.tool.ok_or(DriveError::NoTool)
     }
 
+    /// A planner like the controller's, in the arm's present working mode.
+    ///
+    /// # Errors
+    /// A latched fault, an arm whose place is not known, or settings that are not valid.
+    pub fn planner(&mut self, settings: &Settings) -> Result<Planner, DriveError> {
+        let settings = settings.check().map_err(DriveError::Settings)?;
+        let [theta1, theta4] = self.fault_free_status()?.angle;
+        let tool = settings.tool();
+        let pose = tool.geometry().forward(theta1, theta4, settings.assembly());
+        let mode = tool.working_mode(&pose.map_err(|_| DriveError::NoTool)?);
+        Ok(Planner::new(&settings).in_mode(mode))
+    }
+
     /// Arms, does the moves and disarms.
     ///
     /// All moves are checked, from the tool's position on, before anything moves.
@@ -126,11 +139,8 @@ impl<'a, L: Read + Write> Drive<'a, L> {
         settings: &Settings,
         progress: &mut dyn FnMut(usize, &Status),
     ) -> Result<(), DriveError> {
-        let mut tool = self.tool()?;
-        let planner = Planner::new(&settings.check().map_err(DriveError::Settings)?);
-        for next in moves {
-            tool = planner.check(tool, next)?;
-        }
+        let tool = self.tool()?;
+        self.planner(settings)?.check_all(tool, moves)?;
         self.request(Request::Arm)?;
         let outcome = self.stream(moves, progress);
         if outcome.is_err() {

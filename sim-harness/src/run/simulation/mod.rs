@@ -16,7 +16,7 @@ pub use trace::{Sample, Trace};
 
 use crate::input::job::Job;
 use crate::input::robot::{HomeError, MissingMasses, robot_file_message};
-use crate::input::scenario::{Scenario, ScenarioError};
+use crate::input::scenario::{RefusedModeChange, RefusedMove, Scenario, ScenarioError};
 use crate::run::link::{InProcess, Target, TargetError};
 use crate::run::time_optimal::{JobPlanner, TimeOptimalError};
 use fivebar_firmware::settings::SettingsError;
@@ -67,6 +67,9 @@ pub enum RunError {
     /// The job cannot be planned time-optimally.
     #[error(transparent)]
     TimeOptimal(#[from] TimeOptimalError),
+    /// The working mode cannot be changed as the job asks for.
+    #[error(transparent)]
+    ModeChange(#[from] RefusedModeChange),
     /// The controller refuses the job or a request, or does not reply.
     #[error(transparent)]
     Target(#[from] TargetError),
@@ -92,13 +95,13 @@ impl Scenario {
     /// As [`Scenario::run_moves`].
     pub fn first_moves(&self, job: &Job, count: usize) -> Result<Vec<Move>, RunError> {
         let settings = self.robot.settings()?.check();
-        let planner = Planner::new(&settings.map_err(|e| self.settings_error(e))?);
-        let mut moves = self.moves_from_home(&planner, job);
+        let mut planner = Planner::new(&settings.map_err(|e| self.settings_error(e))?);
+        let mut moves = self.moves_from_home(&planner, job)?;
         moves.truncate(count);
         let (Some(share), Some(home)) = (self.time_optimal, self.home_point()) else {
             return Ok(moves);
         };
-        Ok(JobPlanner::new(&self.robot, share)?.moves(home, &moves, &planner)?)
+        Ok(JobPlanner::new(&self.robot, share)?.moves(home, &moves, &mut planner)?)
     }
 
     /// Checks all moves of the job against the arm's envelope, before anything moves.
@@ -107,9 +110,13 @@ impl Scenario {
     /// The first line that cannot be done, with the point and the reason.
     pub fn check(&self, job: &Job) -> Result<(), RunError> {
         let settings = self.robot.settings()?.check();
-        let planner = Planner::new(&settings.map_err(|e| self.settings_error(e))?);
+        let mut planner = Planner::new(&settings.map_err(|e| self.settings_error(e))?);
         self.robot.home_pose()?;
-        Ok(self.verify(&planner, job).map_err(TargetError::Move)?)
+        match self.verify(&mut planner, job) {
+            Ok(()) => Ok(()),
+            Err(RefusedMove::Move(refused)) => Err(TargetError::Move(refused).into()),
+            Err(RefusedMove::ModeChange(refused)) => Err(refused.into()),
+        }
     }
 
     fn settings_error(&self, error: SettingsError) -> RunError {

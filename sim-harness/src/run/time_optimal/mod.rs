@@ -6,7 +6,7 @@
 
 mod path;
 
-use crate::input::robot::{MissingMasses, Robot, WorkspaceError};
+use crate::input::robot::{HomeError, MissingMasses, Robot, WorkspaceError};
 use crate::run::segment::segment;
 use fivebar_design::time_optimal::{
     DrivenArm, PathPiece, PlanError, PlanLimits, TimedPiece, TimedRun, plan_timed,
@@ -15,7 +15,7 @@ use fivebar_firmware::planner::{MoveError, Planner};
 use fivebar_firmware::settings::ToolOutputSettings;
 use fivebar_firmware::{Move, MoveKind, TimedCurve, TimedMove};
 use fivebar_kinematics::dynamics::ModelError;
-use fivebar_kinematics::five_bar::{GeometryError, WorkingMode};
+use fivebar_kinematics::five_bar::{GeometryError, Side, WorkingMode};
 use fivebar_kinematics::trajectory::{
     Curve, Envelope, MotionLimits, PathError, PathSegmentError, TorqueLimits,
 };
@@ -39,6 +39,9 @@ pub enum TimeOptimalError {
     /// The robot has no workspace.
     #[error(transparent)]
     Workspace(#[from] WorkspaceError),
+    /// The robot has no home pose.
+    #[error(transparent)]
+    Home(#[from] HomeError),
     /// The tool's power follows its speed, but the job's feed rates do not apply.
     #[error(
         "the tool's power follows its speed (`scale_with_speed`), so it needs the job's feed rates; \
@@ -87,6 +90,7 @@ pub struct JobPlanner {
     arm: DrivenArm,
     envelope: Envelope<f64>,
     limits: PlanLimits,
+    assembly: Side,
     waits: bool,
     /// [m/s].
     approach: f32,
@@ -134,12 +138,14 @@ impl JobPlanner {
                 tip_speed: None,
                 tip_acceleration: None,
             },
+            assembly: robot.home_pose()?.assembly(),
             waits: robot.tool_output.waits(),
             approach: robot.motion.max_speed as f32,
         })
     }
 
-    /// The same job by timed moves, with the tool at rest at `from` [m] before it. Dwells and joint
+    /// The same job by timed moves, with the tool at rest at `from` [m] before it in the working mode
+    /// of the controller's `planner`, which checks it. Dwells and joint
     /// moves stay as they are. The first move is a line to `from`, because an arm is never held
     /// quite there.
     ///
@@ -149,7 +155,7 @@ impl JobPlanner {
         &self,
         from: [f32; 2],
         moves: &[Move],
-        planner: &Planner,
+        planner: &mut Planner,
     ) -> Result<Vec<Move>, TimeOptimalError> {
         let planned = self.plan(from, moves, planner)?;
         Ok(planned.into_iter().map(|planned| planned.next).collect())
@@ -163,7 +169,7 @@ impl JobPlanner {
         &self,
         from: [f32; 2],
         moves: &[Move],
-        planner: &Planner,
+        planner: &mut Planner,
     ) -> Result<Vec<PlannedMove>, TimeOptimalError> {
         let way = Move {
             tag: 0,
@@ -182,28 +188,25 @@ impl JobPlanner {
             .into_par_iter()
             .map(|stage| match stage {
                 Stage::Move(next) => Ok(vec![next]),
-                Stage::Run(parts) => self.run(&parts, moves),
+                Stage::Run(mode, parts) => self.run(mode, &parts, moves),
             })
             .collect();
         Ok(planned?.concat())
     }
 
-    /// The same planner in another working mode.
-    #[must_use]
-    pub fn in_mode(&self, mode: WorkingMode) -> Self {
-        let mut other = self.clone();
-        other.arm = other.arm.in_mode(mode);
-        other.envelope.workspace.mode = mode;
-        other
-    }
-
     /// The timed moves of one run.
-    fn run(&self, parts: &[Part], moves: &[Move]) -> Result<Vec<PlannedMove>, TimeOptimalError> {
+    fn run(
+        &self,
+        mode: WorkingMode,
+        parts: &[Part],
+        moves: &[Move],
+    ) -> Result<Vec<PlannedMove>, TimeOptimalError> {
         let pieces: Vec<PathPiece> = parts.iter().map(|part| part.piece.clone()).collect();
         let tag = |part: &Part| moves.get(part.source).map_or(0, |source| source.tag);
         let line = parts.first().map_or(0, tag);
-        let TimedRun { pieces: timed, .. } = plan_timed(&self.arm, &self.limits, &pieces, INTERVAL)
-            .map_err(|error| TimeOptimalError::Plan(line, error))?;
+        let TimedRun { pieces: timed, .. } =
+            plan_timed(&self.arm.in_mode(mode), &self.limits, &pieces, INTERVAL)
+                .map_err(|error| TimeOptimalError::Plan(line, error))?;
         let timed = timed.iter().filter_map(|piece| {
             let part = &parts[piece.piece];
             let next = Move {
@@ -223,9 +226,12 @@ impl JobPlanner {
         &self,
         from: [f32; 2],
         moves: &[Move],
-        planner: &Planner,
+        planner: &mut Planner,
     ) -> Result<Vec<Stage>, TimeOptimalError> {
-        let mut path = Path::new(self.waits);
+        planner.check_all(from, moves)?;
+        let mut envelope = self.envelope;
+        envelope.workspace.mode = planner.workspace().mode;
+        let mut path = Path::new(self.waits, envelope.workspace.mode);
         let mut at = from;
         for (source, next) in moves.iter().enumerate() {
             let tag = next.tag;
@@ -235,22 +241,42 @@ impl JobPlanner {
                     next: *next,
                     source: Some(source),
                 }));
-                at = planner.check(at, next)?;
+                if let MoveKind::Joint { to, .. } = next.kind
+                    && let Some((place, mode)) = self.after_joints(to)
+                {
+                    at = place;
+                    envelope.workspace.mode = mode;
+                    path.mode = mode;
+                }
                 continue;
             };
             match segment {
                 Ok(segment) => {
-                    let limits = self.envelope.check(&segment, TOOL.speed);
+                    let limits = envelope.check(&segment, TOOL.speed);
                     let limits = limits.map_err(|error| TimeOptimalError::Path(tag, error))?;
-                    path.push(&segment, limits, source, next.tool, &self.envelope);
+                    path.push(&segment, limits, source, next.tool, &envelope);
                 }
                 Err(PathSegmentError::ZeroLength) => {}
                 Err(error) => return Err(TimeOptimalError::Segment(tag, error)),
             }
-            at = planner.check(at, next)?;
+            if let MoveKind::Line { to, .. } | MoveKind::Arc { to, .. } = next.kind {
+                at = to;
+            }
         }
         path.finish();
         Ok(path.stages)
+    }
+
+    /// The tool [m] and the working mode at these joint angles [rad].
+    fn after_joints(&self, [theta1, theta4]: [f32; 2]) -> Option<([f32; 2], WorkingMode)> {
+        let tool = &self.envelope.workspace.tool;
+        let [theta1, theta4] = [theta1, theta4].map(f64::from);
+        let pose = tool
+            .geometry()
+            .forward(theta1, theta4, self.assembly)
+            .ok()?;
+        let point = tool.point(&pose);
+        Some(([point.x as f32, point.y as f32], tool.working_mode(&pose)))
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::PlannedMove;
 use fivebar_design::time_optimal::PathPiece;
+use fivebar_kinematics::five_bar::WorkingMode;
 use fivebar_kinematics::trajectory::{
     Envelope, LookaheadPlanner, MotionLimits, PathSegment, Reference, ToolOutput, TrajectorySegment,
 };
@@ -21,7 +22,7 @@ pub(super) struct Part {
 
 /// What becomes of a job: runs to plan, and moves that stay as they are.
 pub(super) enum Stage {
-    Run(Vec<Part>),
+    Run(WorkingMode, Vec<Part>),
     Move(PlannedMove),
 }
 
@@ -30,16 +31,19 @@ pub(super) struct Path {
     lookahead: Box<LookaheadPlanner<f64, PLANNED>>,
     pub(super) stages: Vec<Stage>,
     run: Vec<Part>,
+    /// The working mode; it changes between two runs.
+    pub(super) mode: WorkingMode,
     waits: bool,
     level: u16,
 }
 
 impl Path {
-    pub(super) fn new(waits: bool) -> Self {
+    pub(super) fn new(waits: bool, mode: WorkingMode) -> Self {
         Self {
             lookahead: Box::default(),
             stages: Vec::new(),
             run: Vec::new(),
+            mode,
             waits,
             level: 0,
         }
@@ -76,7 +80,8 @@ impl Path {
 
     fn end_run(&mut self) {
         if !self.run.is_empty() {
-            self.stages.push(Stage::Run(std::mem::take(&mut self.run)));
+            let run = std::mem::take(&mut self.run);
+            self.stages.push(Stage::Run(self.mode, run));
         }
     }
 

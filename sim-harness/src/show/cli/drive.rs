@@ -9,8 +9,8 @@ use super::sim::{millimetres, path_lengths};
 use crate::run::drive::{Drive, DriveError, Homing};
 use crate::run::simulation::{Sample, Trace};
 use crate::run::time_optimal::JobPlanner;
+use fivebar_firmware::Move;
 use fivebar_firmware::protocol::Board;
-use fivebar_firmware::{Move, Planner};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::sync::atomic::Ordering;
 
@@ -47,7 +47,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         warn(format_args!("{}, {warning}", scenario.job_file));
     }
     let settings = scenario.robot.settings().map_err(refused)?;
-    let mut moves = scenario.moves(&job);
+    let moves = scenario.moves(&job);
+    let mut moves =
+        moves.map_err(|error| refused(scenario.named(error.line, &error.error.to_string())))?;
 
     args.log.prepare()?;
     let interrupted = interrupted()?;
@@ -83,10 +85,11 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         bar.set_message("homing");
         drive.home(homing)?;
         bar.set_message("");
+        let mut planner = drive.planner(&settings)?;
+        moves = scenario.moves_in(planner.workspace().mode, &job)?;
         if let Some(share) = scenario.time_optimal {
-            let planner = Planner::new(&settings.check().map_err(DriveError::Settings)?);
             let job = JobPlanner::new(&scenario.robot, share)?;
-            moves = job.moves(drive.tool()?, &moves, &planner)?;
+            moves = job.moves(drive.tool()?, &moves, &mut planner)?;
         }
         drive.follow(&moves, &settings, &mut |taken, status| {
             let last = taken.checked_sub(1).and_then(|last| moves.get(last));

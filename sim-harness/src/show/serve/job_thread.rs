@@ -4,7 +4,7 @@ use super::lease::PageId;
 use super::message::{ClientRequest, JobMessage, ServerMessage, Shift, brief};
 use super::parsed_job::ParsedJob;
 use super::preview::{JobStart, Preview};
-use crate::input::job::Placement;
+use crate::input::job::{Job, Placement};
 use crate::input::robot::Robot;
 use crate::input::scenario::Scenario;
 use crate::run::time_optimal::JobPlanner;
@@ -198,8 +198,21 @@ impl Place {
 impl Workshop {
     fn prepare(&self, work: Work, start: JobStart) -> Prepared {
         let again = matches!(work, Work::Check(_));
+        let mut refusal = None;
+        let mut parsed = |old: &Arc<ParsedJob>, job: Job| match self.parsed(&old.name, job, start) {
+            Ok(job) => Arc::new(job),
+            Err(why) => {
+                refusal = Some(brief(why));
+                Arc::clone(old)
+            }
+        };
         let job = match work {
+            // The moves of a change of the working mode depend on where the arm is.
+            Work::Check(job) if job.job.first_change_of_mode().is_some() => {
+                parsed(&job, (*job.job).clone())
+            }
             Work::Check(job) => job,
+            Work::Place(job, shift) => parsed(&job, job.job.moved(&shift.placement())),
             Work::Rest(job, part, place) => {
                 let from = start.at(place);
                 let rest = job.rest(part, place);
@@ -213,18 +226,13 @@ impl Workshop {
                     place,
                 };
             }
-            Work::Place(job, shift) => {
-                let moved = job.job.moved(&shift.placement());
-                let scenario = self.scenario(&job.name, String::new());
-                let moves = scenario.moves(&moved);
-                Arc::new(ParsedJob::new(job.name.clone(), moved, moves))
-            }
-            Work::Load(page, source) => match self.load(page, source) {
+            Work::Load(page, source) => match self.load(page, source, start) {
                 Ok(job) => Arc::new(job),
                 Err(unreadable) => return unreadable,
             },
         };
         let mut message = self.preview.job(&job.name, &job.job, &job.moves, start);
+        message.refusal = message.refusal.or(refusal);
         let job = match &self.planner {
             Some(planner) if message.refusal.is_none() => {
                 match job.planned(planner, &self.preview, start) {
@@ -251,7 +259,12 @@ impl Workshop {
     }
 
     /// Reads a job; or else what the pages get to know.
-    fn load(&self, page: PageId, source: JobSource) -> Result<ParsedJob, Prepared> {
+    fn load(
+        &self,
+        page: PageId,
+        source: JobSource,
+        start: JobStart,
+    ) -> Result<ParsedJob, Prepared> {
         let (name, text) = match source {
             JobSource::Text(name, text) => (name, text),
             JobSource::Message(message) => match serde_json::from_str(&message) {
@@ -261,21 +274,35 @@ impl Workshop {
             },
         };
         let name = brief(name);
-        let scenario = self.scenario(&name, text);
-        match scenario.job() {
+        match self.scenario(&name, text).job() {
             Ok(job) => {
-                let moves = scenario.moves(&job);
-                Ok(ParsedJob::new(name, job, moves))
+                let parsed = self.parsed(&name, job, start);
+                parsed.map_err(|why| unreadable(name, why))
             }
-            Err(error) => {
-                let refusal = Some(brief(error.to_string()));
-                let message = JobMessage {
-                    name,
-                    refusal,
-                    ..JobMessage::default()
-                };
-                Err(Prepared::Unreadable(ServerMessage::Job(&message).json()))
+            Err(error) => Err(unreadable(name, error.to_string())),
+        }
+    }
+
+    /// The moves of a job that was read, for the arm where it is; why it has none.
+    fn parsed(&self, name: &str, job: Job, start: JobStart) -> Result<ParsedJob, String> {
+        let scenario = self.scenario(name, String::new());
+        let mode = start.mode().unwrap_or_else(|| self.robot.working_mode());
+        match scenario.moves_in(mode, &job) {
+            Ok(moves) => Ok(ParsedJob::new(name.into(), job, moves)),
+            Err(refused) => {
+                let mut sentence = format!("{refused}.");
+                sentence[..1].make_ascii_uppercase();
+                Err(sentence)
             }
         }
     }
+}
+
+fn unreadable(name: String, why: String) -> Prepared {
+    let message = JobMessage {
+        name,
+        refusal: Some(brief(why)),
+        ..JobMessage::default()
+    };
+    Prepared::Unreadable(ServerMessage::Job(&message).json())
 }

@@ -49,11 +49,9 @@ impl ParsedJob {
         start: JobStart,
     ) -> Result<Self, String> {
         let from = start.tool().ok_or("The arm's position is unknown.")?;
-        let limits = preview.planner(start).map_err(|error| error.to_string())?;
-        let planned = match start.mode() {
-            Some(mode) => planner.in_mode(mode).plan(from, &self.parts, &limits),
-            None => planner.plan(from, &self.parts, &limits),
-        };
+        let checks = preview.planner(start);
+        let mut checks = checks.map_err(|error| error.to_string())?;
+        let planned = planner.plan(from, &self.parts, &mut checks);
         let planned = planned.map_err(|error| format!("Time-optimal motion: {error}."))?;
         let pieces: Vec<Move> = planned.iter().map(|planned| planned.next).collect();
         let source = planned.iter().map(|planned| planned.source.unwrap_or(0));

@@ -5,7 +5,7 @@ use super::strokes::Strokes;
 use crate::input::job::Job;
 use crate::input::scenario::place_in_job;
 use crate::run::segment::segment;
-use fivebar_firmware::planner::{MoveError, Planner};
+use fivebar_firmware::planner::Planner;
 use fivebar_firmware::settings::{CheckedSettings, SettingsError};
 use fivebar_firmware::{Move, MoveKind, Settings, Status};
 use fivebar_kinematics::five_bar::{Pose, Side, Tool, WorkingMode};
@@ -118,7 +118,7 @@ impl Preview {
         };
         let checked = self
             .planner(start)
-            .map(|planner| check(&planner, from, moves));
+            .map(|mut planner| planner.check_all(from, moves));
         match checked {
             Ok(Ok(())) => {}
             Ok(Err(refusal)) => {
@@ -135,8 +135,8 @@ impl Preview {
             Err(error) => message.refusal = Some(format!("The settings: {error}.")),
         }
         let mut strokes = Strokes::default();
-        for (step, next) in job.steps.iter().zip(moves) {
-            strokes.pen(step.draws(), from);
+        for next in moves {
+            strokes.pen(next.tool > 0, from);
             from = draw(&mut strokes, from, &next.kind);
         }
         message.strokes = strokes.finish();
@@ -151,13 +151,6 @@ impl Preview {
         }
         Ok(Planner::new(&settings.check()?))
     }
-}
-
-fn check(planner: &Planner, mut from: [f32; 2], moves: &[Move]) -> Result<(), MoveError> {
-    for next in moves {
-        from = planner.check(from, next)?;
-    }
-    Ok(())
 }
 
 /// Draws a move and returns its end [m].

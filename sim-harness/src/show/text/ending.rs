@@ -11,6 +11,7 @@ use fivebar_firmware::safety::Fault;
 pub fn refusal(scenario: &Scenario, error: &RunError) -> String {
     match error {
         RunError::Target(TargetError::Move(error)) => scenario.refused_move(error),
+        RunError::ModeChange(refused) => scenario.named(refused.line, &refused.error.to_string()),
         other => other.to_string(),
     }
 }

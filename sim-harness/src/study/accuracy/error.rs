@@ -23,6 +23,11 @@ pub enum AccuracyStudyError {
         /// The position and the reason.
         error: Box<AccuracyStudyError>,
     },
+    /// The job changes the working mode, and the analysis is of one mode.
+    #[error(
+        "line {0} changes the working mode, and the analysis is of one mode: analyse the parts"
+    )]
+    ChangeOfMode(u32),
     /// The job has no path.
     #[error("the job has no path: add a motion after its first point")]
     NoPath,

@@ -59,7 +59,7 @@ impl Scenario {
         keeps_turn: bool,
     ) -> Option<Fit> {
         let reach = Reach::of(&self.robot)?;
-        let planner = self.planner()?;
+        let mut planner = self.planner()?;
         let outline = Outline::of(job);
         let turns = match keeps_turn {
             true => 1,
@@ -74,7 +74,7 @@ impl Scenario {
                     turn: self.turn + added,
                 };
                 if has_room(&reach, &outline.placed(added, 1.0))
-                    && self.fits(&reach, &planner, job, fit)
+                    && self.fits(&reach, &mut planner, job, fit)
                 {
                     return Some(fit);
                 }
@@ -97,7 +97,7 @@ impl Scenario {
                 if fit.scale < least * self.scale {
                     break;
                 }
-                if self.fits(&reach, &planner, job, fit) {
+                if self.fits(&reach, &mut planner, job, fit) {
                     best = Some(fit);
                     break;
                 }
@@ -108,7 +108,13 @@ impl Scenario {
     }
 
     /// Whether `job`, at 0 with the present scale and turn, finds a place at this scale and turn.
-    fn fits(&self, reach: &Reach, planner: &Planner, job: &Job, Fit { scale, turn }: Fit) -> bool {
+    fn fits(
+        &self,
+        reach: &Reach,
+        planner: &mut Planner,
+        job: &Job,
+        Fit { scale, turn }: Fit,
+    ) -> bool {
         let tried = Self {
             scale,
             turn,

@@ -12,13 +12,13 @@ mod fit;
 mod outline;
 mod refusal;
 
-use super::{Scenario, ScenarioError};
+use super::{ModeChangeError, RefusedModeChange, Scenario, ScenarioError};
 use crate::input::job::{Job, Placement};
 use crate::input::robot::Robot;
 use fivebar_design::workspace::{Grid, Rectangle, WorkspaceMap};
 use fivebar_firmware::planner::MoveError;
 use fivebar_firmware::{Move, MoveKind, Planner};
-use fivebar_kinematics::five_bar::Side;
+use fivebar_kinematics::five_bar::{Side, WorkingMode};
 use nalgebra::Vector2;
 use outline::Outline;
 use std::f64::consts::TAU;
@@ -32,6 +32,15 @@ const CELLS: u32 = 160;
 const MOST_TRIED: usize = 8;
 /// Speed of the joints on the way to the job, as a share of their limits.
 const APPROACH_SPEED: f32 = 0.3;
+
+/// A move of a job that cannot be done.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub(crate) enum RefusedMove {
+    #[error(transparent)]
+    Move(#[from] MoveError),
+    #[error(transparent)]
+    ModeChange(#[from] RefusedModeChange),
+}
 
 /// The reach of an arm on the branch of its home pose.
 struct Reach {
@@ -112,13 +121,14 @@ impl Scenario {
             Some(job) => job,
             None => self.placed(first)?,
         };
-        let Some(planner) = self.planner() else {
+        let Some(mut planner) = self.planner() else {
             return Ok(job);
         };
-        if self.accepts(&planner, &job) {
+        if self.accepts(&mut planner, &job) {
             return Ok(job);
         }
-        match Reach::of(&self.robot).and_then(|reach| self.search(&reach, &planner, &unplaced)) {
+        match Reach::of(&self.robot).and_then(|reach| self.search(&reach, &mut planner, &unplaced))
+        {
             Some(origin) => match self.moved(&unplaced, self, origin) {
                 Some(job) => Ok(job),
                 None => self.placed(origin),
@@ -135,7 +145,7 @@ impl Scenario {
     }
 
     /// An origin at which the planner accepts the job; `unplaced` has its origin at 0.
-    fn search(&self, reach: &Reach, planner: &Planner, unplaced: &Job) -> Option<[f64; 2]> {
+    fn search(&self, reach: &Reach, planner: &mut Planner, unplaced: &Job) -> Option<[f64; 2]> {
         let outline = Outline::of(unplaced);
         let extent = outline.extent();
         let (middle, page) = (extent.middle(), reach.page_middle());
@@ -144,7 +154,7 @@ impl Scenario {
         if !self.anywhere && longer(extent.size()) > longer(reach.page_size()) {
             return None;
         }
-        let fits = |origin: [f64; 2]| {
+        let mut fits = |origin: [f64; 2]| {
             let job = self.moved(unplaced, self, origin);
             job.is_some_and(|job| self.accepts(planner, &job))
         };
@@ -202,7 +212,7 @@ impl Scenario {
         Some(Planner::new(&settings))
     }
 
-    fn accepts(&self, planner: &Planner, job: &Job) -> bool {
+    fn accepts(&self, planner: &mut Planner, job: &Job) -> bool {
         self.verify(planner, job).is_ok()
     }
 
@@ -210,20 +220,36 @@ impl Scenario {
     ///
     /// # Errors
     /// The first move that cannot be done.
-    pub(crate) fn verify(&self, planner: &Planner, job: &Job) -> Result<(), MoveError> {
-        let Some(mut tool) = self.home_point() else {
+    pub(crate) fn verify(&self, planner: &mut Planner, job: &Job) -> Result<(), RefusedMove> {
+        let Some(tool) = self.home_point() else {
             return Ok(());
         };
-        for next in self.moves_from_home(planner, job) {
-            tool = planner.check(tool, &next)?;
-        }
-        Ok(())
+        let moves = self.moves_from_home(planner, job)?;
+        Ok(planner.check_all(tool, &moves)?)
     }
 
-    /// The job as moves for the planner, wherever the arm is before them. A servo or a switch that
-    /// the job leaves on is switched off at its end.
-    pub fn moves(&self, job: &Job) -> Vec<Move> {
-        let mut moves: Vec<Move> = job.moves(self.robot.motion.max_speed).collect();
+    /// The job as moves for the planner, wherever the arm is before them, in the robot's working mode.
+    /// A servo or a switch that the job leaves on is switched off at its end.
+    ///
+    /// # Errors
+    /// A change of the working mode that cannot be done.
+    pub fn moves(&self, job: &Job) -> Result<Vec<Move>, RefusedModeChange> {
+        self.moves_in(self.robot.working_mode(), job)
+    }
+
+    /// As [`Scenario::moves`], for an arm that is in another working mode before them.
+    ///
+    /// # Errors
+    /// As [`Scenario::moves`].
+    pub fn moves_in(&self, mode: WorkingMode, job: &Job) -> Result<Vec<Move>, RefusedModeChange> {
+        let mut moves: Vec<Move> = match job.first_change_of_mode() {
+            None => job.moves(self.robot.motion.max_speed).collect(),
+            Some(line) => {
+                let refuse = |error| RefusedModeChange { line, error };
+                let planner = self.planner().ok_or(ModeChangeError::NoPlanner);
+                self.moves_with_changes(&planner.map_err(refuse)?, mode, job)?
+            }
+        };
         if let Some(last) = moves.last().filter(|last| last.tool > 0)
             && self.robot.tool_output.waits()
         {
@@ -235,13 +261,20 @@ impl Scenario {
             };
             moves.push(lift);
         }
-        moves
+        Ok(moves)
     }
 
     /// The job as moves for an arm at home. The way to the job is straight, or by the joints if a
     /// straight line would leave the workspace.
-    pub(crate) fn moves_from_home(&self, planner: &Planner, job: &Job) -> Vec<Move> {
-        let mut moves = self.moves(job);
+    ///
+    /// # Errors
+    /// As [`Scenario::moves`].
+    pub(crate) fn moves_from_home(
+        &self,
+        planner: &Planner,
+        job: &Job,
+    ) -> Result<Vec<Move>, RefusedModeChange> {
+        let mut moves = self.moves(job)?;
         let first = moves
             .iter_mut()
             .find(|next| !matches!(next.kind, MoveKind::Dwell { .. }));
@@ -261,7 +294,7 @@ impl Scenario {
                 *first = by_joints;
             }
         }
-        moves
+        Ok(moves)
     }
 
     /// The tool at home [m].

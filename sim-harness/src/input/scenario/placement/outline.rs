@@ -183,6 +183,6 @@ fn sample(from: [f64; 2], action: &Action, spacing: f64, points: &mut Vec<[f64; 
                 ]
             }));
         }
-        Action::Dwell { .. } => {}
+        Action::Dwell { .. } | Action::ChangeMode(_) => {}
     }
 }

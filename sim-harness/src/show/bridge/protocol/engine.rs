@@ -259,6 +259,13 @@ impl Engine {
         }
         let before = self.stream.clone();
         let job = self.stream.line(text)?;
+        if job.first_change_of_mode().is_some() {
+            self.stream = before;
+            return Err(Refusal::new(
+                20,
+                "M780 is not for senders: change the working mode on the page, or in a job of sim, drive or serve",
+            ));
+        }
         let is_shifted = self.stream.zero() != before.zero();
         if !view.homed && (!job.steps.is_empty() || is_shifted) {
             self.stream = before;
