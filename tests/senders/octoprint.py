@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """Runs a job through OctoPrint and `fivebar bridge`: scripts/octoprint.sh.
 
-    tests/senders/octoprint.py OCTOPRINT PROGRAM
+    tests/senders/octoprint.py OCTOPRINT PROGRAM [OPTION…]
 
-OCTOPRINT is the program of that name, PROGRAM is `fivebar`. OctoPrint opens the bridge's
-pseudo-terminal, homes, prints a file, pauses and resumes it, and is asked how it ended.
+OCTOPRINT is the program of that name, PROGRAM is `fivebar`, and the options are those of its bridge.
+OctoPrint opens the bridge's pseudo-terminal, prints a file that homes and draws, pauses and resumes it, and
+is asked how it ended. Then it prints a file with a move out of reach, and has to show the error.
 """
 
 import http.client
@@ -20,7 +21,8 @@ import urllib.request
 import uuid
 
 KEY = "0123456789ABCDEF0123456789ABCDEF"
-JOB = "G21\nG90\nG92 X0 Y0\nM3\n" + "G1 X20 Y0 F1200\nG1 X20 Y20\nG1 X0 Y20\nG1 X0 Y0\n" * 3 + "M5\n"
+START = "G21\nG90\nG28\nG92 X0 Y0\nM3\n"
+JOB = START + "G1 X6 Y0 F900\nG1 X6 Y6\nG1 X0 Y6\nG1 X0 Y0\n" * 2 + "M5\nM400\n"
 CONFIG = """
 api: {{key: {key}, keyEnforced: true}}
 server: {{firstRun: false, onlineCheck: {{enabled: false}}, pluginBlacklist: {{enabled: false}}}}
@@ -57,10 +59,14 @@ class OctoPrint:
         self.call("files/local", body.encode(), f"multipart/form-data; boundary={line}")
 
     def state(self):
-        return self.call("job")["state"]
+        return self.call("connection")["current"]["state"]
+
+    def sent(self):
+        """How much of the file has been sent [bytes]."""
+        return self.call("job")["progress"]["filepos"] or 0
 
 
-def wait(what, condition, timeout=120):
+def wait(what, condition, timeout=240):
     deadline = time.monotonic() + timeout
     seen = None
     while time.monotonic() < deadline:
@@ -74,11 +80,11 @@ def wait(what, condition, timeout=120):
     raise AssertionError(f"waited {timeout} s in vain for {what}")
 
 
-def main(octoprint, program):
+def main(octoprint, program, *options):
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         log = folder / "path.csv"
-        bridge = subprocess.Popen([program, "bridge", "--listen", "127.0.0.1:0", "--log", log],
+        bridge = subprocess.Popen([program, "bridge", *options, "--listen", "127.0.0.1:0", "--log", log],
                                   stdout=subprocess.PIPE, text=True)
         _, terminal = bridge.stdout.readline().split()
         host = OctoPrint(octoprint, folder, terminal)
@@ -86,22 +92,25 @@ def main(octoprint, program):
             wait("OctoPrint", lambda: host.call("version"))
             host.call("connection", {"command": "connect", "port": terminal, "baudrate": 115200})
             wait("the connection", lambda: host.state() == "Operational")
-            host.call("printer/command", {"commands": ["G28", "M400"]})
             host.upload("square.gcode", JOB)
-            time.sleep(5)  # homing
             host.call("files/local/square.gcode", {"command": "select", "print": True})
-            wait("the print", lambda: host.state() == "Printing")
-            time.sleep(3)
+            wait("the first stroke", lambda: host.sent() > len(START) + 20)
             host.call("job", {"command": "pause", "action": "pause"})
             wait("the pause", lambda: host.state() == "Paused")
             host.call("job", {"command": "pause", "action": "resume"})
+            wait("going on", lambda: host.state() == "Printing")
             wait("the end", lambda: host.state() == "Operational")
             assert host.call("job")["progress"]["completion"] == 100
+            host.upload("far.gcode", "M3\nG1 X5000 F1200\n" + "G1 X20\nG1 X0\n" * 10)
+            host.call("files/local/far.gcode", {"command": "select", "print": True})
+            why = wait("the error", lambda: host.call("printer/error").get("error"))
+            # By default OctoPrint then sends the emergency stop and disconnects.
+            wait("the end of the connection", lambda: host.state() == "Closed")
             rows = [line.split(",") for line in log.read_text().splitlines()[1:]]
             down = [(float(x), float(y)) for _, x, y, level in rows if float(level) > 0.5]
             size = [max(axis) - min(axis) for axis in zip(*down)]
-            print(f"OctoPrint: the square is {1e3 * size[0]:.2f} x {1e3 * size[1]:.2f} mm, done")
-            assert all(abs(side - 0.02) < 2e-4 for side in size), size
+            print(f"OctoPrint: the square is {1e3 * size[0]:.2f} x {1e3 * size[1]:.2f} mm, done; then the error: {why}")
+            assert all(abs(side - 0.006) < 2e-4 for side in size), size
         finally:
             host.process.send_signal(signal.SIGINT)
             host.process.wait(timeout=30)

@@ -1,10 +1,11 @@
 //! Every fault, raised by its own cause: its number, bridges off in the tick that detects it (or a
-//! controlled stop, if that is its response), and nothing moves until it is cleared.
+//! controlled stop, if that is its response), the tool off in the same tick, and nothing moves until
+//! it is cleared.
 
 use crate::rig::{Bench, Rig, START, WAKING_TICKS, settings};
 use fivebar_firmware::controller::{Controller, Request, RequestError};
 use fivebar_firmware::safety::{Fault, Response, State};
-use fivebar_firmware::{ActuatorCommand, MoveKind, Settings};
+use fivebar_firmware::{ActuatorCommand, FULL_TOOL, Move, MoveKind, Settings};
 
 /// Runs ticks until a fault is latched, at most `within`, and checks what every power-off fault
 /// must do.
@@ -36,6 +37,7 @@ fn stays_off(rig: &mut Rig, mut command: ActuatorCommand, fault: Fault) {
         assert_eq!(command.duty, [0.0; 2]);
         assert_eq!(command.enable, [false; 2]);
         assert!(command.brake);
+        assert_eq!(command.tool, 0);
         command = rig.tick();
     }
     let state = RequestError::State(State::Fault);
@@ -62,20 +64,16 @@ fn with(change: impl FnOnce(&mut Settings)) -> Settings {
     settings
 }
 
-/// An arm that moves along a line of 60 mm at 0.2 m/s.
+/// An arm that draws a line of 60 mm at 0.2 m/s.
 fn running() -> Rig {
     let mut rig = Rig::armed(&settings());
     let [x, y] = rig.tool_position();
-    rig.push(
-        3,
-        MoveKind::Line {
-            to: [x - 0.06, y],
-            feed: 0.2,
-        },
-    )
-    .unwrap();
-    rig.run(1500);
-    assert_eq!(rig.controller.state(), State::Running);
+    let (tag, tool, to) = (3, FULL_TOOL, [x - 0.06, y]);
+    let kind = MoveKind::Line { to, feed: 0.2 };
+    let line = Move { tag, tool, kind };
+    rig.planner.push(&mut rig.controller, &line).unwrap();
+    let drawing = (rig.run(1500).tool, rig.controller.state());
+    assert_eq!(drawing, (FULL_TOOL, State::Running));
     rig
 }
 
@@ -290,6 +288,7 @@ fn comes_to_rest(rig: &mut Rig, mut tick: impl FnMut(&mut Rig) -> ActuatorComman
         let before = rig.bench.tool()[0];
         let command = tick(rig);
         assert_eq!(command.enable, [true; 2], "{:?}", rig.controller.fault());
+        assert!(command.tool == 0 || rig.controller.fault().is_none());
         off = off.max((rig.bench.tool()[1] - y).abs());
         let moved = (rig.bench.tool()[0] - before).abs();
         let clearable = rig.controller.status().tag.is_none();

@@ -345,6 +345,22 @@ fn whatever_ends_a_job_lifts_the_tool_in_its_tick() {
     }
 }
 
+/// The list is that of the faults themselves, so a new one is tried, too.
+#[test]
+fn every_fault_lifts_the_tool_in_its_tick() {
+    for fault in Fault::all() {
+        let mut rig = armed(SERVO);
+        push(&mut rig, &[([-0.02, 0.0], FULL_TOOL)], 0.1);
+        let drawing = (rig.run(1000).tool, rig.controller.state());
+        assert_eq!(drawing, (DOWN, State::Running));
+        rig.controller.latch_fault(fault);
+        for _ in 0..20 {
+            assert_eq!(rig.tick().tool, UP, "{fault:?}");
+        }
+        assert_eq!(rig.controller.status().fault, Some(fault));
+    }
+}
+
 /// The level is followed and reported without an output, too.
 #[test]
 fn without_an_output_the_motion_is_the_same_and_the_level_is_reported() {
