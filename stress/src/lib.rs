@@ -19,6 +19,7 @@ mod report;
 pub mod rules;
 mod samples;
 mod session;
+mod timed;
 
 pub use report::Report;
 pub use rules::Violation;

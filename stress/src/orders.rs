@@ -2,6 +2,7 @@
 
 use crate::bytes::Bytes;
 use crate::samples::Hostile;
+use crate::timed::TimedRun;
 use fivebar_firmware::controller::{Excitation, Excited};
 use fivebar_firmware::protocol::{HostCommand, Section, SectionKey, VERSION};
 use fivebar_firmware::settings::ToolOutputSettings;
@@ -15,6 +16,8 @@ pub(crate) enum Event {
     Command(HostCommand),
     /// The host sends a move.
     Move(MoveKind),
+    /// The host sends a motion that it has planned.
+    Timed(TimedRun),
     /// The host clears the fault, declares the angles and arms the arm.
     Recover,
     /// Somebody replaces the arm by a sound one at the pose of the start.
@@ -44,8 +47,36 @@ pub(crate) enum Event {
 /// Where the host thinks that the tool is, so that most moves are near it [m].
 pub(crate) type Tool = [f32; 2];
 
-pub(crate) fn next(bytes: &mut Bytes<'_>, tool: Tool, settings: &Settings) -> Event {
+/// Whether half of the moves of a session with these flags are motions that the host plans.
+pub(crate) fn host_plans(flags: u8) -> bool {
+    flags & 0x20 != 0 && flags & 0xc0 != 0
+}
+
+/// The settings of a session with these flags: any tool, and for a host that plans, in two of three
+/// cases a lower limit of the joints' speed or acceleration. Else their torques limit every motion.
+pub(crate) fn settings(flags: u8) -> Settings {
+    let mut settings = Settings {
+        tool_output: tool_output(flags >> 2),
+        ..Settings::BENCHTOP
+    };
+    if host_plans(flags) {
+        let [speed, acceleration] = match flags >> 6 {
+            1 => [0.15, 1.0],
+            2 => [1.0, 0.3],
+            _ => [1.0, 1.0],
+        };
+        for axis in &mut settings.axes {
+            axis.max_speed *= speed;
+            axis.max_acceleration *= acceleration;
+        }
+    }
+    settings
+}
+
+/// The next event. The host `plans` motions itself, or not.
+pub(crate) fn next(bytes: &mut Bytes<'_>, tool: Tool, plans: bool, settings: &Settings) -> Event {
     match bytes.byte() {
+        0..=44 if plans => Event::Timed(TimedRun::from_bytes(bytes)),
         0..=89 => Event::Move(motion(bytes, tool)),
         90..=139 => Event::Wait(u16::from(bytes.byte()) * 8),
         140..=159 => Event::Command(HostCommand::Request(request(bytes))),

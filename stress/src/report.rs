@@ -13,6 +13,8 @@ pub struct Report {
     pub commands: [u32; 2],
     /// Moves that were accepted, and refused.
     pub moves: [u32; 2],
+    /// Timed moves among them.
+    pub timed: [u32; 2],
     /// Settings that were applied, and refused.
     pub settings: [u32; 2],
     /// Sessions in which a fault was latched.
@@ -31,6 +33,7 @@ impl Report {
             powered: self.powered + other.powered,
             commands: sum(self.commands, other.commands),
             moves: sum(self.moves, other.moves),
+            timed: sum(self.timed, other.timed),
             settings: sum(self.settings, other.settings),
             faults: self.faults + other.faults,
             reached: self.reached.max(other.reached),

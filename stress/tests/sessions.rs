@@ -14,6 +14,51 @@ proptest! {
     }
 }
 
+/// The bytes of a session whose host plans half of its motions itself, on one of three arms.
+fn of_planning_host(mut bytes: Vec<u8>, arm: u8) -> Vec<u8> {
+    if let Some(flags) = bytes.first_mut() {
+        *flags = *flags & 0x1f | 0x20 | (1 + arm % 3) << 6;
+    }
+    bytes
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+
+    #[test]
+    fn any_session_of_a_host_that_plans_keeps_the_rules(
+        bytes in prop::collection::vec(any::<u8>(), 1..300),
+        arm: u8,
+    ) {
+        if let Err(violation) = run(&of_planning_host(bytes, arm)) {
+            return Err(TestCaseError::fail(violation.to_string()));
+        }
+    }
+}
+
+/// Timed moves are taken and followed up to the limits of the joints; others are refused.
+#[test]
+fn timed_moves_of_fixed_seeds_reach_the_limits_of_the_joints() {
+    let mut sum = Report::default();
+    for seed in 0..48 {
+        match run(&of_planning_host(bytes_of(seed, 300), seed as u8)) {
+            Ok(report) => sum = sum.plus(report),
+            Err(violation) => panic!("seed {seed}: {violation}"),
+        }
+    }
+    let Report {
+        timed: [taken, refused],
+        reached,
+        ..
+    } = sum;
+    assert!(taken > 100 && refused > 50, "{sum:?}");
+    assert!(reached.timed > 5_000, "{sum:?}");
+    assert!(
+        reached.joint_speed > 0.97 && reached.joint_acceleration > 0.9 && reached.torque > 0.97,
+        "{sum:?}"
+    );
+}
+
 /// The same seeds in every run: they show that sessions do more than to be refused.
 #[test]
 fn sessions_of_fixed_seeds_move_the_arm_near_its_limits_and_raise_faults() {

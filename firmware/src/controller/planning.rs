@@ -21,8 +21,8 @@ pub struct PlanningSnapshot {
     pub hold: Option<Hold>,
     /// Time of the path that was handed over and is still ahead [s].
     pub path_left: f32,
-    /// The queue has no room for another segment.
-    pub path_is_full: bool,
+    /// The segments for which the queue has room.
+    pub path_room: usize,
     /// What was handed over ends at rest, or fills the queue, or lasts some hundredths of a
     /// second longer than a stop takes.
     pub path_is_enough: bool,
@@ -70,7 +70,7 @@ impl Controller {
                 measured: self.angles(),
             }),
             path_left: self.path.left(),
-            path_is_full: self.path.is_full(),
+            path_room: self.path.room(),
             path_is_enough: self.path.is_enough(),
         }
     }

@@ -34,38 +34,38 @@ impl Planner {
         timed: &TimedMove,
     ) -> Result<(), MoveError> {
         let refuse = |kind| MoveError::new(next.tag, kind);
-        self.append_waiting()?;
-        if !self.lookahead.is_empty() || snapshot.path_is_full {
+        let output = self.tool_output.output(next.tool, 1.0);
+        // The arm rests until the tool has settled.
+        let rests = output != self.tool_output.output(self.level, 1.0) && self.tool_output.waits();
+        if !self.is_empty() || snapshot.path_room < 1 + usize::from(rests) {
             return Err(refuse(MoveErrorKind::Full));
         }
-        let output = self.tool_output.output(next.tool, 1.0);
         let (segment, end) = self.check_timed(next.tag, timed, output)?;
         let rest = Vector2::zeros();
         let before = self.in_motion.unwrap_or([start.tool, rest, rest]);
         let begins = tool_motion(&segment.evaluate(0.0)).unwrap_or(before);
         let mut steps = before.iter().zip(&begins).zip(STEP);
         let continues = steps.all(|((before, begins), most)| (begins - before).norm() <= most);
-        if !continues {
+        if !continues || (rests && self.in_motion.is_some()) {
             return Err(refuse(MoveErrorKind::Discontinuous));
         }
-        if output != self.tool_output.output(self.level, 1.0) && self.tool_output.waits() {
-            if self.in_motion.is_some() {
-                return Err(refuse(MoveErrorKind::Discontinuous));
-            }
-            // The arm rests until the tool has settled; then the host offers the move again.
+        let mut extend = |segment, open| {
+            let queued = QueuedSegment {
+                segment,
+                open,
+                limits: Limits::empty(),
+            };
+            controller.lock(|controller| controller.extend_path(snapshot.path_generation, queued));
+        };
+        if rests {
             self.rest_for_tool(next.tool, output, start, next.tag)?;
-            self.end = Some(start);
-            return Err(refuse(MoveErrorKind::Full));
+            if let Some(rest) = self.lookahead.next_segment() {
+                extend(rest, false);
+            }
         }
         self.level = next.tool;
         let open = ends_in_motion(&segment);
-        let queued = QueuedSegment {
-            segment,
-            open,
-            limits: Limits::empty(),
-        };
-        let generation = self.path_generation;
-        controller.lock(|controller| controller.extend_path(generation, queued));
+        extend(segment, open);
         self.in_motion = open.then_some(end);
         self.used_before = 0.0;
         self.end = Some(End {

@@ -1,7 +1,7 @@
 //! Timed moves: followed as they are, or refused with the reason.
 
 use crate::rig::{Rig, settings, with};
-use fivebar_firmware::controller::Request;
+use fivebar_firmware::controller::{QUEUED_SEGMENTS, Request};
 use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::safety::State;
 use fivebar_firmware::settings::ToolOutputSettings;
@@ -174,18 +174,10 @@ fn a_timed_move_waits_for_the_moves_before_it() {
 
 #[test]
 fn a_timed_motion_begins_when_the_tool_has_settled_and_keeps_its_level() {
-    let mut rig = Rig::armed(&with(|settings| {
-        settings.tool_output = ToolOutputSettings::Switch {
-            active_low: false,
-            down_time: 0.05,
-            up_time: 0.05,
-        };
-    }));
+    let mut rig = with_switch();
     let [x, _] = rig.tool_position();
     let motion = pieces(&rig, 0.03, 0.1);
-    // The rest in which the tool goes down takes the queue's place first.
-    let ticks = push_when_free(&mut rig, motion[0]);
-    assert!((1..300).contains(&ticks), "{ticks} ticks");
+    assert_eq!(push(&mut rig, motion[0]), Ok(()));
     assert_eq!(push(&mut rig, motion[1]), Ok(()));
     let up = Move {
         tag: 2,
@@ -198,9 +190,71 @@ fn a_timed_motion_begins_when_the_tool_has_settled_and_keeps_its_level() {
         assert_eq!(push(&mut rig, *piece), Ok(()));
     }
     let moved = |rig: &Rig| (rig.controller.status().reference.expect("armed")[0] - x).abs();
-    rig.run(480 - ticks);
+    rig.run(480);
     assert!(moved(&rig) < 1e-5, "the tool settles");
     rig.run(1100);
     assert!((moved(&rig) - 0.03).abs() < 1e-5);
     assert_eq!(rig.controller.status().fault, None);
+}
+
+/// A switch that needs 50 ms.
+fn with_switch() -> Rig {
+    Rig::armed(&with(|settings| {
+        settings.tool_output = ToolOutputSettings::Switch {
+            active_low: false,
+            down_time: 0.05,
+            up_time: 0.05,
+        };
+    }))
+}
+
+/// The rest for the tool and the move itself are taken together or not at all.
+#[test]
+fn a_timed_move_without_room_for_the_rest_of_its_tool_leaves_no_trace() {
+    let mut rig = with_switch();
+    let motion = pieces(&rig, 0.03, 0.1);
+    let mut still = motion[0];
+    still.law = [0.0; 4];
+    still.duration = 0.01;
+    let up = |kind| Move {
+        tag: 7,
+        tool: 0,
+        kind,
+    };
+    for _ in 0..QUEUED_SEGMENTS - 1 {
+        let rest = up(MoveKind::Timed(still));
+        rig.planner.push(&mut rig.controller, &rest).unwrap();
+    }
+    let before = rig.controller.planning_snapshot();
+    assert_eq!(before.path_room, 1);
+    assert_eq!(push(&mut rig, motion[0]), Err(MoveErrorKind::Full));
+    let after = rig.controller.planning_snapshot();
+    assert_eq!((after.path_room, rig.planner.is_empty()), (1, true));
+    assert_eq!(after.path_left, before.path_left);
+    // With its tool as it is, one place is enough.
+    let next = up(MoveKind::Timed(motion[0]));
+    assert_eq!(rig.planner.push(&mut rig.controller, &next), Ok(()));
+}
+
+/// A line waits for others that go on in its direction. A refused timed move does not end that.
+#[test]
+fn a_timed_move_that_comes_too_soon_leaves_the_waiting_line_as_it_is() {
+    let [mut with, mut without] = [(); 2].map(|()| Rig::armed(&settings()));
+    let motion = pieces(&with, 0.03, 0.1);
+    let [x, y] = with.tool_position();
+    for rig in [&mut with, &mut without] {
+        let to = [x + 0.01, y];
+        rig.push(1, MoveKind::Line { to, feed: 0.1 }).unwrap();
+    }
+    assert_eq!(push(&mut with, motion[0]), Err(MoveErrorKind::Full));
+    for rig in [&mut with, &mut without] {
+        let to = [x + 0.02, y];
+        rig.push(2, MoveKind::Line { to, feed: 0.1 }).unwrap();
+    }
+    for _ in 0..3000 {
+        with.tick();
+        without.tick();
+        let [ours, theirs] = [&with, &without].map(|rig| rig.controller.status());
+        assert_eq!((ours.tag, ours.duty), (theirs.tag, theirs.duty));
+    }
 }

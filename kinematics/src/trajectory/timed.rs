@@ -1,7 +1,8 @@
 //! The check of a segment of motion whose time law was made elsewhere.
 //!
 //! The geometry is proven along its whole length. Speeds, accelerations and torques are those of the
-//! motion itself, at places at most [`INTERVAL`] apart, with friction, and without reserve.
+//! motion itself, with friction and without reserve, at places so near each other that what passes a
+//! limit between them is rounding: at most [`INTERVAL`] and [`TURN`] apart.
 
 use super::curve::Curve;
 use super::envelope::Envelope;
@@ -9,14 +10,19 @@ use super::error::{ConstraintViolation, PathError};
 use super::path_segment::PathSegment;
 use super::reference::Reference;
 use super::trajectory_segment::{PathState, TrajectorySegment};
-use crate::Scalar;
 use crate::control::FrictionCompensation;
 use crate::five_bar::Joint;
+use crate::{PlanarVector, Scalar};
 
 /// The longest time between two places at which the motion is checked [s].
-const INTERVAL: f64 = 1e-3;
-/// The most places between the ends, so the longest such segment lasts 64 ms.
-const PLACES: u32 = 64;
+const INTERVAL: f64 = 2.5e-4;
+/// The greatest turn of the tool's direction between them [rad]. Of what turns with it, the most
+/// between them is greater by an eighth of its square.
+const TURN: f64 = 0.1;
+/// The most places.
+const PLACES: u32 = 320;
+/// The longest such segment [s].
+const LONGEST: f64 = 64e-3;
 
 impl<S: Scalar> Envelope<S> {
     /// Checks a segment along a curve with its time law: the whole way is within the workspace, it
@@ -25,7 +31,8 @@ impl<S: Scalar> Envelope<S> {
     ///
     /// # Errors
     /// The first place found that violates a constraint; [`ConstraintViolation::Limits`] for a
-    /// segment that is no motion along a curve, that goes backward, or that lasts more than 64 ms.
+    /// segment that is no motion along a curve, that goes backward, that lasts more than 64 ms, or
+    /// that turns too much in its time (6 rad in 64 ms, 31 in 1 ms) to be checked in bounded time.
     pub fn check_timed(
         &self,
         segment: &TrajectorySegment<S>,
@@ -41,11 +48,13 @@ impl<S: Scalar> Envelope<S> {
         let Some(way) = way(segment) else {
             return Err(fail(ConstraintViolation::Limits));
         };
+        if duration > S::from_f64(LONGEST) {
+            return Err(fail(ConstraintViolation::Limits));
+        }
         self.verify_path(&way, |_, _| Ok(()))?;
         let mut last = segment.path_state(S::ZERO).s;
         let mut time = S::ZERO;
-        let step = S::from_f64(INTERVAL);
-        for _ in 0..=PLACES {
+        for _ in 0..PLACES {
             let state = if time < duration {
                 segment.path_state(time)
             } else {
@@ -65,7 +74,7 @@ impl<S: Scalar> Envelope<S> {
             if time >= duration {
                 return Ok(reference);
             }
-            time += step;
+            time += step(&reference);
             if time > duration {
                 time = duration;
             }
@@ -119,6 +128,28 @@ impl<S: Scalar> Envelope<S> {
             }
         }
         Ok(())
+    }
+}
+
+/// The time to the next place [s].
+fn step<S: Scalar>(reference: &Reference<S>) -> S {
+    let interval = S::from_f64(INTERVAL);
+    let Reference::Tool {
+        velocity,
+        acceleration,
+        ..
+    } = *reference
+    else {
+        return interval;
+    };
+    // The direction turns at the rate |v × a| / |v|². Near rest that is rounding.
+    let turn = velocity.cross_z(acceleration).abs() * interval;
+    let square = velocity.length_squared();
+    let most = square * S::from_f64(TURN);
+    if square > S::from_f64(1e-6) && turn > most {
+        interval * (most / turn)
+    } else {
+        interval
     }
 }
 

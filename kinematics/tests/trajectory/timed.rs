@@ -94,6 +94,65 @@ fn each_limit_of_each_joint_holds_for_the_motion_itself() {
     }
 }
 
+/// A circle of this radius [m] through the middle.
+fn circle(radius: f64) -> Curve<f64> {
+    Curve::Arc {
+        start: V::new(MIDDLE[0], MIDDLE[1]),
+        tangent: V::new(1.0, 0.0),
+        curvature: 1.0 / radius,
+    }
+}
+
+/// The joints' accelerations and torques are greatest between the places at which they are checked.
+#[test]
+fn what_passes_a_limit_between_two_places_is_rounding() {
+    for (curve, law, duration) in [
+        // The acceleration swings within 4 ms.
+        (line(0.3), [0.0, 0.2, 60.0, -3e4], 0.004),
+        // Up to 1.4 rad in the 0.25 ms between two places.
+        (circle(2e-5), [0.0, 0.11, 0.0, 0.0], 0.004),
+        (circle(3e-4), [0.0, 0.3, 0.0, 0.0], 0.02),
+        (circle(1e-3), [0.0, 0.3, 5.0, 0.0], 0.02),
+    ] {
+        let motion = segment(curve, law, duration);
+        let [_, acceleration, torque] = greatest(&motion);
+        for (number, joint) in [Joint::Joint1, Joint::Joint4].into_iter().enumerate() {
+            let mut limited = envelope::<f64>(5e-5);
+            limited.joint_speed = [1e3; 2];
+            limited.joint_acceleration = [1e9; 2];
+            limited.joint_acceleration[number] = 0.998 * acceleration[number].0;
+            let named = Some(ConstraintViolation::JointAcceleration(joint));
+            assert_eq!(
+                violation(&limited, &motion),
+                named,
+                "{law:?} {acceleration:?}"
+            );
+            limited.joint_acceleration = [1e9; 2];
+            let arm = arm(&limited);
+            let mut limits = [1e6; 2];
+            limits[number] = 0.998 * torque[number].0;
+            let torque = limits;
+            limited.torque = Some(TorqueLimits { arm, torque });
+            let named = Some(ConstraintViolation::MotionTorque(joint));
+            assert_eq!(violation(&limited, &motion), named, "{law:?}");
+        }
+    }
+}
+
+/// 32 rad in all are more than the places allow.
+#[test]
+fn a_motion_that_turns_too_often_to_be_checked_is_refused() {
+    let mut open = envelope::<f64>(5e-5);
+    open.joint_speed = [1e3; 2];
+    open.joint_acceleration = [1e12; 2];
+    for (radius, refused) in [(1.7e-5, false), (1.5e-5, true), (1e-7, true)] {
+        let motion = segment(circle(radius), [0.0, 0.5, 0.0, 0.0], 1e-3);
+        let found = violation(&open, &motion);
+        let expected = refused.then_some(ConstraintViolation::Limits);
+        assert_eq!(found, expected, "{radius} m");
+    }
+}
+
 #[test]
 fn a_violation_is_reported_at_its_place() {
     let motion = segment(line(0.3), [0.0, 0.1, 0.0, 600.0], 0.04);
@@ -105,15 +164,15 @@ fn a_violation_is_reported_at_its_place() {
     let error = check(&limited, &motion).unwrap_err();
     let at = error.fraction * motion.duration();
     assert!((0.005..0.035).contains(&at), "{at} s");
-    // The first of the places, 1 ms apart, at which it is too fast.
+    // The first of the places, 0.25 ms apart, at which it is too fast.
     let speed_at = |time: f64| joints(&limited, &arm(&limited), tool(&motion, time))[0][0].abs();
-    assert!(speed_at(at) > 0.5 * speed && speed_at(at - 1e-3) <= 0.5 * speed);
+    assert!(speed_at(at) > 0.5 * speed && speed_at(at - 2.5e-4) <= 0.5 * speed);
     let (position, ..) = tool(&motion, at);
     assert!((error.point - position).norm() < 1e-12);
     // At the end only, which lies between two of the places.
-    let motion = segment(line(0.3), FASTER, 0.0405);
+    let motion = segment(line(0.3), FASTER, 0.0401);
     let [[(speed, _), _], ..] = greatest(&motion);
-    limited.joint_speed[0] = 0.99 * speed;
+    limited.joint_speed[0] = 0.998 * speed;
     assert_eq!(check(&limited, &motion).unwrap_err().fraction, 1.0);
 }
 

@@ -25,8 +25,8 @@ impl<T> Watched<T> {
         let kinds = moves.iter().map(|next| match next.kind {
             MoveKind::Line { .. } | MoveKind::Arc { .. } => Followed::Path,
             MoveKind::Dwell { .. } => Followed::Dwell,
-            // The limits of the tool apply to neither.
-            MoveKind::Joint { .. } | MoveKind::Timed(_) => Followed::Joint,
+            MoveKind::Joint { .. } => Followed::Joint,
+            MoveKind::Timed(_) => Followed::Timed,
         });
         Self {
             inner,

@@ -139,9 +139,9 @@ impl Path {
         self.output.switch_off();
     }
 
-    /// Whether the queue is full.
-    pub(crate) fn is_full(&self) -> bool {
-        self.queue.is_full()
+    /// The segments for which the queue has room.
+    pub(crate) fn room(&self) -> usize {
+        self.queue.room()
     }
 
     /// Time of all pushed segments that is still ahead, as of the last tick [s].

@@ -104,6 +104,11 @@ impl PathQueue {
         self.pushed.count.wrapping_sub(self.passed) == QUEUED_SEGMENTS as u32
     }
 
+    /// The segments for which there is room.
+    pub(super) fn room(&self) -> usize {
+        QUEUED_SEGMENTS.saturating_sub(self.pushed.count.wrapping_sub(self.passed) as usize)
+    }
+
     /// Whether exactly one segment is committed.
     #[inline(always)]
     pub(super) fn is_last(&self) -> bool {

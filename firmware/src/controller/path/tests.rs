@@ -258,11 +258,11 @@ fn the_time_left_counts_every_pushed_segment_once() {
 #[test]
 fn a_path_is_full_after_as_many_segments_as_it_has_room_for() {
     let mut path = no_path();
-    for _ in 0..QUEUED_SEGMENTS {
-        assert!(!path.is_full());
+    for room in (1..=QUEUED_SEGMENTS).rev() {
+        assert_eq!(path.room(), room);
         path.push(segment(0.0001, true));
     }
-    assert!(path.is_full() && path.is_enough());
+    assert!(path.room() == 0 && path.is_enough());
     let left = path.left();
     path.push(segment(0.0001, true));
     assert_eq!(path.left(), left, "no room for more");

@@ -1,9 +1,11 @@
 //! A session: host, line, controller and arm, one event after the other.
 
+mod events;
+
 use crate::arm::plant;
 use crate::bytes::Bytes;
 use crate::limits::{Followed, Limits};
-use crate::orders::{self, Event};
+use crate::orders;
 use crate::report::Report;
 use crate::rules::{Rules, Violation};
 use crate::samples::Hostile;
@@ -16,9 +18,7 @@ use fivebar_firmware::safety::State;
 use fivebar_firmware::session::{self, Board};
 use fivebar_firmware::settings::CheckedSettings;
 use fivebar_firmware::storage::StorageError;
-use fivebar_firmware::{
-    ActuatorCommand, FULL_TOOL, Move, MoveKind, Planner, Request, SensorSample, Settings,
-};
+use fivebar_firmware::{ActuatorCommand, MoveKind, Planner, Request, SensorSample, Settings};
 use fivebar_plant::Plant;
 
 /// Ticks between two requests of the status.
@@ -59,6 +59,8 @@ pub(crate) struct Session<'b> {
     planner_every: u32,
     /// The kind of each move; tags are its indices.
     kinds: Vec<Followed>,
+    /// Where the last timed move ends that was accepted, if no other move came after it [m].
+    timed_end: Option<orders::Tool>,
     /// The controller's path generation when the planner ran last.
     planned_for: u32,
     outputs: Vec<Output>,
@@ -74,10 +76,7 @@ impl<'b> Session<'b> {
     pub(crate) fn new(bytes: &'b [u8], replace: Option<Vec<bool>>) -> Self {
         let mut bytes = Bytes(bytes);
         let flags = bytes.byte();
-        let settings = Settings {
-            tool_output: orders::tool_output(flags >> 2),
-            ..Settings::BENCHTOP
-        };
+        let settings = orders::settings(flags);
         let checked = settings.check().expect("the benchtop arm's are valid");
         let identity = Identity::new(Kind::Desktop, Reset::Power);
         let mut session = Self {
@@ -95,6 +94,7 @@ impl<'b> Session<'b> {
             hostile: None,
             planner_every: 1,
             kinds: Vec::new(),
+            timed_end: None,
             planned_for: 0,
             outputs: Vec::new(),
             refusals: Vec::new(),
@@ -125,7 +125,8 @@ impl<'b> Session<'b> {
         }
         while !self.bytes.is_empty() && self.report.ticks < longest {
             let tool = self.tool();
-            let event = orders::next(&mut self.bytes, tool, self.controller.settings());
+            let plans = orders::host_plans(self.flags);
+            let event = orders::next(&mut self.bytes, tool, plans, self.controller.settings());
             self.event(event)?;
         }
         // What was accepted is carried out.
@@ -141,77 +142,6 @@ impl<'b> Session<'b> {
     fn tool(&self) -> orders::Tool {
         let status = self.controller.status();
         status.reference.or(status.tool).unwrap_or([0.04, 0.2])
-    }
-
-    fn event(&mut self, event: Event) -> Result<(), Violation> {
-        match event {
-            Event::Command(command) => self.command(command),
-            Event::Move(kind) => {
-                let tag = self.kinds.len() as u32;
-                self.kinds.push(match kind {
-                    MoveKind::Line { .. } | MoveKind::Arc { .. } | MoveKind::Timed(_) => {
-                        Followed::Path
-                    }
-                    MoveKind::Dwell { .. } => Followed::Dwell,
-                    MoveKind::Joint { .. } => Followed::Joint,
-                });
-                // Up, down, and between.
-                let tool = [0, FULL_TOOL, 20_000][tag as usize % 3];
-                self.command(HostCommand::Move(Move { tag, tool, kind }))
-            }
-            Event::Recover => {
-                self.command(HostCommand::Request(Request::ClearFault))?;
-                self.declare_angles()?;
-                self.command(HostCommand::Request(Request::Arm))
-            }
-            Event::Repair => {
-                self.plant = plant(self.flags, START);
-                Ok(())
-            }
-            Event::DeclareAngles => self.declare_angles(),
-            Event::Repeat => {
-                let frame = self.last_frame.clone();
-                self.receive(&frame)
-            }
-            Event::Skip(by) => {
-                self.next.0 = self.next.0.wrapping_add(u16::from(by));
-                Ok(())
-            }
-            Event::Garbage(bytes) => self.receive(&bytes),
-            Event::Corrupt(place) => {
-                self.corrupt = Some(place);
-                Ok(())
-            }
-            Event::Wait(ticks) => self.wait(ticks, true),
-            Event::Silence(ticks) => self.wait(ticks, false),
-            Event::Hostile(hostile, ticks) => {
-                self.hostile = Some((hostile, 0, u32::from(ticks % 16) + 1));
-                self.wait(u16::from(ticks), true)
-            }
-            Event::Fault(kind) => {
-                self.plant.inject(kind);
-                Ok(())
-            }
-            Event::Planner(every) => {
-                self.planner_every = u32::from(every);
-                Ok(())
-            }
-        }
-    }
-
-    fn declare_angles(&mut self) -> Result<(), Violation> {
-        let angles = [0, 1].map(|joint| self.plant.angle(joint) as f32);
-        self.command(HostCommand::Request(Request::SetAngles(angles)))
-    }
-
-    fn wait(&mut self, ticks: u16, polls: bool) -> Result<(), Violation> {
-        for tick in 0..u32::from(ticks) {
-            if polls && tick % POLL == POLL - 1 {
-                self.command(HostCommand::Status)?;
-            }
-            self.tick()?;
-        }
-        Ok(())
     }
 
     /// Sends a command with the next number.
@@ -291,7 +221,12 @@ impl<'b> Session<'b> {
         let column = usize::from(refused);
         self.report.commands[column] += 1;
         match command {
-            HostCommand::Move(_) => self.report.moves[column] += 1,
+            HostCommand::Move(next) => {
+                self.report.moves[column] += 1;
+                if let MoveKind::Timed(_) = next.kind {
+                    self.report.timed[column] += 1;
+                }
+            }
             HostCommand::ApplySettings => self.report.settings[column] += 1,
             _ => {}
         }
