@@ -236,6 +236,11 @@ MISTAKES = [
     ("a reference reported with the bridges off", "controller/report.rs", "self.is_powered().then(|| self.reference_now())", "self.begun.then(|| self.reference_now())"),
     ("an arm held under a fault not watched for its host's silence", "controller/turns.rs", "} else if self.abandoned() {", "} else if self.abandoned() && self.state == State::Armed {"),
     ("joint 4's motor does not cool with the bridges off", "controller/turns.rs", "            0 => self.warm(0),\n            8 => self.warm(1),", "            0 => self.warm(0),\n            8 => self.warm(0),"),
+    ("a timed move may begin with another speed", "planner/timed.rs", ".zip(&begins).zip(STEP);", ".zip(&begins).zip(STEP).take(1);"),
+    ("other moves taken while a timed motion goes on", "planner/timed.rs", "self.in_motion = open.then_some(end);", "self.in_motion = None;"),
+    ("timed moves with half again the torque", "planner/mod.rs", "limits.torque = self.peak_torque;", "limits.torque = self.peak_torque.map(|torque| 1.5 * torque);"),
+    ("a timed motion does not wait for its tool", "planner/timed.rs", "        if rests {\n", "        if rests && snapshot.path_room > 99 {\n"),
+    ("a refused timed move ends the wait of a line", "planner/timed.rs", "        if !self.is_empty() ||", "        self.append_waiting()?;\n        if !self.is_empty() ||"),
 ]
 
 

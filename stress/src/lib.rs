@@ -23,6 +23,7 @@ mod timed;
 
 pub use report::Report;
 pub use rules::Violation;
+pub use timed::timed_run;
 
 use session::Session;
 

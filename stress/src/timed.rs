@@ -68,6 +68,31 @@ enum Mistake {
     Twice,
 }
 
+/// A run of timed moves that `bytes` describe, from rest at `start` [m] to rest: `slower` times as long as
+/// the shortest that the planner takes. Empty where it takes none.
+pub fn timed_run(bytes: &[u8], slower: f32, start: [f32; 2], planner: &Planner) -> Vec<TimedMove> {
+    let run = TimedRun {
+        slower,
+        mistake: Mistake::None,
+        ..TimedRun::from_bytes(&mut Bytes(bytes))
+    };
+    let pieces = run.pieces(start, planner);
+    let is_taken = |&timed: &TimedMove| planner.check(start, &unnamed(timed)).is_ok();
+    if pieces.iter().all(is_taken) {
+        pieces
+    } else {
+        Vec::new()
+    }
+}
+
+fn unnamed(timed: TimedMove) -> Move {
+    Move {
+        tag: 0,
+        tool: 0,
+        kind: MoveKind::Timed(timed),
+    }
+}
+
 impl TimedRun {
     pub(crate) fn from_bytes(bytes: &mut Bytes<'_>) -> Self {
         let direction = bytes.within(-3.2, 3.2);
@@ -119,10 +144,8 @@ impl TimedRun {
     /// The pieces of the run from `start` [m] on. None where the arm takes no such run.
     pub(crate) fn pieces(&self, start: Tool, planner: &Planner) -> Vec<TimedMove> {
         let keeps_limits = |time: f32| {
-            self.exact(start, time).iter().all(|&timed| {
-                let (tag, tool, kind) = (0, 0, MoveKind::Timed(timed));
-                planner.check(start, &Move { tag, tool, kind }).is_ok()
-            })
+            let mut pieces = self.exact(start, time).into_iter();
+            pieces.all(|timed| planner.check(start, &unnamed(timed)).is_ok())
         };
         // Of a slow run only the way matters; each step halves the range of the logarithm.
         let (mut short, mut long) = (0.005, 1.0_f32);

@@ -6,6 +6,9 @@ use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::safety::State;
 use fivebar_firmware::settings::ToolOutputSettings;
 use fivebar_firmware::{Move, MoveKind, TimedCurve, TimedMove};
+use fivebar_kinematics::control::FrictionCompensation;
+use fivebar_kinematics::trajectory::TimeLaw;
+use nalgebra::Vector2;
 
 /// Pieces of a straight motion of `way` [m] to the right, from rest to rest: the jerk is +j, −j, −j, +j.
 fn pieces(rig: &Rig, way: f32, duration: f32) -> Vec<TimedMove> {
@@ -29,6 +32,14 @@ fn pieces(rig: &Rig, way: f32, duration: f32) -> Vec<TimedMove> {
             piece
         })
         .to_vec()
+}
+
+fn timed(piece: TimedMove) -> Move {
+    Move {
+        tag: 1,
+        tool: 0,
+        kind: MoveKind::Timed(piece),
+    }
 }
 
 fn push(rig: &mut Rig, piece: TimedMove) -> Result<(), MoveErrorKind> {
@@ -74,6 +85,14 @@ fn a_piece_that_does_not_go_on_where_the_last_one_ends_is_refused() {
         let mut other = motion[1];
         other.law[value] += most;
         assert_eq!(push(&mut rig, other), Err(MoveErrorKind::Discontinuous));
+    }
+    for (length, taken) in [(1.0002, false), (1.00005, true)] {
+        let mut other = motion[1];
+        let TimedCurve::Line { tangent, .. } = &mut other.curve else {
+            panic!("a line");
+        };
+        tangent[0] = length;
+        assert_eq!(rig.planner.check([0.0; 2], &timed(other)).is_ok(), taken);
     }
     // Other moves wait until the motion has come to rest.
     let to = rig.tool_position();
@@ -195,6 +214,58 @@ fn a_timed_motion_begins_when_the_tool_has_settled_and_keeps_its_level() {
     rig.run(1100);
     assert!((moved(&rig) - 0.03).abs() < 1e-5);
     assert_eq!(rig.controller.status().fault, None);
+}
+
+/// The fastest motion that is taken needs all of a joint's torque, and no more.
+#[test]
+fn a_timed_motion_may_use_all_of_the_torque_and_no_more() {
+    let rig = Rig::armed(&settings());
+    let start = rig.tool_position();
+    let is_taken = |duration: f32| {
+        let mut pieces = pieces(&rig, 0.03, duration).into_iter();
+        pieces.all(|piece| rig.planner.check(start, &timed(piece)).is_ok())
+    };
+    let (mut short, mut long) = (0.01_f32, 0.2);
+    for _ in 0..20 {
+        let middle = 0.5 * (short + long);
+        *(if is_taken(middle) {
+            &mut long
+        } else {
+            &mut short
+        }) = middle;
+    }
+    let settings = settings().check().unwrap();
+    let (arm, tool) = (settings.arm(), settings.tool());
+    let mut most = 0.0_f32;
+    for piece in pieces(&rig, 0.03, long) {
+        let [s, s_dot, s_ddot, jerk] = piece.law;
+        let law = TimeLaw::new(s, s_dot, s_ddot, jerk);
+        for step in 0..=100 {
+            let now = law.at(piece.duration * step as f32 / 100.0);
+            let right = |length: f32| Vector2::new(length, 0.0);
+            let at = Vector2::from(start) + right(now.s);
+            let pose = tool.inverse(at, settings.working_mode()).unwrap();
+            let velocities = tool.inverse_velocities(&pose, right(now.s_dot)).unwrap();
+            let accelerations = tool
+                .inverse_accelerations(&pose, &velocities, right(now.s_ddot))
+                .unwrap();
+            let torque = arm
+                .inverse_dynamics(&pose, &velocities, &accelerations, right(0.0))
+                .unwrap();
+            let [speed1, _, _, speed4] = velocities.omega;
+            for (joint, speed) in [speed1, speed4].into_iter().enumerate() {
+                let axis = &settings.axes[joint];
+                let friction = FrictionCompensation::new(
+                    axis.viscous_friction,
+                    axis.coulomb_friction,
+                    settings.control.friction_smoothing,
+                );
+                let torque = torque[joint] + friction.torque(speed);
+                most = most.max(torque.abs() / settings.peak_torque()[joint]);
+            }
+        }
+    }
+    assert!((0.99..1.002).contains(&most), "{most}");
 }
 
 /// A switch that needs 50 ms.

@@ -8,7 +8,7 @@ use crate::rules::Violation;
 use crate::timed::TimedRun;
 use fivebar_firmware::protocol::HostCommand;
 use fivebar_firmware::safety::State;
-use fivebar_firmware::{FULL_TOOL, Move, MoveKind, Request};
+use fivebar_firmware::{FULL_TOOL, Move, MoveKind, Planner, Request};
 
 /// Ticks after which a move is offered again.
 const AGAIN: u16 = 20;
@@ -99,8 +99,10 @@ impl Session<'_> {
     /// Sends a run of timed moves from where the arm comes to rest, or where the last run ends.
     fn timed_run(&mut self, run: &TimedRun) -> Result<(), Violation> {
         let mut patience = run.patience;
-        let rests = |session: &Self| {
-            session.planner.is_empty() && session.controller.state() != State::Running
+        let rests = |session: &Self| match session.controller.state() {
+            State::Running => false,
+            State::Armed => !session.planner_is_current() || session.planner.is_empty(),
+            _ => true,
         };
         while patience > 0 && !rests(self) {
             patience = patience.saturating_sub(AGAIN);
@@ -112,7 +114,10 @@ impl Session<'_> {
             let state = session.controller.state();
             matches!(state, State::Armed | State::Running)
         };
-        let pieces = run.pieces(start, &self.planner);
+        // The session's own planner may have a working mode of which a refused move has told it.
+        let settings = self.controller.settings().check();
+        let planner = Planner::new(&settings.expect("settings in use are valid"));
+        let pieces = run.pieces(start, &planner);
         for piece in pieces.into_iter().take(run.sent) {
             while !self.send_move(run.tool, MoveKind::Timed(piece))? {
                 if patience == 0 || rests(self) || !follows(self) {

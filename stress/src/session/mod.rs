@@ -265,11 +265,16 @@ impl<'b> Session<'b> {
     /// All that an order could change, as text: `Debug` writes every bit of a number.
     fn trace(&self) -> String {
         let snapshot = self.controller.planning_snapshot();
-        // A planner whose path was dropped finds that out when it runs or gets a move.
-        let is_current = snapshot.path_generation == self.planned_for
-            && matches!(snapshot.state, State::Armed | State::Running);
+        let is_current =
+            self.planner_is_current() && matches!(snapshot.state, State::Armed | State::Running);
         let queue = is_current.then(|| (self.planner.free_slots(), self.planner.is_empty()));
         format!("{:?} {snapshot:?} {queue:?}", self.controller.status())
+    }
+
+    /// Whether the planner knows of the path that the controller follows: of a dropped one it learns
+    /// when it runs or gets a move.
+    fn planner_is_current(&self) -> bool {
+        self.controller.planning_snapshot().path_generation == self.planned_for
     }
 
     fn tick(&mut self) -> Result<(), Violation> {

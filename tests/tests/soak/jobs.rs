@@ -87,6 +87,19 @@ fn moves(robot: &Robot, random: &mut Rand64) -> Vec<Move> {
     let mut tool = start;
     let mut moves: Vec<Move> = Vec::new();
     for _ in 0..TRIED {
+        // The arm begins some micrometres beside its home, so a timed motion is never the first.
+        let is_at_tool = moves
+            .iter()
+            .any(|before| !matches!(before.kind, MoveKind::Dwell { .. }));
+        if is_at_tool && random.rand_range(0..8) == 0 {
+            let bytes: Vec<u8> = (0..40).map(|_| random.rand_range(0..256) as u8).collect();
+            let slower = between(random, 1.3, 3.0) as f32;
+            for timed in fivebar_stress::timed_run(&bytes, slower, tool, &planner) {
+                let (tag, kind) = (moves.len() as u32, MoveKind::Timed(timed));
+                moves.push(Move { tag, tool: 0, kind });
+                tool = timed.end();
+            }
+        }
         let mut near = |reach: f32| between(random, f64::from(-reach), f64::from(reach)) as f32;
         let to = [best_x as f32 + near(size), best_y as f32 + near(size)];
         let aside = near(2.0);

@@ -151,7 +151,7 @@ fn the_time_left_is_that_of_the_segments_after_any_number_of_them() {
     let mut path = dwell(0.01);
     let mut segments = [0.000_31_f32, 0.0117, 0.0008, 0.0042].into_iter().cycle();
     for _ in 0..200_000 {
-        while path.left() < 0.05 && !path.is_full() {
+        while path.left() < 0.05 && path.room() > 0 {
             let segment = dwell(segments.next().expect("endless"))
                 .queue
                 .first()
