@@ -196,3 +196,34 @@ fn a_drawing_is_moved_scaled_and_turned_about_a_point_and_checked_there() {
         message["job"]["refusal"].as_str().map(str::to_owned)
     });
 }
+
+#[test]
+fn the_working_mode_changes_through_a_stretched_leg_and_back() {
+    let server = Server::start(&[]);
+    let mut page = server.page();
+    page.take_control_and_arm();
+    // From here leg 1 can be stretched, and the elbows cannot point inwards.
+    page.send(&json!({ "follow": [-0.04, 0.18] }));
+    let both = page.state("the ways", |state| {
+        let there = number(&state["tool"][0]) < -0.0395;
+        there
+            && state["modes"]
+                .as_array()
+                .is_some_and(|modes| modes.len() == 2)
+    });
+    let place = [0, 1].map(|axis| number(&both["tool"][axis]));
+    let modes = both["modes"].as_array().expect("modes").clone();
+    let (own, other) = (both["elbows"].clone(), json!(["left", "left"]));
+    assert!(modes.contains(&own) && modes.contains(&other), "{modes:?}");
+    page.send(&json!({ "mode": ["left", "right"] }));
+    notice(&mut page, "With elbow 1 left and elbow 4 right");
+    for mode in [other, own] {
+        page.send(&json!({ "mode": mode }));
+        let changed = page.state("the mode", |state| {
+            state["elbows"] == mode && state["state"] == "Armed" && !state["modes"].is_null()
+        });
+        for (axis, at) in place.iter().enumerate() {
+            assert!((number(&changed["tool"][axis]) - at).abs() < 2e-4);
+        }
+    }
+}

@@ -9,6 +9,7 @@ use super::command_error::sentence;
 use super::job_thread::JobThread;
 use super::lease::PageId;
 use super::message::{FaultMessage, ServerMessage, StateMessage, brief};
+use super::mode_thread::ModeThread;
 use super::move_feeder::{JobStatus, MoveFeeder};
 use super::pace::SpeedMeter;
 use super::parsed_job::ParsedJob;
@@ -55,6 +56,9 @@ pub(super) struct ControllerThread {
     /// The fault last sent to all pages, or that there is none; `None` before the first.
     sent_fault: Option<Option<Fault>>,
     pub(super) jobs: JobThread,
+    pub(super) modes: ModeThread,
+    /// The page that wants another working mode as soon as the arm rests, and its elbows.
+    pub(super) mode_wanted: Option<(PageId, [Side; 2])>,
     pub(super) loaded: Option<LoadedJob>,
     /// The page that wants the job to run from this line as soon as it is read and checked.
     pub(super) run_asked_by: Option<(PageId, u32)>,
@@ -100,6 +104,8 @@ impl ControllerThread {
             notes,
             pages,
             jobs: JobThread::start(robot, preview.clone(), planner),
+            modes: ModeThread::start(preview.clone()),
+            mode_wanted: None,
             preview,
             controlled_by: None,
             feeder: MoveFeeder::default(),
@@ -125,6 +131,7 @@ impl ControllerThread {
     fn cycle(&mut self) -> Result<(), LinkError> {
         self.handle_events()?;
         self.take_prepared_job();
+        self.change_mode_if_wanted();
         let admits = self.rests() && !self.feeder.is_running();
         if self.machine.serve_seat(admits)? {
             let status = self.machine.status;
@@ -188,6 +195,7 @@ impl ControllerThread {
                 self.report_job(JobStatus::Held);
             }
             self.run_asked_by = None;
+            self.mode_wanted = None;
             let answer = self
                 .machine
                 .client
@@ -206,6 +214,7 @@ impl ControllerThread {
         if holder != self.controlled_by {
             self.controlled_by = holder;
             self.run_asked_by = None;
+            self.mode_wanted = None;
             if self.runs_on() {
                 self.feeder.drop_target();
             } else {
@@ -348,6 +357,7 @@ impl ControllerThread {
             speed: self.speed.at(time, now),
             joints: pose.map(|pose| [pose.b, pose.c, pose.d].map(|point| [point.x, point.y])),
             elbows: pose.map(|pose| self.preview.elbows(&pose)),
+            modes: self.modes.reachable(),
             trail: &self.trail,
             sender: self.machine.is_taken(),
             control: lease.holder(),

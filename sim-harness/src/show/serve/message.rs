@@ -145,7 +145,7 @@ pub(super) enum ServerMessage<'a> {
 }
 
 /// The state of the controller and its job.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub(super) struct StateMessage<'a> {
     #[serde(flatten)]
     pub(super) status: &'a Status,
@@ -157,6 +157,9 @@ pub(super) struct StateMessage<'a> {
     pub(super) joints: Option<[[f32; 2]; 3]>,
     /// The arm's working mode; none until the arm is homed.
     pub(super) elbows: Option<[Side; 2]>,
+    /// The working modes to which the arm can change from where it rests; none while it moves and
+    /// until the ways are planned.
+    pub(super) modes: Option<Vec<[Side; 2]>>,
     /// Where the tool was since the state before [m], and its level there.
     pub(super) trail: &'a [[f32; 3]],
     /// Whether a sender of G-code is in control; pages watch then.
@@ -270,6 +273,7 @@ mod tests {
             speed: None,
             joints: None,
             elbows: None,
+            modes: None,
             trail: &[],
             sender: false,
             control: None,

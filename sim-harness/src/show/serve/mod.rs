@@ -8,9 +8,9 @@
 //! the controller only while the page in control shows signs of life. Otherwise the
 //! controller's command timeout brings the arm to rest.
 //!
-//! Three threads share the work, so that none delays a stop: the web server's, in which no
-//! message takes long; the controller's, which waits for the controller only; and one that reads
-//! and checks jobs. Stops and signs of life pass from the first to the second through atomic
+//! Four threads share the work, so that none delays a stop: the web server's, in which no
+//! message takes long; the controller's, which waits for the controller only; one that reads
+//! and checks jobs, and one that plans changes of the working mode. Stops and signs of life pass from the first to the second through atomic
 //! numbers, past the queue of requests.
 //!
 //! | module | content |
@@ -21,6 +21,7 @@
 //! | `controller_thread`, `move_feeder` | the exchange with the controller; the moves that wait |
 //! | `requests`, `job_requests`, `command_error` | what each request of a page does; refusals as sentences |
 //! | `job_thread`, `parsed_job` | the thread that reads, checks and plans jobs; a job |
+//! | `mode_thread` | the thread that plans changes of the working mode |
 //! | `preview`, `strokes` | the arm and its jobs as lines to draw |
 //! | `stop_signal` | stops, on a path past every queue |
 //! | `lease` | which page is in control, and whether it is alive |
@@ -45,6 +46,7 @@ mod job_thread;
 mod lease;
 mod maps;
 mod message;
+mod mode_thread;
 mod move_feeder;
 mod pace;
 mod parsed_job;

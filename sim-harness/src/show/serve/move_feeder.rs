@@ -4,6 +4,7 @@ use super::parsed_job::ParsedJob;
 use crate::show::path_queue::{PathQueue, Shares};
 use fivebar_firmware::safety::State;
 use fivebar_firmware::{Move, MoveKind, Status};
+use std::collections::VecDeque;
 use std::sync::Arc;
 
 /// Moves of the job that wait in the queue.
@@ -18,8 +19,8 @@ pub(super) struct MoveFeeder {
     job: Option<RunningJob>,
     /// Its moves on their way. Their own tags are their numbers in the job, from 1.
     path: PathQueue,
-    /// The next target; it is sent as soon as the queue is nearly empty.
-    target: Option<MoveKind>,
+    /// The moves to the next target; they are sent as soon as the queue is nearly empty.
+    target: VecDeque<MoveKind>,
     /// The end of the last accepted target; none: the arm's present reference.
     end: Option<MoveEnd>,
     /// How many moves the controller's empty queue takes.
@@ -151,7 +152,7 @@ impl MoveFeeder {
 
     /// Starts a job at the move with this index. `way` leads to its start with the tool up.
     pub(super) fn run(&mut self, job: Arc<ParsedJob>, index: usize, way: Option<MoveKind>) {
-        self.target = None;
+        self.target.clear();
         self.path.clear();
         if let Some(kind) = way {
             let tag = index as u32 + 1;
@@ -170,7 +171,7 @@ impl MoveFeeder {
 
     /// Goes on with the job that was stopped. `way` leads to its place with the tool up.
     pub(super) fn resume(&mut self, way: Option<MoveKind>) {
-        self.target = None;
+        self.target.clear();
         if let Some(run) = &mut self.job
             && let Some(place) = run.place
         {
@@ -197,12 +198,22 @@ impl MoveFeeder {
 
     /// Replaces a target that the controller has not accepted yet.
     pub(super) fn set_target(&mut self, target: MoveKind) {
-        self.target = Some(target);
+        self.set_way([target]);
+    }
+
+    /// Replaces a target that the controller has not accepted yet by several moves to one.
+    pub(super) fn set_way(&mut self, moves: impl IntoIterator<Item = MoveKind>) {
+        self.target = moves.into_iter().collect();
+    }
+
+    /// Whether no target waits, and the arm is where the last one led.
+    pub(super) fn has_no_target(&self) -> bool {
+        self.target.is_empty() && self.end.is_none()
     }
 
     /// The point at which the next move begins; none: the arm's present reference.
     pub(super) fn end(&self) -> Option<MoveEnd> {
-        self.target.as_ref().and_then(MoveEnd::of).or(self.end)
+        self.target.back().and_then(MoveEnd::of).or(self.end)
     }
 
     /// Drops the target, and stops the job at its place.
@@ -222,7 +233,7 @@ impl MoveFeeder {
     }
 
     pub(super) fn drop_target(&mut self) {
-        self.target = None;
+        self.target.clear();
         self.end = None;
     }
 
@@ -294,7 +305,7 @@ impl MoveFeeder {
             return self.path.next().filter(|_| room > 0);
         }
         // A target waits until the queue is nearly empty, so that the latest one is sent.
-        let kind = self.target.filter(|_| room + 1 >= self.empty)?;
+        let kind = *self.target.front().filter(|_| room + 1 >= self.empty)?;
         let (tag, tool) = (0, 0);
         Some(Move { tag, tool, kind })
     }
@@ -305,7 +316,7 @@ impl MoveFeeder {
             self.path.accept();
             self.fill();
         } else {
-            self.target = None;
+            self.target.pop_front();
         }
         self.end = MoveEnd::of(&next.kind).or(self.end);
         self.idle_since = None;

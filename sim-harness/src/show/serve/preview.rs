@@ -21,6 +21,14 @@ pub(super) struct JobStart {
 }
 
 impl JobStart {
+    /// An arm in this working mode, with its tool anywhere.
+    pub(super) fn in_mode(elbows: [Side; 2]) -> Self {
+        Self {
+            tool: None,
+            elbows: Some(elbows),
+        }
+    }
+
     /// Whether the tool's position is known.
     pub(super) fn is_known(&self) -> bool {
         self.tool.is_some()

@@ -4,12 +4,14 @@ use super::channels::{Event, EventKind, Page};
 use super::command_error::sentence;
 use super::controller_thread::ControllerThread;
 use super::job_thread::JobSource;
+use super::lease::PageId;
 use super::message::{ClientRequest, ControllerRequest, DrivenJoint};
 use super::move_feeder::{MoveEnd, takes_moves};
 use super::preview::nearest;
 use super::stop_signal::Stop;
 use crate::run::link::LinkError;
 use fivebar_firmware::protocol::HostCommand;
+use fivebar_firmware::safety::State;
 use fivebar_firmware::{MoveKind, Request};
 use fivebar_kinematics::five_bar::Side;
 use std::time::Instant;
@@ -149,7 +151,10 @@ impl ControllerThread {
                 self.move_joint(joint, |angle| angle + single(by))
             }
             ClientRequest::Turn { joint, to } => self.move_joint(joint, |_| single(to)),
-            ClientRequest::Mode(elbows) => self.change_mode(elbows),
+            ClientRequest::Mode(elbows) => {
+                self.change_mode(page.id, elbows);
+                Ok(())
+            }
         }
     }
 
@@ -221,16 +226,42 @@ impl ControllerThread {
         Ok(())
     }
 
-    fn change_mode(&mut self, elbows: [Side; 2]) -> Result<(), Refused> {
-        let tool = self.tool_end();
-        let angles = tool
-            .and_then(|tool| self.preview.joints(tool, elbows))
-            .ok_or(
-                "With these elbows the tool cannot be at this position on the present assembly \
-                 mode: move the tool first.",
-            )?;
-        self.move_joints(angles);
-        Ok(())
+    /// Remembers the working mode that a page wants until the arm rests and its way is planned.
+    fn change_mode(&mut self, page: PageId, elbows: [Side; 2]) {
+        self.mode_wanted = Some((page, elbows));
+    }
+
+    /// Has the ways to other working modes planned where the arm rests, and goes the one that a page
+    /// wants.
+    pub(super) fn change_mode_if_wanted(&mut self) {
+        let status = &self.machine.status;
+        let rests = status.state == State::Armed && self.feeder.has_no_target();
+        let pose = self
+            .preview
+            .start(status)
+            .elbows
+            .zip(status.joint_reference);
+        let pose = pose.filter(|_| rests && !self.feeder.is_running());
+        self.modes
+            .look(pose.map(|(elbows, joints)| (joints.angle, elbows)));
+        let Some((page, elbows)) = self.mode_wanted else {
+            return;
+        };
+        if !takes_moves(self.machine.status.state) || self.feeder.is_running() {
+            self.mode_wanted = None;
+            return;
+        }
+        match self.modes.way(elbows) {
+            None => return,
+            Some(Ok(corners)) => {
+                let speed = JOINT_SPEED;
+                let moves = corners.into_iter();
+                self.feeder
+                    .set_way(moves.map(|to| MoveKind::Joint { to, speed }));
+            }
+            Some(Err(why)) => self.refuse(Some(page), why),
+        }
+        self.mode_wanted = None;
     }
 
     fn move_joints(&mut self, angles: [f32; 2]) {

@@ -82,6 +82,9 @@ function showState(state) {
     elbows = String(state.elbows);
     chooseBranch(elbows);
   }
+  for (const option of at("mode").options) {
+    option.disabled = state.modes !== null && !state.modes.some((mode) => String(mode) === option.value);
+  }
   at("run-on").checked = state.run_on;
   if (document.activeElement !== at("feed")) at("feed").value = String(Math.round(100 * state.feed) / 100);
   const error = state.tool && state.reference
