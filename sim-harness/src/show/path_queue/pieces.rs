@@ -8,8 +8,10 @@ use std::f64::consts::{PI, TAU};
 pub(super) const NEGLIGIBLE: f64 = 1e-6;
 /// A move that takes longer than this at its feed rate is given in pieces [s].
 const LONG: f64 = 1.0;
-/// The longest time that a piece of it takes [s].
+/// The longest time that a piece of it takes [s], unless that makes too many pieces.
 const PIECE: f64 = 0.5;
+/// The most pieces of a move: however slow it is, it must not fill the memory.
+const MOST: f64 = 1000.0;
 
 /// What remains of a move from a place on it [m]. Beside an arc, where a corner was rounded, the
 /// arc is reached by a straight line.
@@ -72,7 +74,7 @@ pub(in crate::show) fn divided(from: Option<[f64; 2]>, moves: &[Move]) -> Vec<Mo
 fn divide(start: [f64; 2], next: &Move, all: &mut Vec<Move>) {
     let time = duration(Some(start.map(|value| value as f32)), next);
     let pieces = if time > LONG {
-        (time / PIECE).ceil()
+        (time / PIECE).ceil().min(MOST)
     } else {
         1.0
     };

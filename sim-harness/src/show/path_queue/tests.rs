@@ -191,3 +191,15 @@ fn rapid_moves_and_the_tools_power_have_shares_of_their_own() {
     });
     assert_eq!(queue.next().unwrap().tool, FULL_TOOL);
 }
+
+#[test]
+fn the_slowest_moves_are_divided_into_few_pieces() {
+    for feed in [1e-6, 1e-30] {
+        let to = [0.1, 0.0];
+        let slow = Move {
+            kind: MoveKind::Line { to, feed },
+            ..line(to)
+        };
+        assert_eq!(divided(Some([0.0; 2]), &[slow]).len(), 1000);
+    }
+}

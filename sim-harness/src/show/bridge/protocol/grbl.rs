@@ -1,6 +1,7 @@
 //! The words of Grbl 1.1.
 
 use super::engine::{Engine, MachineState, Order, Refusal, Response, View};
+use super::splitter::{at_once, command as words};
 use crate::input::job::Dialect;
 use std::fmt::Write as _;
 
@@ -54,6 +55,10 @@ pub(super) fn place(point: [f64; 2]) -> String {
 impl Engine {
     pub(super) fn grbl(&mut self, text: &str, view: &View) -> Result<Response, Refusal> {
         let Some(command) = text.strip_prefix('$') else {
+            // It has taken effect when it was received.
+            if at_once(&words(text)).is_some() {
+                return Ok(Response::new(String::new(), Vec::new()));
+            }
             return self.gcode(Dialect::Grbl, text, view);
         };
         let command: String = command.split_whitespace().collect();

@@ -1,7 +1,7 @@
 //! The words of RepRap: line numbers, checksums, reports.
 
 use super::engine::{Engine, Order, Refusal, Response, View};
-use super::splitter::command;
+use super::splitter::{at_once, command, is};
 use crate::input::job::Dialect;
 
 pub(super) fn greeting() -> String {
@@ -16,7 +16,8 @@ fn numbered(text: &str) -> Result<(Option<i64>, &str), &'static str> {
     let digits = rest
         .find(|c: char| !(c.is_ascii_digit() || c == '-'))
         .unwrap_or(rest.len());
-    let number = rest[..digits].parse().map_err(|_| "no line number")?;
+    // Of 32 bits, so that there is always a next number.
+    let number: i32 = rest[..digits].parse().map_err(|_| "no line number")?;
     let Some((summed, stated)) = text.rsplit_once('*') else {
         return Err("No Checksum with line number");
     };
@@ -24,7 +25,7 @@ fn numbered(text: &str) -> Result<(Option<i64>, &str), &'static str> {
     if stated.trim().parse() != Ok(found) {
         return Err("checksum mismatch");
     }
-    Ok((Some(number), summed[1 + digits..].trim()))
+    Ok((Some(number.into()), summed[1 + digits..].trim()))
 }
 
 /// The line without a feed rate of zero, which senders write where they know none: it changes
@@ -38,12 +39,13 @@ fn without_zero_feed(text: &str) -> String {
     words.join(" ")
 }
 
-/// The number after a letter.
+/// The number after a letter, of 32 bits.
 fn value(text: &str, letter: char) -> Option<i64> {
     let upper = text.to_uppercase();
     let (_, after) = upper.split_once(letter)?;
     let end = after.find(|c: char| !(c.is_ascii_digit() || c == '-'));
-    after[..end.unwrap_or(after.len())].parse().ok()
+    let number: i32 = after[..end.unwrap_or(after.len())].parse().ok()?;
+    Some(number.into())
 }
 
 impl Engine {
@@ -53,10 +55,7 @@ impl Engine {
             Err(why) => return Ok(self.again(why)),
         };
         let words = command(text);
-        let is = |name: &str| {
-            let rest = words.strip_prefix(name);
-            rest.is_some_and(|rest| !rest.starts_with(|c: char| c.is_ascii_digit()))
-        };
+        let is = |name| is(&words, name);
         if is("M110") {
             self.last_line = value(&words[4..], 'N').or(number).or(Some(0));
             return Ok(Response::new(String::new(), Vec::new()));
@@ -88,7 +87,7 @@ impl Engine {
                 Vec::new(),
             ),
             // They have taken effect when they were received.
-            _ if is("M108") || is("M112") || is("M220") => done("", Vec::new()),
+            _ if at_once(&words).is_some() => done("", Vec::new()),
             _ if is("M400") => done("", vec![Order::Finish]),
             _ if is("M999") => done("", vec![Order::Unlock]),
             _ if is("M18") || is("M84") => done("", vec![Order::Finish, Order::Disarm]),

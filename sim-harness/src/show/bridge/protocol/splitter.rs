@@ -132,20 +132,12 @@ impl Splitter {
             return (Some(Input::Web), None);
         }
         let command = command(&text);
-        let is = |name: &str| {
-            let rest = command.strip_prefix(name);
-            rest.is_some_and(|rest| !rest.starts_with(|c: char| c.is_ascii_digit()))
-        };
+        let is = |name| is(&command, name);
         let is_numbered = text.starts_with(['N', 'n']) && text.contains('*');
         if !self.is_fixed && (is_numbered || ["M105", "M110", "M115"].into_iter().any(is)) {
             self.dialect = Dialect::RepRap;
         }
-        let at_once = match self.dialect {
-            _ if is("M112") => Some(RealTime::Emergency),
-            _ if is("M108") => Some(RealTime::Resume),
-            _ if is("M220") => value(&command, 'S').map(RealTime::Speed),
-            _ => None,
-        };
+        let at_once = at_once(&command);
         let line = Input::Line(Line {
             dialect: self.dialect,
             text,
@@ -156,6 +148,22 @@ impl Splitter {
             None => (Some(line), None),
         }
     }
+}
+
+/// What a command in words asks for at once; none if it waits for the lines before it.
+pub(super) fn at_once(command: &str) -> Option<RealTime> {
+    match command {
+        _ if is(command, "M112") => Some(RealTime::Emergency),
+        _ if is(command, "M108") => Some(RealTime::Resume),
+        _ if is(command, "M220") => value(command, 'S').map(RealTime::Speed),
+        _ => None,
+    }
+}
+
+/// Whether a command is this M code.
+pub(super) fn is(command: &str, name: &str) -> bool {
+    let rest = command.strip_prefix(name);
+    rest.is_some_and(|rest| !rest.starts_with(|c: char| c.is_ascii_digit()))
 }
 
 /// The whole number after a letter, without what follows it.

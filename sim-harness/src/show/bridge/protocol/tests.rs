@@ -306,3 +306,25 @@ fn a_line_that_is_too_long_is_refused_as_a_whole() {
     let commented = format!("G1 X41 F100 ;{}", "-".repeat(900));
     assert!(ask(&mut engine, &commented, &view()).is_ok());
 }
+
+#[test]
+fn every_line_number_has_a_next_one() {
+    let mut engine = engine();
+    for number in [i64::MAX, i64::from(i32::MAX)] {
+        let _ = ask(&mut engine, &numbered(number, "M110"), &view());
+        let response = ask(&mut engine, &numbered(number, "G91"), &view()).unwrap();
+        assert!(response.text.contains("Resend"), "{response:?}");
+    }
+}
+
+#[test]
+fn what_is_done_at_once_is_answered_without_a_note() {
+    for line in ["M112", "M108", "M220 S50"] {
+        let line = Line {
+            dialect: Dialect::Grbl,
+            text: line.into(),
+            length: 9,
+        };
+        assert_eq!(engine().line(&line, &view()).unwrap().text, "");
+    }
+}
