@@ -20,6 +20,8 @@ pub struct CrossingConditions {
     pub drag: f64,
     /// |sin(θ3−θ2)| below which the drag acts; none: everywhere.
     pub drag_below: Option<f64>,
+    /// Whether the encoders show the cranks' angles exactly; else in whole counts.
+    pub exact_angles: bool,
 }
 
 /// How a crossing went.
@@ -99,8 +101,11 @@ pub fn follow(
         let measured = cranks(&state);
         let at = *control.setpoint(tick);
         for j in 0..2 {
-            let counted = (measured[j] / count[j]).round() * count[j];
-            observer.update(&mut estimates[j], counted, at.alpha[j]);
+            let shown = match conditions.exact_angles {
+                true => measured[j],
+                false => (measured[j] / count[j]).round() * count[j],
+            };
+            observer.update(&mut estimates[j], shown, at.alpha[j]);
         }
         let (theta, omega) = (
             estimates.map(|estimate| estimate.angle),

@@ -69,6 +69,33 @@ fn the_plan_s_torque_is_continuous_through_the_singularity() {
     }
 }
 
+/// With exact angles, because with whole counts the torque steps with each count.
+#[test]
+fn the_applied_torque_is_continuous_through_the_singularity() {
+    for name in ["short", "pinched"] {
+        let case = case(name);
+        let robot = allowed(&case);
+        let ends = [pair(&case["start"]), pair(&case["end"])];
+        let task = task(&robot, ends, number(&case["tf"])).unwrap();
+        let plan = task.plan().unwrap();
+        for mismatch in [Mismatch::NONE, Mismatch::default()] {
+            let conditions = CrossingConditions {
+                mismatch,
+                exact_angles: true,
+                ..CrossingConditions::default()
+            };
+            let run = follow(&robot, &task, &plan, &conditions).unwrap();
+            let at = (plan.t_c / 1e-4).round() as usize;
+            for tick in at - 20..at + 20 {
+                for j in 0..2 {
+                    let step = (run.torque[tick + 1][j] - run.torque[tick - 1][j]).abs();
+                    assert!(step < 1e-3, "{name}: {step} N·m at {tick}");
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn a_hundred_random_arms_cross() {
     let mut random = Rand64::new(17);
@@ -119,6 +146,7 @@ fn a_stuck_arm_loses_its_torque_in_the_stated_time() {
             mismatch: Mismatch::default(),
             drag,
             drag_below,
+            exact_angles: false,
         };
         crossed(&case, &robot, time, &conditions)
     };
