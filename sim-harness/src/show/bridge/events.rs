@@ -89,8 +89,8 @@ impl Machine<'_> {
                 self.stop_and_drop()?;
             }
             Event::Input(Input::Line(line)) => {
-                if let Some(sender) = &mut self.sender {
-                    sender.push(line);
+                if self.sender.as_mut().is_some_and(|sender| sender.push(line)) {
+                    (self.note)("the sender waits for no answers and is disconnected");
                 }
             }
             Event::Input(Input::RealTime(command)) => self.at_once(command)?,

@@ -38,14 +38,18 @@ impl Sender {
         }
     }
 
-    /// Adds a line to those that wait. A sender of far too many is disconnected.
-    pub(super) fn push(&mut self, line: Line) {
+    /// Adds a line to those that wait. A sender of far too many is disconnected; returns whether this
+    /// line is the one too many.
+    pub(super) fn push(&mut self, line: Line) -> bool {
+        let had_room = self.waiting <= WAITING;
         self.dialect = line.dialect;
         self.waiting += line.length;
         self.lines.push_back(line);
-        if self.waiting > WAITING {
+        let is_one_too_many = had_room && self.waiting > WAITING;
+        if is_one_too_many {
             self.outlet.close();
         }
+        is_one_too_many
     }
 
     pub(super) fn drop_lines(&mut self) {
