@@ -25,6 +25,7 @@ macro_rules! built_in {
 pub const BUILT_IN: &[BuiltIn] = built_in![
     "benchtop",
     "benchtop_belt",
+    "benchtop_pen",
     "usp_2dof",
     "air_hockey",
     "haply",
