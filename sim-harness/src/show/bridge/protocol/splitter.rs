@@ -10,7 +10,7 @@ pub(super) const LONGEST_LINE: usize = 1024;
 pub(in crate::show::bridge) enum RealTime {
     /// `?`: report the state.
     Report,
-    /// `!`: stop on the path.
+    /// `!` or 0x84: stop on the path.
     Hold,
     /// `~` or M108: go on.
     Resume,
@@ -82,7 +82,8 @@ impl Splitter {
         let at_once = match byte {
             0x18 => Some(RealTime::Emergency),
             b'?' if is_grbl => Some(RealTime::Report),
-            b'!' if is_grbl => Some(RealTime::Hold),
+            // 0x84: the safety door is open.
+            b'!' | 0x84 if is_grbl => Some(RealTime::Hold),
             b'~' if is_grbl => Some(RealTime::Resume),
             0x85 if is_grbl => Some(RealTime::CancelJog),
             0x90 if is_grbl => Some(RealTime::Feed(ShareChange::To(100))),
@@ -111,7 +112,7 @@ impl Splitter {
                 self.after_return = byte == b'\r';
                 (first, second) = self.end();
             }
-            // Grbl's other real-time commands: safety door, coolant, and the spindle's stop during a
+            // Grbl's other real-time commands: coolant, and the spindle's stop during a
             // hold, in which the tool is off in any case.
             0x80.. if is_grbl => {}
             _ => {
@@ -203,13 +204,14 @@ mod tests {
     #[test]
     fn real_time_commands_are_taken_out_of_a_line() {
         let mut splitter = Splitter::new(None);
-        let found = inputs(&mut splitter, b"G1 X?1\x850!\r\nG0~\n");
+        let found = inputs(&mut splitter, b"G1 X?1\x850!\r\nG0~\x84\n");
         let expected = [
             "Report",
             "CancelJog",
             "Hold",
             "Grbl G1 X10",
             "Resume",
+            "Hold",
             "Grbl G0",
         ];
         assert_eq!(found, expected);
