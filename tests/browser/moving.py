@@ -109,7 +109,7 @@ def the_branch_changes_and_the_tool_returns(page):
     # With elbow 4 on the other side, joint 4 would leave its limits.
     browser.script("document.getElementById('mode').value = 'right,right';")
     page.ask("#change")
-    page.wait_for_notice("refused")
+    page.wait_for_notice("the tool cannot be at")
     page.wait_for_rest()
     assert browser.text("#elbows") == "1 right, 4 left", browser.text("#elbows")
 

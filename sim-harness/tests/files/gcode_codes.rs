@@ -300,7 +300,7 @@ fn a_motion_on_which_the_tool_touches_down_is_divided_there() {
 
 #[test]
 fn stops_are_kept_with_their_place_and_noted() {
-    let job = job("G0 X1\nM0 (paper)\nG0 X2\nM01\nM6 T2\nT1\nG0 X3\nM300");
+    let job = job("G0 X1\nM0 (paper)\nG0 X2\nM01\nM6 T2\nT1\nG0 X3\nG0 X4 M1\nG0 X5 M6 T4\nM300");
     let stops: Vec<_> = job
         .stops
         .iter()
@@ -308,10 +308,17 @@ fn stops_are_kept_with_their_place_and_noted() {
         .collect();
     assert_eq!(
         stops,
-        [(2, 1, "M0"), (4, 2, "M1"), (5, 2, "M6 T2"), (6, 2, "T1")]
+        [
+            (2, 1, "M0"),
+            (4, 2, "M1"),
+            (5, 2, "M6 T2"),
+            (6, 2, "T1"),
+            (8, 4, "M1"),
+            (9, 4, "M6 T4")
+        ]
     );
     let noted: Vec<_> = job.warnings.iter().map(|note| note.line).collect();
-    assert_eq!(noted, [0, 2, 4, 5, 6, 8]);
+    assert_eq!(noted, [0, 2, 4, 5, 6, 9, 10]);
 }
 
 #[test]

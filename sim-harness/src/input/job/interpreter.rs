@@ -160,6 +160,13 @@ impl Interpreter {
                 self.motion(number, &mut words, machine, power)?;
             }
         }
+        let steps = self.job.steps.len();
+        if let Some(stop) = self.job.stops.last_mut()
+            && stop.line == number
+            && stop.ends_line()
+        {
+            stop.before = steps;
+        }
         // The tolerance of G64.
         if line.general.contains(&('G', 64, 0)) {
             words.take('P');

@@ -98,6 +98,13 @@ pub struct Stop {
     pub code: String,
 }
 
+impl Stop {
+    /// Whether it comes behind the motion of its line: M0 and M1. A tool is changed before it.
+    pub(crate) fn ends_line(&self) -> bool {
+        self.code.starts_with("M0") || self.code.starts_with("M1")
+    }
+}
+
 /// One action of the tool, with its line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {

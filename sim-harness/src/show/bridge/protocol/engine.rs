@@ -303,15 +303,13 @@ impl Engine {
         self.level = moves.last().map_or(self.level, |last| last.tool);
         self.before = Some(before);
         let mut orders = Vec::new();
-        if !job.stops.is_empty() {
-            orders.push(Order::Pause);
-            notes += &Self::note(
-                dialect,
-                &format!("{} waits for ~ or M108", job.stops[0].code),
-            );
-        }
         if !moves.is_empty() {
             orders.push(Order::Moves(moves));
+        }
+        if let Some(stop) = job.stops.first() {
+            let place = if stop.ends_line() { orders.len() } else { 0 };
+            orders.insert(place, Order::Pause);
+            notes += &Self::note(dialect, &format!("{} waits for ~ or M108", stop.code));
         }
         if ends {
             orders.push(Order::Finish);

@@ -328,3 +328,26 @@ fn what_is_done_at_once_is_answered_without_a_note() {
         assert_eq!(engine().line(&line, &view()).unwrap().text, "");
     }
 }
+
+#[test]
+fn m0_waits_behind_the_motion_of_its_line_and_a_tool_change_before_it() {
+    let mut engine = engine();
+    let orders = ask(&mut engine, "G91 G1 X1 F600 M3 M0", &view())
+        .unwrap()
+        .orders;
+    assert!(
+        matches!(orders.as_slice(), [Order::Moves(_), Order::Pause]),
+        "{orders:?}"
+    );
+    // The tool lifts before the pause.
+    let orders = ask(&mut engine, "M5 M0", &view()).unwrap().orders;
+    assert!(
+        matches!(orders.as_slice(), [Order::Moves(_), Order::Pause]),
+        "{orders:?}"
+    );
+    let orders = ask(&mut engine, "G1 X1 M6 T2", &view()).unwrap().orders;
+    assert!(
+        matches!(orders.as_slice(), [Order::Pause, Order::Moves(_)]),
+        "{orders:?}"
+    );
+}
