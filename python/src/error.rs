@@ -1,7 +1,7 @@
 //! Errors as the exceptions of `fivebar._errors`, with their attributes.
 
 use fivebar::input::job::JobError;
-use fivebar::input::scenario::{ScenarioError, place_in_job};
+use fivebar::input::scenario::{ModeChangeError, ScenarioError, place_in_job};
 use fivebar::input::source::FileError;
 use fivebar::run::link::TargetError;
 use fivebar::run::simulation::RunError;
@@ -45,6 +45,16 @@ pub(crate) fn scenario(py: Python<'_>, error: ScenarioError) -> PyErr {
     }
 }
 
+/// A change of the working mode that cannot be done.
+pub(crate) fn mode_change(py: Python<'_>, error: ModeChangeError) -> PyErr {
+    let kind = match error {
+        ModeChangeError::Place { .. } | ModeChangeError::OtherAssembly { .. } => "UnreachableError",
+        ModeChangeError::NoPlanner => "RobotError",
+        _ => "SingularError",
+    };
+    raise(py, kind, (error.to_string(),))
+}
+
 /// A run that was refused or stopped.
 pub(crate) fn run(py: Python<'_>, job_file: &str, error: RunError) -> PyErr {
     match error {
@@ -53,6 +63,10 @@ pub(crate) fn run(py: Python<'_>, job_file: &str, error: RunError) -> PyErr {
             let place = place_in_job(false, refusal.tag);
             let message = format!("{job_file}, {place}: {refusal}");
             raise(py, "JobError", (message, refusal.tag, refusal.point))
+        }
+        RunError::ModeChange(refused) => {
+            let message = format!("{job_file}, {refused}");
+            raise(py, "JobError", (message, refused.line))
         }
         RunError::Target(error) => raise(py, "RunError", (error.to_string(),)),
         RunError::MissingMasses(_)

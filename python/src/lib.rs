@@ -21,7 +21,7 @@ mod _native {
     #[pymodule_export]
     use super::motion::{inverse_motion, motion};
     #[pymodule_export]
-    use super::positions::{forward, inverse};
+    use super::positions::{forward, inverse, mode_change};
     #[pymodule_export]
     use super::robot::{Robot, built_in};
     #[pymodule_export]

@@ -1,8 +1,11 @@
 //! Forward and inverse positions; each row is a point.
 
 use crate::batch::{Answer, common, rows, solve};
+use crate::error;
 use crate::robot::{Robot, sign};
 use crate::status::Problem;
+use fivebar::input::scenario::change_of_mode;
+use fivebar_firmware::Planner;
 use fivebar_kinematics::five_bar::{Pose, Side, WorkingMode};
 use nalgebra::Vector2;
 use numpy::PyReadonlyArrayDyn;
@@ -46,6 +49,32 @@ pub(crate) fn forward<'py>(
         let [x, y] = pose.c.into();
         Ok([x, y, theta2, theta3, number(elbow1), number(elbow4)])
     })
+}
+
+/// θ1, θ4 at the corners of the way from these angles to the working mode of these elbows, with the
+/// tool where it is.
+#[pyfunction]
+pub(crate) fn mode_change(
+    py: Python<'_>,
+    robot: &Robot,
+    theta: [f64; 2],
+    elbow1: i8,
+    elbow4: i8,
+) -> PyResult<Vec<[f64; 2]>> {
+    let settings = robot.described.settings();
+    let settings = settings.map_err(|refusal| error::robot(py, refusal))?;
+    let settings = settings
+        .check()
+        .map_err(|refusal| error::robot(py, refusal))?;
+    let side = |sign: i8| if sign > 0 { Side::Left } else { Side::Right };
+    let mode = WorkingMode::new(side(elbow1), side(elbow4));
+    let from = theta.map(|angle| angle as f32);
+    let corners = change_of_mode(&Planner::new(&settings), from, mode);
+    let corners = corners.map_err(|refusal| error::mode_change(py, refusal))?;
+    Ok(corners
+        .into_iter()
+        .map(|corner| corner.map(f64::from))
+        .collect())
 }
 
 impl Robot {

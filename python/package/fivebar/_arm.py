@@ -198,6 +198,34 @@ class Arm:
         theta1, theta4, theta2, theta3, assembly = fields
         return Inverse(status, theta1, theta4, theta2, theta3, signs(assembly))
 
+    def mode_change(
+        self,
+        theta: ArrayLike,
+        elbow1: Optional[SideLike] = None,
+        elbow4: Optional[SideLike] = None,
+    ) -> Floats:
+        """The way of the joints to another working mode, with the tool at its place again.
+
+        theta: θ1, θ4 [rad] before it, in the robot's assembly mode. elbow1, elbow4: the sides to
+        which the elbows turn. The answer has θ1, θ4 at each corner, straight from one to the
+        next, shape (n, 2); it is empty if the arm is in this mode. The way passes a stretched or
+        folded leg. As the controller would, it keeps the joint limits and the margin of links 2
+        and 3; where it cannot, ``UnreachableError`` or ``SingularError`` says why.
+
+        >>> arm = Arm.load("benchtop")
+        >>> before = arm.inverse([-0.04, 0.18])
+        >>> way = arm.mode_change([before.theta1, before.theta4], "left", "left")
+        >>> bool(abs(arm.forward(way[-1]).c - [-0.04, 0.18]).max() < 1e-6)
+        True
+        >>> bool(arm.forward(way[-1]).elbow1 == Side.LEFT)
+        True
+        """
+        start = pairs("theta", theta).reshape(2)
+        sides = self._elbows(elbow1, elbow4)
+        [side1, side4] = [int(np.asarray(side)) for side in sides.values()]
+        way = _native.mode_change(self._robot, start.tolist(), side1, side4)
+        return np.array(way, dtype=float).reshape(-1, 2)
+
     def motion(
         self,
         theta: ArrayLike,
