@@ -8,6 +8,7 @@
 //!
 //! A rigid drive has θm = θ. The voltages v are held over a tick.
 
+use super::exponential::exponential;
 use nalgebra::{DMatrix, Matrix2};
 
 /// One drive, as its loop meets it. Angles and torques are at the joint.
@@ -95,7 +96,7 @@ impl Continuous {
         let mut both = DMatrix::zeros(n + 2, n + 2);
         both.view_mut((0, 0), (n, n)).copy_from(&(&self.a * t));
         both.view_mut((0, n), (n, 2)).copy_from(&(&self.b * t));
-        let grown = both.exp();
+        let grown = exponential(&both);
         let part = |columns| grown.view((0, columns), (n, if columns == 0 { n } else { 2 }));
         (part(0).into_owned(), part(n).into_owned())
     }

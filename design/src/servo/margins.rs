@@ -7,7 +7,8 @@
 use super::arm::Servo;
 use super::law::{Gains, Law};
 use super::response::ArmResponse;
-use nalgebra::{Complex, Matrix2};
+use nalgebra::Matrix2;
+use num_complex::Complex;
 use std::f64::consts::{PI, TAU};
 
 /// How far a loop is from instability.

@@ -18,6 +18,7 @@
 //! and Coulomb friction are left out; friction adds damping where the arm moves.
 
 mod arm;
+mod exponential;
 mod law;
 mod margins;
 mod response;

@@ -2,7 +2,8 @@
 
 use super::arm::Servo;
 use super::law::{Gains, Law};
-use nalgebra::{Complex, DMatrix, Matrix2, Vector2};
+use nalgebra::{DMatrix, Matrix2, Vector2};
+use num_complex::Complex;
 
 type C = Complex<f64>;
 

@@ -12,7 +12,8 @@
 use super::arm::Servo;
 use super::law::{Gains, Law};
 use super::response::ArmResponse;
-use nalgebra::{Complex, Matrix2};
+use nalgebra::Matrix2;
+use num_complex::Complex;
 use std::f64::consts::PI;
 
 /// The modulus margin of a loop that is tuned here: above 0.5, to keep that on an arm that

@@ -96,32 +96,40 @@ fn the_applied_torque_is_continuous_through_the_singularity() {
     }
 }
 
-#[test]
-fn a_hundred_random_arms_cross() {
-    let mut random = Rand64::new(17);
+/// Half of the hundred random arms. Each half is a test, so that they run side by side.
+fn fifty_random_arms_cross(name: &str, most: f64, seed: u128) {
+    let mut random = Rand64::new(seed);
     let mut between = |least: f64, greatest: f64| least + (greatest - least) * random.rand_float();
-    for (name, most) in [("short", 3e-4), ("pinched", 8e-4)] {
-        let case = case(name);
-        let robot = allowed(&case);
-        let ends = [pair(&case["start"]), pair(&case["end"])];
-        let task = task(&robot, ends, number(&case["tf"])).unwrap();
-        let plan = task.plan().unwrap();
-        for _ in 0..50 {
-            let mismatch = Mismatch {
-                link_mass: between(-0.2, 0.2),
-                payload: between(-0.02, 0.03),
-                friction: between(-0.5, 0.7),
-                ..Mismatch::NONE
-            };
-            let conditions = CrossingConditions {
-                mismatch,
-                ..CrossingConditions::default()
-            };
-            let run = follow(&robot, &task, &plan, &conditions).unwrap();
-            assert_eq!(run.assembly.to_string(), "right", "{mismatch:?}");
-            assert!(run.tip_error < most, "{} m, {mismatch:?}", run.tip_error);
-        }
+    let case = case(name);
+    let robot = allowed(&case);
+    let ends = [pair(&case["start"]), pair(&case["end"])];
+    let task = task(&robot, ends, number(&case["tf"])).unwrap();
+    let plan = task.plan().unwrap();
+    for _ in 0..50 {
+        let mismatch = Mismatch {
+            link_mass: between(-0.2, 0.2),
+            payload: between(-0.02, 0.03),
+            friction: between(-0.5, 0.7),
+            ..Mismatch::NONE
+        };
+        let conditions = CrossingConditions {
+            mismatch,
+            ..CrossingConditions::default()
+        };
+        let run = follow(&robot, &task, &plan, &conditions).unwrap();
+        assert_eq!(run.assembly.to_string(), "right", "{mismatch:?}");
+        assert!(run.tip_error < most, "{} m, {mismatch:?}", run.tip_error);
     }
+}
+
+#[test]
+fn fifty_random_arms_cross_on_a_short_way() {
+    fifty_random_arms_cross("short", 3e-4, 17);
+}
+
+#[test]
+fn fifty_random_arms_cross_on_a_pinched_way() {
+    fifty_random_arms_cross("pinched", 8e-4, 18);
 }
 
 /// The time for which the plan is in the zone, |sin(θ3−θ2)| < 0.2, and that at which it enters it [s].

@@ -41,7 +41,7 @@ impl Sample {
     /// A sample from the controller's status `time` [s] after the start: tool and joints as
     /// measured by the encoders, torques as demanded. None while the bridges are off.
     pub fn reported(status: &Status, time: f64) -> Option<Self> {
-        let double = |pair: [f32; 2]| pair.map(f64::from);
+        let double = |[a, b]: [f32; 2]| [f64::from(a), f64::from(b)];
         let joints = status.joint_reference?;
         Some(Self {
             time,

@@ -8,7 +8,7 @@ use crate::show::text::quantity;
 use fivebar_kinematics::dynamics::{ShareTotals, TorqueComponents};
 
 /// Samples for the causes of the torques.
-const SHARE_SAMPLES: usize = 20_000;
+const SHARE_SAMPLES: usize = 4_000;
 /// The parts of a torque, in the order of [`TorqueComponents::parts`].
 const CAUSES: [&str; 5] = [
     "inertia",
