@@ -8,6 +8,7 @@ use fivebar::show::doctor::compare_outputs;
 use fivebar_firmware::protocol::{Board, HostCommand, Reply};
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::{Request, Settings, Status};
+use fivebar_plant::Mismatch;
 
 /// Lines, corners, arcs both ways, a dwell and a rapid move: 0.3 s of motion and more.
 const JOB: &str = "G21\nG90\nM3\nF12000\nG1 X20 Y0\nG1 X20 Y20\nG1 X0 Y20\nG2 X10 Y10 I10 J0\nG4 S0.05\nG3 X20 Y20 I0 J10\nG0 X25 Y15\n";
@@ -50,6 +51,48 @@ fn the_emulated_board_gives_the_bits_of_this_process() {
     );
     let Instructions { max, .. } = lockstep.instructions();
     assert!(max <= WORST_TICK, "the worst tick: {max} instructions");
+}
+
+/// The whole demonstration by time-optimal motion.
+fn demonstrate_fast(share: f64, mismatch: Mismatch) {
+    let mut scenario = Scenario::demonstration(Robot::load("benchtop").expect("a built-in robot"));
+    scenario.time_optimal = Some(share);
+    scenario.mismatch = mismatch;
+    let job = scenario.job().expect("a valid job");
+    let settings = scenario.robot.settings().expect("a robot with motors");
+    let board = Emulator::start(&Emulator::built_image("qemu")).expect("an emulated board");
+    let (mut lockstep, _) = Lockstep::begin(board, &settings, &settings).expect("a start");
+    let moves = scenario.run_moves(&job).expect("a plan");
+    let (summary, record) = scenario
+        .run_on(&mut lockstep, &moves, &mut |_| ())
+        .expect("a run");
+    assert_eq!(lockstep.first_difference(), None);
+    assert_eq!(summary.faults, [""; 0]);
+    assert_eq!(summary.saturated_ticks, 0);
+    assert!(summary.tip_error.max_m < 3e-4, "{:?}", summary.tip_error);
+    let time = record.job_time.expect("a whole job");
+    assert!((2.5..3.3).contains(&time), "{time} s");
+    let Instructions { max, .. } = lockstep.instructions();
+    assert!(max <= WORST_TICK, "the worst tick: {max} instructions");
+    println!(
+        "share {share}: {:?} in {} ticks",
+        lockstep.instructions(),
+        lockstep.ticks()
+    );
+}
+
+#[test]
+fn a_whole_time_optimal_job_has_the_bits_of_this_process_under_the_declared_mismatch() {
+    demonstrate_fast(0.7, Mismatch::default());
+}
+
+#[test]
+fn a_whole_time_optimal_job_of_an_identified_arm_has_the_bits_of_this_process() {
+    let known = Mismatch {
+        current_noise: 2.0,
+        ..Mismatch::NONE
+    };
+    demonstrate_fast(0.9, known);
 }
 
 #[test]
