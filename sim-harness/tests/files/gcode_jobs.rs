@@ -186,6 +186,8 @@ fn unsupported_g_code_is_refused_with_line_and_reason() {
         ("G1 X1", 1, GcodeError::NoFeed),
         ("G1 X1 F0", 1, GcodeError::Feed),
         ("G1 X1 F-5", 1, GcodeError::Feed),
+        ("M3 S-4", 1, GcodeError::Power),
+        ("G1 X1 F60 S-1", 1, GcodeError::Power),
         ("G0 X1 X2", 1, GcodeError::Repeated('X')),
         ("G0 X1 I3", 1, GcodeError::StrayWord('I')),
         ("G0 X1 P3", 1, GcodeError::StrayWord('P')),

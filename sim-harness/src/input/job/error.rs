@@ -97,6 +97,9 @@ pub enum GcodeError {
     /// F zero or below.
     #[error("the feed rate must be above zero")]
     Feed,
+    /// S below zero.
+    #[error("the tool's speed or power must not be below zero")]
+    Power,
     /// A coordinate beyond 1 km [m].
     #[error("{0:?} m is out of reach of any arm; check the units (G20 inch, G21 mm)")]
     TooFar(f64),

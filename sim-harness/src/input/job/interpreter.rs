@@ -146,6 +146,9 @@ impl Interpreter {
             Some(CoordinateUse::Dwell) => None,
             _ => words.take('S'),
         };
+        if power.is_some_and(|power| power < 0.0) {
+            return Err(GcodeError::Power);
+        }
         self.tool.speed = power.or(self.tool.speed);
         match coordinate_use {
             Some(CoordinateUse::Dwell) => self.dwell(number, &mut words)?,

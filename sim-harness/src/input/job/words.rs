@@ -150,6 +150,10 @@ impl Line {
                             .iter()
                             .find(|word| word.letter.eq_ignore_ascii_case(&'S'));
                         let speed = speed.map(|word| value_at(word.span)).transpose()?;
+                        let sets_power = [3, 4, 106].contains(&code.number.major());
+                        if sets_power && speed.is_some_and(|speed| speed < 0.0) {
+                            return Err(GcodeError::Power);
+                        }
                         line.miscellaneous.push((named('M', code.number), speed));
                         // Coordinates after an M code belong to the line.
                         for word in code.args {

@@ -86,6 +86,7 @@ impl From<GcodeError> for Refusal {
             GcodeError::Conflict(..) => 24,
             GcodeError::Repeated(_) => 25,
             GcodeError::NoFeed | GcodeError::Feed => 22,
+            GcodeError::Power => 4,
             GcodeError::NoMode | GcodeError::StrayWord(_) => 36,
             GcodeError::ArcForm
             | GcodeError::ArcRadius

@@ -104,7 +104,8 @@ impl Engine {
     /// The answer to `$$`: the settings that describe this arm, the others as if switched off.
     fn settings_text(&self) -> String {
         let motion = &self.settings.motion;
-        let speed = f64::from(motion.max_speed) * PER_MINUTE;
+        // The limit has a rounding error of its own, 1e-7 of it.
+        let speed = (f64::from(motion.max_speed) * PER_MINUTE * 100.0).round() / 100.0;
         let acceleration = f64::from(motion.max_acceleration) * 1e3;
         let corner = f64::from(motion.corner_tolerance) * 1e3;
         let mut text = String::new();
