@@ -109,3 +109,41 @@ impl Controller {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Controller, Rest, Stage};
+    use crate::settings::Settings;
+
+    fn controller() -> Controller {
+        Controller::new(&Settings::BENCHTOP.check().expect("valid settings"))
+    }
+
+    #[test]
+    fn an_arm_rests_only_when_both_joints_are_near_their_reference() {
+        let model = controller().model;
+        let [near1, near4] = model.axes.each_ref().map(|axis| axis.rest_error);
+        for (error, rests) in [
+            ([near1, -near4], true),
+            ([2.0 * near1, 0.0], false),
+            ([0.0, -2.0 * near4], false),
+        ] {
+            let mut rest = Rest::new();
+            for _ in 0..2 * model.rest_ticks {
+                rest.look(error, &model);
+            }
+            assert_eq!(rest.stage == Stage::Rests, rests, "{error:?}");
+        }
+    }
+
+    #[test]
+    fn an_arm_that_is_switched_off_in_rest_has_the_gains_of_one_that_moves() {
+        let mut controller = controller();
+        for axis in &mut controller.model.axes {
+            axis.select_servo(Stage::Rests);
+        }
+        controller.forget_rest();
+        let stages = controller.model.axes.each_ref().map(|axis| axis.stage);
+        assert!(stages == [Stage::Moves; 2]);
+    }
+}
