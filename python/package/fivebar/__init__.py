@@ -11,7 +11,7 @@ counter-clockwise from +x; points [m] in the frame of the base, A at the origin,
 Keys, names and errors are those of ``fivebar query``.
 """
 
-from ._arm import Arm, built_in
+from ._arm import Arm
 from ._errors import (
     FivebarError,
     InvalidError,
@@ -31,6 +31,7 @@ from ._results import (
     Motion,
     Reaction,
 )
+from ._robots import built_in
 from ._simulation import NO_MISMATCH, Run, Trace, simulate
 from ._status import Side, Status
 

@@ -206,24 +206,22 @@ class Arm:
     ) -> Floats:
         """The way of the joints to another working mode, with the tool at its place again.
 
-        theta: θ1, θ4 [rad] before it, in the robot's assembly mode. elbow1, elbow4: the sides to
-        which the elbows turn. The answer has θ1, θ4 at each corner, straight from one to the
-        next, shape (n, 2); it is empty if the arm is in this mode. The way passes a stretched or
-        folded leg. As the controller would, it keeps the joint limits and the margin of links 2
-        and 3; where it cannot, ``UnreachableError`` or ``SingularError`` says why.
+        theta: θ1, θ4 [rad] before it, in the robot's assembly mode. elbow1, elbow4: the elbows'
+        new sides. The answer has θ1, θ4 at each corner, straight from one to the next, shape
+        (n, 2), empty if the arm is in this mode. The way passes a stretched or folded leg. It
+        keeps the joint limits and the margin of links 2 and 3, as the controller does; where
+        it cannot, ``UnreachableError`` or ``SingularError`` says why.
 
         >>> arm = Arm.load("benchtop")
         >>> before = arm.inverse([-0.04, 0.18])
         >>> way = arm.mode_change([before.theta1, before.theta4], "left", "left")
-        >>> bool(abs(arm.forward(way[-1]).c - [-0.04, 0.18]).max() < 1e-6)
-        True
-        >>> bool(arm.forward(way[-1]).elbow1 == Side.LEFT)
+        >>> after = arm.forward(way[-1])
+        >>> bool(abs(after.c - [-0.04, 0.18]).max() < 1e-6 and after.elbow1 == Side.LEFT)
         True
         """
         start = pairs("theta", theta).reshape(2)
-        sides = self._elbows(elbow1, elbow4)
-        [side1, side4] = [int(np.asarray(side)) for side in sides.values()]
-        way = _native.mode_change(self._robot, start.tolist(), side1, side4)
+        elbows = [int(np.asarray(side)) for side in self._elbows(elbow1, elbow4).values()]
+        way = _native.mode_change(self._robot, start.tolist(), *elbows)
         return np.array(way, dtype=float).reshape(-1, 2)
 
     def motion(
@@ -396,17 +394,7 @@ class Arm:
         return {"assembly": sides("assembly", own)}
 
     def _elbows(self, elbow1: Optional[SideLike], elbow4: Optional[SideLike]) -> Dict[str, Any]:
-        given = {
-            "elbow1": self.elbow1 if elbow1 is None else elbow1,
-            "elbow4": self.elbow4 if elbow4 is None else elbow4,
-        }
+        own1, own4 = self.elbow1, self.elbow4
+        given = {"elbow1": own1 if elbow1 is None else elbow1}
+        given["elbow4"] = own4 if elbow4 is None else elbow4
         return {name: sides(name, value) for name, value in given.items()}
-
-
-def built_in() -> List[str]:
-    """The names of the robots that come with the package; the first is the default.
-
-    >>> "benchtop" in built_in()
-    True
-    """
-    return _native.built_in()
