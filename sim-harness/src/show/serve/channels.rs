@@ -9,7 +9,7 @@ use super::message::{ClientRequest, ServerMessage};
 use super::stop_signal::StopSignal;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, mpsc};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, broadcast, watch};
 use tokio_tungstenite::tungstenite::Utf8Bytes;
 
@@ -26,6 +26,9 @@ pub(super) struct Page {
     pub(super) id: PageId,
     connected: AtomicBool,
     places: Arc<Semaphore>,
+    begun: Instant,
+    /// See [`Page::heard`] [µs after `begun`].
+    heard: AtomicU64,
 }
 
 impl Page {
@@ -36,7 +39,20 @@ impl Page {
             id: COUNT.fetch_add(1, Ordering::Relaxed),
             connected: AtomicBool::new(true),
             places: Arc::new(Semaphore::new(REQUESTS)),
+            begun: Instant::now(),
+            heard: AtomicU64::new(0),
         }
+    }
+
+    /// A time at which the page certainly lived: its latest bytes arrived after it. What waited for
+    /// the server, however long, counts for no later time.
+    pub(super) fn heard(&self) -> Instant {
+        self.begun + Duration::from_micros(self.heard.load(Ordering::SeqCst))
+    }
+
+    pub(super) fn set_heard(&self, heard: Instant) {
+        let time = heard.saturating_duration_since(self.begun);
+        self.heard.store(time.as_micros() as u64, Ordering::SeqCst);
     }
 
     pub(super) fn is_connected(&self) -> bool {

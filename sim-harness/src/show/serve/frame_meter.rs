@@ -1,8 +1,8 @@
 //! Limits what a page sends, frame by frame, before the websocket's library gathers it.
 
-use super::channels::WebEnd;
-use super::lease::PageId;
+use super::channels::{Page, WebEnd};
 use super::rate::PerSecond;
+use axum::body::Bytes;
 use std::io::{self, Cursor};
 use std::pin::Pin;
 use std::sync::Arc;
@@ -53,9 +53,13 @@ enum Place {
 /// A connection whose incoming frames are counted, limited and cut into parts.
 pub(super) struct FrameMeter<S> {
     stream: S,
-    page: PageId,
+    /// The first bytes, which were read with the request for the websocket.
+    early: Bytes,
+    page: Arc<Page>,
     pages: WebEnd,
     rate: PerSecond,
+    /// Bytes that are read from now on arrived after this time: nothing was left then.
+    emptied: Instant,
     /// The size of the message that is being received [bytes].
     message: u64,
     /// The place of a long message.
@@ -69,12 +73,14 @@ pub(super) struct FrameMeter<S> {
 }
 
 impl<S: AsyncRead + Unpin> FrameMeter<S> {
-    pub(super) fn new(stream: S, page: PageId, pages: WebEnd) -> Self {
+    pub(super) fn new(stream: S, early: Bytes, page: Arc<Page>, pages: WebEnd) -> Self {
         Self {
             stream,
+            early,
             page,
             pages,
             rate: PerSecond::new(MAX_PER_SECOND),
+            emptied: Instant::now(),
             message: 0,
             long: None,
             place: Place::Header,
@@ -103,9 +109,22 @@ impl<S: AsyncRead + Unpin> FrameMeter<S> {
         self.input.copy_within(self.unread.clone(), 0);
         self.unread = 0..self.unread.len();
         let mut room = ReadBuf::new(&mut self.input[self.unread.end..]);
+        if !self.early.is_empty() {
+            let early = self.early.split_to(self.early.len().min(room.remaining()));
+            room.put_slice(&early);
+            self.unread.end += early.len();
+            return Poll::Ready(Ok(early.len()));
+        }
+        let asked = Instant::now();
         ready!(Pin::new(&mut self.stream).poll_read(cx, &mut room))?;
-        let count = room.filled().len();
+        let (count, left) = (room.filled().len(), room.remaining());
         self.unread.end += count;
+        if count > 0 {
+            self.page.set_heard(self.emptied);
+        }
+        if left > 0 {
+            self.emptied = asked;
+        }
         Poll::Ready(Ok(count))
     }
 
@@ -138,7 +157,7 @@ impl<S: AsyncRead + Unpin> FrameMeter<S> {
             }
             let holder = self.pages.shared.lease.holder();
             if self.message > MAX_WATCHER_MESSAGE
-                && holder != Some(self.page)
+                && holder != Some(self.page.id)
                 && self.long.is_none()
             {
                 let place = Arc::clone(&self.pages.long_messages).try_acquire_owned();
@@ -247,9 +266,13 @@ impl<S: AsyncWrite + Unpin> AsyncWrite for FrameMeter<S> {
 #[cfg(test)]
 mod tests {
     use super::{FrameMeter, LimitError, MAX_PER_SECOND, MAX_WATCHER_MESSAGE, PART};
-    use crate::show::serve::channels::{WebEnd, channels};
+    use crate::show::serve::channels::{Page, WebEnd, channels};
+    use axum::body::Bytes;
     use futures_util::StreamExt as _;
     use std::io::Cursor;
+    use std::sync::Arc;
+    use std::time::{Duration, Instant};
+    use tokio::io::AsyncWriteExt as _;
     use tokio_tungstenite::WebSocketStream;
     use tokio_tungstenite::tungstenite::protocol::Role;
     use tokio_tungstenite::tungstenite::protocol::frame::Frame;
@@ -272,7 +295,12 @@ mod tests {
     fn received(bytes: Vec<u8>, pages: &WebEnd) -> Vec<Result<Message, Error>> {
         let runtime = tokio::runtime::Builder::new_current_thread().build();
         runtime.expect("a runtime").block_on(async {
-            let meter = FrameMeter::new(Cursor::new(bytes), 1, pages.clone());
+            let meter = FrameMeter::new(
+                Cursor::new(bytes),
+                Bytes::new(),
+                Arc::new(Page::new()),
+                pages.clone(),
+            );
             let socket = WebSocketStream::from_raw_socket(meter, Role::Server, None).await;
             socket.collect().await
         })
@@ -327,6 +355,31 @@ mod tests {
             .expect("the place is free again");
         assert_eq!(limit(&received(bytes, &pages)), Some(LimitError::Watches));
         drop(other);
+    }
+
+    /// A server that gets no time reads late what arrived in time, and cannot tell when it arrived.
+    #[test]
+    fn what_waited_to_be_read_counts_as_heard_when_nothing_waited_last() {
+        let runtime = tokio::runtime::Builder::new_current_thread().build();
+        runtime.expect("a runtime").block_on(async {
+            let (pages, _controller) = channels();
+            let (mut sent, stream) = tokio::io::duplex(1 << 10);
+            let page = Arc::new(Page::new());
+            let meter = FrameMeter::new(stream, Bytes::new(), Arc::clone(&page), pages);
+            let mut socket = WebSocketStream::from_raw_socket(meter, Role::Server, None).await;
+            let text = frame(OpCode::Data(Data::Text), true, "alive");
+            // Before and after the reading that left nothing.
+            let mut emptied = [page.heard(), Instant::now()];
+            for _ in 0..3 {
+                sent.write_all(&text).await.expect("room");
+                std::thread::sleep(Duration::from_millis(20));
+                let read = Instant::now();
+                socket.next().await.expect("a message").expect("a message");
+                let [from, to] = emptied;
+                assert!((from..=to).contains(&page.heard()), "{emptied:?} {page:?}");
+                emptied = [read - Duration::from_micros(1), Instant::now()];
+            }
+        });
     }
 
     #[test]

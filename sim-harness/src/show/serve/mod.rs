@@ -8,10 +8,12 @@
 //! the controller only while the page in control shows signs of life. Otherwise the
 //! controller's command timeout brings the arm to rest.
 //!
-//! Four threads share the work, so that none delays a stop: the web server's, in which no
-//! message takes long; the controller's, which waits for the controller only; one that reads
-//! and checks jobs, and one that plans changes of the working mode. Stops and signs of life pass from the first to the second through atomic
-//! numbers, past the queue of requests.
+//! Threads share the work, so that none delays a stop: one for each page, which reads what it sends;
+//! the controller's, which waits for the controller only; one that reads and checks jobs; one that
+//! plans changes of the working mode; and the web server's, which admits pages. Stops and signs of
+//! life pass from a page's thread to the controller's through atomic numbers, past the queue of
+//! requests. What a page sends costs its own thread's time only, because the system shares the
+//! processor between threads.
 //!
 //! | module | content |
 //! |---|---|

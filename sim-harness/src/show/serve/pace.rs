@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 const INTERVAL: Duration = Duration::from_millis(1);
 /// A simulation that is later than this does not catch up: it continues slower than real
 /// time.
-const TOO_LATE: Duration = Duration::from_millis(100);
+const TOO_LATE: Duration = Duration::from_millis(20);
 /// Time over which the speed is measured.
 const SPAN: Duration = Duration::from_secs(1);
 

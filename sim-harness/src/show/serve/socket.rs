@@ -7,6 +7,7 @@ use super::channels::{EventKind, Page, QueueError, WebEnd};
 use super::frame_meter::{FrameMeter, LimitError};
 use super::message::{ClientRequest, ServerMessage, brief};
 use super::rate::PerSecond;
+use axum::body::Bytes;
 use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt as _, StreamExt as _};
 use std::borrow::Cow;
@@ -44,10 +45,11 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Connection for S {}
 /// Why a connection ends: a sentence, if the page is to know.
 type End = Option<Cow<'static, str>>;
 
-/// Exchanges messages with a page until it disconnects or exceeds a limit.
-pub(super) async fn exchange<S: Connection>(stream: S, pages: WebEnd) {
+/// Exchanges messages with a page until it disconnects or exceeds a limit. `early` are its first
+/// bytes, read already.
+pub(super) async fn exchange<S: Connection>(stream: S, early: Bytes, pages: WebEnd) {
     let page = Arc::new(Page::new());
-    let stream = FrameMeter::new(stream, page.id, pages.clone());
+    let stream = FrameMeter::new(stream, early, Arc::clone(&page), pages.clone());
     let config = WebSocketConfig::default()
         .read_buffer_size(BUFFER)
         .write_buffer_size(BUFFER)
@@ -107,7 +109,7 @@ impl<S: Connection> Reader<'_, S> {
                 Err(error) => return limit(&error),
             };
             let now = Instant::now();
-            self.pages.shared.lease.renew(self.page.id, now);
+            self.pages.shared.lease.renew(self.page);
             let result = match message {
                 Message::Text(text) => self.receive(text, now),
                 Message::Ping(_) | Message::Pong(_) => Ok(()),
@@ -203,10 +205,11 @@ impl<S: Connection> Writer<'_, S> {
             let WebEnd {
                 state, fault, job, ..
             } = &mut self.pages;
+            // A channel's end is the end of the controller's thread.
             let message = tokio::select! {
-                changed = state.changed() => changed.ok().and_then(|()| state.borrow_and_update().clone()),
-                changed = fault.changed() => changed.ok().and_then(|()| fault.borrow_and_update().clone()),
-                changed = job.changed() => changed.ok().and_then(|()| job.borrow_and_update().clone()),
+                changed = state.changed() => changed.map(|()| state.borrow_and_update().clone()).ok()?,
+                changed = fault.changed() => changed.map(|()| fault.borrow_and_update().clone()).ok()?,
+                changed = job.changed() => changed.map(|()| job.borrow_and_update().clone()).ok()?,
                 refusal = self.own.recv() => refusal,
                 notice = notices.recv() => match notice {
                     Ok((to, text)) if to.is_none_or(|to| to == self.page.id) => Some(text),

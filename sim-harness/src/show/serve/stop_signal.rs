@@ -18,7 +18,7 @@ impl Stop {
 }
 
 /// The stops that wait for the controller's thread: at most one of each kind, however many
-/// pages ask for it. The web server raises them when it receives them; the controller's thread
+/// pages ask for it. A page's thread raises them when it receives them; the controller's thread
 /// looks here before each exchange with the controller.
 #[derive(Debug, Default)]
 pub(super) struct StopSignal {

@@ -12,12 +12,15 @@ use axum::http::{HeaderValue, StatusCode, header};
 use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
+use hyper::upgrade::Upgraded;
 use hyper_util::rt::TokioIo;
 use std::net::TcpListener;
 use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
-use tokio::sync::oneshot;
+use tokio::net::TcpStream;
+use tokio::runtime::Builder;
+use tokio::sync::{OwnedSemaphorePermit, oneshot};
 use tokio::time::timeout;
 use tokio_tungstenite::tungstenite::handshake::server::create_response_with_body;
 
@@ -76,7 +79,7 @@ pub(super) fn run(
     site: Site,
     controller: Box<dyn FnOnce() -> Result<(), ServeError> + Send>,
 ) -> Result<(), ServeError> {
-    let mut runtime = tokio::runtime::Builder::new_current_thread();
+    let mut runtime = Builder::new_current_thread();
     runtime.enable_all().build()?.block_on(async {
         listener.set_nonblocking(true)?;
         let listener = tokio::net::TcpListener::from_std(listener)?;
@@ -147,9 +150,33 @@ async fn live(State(pages): State<WebEnd>, mut request: Request) -> Response {
     let upgrade = hyper::upgrade::on(&mut request);
     tokio::spawn(async move {
         if let Ok(Ok(upgraded)) = timeout(UPGRADE_TIMEOUT, upgrade).await {
-            exchange(TokioIo::new(upgraded), pages).await;
+            page_thread(upgraded, pages, place);
         }
-        drop(place);
     });
     reply
+}
+
+/// Serves a page in a thread of its own. The system shares the processor between threads, so that
+/// what one page sends delays no stop of another; a thread that waits most of the time runs first.
+fn page_thread(upgraded: Upgraded, pages: WebEnd, place: OwnedSemaphorePermit) {
+    // Every connection is of this type. A page sends nothing before the reply has arrived.
+    let Ok(parts) = upgraded.downcast::<TokioIo<TcpStream>>() else {
+        return;
+    };
+    let (stream, early) = (parts.io.into_inner(), parts.read_buf);
+    let Ok(stream) = stream.into_std() else {
+        return;
+    };
+    let serve = move || {
+        let runtime = Builder::new_current_thread().enable_all().build();
+        let Ok(runtime) = runtime else { return };
+        runtime.block_on(async {
+            if let Ok(stream) = TcpStream::from_std(stream) {
+                exchange(stream, early, pages).await;
+            }
+        });
+        drop(place);
+    };
+    // Without a thread the connection is closed.
+    let _ = thread::Builder::new().name("page".into()).spawn(serve);
 }
