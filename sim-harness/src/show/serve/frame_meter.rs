@@ -1,9 +1,11 @@
 //! Limits what a page sends, frame by frame, before the websocket's library gathers it.
 
+use super::backlog::Backlog;
 use super::channels::{Page, WebEnd};
 use super::rate::PerSecond;
 use axum::body::Bytes;
 use std::io::{self, Cursor};
+use std::net::TcpStream;
 use std::pin::Pin;
 use std::sync::Arc;
 use std::task::{Context, Poll, ready};
@@ -58,8 +60,7 @@ pub(super) struct FrameMeter<S> {
     page: Arc<Page>,
     pages: WebEnd,
     rate: PerSecond,
-    /// Bytes that are read from now on arrived after this time: nothing was left then.
-    emptied: Instant,
+    backlog: Backlog,
     /// The size of the message that is being received [bytes].
     message: u64,
     /// The place of a long message.
@@ -73,14 +74,20 @@ pub(super) struct FrameMeter<S> {
 }
 
 impl<S: AsyncRead + Unpin> FrameMeter<S> {
-    pub(super) fn new(stream: S, early: Bytes, page: Arc<Page>, pages: WebEnd) -> Self {
+    pub(super) fn new(
+        stream: S,
+        early: Bytes,
+        probe: Option<TcpStream>,
+        page: Arc<Page>,
+        pages: WebEnd,
+    ) -> Self {
         Self {
             stream,
             early,
             page,
             pages,
             rate: PerSecond::new(MAX_PER_SECOND),
-            emptied: Instant::now(),
+            backlog: Backlog::new(probe),
             message: 0,
             long: None,
             place: Place::Header,
@@ -116,14 +123,20 @@ impl<S: AsyncRead + Unpin> FrameMeter<S> {
             return Poll::Ready(Ok(early.len()));
         }
         let asked = Instant::now();
-        ready!(Pin::new(&mut self.stream).poll_read(cx, &mut room))?;
+        if Pin::new(&mut self.stream)
+            .poll_read(cx, &mut room)?
+            .is_pending()
+        {
+            self.backlog.look(asked);
+            return Poll::Pending;
+        }
         let (count, left) = (room.filled().len(), room.remaining());
         self.unread.end += count;
         if count > 0 {
-            self.page.set_heard(self.emptied);
+            self.page.set_heard(self.backlog.emptied());
         }
         if left > 0 {
-            self.emptied = asked;
+            self.backlog.empty_at(asked);
         }
         Poll::Ready(Ok(count))
     }
@@ -298,6 +311,7 @@ mod tests {
             let meter = FrameMeter::new(
                 Cursor::new(bytes),
                 Bytes::new(),
+                None,
                 Arc::new(Page::new()),
                 pages.clone(),
             );
@@ -365,7 +379,7 @@ mod tests {
             let (pages, _controller) = channels();
             let (mut sent, stream) = tokio::io::duplex(1 << 10);
             let page = Arc::new(Page::new());
-            let meter = FrameMeter::new(stream, Bytes::new(), Arc::clone(&page), pages);
+            let meter = FrameMeter::new(stream, Bytes::new(), None, Arc::clone(&page), pages);
             let mut socket = WebSocketStream::from_raw_socket(meter, Role::Server, None).await;
             let text = frame(OpCode::Data(Data::Text), true, "alive");
             // Before and after the reading that left nothing.

@@ -88,7 +88,7 @@ pub fn hear(bytes: &[u8]) -> Heard {
     let lease = &controller.shared.lease;
     runtime
         .expect("a runtime")
-        .block_on(exchange(line, Bytes::new(), pages.clone()));
+        .block_on(exchange(line, Bytes::new(), None, pages.clone()));
     assert_eq!(lease.holder(), None, "a page that is gone is in control");
     let events: Vec<_> = controller.events.try_iter().collect();
     assert!(events.len() <= EVENTS, "{} events wait", events.len());

@@ -31,11 +31,12 @@
 //! | `message` | the messages between pages and server |
 //! | `accept`, `guard` | limits of connections; which web requests are served |
 //! | `web` | the page's files and the way to a websocket |
-//! | `socket`, `frame_meter`, `rate` | the exchange with a page, and its limits |
+//! | `socket`, `frame_meter`, `backlog`, `rate` | the exchange with a page, and its limits |
 //! | `heard` | the exchange with a page whose bytes are known, for tests and the fuzzer |
 
 mod accept;
 mod arm;
+mod backlog;
 mod channels;
 pub(super) mod command_error;
 mod controller_thread;

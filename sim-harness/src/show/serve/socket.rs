@@ -11,6 +11,7 @@ use axum::body::Bytes;
 use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt as _, StreamExt as _};
 use std::borrow::Cow;
+use std::net::TcpStream;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use tokio::io::{AsyncRead, AsyncWrite};
@@ -46,10 +47,15 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Connection for S {}
 type End = Option<Cow<'static, str>>;
 
 /// Exchanges messages with a page until it disconnects or exceeds a limit. `early` are its first
-/// bytes, read already.
-pub(super) async fn exchange<S: Connection>(stream: S, early: Bytes, pages: WebEnd) {
+/// bytes, read already; `probe` is the same connection.
+pub(super) async fn exchange<S: Connection>(
+    stream: S,
+    early: Bytes,
+    probe: Option<TcpStream>,
+    pages: WebEnd,
+) {
     let page = Arc::new(Page::new());
-    let stream = FrameMeter::new(stream, early, Arc::clone(&page), pages.clone());
+    let stream = FrameMeter::new(stream, early, probe, Arc::clone(&page), pages.clone());
     let config = WebSocketConfig::default()
         .read_buffer_size(BUFFER)
         .write_buffer_size(BUFFER)

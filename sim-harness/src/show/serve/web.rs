@@ -171,8 +171,9 @@ fn page_thread(upgraded: Upgraded, pages: WebEnd, place: OwnedSemaphorePermit) {
         let runtime = Builder::new_current_thread().enable_all().build();
         let Ok(runtime) = runtime else { return };
         runtime.block_on(async {
+            let probe = stream.try_clone().ok();
             if let Ok(stream) = TcpStream::from_std(stream) {
-                exchange(stream, early, pages).await;
+                exchange(stream, early, probe, pages).await;
             }
         });
         drop(place);
