@@ -123,10 +123,8 @@ impl<S: AsyncRead + Unpin> FrameMeter<S> {
             return Poll::Ready(Ok(early.len()));
         }
         let asked = Instant::now();
-        if Pin::new(&mut self.stream)
-            .poll_read(cx, &mut room)?
-            .is_pending()
-        {
+        let read = Pin::new(&mut self.stream).poll_read(cx, &mut room)?;
+        if read.is_pending() {
             self.backlog.look(asked);
             return Poll::Pending;
         }
@@ -308,13 +306,7 @@ mod tests {
     fn received(bytes: Vec<u8>, pages: &WebEnd) -> Vec<Result<Message, Error>> {
         let runtime = tokio::runtime::Builder::new_current_thread().build();
         runtime.expect("a runtime").block_on(async {
-            let meter = FrameMeter::new(
-                Cursor::new(bytes),
-                Bytes::new(),
-                None,
-                Arc::new(Page::new()),
-                pages.clone(),
-            );
+            let meter = meter(Cursor::new(bytes), Arc::new(Page::new()), pages.clone());
             let socket = WebSocketStream::from_raw_socket(meter, Role::Server, None).await;
             socket.collect().await
         })
@@ -363,12 +355,14 @@ mod tests {
         let text = "x".repeat(MAX_WATCHER_MESSAGE as usize + 1);
         let bytes = frame(OpCode::Data(Data::Text), true, &text);
         assert_eq!(limit(&received(bytes.clone(), &pages)), None);
-        let other = pages
-            .long_messages
-            .try_acquire()
-            .expect("the place is free again");
+        let other = pages.long_messages.try_acquire();
+        let other = other.expect("the place is free again");
         assert_eq!(limit(&received(bytes, &pages)), Some(LimitError::Watches));
         drop(other);
+    }
+
+    fn meter<S: AsyncRead + Unpin>(stream: S, page: Arc<Page>, pages: WebEnd) -> FrameMeter<S> {
+        FrameMeter::new(stream, Bytes::new(), None, page, pages)
     }
 
     /// A server that gets no time reads late what arrived in time, and cannot tell when it arrived.
@@ -379,11 +373,10 @@ mod tests {
             let (pages, _controller) = channels();
             let (mut sent, stream) = tokio::io::duplex(1 << 10);
             let page = Arc::new(Page::new());
-            let meter = FrameMeter::new(stream, Bytes::new(), None, Arc::clone(&page), pages);
+            let meter = meter(stream, Arc::clone(&page), pages);
             let mut socket = WebSocketStream::from_raw_socket(meter, Role::Server, None).await;
             let text = frame(OpCode::Data(Data::Text), true, "alive");
-            // Before and after the reading that left nothing.
-            let mut emptied = [page.heard(), Instant::now()];
+            let mut emptied = [page.heard(), Instant::now()]; // Around the reading that left nothing.
             for _ in 0..3 {
                 sent.write_all(&text).await.expect("room");
                 std::thread::sleep(Duration::from_millis(20));
