@@ -283,7 +283,7 @@ mod tests {
     use std::io::Cursor;
     use std::sync::Arc;
     use std::time::{Duration, Instant};
-    use tokio::io::AsyncWriteExt as _;
+    use tokio::io::{AsyncRead, AsyncWriteExt as _};
     use tokio_tungstenite::WebSocketStream;
     use tokio_tungstenite::tungstenite::protocol::Role;
     use tokio_tungstenite::tungstenite::protocol::frame::Frame;
