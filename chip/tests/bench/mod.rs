@@ -141,7 +141,7 @@ pub(crate) fn gear() -> Vec<Move> {
     );
     let scenario = Scenario::of_job(path, robot()).expect("a job file");
     let job = scenario.job().expect("a job");
-    scenario.moves(&job)
+    scenario.moves(&job).expect("a job without M780")
 }
 
 /// A host connected to a chip.
