@@ -1,6 +1,6 @@
 //! The exchange with a page whose bytes are known: for tests, and for the fuzzer.
 
-use super::channels::channels;
+use super::channels::{Event, EventKind, channels};
 use super::socket::exchange;
 use axum::body::Bytes;
 use std::io;
@@ -92,6 +92,8 @@ pub fn hear(bytes: &[u8]) -> Heard {
     assert_eq!(lease.holder(), None, "a page that is gone is in control");
     let events: Vec<_> = controller.events.try_iter().collect();
     assert!(events.len() <= EVENTS, "{} events wait", events.len());
+    let joins = |event: &Event| matches!(event.kind, EventKind::Joined);
+    assert!(joins(&events[0]), "a request waits before its page");
     let mut heard = Heard {
         requests: events.len().saturating_sub(1),
         stops: controller.shared.stop.count(),

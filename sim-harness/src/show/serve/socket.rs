@@ -3,7 +3,7 @@
 //! Reading never waits for writing: a page that reads slowly, or reads nothing, is heard all the
 //! same. Signs of life and stops take effect here, when they arrive.
 
-use super::channels::{EventKind, Page, QueueError, WebEnd};
+use super::channels::{EventKind, Notice, Page, QueueError, WebEnd};
 use super::frame_meter::{FrameMeter, LimitError};
 use super::message::{ClientRequest, ServerMessage, brief};
 use super::rate::PerSecond;
@@ -15,7 +15,7 @@ use std::net::TcpStream;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use tokio::io::{AsyncRead, AsyncWrite};
-use tokio::sync::broadcast::error::RecvError;
+use tokio::sync::broadcast::{self, error::RecvError};
 use tokio::sync::mpsc;
 use tokio::time::timeout;
 use tokio_tungstenite::WebSocketStream;
@@ -76,9 +76,14 @@ pub(super) async fn exchange<S: Connection>(
         sink,
         own,
     };
+    let notices = pages.notices.subscribe();
+    // Before anything is read that the page has sent, which may need control.
+    if pages.join(&page).is_err() {
+        return;
+    }
     let end = tokio::select! {
         end = reader.run() => end,
-        end = writer.run() => end,
+        end = writer.run(notices) => end,
     };
     page.disconnect(&pages.shared.lease);
     let (stream, sink) = (reader.stream, writer.sink);
@@ -199,14 +204,12 @@ struct Writer<'a, S> {
 }
 
 impl<S: Connection> Writer<'_, S> {
-    async fn run(&mut self) -> End {
+    async fn run(&mut self, mut notices: broadcast::Receiver<Notice>) -> End {
         let hello = format!(r#"{{"hello":{}}}"#, self.page.id);
         self.send(hello.into()).await?;
-        let mut notices = self.pages.notices.subscribe();
         // What was sent before this page connected.
         self.pages.fault.mark_changed();
         self.pages.job.mark_changed();
-        self.pages.join(self.page).ok()?;
         loop {
             let WebEnd {
                 state, fault, job, ..
