@@ -74,8 +74,13 @@ fn timed_motions_are_driven_and_pieces_beyond_a_limit_are_refused() {
     let [to, fro] = to_and_fro;
     let turn = pieces(circle, 0.005 * core::f32::consts::PI, 0.2);
     let kinds = [to, fro, turn, pieces(blend, 0.01, 0.2)].concat();
+    // Armed anew, the arm may be some counts away.
+    let start = MoveKind::Line {
+        to: [x, y],
+        feed: 0.01,
+    };
     let moves: Vec<_> = (1..)
-        .zip(kinds)
+        .zip([start].into_iter().chain(kinds))
         .map(|(tag, kind)| Move { tag, tool: 0, kind })
         .collect();
     let mut drive = Drive::new(&mut driven.client, &|| false);

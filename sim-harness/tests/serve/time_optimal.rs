@@ -19,6 +19,11 @@ fn notice(page: &mut Page, words: &str) {
     });
 }
 
+/// The job's time that has passed [s]. A state that is older than the job has none.
+fn progress(state: &Value) -> f64 {
+    state["progress"][0].as_f64().unwrap_or_default()
+}
+
 /// The mean speed of the job: its time that passes in a time of the controller.
 fn pace(page: &mut Page) -> f64 {
     let [begin, end] = [0.25, 0.5].map(|wait| {
@@ -39,7 +44,7 @@ fn a_job_runs_at_the_arms_limit_and_goes_on_after_a_stop_and_slows_on_demand() {
     load(&mut page, 60);
     page.send(&json!("run"));
     notice(&mut page, "has started");
-    let running = page.state("strokes", |state| number(&state["progress"][0]) > 0.1);
+    let running = page.state("strokes", |state| progress(state) > 0.1);
     let all = number(&running["progress"][1]);
     assert!(all < 10.0, "{all} s for 4.8 m");
     let fast = pace(&mut page);
@@ -57,7 +62,7 @@ fn a_job_runs_at_the_arms_limit_and_goes_on_after_a_stop_and_slows_on_demand() {
     page.send(&json!({ "feed": 1.0 }));
     page.send(&json!("resume"));
     notice(&mut page, "goes on");
-    let resumed = page.state("motion", |state| number(&state["progress"][0]) > done + 0.2);
+    let resumed = page.state("motion", |state| progress(state) > done + 0.2);
     let left = number(&resumed["progress"][1]);
     assert!((left - all).abs() < 0.5, "{left} s of {all} s");
     page.request("stop");
