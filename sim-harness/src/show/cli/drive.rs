@@ -10,7 +10,7 @@ use crate::run::drive::{Drive, DriveError, Homing};
 use crate::run::simulation::{Sample, Trace};
 use crate::run::time_optimal::JobPlanner;
 use fivebar_firmware::protocol::Board;
-use fivebar_firmware::{Move, MoveKind};
+use fivebar_firmware::Move;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::sync::atomic::Ordering;
 
@@ -89,9 +89,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         moves = scenario.moves_in(planner.workspace().mode, &job)?;
         if let Some(share) = scenario.time_optimal {
             let job = JobPlanner::new(&scenario.robot, share)?;
-            let from = drive.tool()?;
-            moves = job.moves(from, &moves, &mut planner)?;
-            moves.insert(0, back_to(from));
+            moves = job.moves(drive.tool()?, &moves, &mut planner)?;
         }
         drive.follow(&moves, &settings, &mut |taken, status| {
             let last = taken.checked_sub(1).and_then(|last| moves.get(last));
@@ -120,18 +118,5 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         }
         Err(DriveError::Move(error)) => Err(refused(scenario.named(error.tag, &error.to_string()))),
         Err(error) => Err(refused(error)),
-    }
-}
-
-/// A move to where the tool was when the job was planned: the brakes may let it go by some counts
-/// before the controller is armed, and a timed motion must begin where the tool is.
-fn back_to(tool: [f32; 2]) -> Move {
-    Move {
-        tag: 0,
-        tool: 0,
-        kind: MoveKind::Line {
-            to: tool,
-            feed: 0.01,
-        },
     }
 }
