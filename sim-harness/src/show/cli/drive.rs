@@ -9,8 +9,8 @@ use super::sim::{millimetres, path_lengths};
 use crate::run::drive::{Drive, DriveError, Homing};
 use crate::run::simulation::{Sample, Trace};
 use crate::run::time_optimal::JobPlanner;
-use fivebar_firmware::protocol::Board;
 use fivebar_firmware::Move;
+use fivebar_firmware::protocol::Board;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::sync::atomic::Ordering;
 
