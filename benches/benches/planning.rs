@@ -1,30 +1,40 @@
-//! Time of time-optimal planning: a path of the page, and the whole demonstration. To be compared with
-//! the motion, 0.29 s and 2.7 s.
+//! Time of time-optimal planning: the paths of the reference, some with a limit of jerk, and the whole
+//! demonstration. To be compared with the motions, which take 0.11 to 0.32 s and 2.4 to 2.7 s. On one core:
+//! `RAYON_NUM_THREADS=1 cargo bench -p fivebar-benches --bench planning`.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use fivebar::input::path_case::PathCase;
 use fivebar::input::robot::Robot;
 use fivebar::input::scenario::Scenario;
 use fivebar::study::plan::PlanStudy;
-use std::path::Path;
+use serde_json::Value;
 
 fn planning(c: &mut Criterion) {
-    let robot = Robot::load("benchtop").unwrap();
     let mut group = c.benchmark_group("planning");
-    group.sample_size(10);
-    let paths = concat!(env!("CARGO_MANIFEST_DIR"), "/../sim-harness/paths");
-    for name in ["square", "eight"] {
-        let case = PathCase::read(&Path::new(paths).join(format!("{name}.json"))).unwrap();
+    group.sample_size(20);
+    let text = include_str!("../../tests/data/topp_public.json");
+    let data: Value = serde_json::from_str(text).unwrap();
+    for case in data["cases"].as_array().unwrap() {
+        let case = PathCase::parse("case.json", &case.to_string()).unwrap();
+        let robot = Robot::load(case.robot.as_deref().unwrap()).unwrap();
+        let name = case.name.as_deref().unwrap();
         group.bench_function(name, |b| {
             b.iter(|| PlanStudy::new(&robot, &case, 1.0, None).unwrap());
         });
+        if ["line", "circle", "eight_upright"].contains(&name) {
+            group.bench_function(format!("{name}, jerk 1e5"), |b| {
+                b.iter(|| PlanStudy::new(&robot, &case, 1.0, Some(1e5)).unwrap());
+            });
+        }
     }
-    let mut scenario = Scenario::demonstration(robot.clone());
-    scenario.time_optimal = Some(0.7);
-    let job = scenario.job().unwrap();
-    group.bench_function("demonstration", |b| {
-        b.iter(|| scenario.run_moves(&job).unwrap());
-    });
+    let mut scenario = Scenario::demonstration(Robot::load("benchtop").unwrap());
+    for share in [0.7, 0.9] {
+        scenario.time_optimal = Some(share);
+        let job = scenario.job().unwrap();
+        group.bench_function(format!("demonstration, share {share}"), |b| {
+            b.iter(|| scenario.run_moves(&job).unwrap());
+        });
+    }
     group.finish();
 }
 

@@ -25,7 +25,7 @@ const CUSP: f64 = 1e-6;
 /// A bound for x in units of length²/s² where no limit bounds it.
 const FASTEST: f64 = 1e12;
 
-/// [s, s + w] on one piece.
+/// [s, s + w] on one piece, with the indices of its demands.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cell {
     pub(super) piece: usize,
@@ -33,9 +33,9 @@ pub(super) struct Cell {
     pub(super) s: f64,
     local: f64,
     pub(super) w: f64,
-    pub(super) start: Demand,
-    pub(super) middle: Demand,
-    pub(super) end: Demand,
+    pub(super) start: usize,
+    pub(super) middle: usize,
+    pub(super) end: usize,
 }
 
 /// A path in cells.
@@ -46,6 +46,8 @@ pub(super) struct Grid<'a> {
     length: f64,
     places: usize,
     pub(super) cells: Vec<Cell>,
+    /// Cells that meet share a demand, and keep it when they are split.
+    demands: Vec<Demand>,
 }
 
 /// A grid with x at its nodes.
@@ -69,6 +71,7 @@ impl<'a> Grid<'a> {
             length: Self::length_of(pieces),
             places,
             cells: Vec::with_capacity(CELLS_PER_PLACE * (places + pieces.len())),
+            demands: Vec::with_capacity(2 * CELLS_PER_PLACE * (places + pieces.len())),
         };
         let close = 1e-9 * grid.length;
         let (mut begin, mut k) = (0.0, 0);
@@ -80,7 +83,7 @@ impl<'a> Grid<'a> {
                 begin + piece.length()
             };
             let mut s = begin;
-            let mut start = grid.demand(n, 0.0, s)?;
+            let mut start = grid.add(n, 0.0, s)?;
             while s < end {
                 while grid.even_place(k) <= s + close {
                     k += 1;
@@ -113,6 +116,31 @@ impl<'a> Grid<'a> {
         self.length * k as f64 / (self.places - 1) as f64
     }
 
+    /// The demand of an index.
+    pub(super) fn at(&self, index: usize) -> &Demand {
+        &self.demands[index]
+    }
+
+    /// Keeps the demand at a place, and returns its index.
+    pub(super) fn add(&mut self, piece: usize, local: f64, s: f64) -> Result<usize, PlanError> {
+        let demand = self.demand(piece, local, s)?;
+        self.demands.push(demand);
+        Ok(self.demands.len() - 1)
+    }
+
+    /// The same demand with the Coulomb friction of another.
+    fn with_coulomb(&mut self, index: usize, other: usize) -> usize {
+        let demand = Demand {
+            coulomb: self.demands[other].coulomb,
+            ..self.demands[index]
+        };
+        if demand.coulomb == self.demands[index].coulomb {
+            return index;
+        }
+        self.demands.push(demand);
+        self.demands.len() - 1
+    }
+
     pub(super) fn demand(&self, piece: usize, local: f64, s: f64) -> Result<Demand, PlanError> {
         let point = self.pieces[piece].at(local);
         let demand = self.arm.demand(&point);
@@ -120,24 +148,22 @@ impl<'a> Grid<'a> {
     }
 
     pub(super) fn cell(
-        &self,
+        &mut self,
         piece: usize,
         s: f64,
         local: f64,
         w: f64,
-        mut start: Demand,
+        [start, end]: [usize; 2],
     ) -> Result<Cell, PlanError> {
-        let middle = self.demand(piece, local + 0.5 * w, s)?;
-        let mut end = self.demand(piece, local + w, s)?;
-        (start.coulomb, end.coulomb) = (middle.coulomb, middle.coulomb);
-        let [a, b, c] = [&start, &middle, &end].map(|at| at.tangent.norm());
+        let middle = self.add(piece, local + 0.5 * w, s)?;
+        let [start, end] = [start, end].map(|index| self.with_coulomb(index, middle));
+        let demands = [start, middle, end].map(|index| self.at(index));
+        let [a, b, c] = demands.map(|at| at.tangent.norm());
         if a.min(b).min(c) <= CUSP * a.max(b).max(c) {
             return Err(PlanError::Cusp(s));
         }
-        if [middle.sin32, end.sin32]
-            .iter()
-            .any(|sine| sine * start.sin32 <= 0.0)
-        {
+        let [first, others @ ..] = demands.map(|at| at.sin32);
+        if others.iter().any(|sine| sine * first <= 0.0) {
             return Err(PlanError::Crosses(s));
         }
         Ok(Cell {
@@ -176,9 +202,10 @@ impl<'a> Grid<'a> {
         if excesses.iter().all(|excess| *excess <= ACCEPTED) {
             return Ok(None);
         }
-        let mut cells = Vec::with_capacity(2 * self.cells.len());
+        let whole = std::mem::take(&mut self.cells);
+        let mut cells = Vec::with_capacity(2 * whole.len());
         let mut guess = vec![x[0]];
-        for ((cell, ends), excess) in self.cells.iter().zip(x.windows(2)).zip(excesses) {
+        for ((cell, ends), excess) in whole.iter().zip(x.windows(2)).zip(excesses) {
             let excess = excess / SPLIT_ABOVE;
             if excess <= 1.0 {
                 cells.push(*cell);
@@ -191,10 +218,14 @@ impl<'a> Grid<'a> {
             let mut part = 0.0;
             while part < parts {
                 let (s, local) = (cell.s + part * w, cell.local + part * w);
-                let one = self.cell(cell.piece, s, local, w, start)?;
-                start = one.end;
-                cells.push(one);
                 part += 1.0;
+                let end = if part < parts {
+                    self.add(cell.piece, cell.local + part * w, s)?
+                } else {
+                    cell.end
+                };
+                cells.push(self.cell(cell.piece, s, local, w, [start, end])?);
+                start = end;
                 guess.push(ends[0] + (ends[1] - ends[0]) * part / parts);
             }
         }
@@ -209,7 +240,8 @@ impl<'a> Grid<'a> {
         for cell in &self.cells {
             let before = problem.rows.len();
             let drives = self.arm.drives();
-            self.limits.rows(&cell.middle, drives, &mut problem.rows);
+            self.limits
+                .rows(self.at(cell.middle), drives, &mut problem.rows);
             let rows = &problem.rows[before..];
             problem.per_cell = rows.len();
             if rows.iter().any(|row| row.c.abs() >= row.limit) {
@@ -235,17 +267,23 @@ impl<'a> Grid<'a> {
     /// The greatest x where a cell begins.
     fn ceiling(&self, last: Option<&Cell>, cell: &Cell) -> f64 {
         let Some(last) = last else { return 0.0 };
-        let kink = (last.end.tangent - cell.start.tangent).norm();
-        if kink > KINK * cell.start.tangent.norm() {
+        let ends = [last.end, cell.start].map(|index| self.at(index));
+        let kink = (ends[0].tangent - ends[1].tangent).norm();
+        if kink > KINK * ends[1].tangent.norm() {
             return 0.0;
         }
         let fastest = FASTEST * self.length * self.length;
-        let ends = [&last.end, &cell.start].map(|at| self.limits.ceiling(at));
+        let ends = ends.map(|at| self.limits.ceiling(at));
         ends[0].min(ends[1]).min(fastest)
     }
 
-    /// The greatest share of a limit that a motion uses at a place; 1 is at the limit.
-    pub(super) fn used(&self, at: &Demand, x: f64, u: f64) -> f64 {
+    /// The greatest share of a limit that a motion uses at the demand of an index; 1 is at the limit.
+    pub(super) fn used(&self, index: usize, x: f64, u: f64) -> f64 {
+        self.used_at(self.at(index), x, u)
+    }
+
+    /// As [`Self::used`], of any demand.
+    pub(super) fn used_at(&self, at: &Demand, x: f64, u: f64) -> f64 {
         self.limits.used(at, self.arm.drives(), x, u)
     }
 
@@ -254,9 +292,9 @@ impl<'a> Grid<'a> {
         let u = 0.5 * (next - x) / cell.w;
         let middle = 0.5 * (x + next);
         let used = self
-            .used(&cell.start, x, u)
-            .max(self.used(&cell.end, next, u));
-        used.max(self.used(&cell.middle, middle, u)) - 1.0
+            .used(cell.start, x, u)
+            .max(self.used(cell.end, next, u));
+        used.max(self.used(cell.middle, middle, u)) - 1.0
     }
 
     /// The demand at s of the path.
@@ -270,7 +308,8 @@ impl<'a> Grid<'a> {
     pub(super) fn curvature_jump(&self, x: &[f64]) -> Option<f64> {
         let pairs = self.cells.windows(2).zip(&x[1..]);
         let jump = pairs.filter(|(_, x)| **x > 0.0).find(|(pair, _)| {
-            let (one, other) = (pair[0].end.curvature, pair[1].start.curvature);
+            let ends = [pair[0].end, pair[1].start];
+            let [one, other] = ends.map(|index| self.at(index).curvature);
             (one - other).norm() > KINK * (one.norm() + other.norm())
         });
         jump.map(|(pair, _)| pair[1].s)

@@ -179,7 +179,7 @@ impl Moment {
         let jerks = self
             .jerk
             .map(|value| value.abs() / (slow * slow * slow * jerk));
-        let used = grid.used(&self.demand, rate * rate, u);
+        let used = grid.used_at(&self.demand, rate * rate, u);
         used.max(jerks[0]).max(jerks[1])
     }
 }

@@ -7,6 +7,7 @@ mod blend;
 mod demand;
 mod grid;
 mod jerk;
+mod job_path;
 mod limits;
 mod passes;
 mod path;
@@ -17,6 +18,7 @@ mod turning;
 
 pub use blend::blend;
 pub use demand::{Demand, DrivenArm, PlannedDrive};
+pub use job_path::{JobPath, PathPart};
 pub use limits::PlanLimits;
 pub use path::{FourierSeries, PathPiece, PathPoint};
 pub use run::{PlanError, Run, RunSample, plan};

@@ -183,16 +183,16 @@ fn run(solved: &Solved<'_>, places: usize) -> Run {
         };
         let place = grid.even_place(samples.len());
         if (cell.s - place).abs() < 1e-9 * length {
-            samples.push(sample(place, time, x[i], &cell.start));
+            samples.push(sample(place, time, x[i], grid.at(cell.start)));
         }
         most = most.max(grid.excess(cell, x[i], x[i + 1]));
         let dt = 2.0 * cell.w / (x[i].sqrt() + x[i + 1].sqrt());
-        if grid.used(&cell.middle, 0.5 * (x[i] + x[i + 1]), u) > ACTIVE {
+        if grid.used(cell.middle, 0.5 * (x[i] + x[i + 1]), u) > ACTIVE {
             active_time += dt;
         }
         time += dt;
         if i + 1 == grid.cells.len() {
-            samples.push(sample(length, time, x[i + 1], &cell.end));
+            samples.push(sample(length, time, x[i + 1], grid.at(cell.end)));
         }
     }
     smooth(grid, &mut samples);
@@ -218,7 +218,8 @@ fn smooth(grid: &Grid<'_>, samples: &mut [RunSample]) {
         let sample = &mut samples[k];
         let (x, own) = (square(sample), sample.s_ddot);
         let between = own.clamp(before.min(after), before.max(after));
-        if grid.used(&sample.demand, x, between) <= grid.used(&sample.demand, x, own).max(1.0) {
+        if grid.used_at(&sample.demand, x, between) <= grid.used_at(&sample.demand, x, own).max(1.0)
+        {
             sample.s_ddot = between;
             sample.torque = sample.demand.torque(x, between);
         }

@@ -65,16 +65,33 @@ pub(super) fn later([s, v, a, j]: State, t: f64) -> State {
     ]
 }
 
-/// The time within 0…`most` [s] at which s of a state becomes `place`, by bisection: s rises.
+/// Steps to a place, and how near to it in time, as a share of the whole.
+const STEPS: usize = 60;
+const CLOSE: f64 = 1e-15;
+
+/// The time within 0…`most` [s] at which s of a state becomes `place`, by Newton's method within
+/// bounds: s rises.
 pub(super) fn time_at(state: State, place: f64, most: f64) -> f64 {
     let (mut low, mut high) = (0.0, most);
-    for _ in 0..50 {
-        let middle = 0.5 * (low + high);
-        if later(state, middle)[0] < place {
-            low = middle;
+    let mut t = 0.5 * most;
+    for _ in 0..STEPS {
+        let [s, v, ..] = later(state, t);
+        if s < place {
+            low = t;
         } else {
-            high = middle;
+            high = t;
+        }
+        let newton = t - (s - place) / v;
+        let next = if low <= newton && newton <= high {
+            newton
+        } else {
+            0.5 * (low + high)
+        };
+        let step = (next - t).abs();
+        t = next;
+        if step <= CLOSE * most {
+            break;
         }
     }
-    0.5 * (low + high)
+    t
 }

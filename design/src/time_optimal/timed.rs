@@ -144,16 +144,15 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// The time [s] and the state at s, which rises from call to call.
-    fn at(&mut self, s: f64) -> (f64, State) {
+    /// The state at s, which rises from call to call.
+    fn at(&mut self, s: f64) -> State {
         while self.end < s && self.interval + 1 < self.spline.len() {
             self.interval += 1;
             self.state = self.spline.start(self.interval);
             self.end = later(self.state, self.spline.interval)[0];
         }
         let t = time_at(self.state, s, self.spline.interval);
-        let begin = self.spline.interval * self.interval as f64;
-        (begin + t, later(self.state, t))
+        later(self.state, t)
     }
 }
 
@@ -161,17 +160,18 @@ impl<'a> Walk<'a> {
 fn excesses(solved: &Solved<'_>, spline: &Spline) -> Vec<f64> {
     let grid = &solved.grid;
     let mut walk = Walk::new(spline);
-    let mut used = |s: f64, demand| {
-        let (_, [_, v, a, _]) = walk.at(s);
-        grid.used(demand, v * v, a)
-    };
+    let used = |[_, v, a, _]: State, index| grid.used(index, v * v, a);
+    let mut start = walk.at(0.0);
     let cells = grid.cells.iter();
     cells
         .map(|cell| {
-            let start = used(cell.s, &cell.start);
-            let middle = used(cell.s + 0.5 * cell.w, &cell.middle);
-            let end = used(cell.s + cell.w, &cell.end);
-            start.max(middle).max(end) - 1.0
+            let middle = walk.at(cell.s + 0.5 * cell.w);
+            let end = walk.at(cell.s + cell.w);
+            let most = used(start, cell.start)
+                .max(used(middle, cell.middle))
+                .max(used(end, cell.end));
+            start = end;
+            most - 1.0
         })
         .collect()
 }

@@ -1,6 +1,5 @@
 //! Where joints turn back: Coulomb friction jumps there, so cells end there.
 
-use super::demand::Demand;
 use super::grid::Grid;
 use super::run::PlanError;
 
@@ -9,7 +8,7 @@ const TURN_STEPS: usize = 12;
 const LEAST_PART: f64 = 1e-6;
 
 impl Grid<'_> {
-    /// Appends a cell, cut where a joint turns back, and returns the demand at its end. Coulomb
+    /// Appends a cell, cut where a joint turns back, and returns the index of the demand at its end. Coulomb
     /// friction jumps there, so that it is constant within each cell.
     pub(super) fn push(
         &mut self,
@@ -17,13 +16,14 @@ impl Grid<'_> {
         s: f64,
         local: f64,
         w: f64,
-        mut start: Demand,
-    ) -> Result<Demand, PlanError> {
-        let end = self.demand(piece, local + w, s)?;
+        mut start: usize,
+    ) -> Result<usize, PlanError> {
+        let end = self.add(piece, local + w, s)?;
+        let [q1, next_q1] = [start, end].map(|index| self.at(index).q1);
         let mut cuts = [0.0, 1.0, 1.0];
         for j in 0..2 {
-            if start.q1[j] * end.q1[j] < 0.0 {
-                cuts[j + 1] = self.turn(j, piece, [s, local, w], [start.q1[j], end.q1[j]])?;
+            if q1[j] * next_q1[j] < 0.0 {
+                cuts[j + 1] = self.turn(j, piece, [s, local, w], [q1[j], next_q1[j]])?;
             }
         }
         cuts.sort_by(f64::total_cmp);
@@ -31,9 +31,15 @@ impl Grid<'_> {
             let next = if k == 2 { 1.0 } else { cuts[k + 1] };
             let (from, width) = (cuts[k] * w, (next - cuts[k]) * w);
             if width > LEAST_PART * w {
-                let cell = self.cell(piece, s + from, local + from, width, start)?;
-                start = cell.end;
+                let (s, local) = (s + from, local + from);
+                let next = if next < 1.0 {
+                    self.add(piece, local + width, s)?
+                } else {
+                    end
+                };
+                let cell = self.cell(piece, s, local, width, [start, next])?;
                 self.cells.push(cell);
+                start = next;
             }
         }
         Ok(end)

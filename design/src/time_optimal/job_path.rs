@@ -1,10 +1,9 @@
-//! The path of a job: runs from rest to rest, as the look-ahead has them.
+//! The path of a job: runs from rest to rest, as the look-ahead of the controller has them, in double
+//! precision.
 
-use super::PlannedMove;
-use fivebar_design::time_optimal::PathPiece;
-use fivebar_kinematics::five_bar::WorkingMode;
+use super::path::PathPiece;
 use fivebar_kinematics::trajectory::{
-    Envelope, LookaheadPlanner, MotionLimits, PathSegment, Reference, ToolOutput, TrajectorySegment,
+    Envelope, LookaheadPlanner, PathError, PathSegment, Reference, ToolOutput, TrajectorySegment,
 };
 
 /// Room of the look-ahead.
@@ -13,75 +12,80 @@ const PLANNED: usize = 64;
 const REST: f64 = 1e-6;
 
 /// A part of one run.
-pub(super) struct Part {
-    pub(super) piece: PathPiece,
+#[derive(Clone, Debug, PartialEq)]
+pub struct PathPart {
+    /// A part of a shape on which the controller moves the tool.
+    pub piece: PathPiece,
     /// The index of its move.
-    pub(super) source: usize,
-    pub(super) level: u16,
+    pub source: usize,
+    /// The tool's level.
+    pub level: u16,
 }
 
-/// What becomes of a job: runs to plan, and moves that stay as they are.
-pub(super) enum Stage {
-    Run(WorkingMode, Vec<Part>),
-    Move(PlannedMove),
-}
-
-/// The path of a job, from its look-ahead.
-pub(super) struct Path {
+/// The path of a job: moves in, runs from rest to rest out.
+#[derive(Debug)]
+pub struct JobPath {
     lookahead: Box<LookaheadPlanner<f64, PLANNED>>,
-    pub(super) stages: Vec<Stage>,
-    run: Vec<Part>,
-    /// The working mode; it changes between two runs.
-    pub(super) mode: WorkingMode,
+    runs: Vec<Vec<PathPart>>,
+    run: Vec<PathPart>,
     waits: bool,
     level: u16,
 }
 
-impl Path {
-    pub(super) fn new(waits: bool, mode: WorkingMode) -> Self {
+impl JobPath {
+    /// An empty path of a tool at level 0. If the tool `waits`, the arm rests where its level changes.
+    pub fn new(waits: bool) -> Self {
         Self {
             lookahead: Box::default(),
-            stages: Vec::new(),
+            runs: Vec::new(),
             run: Vec::new(),
-            mode,
             waits,
             level: 0,
         }
     }
 
-    pub(super) fn push(
+    /// Appends the path of move `source`, with the tool at `level`, within the envelope.
+    ///
+    /// # Errors
+    /// A path that leaves the workspace.
+    pub fn push(
         &mut self,
         segment: &PathSegment<f64>,
-        limits: MotionLimits<f64>,
         source: usize,
-        tool: u16,
+        level: u16,
         envelope: &Envelope<f64>,
-    ) {
-        if self.waits && tool != self.level {
-            self.finish();
+    ) -> Result<(), PathError<f64>> {
+        let limits = envelope.check(segment, envelope.tool_motion.speed)?;
+        if self.waits && level != self.level {
+            self.end();
         }
-        self.level = tool;
+        self.level = level;
         while !self.lookahead.has_free_slot() {
             self.take();
         }
-        let level = ToolOutput::constant(f64::from(tool));
-        self.lookahead.set_tool_output(level);
+        let output = ToolOutput::constant(f64::from(level));
+        self.lookahead.set_tool_output(output);
         // The limits are finite, and there is room.
         let _ = self
             .lookahead
             .push(segment, limits, source as u32, envelope);
+        Ok(())
     }
 
-    /// Takes what is planned; the motion ends at rest.
-    pub(super) fn finish(&mut self) {
+    /// Takes what is planned since the last call; the motion ends at rest.
+    pub fn finish(&mut self) -> Vec<Vec<PathPart>> {
+        self.end();
+        std::mem::take(&mut self.runs)
+    }
+
+    fn end(&mut self) {
         while self.take() {}
         self.end_run();
     }
 
     fn end_run(&mut self) {
         if !self.run.is_empty() {
-            let run = std::mem::take(&mut self.run);
-            self.stages.push(Stage::Run(self.mode, run));
+            self.runs.push(std::mem::take(&mut self.run));
         }
     }
 
@@ -104,7 +108,7 @@ impl Path {
     }
 }
 
-impl Part {
+impl PathPart {
     /// Whether another part goes on along the same curve.
     fn continues_in(&self, next: &Self) -> bool {
         match (&self.piece, &next.piece) {
@@ -123,10 +127,10 @@ impl Part {
 }
 
 /// The part of the path that a segment covers.
-fn part(segment: &TrajectorySegment<f64>) -> Option<Part> {
+fn part(segment: &TrajectorySegment<f64>) -> Option<PathPart> {
     let curve = *segment.curve()?;
     let [from, to] = [0.0, segment.duration()].map(|t| segment.path_state(t).s);
-    (to > from).then(|| Part {
+    (to > from).then(|| PathPart {
         piece: PathPiece::Curve {
             curve,
             from,

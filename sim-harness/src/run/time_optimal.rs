@@ -4,12 +4,11 @@
 //! do not apply: each run from rest to rest is as fast as the joints' torques, speeds and
 //! accelerations and the motors' voltage allow.
 
-mod path;
-
 use crate::input::robot::{HomeError, MissingMasses, Robot, WorkspaceError};
 use crate::run::segment::segment;
 use fivebar_design::time_optimal::{
-    DrivenArm, PathPiece, PlanError, PlanLimits, TimedPiece, TimedRun, plan_timed,
+    DrivenArm, JobPath, PathPart, PathPiece, PlanError, PlanLimits, TimedPiece, TimedRun,
+    plan_timed,
 };
 use fivebar_firmware::planner::{MoveError, Planner};
 use fivebar_firmware::settings::ToolOutputSettings;
@@ -20,7 +19,6 @@ use fivebar_kinematics::trajectory::{
     Curve, Envelope, MotionLimits, PathError, PathSegmentError, TorqueLimits,
 };
 use nalgebra::Vector2;
-use path::{Part, Path, Stage};
 use rayon::prelude::*;
 
 /// Why a job is not planned.
@@ -82,6 +80,12 @@ pub struct PlannedMove {
     pub next: Move,
     /// The index.
     pub source: Option<usize>,
+}
+
+/// What becomes of a job: runs to plan, and moves that stay as they are.
+enum Stage {
+    Run(WorkingMode, Vec<PathPart>),
+    Move(PlannedMove),
 }
 
 /// A robot's planner of whole jobs.
@@ -198,11 +202,11 @@ impl JobPlanner {
     fn run(
         &self,
         mode: WorkingMode,
-        parts: &[Part],
+        parts: &[PathPart],
         moves: &[Move],
     ) -> Result<Vec<PlannedMove>, TimeOptimalError> {
         let pieces: Vec<PathPiece> = parts.iter().map(|part| part.piece.clone()).collect();
-        let tag = |part: &Part| moves.get(part.source).map_or(0, |source| source.tag);
+        let tag = |part: &PathPart| moves.get(part.source).map_or(0, |source| source.tag);
         let line = parts.first().map_or(0, tag);
         let TimedRun { pieces: timed, .. } =
             plan_timed(&self.arm.in_mode(mode), &self.limits, &pieces, INTERVAL)
@@ -231,13 +235,15 @@ impl JobPlanner {
         planner.check_all(from, moves)?;
         let mut envelope = self.envelope;
         envelope.workspace.mode = planner.workspace().mode;
-        let mut path = Path::new(self.waits, envelope.workspace.mode);
+        let mut path = JobPath::new(self.waits);
+        let mut stages = Vec::new();
         let mut at = from;
         for (source, next) in moves.iter().enumerate() {
             let tag = next.tag;
             let Some(segment) = segment(&next.kind, at) else {
-                path.finish();
-                path.stages.push(Stage::Move(PlannedMove {
+                let mode = envelope.workspace.mode;
+                stages.extend(path.finish().into_iter().map(|run| Stage::Run(mode, run)));
+                stages.push(Stage::Move(PlannedMove {
                     next: *next,
                     source: Some(source),
                 }));
@@ -246,16 +252,13 @@ impl JobPlanner {
                 {
                     at = place;
                     envelope.workspace.mode = mode;
-                    path.mode = mode;
                 }
                 continue;
             };
             match segment {
-                Ok(segment) => {
-                    let limits = envelope.check(&segment, TOOL.speed);
-                    let limits = limits.map_err(|error| TimeOptimalError::Path(tag, error))?;
-                    path.push(&segment, limits, source, next.tool, &envelope);
-                }
+                Ok(segment) => path
+                    .push(&segment, source, next.tool, &envelope)
+                    .map_err(|error| TimeOptimalError::Path(tag, error))?,
                 Err(PathSegmentError::ZeroLength) => {}
                 Err(error) => return Err(TimeOptimalError::Segment(tag, error)),
             }
@@ -263,8 +266,9 @@ impl JobPlanner {
                 at = to;
             }
         }
-        path.finish();
-        Ok(path.stages)
+        let mode = envelope.workspace.mode;
+        stages.extend(path.finish().into_iter().map(|run| Stage::Run(mode, run)));
+        Ok(stages)
     }
 
     /// The tool [m] and the working mode at these joint angles [rad].
