@@ -5,7 +5,8 @@
 //! share their texts, so a page that reads slowly makes nobody wait and keeps no backlog.
 
 use super::lease::{ControlLease, PageId};
-use super::message::{ClientRequest, ServerMessage};
+use super::message::ClientRequest;
+use super::news::PageChannels;
 use super::stop_signal::StopSignal;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, mpsc};
@@ -106,7 +107,7 @@ pub(super) struct Shared {
 /// A notice, and the page that it is for; none: all pages.
 pub(super) type Notice = (Option<PageId>, Utf8Bytes);
 /// The latest message of a kind; none before the first.
-type Latest = Option<Utf8Bytes>;
+pub(super) type Latest = Option<Utf8Bytes>;
 
 /// The end at the websockets.
 #[derive(Clone)]
@@ -127,14 +128,10 @@ pub(super) struct WebEnd {
 pub(super) struct ControllerEnd {
     pub(super) events: mpsc::Receiver<Event>,
     pub(super) shared: Arc<Shared>,
-    state: watch::Sender<Latest>,
-    fault: watch::Sender<Latest>,
-    job: watch::Sender<Latest>,
-    notices: broadcast::Sender<Notice>,
 }
 
-/// Makes both ends.
-pub(super) fn channels() -> (WebEnd, ControllerEnd) {
+/// Makes both ends, and the channels for news of the controller.
+pub(super) fn channels() -> (WebEnd, ControllerEnd, PageChannels) {
     let (sender, events) = mpsc::channel();
     let (state, states) = watch::channel(None);
     let (fault, faults) = watch::channel(None);
@@ -154,15 +151,13 @@ pub(super) fn channels() -> (WebEnd, ControllerEnd) {
         places: Arc::new(Semaphore::new(PAGES)),
         long_messages: Arc::new(Semaphore::new(1)),
     };
-    let controller = ControllerEnd {
-        events,
-        shared,
+    let pages = PageChannels {
         state,
         fault,
         job,
         notices,
     };
-    (web, controller)
+    (web, ControllerEnd { events, shared }, pages)
 }
 
 impl WebEnd {
@@ -194,27 +189,6 @@ impl WebEnd {
     }
 }
 
-impl ControllerEnd {
-    /// Sends a message to its page, or to all pages.
-    pub(super) fn send(&self, message: &ServerMessage<'_>) {
-        let text = message.json();
-        match message {
-            ServerMessage::State(_) => drop(self.state.send_replace(Some(text))),
-            ServerMessage::Fault(_) => drop(self.fault.send_replace(Some(text))),
-            ServerMessage::Job(_) => self.send_job(text),
-            ServerMessage::Notice { to, .. } => {
-                // This fails only if no page is connected.
-                let _ = self.notices.send((*to, text));
-            }
-        }
-    }
-
-    /// Sends a job's message to all pages, and later to each page that connects.
-    pub(super) fn send_job(&self, message: Utf8Bytes) {
-        self.job.send_replace(Some(message));
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::{EventKind, Page, QueueError, REQUESTS, channels};
@@ -223,7 +197,7 @@ mod tests {
 
     #[test]
     fn a_page_that_floods_fills_its_own_places_only() {
-        let (web, controller) = channels();
+        let (web, controller, _news) = channels();
         let [flooding, other] = [Page::new(), Page::new()].map(Arc::new);
         let request = || EventKind::Request(ClientRequest::Run);
         for _ in 0..REQUESTS {

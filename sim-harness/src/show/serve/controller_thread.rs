@@ -11,6 +11,7 @@ use super::lease::PageId;
 use super::message::{FaultMessage, ServerMessage, StateMessage, brief};
 use super::mode_thread::ModeThread;
 use super::move_feeder::{JobStatus, MoveFeeder};
+use super::news::News;
 use super::pace::SpeedMeter;
 use super::parsed_job::ParsedJob;
 use super::preview::{JobStart, Preview};
@@ -47,6 +48,7 @@ pub(super) struct ControllerThread {
     /// What the machine tells the pages.
     notes: mpsc::Receiver<String>,
     pub(super) pages: ControllerEnd,
+    pub(super) news: News,
     pub(super) preview: Preview,
     /// The page that was in control when the feeder got its moves.
     controlled_by: Option<PageId>,
@@ -86,6 +88,7 @@ impl ControllerThread {
         robot: Robot,
         planner: Option<JobPlanner>,
         pages: ControllerEnd,
+        news: News,
     ) -> Result<Self, ServeError> {
         let samples = if opened.stepped.is_some() {
             SAMPLES_STEPPED
@@ -103,6 +106,7 @@ impl ControllerThread {
             machine,
             notes,
             pages,
+            news,
             jobs: JobThread::start(robot, preview.clone(), planner),
             modes: ModeThread::start(preview.clone()),
             mode_wanted: None,
@@ -333,7 +337,7 @@ impl ControllerThread {
                 None => Reply::Snapshot(None),
             };
             if let Reply::Snapshot(snapshot) = snapshot {
-                self.pages
+                self.news
                     .send(&ServerMessage::Fault(snapshot.map(|snapshot| {
                         FaultMessage {
                             name: fault_name(snapshot.fault),
@@ -351,7 +355,7 @@ impl ControllerThread {
         let now = Instant::now();
         let pose = self.preview.pose(status);
         let lease = &self.pages.shared.lease;
-        self.pages.send(&ServerMessage::State(StateMessage {
+        self.news.send(&ServerMessage::State(StateMessage {
             status,
             time,
             speed: self.speed.at(time, now),
@@ -374,7 +378,7 @@ impl ControllerThread {
 
     /// Sends a notice to all pages.
     pub(super) fn notice(&self, text: &str) {
-        self.pages.send(&ServerMessage::Notice {
+        self.news.send(&ServerMessage::Notice {
             to: None,
             refused: false,
             text: text.into(),
@@ -383,7 +387,7 @@ impl ControllerThread {
 
     /// Sends a refusal to one page, or to all.
     pub(super) fn refuse(&self, to: Option<PageId>, text: String) {
-        self.pages.send(&ServerMessage::Notice {
+        self.news.send(&ServerMessage::Notice {
             to,
             refused: true,
             text: brief(text),

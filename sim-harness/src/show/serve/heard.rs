@@ -76,7 +76,7 @@ impl AsyncWrite for Line<'_> {
 /// If more requests wait than a page may have, if the server's bytes are no websocket messages, if
 /// one of them is long, or if the page leaves a trace: the lease, or the place for a long message.
 pub fn hear(bytes: &[u8]) -> Heard {
-    let (pages, controller) = channels();
+    let (pages, controller, _news) = channels();
     let server = Arc::<Mutex<Vec<u8>>>::default();
     let line = Line {
         page: bytes,

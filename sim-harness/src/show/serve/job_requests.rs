@@ -206,7 +206,7 @@ impl ControllerThread {
                     start,
                     refusal,
                 });
-                self.pages.send_job(message);
+                self.news.send_job(message);
                 (start, again)
             }
             Prepared::Rest { job, start, place } => {
@@ -220,7 +220,7 @@ impl ControllerThread {
             }
             Prepared::Unreadable(message) => {
                 self.loaded = None;
-                self.pages.send_job(message);
+                self.news.send_job(message);
                 return;
             }
             Prepared::NoJob(page, why) => {

@@ -10,7 +10,8 @@
 //!
 //! Threads share the work, so that none delays a stop: one for each page, which reads what it sends;
 //! the controller's, which waits for the controller only; one that reads and checks jobs; one that
-//! plans changes of the working mode; and the web server's, which admits pages. Stops and signs of
+//! plans changes of the working mode; one that passes news on to the pages; and the web server's, which
+//! admits pages. Stops and signs of
 //! life pass from a page's thread to the controller's through atomic numbers, past the queue of
 //! requests. What a page sends costs its own thread's time only, because the system shares the
 //! processor between threads.
@@ -28,6 +29,7 @@
 //! | `stop_signal` | stops, on a path past every queue |
 //! | `lease` | which page is in control, and whether it is alive |
 //! | `channels` | what else passes between pages and controller |
+//! | `news` | what the controller's thread tells the pages, without waiting for them |
 //! | `message` | the messages between pages and server |
 //! | `accept`, `guard` | limits of connections; which web requests are served |
 //! | `web` | the page's files and the way to a websocket |
@@ -51,6 +53,7 @@ mod maps;
 mod message;
 mod mode_thread;
 mod move_feeder;
+mod news;
 mod pace;
 mod parsed_job;
 mod preview;
@@ -76,6 +79,7 @@ use crate::show::bridge::{BridgeError, BridgeOptions, Endpoints, Seat};
 use controller_thread::ControllerThread;
 use fivebar_design::workspace::GridError;
 use fivebar_firmware::protocol::CommandError;
+use news::News;
 use std::io;
 use std::net::{SocketAddr, TcpListener};
 use std::path::Path;
@@ -194,8 +198,10 @@ pub fn serve(
         }
         None => (Seat::empty(), None),
     };
-    let (pages, controller_end) = channels::channels();
-    let machine = ControllerThread::new(opened, seat, robot.clone(), planner, controller_end)?;
+    let (pages, controller_end, to_pages) = channels::channels();
+    let news = News::start(to_pages);
+    let machine =
+        ControllerThread::new(opened, seat, robot.clone(), planner, controller_end, news)?;
     ready(listener.local_addr()?, endpoints.as_ref());
     let site = web::Site {
         guard: options.guard,
