@@ -189,3 +189,59 @@ fn a_move_that_is_refused_for_its_numbers_leaves_tool_and_queue_as_they_were() {
     }
     assert_eq!(check(dwell(0.0)), Ok(FROM));
 }
+
+#[test]
+fn moves_one_behind_the_other_are_checked_from_where_the_one_before_ends() {
+    let mut planner = Planner::new(&settings().check().unwrap());
+    let line = |tag, [x, y]: [f32; 2]| Move {
+        tag,
+        tool: FULL_TOOL,
+        kind: MoveKind::Line {
+            to: [x, y],
+            feed: 0.1,
+        },
+    };
+    let there_and_back = [line(1, [0.05, 0.18]), line(2, FROM)];
+    assert_eq!(planner.check_all(FROM, &there_and_back), Ok(()));
+    let beyond = [
+        line(1, [0.05, 0.18]),
+        line(2, [0.34, 0.18]),
+        line(3, [9.0, 9.0]),
+    ];
+    let refused = planner.check_all(FROM, &beyond).unwrap_err();
+    assert_eq!(
+        (refused.tag, refused.kind),
+        (2, MoveErrorKind::LegSingularity(1))
+    );
+    // An arc of this centre begins at the end of the first line only.
+    let arc = MoveKind::Arc {
+        to: [0.05, 0.16],
+        center: [0.05, 0.17],
+        clockwise: true,
+        feed: 0.1,
+    };
+    let arc = Move {
+        kind: arc,
+        ..line(2, FROM)
+    };
+    assert_eq!(
+        planner.check_all(FROM, &[line(1, [0.05, 0.18]), arc]),
+        Ok(())
+    );
+    assert!(planner.check_all(FROM, &[arc]).is_err());
+}
+
+#[test]
+fn a_checked_move_of_the_joints_keeps_their_limits_and_speeds() {
+    let planner = Planner::new(&settings().check().unwrap());
+    let by = |turn1: f32, turn4: f32| [START[0] + turn1, START[1] + turn4];
+    assert_eq!(planner.check_joints(START, by(0.1, -0.1), 0.5), Ok(()));
+    for (to, speed, kind) in [
+        (by(1.5, 0.0), 0.5, MoveErrorKind::JointLimit(1)),
+        (by(0.0, -1.5), 0.5, MoveErrorKind::JointLimit(4)),
+        (by(0.1, -0.1), 1.5, MoveErrorKind::Number),
+    ] {
+        let refused = planner.check_joints(START, to, speed).unwrap_err();
+        assert_eq!(refused.kind, kind);
+    }
+}

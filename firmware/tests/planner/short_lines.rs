@@ -119,6 +119,35 @@ proptest! {
     }
 }
 
+/// A line that waited for the next one until few are left would be seen too late.
+#[test]
+fn a_line_at_the_end_of_a_path_is_planned_long_before_the_arm_comes_there() {
+    let settings = with(|settings| {
+        settings.motion.max_speed = 0.2;
+        settings.motion.max_acceleration = 2.0;
+    });
+    // A polygon whose sides are too unlike to be joined, and a long line that goes on from it.
+    let (mut at, mut direction) = ([0.0_f32; 2], 0.0_f32);
+    let mut offsets = Vec::new();
+    for side in 0..31_u8 {
+        let length = if side == 30 { 0.03 } else { 4e-4 };
+        at = [
+            at[0] + length * direction.cos(),
+            at[1] + length * direction.sin(),
+        ];
+        direction += 0.05;
+        offsets.push(at);
+    }
+    let (points, _) = draw(&settings, &offsets, 0.2);
+    let speeds: Vec<_> = points
+        .windows(2)
+        .map(|pair| (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]) * 1e4)
+        .collect();
+    let moving = speeds.iter().filter(|speed| **speed > 0.0).count();
+    // With the line seen when few others are left it takes 0.68 s.
+    assert!(moving < 6500, "{moving} ticks");
+}
+
 /// Lines to and fro on one straight line: one line in place of two would leave out the turn.
 #[test]
 fn a_line_that_turns_back_is_not_joined_with_the_one_before() {

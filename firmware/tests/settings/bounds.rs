@@ -124,6 +124,22 @@ fn a_value_just_beyond_its_bound_is_refused() {
     }
 }
 
+/// With a jerk of j, a stop from the speed v takes √(6 v/j) at least.
+#[test]
+fn a_jerk_with_which_a_stop_takes_more_than_ten_seconds_is_refused() {
+    for speed in [0.05, 0.5] {
+        let with_jerk = |share: f32| {
+            result(|settings| {
+                settings.motion.max_speed = speed;
+                settings.motion.max_jerk = share * 0.06 * speed;
+            })
+        };
+        assert_eq!(with_jerk(1.001), None, "{speed} m/s");
+        let refused = Some(SettingsError::Field(Field::MaxJerk));
+        assert_eq!(with_jerk(0.999), refused, "{speed} m/s");
+    }
+}
+
 #[test]
 fn the_count_rate_of_either_encoder_is_within_the_board_s() {
     let limits = BoardLimits::STM32F405;
