@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # Checks the bounds of time and stack of the images that scripts/firmware.sh linked, and compares
-# them with those committed. First it shows that mistakes put into the images are found, and
+# them with those committed. Then it shows that mistakes put into the images are found, and
 # compares how each instruction is read with LLVM's disassembler, where that is installed.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 images=target/firmware/thumbv7em-none-eabihf/firmware
+cargo run --quiet --package fivebar-bounds -- check "$images"
 cargo test --quiet --package fivebar-bounds --features images
 
 if command -v llvm-objdump >/dev/null; then
@@ -19,5 +20,3 @@ if command -v llvm-objdump >/dev/null; then
 else
     echo "bounds: no llvm-objdump; the decoder was not compared with it" >&2
 fi
-
-cargo run --quiet --package fivebar-bounds -- check "$images"
