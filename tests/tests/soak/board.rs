@@ -6,7 +6,7 @@ use crate::replay::{Recorded, replay};
 use fivebar::run::link::{Lockstep, Target, TargetError};
 use fivebar::run::simulation::RunError;
 use fivebar_firmware::controller::Request;
-use fivebar_firmware::{ActuatorCommand, Move, SensorSample, Status};
+use fivebar_firmware::{ActuatorCommand, Move, MoveKind, SensorSample, Status};
 use std::time::Instant;
 
 /// The reason with which a run ends when all ticks have run.
@@ -19,6 +19,8 @@ struct Limited {
     /// Ticks before this run, and in all.
     before: u64,
     wanted: u64,
+    /// Moves that were accepted, and the timed ones among them.
+    moves: [u32; 2],
 }
 
 impl Target for Limited {
@@ -36,7 +38,11 @@ impl Target for Limited {
     }
 
     fn offer(&mut self, next: &Move) -> Result<bool, TargetError> {
-        self.recorded.offer(next)
+        let taken = self.recorded.offer(next)?;
+        let timed = matches!(next.kind, MoveKind::Timed(_));
+        self.moves[0] += u32::from(taken);
+        self.moves[1] += u32::from(taken && timed);
+        Ok(taken)
     }
 
     fn is_idle(&self) -> bool {
@@ -48,6 +54,8 @@ impl Target for Limited {
 #[derive(Debug, Default)]
 struct Total {
     ticks: u64,
+    /// Moves that were accepted, and the timed ones among them.
+    moves: [u32; 2],
     /// Jobs that were done, that a fault ended, that were refused, and that were cut short.
     ends: [u32; 4],
     /// The faults, in words.
@@ -71,6 +79,7 @@ fn run(first: u64, wanted: u64) -> Total {
             recorded: begun.expect("a run in lockstep").0,
             before: total.ticks,
             wanted,
+            moves: [0; 2],
         };
         let begun = Instant::now();
         let end = match job.scenario.run_on(&mut limited, &job.moves, &mut |_| ()) {
@@ -88,6 +97,7 @@ fn run(first: u64, wanted: u64) -> Total {
         let replayed =
             replay(recorded).unwrap_or_else(|found| panic!("{name}, seed {seed}: {found}"));
         total.ticks += limited.recorded.ticks();
+        total.moves = [0, 1].map(|kind| total.moves[kind] + limited.moves[kind]);
         total.ends[end] += 1;
         total.most = total.most.max(replayed.most);
         println!(
