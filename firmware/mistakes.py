@@ -241,6 +241,23 @@ MISTAKES = [
     ("timed moves with half again the torque", "planner/mod.rs", "limits.torque = self.peak_torque;", "limits.torque = self.peak_torque.map(|torque| 1.5 * torque);"),
     ("a timed motion does not wait for its tool", "planner/timed.rs", "        if rests {\n", "        if rests && snapshot.path_room > 99 {\n"),
     ("a refused timed move ends the wait of a line", "planner/timed.rs", "        if !self.is_empty() ||", "        self.append_waiting()?;\n        if !self.is_empty() ||"),
+    ("an approach far beyond the joint's range", "controller/homing_state.rs", "range: high - low + 2.0 * homing.back_off,", "range: high - low + 50.0 * homing.back_off,"),
+    ("homing speeds up in a tenth of the time", "controller/homing_state.rs", "acceleration: 10.0 * homing.speed,", "acceleration: 100.0 * homing.speed,"),
+    ("joint 1's torque limited without stopping its integral", "controller/tracking.rs", "loop1.integrate(&mut joint1.integral, error1, limited);", "loop1.integrate(&mut joint1.integral, error1, false);"),
+    ("a limited torque not reported", "controller/tracking.rs", "limits: limits.with(Limits::TORQUE, limited),", "limits,"),
+    ("the first counts taken for a speed", "controller/tick.rs", "            measurement.velocity = [0.0; 2];\n", ""),
+    ("limits reported with the bridges off", "controller/tick.rs", "        self.limits = Limits::empty();\n        self.at_rest", "        self.at_rest"),
+    ("the duty that is not a number stays in its joint", "controller/tick.rs", "        if !(duty1 + duty4).is_finite() {\n            for joint in &mut self.joints {\n                joint.release();\n            }\n", "        if !(duty1 + duty4).is_finite() {\n"),
+    ("the position loop's integral kept with the bridges off", "controller/joint.rs", "        self.integral = Integral(0.0);\n        self.demand", "        self.demand"),
+    ("a controlled stop remembered after its fault was cleared", "controller/transitions.rs", "        self.latched = None;\n        self.controlled_stop = false;\n", "        self.latched = None;\n"),
+    ("a fault's measured and demanded currents exchanged", "controller/transitions.rs", "            current: joint.current,\n            demand: joint.demand,", "            current: joint.demand,\n            demand: joint.current,"),
+    ("a request is no sign of life", "controller/request.rs", "        self.feed_host_timeout();\n", ""),
+    ("an excitation goes on with the register of the one before", "controller/excitation.rs", "        self.register = 1;\n        self.end", "        self.end"),
+    ("an excitation that begins with the end of the one before", "controller/excitation.rs", "        self.register = 1;\n        self.end = None;\n", "        self.register = 1;\n"),
+    ("an excitation's duty that is not a number drives", "controller/excitation.rs", "if joint.duty.is_finite() {", "if joint.duty.is_finite() || joint.duty.is_nan() {"),
+    ("settings saved and applied under a fault that holds the arm", "session/mod.rs", "        State::Stopped => Ok(()),\n", "        State::Stopped | State::Fault => Ok(()),\n"),
+    ("an implausible zero of a current put to use", "controller/current_zeros.rs", "        if *plausible {\n", "        if *plausible || zero >= 0.0 {\n"),
+    ("a second stop begins anew", "controller/path/mod.rs", "        if self.brake.is_none() {\n            let mut time", "        {\n            let mut time"),
 ]
 
 

@@ -33,6 +33,18 @@ fn a_shifted_zero_reads_no_current_once_it_is_measured() {
 }
 
 #[test]
+fn an_implausible_zero_hides_no_current() {
+    let per_code = settings().axes[0].current_per_code;
+    let status = shifted([2048 + 150, 2048 - 150], 2 * MEASURED)
+        .controller
+        .status();
+    let expected = [150.0 * per_code, -150.0 * per_code];
+    for (current, expected) in status.current.into_iter().zip(expected) {
+        assert!((current - expected).abs() < 1e-4, "{current} A");
+    }
+}
+
+#[test]
 fn the_mean_is_that_of_a_noisy_sensor() {
     let mut rig = Rig::new(&settings());
     for tick in 0..MEASURED {

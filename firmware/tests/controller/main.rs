@@ -12,6 +12,7 @@ mod holding;
 mod homing;
 mod homing_again;
 mod independent_joints;
+mod left_behind;
 mod moving;
 mod stopping;
 mod tool;

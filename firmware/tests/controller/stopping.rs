@@ -71,6 +71,21 @@ fn a_requested_stop_slows_down_on_the_path_and_drops_the_rest_of_it() {
 }
 
 #[test]
+fn a_stop_that_is_asked_for_again_on_the_way_goes_on_as_it_began() {
+    let mut rig = running(&settings());
+    let mut ticks = 0;
+    let (way, jerk) = rest(&mut rig, |rig| {
+        if ticks % 300 == 0 && rig.controller.state() != State::Armed {
+            rig.controller.request(Request::Stop).unwrap();
+        }
+        ticks += 1;
+        rig.tick()
+    });
+    assert!((0.002..0.012).contains(&way), "{way} m");
+    assert!(jerk < 2e-3, "{jerk} m/s in a tick");
+}
+
+#[test]
 fn a_host_that_falls_silent_while_the_arm_stops_is_a_fault() {
     let mut rig = running(&with(|s| s.protection.command_timeout = 0.01));
     rig.controller.request(Request::Stop).unwrap();

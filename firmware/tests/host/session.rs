@@ -213,6 +213,19 @@ fn invalid_settings_are_refused_as_a_whole() {
     assert_eq!(*desk.controller.settings(), rig::settings());
 }
 
+/// Its bridges may be on.
+#[test]
+fn settings_are_neither_applied_nor_saved_under_a_fault() {
+    let mut desk = Desk::armed();
+    desk.controller.latch_fault(Fault::CommandTimeout);
+    let fault = CommandError::Request(controller::RequestError::State(State::Fault));
+    for command in [HostCommand::ApplySettings, HostCommand::SaveSettings] {
+        let reply = desk.ask(command);
+        assert_eq!(refused(&reply), Some(fault));
+    }
+    assert!(desk.board.saved.is_empty() && desk.board.used == 0);
+}
+
 #[test]
 fn settings_are_neither_applied_nor_saved_while_the_bridges_are_on() {
     let mut desk = Desk::armed();

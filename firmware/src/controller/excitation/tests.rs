@@ -111,3 +111,42 @@ fn motors_stay_shorted_for_5_ms_and_until_both_joints_rest_or_half_a_second() {
         assert_eq!(braked_for(turns), 5000, "{turns:?}");
     }
 }
+
+#[test]
+fn an_excitation_takes_nothing_over_from_the_one_before() {
+    let mut state = ExcitationState::none(1e4);
+    let mut values = || {
+        state.begin(&excitation());
+        assert_eq!((state.end, state.ticks), (None, 0));
+        let values: [f32; 99] = core::array::from_fn(|_| state.value());
+        (state.end, state.ticks) = (Some(ExcitationEnd::Travel), 50);
+        values
+    };
+    assert_eq!(values(), values());
+}
+
+#[test]
+fn an_excitation_s_duty_that_is_not_a_number_switches_off_in_its_tick() {
+    let sample = SensorSample {
+        current: [2048; 2],
+        bus_voltage: 2048,
+        ..SensorSample::default()
+    };
+    let mut controller = Controller::new(&Settings::BENCHTOP.check().unwrap());
+    controller.tick(&sample);
+    let wanted = Excitation {
+        of: Excited::Current,
+        offset: 0.1,
+        amplitude: 0.0,
+        ..excitation()
+    };
+    controller.request(Request::Excite(wanted)).unwrap();
+    for _ in 0..20 {
+        controller.tick(&sample);
+    }
+    assert!(controller.tick(&sample).enable[1], "it drives");
+    controller.model.axes[1].current_offset = f32::NAN;
+    let command = controller.tick(&sample);
+    assert_eq!((command.enable, command.duty), ([false; 2], [0.0; 2]));
+    assert_eq!(controller.status().fault, Some(Fault::NotANumber));
+}

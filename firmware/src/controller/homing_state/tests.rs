@@ -1,6 +1,7 @@
 //! One joint's search by itself: what it believes of its switch, and how far it goes.
 
 use super::{DEBOUNCE_TICKS, Debounced, HomingConfig, HomingState, Phase, SwitchNotFound, limited};
+use crate::settings::Settings;
 
 /// A range of 2 rad, half a radian to back off, 1 rad/s.
 const CONFIG: HomingConfig = HomingConfig {
@@ -43,6 +44,37 @@ fn the_counts_of_a_switch_are_those_of_the_first_reading_that_it_keeps() {
         switch.read(false, counts);
     }
     assert_eq!((switch.closed, switch.counts), (false, 30));
+}
+
+#[test]
+fn a_search_takes_no_more_than_the_joints_range_and_speeds_up_gently() {
+    let Settings {
+        mut axes, homing, ..
+    } = Settings::BENCHTOP;
+    let [axis, _] = &mut axes;
+    axis.angle_limits = [-0.5, 2.5];
+    for forward in [true, false] {
+        axis.home_forward = forward;
+        let config = HomingConfig::new(axis, &homing);
+        // 3 rad, and two ways of backing off: one behind each end.
+        assert_eq!(config.range, 3.0 + 2.0 * homing.back_off);
+        let mut search = HomingState::new(0.0);
+        let mut rates = (0..1200).map(|_| {
+            search.step(&config, false, 0.0, 0, 1e-4).expect("in range");
+            search.rate.abs() / homing.speed
+        });
+        // Its speed is reached after 0.1 s.
+        assert!(
+            rates
+                .nth(499)
+                .is_some_and(|share| (share - 0.5).abs() < 0.01)
+        );
+        assert!(
+            rates
+                .nth(599)
+                .is_some_and(|share| (share - 1.0).abs() < 0.01)
+        );
+    }
 }
 
 #[test]

@@ -49,6 +49,7 @@ fn a_duty_of_either_joint_that_is_not_a_number_switches_off_in_its_tick() {
                 tool: 0,
             }
         );
+        assert_eq!(controller.status().duty, [0.0; 2]);
         // The next tick latches the fault.
         assert!(!controller.tick(&SAMPLE).enable.contains(&true));
         assert_eq!(controller.status().fault, Some(Fault::NotANumber));
