@@ -91,7 +91,7 @@ fn send_keys_and_empty_frames(server: &Server, page: &mut Page) {
             });
         }
         let start = Instant::now();
-        while start.elapsed() < Duration::from_secs(2) {
+        while start.elapsed() < Duration::from_secs(1) {
             page.next();
         }
     });

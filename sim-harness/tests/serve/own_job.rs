@@ -3,9 +3,9 @@
 use crate::program::{Page, Server, number, speed, time};
 use serde_json::{Value, json};
 
-/// Strokes to and fro for about six seconds, one on each line from 3 on.
+/// Strokes to and fro for about four seconds, one on each line from 3 to 6.
 fn load(page: &mut Page) {
-    let text = format!("G21 G90 F3000\nM3\n{}", "G1 X40\nG1 X0\n".repeat(3));
+    let text = format!("G21 G90 F3000\nM3\n{}", "G1 X40\nG1 X0\n".repeat(2));
     page.send(&json!({ "load": { "name": "strokes", "text": text } }));
     page.wait("the job", |message| message.get("job").cloned());
 }
@@ -55,7 +55,7 @@ fn a_job_told_to_run_on_ends_though_its_page_is_closed_and_a_page_that_comes_bac
     run(&mut page);
     drop(page);
     let begun = time(&watcher.latest_state());
-    let state = watcher.state("two seconds", |state| time(state) > begun + 2.0);
+    let state = watcher.state("a second", |state| time(state) > begun + 1.0);
     assert_eq!(state["state"], "Running");
     assert!(state["run_on"] == true && number(&state["left"]) > 0.1);
     let mut again = server.page();
@@ -77,7 +77,7 @@ fn a_plain_job_stops_with_its_page_and_goes_on_at_its_place() {
     page.state("rest", |state| time(state) > time(&fault) + 1.0);
     page.take_control_and_arm();
     let line = number(&page.latest_state()["held"]);
-    assert!((3.0..8.0).contains(&line), "line {line}");
+    assert!((3.0..6.0).contains(&line), "line {line}");
     page.send(&json!("resume"));
     drawn_to_the_end(&mut page);
 }
@@ -130,7 +130,7 @@ fn a_job_starts_at_a_line_with_the_tool_up_on_the_way_there() {
     load(&mut page);
     page.send(&json!({ "run_from": 99 }));
     notice(&mut page, "no motion at or behind line 99");
-    page.send(&json!({ "run_from": 8 }));
+    page.send(&json!({ "run_from": 6 }));
     let drawn = drawn_to_the_end(&mut page);
     let [first, last] = [drawn[0][0], drawn[drawn.len() - 1][0]];
     assert!(first - last > 0.035, "from {first} m to {last} m");

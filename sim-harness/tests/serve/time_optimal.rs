@@ -41,12 +41,12 @@ fn a_job_runs_at_the_arms_limit_and_goes_on_after_a_stop_and_slows_on_demand() {
     page.take_control_and_arm();
     page.send(&json!({ "feed": 1.5 }));
     notice(&mut page, "choose 100 %");
-    load(&mut page, 60);
+    load(&mut page, 40);
     page.send(&json!("run"));
     notice(&mut page, "has started");
     let running = page.state("strokes", |state| progress(state) > 0.1);
     let all = number(&running["progress"][1]);
-    assert!(all < 10.0, "{all} s for 4.8 m");
+    assert!(all < 10.0, "{all} s for 3.2 m");
     let fast = pace(&mut page);
     assert!((fast - 1.0).abs() < 0.1, "{fast}");
     page.send(&json!({ "feed": 0.5 }));
@@ -68,7 +68,7 @@ fn a_job_runs_at_the_arms_limit_and_goes_on_after_a_stop_and_slows_on_demand() {
     page.request("stop");
     notice(&mut page, "can be resumed");
     page.state_named("Armed");
-    page.send(&json!({ "run_from": 118 }));
+    page.send(&json!({ "run_from": 78 }));
     notice(&mut page, "goes on");
     notice(&mut page, "The job is done.");
 }

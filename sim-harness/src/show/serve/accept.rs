@@ -4,9 +4,10 @@ use axum::Router;
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
+use socket2::{Domain, Socket, Type};
 use std::collections::VecDeque;
 use std::io;
-use std::net::IpAddr;
+use std::net::{IpAddr, SocketAddr};
 use std::time::Duration;
 use tokio::net::TcpListener;
 use tokio::task::AbortHandle;
@@ -22,8 +23,25 @@ const HEAD_TIMEOUT: Duration = Duration::from_secs(5);
 const LIFETIME: Duration = Duration::from_secs(30);
 /// Largest buffer of a connection [bytes]; a request's head has to fit.
 const BUFFER: usize = 16 << 10;
+/// Connections that the system holds until they are accepted. Beyond it the system drops requests
+/// to connect, and a browser asks again after a second only.
+const BACKLOG: i32 = 1024;
 /// Wait after the system refuses a connection, as when this process has too many open files.
 const PAUSE: Duration = Duration::from_millis(50);
+
+/// Opens the address.
+///
+/// # Errors
+/// The address is not one of this computer, or is in use.
+pub(super) fn listen(address: SocketAddr) -> io::Result<std::net::TcpListener> {
+    let socket = Socket::new(Domain::for_address(address), Type::STREAM, None)?;
+    // Elsewhere than on Unix this would let two programs share a port.
+    #[cfg(unix)]
+    socket.set_reuse_address(true)?;
+    socket.bind(&address.into())?;
+    socket.listen(BACKLOG)?;
+    Ok(socket.into())
+}
 
 /// Serves requests until the listener fails.
 pub(super) async fn serve(listener: TcpListener, router: Router) -> io::Result<()> {

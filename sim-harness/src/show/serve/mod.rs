@@ -81,7 +81,7 @@ use fivebar_design::workspace::GridError;
 use fivebar_firmware::protocol::CommandError;
 use news::News;
 use std::io;
-use std::net::{SocketAddr, TcpListener};
+use std::net::SocketAddr;
 use std::path::Path;
 
 /// The controller that the live page shows.
@@ -186,7 +186,7 @@ pub fn serve(
         .time_optimal
         .map(|share| JobPlanner::new(robot, share));
     let planner = planner.transpose()?;
-    let listener = TcpListener::bind(address);
+    let listener = accept::listen(address);
     let listener = listener.map_err(|source| ServeError::Listen { address, source })?;
     let opened = source::open(robot, source)?;
     let arm = arm::describe(robot, &opened.place)?;
