@@ -1,4 +1,4 @@
-//! Controllers over links and serial ports.
+//! Controllers over links and serial ports, and senders of G-code.
 
 mod arm;
 #[cfg(unix)]
@@ -7,6 +7,7 @@ mod driving;
 #[cfg(unix)]
 mod hil;
 mod lines;
+mod senders;
 #[cfg(unix)]
 mod serial;
 #[cfg(unix)]
