@@ -54,7 +54,21 @@ impl Oscillation {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::settings::Settings;
     use core::f32::consts::TAU;
+
+    #[test]
+    fn the_limit_is_half_of_the_joint_s_own_peak_current() {
+        for axis in Settings::BENCHTOP.axes {
+            for peak_current in [1.2, 6.0] {
+                let axis = AxisSettings {
+                    peak_current,
+                    ..axis
+                };
+                assert_eq!(limit(&axis), 0.5 * peak_current);
+            }
+        }
+    }
 
     /// The turns after which a set-point, as a function of the time [turns], is a fault.
     fn turns(set_point: impl Fn(f32) -> f32) -> Option<u32> {

@@ -146,6 +146,15 @@ mod tests {
     }
 
     #[test]
+    fn a_constant_current_is_no_oscillation_however_great() {
+        for joint in [0, 1] {
+            let mut controller = Controller::new(&Settings::BENCHTOP.check().unwrap());
+            run(&mut controller, joint, 16_000, |_| 4.0);
+            assert_eq!(controller.pending_off, None, "joint {joint}");
+        }
+    }
+
+    #[test]
     fn the_oscillation_of_either_joint_is_found_and_forgotten_with_the_power() {
         for joint in [0, 1] {
             let mut controller = Controller::new(&Settings::BENCHTOP.check().unwrap());

@@ -207,3 +207,26 @@ fn moves_behind_a_joint_move_are_planned_in_its_working_mode() {
     }
     assert!(differ > 2, "{differ} of 16");
 }
+
+#[test]
+fn every_slowed_move_of_a_full_queue_is_reported() {
+    let mut rig = Rig::armed(&settings());
+    let [x, y] = rig.tool_position();
+    let mut to = [x, y];
+    for tag in 0..20_u8 {
+        let step = if tag % 2 == 0 { 0.004 } else { -0.004 };
+        to = [to[0] + step, to[1] - 0.001];
+        let feed = 5.0;
+        rig.push(u32::from(tag), MoveKind::Line { to, feed })
+            .unwrap();
+    }
+    let mut reported = [false; 20];
+    while rig.controller.state() != State::Armed || !rig.planner.is_empty() {
+        rig.tick();
+        let status = rig.controller.status();
+        if let Some(tag) = status.tag {
+            reported[tag as usize] |= status.limits.contains(Limits::SPEED);
+        }
+    }
+    assert_eq!(reported, [true; 20]);
+}

@@ -227,6 +227,22 @@ fn a_path_runs_short_when_a_stop_needs_all_that_is_left_of_it() {
     }
 }
 
+/// 20 segments of 1 ms: the planner keeps the queue full, but not long.
+#[test]
+fn a_path_of_many_short_segments_does_not_run_short() {
+    let mut path = no_path();
+    path.push(segment(0.1, true));
+    for _ in 0..800 {
+        path.step().expect("a path");
+    }
+    assert!(path.runs_short());
+    for _ in 0..20 {
+        path.push(segment(0.001, true));
+    }
+    path.step().expect("a path");
+    assert!(!path.runs_short(), "{} s left", path.left());
+}
+
 #[test]
 fn a_path_that_ends_at_rest_or_stops_never_runs_short() {
     let mut at_rest = dwell(0.01);
