@@ -229,7 +229,7 @@ MISTAKES = [
     ("an excitation of an arm that is homed", "controller/excitation.rs", "if self.homed {\n            return Err", "if self.homed && self.ticks == 0 {\n            return Err"),
     ("an end in motion taken for a rest", "planner/supply.rs", "open: ends_in_motion(&segment),", "open: false,"),
     ("the planner ignores the torque", "planner/mod.rs", "torque: Some(TorqueLimits {", "torque: None.or(Some(TorqueLimits {", "torque: settings.peak_torque().map(|torque| TORQUE_SHARE * torque),\n                }),", "torque: settings.peak_torque().map(|torque| 1e6 * TORQUE_SHARE * torque),\n                })),"),
-    ("corners cut ten times as far", "planner/mod.rs", "corner_tolerance: motion.corner_tolerance", "corner_tolerance: 10.0 * motion.corner_tolerance"),
+    ("corners cut ten times as far", "planner/mod.rs", "deviation: motion.corner_tolerance", "deviation: 10.0 * motion.corner_tolerance"),
     ("no path beyond the reserve handed over", "planner/mod.rs", "RESERVE + 0.5 * stopping_time(settings)", "RESERVE"),
     ("an old command answered with the last reply", "session/mod.rs", "SequenceCheck::Old => None,", "SequenceCheck::Old => Some(host.reply.clone()),"),
     ("a tool's position reported for an arm that is not homed", "controller/report.rs", "tool: self\n                .homed\n", "tool: self\n                .begun\n"),

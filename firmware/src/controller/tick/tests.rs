@@ -2,7 +2,8 @@
 
 use crate::controller::Request;
 use crate::controller::setpoint::Setpoint;
-use crate::safety::Fault;
+use crate::controller::tick::TorqueCommand;
+use crate::safety::{Fault, Limits};
 use crate::settings::ToolOutputSettings;
 use crate::{
     ActuatorCommand, Controller, FULL_TOOL, Move, MoveKind, Planner, SensorSample, Settings,
@@ -116,4 +117,22 @@ fn an_arm_is_armed_in_the_working_mode_in_which_it_is() {
         controller.request(request).expect("accepted");
     }
     assert_eq!(controller.working_mode(), mode);
+}
+
+#[test]
+fn each_motor_gets_the_current_of_its_own_torque_constant() {
+    let [axis, _] = Settings::BENCHTOP.axes;
+    for joint in [0, 1] {
+        let mut settings = Settings::BENCHTOP;
+        settings.axes[joint].torque_constant = 2.0 * axis.torque_constant;
+        let mut controller = armed(&settings);
+        let command = TorqueCommand {
+            torque: [0.1, -0.1],
+            limits: Limits::empty(),
+        };
+        controller.drive(command).expect("numbers");
+        let [current1, current4] = controller.status().current_demand.map(f32::abs);
+        let expected = if joint == 0 { 0.5 } else { 2.0 };
+        assert!((current1 / current4 - expected).abs() < 1e-5, "{joint}");
+    }
 }
