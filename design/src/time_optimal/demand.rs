@@ -138,6 +138,35 @@ fn sign(value: f64) -> f64 {
 }
 
 impl Demand {
+    /// The demand at a share of a cell, by the parabolas through its start, middle and end; with the
+    /// Coulomb friction of the middle.
+    pub(super) fn between([start, middle, end]: [&Self; 3], share: f64) -> Self {
+        let p = (1.0 - share) * (1.0 - 2.0 * share);
+        let (q, r) = (4.0 * share * (1.0 - share), share * (2.0 * share - 1.0));
+        let mean = |a: f64, b: f64, c: f64| p * a + q * b + r * c;
+        let pair = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| {
+            [mean(a[0], b[0], c[0]), mean(a[1], b[1], c[1])]
+        };
+        let vector = |a: Vector2<f64>, b: Vector2<f64>, c: Vector2<f64>| {
+            Vector2::new(mean(a.x, b.x, c.x), mean(a.y, b.y, c.y))
+        };
+        let direction =
+            |k: usize| vector(start.direction[k], middle.direction[k], end.direction[k]);
+        Self {
+            direction: [direction(0), direction(1)],
+            q1: pair(start.q1, middle.q1, end.q1),
+            q2: pair(start.q2, middle.q2, end.q2),
+            tangent: vector(start.tangent, middle.tangent, end.tangent),
+            curvature: vector(start.curvature, middle.curvature, end.curvature),
+            a: pair(start.a, middle.a, end.a),
+            b: pair(start.b, middle.b, end.b),
+            gravity: pair(start.gravity, middle.gravity, end.gravity),
+            coulomb: middle.coulomb,
+            d: pair(start.d, middle.d, end.d),
+            sin32: mean(start.sin32, middle.sin32, end.sin32),
+        }
+    }
+
     /// c.
     pub fn c(&self) -> [f64; 2] {
         [0, 1].map(|j| self.gravity[j] + self.coulomb[j])

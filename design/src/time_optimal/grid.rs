@@ -297,11 +297,26 @@ impl<'a> Grid<'a> {
         used.max(self.used(cell.middle, middle, u)) - 1.0
     }
 
-    /// The demand at s of the path.
-    pub(super) fn demand_at(&self, s: f64) -> Result<Demand, PlanError> {
-        let i = self.cells.partition_point(|cell| cell.s <= s).max(1) - 1;
-        let cell = &self.cells[i];
-        self.demand(cell.piece, cell.local + (s - cell.s), s)
+    /// The demand at s of the path, between those of its cell, and q‴; `cell` is the index for an earlier
+    /// place, and becomes that of this one.
+    pub(super) fn between(&self, s: f64, cell: &mut usize) -> (Demand, [f64; 2]) {
+        while self.cells.get(*cell + 1).is_some_and(|next| next.s <= s) {
+            *cell += 1;
+        }
+        let cell = &self.cells[*cell];
+        let ends = [cell.start, cell.middle, cell.end].map(|index| self.at(index));
+        let share = (s - cell.s) / cell.w;
+        let weights = [4.0 * share - 3.0, 4.0 - 8.0 * share, 4.0 * share - 1.0];
+        let q3 = [0, 1].map(|j| {
+            let terms = [0, 1, 2].map(|k| weights[k] * ends[k].q2[j]);
+            terms.iter().sum::<f64>() / cell.w
+        });
+        (Demand::between(ends, share), q3)
+    }
+
+    /// As [`PlanLimits::pace`].
+    pub(super) fn pace(&self, at: &Demand, rate: f64, u: f64) -> f64 {
+        self.limits.pace(at, self.arm.drives(), rate, u)
     }
 
     /// s of a node where the curvature jumps while the arm moves.

@@ -1,91 +1,36 @@
 //! A run limited in jerk: the law s(t) averaged over T1 and once more over T2, then slowed.
 //!
-//! Averages of s(t) stay on the path. With Δ1, Δ2 the differences over T1 and T2,
+//! Averages of s(t) stay on the path ([`Averages`]). q⃛ = q′ s⃛ + 3 q″ ṡ s̈ + q‴ ṡ³.
 //!
-//! s̄ = Δ1Δ2 ∬s/(T1 T2), ṡ̄ = Δ1Δ2 ∫s/(T1 T2), s̈̄ = Δ1Δ2 s/(T1 T2), s⃛̄ = Δ1Δ2 ṡ/(T1 T2),
-//! q⃛ = q′ s⃛ + 3 q″ ṡ s̈ + q‴ ṡ³ (here the difference quotient of q̈ in time).
-//!
-//! The averages take T1 + T2 longer. Slowing by κ divides inertia and velocity terms by κ²,
-//! viscous ones by κ, the jerk by κ³, and leaves gravity and Coulomb friction. T1 and T2 are those
-//! of the least κ (T + T1 + T2).
+//! The averages take T1 + T2 longer. At a pace k, inertia and velocity terms are those of pace 1 times
+//! k², viscous ones times k, the jerk times k³; gravity and Coulomb friction stay. T1 and T2 are
+//! those of the least (T + T1 + T2)/k.
 
+use super::averages::{Averages, TimeLaw};
 use super::demand::Demand;
 use super::grid::{Grid, Solved};
 use super::run::{ACTIVE, PlanError, Run, RunSample};
 
-/// Samples in time of the search, and of the result.
+/// Samples in time of the search; fewest and most of the result, and those within T2.
 const COARSE: usize = 300;
-const FINE: usize = 4000;
+const FINE: [f64; 2] = [800.0, 8000.0];
+const WITHIN: f64 = 2.0;
 /// T1 as shares of T, in steps of this factor, and T2 as shares of T1.
 const LEAST_SHARE: f64 = 4e-3;
 const FACTOR: f64 = 1.25;
-const STEPS: usize = 27;
-const SECOND: [f64; 5] = [0.05, 0.1, 0.2, 0.4, 0.8];
-/// The greatest κ, and the halvings that find it.
-const SLOWEST: f64 = 20.0;
-const HALVINGS: usize = 40;
+const LAST_STEP: i32 = 26;
+const FIRST_SHARE: f64 = 0.2;
+const SHARES: [f64; 5] = [0.05, 0.1, 0.2, 0.4, 0.8];
+/// The least pace.
+const SLOWEST: f64 = 0.05;
 
-/// ∬s, ∫s, s and ṡ in time.
-struct TimeLaw {
-    t: Vec<f64>,
-    at: Vec<[f64; 4]>,
-    u: Vec<f64>,
-}
-
-/// A motion at one time, before it is slowed.
+/// A motion at one time, at pace 1.
 struct Moment {
     demand: Demand,
     s: f64,
     s_dot: f64,
     s_ddot: f64,
-    jerk: [f64; 2],
-}
-
-impl TimeLaw {
-    fn new(solved: &Solved<'_>) -> Self {
-        let x = &solved.x;
-        let (mut t, mut now) = (vec![0.0], [0.0; 4]);
-        let (mut at, mut u) = (vec![now], Vec::new());
-        for (cell, ends) in solved.grid.cells.iter().zip(x.windows(2)) {
-            let rate = 0.5 * (ends[1] - ends[0]) / cell.w;
-            let dt = 2.0 * cell.w / (ends[0].sqrt() + ends[1].sqrt());
-            now = later(now, rate, dt);
-            (now[2], now[3]) = (cell.s + cell.w, ends[1].sqrt());
-            t.push(t[t.len() - 1] + dt);
-            at.push(now);
-            u.push(rate);
-        }
-        Self { t, at, u }
-    }
-
-    fn duration(&self) -> f64 {
-        self.t[self.t.len() - 1]
-    }
-
-    fn at(&self, t: f64) -> [f64; 4] {
-        if t <= 0.0 {
-            return [0.0; 4];
-        }
-        let i = self.t.partition_point(|&node| node <= t) - 1;
-        let u = self.u.get(i).copied().unwrap_or(0.0);
-        later(self.at[i], u, t - self.t[i])
-    }
-
-    /// s̄, ṡ̄, s̈̄ and s⃛̄.
-    fn averaged(&self, t: f64, [t1, t2]: [f64; 2]) -> [f64; 4] {
-        let [now, one, two, both] = [t, t - t1, t - t2, t - t1 - t2].map(|t| self.at(t));
-        [0, 1, 2, 3].map(|k| (now[k] - one[k] - two[k] + both[k]) / (t1 * t2))
-    }
-}
-
-/// ∬s, ∫s, s and ṡ after dt at a constant s̈.
-fn later([ss, is, s, v]: [f64; 4], u: f64, dt: f64) -> [f64; 4] {
-    [
-        ss + dt * (is + dt * (s / 2.0 + dt * (v / 6.0 + dt * u / 24.0))),
-        is + dt * (s + dt * (v / 2.0 + dt * u / 6.0)),
-        s + dt * (v + dt * u / 2.0),
-        v + dt * u,
-    ]
+    jerk: f64,
 }
 
 /// The run of a solved path with joint jerks of at most `jerk` [rad/s³].
@@ -94,93 +39,139 @@ pub(super) fn limited(solved: &Solved<'_>, places: usize, jerk: f64) -> Result<R
     if let Some(s) = grid.curvature_jump(&solved.x) {
         return Err(PlanError::CurvatureJump(s));
     }
-    let duration = law.duration();
-    let mut best: Option<(f64, [f64; 2])> = None;
-    for step in 0..STEPS {
-        let t1 = duration * LEAST_SHARE * FACTOR.powi(step as i32);
-        for second in SECOND {
-            let windows = [t1, second * t1];
-            let total = duration + t1 * (1.0 + second);
-            if best.is_some_and(|(least, _)| total >= least) {
-                continue;
+    let search = Search {
+        grid,
+        law: &law,
+        jerk,
+        best: None,
+    };
+    let windows = search.windows().ok_or(PlanError::Jerk)?;
+    let slow = law.duration() + windows[0] + windows[1];
+    let count = (WITHIN * slow / windows[1]).clamp(FINE[0], FINE[1]);
+    let mut moments = Vec::with_capacity(count as usize + 1);
+    moments.extend(Moments::new(grid, &law, windows, count as usize));
+    let pace = pace(grid, moments.iter(), jerk, SLOWEST).ok_or(PlanError::Jerk)?;
+    let total = slow / pace;
+    Ok(run(grid, &moments, places, (pace, total, jerk)))
+}
+
+/// Seeks T1 and T2 of the least time.
+struct Search<'a> {
+    grid: &'a Grid<'a>,
+    law: &'a TimeLaw,
+    jerk: f64,
+    /// The least time, with the exponent of T1, T1 and T2.
+    best: Option<(f64, i32, [f64; 2])>,
+}
+
+impl Search<'_> {
+    /// In coarse steps with one share, then around the best; none if no pace is enough.
+    fn windows(mut self) -> Option<[f64; 2]> {
+        for step in (0..=LAST_STEP).rev().step_by(2) {
+            self.attempt(step, FIRST_SHARE);
+        }
+        let (_, around, _) = self.best?;
+        for step in (around - 3..=around + 2).rev() {
+            for share in SHARES {
+                self.attempt(step, share);
             }
-            let moments = moments(grid, &law, windows, COARSE)?;
-            let Some(slowing) = slowing(grid, &moments, jerk) else {
-                continue;
-            };
-            if best.is_none_or(|(least, _)| slowing * total < least) {
-                best = Some((slowing * total, windows));
+        }
+        self.best.map(|(_, _, windows)| windows)
+    }
+
+    fn attempt(&mut self, step: i32, share: f64) {
+        let duration = self.law.duration();
+        let t1 = duration * LEAST_SHARE * FACTOR.powi(step);
+        let (windows, total) = ([t1, share * t1], duration + t1 * (1.0 + share));
+        let least = self.best.map_or(SLOWEST, |(time, ..)| total / time);
+        if least < 1.0 {
+            let moments = Moments::new(self.grid, self.law, windows, COARSE);
+            if let Some(pace) = pace(self.grid, moments, self.jerk, least.max(SLOWEST)) {
+                self.best = Some((total / pace, step, windows));
             }
         }
     }
-    let (_, windows) = best.ok_or(PlanError::Jerk)?;
-    let moments = moments(grid, &law, windows, FINE)?;
-    let slowing = slowing(grid, &moments, jerk).ok_or(PlanError::Jerk)?;
-    let total = slowing * (duration + windows[0] + windows[1]);
-    Ok(run(grid, &moments, places, (slowing, total, jerk)))
+}
+
+/// The greatest pace of at most 1 at which every limit holds; none if it is not above `least`.
+fn pace(
+    grid: &Grid<'_>,
+    moments: impl Iterator<Item = impl std::borrow::Borrow<Moment>>,
+    jerk: f64,
+    least: f64,
+) -> Option<f64> {
+    let mut pace = 1.0;
+    for moment in moments {
+        pace = moment.borrow().pace(grid, pace, jerk);
+        if pace <= least {
+            return None;
+        }
+    }
+    Some(pace)
 }
 
 /// The averaged motion at even times.
-fn moments(
-    grid: &Grid<'_>,
-    law: &TimeLaw,
-    windows: [f64; 2],
+struct Moments<'a> {
+    grid: &'a Grid<'a>,
+    averages: Averages<'a>,
+    dt: f64,
     count: usize,
-) -> Result<Vec<Moment>, PlanError> {
-    let dt = (law.duration() + windows[0] + windows[1]) / count as f64;
-    let mut moments: Vec<Moment> = Vec::with_capacity(count + 1);
-    let mut last: Option<[f64; 2]> = None;
-    for k in 0..=count {
-        let [s, s_dot, s_ddot, _] = law.averaged(k as f64 * dt, windows);
-        let (s, s_dot) = (s.clamp(0.0, grid.length()), s_dot.max(0.0));
-        let demand = grid.demand_at(s)?;
-        let now = [0, 1].map(|j| demand.q1[j] * s_ddot + demand.q2[j] * s_dot * s_dot);
-        let before = last.unwrap_or(now);
-        last = Some(now);
-        moments.push(Moment {
+    next: usize,
+    cell: usize,
+}
+
+impl<'a> Moments<'a> {
+    fn new(grid: &'a Grid<'a>, law: &'a TimeLaw, windows: [f64; 2], count: usize) -> Self {
+        let averages = Averages::new(law, windows);
+        Self {
+            grid,
+            dt: averages.duration() / count as f64,
+            averages,
+            count,
+            next: 0,
+            cell: 0,
+        }
+    }
+}
+
+impl Iterator for Moments<'_> {
+    type Item = Moment;
+
+    fn next(&mut self) -> Option<Moment> {
+        if self.next > self.count {
+            return None;
+        }
+        let [s, s_dot, s_ddot, s_dddot] = self.averages.at(self.next as f64 * self.dt);
+        self.next += 1;
+        let (s, s_dot) = (s.clamp(0.0, self.grid.length()), s_dot.max(0.0));
+        let (demand, q3) = self.grid.between(s, &mut self.cell);
+        let (mixed, cube) = (3.0 * s_dot * s_ddot, s_dot * s_dot * s_dot);
+        let jerks = [0, 1].map(|j| demand.q1[j] * s_dddot + demand.q2[j] * mixed + q3[j] * cube);
+        Some(Moment {
             demand,
             s,
             s_dot,
             s_ddot,
-            jerk: [0, 1].map(|j| (now[j] - before[j]) / dt),
-        });
+            jerk: jerks[0].abs().max(jerks[1].abs()),
+        })
     }
-    Ok(moments)
-}
-
-/// The least κ ≥ 1 with which every limit holds; none if no κ is enough.
-fn slowing(grid: &Grid<'_>, moments: &[Moment], jerk: f64) -> Option<f64> {
-    let most = |slow: f64| {
-        let used = moments.iter().map(|moment| moment.used(grid, slow, jerk));
-        used.fold(0.0, f64::max)
-    };
-    if most(1.0) <= 1.0 {
-        return Some(1.0);
-    }
-    let (mut low, mut high) = (1.0, SLOWEST);
-    if most(high) > 1.0 {
-        return None;
-    }
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (low + high);
-        if most(middle) > 1.0 {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    Some(high)
 }
 
 impl Moment {
-    /// The greatest share of a limit after slowing by κ.
-    fn used(&self, grid: &Grid<'_>, slow: f64, jerk: f64) -> f64 {
-        let (rate, u) = (self.s_dot / slow, self.s_ddot / (slow * slow));
-        let jerks = self
-            .jerk
-            .map(|value| value.abs() / (slow * slow * slow * jerk));
+    /// The greatest pace of at most `most` at which every limit holds.
+    fn pace(&self, grid: &Grid<'_>, most: f64, jerk: f64) -> f64 {
+        if self.used(grid, most, jerk) <= 1.0 {
+            return most;
+        }
+        let of_limits = grid.pace(&self.demand, self.s_dot, self.s_ddot);
+        most.min(of_limits).min((jerk / self.jerk).cbrt())
+    }
+
+    /// The greatest share of a limit at a pace.
+    fn used(&self, grid: &Grid<'_>, pace: f64, jerk: f64) -> f64 {
+        let (rate, u) = (self.s_dot * pace, self.s_ddot * (pace * pace));
         let used = grid.used_at(&self.demand, rate * rate, u);
-        used.max(jerks[0]).max(jerks[1])
+        used.max(self.jerk * (pace * pace * pace) / jerk)
     }
 }
 
@@ -189,12 +180,13 @@ fn run(
     grid: &Grid<'_>,
     moments: &[Moment],
     places: usize,
-    (slow, total, jerk): (f64, f64, f64),
+    (pace, total, jerk): (f64, f64, f64),
 ) -> Run {
     let dt = total / (moments.len() - 1) as f64;
-    let used: Vec<f64> = moments.iter().map(|at| at.used(grid, slow, jerk)).collect();
+    let used: Vec<f64> = moments.iter().map(|at| at.used(grid, pace, jerk)).collect();
     let active = used.windows(2).filter(|pair| pair[1] > ACTIVE).count();
     let mut samples = Vec::with_capacity(places);
+    let mut cell = 0;
     for k in 0..places {
         let s = grid.even_place(k);
         let i = moments
@@ -207,14 +199,14 @@ fn run(
             ((s - from.s) / (to.s - from.s)).clamp(0.0, 1.0)
         };
         let between = |from: f64, to: f64| from + share * (to - from);
-        let s_dot = between(from.s_dot, to.s_dot) / slow;
-        let s_ddot = between(from.s_ddot, to.s_ddot) / (slow * slow);
+        let s_dot = between(from.s_dot, to.s_dot) * pace;
+        let s_ddot = between(from.s_ddot, to.s_ddot) * (pace * pace);
         let torques = [from, to].map(|at| {
-            let rate = at.s_dot / slow;
-            at.demand.torque(rate * rate, at.s_ddot / (slow * slow))
+            let rate = at.s_dot * pace;
+            at.demand.torque(rate * rate, at.s_ddot * (pace * pace))
         });
         samples.push(RunSample {
-            demand: if share < 0.5 { from.demand } else { to.demand },
+            demand: grid.between(s, &mut cell).0,
             s,
             s_dot,
             s_ddot,

@@ -113,6 +113,30 @@ impl PlanLimits {
         greatest_x(&rows, self.ceiling(at)).sqrt()
     }
 
+    /// The least k at which k ṡ, k² s̈ reach a limit at a place: every slower motion keeps all of them.
+    pub(super) fn pace(&self, at: &Demand, drives: &[PlannedDrive; 2], rate: f64, u: f64) -> f64 {
+        let (x, c) = (rate * rate, at.c());
+        let mut pace = self.ceiling(at).sqrt() / rate;
+        for (j, drive) in drives.iter().enumerate() {
+            let (square, linear) = (at.a[j] * u + at.b[j] * x, at.d[j] * rate);
+            let acceleration = at.q1[j] * u + at.q2[j] * x;
+            pace = pace
+                .min(first_passing(square, linear, c[j], self.torque[j]))
+                .min((self.acceleration[j] / acceleration.abs()).sqrt());
+            if let Some(voltage) = self.voltage
+                && drive.torque_constant > 0.0
+            {
+                let constant = drive.torque_constant;
+                let per = drive.resistance / constant;
+                let linear = per * linear + constant * at.q1[j] * rate;
+                pace = pace.min(first_passing(per * square, linear, per * c[j], voltage));
+            }
+        }
+        let tip = (at.tangent * u + at.curvature * x).norm();
+        let acceleration = self.tip_acceleration.unwrap_or(f64::INFINITY);
+        pace.min((acceleration / tip).sqrt())
+    }
+
     /// The greatest share of a limit that a motion uses at a place; 1 is at the limit.
     pub(super) fn used(&self, at: &Demand, drives: &[PlannedDrive; 2], x: f64, u: f64) -> f64 {
         let rate = x.max(0.0).sqrt();
@@ -141,6 +165,21 @@ impl PlanLimits {
         }
         used
     }
+}
+
+/// The least k > 0 with |a k² + d k + c| = limit, where |c| < limit; infinite if there is none, 0 if |c|
+/// is not below the limit.
+fn first_passing(a: f64, d: f64, c: f64, limit: f64) -> f64 {
+    if c.abs() >= limit {
+        return 0.0;
+    }
+    let first = |c: f64| {
+        let q = -0.5 * (d + (d * d - 4.0 * a * c).sqrt().copysign(d));
+        // Of no root, q is not a number, and neither comparison holds.
+        let positive = |k: f64| if k > 0.0 { k } else { f64::INFINITY };
+        positive(q / a).min(positive(c / q))
+    };
+    first(c - limit).min(first(c + limit))
 }
 
 /// The row of an acceleration a u + b x.

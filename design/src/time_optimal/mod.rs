@@ -3,6 +3,7 @@
 //! [`demand`](DrivenArm::demand) gives the coefficients of the limits at a place, the passes the
 //! greatest speed along the path, [`plan`] a run from rest to rest.
 
+mod averages;
 mod blend;
 mod demand;
 mod grid;

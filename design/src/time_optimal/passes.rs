@@ -74,10 +74,8 @@ impl Cells {
         strips.clear();
         let cells = self.width.iter().zip(x.windows(2));
         for ((&w, ends), rows) in cells.zip(self.rows.chunks_exact(self.per_cell)) {
-            let middle = 0.5 * (ends[0] + ends[1]);
-            for row in rows {
-                strips.push(row.strip(w, middle));
-            }
+            let root = (0.5 * (ends[0] + ends[1])).sqrt();
+            strips.extend(rows.iter().map(|row| row.strip(w, root)));
         }
     }
 
@@ -123,8 +121,8 @@ impl Cells {
 pub(super) fn greatest_x(rows: &[Row], ceiling: f64) -> f64 {
     let (mut x, mut last) = (ceiling, f64::INFINITY);
     for pass in 0..MOST_PASSES {
-        let about = if pass == 0 { 0.0 } else { x };
-        let strips: Vec<Strip> = rows.iter().map(|row| row.strip(0.0, about)).collect();
+        let root = if pass == 0 { 0.0 } else { x.sqrt() };
+        let strips: Vec<Strip> = rows.iter().map(|row| row.strip(0.0, root)).collect();
         x = ceiling;
         for (k, one) in strips.iter().enumerate() {
             for other in &strips[k + 1..] {
@@ -141,11 +139,16 @@ pub(super) fn greatest_x(rows: &[Row], ceiling: f64) -> f64 {
 }
 
 impl Row {
-    fn strip(&self, w: f64, middle: f64) -> Strip {
+    /// The strip about √x̂.
+    fn strip(&self, w: f64, root: f64) -> Strip {
         let (mut r, mut c) = (self.b, self.c);
-        if self.d != 0.0 && middle > 0.0 {
-            let standing = VISCOUS_SHARE * (self.limit - self.c.abs()) / self.d.abs();
-            let root = middle.sqrt().min(standing.max(f64::MIN_POSITIVE));
+        if self.d != 0.0 && root > 0.0 {
+            let standing = VISCOUS_SHARE * (self.limit - self.c.abs());
+            let root = if root * self.d.abs() > standing {
+                (standing / self.d.abs()).max(f64::MIN_POSITIVE)
+            } else {
+                root
+            };
             r += 0.5 * self.d / root;
             c += 0.5 * self.d * root;
         }
@@ -153,9 +156,10 @@ impl Row {
         let p = self.a + r * w;
         let least = 1e-12 * (self.a.abs() + (r * w).abs()) + f64::MIN_POSITIVE;
         let p = if p.abs() < least { least } else { p };
-        let (one, other) = ((-self.limit - c) / p, (self.limit - c) / p);
+        let per_p = 1.0 / p;
+        let (one, other) = ((-self.limit - c) * per_p, (self.limit - c) * per_p);
         Strip {
-            beta: r / p,
+            beta: r * per_p,
             lo: one.min(other),
             hi: one.max(other),
         }
