@@ -10,4 +10,5 @@ pub mod margins;
 pub mod mobility;
 pub mod plan;
 pub mod query;
+pub mod regions;
 pub mod workspace;

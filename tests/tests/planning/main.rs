@@ -4,5 +4,6 @@ mod crossing;
 mod crossing_loop;
 mod jobs;
 mod mode_changes;
+mod regions;
 mod time_optimal;
 mod working_modes;

@@ -12,6 +12,7 @@ use crate::show::pages;
 use crate::show::text::quantity;
 use crate::study::crossing;
 use crate::study::plan::PlanStudy;
+use crate::study::regions;
 use std::path::{Path, PathBuf};
 
 /// Plans a motion at the limits of the arm: the fastest along a path, or a crossing.
@@ -49,8 +50,9 @@ pub(super) struct Args {
     /// Greatest jerk of each joint [rad/s³]; by default none.
     #[arg(long, value_name = "J", value_parser = jerk, conflicts_with = "crossing")]
     jerk: Option<f64>,
-    /// Also write DIR/report.html: the phase plane and the torques.
-    #[arg(long, value_name = "DIR", conflicts_with = "crossing")]
+    /// Also write DIR/report.html: the phase plane and the torques, or the regions by mode with the
+    /// crossing.
+    #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Print the plan as one JSON object.
     #[arg(long)]
@@ -92,6 +94,11 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         follow(&robot, &task, &plan, &conditions).map_err(refused)
     });
     let run = run.transpose()?;
+    if let Some(folder) = &args.out {
+        let regions = regions::regions(&robot).map_err(refused)?;
+        let page = pages::crossing(&plan, [from, to], task.mode, &regions).render();
+        write_whole(&folder.join("report.html"), page).map_err(refused)?;
+    }
     if args.json {
         return say(crossing::answer(&plan, run.as_ref()));
     }

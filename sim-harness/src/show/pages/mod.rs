@@ -2,6 +2,7 @@
 
 pub mod accuracy;
 mod clearance;
+mod crossing;
 mod linkage;
 mod margins;
 mod mobility;
@@ -9,6 +10,7 @@ mod plan;
 mod run;
 
 pub use clearance::clearance;
+pub use crossing::crossing;
 pub use linkage::linkage;
 pub use margins::margins;
 pub use mobility::mobility;
