@@ -20,12 +20,12 @@ use std::f64::consts::PI;
 /// differs somewhat.
 pub const TARGET_MODULUS: f64 = 0.53;
 /// Torque noise by counts, as a share of the peak torque, root mean square.
-const NOISE: f64 = 0.06;
+const NOISE: f64 = 0.075;
 /// Points of a locus in the search, and for the noise.
 const POINTS: usize = 150;
 const NOISE_POINTS: usize = 64;
 /// Bandwidths of the position loop per tick rate, from the highest; each is 0.95 of the last.
-const HIGHEST: f64 = 0.035;
+const HIGHEST: f64 = 0.039;
 const STEPS: usize = 80;
 const RATIO: f64 = 0.95;
 /// The observer's bandwidth per the position loop's, and the current loop's per tick rate.

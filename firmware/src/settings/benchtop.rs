@@ -66,10 +66,10 @@ impl Settings {
         ],
         control: ControlSettings {
             tick_rate: 10_000.0,
-            bandwidth: 350.0,
+            bandwidth: 390.0,
             damping: 1.0,
-            integral_rate: 87.5,
-            observer_bandwidth: 2800.0,
+            integral_rate: 97.5,
+            observer_bandwidth: 3120.0,
             current_bandwidth: 3500.0,
             friction_smoothing: 0.02,
             computed_torque: true,
@@ -82,7 +82,7 @@ impl Settings {
         motion: MotionSettings {
             max_speed: 0.3,
             max_acceleration: 4.0,
-            max_jerk: 200.0,
+            max_jerk: 1000.0,
             corner_tolerance: 5e-5,
             singularity_margin: 0.15,
         },
