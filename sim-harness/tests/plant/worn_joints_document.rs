@@ -38,7 +38,7 @@ const ROWS: [Row; 11] = [
     Row {
         name: "tip error, RMS",
         figure: |run| number(run, ["tip_error", "rms_m"]),
-        bound: Bound::Chaotic(0.2),
+        bound: Bound::Chaotic(0.5),
     },
     Row {
         name: "tip error, greatest",
