@@ -200,7 +200,12 @@ fn a_refused_move_says_why_and_moves_nothing() {
         "{answer}"
     );
     assert!(answer.ends_with("error:15"), "{answer}");
-    assert!(near(sender.wait_for("Idle"), before, 0.05));
+    let after = sender.wait_for("Idle");
+    // From homing on, the arm still comes to its rest: by five counts, which move its tool by 0.1 mm.
+    assert!(
+        near(after, before, 0.15),
+        "{before:?} mm, then {after:?} mm"
+    );
 }
 
 #[test]
