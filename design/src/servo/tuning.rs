@@ -20,7 +20,7 @@ use std::f64::consts::PI;
 /// differs somewhat.
 pub const TARGET_MODULUS: f64 = 0.53;
 /// Torque noise by counts, as a share of the peak torque, root mean square.
-const NOISE: f64 = 0.075;
+const NOISE: f64 = 0.08;
 /// Points of a locus in the search, and for the noise.
 const POINTS: usize = 150;
 const NOISE_POINTS: usize = 64;
@@ -29,7 +29,7 @@ const HIGHEST: f64 = 0.039;
 const STEPS: usize = 80;
 const RATIO: f64 = 0.95;
 /// The observer's bandwidth per the position loop's, and the current loop's per tick rate.
-const OBSERVERS: [f64; 6] = [5.0, 6.0, 8.0, 10.0, 14.0, 20.0];
+const OBSERVERS: [f64; 7] = [5.0, 6.0, 8.0, 9.0, 10.0, 14.0, 20.0];
 const CURRENTS: [f64; 3] = [0.35, 0.2, 0.1];
 
 /// What a search found.

@@ -61,7 +61,7 @@ pub(crate) struct Servo {
 /// encoders and the noise of its current sensors then give little torque. The gains of a moving arm
 /// can keep it in a limit cycle of a count, whose velocity would carry an arm at rest away by many:
 /// between them, it settles.
-const STAGES: [[f32; 2]; 3] = [[1.0, 1.0], [0.4, 0.4], [0.14, 0.12]];
+const STAGES: [[f32; 2]; 3] = [[1.0, 1.0], [0.36, 0.4], [0.126, 0.12]];
 /// Time for which the reference must rest, and the joints be near it, in each stage [s].
 const REST_TIME: f32 = 0.15;
 /// Greatest error of a joint that comes to rest or rests [counts].
