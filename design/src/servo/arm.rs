@@ -3,7 +3,7 @@
 //! With the rotors' angles θm, the joints' angles θ, the rotors' inertia Jr, the arm's mass
 //! matrix Ma without them, stiffness k and damping d of the drives:
 //!
-//! Jr θ̈m = N k i − b θ̇m − k(θm − θ) − d(θ̇m − θ̇), Ma θ̈ = k(θm − θ) + d(θ̇m − θ̇),
+//! Jr θ̈m = N k i − k(θm − θ) − d(θ̇m − θ̇), Ma θ̈ = k(θm − θ) + d(θ̇m − θ̇) − b θ̇,
 //! L di/dt = v − R i − N k θ̇m.
 //!
 //! A rigid drive has θm = θ. The voltages v are held over a tick.
@@ -22,7 +22,7 @@ pub struct ServoDrive {
     pub inductance: f64,
     /// Jr: the rotor's inertia [kg·m²].
     pub rotor_inertia: f64,
-    /// b: viscous friction [N·m·s/rad].
+    /// b: viscous friction at the joint [N·m·s/rad].
     pub viscous_friction: f64,
     /// k: stiffness of gear or belt [N·m/rad]; none: rigid.
     pub stiffness: Option<f64>,
@@ -116,7 +116,7 @@ impl Servo {
         mass.view_mut((0, 0), (2, 2)).copy_from(&mass_matrix);
         for (j, drive) in drives.iter().enumerate() {
             let m = rotor(j);
-            damping[(m, m)] += drive.viscous_friction;
+            damping[(j, j)] += drive.viscous_friction;
             if m == j {
                 continue;
             }
