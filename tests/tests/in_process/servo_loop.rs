@@ -163,7 +163,7 @@ fn the_simulated_arm_oscillates_beyond_its_computed_gain_margin_and_not_within()
         robot.home = [angles[0], angles[3]];
         robot.elbows = worst.working_mode();
         // It is at a limit of a joint.
-        robot.limits.angle = [[-6.28, 6.28]; 2];
+        robot.limits.angle = [[-6.2, 6.2]; 2];
         robot.limits.singularity_margin = 0.02;
         let home = robot.home_pose().expect("a home");
         let margin = servo.margins_by_poles(&gains).gain_up;
