@@ -1,6 +1,7 @@
 //! `fivebar commission` on the simulated arm: each wrong wiring is named, a run that ended goes on,
 //! and a sound arm gets to the end.
 
+use crate::commission_limits::assert_within_limits;
 use fivebar::input::robot::Robot;
 use serde_json::Value;
 use std::fs;
@@ -167,6 +168,7 @@ fn a_sound_arm_is_measured_and_a_run_that_ended_goes_on() {
     let output = commission(folder.path(), &["--until", "validation"]);
     assert!(output.status.success(), "{}", text(&output.stderr));
     assert!(text(&output.stdout).contains("6/12 electrics: done on"));
+    assert_within_limits(folder.path(), "the sound arm");
     let done = record(folder.path());
     assert_eq!(
         done["steps"].as_array().unwrap()[..6],

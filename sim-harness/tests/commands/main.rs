@@ -7,6 +7,7 @@ mod calibrate;
 mod clearance;
 mod closed_output;
 mod commission;
+mod commission_limits;
 mod demonstration;
 #[cfg(unix)]
 mod doctor;

@@ -2,6 +2,7 @@
 //! and wiring. `scripts/soak.sh arms` tries many of them.
 
 use crate::commission::{commission, killed_after, record, text, value};
+use crate::commission_limits::assert_within_limits;
 use oorandom::Rand64;
 use std::fmt::Write as _;
 use std::fs;
@@ -104,9 +105,12 @@ impl RandomArm {
     }
 }
 
-/// Commissions an arm, killed once after this time before, if any. Returns the tip error [m] before and
-/// after, and the one that was expected; none if a mistake was named.
-fn commissioned(arm: &RandomArm, kill: Option<Duration>) -> Option<[f64; 3]> {
+/// Tip error [m] before and after, and the one that was expected.
+type TipErrors = [f64; 3];
+
+/// Commissions an arm, killed once after this time before, if any. Returns the shares of the limits
+/// that it used, and the tip errors; none if a mistake was named.
+fn commissioned(arm: &RandomArm, kill: Option<Duration>) -> ([f64; 4], Option<TipErrors>) {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("dot.gcode"), "G1 X1 F600\n").unwrap();
     let scenario = folder.path().join("random.toml");
@@ -114,13 +118,17 @@ fn commissioned(arm: &RandomArm, kill: Option<Duration>) -> Option<[f64; 3]> {
     let scenario = scenario.display().to_string();
     if let Some(time) = kill {
         killed_after(folder.path(), &["--scenario", &scenario], time);
+        if folder.path().join("out/simulated.json").exists() {
+            assert_within_limits(folder.path(), &arm.scenario);
+        }
     }
     let output = commission(folder.path(), &["--scenario", &scenario]);
     let (lines, message) = (&arm.scenario, text(&output.stderr));
+    let shares = assert_within_limits(folder.path(), lines);
     if let Some(named) = arm.mistake {
         assert_eq!(output.status.code(), Some(1), "{lines}");
         assert!(message.contains(named), "{lines}: {message}");
-        return None;
+        return (shares, None);
     }
     assert!(output.status.success(), "{lines}: {message}");
     let record = record(folder.path());
@@ -139,7 +147,7 @@ fn commissioned(arm: &RandomArm, kill: Option<Duration>) -> Option<[f64; 3]> {
         after < 2.0 * expected,
         "{after} m, {expected} m expected: {lines}"
     );
-    Some(found)
+    (shares, Some(found))
 }
 
 /// Steps of a whole commissioning.
@@ -150,7 +158,7 @@ fn random_arms_that_are_wired_wrongly_have_their_mistake_named() {
     for seed in 1..4 {
         let mut random = Rand64::new(seed);
         let arm = RandomArm::new(seed as u64, &mut random, true);
-        assert!(commissioned(&arm, None).is_none());
+        assert!(commissioned(&arm, None).1.is_none());
     }
 }
 
@@ -163,13 +171,17 @@ fn many_random_arms_end_named_or_within_twice_their_own_prediction() {
         std::env::var(name).map_or(default, |text| text.parse().unwrap())
     };
     let (first, count) = (number("ARMS_SEED", 1), number("ARMS_COUNT", 100));
-    let (mut named, mut ended) = (0, Vec::new());
+    let (mut named, mut ended, mut most) = (0, Vec::new(), [0.0_f64; 4]);
     for seed in first..first + count {
         let mut random = Rand64::new(seed.into());
         let arm = RandomArm::new(seed, &mut random, seed % 4 == 0);
         let kill = Duration::from_secs_f64(3.0 * random.rand_float());
         println!("seed {seed}");
-        match commissioned(&arm, Some(kill)) {
+        let (shares, found) = commissioned(&arm, Some(kill));
+        for (most, share) in most.iter_mut().zip(shares) {
+            *most = most.max(share);
+        }
+        match found {
             None => named += 1,
             Some(found) => ended.push(found),
         }
@@ -193,4 +205,5 @@ fn many_random_arms_end_named_or_within_twice_their_own_prediction() {
         after.1,
         share.1
     );
+    println!("greatest shares of the limits of energy, heat, travel and speed: {most:.2?}");
 }

@@ -7,6 +7,7 @@ mod operator;
 mod record;
 mod simulated;
 mod steps;
+mod witness;
 
 use super::failure::{Failure, refused};
 use super::say::say;
@@ -118,7 +119,12 @@ fn one(
     file: &str,
     text: String,
 ) -> Result<String, StepError> {
-    let outcome = (step.run)(bench).inspect_err(|_| bench.tell_fault())?;
+    bench.operator.begin_step(step.name);
+    let outcome = (step.run)(bench).inspect_err(|_| bench.tell_fault());
+    if let Some(seen) = bench.operator.witnessed()? {
+        record.write_simulated(&seen)?;
+    }
+    let outcome = outcome?;
     print(format_args!("  ✓ {}", outcome.found))?;
     let new = match &outcome.measured[..] {
         [] => None,

@@ -90,6 +90,21 @@ impl Operator {
         }
     }
 
+    /// What follows belongs to this step.
+    pub(super) fn begin_step(&self, step: &'static str) {
+        if let Self::Simulated(hand) = self {
+            hand.begin_step(step);
+        }
+    }
+
+    /// What the simulated arm went through in each step, as JSON; none of a real one.
+    pub(super) fn witnessed(&self) -> Result<Option<String>, StepError> {
+        match self {
+            Self::Person => Ok(None),
+            Self::Simulated(hand) => hand.witnessed().map(Some),
+        }
+    }
+
     /// Whether the task is done.
     pub(super) fn is_done(&self) -> bool {
         match self {

@@ -10,6 +10,8 @@ use std::path::{Path, PathBuf};
 const RECORD: &str = "record.json";
 /// The robot file with what was measured so far, in the same folder.
 const ROBOT: &str = "robot.toml";
+/// What the simulated arm itself went through, in the same folder.
+const SIMULATED: &str = "simulated.json";
 
 /// A measured value.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -154,6 +156,11 @@ impl Record {
     pub(super) fn draw(&self, step: &str, picture: &str) -> Result<(), StepError> {
         let path = self.folder.join(format!("{step}.svg"));
         write_whole(&path, picture).map_err(StepError::other)
+    }
+
+    /// Writes what the simulated arm went through since this run began.
+    pub(super) fn write_simulated(&self, seen: &str) -> Result<(), StepError> {
+        write_whole(&self.folder.join(SIMULATED), seen).map_err(StepError::other)
     }
 
     /// Writes the robot file, then the record with this step. Killed between the two, the next run

@@ -2,6 +2,7 @@
 
 use super::StepError;
 use super::operator::Task;
+use super::witness::Witness;
 use crate::input::robot::Robot;
 use crate::input::scenario::Scenario;
 use crate::run::link::Loopback;
@@ -37,6 +38,7 @@ struct Held {
     motion: Option<(Vec<Way>, u32)>,
     /// Angles at which the arm moves best [rad]: ways lead through there.
     middle: [f64; 2],
+    witness: Witness,
 }
 
 /// The hand of the simulated arm.
@@ -64,6 +66,7 @@ impl Held {
                 }
             }
         }
+        self.witness.see(&self.plant, command, self.period);
         self.plant.sense()
     }
 
@@ -167,6 +170,16 @@ impl Hand {
         self.held().plant.tool().into()
     }
 
+    /// What follows belongs to this step.
+    pub(super) fn begin_step(&self, step: &'static str) {
+        self.held().witness.begin(step);
+    }
+
+    /// What the arm went through in each step, as JSON.
+    pub(super) fn witnessed(&self) -> Result<String, StepError> {
+        self.held().witness.report().map_err(StepError::other)
+    }
+
     /// Whether the hand rests.
     pub(super) fn is_done(&self) -> bool {
         let held = self.held();
@@ -202,6 +215,7 @@ pub(super) fn arm(scenario: &Scenario, robot: &Robot) -> Result<(Loopback, Hand)
         period: 1.0 / true_robot.control.tick_rate,
         hands: Hands::default(),
         motion: None,
+        witness: Witness::new(),
     };
     let hand = Hand(Arc::new(Mutex::new(held)));
     let moved = hand.clone();
