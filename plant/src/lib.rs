@@ -21,6 +21,7 @@ mod planar;
 mod plant;
 mod ripple;
 mod sensors;
+mod stop;
 mod supply;
 mod transmission;
 mod wiring;

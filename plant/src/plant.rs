@@ -1,8 +1,9 @@
 //! The arm with its motors, bridges and sensors, one tick at a time.
 
+mod state;
+
 use crate::active_faults::ActiveFaults;
 use crate::brake::Brake;
-use crate::chain::PerJoint;
 use crate::drives::Drives;
 use crate::dynamics::{DRIVEN, Loads, Model, State};
 use crate::encoder::{EncoderSide, TrueEncoder};
@@ -12,9 +13,11 @@ use crate::mismatch::Mismatch;
 use crate::parameters::Parameters;
 use crate::planar::PlanarVector;
 use crate::sensors::{self, JointSensors};
+use crate::stop::HardStop;
 use crate::wiring::Wiring;
 use crate::worn_joints::WornJoints;
 use fivebar_design::Noise;
+use fivebar_firmware::settings::HomingMethod;
 use fivebar_firmware::{ActuatorCommand, SensorSample};
 use fivebar_kinematics::five_bar::Pose;
 use nalgebra::Vector2;
@@ -51,6 +54,8 @@ pub struct Plant {
     bus_voltage: f64,
     volts_per_code: f64,
     count_origin: [i32; 2],
+    /// Hard stops, on an arm that finds its angles by them.
+    stops: Option<[HardStop; 2]>,
     noise: Noise,
     /// The outputs that the bridges apply now; the latest ones wait for the next period.
     active: ActuatorCommand,
@@ -73,14 +78,31 @@ impl Plant {
     pub fn new(parameters: &Parameters, mismatch: &Mismatch, pose: &Pose<f64>, seed: u64) -> Self {
         let model = Model::new(parameters, mismatch);
         let mut noise = Noise::new(seed);
-        let state = model.state_at(pose, [0.0; 4]);
+        let mut state = model.state_at(pose, [0.0; 4]);
+        // In the turn of home: switches and stops are at angles, not at directions.
+        for (link, axis) in DRIVEN.into_iter().zip(&parameters.settings.axes) {
+            let angle = &mut state.q[link].angular;
+            *angle += ((f64::from(axis.home_angle) - *angle) / TAU).round() * TAU;
+        }
         let encoder = |joint: usize| {
             let (known, motor) = (&parameters.encoders[joint], &parameters.motors[joint]);
             TrueEncoder::new(known, motor.gear_ratio, &mismatch.encoder_error[joint])
         };
         let latency =
             |joint: usize| parameters.encoders[joint].latency + mismatch.encoder_latency[joint];
+        let settings = &parameters.settings;
+        let sensors = [0, 1].map(|joint| JointSensors::new(settings, mismatch, joint));
+        let method = settings.home_reference.method;
+        let stops =
+            (method == HomingMethod::HardStop).then(|| sensors.each_ref().map(HardStop::at_home));
+        // Incremental counters start anywhere, absolute ones in any turn.
+        let start = [noise.integer(), noise.integer()];
+        let count_origin = match method {
+            HomingMethod::Absolute => [0, 1].map(|j| sensors[j].absolute_origin(start[j] % 3)),
+            HomingMethod::Switch | HomingMethod::HardStop | HomingMethod::Given => start,
+        };
         let mut plant = Self {
+            stops,
             brakes: parameters.brake_torque.map(Brake::new),
             free_inertia: DRIVEN.map(|link| model.chain.bodies[link].inertia),
             drives: Drives::new(parameters, mismatch, &model, &state),
@@ -89,11 +111,10 @@ impl Plant {
             state,
             model,
             wear: None,
-            sensors: [0, 1].map(|joint| JointSensors::new(&parameters.settings, mismatch, joint)),
+            sensors,
             bus_voltage: parameters.bus_voltage,
             volts_per_code: parameters.volts_per_code,
-            // Incremental counters start anywhere.
-            count_origin: [noise.integer(), noise.integer()],
+            count_origin,
             noise,
             active: ActuatorCommand {
                 brake: true,
@@ -212,7 +233,7 @@ impl Plant {
         let duty = [0, 1].map(|j| self.duty(&applied, j));
         let loads = Loads {
             voltage: duty.map(|duty| duty.map(|duty| duty * self.bus_voltage)),
-            joint_torque: [0, 1].map(|j| self.brake(j, applied.brake)),
+            joint_torque: [0, 1].map(|j| self.brake(j, applied.brake) + self.stop(j)),
             tool_force: self.tool_force,
         };
         self.time += period;
@@ -288,6 +309,13 @@ impl Plant {
         slowing
     }
 
+    /// The torque of a joint's hard stop [N·m].
+    fn stop(&self, joint: usize) -> f64 {
+        let speed = self.state.v[DRIVEN[joint]].angular;
+        let stop = self.stops.map(|stops| stops[joint]);
+        stop.map_or(0.0, |stop| stop.torque(self.angle(joint), speed))
+    }
+
     /// Holds a joint, or releases it unless it is also jammed.
     fn hold(&mut self, joint: usize, hold: bool) {
         let link = DRIVEN[joint];
@@ -339,59 +367,5 @@ impl Plant {
     /// Sets the external force on the tool [N].
     pub fn set_tool_force(&mut self, force: Vector2<f64>) {
         self.tool_force = force;
-    }
-    /// The arm's model, mismatch included.
-    pub fn model(&self) -> &Model {
-        &self.model
-    }
-    /// Positions, velocities and currents.
-    pub fn state(&self) -> &State {
-        &self.state
-    }
-    /// Time since the start [s].
-    pub fn time(&self) -> f64 {
-        self.time
-    }
-    /// True angle of a driven joint, 0 or 1 [rad].
-    pub fn angle(&self, joint: usize) -> f64 {
-        self.state.q[DRIVEN[joint]].angular
-    }
-    /// True position of the tool [m].
-    pub fn tool(&self) -> Vector2<f64> {
-        self.model.tool(&self.state)
-    }
-    /// The bus voltage [V]: the supply's, less what its resistance takes.
-    pub fn bus_voltage(&self) -> f64 {
-        match &self.drives {
-            None => self.bus_voltage,
-            Some(drives) => self.bus_voltage - drives.voltage_drop(&self.state),
-        }
-    }
-    /// The angle of a drive's rotor, 0 or 1, over the gear ratio [rad]; of a rigid drive, its
-    /// joint's.
-    pub fn rotor_angle(&self, joint: usize) -> f64 {
-        let behind = self.drives.as_ref().and_then(|drives| drives.rotor(joint));
-        behind.map_or_else(|| self.angle(joint), |(angle, _)| angle)
-    }
-    /// The drives, if any of their effects is on.
-    pub fn drives(&self) -> Option<&Drives> {
-        self.drives.as_ref()
-    }
-    /// The force through each joint, A to E, on the body nearer to E [N].
-    pub fn reactions(&self) -> PerJoint {
-        let (model, state) = (&self.model, &self.state);
-        if let Some(drives) = &self.drives {
-            return drives.reactions(model, state, self.tool_force);
-        }
-        let torque = model.drive_torque(state);
-        let (_, forces) = match &self.wear {
-            Some(wear) => wear.accelerations(model, state, torque, self.tool_force),
-            None => model.accelerations(state, torque, self.tool_force),
-        };
-        forces
-    }
-    /// The worn joints, if the arm has any.
-    pub fn wear(&mut self) -> Option<&mut WornJoints> {
-        self.wear.as_mut()
     }
 }

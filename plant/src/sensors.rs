@@ -40,6 +40,12 @@ impl JointSensors {
         origin.wrapping_add(turns as i64 as i32)
     }
 
+    /// The origin of an absolute encoder, which counts from 0 at home, so many turns of the joint on.
+    pub(crate) fn absolute_origin(&self, turns: i32) -> i32 {
+        let at_home = (self.home / TAU + f64::from(turns)) * self.counts_per_turn;
+        -at_home.floor() as i32
+    }
+
     /// ADC code of a current [A].
     #[inline]
     pub(crate) fn current_code(&self, current: f64, noise: &mut Noise) -> u16 {

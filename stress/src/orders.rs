@@ -5,7 +5,7 @@ use crate::samples::Hostile;
 use crate::timed::TimedRun;
 use fivebar_firmware::controller::{Excitation, Excited};
 use fivebar_firmware::protocol::{HostCommand, Section, SectionKey, VERSION};
-use fivebar_firmware::settings::ToolOutputSettings;
+use fivebar_firmware::settings::{HomingMethod, ToolOutputSettings};
 use fivebar_firmware::{MoveKind, Request, Settings};
 use fivebar_plant::FaultKind;
 
@@ -355,6 +355,15 @@ fn section(bytes: &mut Bytes<'_>, settings: &Settings) -> Section {
             bytes,
             &mut [&mut homing.speed, &mut homing.back_off, &mut homing.current],
         ),
+        Section::HomeReference(reference) => {
+            reference.samples = bytes.byte();
+            reference.method = [
+                HomingMethod::Switch,
+                HomingMethod::HardStop,
+                HomingMethod::Absolute,
+                HomingMethod::Given,
+            ][usize::from(which) % 4];
+        }
     }
     section
 }

@@ -1,4 +1,5 @@
-//! The tick while homing: each joint searches for its own switch, at limited torque.
+//! The tick while homing: each joint searches for its own switch or stop, at limited torque; or the
+//! angles are known without a motion.
 
 use super::Controller;
 use super::homing_state::{HomingConfig, HomingState, limited};
@@ -7,14 +8,29 @@ use super::model::{AxisModel, Model};
 use super::tick::TorqueCommand;
 use crate::io::SensorSample;
 use crate::safety::{Event, Fault, Limits};
+use crate::settings::{AxisSettings, HomingMethod};
+use core::f32::consts::TAU;
 use fivebar_kinematics::PlanarVector;
 use nalgebra::Vector2;
 
 impl Controller {
-    /// Entry of Homing: both joints start their search at their present angles.
+    /// Entry of Homing: both joints start their search at their present angles, unless their counts
+    /// at the home angles are known.
     pub(super) fn start_homing(&mut self) {
         self.homed = false;
-        self.homing = self.angles().map(HomingState::new);
+        self.homing = match self.settings.home_reference.method {
+            HomingMethod::Switch | HomingMethod::HardStop => self.angles().map(HomingState::new),
+            HomingMethod::Given => self
+                .joints
+                .each_ref()
+                .map(|joint| HomingState::known(joint.angle(), joint.counts())),
+            HomingMethod::Absolute => {
+                let ([joint1, joint4], [axis1, axis4]) = (&self.joints, &self.settings.axes);
+                [(joint1, axis1), (joint4, axis4)].map(|(joint, axis)| {
+                    HomingState::known(joint.angle(), home_counts(axis, joint.counts()))
+                })
+            }
+        };
     }
 
     /// One tick of homing: the torques.
@@ -79,6 +95,18 @@ impl Controller {
     }
 }
 
+/// The counts of an absolute encoder at the home angle: 0, or so many whole turns of the joint that `now`
+/// is nearest to the middle of its range.
+fn home_counts(axis: &AxisSettings, now: i32) -> i32 {
+    let per_turn = axis.encoder_counts as f32 * axis.gear_ratio;
+    let [low, high] = axis.angle_limits;
+    let middle = 0.5 * (low + high) - axis.home_angle;
+    let turns = now as f32 / per_turn - middle / TAU;
+    // `as` saturates, and cuts towards 0.
+    let whole = (turns + if turns < 0.0 { -0.5 } else { 0.5 }) as i32;
+    (whole as f32 * per_turn) as i32
+}
+
 /// One joint's tick of the search: its error [rad] and its torque [N·m].
 #[inline(always)]
 fn homing_step(
@@ -90,6 +118,10 @@ fn homing_step(
     config: &HomingConfig,
     closed: bool,
 ) -> Result<(f32, f32), Fault> {
+    let closed = match &config.stop {
+        None => closed,
+        Some(stop) => stop.is_felt(joint.current, joint.velocity()),
+    };
     state
         .step(config, closed, joint.angle(), joint.counts(), model.period)
         .map_err(|_| Fault::Envelope)?;

@@ -1,23 +1,31 @@
-//! Homing to switches: each joint searches for its own switch, both at the same time.
+//! Homing to switches or stops: each joint searches for its own, both at the same time.
 //!
 //! A joint approaches until its switch closes, backs off until the switch is open and `back_off`
 //! further, and creeps back at an eighth of the speed. The counts at which the switch closes then
 //! belong to the home angle. A joint that starts on its switch begins by backing off. The search
 //! fails if the joint passes its whole range without finding the switch, or cannot leave it.
 //!
-//! A switch counts as closed, or as open, when it has read so for [`DEBOUNCE_TICKS`] ticks in a
+//! A switch counts as closed, or as open, when it has read so for a number of ticks in a
 //! row: a disturbance does not end a phase, and a contact that bounces does not begin the next
 //! one too early. The counts are those of the first of these ticks, so the filter adds no error
 //! to the home angle. A contact that bounces open for longer than one tick is found later, after
 //! the last of its gaps: at the creeping speed, 0.09 rad/s on the benchtop arm, bounces of 1 ms
 //! are 0.09 mrad.
+//!
+//! A hard stop takes the place of a switch: it counts as closed while the motor takes nearly the
+//! homing current and the joint stands still. The reference then waits where the joint is, so that
+//! nothing builds up against the stop, and the joint leaves the stop in the end. A stop that is
+//! felt before the joint has come back to it is an obstacle, and the search fails.
 
-use crate::settings::{AxisSettings, HomingSettings};
+use crate::settings::{AxisSettings, HomingMethod, Settings};
 use fivebar_kinematics::Scalar;
 
-/// Ticks in a row in which a switch must read the same: 0.8 ms at 10 kHz. A disturbance by the
-/// motors' PWM lasts one tick; the switches' RC filter in `docs/wiring.md` takes 1 ms.
-pub(super) const DEBOUNCE_TICKS: u8 = 8;
+/// Share of the homing current at which a stop is felt.
+const STOP_SHARE: f32 = 0.9;
+/// Share of the creeping speed below which a joint stands still at a stop.
+const STANDSTILL_SHARE: f32 = 0.5;
+/// Share of the speed with which a joint approaches for the second time.
+const CREEP: f32 = 0.125;
 
 /// A home switch without its bounces and disturbances.
 #[derive(Clone, Copy, Debug)]
@@ -36,8 +44,8 @@ impl Debounced {
         counts: 0,
     };
 
-    /// Takes one tick's reading, and the joint's counts in this tick.
-    fn read(&mut self, closed: bool, counts: i32) {
+    /// Takes one tick's reading, and the joint's counts in this tick; so many equal ones are believed.
+    fn read(&mut self, closed: bool, counts: i32, samples: u8) {
         if closed == self.closed {
             self.differing = 0;
             return;
@@ -46,10 +54,27 @@ impl Debounced {
             self.counts = counts;
         }
         self.differing += 1;
-        if self.differing >= DEBOUNCE_TICKS {
+        if self.differing >= samples {
             self.closed = closed;
             self.differing = 0;
         }
+    }
+}
+
+/// How a stop is felt.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct StopDetection {
+    /// Least motor current [A].
+    current: f32,
+    /// Greatest speed of the joint [rad/s].
+    speed: f32,
+}
+
+impl StopDetection {
+    /// Whether a joint with this motor current [A] and speed [rad/s] is felt to stand at a stop.
+    #[inline(always)]
+    pub(super) fn is_felt(&self, current: f32, velocity: f32) -> bool {
+        Scalar::abs(current) >= self.current && Scalar::abs(velocity) <= self.speed
     }
 }
 
@@ -64,14 +89,31 @@ pub(super) struct HomingConfig {
     range: f32,
     /// Greatest change of the reference's speed [rad/s²].
     acceleration: f32,
+    /// Ticks in a row after which a switch or a stop is believed.
+    samples: u8,
+    /// In place of a switch.
+    pub(super) stop: Option<StopDetection>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Phase {
-    Approach { from: f32 },
-    BackOff { from: f32 },
-    Creep { from: f32 },
-    Found { counts: i32 },
+    Approach {
+        from: f32,
+    },
+    BackOff {
+        from: f32,
+    },
+    Creep {
+        from: f32,
+    },
+    /// From a stop, at these counts.
+    Leave {
+        from: f32,
+        counts: i32,
+    },
+    Found {
+        counts: i32,
+    },
 }
 
 /// The search of one joint.
@@ -89,7 +131,8 @@ pub(super) struct HomingState {
 pub(super) struct SwitchNotFound;
 
 impl HomingConfig {
-    pub(super) fn new(axis: &AxisSettings, homing: &HomingSettings) -> Self {
+    pub(super) fn new(axis: &AxisSettings, settings: &Settings) -> Self {
+        let homing = &settings.homing;
         let [low, high] = axis.angle_limits;
         let speed = if axis.home_forward {
             homing.speed
@@ -102,13 +145,21 @@ impl HomingConfig {
             range: high - low + 2.0 * homing.back_off,
             // The first approach reaches its speed in 0.1 s.
             acceleration: 10.0 * homing.speed,
+            samples: settings.home_reference.samples,
+            stop: match settings.home_reference.method {
+                HomingMethod::HardStop => Some(StopDetection {
+                    current: STOP_SHARE * homing.current,
+                    speed: STANDSTILL_SHARE * CREEP * homing.speed,
+                }),
+                HomingMethod::Switch | HomingMethod::Absolute | HomingMethod::Given => None,
+            },
         }
     }
 }
 
 impl HomingState {
     /// A search that begins at `angle` [rad]. If the switch is closed already, it begins to back
-    /// off as soon as the switch has read so for [`DEBOUNCE_TICKS`] ticks.
+    /// off as soon as the switch is believed.
     pub(super) fn new(angle: f32) -> Self {
         Self {
             phase: Phase::Approach { from: angle },
@@ -118,12 +169,30 @@ impl HomingState {
         }
     }
 
-    /// The counts at which the switch closed, once found.
+    /// A search that has ended: the joint at `angle` [rad] has these counts at its home angle.
+    pub(super) fn known(angle: f32, counts: i32) -> Self {
+        Self {
+            phase: Phase::Found { counts },
+            ..Self::new(angle)
+        }
+    }
+
+    /// The counts at the home angle, once found.
     pub(super) fn found(&self) -> Option<i32> {
         match self.phase {
             Phase::Found { counts } => Some(counts),
-            Phase::Approach { .. } | Phase::BackOff { .. } | Phase::Creep { .. } => None,
+            Phase::Approach { .. }
+            | Phase::BackOff { .. }
+            | Phase::Creep { .. }
+            | Phase::Leave { .. } => None,
         }
+    }
+
+    /// The reference rests where the joint does, at a stop.
+    #[inline(always)]
+    fn rest_at(&mut self, angle: f32) {
+        self.angle = angle;
+        self.rate = 0.0;
     }
 
     /// One tick of `period` [s], with what the switch reads, the measured angle [rad] and its
@@ -136,12 +205,15 @@ impl HomingState {
         counts: i32,
         period: f32,
     ) -> Result<(), SwitchNotFound> {
-        self.switch.read(closed, counts);
+        self.switch.read(closed, counts, config.samples);
         let Debounced { closed, counts, .. } = self.switch;
         let gone = |from: f32| Scalar::abs(angle - from);
         let wanted = match self.phase {
             Phase::Approach { from } => {
                 if closed {
+                    if config.stop.is_some() {
+                        self.rest_at(angle);
+                    }
                     self.phase = Phase::BackOff { from: angle };
                 } else if gone(from) > config.range {
                     return Err(SwitchNotFound);
@@ -159,11 +231,27 @@ impl HomingState {
             }
             Phase::Creep { from } => {
                 if closed {
-                    self.phase = Phase::Found { counts };
+                    if config.stop.is_none() {
+                        self.phase = Phase::Found { counts };
+                    } else if gone(from) < 0.5 * config.back_off {
+                        return Err(SwitchNotFound);
+                    } else {
+                        self.rest_at(angle);
+                        self.phase = Phase::Leave {
+                            from: angle,
+                            counts,
+                        };
+                    }
                 } else if gone(from) > 6.0 * config.back_off {
                     return Err(SwitchNotFound);
                 }
-                0.125 * config.speed
+                CREEP * config.speed
+            }
+            Phase::Leave { from, counts } => {
+                if gone(from) >= config.back_off {
+                    self.phase = Phase::Found { counts };
+                }
+                -CREEP * config.speed
             }
             Phase::Found { .. } => 0.0,
         };

@@ -94,10 +94,9 @@ pub struct Controller {
 impl Controller {
     /// A controller for the arm of these settings, in the state Stopped and not homed.
     pub fn new(settings: &CheckedSettings) -> Self {
-        let model = Model::new(settings);
         Self {
-            waking: model.wake_up_ticks,
-            model,
+            waking: model::wake_up_ticks(settings),
+            model: Model::new(settings),
             encoders: encoder::encoders(settings),
             settings: **settings,
             joints: [Joint::new(), Joint::new()],

@@ -97,12 +97,17 @@ impl Model {
     pub(crate) fn new(settings: &CheckedSettings) -> Self {
         let control = &settings.control;
         let period = 1.0 / control.tick_rate;
+        // By reference: copies of both would take stack.
+        let [axis1, axis4] = &settings.axes;
         let rest_ticks = ((REST_TIME * control.tick_rate) as u32).max(1);
         Self {
             equations: BaseParameterModel::new(settings.arm()),
             tool: *settings.tool(),
             assembly: settings.assembly(),
-            axes: settings.axes.map(|axis| AxisModel::new(&axis, settings)),
+            axes: [
+                AxisModel::new(axis1, settings),
+                AxisModel::new(axis4, settings),
+            ],
             torque_limit: TorqueLimit(settings.peak_torque()),
             nominal_inertia: settings.nominal_inertia(),
             computed_torque: control.computed_torque,
@@ -112,13 +117,19 @@ impl Model {
             lag: 1.0 / control.current_bandwidth,
             bus_voltage_per_code: settings.protection.bus_voltage_per_code,
             monitor: Monitor::new(settings),
-            homing_configs: settings
-                .axes
-                .map(|axis| HomingConfig::new(&axis, &settings.homing)),
-            // One more, because a command acts from the next tick on.
-            wake_up_ticks: (WAKE_UP_TIME * control.tick_rate) as u32 + 1,
+            homing_configs: [
+                HomingConfig::new(axis1, settings),
+                HomingConfig::new(axis4, settings),
+            ],
+            wake_up_ticks: wake_up_ticks(settings),
         }
     }
+}
+
+/// Ticks from switching the bridges on to the first one that drives them: one more than they need, because a
+/// command acts from the next tick on.
+pub(crate) fn wake_up_ticks(settings: &CheckedSettings) -> u32 {
+    (WAKE_UP_TIME * settings.control.tick_rate) as u32 + 1
 }
 
 impl Servo {
@@ -167,13 +178,19 @@ impl AxisModel {
         current / self.current_per_torque
     }
 
+    #[inline(always)]
     fn new(axis: &AxisSettings, settings: &CheckedSettings) -> Self {
         let control = &settings.control;
         let period = 1.0 / control.tick_rate;
         let counts_per_turn = axis.encoder_counts as f32 * axis.gear_ratio;
         let radians_per_count = TAU / counts_per_turn;
         let torque_per_current = axis.gear_ratio * axis.torque_constant;
-        let servos = STAGES.map(|shares| Servo::new(axis, control, shares));
+        let [moving, settling, resting] = STAGES;
+        let servos = [
+            Servo::new(axis, control, moving),
+            Servo::new(axis, control, settling),
+            Servo::new(axis, control, resting),
+        ];
         Self {
             servo: servos[0],
             servos,

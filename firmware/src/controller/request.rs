@@ -2,10 +2,14 @@
 
 use super::{Controller, Excitation, Setpoint};
 use crate::safety::{Event, Fault, State};
+use crate::settings::HomingMethod;
 use fivebar_kinematics::five_bar::Pose;
 use fivebar_kinematics::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
+
+/// Joint speed above which angles are not taken as given [rad/s].
+const GIVEN_REST_SPEED: f32 = 0.05;
 
 /// What a host can ask of the controller, besides moves.
 ///
@@ -29,7 +33,7 @@ pub enum Request {
     Arm,
     /// Switch the bridges off.
     Disarm,
-    /// Find the joint angles by driving to the home switches.
+    /// Find the joint angles, by the settings' [`HomingMethod`].
     Home,
     /// Set the joints' present angles to θ1, θ4 [rad].
     SetAngles([f32; 2]),
@@ -110,7 +114,10 @@ impl Controller {
                 Event::Excite
             }
             Request::Disarm => Event::Disarm,
-            Request::Home => Event::Home,
+            Request::Home => {
+                self.require_rest_for_given_angles()?;
+                Event::Home
+            }
             Request::SetAngles(angles) => return self.set_angles(angles),
             Request::Stop => Event::Stop,
             Request::EmergencyStop => {
@@ -135,6 +142,19 @@ impl Controller {
         let pose = self.pose_to_arm(self.angles())?;
         self.mode = self.model.tool.working_mode(&pose);
         self.setpoint = Setpoint::hold([pose.u1, pose.u4]);
+        Ok(())
+    }
+
+    /// An arm whose angles are given must not turn away from them meanwhile.
+    fn require_rest_for_given_angles(&self) -> Result<(), RequestError> {
+        let given = self.settings.home_reference.method == HomingMethod::Given;
+        let moves = self
+            .velocities()
+            .iter()
+            .any(|velocity| Scalar::abs(*velocity) > GIVEN_REST_SPEED);
+        if given && moves {
+            return Err(RequestError::Moving);
+        }
         Ok(())
     }
 

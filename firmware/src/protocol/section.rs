@@ -1,8 +1,8 @@
 //! The settings in sections, each small enough for a frame.
 
 use crate::settings::{
-    AxisSettings, ControlSettings, ENCODER_POINTS, HomingSettings, LinkSettings, MotionSettings,
-    ProtectionSettings, Settings, ToolOutputSettings,
+    AxisSettings, ControlSettings, ENCODER_POINTS, HomeReference, HomingSettings, LinkSettings,
+    MotionSettings, ProtectionSettings, Settings, ToolOutputSettings,
 };
 use serde::{Deserialize, Serialize};
 
@@ -42,6 +42,8 @@ pub enum SectionKey {
     EncoderShaft(u8),
     /// A quarter of an encoder's known error: 0…3 are joint 1's, 4…7 joint 4's.
     EncoderPoints(u8),
+    /// The source of the joints' angles.
+    HomeReference,
 }
 
 /// A section with its value; units as in [`Settings`].
@@ -78,11 +80,13 @@ pub enum Section {
     /// A quarter of the points of one of [`Settings::encoder_tables`]: small, because the interrupt
     /// that receives it moves it.
     EncoderPoints(u8, [i16; 16]),
+    /// [`Settings::home_reference`].
+    HomeReference(HomeReference),
 }
 
 impl SectionKey {
     /// Every section. Together they are the whole settings.
-    pub const ALL: [Self; 27] = [
+    pub const ALL: [Self; 28] = [
         Self::Lengths,
         Self::Link(0),
         Self::Link(1),
@@ -110,6 +114,7 @@ impl SectionKey {
         Self::EncoderPoints(5),
         Self::EncoderPoints(6),
         Self::EncoderPoints(7),
+        Self::HomeReference,
     ];
 
     /// This section of `settings`; `None` if there is no such link or axis.
@@ -137,6 +142,7 @@ impl SectionKey {
                 let points = table.points.get(usize::from(index) % QUARTERS)?;
                 Section::EncoderPoints(index, *points)
             }
+            Self::HomeReference => Section::HomeReference(settings.home_reference),
         })
     }
 }
@@ -170,6 +176,7 @@ impl Section {
                     .get_mut(usize::from(index) / QUARTERS)?;
                 *table.points.get_mut(usize::from(index) % QUARTERS)? = value;
             }
+            Self::HomeReference(value) => settings.home_reference = value,
         }
         Some(())
     }

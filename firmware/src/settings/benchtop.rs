@@ -3,8 +3,8 @@
 //! instruction counts are measured with them.
 
 use super::{
-    AxisSettings, ControlSettings, EncoderTable, HomingSettings, LinkSettings, MotionSettings,
-    ProtectionSettings, Settings, ToolOutputSettings,
+    AxisSettings, ControlSettings, EncoderTable, HomeReference, HomingSettings, LinkSettings,
+    MotionSettings, ProtectionSettings, Settings, ToolOutputSettings,
 };
 
 const CRANK: LinkSettings = LinkSettings {
@@ -79,6 +79,7 @@ impl Settings {
             back_off: 0.05,
             current: 1.2,
         },
+        home_reference: HomeReference::SWITCHES,
         motion: MotionSettings {
             max_speed: 0.3,
             max_acceleration: 4.0,

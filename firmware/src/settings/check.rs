@@ -214,6 +214,8 @@ impl Settings {
                     && homing.current <= axis4.peak_current,
                 Field::HomingCurrent,
             ),
+            (self.home_reference.samples > 0, Field::HomingSamples),
+            (self.homing_method_fits(), Field::HomingMethod),
             (positive(motion.max_speed), Field::MaxSpeed),
             (
                 positive(motion.max_acceleration)

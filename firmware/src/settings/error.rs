@@ -47,6 +47,8 @@ pub enum Field {
     FrictionSmoothing,
     HomingSpeed,
     HomingBackOff,
+    HomingSamples,
+    HomingMethod,
     HomingCurrent,
     MaxSpeed,
     MaxAcceleration,
@@ -156,6 +158,13 @@ impl Field {
                 "must be positive and at most the least max_speed [rad/s]",
             ),
             Self::HomingBackOff => ("homing.back_off", "must be positive and under 1 rad"),
+            Self::HomingSamples => ("home_reference.samples", "must be 1 to 255"),
+            Self::HomingMethod => (
+                "home_reference.method",
+                "hard stops need the continuous current at most, samples before half of \
+                 following_error, and angle_limits that end at most back_off before the stop; \
+                 absolute encoders need angle_limits of a turn at most",
+            ),
             Self::HomingCurrent => (
                 "homing.current",
                 "must be positive and at most the least peak_current [A]",

@@ -9,6 +9,7 @@ mod check;
 mod checked;
 mod encoder_table;
 mod error;
+mod homing;
 pub mod range;
 mod tool_output;
 
@@ -18,6 +19,7 @@ pub use board::BoardLimits;
 pub use checked::CheckedSettings;
 pub use encoder_table::{ENCODER_POINTS, ENCODER_UNIT, EncoderTable};
 pub use error::{AxisField, Field, SettingsError};
+pub use homing::{HomeReference, HomingMethod, HomingSettings};
 pub use tool_output::{ALWAYS, Share, ToolOutputSettings};
 
 /// Inertia of one link, see `fivebar_kinematics::dynamics::Link`.
@@ -96,17 +98,6 @@ pub struct ControlSettings {
     pub computed_torque: bool,
 }
 
-/// The search for the home switches.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct HomingSettings {
-    /// Speed of the first approach [rad/s]; the second approach has an eighth of it.
-    pub speed: f32,
-    /// Distance to back off from a closed switch [rad].
-    pub back_off: f32,
-    /// Greatest motor current while homing [A].
-    pub current: f32,
-}
-
 /// Limits of the tool's motion.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MotionSettings {
@@ -167,6 +158,8 @@ pub struct Settings {
     pub control: ControlSettings,
     /// The search for the home switches.
     pub homing: HomingSettings,
+    /// The source of the joints' angles.
+    pub home_reference: HomeReference,
     /// The tool's limits.
     pub motion: MotionSettings,
     /// The trip points.

@@ -11,6 +11,7 @@ mod faults;
 mod holding;
 mod homing;
 mod homing_again;
+mod homing_methods;
 mod independent_joints;
 mod left_behind;
 mod moving;

@@ -4,8 +4,8 @@ use crate::messages::{number, pair};
 use fivebar_firmware::Settings;
 use fivebar_firmware::protocol::{Section, SectionKey};
 use fivebar_firmware::settings::{
-    AxisSettings, ControlSettings, HomingSettings, LinkSettings, MotionSettings,
-    ProtectionSettings, ToolOutputSettings,
+    AxisSettings, ControlSettings, HomeReference, HomingMethod, HomingSettings, LinkSettings,
+    MotionSettings, ProtectionSettings, ToolOutputSettings,
 };
 use proptest::prelude::*;
 
@@ -101,9 +101,21 @@ pub(crate) fn section() -> impl Strategy<Value = Section> {
             })
         }),
         tool_output().prop_map(Section::ToolOutput),
+        (home_method(), any::<u8>()).prop_map(|(method, samples)| {
+            Section::HomeReference(HomeReference { method, samples })
+        }),
         (any::<u8>(), number()).prop_map(|(index, ratio)| Section::EncoderShaft(index, ratio)),
         (any::<u8>(), prop::array::uniform16(any::<i16>()))
             .prop_map(|(index, points)| Section::EncoderPoints(index, points)),
+    ]
+}
+
+fn home_method() -> impl Strategy<Value = HomingMethod> {
+    prop_oneof![
+        Just(HomingMethod::Switch),
+        Just(HomingMethod::HardStop),
+        Just(HomingMethod::Absolute),
+        Just(HomingMethod::Given),
     ]
 }
 

@@ -2,6 +2,7 @@
 
 use fivebar::input::robot::Robot;
 use fivebar_firmware::Settings;
+use fivebar_firmware::settings::{HomeReference, HomingMethod};
 
 const BENCHTOP: &str = include_str!("../../robots/benchtop.toml");
 
@@ -42,7 +43,10 @@ fn searches_that_the_controller_would_refuse_are_refused_with_line_and_bound() {
         ("back_off = nan", ["`back_off` of [homing]", "NaN"]),
         ("current = 4.5", ["`current` of [homing]", "at most 4.0 A"]),
         ("forward = [1, 2]", ["forward", "boolean"]),
-        ("method = 1", ["method", "unknown"]),
+        ("method = 1", ["method", "string"]),
+        ("method = \"index\"", ["method", "unknown variant"]),
+        ("samples = 0", ["`samples` of [homing]", "1 to 255"]),
+        ("way = 1", ["way", "unknown"]),
     ] {
         let text = format!("{BENCHTOP}\n[homing]\n{keys}\n");
         let message = Robot::parse("arm.toml", &text).unwrap_err().to_string();
@@ -50,5 +54,101 @@ fn searches_that_the_controller_would_refuse_are_refused_with_line_and_bound() {
         for word in words {
             assert!(message.contains(word), "{keys}: {message}");
         }
+    }
+}
+
+/// The benchtop arm with `home` 0.03 rad within its limits, where hard stops can be.
+fn near_its_limits() -> String {
+    let text = BENCHTOP.replace("home = [2.7925268, 0.3490659]", "home = [3.07, 0.06]");
+    text.replace(
+        "angle = [[0.6, 3.6], [-0.46, 2.54]]",
+        "angle = [[0.6, 3.1], [0.03, 2.54]]",
+    )
+}
+
+/// The same with its encoders at the joints.
+fn with_joint_encoders() -> String {
+    let counts = "encoder_counts = 16384";
+    BENCHTOP.replace(counts, &format!("{counts}\nencoder_side = \"joint\""))
+}
+
+#[test]
+fn each_method_reaches_the_controller() {
+    let given = |text: String, keys: &str| {
+        let text = format!("{text}\n[homing]\n{keys}\n");
+        let settings = Robot::parse("arm.toml", &text).unwrap().settings().unwrap();
+        settings.check().unwrap();
+        settings
+    };
+    let reference = |method, samples| HomeReference { method, samples };
+    let switch = given(BENCHTOP.into(), "method = \"switch\"\nsamples = 3");
+    assert_eq!(switch.home_reference, reference(HomingMethod::Switch, 3));
+    assert_eq!(settings("").home_reference, HomeReference::SWITCHES);
+    let stop = given(near_its_limits(), "method = \"hard-stop\"\ncurrent = 0.8");
+    // 10 ms at 10 kHz; the stops are the way to back off behind home.
+    assert_eq!(stop.home_reference, reference(HomingMethod::HardStop, 100));
+    for (axis, angle) in stop.axes.iter().zip([3.12, 0.01]) {
+        assert!(
+            (axis.home_angle - angle).abs() < 1e-6,
+            "{}",
+            axis.home_angle
+        );
+    }
+    let absolute = given(with_joint_encoders(), "method = \"absolute\"");
+    assert_eq!(absolute.home_reference.method, HomingMethod::Absolute);
+    let given = given(BENCHTOP.into(), "method = \"given\"");
+    assert_eq!(given.home_reference.method, HomingMethod::Given);
+}
+
+#[test]
+fn a_method_that_does_not_fit_the_arm_is_refused_with_the_key() {
+    let stops = "method = \"hard-stop\"\ncurrent = 0.8";
+    let near = near_its_limits();
+    let wide = with_joint_encoders().replace("[0.6, 3.6]", "[-3.1, 3.6]");
+    for (text, keys, words) in [
+        (
+            BENCHTOP,
+            stops,
+            "`angle` of [limits] of joint 1 must end before its hard stop",
+        ),
+        (
+            &near,
+            "method = \"hard-stop\"",
+            "`current` of [homing] must be given",
+        ),
+        (
+            &near,
+            "method = \"hard-stop\"\ncurrent = 1.4",
+            "1.3 A at most, the least continuous current",
+        ),
+        (
+            &near,
+            &format!("{stops}\nsamples = 250"),
+            "`speed` of [homing] must be at most 0.400 rad/s",
+        ),
+        (
+            BENCHTOP,
+            "method = \"absolute\"",
+            "`encoder_side` of [[actuator]] 1 must be \"joint\"",
+        ),
+        (
+            &wide,
+            "method = \"absolute\"",
+            "`angle` of [limits] must be a turn at most",
+        ),
+        (
+            BENCHTOP,
+            "method = \"given\"\nspeed = 0.2",
+            "`speed` of [homing] is of a search",
+        ),
+        (
+            BENCHTOP,
+            "method = \"given\"\nsamples = 2",
+            "`samples` of [homing] is of a search",
+        ),
+    ] {
+        let text = format!("{text}\n[homing]\n{keys}\n");
+        let message = Robot::parse("arm.toml", &text).unwrap_err().to_string();
+        assert!(message.contains(words), "{keys}: {message}");
     }
 }

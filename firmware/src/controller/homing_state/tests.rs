@@ -1,7 +1,10 @@
 //! One joint's search by itself: what it believes of its switch, and how far it goes.
 
-use super::{DEBOUNCE_TICKS, Debounced, HomingConfig, HomingState, Phase, SwitchNotFound, limited};
-use crate::settings::Settings;
+use super::{Debounced, HomingConfig, HomingState, Phase, StopDetection, SwitchNotFound, limited};
+use crate::settings::{HomingMethod, Settings};
+
+/// Samples after which a switch is believed.
+const SAMPLES: u8 = 8;
 
 /// A range of 2 rad, half a radian to back off, 1 rad/s.
 const CONFIG: HomingConfig = HomingConfig {
@@ -9,6 +12,8 @@ const CONFIG: HomingConfig = HomingConfig {
     back_off: 0.5,
     range: 3.0,
     acceleration: 1000.0,
+    samples: SAMPLES,
+    stop: None,
 };
 
 /// A search that has read its switch as `closed` before.
@@ -25,37 +30,39 @@ fn search(phase: Phase, closed: bool) -> HomingState {
 
 /// One tick with the switch as before, at `angle` [rad].
 fn step(search: &mut HomingState, angle: f32) -> Result<(), SwitchNotFound> {
-    search.step(&CONFIG, search.switch.closed, angle, 7, 1e-3)
+    let closed = search.switch.closed;
+    search.step(&CONFIG, closed, angle, 7, 1e-3)
 }
 
 #[test]
 fn the_counts_of_a_switch_are_those_of_the_first_reading_that_it_keeps() {
     let mut switch = Debounced::OPEN;
     // A disturbance, and then the contact.
-    switch.read(true, 1);
-    switch.read(false, 2);
-    for counts in 10..10 + i32::from(DEBOUNCE_TICKS) {
+    switch.read(true, 1, SAMPLES);
+    switch.read(false, 2, SAMPLES);
+    for counts in 10..10 + i32::from(SAMPLES) {
         assert!(!switch.closed, "at {counts}");
-        switch.read(true, counts);
+        switch.read(true, counts, SAMPLES);
     }
     assert_eq!((switch.closed, switch.counts), (true, 10));
-    for counts in 30..30 + i32::from(DEBOUNCE_TICKS) {
+    for counts in 30..30 + i32::from(SAMPLES) {
         assert!(switch.closed, "at {counts}");
-        switch.read(false, counts);
+        switch.read(false, counts, SAMPLES);
     }
     assert_eq!((switch.closed, switch.counts), (false, 30));
 }
 
 #[test]
 fn a_search_takes_no_more_than_the_joints_range_and_speeds_up_gently() {
+    let settings = Settings::BENCHTOP;
     let Settings {
         mut axes, homing, ..
-    } = Settings::BENCHTOP;
+    } = settings;
     let [axis, _] = &mut axes;
     axis.angle_limits = [-0.5, 2.5];
     for forward in [true, false] {
         axis.home_forward = forward;
-        let config = HomingConfig::new(axis, &homing);
+        let config = HomingConfig::new(axis, &settings);
         // 3 rad, and two ways of backing off: one behind each end.
         assert_eq!(config.range, 3.0 + 2.0 * homing.back_off);
         let mut search = HomingState::new(0.0);
@@ -156,4 +163,84 @@ fn a_limited_value_keeps_its_sign_and_what_is_not_a_number_stays_so() {
         assert_eq!(limited(value, 1.0), expected);
     }
     assert!(limited(f32::NAN, 1.0).is_nan());
+}
+
+const STOP: StopDetection = StopDetection {
+    current: 0.9,
+    speed: 0.0625,
+};
+
+/// A tick in which a stop is felt or not, believed at once.
+fn feel(search: &mut HomingState, felt: bool, at: f32) -> Result<(), SwitchNotFound> {
+    let config = HomingConfig {
+        samples: 1,
+        stop: Some(STOP),
+        ..CONFIG
+    };
+    let counts = (1000.0 * at) as i32;
+    search.step(&config, felt, at, counts, 1e-3)
+}
+
+#[test]
+fn a_stop_is_felt_twice_and_left_again_and_the_reference_waits_at_it() {
+    let mut search = HomingState::new(2.0);
+    for _ in 0..100 {
+        assert_eq!(feel(&mut search, false, 2.0), Ok(()));
+    }
+    assert!(search.angle > 2.05, "the reference goes ahead");
+    assert_eq!(feel(&mut search, true, 2.0), Ok(()));
+    assert_eq!(search.phase, Phase::BackOff { from: 2.0 });
+    // One tick of the reference at most.
+    assert!((search.angle - 2.0).abs() < 2e-3, "{}", search.angle);
+    assert_eq!(feel(&mut search, false, 1.49), Ok(()));
+    assert_eq!(search.phase, Phase::Creep { from: 1.49 });
+    assert_eq!(feel(&mut search, true, 1.999), Ok(()));
+    assert_eq!(
+        search.phase,
+        Phase::Leave {
+            from: 1.999,
+            counts: 1999
+        }
+    );
+    assert_eq!(feel(&mut search, false, 1.6), Ok(()));
+    assert_eq!(search.found(), None);
+    assert_eq!(feel(&mut search, false, 1.498), Ok(()));
+    assert_eq!(search.found(), Some(1999));
+}
+
+#[test]
+fn an_obstacle_on_the_way_back_to_a_stop_ends_the_search() {
+    let mut search = search(Phase::Creep { from: 1.5 }, false);
+    assert_eq!(feel(&mut search, true, 1.74), Err(SwitchNotFound));
+}
+
+#[test]
+fn a_stop_is_felt_with_nearly_the_greatest_current_and_a_joint_that_stands() {
+    for (current, velocity, felt) in [
+        (0.9, 0.0, true),
+        (-0.9, -0.0624, true),
+        (0.89, 0.0, false),
+        (1.0, 0.063, false),
+        (1.0, -0.063, false),
+    ] {
+        assert_eq!(
+            STOP.is_felt(current, velocity),
+            felt,
+            "{current} {velocity}"
+        );
+    }
+}
+
+#[test]
+fn stops_are_felt_near_the_homing_current_and_at_half_the_creeping_speed() {
+    let mut settings = Settings::BENCHTOP;
+    settings.home_reference.method = HomingMethod::HardStop;
+    settings.home_reference.samples = 70;
+    let [axis, _] = &settings.axes;
+    let config = HomingConfig::new(axis, &settings);
+    assert_eq!(config.samples, 70);
+    // 1.2 A; an eighth of 0.7 rad/s.
+    let stop = config.stop.expect("hard stops");
+    assert!((stop.current - 1.08).abs() < 1e-6, "{stop:?}");
+    assert!((stop.speed - 0.043_75).abs() < 1e-6, "{stop:?}");
 }

@@ -1,14 +1,20 @@
-//! `[homing]`: how the arm searches for its home switches.
+//! `[homing]`: how the controller finds the joints' angles.
 
 use super::Robot;
+use super::home_method::{self, HomeMethod};
 use super::value::positive;
 use crate::input::source::{FileError, Key, Source};
 use serde::Deserialize;
 
-/// The search for the home switches.
+/// Where the joints' angles come from, and the search for switches or stops.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct HomeSearch {
+    /// Where the angles come from.
+    pub method: HomeMethod,
+    /// Equal samples in a row after which a switch or a stop is believed; none: 8 for a switch, those of
+    /// 10 ms for a stop.
+    pub samples: Option<u8>,
     /// Whether joint 1 and joint 4 approach their switches with a growing angle; none: towards the
     /// limit of `limits.angle` that is nearer to the switch.
     pub forward: Option<[bool; 2]>,
@@ -24,6 +30,8 @@ pub struct HomeSearch {
 impl Default for HomeSearch {
     fn default() -> Self {
         Self {
+            method: HomeMethod::Switch,
+            samples: None,
             forward: None,
             speed: None,
             back_off: 0.05,
@@ -54,6 +62,7 @@ pub(super) fn check(source: &Source<'_>, robot: &Robot) -> Result<(), FileError>
     }
     // The controller takes less than 1 rad.
     at_most("back_off", back_off, 0.99, " rad")?;
+    home_method::check(source, robot)?;
     let Some(current) = current else {
         return Ok(());
     };

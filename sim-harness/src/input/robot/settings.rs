@@ -1,6 +1,6 @@
 //! The controller's settings for a robot.
 
-use super::{Actuator, MissingMasses, Robot};
+use super::{Actuator, HomeMethod, MissingMasses, Robot, home_method};
 use fivebar_firmware::Settings;
 use fivebar_firmware::settings::{
     AxisSettings, ControlSettings, EncoderTable, HomingSettings, LinkSettings, MotionSettings,
@@ -61,6 +61,7 @@ impl Robot {
                 back_off: single(self.homing.back_off),
                 current: single(self.homing_current(arm, &actuators)),
             },
+            home_reference: home_method::reference(&self.homing, control.tick_rate),
             motion: MotionSettings {
                 max_speed: single(motion.max_speed),
                 max_acceleration: single(motion.max_acceleration),
@@ -118,8 +119,27 @@ impl Robot {
         })
     }
 
+    /// Whether a joint approaches its switch with a growing angle.
+    pub(super) fn homes_forward(&self, joint: usize) -> bool {
+        let [low, high] = self.limits.angle[joint];
+        match self.homing.forward {
+            Some(forward) => forward[joint],
+            None => self.home[joint] > 0.5 * (low + high),
+        }
+    }
+
+    /// The joint's angle at its home switch, or at its hard stop: that lies the back-off behind home, so
+    /// that the joint ends at home.
+    fn reference_angle(&self, joint: usize) -> f64 {
+        let towards = if self.homes_forward(joint) { 1.0 } else { -1.0 };
+        match self.homing.method {
+            HomeMethod::HardStop => self.home[joint] + towards * self.homing.back_off,
+            HomeMethod::Switch | HomeMethod::Absolute | HomeMethod::Given => self.home[joint],
+        }
+    }
+
     /// Speed of the first approach to a switch [rad/s].
-    fn homing_speed(&self) -> f64 {
+    pub(super) fn homing_speed(&self) -> f64 {
         let slow = 0.02 * least(self.limits.max_speed);
         self.homing.speed.unwrap_or(slow)
     }
@@ -178,7 +198,6 @@ impl Robot {
     fn axis(&self, joint: usize, actuators: &[Actuator; 2]) -> AxisSettings {
         let actuator = &actuators[joint];
         let ample = 2.0 * self.ample_current(actuators) / ADC_CODES;
-        let [low, high] = self.limits.angle[joint];
         AxisSettings {
             gear_ratio: single(actuator.gear_ratio),
             rotor_inertia: single(actuator.rotor_inertia),
@@ -189,11 +208,8 @@ impl Robot {
             coulomb_friction: single(actuator.coulomb_friction),
             encoder_counts: actuator.encoder_counts,
             encoder_latency: single(actuator.encoder_latency),
-            home_angle: single(self.home[joint]),
-            home_forward: match self.homing.forward {
-                Some(forward) => forward[joint],
-                None => self.home[joint] > 0.5 * (low + high),
-            },
+            home_angle: single(self.reference_angle(joint)),
+            home_forward: self.homes_forward(joint),
             angle_limits: self.limits.angle[joint].map(single),
             max_speed: single(self.limits.max_speed[joint]),
             max_acceleration: single(self.limits.max_acceleration[joint]),

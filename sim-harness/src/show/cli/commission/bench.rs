@@ -3,7 +3,7 @@
 use super::StepError;
 use super::log::LogRows;
 use super::operator::{Operator, Task};
-use crate::input::robot::{Actuator, Robot};
+use crate::input::robot::{Actuator, HomeMethod, Robot};
 use crate::run::drive::{Drive, Homing};
 use crate::run::link::Client;
 use crate::show::cli::say::say;
@@ -222,9 +222,16 @@ impl Bench {
         Ok(())
     }
 
-    /// Homes the arm by its switches, unless it is homed.
+    /// Homes the arm by the robot file's method, unless it is homed.
     pub(super) fn home(&mut self) -> Result<(), StepError> {
+        let by_hand = self.robot.homing.method == HomeMethod::Given;
+        if by_hand && !self.client.status()?.0.homed {
+            self.ask(Task::Home)?;
+        }
         Drive::new(&mut self.client, &|| false).home(Homing::Switches)?;
+        if by_hand {
+            self.ask(Task::LetGo)?;
+        }
         Ok(())
     }
 

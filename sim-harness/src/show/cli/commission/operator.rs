@@ -20,6 +20,8 @@ pub(super) enum Task {
     Turn(usize, f64),
     /// Put the tip into the hole of this number and place [m].
     Hole(usize, [f64; 2]),
+    /// Hold the arm at its home angles.
+    Home,
     /// Let go of the arm.
     LetGo,
 }
@@ -57,6 +59,7 @@ impl Task {
                 1e3 * x,
                 1e3 * y
             ),
+            Self::Home => "Put the arm at its home angles with its jig and hold it there".into(),
             Self::LetGo => "Let go of the arm and keep clear of it".into(),
         }
     }

@@ -38,6 +38,8 @@ struct Held {
     motion: Option<(Vec<Way>, u32)>,
     /// Angles at which the arm moves best [rad]: ways lead through there.
     middle: [f64; 2],
+    /// The home angles of its jig [rad].
+    home: [f64; 2],
     witness: Witness,
 }
 
@@ -160,6 +162,12 @@ impl Hand {
                 });
                 held.move_to(to, place)?;
             }
+            Task::Home => {
+                let to = held.home;
+                let pose = held.geometry.forward(to[0], to[1], held.assembly);
+                let place = pose.map_err(StepError::other)?.c.into();
+                held.move_to(to, place)?;
+            }
             Task::LetGo => held.motion = None,
         }
         Ok(())
@@ -208,6 +216,7 @@ pub(super) fn arm(scenario: &Scenario, robot: &Robot) -> Result<(Loopback, Hand)
     let plant = scenario.plant().map_err(StepError::other)?;
     let held = Held {
         middle: [middle[0], middle[3]],
+        home: [0, 1].map(|joint| true_robot.home[joint] + mismatch.home_error[joint]),
         plant: plant.with_resolved_windings(),
         geometry,
         assembly: true_robot.home_pose().map_err(StepError::other)?.assembly(),

@@ -76,6 +76,7 @@ const UNITS: &[(&str, &[(&str, &str)])] = &[
             ("current", "A, of the motor"),
         ],
     ),
+    ("home_reference", &[("method", ""), ("samples", "in a row")]),
     (
         "motion",
         &[

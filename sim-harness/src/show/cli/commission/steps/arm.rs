@@ -13,12 +13,12 @@ use crate::study::margins::MarginsStudy;
 use fivebar_firmware::Status;
 use std::f64::consts::TAU;
 
-/// Searches for the home switches.
+/// How often the arm is homed.
 const SEARCHES: usize = 3;
-/// Greatest spread of the counts at which a switch closes [rad].
+/// Greatest spread of the counts at the home angle [rad].
 const REPEATABILITY: f64 = 2e-3;
 
-/// Homes several times: the switches must be found, at the same counts each time.
+/// Homes several times: the angles must be found, at the same counts each time.
 pub(in super::super) fn homing(bench: &mut Bench) -> Result<Outcome, StepError> {
     let mut origins = Vec::new();
     for _ in 0..SEARCHES {
@@ -45,21 +45,21 @@ pub(in super::super) fn homing(bench: &mut Bench) -> Result<Outcome, StepError> 
         if spread > REPEATABILITY {
             return Err(StepError::wrong(
                 format_args!(
-                    "the home switch of joint {number} repeats within {:.1} mrad only",
+                    "the home angle of joint {number} repeats within {:.1} mrad only",
                     1e3 * spread
                 ),
-                "check the switch and its mounting, or lower [homing] speed",
+                "check the switch, stop or jig and its mounting, or lower [homing] speed",
             ));
         }
         let name = format!("home_repeatability{number}_rad");
         values.push(Value::new(
             name,
             spread,
-            "greatest difference of three searches",
+            "greatest difference of homing three times",
         ));
     }
     Ok(Outcome::new(
-        "both switches were found three times, at the same counts",
+        "both home angles were found three times, at the same counts",
         values,
     ))
 }

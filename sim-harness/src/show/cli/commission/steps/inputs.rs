@@ -5,6 +5,7 @@ use super::super::finding::StepError;
 use super::super::operator::{Task, number};
 use super::super::record::Value;
 use super::Outcome;
+use crate::input::robot::HomeMethod;
 use fivebar_firmware::safety::Fault;
 use std::f64::consts::{FRAC_PI_4, TAU};
 
@@ -115,6 +116,9 @@ pub(in super::super) fn switches(bench: &mut Bench) -> Result<Outcome, StepError
              broken wire reads as pressed",
         )
     };
+    if bench.robot.homing.method != HomeMethod::Switch {
+        return Ok(Outcome::new("the arm is homed without switches", vec![]));
+    }
     let home = bench.sample()?.home;
     if let Some(joint) = [0, 1].into_iter().find(|&joint| home[joint]) {
         return Err(stuck(joint));

@@ -90,7 +90,7 @@ pub(super) const STEPS: [Step; 12] = [
     },
     Step {
         name: "homing",
-        does: "searches for the home switches three times, at the speed and current of the settings",
+        does: "homes the arm three times by the method of [homing], at its speed and current",
         run: arm::homing,
     },
     Step {

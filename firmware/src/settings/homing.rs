@@ -1,0 +1,90 @@
+//! How the controller finds the joints' angles.
+
+use super::{AxisSettings, Settings};
+use core::f32::consts::TAU;
+use serde::{Deserialize, Serialize};
+
+/// The search for the home switches or the hard stops.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HomingSettings {
+    /// Speed of the first approach [rad/s]; the second approach has an eighth of it.
+    pub speed: f32,
+    /// Distance to back off from a closed switch or a stop [rad].
+    pub back_off: f32,
+    /// Greatest motor current while homing [A].
+    pub current: f32,
+}
+
+/// Where the joints' angles come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum HomingMethod {
+    /// Each joint searches for its home switch.
+    Switch,
+    /// Each joint drives against a hard stop until its motor takes the homing current and it stands
+    /// still.
+    HardStop,
+    /// Encoders that know their angle count from 0 at the home angles, or from whole turns of the joint.
+    /// Nothing moves.
+    Absolute,
+    /// The arm stands at its home angles when the host asks for homing. Nothing moves.
+    Given,
+}
+
+/// The source of the joints' angles, and how much it takes to believe it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct HomeReference {
+    /// The source.
+    pub method: HomingMethod,
+    /// Samples in a row in which a switch, or the feeling of a stop, must be the same.
+    pub samples: u8,
+}
+
+impl HomeReference {
+    /// Home switches, which are believed after eight samples: 0.8 ms at 10 kHz. A disturbance by the
+    /// motors' PWM lasts one tick; the switches' RC filter in `docs/wiring.md` takes 1 ms.
+    pub const SWITCHES: Self = Self {
+        method: HomingMethod::Switch,
+        samples: 8,
+    };
+}
+
+impl Settings {
+    /// Whether the method can find this arm's angles within its limits.
+    ///
+    /// A stop is felt at no more than the continuous currents; until it is believed, the reference
+    /// gains less than half of the greatest following error on the joint; and the range of the
+    /// angles ends before it, by no more than the distance to back off. An absolute encoder shows one angle only in
+    /// a range of a turn.
+    pub(super) fn homing_method_fits(&self) -> bool {
+        let search = &self.homing;
+        let felt_in = f32::from(self.home_reference.samples) / self.control.tick_rate;
+        let axes = &self.axes;
+        match self.home_reference.method {
+            HomingMethod::Switch | HomingMethod::Given => true,
+            HomingMethod::HardStop => {
+                search.speed * felt_in <= 0.5 * self.protection.following_error
+                    && axes.iter().all(|axis| {
+                        search.current <= axis.continuous_current
+                            && axis.ends_before_its_stop(search.back_off)
+                    })
+            }
+            HomingMethod::Absolute => axes.iter().all(|axis| {
+                let [low, high] = axis.angle_limits;
+                high - low <= TAU
+            }),
+        }
+    }
+}
+
+impl AxisSettings {
+    /// Whether the angles' range ends before a stop at the home angle, by no more than this.
+    fn ends_before_its_stop(&self, back_off: f32) -> bool {
+        let [low, high] = self.angle_limits;
+        let room = if self.home_forward {
+            self.home_angle - high
+        } else {
+            low - self.home_angle
+        };
+        (0.0..=back_off).contains(&room)
+    }
+}

@@ -1,0 +1,65 @@
+//! What can be read of a simulated arm.
+
+use super::Plant;
+use crate::chain::PerJoint;
+use crate::drives::Drives;
+use crate::dynamics::{DRIVEN, Model, State};
+use crate::worn_joints::WornJoints;
+use nalgebra::Vector2;
+
+impl Plant {
+    /// The arm's model, mismatch included.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+    /// Positions, velocities and currents.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+    /// Time since the start [s].
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+    /// True angle of a driven joint, 0 or 1 [rad].
+    pub fn angle(&self, joint: usize) -> f64 {
+        self.state.q[DRIVEN[joint]].angular
+    }
+    /// True position of the tool [m].
+    pub fn tool(&self) -> Vector2<f64> {
+        self.model.tool(&self.state)
+    }
+    /// The bus voltage [V]: the supply's, less what its resistance takes.
+    pub fn bus_voltage(&self) -> f64 {
+        match &self.drives {
+            None => self.bus_voltage,
+            Some(drives) => self.bus_voltage - drives.voltage_drop(&self.state),
+        }
+    }
+    /// The angle of a drive's rotor, 0 or 1, over the gear ratio [rad]; of a rigid drive, its
+    /// joint's.
+    pub fn rotor_angle(&self, joint: usize) -> f64 {
+        let behind = self.drives.as_ref().and_then(|drives| drives.rotor(joint));
+        behind.map_or_else(|| self.angle(joint), |(angle, _)| angle)
+    }
+    /// The drives, if any of their effects is on.
+    pub fn drives(&self) -> Option<&Drives> {
+        self.drives.as_ref()
+    }
+    /// The force through each joint, A to E, on the body nearer to E [N].
+    pub fn reactions(&self) -> PerJoint {
+        let (model, state) = (&self.model, &self.state);
+        if let Some(drives) = &self.drives {
+            return drives.reactions(model, state, self.tool_force);
+        }
+        let torque = model.drive_torque(state);
+        let (_, forces) = match &self.wear {
+            Some(wear) => wear.accelerations(model, state, torque, self.tool_force),
+            None => model.accelerations(state, torque, self.tool_force),
+        };
+        forces
+    }
+    /// The worn joints, if the arm has any.
+    pub fn wear(&mut self) -> Option<&mut WornJoints> {
+        self.wear.as_mut()
+    }
+}
