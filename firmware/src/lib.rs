@@ -17,6 +17,6 @@ pub mod storage;
 
 pub use controller::{Controller, Request, Status};
 pub use io::{ActuatorCommand, SensorSample};
-pub use motion::{FULL_TOOL, Move, MoveKind, TimedCurve, TimedMove};
+pub use motion::{CrossingMove, FULL_TOOL, Move, MoveKind, TimedCurve, TimedMove};
 pub use planner::Planner;
 pub use settings::Settings;

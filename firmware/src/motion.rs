@@ -1,5 +1,9 @@
 //! The moves that a host can ask for: in the protocol and in the planner's queue.
 
+mod crossing;
+
+pub use crossing::CrossingMove;
+
 use fivebar_kinematics::trajectory::{Curve, TimeLaw};
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
@@ -57,6 +61,8 @@ pub enum MoveKind {
     },
     /// A piece of a motion that the host has planned.
     Timed(TimedMove),
+    /// Through a singularity of type 2, from one assembly mode to the other, as the host has planned.
+    Crossing(CrossingMove),
 }
 
 /// The tool along a part of a curve by a time law of the host. The controller follows it as it is,

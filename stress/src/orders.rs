@@ -278,6 +278,7 @@ fn section(bytes: &mut Bytes<'_>, settings: &Settings) -> Section {
         Section::ToolOffset(pair) => *pair = bytes.pair(-0.02, 0.02),
         Section::Elbows(elbows) => elbows[usize::from(which & 1)] ^= which & 2 == 0,
         Section::Assembly(left) => *left ^= which & 7 == 0,
+        Section::Crossing(allowed) => *allowed ^= which & 1 == 0,
         Section::Axis(_, axis) => {
             if which & 31 == 0 {
                 axis.encoder_counts = bytes.word();

@@ -125,9 +125,12 @@ impl Rules {
         }
         let holds = |fault: Fault| fault.response() == Response::ControlledStop;
         let may = match state {
-            State::Homing | State::Exciting | State::Armed | State::Running | State::Stopping => {
-                true
-            }
+            State::Homing
+            | State::Exciting
+            | State::Crossing
+            | State::Armed
+            | State::Running
+            | State::Stopping => true,
             State::Fault => status.fault.is_some_and(holds),
             State::Stopped => false,
         };
@@ -169,9 +172,12 @@ impl Rules {
         }
         let follows = match state {
             State::Armed | State::Running => self.silence <= self.timeout.saturating_add(2),
-            State::Stopped | State::Homing | State::Exciting | State::Stopping | State::Fault => {
-                false
-            }
+            State::Stopped
+            | State::Homing
+            | State::Exciting
+            | State::Crossing
+            | State::Stopping
+            | State::Fault => false,
         };
         if command.tool != self.tool_off && !follows {
             return broken(

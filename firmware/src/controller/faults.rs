@@ -69,7 +69,7 @@ impl Controller {
                 Some(Fault::CommandTimeout)
             }
             State::Running | State::Stopping | State::Stopped => None,
-            State::Homing | State::Exciting | State::Armed | State::Fault => None,
+            State::Homing | State::Exciting | State::Crossing | State::Armed | State::Fault => None,
         }
     }
 

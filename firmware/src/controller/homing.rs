@@ -34,6 +34,7 @@ impl Controller {
     }
 
     /// One tick of homing: the torques.
+    #[inline(always)]
     pub(super) fn home(&mut self, sample: &SensorSample) -> Result<TorqueCommand, Fault> {
         if self.host_timed_out() {
             return Err(Fault::CommandTimeout);

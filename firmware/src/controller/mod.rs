@@ -1,6 +1,7 @@
 //! The controller: the tick, from a sensor sample to an actuator command, and the requests that
 //! tasks below the tick make.
 
+mod crossing;
 mod current_zeros;
 mod encoder;
 mod excitation;
@@ -24,6 +25,11 @@ mod turns;
 
 use crate::safety::{Fault, Limits, State};
 use crate::settings::{CheckedSettings, Settings};
+use crossing::Crossing;
+pub(crate) use crossing::{
+    CrossingTimes, OUTSIDE as OUTSIDE_OF_ZONE, PIECES as CROSSING_PIECES, ZONE,
+    polynomials as crossing_polynomials,
+};
 use current_zeros::CurrentZeros;
 use encoder::Encoder;
 use excitation::ExcitationState;
@@ -89,6 +95,7 @@ pub struct Controller {
     missed_ticks: u32,
     /// Goes up whenever the path is dropped before its end.
     path_generation: u32,
+    crossing: Crossing,
 }
 
 impl Controller {
@@ -117,6 +124,7 @@ impl Controller {
             setpoint: Setpoint::hold([Vector2::zeros(); 2]),
             homing: [HomingState::new(0.0); 2],
             excitation: ExcitationState::none(settings.control.tick_rate),
+            crossing: Crossing::none(),
             zeros: CurrentZeros::new(),
             error: [0.0; 2],
             rest: Rest::new(),

@@ -62,6 +62,9 @@ pub(crate) struct Servo {
 /// can keep it in a limit cycle of a count, whose velocity would carry an arm at rest away by many:
 /// between them, it settles.
 const STAGES: [[f32; 2]; 3] = [[1.0, 1.0], [0.36, 0.4], [0.126, 0.12]];
+/// The shares of an arm that crosses a singularity: of the position loop, its observer, and the current
+/// loop. A count of its encoders then gives little torque where nothing but its momentum carries it on.
+const CROSSING: [f32; 3] = [0.36, 0.2, 1.0];
 /// Time for which the reference must rest, and the joints be near it, in each stage [s].
 const REST_TIME: f32 = 0.15;
 /// Greatest error of a joint that comes to rest or rests [counts].
@@ -133,9 +136,13 @@ pub(crate) fn wake_up_ticks(settings: &CheckedSettings) -> u32 {
 }
 
 impl Servo {
-    /// The servo with these shares of the bandwidths: of the position loop with its observer, and
-    /// of the current loop.
-    fn new(axis: &AxisSettings, control: &ControlSettings, [share, of_current]: [f32; 2]) -> Self {
+    /// The servo with these shares of the bandwidths: of the position loop, its observer, and the
+    /// current loop.
+    fn new(
+        axis: &AxisSettings,
+        control: &ControlSettings,
+        [share, of_observer, of_current]: [f32; 3],
+    ) -> Self {
         let period = 1.0 / control.tick_rate;
         let current_bandwidth = of_current * control.current_bandwidth;
         Self {
@@ -146,7 +153,7 @@ impl Servo {
                 axis.inductance,
                 axis.gear_ratio * axis.torque_constant,
             ),
-            observer: VelocityObserver::new(share * control.observer_bandwidth, period),
+            observer: VelocityObserver::new(of_observer * control.observer_bandwidth, period),
             // The prediction bridges the encoder's latency, too.
             position_loop: PositionLoop::new(
                 share * control.bandwidth,
@@ -165,12 +172,20 @@ impl AxisModel {
     #[inline(never)]
     pub(crate) fn select_servo(&mut self, stage: Stage) {
         let [moving, settling, resting] = &self.servos;
-        self.servo = match stage {
-            Stage::Moves => *moving,
-            Stage::Settles => *settling,
-            Stage::Rests => *resting,
+        let servo = match stage {
+            // Of a crossing there is none: it begins with its own.
+            Stage::Moves | Stage::Crosses => moving,
+            Stage::Settles => settling,
+            Stage::Rests => resting,
         };
+        self.servo = *servo;
         self.stage = stage;
+    }
+
+    /// Gives the joint the servo of an arm that crosses a singularity.
+    pub(crate) fn cross(&mut self, axis: &AxisSettings, control: &ControlSettings) {
+        self.servo = Servo::new(axis, control, CROSSING);
+        self.stage = Stage::Crosses;
     }
 
     /// The joint's torque [N·m] at this motor current [A].
@@ -185,7 +200,8 @@ impl AxisModel {
         let counts_per_turn = axis.encoder_counts as f32 * axis.gear_ratio;
         let radians_per_count = TAU / counts_per_turn;
         let torque_per_current = axis.gear_ratio * axis.torque_constant;
-        let [moving, settling, resting] = STAGES;
+        let [moving, settling, resting] =
+            STAGES.map(|[share, of_current]| [share, share, of_current]);
         let servos = [
             Servo::new(axis, control, moving),
             Servo::new(axis, control, settling),

@@ -17,6 +17,8 @@ pub struct PlanningSnapshot {
     pub path_generation: u32,
     /// The working mode that the arm is in.
     pub working_mode: WorkingMode,
+    /// The assembly mode that it is in.
+    pub assembly: Side,
     /// Where the arm is held; none in every other state.
     pub hold: Option<Hold>,
     /// Time of the path that was handed over and is still ahead [s].
@@ -65,6 +67,7 @@ impl Controller {
             state: self.state,
             path_generation: self.path_generation,
             working_mode: self.mode,
+            assembly: self.model.assembly,
             hold: (self.state == State::Armed).then(|| Hold {
                 direction: self.setpoint.direction,
                 measured: self.angles(),
@@ -82,9 +85,12 @@ impl Controller {
     pub fn extend_path(&mut self, path_generation: u32, queued: QueuedSegment) {
         let follows_paths = match self.state {
             State::Armed | State::Running => true,
-            State::Stopped | State::Homing | State::Exciting | State::Stopping | State::Fault => {
-                false
-            }
+            State::Stopped
+            | State::Homing
+            | State::Exciting
+            | State::Crossing
+            | State::Stopping
+            | State::Fault => false,
         };
         if follows_paths && path_generation == self.path_generation {
             self.path.push(queued);

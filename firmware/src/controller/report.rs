@@ -39,7 +39,7 @@ impl Controller {
             current: self.joints.each_ref().map(|joint| joint.current),
             duty: self.joints.each_ref().map(|joint| joint.duty),
             bus_voltage: self.bus_voltage,
-            tag: self.path.tag(),
+            tag: self.crossing_tag().or_else(|| self.path.tag()),
             tool_level: self.settings.tool_output.level(self.path.tool_output()),
         }
     }
@@ -76,7 +76,7 @@ impl Controller {
     /// is turned back by ω d − ½ α d².
     fn reference_now(&self) -> [Vector2<f32>; 2] {
         let lag = self.model.lag;
-        let [d1, d4] = self.setpoint.direction;
+        let [d1, d4] = self.crossing_directions();
         let [omega1, omega4] = self.setpoint.omega;
         let [alpha1, alpha4] = self.setpoint.alpha;
         let back = |direction: Vector2<f32>, omega: f32, alpha: f32| {

@@ -14,6 +14,8 @@ pub(crate) enum Stage {
     Moves,
     Settles,
     Rests,
+    /// It crosses a singularity.
+    Crosses,
 }
 
 /// Whether the arm rests.
@@ -51,7 +53,7 @@ impl Rest {
             return self.move_on();
         }
         let next = match self.stage {
-            Stage::Moves => Stage::Settles,
+            Stage::Moves | Stage::Crosses => Stage::Settles,
             Stage::Settles => Stage::Rests,
             Stage::Rests => return,
         };
@@ -96,6 +98,15 @@ impl Controller {
             (stage, self.joints.get_mut(index), means.get(index))
         {
             joint.integral = Integral(*mean);
+        }
+    }
+
+    /// Gives the arm the gains of one that crosses a singularity, until it moves or settles again.
+    pub(super) fn use_crossing_gains(&mut self) {
+        self.rest.begin(Stage::Crosses);
+        let control = &self.settings.control;
+        for (axis, settings) in self.model.axes.iter_mut().zip(&self.settings.axes) {
+            axis.cross(settings, control);
         }
     }
 

@@ -24,6 +24,8 @@ pub(super) enum ControlMode {
     Waking,
     /// Look for the home switches.
     Homing,
+    /// Cross a singularity.
+    Crossing,
     /// Hold or follow the path.
     Tracking,
 }
@@ -34,7 +36,7 @@ impl ControlMode {
     pub(super) fn is_powered(self) -> bool {
         match self {
             Self::Off => false,
-            Self::Waking | Self::Homing | Self::Tracking => true,
+            Self::Waking | Self::Homing | Self::Crossing | Self::Tracking => true,
         }
     }
 }
@@ -95,6 +97,7 @@ impl Controller {
         let torques = match mode {
             ControlMode::Off | ControlMode::Waking => return self.off(),
             ControlMode::Homing => self.home(sample),
+            ControlMode::Crossing => self.cross(),
             ControlMode::Tracking => self.track(),
         };
         let torques = match torques {
@@ -141,6 +144,7 @@ impl Controller {
             State::Armed | State::Running | State::Stopping => ControlMode::Tracking,
             State::Fault if self.controlled_stop => ControlMode::Tracking,
             State::Homing => ControlMode::Homing,
+            State::Crossing => ControlMode::Crossing,
             State::Stopped | State::Fault => ControlMode::Off,
         }
     }

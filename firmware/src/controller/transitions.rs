@@ -65,7 +65,10 @@ impl Controller {
             (State::Armed, Event::Stop | Event::Rest) => self.forget_path(),
             (State::Stopping, _) => self.path.brake(),
             (State::Fault, _) if self.controlled_stop => self.path.brake(),
-            (State::Armed | State::Running | State::Exciting | State::Fault, _) => {}
+            (
+                State::Armed | State::Running | State::Exciting | State::Crossing | State::Fault,
+                _,
+            ) => {}
         }
         Ok(())
     }
@@ -84,9 +87,10 @@ impl Controller {
                 let _ = self.dispatch(Event::Fault);
             }
             // A controlled stop needs a path, or a position to hold.
-            (Response::ControlledStop, State::Stopped | State::Homing | State::Exciting) => {
-                self.latch_power_off(fault);
-            }
+            (
+                Response::ControlledStop,
+                State::Stopped | State::Homing | State::Exciting | State::Crossing,
+            ) => self.latch_power_off(fault),
             (Response::PowerOff, _) => self.latch_power_off(fault),
         }
     }
@@ -153,7 +157,7 @@ impl Controller {
             }
             // The arm is held until the fault is cleared.
             State::Fault => self.forget_path(),
-            State::Stopped | State::Homing | State::Exciting | State::Armed => {}
+            State::Stopped | State::Homing | State::Exciting | State::Crossing | State::Armed => {}
         }
     }
 

@@ -126,7 +126,12 @@ impl Controller {
     fn moves(&self) -> bool {
         match self.state {
             State::Running | State::Stopping => true,
-            State::Stopped | State::Homing | State::Exciting | State::Armed | State::Fault => false,
+            State::Stopped
+            | State::Homing
+            | State::Exciting
+            | State::Crossing
+            | State::Armed
+            | State::Fault => false,
         }
     }
 }

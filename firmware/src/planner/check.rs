@@ -42,6 +42,8 @@ pub(super) enum CheckedMove {
     },
     /// A timed move.
     Timed,
+    /// A crossing.
+    Crossing,
 }
 
 impl CheckedMove {
@@ -49,7 +51,7 @@ impl CheckedMove {
     /// change of the tool before it.
     fn is_valid(&self) -> bool {
         match self {
-            Self::Nowhere | Self::Timed => true,
+            Self::Nowhere | Self::Timed | Self::Crossing => true,
             Self::Dwell { duration } => *duration >= 0.0 && duration.is_finite(),
             Self::Path { motion_limits, .. } | Self::Joint { motion_limits, .. } => {
                 motion_limits.are_valid()
@@ -160,6 +162,11 @@ impl Planner {
             MoveKind::Timed(timed) => {
                 let (_, [tool, ..]) = self.check_timed(tag, &timed, ToolOutput::constant(0.0))?;
                 Ok((CheckedMove::Timed, End { tool, joints: None }))
+            }
+            MoveKind::Crossing(plan) => {
+                self.check_crossing(tag, start.tool, &plan)?;
+                let tool = vec2(plan.to);
+                Ok((CheckedMove::Crossing, End { tool, joints: None }))
             }
         }?;
         if checked.is_valid() {

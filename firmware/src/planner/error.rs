@@ -52,6 +52,10 @@ pub enum MoveErrorKind {
     Discontinuous,
     /// Joint 1 or 4 would pass its greatest speed, acceleration or torque on a timed move.
     Overload(u8),
+    /// The settings do not allow crossings.
+    CrossingNotAllowed,
+    /// The plan is no crossing of this arm from where it is held.
+    Crossing,
 }
 
 impl MoveError {
@@ -85,6 +89,12 @@ fn number(joint: Joint) -> u8 {
     match joint {
         Joint::Joint1 => 1,
         Joint::Joint4 => 4,
+    }
+}
+
+impl MoveErrorKind {
+    pub(super) fn joint_limit(joint: Joint) -> Self {
+        Self::JointLimit(number(joint))
     }
 }
 
@@ -177,6 +187,13 @@ impl fmt::Display for MoveErrorKind {
                 f,
                 "joint {joint} would pass its greatest speed, acceleration or torque; plan with a \
                  smaller share of the torque"
+            ),
+            Self::CrossingNotAllowed => f.write_str(
+                "the settings do not allow crossings; allow them if the links clear each other",
+            ),
+            Self::Crossing => f.write_str(
+                "the plan is no crossing of this arm from where it is held: with the tool up, forward \
+                 through one singularity at its time, by its condition",
             ),
         }
     }

@@ -11,6 +11,8 @@
 //! near the end of the path for a stop.
 
 mod check;
+mod crossing;
+mod crossing_pieces;
 mod error;
 mod joined;
 mod supply;
@@ -89,6 +91,9 @@ pub struct Planner {
     friction: [FrictionCompensation<f32>; 2],
     /// The joints' greatest torques [N·m].
     peak_torque: [f32; 2],
+    crossing_allowed: bool,
+    /// [Hz].
+    tick_rate: f32,
     /// The controller's path generation when the queue was begun.
     path_generation: u32,
     tool_output: ToolOutputSettings,
@@ -149,6 +154,8 @@ impl Planner {
                 FrictionCompensation::new(axis.viscous_friction, axis.coulomb_friction, smoothing)
             }),
             peak_torque: settings.peak_torque(),
+            crossing_allowed: settings.crossing_allowed,
+            tick_rate: settings.control.tick_rate,
             path_generation: 0,
             slowed: HistoryBuf::new(),
             tool_output: settings.tool_output,
@@ -174,6 +181,7 @@ impl Planner {
         let refuse = |kind| MoveError::new(next.tag, kind);
         let start = match self.end.or_else(|| self.hold_position(&snapshot)) {
             Some(start) if accepts(snapshot.state) => start,
+            _ if snapshot.state == State::Crossing => return Err(refuse(MoveErrorKind::Full)),
             _ => return Err(refuse(MoveErrorKind::State(snapshot.state))),
         };
         if let MoveKind::Timed(timed) = &next.kind {
@@ -181,6 +189,9 @@ impl Planner {
         }
         if self.in_motion.is_some() {
             return Err(refuse(MoveErrorKind::Discontinuous));
+        }
+        if let MoveKind::Crossing(plan) = &next.kind {
+            return self.push_crossing(controller, &snapshot, start, next, plan);
         }
         if let Some(end) = self.join(next) {
             self.end = Some(end);
@@ -229,8 +240,8 @@ impl Planner {
                 motion_limits,
                 ..
             } => self.lookahead.push_joint(*from, *to, *motion_limits, tag),
-            // It passes no look-ahead.
-            CheckedMove::Timed => Ok(()),
+            // They pass no look-ahead.
+            CheckedMove::Timed | CheckedMove::Crossing => Ok(()),
         };
         appended.map_err(|error| MoveError::new(tag, error.into()))?;
         if let CheckedMove::Joint { mode, .. } = checked {
@@ -252,7 +263,10 @@ impl Planner {
             let speed = match checked {
                 CheckedMove::Path { feed, .. } => *feed,
                 CheckedMove::Joint { motion_limits, .. } => motion_limits.speed,
-                CheckedMove::Nowhere | CheckedMove::Dwell { .. } | CheckedMove::Timed => 1.0,
+                CheckedMove::Nowhere
+                | CheckedMove::Dwell { .. }
+                | CheckedMove::Timed
+                | CheckedMove::Crossing => 1.0,
             };
             self.tool_output.output(level, speed)
         };
@@ -318,6 +332,7 @@ impl Planner {
         }
         if self.end.is_none() {
             self.envelope.workspace.mode = snapshot.working_mode;
+            self.assembly = snapshot.assembly;
         }
     }
 
@@ -336,6 +351,11 @@ impl Planner {
 fn accepts(state: State) -> bool {
     match state {
         State::Armed | State::Running => true,
-        State::Stopped | State::Homing | State::Exciting | State::Stopping | State::Fault => false,
+        State::Stopped
+        | State::Homing
+        | State::Exciting
+        | State::Crossing
+        | State::Stopping
+        | State::Fault => false,
     }
 }

@@ -44,6 +44,8 @@ pub enum SectionKey {
     EncoderPoints(u8),
     /// The source of the joints' angles.
     HomeReference,
+    /// Whether crossings are allowed.
+    Crossing,
 }
 
 /// A section with its value; units as in [`Settings`].
@@ -82,11 +84,13 @@ pub enum Section {
     EncoderPoints(u8, [i16; 16]),
     /// [`Settings::home_reference`].
     HomeReference(HomeReference),
+    /// [`Settings::crossing_allowed`].
+    Crossing(bool),
 }
 
 impl SectionKey {
     /// Every section. Together they are the whole settings.
-    pub const ALL: [Self; 28] = [
+    pub const ALL: [Self; 29] = [
         Self::Lengths,
         Self::Link(0),
         Self::Link(1),
@@ -115,6 +119,7 @@ impl SectionKey {
         Self::EncoderPoints(6),
         Self::EncoderPoints(7),
         Self::HomeReference,
+        Self::Crossing,
     ];
 
     /// This section of `settings`; `None` if there is no such link or axis.
@@ -143,6 +148,7 @@ impl SectionKey {
                 Section::EncoderPoints(index, *points)
             }
             Self::HomeReference => Section::HomeReference(settings.home_reference),
+            Self::Crossing => Section::Crossing(settings.crossing_allowed),
         })
     }
 }
@@ -177,6 +183,7 @@ impl Section {
                 *table.points.get_mut(usize::from(index) % QUARTERS)? = value;
             }
             Self::HomeReference(value) => settings.home_reference = value,
+            Self::Crossing(value) => settings.crossing_allowed = value,
         }
         Some(())
     }

@@ -55,6 +55,11 @@ pub enum State {
     /// Exit: to Stopped when its time, travel or current is reached and the arm has been slowed
     /// down, or at once, bridges off, by a stop or disarm.
     Exciting,
+    /// Crossing a singularity of type 2, from one assembly mode to the other.
+    ///
+    /// Entry: from Armed by a move. Exit: to Armed at its end; to Stopped, bridges off, by a
+    /// disarm. A stop waits for the end, because an arm cannot stop in the singularity.
+    Crossing,
 }
 
 /// What can happen in a state. The conditions for arming and for clearing a fault are checked
@@ -84,11 +89,13 @@ pub enum Event {
     Clear,
     /// Put a voltage or a current on one motor.
     Excite,
+    /// Cross a singularity.
+    Cross,
 }
 
 impl State {
     /// All states.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Stopped,
         Self::Homing,
         Self::Armed,
@@ -96,6 +103,7 @@ impl State {
         Self::Stopping,
         Self::Fault,
         Self::Exciting,
+        Self::Crossing,
     ];
 
     /// The state after `event`; `None` if this state does not accept the event, and stays.
@@ -106,7 +114,10 @@ impl State {
             (Self::Stopped, Event::Home) => Some(Self::Homing),
             (Self::Stopped, Event::Excite) => Some(Self::Exciting),
             (Self::Stopped, Event::Disarm | Event::Stop | Event::Clear) => Some(Self::Stopped),
-            (Self::Stopped, Event::Homed | Event::Begin | Event::Finish | Event::Rest) => None,
+            (
+                Self::Stopped,
+                Event::Homed | Event::Begin | Event::Finish | Event::Rest | Event::Cross,
+            ) => None,
 
             (Self::Homing, Event::Homed | Event::Stop | Event::Disarm) => Some(Self::Stopped),
             (
@@ -117,7 +128,8 @@ impl State {
                 | Event::Finish
                 | Event::Rest
                 | Event::Clear
-                | Event::Excite,
+                | Event::Excite
+                | Event::Cross,
             ) => None,
 
             (Self::Exciting, Event::Finish | Event::Stop | Event::Disarm) => Some(Self::Stopped),
@@ -129,10 +141,12 @@ impl State {
                 | Event::Begin
                 | Event::Rest
                 | Event::Clear
-                | Event::Excite,
+                | Event::Excite
+                | Event::Cross,
             ) => None,
 
             (Self::Armed, Event::Begin) => Some(Self::Running),
+            (Self::Armed, Event::Cross) => Some(Self::Crossing),
             (Self::Armed, Event::Disarm) => Some(Self::Stopped),
             (Self::Armed, Event::Arm | Event::Stop) => Some(Self::Armed),
             (
@@ -151,7 +165,12 @@ impl State {
             (Self::Running, Event::Arm | Event::Begin) => Some(Self::Running),
             (
                 Self::Running,
-                Event::Home | Event::Homed | Event::Rest | Event::Clear | Event::Excite,
+                Event::Home
+                | Event::Homed
+                | Event::Rest
+                | Event::Clear
+                | Event::Excite
+                | Event::Cross,
             ) => None,
 
             (Self::Stopping, Event::Rest) => Some(Self::Armed),
@@ -165,7 +184,22 @@ impl State {
                 | Event::Begin
                 | Event::Finish
                 | Event::Clear
-                | Event::Excite,
+                | Event::Excite
+                | Event::Cross,
+            ) => None,
+
+            (Self::Crossing, Event::Finish) => Some(Self::Armed),
+            (Self::Crossing, Event::Disarm) => Some(Self::Stopped),
+            (Self::Crossing, Event::Stop | Event::Arm) => Some(Self::Crossing),
+            (
+                Self::Crossing,
+                Event::Home
+                | Event::Homed
+                | Event::Begin
+                | Event::Rest
+                | Event::Clear
+                | Event::Excite
+                | Event::Cross,
             ) => None,
 
             (Self::Fault, Event::Clear) => Some(Self::Stopped),
@@ -179,7 +213,8 @@ impl State {
                 | Event::Finish
                 | Event::Stop
                 | Event::Rest
-                | Event::Excite,
+                | Event::Excite
+                | Event::Cross,
             ) => None,
 
             (
@@ -189,7 +224,8 @@ impl State {
                 | Self::Running
                 | Self::Stopping
                 | Self::Fault
-                | Self::Exciting,
+                | Self::Exciting
+                | Self::Crossing,
                 Event::Fault,
             ) => Some(Self::Fault),
         }
@@ -198,11 +234,11 @@ impl State {
 
 #[cfg(test)]
 mod tests {
-    use super::Event::{Arm, Begin, Clear, Disarm, Excite, Finish, Home, Homed, Rest, Stop};
-    use super::State::{Armed, Exciting, Fault, Homing, Running, Stopped, Stopping};
+    use super::Event::{Arm, Begin, Clear, Cross, Disarm, Excite, Finish, Home, Homed, Rest, Stop};
+    use super::State::{Armed, Crossing, Exciting, Fault, Homing, Running, Stopped, Stopping};
     use super::{Event, State};
 
-    const EVENTS: [Event; 11] = [
+    const EVENTS: [Event; 12] = [
         Arm,
         Disarm,
         Home,
@@ -214,10 +250,11 @@ mod tests {
         Event::Fault,
         Clear,
         Excite,
+        Cross,
     ];
 
     /// Row by state, column by event; `None` if the event is not accepted.
-    const TABLE: [[Option<State>; 11]; 7] = {
+    const TABLE: [[Option<State>; 12]; 8] = {
         const S: Option<State> = Some(Stopped);
         const H: Option<State> = Some(Homing);
         const A: Option<State> = Some(Armed);
@@ -225,16 +262,18 @@ mod tests {
         const P: Option<State> = Some(Stopping);
         const F: Option<State> = Some(Fault);
         const X: Option<State> = Some(Exciting);
+        const C: Option<State> = Some(Crossing);
         const N: Option<State> = None;
         [
-            //  Arm Disarm Home Homed Begin Finish Stop Rest Fault Clear Excite
-            [A, S, H, N, N, N, S, N, F, S, X], // Stopped
-            [N, S, N, S, N, N, S, N, F, N, N], // Homing
-            [A, S, N, N, R, N, A, N, F, N, N], // Armed
-            [R, S, N, N, R, A, P, N, F, N, N], // Running
-            [N, S, N, N, N, N, P, A, F, N, N], // Stopping
-            [N, N, N, N, N, N, N, N, F, S, N], // Fault
-            [N, S, N, N, N, S, S, N, F, N, N], // Exciting
+            //  Arm Disarm Home Homed Begin Finish Stop Rest Fault Clear Excite Cross
+            [A, S, H, N, N, N, S, N, F, S, X, N], // Stopped
+            [N, S, N, S, N, N, S, N, F, N, N, N], // Homing
+            [A, S, N, N, R, N, A, N, F, N, N, C], // Armed
+            [R, S, N, N, R, A, P, N, F, N, N, N], // Running
+            [N, S, N, N, N, N, P, A, F, N, N, N], // Stopping
+            [N, N, N, N, N, N, N, N, F, S, N, N], // Fault
+            [N, S, N, N, N, S, S, N, F, N, N, N], // Exciting
+            [C, S, N, N, N, A, C, N, F, N, N, N], // Crossing
         ]
     };
 

@@ -97,5 +97,6 @@ impl Settings {
         },
         tool_output: ToolOutputSettings::None,
         encoder_tables: [EncoderTable::NONE; 2],
+        crossing_allowed: false,
     };
 }

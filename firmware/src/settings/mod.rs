@@ -166,4 +166,7 @@ pub struct Settings {
     pub protection: ProtectionSettings,
     /// The output for a tool.
     pub tool_output: ToolOutputSettings,
+    /// Whether the links clear each other where B, C and D are in line, or B meets D, so that the arm
+    /// may cross this singularity.
+    pub crossing_allowed: bool,
 }

@@ -13,7 +13,8 @@ use fivebar_firmware::recorder::{LogConfig, LogPage, LogState};
 use fivebar_firmware::safety::{Fault, Limits, State};
 use fivebar_firmware::storage::StorageError;
 use fivebar_firmware::{
-    ActuatorCommand, Move, MoveKind, Request, SensorSample, Status, TimedCurve, TimedMove,
+    ActuatorCommand, CrossingMove, Move, MoveKind, Request, SensorSample, Status, TimedCurve,
+    TimedMove,
 };
 use proptest::prelude::*;
 
@@ -45,8 +46,28 @@ pub(crate) fn move_kind(
             .clone()
             .prop_map(|duration| MoveKind::Dwell { duration }),
         (pair.clone(), number.clone()).prop_map(|(to, speed)| MoveKind::Joint { to, speed }),
-        timed_move(pair, number).prop_map(MoveKind::Timed),
+        timed_move(pair.clone(), number.clone()).prop_map(MoveKind::Timed),
+        crossing_move(pair, number).prop_map(MoveKind::Crossing),
     ]
+}
+
+fn crossing_move(
+    pair: impl Strategy<Value = [f32; 2]> + Clone + 'static,
+    number: impl Strategy<Value = f32> + Clone + 'static,
+) -> BoxedStrategy<CrossingMove> {
+    let moves = (
+        [pair.clone(), pair],
+        [number.clone(), number.clone()],
+        prop::array::uniform3(number),
+    );
+    let moves = moves.prop_map(|([from, to], [duration, crosses_at], law)| CrossingMove {
+        from,
+        to,
+        duration,
+        crosses_at,
+        law,
+    });
+    moves.boxed()
 }
 
 fn timed_move(

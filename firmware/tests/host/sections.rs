@@ -107,6 +107,7 @@ pub(crate) fn section() -> impl Strategy<Value = Section> {
         (any::<u8>(), number()).prop_map(|(index, ratio)| Section::EncoderShaft(index, ratio)),
         (any::<u8>(), prop::array::uniform16(any::<i16>()))
             .prop_map(|(index, points)| Section::EncoderPoints(index, points)),
+        any::<bool>().prop_map(Section::Crossing),
     ]
 }
 

@@ -1,6 +1,7 @@
 //! Runs: the simulated arm, connections to a controller, and jobs on both.
 
 pub mod crossing;
+pub mod crossing_move;
 pub mod drive;
 pub mod excitation;
 pub mod link;

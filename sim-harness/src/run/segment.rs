@@ -31,6 +31,9 @@ pub(crate) fn segment<S: Scalar>(
             let [from, to, center] = [from, to, center].map(point);
             Some(PathSegment::arc(from, to, center, sense, tolerance))
         }
-        MoveKind::Dwell { .. } | MoveKind::Joint { .. } | MoveKind::Timed(_) => None,
+        MoveKind::Dwell { .. }
+        | MoveKind::Joint { .. }
+        | MoveKind::Timed(_)
+        | MoveKind::Crossing(_) => None,
     }
 }

@@ -86,7 +86,7 @@ impl Session<'_> {
         let tag = self.kinds.len() as u32;
         self.kinds.push(match kind {
             MoveKind::Line { .. } | MoveKind::Arc { .. } => Followed::Path,
-            MoveKind::Timed(_) => Followed::Timed,
+            MoveKind::Timed(_) | MoveKind::Crossing(_) => Followed::Timed,
             MoveKind::Dwell { .. } => Followed::Dwell,
             MoveKind::Joint { .. } => Followed::Joint,
         });

@@ -1,6 +1,7 @@
 //! Plans at the limits of the arm against figures of independent solvers.
 
 mod crossing;
+mod crossing_controller;
 mod crossing_loop;
 mod jobs;
 mod mode_changes;

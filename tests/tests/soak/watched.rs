@@ -26,7 +26,7 @@ impl<T> Watched<T> {
             MoveKind::Line { .. } | MoveKind::Arc { .. } => Followed::Path,
             MoveKind::Dwell { .. } => Followed::Dwell,
             MoveKind::Joint { .. } => Followed::Joint,
-            MoveKind::Timed(_) => Followed::Timed,
+            MoveKind::Timed(_) | MoveKind::Crossing(_) => Followed::Timed,
         });
         Self {
             inner,

@@ -139,6 +139,17 @@ impl Path {
         self.output.switch_off();
     }
 
+    /// Puts a segment of a crossing into a slot of the empty queue.
+    pub(crate) fn store(&mut self, slot: usize, segment: TrajectorySegment<f32>) {
+        self.queue.store(slot, segment);
+    }
+
+    /// The segment in a slot.
+    #[inline(always)]
+    pub(crate) fn stored(&self, slot: usize) -> Option<&TrajectorySegment<f32>> {
+        self.queue.stored(slot)
+    }
+
     /// The segments for which the queue has room.
     pub(crate) fn room(&self) -> usize {
         self.queue.room()

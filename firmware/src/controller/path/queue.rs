@@ -87,6 +87,19 @@ impl PathQueue {
         self.committed.in_motion = false;
     }
 
+    /// Puts a segment of a crossing into a slot of an empty queue.
+    pub(super) fn store(&mut self, slot: usize, segment: TrajectorySegment<f32>) {
+        if let Some(free) = self.slots.get_mut(slot) {
+            free.queued.segment = segment;
+        }
+    }
+
+    /// The segment in a slot.
+    #[inline(always)]
+    pub(super) fn stored(&self, slot: usize) -> Option<&TrajectorySegment<f32>> {
+        Some(&self.slots.get(slot)?.queued.segment)
+    }
+
     /// Whether no segment is committed.
     #[inline(always)]
     pub(super) fn is_empty(&self) -> bool {

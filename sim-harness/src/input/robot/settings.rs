@@ -78,6 +78,7 @@ impl Robot {
                 command_timeout: single(protection.command_timeout),
             },
             tool_output: self.tool_output,
+            crossing_allowed: self.crossing.allowed,
             encoder_tables: actuators.map(|actuator| encoder_table(&actuator)),
         })
     }

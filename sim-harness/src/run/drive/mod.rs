@@ -210,7 +210,11 @@ impl<'a, L: Read + Write> Drive<'a, L> {
         for _ in 0..LONGEST_STOP {
             let (status, _) = self.client.status()?;
             match status.state {
-                State::Running | State::Stopping | State::Homing | State::Exciting => {
+                State::Running
+                | State::Stopping
+                | State::Crossing
+                | State::Homing
+                | State::Exciting => {
                     self.client.poll()?;
                 }
                 State::Stopped | State::Armed | State::Fault => break,

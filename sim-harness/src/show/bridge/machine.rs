@@ -345,7 +345,7 @@ impl<'a> Machine<'a> {
     pub(super) fn moves(&self) -> bool {
         matches!(
             self.status.state,
-            State::Running | State::Stopping | State::Homing | State::Exciting
+            State::Running | State::Stopping | State::Crossing | State::Homing | State::Exciting
         )
     }
 

@@ -217,6 +217,7 @@ pub(in crate::show) fn end(next: &Move) -> Option<[f32; 2]> {
     match next.kind {
         MoveKind::Line { to, .. } | MoveKind::Arc { to, .. } => Some(to),
         MoveKind::Timed(timed) => Some(timed.end()),
+        MoveKind::Crossing(plan) => Some(plan.to),
         MoveKind::Dwell { .. } | MoveKind::Joint { .. } => None,
     }
 }

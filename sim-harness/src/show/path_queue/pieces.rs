@@ -1,7 +1,7 @@
 //! Moves in pieces: what remains of a move behind a place on it, and long moves divided.
 
 use super::end;
-use fivebar_firmware::{Move, MoveKind, TimedMove};
+use fivebar_firmware::{CrossingMove, Move, MoveKind, TimedMove};
 use std::f64::consts::{PI, TAU};
 
 /// What remains of a move is dropped if it is shorter than this [m].
@@ -50,7 +50,8 @@ pub(in crate::show) fn remaining(place: [f32; 2], next: Move) -> Vec<Move> {
         MoveKind::Line { .. }
         | MoveKind::Dwell { .. }
         | MoveKind::Joint { .. }
-        | MoveKind::Timed(_) => vec![next],
+        | MoveKind::Timed(_)
+        | MoveKind::Crossing(_) => vec![next],
     }
 }
 
@@ -114,7 +115,10 @@ fn divide(start: [f64; 2], next: &Move, all: &mut Vec<Move>) {
                 all.push(Move { kind, ..*next });
             }
         }
-        MoveKind::Dwell { .. } | MoveKind::Joint { .. } | MoveKind::Timed(_) => {}
+        MoveKind::Dwell { .. }
+        | MoveKind::Joint { .. }
+        | MoveKind::Timed(_)
+        | MoveKind::Crossing(_) => {}
     }
 }
 
@@ -137,9 +141,12 @@ pub(in crate::show) fn duration(from: Option<[f32; 2]>, next: &Move) -> f64 {
             let (to, middle) = (to.map(f64::from), center.map(f64::from));
             distance(to, middle) * turn(from, to, middle, clockwise) / f64::from(feed)
         }
-        (MoveKind::Dwell { duration } | MoveKind::Timed(TimedMove { duration, .. }), _) => {
-            duration.into()
-        }
+        (
+            MoveKind::Dwell { duration }
+            | MoveKind::Timed(TimedMove { duration, .. })
+            | MoveKind::Crossing(CrossingMove { duration, .. }),
+            _,
+        ) => duration.into(),
         (MoveKind::Line { .. } | MoveKind::Arc { .. }, None) | (MoveKind::Joint { .. }, _) => 0.0,
     }
 }

@@ -64,7 +64,10 @@ impl Shares {
                 clockwise,
                 feed: feed * share,
             },
-            other @ (MoveKind::Dwell { .. } | MoveKind::Joint { .. } | MoveKind::Timed(_)) => other,
+            other @ (MoveKind::Dwell { .. }
+            | MoveKind::Joint { .. }
+            | MoveKind::Timed(_)
+            | MoveKind::Crossing(_)) => other,
         };
         let level = f32::from(next.tool) * self.power;
         let tool = level.round().min(f32::from(FULL_TOOL)) as u16;

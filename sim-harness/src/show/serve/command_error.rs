@@ -42,6 +42,7 @@ fn while_in(state: State) -> &'static str {
         State::Exciting => "while a motor is being measured: wait, or stop it",
         State::Armed => "while the arm is armed: disarm it first",
         State::Running => "while the arm is moving: stop it first",
+        State::Crossing => "while the arm crosses a singularity: wait until it rests",
         State::Stopping => "while the arm is stopping: wait until it rests",
         State::Fault => "while a fault is latched: clear it, then arm",
     }

@@ -300,10 +300,10 @@ impl ControllerThread {
 
     /// Whether the arm rests, with bridges on or off.
     pub(super) fn rests(&self) -> bool {
-        use safety::State::{Armed, Exciting, Fault, Homing, Running, Stopped, Stopping};
+        use safety::State::{Armed, Crossing, Exciting, Fault, Homing, Running, Stopped, Stopping};
         match self.machine.status.state {
             Stopped | Armed | Fault => true,
-            Homing | Running | Stopping | Exciting => false,
+            Homing | Running | Stopping | Exciting | Crossing => false,
         }
     }
 

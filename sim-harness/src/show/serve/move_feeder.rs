@@ -69,6 +69,7 @@ impl MoveEnd {
         match *kind {
             MoveKind::Line { to, .. } | MoveKind::Arc { to, .. } => Some(Self::Tool(to)),
             MoveKind::Timed(timed) => Some(Self::Tool(timed.end())),
+            MoveKind::Crossing(plan) => Some(Self::Tool(plan.to)),
             MoveKind::Joint { to, .. } => Some(Self::Joints(to)),
             MoveKind::Dwell { .. } => None,
         }

@@ -185,6 +185,10 @@ fn draw(strokes: &mut Strokes, from: [f32; 2], kind: &MoveKind) -> [f32; 2] {
             strokes.push(timed.end());
             timed.end()
         }
+        MoveKind::Crossing(plan) => {
+            strokes.push(plan.to);
+            plan.to
+        }
         MoveKind::Dwell { .. } | MoveKind::Joint { .. } => from,
     }
 }

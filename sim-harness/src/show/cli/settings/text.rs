@@ -13,6 +13,7 @@ const UNITS: &[(&str, &[(&str, &str)])] = &[
             ("tool_offset", "m"),
             ("elbows_left", ""),
             ("assembly_left", ""),
+            ("crossing_allowed", ""),
             ("tool_output", ""),
         ],
     ),

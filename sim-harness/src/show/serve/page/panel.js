@@ -44,7 +44,7 @@ export function stateText(state, watching) {
   return parts.join(" · ");
 }
 
-export const isMoving = ({ state }) => ["Running", "Homing", "Stopping"].includes(state);
+export const isMoving = ({ state }) => ["Running", "Homing", "Stopping", "Crossing"].includes(state);
 
 // Whether a control has a use now: null, or why it has none.
 export function whyNot(control, state, job) {
@@ -87,6 +87,7 @@ export function nextStep(state, job, fault, watching) {
       return [`${what} Repair the cause, then clear the fault.${held}`, "clear_fault", "Clear fault"];
     }
     case "Homing": return ["The arm searches for its home switches.", "stop", "Stop"];
+    case "Crossing": return ["The arm crosses a singularity.", null, "Wait"];
     case "Stopping": return ["The arm comes to rest on its path.", null, "Wait"];
     case "Stopped":
       if (!state.homed) return ["The joint angles are unknown: home the arm. It will move.", "home", "Home"];

@@ -1,0 +1,86 @@
+//! The pieces of a crossing, which the tick follows: polynomials of the joints' angles and torques.
+
+use super::Planner;
+use super::crossing::Gap;
+use crate::controller::{CROSSING_PIECES, crossing_polynomials};
+use crate::motion::CrossingMove;
+use fivebar_kinematics::trajectory::TrajectorySegment;
+use nalgebra::Vector2;
+
+/// Angles [rad], and their change and its change in the time of a piece.
+type JointState = [Vector2<f32>; 3];
+
+impl Planner {
+    /// The polynomials of the joints' angles [rad] and of their torques without friction [N·m] on a piece
+    /// of a plan that was checked: the joints by angles, speeds and accelerations at both its ends, the
+    /// torques by four of their values. None where the arm has no pose.
+    pub(super) fn crossing_piece(
+        &self,
+        plan: &CrossingMove,
+        gap: &Gap,
+        piece: usize,
+    ) -> Option<[TrajectorySegment<f32>; 2]> {
+        let time = plan.duration / CROSSING_PIECES as f32;
+        let start = time * piece as f32;
+        let [p, v, a] = self.joints_on(plan, start, time)?;
+        let [q, w, b] = self.joints_on(plan, start + time, time)?;
+        let way = q - p;
+        let joints = [
+            p,
+            v,
+            a * 0.5,
+            way * 10.0 - v * 6.0 - w * 4.0 - a * 1.5 + b * 0.5,
+            way * -15.0 + v * 8.0 + w * 7.0 + a * 1.5 - b,
+            way * 6.0 - (v + w) * 3.0 - (a - b) * 0.5,
+        ];
+        let [[t0, t1], [t2, t3]] = [[0.0, 1.0], [2.0, 3.0]].map(|pair: [f32; 2]| {
+            pair.map(|k| self.crossing_torque(plan, gap, start + time * (k / 3.0)))
+        });
+        let (t0, t1, t2, t3) = (t0?, t1?, t2?, t3?);
+        let torques = [
+            t0,
+            t1 * 9.0 - t0 * 5.5 - t2 * 4.5 + t3,
+            t0 * 9.0 - t1 * 22.5 + t2 * 18.0 - t3 * 4.5,
+            (t1 - t2) * 13.5 + (t3 - t0) * 4.5,
+            Vector2::zeros(),
+            Vector2::zeros(),
+        ];
+        Some([joints, torques].map(|pairs| crossing_polynomials(pairs.map(Into::into))))
+    }
+
+    /// The torques without friction at a time [N·m].
+    fn crossing_torque(&self, plan: &CrossingMove, gap: &Gap, time: f32) -> Option<Vector2<f32>> {
+        let [begin, end] = gap.time;
+        if begin <= time && time <= end {
+            return Some(gap.torque_at(time));
+        }
+        let [position, velocity, acceleration] = plan.motion(time);
+        let workspace = &self.envelope.workspace;
+        let tool = &workspace.tool;
+        let pose = tool.inverse(position, workspace.mode).ok()?;
+        let velocities = tool.inverse_velocities(&pose, velocity).ok()?;
+        let accelerations = tool.inverse_accelerations(&pose, &velocities, acceleration);
+        let arm = &self.envelope.torque.as_ref()?.arm;
+        let none = Vector2::zeros();
+        let torque = arm.inverse_dynamics(&pose, &velocities, &accelerations.ok()?, none);
+        Some(torque.ok()?.into())
+    }
+
+    /// The driven joints at a time [s]; changes are in the time `unit` [s].
+    fn joints_on(&self, plan: &CrossingMove, time: f32, unit: f32) -> Option<JointState> {
+        let [position, velocity, acceleration] = plan.motion(time);
+        let workspace = &self.envelope.workspace;
+        let tool = &workspace.tool;
+        let pose = tool.inverse(position, workspace.mode).ok()?;
+        let velocities = tool.inverse_velocities(&pose, velocity).ok()?;
+        let accelerations = tool.inverse_accelerations(&pose, &velocities, acceleration);
+        let ([w1, _, _, w4], [a1, _, _, a4]) = (velocities.omega, accelerations.ok()?.alpha);
+        let [theta1, _, _, theta4] = pose.angles();
+        let angles = workspace.limits?.angles_within(theta1, theta4).ok()?;
+        Some([
+            Vector2::from(angles),
+            Vector2::new(w1, w4) * unit,
+            Vector2::new(a1, a4) * (unit * unit),
+        ])
+    }
+}
