@@ -201,7 +201,7 @@ impl Planner {
 
     /// Checks a plan at a time [s].
     fn check_place(&self, tag: u32, plan: &CrossingMove, time: f32) -> Result<Place, MoveError> {
-        let [position, velocity, acceleration] = plan.motion(time);
+        let [position, ..] = plan.motion(time);
         let workspace = &self.envelope.workspace;
         let here = |kind: MoveErrorKind| MoveError {
             tag,
@@ -209,8 +209,8 @@ impl Planner {
             point: Some(position.into()),
         };
         let failed = |error: PoseError| here(ConstraintViolation::from(error).into());
-        let tool = &workspace.tool;
-        let pose = tool.inverse(position, workspace.mode).map_err(failed)?;
+        let arm = self.arm_on(plan, time).map_err(failed)?;
+        let pose = &arm.pose;
         let elbows = [
             (pose.sin21(), Singularity::Leg1),
             (pose.sin34(), Singularity::Leg4),
@@ -225,20 +225,13 @@ impl Planner {
             let inside = limits.angles_within(theta1, theta4);
             inside.map_err(|error| here(MoveErrorKind::joint_limit(error.joint())))?;
         }
-        let velocities = tool.inverse_velocities(&pose, velocity).map_err(failed)?;
-        let accelerations = tool
-            .inverse_accelerations(&pose, &velocities, acceleration)
-            .map_err(failed)?;
-        let ([w1, _, _, w4], [a1, _, _, a4]) = (velocities.omega, accelerations.alpha);
+        let ([w1, _, _, w4], [a1, _, _, a4]) = (arm.velocities.omega, arm.accelerations.alpha);
         let sine = Scalar::abs(pose.sin32());
-        let torque = match &self.envelope.torque {
-            Some(limits) if sine >= GAP => limits
-                .arm
-                .inverse_dynamics(&pose, &velocities, &accelerations, Vector2::zeros())
-                .map_err(failed)?,
-            _ => [0.0; 2],
+        let torque = match sine >= GAP {
+            true => self.torque_of(&arm).map_err(failed)?,
+            false => Vector2::zeros(),
         };
-        let joints = torque.into_iter().zip([(w1, a1), (w4, a4)]).enumerate();
+        let joints = torque.iter().zip([(w1, a1), (w4, a4)]).enumerate();
         for (j, (torque, (speed, acceleration))) in joints {
             let friction = self
                 .friction
@@ -259,7 +252,7 @@ impl Planner {
         let own = pose.assembly() == self.assembly;
         Ok(Place {
             sine: if own { sine } else { -sine },
-            torque: torque.into(),
+            torque,
         })
     }
 }

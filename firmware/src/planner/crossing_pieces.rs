@@ -4,11 +4,19 @@ use super::Planner;
 use super::crossing::Gap;
 use crate::controller::{CROSSING_PIECES, crossing_polynomials};
 use crate::motion::CrossingMove;
+use fivebar_kinematics::five_bar::{Accelerations, Pose, PoseError, Velocities};
 use fivebar_kinematics::trajectory::TrajectorySegment;
 use nalgebra::Vector2;
 
 /// Angles [rad], and their change and its change in the time of a piece.
 type JointState = [Vector2<f32>; 3];
+
+/// The arm at one time of a plan.
+pub(super) struct ArmOn {
+    pub(super) pose: Pose<f32>,
+    pub(super) velocities: Velocities<f32>,
+    pub(super) accelerations: Accelerations<f32>,
+}
 
 impl Planner {
     /// The polynomials of the joints' angles [rad] and of their torques without friction [N·m] on a piece
@@ -54,33 +62,56 @@ impl Planner {
         if begin <= time && time <= end {
             return Some(gap.torque_at(time));
         }
-        let [position, velocity, acceleration] = plan.motion(time);
-        let workspace = &self.envelope.workspace;
-        let tool = &workspace.tool;
-        let pose = tool.inverse(position, workspace.mode).ok()?;
-        let velocities = tool.inverse_velocities(&pose, velocity).ok()?;
-        let accelerations = tool.inverse_accelerations(&pose, &velocities, acceleration);
-        let arm = &self.envelope.torque.as_ref()?.arm;
-        let none = Vector2::zeros();
-        let torque = arm.inverse_dynamics(&pose, &velocities, &accelerations.ok()?, none);
-        Some(torque.ok()?.into())
+        let arm = self.arm_on(plan, time).ok()?;
+        self.torque_of(&arm).ok()
     }
 
     /// The driven joints at a time [s]; changes are in the time `unit` [s].
     fn joints_on(&self, plan: &CrossingMove, time: f32, unit: f32) -> Option<JointState> {
-        let [position, velocity, acceleration] = plan.motion(time);
-        let workspace = &self.envelope.workspace;
-        let tool = &workspace.tool;
-        let pose = tool.inverse(position, workspace.mode).ok()?;
-        let velocities = tool.inverse_velocities(&pose, velocity).ok()?;
-        let accelerations = tool.inverse_accelerations(&pose, &velocities, acceleration);
-        let ([w1, _, _, w4], [a1, _, _, a4]) = (velocities.omega, accelerations.ok()?.alpha);
+        let ArmOn {
+            pose,
+            velocities,
+            accelerations,
+        } = self.arm_on(plan, time).ok()?;
+        let ([w1, _, _, w4], [a1, _, _, a4]) = (velocities.omega, accelerations.alpha);
         let [theta1, _, _, theta4] = pose.angles();
-        let angles = workspace.limits?.angles_within(theta1, theta4).ok()?;
+        let limits = self.envelope.workspace.limits?;
+        let angles = limits.angles_within(theta1, theta4).ok()?;
         Some([
             Vector2::from(angles),
             Vector2::new(w1, w4) * unit,
             Vector2::new(a1, a4) * (unit * unit),
         ])
+    }
+
+    /// The arm at a time [s] of a plan.
+    // Called in some places, not time-critical: not inlined, to save flash.
+    #[inline(never)]
+    pub(super) fn arm_on(&self, plan: &CrossingMove, time: f32) -> Result<ArmOn, PoseError> {
+        let [position, velocity, acceleration] = plan.motion(time);
+        let workspace = &self.envelope.workspace;
+        let tool = &workspace.tool;
+        let pose = tool.inverse(position, workspace.mode)?;
+        let velocities = tool.inverse_velocities(&pose, velocity)?;
+        let accelerations = tool.inverse_accelerations(&pose, &velocities, acceleration)?;
+        Ok(ArmOn {
+            pose,
+            velocities,
+            accelerations,
+        })
+    }
+
+    /// The torques of a motion without friction [N·m].
+    #[inline(never)]
+    pub(super) fn torque_of(&self, arm: &ArmOn) -> Result<Vector2<f32>, PoseError> {
+        let Some(limits) = &self.envelope.torque else {
+            return Ok(Vector2::zeros());
+        };
+        let none = Vector2::zeros();
+        let torque =
+            limits
+                .arm
+                .inverse_dynamics(&arm.pose, &arm.velocities, &arm.accelerations, none)?;
+        Ok(torque.into())
     }
 }

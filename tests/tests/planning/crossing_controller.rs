@@ -4,10 +4,11 @@ use crate::crossing::{case, number, pair, robot};
 use fivebar::input::robot::Robot;
 use fivebar::input::scenario::Scenario;
 use fivebar::run::crossing_move::crossing_move;
-use fivebar::run::link::InProcess;
+use fivebar::run::link::{InProcess, Target};
 use fivebar::run::simulation::{Record, Sample, Simulation};
 use fivebar::study::crossing::task;
-use fivebar_firmware::{Move, MoveKind};
+use fivebar_firmware::safety::{Fault, State};
+use fivebar_firmware::{Move, MoveKind, Request};
 use fivebar_kinematics::five_bar::Side;
 use fivebar_plant::Mismatch;
 use nalgebra::Vector2;
@@ -19,8 +20,13 @@ fn allowed(case: &Value) -> Robot {
 
 /// The crossing of a case, and the moves before it.
 fn moves(case: &Value, robot: &Robot) -> Vec<Move> {
+    moves_in(case, robot, number(&case["tf"]))
+}
+
+/// The same in another time [s].
+fn moves_in(case: &Value, robot: &Robot, time: f64) -> Vec<Move> {
     let ends = [pair(&case["start"]), pair(&case["end"])];
-    let task = task(robot, ends, number(&case["tf"])).unwrap();
+    let task = task(robot, ends, time).unwrap();
     let plan = task.plan().unwrap();
     let start = task.arm.geometry().inverse(task.from, task.mode).unwrap();
     let [theta1, _, _, theta4] = start.angles().map(|angle| angle as f32);
@@ -100,4 +106,96 @@ fn the_controller_crosses_under_the_declared_mismatch() {
             assert_eq!(assembly(&scenario.robot, last), Side::Right, "{name}");
         }
     }
+}
+
+/// A force on the tool [N], by |sin(θ3−θ2)| and its velocity [m/s].
+type Force = fn(f64, Vector2<f64>) -> Vector2<f64>;
+
+/// How a crossing against a force ended.
+#[derive(Debug, Default)]
+struct Ending {
+    fault: Option<Fault>,
+    /// Ticks of the crossing in the zone.
+    in_zone: u32,
+    homed: bool,
+    powered: bool,
+}
+
+/// A crossing in `time` [s], in which this force hinders the tool.
+fn hindered(case: &Value, time: f64, force: Force) -> Ending {
+    let robot = allowed(case);
+    let moves = moves_in(case, &robot, time);
+    let scenario = scenario(robot, Mismatch::default());
+    let mut target = InProcess::new(&scenario.robot.settings().unwrap()).unwrap();
+    let mut plant = scenario.plant().unwrap();
+    let (mut offered, mut crossing) = (0, false);
+    let mut ending = Ending::default();
+    for tick in 0..100_000 {
+        let (command, status) = target.tick(&plant.sense()).unwrap();
+        ending.powered = command.enable != [false; 2];
+        (ending.homed, ending.fault) = (status.homed, status.fault);
+        let now = status.state == State::Crossing;
+        if ending.fault.is_some() || (crossing && !now) {
+            return ending;
+        }
+        crossing = now;
+        if crossing {
+            let q = plant.state().q;
+            let sine = (q[2].angular - q[1].angular).sin().abs();
+            ending.in_zone += u32::from(sine < 0.2);
+            plant.set_tool_force(force(sine, plant.model().tool_velocity(plant.state())));
+        }
+        plant.step(&command, 1e-4);
+        match (tick, status.state) {
+            (0, _) => target.request(Request::Home).unwrap(),
+            (_, State::Stopped) if status.homed => {
+                // Refused until the arm rests.
+                let _ = target.request(Request::Arm);
+            }
+            (_, State::Armed | State::Running) => {
+                if let Some(next) = moves.get(offered) {
+                    offered += usize::from(target.offer(next).unwrap());
+                }
+            }
+            _ => {}
+        }
+    }
+    panic!("the crossing never ends");
+}
+
+/// A force of 30 N against a velocity.
+fn against(velocity: Vector2<f64>) -> Vector2<f64> {
+    -velocity * (30.0 / velocity.norm().max(1e-3))
+}
+
+#[test]
+fn a_stuck_arm_loses_its_torque_in_the_stated_time_and_its_angles() {
+    let case = case("short");
+    let time = 1.2;
+    let free = hindered(&case, time, |_, _| Vector2::zeros());
+    assert!(
+        free.fault.is_none() && free.homed && free.powered,
+        "{free:?}"
+    );
+    // In the zone: after twice the time that the plan takes there.
+    let nearest = |sine, velocity| match sine < 0.1 {
+        true => against(velocity),
+        false => Vector2::zeros(),
+    };
+    let stuck = hindered(&case, time, nearest);
+    assert_eq!(stuck.fault, Some(Fault::Envelope));
+    assert!(!stuck.powered && !stuck.homed, "{stuck:?}");
+    let times = f64::from(stuck.in_zone) / f64::from(free.in_zone);
+    assert!(
+        (1.97..2.06).contains(&times),
+        "{times} times of {}",
+        free.in_zone
+    );
+    // Before it: by the error of the cranks, which are known.
+    let before = hindered(&case, time, |_, velocity| against(velocity));
+    assert_eq!(before.fault, Some(Fault::FollowingError));
+    assert!(
+        !before.powered && before.homed && before.in_zone == 0,
+        "{before:?}"
+    );
 }
