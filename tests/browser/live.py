@@ -21,10 +21,10 @@ TOO_LARGE = "G21 G90 F3000\nG1 X20 Y0\nG1 X500 Y0\n"
 class Server:
     """`fivebar serve` at a free port, for a `with` statement."""
 
-    def __init__(self, program, listen="127.0.0.1:0"):
+    def __init__(self, program, listen="127.0.0.1:0", options=()):
         self.log = tempfile.NamedTemporaryFile("r")
         with open(self.log.name, "w") as output:
-            self.process = subprocess.Popen([program, "serve", "--listen", listen],
+            self.process = subprocess.Popen([program, "serve", "--listen", listen, *options],
                                             stdout=output, stderr=subprocess.STDOUT)
         while not self.said().endswith("\n"):
             assert self.process.poll() is None, self.said()

@@ -12,6 +12,7 @@ import pathlib
 import time
 
 import access
+import commissioning
 import looks
 import moving
 import owning
@@ -54,6 +55,8 @@ def main():
         passed("a report on a phone")
         looks.the_reports_of_studies_are_accessible(arguments.program, browser)
         passed("reports of studies: axe-core")
+        commissioning.check(arguments.program, browser)
+        passed("a guided commissioning: tasks, a mistake, stops, a run that goes on")
 
 
 if __name__ == "__main__":

@@ -5,6 +5,8 @@ pub mod bridge;
 #[cfg(feature = "program")]
 pub mod cli;
 #[cfg(feature = "program")]
+mod commission;
+#[cfg(feature = "program")]
 pub mod doctor;
 pub mod export;
 pub mod files;

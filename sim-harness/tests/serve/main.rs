@@ -2,6 +2,7 @@
 //! the place of pages. Times are the controller's, which a busy machine slows down, too.
 #![cfg(target_os = "linux")]
 
+mod commission;
 mod hostile;
 mod lost_page;
 mod own_job;

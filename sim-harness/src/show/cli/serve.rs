@@ -8,6 +8,8 @@ use super::value_error::ValueError;
 use crate::input::robot::{BuiltIn, Robot};
 use crate::run::link::Emulator;
 use crate::show::bridge::{BridgeOptions, Endpoints};
+use crate::show::commission::Options;
+use crate::show::serve::commission::serve as guided;
 use crate::show::serve::{ControllerSource, Guard, ServeError, ServeOptions, serve};
 use std::net::{IpAddr, SocketAddr, UdpSocket};
 use std::path::{Path, PathBuf};
@@ -36,6 +38,13 @@ pub(super) struct Args {
     /// suits an arm as built, 0.9 one whose masses are identified.
     #[arg(long, value_name = "S", default_value_t = 0.7, value_parser = share, requires = "time_optimal")]
     torque_share: f64,
+    /// Serve the guided page of a commissioning in place of the arm's: the steps of `fivebar commission`,
+    /// with the record in this folder.
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["emulated", "upload", "senders", "time_optimal"])]
+    commission: Option<PathBuf>,
+    /// With --commission and without --port: how the simulated arm differs from the robot file.
+    #[arg(long, value_name = "SCENARIO.toml", requires = "commission")]
+    scenario: Option<String>,
 }
 
 /// The arm and its controller.
@@ -95,7 +104,38 @@ pub(super) fn address(text: &str) -> Result<SocketAddr, ValueError> {
     address.map_err(|_| ValueError::Address)
 }
 
+/// Serves the guided page.
+fn commission(args: &Args, out: &Path) -> Result<(), Failure> {
+    let guard = Guard::with_new_token().map_err(refused)?;
+    let query = format!("?token={}", guard.token());
+    let options = Options {
+        port: args
+            .controller
+            .port
+            .clone()
+            .unwrap_or_else(|| "simulated".into()),
+        robot: args.controller.robot.clone(),
+        scenario: args.scenario.clone(),
+        out: out.into(),
+        points: None,
+    };
+    let ready = |address| {
+        say(format_args!(
+            "the commissioning of {} is at http://{}/{query}",
+            options.robot,
+            reached(address)
+        ))
+        .unwrap_or_else(warn);
+    };
+    let interrupted = interrupted()?;
+    let ends = move || interrupted.load(Ordering::Relaxed);
+    guided(&options, args.listen, guard, ready, ends).map_err(refused)
+}
+
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    if let Some(out) = &args.commission {
+        return commission(args, out);
+    }
     let robot = Robot::load(&args.controller.robot).map_err(refused)?;
     let guard = Guard::with_new_token().map_err(refused)?;
     let query = format!("?token={}", guard.token());

@@ -34,6 +34,7 @@
 //! | `accept`, `guard` | limits of connections; which web requests are served |
 //! | `web` | the page's files and the way to a websocket |
 //! | `socket`, `frame_meter`, `backlog`, `rate` | the exchange with a page, and its limits |
+//! | `commission` | the guided page of a commissioning, in place of the arm's |
 //! | `heard` | the exchange with a page whose bytes are known, for tests and the fuzzer |
 
 mod accept;
@@ -41,6 +42,7 @@ mod arm;
 mod backlog;
 mod channels;
 pub(super) mod command_error;
+pub(super) mod commission;
 mod controller_thread;
 mod frame_meter;
 mod guard;
@@ -122,6 +124,9 @@ pub enum ServeError {
     /// The robot cannot be simulated.
     #[error(transparent)]
     Simulation(#[from] RunError),
+    /// The arm cannot be commissioned.
+    #[error("{0}")]
+    Commission(String),
     /// The robot has no home pose.
     #[error(transparent)]
     HomeError(#[from] HomeError),

@@ -79,14 +79,23 @@ pub(super) fn run(
     site: Site,
     controller: Box<dyn FnOnce() -> Result<(), ServeError> + Send>,
 ) -> Result<(), ServeError> {
+    serve_until(listener, router(site), controller)
+}
+
+/// Runs `work` in its own thread and serves requests until it returns.
+pub(super) fn serve_until(
+    listener: TcpListener,
+    router: Router,
+    work: Box<dyn FnOnce() -> Result<(), ServeError> + Send>,
+) -> Result<(), ServeError> {
     let mut runtime = Builder::new_current_thread();
     runtime.enable_all().build()?.block_on(async {
         listener.set_nonblocking(true)?;
         let listener = tokio::net::TcpListener::from_std(listener)?;
         let (ended, end) = oneshot::channel();
-        thread::spawn(move || ended.send(controller()));
+        thread::spawn(move || ended.send(work()));
         tokio::select! {
-            served = accept::serve(listener, router(site)) => Ok(served?),
+            served = accept::serve(listener, router) => Ok(served?),
             outcome = end => outcome.unwrap_or_else(|_| {
                 Err(std::io::Error::other("the controller's thread panicked").into())
             }),
@@ -112,10 +121,12 @@ fn router(site: Site) -> Router {
         let answer = move || async move { ([(header::CONTENT_TYPE, "application/json")], text) };
         router = router.route(path, get(answer));
     }
-    router
-        .route("/live", get(live))
-        .with_state(pages)
-        .layer(middleware::from_fn_with_state(Arc::new(guard), authorize))
+    guarded(router.route("/live", get(live)).with_state(pages), guard)
+}
+
+/// The routes for those only whom the guard admits.
+pub(super) fn guarded(router: Router, guard: Guard) -> Router {
+    router.layer(middleware::from_fn_with_state(Arc::new(guard), authorize))
 }
 
 async fn authorize(State(guard): State<Arc<Guard>>, request: Request, next: Next) -> Response {

@@ -8,7 +8,7 @@ use std::fmt::Display;
 
 /// Why a step did not end well.
 #[derive(Debug, thiserror::Error)]
-pub(super) enum StepError {
+pub(in crate::show) enum StepError {
     /// Something is wrong with the arm.
     #[error("{wrong}.\nTo do: {change}.")]
     Wrong {
@@ -37,7 +37,7 @@ pub(super) enum StepError {
 
 impl StepError {
     /// Something is wrong with the arm.
-    pub(super) fn wrong(wrong: impl Display, change: impl Display) -> Self {
+    pub(in crate::show) fn wrong(wrong: impl Display, change: impl Display) -> Self {
         Self::Wrong {
             wrong: wrong.to_string(),
             change: change.to_string(),
@@ -45,7 +45,7 @@ impl StepError {
     }
 
     /// Anything that has a text.
-    pub(super) fn other(error: impl Display) -> Self {
+    pub(in crate::show) fn other(error: impl Display) -> Self {
         Self::Other(error.to_string())
     }
 }

@@ -49,13 +49,13 @@ impl Value {
 
 /// A step that is done.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Done {
+pub(in crate::show) struct Done {
     /// The step's name.
-    pub(super) step: String,
+    pub(in crate::show) step: String,
     /// The day on which it was done (UTC).
-    pub(super) date: String,
+    pub(in crate::show) date: String,
     /// What was found, as a sentence.
-    pub(super) found: String,
+    pub(in crate::show) found: String,
     /// What was measured.
     pub(super) values: Vec<Value>,
 }

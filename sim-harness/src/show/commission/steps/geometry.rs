@@ -2,7 +2,7 @@
 
 use super::super::bench::Bench;
 use super::super::finding::StepError;
-use super::super::operator::{Operator, Task};
+use super::super::operator::Task;
 use super::super::record::Value;
 use super::encoder_errors::{WithErrors, fit};
 use super::{Outcome, measured as measured_value};
@@ -141,7 +141,7 @@ fn touched(bench: &mut Bench) -> Result<Vec<[f64; 4]>, StepError> {
     let proposal = propose_poses(&bench.robot, HOLES, SIGMA).map_err(StepError::other)?;
     bench.home()?;
     bench.tell("The holes of the plate, in the arm's own frame: fivebar calibrate --propose 40 --plate FILE.svg")?;
-    let simulated = matches!(bench.operator, Operator::Simulated(_));
+    let simulated = bench.operator.hand().is_some();
     let mut noise = Noise::new(7);
     let mut rows = Vec::new();
     let mut first = None;

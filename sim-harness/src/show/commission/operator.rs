@@ -1,9 +1,7 @@
-//! Who does by hand what a step asks for: a person at the terminal, or the simulated arm's hand.
+//! Who does by hand what a step asks for: a person, or the simulated arm's hand.
 
 use super::StepError;
 use super::simulated::Hand;
-use crate::show::cli::say::say;
-use std::io::{BufRead, stdin};
 
 /// Something to be done by hand.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,54 +63,66 @@ impl Task {
     }
 }
 
-/// Who does the tasks.
-pub(super) enum Operator {
-    /// A person, who presses Enter when a task is done.
-    Person,
-    /// The hand of the simulated arm.
-    Simulated(Hand),
+/// Who is told what happens, and asked for tasks.
+pub(in crate::show) trait Voice: Send {
+    /// Tells a line.
+    ///
+    /// # Errors
+    /// Nobody is there any more.
+    fn tell(&mut self, line: &str) -> Result<(), StepError>;
+
+    /// Asks for a task and returns when a person has done it, or when the simulated arm's hand may do it.
+    ///
+    /// # Errors
+    /// Nobody is there any more, or a stop.
+    fn ask(&mut self, task: &str, simulated: bool) -> Result<(), StepError>;
+}
+
+/// Who does the tasks: a person, or the simulated arm's hand.
+pub(super) struct Operator {
+    voice: Box<dyn Voice>,
+    hand: Option<Hand>,
 }
 
 impl Operator {
+    /// An operator who does tasks with the simulated arm's hand, if there is one.
+    pub(super) fn new(voice: Box<dyn Voice>, hand: Option<Hand>) -> Self {
+        Self { voice, hand }
+    }
+
+    /// The simulated arm's hand.
+    pub(super) fn hand(&self) -> Option<&Hand> {
+        self.hand.as_ref()
+    }
+
+    /// Tells a line.
+    pub(super) fn tell(&mut self, line: &str) -> Result<(), StepError> {
+        self.voice.tell(line)
+    }
+
     /// Asks for a task. A person has done it on return; the simulated hand has begun.
     pub(super) fn ask(&mut self, task: &Task) -> Result<(), StepError> {
-        match self {
-            Self::Simulated(hand) => hand.begin(task),
-            Self::Person => {
-                say(format_args!("  → {}, then press Enter.", task.text()))
-                    .map_err(|_| StepError::other("the output is closed"))?;
-                let mut line = String::new();
-                match stdin().lock().read_line(&mut line) {
-                    Ok(1..) => Ok(()),
-                    _ => Err(StepError::other(
-                        "the input ended while a step waited for Enter; run the same command \
-                         again to go on",
-                    )),
-                }
-            }
+        self.voice.ask(&task.text(), self.hand.is_some())?;
+        match &self.hand {
+            Some(hand) => hand.begin(task),
+            None => Ok(()),
         }
     }
 
     /// What follows belongs to this step.
     pub(super) fn begin_step(&self, step: &'static str) {
-        if let Self::Simulated(hand) = self {
+        if let Some(hand) = &self.hand {
             hand.begin_step(step);
         }
     }
 
     /// What the simulated arm went through in each step, as JSON; none of a real one.
     pub(super) fn witnessed(&self) -> Result<Option<String>, StepError> {
-        match self {
-            Self::Person => Ok(None),
-            Self::Simulated(hand) => hand.witnessed().map(Some),
-        }
+        self.hand.as_ref().map(Hand::witnessed).transpose()
     }
 
     /// Whether the task is done.
     pub(super) fn is_done(&self) -> bool {
-        match self {
-            Self::Person => true,
-            Self::Simulated(hand) => hand.is_done(),
-        }
+        self.hand.as_ref().is_none_or(Hand::is_done)
     }
 }

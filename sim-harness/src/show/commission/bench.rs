@@ -1,12 +1,12 @@
 //! What every step needs: the controller, the person, the robot as known so far.
 
 use super::StepError;
+use super::line::Line;
 use super::log::LogRows;
 use super::operator::{Operator, Task};
 use crate::input::robot::{Actuator, HomeMethod, Robot};
 use crate::run::drive::{Drive, Homing};
 use crate::run::link::Client;
-use crate::show::cli::say::say;
 use fivebar_firmware::controller::{Excitation, ExcitationEnd, Excited};
 use fivebar_firmware::protocol::{CommandError, HostCommand, Reply};
 use fivebar_firmware::recorder::{LogConfig, LogPage, PAGE_WORDS, Signals};
@@ -14,12 +14,7 @@ use fivebar_firmware::safety::State;
 use fivebar_firmware::{Request, SensorSample, Settings, Status};
 use std::f64::consts::TAU;
 use std::fmt::Display;
-use std::io::{Read, Write};
 use std::path::PathBuf;
-
-/// A line to a controller.
-pub(super) trait Line: Read + Write {}
-impl<T: Read + Write> Line for T {}
 
 /// The bench.
 pub(super) struct Bench {
@@ -111,8 +106,8 @@ impl Bench {
     }
 
     /// Says what a step does.
-    pub(super) fn tell(&self, what: impl Display) -> Result<(), StepError> {
-        say(format_args!("  {what}")).map_err(|_| StepError::other("the output is closed"))
+    pub(super) fn tell(&mut self, what: impl Display) -> Result<(), StepError> {
+        self.operator.tell(&what.to_string())
     }
 
     /// Says what the controller measured when it latched a fault, if it has one.

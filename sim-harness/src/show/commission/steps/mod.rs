@@ -45,17 +45,17 @@ fn measured(key: MeasuredKey, value: String, origin: String) -> Measured {
 }
 
 /// A step.
-pub(super) struct Step {
+pub(in crate::show) struct Step {
     /// Its name in the record and on the command line.
-    pub(super) name: &'static str,
+    pub(in crate::show) name: &'static str,
     /// What it will do.
-    pub(super) does: &'static str,
+    pub(in crate::show) does: &'static str,
     /// Does it.
     pub(super) run: fn(&mut Bench) -> Result<Outcome, StepError>,
 }
 
 /// All steps.
-pub(super) const STEPS: [Step; 12] = [
+pub(in crate::show) const STEPS: [Step; 12] = [
     Step {
         name: "supply",
         does: "reads the bus voltage and the current sensors; nothing is switched on",

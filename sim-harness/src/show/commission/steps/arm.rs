@@ -2,7 +2,6 @@
 
 use super::super::bench::Bench;
 use super::super::finding::StepError;
-use super::super::operator::Operator;
 use super::super::record::Value;
 use super::Outcome;
 use crate::input::robot::Robot;
@@ -100,9 +99,9 @@ pub(in super::super) fn validation(bench: &mut Bench) -> Result<Outcome, StepErr
     bench.robot = measured;
     let placement = bench.placement;
     let after = draw(bench, placement)?;
-    let origin = match bench.operator {
-        Operator::Simulated(_) => "the true tip of the simulated arm",
-        Operator::Person => "as the encoders see it; measure the drawing itself",
+    let origin = match bench.operator.hand() {
+        Some(_) => "the true tip of the simulated arm",
+        None => "as the encoders see it; measure the drawing itself",
     };
     let text = format!(
         "tip error {:.1} µm RMS before and {:.1} µm after ({origin}); at most {:.1} and {:.1} µm",
@@ -139,10 +138,7 @@ fn draw(bench: &mut Bench, [plate_x, plate_y, phi]: [f64; 3]) -> Result<Drawing,
     let scenario = demonstration(&bench.robot)?;
     let job = scenario.job().map_err(StepError::other)?;
     let moves = scenario.run_moves(&job).map_err(StepError::other)?;
-    let hand = match &bench.operator {
-        Operator::Simulated(hand) => Some(hand.clone()),
-        Operator::Person => None,
-    };
+    let hand = bench.operator.hand().cloned();
     let mut points = Vec::new();
     let mut take = |_: usize, status: &Status| {
         let Some(reference) = status.reference else {

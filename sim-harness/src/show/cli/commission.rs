@@ -1,0 +1,111 @@
+//! `fivebar commission`: the steps of a commissioning at the terminal.
+
+use super::failure::{Failure, refused};
+use super::say::say;
+use crate::input::robot::BuiltIn;
+use crate::show::commission::{Commissioning, Options, STEPS, StepError, Voice, where_to_find};
+use std::io::{BufRead, stdin};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Puts a new arm into operation step by step: checks its wiring, measures it, and writes its
+/// robot file.
+///
+/// Each step says what it does, does the smallest safe thing and judges it. A step that finds a
+/// mistake names it and what to change; the same command then goes on where it stopped.
+#[derive(clap::Args)]
+pub(super) struct Args {
+    /// The controller's serial port, or `simulated` for the simulated arm.
+    #[arg(long)]
+    port: String,
+    /// A robot file, or the name of a built-in robot.
+    #[arg(long, value_name = "FILE", default_value = BuiltIn::DEFAULT)]
+    robot: String,
+    /// With `--port simulated`: how the arm differs from the robot file, and how it is wired.
+    #[arg(long, value_name = "SCENARIO.toml")]
+    scenario: Option<String>,
+    /// The folder of the record and of the robot file with the measured values.
+    #[arg(long, value_name = "DIR", default_value = "commissioning")]
+    out: PathBuf,
+    /// Holes that were touched before, in place of the step geometry's: a table as for
+    /// `fivebar calibrate`.
+    #[arg(long, value_name = "FILE.csv")]
+    points: Option<PathBuf>,
+    /// Do this step and those after it again.
+    #[arg(long, value_name = "STEP", value_parser = step_name)]
+    again: Option<String>,
+    /// Stop before this step.
+    #[arg(long, value_name = "STEP", value_parser = step_name)]
+    until: Option<String>,
+}
+
+fn step_name(text: &str) -> Result<String, String> {
+    if STEPS.iter().any(|step| step.name == text) {
+        return Ok(text.into());
+    }
+    let names: Vec<&str> = STEPS.iter().map(|step| step.name).collect();
+    Err(format!("a step is one of {}", names.join(", ")))
+}
+
+/// A person at the terminal, who presses Enter when a task is done. The simulated arm's hand needs none.
+struct Terminal;
+
+impl Voice for Terminal {
+    fn tell(&mut self, line: &str) -> Result<(), StepError> {
+        print(format_args!("  {line}"))
+    }
+
+    fn ask(&mut self, task: &str, simulated: bool) -> Result<(), StepError> {
+        if simulated {
+            return Ok(());
+        }
+        print(format_args!("  → {task}, then press Enter."))?;
+        let mut line = String::new();
+        match stdin().lock().read_line(&mut line) {
+            Ok(1..) => Ok(()),
+            _ => Err(StepError::other(
+                "the input ended while a step waited for Enter; run the same command again to go on",
+            )),
+        }
+    }
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    commission(args).map_err(refused)
+}
+
+fn commission(args: &Args) -> Result<(), StepError> {
+    let options = Options {
+        port: args.port.clone(),
+        robot: args.robot.clone(),
+        scenario: args.scenario.clone(),
+        out: args.out.clone(),
+        points: args.points.clone(),
+    };
+    let mut commissioning = Commissioning::open(&options, Box::new(Terminal), Arc::default())?;
+    if let Some(again) = &args.again {
+        commissioning.forget_from(again);
+    }
+    commissioning.prepare()?;
+    for (index, step) in STEPS.iter().enumerate() {
+        if args.until.as_deref() == Some(step.name) {
+            break;
+        }
+        let title = format!("{}/{} {}", index + 1, STEPS.len(), step.name);
+        if let Some(done) = commissioning.done(step.name) {
+            print(format_args!(
+                "{title}: done on {}: {}",
+                done.date, done.found
+            ))?;
+            continue;
+        }
+        print(format_args!("{title}: {}", step.does))?;
+        let found = commissioning.run(step)?;
+        print(format_args!("  ✓ {found}"))?;
+    }
+    print(where_to_find(&args.out))
+}
+
+fn print(line: impl std::fmt::Display) -> Result<(), StepError> {
+    say(line).map_err(|_| StepError::other("the output is closed"))
+}

@@ -1,0 +1,145 @@
+//! The guided page of a commissioning: `fivebar serve --commission`.
+//!
+//! A thread of its own does the steps of `show::commission`, one for each click. Pages ask for the state
+//! and send clicks as web requests. A stop passes no queue: it sets a flag that ends the exchange with the
+//! controller at once, and the thread then switches the bridges off.
+
+mod clicks;
+mod state;
+mod web;
+
+use super::accept;
+use super::guard::Guard;
+use super::{ServeError, web as live};
+use crate::show::commission::{Commissioning, Options, StepError};
+use clicks::{Click, PageVoice};
+use state::{PageState, Shared};
+use std::net::SocketAddr;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+use std::time::Duration;
+
+/// How often a thread looks for a stop and for the end of the program.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// Serves the guided page until `ends` returns true. Calls `ready` with the address as soon as it is
+/// served.
+///
+/// # Errors
+/// The address cannot be opened, or the arm cannot be commissioned.
+pub(in crate::show) fn serve(
+    options: &Options,
+    address: SocketAddr,
+    guard: Guard,
+    ready: impl FnOnce(SocketAddr),
+    ends: impl Fn() -> bool + Send + 'static,
+) -> Result<(), ServeError> {
+    let listener = accept::listen(address);
+    let listener = listener.map_err(|source| ServeError::Listen { address, source })?;
+    let (clicks, clicked) = channel();
+    let shared = Arc::new(Shared::new(clicks));
+    let clicked = Arc::new(Mutex::new(clicked));
+    let voice = PageVoice::new(Arc::clone(&shared), Arc::clone(&clicked));
+    let stop = Arc::clone(&shared.stop);
+    let commissioning = Commissioning::open(options, Box::new(voice), stop);
+    let commissioning = commissioning.map_err(|error| ServeError::Commission(error.to_string()))?;
+    shared.change(|state| *state = PageState::new(&commissioning, &options.out));
+    ready(listener.local_addr()?);
+    watch(Arc::clone(&shared), ends);
+    let router = web::router(Arc::clone(&shared), guard);
+    live::serve_until(
+        listener,
+        router,
+        Box::new(move || {
+            attend(commissioning, &shared, &clicked);
+            Ok(())
+        }),
+    )
+}
+
+/// Stops the arm when the program ends, also in the middle of a step.
+fn watch(shared: Arc<Shared>, ends: impl Fn() -> bool + Send + 'static) {
+    thread::spawn(move || {
+        while !ends() {
+            thread::sleep(LOOK);
+        }
+        shared.end();
+    });
+}
+
+/// Does what pages click until the program ends.
+fn attend(mut commissioning: Commissioning, shared: &Shared, clicked: &Mutex<Receiver<Click>>) {
+    let wait = || {
+        let clicked = clicked.lock().unwrap_or_else(PoisonError::into_inner);
+        clicked.recv_timeout(LOOK)
+    };
+    while !shared.has_ended() {
+        match wait() {
+            Ok(Click::Begin(step)) => {
+                begin(&mut commissioning, shared, clicked, &step);
+            }
+            Ok(Click::Again(step)) => {
+                commissioning.forget_from(&step);
+                shared.change(|state| state.show_steps(&commissioning));
+            }
+            // Of a task that is over.
+            Ok(Click::Done { .. }) | Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => return,
+        }
+        if shared.is_stopped() {
+            // What was clicked before the stop begins nothing after it.
+            forget(clicked);
+            stop(&mut commissioning, shared);
+        }
+    }
+}
+
+/// Does a step, if it is the next one.
+fn begin(
+    commissioning: &mut Commissioning,
+    shared: &Shared,
+    clicked: &Mutex<Receiver<Click>>,
+    name: &str,
+) {
+    let Some(step) = commissioning.next().filter(|step| step.name == name) else {
+        shared.change(|state| state.trouble = Some(format!("{name} is not the next step")));
+        return;
+    };
+    shared.change(|state| state.begin(step.name));
+    let outcome = commissioning
+        .prepare()
+        .and_then(|()| commissioning.run(step));
+    // A second click on the step begins nothing.
+    forget(clicked);
+    shared.change(|state| {
+        state.show_steps(commissioning);
+        state.end(outcome.map_err(|error| shown(&error, shared)));
+    });
+}
+
+/// Forgets what was clicked and not done yet.
+fn forget(clicked: &Mutex<Receiver<Click>>) {
+    let clicked = clicked.lock().unwrap_or_else(PoisonError::into_inner);
+    while clicked.try_recv().is_ok() {}
+}
+
+/// What the page says of an error.
+fn shown(error: &StepError, shared: &Shared) -> String {
+    if shared.is_stopped() {
+        return "stopped: the bridges are off. Start the step again when the arm is safe.".into();
+    }
+    error.to_string()
+}
+
+/// Switches the bridges off.
+fn stop(commissioning: &mut Commissioning, shared: &Shared) {
+    let outcome = commissioning.switch_off();
+    shared.change(|state| {
+        state.stops += 1;
+        state.trouble = Some(match outcome {
+            Ok(()) => "stopped: the bridges are off".into(),
+            Err(error) => format!("the stop did not reach the controller: {error}"),
+        });
+    });
+}

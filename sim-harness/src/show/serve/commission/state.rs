@@ -1,0 +1,183 @@
+//! What pages show of a commissioning.
+
+use super::clicks::Click;
+use crate::show::commission::{Commissioning, STEPS, where_to_find};
+use serde::Serialize;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::Sender;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// Lines of the step that are kept.
+const LINES: usize = 200;
+
+/// A step on the page.
+#[derive(Clone, Debug, Serialize)]
+struct ShownStep {
+    name: &'static str,
+    does: &'static str,
+    /// What was found and when, once done.
+    found: Option<String>,
+    date: Option<String>,
+}
+
+/// A task that waits for a person.
+#[derive(Clone, Debug, Serialize)]
+struct ShownTask {
+    text: String,
+    /// The simulated arm's hand can do it.
+    simulated: bool,
+}
+
+/// The state, as pages get it.
+#[derive(Clone, Debug, Default, Serialize)]
+pub(super) struct PageState {
+    steps: Vec<ShownStep>,
+    /// The first step that is not done.
+    next: Option<&'static str>,
+    /// The step that is being done.
+    running: Option<&'static str>,
+    task: Option<ShownTask>,
+    /// What the step has told.
+    pub(super) lines: Vec<String>,
+    /// What is wrong and what to do about it, of the last step.
+    pub(super) trouble: Option<String>,
+    /// Where the record is.
+    place: String,
+    /// Stops that have switched the bridges off.
+    pub(super) stops: u32,
+    #[serde(skip)]
+    pub(super) hand_does_all: bool,
+}
+
+impl PageState {
+    pub(super) fn new(commissioning: &Commissioning, out: &Path) -> Self {
+        let mut state = Self {
+            place: where_to_find(out),
+            ..Self::default()
+        };
+        state.show_steps(commissioning);
+        state
+    }
+
+    /// Shows which steps are done.
+    pub(super) fn show_steps(&mut self, commissioning: &Commissioning) {
+        self.steps = STEPS
+            .iter()
+            .map(|step| {
+                let done = commissioning.done(step.name);
+                ShownStep {
+                    name: step.name,
+                    does: step.does,
+                    found: done.map(|done| done.found.clone()),
+                    date: done.map(|done| done.date.clone()),
+                }
+            })
+            .collect();
+        self.next = commissioning.next().map(|step| step.name);
+    }
+
+    /// A step begins.
+    pub(super) fn begin(&mut self, step: &'static str) {
+        self.running = Some(step);
+        self.lines.clear();
+        self.trouble = None;
+        self.hand_does_all = false;
+    }
+
+    /// The step has ended.
+    pub(super) fn end(&mut self, outcome: Result<String, String>) {
+        self.running = None;
+        self.task = None;
+        self.trouble = outcome.err();
+    }
+
+    /// A task waits.
+    pub(super) fn ask(&mut self, text: &str, simulated: bool) {
+        let text = text.into();
+        self.task = Some(ShownTask { text, simulated });
+    }
+
+    /// It was done.
+    pub(super) fn answer(&mut self, hand_does_all: bool) {
+        self.task = None;
+        self.hand_does_all = hand_does_all;
+    }
+}
+
+/// What pages and the thread of the steps share.
+pub(super) struct Shared {
+    state: Mutex<PageState>,
+    clicks: Sender<Click>,
+    /// A stop that has not switched the bridges off yet.
+    pub(super) stop: Arc<AtomicBool>,
+    /// The program ends.
+    ended: AtomicBool,
+}
+
+impl Shared {
+    pub(super) fn new(clicks: Sender<Click>) -> Self {
+        Self {
+            state: Mutex::default(),
+            clicks,
+            stop: Arc::default(),
+            ended: AtomicBool::new(false),
+        }
+    }
+
+    fn state(&self) -> MutexGuard<'_, PageState> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Reads the state.
+    pub(super) fn read<T>(&self, read: impl FnOnce(&PageState) -> T) -> T {
+        read(&self.state())
+    }
+
+    /// Changes the state.
+    pub(super) fn change(&self, change: impl FnOnce(&mut PageState)) {
+        let mut state = self.state();
+        change(&mut state);
+        let surplus = state.lines.len().saturating_sub(LINES);
+        state.lines.drain(..surplus);
+    }
+
+    /// The state as JSON.
+    pub(super) fn json(&self) -> String {
+        self.read(|state| serde_json::to_string(state).unwrap_or_default())
+    }
+
+    /// Passes a click on, if it belongs to what is shown.
+    pub(super) fn click(&self, click: Click) -> Result<(), &'static str> {
+        let (running, waits) = self.read(|state| (state.running.is_some(), state.task.is_some()));
+        match click {
+            Click::Begin(_) | Click::Again(_) if running => return Err("a step is being done\n"),
+            Click::Done { .. } if !waits => return Err("no task waits\n"),
+            Click::Begin(_) | Click::Again(_) | Click::Done { .. } => {}
+        }
+        self.clicks
+            .send(click)
+            .map_err(|_| "the program has ended\n")
+    }
+
+    /// A page stops the arm.
+    pub(super) fn raise_stop(&self) {
+        self.stop.store(true, Ordering::Release);
+    }
+
+    /// The program ends: stops the arm.
+    pub(super) fn end(&self) {
+        self.ended.store(true, Ordering::Release);
+        self.raise_stop();
+    }
+
+    /// Whether the program ends.
+    pub(super) fn has_ended(&self) -> bool {
+        self.ended.load(Ordering::Acquire)
+    }
+
+    /// Whether a stop waits to be done.
+    pub(super) fn is_stopped(&self) -> bool {
+        self.stop.load(Ordering::Acquire)
+    }
+}
