@@ -77,7 +77,7 @@ impl Planner {
     }
 
     /// Checks moves one behind the other, as [`Planner::check`] does with the first. Joint moves may
-    /// change the working mode; those behind them are checked in the new one.
+    /// change the working mode, crossings the assembly mode; those behind them are checked in the new one.
     ///
     /// # Errors
     /// Why the first move that would be refused is refused, and at which point.
@@ -86,20 +86,22 @@ impl Planner {
         from: [f32; 2],
         moves: impl IntoIterator<Item = &'a Move>,
     ) -> Result<(), MoveError> {
-        let mode = self.envelope.workspace.mode;
+        let (mode, assembly) = (self.envelope.workspace.mode, self.assembly);
         let mut start = End {
             tool: vec2(from),
             joints: None,
         };
         let checked = moves.into_iter().try_for_each(|next| {
             let (checked, end) = self.check_move(start, next)?;
-            if let CheckedMove::Joint { mode, .. } = checked {
-                self.envelope.workspace.mode = mode;
+            match checked {
+                CheckedMove::Joint { mode, .. } => self.envelope.workspace.mode = mode,
+                CheckedMove::Crossing => self.assembly = self.assembly.opposite(),
+                _ => {}
             }
             start = end;
             Ok(())
         });
-        self.envelope.workspace.mode = mode;
+        (self.envelope.workspace.mode, self.assembly) = (mode, assembly);
         checked
     }
 
@@ -129,6 +131,13 @@ impl Planner {
     #[must_use]
     pub fn in_mode(mut self, mode: WorkingMode) -> Self {
         self.envelope.workspace.mode = mode;
+        self
+    }
+
+    /// The same planner of an arm in its other assembly mode.
+    #[must_use]
+    pub fn in_other_assembly(mut self) -> Self {
+        self.assembly = self.assembly.opposite();
         self
     }
 

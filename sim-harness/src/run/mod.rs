@@ -1,7 +1,6 @@
 //! Runs: the simulated arm, connections to a controller, and jobs on both.
 
 pub mod crossing;
-pub mod crossing_move;
 pub mod drive;
 pub mod excitation;
 pub mod link;

@@ -236,6 +236,7 @@ impl JobPlanner {
         let mut envelope = self.envelope;
         envelope.workspace.mode = planner.workspace().mode;
         let mut path = JobPath::new(self.waits);
+        let mut assembly = self.assembly;
         let mut stages = Vec::new();
         let mut at = from;
         for (source, next) in moves.iter().enumerate() {
@@ -248,10 +249,14 @@ impl JobPlanner {
                     source: Some(source),
                 }));
                 if let MoveKind::Joint { to, .. } = next.kind
-                    && let Some((place, mode)) = self.after_joints(to)
+                    && let Some((place, mode)) = self.after_joints(to, assembly)
                 {
                     at = place;
                     envelope.workspace.mode = mode;
+                }
+                if let MoveKind::Crossing(crossing) = next.kind {
+                    at = crossing.to;
+                    assembly = assembly.opposite();
                 }
                 continue;
             };
@@ -272,13 +277,14 @@ impl JobPlanner {
     }
 
     /// The tool [m] and the working mode at these joint angles [rad].
-    fn after_joints(&self, [theta1, theta4]: [f32; 2]) -> Option<([f32; 2], WorkingMode)> {
+    fn after_joints(
+        &self,
+        [theta1, theta4]: [f32; 2],
+        assembly: Side,
+    ) -> Option<([f32; 2], WorkingMode)> {
         let tool = &self.envelope.workspace.tool;
         let [theta1, theta4] = [theta1, theta4].map(f64::from);
-        let pose = tool
-            .geometry()
-            .forward(theta1, theta4, self.assembly)
-            .ok()?;
+        let pose = tool.geometry().forward(theta1, theta4, assembly).ok()?;
         let point = tool.point(&pose);
         Some(([point.x as f32, point.y as f32], tool.working_mode(&pose)))
     }

@@ -2,28 +2,18 @@
 //!
 //! The mechanics are in [`fivebar_design::crossing`].
 
-use crate::input::robot::{MissingMasses, Robot};
+use crate::input::robot::{CrossingRefusal, Robot};
 use crate::run::crossing::CrossingRun;
 use fivebar_design::crossing::{CrossingError, CrossingPlan, CrossingTask};
-use nalgebra::Vector2;
 use serde_json::{Value, json};
 
 /// Why a crossing is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CrossingStudyError {
-    /// The robot has lengths only.
+    /// The robot crosses none.
     #[error(transparent)]
-    Masses(#[from] MissingMasses),
-    /// The robot file does not allow crossings.
-    #[error(
-        "robot `{0}`: its file does not allow crossings; write `allowed = true` under [crossing] \
-         if its links clear each other where B, C and D are in line, or B meets D"
-    )]
-    NotAllowed(String),
-    /// The tool is not at C.
-    #[error("robot `{0}`: crossings are planned for a tool at C, but tool.offset is not zero")]
-    Offset(String),
+    Robot(#[from] CrossingRefusal),
     /// The crossing cannot be planned.
     #[error(transparent)]
     Crossing(#[from] CrossingError),
@@ -50,42 +40,7 @@ pub fn task(
     [from, to]: [[f64; 2]; 2],
     time: f64,
 ) -> Result<CrossingTask<'_>, CrossingStudyError> {
-    let arm = robot.arm()?;
-    if !robot.crossing.allowed {
-        return Err(CrossingStudyError::NotAllowed(robot.name.clone()));
-    }
-    if robot.tool.offset != [0.0; 2] {
-        return Err(CrossingStudyError::Offset(robot.name.clone()));
-    }
-    let limits = &robot.limits;
-    let motors = robot.actuators.as_ref();
-    let friction = |of: fn(&crate::input::robot::Actuator) -> f64| {
-        motors.map_or([0.0; 2], |motors| [of(&motors[0]), of(&motors[1])])
-    };
-    let mut torque = motors.map_or([f64::INFINITY; 2], |motors| {
-        [motors[0].peak_torque(), motors[1].peak_torque()]
-    });
-    for (most, limit) in torque
-        .iter_mut()
-        .zip(limits.max_torque.unwrap_or([f64::INFINITY; 2]))
-    {
-        *most = most.min(limit);
-    }
-    Ok(CrossingTask {
-        arm,
-        mode: robot.elbows,
-        viscous: friction(|motor| motor.viscous_friction),
-        coulomb: friction(|motor| motor.coulomb_friction),
-        torque,
-        speed: limits.max_speed,
-        acceleration: limits.max_acceleration,
-        angle: limits.angle,
-        elbow_margin: limits.singularity_margin,
-        drag: robot.crossing.drag,
-        from: Vector2::from(from),
-        to: Vector2::from(to),
-        time,
-    })
+    Ok(robot.crossing_task([from, to], time)?)
 }
 
 /// The plan as one JSON object, in SI units, with the simulated run if there is one.

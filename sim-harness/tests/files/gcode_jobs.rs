@@ -19,7 +19,7 @@ fn ends(text: &str) -> Vec<[f64; 2]> {
             Action::Line { to, .. } | Action::Arc { to, .. } => {
                 ends.push(to.map(|metres| (metres * 1e9).round() / 1e6));
             }
-            Action::Dwell { .. } | Action::ChangeMode(_) => {}
+            Action::Dwell { .. } | Action::ChangeMode(_) | Action::Cross { .. } => {}
         }
     }
     ends
@@ -266,7 +266,9 @@ fn written(step: &Step) -> String {
             mm(feed) * 60.0
         ),
         Action::Dwell { duration } => writeln!(text, "G4 S{duration:.9}"),
-        Action::Arc { .. } | Action::ChangeMode(_) => unreachable!("`any_step` makes none"),
+        Action::Arc { .. } | Action::ChangeMode(_) | Action::Cross { .. } => {
+            unreachable!("`any_step` makes none")
+        }
     };
     text
 }

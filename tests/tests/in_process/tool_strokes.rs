@@ -124,7 +124,7 @@ fn asked(job: &Job, home: V) -> Vec<Vec<V>> {
         let from = at;
         let mut points = Vec::new();
         match step.action {
-            Action::Dwell { .. } | Action::ChangeMode(_) => {}
+            Action::Dwell { .. } | Action::ChangeMode(_) | Action::Cross { .. } => {}
             Action::Line { to, .. } => {
                 at = V::new(to[0], to[1]);
                 let count = ((at - from).norm() / STEP).ceil().max(1.0);

@@ -2,13 +2,13 @@
 
 use crate::crossing::{case, number, pair, robot};
 use fivebar::input::robot::Robot;
-use fivebar::input::scenario::Scenario;
-use fivebar::run::crossing_move::crossing_move;
+use fivebar::input::scenario::{Scenario, crossing_move};
 use fivebar::run::link::{InProcess, Target};
 use fivebar::run::simulation::{Record, Sample, Simulation};
 use fivebar::study::crossing::task;
+use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::safety::{Fault, State};
-use fivebar_firmware::{Move, MoveKind, Request};
+use fivebar_firmware::{CrossingMove, Move, MoveKind, Planner, Request, Settings};
 use fivebar_kinematics::five_bar::Side;
 use fivebar_plant::Mismatch;
 use nalgebra::Vector2;
@@ -198,4 +198,152 @@ fn a_stuck_arm_loses_its_torque_in_the_stated_time_and_its_angles() {
         !before.powered && before.homed && before.in_zone == 0,
         "{before:?}"
     );
+}
+
+/// A crossing in a job goes there, and back to the first assembly mode.
+#[test]
+fn a_job_crosses_and_comes_back() {
+    let robot = Robot::load("sim-harness/robots/short_couplers.toml");
+    let robot = robot.or_else(|_| Robot::load("../sim-harness/robots/short_couplers.toml"));
+    let job = include_str!("../../../sim-harness/jobs/crossing.gcode");
+    let mut scenario = Scenario::new("crossing", robot.unwrap(), "crossing.gcode", job.into());
+    scenario.origin = Some([0.0; 2]);
+    for share in [None, Some(0.7)] {
+        scenario.time_optimal = share;
+        let job = scenario.job().unwrap();
+        scenario.check(&job).unwrap();
+        let (_, record) = scenario.simulate(&job, true, &mut |_| ()).unwrap();
+        assert_eq!(record.faults, []);
+        let samples = record.trace.samples();
+        let there = samples
+            .iter()
+            .rev()
+            .find(|sample| sample.line == 9)
+            .unwrap();
+        assert_eq!(assembly(&scenario.robot, there), Side::Right);
+        assert_eq!(
+            assembly(&scenario.robot, samples.last().unwrap()),
+            Side::Left
+        );
+        assert!(record.tip_error.max_m < 5e-4, "{:?}", record.tip_error);
+    }
+}
+
+/// The controller's own refusals, whatever the host has planned.
+#[test]
+fn the_controller_refuses_what_is_no_crossing() {
+    let case = case("short");
+    let robot = allowed(&case);
+    let [_, crossing] = moves(&case, &robot)[..] else {
+        panic!("two moves");
+    };
+    let MoveKind::Crossing(plan) = crossing.kind else {
+        panic!("a crossing");
+    };
+    let settings = robot.settings().unwrap();
+    let planner = |allowed| {
+        let settings = Settings {
+            crossing_allowed: allowed,
+            ..settings
+        };
+        Planner::new(&settings.check().unwrap())
+    };
+    let refusal = |plan, allowed| {
+        let next = Move {
+            kind: MoveKind::Crossing(plan),
+            ..crossing
+        };
+        let from = pair(&case["start"]).map(|value| value as f32);
+        planner(allowed)
+            .check(from, &next)
+            .map_err(|error| error.kind)
+    };
+    assert_eq!(refusal(plan, true), Ok(plan.to));
+    assert_eq!(refusal(plan, false), Err(MoveErrorKind::CrossingNotAllowed));
+    let [b0, b1, b2] = plan.law;
+    let [x, y] = plan.from;
+    let no_crossing = [
+        // Another beginning than the place of rest, another time of the singularity.
+        CrossingMove {
+            from: [x + 1e-4, y],
+            ..plan
+        },
+        CrossingMove {
+            crosses_at: 0.9 * plan.crosses_at,
+            ..plan
+        },
+        // Another acceleration in the singularity: s̈ by 3.5 1/s².
+        CrossingMove {
+            law: [b0, b1, b2 + 10.0],
+            ..plan
+        },
+        // An end before the singularity.
+        CrossingMove {
+            to: [0.05, 0.08],
+            ..plan
+        },
+    ];
+    for plan in no_crossing {
+        assert_eq!(
+            refusal(plan, true),
+            Err(MoveErrorKind::Crossing),
+            "{plan:?}"
+        );
+    }
+    let fast = CrossingMove {
+        duration: 0.03,
+        crosses_at: 0.1 * plan.crosses_at,
+        ..plan
+    };
+    assert!(matches!(
+        refusal(fast, true),
+        Err(MoveErrorKind::Overload(_))
+    ));
+    // Beyond the end of the line, and back.
+    let back = CrossingMove {
+        law: [b0 + 200.0, b1, b2],
+        ..plan
+    };
+    assert!(refusal(back, true).is_err());
+    for duration in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+        let plan = CrossingMove { duration, ..plan };
+        assert!(refusal(plan, true).is_err(), "{duration} s");
+    }
+}
+
+/// Where laws change, in the singularity and beside it, the demanded torque does not step. Encoders with 32 times
+/// the counts show it, because each count steps the torque, too.
+#[test]
+fn the_demanded_torque_is_continuous_from_law_to_law() {
+    let case = case("short");
+    for (counts, most) in [(524_288, [4e-4, 1.2e-3]), (16_384, [4e-3, 2.2e-2])] {
+        let mut scenario = scenario(allowed(&case), Mismatch::default());
+        for actuator in scenario.robot.actuators.iter_mut().flatten() {
+            actuator.encoder_counts = counts;
+        }
+        let record = run(&scenario, &moves(&case, &scenario.robot));
+        let (samples, at) = crossing_of(&case, &record);
+        let drives = scenario.robot.drives().unwrap();
+        let torque = |sample: &Sample, j: usize| {
+            sample.current_set_point[j] * drives[j].torque_constant * drives[j].gear_ratio
+        };
+        let sine = |sample: &Sample| {
+            let [theta1, theta4] = sample.angle;
+            let pose = scenario.robot.geometry.forward(theta1, theta4, Side::Left);
+            pose.map_or(0.0, |pose| pose.sin32().abs())
+        };
+        // In the singularity, and where one law takes over from the other.
+        let places: [&dyn Fn(&Sample) -> bool; 2] =
+            [&|sample| (sample.time - at).abs() < 2e-3, &|sample| {
+                (0.19..0.31).contains(&sine(sample))
+            }];
+        for (place, most) in places.into_iter().zip(most) {
+            let around = samples.windows(3).filter(|three| place(three[1]));
+            let steps = around.flat_map(|three| {
+                [0, 1].map(|j| (torque(three[2], j) - torque(three[0], j)).abs())
+            });
+            let step = steps.fold(0.0, f64::max);
+            assert!(0.0 < step && step < most, "{counts} counts: {step} N·m");
+        }
+    }
 }

@@ -114,6 +114,9 @@ pub enum GcodeError {
     /// Not both sides of the elbows, or another number than 1 and -1.
     #[error("M780 takes the sides of both elbows, such as I1 J-1: 1 is left, -1 is right")]
     Elbows,
+    /// Not all of X, Y and P, or a time that is not above zero.
+    #[error("M781 takes the end of the crossing and its time in s, such as X30 Y12 P0.3")]
+    Crossing,
     /// I and J together with R, or none of them.
     #[error("an arc takes I and J, or R")]
     ArcForm,

@@ -130,6 +130,9 @@ impl Interpreter {
         if let Some(sides) = line.elbows {
             self.elbows(number, sides)?;
         }
+        if let Some(values) = line.crossing {
+            self.crossing(number, values)?;
+        }
         let LineModes {
             coordinate_use,
             machine,
@@ -221,6 +224,29 @@ impl Interpreter {
         let mode = WorkingMode::new(side(elbow1)?, side(elbow4)?);
         self.approach()?;
         self.push(number, 0.0, Action::ChangeMode(mode));
+        Ok(())
+    }
+
+    /// M781: the tool goes straight to a point, through a singularity to the other assembly mode.
+    fn crossing(&mut self, number: u32, values: [Option<f64>; 3]) -> Result<(), GcodeError> {
+        let [Some(x), Some(y), Some(time)] = values else {
+            return Err(GcodeError::Crossing);
+        };
+        if !(time > 0.0 && time.is_finite()) {
+            return Err(GcodeError::Crossing);
+        }
+        self.approach()?;
+        let from = if self.modes.relative {
+            self.position
+        } else {
+            self.zero
+        };
+        for (axis, value) in [x, y].into_iter().enumerate() {
+            self.position[axis] = within_reach(from[axis] + value * self.modes.unit)?;
+        }
+        let to = self.place(self.position)?;
+        self.placed = Some(to);
+        self.push(number, 0.0, Action::Cross { to, time });
         Ok(())
     }
 

@@ -145,6 +145,13 @@ pub enum Action {
     },
     /// A change to this working mode; the tool goes back to its place.
     ChangeMode(WorkingMode),
+    /// Straight through a singularity of type 2 to the other assembly mode.
+    Cross {
+        /// The end [m].
+        to: [f64; 2],
+        /// Its time [s].
+        time: f64,
+    },
 }
 
 impl Step {
@@ -153,8 +160,8 @@ impl Step {
         self.tool > 0.0
     }
 
-    /// The step as a move, a rapid one at `rapid_speed` [m/s]. None for a change of the working mode,
-    /// whose moves depend on the arm.
+    /// The step as a move, a rapid one at `rapid_speed` [m/s]. None for a change of the working or the
+    /// assembly mode, whose moves depend on the arm.
     pub(crate) fn as_move(&self, rapid_speed: f64) -> Option<Move> {
         let single = |[x, y]: [f64; 2]| [x as f32, y as f32];
         let kind = match self.action {
@@ -176,7 +183,7 @@ impl Step {
             Action::Dwell { duration } => MoveKind::Dwell {
                 duration: duration as f32,
             },
-            Action::ChangeMode(_) => return None,
+            Action::ChangeMode(_) | Action::Cross { .. } => return None,
         };
         Some(Move {
             tag: self.line,
@@ -190,7 +197,7 @@ impl Action {
     /// The position of the tool afterwards [m]; none if it stays or comes back.
     pub fn end(&self) -> Option<[f64; 2]> {
         match *self {
-            Self::Line { to, .. } | Self::Arc { to, .. } => Some(to),
+            Self::Line { to, .. } | Self::Arc { to, .. } | Self::Cross { to, .. } => Some(to),
             Self::Dwell { .. } | Self::ChangeMode(_) => None,
         }
     }
@@ -198,7 +205,9 @@ impl Action {
     /// The length of its path, with the tool at `from` before it [m].
     pub fn length(&self, from: [f64; 2]) -> f64 {
         match *self {
-            Self::Line { to, .. } => (to[0] - from[0]).hypot(to[1] - from[1]),
+            Self::Line { to, .. } | Self::Cross { to, .. } => {
+                (to[0] - from[0]).hypot(to[1] - from[1])
+            }
             Self::Arc {
                 to,
                 center,
@@ -259,10 +268,11 @@ impl Job {
         steps.filter_map(move |step| step.as_move(rapid_speed))
     }
 
-    /// The first line that changes the working mode.
+    /// The first line that changes the working mode or the assembly mode.
     pub fn first_change_of_mode(&self) -> Option<u32> {
         let mut steps = self.steps.iter();
-        let change = steps.find(|step| matches!(step.action, Action::ChangeMode(_)))?;
+        let change = steps
+            .find(|step| matches!(step.action, Action::ChangeMode(_) | Action::Cross { .. }))?;
         Some(change.line)
     }
 
@@ -271,7 +281,7 @@ impl Job {
         let mut moved = self.clone();
         for step in &mut moved.steps {
             match &mut step.action {
-                Action::Line { to, .. } => *to = placement.place(*to),
+                Action::Line { to, .. } | Action::Cross { to, .. } => *to = placement.place(*to),
                 Action::Arc { to, center, .. } => {
                     *to = placement.place(*to);
                     *center = placement.place(*center);

@@ -225,7 +225,7 @@ impl Interpreter {
         Ok(self.placement.unplace(point))
     }
 
-    fn place(&self, point: [f64; 2]) -> Result<[f64; 2], GcodeError> {
+    pub(super) fn place(&self, point: [f64; 2]) -> Result<[f64; 2], GcodeError> {
         let [x, y] = self.placement.place(point);
         Ok([within_reach(x)?, within_reach(y)?])
     }

@@ -9,6 +9,8 @@ use super::error::quoted;
 
 /// The M code that changes the working mode.
 const CHANGE_MODE: u32 = 780;
+/// The M code that crosses to the other assembly mode.
+const CROSS: u32 = 781;
 
 /// A code by letter, number and decimal: G91.1 is `('G', 91, 1)`.
 pub(super) type Code = (char, u32, u32);
@@ -26,6 +28,8 @@ pub(super) struct Line {
     pub(super) system_command: Option<String>,
     /// The sides of M780, by I and J.
     pub(super) elbows: Option<[Option<f64>; 2]>,
+    /// The end and the time of M781, by X, Y and P.
+    pub(super) crossing: Option<[Option<f64>; 3]>,
     /// The words of the G codes, and the words without a code.
     words: Vec<(char, f64)>,
 }
@@ -134,14 +138,17 @@ impl Line {
                         is_unknown = false;
                         let mut sides = [None; 2];
                         for word in code.args {
-                            let side = match word.letter.to_ascii_uppercase() {
-                                'I' => &mut sides[0],
-                                'J' => &mut sides[1],
-                                letter => return Err(GcodeError::StrayWord(letter)),
-                            };
-                            *side = Some(value_at(word.span)?);
+                            *own(&mut sides, "IJ", word.letter)? = Some(value_at(word.span)?);
                         }
                         line.elbows = Some(sides);
+                    }
+                    gcode::Code::Miscellaneous(code) if code.number.major() == CROSS => {
+                        is_unknown = false;
+                        let mut values = [None; 3];
+                        for word in code.args {
+                            *own(&mut values, "XYP", word.letter)? = Some(value_at(word.span)?);
+                        }
+                        line.crossing = Some(values);
                     }
                     gcode::Code::Miscellaneous(code) => {
                         is_unknown = !is_supported(code.number.major());
@@ -198,6 +205,17 @@ impl Line {
     }
 }
 
+/// The value that a code's own letter sets.
+fn own<'a>(
+    values: &'a mut [Option<f64>],
+    letters: &str,
+    letter: char,
+) -> Result<&'a mut Option<f64>, GcodeError> {
+    let letter = letter.to_ascii_uppercase();
+    let place = letters.find(letter).and_then(|place| values.get_mut(place));
+    place.ok_or(GcodeError::StrayWord(letter))
+}
+
 /// The words of a line, each of which is taken once.
 #[derive(Debug)]
 pub(super) struct Words(Vec<(char, f64)>);
@@ -221,7 +239,10 @@ impl Words {
 
 /// Whether the interpreter knows an M code. Motion words may follow it on its line.
 fn is_supported(number: u32) -> bool {
-    matches!(number, 0..=9 | 30 | 106 | 107 | 280 | 300 | CHANGE_MODE)
+    matches!(
+        number,
+        0..=9 | 30 | 106 | 107 | 280 | 300 | CHANGE_MODE | CROSS
+    )
 }
 
 fn named(letter: char, number: gcode::core::Number) -> Code {

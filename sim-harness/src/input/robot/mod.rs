@@ -4,6 +4,7 @@
 mod builtin;
 mod check;
 mod consistency;
+mod crossing;
 mod draft;
 mod drive;
 mod file;
@@ -22,6 +23,7 @@ mod workspace;
 
 pub use builtin::{BUILT_IN, BuiltIn};
 pub(crate) use consistency::robot_file_message;
+pub use crossing::CrossingRefusal;
 pub use draft::{Draft, DraftError, Motor};
 pub use file::{Actuator, Control, Crossing, Limits, Protection, Supply, Tool, ToolLimits};
 pub use home::HomeError;

@@ -1,5 +1,6 @@
 //! Scenarios: a robot, a job, a mismatch and injected faults.
 
+mod crossing;
 mod fault_entry;
 mod file;
 mod mode_change;
@@ -10,6 +11,7 @@ use crate::input::robot::{HomeError, Robot};
 use crate::input::source::FileError;
 use fivebar_plant::{FaultKind, Mismatch, PlantFault, Wiring};
 
+pub use crossing::crossing_move;
 pub use mode_change::{ModeChangeError, RefusedModeChange, change_of_mode};
 pub(crate) use placement::RefusedMove;
 pub use placement::{FitError, place_in_job};

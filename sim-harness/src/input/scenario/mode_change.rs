@@ -2,7 +2,10 @@
 //! through a stretched or folded leg.
 
 use super::Scenario;
+use super::crossing::crossing_moves;
 use crate::input::job::{Action, Job};
+use crate::input::robot::CrossingRefusal;
+use fivebar_design::crossing::CrossingError;
 use fivebar_design::joint_path::way;
 use fivebar_firmware::planner::{MoveErrorKind, Planner};
 use fivebar_firmware::{Move, MoveKind};
@@ -19,7 +22,7 @@ const SPEED: f32 = 0.4;
 const SLACK: f32 = 0.01;
 
 /// Why the working mode is not changed.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ModeChangeError {
     /// The tool cannot be at this point with these elbows.
@@ -62,13 +65,19 @@ pub enum ModeChangeError {
         /// Its reason.
         reason: MoveErrorKind,
     },
+    /// The robot crosses no singularity.
+    #[error(transparent)]
+    NoCrossing(#[from] CrossingRefusal),
+    /// The crossing cannot be planned.
+    #[error(transparent)]
+    Crossing(#[from] CrossingError),
     /// The arm has no masses, or its settings are not valid.
     #[error("a change of the working mode needs an arm with masses and valid settings")]
     NoPlanner,
 }
 
 /// A change of the working mode that a line of a job asks for and that cannot be done.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("line {line}: {error}")]
 pub struct RefusedModeChange {
     /// The line.
@@ -216,29 +225,39 @@ fn single(angles: [f64; 2]) -> [f32; 2] {
 }
 
 impl Scenario {
-    /// The moves of a job that changes the working mode, for an arm that is in `mode` before them.
+    /// The moves of a job that changes the working or the assembly mode, for an arm that is in `mode`
+    /// before them.
     pub(super) fn moves_with_changes(
         &self,
-        planner: &Planner,
+        mut planner: Planner,
         mut mode: WorkingMode,
         job: &Job,
     ) -> Result<Vec<Move>, RefusedModeChange> {
         let mut moves = Vec::with_capacity(job.steps.len());
         let mut at: Option<[f64; 2]> = None;
         for step in &job.steps {
-            let Action::ChangeMode(wanted) = step.action else {
-                moves.extend(step.as_move(self.robot.motion.max_speed));
-                at = step.action.end().or(at);
-                continue;
-            };
+            let line = step.line;
+            let refused = |error| RefusedModeChange { line, error };
             // A change follows the way to its place.
             let place = at.unwrap_or_default();
-            let corners = joints_at(planner.workspace(), single(place), mode)
-                .and_then(|from| change_of_mode(planner, from, wanted));
-            let line = step.line;
-            let corners = corners.map_err(|error| RefusedModeChange { line, error })?;
-            moves.extend(joint_moves(&corners, line));
-            mode = wanted;
+            match step.action {
+                Action::ChangeMode(wanted) => {
+                    let corners = joints_at(planner.workspace(), single(place), mode)
+                        .and_then(|from| change_of_mode(&planner, from, wanted));
+                    moves.extend(joint_moves(&corners.map_err(refused)?, line));
+                    mode = wanted;
+                }
+                Action::Cross { to, time } => {
+                    let crossing = crossing_moves(&self.robot, mode, [place, to], time, line);
+                    moves.extend(crossing.map_err(refused)?);
+                    planner = planner.in_other_assembly();
+                    at = Some(to);
+                }
+                _ => {
+                    moves.extend(step.as_move(self.robot.motion.max_speed));
+                    at = step.action.end().or(at);
+                }
+            }
         }
         Ok(moves)
     }

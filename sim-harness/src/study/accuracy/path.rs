@@ -67,7 +67,9 @@ pub fn path_accuracy(
             Action::Line { to, feed } => (to, feed.unwrap_or(robot.motion.max_speed)),
             Action::Arc { to, feed, .. } => (to, feed),
             Action::Dwell { .. } => continue,
-            Action::ChangeMode(_) => return Err(AccuracyStudyError::ChangeOfMode(step.line)),
+            Action::ChangeMode(_) | Action::Cross { .. } => {
+                return Err(AccuracyStudyError::ChangeOfMode(step.line));
+            }
         };
         let to = Vector2::new(to[0], to[1]);
         if let Some(from) = from

@@ -34,7 +34,7 @@ const MOST_TRIED: usize = 8;
 const APPROACH_SPEED: f32 = 0.3;
 
 /// A move of a job that cannot be done.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub(crate) enum RefusedMove {
     #[error(transparent)]
     Move(#[from] MoveError),
@@ -247,7 +247,7 @@ impl Scenario {
             Some(line) => {
                 let refuse = |error| RefusedModeChange { line, error };
                 let planner = self.planner().ok_or(ModeChangeError::NoPlanner);
-                self.moves_with_changes(&planner.map_err(refuse)?, mode, job)?
+                self.moves_with_changes(planner.map_err(refuse)?, mode, job)?
             }
         };
         if let Some(last) = moves.last().filter(|last| last.tool > 0)

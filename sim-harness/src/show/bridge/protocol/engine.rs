@@ -264,7 +264,7 @@ impl Engine {
             self.stream = before;
             return Err(Refusal::new(
                 20,
-                "M780 is not for senders: change the working mode on the page, or in a job of sim, drive or serve",
+                "M780 and M781 are not for senders: change the mode on the page, or in a job of sim, drive or serve",
             ));
         }
         let is_shifted = self.stream.zero() != before.zero();

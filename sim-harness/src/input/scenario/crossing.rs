@@ -1,7 +1,10 @@
-//! Crossings as moves of a controller.
+//! Crossings of the singularity of type 2, to the other assembly mode, as moves of a controller.
 
+use super::ModeChangeError;
+use crate::input::robot::Robot;
 use fivebar_design::crossing::{CrossingPlan, CrossingTask};
-use fivebar_firmware::{CrossingMove, MoveKind};
+use fivebar_firmware::{CrossingMove, Move, MoveKind};
+use fivebar_kinematics::five_bar::WorkingMode;
 
 /// A plan as a move. Its law has the same s, ṡ and s̈ in the singularity, so it is the same polynomial.
 pub fn crossing_move(task: &CrossingTask<'_>, plan: &CrossingPlan) -> MoveKind {
@@ -25,4 +28,25 @@ pub fn crossing_move(task: &CrossingTask<'_>, plan: &CrossingPlan) -> MoveKind {
         crosses_at: single(plan.t_c),
         law: [b0, b1, b2].map(single),
     })
+}
+
+/// The moves of a crossing between two points [m] in `time` [s], in a working mode. The first lifts the
+/// tool.
+pub(super) fn crossing_moves(
+    robot: &Robot,
+    mode: WorkingMode,
+    ends: [[f64; 2]; 2],
+    time: f64,
+    tag: u32,
+) -> Result<[Move; 2], ModeChangeError> {
+    // The controller gets these points.
+    let ends = ends.map(|end| end.map(|value| f64::from(value as f32)));
+    let task = CrossingTask {
+        mode,
+        ..robot.crossing_task(ends, time)?
+    };
+    let plan = task.plan()?;
+    let lift = MoveKind::Dwell { duration: 0.0 };
+    let kinds = [lift, crossing_move(&task, &plan)];
+    Ok(kinds.map(|kind| Move { tag, tool: 0, kind }))
 }
