@@ -88,7 +88,10 @@ impl Servo {
     /// The open loop from 1 rad/s to half the tick rate, finely where it changes fast.
     pub fn loci(&self, gains: &Gains) -> Vec<LoopPoint> {
         let laws = self.laws(gains);
-        let at = |omega: f64| self.point(&laws, &self.arm_response(omega));
+        let at = |omega: f64| LoopPoint {
+            omega,
+            loci: self.loci_at(&laws, &self.arm_response(omega)),
+        };
         let mut points: Vec<LoopPoint> = Vec::new();
         for omega in self.frequencies(POINTS) {
             let next = at(omega);
@@ -100,12 +103,9 @@ impl Servo {
         points
     }
 
-    /// The open loop at one frequency, its eigenvalues in any order.
-    pub(super) fn point(&self, laws: &[Law; 2], arm: &ArmResponse) -> LoopPoint {
-        LoopPoint {
-            omega: arm.omega,
-            loci: eigenvalues(&self.open_loop(laws, arm).response),
-        }
+    /// The eigenvalues of the open loop at one frequency, in any order.
+    pub(super) fn loci_at(&self, laws: &[Law; 2], arm: &ArmResponse) -> [Complex<f64>; 2] {
+        eigenvalues(&self.open_loop(laws, arm).response)
     }
 
     /// The margins at this pose. They are those of a stable loop only if

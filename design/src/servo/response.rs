@@ -2,7 +2,7 @@
 
 use super::arm::Servo;
 use super::law::{Gains, Law};
-use nalgebra::{DMatrix, Matrix2, Vector2};
+use nalgebra::{DMatrix, Matrix2};
 use num_complex::Complex;
 
 type C = Complex<f64>;
@@ -10,8 +10,6 @@ type C = Complex<f64>;
 /// What the arm does at one frequency: currents and encoder angles for voltages.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ArmResponse {
-    /// ω [rad/s].
-    pub(super) omega: f64,
     z: C,
     currents: Matrix2<C>,
     angles: Matrix2<C>,
@@ -49,7 +47,6 @@ impl Servo {
         let matrix =
             |rows: [[C; 2]; 2]| Matrix2::new(rows[0][0], rows[0][1], rows[1][0], rows[1][1]);
         ArmResponse {
-            omega,
             z,
             currents: matrix([0, 1].map(|j| [currents[j][0], currents[j][1]])),
             angles: matrix([0, 1].map(|j| [rows[j][(0, 0)], rows[j][(0, 1)]])),
@@ -67,37 +64,58 @@ impl Servo {
     pub(super) fn open_loop(&self, laws: &[Law; 2], arm: &ArmResponse) -> OpenLoop {
         let z = arm.z;
         let one = C::new(1.0, 0.0);
-        let diagonal = |of: [C; 2]| Matrix2::from_diagonal(&Vector2::from(of));
-        let estimates = laws.map(|law| Estimate::new(&law, z));
-        let current = [0, 1].map(|j: usize| {
-            let law = &laws[j];
-            law.current_integral / (z - one) + law.current_gain
-        });
-        let back_emf = [0, 1].map(|j: usize| estimates[j].velocity * laws[j].back_emf);
+        let estimates = [Estimate::new(&laws[0], z), Estimate::new(&laws[1], z)];
+        let current = |j: usize| laws[j].current_integral / (z - one) + laws[j].current_gain;
+        let (current1, current4) = (current(0), current(1));
+        let back_emf = |j: usize| estimates[j].velocity * laws[j].back_emf;
         // v = C (τ/(N k) − i) + Ke ω̂.
-        let volts = Matrix2::identity() + diagonal(current) * arm.currents
-            - diagonal(back_emf) * arm.angles;
-        let per_torque = [0, 1].map(|j: usize| current[j] / self.drives[j].torque_per_current);
+        let volts = Matrix2::identity() + rows(current1, current4, &arm.currents)
+            - rows(back_emf(0), back_emf(1), &arm.angles);
+        let per_torque = |j: usize, current: C| current / self.drives[j].torque_per_current;
         let nan = Matrix2::from_element(C::new(f64::NAN, 0.0));
-        let volts = volts.try_inverse().unwrap_or(nan) * diagonal(per_torque);
+        let volts = columns(
+            &volts.try_inverse().unwrap_or(nan),
+            per_torque(0, current1),
+            per_torque(1, current4),
+        );
         let feedback = self.feedback(laws, z, &estimates);
         OpenLoop {
-            response: feedback * arm.angles * volts,
+            response: product(&product(&feedback, &arm.angles), &volts),
             feedback,
         }
     }
 
     /// M K(z): the torques demanded against encoder angles.
     fn feedback(&self, laws: &[Law; 2], z: C, estimates: &[Estimate; 2]) -> Matrix2<C> {
-        let feedback = [0, 1].map(|j: usize| {
+        let feedback = |j: usize| {
             let (law, estimate) = (&laws[j], &estimates[j]);
             let integral = law.integral_gain / (z - 1.0);
             estimate.angle * law.angle_gain
                 + estimate.velocity * law.velocity_gain
                 + (estimate.angle + estimate.velocity * law.lead) * integral
-        });
-        self.mass_matrix.map(|m| C::new(m, 0.0)) * Matrix2::from_diagonal(&Vector2::from(feedback))
+        };
+        let mass = self.mass_matrix.map(|m| C::new(m, 0.0));
+        columns(&mass, feedback(0), feedback(1))
     }
+}
+
+// Products of 2×2 matrices, written out: a search asks for some hundred thousand of them, and
+// nalgebra's general product takes several times longer in a build for tests.
+
+/// A B.
+fn product(a: &Matrix2<C>, b: &Matrix2<C>) -> Matrix2<C> {
+    let entry = |i: usize, j: usize| a[(i, 0)] * b[(0, j)] + a[(i, 1)] * b[(1, j)];
+    Matrix2::new(entry(0, 0), entry(0, 1), entry(1, 0), entry(1, 1))
+}
+
+/// diag(x, y) A.
+fn rows(x: C, y: C, a: &Matrix2<C>) -> Matrix2<C> {
+    Matrix2::new(x * a.m11, x * a.m12, y * a.m21, y * a.m22)
+}
+
+/// A diag(x, y).
+fn columns(a: &Matrix2<C>, x: C, y: C) -> Matrix2<C> {
+    Matrix2::new(a.m11 * x, a.m12 * y, a.m21 * x, a.m22 * y)
 }
 
 /// θ̂ and ω̂ for the measured angle.

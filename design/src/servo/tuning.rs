@@ -54,7 +54,7 @@ impl Tuning {
 /// margin; none if there is no pose, or if no loop is stable.
 pub fn tune(poses: &[Servo]) -> Option<Tuning> {
     let period = poses.first()?.period;
-    let arms: Vec<Responses> = poses.iter().map(Responses::of).collect();
+    let mut search = Search::of(poses);
     let mut best: Option<Tuning> = None;
     for step in 0..STEPS {
         let bandwidth = tidy(HIGHEST / period * RATIO.powi(step as i32));
@@ -71,8 +71,10 @@ pub fn tune(poses: &[Servo]) -> Option<Tuning> {
                 };
                 let possible = gains.bandwidth <= 0.25 * gains.current_bandwidth
                     && gains.observer_bandwidth <= 1.0 / period;
-                if possible {
-                    let tuning = judge(poses, &arms, gains, greatest.min(TARGET_MODULUS));
+                if !possible {
+                    continue;
+                }
+                if let Some(tuning) = search.judge(gains, greatest.min(TARGET_MODULUS)) {
                     greatest = greatest.max(tuning.modulus);
                     here.push(tuning);
                 }
@@ -132,28 +134,55 @@ impl Responses {
     }
 }
 
-/// Margin and noise at all poses. Gains with a margin below `least` are of no use, so their
-/// judgement ends at the first point that shows it.
-fn judge(poses: &[Servo], arms: &[Responses], gains: Gains, least: f64) -> Tuning {
-    let mut tuning = Tuning {
-        gains,
-        modulus: f64::INFINITY,
-        noise: 0.0,
-    };
-    for (servo, responses) in poses.iter().zip(arms) {
-        let laws = servo.laws(&gains);
-        for arm in &responses.loci {
+/// A search among gains for the arm that `poses` stand for.
+struct Search<'a> {
+    poses: &'a [Servo],
+    responses: Vec<Responses>,
+    /// The pose, and the point of its loci, that refused gains last: they are likely to refuse
+    /// the next, too, so they are asked first.
+    critical: (usize, usize),
+}
+
+impl<'a> Search<'a> {
+    fn of(poses: &'a [Servo]) -> Self {
+        Self {
+            poses,
+            responses: poses.iter().map(Responses::of).collect(),
+            critical: (0, 0),
+        }
+    }
+
+    /// Margin and noise at all poses; none if the margin is below `least`.
+    fn judge(&mut self, gains: Gains, least: f64) -> Option<Tuning> {
+        let laws: Vec<[Law; 2]> = self.poses.iter().map(|servo| servo.laws(&gains)).collect();
+        let distance = |(pose, point): (usize, usize)| {
             // The order of two eigenvalues does not matter to the distance of points from −1.
-            for locus in servo.point(&laws, arm).loci {
-                tuning.modulus = tuning.modulus.min((locus + 1.0).norm());
-            }
-            if tuning.modulus < least {
-                return tuning;
+            let loci = self.poses[pose].loci_at(&laws[pose], &self.responses[pose].loci[point]);
+            (loci[0] + 1.0).norm().min((loci[1] + 1.0).norm())
+        };
+        if distance(self.critical) < least {
+            return None;
+        }
+        let mut modulus = f64::INFINITY;
+        for (pose, responses) in self.responses.iter().enumerate() {
+            for point in 0..responses.loci.len() {
+                modulus = modulus.min(distance((pose, point)));
+                if modulus < least {
+                    self.critical = (pose, point);
+                    return None;
+                }
             }
         }
-        tuning.noise = tuning.noise.max(servo.noise_at(&laws, &responses.noise));
+        let noises = self.poses.iter().zip(&laws).zip(&self.responses);
+        let noise = noises
+            .map(|((servo, laws), responses)| servo.noise_at(laws, &responses.noise))
+            .fold(0.0, f64::max);
+        Some(Tuning {
+            gains,
+            modulus,
+            noise,
+        })
     }
-    tuning
 }
 
 impl Servo {
