@@ -9,7 +9,11 @@ exec </dev/null
 export CARGO_TERM_COLOR=${CARGO_TERM_COLOR:-never}
 
 format() { cargo fmt --all --check; }
-lint() { cargo clippy --workspace --all-targets --features fivebar-tests/emulator --quiet -- -D warnings; }
+lint() {
+    cargo clippy --workspace --all-targets --quiet -- -D warnings
+    cargo clippy --workspace --all-targets --quiet \
+        --features fivebar-tests/emulator,fivebar/mcap,fivebar/png -- -D warnings
+}
 docs() { scripts/docs.sh; }
 # Whether the mistakes that are seeded into the firmware still find their places in it.
 mistakes() {
@@ -18,7 +22,11 @@ mistakes() {
 }
 licences() { scripts/licences.sh; }
 file_lengths() { scripts/file-lengths.sh; }
-tests() { cargo test; }
+# What needs a feature of the program has a word in its name by which it is chosen.
+tests() {
+    cargo test
+    cargo test --package fivebar --features mcap,png -- mcap log image
+}
 # Each published crate as a package, compiled from its own archive. Each run takes a new target folder, because
 # cargo unpacks an archive once for each path and version: at a known path it would compile the crates of an older run.
 package() {

@@ -139,7 +139,7 @@ run() {
     done < <(grep -oE -- '(--out|--log) [^ ]+' <<<"$command")
 }
 
-cargo build --release --quiet --package fivebar
+cargo build --release --quiet --package fivebar --features png,mcap
 rm -rf "$scratch"
 mkdir -p "$scratch"
 ln -s "$root/sim-harness" "$scratch/sim-harness"
@@ -148,7 +148,7 @@ declare -A seen
 count=0
 skipped=0
 while IFS=$'\t' read -r place shown comment; do
-    command=$(sed -E -e "s#cargo run --release( --( |\$)|\$)#$program\2#" \
+    command=$(sed -E -e "s#cargo run --release( --features [a-z,]+)?( --( |\$)|\$)#$program\3#" \
         -e "s#(^|\| )fivebar( |\$)#\1$program\2#" <<<"$shown")
     started=$SECONDS
     if why=$(reason_not_to_run "$shown"); then

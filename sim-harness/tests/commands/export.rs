@@ -1,9 +1,9 @@
 //! The command `fivebar export`. The contents of the models are checked by the programs that
 //! read them (scripts/peers.sh).
 
-use resvg::usvg::roxmltree::Document;
 use std::path::Path;
 use std::process::{Command, Output};
+use usvg::roxmltree::Document;
 
 fn export(arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_fivebar"));

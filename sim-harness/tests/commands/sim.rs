@@ -149,6 +149,14 @@ fn a_folder_that_cannot_be_written_is_refused_before_the_run() {
     bench.assert_refused(&[PETAL, "--out", "taken/out"], 1, &["taken/out", "--out"]);
 }
 
+#[cfg(not(feature = "mcap"))]
+#[test]
+fn a_log_is_refused_before_the_run_by_a_program_without_mcap() {
+    let bench = Bench::new();
+    bench.assert_refused(&[PETAL, "--log", "run.mcap"], 1, &["--features mcap"]);
+}
+
+#[cfg(feature = "mcap")]
 #[test]
 fn a_log_that_cannot_be_written_is_refused_before_the_run() {
     let bench = Bench::new();

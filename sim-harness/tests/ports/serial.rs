@@ -76,10 +76,7 @@ fn a_job_over_a_port_runs_to_its_end() {
     let board = Board::start(Some(arm::driving()));
     let job = job();
     let log = tempfile::NamedTempFile::new().expect("a temporary file");
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let mcap = folder.path().join("logs/run.mcap");
     let trace = ["--trace", log.path().to_str().expect("UTF-8 text")];
-    let trace = [&trace[..], &["--log", mcap.to_str().expect("UTF-8 text")]].concat();
     let (status, out, err) = end(board.fivebar(&[&drive(&job)[..], &trace].concat()));
     assert_eq!(status, Some(0), "{out}{err}");
     assert!(out.contains("25 moves done, bridges off"), "{out}");
@@ -88,6 +85,18 @@ fn a_job_over_a_port_runs_to_its_end() {
         log.contains("> HostMessage") && log.contains("Taken"),
         "{log}"
     );
+}
+
+#[cfg(feature = "mcap")]
+#[test]
+fn a_job_over_a_port_is_logged() {
+    let board = Board::start(Some(arm::driving()));
+    let job = job();
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mcap = folder.path().join("logs/run.mcap");
+    let log = ["--log", mcap.to_str().expect("UTF-8 text")];
+    let (status, out, err) = end(board.fivebar(&[&drive(&job)[..], &log].concat()));
+    assert_eq!(status, Some(0), "{out}{err}");
     let mcap = std::fs::read(mcap).expect("the log is written");
     let messages = mcap::MessageStream::new(&mcap).expect("MCAP");
     let tool_messages = messages.filter(|it| it.as_ref().unwrap().channel.topic == "/run");

@@ -4,7 +4,6 @@ use super::failure::{Failure, refused};
 use super::say::leave_output_to;
 use crate::input::robot::Robot;
 use crate::run::simulation::Trace;
-use crate::show::export::mcap;
 use crate::show::files::OutputFolder;
 use crate::show::files::write_whole;
 use std::path::PathBuf;
@@ -12,7 +11,8 @@ use std::path::PathBuf;
 /// The option for the log of a run.
 #[derive(clap::Args)]
 pub(super) struct LogArgs {
-    /// Also write a log of the run as MCAP, for Foxglove; `-` for the standard output.
+    /// Also write a log of the run as MCAP, for Foxglove; `-` for the standard output. The program
+    /// must be built with `--features mcap`.
     #[arg(long, value_name = "FILE.mcap")]
     log: Option<PathBuf>,
 }
@@ -23,6 +23,9 @@ impl LogArgs {
         let Some(log) = &self.log else {
             return Ok(());
         };
+        if !cfg!(feature = "mcap") {
+            return Err(refused(WITHOUT_MCAP));
+        }
         leave_output_to(log);
         if log.is_dir() {
             return Err(refused(format!(
@@ -39,7 +42,20 @@ impl LogArgs {
         let Some(path) = &self.log else {
             return Ok(());
         };
-        let bytes = mcap(robot, trace).map_err(refused)?;
-        write_whole(path, bytes).map_err(refused)
+        write_whole(path, mcap(robot, trace)?).map_err(refused)
     }
+}
+
+/// Why a build without the feature `mcap` refuses a log.
+const WITHOUT_MCAP: &str =
+    "--log: this program was built without MCAP; build it with `--features mcap`";
+
+#[cfg(feature = "mcap")]
+fn mcap(robot: &Robot, trace: &Trace) -> Result<Vec<u8>, Failure> {
+    crate::show::export::mcap(robot, trace).map_err(refused)
+}
+
+#[cfg(not(feature = "mcap"))]
+fn mcap(_: &Robot, _: &Trace) -> Result<Vec<u8>, Failure> {
+    Err(refused(WITHOUT_MCAP))
 }

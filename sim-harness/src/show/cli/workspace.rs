@@ -6,7 +6,9 @@ use super::value_error::ValueError;
 use crate::input::robot::{BuiltIn, Robot};
 use crate::show::export::workspace_csv;
 use crate::show::files::OutputFolder;
-use crate::show::picture::{png, svg};
+#[cfg(feature = "png")]
+use crate::show::picture::png;
+use crate::show::picture::svg;
 use crate::show::text;
 use crate::study::workspace::WorkspaceStudy;
 use fivebar_kinematics::five_bar::{Side, WorkingMode};
@@ -14,14 +16,15 @@ use std::path::PathBuf;
 
 /// Maps the workspace of an arm: areas, singularities, condition number.
 ///
-/// Prints the areas and the largest clear rectangle of every branch. workspace.svg and .png
-/// draw the map of one working mode, workspace.csv lists the cells of all.
+/// Prints the areas and the largest clear rectangle of every branch. workspace.svg draws the map
+/// of one working mode, workspace.csv lists the cells of all. A program built with
+/// `--features png` draws workspace.png, too.
 #[derive(clap::Args)]
 pub(super) struct Args {
     /// A robot file, or the name of a built-in robot.
     #[arg(default_value = BuiltIn::DEFAULT)]
     robot: String,
-    /// The folder for workspace.svg, workspace.png and workspace.csv.
+    /// The folder for workspace.svg and workspace.csv.
     #[arg(long, value_name = "DIR", default_value = "out/workspace")]
     out: PathBuf,
     /// The working mode to draw: the sides of elbows 1 and 4; by default the robot's own.
@@ -34,6 +37,13 @@ pub(super) struct Args {
     #[arg(long)]
     json: bool,
 }
+
+/// The names of the files, as a shell would write them.
+const WRITTEN: &str = if cfg!(feature = "png") {
+    "workspace.{svg,png,csv}"
+} else {
+    "workspace.{svg,csv}"
+};
 
 fn working_mode(text: &str) -> Result<WorkingMode, ValueError> {
     let side = |name: &str| match name.trim() {
@@ -63,14 +73,16 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let study = WorkspaceStudy::new(&robot, args.resolution).map_err(refused)?;
     let mode = args.branch.unwrap_or(robot.working_mode());
     let picture = svg(&study, mode).map_err(refused)?;
+    let table = workspace_csv(&study);
+    #[cfg(feature = "png")]
     let image = png(&picture).map_err(refused)?;
-    folder
-        .write(&[
-            ("workspace.svg", &picture),
-            ("workspace.png", &image),
-            ("workspace.csv", &workspace_csv(&study)),
-        ])
-        .map_err(refused)?;
+    let files: &[(&str, &dyn AsRef<[u8]>)] = &[
+        ("workspace.svg", &picture),
+        #[cfg(feature = "png")]
+        ("workspace.png", &image),
+        ("workspace.csv", &table),
+    ];
+    folder.write(files).map_err(refused)?;
     if args.json {
         let mut answer = study.answer();
         answer["out_dir"] = folder.path().display().to_string().into();
@@ -79,7 +91,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         print(text::workspace(&study))?;
         say(format_args!(
             "wrote {}",
-            folder.path().join("workspace.{svg,png,csv}").display()
+            folder.path().join(WRITTEN).display()
         ))?;
     }
     Ok(())

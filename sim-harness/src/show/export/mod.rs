@@ -3,9 +3,11 @@
 
 mod dot;
 mod linkage_csv;
+#[cfg(feature = "mcap")]
 mod mcap;
 mod mjcf;
 mod motion_log;
+#[cfg(feature = "mcap")]
 mod scene;
 mod table;
 mod trace_csv;
@@ -15,6 +17,7 @@ mod xml;
 
 pub use dot::dot;
 pub use linkage_csv::linkage_csv;
+#[cfg(feature = "mcap")]
 pub use mcap::mcap;
 pub use mjcf::mjcf;
 pub use motion_log::motion_csv;

@@ -6,10 +6,12 @@ mod axes;
 mod bands;
 mod legend;
 mod plate;
+#[cfg(feature = "png")]
 mod png;
 mod validation;
 
 pub use plate::plate;
+#[cfg(feature = "png")]
 pub use png::{PngError, png};
 pub use validation::{DrawnPoint, validation};
 

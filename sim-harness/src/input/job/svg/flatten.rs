@@ -4,7 +4,7 @@
 //! cubic, |B″| ≤ 6 max(|P0 − 2 P1 + P2|, |P1 − 2 P2 + P3|); for a quadratic, B″ = 2 (P0 − 2 P1 + P2).
 //! So many equal intervals are taken that this bound is the tolerance.
 
-use resvg::usvg::tiny_skia_path::{PathSegment, Point as PathPoint};
+use usvg::tiny_skia_path::{PathSegment, Point as PathPoint};
 
 /// Most points of a drawing.
 const MOST_POINTS: usize = 1_000_000;

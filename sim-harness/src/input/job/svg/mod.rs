@@ -11,8 +11,8 @@ mod order;
 use super::motion::{MIN_LENGTH, within_reach};
 use super::{Action, Job, JobError, JobOptions, Placement, Step, Warning, WarningKind};
 use flatten::Flattener;
-use resvg::usvg::{self, Group, Node, Options, Transform, Tree};
 use std::sync::Arc;
+use usvg::{Group, Node, Options, Transform, Tree};
 
 /// Metres per pixel: an inch has 96 pixels in SVG.
 const PIXEL: f64 = 25.4e-3 / 96.0;
