@@ -3,6 +3,7 @@
 #[path = "../shared/rig.rs"]
 mod rig;
 
+mod crossing;
 mod current_zeros;
 mod drives;
 mod either_joint;

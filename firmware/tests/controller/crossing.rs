@@ -1,0 +1,224 @@
+//! A crossing: what is refused, what its monitors tolerate, and how it ends. The bench has no arm that passes
+//! a singularity, so its cranks follow their reference, or do what a test makes them do.
+
+use crate::rig::{Bench, WAKING_TICKS, with};
+use fivebar_firmware::controller::{Controller, Request};
+use fivebar_firmware::planner::{MoveErrorKind, Planner};
+use fivebar_firmware::safety::{Fault, State};
+use fivebar_firmware::settings::Settings;
+use fivebar_firmware::{CrossingMove, FULL_TOOL, Move, MoveKind, Status};
+use fivebar_kinematics::five_bar::Side;
+
+/// The benchtop arm with couplers of 0.12 m, as in the built-in example of crossings.
+fn settings() -> Settings {
+    with(|settings| {
+        settings.lengths = [0.10, 0.12, 0.12, 0.10, 0.08];
+        let [_, link2, link3, _] = &mut settings.links;
+        (link2.com, link2.inertia) = ([0.06, 0.0], 1.65e-4);
+        (link3.com, link3.inertia) = ([0.045, 0.0], 1.2e-4);
+        settings.motion.singularity_margin = 0.1;
+        for axis in &mut settings.axes {
+            axis.angle_limits = [-1.0, 4.0];
+        }
+        settings.crossing_allowed = true;
+    })
+}
+
+/// From the plan of `fivebar plan --crossing`.
+const PLAN: CrossingMove = CrossingMove {
+    from: [0.06, 0.115],
+    to: [0.03, 0.012],
+    duration: 0.3,
+    crosses_at: 0.165,
+    law: [-3.770_132_3, -7.055_689, 0.061_562_1],
+};
+/// θ1, θ4 at its beginning [rad].
+const START: [f32; 2] = [2.161_249, 0.578_428_03];
+
+struct Rig {
+    controller: Controller,
+    planner: Planner,
+    bench: Bench,
+}
+
+impl Rig {
+    fn armed(settings: &Settings) -> Self {
+        let checked = settings.check().unwrap();
+        let mut rig = Self {
+            controller: Controller::new(&checked),
+            planner: Planner::new(&checked),
+            bench: Bench::new(settings),
+        };
+        rig.bench.theta = START.map(f64::from);
+        rig.tick();
+        rig.controller.request(Request::SetAngles(START)).unwrap();
+        rig.controller.request(Request::Arm).unwrap();
+        for _ in 0..=WAKING_TICKS {
+            rig.tick();
+        }
+        rig
+    }
+
+    /// One tick, after which the cranks stay where they are.
+    fn tick(&mut self) -> Status {
+        self.controller.feed_host_timeout();
+        self.planner.run(&mut self.controller);
+        self.controller.tick(&self.bench.sense());
+        self.controller.status()
+    }
+
+    /// One tick, after which the cranks are at their reference.
+    fn follow(&mut self) -> Status {
+        let status = self.tick();
+        if let Some(joints) = status.joint_reference {
+            self.bench.theta =
+                [0, 1].map(|j| f64::from(joints.angle[j] + 1e-4 * joints.velocity[j]));
+        }
+        status
+    }
+
+    fn push(&mut self, tool: u16, plan: CrossingMove) -> Result<(), MoveErrorKind> {
+        let kind = MoveKind::Crossing(plan);
+        let pushed = self
+            .planner
+            .push(&mut self.controller, &Move { tag: 7, tool, kind });
+        pushed.map_err(|error| error.kind)
+    }
+
+    /// A crossing that has begun.
+    fn crossing() -> Self {
+        let mut rig = Self::armed(&settings());
+        rig.push(0, PLAN).unwrap();
+        rig
+    }
+}
+
+#[test]
+fn cranks_that_follow_cross_with_little_torque_to_the_other_assembly_mode() {
+    let mut rig = Rig::crossing();
+    assert_eq!(rig.planner.assembly(), Side::Left);
+    let mut most = 0.0_f32;
+    for tick in 0..3190 {
+        let status = rig.follow();
+        assert_eq!(status.state, State::Crossing, "{tick}");
+        assert_eq!(status.tag, Some(7));
+        most = status
+            .torque
+            .into_iter()
+            .fold(most, |most, torque| most.max(torque.abs()));
+    }
+    // The plan needs 0.087 N·m with friction.
+    assert!((0.08..0.12).contains(&most), "{most} N·m");
+    for _ in 0..40 {
+        rig.follow();
+    }
+    let status = rig.follow();
+    assert_eq!(status.state, State::Armed);
+    let [x, y] = status.tool.unwrap();
+    let away = (x - PLAN.to[0]).hypot(y - PLAN.to[1]);
+    assert!(away < 1e-4, "{away} m");
+    // Moves are checked in this mode now.
+    assert_eq!(rig.planner.assembly(), Side::Right);
+}
+
+#[test]
+fn cranks_that_stay_in_the_zone_lose_their_torque_and_their_angles_in_the_stated_time() {
+    let mut rig = Rig::crossing();
+    for _ in 0..1650 {
+        assert_eq!(rig.follow().state, State::Crossing);
+    }
+    let mut ticks = 0;
+    while rig.tick().state == State::Crossing && ticks < 5000 {
+        ticks += 1;
+    }
+    let fault = rig.controller.fault().unwrap();
+    assert_eq!(
+        (fault.fault, fault.state),
+        (Fault::Envelope, State::Crossing)
+    );
+    let status = rig.controller.status();
+    assert!(!status.homed && status.duty == [0.0; 2]);
+    // The plan is in the zone for 39 ms, of which 21 are before the singularity: 78 − 21 ms remain.
+    assert!((560..590).contains(&ticks), "{ticks} ticks");
+}
+
+#[test]
+fn cranks_that_stay_outside_the_zone_are_a_following_error() {
+    let mut rig = Rig::crossing();
+    for _ in 0..300 {
+        assert_eq!(rig.follow().state, State::Crossing);
+    }
+    for _ in 0..3000 {
+        rig.tick();
+    }
+    let status = rig.controller.status();
+    assert_eq!(status.fault, Some(Fault::FollowingError));
+    assert!(status.homed);
+}
+
+#[test]
+fn a_stop_waits_for_the_end_and_an_emergency_stop_does_not() {
+    let mut rig = Rig::crossing();
+    for tick in 0..3190 {
+        if tick == 1600 {
+            rig.controller.request(Request::Stop).unwrap();
+        }
+        assert_eq!(rig.follow().state, State::Crossing);
+    }
+    let mut rig = Rig::crossing();
+    rig.follow();
+    rig.controller.request(Request::EmergencyStop).unwrap();
+    assert_eq!(rig.follow().fault, Some(Fault::EmergencyStop));
+    assert_eq!(rig.controller.status().duty, [0.0; 2]);
+}
+
+#[test]
+fn nothing_is_pushed_while_an_arm_crosses() {
+    let mut rig = Rig::crossing();
+    rig.follow();
+    assert_eq!(rig.push(0, PLAN), Err(MoveErrorKind::Full));
+}
+
+#[test]
+fn what_is_no_crossing_of_this_arm_is_refused() {
+    let forbidden = Settings {
+        crossing_allowed: false,
+        ..settings()
+    };
+    let refused = Rig::armed(&forbidden).push(0, PLAN);
+    assert_eq!(refused, Err(MoveErrorKind::CrossingNotAllowed));
+    let refusal = |tool, plan| Rig::armed(&settings()).push(tool, plan);
+    assert_eq!(refusal(FULL_TOOL, PLAN), Err(MoveErrorKind::Crossing));
+    let [b0, b1, b2] = PLAN.law;
+    let [x, y] = PLAN.from;
+    for plan in [
+        // Not from where the arm is held.
+        CrossingMove {
+            from: [x, y + 1e-4],
+            ..PLAN
+        },
+        // Another time of the singularity.
+        CrossingMove {
+            crosses_at: 0.15,
+            ..PLAN
+        },
+        // It misses the condition: s̈ differs by 3.5 1/s² there.
+        CrossingMove {
+            law: [b0, b1, b2 + 10.0],
+            ..PLAN
+        },
+        // It ends before the singularity.
+        CrossingMove {
+            to: [0.05, 0.08],
+            ..PLAN
+        },
+    ] {
+        assert_eq!(refusal(0, plan), Err(MoveErrorKind::Crossing), "{plan:?}");
+    }
+    let fast = CrossingMove {
+        duration: 0.03,
+        crosses_at: 0.0165,
+        ..PLAN
+    };
+    assert!(matches!(refusal(0, fast), Err(MoveErrorKind::Overload(_))));
+}
