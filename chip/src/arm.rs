@@ -7,8 +7,8 @@ use crate::peripherals::tim1::Output;
 use crate::time::{MICROSECOND, NEVER, SECOND, Time};
 use crate::wiring::{Outputs, Wiring};
 use fivebar_firmware::{ActuatorCommand, SensorSample};
-use fivebar_plant::FaultKind;
-use fivebar_plant::Plant;
+use fivebar_kinematics::five_bar::{Geometry, Pose, Side};
+use fivebar_plant::{FaultKind, Hands, Plant};
 use std::cell::{RefCell, RefMut};
 use std::rc::Rc;
 
@@ -22,6 +22,8 @@ const CURRENT: [u8; 2] = [10, 11];
 const BUS: u8 = 12;
 /// Samples are no older than this.
 const FRESH: Time = 20 * MICROSECOND;
+/// Time in which a hand turns the arm to another place.
+pub const HAND_TIME: Time = SECOND / 5;
 /// How far a sample is off that is taken while its bridge switches [codes].
 const RINGING: u16 = 400;
 
@@ -35,6 +37,16 @@ pub struct Tick {
     pub duty: [i32; 2],
     /// Whether both bridges were enabled up to this tick.
     pub enabled: bool,
+}
+
+/// A way along which a hand moves the arm: from the angles of both joints, by so much, since a time.
+#[derive(Clone, Copy, Debug)]
+struct Hold {
+    from: [f64; 2],
+    by: [f64; 2],
+    since: Time,
+    geometry: Geometry<f64>,
+    assembly: Side,
 }
 
 /// The arm and its electronics.
@@ -51,6 +63,8 @@ pub struct Arm {
     awake_at: [Time; 2],
     stop_pressed: bool,
     broken: Vec<Pin>,
+    /// The hand that holds the arm, if one does.
+    hand: Option<Hold>,
     /// How long the next disturbance of an encoder's inputs lasts, and counts that
     /// disturbances have added.
     glitch: [Time; 2],
@@ -88,6 +102,7 @@ impl Arm {
             awake_at: [NEVER; 2],
             stop_pressed: false,
             broken: Vec::new(),
+            hand: None,
             glitch: [0; 2],
             added: [0; 2],
             chatter: [false; 2],
@@ -137,6 +152,29 @@ impl Arm {
         self.stop_pressed = pressed;
     }
 
+    /// Presses these switches by hand, and no others.
+    pub fn press(&mut self, hands: Hands) {
+        self.plant.press(hands);
+    }
+
+    /// Turns the joints of an arm with these lengths by hand to these angles [rad], and holds them
+    /// there.
+    pub fn turn_by_hand(&mut self, to: [f64; 2], geometry: Geometry<f64>, assembly: Side) {
+        let from = [0, 1].map(|joint| self.plant.angle(joint));
+        self.hand = Some(Hold {
+            from,
+            by: [to[0] - from[0], to[1] - from[1]],
+            since: self.at,
+            geometry,
+            assembly,
+        });
+    }
+
+    /// Lets go of the arm.
+    pub fn let_go(&mut self) {
+        self.hand = None;
+    }
+
     /// Breaks the wire of a switch or button: nothing drives the pin.
     pub fn break_wire(&mut self, pin: Pin) {
         self.broken.push(pin);
@@ -161,12 +199,30 @@ impl Arm {
     fn advance(&mut self, now: Time, next: ActuatorCommand) {
         let passed = now.saturating_sub(self.at) as f64 / SECOND as f64;
         self.at = self.at.max(now);
-        // The plant applies the command before this one for the time that has passed.
-        self.plant.step(&next, passed);
+        match self.held_pose() {
+            Some(pose) => self.plant.hold_by_hand(&pose, passed),
+            // The plant applies the command before this one for the time that has passed.
+            None => self.plant.step(&next, passed),
+        }
         if next != self.acting {
             self.history.push((now, next));
         }
         self.acting = next;
+    }
+
+    /// Where a hand holds the arm now.
+    fn held_pose(&self) -> Option<Pose<f64>> {
+        let Hold {
+            from,
+            by,
+            since,
+            geometry,
+            assembly,
+        } = self.hand.as_ref()?;
+        let share = (self.at.saturating_sub(*since) as f64 / HAND_TIME as f64).min(1.0);
+        let smooth = share * share * (3.0 - 2.0 * share);
+        let angle = |joint: usize| from[joint] + smooth * by[joint];
+        geometry.forward(angle(0), angle(1), *assembly).ok()
     }
 
     fn acts(&self, now: Time) -> ActuatorCommand {

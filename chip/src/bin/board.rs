@@ -2,11 +2,12 @@
 //! use a board on a serial line.
 //!
 //! `board [image] [robot]` prints the terminal's path and runs, at the speed of real time or as
-//! fast as this machine allows, until it is interrupted.
+//! fast as this machine allows, until it is interrupted. Lines of its input tell a hand at the arm
+//! what to do (`Hand::obey`); it prints `done` when the hand has done it.
 
 use fivebar::input::robot::{BuiltIn, Robot};
 use fivebar_chip::time::{MILLISECOND, Time};
-use fivebar_chip::{Arm, Chip, Image, Options, SharedArm};
+use fivebar_chip::{Arm, Chip, HAND_TIME, Hand, Image, Options, SharedArm};
 use fivebar_plant::Mismatch;
 use fivebar_plant::Plant;
 use std::error::Error;
@@ -17,6 +18,7 @@ use std::os::fd::FromRawFd;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
+use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
 const IMAGE: &str = concat!(
@@ -85,15 +87,35 @@ fn run() -> Result<(), Box<dyn Error>> {
     let before = axes.map(|axis| if axis.home_forward { -0.03 } else { 0.03 });
     let pose = robot.pose_near_home(before)?;
     let plant = Plant::new(&robot.plant_parameters()?, &Mismatch::default(), &pose, 1);
-    let arm = SharedArm::new(Arm::new(plant, MILLISECOND));
+    let arm = SharedArm::new(Arm::new(plant.with_resolved_windings(), MILLISECOND));
     let chip = Chip::new(image, Options::default(), Vec::new(), Box::new(arm.clone()));
     let chip = chip.map_err(|error| format!("the CPU emulator fails: {error:?}"))?;
     let (line, path) = terminal()?;
     println!("{}", path.display());
-    serve(chip, &arm, line)
+    serve(chip, &arm, line, Hand::new(robot))
 }
 
-fn serve(mut chip: Chip, arm: &SharedArm, mut line: File) -> Result<(), Box<dyn Error>> {
+/// The lines of the input, which a thread reads.
+fn orders() -> Receiver<String> {
+    let (sender, receiver) = channel();
+    std::thread::spawn(move || {
+        for line in std::io::stdin().lines().map_while(Result::ok) {
+            if sender.send(line).is_err() {
+                return;
+            }
+        }
+    });
+    receiver
+}
+
+fn serve(
+    mut chip: Chip,
+    arm: &SharedArm,
+    mut line: File,
+    mut hand: Hand,
+) -> Result<(), Box<dyn Error>> {
+    let orders = orders();
+    let mut busy_until = None;
     let began = Instant::now();
     let mut bytes = [0; 512];
     loop {
@@ -111,6 +133,16 @@ fn serve(mut chip: Chip, arm: &SharedArm, mut line: File) -> Result<(), Box<dyn 
             let _ = line.write(&sent);
         }
         arm.get().forget();
+        if busy_until.is_some_and(|end| chip.now() >= end) {
+            println!("done");
+            busy_until = None;
+        }
+        if busy_until.is_none()
+            && let Ok(order) = orders.try_recv()
+        {
+            hand.obey(&mut arm.get(), &order)?;
+            busy_until = Some(chip.now() + HAND_TIME + HAND_TIME / 2);
+        }
         let simulated = Duration::from_nanos(chip.now() / NANOSECOND);
         if let Some(ahead) = simulated.checked_sub(began.elapsed()) {
             std::thread::sleep(ahead);
