@@ -13,9 +13,9 @@ const LOOK: Duration = Duration::from_millis(20);
 #[derive(Debug)]
 pub(super) enum Click {
     /// Begin this step.
-    Begin(String),
+    Begin(&'static str),
     /// Forget this step and those after it.
-    Again(String),
+    Again(&'static str),
     /// The task is done; `all`: the simulated arm's hand does the other tasks of the step, too.
     Done { all: bool },
 }

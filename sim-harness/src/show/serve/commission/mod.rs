@@ -77,10 +77,10 @@ fn attend(mut commissioning: Commissioning, shared: &Shared, clicked: &Mutex<Rec
     while !shared.has_ended() {
         match wait() {
             Ok(Click::Begin(step)) => {
-                begin(&mut commissioning, shared, clicked, &step);
+                begin(&mut commissioning, shared, clicked, step);
             }
             Ok(Click::Again(step)) => {
-                commissioning.forget_from(&step);
+                commissioning.forget_from(step);
                 shared.change(|state| state.show_steps(&commissioning));
             }
             // Of a task that is over.
@@ -88,9 +88,7 @@ fn attend(mut commissioning: Commissioning, shared: &Shared, clicked: &Mutex<Rec
             Err(RecvTimeoutError::Disconnected) => return,
         }
         if shared.is_stopped() {
-            // What was clicked before the stop begins nothing after it.
-            forget(clicked);
-            stop(&mut commissioning, shared);
+            stop(&mut commissioning, shared, clicked);
         }
     }
 }
@@ -103,16 +101,15 @@ fn begin(
     name: &str,
 ) {
     let Some(step) = commissioning.next().filter(|step| step.name == name) else {
-        shared.change(|state| state.trouble = Some(format!("{name} is not the next step")));
+        shared.change(|state| state.end(Err(format!("{name} is not the next step"))));
         return;
     };
-    shared.change(|state| state.begin(step.name));
     let outcome = commissioning
         .prepare()
         .and_then(|()| commissioning.run(step));
     // A second click on the step begins nothing.
-    forget(clicked);
     shared.change(|state| {
+        forget(clicked);
         state.show_steps(commissioning);
         state.end(outcome.map_err(|error| shown(&error, shared)));
     });
@@ -132,14 +129,15 @@ fn shown(error: &StepError, shared: &Shared) -> String {
     error.to_string()
 }
 
-/// Switches the bridges off.
-fn stop(commissioning: &mut Commissioning, shared: &Shared) {
+/// Switches the bridges off. What was clicked before begins nothing after it.
+fn stop(commissioning: &mut Commissioning, shared: &Shared, clicked: &Mutex<Receiver<Click>>) {
     let outcome = commissioning.switch_off();
     shared.change(|state| {
+        forget(clicked);
         state.stops += 1;
-        state.trouble = Some(match outcome {
+        state.end(Err(match outcome {
             Ok(()) => "stopped: the bridges are off".into(),
             Err(error) => format!("the stop did not reach the controller: {error}"),
-        });
+        }));
     });
 }

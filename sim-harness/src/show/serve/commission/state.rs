@@ -149,12 +149,17 @@ impl Shared {
 
     /// Passes a click on, if it belongs to what is shown.
     pub(super) fn click(&self, click: Click) -> Result<(), &'static str> {
-        let (running, waits) = self.read(|state| (state.running.is_some(), state.task.is_some()));
-        match click {
-            Click::Begin(_) | Click::Again(_) if running => return Err("a step is being done\n"),
-            Click::Done { .. } if !waits => return Err("no task waits\n"),
-            Click::Begin(_) | Click::Again(_) | Click::Done { .. } => {}
+        let mut state = self.state();
+        match &click {
+            Click::Begin(_) | Click::Again(_) if state.running.is_some() => {
+                return Err("a step is being done\n");
+            }
+            Click::Done { .. } if state.task.is_none() => return Err("no task waits\n"),
+            // From now on, so that a second click is refused.
+            Click::Begin(step) => state.begin(step),
+            Click::Again(_) | Click::Done { .. } => {}
         }
+        // Under the lock, so that whoever forgets the clicks and shows a state forgets this one, too.
         self.clicks
             .send(click)
             .map_err(|_| "the program has ended\n")

@@ -62,18 +62,18 @@ async fn state(State(shared): State<Arc<Shared>>) -> Response {
 }
 
 async fn begin(State(shared): State<Arc<Shared>>, step: String) -> Response {
-    on_step(&shared, step, Click::Begin)
+    on_step(&shared, &step, Click::Begin)
 }
 
 async fn again(State(shared): State<Arc<Shared>>, step: String) -> Response {
-    on_step(&shared, step, Click::Again)
+    on_step(&shared, &step, Click::Again)
 }
 
-fn on_step(shared: &Shared, step: String, click: fn(String) -> Click) -> Response {
-    if STEPS.iter().all(|known| known.name != step) {
-        return (StatusCode::BAD_REQUEST, "there is no such step\n").into_response();
+fn on_step(shared: &Shared, name: &str, click: fn(&'static str) -> Click) -> Response {
+    match STEPS.iter().find(|step| step.name == name) {
+        Some(step) => clicked(shared, click(step.name)),
+        None => (StatusCode::BAD_REQUEST, "there is no such step\n").into_response(),
     }
-    clicked(shared, click(step))
 }
 
 async fn done(State(shared): State<Arc<Shared>>, body: String) -> Response {
