@@ -1,7 +1,7 @@
 //! For any samples, requests and moves: the controller does not panic, duties are within ±1 and
 //! zero where the bridge is off, and bridges are on only in the states that allow it.
 
-use crate::messages::move_kind;
+use crate::moves::move_kind;
 use crate::rig::{Bench, START, settings};
 use fivebar_firmware::controller::{Excitation, Excited, Request};
 use fivebar_firmware::safety::{Response, State};

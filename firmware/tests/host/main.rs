@@ -8,6 +8,7 @@ mod rig;
 mod desk;
 mod log;
 mod messages;
+mod moves;
 mod sections;
 
 mod frames;

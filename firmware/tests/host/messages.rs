@@ -1,5 +1,6 @@
 //! Random messages of every kind, for property tests.
 
+use crate::moves::a_move;
 use crate::sections::{section, section_key};
 use fivebar_firmware::controller::{
     self, Excitation, ExcitationEnd, Excited, JointReference, Snapshot,
@@ -12,10 +13,7 @@ use fivebar_firmware::protocol::{
 use fivebar_firmware::recorder::{LogConfig, LogPage, LogState};
 use fivebar_firmware::safety::{Fault, Limits, State};
 use fivebar_firmware::storage::StorageError;
-use fivebar_firmware::{
-    ActuatorCommand, CrossingMove, Move, MoveKind, Request, SensorSample, Status, TimedCurve,
-    TimedMove,
-};
+use fivebar_firmware::{ActuatorCommand, Request, SensorSample, Status};
 use proptest::prelude::*;
 
 /// Every bit pattern of an `f32`, NaN and infinities included.
@@ -25,88 +23,6 @@ pub(crate) fn number() -> impl Strategy<Value = f32> + Clone {
 
 pub(crate) fn pair() -> impl Strategy<Value = [f32; 2]> + Clone {
     [number(), number()]
-}
-
-/// Any kind of move, with numbers from this strategy.
-pub(crate) fn move_kind(
-    number: impl Strategy<Value = f32> + Clone + 'static,
-) -> impl Strategy<Value = MoveKind> {
-    let pair = [number.clone(), number.clone()];
-    prop_oneof![
-        (pair.clone(), number.clone()).prop_map(|(to, feed)| MoveKind::Line { to, feed }),
-        (pair.clone(), pair.clone(), any::<bool>(), number.clone()).prop_map(
-            |(to, center, clockwise, feed)| MoveKind::Arc {
-                to,
-                center,
-                clockwise,
-                feed,
-            }
-        ),
-        number
-            .clone()
-            .prop_map(|duration| MoveKind::Dwell { duration }),
-        (pair.clone(), number.clone()).prop_map(|(to, speed)| MoveKind::Joint { to, speed }),
-        timed_move(pair.clone(), number.clone()).prop_map(MoveKind::Timed),
-        crossing_move(pair, number).prop_map(MoveKind::Crossing),
-    ]
-}
-
-fn crossing_move(
-    pair: impl Strategy<Value = [f32; 2]> + Clone + 'static,
-    number: impl Strategy<Value = f32> + Clone + 'static,
-) -> BoxedStrategy<CrossingMove> {
-    let moves = (
-        [pair.clone(), pair],
-        [number.clone(), number.clone()],
-        prop::array::uniform3(number),
-    );
-    let moves = moves.prop_map(|([from, to], [duration, crosses_at], law)| CrossingMove {
-        from,
-        to,
-        duration,
-        crosses_at,
-        law,
-    });
-    moves.boxed()
-}
-
-fn timed_move(
-    pair: impl Strategy<Value = [f32; 2]> + Clone + 'static,
-    number: impl Strategy<Value = f32> + Clone + 'static,
-) -> BoxedStrategy<TimedMove> {
-    let curve = prop_oneof![
-        (pair.clone(), pair.clone())
-            .prop_map(|(start, tangent)| TimedCurve::Line { start, tangent }),
-        (pair.clone(), pair.clone(), number.clone()).prop_map(|(start, tangent, curvature)| {
-            TimedCurve::Arc {
-                start,
-                tangent,
-                curvature,
-            }
-        }),
-        (prop::array::uniform6(pair), number.clone()).prop_map(|(coefficients, inverse_length)| {
-            TimedCurve::Blend {
-                coefficients,
-                inverse_length,
-            }
-        }),
-    ];
-    let law = prop::array::uniform4(number.clone());
-    let moves = (curve.boxed(), law, number).prop_map(|(curve, law, duration)| TimedMove {
-        curve,
-        law,
-        duration,
-    });
-    // On the heap: a test that draws many would overflow its stack.
-    moves.boxed()
-}
-
-fn a_move() -> impl Strategy<Value = Move> {
-    (any::<u32>(), any::<u16>(), move_kind(number())).prop_map(|(tag, tool, kind)| Move {
-        tag,
-        tool,
-        kind,
-    })
 }
 
 fn sensor_sample() -> impl Strategy<Value = SensorSample> {
