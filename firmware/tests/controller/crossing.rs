@@ -151,9 +151,13 @@ fn cranks_that_stay_outside_the_zone_are_a_following_error() {
     for _ in 0..3000 {
         rig.tick();
     }
-    let status = rig.controller.status();
-    assert_eq!(status.fault, Some(Fault::FollowingError));
-    assert!(status.homed);
+    // In the crossing, not after its end.
+    let fault = rig.controller.fault().unwrap();
+    assert_eq!(
+        (fault.fault, fault.state),
+        (Fault::FollowingError, State::Crossing)
+    );
+    assert!(rig.controller.status().homed);
 }
 
 #[test]
