@@ -14,6 +14,7 @@ use fivebar_firmware::protocol::{
     Sequence, encode,
 };
 use fivebar_firmware::{Move, MoveKind, Request, Settings, Status};
+use fivebar_kinematics::five_bar::Pose;
 use fivebar_plant::Mismatch;
 use fivebar_plant::Plant;
 use nalgebra::Vector2;
@@ -55,10 +56,15 @@ pub(crate) fn arm_at([x, y]: [f32; 2], wake: Time) -> SharedArm {
         .geometry
         .inverse(point, robot.elbows)
         .expect("within reach");
+    arm_in(&robot, &pose, wake)
+}
+
+/// An arm at rest in a pose.
+pub(crate) fn arm_in(robot: &Robot, pose: &Pose<f64>, wake: Time) -> SharedArm {
     let plant = Plant::new(
         &robot.plant_parameters().expect("masses"),
         &Mismatch::default(),
-        &pose,
+        pose,
         7,
     );
     SharedArm::new(Arm::new(plant, wake))
@@ -72,13 +78,7 @@ pub(crate) fn arm(wake: Time) -> SharedArm {
         false => 0.03,
     });
     let pose = robot.pose_near_home(before).expect("a reachable pose");
-    let plant = Plant::new(
-        &robot.plant_parameters().expect("masses"),
-        &Mismatch::default(),
-        &pose,
-        7,
-    );
-    SharedArm::new(Arm::new(plant, wake))
+    arm_in(&robot, &pose, wake)
 }
 
 /// A chip with the image, about to get power, and the arm on it.
@@ -161,12 +161,17 @@ impl Bench {
     pub(crate) fn ready_with(self, change: impl FnOnce(&mut Settings)) -> Driven {
         let mut settings = settings();
         change(&mut settings);
+        self.ready_as(&settings)
+    }
+
+    /// As [`Bench::ready`], with these settings.
+    pub(crate) fn ready_as(self, settings: &Settings) -> Driven {
         let mut driven = self.connect();
         if driven.status().fault.is_some() {
             driven.request(Request::ClearFault).expect("cleared");
         }
         let client = &mut driven.client;
-        let applied = client.write_settings(&settings).expect("a line");
+        let applied = client.write_settings(settings).expect("a line");
         applied.expect("the settings are applied");
         driven
     }

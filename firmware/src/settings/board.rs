@@ -1,6 +1,6 @@
 //! What a board can do with settings that are valid by themselves.
 
-use super::{Settings, SettingsError};
+use super::{HomingMethod, Settings, SettingsError};
 use core::f32::consts::TAU;
 use fivebar_kinematics::Scalar;
 
@@ -15,6 +15,8 @@ pub struct BoardLimits {
     pub current: u32,
     /// Greatest bus voltage that the bridges stand [V].
     pub bus_voltage: u32,
+    /// Whether its counters show the joints' angles from power-up on.
+    pub absolute_encoders: bool,
 }
 
 impl BoardLimits {
@@ -24,10 +26,13 @@ impl BoardLimits {
         count_rate: 1_500_000,
         current: 6,
         bus_voltage: 36,
+        // Its counters start at 0 wherever the arm stands.
+        absolute_encoders: false,
     };
 
     /// Checks what the board must follow: the tick rate, and the encoders at the speed that is a
-    /// fault; and that the current and the voltage that are faults do not destroy its bridges.
+    /// fault; that the current and the voltage that are faults do not destroy its bridges; and that
+    /// it has the encoders from which the angles are to come.
     ///
     /// # Errors
     /// The field beyond the board's bound, with the bound.
@@ -49,6 +54,10 @@ impl BoardLimits {
         let [_, high] = protection.bus_voltage;
         if high > self.bus_voltage as f32 {
             return Err(SettingsError::BoardVoltage(self.bus_voltage));
+        }
+        let absolute = settings.home_reference.method == HomingMethod::Absolute;
+        if absolute && !self.absolute_encoders {
+            return Err(SettingsError::BoardEncoders);
         }
         Ok(())
     }

@@ -87,6 +87,8 @@ pub enum SettingsError {
     BoardCurrent(u32),
     /// The board's bridges stand this bus voltage [V].
     BoardVoltage(u32),
+    /// The board's counters start at 0, so its encoders are not absolute.
+    BoardEncoders,
     /// No pose within the joint limits is on the branch and keeps the singularity margin.
     NoPose,
 }
@@ -242,6 +244,10 @@ impl fmt::Display for SettingsError {
                 f,
                 "protection.bus_voltage must end at {greatest} V or below, which the board's \
                  bridges stand"
+            ),
+            Self::BoardEncoders => f.write_str(
+                "home_reference.method must not be absolute: the board's counters start at 0 with \
+                 the power, wherever the arm stands; use switch, hard-stop or given",
             ),
             Self::NoPose => f.write_str(
                 "no pose within angle_limits is on the branch of elbows_left and assembly_left \

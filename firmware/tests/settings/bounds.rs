@@ -2,7 +2,7 @@
 
 use crate::rig::settings;
 use fivebar_firmware::Settings;
-use fivebar_firmware::settings::{AxisField, BoardLimits, Field, SettingsError};
+use fivebar_firmware::settings::{AxisField, BoardLimits, Field, HomingMethod, SettingsError};
 
 type Change = fn(&mut Settings);
 
@@ -153,6 +153,16 @@ fn the_count_rate_of_either_encoder_is_within_the_board_s() {
         fine.axes[joint].gear_ratio = -fine.axes[joint].gear_ratio;
         assert_eq!(limits.check(&fine), Err(refused), "joint {joint}");
     }
+}
+
+#[test]
+fn absolute_encoders_are_refused_on_a_board_whose_counters_start_at_0() {
+    let mut absolute = settings();
+    absolute.home_reference.method = HomingMethod::Absolute;
+    let mut limits = BoardLimits::STM32F405;
+    assert_eq!(limits.check(&absolute), Err(SettingsError::BoardEncoders));
+    limits.absolute_encoders = true;
+    assert_eq!(limits.check(&absolute), Ok(()));
 }
 
 #[test]
