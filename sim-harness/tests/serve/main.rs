@@ -3,6 +3,7 @@
 #![cfg(target_os = "linux")]
 
 mod commission;
+mod crossing;
 mod hostile;
 mod lost_page;
 mod own_job;

@@ -86,7 +86,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         drive.home(homing)?;
         bar.set_message("");
         let mut planner = drive.planner(&settings)?;
-        moves = scenario.moves_in(planner.workspace().mode, &job)?;
+        moves = scenario.moves_in(planner.workspace().mode, Some(planner.assembly()), &job)?;
         if let Some(share) = scenario.time_optimal {
             let job = JobPlanner::new(&scenario.robot, share)?;
             moves = job.moves(drive.tool()?, &moves, &mut planner)?;

@@ -8,7 +8,7 @@ mod shares;
 #[cfg(test)]
 mod tests;
 
-use fivebar_firmware::{Move, MoveKind, TimedMove};
+use fivebar_firmware::{CrossingMove, Move, MoveKind, TimedMove};
 use pieces::{NEGLIGIBLE, distance};
 use std::collections::VecDeque;
 
@@ -142,6 +142,16 @@ impl PathQueue {
     pub(in crate::show) fn present(&self) -> Option<u32> {
         let first = self.accepted.front().or(self.waiting.front())?;
         Some(first.next.tag)
+    }
+
+    /// The crossing that the controller has accepted and that is not known to be done.
+    pub(in crate::show) fn crossing(&self) -> Option<&CrossingMove> {
+        self.accepted
+            .iter()
+            .find_map(|queued| match &queued.next.kind {
+                MoveKind::Crossing(plan) => Some(plan),
+                _ => None,
+            })
     }
 
     /// Records that the move with this tag is in progress: those before it are done.

@@ -19,6 +19,13 @@ pub(in crate::show) fn remaining(place: [f32; 2], next: Move) -> Vec<Move> {
     let from = place.map(f64::from);
     match next.kind {
         MoveKind::Line { to, .. } if distance(from, to.map(f64::from)) < NEGLIGIBLE => Vec::new(),
+        // No arm rests on the way: it is at the start or at the end.
+        MoveKind::Crossing(plan)
+            if distance(from, plan.to.map(f64::from))
+                < distance(from, plan.from.map(f64::from)) =>
+        {
+            Vec::new()
+        }
         MoveKind::Arc {
             to,
             center,

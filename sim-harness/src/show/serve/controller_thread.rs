@@ -66,8 +66,6 @@ pub(super) struct ControllerThread {
     pub(super) run_asked_by: Option<(PageId, u32)>,
     /// Whether the job runs on when no page is in control.
     pub(super) run_on: bool,
-    /// The arm's working mode where the job began.
-    pub(super) job_elbows: Option<[Side; 2]>,
     speed: SpeedMeter,
 }
 
@@ -118,7 +116,6 @@ impl ControllerThread {
             loaded: None,
             run_asked_by: None,
             run_on: false,
-            job_elbows: None,
             speed: SpeedMeter::from(0.0, Instant::now()),
         })
     }
@@ -360,7 +357,7 @@ impl ControllerThread {
             time,
             speed: self.speed.at(time, now),
             joints: pose.map(|pose| [pose.b, pose.c, pose.d].map(|point| [point.x, point.y])),
-            elbows: pose.map(|pose| self.preview.elbows(&pose)),
+            elbows: pose.map(|pose| self.preview.branch(&pose).elbows),
             modes: self.modes.reachable(),
             trail: &self.trail,
             sender: self.machine.is_taken(),

@@ -99,6 +99,9 @@ impl ControllerThread {
         let (index, place) = job
             .at_line(line)
             .ok_or_else(|| format!("The job has no motion at or behind line {line}."))?;
+        if let Some(why) = start.behind(&job.job, line).differs(start) {
+            return Err(format!("Line {line} is drawn {why}"));
+        }
         let way = match place.filter(|_| line > 0) {
             Some(place) if self.jobs.is_time_optimal => {
                 self.order_rest(page, job, index, place);
@@ -109,7 +112,6 @@ impl ControllerThread {
         };
         // From its first line on, the job has its own way to its start.
         let index = if line > 0 { index } else { 0 };
-        self.job_elbows = start.elbows;
         self.feeder.run(job, index, way);
         self.notice("The job has started.");
         Ok(())
@@ -118,9 +120,10 @@ impl ControllerThread {
     /// Goes on with the job at the place where it was stopped.
     pub(super) fn resume_job(&mut self, page: &Page) -> Result<(), Refused> {
         self.is_ready()?;
-        let (job, place) = self.feeder.held().ok_or("No job was stopped: run one.")?;
-        if self.preview.start(&self.machine.status).elbows != self.job_elbows {
-            return Err("The job was begun on another branch: change back to it first.".into());
+        let (job, place, seen) = self.feeder.held().ok_or("No job was stopped: run one.")?;
+        let now = self.preview.start(&self.machine.status);
+        if let Some(why) = self.preview.start(seen).differs(now) {
+            return Err(format!("The job goes on {why}"));
         }
         if self.jobs.is_time_optimal {
             if self.jobs.is_busy() {
@@ -156,7 +159,6 @@ impl ControllerThread {
             return Err("The arm has moved while its job was planned: ask again.".into());
         }
         let way = self.way_to(place)?;
-        self.job_elbows = start.elbows;
         self.feeder.run(job, 0, way);
         self.notice("The job goes on.");
         Ok(())
@@ -166,7 +168,7 @@ impl ControllerThread {
     /// line would leave the workspace.
     fn way_to(&self, place: [f32; 2]) -> Result<Option<MoveKind>, Refused> {
         let start = self.preview.start(&self.machine.status);
-        let (Some(from), Some(elbows)) = (self.machine.status.reference, start.elbows) else {
+        let (Some(from), Some(branch)) = (self.machine.status.reference, start.branch) else {
             return Err("The arm is not armed: home it, then arm it.".into());
         };
         let Some(line) = way_back(from, place, self.machine.settings.motion.max_speed) else {
@@ -174,7 +176,7 @@ impl ControllerThread {
         };
         let planner = self.preview.planner(start).map_err(|e| e.to_string())?;
         let [now1, now4] = self.machine.status.angle;
-        let by_joints = self.preview.joints(place, elbows).map(|[to1, to4]| {
+        let by_joints = self.preview.joints(place, branch).map(|[to1, to4]| {
             let to = [nearest(to1, now1), nearest(to4, now4)];
             let speed = JOINT_SPEED;
             MoveKind::Joint { to, speed }

@@ -286,8 +286,10 @@ impl Workshop {
     /// The moves of a job that was read, for the arm where it is; why it has none.
     fn parsed(&self, name: &str, job: Job, start: JobStart) -> Result<ParsedJob, String> {
         let scenario = self.scenario(name, String::new());
-        let mode = start.mode().unwrap_or_else(|| self.robot.working_mode());
-        match scenario.moves_in(mode, &job) {
+        let mode = start.branch.map(|branch| branch.mode());
+        let mode = mode.unwrap_or_else(|| self.robot.working_mode());
+        let assembly = start.branch.map(|branch| branch.assembly);
+        match scenario.moves_in(mode, assembly, &job) {
             Ok(moves) => Ok(ParsedJob::new(name.into(), job, moves)),
             Err(refused) => {
                 let mut sentence = format!("{refused}.");

@@ -1,7 +1,7 @@
 //! The thread that plans the ways to the other working modes from where the arm rests, so that the
 //! controller's thread waits for no search.
 
-use super::preview::{JobStart, Preview};
+use super::preview::{Branch, JobStart, Preview};
 use crate::input::scenario::change_of_mode;
 use fivebar_kinematics::five_bar::{Side, WorkingMode};
 use std::sync::mpsc;
@@ -15,8 +15,8 @@ const MODES: [[Side; 2]; 4] = [
     [Side::Left, Side::Right],
 ];
 
-/// Where the arm rests: θ1, θ4 [rad] and its working mode.
-pub(super) type RestPose = ([f32; 2], [Side; 2]);
+/// Where the arm rests: θ1, θ4 [rad] and its branch.
+pub(super) type RestPose = ([f32; 2], Branch);
 
 /// The corners of the way to a working mode, θ1 and θ4 [rad]; or why there is none.
 type Way = Result<Vec<[f32; 2]>, String>;
@@ -92,8 +92,8 @@ impl ModeThread {
     }
 }
 
-fn way(preview: &Preview, (from, elbows): RestPose, [elbow1, elbow4]: [Side; 2]) -> Way {
-    let start = JobStart::in_mode(elbows);
+fn way(preview: &Preview, (from, branch): RestPose, [elbow1, elbow4]: [Side; 2]) -> Way {
+    let start = JobStart::on(branch);
     let planner = preview.planner(start).map_err(|error| error.to_string())?;
     change_of_mode(&planner, from, WorkingMode::new(elbow1, elbow4)).map_err(|error| {
         let mut sentence = format!("{error}.");

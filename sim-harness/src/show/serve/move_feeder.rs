@@ -41,6 +41,8 @@ struct RunningJob {
     begun: Option<(u32, f64)>,
     /// The tick in which it was last seen to go on.
     seen: u32,
+    /// The arm when it was last seen to go on outside of a crossing.
+    arm: Option<Status>,
 }
 
 /// What happens to a job.
@@ -50,6 +52,8 @@ enum JobPhase {
     Fed,
     /// The controller follows the moves that it has and gets no more.
     Left,
+    /// It is stopped while the arm crosses: its place is where the crossing ends.
+    Crossing,
     /// It rests, or comes to rest, at its place.
     Held,
 }
@@ -100,10 +104,11 @@ impl MoveFeeder {
         Some(run.job.pieces.get(number.saturating_sub(1))?.tag)
     }
 
-    /// The job that was stopped, and the place at which it goes on [m].
-    pub(super) fn held(&self) -> Option<(&Arc<ParsedJob>, [f32; 2])> {
+    /// The job that was stopped, the place at which it goes on [m], and the arm on the branch on which
+    /// it does.
+    pub(super) fn held(&self) -> Option<(&Arc<ParsedJob>, [f32; 2], &Status)> {
         let run = self.job.as_ref()?;
-        (run.phase != JobPhase::Fed).then_some((&run.job, run.place?))
+        (run.phase != JobPhase::Fed).then_some((&run.job, run.place?, run.arm.as_ref()?))
     }
 
     /// The part of the job at which it goes on; none if no job was begun.
@@ -166,6 +171,7 @@ impl MoveFeeder {
             place: None,
             begun: None,
             seen: 0,
+            arm: None,
         });
         self.fill();
     }
@@ -221,7 +227,10 @@ impl MoveFeeder {
     pub(super) fn stop(&mut self) {
         self.drop_target();
         if let Some(run) = &mut self.job {
-            run.phase = JobPhase::Held;
+            run.phase = match self.path.crossing() {
+                Some(_) if run.phase != JobPhase::Held => JobPhase::Crossing,
+                _ => JobPhase::Held,
+            };
         }
     }
 
@@ -249,15 +258,27 @@ impl MoveFeeder {
         let Some(run) = self.job.as_mut().filter(|run| run.phase != JobPhase::Held) else {
             return JobStatus::Unchanged;
         };
-        if !takes_moves(status.state) {
-            run.phase = JobPhase::Held;
+        if !follows_moves(status.state) {
+            let before = std::mem::replace(&mut run.phase, JobPhase::Held);
             self.drop_target();
-            return JobStatus::Held;
+            return match before {
+                JobPhase::Crossing => JobStatus::Unchanged,
+                _ => JobStatus::Held,
+            };
         }
-        run.place = status.reference.or(run.place);
         run.seen = status.tick;
         if let Some(tag) = status.tag {
             self.path.progress(tag);
+        }
+        if status.state == State::Crossing {
+            // After a fault on the way it begins once more.
+            run.place = self.path.crossing().map(|plan| plan.from).or(run.place);
+        } else {
+            run.place = status.reference.or(run.place);
+            run.arm = Some(*status);
+            if run.phase == JobPhase::Crossing {
+                run.phase = JobPhase::Held;
+            }
         }
         let passed = self.progress().map_or(0.0, |[passed, _]| passed);
         if let Some(run) = &mut self.job {
@@ -272,7 +293,7 @@ impl MoveFeeder {
         if self.follow(status) == JobStatus::Held {
             return JobStatus::Held;
         }
-        if !takes_moves(status.state) {
+        if !follows_moves(status.state) {
             self.drop_target();
             return JobStatus::Unchanged;
         }
@@ -327,6 +348,11 @@ impl MoveFeeder {
     pub(super) fn refused(&mut self) {
         self.leave();
     }
+}
+
+/// Whether a controller in this state is on its way along the moves that it has, or takes some.
+fn follows_moves(state: State) -> bool {
+    takes_moves(state) || state == State::Crossing
 }
 
 /// Whether a controller in this state accepts moves.

@@ -2,7 +2,7 @@
 
 use super::message::{JobMessage, brief};
 use super::strokes::Strokes;
-use crate::input::job::Job;
+use crate::input::job::{Action, Job};
 use crate::input::scenario::place_in_job;
 use crate::run::segment::segment;
 use fivebar_firmware::planner::Planner;
@@ -11,21 +11,35 @@ use fivebar_firmware::{Move, MoveKind, Settings, Status};
 use fivebar_kinematics::five_bar::{Pose, Side, Tool, WorkingMode};
 use nalgebra::Vector2;
 
+/// The poses that the arm reaches without a stretched leg or a crossing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Branch {
+    pub(super) elbows: [Side; 2],
+    pub(super) assembly: Side,
+}
+
+impl Branch {
+    pub(super) fn mode(&self) -> WorkingMode {
+        let [elbow1, elbow4] = self.elbows;
+        WorkingMode::new(elbow1, elbow4)
+    }
+}
+
 /// Where a job begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct JobStart {
     /// The tool's position [m]; none if it is unknown.
     tool: Option<[f32; 2]>,
-    /// The arm's working mode; none until the arm is homed.
-    pub(super) elbows: Option<[Side; 2]>,
+    /// The arm's branch; none until the arm is homed.
+    pub(super) branch: Option<Branch>,
 }
 
 impl JobStart {
-    /// An arm in this working mode, with its tool anywhere.
-    pub(super) fn in_mode(elbows: [Side; 2]) -> Self {
+    /// An arm on this branch, with its tool anywhere.
+    pub(super) fn on(branch: Branch) -> Self {
         Self {
             tool: None,
-            elbows: Some(elbows),
+            branch: Some(branch),
         }
     }
 
@@ -39,10 +53,27 @@ impl JobStart {
         self.tool
     }
 
-    /// The arm's working mode; none until the arm is homed.
-    pub(super) fn mode(&self) -> Option<WorkingMode> {
-        let [elbow1, elbow4] = self.elbows?;
-        Some(WorkingMode::new(elbow1, elbow4))
+    /// The same arm behind the lines of a job before `line`.
+    pub(super) fn behind(mut self, job: &Job, line: u32) -> Self {
+        for step in job.steps.iter().filter(|step| step.line < line) {
+            if let Some(branch) = &mut self.branch {
+                match step.action {
+                    Action::ChangeMode(mode) => branch.elbows = [mode.elbow1, mode.elbow4],
+                    Action::Cross { .. } => branch.assembly = branch.assembly.opposite(),
+                    _ => {}
+                }
+            }
+        }
+        self
+    }
+
+    /// Why an arm that begins `now` is not on this branch, as the end of a sentence; none if it is.
+    pub(super) fn differs(&self, now: Self) -> Option<&'static str> {
+        let (there, here) = (self.branch?, now.branch?);
+        if there.assembly != here.assembly {
+            return Some("in the other assembly mode, which only a crossing reaches: run a job.");
+        }
+        (there.elbows != here.elbows).then_some("in another working mode: change to it first.")
     }
 
     /// The same arm with its tool at another place [m].
@@ -58,7 +89,6 @@ impl JobStart {
 #[derive(Clone)]
 pub(super) struct Preview {
     tool: Tool<f32>,
-    assembly: Side,
     settings: Settings,
 }
 
@@ -66,48 +96,54 @@ impl Preview {
     pub(super) fn new(settings: &CheckedSettings) -> Self {
         Self {
             tool: *settings.tool(),
-            assembly: settings.assembly(),
             settings: **settings,
         }
     }
 
-    /// The pose that the controller measures; none until the arm is homed.
+    /// The pose that the controller measures; none until the arm is homed. Its assembly mode is the
+    /// one that has the tool where the controller says.
     pub(super) fn pose(&self, status: &Status) -> Option<Pose<f32>> {
         let [theta1, theta4] = status.angle;
+        let tool = vec2(status.tool.filter(|_| status.homed)?);
         let geometry = self.tool.geometry();
-        let pose = geometry.forward(theta1, theta4, self.assembly).ok()?;
-        status.homed.then_some(pose)
+        let away = |pose: &Pose<f32>| (self.tool.point(pose) - tool).norm();
+        [Side::Left, Side::Right]
+            .into_iter()
+            .filter_map(|assembly| geometry.forward(theta1, theta4, assembly).ok())
+            .min_by(|a, b| away(a).total_cmp(&away(b)))
     }
 
-    /// The working mode of a pose, by its elbows.
-    pub(super) fn elbows(&self, pose: &Pose<f32>) -> [Side; 2] {
+    /// The branch of a pose.
+    pub(super) fn branch(&self, pose: &Pose<f32>) -> Branch {
         let mode = self.tool.working_mode(pose);
-        [mode.elbow1, mode.elbow4]
+        Branch {
+            elbows: [mode.elbow1, mode.elbow4],
+            assembly: pose.assembly(),
+        }
     }
 
     /// The tool's position [m] at θ1, θ4 [rad]; none if no pose has these angles.
-    pub(super) fn tool_at(&self, [theta1, theta4]: [f32; 2]) -> Option<[f32; 2]> {
+    pub(super) fn tool_at(&self, [theta1, theta4]: [f32; 2], assembly: Side) -> Option<[f32; 2]> {
         let geometry = self.tool.geometry();
-        let pose = geometry.forward(theta1, theta4, self.assembly).ok()?;
+        let pose = geometry.forward(theta1, theta4, assembly).ok()?;
         let tool = self.tool.point(&pose);
         Some([tool.x, tool.y])
     }
 
-    /// θ1, θ4 [rad] with the tool at `point` [m] and these elbows. None if the point is out
+    /// θ1, θ4 [rad] with the tool at `point` [m] on a branch. None if the point is out
     /// of reach, or belongs to the other assembly mode: no path reaches that mode without a
     /// singularity of type 2.
-    pub(super) fn joints(&self, point: [f32; 2], [elbow1, elbow4]: [Side; 2]) -> Option<[f32; 2]> {
-        let mode = WorkingMode::new(elbow1, elbow4);
-        let pose = self.tool.inverse(vec2(point), mode).ok()?;
+    pub(super) fn joints(&self, point: [f32; 2], branch: Branch) -> Option<[f32; 2]> {
+        let pose = self.tool.inverse(vec2(point), branch.mode()).ok()?;
         let [theta1, _, _, theta4] = pose.angles();
-        (pose.assembly() == self.assembly).then_some([theta1, theta4])
+        (pose.assembly() == branch.assembly).then_some([theta1, theta4])
     }
 
     /// Where a job would begin now.
     pub(super) fn start(&self, status: &Status) -> JobStart {
         JobStart {
             tool: status.reference.or(status.tool),
-            elbows: self.pose(status).map(|pose| self.elbows(&pose)),
+            branch: self.pose(status).map(|pose| self.branch(&pose)),
         }
     }
 
@@ -130,12 +166,13 @@ impl Preview {
         match checked {
             Ok(Ok(())) => {}
             Ok(Err(refusal)) => {
-                // The way to the job belongs to the first line that moves.
                 let mut lines = job.steps.iter().map(|step| step.line);
                 let first = lines.find(|&line| line > 0).unwrap_or_default();
-                let line = if refusal.tag == 0 { first } else { refusal.tag };
-                let place = place_in_job(job.is_drawing, line);
-                let mut sentence = format!("{place}: {refusal}.");
+                let place = |line| place_in_job(job.is_drawing, line);
+                let mut sentence = match refusal.tag {
+                    0 => format!("on the way to {}: {refusal}.", place(first)),
+                    line => format!("{}: {refusal}.", place(line)),
+                };
                 sentence[..1].make_ascii_uppercase();
                 message.refusal = Some(brief(sentence));
                 message.at = refusal.point;
@@ -151,13 +188,14 @@ impl Preview {
         message
     }
 
-    /// A planner like the controller's, in the arm's working mode.
+    /// A planner like the controller's, on the arm's branch.
     pub(super) fn planner(&self, start: JobStart) -> Result<Planner, SettingsError> {
-        let mut settings = self.settings;
-        if let Some(elbows) = start.elbows {
-            settings.elbows_left = elbows.map(|side| side == Side::Left);
-        }
-        Ok(Planner::new(&settings.check()?))
+        let planner = Planner::new(&self.settings.check()?);
+        Ok(match start.branch {
+            None => planner,
+            Some(branch) if branch.assembly == planner.assembly() => planner.in_mode(branch.mode()),
+            Some(branch) => planner.in_mode(branch.mode()).in_other_assembly(),
+        })
     }
 }
 
@@ -201,4 +239,36 @@ pub(super) fn nearest(angle: f32, to: f32) -> f32 {
 
 fn vec2([x, y]: [f32; 2]) -> Vector2<f32> {
     Vector2::new(x, y)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::input::job::Placement;
+
+    #[test]
+    fn a_line_belongs_to_the_branch_that_the_lines_before_it_lead_to() {
+        let home = Placement {
+            origin: [0.0; 2],
+            scale: 1.0,
+            turn: 0.0,
+            home: [0.0; 2],
+        };
+        let job = Job::parse("G0 X9\nM780 I1 J-1\nG0 X8\nM781 X9 Y9 P1\nG0 X9\n", &home).unwrap();
+        let start = JobStart::on(Branch {
+            elbows: [Side::Right, Side::Left],
+            assembly: Side::Left,
+        });
+        let differs = |line| start.behind(&job, line).differs(start);
+        assert_eq!((differs(1), differs(2)), (None, None));
+        for line in [3, 4] {
+            assert!(
+                differs(line)
+                    .unwrap()
+                    .starts_with("in another working mode")
+            );
+        }
+        let crossed = differs(5).unwrap();
+        assert!(crossed.starts_with("in the other assembly mode"));
+    }
 }

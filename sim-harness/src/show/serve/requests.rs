@@ -136,6 +136,9 @@ impl ControllerThread {
             ClientRequest::Run => self.run_job(page, 0),
             ClientRequest::RunFrom(line) => self.run_job(page, line),
             ClientRequest::Resume => self.resume_job(page),
+            _ if self.machine.status.state == State::Crossing => {
+                Err("The arm crosses a singularity: wait until it rests.".into())
+            }
             _ if !takes_moves(self.machine.status.state) => {
                 Err("The arm is not armed: home it, then arm it.".into())
             }
@@ -239,11 +242,11 @@ impl ControllerThread {
         let pose = self
             .preview
             .start(status)
-            .elbows
+            .branch
             .zip(status.joint_reference);
         let pose = pose.filter(|_| rests && !self.feeder.is_running());
         self.modes
-            .look(pose.map(|(elbows, joints)| (joints.angle, elbows)));
+            .look(pose.map(|(branch, joints)| (joints.angle, branch)));
         let Some((page, elbows)) = self.mode_wanted else {
             return;
         };
@@ -277,7 +280,10 @@ impl ControllerThread {
     fn tool_end(&self) -> Option<[f32; 2]> {
         match self.feeder.end() {
             Some(MoveEnd::Tool(tool)) => Some(tool),
-            Some(MoveEnd::Joints(angles)) => self.preview.tool_at(angles),
+            Some(MoveEnd::Joints(angles)) => {
+                let pose = self.preview.pose(&self.machine.status)?;
+                self.preview.tool_at(angles, pose.assembly())
+            }
             None => self.machine.status.reference,
         }
     }
@@ -287,7 +293,7 @@ impl ControllerThread {
         match self.feeder.end() {
             Some(MoveEnd::Tool(tool)) => {
                 let pose = self.preview.pose(&self.machine.status)?;
-                self.preview.joints(tool, self.preview.elbows(&pose))
+                self.preview.joints(tool, self.preview.branch(&pose))
             }
             Some(MoveEnd::Joints(angles)) => Some(angles),
             None => Some(self.machine.status.joint_reference?.angle),

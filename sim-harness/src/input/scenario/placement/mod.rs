@@ -234,20 +234,30 @@ impl Scenario {
     /// # Errors
     /// A change of the working mode that cannot be done.
     pub fn moves(&self, job: &Job) -> Result<Vec<Move>, RefusedModeChange> {
-        self.moves_in(self.robot.working_mode(), job)
+        self.moves_in(self.robot.working_mode(), None, job)
     }
 
-    /// As [`Scenario::moves`], for an arm that is in another working mode before them.
+    /// As [`Scenario::moves`], for an arm that is in another working mode before them, and in this
+    /// assembly mode; none: in that of home.
     ///
     /// # Errors
     /// As [`Scenario::moves`].
-    pub fn moves_in(&self, mode: WorkingMode, job: &Job) -> Result<Vec<Move>, RefusedModeChange> {
+    pub fn moves_in(
+        &self,
+        mode: WorkingMode,
+        assembly: Option<Side>,
+        job: &Job,
+    ) -> Result<Vec<Move>, RefusedModeChange> {
         let mut moves: Vec<Move> = match job.first_change_of_mode() {
             None => job.moves(self.robot.motion.max_speed).collect(),
             Some(line) => {
                 let refuse = |error| RefusedModeChange { line, error };
                 let planner = self.planner().ok_or(ModeChangeError::NoPlanner);
-                self.moves_with_changes(planner.map_err(refuse)?, mode, job)?
+                let mut planner = planner.map_err(refuse)?;
+                if assembly.is_some_and(|assembly| assembly != planner.assembly()) {
+                    planner = planner.in_other_assembly();
+                }
+                self.moves_with_changes(planner, mode, job)?
             }
         };
         if let Some(last) = moves.last().filter(|last| last.tool > 0)
