@@ -71,7 +71,7 @@ fn both_hard_stops_are_found_and_left_and_the_arm_can_be_armed() {
 }
 
 #[test]
-fn a_joint_that_jams_before_its_stop_is_not_homed() {
+fn a_joint_whose_motor_has_no_current_is_not_homed() {
     let (_, mut driven) = bench(with_stops, [-0.3, 0.3]);
     driven.request(Request::Home).expect("homing begins");
     driven.run(60 * MILLISECOND);
