@@ -7,8 +7,10 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum CrossingError {
-    /// The time or a limit is not positive and finite, or the two ends are the same.
+    /// The time or a limit is not positive and finite.
     Value,
+    /// The two ends are the same.
+    SamePoint,
     /// At a share of the line, the arm has no pose, or a leg is straight.
     Pose(f64, PoseError),
     /// The line meets no singularity of type 2.
@@ -36,9 +38,8 @@ pub enum CrossingError {
 impl fmt::Display for CrossingError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Value => f.write_str(
-                "the time and the limits must be positive and finite, and the ends two points",
-            ),
+            Self::Value => f.write_str("the time and the limits must be positive and finite"),
+            Self::SamePoint => f.write_str("the crossing ends where it begins: give another end"),
             Self::Pose(s, error) => write!(f, "at {:.1} % of the line: {error}", 100.0 * s),
             Self::NoSingularity => f.write_str(
                 "the line meets no singularity of type 2 in this working mode: there is nothing to \

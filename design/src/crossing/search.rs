@@ -142,6 +142,9 @@ impl CrossingTask<'_> {
         .concat();
         let valid = positive.iter().all(|&value| value > 0.0) && self.time.is_finite();
         let length = self.along().norm();
+        if length == 0.0 {
+            return Err(CrossingError::SamePoint);
+        }
         if valid && length > 0.0 && length.is_finite() && self.drag >= 0.0 {
             Ok(())
         } else {

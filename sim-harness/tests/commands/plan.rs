@@ -173,5 +173,13 @@ fn a_crossing_needs_its_robot_s_permission_and_its_three_values() {
     );
     assert!(message.contains("allowed = true"));
     assert!(refusal(&ends, 2).contains("--time"));
+    let allowed = shipped("robots/short_couplers.toml");
+    let negative = [&ends[..], &["--robot", &allowed, "--time", "-1"]].concat();
+    assert!(refusal(&negative, 1).contains("must be positive"));
+    let nowhere = ["--crossing", "--from", "0.06,0.115", "--to", "0.06,0.115"];
+    let nowhere = [&nowhere[..], &["--robot", &allowed, "--time", "0.3"]].concat();
+    assert!(refusal(&nowhere, 1).contains("ends where it begins"));
+    let jerk = ["--path", "path.json", "--jerk", "-1"];
+    assert!(!refusal(&jerk, 2).contains("unexpected argument"));
     assert!(refusal(&[], 2).contains("--path"));
 }

@@ -348,31 +348,7 @@ fn m780_changes_the_working_mode_where_the_tool_is_and_needs_both_elbows() {
         ("M780 I1 J2", GcodeError::Elbows),
         ("M780 I0 J1", GcodeError::Elbows),
         ("M780 I1 J1 X5", GcodeError::StrayWord('X')),
-    ] {
-        let text = format!("G1 X1 Y0 F600\n{line}\n");
-        assert_eq!(refusal(&text), (2, reason), "{line}");
-    }
-}
-
-#[test]
-fn m781_crosses_to_a_point_in_the_modes_of_its_line_and_needs_its_time() {
-    let text = "G1 X1 Y0 F600\nM781 X30 Y12 P0.3\nG91\nG20\nm781 p1 x1 y-1\n";
-    let job = job(text);
-    let crossings = job.steps.iter().filter_map(|step| match step.action {
-        Action::Cross { to, time } => Some((step.line, step.tool, to, time)),
-        _ => None,
-    });
-    let [first, second]: [_; 2] = crossings.collect::<Vec<_>>().try_into().unwrap();
-    assert_eq!(first, (2, 0.0, [0.03, 0.012], 0.3));
-    let (line, tool, [x, y], time) = second;
-    assert_eq!((line, tool, time), (5, 0.0, 1.0));
-    assert!((x - 0.0554).abs() < 1e-12 && (y + 0.0134).abs() < 1e-12);
-    for (line, reason) in [
-        ("M781", GcodeError::Crossing),
-        ("M781 X1 Y2", GcodeError::Crossing),
-        ("M781 X1 P0.3", GcodeError::Crossing),
-        ("M781 X1 Y2 P0", GcodeError::Crossing),
-        ("M781 X1 Y2 P0.3 F600", GcodeError::StrayWord('F')),
+        ("M780 I1 I-1 J1", GcodeError::Repeated('I')),
     ] {
         let text = format!("G1 X1 Y0 F600\n{line}\n");
         assert_eq!(refusal(&text), (2, reason), "{line}");

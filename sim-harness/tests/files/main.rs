@@ -5,6 +5,7 @@ mod document;
 mod drive_keys;
 mod gcode_codes;
 mod gcode_corpus;
+mod gcode_crossings;
 mod gcode_from_hosts;
 mod gcode_jobs;
 mod homing_keys;

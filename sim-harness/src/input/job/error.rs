@@ -164,6 +164,8 @@ pub enum WarningKind {
     NoToolWords,
     /// Speeds above this one [m/s], the arm's greatest.
     Speed(f64),
+    /// The arm ends in its other assembly mode.
+    OtherAssembly,
     /// The text is UTF-16.
     Utf16,
     /// A part of an SVG that is drawn otherwise or not at all.
@@ -239,6 +241,12 @@ impl fmt::Display for Warning {
                 "the feed rate is above the arm's greatest speed and becomes {limit} m/s (F{:.0})",
                 limit * 60e3
             ),
+            WarningKind::OtherAssembly => {
+                return f.write_str(
+                    "the arm ends in its other assembly mode: cross back before it is switched off, \
+                     because after homing it is supposed in that of home",
+                );
+            }
             WarningKind::Utf16 => {
                 return f.write_str(
                     "the file is UTF-16 text and is read as such; other programs want UTF-8",

@@ -33,12 +33,23 @@ pub(super) fn interpret(
     let (job, _) = run(&lines, placement, rules);
     let mut job = job?;
     job.warnings.extend(notes);
+    note_assembly(&mut job);
     job.warnings.sort_by_key(|warning| warning.line);
     let moves = |step: &Step| step.action.end().is_some();
     if job.steps.iter().any(moves) {
         Ok(job)
     } else {
         Err(JobError::NoMotion)
+    }
+}
+
+/// Notes the last crossing of a job that ends in the other assembly mode than it begins in.
+fn note_assembly(job: &mut Job) {
+    let crosses = |step: &&Step| matches!(step.action, Action::Cross { .. });
+    let crossings = job.steps.iter().filter(crosses);
+    let line = crossings.clone().next_back().map(|step| step.line);
+    if let Some(line) = line.filter(|_| crossings.count() % 2 == 1) {
+        job.note(line, WarningKind::OtherAssembly);
     }
 }
 

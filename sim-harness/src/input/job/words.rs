@@ -138,7 +138,7 @@ impl Line {
                         is_unknown = false;
                         let mut sides = [None; 2];
                         for word in code.args {
-                            *own(&mut sides, "IJ", word.letter)? = Some(value_at(word.span)?);
+                            set_own(&mut sides, "IJ", word.letter, value_at(word.span)?)?;
                         }
                         line.elbows = Some(sides);
                     }
@@ -146,9 +146,11 @@ impl Line {
                         is_unknown = false;
                         let mut values = [None; 3];
                         for word in code.args {
-                            *own(&mut values, "XYP", word.letter)? = Some(value_at(word.span)?);
+                            set_own(&mut values, "XYP", word.letter, value_at(word.span)?)?;
                         }
-                        line.crossing = Some(values);
+                        if line.crossing.replace(values).is_some() {
+                            return Err(conflict(('M', CROSS, 0)));
+                        }
                     }
                     gcode::Code::Miscellaneous(code) => {
                         is_unknown = !is_supported(code.number.major());
@@ -181,7 +183,23 @@ impl Line {
                 line.push(word.letter, value_at(word.span)?)?;
             }
         }
+        line.crosses_alone()?;
         Ok(line)
+    }
+
+    /// Checks that M781 has its line for itself.
+    fn crosses_alone(&self) -> Result<(), GcodeError> {
+        if self.crossing.is_none() {
+            return Ok(());
+        }
+        let elbows = self.elbows.map(|_| ('M', CHANGE_MODE, 0));
+        let miscellaneous = self.miscellaneous.iter().map(|&(code, _)| code);
+        let mut others = self.general.iter().copied().chain(miscellaneous);
+        if let Some(other) = others.next().or(elbows) {
+            return Err(conflict(other));
+        }
+        let stray = self.words.first();
+        stray.map_or(Ok(()), |&(letter, _)| Err(GcodeError::StrayWord(letter)))
     }
 
     fn push(&mut self, letter: char, value: f64) -> Result<(), GcodeError> {
@@ -205,15 +223,24 @@ impl Line {
     }
 }
 
-/// The value that a code's own letter sets.
-fn own<'a>(
-    values: &'a mut [Option<f64>],
+/// Why a code is not on a line of M781.
+fn conflict(other: Code) -> GcodeError {
+    GcodeError::Conflict(spelled(other), spelled(('M', CROSS, 0)))
+}
+
+/// Sets the value of a code's own letter.
+fn set_own(
+    values: &mut [Option<f64>],
     letters: &str,
     letter: char,
-) -> Result<&'a mut Option<f64>, GcodeError> {
+    value: f64,
+) -> Result<(), GcodeError> {
     let letter = letter.to_ascii_uppercase();
     let place = letters.find(letter).and_then(|place| values.get_mut(place));
-    place.ok_or(GcodeError::StrayWord(letter))
+    match place.ok_or(GcodeError::StrayWord(letter))?.replace(value) {
+        None => Ok(()),
+        Some(_) => Err(GcodeError::Repeated(letter)),
+    }
 }
 
 /// The words of a line, each of which is taken once.

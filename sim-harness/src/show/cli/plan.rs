@@ -39,7 +39,12 @@ pub(super) struct Args {
     #[arg(long, value_name = "X,Y", value_parser = place, allow_hyphen_values = true, requires = "crossing")]
     to: Option<[f64; 2]>,
     /// Its duration [s].
-    #[arg(long, value_name = "T", requires = "crossing")]
+    #[arg(
+        long,
+        value_name = "T",
+        allow_negative_numbers = true,
+        requires = "crossing"
+    )]
     time: Option<f64>,
     /// Also follow the crossing on the simulated arm, with the declared mismatch.
     #[arg(long, requires = "crossing")]
@@ -48,7 +53,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = share)]
     torque_share: f64,
     /// Greatest jerk of each joint [rad/s³]; by default none.
-    #[arg(long, value_name = "J", value_parser = jerk, conflicts_with = "crossing")]
+    #[arg(long, value_name = "J", value_parser = jerk, allow_negative_numbers = true, conflicts_with = "crossing")]
     jerk: Option<f64>,
     /// Also write DIR/report.html: the phase plane and the torques, or the regions by mode with the
     /// crossing.

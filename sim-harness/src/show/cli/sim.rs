@@ -148,7 +148,7 @@ pub(super) fn print(summary: &Summary, record: &Record) -> Result<(), Failure> {
     let stride = record.trace.stride();
     if stride > 1 {
         say(format_args!(
-            "  trace       every {stride}th tick is kept, to bound the memory"
+            "  trace       one tick in {stride} is kept, to bound the memory"
         ))?;
     }
     say(format_args!(
