@@ -45,7 +45,11 @@ fn a_sender_moves_the_arm_while_pages_watch_and_any_page_stops_it() {
     sender.wait_for("Grbl 1.1");
     sender.send(b"$H\n");
     sender.wait_for("ok");
-    sender.send(b"G21 G91 F1200\nG1 X30\nG1 X-30\n");
+    // Long enough for a page that is read late.
+    sender.send(b"G21 G91 F1200\n");
+    for _ in 0..5 {
+        sender.send(b"G1 X30\nG1 X-30\n");
+    }
     let state = page.state("a moving arm", |state| speed(state) > 0.1);
     assert_eq!(state["sender"], true);
     page.request("disarm");

@@ -18,7 +18,7 @@ pub(super) use steps::{STEPS, Step};
 
 use crate::input::robot::{Robot, measured_text, text_of, today};
 use crate::input::scenario::Scenario;
-use crate::run::link::{Client, SerialLine};
+use crate::run::link::{Client, LinkError, SerialLine};
 use bench::Bench;
 use fivebar_firmware::Request;
 use fivebar_firmware::protocol::HostCommand;
@@ -126,12 +126,13 @@ impl Commissioning {
     pub(super) fn switch_off(&mut self) -> Result<(), StepError> {
         self.stop.store(false, Ordering::Release);
         let stop = HostCommand::Request(Request::EmergencyStop);
-        // The first one may have the number of the command that the stop broke off, and a controller
-        // takes it for a repetition then.
-        for _ in 0..2 {
-            self.bench.client.command(stop)?.map_err(StepError::other)?;
+        // The first one may have the number of the command that the stop broke off: a controller takes it
+        // for a repetition then, and what it replies is the reply to that command.
+        match self.bench.client.command(stop) {
+            Ok(_) | Err(LinkError::UnexpectedReply { .. }) => {}
+            Err(error) => return Err(error.into()),
         }
-        Ok(())
+        self.bench.client.command(stop)?.map_err(StepError::other)
     }
 
     /// Does a step, writes what it found, and returns it as a sentence.
