@@ -193,7 +193,7 @@ fn what_cannot_be_crossed_is_refused_with_the_reason() {
     assert!(refusal("[crossing]\ndrag = 0.1\n", ends, 0.3).contains("does not allow crossings"));
     assert!(refusal(allowed, ends, 0.05).contains("N·m"));
     assert!(refusal(allowed, [[0.04, 0.1], [0.05, 0.11]], 0.3).contains("nothing to cross"));
-    assert!(refusal(allowed, [ends[0], ends[0]], 0.3).contains("two points"));
+    assert!(refusal(allowed, [ends[0], ends[0]], 0.3).contains("ends where it begins"));
     assert!(refusal(allowed, ends, f64::NAN).contains("positive and finite"));
     // Measured on a simulated arm: 0.32 m/s passes a drag of 0.4 N, 0.16 m/s passes 0.1 N and
     // sticks at 0.2 N, 0.08 m/s sticks at 0.1 N. These times give the speeds.
