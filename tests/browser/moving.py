@@ -117,7 +117,7 @@ def the_branch_changes_and_the_tool_returns(page):
 def a_job_is_looked_through_before_anything_moves(page):
     tool = page.tool()
     page.load_job(TOO_LARGE, "is refused")
-    assert "Line 2: " in page.browser.text("#job"), page.browser.text("#job")
+    assert "On the way to line 2: " in page.browser.text("#job"), page.browser.text("#job")
     page.ask("#run")
     page.wait_for_notice("The job cannot be done")
     page.wait_for_rest()
