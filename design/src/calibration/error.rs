@@ -14,8 +14,21 @@ pub enum CalibrationError {
     Collinear,
     /// The nominal lengths do not make an arm.
     Lengths,
-    /// These unknowns cannot be told apart by the points: their names, with the rank.
-    NotSeen(Vec<&'static str>, usize),
+    /// These unknowns cannot be told apart by the points: their names, with the rank and how many
+    /// unknowns there are.
+    NotSeen(Vec<&'static str>, usize, usize),
+    /// No known length: all lengths may grow together.
+    NoScale,
+    /// The length of the bar with this index is not positive.
+    BarLength(usize),
+    /// This hole is touched once only.
+    LoneTouch(i64),
+    /// The photograph with this index has this many points.
+    SmallPhoto(usize, usize),
+    /// There are one or two holes of a plate among other measurements.
+    SmallPlate(usize),
+    /// The measurements fit no arm: half of them are farther from the fit than this many σ.
+    MixedNoFit(f64),
     /// The points fit the other assembly mode only.
     OtherAssembly,
     /// The points fit if the columns of the two joints are exchanged.
@@ -51,12 +64,49 @@ impl fmt::Display for CalibrationError {
                  spread over the workspace (--propose 12 lists such poses)",
             ),
             Self::Lengths => f.write_str("the lengths of the robot file do not make an arm"),
-            Self::NotSeen(names, rank) => write!(
+            Self::NotSeen(names, rank, unknowns) => write!(
                 f,
-                "these points do not determine {} (rank {rank} of 10): use holes spread over the \
+                "these points do not determine {} (rank {rank} of {unknowns}): use holes spread over the \
                  workspace (--propose 12 lists such poses)",
                 names.join(", ")
             ),
+            Self::NoScale => f.write_str(
+                "no known length: scale is not seen; unknown holes and photographs need at least \
+                 one distance (--bars) or a plate (--points) besides them",
+            ),
+            Self::BarLength(index) => write!(
+                f,
+                "row {} of the bars: the length must be positive and finite",
+                index + 1
+            ),
+            Self::LoneTouch(hole) => write!(
+                f,
+                "hole {hole} is touched once: an unknown hole tells something only if it is touched \
+                 in two working modes or more"
+            ),
+            Self::SmallPhoto(index, count) => write!(
+                f,
+                "photograph {} has {count} points: its place takes four, so give at least five, and \
+                 better twenty",
+                index + 1
+            ),
+            Self::SmallPlate(count) => write!(
+                f,
+                "{count} hole{} of a plate: its place takes two, so give at least three, or none",
+                if *count == 1 { "" } else { "s" }
+            ),
+            Self::MixedNoFit(sigmas) => {
+                let why = if sigmas.is_finite() {
+                    format!("half of them are more than {sigmas:.0} σ from the best fit")
+                } else {
+                    "the robot file's arm has too few of the poses".into()
+                };
+                write!(
+                    f,
+                    "the measurements fit no arm in this assembly mode: {why}; check the counts per \
+                     turn, the order of the columns, the units (metres) and the arm"
+                )
+            }
             Self::OtherAssembly => f.write_str(
                 "the points were measured in the other assembly mode: C lies on the other side of \
                  the line from B to D than the robot file's `working_mode` and `home` say; measure \

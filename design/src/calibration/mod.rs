@@ -1,5 +1,6 @@
 //! Geometric calibration: lengths, joint offsets and placement of an arm from a plate with known
-//! holes.
+//! holes; lengths and offsets also from distances, unknown holes and photographs
+//! ([`calibrate_mixed`]).
 //!
 //! Unknown are p = (l1…l5, δ1, δ4, x, y, φ): a joint's angle is θi = encoder angle + δi, and the
 //! tip on the plate T = R(φ) C(θ1, θ4; l) + (x, y). The tip is put into holes P_k, and the
@@ -34,16 +35,22 @@
 
 mod error;
 mod legs;
+mod mixed;
 mod observability;
 mod parameters;
 mod plate;
 mod poses;
 mod start;
 mod tip;
+mod tip_error;
 
 pub use error::CalibrationError;
-pub use observability::{TipError, tip_error};
+pub use mixed::{
+    Bar, Deviations, HoleTouch, KindResult, Measurements, MixedCalibration, PhotoPoint,
+    calibrate_mixed,
+};
 pub use parameters::{PARAMETER_NAMES, Parameters};
 pub use plate::{Calibration, Plate, Touch, calibrate};
 pub use poses::{Proposal, propose};
 pub use tip::{Tip, tip};
+pub use tip_error::{TipError, tip_error, tip_error_before, tip_error_best_placed};

@@ -1,11 +1,8 @@
-//! What the points determine, and how well: rank, condition, covariance, error of the tip.
+//! What the points determine, and how well: rank, condition, covariance.
 
 use super::error::CalibrationError;
 use super::parameters::{PARAMETER_NAMES, Parameters, SCALES};
-use super::poses::reached;
-use super::tip::on_plate;
-use fivebar_kinematics::five_bar::{Pose, Workspace};
-use nalgebra::{DMatrix, DVector, SMatrix, Vector2};
+use nalgebra::{DMatrix, DVector, Vector2};
 
 /// The Jacobian for unknowns in units of 0.1 m and 1 rad.
 fn scaled(jacobian: &DMatrix<f64>) -> DMatrix<f64> {
@@ -28,8 +25,9 @@ pub(super) fn rank_and_condition(jacobian: &DMatrix<f64>) -> (usize, f64) {
 /// the arm's size make smaller ones meaningless.
 const LEAST: f64 = 1e-6;
 
-/// Refuses points that leave a combination of unknowns undetermined: a rank below 10, or a length
-/// known worse than to 5 % or an angle worse than to 0.05 rad.
+/// Refuses measurements that leave a combination of unknowns undetermined: a rank that is not
+/// full, or a length known worse than to 5 % or an angle worse than to 0.05 rad. The unknowns are
+/// all ten, or the seven of an arm without placement.
 pub(super) fn check_seen(
     jacobian: &DMatrix<f64>,
     p: &Parameters,
@@ -44,8 +42,9 @@ pub(super) fn check_seen(
         _ => 0.05,
     };
     // Directions that the points leave free, within what the worst bound allows.
-    let mut share = [0.0_f64; 10];
-    let mut rank = 10;
+    let unknowns = jacobian.ncols();
+    let mut share = vec![0.0_f64; unknowns];
+    let mut rank = unknowns;
     for (value, vector) in normal
         .eigenvalues
         .iter()
@@ -57,7 +56,7 @@ pub(super) fn check_seen(
         } else {
             sigma / value.sqrt()
         };
-        let too_wide = (0..10).any(|i| sd * vector[i].abs() > worst(i));
+        let too_wide = (0..unknowns).any(|i| sd * vector[i].abs() > worst(i));
         if unseen || too_wide {
             rank -= 1;
             for (share, part) in share.iter_mut().zip(vector.iter()) {
@@ -65,7 +64,7 @@ pub(super) fn check_seen(
             }
         }
     }
-    if rank == 10 {
+    if rank == unknowns {
         return Ok(());
     }
     let names = PARAMETER_NAMES.iter().zip(share);
@@ -73,15 +72,19 @@ pub(super) fn check_seen(
     Err(CalibrationError::NotSeen(
         names.map(|(name, _)| *name).collect(),
         rank,
+        unknowns,
     ))
 }
 
 /// σ² (JᵀJ)⁻¹; the Jacobian has full rank.
-pub(super) fn covariance(jacobian: &DMatrix<f64>, sigma: f64) -> SMatrix<f64, 10, 10> {
+pub(super) fn covariance(jacobian: &DMatrix<f64>, sigma: f64) -> DMatrix<f64> {
     let matrix = scaled(jacobian);
+    let unknowns = matrix.ncols();
     let inverse = matrix.tr_mul(&matrix).pseudo_inverse(0.0);
-    let inverse = inverse.unwrap_or_else(|_| DMatrix::zeros(10, 10));
-    SMatrix::from_fn(|i, j| sigma * sigma * inverse[(i, j)] * SCALES[i] * SCALES[j])
+    let inverse = inverse.unwrap_or_else(|_| DMatrix::zeros(unknowns, unknowns));
+    DMatrix::from_fn(unknowns, unknowns, |i, j| {
+        sigma * sigma * inverse[(i, j)] * SCALES[i] * SCALES[j]
+    })
 }
 
 /// The residuals of touches predicted from the others: (I − H_kk)⁻¹ r_k with
@@ -107,37 +110,4 @@ pub(super) fn leave_out(r: &DVector<f64>, jacobian: &DMatrix<f64>) -> DVector<f6
         }
     }
     predicted
-}
-
-/// The expected error of a commanded place over the workspace, placement included [m].
-#[derive(Clone, Debug, PartialEq)]
-pub struct TipError {
-    /// The places and the root mean square of the error there.
-    pub places: Vec<(Vector2<f64>, f64)>,
-    /// Root mean square over the places.
-    pub rms: f64,
-    /// At the worst place.
-    pub worst: f64,
-}
-
-/// The expected error at the places that the arm reaches from its home:
-/// √tr(∂T/∂p Σ ∂T/∂pᵀ); none if there is no place.
-pub fn tip_error(
-    p: &Parameters,
-    covariance: &SMatrix<f64, 10, 10>,
-    workspace: &Workspace<f64>,
-    home: &Pose<f64>,
-) -> Option<TipError> {
-    let error = |(c, pose): (Vector2<f64>, Pose<f64>)| {
-        let j = on_plate(p, &pose).jacobian;
-        (c, (j * covariance * j.transpose()).trace().max(0.0).sqrt())
-    };
-    let places: Vec<_> = reached(workspace, home).into_iter().map(error).collect();
-    let sum: f64 = places.iter().map(|(_, error)| error * error).sum();
-    let worst = places.iter().map(|(_, error)| *error).fold(0.0, f64::max);
-    (!places.is_empty()).then(|| TipError {
-        rms: (sum / places.len() as f64).sqrt(),
-        worst,
-        places,
-    })
 }

@@ -124,7 +124,7 @@ pub fn calibrate(plate: &Plate, nominal: [f64; 5]) -> Result<Calibration, Calibr
 }
 
 /// Both offsets near half a turn: the joints are exchanged.
-fn half_a_turn_off(p: &Parameters) -> bool {
+pub(super) fn half_a_turn_off(p: &Parameters) -> bool {
     p.offsets.iter().all(|offset| offset.abs() > FRAC_PI_2)
 }
 
@@ -269,17 +269,10 @@ fn judged(
     if p.offsets.iter().all(near_half) {
         return Err(CalibrationError::SwappedJoints);
     }
-    let covariance = covariance(&j, plate.sigma);
-    for (index, (&found, nominal)) in p.lengths.iter().zip(nominal).enumerate() {
-        let sd = covariance[(index, index)].sqrt();
-        if (found - nominal).abs() > GREATEST_CHANGE * nominal + 5.0 * sd {
-            return Err(CalibrationError::OtherArm {
-                number: index + 1,
-                found,
-                nominal,
-            });
-        }
-    }
+    let covariance: SMatrix<f64, 10, 10> = covariance(&j, plate.sigma)
+        .fixed_view::<10, 10>(0, 0)
+        .into();
+    other_length(&p, &covariance, nominal)?;
     let (rank, condition) = rank_and_condition(&jacobian);
     let rms = |r: &DVector<f64>| (r.norm_squared() / r.len() as f64).sqrt();
     Ok(Calibration {
@@ -297,6 +290,25 @@ fn judged(
             Some(rms(&r) * core::f64::consts::SQRT_2)
         }),
     })
+}
+
+/// Refuses lengths far from the nominal ones, beyond what the points leave open.
+pub(super) fn other_length(
+    p: &Parameters,
+    covariance: &SMatrix<f64, 10, 10>,
+    nominal: [f64; 5],
+) -> Result<(), CalibrationError> {
+    for (index, (&found, nominal)) in p.lengths.iter().zip(nominal).enumerate() {
+        let sd = covariance[(index, index)].sqrt();
+        if (found - nominal).abs() > GREATEST_CHANGE * nominal + 5.0 * sd {
+            return Err(CalibrationError::OtherArm {
+                number: index + 1,
+                found,
+                nominal,
+            });
+        }
+    }
+    Ok(())
 }
 
 /// The touches with other elbows than most.

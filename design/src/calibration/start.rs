@@ -5,7 +5,7 @@ use super::plate::Touch;
 use super::tip::posed;
 use crate::Noise;
 use fivebar_kinematics::five_bar::Side;
-use nalgebra::{Rotation2, Vector2};
+use nalgebra::{Isometry2, UnitComplex, Vector2};
 
 /// Samples of nine touches for the linear starts; the same for the same touches.
 pub(super) fn samples(touches: &[Touch]) -> Vec<Vec<Touch>> {
@@ -28,9 +28,8 @@ pub(super) fn samples(touches: &[Touch]) -> Vec<Vec<Touch>> {
     (0..SAMPLES).map(|_| sample()).collect()
 }
 
-/// The arm with these lengths and offsets, placed so that its tips are nearest to the holes: with
-/// tips a_k and holes b_k about their middles, φ = atan2(Σ a×b, Σ a·b). None if fewer than three
-/// of the touches have a pose.
+/// The arm with these lengths and offsets, placed so that its tips are nearest to the holes. None
+/// if fewer than three of the touches have a pose.
 pub(super) fn placed(
     lengths: [f64; 5],
     offsets: [f64; 2],
@@ -49,16 +48,29 @@ pub(super) fn placed(
     if pairs.len() < 3 {
         return None;
     }
-    let per_count = 1.0 / pairs.len() as f64;
-    let tips = pairs.iter().map(|(tip, _)| tip).sum::<Vector2<f64>>() * per_count;
-    let holes = pairs.iter().map(|(_, hole)| hole).sum::<Vector2<f64>>() * per_count;
-    let (mut cross, mut dot) = (0.0, 0.0);
-    for (tip, hole) in &pairs {
-        let (a, b) = (tip - tips, hole - holes);
-        cross += a.perp(&b);
-        dot += a.dot(&b);
-    }
-    p.turn = cross.atan2(dot);
-    p.origin = (holes - Rotation2::new(p.turn) * tips).into();
+    let placement = rigid(
+        &pairs
+            .iter()
+            .map(|(tip, hole)| (*hole, *tip))
+            .collect::<Vec<_>>(),
+    )?;
+    p.turn = placement.rotation.angle();
+    p.origin = placement.translation.vector.into();
     Some(p)
+}
+
+/// The turn and shift that bring the second points nearest to the first ones: with points a and b
+/// about their middles, φ = atan2(Σ b×a, Σ b·a). None without points.
+pub(super) fn rigid(pairs: &[(Vector2<f64>, Vector2<f64>)]) -> Option<Isometry2<f64>> {
+    let per_count = (!pairs.is_empty()).then(|| 1.0 / pairs.len() as f64)?;
+    let to = pairs.iter().map(|(a, _)| a).sum::<Vector2<f64>>() * per_count;
+    let from = pairs.iter().map(|(_, b)| b).sum::<Vector2<f64>>() * per_count;
+    let (mut cross, mut dot) = (0.0, 0.0);
+    for (a, b) in pairs {
+        let (a, b) = (a - to, b - from);
+        cross += b.perp(&a);
+        dot += b.dot(&a);
+    }
+    let turn = UnitComplex::new(cross.atan2(dot));
+    Some(Isometry2::from_parts((to - turn * from).into(), turn))
 }

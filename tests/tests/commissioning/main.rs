@@ -5,6 +5,7 @@ mod calibration;
 mod excitations;
 mod identification;
 mod logs;
+mod mixed;
 mod random_logs;
 mod refused_points;
 mod simulated_arm;

@@ -1,0 +1,116 @@
+//! What can be measured besides a plate with known holes.
+
+use crate::calibration::{CalibrationError, Touch};
+use fivebar_kinematics::five_bar::Side;
+use nalgebra::Vector2;
+
+/// Two poses of the tip whose distance is known: the balls of a ball-bar, or two drawn points
+/// between which a calliper was put.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bar {
+    /// The encoder angles of joints 1 and 4 in both poses, each up to whole turns [rad].
+    pub encoders: [[f64; 2]; 2],
+    /// Their distance [m].
+    pub length: f64,
+}
+
+/// The tip in a hole whose place is not known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HoleTouch {
+    /// The hole: touches with the same number are of one hole.
+    pub hole: i64,
+    /// The encoder angles of joints 1 and 4, each up to whole turns [rad].
+    pub encoder: [f64; 2],
+}
+
+/// A point that the tip drew, in a photograph.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PhotoPoint {
+    /// The encoder angles of joints 1 and 4, each up to whole turns [rad].
+    pub encoder: [f64; 2],
+    /// Its place in the photograph, in any frame [pixel].
+    pub pixel: Vector2<f64>,
+}
+
+/// Standard deviations of what is measured [m]; for photographs in the drawing's plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Deviations {
+    /// Of a known hole's x and of its y.
+    pub plate: f64,
+    /// Of a bar's length.
+    pub bar: f64,
+    /// Of the tip in an unknown hole, along x and along y.
+    pub hole: f64,
+    /// Of a photographed point's x and of its y.
+    pub photo: f64,
+}
+
+/// Measurements of one arm, of any kinds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measurements {
+    /// Touches of a plate with known holes: none, or at least three.
+    pub plate: Vec<Touch>,
+    /// Known distances.
+    pub bars: Vec<Bar>,
+    /// Touches of holes at unknown places.
+    pub holes: Vec<HoleTouch>,
+    /// Photographs, each from a place of its own, of five points or more.
+    pub photos: Vec<Vec<PhotoPoint>>,
+    /// The assembly mode in which all was measured.
+    pub assembly: Side,
+    /// How well it was measured.
+    pub deviations: Deviations,
+    /// Whether Huber's loss with the threshold 1.5 σ is used, each coordinate and each distance a
+    /// residual of its own; else the sum of squares.
+    pub huber: bool,
+}
+
+impl Measurements {
+    /// The numbers of the holes, each once.
+    pub(super) fn hole_numbers(&self) -> Vec<i64> {
+        let mut numbers: Vec<i64> = self.holes.iter().map(|touch| touch.hole).collect();
+        numbers.sort_unstable();
+        numbers.dedup();
+        numbers
+    }
+
+    pub(super) fn check(&self) -> Result<(), CalibrationError> {
+        let Deviations {
+            plate,
+            bar,
+            hole,
+            photo,
+        } = self.deviations;
+        let positive = |value: f64| value > 0.0 && value.is_finite();
+        let angles = self.plate.iter().map(|touch| touch.encoder);
+        let angles = angles.chain(self.bars.iter().flat_map(|bar| bar.encoders));
+        let angles = angles.chain(self.holes.iter().map(|touch| touch.encoder));
+        let points = || self.photos.iter().flatten();
+        let mut angles = angles.chain(points().map(|point| point.encoder)).flatten();
+        let places = self.plate.iter().map(|touch| touch.hole);
+        let mut places = places.chain(points().map(|point| point.pixel));
+        let finite = [plate, bar, hole, photo].into_iter().all(positive)
+            && angles.all(f64::is_finite)
+            && places.all(|place| place.iter().all(|value| value.is_finite()));
+        if !finite {
+            return Err(CalibrationError::NotFinite);
+        }
+        if let Some(index) = self.bars.iter().position(|bar| !positive(bar.length)) {
+            return Err(CalibrationError::BarLength(index));
+        }
+        let times = |number: &i64| self.holes.iter().filter(|t| t.hole == *number).count();
+        if let Some(hole) = self.hole_numbers().into_iter().find(|n| times(n) < 2) {
+            return Err(CalibrationError::LoneTouch(hole));
+        }
+        if let Some(index) = self.photos.iter().position(|photo| photo.len() < 5) {
+            return Err(CalibrationError::SmallPhoto(
+                index,
+                self.photos[index].len(),
+            ));
+        }
+        match self.plate.len() {
+            1 | 2 => Err(CalibrationError::SmallPlate(self.plate.len())),
+            _ => Ok(()),
+        }
+    }
+}

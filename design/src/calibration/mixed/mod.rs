@@ -1,0 +1,206 @@
+//! Calibration from measurements of any kinds: known holes of a plate, distances, unknown holes
+//! that are touched in several working modes, photographs of what the tip drew.
+//!
+//! Without a plate the arm has no placement and seven unknowns, l1…l5, δ1, δ4. Unknown holes and
+//! photographs do not show the scale: at least one distance, or a plate, must be among the
+//! measurements.
+
+mod measurements;
+mod photo;
+mod problem;
+mod seen;
+
+pub use measurements::{Bar, Deviations, HoleTouch, Measurements, PhotoPoint};
+
+use super::error::CalibrationError;
+use super::parameters::Parameters;
+use super::plate::{Plate, calibrate, half_a_turn_off, other_length};
+use super::start::placed;
+use crate::fit::{Loss, minimise};
+use fivebar_kinematics::five_bar::{Geometry, Side};
+use nalgebra::{DVector, SMatrix};
+use problem::Problem;
+use seen::{determined, without_nuisances};
+
+/// The measurements of one kind after the fit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KindResult {
+    /// The kind: `plate`, `bars`, `holes` or `photo 1`, `photo 2` and so on.
+    pub kind: String,
+    /// The distance of each measurement from the fit [m].
+    pub distances: Vec<f64>,
+    /// Root mean square of the residuals, without the rejected ones with Huber's loss [m].
+    pub residual_rms: f64,
+    /// Those farther than 4 σ from the fit, by their index from 0.
+    pub rejected: Vec<usize>,
+}
+
+/// An arm as calibrated.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MixedCalibration {
+    /// The arm; without a plate its placement is zero.
+    pub parameters: Parameters,
+    /// Whether its placement is known: with a plate.
+    pub placed: bool,
+    /// The covariance of l1…l5, δ1, δ4, x, y, φ, from the stated deviations; with Huber's loss
+    /// without the rejected measurements. Without a plate the last three are zero.
+    pub covariance: SMatrix<f64, 10, 10>,
+    /// The kinds that were measured.
+    pub kinds: Vec<KindResult>,
+    /// Rank of the Jacobian of the arm's unknowns, in units of 0.1 m, 1 rad and σ, without what the
+    /// unknown holes and photographs take up: 10, or 7 without a plate.
+    pub rank: usize,
+    /// Its condition.
+    pub condition: f64,
+}
+
+/// Finds an arm from measurements of any kinds. `nominal` are the lengths as drawn [m]; the fit
+/// starts there, with zero offsets, and where the plate alone determines the arm, also from that.
+///
+/// # Errors
+/// What the measurements do not determine, and measurements of another mode, arm or order.
+pub fn calibrate_mixed(
+    measured: &Measurements,
+    nominal: [f64; 5],
+) -> Result<MixedCalibration, CalibrationError> {
+    measured.check()?;
+    Geometry::new(nominal).map_err(|_| CalibrationError::Lengths)?;
+    let here = measured.assembly;
+    let [l1, l2, l3, l4, l5] = nominal;
+    let half_turn = [core::f64::consts::PI; 2];
+    let start = |lengths, offsets, side| {
+        let free = Parameters {
+            lengths,
+            offsets,
+            ..Parameters::default()
+        };
+        if measured.plate.is_empty() {
+            Some(free)
+        } else {
+            placed(lengths, offsets, &measured.plate, side)
+        }
+    };
+    let loss = if measured.huber {
+        Loss::Huber(1.5)
+    } else {
+        Loss::Squares
+    };
+    let fit = |arm: Option<Parameters>, side: Side| {
+        let problem = Problem::new(measured, side);
+        let found = minimise(&problem.start(&arm?)?, &|x| problem.rows(x), loss)?;
+        let typical = typical(&problem.rows(&found.0)?.0);
+        Some((found.0, found.1, typical))
+    };
+    if measured.plate.is_empty() && measured.bars.is_empty() {
+        // Whatever the fit, all lengths may grow together.
+        return Err(CalibrationError::NoScale);
+    }
+    let plate = Plate {
+        touches: measured.plate.clone(),
+        assembly: here,
+        sigma: measured.deviations.plate,
+        huber: measured.huber,
+    };
+    let by_plate = calibrate(&plate, nominal)
+        .ok()
+        .map(|found| found.parameters);
+    let starts = [start(nominal, [0.0; 2], here), by_plate];
+    let fits = starts.into_iter().filter_map(|arm| fit(arm, here));
+    let found = fits.min_by(|a, b| a.1.total_cmp(&b.1));
+    let off = found
+        .as_ref()
+        .map_or(f64::INFINITY, |(_, _, typical)| *typical);
+    if off > 6.0 {
+        // Half a turn off in the other assembly mode the joints are exchanged.
+        let there = here.opposite();
+        let others = [
+            fit(start(nominal, [0.0; 2], there), there),
+            fit(start([l4, l3, l2, l1, l5], half_turn, there), there),
+        ];
+        let other = others
+            .into_iter()
+            .flatten()
+            .min_by(|a, b| a.1.total_cmp(&b.1));
+        if let Some((x, _, typical)) = other
+            && typical < 0.25 * off
+        {
+            return Err(if half_a_turn_off(&Problem::new(measured, there).arm(&x)) {
+                CalibrationError::SwappedJoints
+            } else {
+                CalibrationError::OtherAssembly
+            });
+        }
+    }
+    let problem = Problem::new(measured, here);
+    match found.filter(|(_, _, typical)| *typical <= 50.0) {
+        Some((x, _, _)) => judged(measured, &problem, &x, nominal),
+        None => Err(CalibrationError::MixedNoFit(off)),
+    }
+}
+
+/// The median size of the residuals [σ].
+fn typical(residuals: &DVector<f64>) -> f64 {
+    let mut sizes: Vec<f64> = residuals.iter().map(|r| r.abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    sizes.get(sizes.len() / 2).copied().unwrap_or(f64::INFINITY)
+}
+
+/// The calibration at the best fit, checked.
+fn judged(
+    measured: &Measurements,
+    problem: &Problem<'_>,
+    x: &DVector<f64>,
+    nominal: [f64; 5],
+) -> Result<MixedCalibration, CalibrationError> {
+    let (residuals, jacobian) = problem.rows(x).ok_or(CalibrationError::Lengths)?;
+    let p = problem.arm(x);
+    let mut used = Vec::new();
+    let mut kinds = Vec::new();
+    let mut first = 0;
+    for (kind, count, size, sigma) in kinds_of(measured) {
+        let rows = |k: usize| first + size * k..first + size * (k + 1);
+        let distance = |k| residuals.rows_range(rows(k)).norm();
+        let distances: Vec<f64> = (0..count).map(distance).collect();
+        let rejected: Vec<usize> = (0..count).filter(|&k| distances[k] > 4.0).collect();
+        let kept = (0..count).filter(|k| !measured.huber || !rejected.contains(k));
+        let kept: Vec<usize> = kept.flat_map(rows).collect();
+        let squares: f64 = kept.iter().map(|&row| residuals[row].powi(2)).sum();
+        kinds.push(KindResult {
+            kind,
+            residual_rms: sigma * (squares / kept.len().max(1) as f64).sqrt(),
+            distances: distances.iter().map(|distance| sigma * distance).collect(),
+            rejected,
+        });
+        used.extend(kept);
+        first += size * count;
+    }
+    let arm = without_nuisances(&jacobian.select_rows(&used), problem.arm_unknowns());
+    let seen = determined(&arm, &p)?;
+    if half_a_turn_off(&p) {
+        return Err(CalibrationError::SwappedJoints);
+    }
+    other_length(&p, &seen.covariance, nominal)?;
+    Ok(MixedCalibration {
+        parameters: p,
+        placed: !measured.plate.is_empty(),
+        covariance: seen.covariance,
+        kinds,
+        rank: seen.rank,
+        condition: seen.condition,
+    })
+}
+
+/// Name, count, rows of each and σ of the kinds that were measured, in the order of the rows.
+fn kinds_of(measured: &Measurements) -> Vec<(String, usize, usize, f64)> {
+    let sigma = measured.deviations;
+    let mut kinds = vec![
+        ("plate".into(), measured.plate.len(), 2, sigma.plate),
+        ("bars".into(), measured.bars.len(), 1, sigma.bar),
+        ("holes".into(), measured.holes.len(), 2, sigma.hole),
+    ];
+    for (index, photo) in measured.photos.iter().enumerate() {
+        kinds.push((format!("photo {}", index + 1), photo.len(), 2, sigma.photo));
+    }
+    kinds.retain(|(_, count, _, _)| *count > 0);
+    kinds
+}

@@ -1,0 +1,313 @@
+//! Residuals and derivatives of all measurements of an arm, each divided by its σ.
+//!
+//! The unknowns are those of the arm, l1…l5, δ1, δ4 and with a plate x, y, φ; then x, y of each
+//! hole; then eight of each photograph. The residuals are, in the order of the measurements,
+//!
+//! plate: T − P, bar: |C − C′| − L, hole: C − H, photograph: C − q(pixel).
+
+use super::measurements::Measurements;
+use super::photo::{self, in_plane, normalised};
+use crate::calibration::parameters::{Parameters, Vector10};
+use crate::calibration::tip::{on_plate, posed};
+use crate::fit::Rows;
+use fivebar_kinematics::five_bar::Side;
+use nalgebra::{DMatrix, DVector, SMatrix, Vector2};
+
+/// Unknowns of an arm without its placement.
+const BARE: usize = 7;
+
+/// The measurements, as seen in one assembly mode.
+pub(super) struct Problem<'a> {
+    measured: &'a Measurements,
+    side: Side,
+    holes: Vec<i64>,
+    photos: Vec<Vec<Vector2<f64>>>,
+}
+
+/// C and its derivatives by l1…l5, δ1, δ4.
+type Tip = (Vector2<f64>, SMatrix<f64, 2, BARE>);
+
+impl<'a> Problem<'a> {
+    pub(super) fn new(measured: &'a Measurements, side: Side) -> Self {
+        let pixels = |photo: &Vec<super::PhotoPoint>| {
+            normalised(&photo.iter().map(|point| point.pixel).collect::<Vec<_>>())
+        };
+        Self {
+            measured,
+            side,
+            holes: measured.hole_numbers(),
+            photos: measured.photos.iter().map(pixels).collect(),
+        }
+    }
+
+    /// How many unknowns of the arm there are: 10, or 7 without a plate.
+    pub(super) fn arm_unknowns(&self) -> usize {
+        if self.measured.plate.is_empty() {
+            BARE
+        } else {
+            10
+        }
+    }
+
+    fn hole_at(&self, index: usize) -> usize {
+        self.arm_unknowns() + 2 * index
+    }
+
+    fn photo_at(&self, index: usize) -> usize {
+        self.hole_at(self.holes.len()) + photo::UNKNOWNS * index
+    }
+
+    pub(super) fn unknowns(&self) -> usize {
+        self.photo_at(self.photos.len())
+    }
+
+    /// The arm among the unknowns.
+    pub(super) fn arm(&self, x: &DVector<f64>) -> Parameters {
+        let mut arm = Vector10::zeros();
+        let count = self.arm_unknowns();
+        arm.as_mut_slice()[..count].copy_from_slice(&x.as_slice()[..count]);
+        Parameters::of(&arm)
+    }
+
+    fn tip(&self, p: &Parameters, encoder: [f64; 2]) -> Option<Tip> {
+        let bare = Parameters {
+            lengths: p.lengths,
+            offsets: p.offsets,
+            ..Parameters::default()
+        };
+        let tip = on_plate(&bare, &posed(&bare, encoder, self.side)?);
+        Some((tip.position, tip.jacobian.fixed_columns::<BARE>(0).into()))
+    }
+
+    /// The unknowns with this arm, and holes and photographs where they fit it best; none if the
+    /// arm has too few of the poses.
+    pub(super) fn start(&self, arm: &Parameters) -> Option<DVector<f64>> {
+        let mut x = DVector::zeros(self.unknowns());
+        let count = self.arm_unknowns();
+        x.as_mut_slice()[..count].copy_from_slice(&arm.vector().as_slice()[..count]);
+        for (index, number) in self.holes.iter().enumerate() {
+            let touches = self.measured.holes.iter().filter(|t| t.hole == *number);
+            let tips = touches.filter_map(|touch| Some(self.tip(arm, touch.encoder)?.0));
+            let tips: Vec<_> = tips.collect();
+            let middle = tips.iter().sum::<Vector2<f64>>() / tips.len().max(1) as f64;
+            x.fixed_rows_mut::<2>(self.hole_at(index))
+                .copy_from(&middle);
+        }
+        for (index, (points, w)) in self.measured.photos.iter().zip(&self.photos).enumerate() {
+            let pairs = points.iter().zip(w);
+            let pairs = pairs.filter_map(|(point, w)| Some((*w, self.tip(arm, point.encoder)?.0)));
+            let found = photo::start(&pairs.collect::<Vec<_>>())?;
+            let at = self.photo_at(index);
+            x.fixed_rows_mut::<{ photo::UNKNOWNS }>(at)
+                .copy_from(&found);
+        }
+        Some(x)
+    }
+
+    /// Residuals over σ and their derivatives. A measurement without a pose counts as far away,
+    /// and its derivatives as zero.
+    pub(super) fn rows(&self, x: &DVector<f64>) -> Option<Rows> {
+        let measured = self.measured;
+        let sigma = measured.deviations;
+        let p = self.arm(x);
+        fivebar_kinematics::five_bar::Geometry::new(p.lengths).ok()?;
+        let reach: f64 = p.lengths.iter().sum();
+        let far = Vector2::new(reach, reach);
+        let mut rows = Builder::new(measured, self.unknowns());
+        for touch in &measured.plate {
+            let tip = posed(&p, touch.encoder, self.side).map(|pose| on_plate(&p, &pose));
+            let position = tip.map_or(far, |tip| tip.position - touch.hole);
+            let parts = tip.map(|tip| {
+                (
+                    0,
+                    DMatrix::from_column_slice(2, 10, tip.jacobian.as_slice()),
+                )
+            });
+            rows.pair(position, parts, sigma.plate);
+        }
+        for bar in &measured.bars {
+            let [a, b] = bar.encoders.map(|encoder| self.tip(&p, encoder));
+            let between = a.zip(b).map(|((a, ja), (b, jb))| (a - b, ja - jb));
+            match between.filter(|(apart, _)| apart.norm() > 0.0) {
+                Some((apart, j)) => {
+                    let distance = apart.norm();
+                    let slope = apart.transpose() / distance * j;
+                    rows.single(distance - bar.length, slope.as_slice(), sigma.bar);
+                }
+                None => rows.single(reach, &[], sigma.bar),
+            }
+        }
+        for touch in &measured.holes {
+            let at = self.hole_at(self.holes.binary_search(&touch.hole).ok()?);
+            let hole: Vector2<f64> = x.fixed_rows::<2>(at).into();
+            let own = DMatrix::from_diagonal_element(2, 2, -1.0);
+            rows.tip_less(
+                self.tip(&p, touch.encoder),
+                hole,
+                (at, own),
+                far,
+                sigma.hole,
+            );
+        }
+        for (index, (points, w)) in measured.photos.iter().zip(&self.photos).enumerate() {
+            let at = self.photo_at(index);
+            let unknowns = &x.as_slice()[at..at + photo::UNKNOWNS];
+            for (point, &w) in points.iter().zip(w) {
+                let tip = self.tip(&p, point.encoder);
+                let (place, own) = in_plane(unknowns, w)?;
+                let own = DMatrix::from_column_slice(2, photo::UNKNOWNS, (-own).as_slice());
+                rows.tip_less(tip, place, (at, own), far, sigma.photo);
+            }
+        }
+        Some((rows.residuals, rows.jacobian))
+    }
+}
+
+/// Rows that are filled from the top.
+struct Builder {
+    residuals: DVector<f64>,
+    jacobian: DMatrix<f64>,
+    filled: usize,
+}
+
+/// Derivatives by the unknowns from a column on.
+type Part = (usize, DMatrix<f64>);
+
+impl Builder {
+    fn new(measured: &Measurements, unknowns: usize) -> Self {
+        let photographed: usize = measured.photos.iter().map(Vec::len).sum();
+        let pairs = measured.plate.len() + measured.holes.len() + photographed;
+        let count = measured.bars.len() + 2 * pairs;
+        Self {
+            residuals: DVector::zeros(count),
+            jacobian: DMatrix::zeros(count, unknowns),
+            filled: 0,
+        }
+    }
+
+    fn single(&mut self, residual: f64, slope: &[f64], sigma: f64) {
+        self.residuals[self.filled] = residual / sigma;
+        for (column, slope) in slope.iter().enumerate() {
+            self.jacobian[(self.filled, column)] = slope / sigma;
+        }
+        self.filled += 1;
+    }
+
+    fn pair(&mut self, residual: Vector2<f64>, parts: impl IntoIterator<Item = Part>, sigma: f64) {
+        let at = self.filled;
+        self.residuals
+            .fixed_rows_mut::<2>(at)
+            .copy_from(&(residual / sigma));
+        for (column, part) in parts {
+            let size = (2, part.ncols());
+            self.jacobian
+                .view_mut((at, column), size)
+                .copy_from(&(part / sigma));
+        }
+        self.filled += 2;
+    }
+
+    /// C − `place`; `own` are the derivatives of −`place`.
+    fn tip_less(
+        &mut self,
+        tip: Option<Tip>,
+        place: Vector2<f64>,
+        own: Part,
+        far: Vector2<f64>,
+        sigma: f64,
+    ) {
+        match tip {
+            Some((c, j)) => {
+                let j = DMatrix::from_column_slice(2, BARE, j.as_slice());
+                self.pair(c - place, [(0, j), own], sigma);
+            }
+            None => self.pair(far, [], sigma),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Bar, Deviations, HoleTouch, Measurements, PhotoPoint};
+    use super::Problem;
+    use crate::Noise;
+    use crate::calibration::{Parameters, Touch};
+    use fivebar_kinematics::five_bar::Side;
+    use nalgebra::Vector2;
+
+    #[test]
+    fn the_derivatives_of_every_kind_equal_central_differences() {
+        let mut noise = Noise::new(3);
+        let mut off = |middle: f64, size: f64| middle + size * (2.0 * noise.uniform() - 1.0);
+        let mut encoder = || [off(2.4, 0.3), off(0.8, 0.3)];
+        let pixels = [
+            [0, 0],
+            [900, 10],
+            [40, 700],
+            [880, 720],
+            [420, 390],
+            [600, 100],
+        ];
+        let photo = pixels.map(|pixel| PhotoPoint {
+            encoder: encoder(),
+            pixel: Vector2::from(pixel.map(f64::from)),
+        });
+        let measured = Measurements {
+            plate: (0..4)
+                .map(|_| Touch {
+                    encoder: encoder(),
+                    hole: Vector2::new(0.1, 0.2),
+                })
+                .collect(),
+            bars: (0..3)
+                .map(|_| Bar {
+                    encoders: [encoder(), encoder()],
+                    length: 0.1,
+                })
+                .collect(),
+            holes: [4, 7, 4, 7]
+                .map(|hole| HoleTouch {
+                    hole,
+                    encoder: encoder(),
+                })
+                .to_vec(),
+            photos: vec![photo.to_vec()],
+            assembly: Side::Left,
+            deviations: Deviations {
+                plate: 1e-3,
+                bar: 2e-3,
+                hole: 3e-3,
+                photo: 4e-3,
+            },
+            huber: false,
+        };
+        let arm = Parameters {
+            lengths: [0.10, 0.16, 0.17, 0.11, 0.08],
+            offsets: [0.02, -0.01],
+            origin: [0.05, -0.03],
+            turn: 0.4,
+        };
+        for plate in [measured.plate.clone(), Vec::new()] {
+            let measured = Measurements {
+                plate,
+                ..measured.clone()
+            };
+            let problem = Problem::new(&measured, Side::Left);
+            let mut x = problem.start(&arm).unwrap();
+            let photo = [0.10, 0.02, -0.01, 0.12, 0.05, 0.20, 0.05, -0.04];
+            x.rows_mut(problem.photo_at(0), 8).copy_from_slice(&photo);
+            let (_, jacobian) = problem.rows(&x).unwrap();
+            for column in 0..problem.unknowns() {
+                let at = |step: f64| {
+                    let mut x = x.clone();
+                    x[column] += step;
+                    problem.rows(&x).unwrap().0
+                };
+                let slope = (at(1e-6) - at(-1e-6)) / 2e-6;
+                let error = (&slope - jacobian.column(column)).amax();
+                assert!(error < 1e-7 * (1.0 + slope.amax()), "{column}: {error:e}");
+                assert!(slope.amax() > 0.0, "{column} changes nothing");
+            }
+        }
+    }
+}
