@@ -124,3 +124,118 @@ fn poses_are_proposed_and_drawn() {
     let drawn = std::fs::read_to_string(plate).unwrap();
     assert_eq!(drawn.matches("<circle").count(), 12);
 }
+
+/// A table of `sim-harness/measurements`, all of one arm.
+fn measurements(name: &str) -> String {
+    format!(
+        "{}/measurements/benchtop_{name}.csv",
+        env!("CARGO_MANIFEST_DIR")
+    )
+}
+
+#[test]
+fn distances_unknown_holes_and_photographs_find_the_arm_of_the_plate() {
+    let tables = ["holes", "bars", "unknown_holes", "photo"].map(measurements);
+    let [plate, bars, holes, photo] = tables.each_ref().map(String::as_str);
+    // The arm as made: set 2 of tests/data/calibration_public.json.
+    let truth = [
+        0.100056716,
+        0.159843175,
+        0.159876081,
+        0.099267560,
+        0.080539912,
+    ];
+    let folder = tempfile::tempdir().unwrap();
+    let map = folder.path().join("map.svg");
+    let map = map.to_str().unwrap();
+    for (args, rank, kinds) in [
+        (vec!["--bars", bars], 7, 1),
+        (vec!["--holes", holes, "--bars", bars], 7, 2),
+        (vec!["--photo", photo, "--bars", bars], 7, 2),
+        (
+            vec!["--points", plate, "--photo", photo, "--photo", photo],
+            10,
+            3,
+        ),
+        (
+            vec![
+                "--points", plate, "--holes", holes, "--bars", bars, "--map", map,
+            ],
+            10,
+            3,
+        ),
+    ] {
+        let found = answer(&args);
+        assert_eq!(found["rank"], rank, "{args:?}");
+        assert_eq!(found["kinds"].as_array().unwrap().len(), kinds);
+        assert_eq!(found["placement"].is_null(), rank == 7);
+        for (index, truth) in truth.into_iter().enumerate() {
+            let own = found["link_lengths"][index].as_f64().unwrap();
+            let sd = found["link_lengths_sd"][index].as_f64().unwrap();
+            assert!(
+                (own - truth).abs() < 3.5 * sd,
+                "{args:?} {index}: {own} ± {sd} for {truth}"
+            );
+        }
+        let tip = |key: &str| found[key].as_f64().unwrap();
+        assert!(tip("tip_error_rms_m") < 25e-6 && tip("tip_error_before_rms_m") > 0.9e-3);
+    }
+    let drawn = std::fs::read_to_string(map).unwrap();
+    assert!(drawn.contains("before: found") && drawn.contains("after: expected"));
+}
+
+#[test]
+fn measurements_that_tell_too_little_are_refused_and_nothing_is_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("arm.toml");
+    let map = folder.path().join("map.svg");
+    let [bars, holes, photo] = ["bars", "unknown_holes", "photo"].map(measurements);
+    let half = table(folder.path(), "hole,counts1,counts4\n1.5,3,4\n");
+    for (args, reason) in [
+        (
+            vec!["--holes", &holes],
+            "no known length: scale is not seen",
+        ),
+        (
+            vec!["--photo", &photo, "--holes", &holes],
+            "scale is not seen",
+        ),
+        (vec!["--holes", &bars], "no column `hole`"),
+        (
+            vec!["--bars", &bars, "--holes", &half],
+            "must be a whole number, not 1.5",
+        ),
+    ] {
+        let files = [
+            "--out",
+            out.to_str().unwrap(),
+            "--map",
+            map.to_str().unwrap(),
+        ];
+        let output = calibrate(&[&args[..], &files].concat());
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{message}");
+        assert!(message.contains(reason), "{message}");
+        assert!(output.stdout.is_empty() && !out.exists() && !map.exists());
+    }
+    assert_eq!(
+        calibrate(&["--propose", "12", "--bars", &bars])
+            .status
+            .code(),
+        Some(2)
+    );
+}
+
+#[test]
+fn the_text_has_a_unit_on_every_number() {
+    let output = calibrate(&["--points", &measurements("holes")]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    for wanted in [
+        "  l1    100.0609 mm       6.61 µm     100.0000 mm\n",
+        "  φ     -11.3527 mrad    366 µrad\n",
+        "residuals of 24 rows (plate): 16.3 µm RMS\n",
+        "expected now: 12.4 µm RMS, 17.2 µm at the worst place\n",
+    ] {
+        assert!(text.contains(wanted), "{wanted} in {text}");
+    }
+}

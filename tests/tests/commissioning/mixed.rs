@@ -375,8 +375,5 @@ fn what_tells_too_little_or_is_of_another_mode_is_refused() {
         "{:?}",
         refused(&large)
     );
-    assert!(matches!(
-        refused(&nothing()),
-        CalibrationError::MixedNoFit(_)
-    ));
+    assert_eq!(refused(&nothing()), CalibrationError::NoScale);
 }

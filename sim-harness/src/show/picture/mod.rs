@@ -8,11 +8,13 @@ mod legend;
 mod plate;
 #[cfg(feature = "png")]
 mod png;
+mod tip_error;
 mod validation;
 
 pub use plate::plate;
 #[cfg(feature = "png")]
 pub use png::{PngError, png};
+pub use tip_error::tip_errors;
 pub use validation::{DrawnPoint, validation};
 
 use crate::study::workspace::{WorkspaceStudy, WorkspaceStudyError};

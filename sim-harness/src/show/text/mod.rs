@@ -1,5 +1,6 @@
 //! Text for users: numbers with units, and sentences.
 
+mod calibration;
 mod conditions;
 mod ending;
 mod margins;
@@ -7,6 +8,7 @@ mod mobility;
 mod quantity;
 mod workspace;
 
+pub use calibration::{Calibrated, calibration};
 pub use conditions::conditions;
 pub use ending::{fault_and_next_step, no_demo_scale, refusal, stopped_by};
 pub use margins::margins;

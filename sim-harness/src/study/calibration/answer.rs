@@ -25,6 +25,7 @@ pub fn answer(robot: &Robot, study: &CalibrationStudy) -> Value {
         "rank": found.rank,
         "condition": found.condition,
         "nominal_rms_m": found.nominal_rms,
+        "tip_error_before_rms_m": study.before.as_ref().map(|error| error.rms),
         "tip_error_rms_m": study.tip_error.as_ref().map(|error| error.rms),
         "tip_error_worst_m": study.tip_error.as_ref().map(|error| error.worst),
         "warnings": warnings(robot, study),

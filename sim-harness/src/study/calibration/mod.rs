@@ -1,15 +1,18 @@
 //! Calibration of a robot from touched holes, and the poses proposed for it.
 
 mod answer;
+mod mixed;
 
 pub use answer::{answer, proposal_answer, warnings};
+pub use mixed::{MixedStudy, Rows, calibrate_robot_mixed, mixed_answer, mixed_warnings};
 
 use crate::input::robot::{HomeError, Measured, MeasuredKey, Robot, WorkspaceError};
 use fivebar_design::calibration::{
-    Calibration, CalibrationError, Plate, Proposal, TipError, Touch, calibrate, propose, tip_error,
+    Calibration, CalibrationError, Parameters, Plate, Proposal, TipError, Touch, calibrate,
+    propose, tip_error, tip_error_before,
 };
 use fivebar_kinematics::five_bar::{Geometry, GeometryError, Tool, Workspace};
-use nalgebra::Vector2;
+use nalgebra::{SMatrix, Vector2};
 use std::f64::consts::TAU;
 
 /// Why a robot cannot be calibrated, or poses not be proposed.
@@ -22,6 +25,9 @@ pub enum StudyError {
     /// The assembly mode is not known.
     #[error(transparent)]
     Home(#[from] HomeError),
+    /// A hole's number is no whole number: its row from 1, and the number.
+    #[error("row {0} of the holes: `hole` must be a whole number, not {1}")]
+    HoleNumber(usize, f64),
     /// The points are refused.
     #[error(transparent)]
     Points(#[from] CalibrationError),
@@ -44,6 +50,8 @@ pub enum StudyError {
 pub struct CalibrationStudy {
     /// The result.
     pub calibration: Calibration,
+    /// The error of the nominal arm over the workspace, after its best placement.
+    pub before: Option<TipError>,
     /// The expected error of the tip over the workspace.
     pub tip_error: Option<TipError>,
     /// σ of the holes [m].
@@ -61,9 +69,11 @@ pub fn calibrate_robot(
     huber: bool,
 ) -> Result<CalibrationStudy, StudyError> {
     let per_turn = counts_per_turn(robot)?;
-    let angle = |count: f64, per_turn: f64| (count + 0.5) * TAU / per_turn;
     let touch = |&[counts1, counts4, x, y]: &[f64; 4]| Touch {
-        encoder: [angle(counts1, per_turn[0]), angle(counts4, per_turn[1])],
+        encoder: [
+            encoder_angle(counts1, per_turn[0]),
+            encoder_angle(counts4, per_turn[1]),
+        ],
         hole: Vector2::new(x, y),
     };
     let home = robot.home_pose()?;
@@ -81,7 +91,9 @@ pub fn calibrate_robot(
         &workspace,
         &home,
     );
+    let drawn = bare_workspace(robot, robot.geometry.lengths())?;
     Ok(CalibrationStudy {
+        before: tip_error_before(&calibration.parameters, &drawn, &home),
         calibration,
         tip_error,
         sigma,
@@ -96,6 +108,11 @@ fn counts_per_turn(robot: &Robot) -> Result<[f64; 2], StudyError> {
     Ok(actuators
         .each_ref()
         .map(|actuator| f64::from(actuator.encoder_counts) * actuator.gear_ratio))
+}
+
+/// The middle of a count [rad].
+fn encoder_angle(count: f64, per_turn: f64) -> f64 {
+    (count + 0.5) * TAU / per_turn
 }
 
 /// The workspace of C with these lengths [m], in the file's working mode.
@@ -125,7 +142,7 @@ pub fn propose_poses(robot: &Robot, count: usize, sigma: f64) -> Result<Proposal
     let home = robot.home_pose()?;
     let proposal = propose(&workspace, &home, count)
         .ok_or_else(|| StudyError::NoPlaces(robot.name.clone(), count))?;
-    let nominal = fivebar_design::calibration::Parameters {
+    let nominal = Parameters {
         lengths: robot.geometry.lengths(),
         ..Default::default()
     };
@@ -140,9 +157,8 @@ pub fn propose_poses(robot: &Robot, count: usize, sigma: f64) -> Result<Proposal
 
 /// The values of the robot file that follow from a calibration: lengths, base, and the angles at
 /// the home switches, which take up the joint offsets.
-pub fn measured(robot: &Robot, study: &CalibrationStudy) -> Vec<Measured> {
-    let p = &study.calibration.parameters;
-    let sd = |index: usize| study.calibration.covariance[(index, index)].sqrt();
+pub fn measured(robot: &Robot, p: &Parameters, covariance: &SMatrix<f64, 10, 10>) -> Vec<Measured> {
+    let sd = |index: usize| covariance[(index, index)].sqrt();
     let length = |key, index: usize| Measured {
         key,
         value: format!("{:.9}", p.lengths[index]),

@@ -90,7 +90,11 @@ pub(in super::super) fn geometry(bench: &mut Bench) -> Result<Outcome, StepError
             1e6 * errors.residual
         );
     }
-    keys.extend(measured(&bench.robot, &study));
+    keys.extend(measured(
+        &bench.robot,
+        &study.calibration.parameters,
+        &study.calibration.covariance,
+    ));
     Ok(Outcome {
         found: text,
         values,

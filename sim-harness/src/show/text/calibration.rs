@@ -1,0 +1,76 @@
+//! A calibration as text.
+
+use super::quantity;
+use crate::input::robot::Robot;
+use fivebar_design::calibration::{PARAMETER_NAMES, Parameters, TipError};
+use nalgebra::SMatrix;
+use std::fmt::Write as _;
+
+/// What a calibration of any kind of measurement found.
+pub struct Calibrated<'a> {
+    /// The robot as in its file.
+    pub robot: &'a Robot,
+    /// The arm as found.
+    pub parameters: &'a Parameters,
+    /// The covariance of its ten unknowns.
+    pub covariance: &'a SMatrix<f64, 10, 10>,
+    /// Whether the placement is known.
+    pub placed: bool,
+    /// Name, count and residuals' root mean square [m] of each kind of measurement.
+    pub kinds: Vec<(&'a str, usize, f64)>,
+    /// The error of the nominal arm over the workspace.
+    pub before: Option<&'a TipError>,
+    /// The expected error over the workspace.
+    pub after: Option<&'a TipError>,
+}
+
+/// The unknowns with their deviations, the residuals, and the tip's error.
+pub fn calibration(found: &Calibrated<'_>) -> String {
+    let (p, robot) = (found.parameters, found.robot);
+    let mut text = format!(
+        "{}\n          found           ±            in the file\n",
+        robot.name
+    );
+    let ([x, y], [d1, d4]) = (p.origin, p.offsets);
+    let [l1, l2, l3, l4, l5] = p.lengths;
+    let values = [l1, l2, l3, l4, l5, d1, d4, x, y, p.turn];
+    let nominal = robot.geometry.lengths();
+    let shown = if found.placed { 10 } else { 7 };
+    for (index, name) in PARAMETER_NAMES.iter().enumerate().take(shown) {
+        let sd = found.covariance[(index, index)].sqrt();
+        let (unit, base) = match index {
+            5 | 6 | 9 => ("mrad", "rad"),
+            _ => ("mm", "m"),
+        };
+        let nominal = nominal.get(index);
+        let nominal = nominal.map_or(String::new(), |l| format!("{:.4} mm", 1e3 * l));
+        let line = format!(
+            "  {name:<3} {:>10.4} {unit:<4}  {:>10}  {nominal:>14}",
+            1e3 * values[index],
+            quantity(sd, base),
+        );
+        let _ = writeln!(text, "{}", line.trim_end());
+    }
+    for (kind, count, rms) in &found.kinds {
+        let _ = writeln!(
+            text,
+            "  residuals of {count} rows ({kind}): {} RMS",
+            quantity(*rms, "m")
+        );
+    }
+    let errors = [
+        ("the arm of the file", found.before),
+        ("expected now", found.after),
+    ];
+    for (when, error) in errors {
+        if let Some(error) = error {
+            let _ = writeln!(
+                text,
+                "  tip error over the workspace, {when}: {} RMS, {} at the worst place",
+                quantity(error.rms, "m"),
+                quantity(error.worst, "m")
+            );
+        }
+    }
+    text
+}
