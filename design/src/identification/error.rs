@@ -32,6 +32,8 @@ pub enum IdentificationError {
     Reversed,
     /// The motion does not determine these parameters; with the condition.
     NotSeen(Vec<String>, f64),
+    /// The payload would be this mass, with this deviation [kg].
+    NoPayload(f64, f64),
     /// This share of the torque of this joint is not explained.
     Unexplained(usize, f64),
 }
@@ -87,6 +89,13 @@ impl fmt::Display for IdentificationError {
                 "with these currents the arm would have a negative inertia: a current has the \
                  wrong sign (positive currents turn their joint forwards), or the columns are \
                  exchanged",
+            ),
+            Self::NoPayload(mass, sd) => write!(
+                f,
+                "the payload would be {:.1} ± {:.1} g: move faster, or check the masses of the \
+                 robot file (identify without --payload finds them)",
+                1e3 * mass,
+                1e3 * sd
             ),
             Self::NotSeen(names, condition) => write!(
                 f,

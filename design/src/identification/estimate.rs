@@ -2,7 +2,7 @@
 
 use super::check::{check_mode, check_motion, check_times};
 use super::error::IdentificationError;
-use super::least_squares::{Solution, solve};
+use super::least_squares::{Solution, scales, solve};
 use super::processing::systems;
 use super::regressor::{BASE_NAMES, Regressor};
 use fivebar_kinematics::five_bar::{Geometry, Side, WorkingMode};
@@ -18,6 +18,19 @@ pub struct Log {
     /// The motors' currents [A], positive for positive torque at the joint. That of row k acted
     /// from tick k − 1 to tick k.
     pub currents: Vec<[f64; 2]>,
+}
+
+impl Log {
+    /// The torques at the joints [N·m].
+    pub(super) fn torques(&self, observed: &Observed<'_>) -> [Vec<f64>; 2] {
+        [0, 1].map(|joint: usize| {
+            let factor = observed.torque_per_ampere[joint];
+            self.currents
+                .iter()
+                .map(|row| factor * row[joint])
+                .collect()
+        })
+    }
 }
 
 /// What is known of the arm of a log.
@@ -80,7 +93,7 @@ pub struct Identification {
 /// The greatest condition with which parameters are told apart.
 const GREATEST_CONDITION: f64 = 3e3;
 /// The greatest unexplained share of a torque.
-const GREATEST_SHARE: f64 = 0.5;
+pub(super) const GREATEST_SHARE: f64 = 0.5;
 
 /// Finds base parameters and friction of an arm.
 ///
@@ -102,7 +115,9 @@ pub fn identify(log: &Log, observed: &Observed<'_>) -> Result<Identification, Id
             ));
         }
         let unexplained = |solution: &Solution| solution.rms[0] * solution.rms[1];
-        let solutions = systems.iter().filter_map(|system| solve(system, base));
+        let solutions = systems
+            .iter()
+            .filter_map(|system| solve(system, &scales(base)));
         solutions
             .min_by(|a, b| unexplained(a).total_cmp(&unexplained(b)))
             .ok_or_else(|| IdentificationError::NotSeen(vec!["anything".into()], f64::INFINITY))

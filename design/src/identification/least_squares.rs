@@ -17,7 +17,7 @@ pub(super) struct Solution {
     pub(super) weakest: DVector<f64>,
 }
 
-/// Typical sizes of the columns: J 1e-3 kg·m², h 1e-2 kg·m, friction and offset 1e-2.
+/// Typical sizes of base parameters, friction and offsets: J 1e-3 kg·m², h 1e-2 kg·m, friction and offset 1e-2.
 pub(super) fn scales(base: usize) -> DVector<f64> {
     DVector::from_fn(base + 6, |index, _| if index < 4 { 1e-3 } else { 1e-2 })
 }
@@ -25,9 +25,10 @@ pub(super) fn scales(base: usize) -> DVector<f64> {
 /// Lags of the residuals' correlation that the deviations allow for, in kept rows: 100 ms.
 const LAGS: usize = 24;
 
-/// Solves a system; each joint is weighted by the deviation of its residual.
-pub(super) fn solve(system: &System, base: usize) -> Option<Solution> {
-    let scales = scales(base);
+/// Solves a system with unknowns of these typical sizes; each joint is weighted by the deviation
+/// of its residual.
+pub(super) fn solve(system: &System, scales: &DVector<f64>) -> Option<Solution> {
+    let unknowns = scales.len();
     let scaled = [0, 1].map(|joint: usize| {
         let mut matrix = system.matrix[joint].clone();
         for (mut column, scale) in matrix.column_iter_mut().zip(scales.iter()) {
@@ -45,7 +46,7 @@ pub(super) fn solve(system: &System, base: usize) -> Option<Solution> {
     let condition = (plain.eigenvalues.max() / plain.eigenvalues[least].max(1e-300)).sqrt();
     let weakest = plain.eigenvectors.column(least).abs();
     let mut weight = [1.0; 2];
-    let mut value = DVector::zeros(base + 6);
+    let mut value = DVector::zeros(unknowns);
     let mut rms = [0.0; 2];
     for _ in 0..3 {
         let normal = &gram[0] * weight[0] + &gram[1] * weight[1];
@@ -63,7 +64,7 @@ pub(super) fn solve(system: &System, base: usize) -> Option<Solution> {
         .inverse();
     let scatter = scatter(system, &scaled, &value, weight);
     let covariance = &inverse * scatter * &inverse;
-    let sd = DVector::from_fn(base + 6, |i, _| {
+    let sd = DVector::from_fn(unknowns, |i, _| {
         covariance[(i, i)].max(0.0).sqrt() * scales[i]
     });
     let share = [0, 1].map(|joint: usize| {
@@ -73,7 +74,7 @@ pub(super) fn solve(system: &System, base: usize) -> Option<Solution> {
         rms[joint] / (size / torque.len() as f64).sqrt().max(1e-12)
     });
     Some(Solution {
-        value: value.component_mul(&scales),
+        value: value.component_mul(scales),
         sd,
         rms,
         share,

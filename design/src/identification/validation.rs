@@ -41,11 +41,7 @@ pub fn validate(
     check_times(log, observed.tick_rate)?;
     let angles = check_motion(log, observed)?;
     check_mode(&angles, observed)?;
-    let torques = [0, 1].map(|joint: usize| {
-        let factor = observed.torque_per_ampere[joint];
-        log.currents.iter().map(|row| factor * row[joint]).collect()
-    });
-    let systems = systems(&angles, &torques, observed);
+    let systems = systems(&angles, &log.torques(observed), observed);
     let systems = systems.map_err(|_| IdentificationError::OtherMode(0.01))?;
     let base = observed.base_count();
     let Predictor {

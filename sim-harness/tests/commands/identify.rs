@@ -91,6 +91,26 @@ fn an_arm_is_excited_logged_identified_and_its_file_rewritten() {
             .contains("by identification; before: 9e-3")
     );
 
+    // A second trajectory, and the payload alone: the new file has what the arm carries.
+    let second = folder.path().join("second.csv");
+    let second = second.to_str().unwrap();
+    answer(&["--simulate", second, "--second"]);
+    let both = answer(&["--log", log, "--validate", second]);
+    let share = |key: &str| both["validation"][key].as_f64().unwrap();
+    assert!(share("error_share") < 0.01, "{both}");
+    assert!(share("error_of_the_file_share") > 10.0 * share("error_share"));
+    let carried = answer(&["--robot", out, "--log", second, "--payload"]);
+    let payload = carried["payload_kg"].as_f64().unwrap();
+    assert!((payload - arm.payload()).abs() < 1e-3, "{carried}");
+    let text = String::from_utf8(identify(&["--log", log, "--validate", second]).stdout).unwrap();
+    for wanted in [
+        " kg·m² ± ",
+        "Coulomb friction 11.7 mN·m ± ",
+        "by the robot file to ",
+    ] {
+        assert!(text.contains(wanted), "{wanted} in {text}");
+    }
+
     // The log again, spoilt in several ways.
     let text = std::fs::read_to_string(log).unwrap();
     let lines: Vec<&str> = text.lines().collect();

@@ -56,7 +56,7 @@ pub(crate) fn setup(upright: bool, which: usize) -> Setup {
     }
 }
 
-fn observed(arm: &Arm<f64>) -> Observed<'_> {
+pub(crate) fn observed(arm: &Arm<f64>) -> Observed<'_> {
     Observed {
         geometry: arm.geometry(),
         assembly: Side::Left,
@@ -73,7 +73,7 @@ const COULOMB: [f64; 2] = [11.7e-3, 9e-3];
 
 /// A log of the excitation: the torque of each tick by Kane's equations in its middle, with
 /// friction, an offset of 4 mA, and noise of the current sensors and encoders of this share.
-fn log(setup: &Setup, periods: f64, noisy: f64) -> Log {
+pub(crate) fn log(setup: &Setup, periods: f64, noisy: f64) -> Log {
     let mut noise = Noise::new(5);
     let mut log = Log::default();
     let geometry = setup.arm.geometry();

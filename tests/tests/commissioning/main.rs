@@ -6,6 +6,7 @@ mod excitations;
 mod identification;
 mod logs;
 mod mixed;
+mod payload;
 mod random_logs;
 mod refused_points;
 mod simulated_arm;

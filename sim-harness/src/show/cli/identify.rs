@@ -9,12 +9,13 @@ use crate::input::robot::{BuiltIn, Robot};
 use crate::run::excitation::excite;
 use crate::show::export::motion_csv;
 use crate::show::files::write_whole;
+use crate::show::text;
 use crate::study::identification::{
-    answer, identify_robot, measured, proposal_answer, propose_for, warning,
+    StudyError, answer, identify_robot, measured, measured_payload, payload_answer, payload_of,
+    proposal_answer, propose_for, validation_answer, validations, warning,
 };
 use clap::ArgGroup;
 use fivebar_plant::Mismatch;
-use serde_json::Value;
 use std::path::{Path, PathBuf};
 
 /// Identifies an arm: its base parameters and friction from a log of its motion.
@@ -34,12 +35,22 @@ pub(super) struct Args {
     /// Propose excitations: one to identify, one to validate.
     #[arg(long)]
     propose: bool,
-    /// Simulate ten periods of the first proposed excitation on the arm with the declared
+    /// Simulate ten periods of a proposed excitation, the first without --second, on the arm with the declared
     /// mismatch, and write the log.
     #[arg(long, value_name = "FILE.csv")]
     simulate: Option<PathBuf>,
-    /// Write the robot file with the measured friction and masses to FILE; a file that is there is kept as
-    /// FILE.old.
+    /// A second log, of another trajectory: how well its torques are predicted, by what the first
+    /// one gave and by the robot file.
+    #[arg(long, value_name = "FILE.csv", requires = "log")]
+    validate: Option<PathBuf>,
+    /// Find the payload only, with the masses of the robot file; any quick motion will do.
+    #[arg(long, requires = "log", conflicts_with = "validate")]
+    payload: bool,
+    /// With --simulate: the second proposed excitation, to validate with, in place of the first.
+    #[arg(long, requires = "simulate")]
+    second: bool,
+    /// Write the robot file with the measured friction and masses, or the payload, to FILE; a file
+    /// that is there is kept as FILE.old.
     #[arg(long, value_name = "FILE", requires = "log")]
     out: Option<PathBuf>,
     /// Print the result as one JSON object.
@@ -60,18 +71,22 @@ const COLUMNS: [&str; 5] = [
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let robot = Robot::load(&args.robot).map_err(refused)?;
-    let answer = if let Some(log) = &args.log {
-        identified(args, &robot, log)?
-    } else {
-        let proposed = propose_for(&robot).map_err(refused)?;
-        if let Some(log) = &args.simulate {
-            leave_output_to(log);
-            let excitation = &proposed[0].excitation;
-            let rows = excite(&robot, excitation, PERIODS, &Mismatch::default(), 1);
-            write_whole(log, motion_csv(&rows.map_err(refused)?)).map_err(refused)?;
-        }
-        proposal_answer(&robot, &proposed)
-    };
+    match &args.log {
+        Some(log) if args.payload => payload_found(args, &robot, log),
+        Some(log) => identified(args, &robot, log),
+        None => proposed(args, &robot),
+    }
+}
+
+fn proposed(args: &Args, robot: &Robot) -> Result<(), Failure> {
+    let proposed = propose_for(robot).map_err(refused)?;
+    if let Some(log) = &args.simulate {
+        leave_output_to(log);
+        let excitation = &proposed[usize::from(args.second)].excitation;
+        let rows = excite(robot, excitation, PERIODS, &Mismatch::default(), 1);
+        write_whole(log, motion_csv(&rows.map_err(refused)?)).map_err(refused)?;
+    }
+    let answer = proposal_answer(robot, &proposed);
     if args.json {
         say(&answer)
     } else {
@@ -79,15 +94,47 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     }
 }
 
-fn identified(args: &Args, robot: &Robot, log: &Path) -> Result<Value, Failure> {
+fn identified(args: &Args, robot: &Robot, log: &Path) -> Result<(), Failure> {
     let rows = read_columns(log, COLUMNS).map_err(refused)?;
-    let found = identify_robot(robot, &rows)
-        .map_err(|error| refused(format_args!("{}: {error}", log.display())))?;
+    let found = identify_robot(robot, &rows).map_err(|error| in_file(log, &error))?;
     if let Some(warning) = warning(robot, &found) {
         warn(format_args!("{}: {warning}", log.display()));
     }
+    let predicted = match &args.validate {
+        Some(second) => {
+            let rows = read_columns(second, COLUMNS).map_err(refused)?;
+            let predicted = validations(robot, &found, &rows);
+            Some(predicted.map_err(|error| in_file(second, &error))?)
+        }
+        None => None,
+    };
     if let Some(out) = &args.out {
         rewrite(&args.robot, out, &measured(robot, &found))?;
     }
-    Ok(answer(robot, rows.len(), &found))
+    if args.json {
+        let mut answer = answer(robot, rows.len(), &found);
+        if let Some(predicted) = predicted {
+            answer["validation"] = validation_answer(predicted);
+        }
+        return say(&answer);
+    }
+    print(text::identification(&robot.name, rows.len(), &found))?;
+    predicted.map_or(Ok(()), |predicted| print(text::validation(&predicted)))
+}
+
+fn payload_found(args: &Args, robot: &Robot, log: &Path) -> Result<(), Failure> {
+    let rows = read_columns(log, COLUMNS).map_err(refused)?;
+    let found = payload_of(robot, &rows).map_err(|error| in_file(log, &error))?;
+    if let Some(out) = &args.out {
+        rewrite(&args.robot, out, &[measured_payload(&found)])?;
+    }
+    if args.json {
+        say(payload_answer(robot, rows.len(), &found))
+    } else {
+        print(text::payload(&robot.name, rows.len(), &found))
+    }
+}
+
+fn in_file(path: &Path, error: &StudyError) -> Failure {
+    refused(format_args!("{}: {error}", path.display()))
 }

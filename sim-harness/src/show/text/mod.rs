@@ -3,6 +3,7 @@
 mod calibration;
 mod conditions;
 mod ending;
+mod identification;
 mod margins;
 mod mobility;
 mod quantity;
@@ -11,6 +12,7 @@ mod workspace;
 pub use calibration::{Calibrated, calibration};
 pub use conditions::conditions;
 pub use ending::{fault_and_next_step, no_demo_scale, refusal, stopped_by};
+pub use identification::{identification, payload, validation};
 pub use margins::margins;
 pub use mobility::explain;
 pub(crate) use mobility::steps;

@@ -1,7 +1,8 @@
 //! Identifications and proposed excitations as JSON.
 
+use super::Validations;
 use crate::input::robot::Robot;
-use fivebar_design::identification::{BASE_NAMES, Identification, ProposedExcitation};
+use fivebar_design::identification::{BASE_NAMES, Identification, Payload, ProposedExcitation};
 use serde_json::{Map, Value, json};
 
 /// An identification as JSON. The base parameters have the rotors within them.
@@ -27,6 +28,29 @@ pub fn answer(robot: &Robot, rows: usize, found: &Identification) -> Value {
         "condition": found.condition,
         "torque_residual_rms_nm": found.residual_rms,
         "unexplained_share": found.residual_share,
+    })
+}
+
+/// How well a second log's torques are predicted, as JSON.
+pub fn validation_answer(found: Validations) -> Value {
+    let Validations { before, after } = found;
+    json!({
+        "torque_rms_nm": after.torque_rms,
+        "error_rms_nm": after.rms,
+        "error_share": after.rms / after.torque_rms,
+        "error_of_the_file_rms_nm": before.map(|before| before.rms),
+        "error_of_the_file_share": before.map(|before| before.rms / before.torque_rms),
+    })
+}
+
+/// A payload as JSON.
+pub fn payload_answer(robot: &Robot, rows: usize, found: &Payload) -> Value {
+    json!({
+        "robot": robot.name,
+        "rows": rows,
+        "payload_kg": found.mass,
+        "payload_kg_sd": found.sd,
+        "torque_residual_rms_nm": found.residual_rms,
     })
 }
 

@@ -1,8 +1,10 @@
 //! Identification of a robot from a log, and the excitation proposed for it.
 
 mod answer;
+mod payload;
 
-pub use answer::{answer, proposal_answer};
+pub use answer::{answer, payload_answer, proposal_answer, validation_answer};
+pub use payload::{measured_payload, payload_of};
 
 use crate::input::robot::{HomeError, Measured, MeasuredKey, MissingMasses, Robot};
 use fivebar_design::identification::{
@@ -73,6 +75,39 @@ pub fn validate_robot(
         offset: found.map_or([0.0; 2], |found| found.offset),
     };
     Ok(validate(&log_of(rows), &observed(robot)?, &predictor)?)
+}
+
+/// How well a second log's torques are predicted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Validations {
+    /// By the robot file; none without masses in it.
+    pub before: Option<Misprediction>,
+    /// By the identification, its friction included.
+    pub after: Misprediction,
+}
+
+/// Compares the torques of a second log with those that an identification and the robot file
+/// predict.
+///
+/// # Errors
+/// The robot has no actuators or pose at home, or the log is refused.
+pub fn validations(
+    robot: &Robot,
+    found: &Identification,
+    rows: &[[f64; 5]],
+) -> Result<Validations, StudyError> {
+    let predictor = Predictor {
+        base: found.base.clone(),
+        viscous: found.viscous,
+        coulomb: found.coulomb,
+        offset: found.offset,
+    };
+    let after = validate(&log_of(rows), &observed(robot)?, &predictor)?;
+    let before = match robot.arm() {
+        Ok(_) => Some(validate_robot(robot, None, rows)?),
+        Err(_) => None,
+    };
+    Ok(Validations { before, after })
 }
 
 fn log_of(rows: &[[f64; 5]]) -> Log {
