@@ -32,6 +32,7 @@ fn commands_end_normally_if_their_output_is_closed() {
         (&["doctor", "--json"], 0),
         (&["export", "mjcf"], 0),
         (&["export", "dot"], 0),
+        (&["calibrate", "--propose", "12", "--plate", "-"], 0),
         (&["linkage"], 0),
         (&["linkage", "shaper"], 0),
         (&["linkage", "shaper", "--json"], 0),

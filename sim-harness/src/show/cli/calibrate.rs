@@ -1,7 +1,6 @@
 //! `fivebar calibrate`: lengths and joint offsets from what was measured.
 
 use super::failure::{Failure, refused};
-use super::figures::figures;
 use super::length::positive_length;
 use super::rewrite::rewrite;
 use super::say::{leave_output_to, print, say, warn};
@@ -9,7 +8,7 @@ use crate::input::measurements::read_columns;
 use crate::input::robot::{BuiltIn, Robot};
 use crate::show::files::write_whole;
 use crate::show::picture::{plate, tip_errors};
-use crate::show::text::{Calibrated, calibration};
+use crate::show::text::{Calibrated, calibration, proposal};
 use crate::study::calibration::{
     Rows, answer, calibrate_robot, calibrate_robot_mixed, measured, mixed_answer, mixed_warnings,
     proposal_answer, propose_poses, warnings,
@@ -213,10 +212,9 @@ fn proposed(args: &Args, robot: &Robot, count: usize) -> Result<(), Failure> {
         leave_output_to(path);
         write_whole(path, plate(&study.proposal.places)).map_err(refused)?;
     }
-    let answer = proposal_answer(robot, &study);
     if args.json {
-        say(&answer)
+        say(proposal_answer(robot, &study))
     } else {
-        print(figures(&answer))
+        print(proposal(&robot.name, &study))
     }
 }

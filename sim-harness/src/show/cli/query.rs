@@ -1,9 +1,10 @@
 //! `fivebar query`: answers queries about a robot, line by line.
 
 use super::failure::{Failure, refused};
+use super::say::warn;
 use crate::input::robot::{BuiltIn, Mechanism};
 use crate::study::query::{five_bar, serve, slider};
-use std::io;
+use std::io::{self, IsTerminal};
 
 /// Answers queries about a robot: JSON lines in, JSON lines out.
 ///
@@ -21,6 +22,11 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let mechanism = Mechanism::load(&args.robot).map_err(refused)?;
+    if io::stdin().is_terminal() {
+        warn(
+            "one JSON object a line, Ctrl-D ends; such as {\"op\": \"forward\", \"theta\": [2.4, 0.8]}",
+        );
+    }
     let (input, output) = (io::stdin().lock(), io::stdout().lock());
     match mechanism {
         Mechanism::FiveBar(robot) => serve(input, output, |query| five_bar::answer(&robot, query)),

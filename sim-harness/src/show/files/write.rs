@@ -142,8 +142,11 @@ impl<'a> Draft<'a> {
             }
             Self::Stream(bytes, path) if path == Path::new(STANDARD_OUTPUT) => {
                 let mut out = io::stdout().lock();
-                out.write_all(bytes)?;
-                out.flush()
+                match out.write_all(bytes).and_then(|()| out.flush()) {
+                    // The reader has read what it wanted, as `head` does.
+                    Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+                    written => written,
+                }
             }
             Self::Stream(bytes, path) => {
                 let mut stream = OpenOptions::new().append(true).open(path)?;

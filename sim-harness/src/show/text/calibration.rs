@@ -2,6 +2,7 @@
 
 use super::quantity;
 use crate::input::robot::Robot;
+use crate::study::calibration::ProposalStudy;
 use fivebar_design::calibration::{PARAMETER_NAMES, Parameters, TipError};
 use nalgebra::SMatrix;
 use std::fmt::Write as _;
@@ -22,6 +23,35 @@ pub struct Calibrated<'a> {
     pub before: Option<&'a TipError>,
     /// The expected error over the workspace.
     pub after: Option<&'a TipError>,
+}
+
+/// Proposed holes, and what to expect of them.
+pub fn proposal(name: &str, study: &ProposalStudy) -> String {
+    let mut text = format!("{name}: holes to touch, in the arm's own frame\n");
+    for (index, place) in study.proposal.places.iter().enumerate() {
+        let _ = writeln!(
+            text,
+            "  {:>3}  x {:>8.1} mm  y {:>8.1} mm",
+            index + 1,
+            1e3 * place.x,
+            1e3 * place.y
+        );
+    }
+    let _ = writeln!(
+        text,
+        "  observability O1 {:.4}",
+        study.proposal.observability
+    );
+    if let Some(error) = &study.tip_error {
+        let _ = writeln!(
+            text,
+            "  tip error to expect with holes of {}: {} RMS, {} at the worst place",
+            quantity(study.sigma, "m"),
+            quantity(error.rms, "m"),
+            quantity(error.worst, "m")
+        );
+    }
+    text
 }
 
 /// The unknowns with their deviations, the residuals, and the tip's error.

@@ -9,7 +9,7 @@ mod mobility;
 mod quantity;
 mod workspace;
 
-pub use calibration::{Calibrated, calibration};
+pub use calibration::{Calibrated, calibration, proposal};
 pub use conditions::conditions;
 pub use ending::{fault_and_next_step, no_demo_scale, refusal, stopped_by};
 pub use identification::{identification, payload, validation};

@@ -103,13 +103,17 @@ pub(in super::super) fn validation(bench: &mut Bench) -> Result<Outcome, StepErr
         Some(_) => "the true tip of the simulated arm",
         None => "as the encoders see it; measure the drawing itself",
     };
-    let text = format!(
+    let mut text = format!(
         "tip error {:.1} µm RMS before and {:.1} µm after ({origin}); at most {:.1} and {:.1} µm",
         1e6 * before.rms,
         1e6 * after.rms,
         1e6 * before.greatest,
         1e6 * after.greatest
     );
+    if after.rms > before.rms {
+        text += "; this arm is closer to its drawing than the measurements can show: keep your own \
+                 robot file";
+    }
     let values = vec![
         Value::new("tip_error_before_rms_m", before.rms, origin),
         Value::new("tip_error_before_max_m", before.greatest, origin),
