@@ -14,6 +14,7 @@ use std::rc::Rc;
 
 const STOP: Pin = Pin(1, 12);
 const HOME: [Pin; 2] = [Pin(2, 4), Pin(2, 5)];
+const INDEX: [Pin; 2] = [Pin(2, 8), Pin(2, 9)];
 const BRIDGE_FAULT: [Pin; 2] = [Pin(1, 0), Pin(1, 1)];
 /// The serial line's input idles high.
 const SERIAL_IN: Pin = Pin(1, 7);
@@ -319,6 +320,9 @@ impl Wiring for SharedArm {
         for joint in 0..2 {
             if pin == HOME[joint] {
                 return Some(arm.sample.home[joint] || std::mem::take(&mut arm.chatter[joint]));
+            }
+            if pin == INDEX[joint] {
+                return Some(arm.sample.index[joint]);
             }
             if pin == BRIDGE_FAULT[joint] {
                 // An open drain: the pull-up makes it high.

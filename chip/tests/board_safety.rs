@@ -162,7 +162,12 @@ fn each_fault_has_a_test_on_this_image() {
     let (_, part) = document
         .split_once("## On the simulated chip")
         .expect("the table");
-    let tests = [include_str!("faults.rs"), include_str!("board_faults.rs")].concat();
+    let tests = [
+        include_str!("faults.rs"),
+        include_str!("board_faults.rs"),
+        include_str!("homing.rs"),
+    ]
+    .concat();
     for fault in Fault::all() {
         let start = format!("| {} ", fault.number());
         let row = part.lines().find(|line| line.starts_with(&start));

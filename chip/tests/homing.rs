@@ -1,18 +1,18 @@
-//! Homing without switches on the production image: hard stops and given angles. The board has no
-//! absolute encoders.
+//! Homing by other means than switches alone on the production image: index pulses, hard stops and given
+//! angles. The board has no absolute encoders.
 
 mod bench;
 
 use bench::{Bench, Driven, arm_in};
 use fivebar::input::robot::{BuiltIn, Robot};
 use fivebar::run::drive::Drive;
-use fivebar_chip::Options;
 use fivebar_chip::time::MILLISECOND;
+use fivebar_chip::{Arm, Options, Pin, SharedArm};
 use fivebar_firmware::controller::RequestError;
 use fivebar_firmware::protocol::CommandError;
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::{Request, Status};
-use fivebar_plant::FaultKind;
+use fivebar_plant::{FaultKind, Mismatch, Plant};
 
 /// The benchtop arm with other lines in its file, turned by so much from home [rad].
 fn bench(change: impl FnOnce(String) -> String, turned: [f64; 2]) -> (Robot, Driven) {
@@ -33,10 +33,19 @@ fn with_stops(text: String) -> String {
     text + "\n[homing]\nmethod = \"hard-stop\"\ncurrent = 0.8\n"
 }
 
+/// The benchtop arm with index pulses, and switches that close by this share of the encoders' turn behind them.
+fn with_index(share: f64) -> impl FnOnce(String) -> String {
+    let behind = share * std::f64::consts::FRAC_PI_4;
+    let switch = [2.792_526_8 + behind, 0.349_065_9 - behind];
+    move |text| {
+        text + &format!("\n[homing]\nmethod = \"index\"\nspeed = 0.9\nswitch = {switch:?}\n")
+    }
+}
+
 /// Homes until the end, the host giving signs of life.
 fn home(driven: &mut Driven) -> Status {
     driven.request(Request::Home).expect("homing begins");
-    for _ in 0..200 {
+    for _ in 0..600 {
         driven.run(20 * MILLISECOND);
         let status = driven.status();
         if status.state != State::Homing {
@@ -83,6 +92,49 @@ fn a_joint_whose_motor_has_no_current_is_not_homed() {
     }
     let status = driven.status();
     assert_eq!(status.fault, Some(Fault::FollowingError));
+    assert!(!status.homed && driven.is_off());
+}
+
+#[test]
+fn the_angles_of_index_pulses_are_right_to_a_count_wherever_the_switches_close() {
+    for share in [0.08, 0.13] {
+        let (_, mut driven) = bench(with_index(share), [-0.06, 0.04]);
+        let status = home(&mut driven);
+        assert_eq!((status.state, status.fault), (State::Stopped, None));
+        // The joints come to rest.
+        driven.run(100 * MILLISECOND);
+        let status = driven.status();
+        let (homed, off) = found(&driven, &status);
+        // A count is 48 µrad. The angle is a filtered one of whole counts.
+        assert!(homed && off < 48e-6, "{off} rad with {share} turns");
+    }
+}
+
+#[test]
+fn an_index_output_without_its_wire() {
+    let (_, mut driven) = bench(with_index(0.08), [-0.02, 0.02]);
+    driven.arm.get().break_wire(Pin(2, 9));
+    let status = home(&mut driven);
+    assert_eq!(status.fault, Some(Fault::IndexNotFound));
+    assert!(!status.homed && driven.is_off());
+}
+
+#[test]
+fn a_switch_that_closes_near_an_index_pulse() {
+    let benchtop = BuiltIn::find("benchtop").expect("a built-in robot").text;
+    let text = with_index(0.08)(benchtop.to_owned());
+    let robot = Robot::parse("arm.toml", &text).expect("a robot");
+    let settings = robot.settings().expect("masses");
+    // The switch of joint 4 has moved, to 0.025 turns behind the pulse.
+    let mut parameters = robot.plant_parameters().expect("masses");
+    let [switch1, _] = parameters.switches.expect("switches");
+    parameters.switches = Some([switch1, robot.home[1] - 0.02]);
+    let pose = robot.pose_near_home([-0.02, 0.02]).expect("a pose");
+    let plant = Plant::new(&parameters, &Mismatch::default(), &pose, 7);
+    let arm = SharedArm::new(Arm::new(plant, MILLISECOND));
+    let mut driven = Bench::of(arm, Options::default(), Vec::new()).ready_as(&settings);
+    let status = home(&mut driven);
+    assert_eq!(status.fault, Some(Fault::IndexAmbiguous));
     assert!(!status.homed && driven.is_off());
 }
 

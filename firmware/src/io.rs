@@ -15,6 +15,8 @@ pub struct SensorSample {
     pub bus_voltage: u16,
     /// Home switches, true when pressed.
     pub home: [bool; 2],
+    /// Index pulses of the encoders, true where an encoder shows its index.
+    pub index: [bool; 2],
     /// Emergency stop, true when pressed.
     pub emergency_stop: bool,
     /// Fault outputs of the bridges, true when raised.

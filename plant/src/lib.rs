@@ -12,6 +12,7 @@ mod dynamics;
 mod encoder;
 mod fault;
 mod friction;
+mod index;
 mod latency;
 mod mismatch;
 mod mismatch_error;

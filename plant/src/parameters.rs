@@ -9,10 +9,11 @@ use crate::planar::{Body, PlanarVector, perp, rotation};
 use crate::sensors::JointSensors;
 use crate::transmission::Transmission;
 use fivebar_firmware::Settings;
-use fivebar_firmware::settings::SettingsError;
+use fivebar_firmware::settings::{HomingMethod, SettingsError};
 use fivebar_kinematics::dynamics::{Arm, Link};
 use fivebar_kinematics::five_bar::{Geometry, Pose};
 use nalgebra::Vector2;
+use std::f64::consts::TAU;
 
 /// The arm, its drives and its sensors without any mismatch. Index 0 of a pair is joint 1,
 /// index 1 joint 4.
@@ -34,6 +35,9 @@ pub struct Parameters {
     pub bus_voltage: f64,
     /// Bus voltage per ADC code [V].
     pub volts_per_code: f64,
+    /// Joint angles at which the home switches close [rad], where these are not the home angles; on an
+    /// arm with index pulses, none are half a turn of the encoder behind them.
+    pub switches: Option<[f64; 2]>,
     /// The controller's settings, which the sensors are scaled by.
     pub settings: Settings,
 }
@@ -75,6 +79,7 @@ impl Parameters {
             brake_torque: [0.0; 2],
             bus_voltage,
             volts_per_code: settings.protection.bus_voltage_per_code.into(),
+            switches: None,
             settings: *settings,
         })
     }
@@ -190,9 +195,16 @@ impl JointSensors {
     /// The sensors of a joint, 0 or 1, as in the controller's settings, with this mismatch.
     pub fn new(settings: &Settings, mismatch: &Mismatch, joint: usize) -> Self {
         let axis = &settings.axes[joint];
+        let counts_per_turn = f64::from(axis.encoder_counts) * f64::from(axis.gear_ratio);
+        let home = f64::from(axis.home_angle) + mismatch.home_error[joint];
+        let behind = match settings.home_reference.method {
+            HomingMethod::Index => 0.5 * TAU * f64::from(axis.index_counts) / counts_per_turn.abs(),
+            _ => 0.0,
+        };
         Self {
-            counts_per_turn: f64::from(axis.encoder_counts) * f64::from(axis.gear_ratio),
-            home: f64::from(axis.home_angle) + mismatch.home_error[joint],
+            counts_per_turn,
+            home,
+            switch: home + if axis.home_forward { behind } else { -behind },
             home_forward: axis.home_forward,
             current_per_code: f64::from(axis.current_per_code),
             current_zero_code: f64::from(axis.current_zero_code),

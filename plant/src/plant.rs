@@ -8,6 +8,7 @@ use crate::drives::Drives;
 use crate::dynamics::{DRIVEN, Loads, Model, State};
 use crate::encoder::{EncoderSide, TrueEncoder};
 use crate::fault::{FaultKind, PlantFault};
+use crate::index::Index;
 use crate::latency::Delay;
 use crate::mismatch::Mismatch;
 use crate::parameters::Parameters;
@@ -54,6 +55,8 @@ pub struct Plant {
     bus_voltage: f64,
     volts_per_code: f64,
     count_origin: [i32; 2],
+    /// Index outputs, on an arm that finds its angles by them.
+    indices: Option<[Index; 2]>,
     /// Hard stops, on an arm that finds its angles by them.
     stops: Option<[HardStop; 2]>,
     noise: Noise,
@@ -91,22 +94,40 @@ impl Plant {
         let latency =
             |joint: usize| parameters.encoders[joint].latency + mismatch.encoder_latency[joint];
         let settings = &parameters.settings;
-        let sensors = [0, 1].map(|joint| JointSensors::new(settings, mismatch, joint));
+        let sensors = [0, 1].map(|joint| {
+            let known = JointSensors::new(settings, mismatch, joint);
+            let switch = parameters.switches.map(|switches| switches[joint]);
+            JointSensors {
+                switch: switch.unwrap_or(known.switch),
+                ..known
+            }
+        });
+        let encoders = [0, 1].map(encoder);
         let method = settings.home_reference.method;
         let stops =
             (method == HomingMethod::HardStop).then(|| sensors.each_ref().map(HardStop::at_home));
+        let indices = (method == HomingMethod::Index).then(|| {
+            [0, 1].map(|j: usize| {
+                let at_home = sensors[j].counts(encoders[j].measured(sensors[j].home), 0);
+                Index::new(at_home, settings.axes[j].index_counts)
+            })
+        });
         // Incremental counters start anywhere, absolute ones in any turn.
         let start = [noise.integer(), noise.integer()];
         let count_origin = match method {
             HomingMethod::Absolute => [0, 1].map(|j| sensors[j].absolute_origin(start[j] % 3)),
-            HomingMethod::Switch | HomingMethod::HardStop | HomingMethod::Given => start,
+            HomingMethod::Switch
+            | HomingMethod::HardStop
+            | HomingMethod::Given
+            | HomingMethod::Index => start,
         };
         let mut plant = Self {
             stops,
+            indices,
             brakes: parameters.brake_torque.map(Brake::new),
             free_inertia: DRIVEN.map(|link| model.chain.bodies[link].inertia),
             drives: Drives::new(parameters, mismatch, &model, &state),
-            encoders: [0, 1].map(encoder),
+            encoders,
             delay: Delay::new([0, 1].map(latency)),
             state,
             model,
@@ -194,12 +215,17 @@ impl Plant {
             let followed = || self.sensors[j].at_home(self.angle(j));
             self.faults.stuck_switch[j].unwrap_or_else(|| self.hands.home[j] || followed())
         });
+        let index = [0, 1].map(|j| {
+            let turned = counts[j].wrapping_sub(self.count_origin[j]);
+            self.indices.is_some_and(|both| both[j].is_shown(turned))
+        });
         let current = self.state.current;
         let sample = SensorSample {
             counts,
             current: [0, 1].map(|j| self.sensors[j].current_code(current[j], &mut self.noise)),
             bus_voltage: sensors::adc_code(self.bus_voltage() / self.volts_per_code),
             home,
+            index,
             emergency_stop: self.faults.emergency_stop || self.hands.emergency_stop,
             driver_fault: self.faults.driver_fault,
             missed_ticks: self.missed_ticks,

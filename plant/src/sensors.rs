@@ -8,8 +8,11 @@ use std::f64::consts::TAU;
 pub struct JointSensors {
     /// Encoder counts per joint turn.
     pub counts_per_turn: f64,
-    /// Joint angle at the home switch [rad].
+    /// Joint angle at which homing finds the joint: at the home switch, the hard stop or the index
+    /// pulse [rad].
     pub home: f64,
+    /// Joint angle at which the home switch closes [rad].
+    pub switch: f64,
     /// Whether the joint's angle increases towards its switch; beyond, the switch stays
     /// pressed.
     pub home_forward: bool,
@@ -57,9 +60,9 @@ impl JointSensors {
     #[inline]
     pub(crate) fn at_home(&self, angle: f64) -> bool {
         if self.home_forward {
-            angle >= self.home
+            angle >= self.switch
         } else {
-            angle <= self.home
+            angle <= self.switch
         }
     }
 }

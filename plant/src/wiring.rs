@@ -25,6 +25,8 @@ pub struct Wiring {
     pub motor_dead: [bool; 2],
     /// The encoder is not connected.
     pub encoder_dead: [bool; 2],
+    /// The encoder's index output is not connected: the board's pull-up keeps it high.
+    pub index_dead: [bool; 2],
     /// The current sensor is not connected: it reads no current.
     pub current_dead: [bool; 2],
     /// Excess of the encoder's counts per turn of the joint, as a share: 1 is twice as many.
@@ -85,8 +87,10 @@ impl Wiring {
             (false, true) => mirrored(bridges[j], zero[j]) as u16,
             (false, false) => bridges[j],
         });
+        let index = [0, 1].map(|j| self.index_dead[j] || sample.index[j] && !self.encoder_dead[j]);
         SensorSample {
             counts: exchange(counts, self.encoders_swapped),
+            index: exchange(index, self.encoders_swapped),
             current,
             ..sample
         }

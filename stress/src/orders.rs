@@ -363,7 +363,8 @@ fn section(bytes: &mut Bytes<'_>, settings: &Settings) -> Section {
                 HomingMethod::HardStop,
                 HomingMethod::Absolute,
                 HomingMethod::Given,
-            ][usize::from(which) % 4];
+                HomingMethod::Index,
+            ][usize::from(which) % 5];
         }
     }
     section

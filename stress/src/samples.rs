@@ -68,6 +68,7 @@ fn sample(word: &mut impl FnMut() -> u32) -> SensorSample {
         current: [word() as u16, word() as u16],
         bus_voltage: word() as u16 % 4096,
         home: [flags & 1 != 0, flags & 2 != 0],
+        index: [flags & 0x8000 != 0, flags & 0x1_0000 != 0],
         emergency_stop: flags & 0x1c == 0,
         driver_fault: [flags & 0xe0 == 0, flags & 0x700 == 0],
         missed_ticks: if flags & 0x7800 == 0 { word() } else { 0 },

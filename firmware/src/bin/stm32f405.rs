@@ -118,12 +118,8 @@ mod app {
         }) else {
             panic!("the benchtop arm's settings are valid");
         };
-        let mut controller = Controller::new(&settings);
         let crystal_runs = source == Source::Crystal;
         CLOCK_FAILED.store(!crystal_runs, Ordering::Relaxed);
-        if let Some(fault) = fault_at_start(crystal_runs, reset, stored) {
-            controller.latch_fault(fault);
-        }
         defmt::info!("started after a reset: {}", reset);
 
         let meter = CycleMeter::new(&mut core.DCB, &mut core.DWT);
@@ -145,6 +141,12 @@ mod app {
             log: EventLog::new(),
             source,
         };
+        // The last of all: what is made before it would stand between it and its place, and cost the
+        // stack another controller.
+        let mut controller = Controller::new(&settings);
+        if let Some(fault) = fault_at_start(crystal_runs, reset, stored) {
+            controller.latch_fault(fault);
+        }
         let sample = SensorSample::default();
         (Shared { controller, sample }, local)
     }

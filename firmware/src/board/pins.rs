@@ -8,15 +8,23 @@ use super::pwm;
 use crate::drivers::Inputs;
 use stm32f4xx_hal::gpio::{
     Alternate, Analog, Input, Output, PA0, PA1, PA15, PB0, PB1, PB3, PB6, PB7, PB12, PB14, PB15,
-    PC0, PC1, PC2, PC4, PC5, PC6, PC7, PinPull, Pull,
+    PC0, PC1, PC2, PC4, PC5, PC6, PC7, PC8, PC9, PinPull, Pull,
 };
 use stm32f4xx_hal::pac::{GPIOA, GPIOB, GPIOC};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
 
-/// The home switches, the emergency stop and both bridges' fault outputs. The emergency
+/// The home switches, the encoders' index outputs, the emergency stop and both bridges' fault outputs. The emergency
 /// stop is on the timer's break pin, which can also be read as an input.
-pub type Switches = Inputs<PC4<Input>, PC5<Input>, PB12<Alternate<1>>, PB0<Input>, PB1<Input>>;
+pub type Switches = Inputs<
+    PC4<Input>,
+    PC5<Input>,
+    PC8<Input>,
+    PC9<Input>,
+    PB12<Alternate<1>>,
+    PB0<Input>,
+    PB1<Input>,
+>;
 
 /// The pins by their function.
 pub struct Pins {
@@ -80,6 +88,8 @@ impl Pins {
             switches: Inputs {
                 home1: c.pc4.into_pull_up_input(),
                 home4: c.pc5.into_pull_up_input(),
+                index1: c.pc8.into_pull_up_input(),
+                index4: c.pc9.into_pull_up_input(),
                 emergency_stop: pulled_up(b.pb12.into_alternate()),
                 fault1: b.pb0.into_pull_up_input(),
                 fault4: b.pb1.into_pull_up_input(),

@@ -11,7 +11,7 @@ pub struct Sensors {
     pub encoders: Encoders,
     /// Currents and bus voltage.
     pub analog: CurrentsAndBus,
-    /// Switches and fault outputs.
+    /// Switches, index and fault outputs.
     pub switches: Switches,
 }
 
@@ -27,6 +27,7 @@ impl Sensors {
             current: samples.current,
             bus_voltage: samples.bus_voltage,
             home: self.switches.home(),
+            index: self.switches.index(),
             emergency_stop: self.switches.emergency_stop() || stopped,
             driver_fault: self.switches.driver_fault(),
             missed_ticks,

@@ -1,5 +1,5 @@
-//! The tick while homing: each joint searches for its own switch or stop, at limited torque; or the
-//! angles are known without a motion.
+//! The tick while homing: each joint searches for its own switch, stop or index pulse, at limited
+//! torque; or the angles are known without a motion.
 
 use super::Controller;
 use super::homing_state::{HomingConfig, HomingState, limited};
@@ -19,7 +19,9 @@ impl Controller {
     pub(super) fn start_homing(&mut self) {
         self.homed = false;
         self.homing = match self.settings.home_reference.method {
-            HomingMethod::Switch | HomingMethod::HardStop => self.angles().map(HomingState::new),
+            HomingMethod::Switch | HomingMethod::Index | HomingMethod::HardStop => {
+                self.angles().map(HomingState::new)
+            }
             HomingMethod::Given => self
                 .joints
                 .each_ref()
@@ -46,10 +48,25 @@ impl Controller {
         let [state1, state4] = &mut self.homing;
         let [config1, config4] = &model.homing_configs;
         let [closed1, closed4] = sample.home;
-        let (error1, torque1) =
-            homing_step(model, joint1, axis1, inertia1, state1, config1, closed1)?;
-        let (error4, torque4) =
-            homing_step(model, joint4, axis4, inertia4, state4, config4, closed4)?;
+        let [index1, index4] = sample.index;
+        let (error1, torque1) = homing_step(
+            model,
+            joint1,
+            axis1,
+            inertia1,
+            state1,
+            config1,
+            [closed1, index1],
+        )?;
+        let (error4, torque4) = homing_step(
+            model,
+            joint4,
+            axis4,
+            inertia4,
+            state4,
+            config4,
+            [closed4, index4],
+        )?;
         self.error = [error1, error4];
         if self.model.monitor.following_error_exceeded(self.error) {
             return Err(Fault::FollowingError);
@@ -117,15 +134,16 @@ fn homing_step(
     inertia: f32,
     state: &mut HomingState,
     config: &HomingConfig,
-    closed: bool,
+    [closed, index]: [bool; 2],
 ) -> Result<(f32, f32), Fault> {
     let closed = match &config.stop {
+        None if state.seeks_index() => index,
         None => closed,
         Some(stop) => stop.is_felt(joint.current, joint.velocity()),
     };
     state
         .step(config, closed, joint.angle(), joint.counts(), model.period)
-        .map_err(|_| Fault::Envelope)?;
+        .map_err(Fault::from)?;
     let error = state.angle - joint.angle();
     let rate = state.rate - joint.velocity();
     let alpha = axis

@@ -16,16 +16,23 @@
 //! homing current and the joint stands still. The reference then waits where the joint is, so that
 //! nothing builds up against the stop, and the joint leaves the stop in the end. A stop that is
 //! felt before the joint has come back to it is an obstacle, and the search fails.
+//!
+//! With an index pulse the switch only says in which turn of the encoder the joint is: the joint
+//! creeps away from the closed switch, away from what lies behind it, until the first pulse. Its
+//! counts in the first tick of the pulse belong to the home angle, so a switch that closes somewhat
+//! earlier or later does not change it. If a pulse comes too near to the switch, or no sooner than
+//! a turn later, the switch cannot tell which of two pulses it is, and the search fails.
 
-use crate::settings::{AxisSettings, HomingMethod, Settings};
+use crate::safety::Fault;
+use crate::settings::{AxisSettings, CREEP, HomingMethod, INDEX_MARGIN, INDEX_SAMPLES, Settings};
+use HomingError::{IndexAmbiguous, IndexNotFound, SwitchNotFound};
+use core::f32::consts::TAU;
 use fivebar_kinematics::Scalar;
 
 /// Share of the homing current at which a stop is felt.
 const STOP_SHARE: f32 = 0.9;
 /// Share of the creeping speed below which a joint stands still at a stop.
 const STANDSTILL_SHARE: f32 = 0.5;
-/// Share of the speed with which a joint approaches for the second time.
-const CREEP: f32 = 0.125;
 
 /// A home switch without its bounces and disturbances.
 #[derive(Clone, Copy, Debug)]
@@ -93,6 +100,8 @@ pub(super) struct HomingConfig {
     samples: u8,
     /// In place of a switch.
     pub(super) stop: Option<StopDetection>,
+    /// From one index pulse to the next [rad], if one is sought.
+    index: Option<f32>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -104,6 +113,10 @@ enum Phase {
         from: f32,
     },
     Creep {
+        from: f32,
+    },
+    /// Creep away from the switch, to the index pulse.
+    Index {
         from: f32,
     },
     /// From a stop, at these counts.
@@ -126,13 +139,31 @@ pub(super) struct HomingState {
     pub(super) rate: f32,
 }
 
-/// The joint went as far as it may and did not find its switch.
+/// Why a search failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct SwitchNotFound;
+pub(super) enum HomingError {
+    /// The joint went as far as it may and did not find its switch.
+    SwitchNotFound,
+    /// No index pulse came within a turn of the encoder.
+    IndexNotFound,
+    /// The index pulse is so near to the switch that it could be that of the next turn.
+    IndexAmbiguous,
+}
+
+impl From<HomingError> for Fault {
+    fn from(error: HomingError) -> Self {
+        match error {
+            HomingError::SwitchNotFound => Self::Envelope,
+            HomingError::IndexNotFound => Self::IndexNotFound,
+            HomingError::IndexAmbiguous => Self::IndexAmbiguous,
+        }
+    }
+}
 
 impl HomingConfig {
     pub(super) fn new(axis: &AxisSettings, settings: &Settings) -> Self {
         let homing = &settings.homing;
+        let method = settings.home_reference.method;
         let [low, high] = axis.angle_limits;
         let speed = if axis.home_forward {
             homing.speed
@@ -146,13 +177,12 @@ impl HomingConfig {
             // The first approach reaches its speed in 0.1 s.
             acceleration: 10.0 * homing.speed,
             samples: settings.home_reference.samples,
-            stop: match settings.home_reference.method {
-                HomingMethod::HardStop => Some(StopDetection {
-                    current: STOP_SHARE * homing.current,
-                    speed: STANDSTILL_SHARE * CREEP * homing.speed,
-                }),
-                HomingMethod::Switch | HomingMethod::Absolute | HomingMethod::Given => None,
-            },
+            stop: (method == HomingMethod::HardStop).then_some(StopDetection {
+                current: STOP_SHARE * homing.current,
+                speed: STANDSTILL_SHARE * CREEP * homing.speed,
+            }),
+            index: (method == HomingMethod::Index)
+                .then(|| TAU * axis.index_counts as f32 / axis.counts_per_turn()),
         }
     }
 }
@@ -184,8 +214,15 @@ impl HomingState {
             Phase::Approach { .. }
             | Phase::BackOff { .. }
             | Phase::Creep { .. }
+            | Phase::Index { .. }
             | Phase::Leave { .. } => None,
         }
+    }
+
+    /// Whether the joint seeks its index pulse, and its switch no longer matters.
+    #[inline(always)]
+    pub(super) fn seeks_index(&self) -> bool {
+        matches!(self.phase, Phase::Index { .. })
     }
 
     /// The reference rests where the joint does, at a stop.
@@ -195,8 +232,8 @@ impl HomingState {
         self.rate = 0.0;
     }
 
-    /// One tick of `period` [s], with what the switch reads, the measured angle [rad] and its
-    /// counts.
+    /// One tick of `period` [s], with what the switch reads, or the index while the joint seeks it,
+    /// the measured angle [rad] and its counts.
     pub(super) fn step(
         &mut self,
         config: &HomingConfig,
@@ -204,8 +241,14 @@ impl HomingState {
         angle: f32,
         counts: i32,
         period: f32,
-    ) -> Result<(), SwitchNotFound> {
-        self.switch.read(closed, counts, config.samples);
+    ) -> Result<(), HomingError> {
+        let was_closed = self.switch.closed;
+        let samples = if self.seeks_index() {
+            INDEX_SAMPLES
+        } else {
+            config.samples
+        };
+        self.switch.read(closed, counts, samples);
         let Debounced { closed, counts, .. } = self.switch;
         let gone = |from: f32| Scalar::abs(angle - from);
         let wanted = match self.phase {
@@ -231,7 +274,9 @@ impl HomingState {
             }
             Phase::Creep { from } => {
                 if closed {
-                    if config.stop.is_none() {
+                    if config.index.is_some() {
+                        self.phase = Phase::Index { from: angle };
+                    } else if config.stop.is_none() {
                         self.phase = Phase::Found { counts };
                     } else if gone(from) < 0.5 * config.back_off {
                         return Err(SwitchNotFound);
@@ -246,6 +291,18 @@ impl HomingState {
                     return Err(SwitchNotFound);
                 }
                 CREEP * config.speed
+            }
+            Phase::Index { from } => {
+                let turns = gone(from) / config.index.unwrap_or(0.0);
+                if closed && !was_closed {
+                    if !(INDEX_MARGIN..=1.0 - INDEX_MARGIN).contains(&turns) {
+                        return Err(IndexAmbiguous);
+                    }
+                    self.phase = Phase::Found { counts };
+                } else if turns > 1.0 + INDEX_MARGIN || gone(from) > config.range {
+                    return Err(IndexNotFound);
+                }
+                -CREEP * config.speed
             }
             Phase::Leave { from, counts } => {
                 if gone(from) >= config.back_off {

@@ -63,6 +63,10 @@ pub enum Fault {
     SettingsCorrupt = 18,
     /// A position loop oscillates: the arm differs too much from its settings.
     Oscillation = 19,
+    /// Homing found the switch, and no index pulse within a turn of the encoder after it.
+    IndexNotFound = 20,
+    /// The index pulse is so near to the switch that it could be that of the next turn.
+    IndexAmbiguous = 21,
 }
 
 /// What a fault does to the arm.
@@ -108,7 +112,9 @@ impl Fault {
             | Self::ClockFailure
             | Self::WatchdogReset
             | Self::SettingsCorrupt
-            | Self::Oscillation => Response::PowerOff,
+            | Self::Oscillation
+            | Self::IndexNotFound
+            | Self::IndexAmbiguous => Response::PowerOff,
         }
     }
 

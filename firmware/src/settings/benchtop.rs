@@ -23,6 +23,7 @@ const fn axis(home_angle: f32, home_forward: bool, angle_limits: [f32; 2]) -> Ax
         viscous_friction: 1.5e-3,
         coulomb_friction: 9e-3,
         encoder_counts: 16384,
+        index_counts: 16384,
         encoder_latency: 0.0,
         home_angle,
         home_forward,

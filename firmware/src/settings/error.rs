@@ -163,7 +163,8 @@ impl Field {
             Self::HomingSamples => ("home_reference.samples", "must be 1 to 255"),
             Self::HomingMethod => (
                 "home_reference.method",
-                "hard stops need the continuous current at most, samples before half of \
+                "index pulses need index_counts and a homing.speed at which no pulse is missed; hard \
+                 stops need the continuous current at most, samples before half of \
                  following_error, and angle_limits that end at most back_off before the stop; \
                  absolute encoders need angle_limits of a turn at most",
             ),

@@ -2,12 +2,23 @@
 
 use super::{AxisSettings, Settings};
 use core::f32::consts::TAU;
+use fivebar_kinematics::Scalar;
 use serde::{Deserialize, Serialize};
+
+/// Share of the homing speed with which a joint creeps to its switch or stop, and to its index pulse.
+pub(crate) const CREEP: f32 = 0.125;
+/// Samples in a row after which an index pulse is believed. A pulse lasts one count, and each count
+/// twice as many ticks.
+pub(crate) const INDEX_SAMPLES: u8 = 2;
+/// Share of the way from one index pulse to the next that a pulse must keep from the switch, so that
+/// the switch tells which of the pulses it is.
+pub const INDEX_MARGIN: f32 = 0.0625;
 
 /// The search for the home switches or the hard stops.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HomingSettings {
-    /// Speed of the first approach [rad/s]; the second approach has an eighth of it.
+    /// Speed of the first approach [rad/s]; the second approach, and the way to an index pulse, have
+    /// an eighth of it.
     pub speed: f32,
     /// Distance to back off from a closed switch or a stop [rad].
     pub back_off: f32,
@@ -28,6 +39,9 @@ pub enum HomingMethod {
     Absolute,
     /// The arm stands at its home angles when the host asks for homing. Nothing moves.
     Given,
+    /// Each joint searches for its home switch, and away from it for the encoder's index pulse. The
+    /// home angle is that of the pulse.
+    Index,
 }
 
 /// The source of the joints' angles, and how much it takes to believe it.
@@ -51,7 +65,7 @@ impl HomeReference {
 impl Settings {
     /// Whether the method can find this arm's angles within its limits.
     ///
-    /// A stop is felt at no more than the continuous currents; until it is believed, the reference
+    /// An index pulse must last long enough at the creeping speed. A stop is felt at no more than the continuous currents; until it is believed, the reference
     /// gains less than half of the greatest following error on the joint; and the range of the
     /// angles ends before it, by no more than the distance to back off. An absolute encoder shows one angle only in
     /// a range of a turn.
@@ -61,6 +75,11 @@ impl Settings {
         let axes = &self.axes;
         match self.home_reference.method {
             HomingMethod::Switch | HomingMethod::Given => true,
+            HomingMethod::Index => axes.iter().all(|axis| {
+                let counts = axis.counts_per_turn();
+                let fastest = HomingSettings::fastest_to_index(counts, self.control.tick_rate);
+                search.speed <= fastest && axis.index_counts > 0
+            }),
             HomingMethod::HardStop => {
                 search.speed * felt_in <= 0.5 * self.protection.following_error
                     && axes.iter().all(|axis| {
@@ -76,7 +95,22 @@ impl Settings {
     }
 }
 
+impl HomingSettings {
+    /// The greatest homing speed [rad/s] at which an index pulse of one count is seen for sure, with
+    /// so many counts in a turn of the joint: at the creeping speed, each count then lasts twice the
+    /// samples after which a pulse is believed.
+    pub fn fastest_to_index(counts_per_turn: f32, tick_rate: f32) -> f32 {
+        let counts_per_second = tick_rate / (2.0 * f32::from(INDEX_SAMPLES));
+        counts_per_second * TAU / (CREEP * counts_per_turn)
+    }
+}
+
 impl AxisSettings {
+    /// Encoder counts in a turn of the joint, whatever their sign.
+    pub(crate) fn counts_per_turn(&self) -> f32 {
+        self.encoder_counts as f32 * Scalar::abs(self.gear_ratio)
+    }
+
     /// Whether the angles' range ends before a stop at the home angle, by no more than this.
     fn ends_before_its_stop(&self, back_off: f32) -> bool {
         let [low, high] = self.angle_limits;

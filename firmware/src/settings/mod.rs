@@ -19,7 +19,8 @@ pub use board::BoardLimits;
 pub use checked::CheckedSettings;
 pub use encoder_table::{ENCODER_POINTS, ENCODER_UNIT, EncoderTable};
 pub use error::{AxisField, Field, SettingsError};
-pub use homing::{HomeReference, HomingMethod, HomingSettings};
+pub(crate) use homing::{CREEP, INDEX_SAMPLES};
+pub use homing::{HomeReference, HomingMethod, HomingSettings, INDEX_MARGIN};
 pub use tool_output::{ALWAYS, Share, ToolOutputSettings};
 
 /// Inertia of one link, see `fivebar_kinematics::dynamics::Link`.
@@ -52,9 +53,11 @@ pub struct AxisSettings {
     pub coulomb_friction: f32,
     /// Encoder counts per motor turn, after quadrature.
     pub encoder_counts: u32,
+    /// Encoder counts from one index pulse to the next.
+    pub index_counts: u32,
     /// Age of the encoder's angle when it is sampled [s].
     pub encoder_latency: f32,
-    /// Joint angle at which the home switch closes [rad].
+    /// Joint angle at which the home switch closes, or at the index pulse [rad].
     pub home_angle: f32,
     /// Whether the joint's angle grows towards its switch.
     pub home_forward: bool,

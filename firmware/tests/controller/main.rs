@@ -12,6 +12,7 @@ mod faults;
 mod holding;
 mod homing;
 mod homing_again;
+mod homing_index;
 mod homing_methods;
 mod independent_joints;
 mod left_behind;

@@ -30,18 +30,27 @@ fn sensor_sample() -> impl Strategy<Value = SensorSample> {
         any::<[i32; 2]>(),
         any::<[u16; 2]>(),
         any::<u16>(),
-        any::<[bool; 2]>(),
+        any::<[[bool; 2]; 2]>(),
         any::<bool>(),
         any::<[bool; 2]>(),
         any::<u32>(),
     )
         .prop_map(
-            |(counts, current, bus_voltage, home, emergency_stop, driver_fault, missed_ticks)| {
+            |(
+                counts,
+                current,
+                bus_voltage,
+                [home, index],
+                emergency_stop,
+                driver_fault,
+                missed_ticks,
+            )| {
                 SensorSample {
                     counts,
                     current,
                     bus_voltage,
                     home,
+                    index,
                     emergency_stop,
                     driver_fault,
                     missed_ticks,

@@ -20,12 +20,12 @@ pub(crate) fn section_key() -> impl Strategy<Value = SectionKey> {
 fn axis() -> impl Strategy<Value = AxisSettings> {
     (
         prop::array::uniform16(number()),
-        any::<u32>(),
+        any::<[u32; 2]>(),
         any::<u16>(),
         any::<bool>(),
     )
         .prop_map(
-            |(v, encoder_counts, current_zero_code, home_forward)| AxisSettings {
+            |(v, [encoder_counts, index_counts], current_zero_code, home_forward)| AxisSettings {
                 gear_ratio: v[0],
                 rotor_inertia: v[1],
                 torque_constant: v[2],
@@ -34,6 +34,7 @@ fn axis() -> impl Strategy<Value = AxisSettings> {
                 viscous_friction: v[5],
                 coulomb_friction: v[6],
                 encoder_counts,
+                index_counts,
                 encoder_latency: v[6] * 0.5,
                 home_angle: v[7],
                 home_forward,
@@ -117,6 +118,7 @@ fn home_method() -> impl Strategy<Value = HomingMethod> {
         Just(HomingMethod::HardStop),
         Just(HomingMethod::Absolute),
         Just(HomingMethod::Given),
+        Just(HomingMethod::Index),
     ]
 }
 

@@ -39,6 +39,7 @@ pub(crate) fn settings() -> Settings {
     Settings {
         axes: BENCHTOP.axes.map(|axis| AxisSettings {
             encoder_counts: 8192,
+            index_counts: 8192,
             ..axis
         }),
         control: ControlSettings {
@@ -82,6 +83,10 @@ pub(crate) struct Bench {
     pub(crate) overlay: SensorSample,
     /// A fixed state of both home switches, whatever the arm does.
     pub(crate) stuck: Option<[bool; 2]>,
+    /// How far each switch closes behind the home angle [rad]: there, one with an index pulse has the pulse.
+    pub(crate) switch_behind: [f64; 2],
+    /// Encoders without index pulses.
+    pub(crate) no_index: bool,
     /// Added to the counts.
     pub(crate) extra_counts: [i32; 2],
     /// Measured less true angle of each encoder's shaft, by the measured angle [rad].
@@ -116,6 +121,8 @@ impl Bench {
             bus: 24.0,
             overlay: SensorSample::default(),
             stuck: None,
+            switch_behind: [0.0; 2],
+            no_index: false,
             extra_counts: [0; 2],
             encoder_error: |_| 0.0,
             command: ActuatorCommand::default(),
@@ -139,10 +146,24 @@ impl Bench {
         let switch = |joint: usize| {
             let axis = &self.settings.axes[joint];
             let beyond = self.theta[joint] - f64::from(axis.home_angle);
-            (beyond >= 0.0) == axis.home_forward
+            let behind = self.switch_behind[joint];
+            if axis.home_forward {
+                beyond >= behind
+            } else {
+                beyond < -behind
+            }
+        };
+        // One count in each turn of the encoder.
+        let index = |joint: usize| {
+            let axis = &axes[joint];
+            let shaft = f64::from(axis.home_angle * axis.gear_ratio);
+            let at_home = (shaft / TAU * f64::from(axis.encoder_counts)).round() as i32;
+            let counts = counts(joint).wrapping_sub(self.extra_counts[joint]);
+            (counts - at_home) % axis.index_counts as i32 == 0 && !self.no_index
         };
         SensorSample {
             home: self.stuck.unwrap_or([switch(0), switch(1)]),
+            index: [index(0), index(1)],
             counts: [counts(0), counts(1)],
             current: [code(0), code(1)],
             bus_voltage: (self.bus * 100.0).round() as u16,

@@ -44,7 +44,7 @@ fn searches_that_the_controller_would_refuse_are_refused_with_line_and_bound() {
         ("current = 4.5", ["`current` of [homing]", "at most 4.0 A"]),
         ("forward = [1, 2]", ["forward", "boolean"]),
         ("method = 1", ["method", "string"]),
-        ("method = \"index\"", ["method", "unknown variant"]),
+        ("method = \"pulse\"", ["method", "unknown variant"]),
         ("samples = 0", ["`samples` of [homing]", "1 to 255"]),
         ("way = 1", ["way", "unknown"]),
     ] {
@@ -94,6 +94,16 @@ fn each_method_reaches_the_controller() {
             axis.home_angle
         );
     }
+    let index = given(BENCHTOP.into(), "method = \"index\"");
+    assert_eq!(index.home_reference, reference(HomingMethod::Index, 8));
+    assert_eq!(index.axes.map(|axis| axis.index_counts), [16_384; 2]);
+    // The file's home is that of the pulses.
+    assert_eq!(index.axes[0].home_angle, switch.axes[0].home_angle);
+    let disc_at_joint =
+        with_joint_encoders().replace("[[0.6, 3.6], [-0.46, 2.54]]", "[[0.6, 3.6], [-0.46, 3.0]]");
+    let keys = "method = \"index\"\nswitch = [3.5, -0.45]\nforward = [true, false]";
+    let joint = given(disc_at_joint, keys);
+    assert_eq!(joint.axes.map(|axis| axis.index_counts), [131_072; 2]);
     let absolute = given(with_joint_encoders(), "method = \"absolute\"");
     assert_eq!(absolute.home_reference.method, HomingMethod::Absolute);
     let given = given(BENCHTOP.into(), "method = \"given\"");
@@ -125,6 +135,36 @@ fn a_method_that_does_not_fit_the_arm_is_refused_with_the_key() {
             &near,
             &format!("{stops}\nsamples = 250"),
             "`speed` of [homing] must be at most 0.400 rad/s",
+        ),
+        (
+            BENCHTOP,
+            "method = \"index\"\nspeed = 1.0",
+            "`speed` of [homing] must be at most 0.959 rad/s for index pulses",
+        ),
+        (
+            BENCHTOP,
+            "method = \"index\"\nswitch = [2.83, 0.0]",
+            "`switch` of [homing] of joint 1 closes 0.048 turns of the encoder behind its index pulse",
+        ),
+        (
+            BENCHTOP,
+            "method = \"index\"\nswitch = [3.2, -0.4]",
+            "`switch` of [homing] of joint 4 closes 0.954 turns of the encoder behind its index pulse",
+        ),
+        (
+            BENCHTOP,
+            "method = \"index\"\nswitch = [3.2, 0.5]",
+            "of joint 4 closes -0.192 turns of the encoder behind its index pulse",
+        ),
+        (
+            &with_joint_encoders(),
+            "method = \"index\"",
+            "`switch` of [homing] of joint 1 is at 5.9341 rad, outside limits.angle",
+        ),
+        (
+            BENCHTOP,
+            "switch = [3.2, 0.0]",
+            "`switch` of [homing] is of the method \"index\"",
         ),
         (
             BENCHTOP,

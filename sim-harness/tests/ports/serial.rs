@@ -49,6 +49,7 @@ fn a_monitor_shows_raw_inputs_before_settings_and_homing() {
         current: [2047, 2050],
         bus_voltage: 1234,
         home: [false, true],
+        index: [true, false],
         emergency_stop: true,
         driver_fault: [true, false],
         missed_ticks: 0,
@@ -66,7 +67,7 @@ fn a_monitor_shows_raw_inputs_before_settings_and_homing() {
         .expect("a line")
         .split_whitespace()
         .collect();
-    let expected = "counts -12345 678 currents 2047 2050 codes bus 1234 codes home - pressed \
+    let expected = "counts -12345 678 currents 2047 2050 codes bus 1234 codes home - pressed index high - \
                     emergency stop pressed bridges fault -";
     assert_eq!(last.join(" "), expected);
 }

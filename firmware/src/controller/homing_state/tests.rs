@@ -1,7 +1,9 @@
 //! One joint's search by itself: what it believes of its switch, and how far it goes.
 
-use super::{Debounced, HomingConfig, HomingState, Phase, StopDetection, SwitchNotFound, limited};
-use crate::settings::{HomingMethod, Settings};
+use super::HomingError::{self, IndexAmbiguous, IndexNotFound, SwitchNotFound};
+use super::{Debounced, HomingConfig, HomingState, Phase, StopDetection, limited};
+use crate::settings::{AxisSettings, HomingMethod, INDEX_SAMPLES, Settings};
+use core::f32::consts::TAU;
 
 /// Samples after which a switch is believed.
 const SAMPLES: u8 = 8;
@@ -14,6 +16,7 @@ const CONFIG: HomingConfig = HomingConfig {
     acceleration: 1000.0,
     samples: SAMPLES,
     stop: None,
+    index: None,
 };
 
 /// A search that has read its switch as `closed` before.
@@ -29,7 +32,7 @@ fn search(phase: Phase, closed: bool) -> HomingState {
 }
 
 /// One tick with the switch as before, at `angle` [rad].
-fn step(search: &mut HomingState, angle: f32) -> Result<(), SwitchNotFound> {
+fn step(search: &mut HomingState, angle: f32) -> Result<(), HomingError> {
     let closed = search.switch.closed;
     search.step(&CONFIG, closed, angle, 7, 1e-3)
 }
@@ -171,7 +174,7 @@ const STOP: StopDetection = StopDetection {
 };
 
 /// A tick in which a stop is felt or not, believed at once.
-fn feel(search: &mut HomingState, felt: bool, at: f32) -> Result<(), SwitchNotFound> {
+fn feel(search: &mut HomingState, felt: bool, at: f32) -> Result<(), HomingError> {
     let config = HomingConfig {
         samples: 1,
         stop: Some(STOP),
@@ -243,4 +246,98 @@ fn stops_are_felt_near_the_homing_current_and_at_half_the_creeping_speed() {
     let stop = config.stop.expect("hard stops");
     assert!((stop.current - 1.08).abs() < 1e-6, "{stop:?}");
     assert!((stop.speed - 0.043_75).abs() < 1e-6, "{stop:?}");
+}
+
+/// A range of 2 rad, and an index pulse in each radian.
+const INDEX: HomingConfig = HomingConfig {
+    back_off: 0.25,
+    index: Some(1.0),
+    ..CONFIG
+};
+
+/// Creeps away from the switch at 5 rad, in millirads of one count each; the encoder shows its index in
+/// these counts.
+fn creep_to_index(shown: impl Fn(i32) -> bool) -> Result<i32, HomingError> {
+    let mut search = search(Phase::Index { from: 5.0 }, true);
+    for counts in (3000..=5000).rev() {
+        // Each count lasts twice the samples.
+        for _ in 0..2 * INDEX_SAMPLES {
+            let angle = 1e-3 * counts as f32;
+            search.step(&INDEX, shown(counts), angle, counts, 1e-3)?;
+        }
+        if let Some(counts) = search.found() {
+            return Ok(counts);
+        }
+    }
+    panic!("no end");
+}
+
+#[test]
+fn a_joint_that_has_found_its_switch_creeps_away_from_it_to_its_index_pulse() {
+    let mut search = search(Phase::Creep { from: 4.5 }, true);
+    assert_eq!(search.step(&INDEX, true, 5.0, 5000, 1e-3), Ok(()));
+    assert_eq!(search.phase, Phase::Index { from: 5.0 });
+    assert!(search.seeks_index());
+    for _ in 0..10 {
+        assert_eq!(search.step(&INDEX, false, 5.0, 5000, 1e-3), Ok(()));
+    }
+    assert_eq!(search.rate, -0.125);
+}
+
+#[test]
+fn the_first_pulse_of_a_count_or_more_is_found_and_a_disturbance_is_not() {
+    assert_eq!(creep_to_index(|counts| counts == 4600), Ok(4600));
+    assert_eq!(
+        creep_to_index(|counts| (4590..=4600).contains(&counts)),
+        Ok(4600)
+    );
+    let mut search = search(Phase::Index { from: 5.0 }, false);
+    for tick in 0..100 {
+        let disturbed = tick % 2 == 0;
+        assert_eq!(search.step(&INDEX, disturbed, 4.6, 4600, 1e-3), Ok(()));
+    }
+    assert_eq!(search.found(), None);
+}
+
+#[test]
+fn a_pulse_within_a_sixteenth_of_a_turn_from_the_switch_is_of_no_certain_turn() {
+    let pulse = |at: i32| creep_to_index(move |counts| counts == at);
+    assert_eq!(pulse(4930), Ok(4930));
+    assert_eq!(pulse(4945), Err(IndexAmbiguous));
+    assert_eq!(pulse(4070), Ok(4070));
+    assert_eq!(pulse(4055), Err(IndexAmbiguous));
+    // The switch closed in a pulse: the next one is a turn away.
+    let in_pulse = |counts| counts > 4995 || counts == 4000;
+    assert_eq!(creep_to_index(in_pulse), Err(IndexAmbiguous));
+}
+
+#[test]
+fn an_index_output_that_stays_as_it_is_has_no_pulse() {
+    assert_eq!(creep_to_index(|_| false), Err(IndexNotFound));
+    assert_eq!(creep_to_index(|_| true), Err(IndexNotFound));
+    // Nor is one sought farther than the joint can go.
+    let disc_at_joint = HomingConfig {
+        index: Some(TAU),
+        ..INDEX
+    };
+    let mut search = search(Phase::Index { from: 5.0 }, false);
+    for (gone, result) in [(2.99, Ok(())), (3.01, Err(IndexNotFound))] {
+        assert_eq!(
+            search.step(&disc_at_joint, false, 5.0 - gone, 0, 1e-3),
+            result
+        );
+    }
+}
+
+#[test]
+fn the_way_between_two_pulses_is_that_of_the_joint() {
+    let mut settings = Settings::BENCHTOP;
+    let [axis, _] = settings.axes;
+    assert_eq!(HomingConfig::new(&axis, &settings).index, None);
+    settings.home_reference.method = HomingMethod::Index;
+    for gear_ratio in [8.0, -8.0] {
+        let axis = AxisSettings { gear_ratio, ..axis };
+        let between = HomingConfig::new(&axis, &settings).index.expect("pulses");
+        assert!((between - TAU / 8.0).abs() < 1e-6, "{between} rad");
+    }
 }

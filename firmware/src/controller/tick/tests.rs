@@ -16,6 +16,7 @@ const SAMPLE: SensorSample = SensorSample {
     current: [2048; 2],
     bus_voltage: 2048,
     home: [false; 2],
+    index: [false; 2],
     emergency_stop: false,
     driver_fault: [false; 2],
     missed_ticks: 0,

@@ -15,6 +15,8 @@ pub enum HomeMethod {
     /// A search for home switches.
     #[default]
     Switch,
+    /// A search for home switches, and for the encoders' index pulses from there.
+    Index,
     /// A search for hard stops, by the motors' currents.
     HardStop,
     /// Encoders that know their angle.
@@ -30,6 +32,7 @@ const STOP_TIME: f64 = 0.01;
 pub(super) fn reference(search: &HomeSearch, tick_rate: f64) -> HomeReference {
     let method = match search.method {
         HomeMethod::Switch => HomingMethod::Switch,
+        HomeMethod::Index => HomingMethod::Index,
         HomeMethod::HardStop => HomingMethod::HardStop,
         HomeMethod::Absolute => HomingMethod::Absolute,
         HomeMethod::Given => HomingMethod::Given,
@@ -37,7 +40,7 @@ pub(super) fn reference(search: &HomeSearch, tick_rate: f64) -> HomeReference {
     let samples = match search.method {
         // `as` saturates.
         HomeMethod::HardStop => ((STOP_TIME * tick_rate) as u8).max(1),
-        HomeMethod::Switch | HomeMethod::Absolute | HomeMethod::Given => {
+        HomeMethod::Switch | HomeMethod::Index | HomeMethod::Absolute | HomeMethod::Given => {
             HomeReference::SWITCHES.samples
         }
     };
@@ -54,8 +57,13 @@ pub(super) fn check(source: &Source<'_>, robot: &Robot) -> Result<(), FileError>
     if search.samples == Some(0) {
         return Err(source.refuse(key("samples"), "must be 1 to 255, not 0"));
     }
+    if search.switch.is_some() && search.method != HomeMethod::Index {
+        let reason = "is of the method \"index\": with any other, switches close at home";
+        return Err(source.refuse(key("switch"), reason));
+    }
     match search.method {
         HomeMethod::Switch => Ok(()),
+        HomeMethod::Index => super::home_index::check(source, robot),
         HomeMethod::HardStop => hard_stop(source, robot),
         HomeMethod::Absolute => {
             nothing_searched(source)?;

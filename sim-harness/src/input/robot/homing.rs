@@ -6,7 +6,7 @@ use super::value::positive;
 use crate::input::source::{FileError, Key, Source};
 use serde::Deserialize;
 
-/// Where the joints' angles come from, and the search for switches or stops.
+/// Where the joints' angles come from, and the search for switches, index pulses or stops.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct HomeSearch {
@@ -23,6 +23,9 @@ pub struct HomeSearch {
     pub speed: Option<f64>,
     /// Way by which a joint backs off from its closed switch [rad].
     pub back_off: f64,
+    /// Angles at which the switches close where the angles come from index pulses [rad]; none: half a
+    /// turn of the encoder behind `home`.
+    pub switch: Option<[f64; 2]>,
     /// Greatest motor current [A]; none: 0.3 of the peak current and what holds the arm's weight.
     pub current: Option<f64>,
 }
@@ -35,6 +38,7 @@ impl Default for HomeSearch {
             forward: None,
             speed: None,
             back_off: 0.05,
+            switch: None,
             current: None,
         }
     }

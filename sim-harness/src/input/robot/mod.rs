@@ -9,6 +9,7 @@ mod draft;
 mod drive;
 mod file;
 mod home;
+mod home_index;
 mod home_method;
 mod homing;
 mod measured;

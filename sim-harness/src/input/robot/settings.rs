@@ -116,6 +116,7 @@ impl Robot {
             brake_torque: drives.map(|drive| drive.brake_torque),
             bus_voltage: self.supply.voltage,
             volts_per_code: self.voltage_per_code(),
+            switches: self.switches(&drives),
             settings: self.settings()?,
         })
     }
@@ -135,7 +136,9 @@ impl Robot {
         let towards = if self.homes_forward(joint) { 1.0 } else { -1.0 };
         match self.homing.method {
             HomeMethod::HardStop => self.home[joint] + towards * self.homing.back_off,
-            HomeMethod::Switch | HomeMethod::Absolute | HomeMethod::Given => self.home[joint],
+            HomeMethod::Switch | HomeMethod::Index | HomeMethod::Absolute | HomeMethod::Given => {
+                self.home[joint]
+            }
         }
     }
 
@@ -208,6 +211,7 @@ impl Robot {
             viscous_friction: single(actuator.viscous_friction),
             coulomb_friction: single(actuator.coulomb_friction),
             encoder_counts: actuator.encoder_counts,
+            index_counts: actuator.index_counts(),
             encoder_latency: single(actuator.encoder_latency),
             home_angle: single(self.reference_angle(joint)),
             home_forward: self.homes_forward(joint),

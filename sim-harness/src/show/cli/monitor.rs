@@ -142,6 +142,7 @@ fn inputs(sample: &SensorSample) -> String {
         current: [code1, code4],
         bus_voltage,
         home: [home1, home4],
+        index: [index1, index4],
         emergency_stop,
         driver_fault: [fault1, fault4],
         missed_ticks: _,
@@ -149,9 +150,11 @@ fn inputs(sample: &SensorSample) -> String {
     let word = |is: &bool, yes: &'static str| if *is { yes } else { "-" };
     format!(
         "counts {counts1:>11} {counts4:>11}  currents {code1:4} {code4:4} codes  \
-         bus {bus_voltage:4} codes  home {:7} {:7}  emergency stop {:7}  bridges {:5} {:5}",
+         bus {bus_voltage:4} codes  home {:7} {:7}  index {:4} {:4}  emergency stop {:7}  bridges {:5} {:5}",
         word(home1, "pressed"),
         word(home4, "pressed"),
+        word(index1, "high"),
+        word(index4, "high"),
         word(emergency_stop, "pressed"),
         word(fault1, "fault"),
         word(fault4, "fault"),

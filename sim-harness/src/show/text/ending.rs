@@ -70,6 +70,11 @@ fn next_step(fault: Fault) -> &'static str {
             "State the drives' `stiffness` and the arm's masses as they are, or give [control] \
              lower bandwidths (fivebar margins)."
         }
+        Fault::IndexNotFound => "Check the encoders' index outputs and their wires.",
+        Fault::IndexAmbiguous => {
+            "Move a switch, or an encoder's disc, so that the switch closes half a turn of the encoder \
+             behind the index pulse."
+        }
     }
 }
 

@@ -36,6 +36,7 @@ const UNITS: &[(&str, &[(&str, &str)])] = &[
             ("viscous_friction", "N·m·s/rad, at the joint"),
             ("coulomb_friction", "N·m, at the joint"),
             ("encoder_counts", "counts per motor turn"),
+            ("index_counts", "counts from one index pulse to the next"),
             ("encoder_latency", "s"),
             ("home_angle", "rad"),
             ("home_forward", ""),

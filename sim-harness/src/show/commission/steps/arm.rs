@@ -3,8 +3,8 @@
 use super::super::bench::Bench;
 use super::super::finding::StepError;
 use super::super::record::Value;
-use super::Outcome;
-use crate::input::robot::Robot;
+use super::{Outcome, index};
+use crate::input::robot::{HomeMethod, Robot};
 use crate::input::scenario::Scenario;
 use crate::run::drive::Drive;
 use crate::show::picture::{DrawnPoint, validation as picture};
@@ -20,10 +20,15 @@ const REPEATABILITY: f64 = 2e-3;
 /// Homes several times: the angles must be found, at the same counts each time.
 pub(in super::super) fn homing(bench: &mut Bench) -> Result<Outcome, StepError> {
     let mut origins = Vec::new();
+    let mut values = Vec::new();
     for _ in 0..SEARCHES {
         // New settings make the controller forget its angles.
         bench.upload()?;
-        bench.home()?;
+        if bench.robot.homing.method == HomeMethod::Index {
+            values = index::home(bench)?;
+        } else {
+            bench.home()?;
+        }
         let status = bench.pause(0.3)?;
         let counts = bench.sample()?.counts;
         let mut origin = [0.0; 2];
@@ -33,7 +38,6 @@ pub(in super::super) fn homing(bench: &mut Bench) -> Result<Outcome, StepError> 
         }
         origins.push(origin);
     }
-    let mut values = Vec::new();
     for joint in [0, 1] {
         let first = origins[0][joint];
         let spread = origins

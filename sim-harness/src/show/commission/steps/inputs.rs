@@ -116,7 +116,8 @@ pub(in super::super) fn switches(bench: &mut Bench) -> Result<Outcome, StepError
              broken wire reads as pressed",
         )
     };
-    if bench.robot.homing.method != HomeMethod::Switch {
+    let searched = [HomeMethod::Switch, HomeMethod::Index];
+    if !searched.contains(&bench.robot.homing.method) {
         return Ok(Outcome::new("the arm is homed without switches", vec![]));
     }
     let home = bench.sample()?.home;

@@ -7,6 +7,7 @@ mod encoder_errors;
 mod fit;
 mod friction;
 mod geometry;
+mod index;
 mod inputs;
 mod motors;
 mod moving;
