@@ -51,7 +51,7 @@ firmware() {
 chip() { scripts/chip.sh; }
 emulated() {
     cargo test --package fivebar-tests --features emulator \
-        --test images --test instructions --test emulated_boards --test emulated_faults \
+        --test images --test instructions --test emulated_boards --test emulated_faults --test emulated_homing \
         --test emulated_port --test production_image --test stack --test live_page
     cargo test --package fivebar-tests --features emulator --test soak -- board:: replay::
     scripts/senders.sh --emulated

@@ -98,6 +98,13 @@ impl<L: Read + Write> Bench<L> {
             .geometry
             .inverse(Vector2::new(x, y), robot.elbows)
             .expect("within reach");
+        let parameters = robot.plant_parameters().expect("masses");
+        let plant = Plant::new(&parameters, &Mismatch::default(), &pose, 7);
+        Self::of(line, rates, settings, plant)
+    }
+
+    /// This arm with these settings, not homed.
+    pub(crate) fn of(line: L, rates: FaultRates, settings: Settings, plant: Plant) -> Self {
         let twin = Loopback::lockstep(&settings).expect("valid settings");
         let (mut board, _) = Client::open(FaultInjector::new(line, rates, 1)).expect("a board");
         let (twin, _) = Client::open(twin).expect("a twin");
@@ -108,12 +115,7 @@ impl<L: Read + Write> Bench<L> {
         let mut bench = Self {
             board,
             twin,
-            plant: Plant::new(
-                &robot.plant_parameters().expect("masses"),
-                &Mismatch::default(),
-                &pose,
-                7,
-            ),
+            plant,
             settings,
             host_talks: true,
             ticks: 0,
