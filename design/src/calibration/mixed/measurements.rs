@@ -28,7 +28,7 @@ pub struct HoleTouch {
 pub struct PhotoPoint {
     /// The encoder angles of joints 1 and 4, each up to whole turns [rad].
     pub encoder: [f64; 2],
-    /// Its place in the photograph, in any frame [pixel].
+    /// Its place in the photograph, in pixels of any frame.
     pub pixel: Vector2<f64>,
 }
 
