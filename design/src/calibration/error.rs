@@ -21,9 +21,9 @@ pub enum CalibrationError {
     NoScale,
     /// The length of the bar with this index is not positive.
     BarLength(usize),
-    /// This hole is touched once only.
+    /// This hole is touched in one pose only.
     LoneTouch(i64),
-    /// The photograph with this index has this many points.
+    /// The photograph with this index has points in this many poses.
     SmallPhoto(usize, usize),
     /// There are one or two holes of a plate among other measurements.
     SmallPlate(usize),
@@ -81,12 +81,12 @@ impl fmt::Display for CalibrationError {
             ),
             Self::LoneTouch(hole) => write!(
                 f,
-                "hole {hole} is touched once: an unknown hole tells something only if it is touched \
+                "hole {hole} is touched in one pose: an unknown hole tells something only if it is touched \
                  in two working modes or more"
             ),
             Self::SmallPhoto(index, count) => write!(
                 f,
-                "photograph {} has {count} points: its place takes four, so give at least five, and \
+                "photograph {} has points of {count} poses: its place takes four, so give at least five, and \
                  better twenty",
                 index + 1
             ),

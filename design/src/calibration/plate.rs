@@ -2,6 +2,7 @@
 
 use super::error::CalibrationError;
 use super::legs::{LEAST_FOR_LEGS, joined, leg};
+use super::mixed::different;
 use super::observability::{check_seen, covariance, leave_out, rank_and_condition};
 use super::parameters::{Parameters, Vector10};
 use super::start::{placed, samples};
@@ -139,12 +140,7 @@ fn check(plate: &Plate) -> Result<(), CalibrationError> {
     if !(touches.iter().all(finite) && plate.sigma > 0.0 && plate.sigma.is_finite()) {
         return Err(CalibrationError::NotFinite);
     }
-    let near = |a: &Touch, b: &Touch| {
-        let turned = |joint: usize| (0.5 * (a.encoder[joint] - b.encoder[joint])).sin().abs();
-        turned(0) < 1e-3 && turned(1) < 1e-3
-    };
-    let first = |index: &usize| !touches[..*index].iter().any(|t| near(t, &touches[*index]));
-    let different = (0..touches.len()).filter(first).count();
+    let different = different(touches.iter().map(|touch| touch.encoder));
     if different < 5 {
         return Err(CalibrationError::TooFew(different));
     }

@@ -356,6 +356,22 @@ fn what_tells_too_little_or_is_of_another_mode_is_refused() {
         ..bars.clone()
     };
     assert_eq!(refused(&photo), CalibrationError::SmallPhoto(0, 4));
+    let mut one_place = arm.photo(9);
+    let encoder = one_place[0].encoder;
+    one_place[1..]
+        .iter_mut()
+        .for_each(|point| point.encoder = encoder);
+    let photo = Measurements {
+        photos: vec![one_place],
+        ..bars.clone()
+    };
+    assert_eq!(refused(&photo), CalibrationError::SmallPhoto(0, 1));
+    let twice = [1, 1].map(|hole| HoleTouch { hole, encoder });
+    let twice = Measurements {
+        holes: twice.to_vec(),
+        ..bars.clone()
+    };
+    assert_eq!(refused(&twice), CalibrationError::LoneTouch(1));
     let mut short = bars.clone();
     short.bars[2].length = 0.0;
     assert_eq!(refused(&short), CalibrationError::BarLength(2));

@@ -98,19 +98,39 @@ impl Measurements {
         if let Some(index) = self.bars.iter().position(|bar| !positive(bar.length)) {
             return Err(CalibrationError::BarLength(index));
         }
-        let times = |number: &i64| self.holes.iter().filter(|t| t.hole == *number).count();
-        if let Some(hole) = self.hole_numbers().into_iter().find(|n| times(n) < 2) {
+        let poses = |number: i64| {
+            let touches = self.holes.iter().filter(move |touch| touch.hole == number);
+            different(touches.map(|touch| touch.encoder))
+        };
+        if let Some(hole) = self.hole_numbers().into_iter().find(|n| poses(*n) < 2) {
             return Err(CalibrationError::LoneTouch(hole));
         }
-        if let Some(index) = self.photos.iter().position(|photo| photo.len() < 5) {
-            return Err(CalibrationError::SmallPhoto(
-                index,
-                self.photos[index].len(),
-            ));
+        for (index, photo) in self.photos.iter().enumerate() {
+            let poses = different(photo.iter().map(|point| point.encoder));
+            if poses < 5 {
+                return Err(CalibrationError::SmallPhoto(index, poses));
+            }
         }
         match self.plate.len() {
             1 | 2 => Err(CalibrationError::SmallPlate(self.plate.len())),
             _ => Ok(()),
         }
     }
+}
+
+/// How many of these poses are different, by more than two milliradians of one joint.
+pub(in crate::calibration) fn different(encoders: impl Iterator<Item = [f64; 2]>) -> usize {
+    let mut found: Vec<[f64; 2]> = Vec::new();
+    for pose in encoders {
+        let turned = |other: &[f64; 2], joint: usize| {
+            (0.5 * (pose[joint] - other[joint])).sin().abs() < 1e-3
+        };
+        if !found
+            .iter()
+            .any(|other| turned(other, 0) && turned(other, 1))
+        {
+            found.push(pose);
+        }
+    }
+    found.len()
 }

@@ -10,6 +10,7 @@ mod photo;
 mod problem;
 mod seen;
 
+pub(super) use measurements::different;
 pub use measurements::{Bar, Deviations, HoleTouch, Measurements, PhotoPoint};
 
 use super::error::CalibrationError;
