@@ -108,6 +108,10 @@ MISTAKES = [
     ("used and unused stack exchanged", "stack.rs", "size - (painted * size_of::<u32>()) as u32", "(painted * size_of::<u32>()) as u32"),
     ("settings of another tick rate used", "services.rs", "BoardLimits::STM32F405\n        .check(settings)\n        .and_then(|()| settings.check())", "settings.check()"),
     ("priorities of tick and serial line exchanged", "bin/stm32f405.rs", "binds = ADC, priority = 3", "binds = ADC, priority = 2", "binds = SysTick, priority = 3", "binds = SysTick, priority = 2", "binds = USART1, priority = 2", "binds = USART1, priority = 3"),
+    ("joint 1's index input without a pull-up", "pins.rs", "c.pc8.into_pull_up_input()", "c.pc8.into_floating_input()"),
+    ("joint 4's index input without a pull-up", "pins.rs", "c.pc9.into_pull_up_input()", "c.pc9.into_floating_input()"),
+    ("the index of joint 1 for both", "drivers/inputs.rs", "self.index4.is_high().unwrap_or(true)", "self.index1.is_high().unwrap_or(true)"),
+    ("an index that is low in its pulse", "drivers/inputs.rs", "self.index1.is_high().unwrap_or(true)", "self.index1.is_low().unwrap_or(true)"),
 ]
 
 

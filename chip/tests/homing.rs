@@ -113,8 +113,13 @@ fn the_angles_of_index_pulses_are_right_to_a_count_wherever_the_switches_close()
 #[test]
 fn an_index_output_without_its_wire() {
     let (_, mut driven) = bench(with_index(0.08), [-0.02, 0.02]);
-    driven.arm.get().break_wire(Pin(2, 9));
+    for pin in [8, 9] {
+        driven.arm.get().break_wire(Pin(2, pin));
+    }
     let status = home(&mut driven);
+    // The chip pulls them up.
+    let sample = driven.client.sample().expect("a line");
+    assert_eq!(sample.expect("inputs").index, [true; 2]);
     assert_eq!(status.fault, Some(Fault::IndexNotFound));
     assert!(!status.homed && driven.is_off());
 }
