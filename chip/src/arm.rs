@@ -8,7 +8,7 @@ use crate::time::{MICROSECOND, NEVER, SECOND, Time};
 use crate::wiring::{Outputs, Wiring};
 use fivebar_firmware::{ActuatorCommand, SensorSample};
 use fivebar_kinematics::five_bar::{Geometry, Pose, Side};
-use fivebar_plant::{FaultKind, Hands, Plant};
+use fivebar_plant::{FaultKind, Hands, Plant, State};
 use std::cell::{RefCell, RefMut};
 use std::rc::Rc;
 
@@ -113,6 +113,12 @@ impl Arm {
             history: Vec::new(),
             tool: Vec::new(),
         }
+    }
+
+    /// Puts the links where the arm cannot go by itself.
+    pub fn set_links(&mut self, links: &State) {
+        self.plant.set_links(links);
+        self.sample = self.plant.sense();
     }
 
     /// The plant itself.

@@ -1,6 +1,6 @@
 //! Crossings on the production image: the built-in example is driven through the singularity and
-//! back, what is no crossing is refused, and an arm that is stuck in the singularity loses its
-//! torque.
+//! back, what is no crossing is refused, and an arm that is stuck in the singularity, or in the wrong assembly
+//! mode behind it, loses its torque.
 
 mod bench;
 
@@ -165,17 +165,19 @@ fn what_is_no_crossing_of_this_arm_is_refused() {
     assert_eq!(assembly(&driven.arm), Side::Left);
 }
 
+/// sin(θ3−θ2) of the simulated arm.
+fn sine(driven: &Driven) -> f64 {
+    let arm = driven.arm.get();
+    let q = &arm.plant().state().q;
+    (q[2].angular - q[1].angular).sin()
+}
+
 #[test]
 fn an_arm_that_jams_in_the_singularity_loses_its_torque_and_its_angles() {
     let mut driven = at_the_beginning(&settings());
     driven.arm();
     let taken = offer(&mut driven, 0, plan());
     assert!(matches!(taken, Reply::Taken { .. }), "{taken:?}");
-    let sine = |driven: &Driven| {
-        let arm = driven.arm.get();
-        let q = &arm.plant().state().q;
-        (q[2].angular - q[1].angular).sin()
-    };
     let before = sine(&driven);
     while sine(&driven) * before.signum() > 0.05 {
         driven.run(MILLISECOND);
@@ -188,5 +190,36 @@ fn an_arm_that_jams_in_the_singularity_loses_its_torque_and_its_angles() {
     driven.run(90 * MILLISECOND);
     let status = driven.status();
     assert_eq!(status.fault, Some(Fault::Envelope));
+    assert!(!status.homed && driven.is_off_twice());
+}
+
+#[test]
+fn an_arm_that_comes_back_to_its_assembly_mode() {
+    let mut driven = at_the_beginning(&settings());
+    driven.arm();
+    let taken = offer(&mut driven, 0, plan());
+    assert!(matches!(taken, Reply::Taken { .. }), "{taken:?}");
+    let before = sine(&driven).signum();
+    while sine(&driven) * before > -0.05 {
+        driven.run(MILLISECOND);
+    }
+    // The links go into the first mode, the cranks on as they are.
+    let state = *driven.arm.get().plant().state();
+    let geometry = robot().geometry;
+    let [theta1, theta4] = [0, 3].map(|link| state.q[link].angular);
+    let [omega1, omega4] = [0, 3].map(|link| state.v[link].angular);
+    let pose = geometry.forward(theta1, theta4, Side::Left).expect("a pose");
+    let velocities = geometry.forward_velocities(&pose, omega1, omega4);
+    let omega = velocities.expect("velocities").omega;
+    let mut links = driven.arm.get().plant().model().state_at(&pose, omega);
+    for link in [0, 3] {
+        links.q[link].angular = state.q[link].angular;
+    }
+    driven.arm.get().set_links(&links);
+    while driven.status().state == State::Crossing {
+        driven.run(MILLISECOND);
+    }
+    let status = driven.status();
+    assert_eq!(status.fault, Some(Fault::AssemblyMode));
     assert!(!status.homed && driven.is_off_twice());
 }

@@ -390,6 +390,11 @@ impl Plant {
         }
     }
 
+    /// Sets the positions and velocities of the links: a test puts the arm where it could not go by itself.
+    pub fn set_links(&mut self, links: &State) {
+        (self.state.q, self.state.v) = (links.q, links.v);
+    }
+
     /// Sets the external force on the tool [N].
     pub fn set_tool_force(&mut self, force: Vector2<f64>) {
         self.tool_force = force;

@@ -5,11 +5,12 @@
 //!
 //! | \|sin(θ3−θ2)\| of the measured cranks | torque |
 //! |---|---|
-//! | above 0.3 | computed torque at the measured state |
-//! | below 0.2, the zone | the plan's, and a PID of the cranks: nothing there divides by the sine |
-//! | between | both, in proportion |
+//! | above 0.5 | computed torque at the measured state |
+//! | 0.1 to 0.5 | both, smoothly from one to the other |
+//! | below 0.1 | the plan's, and a PID of the cranks: nothing there divides by the sine |
 //!
-//! θ1 and θ4 are the same in both assembly modes, so the mode is that of the plan. In the zone the arm
+//! θ1 and θ4 are the same in both assembly modes, so the mode is that of the plan until the planner finds in the
+//! torques whether it is (`planner/crossing_evidence.rs`). In the zone, below 0.2, the arm
 //! goes on whatever its cranks' errors are, because it cannot stop there; an arm that stays there is a fault.
 
 use super::Controller;
@@ -21,11 +22,19 @@ use fivebar_kinematics::trajectory::{Curve, TimeLaw, ToolOutput, TrajectorySegme
 use fivebar_kinematics::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 
-/// |sin(θ3−θ2)| of the zone, and from which on computed torque alone acts.
+/// |sin(θ3−θ2)| of the zone.
 pub(crate) const ZONE: f32 = 0.2;
-pub(crate) const OUTSIDE: f32 = 0.3;
+/// |sin(θ3−θ2)| from which on computed torque acts, too.
+const COMPUTED: f32 = 0.1;
+/// |sin(θ3−θ2)| from which on it acts alone.
+pub(crate) const OUTSIDE: f32 = 0.5;
+/// The share of the cranks' PID that is left in the singularity. A count of an encoder then gives little torque
+/// where momentum alone carries the arm on.
+const LEAST_FEEDBACK: f32 = 0.25;
 /// The error of a crank with which an arm at the end of its plan may be in the zone [rad].
 const RESTING_ERROR: f32 = 0.01;
+/// The longest time in the zone, in times of the plan's.
+const PATIENCE: u32 = 2;
 /// Time after the plan in which the arm keeps the gains of a crossing [s].
 const SETTLING: f32 = 0.02;
 
@@ -43,8 +52,8 @@ pub(crate) struct CrossingTimes {
     pub(crate) crosses_at: u32,
     /// The ticks in which the plan is near the singularity.
     pub(crate) near: [u32; 2],
-    /// The most ticks in the zone.
-    pub(crate) most_in_zone: u32,
+    /// The ticks in which it is in the zone.
+    pub(crate) in_zone: u32,
 }
 
 /// A crossing, and how far it is.
@@ -54,13 +63,34 @@ pub(super) struct Crossing {
     per_piece: f32,
     /// 1/(l2 l3) [1/m²]: r2 × r3 over its greatest value is sin(θ3−θ2).
     per_longest_cross: f32,
+    /// The change of the share of the cranks' PID in a tick: all of it acts where the plan leaves the zone.
+    hardening: f32,
     ticks: u32,
     /// Ticks in the zone so far.
     in_zone: u32,
     /// Ticks since the end of the plan, and those in which the arm settles.
     settling: [u32; 2],
+    /// The arm has settled behind its plan.
+    is_over: bool,
     /// θ1d, θ4d [rad].
     angle: [f32; 2],
+}
+
+/// The cranks in one tick of a crossing, as measured. Pairs are of joint 1 and joint 4.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CrossingSample {
+    /// The arm moves behind the singularity.
+    pub(crate) is_behind: bool,
+    /// It has settled behind its plan.
+    pub(crate) is_over: bool,
+    /// Ticks since the plan's beginning.
+    pub(crate) tick: u32,
+    /// θ̂ [rad].
+    pub(crate) angle: Vector2<f32>,
+    /// ω̂ [rad/s].
+    pub(crate) velocity: Vector2<f32>,
+    /// By the measured currents [N·m].
+    pub(crate) torque: Vector2<f32>,
 }
 
 impl Crossing {
@@ -72,13 +102,15 @@ impl Crossing {
                 rate: 0.0,
                 crosses_at: 0,
                 near: [0; 2],
-                most_in_zone: 0,
+                in_zone: 0,
             },
             per_piece: 0.0,
             per_longest_cross: 0.0,
+            hardening: 0.0,
             ticks: 0,
             in_zone: 0,
             settling: [0; 2],
+            is_over: false,
             angle: [0.0; 2],
         }
     }
@@ -123,6 +155,7 @@ impl Controller {
         let [_, l2, l3, ..] = self.settings.lengths;
         self.crossing = Crossing {
             per_longest_cross: 1.0 / (l2 * l3),
+            hardening: (1.0 - LEAST_FEEDBACK) / (0.5 * times.in_zone as f32).max(1.0),
             times: CrossingTimes {
                 // The set-point leads by the lag, and what is reported is in this mode, too.
                 crosses_at: times.crosses_at + (self.model.lag * tick_rate) as u32 + 1,
@@ -135,6 +168,40 @@ impl Controller {
         self.use_crossing_gains();
         // Armed accepts this event.
         self.dispatch(Event::Cross).is_ok()
+    }
+
+    /// What shows the assembly mode.
+    pub(crate) fn crossing_sample(&self) -> CrossingSample {
+        let Crossing {
+            ref times,
+            ticks,
+            settling: [settled, _],
+            is_over,
+            ..
+        } = self.crossing;
+        let ([joint1, joint4], [axis1, axis4]) = (&self.joints, &self.model.axes);
+        CrossingSample {
+            is_behind: ticks >= times.crosses_at && settled == 0,
+            is_over,
+            tick: ticks,
+            angle: self.angles().into(),
+            velocity: self.velocities().into(),
+            torque: Vector2::new(axis1.torque(joint1.current), axis4.torque(joint4.current)),
+        }
+    }
+
+    /// Ends a crossing that is over: the arm is held, or it is switched off if its assembly mode is not confirmed.
+    pub(crate) fn end_crossing(&mut self, confirmed: bool) {
+        if !(self.state == State::Crossing && self.crossing.is_over) {
+            return;
+        }
+        if confirmed {
+            // Crossing accepts this event.
+            let _ = self.dispatch(Event::Finish);
+        } else {
+            self.model.assembly = self.settings.assembly();
+            self.latch_fault(Fault::AssemblyMode);
+        }
     }
 
     fn is_free(&self) -> bool {
@@ -194,7 +261,7 @@ impl Controller {
         let far = Scalar::abs(error1) > RESTING_ERROR || Scalar::abs(error4) > RESTING_ERROR;
         if inside {
             crossing.in_zone += 1;
-            if far && crossing.in_zone > crossing.times.most_in_zone {
+            if far && crossing.in_zone > PATIENCE * crossing.times.in_zone {
                 // Its assembly mode is unknown: it is homed again, in that of the settings.
                 model.assembly = self.settings.assembly();
                 self.homed = false;
@@ -210,17 +277,25 @@ impl Controller {
             return Err(Fault::Envelope);
         }
 
-        // Inside, the cranks alone are held, with a constant inertia.
+        // The cranks alone are held, with a constant inertia.
         let ([planned1, planned4], [inertia1, inertia4]) = (planned, model.nominal_inertia);
-        let mut torque1 = planned1 + inertia1 * feedback1;
-        let mut torque4 = planned4 + inertia4 * feedback4;
-        if let (false, Some(links)) = (inside, &links) {
+        // By the plan's time, because a count of an encoder changes the sine by hundredths there.
+        let away = crossing.ticks as f32 - crossing.times.crosses_at as f32;
+        let mut feedback = LEAST_FEEDBACK + crossing.hardening * Scalar::abs(away);
+        if feedback > 1.0 {
+            feedback = 1.0;
+        }
+        let mut torque1 = planned1 + feedback * (inertia1 * feedback1);
+        let mut torque4 = planned4 + feedback * (inertia4 * feedback4);
+        if let (true, Some(links)) = (sine > COMPUTED, &links) {
             let alpha = [alpha1d + feedback1, alpha4d + feedback4];
             let [computed1, computed4] = model.equations.torques(links, [omega1, omega4], alpha);
-            let mut share = (sine - ZONE) * (1.0 / (OUTSIDE - ZONE));
+            let mut share = (sine - COMPUTED) * (1.0 / (OUTSIDE - COMPUTED));
             if share > 1.0 {
                 share = 1.0;
             }
+            // Smooth at both ends, so that the torque is, too.
+            share = share * share * (3.0 - 2.0 * share);
             torque1 += share * (computed1 - torque1);
             torque4 += share * (computed4 - torque4);
         }
@@ -232,10 +307,7 @@ impl Controller {
         loop1.integrate(&mut joint1.integral, error1, limited);
         loop4.integrate(&mut joint4.integral, error4, limited);
         let [settled, settling] = crossing.settling;
-        if settled > settling && !(inside && far) {
-            // Crossing accepts this event.
-            let _ = self.dispatch(Event::Finish);
-        }
+        crossing.is_over = settled > settling && !(inside && far);
         Ok(TorqueCommand {
             torque,
             limits: Limits::empty().with(Limits::TORQUE, limited),

@@ -27,7 +27,7 @@ use crate::safety::{Fault, Limits, State};
 use crate::settings::{CheckedSettings, Settings};
 use crossing::Crossing;
 pub(crate) use crossing::{
-    CrossingTimes, OUTSIDE as OUTSIDE_OF_ZONE, PIECES as CROSSING_PIECES, ZONE,
+    CrossingSample, CrossingTimes, OUTSIDE as OUTSIDE_OF_ZONE, PIECES as CROSSING_PIECES, ZONE,
     polynomials as crossing_polynomials,
 };
 use current_zeros::CurrentZeros;

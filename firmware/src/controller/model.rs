@@ -64,7 +64,7 @@ pub(crate) struct Servo {
 const STAGES: [[f32; 2]; 3] = [[1.0, 1.0], [0.36, 0.4], [0.126, 0.12]];
 /// The shares of an arm that crosses a singularity: of the position loop, its observer, and the current
 /// loop. A count of its encoders then gives little torque where nothing but its momentum carries it on.
-const CROSSING: [f32; 3] = [0.36, 0.2, 1.0];
+const CROSSING: [f32; 3] = [0.36, 0.15, 1.0];
 /// Time for which the reference must rest, and the joints be near it, in each stage [s].
 const REST_TIME: f32 = 0.15;
 /// Greatest error of a joint that comes to rest or rests [counts].

@@ -83,16 +83,7 @@ impl Controller {
     /// is full, or if the arm follows no path in this state; the next snapshot shows each of
     /// these.
     pub fn extend_path(&mut self, path_generation: u32, queued: QueuedSegment) {
-        let follows_paths = match self.state {
-            State::Armed | State::Running => true,
-            State::Stopped
-            | State::Homing
-            | State::Exciting
-            | State::Crossing
-            | State::Stopping
-            | State::Fault => false,
-        };
-        if follows_paths && path_generation == self.path_generation {
+        if self.state.follows_paths() && path_generation == self.path_generation {
             self.path.push(queued);
         }
     }

@@ -4,6 +4,8 @@
 //! checked: reach, joints, elbows, where it meets the singularity, and the torques of the arm's equations.
 //! These grow as f/sin(θ3−θ2) towards the singularity unless the plan satisfies its condition, f = 0.
 
+use super::crossing_evidence::{CrankMotion, Evidence};
+use super::crossing_pieces::ArmOn;
 use super::{End, MoveError, MoveErrorKind, Planner};
 use crate::controller::{
     CROSSING_PIECES, Controller, CrossingTimes, OUTSIDE_OF_ZONE, PlanningSnapshot, QUEUED_SEGMENTS,
@@ -20,12 +22,10 @@ use rtic_core::Mutex;
 const PLACES: u16 = 200;
 /// The longest crossing [s].
 const LONGEST: f32 = 4.0;
-/// The longest time in the zone, in times of the plan's.
-const PATIENCE: f32 = 2.0;
 /// Greatest distance from the place of rest to the beginning of the line [m].
 const STEP: f32 = 2e-5;
 /// |sin(θ3−θ2)| of the gap, in which torques are interpolated: the equations are 0/0 in its middle.
-const GAP: f32 = 0.04;
+pub(super) const GAP: f32 = 0.04;
 /// The greatest difference between the torques that both sides of the gap expect in its middle [N·m].
 const MISMATCH: f32 = 0.02;
 
@@ -54,6 +54,9 @@ struct Place {
     sine: f32,
     /// The torques of the arm's equations without friction [N·m].
     torque: Vector2<f32>,
+    /// What shows the assembly mode behind the singularity: the squares of the difference of both modes'
+    /// torques, and of the friction's, each with the sine as its weight [(N·m)²].
+    evidence: Vector2<f32>,
 }
 
 impl Gap {
@@ -102,10 +105,11 @@ impl Planner {
             rate: CROSSING_PIECES as f32 / (plan.duration * self.tick_rate),
             crosses_at: ticks(plan.crosses_at),
             near: checked.near.map(ticks),
-            most_in_zone: ticks(PATIENCE * checked.inside),
+            in_zone: ticks(checked.inside),
         };
         let begun = controller
             .lock(|controller| controller.begin_crossing(snapshot.path_generation, &times));
+        self.evidence = Evidence::NONE;
         begun.then_some(()).ok_or(refuse(MoveErrorKind::Full))
     }
 
@@ -150,6 +154,7 @@ impl Planner {
         let mut last = 0.0;
         let mut before = Vector2::zeros();
         let mut ends = 0;
+        let mut evidence = Vector2::zeros();
         for place in 0..=PLACES {
             let time = step * f32::from(place);
             let [s, ..] = plan.share(time);
@@ -157,7 +162,9 @@ impl Planner {
                 return Err(no_crossing);
             }
             last = s;
-            let Place { sine, torque } = self.check_place(tag, plan, time)?;
+            let place_there = self.check_place(tag, plan, time)?;
+            let Place { sine, torque, .. } = place_there;
+            evidence += place_there.evidence;
             let (size, moving) = (Scalar::abs(sine), 0 < place && place < PLACES);
             // Beside its time, the singularity has either side of it.
             let kept = (sine > 0.0) == (time < crosses_at) || Scalar::abs(time - crosses_at) < step;
@@ -195,6 +202,11 @@ impl Planner {
         *change = change.map(|change| change * ((end - begin) / step));
         if ends < 2 || begin == 0.0 || !checked.gap.is_closed() {
             return Err(no_crossing);
+        }
+        // Friction is known badly, so the modes must differ by more.
+        let [difference, friction] = evidence.into();
+        if difference <= friction {
+            return Err(refuse(MoveErrorKind::IndistinctCrossing));
         }
         Ok(checked)
     }
@@ -249,10 +261,32 @@ impl Planner {
                 return Err(here(MoveErrorKind::Overload(if j == 0 { 1 } else { 4 })));
             }
         }
+        let behind = time > plan.crosses_at && sine >= GAP;
+        let evidence = match behind {
+            true => self.evidence_of(&arm, torque).map_err(failed)?,
+            false => Vector2::zeros(),
+        };
         let own = pose.assembly() == self.assembly;
         Ok(Place {
             sine: if own { sine } else { -sine },
             torque,
+            evidence,
         })
+    }
+
+    /// [`Place::evidence`] of the arm where it needs these torques [N·m].
+    fn evidence_of(&self, arm: &ArmOn, torque: Vector2<f32>) -> Result<Vector2<f32>, PoseError> {
+        let [theta1, _, _, theta4] = arm.pose.angles();
+        let ([w1, _, _, w4], [a1, _, _, a4]) = (arm.velocities.omega, arm.accelerations.alpha);
+        let motion = CrankMotion {
+            angle: Vector2::new(theta1, theta4),
+            velocity: Vector2::new(w1, w4),
+            acceleration: Vector2::new(a1, a4),
+        };
+        let (sine, other) = self.needed_in(arm.pose.assembly().opposite(), &motion)?;
+        let [friction1, friction4] = &self.friction;
+        let friction = Vector2::new(friction1.torque(w1), friction4.torque(w4));
+        let squares = [torque - other, friction].map(|torque| (torque * sine).norm_squared());
+        Ok(squares.into())
     }
 }

@@ -56,6 +56,8 @@ pub enum MoveErrorKind {
     CrossingNotAllowed,
     /// The plan is no crossing of this arm from where it is held.
     Crossing,
+    /// Behind the singularity the torques would not show which assembly mode the arm is in.
+    IndistinctCrossing,
 }
 
 impl MoveError {
@@ -194,6 +196,10 @@ impl fmt::Display for MoveErrorKind {
             Self::Crossing => f.write_str(
                 "the plan is no crossing of this arm from where it is held: with the tool up, forward \
                  through one singularity at its time, by its condition",
+            ),
+            Self::IndistinctCrossing => f.write_str(
+                "behind the singularity the torques would not show which assembly mode the arm is in, \
+                 because they differ by less than friction; cross in less time, or go farther behind it",
             ),
         }
     }

@@ -12,6 +12,7 @@
 
 mod check;
 mod crossing;
+mod crossing_evidence;
 mod crossing_pieces;
 mod error;
 mod joined;
@@ -23,6 +24,7 @@ use crate::motion::{Move, MoveKind};
 use crate::safety::State;
 use crate::settings::{CheckedSettings, ToolOutputSettings};
 use check::CheckedMove;
+use crossing_evidence::Evidence;
 use fivebar_kinematics::control::FrictionCompensation;
 use fivebar_kinematics::five_bar::{JointLimits, Side, Workspace};
 use fivebar_kinematics::trajectory::{
@@ -92,6 +94,8 @@ pub struct Planner {
     /// The joints' greatest torques [N·m].
     peak_torque: [f32; 2],
     crossing_allowed: bool,
+    /// Of the crossing in progress.
+    evidence: Evidence,
     /// [Hz].
     tick_rate: f32,
     /// The controller's path generation when the queue was begun.
@@ -155,6 +159,7 @@ impl Planner {
             }),
             peak_torque: settings.peak_torque(),
             crossing_allowed: settings.crossing_allowed,
+            evidence: Evidence::NONE,
             tick_rate: settings.control.tick_rate,
             path_generation: 0,
             slowed: HistoryBuf::new(),
@@ -180,7 +185,7 @@ impl Planner {
         self.follow(&snapshot);
         let refuse = |kind| MoveError::new(next.tag, kind);
         let start = match self.end.or_else(|| self.hold_position(&snapshot)) {
-            Some(start) if accepts(snapshot.state) => start,
+            Some(start) if snapshot.state.follows_paths() => start,
             _ if snapshot.state == State::Crossing => return Err(refuse(MoveErrorKind::Full)),
             _ => return Err(refuse(MoveErrorKind::State(snapshot.state))),
         };
@@ -320,7 +325,7 @@ impl Planner {
 
     /// Clears the queue if the controller has dropped its path or follows none in its state.
     fn follow(&mut self, snapshot: &PlanningSnapshot) {
-        if self.path_generation != snapshot.path_generation || !accepts(snapshot.state) {
+        if self.path_generation != snapshot.path_generation || !snapshot.state.follows_paths() {
             self.path_generation = snapshot.path_generation;
             self.lookahead = LookaheadPlanner::new();
             self.waiting = None;
@@ -344,18 +349,5 @@ impl Planner {
             tool: hold.tool(tool, self.assembly)?,
             joints: Some(hold.joints()),
         })
-    }
-}
-
-/// Whether the arm follows paths in this state.
-fn accepts(state: State) -> bool {
-    match state {
-        State::Armed | State::Running => true,
-        State::Stopped
-        | State::Homing
-        | State::Exciting
-        | State::Crossing
-        | State::Stopping
-        | State::Fault => false,
     }
 }

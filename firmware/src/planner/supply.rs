@@ -2,7 +2,7 @@
 
 use super::Planner;
 use crate::controller::{Controller, QUEUED_SEGMENTS, QueuedSegment};
-use crate::safety::Limits;
+use crate::safety::{Limits, State};
 use fivebar_kinematics::Scalar;
 use fivebar_kinematics::trajectory::{Reference, TrajectorySegment};
 use rtic_core::Mutex;
@@ -12,10 +12,14 @@ pub const SEGMENTS_PER_RUN: u32 = 4;
 
 impl Planner {
     /// Hands the controller as much path as it should have. To be called at least every few
-    /// milliseconds while the arm moves. The controller is unlocked while a segment is planned.
+    /// milliseconds while the arm moves. While the arm crosses a singularity, it looks in which assembly mode it
+    /// is behind it, and ends the crossing. The controller is unlocked while a segment is planned.
     pub fn run(&mut self, controller: &mut impl Mutex<T = Controller>) {
         let mut snapshot = controller.lock(|controller| controller.planning_snapshot());
         self.follow(&snapshot);
+        if snapshot.state == State::Crossing {
+            return self.judge_crossing(controller);
+        }
         self.append_waiting_in_time();
         for handed in 0..QUEUED_SEGMENTS as u32 {
             self.follow(&snapshot);

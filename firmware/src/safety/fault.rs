@@ -67,6 +67,8 @@ pub enum Fault {
     IndexNotFound = 20,
     /// The index pulse is so near to the switch that it could be that of the next turn.
     IndexAmbiguous = 21,
+    /// Behind a singularity that the arm crossed, its torques do not show that it is in the other assembly mode.
+    AssemblyMode = 22,
 }
 
 /// What a fault does to the arm.
@@ -114,13 +116,17 @@ impl Fault {
             | Self::SettingsCorrupt
             | Self::Oscillation
             | Self::IndexNotFound
-            | Self::IndexAmbiguous => Response::PowerOff,
+            | Self::IndexAmbiguous
+            | Self::AssemblyMode => Response::PowerOff,
         }
     }
 
     /// Whether the joint angles are unknown after it.
     pub(crate) const fn loses_angles(self) -> bool {
-        matches!(self, Self::EncoderJump | Self::EncoderDisagreement)
+        matches!(
+            self,
+            Self::EncoderJump | Self::EncoderDisagreement | Self::AssemblyMode
+        )
     }
 }
 
@@ -179,9 +185,12 @@ mod tests {
     }
 
     #[test]
-    fn only_encoders_that_jump_or_disagree_lose_the_angles() {
+    fn only_encoders_and_an_unknown_assembly_mode_lose_the_angles() {
         for fault in Fault::all() {
-            let lost = matches!(fault, Fault::EncoderJump | Fault::EncoderDisagreement);
+            let lost = matches!(
+                fault,
+                Fault::EncoderJump | Fault::EncoderDisagreement | Fault::AssemblyMode
+            );
             assert_eq!(fault.loses_angles(), lost, "{fault:?}");
         }
     }

@@ -106,6 +106,20 @@ impl State {
         Self::Crossing,
     ];
 
+    /// Whether the arm follows paths, or begins to when it gets one.
+    #[inline]
+    pub(crate) const fn follows_paths(self) -> bool {
+        match self {
+            Self::Armed | Self::Running => true,
+            Self::Stopped
+            | Self::Homing
+            | Self::Exciting
+            | Self::Crossing
+            | Self::Stopping
+            | Self::Fault => false,
+        }
+    }
+
     /// The state after `event`; `None` if this state does not accept the event, and stays.
     #[inline]
     pub const fn after(self, event: Event) -> Option<Self> {

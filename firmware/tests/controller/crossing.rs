@@ -8,6 +8,7 @@ use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::settings::Settings;
 use fivebar_firmware::{CrossingMove, FULL_TOOL, Move, MoveKind, Status};
 use fivebar_kinematics::five_bar::Side;
+use nalgebra::Vector2;
 
 /// The benchtop arm with couplers of 0.12 m, as in the built-in example of crossings.
 fn settings() -> Settings {
@@ -67,9 +68,10 @@ impl Rig {
         self.controller.status()
     }
 
-    /// One tick, after which the cranks are at their reference.
+    /// One tick, after which the cranks are at their reference, with the currents that are demanded.
     fn follow(&mut self) -> Status {
         let status = self.tick();
+        self.bench.current = status.current_demand.map(f64::from);
         if let Some(joints) = status.joint_reference {
             self.bench.theta =
                 [0, 1].map(|j| f64::from(joints.angle[j] + 1e-4 * joints.velocity[j]));
@@ -160,6 +162,78 @@ fn cranks_that_stay_outside_the_zone_are_a_following_error() {
     assert!(rig.controller.status().homed);
 }
 
+/// The motor currents that the reference needs in an assembly mode [A]; beside the singularity, those demanded.
+fn currents_in(side: Side, status: &Status) -> [f64; 2] {
+    let settings = settings();
+    let arm = *settings.check().unwrap().arm();
+    let at = status.joint_reference.unwrap();
+    let ([theta1, theta4], [omega1, omega4]) = (at.angle, at.velocity);
+    let [alpha1, alpha4] = at.acceleration;
+    let geometry = arm.geometry();
+    let torque = || {
+        let pose = geometry.forward(theta1, theta4, side).ok()?;
+        if pose.sin32().abs() < 0.15 {
+            return None;
+        }
+        let velocities = geometry.forward_velocities(&pose, omega1, omega4).ok()?;
+        let accelerations = geometry.forward_accelerations(&pose, &velocities, alpha1, alpha4);
+        arm.inverse_dynamics(&pose, &velocities, &accelerations.ok()?, Vector2::zeros())
+            .ok()
+    };
+    let Some([torque1, torque4]) = torque() else {
+        return status.current_demand.map(f64::from);
+    };
+    [(torque1, omega1, 0), (torque4, omega4, 1)].map(|(torque, omega, j)| {
+        let axis = &settings.axes[j];
+        let friction = axis.viscous_friction * omega + axis.coulomb_friction * (omega / 0.1).tanh();
+        f64::from((torque + friction) / (axis.gear_ratio * axis.torque_constant))
+    })
+}
+
+#[test]
+fn the_currents_behind_the_singularity_tell_the_assembly_mode() {
+    for (side, most, fault) in [
+        (Side::Right, 0.05, None),
+        (Side::Left, f32::INFINITY, Some(Fault::AssemblyMode)),
+    ] {
+        let mut rig = Rig::crossing();
+        for tick in 0.. {
+            let status = rig.follow();
+            if status.state != State::Crossing {
+                break;
+            }
+            if tick > 1650 {
+                rig.bench.current = currents_in(side, &status);
+            }
+        }
+        let [plan, other] = rig.planner.crossing_evidence();
+        let ratio = plan / other;
+        assert!(ratio < most, "{side}: {ratio}");
+        assert!(fault.is_none() || ratio > 20.0, "{side}: {ratio}");
+        let status = rig.tick();
+        assert_eq!(status.fault, fault, "{side}");
+        assert_eq!(status.homed, fault.is_none());
+        if fault.is_some() {
+            assert_eq!(status.duty, [0.0; 2]);
+            assert_eq!(rig.controller.fault().unwrap().state, State::Crossing);
+        }
+    }
+}
+
+/// Constant currents, as of a broken sensor.
+#[test]
+fn currents_that_fit_neither_assembly_mode_confirm_none() {
+    let mut rig = Rig::crossing();
+    let status = loop {
+        let status = rig.follow();
+        rig.bench.current = [3.0, -3.0];
+        if status.state != State::Crossing {
+            break status;
+        }
+    };
+    assert_eq!(status.fault, Some(Fault::AssemblyMode));
+}
+
 #[test]
 fn a_stop_waits_for_the_end_and_an_emergency_stop_does_not() {
     let mut rig = Rig::crossing();
@@ -224,5 +298,19 @@ fn what_is_no_crossing_of_this_arm_is_refused() {
         crosses_at: 0.0165,
         ..PLAN
     };
+    // Friction hides in which assembly mode a slow arm is.
+    for (duration, refused) in [(0.7, false), (0.9, true)] {
+        let crosses_at = PLAN.crosses_at * (duration / PLAN.duration);
+        let slow = CrossingMove {
+            duration,
+            crosses_at,
+            ..PLAN
+        };
+        let expected = match refused {
+            true => Err(MoveErrorKind::IndistinctCrossing),
+            false => Ok(()),
+        };
+        assert_eq!(refusal(0, slow), expected, "{duration} s");
+    }
     assert!(matches!(refusal(0, fast), Err(MoveErrorKind::Overload(_))));
 }

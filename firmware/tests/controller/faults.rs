@@ -371,7 +371,7 @@ fn numbers_are_stable_and_complete() {
     for (fault, number) in Fault::all().zip(1..) {
         assert_eq!(fault.number(), number);
     }
-    assert_eq!(Fault::all().count(), 21);
+    assert_eq!(Fault::all().count(), 22);
 }
 
 #[test]

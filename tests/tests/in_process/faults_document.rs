@@ -4,7 +4,8 @@ use fivebar_firmware::safety::{Fault, Response};
 
 const DOCUMENT: &str = include_str!("../../../docs/faults.md");
 /// The files with the tests that it names.
-const TESTS: [&str; 10] = [
+const TESTS: [&str; 11] = [
+    include_str!("../../../firmware/tests/controller/crossing.rs"),
     include_str!("../../../firmware/tests/controller/faults.rs"),
     include_str!("../../../firmware/tests/controller/homing.rs"),
     include_str!("../../../firmware/tests/controller/homing_index.rs"),

@@ -1,7 +1,9 @@
 //! Plans at the limits of the arm against figures of independent solvers.
 
 mod crossing;
+mod crossing_arm;
 mod crossing_controller;
+mod crossing_evidence;
 mod crossing_loop;
 mod jobs;
 mod mode_changes;
