@@ -195,13 +195,9 @@ fn draw_map(args: &Args, found: &Calibrated<'_>) -> Result<(), Failure> {
             "--map: the arm reaches no place from its home, so there is no map",
         ));
     };
-    let maps = [
-        ("before: found, at the best placement", before),
-        ("after: expected", after),
-    ];
     let robot = found.robot;
     let workspace = robot.workspace(robot.elbows).map_err(refused)?;
-    let picture = tip_errors(&robot.name, &workspace.tool, maps);
+    let picture = tip_errors(&robot.name, &workspace.tool, before, after);
     leave_output_to(path);
     write_whole(path, picture.map_err(refused)?).map_err(refused)
 }

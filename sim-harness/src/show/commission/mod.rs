@@ -180,7 +180,7 @@ impl Commissioning {
 fn connect(
     options: &Options,
     drawn: &Robot,
-    voice: Box<dyn Voice>,
+    mut voice: Box<dyn Voice>,
 ) -> Result<(Box<dyn Line>, Operator), StepError> {
     if options.port != "simulated" {
         if options.scenario.is_some() {
@@ -193,6 +193,14 @@ fn connect(
         Some(file) => Scenario::load(file).map_err(StepError::other)?,
         None => Scenario::demonstration(drawn.clone()),
     };
+    let arm = &scenario.robot.name;
+    if *arm != drawn.name {
+        voice.tell(&format!(
+            "the scenario's arm is `{arm}`, the robot file is of `{}`: if that is not meant, start \
+             with --robot {arm} and another --out",
+            drawn.name
+        ))?;
+    }
     let (line, hand) = simulated::arm(&scenario, drawn)?;
     Ok((Box::new(line), Operator::new(voice, Some(hand))))
 }

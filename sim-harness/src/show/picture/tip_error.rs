@@ -10,15 +10,21 @@ use fivebar_kinematics::five_bar::Tool;
 use quick_xml::escape::escape;
 use std::fmt::Write as _;
 
-/// Both maps as SVG, one above the other, each with its own scale; `when` says what each shows.
+/// Both maps as SVG, one above the other, each with its own scale: the error of the arm in its file, as
+/// found, and that expected with the measured values.
 ///
 /// # Errors
 /// The arm's reach cannot be drawn.
 pub fn tip_errors(
     name: &str,
     tool: &Tool<f64>,
-    maps: [(&str, &TipError); 2],
+    before: &TipError,
+    after: &TipError,
 ) -> Result<String, WorkspaceStudyError> {
+    let maps = [
+        ("before: found, at the best placement", before),
+        ("after: expected", after),
+    ];
     let frame = PictureFrame::around(tool)?;
     let [width, height] = frame.picture_size();
     let title = format!("Error of the tip of {}", escape(name));
@@ -120,8 +126,7 @@ mod tests {
             rms: 0.7 * size,
             worst: size,
         };
-        let maps = [("before", &map(1e-3)), ("after", &map(2e-5))];
-        let svg = tip_errors("a<b", &tool, maps).unwrap();
+        let svg = tip_errors("a<b", &tool, &map(1e-3), &map(2e-5)).unwrap();
         for wanted in [
             "Error of the tip of a&lt;b, before",
             "700 µm RMS, 1.00 mm at the worst place",

@@ -7,8 +7,10 @@ use super::super::record::Value;
 use super::encoder_errors::{WithErrors, fit};
 use super::{Outcome, measured as measured_value};
 use crate::input::measurements::read_columns;
-use crate::input::robot::MeasuredKey;
-use crate::study::calibration::{calibrate_robot, measured, propose_poses};
+use crate::input::robot::{MeasuredKey, Robot};
+use crate::show::picture::tip_errors;
+use crate::study::calibration::{CalibrationStudy, calibrate_robot, measured, propose_poses};
+use crate::study::workspace::WorkspaceStudyError;
 use fivebar_design::Noise;
 use fivebar_design::calibration::Touch;
 use fivebar_plant::EncoderSide;
@@ -95,12 +97,24 @@ pub(in super::super) fn geometry(bench: &mut Bench) -> Result<Outcome, StepError
         &study.calibration.parameters,
         &study.calibration.covariance,
     ));
+    let picture = map(&bench.robot, &study).map_err(StepError::other)?;
     Ok(Outcome {
         found: text,
         values,
         measured: keys,
-        picture: None,
+        picture,
     })
+}
+
+/// The error of the tip over the workspace before and after; none where the arm reaches nothing.
+fn map(robot: &Robot, study: &CalibrationStudy) -> Result<Option<String>, WorkspaceStudyError> {
+    let (Some(before), Some(after)) = (&study.before, &study.tip_error) else {
+        return Ok(None);
+    };
+    let workspace = robot.workspace(robot.elbows);
+    let workspace =
+        workspace.map_err(|error| WorkspaceStudyError::Robot(robot.name.clone(), error))?;
+    tip_errors(&robot.name, &workspace.tool, before, after).map(Some)
 }
 
 /// Decrease of the sum of squared residuals [σ²] from which errors of the encoders are believed: their
