@@ -208,7 +208,9 @@ fn an_arm_that_comes_back_to_its_assembly_mode() {
     let geometry = robot().geometry;
     let [theta1, theta4] = [0, 3].map(|link| state.q[link].angular);
     let [omega1, omega4] = [0, 3].map(|link| state.v[link].angular);
-    let pose = geometry.forward(theta1, theta4, Side::Left).expect("a pose");
+    let pose = geometry
+        .forward(theta1, theta4, Side::Left)
+        .expect("a pose");
     let velocities = geometry.forward_velocities(&pose, omega1, omega4);
     let omega = velocities.expect("velocities").omega;
     let mut links = driven.arm.get().plant().model().state_at(&pose, omega);

@@ -18,7 +18,10 @@ static FOLDER: LazyLock<PathBuf> = LazyLock::new(|| {
 
 fuzz_target!(|bytes: &[u8]| {
     // A device may never end, or wait for somebody.
-    if bytes.windows(4).any(|four| four == b"/dev" || four == b"proc") {
+    if bytes
+        .windows(4)
+        .any(|four| four == b"/dev" || four == b"proc")
+    {
         return;
     }
     let path = FOLDER.join("scenario.toml");
