@@ -166,6 +166,7 @@ fn each_fault_has_a_test_on_this_image() {
         include_str!("faults.rs"),
         include_str!("board_faults.rs"),
         include_str!("homing.rs"),
+        include_str!("crossing.rs"),
     ]
     .concat();
     for fault in Fault::all() {
