@@ -27,6 +27,15 @@ pub enum CalibrationError {
     SmallPhoto(usize, usize),
     /// There are one or two holes of a plate among other measurements.
     SmallPlate(usize),
+    /// Too many measurements of one kind are farther than 4 σ from the fit to all.
+    Contradicts {
+        /// The kind.
+        kind: String,
+        /// How many are far from the fit.
+        far: usize,
+        /// Of how many.
+        of: usize,
+    },
     /// The measurements fit no arm: half of them are farther from the fit than this many σ.
     MixedNoFit(f64),
     /// The points fit the other assembly mode only.
@@ -94,6 +103,12 @@ impl fmt::Display for CalibrationError {
                 f,
                 "{count} hole{} of a plate: its place takes two, so give at least three, or none",
                 if *count == 1 { "" } else { "s" }
+            ),
+            Self::Contradicts { kind, far, of } => write!(
+                f,
+                "{kind}: {far} of {of} rows are farther than 4 σ from the fit to all measurements: \
+                 this table, or another, is not of this arm; check its units (metres), its columns and \
+                 its stated deviation, and try the tables one by one"
             ),
             Self::MixedNoFit(sigmas) => {
                 let why = if sigmas.is_finite() {

@@ -34,6 +34,8 @@ pub enum IdentificationError {
     NotSeen(Vec<String>, f64),
     /// The payload would be this mass, with this deviation [kg].
     NoPayload(f64, f64),
+    /// This share of the torques of a second log is not predicted.
+    Unpredicted(f64),
     /// This share of the torque of this joint is not explained.
     Unexplained(usize, f64),
 }
@@ -102,6 +104,12 @@ impl fmt::Display for IdentificationError {
                 "this motion does not determine {} (condition {condition:.0}): excite both joints \
                  faster and farther (--propose)",
                 names.join(", ")
+            ),
+            Self::Unpredicted(share) => write!(
+                f,
+                "{:.0} % of its torques are not predicted by what the first log gave: it is of another \
+                 arm, or its currents have other signs or columns",
+                1e2 * share
             ),
             Self::Unexplained(joint, share) => write!(
                 f,

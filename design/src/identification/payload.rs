@@ -59,7 +59,7 @@ pub fn identify_payload(
     let name = || vec!["the payload".to_owned()];
     let found = found.ok_or_else(|| IdentificationError::NotSeen(name(), f64::INFINITY))?;
     // A payload below nothing, or unknown to a tenth of a kilogram, was not seen.
-    if found.sd[0] > UNIT || found.value[0] < -3.0 * found.sd[0] - 0.01 * UNIT {
+    if found.sd[0] > UNIT || found.value[0] < -found.sd[0] - 0.01 * UNIT {
         return Err(IdentificationError::NoPayload(found.value[0], found.sd[0]));
     }
     for (joint, rms) in found.rms.into_iter().enumerate() {

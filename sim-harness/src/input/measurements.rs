@@ -38,6 +38,13 @@ fn parse_columns<const N: usize>(
     };
     let broken = |error: csv::Error| {
         let line = error.position().map(csv::Position::line);
+        if let csv::ErrorKind::UnequalLengths {
+            expected_len, len, ..
+        } = error.kind()
+        {
+            let reason = format!("it has {len} values, the header {expected_len}");
+            return refuse(line, reason);
+        }
         refuse(
             line,
             format!("it is no table of comma-separated values: {error}"),
@@ -99,7 +106,7 @@ mod tests {
                 "a,b\n1,2\n1,nan\n",
                 "line 3: `b` must be a finite number, not `nan`",
             ),
-            ("a,b\n1,2\n1\n", "line 3: it is no table"),
+            ("a,b\n1,2\n1\n", "line 3: it has 1 values, the header 2"),
         ] {
             let error = read(text).unwrap_err().to_string();
             assert!(error.contains(wanted), "{error}");

@@ -190,6 +190,15 @@ fn measurements_that_tell_too_little_are_refused_and_nothing_is_written() {
     let out = folder.path().join("arm.toml");
     let map = folder.path().join("map.svg");
     let [bars, holes, photo] = ["bars", "unknown_holes", "photo"].map(measurements);
+    let plate = measurements("holes");
+    let short = folder.path().join("short.csv");
+    let rows = std::fs::read_to_string(&bars).unwrap();
+    let rows = rows.lines().enumerate().map(|(index, row)| match index {
+        0 => format!("{row}\n"),
+        _ => format!("{},0.05\n", row.rsplit_once(',').unwrap().0),
+    });
+    std::fs::write(&short, rows.collect::<String>()).unwrap();
+    let short = short.to_str().unwrap();
     let half = table(folder.path(), "hole,counts1,counts4\n1.5,3,4\n");
     for (args, reason) in [
         (
@@ -201,6 +210,10 @@ fn measurements_that_tell_too_little_are_refused_and_nothing_is_written() {
             "scale is not seen",
         ),
         (vec!["--holes", &bars], "no column `hole`"),
+        (
+            vec!["--points", &plate, "--bars", short],
+            "24 of 24 rows are farther than 4 σ",
+        ),
         (
             vec!["--bars", &bars, "--holes", &half],
             "must be a whole number, not 1.5",
@@ -218,6 +231,22 @@ fn measurements_that_tell_too_little_are_refused_and_nothing_is_written() {
         assert!(message.contains(reason), "{message}");
         assert!(output.stdout.is_empty() && !out.exists() && !map.exists());
     }
+    let drawn = calibrate(&["--points", &plate, "--plate", short]);
+    assert_eq!(drawn.status.code(), Some(2));
+    let few = folder.path().join("few.csv");
+    let seven: String = std::fs::read_to_string(&bars)
+        .unwrap()
+        .lines()
+        .take(9)
+        .map(|line| format!("{line}\n"))
+        .collect();
+    std::fs::write(&few, seven).unwrap();
+    let output = calibrate(&["--bars", few.to_str().unwrap()]);
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        message.contains("only 1 more measurements than unknowns"),
+        "{message}"
+    );
     assert_eq!(
         calibrate(&["--propose", "12", "--bars", &bars])
             .status
@@ -233,7 +262,7 @@ fn the_text_has_a_unit_on_every_number() {
     for wanted in [
         "  l1    100.0609 mm       6.61 µm     100.0000 mm\n",
         "  φ     -11.3527 mrad    366 µrad\n",
-        "residuals of 24 rows (plate): 16.3 µm RMS\n",
+        "residuals of 24 rows (plate), 3 of them beyond 4 σ: 16.3 µm RMS\n",
         "expected now: 12.4 µm RMS, 17.2 µm at the worst place\n",
     ] {
         assert!(text.contains(wanted), "{wanted} in {text}");

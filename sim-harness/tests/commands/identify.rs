@@ -111,6 +111,31 @@ fn an_arm_is_excited_logged_identified_and_its_file_rewritten() {
         assert!(text.contains(wanted), "{wanted} in {text}");
     }
 
+    // A second log that the first one does not predict.
+    let spoilt = folder.path().join("spoilt.csv");
+    let rows = std::fs::read_to_string(second).unwrap();
+    std::fs::write(
+        &spoilt,
+        rows.replacen("current1_a,current4_a", "current4_a,current1_a", 1),
+    )
+    .unwrap();
+    let never = folder.path().join("never.toml");
+    let output = identify(&[
+        "--log",
+        log,
+        "--validate",
+        spoilt.to_str().unwrap(),
+        "--out",
+        never.to_str().unwrap(),
+    ]);
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(
+        message.contains("are not predicted by what the first log gave"),
+        "{message}"
+    );
+    assert!(!never.exists());
+
     // The log again, spoilt in several ways.
     let text = std::fs::read_to_string(log).unwrap();
     let lines: Vec<&str> = text.lines().collect();

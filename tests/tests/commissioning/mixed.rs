@@ -5,7 +5,7 @@ use crate::calibration::{DRAWN, benchtop};
 use fivebar_design::Noise;
 use fivebar_design::calibration::{
     Bar, CalibrationError, Deviations, HoleTouch, Measurements, MixedCalibration, Parameters,
-    PhotoPoint, calibrate, calibrate_mixed, tip_error_before, tip_error_best_placed,
+    PhotoPoint, Touch, calibrate, calibrate_mixed, tip_error_before, tip_error_best_placed,
 };
 use fivebar_kinematics::five_bar::{Geometry, Side, Tool, WorkingMode};
 use nalgebra::Vector2;
@@ -101,6 +101,20 @@ impl Arm {
             if found.len() > 1 {
                 hole += 1;
                 touches.extend(found.into_iter().map(|encoder| HoleTouch { hole, encoder }));
+            }
+        }
+        touches
+    }
+
+    /// Holes of a plate in the arm's own frame.
+    fn plate(&mut self, count: usize) -> Vec<Touch> {
+        let mode = WorkingMode::new(Side::Right, Side::Left);
+        let mut touches = Vec::new();
+        while touches.len() < count {
+            let c = self.place();
+            if let Some(encoder) = self.encoder(c, mode) {
+                let hole = c + self.near(DEVIATIONS.plate);
+                touches.push(Touch { encoder, hole });
             }
         }
         touches
@@ -392,4 +406,35 @@ fn what_tells_too_little_or_is_of_another_mode_is_refused() {
         refused(&large)
     );
     assert_eq!(refused(&nothing()), CalibrationError::NoScale);
+}
+
+#[test]
+fn a_table_that_contradicts_the_others_is_refused_by_name() {
+    let mut arm = arm(8, 1.0);
+    let sound = Measurements {
+        plate: arm.plate(24),
+        bars: arm.bars(24),
+        holes: arm.holes(12),
+        photos: vec![arm.photo(60)],
+        ..nothing()
+    };
+    assert!(calibrate_mixed(&sound, DRAWN).is_ok());
+    // From all half a metre away to all somewhat too long.
+    for wrong in [0.5, 0.05, 2e-3, 0.6e-3, 0.2e-3] {
+        for huber in [true, false] {
+            let mut long = sound.clone();
+            long.huber = huber;
+            long.bars.iter_mut().for_each(|bar| bar.length += wrong);
+            let refused = calibrate_mixed(&long, DRAWN).unwrap_err();
+            assert!(
+                matches!(
+                    refused,
+                    CalibrationError::Contradicts { .. }
+                        | CalibrationError::MixedNoFit(_)
+                        | CalibrationError::OtherArm { .. }
+                ),
+                "{wrong} {huber}: {refused:?}"
+            );
+        }
+    }
 }

@@ -48,12 +48,19 @@ pub struct MixedCalibration {
     pub covariance: SMatrix<f64, 10, 10>,
     /// The kinds that were measured.
     pub kinds: Vec<KindResult>,
+    /// How many more residuals there are than unknowns, those of holes and photographs included.
+    pub excess: usize,
     /// Rank of the Jacobian of the arm's unknowns, in units of 0.1 m, 1 rad and σ, without what the
     /// unknown holes and photographs take up: 10, or 7 without a plate.
     pub rank: usize,
     /// Its condition.
     pub condition: f64,
 }
+
+/// The greatest median of the residuals of a credible fit [σ].
+const CREDIBLE: f64 = 50.0;
+/// The greatest share of one kind that may be far from the fit.
+const FEW: f64 = 1.0 / 3.0;
 
 /// Finds an arm from measurements of any kinds. `nominal` are the lengths as drawn [m]; the fit
 /// starts there, with zero offsets, and where the plate alone determines the arm, also from that.
@@ -124,6 +131,7 @@ pub fn calibrate_mixed(
             .min_by(|a, b| a.1.total_cmp(&b.1));
         if let Some((x, _, typical)) = other
             && typical < 0.25 * off
+            && typical <= CREDIBLE
         {
             return Err(if half_a_turn_off(&Problem::new(measured, there).arm(&x)) {
                 CalibrationError::SwappedJoints
@@ -133,7 +141,7 @@ pub fn calibrate_mixed(
         }
     }
     let problem = Problem::new(measured, here);
-    match found.filter(|(_, _, typical)| *typical <= 50.0) {
+    match found.filter(|(_, _, typical)| *typical <= CREDIBLE) {
         Some((x, _, _)) => judged(measured, &problem, &x, nominal),
         None => Err(CalibrationError::MixedNoFit(off)),
     }
@@ -175,6 +183,15 @@ fn judged(
         used.extend(kept);
         first += size * count;
     }
+    let share = |kind: &KindResult| kind.rejected.len() as f64 / kind.distances.len() as f64;
+    let worst = kinds.iter().max_by(|a, b| share(a).total_cmp(&share(b)));
+    if let Some(kind) = worst.filter(|kind| share(kind) > FEW) {
+        return Err(CalibrationError::Contradicts {
+            kind: kind.kind.clone(),
+            far: kind.rejected.len(),
+            of: kind.distances.len(),
+        });
+    }
     let arm = without_nuisances(&jacobian.select_rows(&used), problem.arm_unknowns());
     let seen = determined(&arm, &p)?;
     if half_a_turn_off(&p) {
@@ -186,6 +203,7 @@ fn judged(
         placed: !measured.plate.is_empty(),
         covariance: seen.covariance,
         kinds,
+        excess: used.len().saturating_sub(problem.unknowns()),
         rank: seen.rank,
         condition: seen.condition,
     })

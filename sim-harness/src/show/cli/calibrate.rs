@@ -79,7 +79,12 @@ pub(super) struct Args {
     #[arg(long, value_name = "FILE.svg", conflicts_with = "propose")]
     map: Option<PathBuf>,
     /// Draw the plate with the proposed holes at true size.
-    #[arg(long, value_name = "FILE.svg", requires = "propose")]
+    #[arg(
+        long,
+        value_name = "FILE.svg",
+        requires = "propose",
+        conflicts_with_all = ["points", "bars", "holes", "photo"],
+    )]
     plate: Option<PathBuf>,
     /// Print the result as one JSON object.
     #[arg(long)]
@@ -106,7 +111,8 @@ fn from_plate(args: &Args, robot: &Robot, points: &Path) -> Result<(), Failure> 
         warn(format_args!("{}: {warning}", points.display()));
     }
     let found = &study.calibration;
-    let kinds = vec![("plate", found.residuals.len(), found.residual_rms)];
+    let (rows, far) = (found.residuals.len(), found.rejected.len());
+    let kinds = vec![("plate", rows, far, found.residual_rms)];
     let found = Calibrated {
         robot,
         parameters: &found.parameters,
@@ -161,7 +167,10 @@ fn from_several(args: &Args, robot: &Robot) -> Result<(), Failure> {
         kinds: found
             .kinds
             .iter()
-            .map(|kind| (kind.kind.as_str(), kind.distances.len(), kind.residual_rms))
+            .map(|kind| {
+                let (rows, far) = (kind.distances.len(), kind.rejected.len());
+                (kind.kind.as_str(), rows, far, kind.residual_rms)
+            })
             .collect(),
         before: study.before.as_ref(),
         after: study.tip_error.as_ref(),

@@ -41,13 +41,13 @@ pub(super) struct Args {
     simulate: Option<PathBuf>,
     /// A second log, of another trajectory: how well its torques are predicted, by what the first
     /// one gave and by the robot file.
-    #[arg(long, value_name = "FILE.csv", requires = "log")]
+    #[arg(long, value_name = "FILE.csv", requires = "log", conflicts_with_all = ["propose", "simulate"])]
     validate: Option<PathBuf>,
     /// Find the payload only, with the masses of the robot file; any quick motion will do.
-    #[arg(long, requires = "log", conflicts_with = "validate")]
+    #[arg(long, requires = "log", conflicts_with_all = ["validate", "propose", "simulate"])]
     payload: bool,
     /// With --simulate: the second proposed excitation, to validate with, in place of the first.
-    #[arg(long, requires = "simulate")]
+    #[arg(long, requires = "simulate", conflicts_with_all = ["log", "propose"])]
     second: bool,
     /// Write the robot file with the measured friction and masses, or the payload, to FILE; a file
     /// that is there is kept as FILE.old.
@@ -102,6 +102,9 @@ fn identified(args: &Args, robot: &Robot, log: &Path) -> Result<(), Failure> {
     }
     let predicted = match &args.validate {
         Some(second) => {
+            if second == log {
+                warn("--validate: the same log predicts itself; give one of another trajectory");
+            }
             let rows = read_columns(second, COLUMNS).map_err(refused)?;
             let predicted = validations(robot, &found, &rows);
             Some(predicted.map_err(|error| in_file(second, &error))?)

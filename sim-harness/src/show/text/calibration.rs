@@ -17,8 +17,9 @@ pub struct Calibrated<'a> {
     pub covariance: &'a SMatrix<f64, 10, 10>,
     /// Whether the placement is known.
     pub placed: bool,
-    /// Name, count and residuals' root mean square [m] of each kind of measurement.
-    pub kinds: Vec<(&'a str, usize, f64)>,
+    /// Name, rows, those of them that are farther than 4 σ, and residuals' root mean square [m] of
+    /// each kind of measurement.
+    pub kinds: Vec<(&'a str, usize, usize, f64)>,
     /// The error of the nominal arm over the workspace.
     pub before: Option<&'a TipError>,
     /// The expected error over the workspace.
@@ -81,12 +82,15 @@ pub fn calibration(found: &Calibrated<'_>) -> String {
         );
         let _ = writeln!(text, "{}", line.trim_end());
     }
-    for (kind, count, rms) in &found.kinds {
-        let _ = writeln!(
-            text,
-            "  residuals of {count} rows ({kind}): {} RMS",
-            quantity(*rms, "m")
-        );
+    for (kind, count, far, rms) in &found.kinds {
+        let rms = quantity(*rms, "m");
+        let _ = match far {
+            0 => writeln!(text, "  residuals of {count} rows ({kind}): {rms} RMS"),
+            far => writeln!(
+                text,
+                "  residuals of {count} rows ({kind}), {far} of them beyond 4 σ: {rms} RMS"
+            ),
+        };
     }
     let errors = [
         ("the arm of the file", found.before),

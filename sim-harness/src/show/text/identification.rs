@@ -70,7 +70,8 @@ pub fn validation(found: &Validations) -> String {
 pub fn payload(name: &str, rows: usize, found: &Payload) -> String {
     let [first, fourth] = found.residual_rms.map(|rms| quantity(rms, "N·m"));
     format!(
-        "{name}, {rows} rows\n  payload {:.2} ± {:.2} g\n  not explained: {first} of joint 1's torque, \
+        "{name}, {rows} rows\n  payload {:.2} ± {:.2} g, as far as the masses of the \
+         robot file are right\n  not explained: {first} of joint 1's torque, \
          {fourth} of joint 4's, RMS\n",
         1e3 * found.mass,
         1e3 * found.sd

@@ -144,6 +144,13 @@ fn sigma_of(study: &MixedStudy, kind: &str) -> f64 {
 /// What a user should look at, as sentences.
 pub fn mixed_warnings(study: &MixedStudy) -> Vec<String> {
     let mut warnings = Vec::new();
+    let excess = study.calibration.excess;
+    if excess < 5 {
+        warnings.push(format!(
+            "only {excess} more measurements than unknowns: nothing checks them, so the residuals tell \
+             little; measure more"
+        ));
+    }
     for kind in &study.calibration.kinds {
         let (name, sigma) = (&kind.kind, sigma_of(study, &kind.kind));
         if !kind.rejected.is_empty() {

@@ -103,6 +103,11 @@ pub fn validations(
         offset: found.offset,
     };
     let after = validate(&log_of(rows), &observed(robot)?, &predictor)?;
+    let share = after.rms / after.torque_rms;
+    // Not a number: there are no torques.
+    if share.is_nan() || share > 0.5 {
+        return Err(IdentificationError::Unpredicted(share).into());
+    }
     let before = match robot.arm() {
         Ok(_) => Some(validate_robot(robot, None, rows)?),
         Err(_) => None,

@@ -18,6 +18,6 @@ pub fn measured_payload(found: &Payload) -> Measured {
     Measured {
         key: MeasuredKey::Payload,
         value: format!("{:.6}", found.mass.max(0.0)),
-        origin: format!("± {:.6} by identification", found.sd),
+        origin: format!("± {:.2} g by identification", 1e3 * found.sd),
     }
 }

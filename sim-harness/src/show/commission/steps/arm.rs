@@ -95,6 +95,9 @@ pub(in super::super) fn tuning(bench: &mut Bench) -> Result<Outcome, StepError> 
     Ok(Outcome::new(text, values))
 }
 
+/// A tip error that no measurement of this arm explains [m].
+const TELLING: f64 = 50e-6;
+
 /// Draws with the drawing's values, then with the measured ones.
 pub(in super::super) fn validation(bench: &mut Bench) -> Result<Outcome, StepError> {
     let measured = bench.robot.clone();
@@ -114,6 +117,13 @@ pub(in super::super) fn validation(bench: &mut Bench) -> Result<Outcome, StepErr
         1e6 * before.greatest,
         1e6 * after.greatest
     );
+    if after.rms > 3.0 * before.rms + TELLING {
+        return Err(StepError::wrong(
+            text,
+            "the holes or the second log are not of this arm, or its zeros have changed since: measure \
+             again, --again geometry",
+        ));
+    }
     if after.rms > before.rms {
         text += "; this arm is closer to its drawing than the measurements can show: keep your own \
                  robot file";
