@@ -105,7 +105,14 @@ impl Held {
             .map(|way| vec![way])
             .chain([through.to_vec()])
             .find(|ways| ways.iter().all(|way| self.is_free(way)));
-        let ways = ways.ok_or_else(|| StepError::other("the hand finds no way to the hole"))?;
+        let ways = ways.ok_or_else(|| {
+            StepError::Other(format!(
+                "no way for the arm leads to the hole at ({:.0}, {:.0}) mm: set limits.angle of the robot \
+                 file to what the cranks can do, then commission it into another folder (--out)",
+                1e3 * place[0],
+                1e3 * place[1]
+            ))
+        })?;
         self.motion = Some((ways, 0));
         Ok(())
     }
