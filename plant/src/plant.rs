@@ -6,7 +6,7 @@ use crate::active_faults::ActiveFaults;
 use crate::brake::Brake;
 use crate::drives::Drives;
 use crate::dynamics::{DRIVEN, Loads, Model, State};
-use crate::encoder::{EncoderSide, TrueEncoder};
+use crate::encoder::TrueEncoder;
 use crate::fault::{FaultKind, PlantFault};
 use crate::index::Index;
 use crate::latency::Delay;
@@ -284,27 +284,6 @@ impl Plant {
                 delay.record(self.time, [angle1, angle4], [speed1, speed4]);
             }
         }
-    }
-
-    /// The angle [rad] and speed [rad/s] of an encoder's shaft, over the gear ratio.
-    fn shaft(&self, joint: usize) -> (f64, f64) {
-        let behind = match (self.encoders[joint].side, &self.drives) {
-            (EncoderSide::Motor, Some(drives)) => drives.rotor(joint),
-            _ => None,
-        };
-        behind.unwrap_or_else(|| {
-            let link = DRIVEN[joint];
-            (self.state.q[link].angular, self.state.v[link].angular)
-        })
-    }
-
-    /// The encoder's counts.
-    fn counts(&self, joint: usize) -> i32 {
-        let delay = self.delay.as_ref();
-        let delayed = delay.and_then(|delay| delay.angle(joint, self.time));
-        let angle = delayed.unwrap_or_else(|| self.shaft(joint).0);
-        let measured = self.encoders[joint].measured(angle);
-        self.sensors[joint].counts(measured, self.count_origin[joint])
     }
 
     /// The duty of a bridge as its compare register holds it; none if it is off.

@@ -4,6 +4,7 @@ use super::Plant;
 use crate::chain::PerJoint;
 use crate::drives::Drives;
 use crate::dynamics::{DRIVEN, Model, State};
+use crate::encoder::EncoderSide;
 use crate::worn_joints::WornJoints;
 use nalgebra::Vector2;
 
@@ -61,5 +62,25 @@ impl Plant {
     /// The worn joints, if the arm has any.
     pub fn wear(&mut self) -> Option<&mut WornJoints> {
         self.wear.as_mut()
+    }
+    /// The angle [rad] and speed [rad/s] of an encoder's shaft, over the gear ratio.
+    pub(super) fn shaft(&self, joint: usize) -> (f64, f64) {
+        let behind = match (self.encoders[joint].side, &self.drives) {
+            (EncoderSide::Motor, Some(drives)) => drives.rotor(joint),
+            _ => None,
+        };
+        behind.unwrap_or_else(|| {
+            let link = DRIVEN[joint];
+            (self.state.q[link].angular, self.state.v[link].angular)
+        })
+    }
+
+    /// The encoder's counts.
+    pub(super) fn counts(&self, joint: usize) -> i32 {
+        let delay = self.delay.as_ref();
+        let delayed = delay.and_then(|delay| delay.angle(joint, self.time));
+        let angle = delayed.unwrap_or_else(|| self.shaft(joint).0);
+        let measured = self.encoders[joint].measured(angle);
+        self.sensors[joint].counts(measured, self.count_origin[joint])
     }
 }

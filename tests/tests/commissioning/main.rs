@@ -5,6 +5,7 @@ mod calibration;
 mod excitations;
 mod identification;
 mod logs;
+mod measured_arm;
 mod mixed;
 mod payload;
 mod random_logs;
