@@ -2,10 +2,10 @@
 //! commission` says of its switches and index outputs.
 
 use crate::commission::{commission, record, text, value};
-use serde_json::Value;
+use crate::home_methods::demonstrated;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 const BENCHTOP: &str = include_str!("../../robots/benchtop.toml");
 
@@ -80,25 +80,9 @@ fn a_switch_near_a_pulse_and_an_index_output_without_a_wire_are_named() {
 /// The switches close where they like, and the drawing does not move.
 #[test]
 fn a_drawing_does_not_depend_on_where_the_switches_close() {
-    let rms = |keys: &str| {
-        let folder = tempfile::tempdir().unwrap();
-        let robot = folder.path().join("arm.toml");
-        let keys = format!("\n[homing]\nmethod = \"index\"\n{keys}\n");
-        fs::write(&robot, BENCHTOP.to_owned() + &keys).unwrap();
-        let output = Command::new(env!("CARGO_BIN_EXE_fivebar"))
-            .args(["sim", "--json", "--robot"])
-            .arg(&robot)
-            .arg("--out")
-            .arg(folder.path().join("out"))
-            .output()
-            .unwrap();
-        assert!(output.status.success(), "{}", text(&output.stderr));
-        let said = text(&output.stdout);
-        let summary: Value = serde_json::from_str(said.lines().last().unwrap()).unwrap();
-        summary["tip_error"]["rms_m"].as_f64().unwrap()
-    };
     for keys in ["", "switch = [2.95, 0.0]", "switch = [3.3, 0.25]"] {
-        let rms = rms(keys);
+        let section = format!("\n[homing]\nmethod = \"index\"\n{keys}\n");
+        let rms = demonstrated(&(BENCHTOP.to_owned() + &section));
         assert!(rms < 4e-6, "{rms} m with {keys}");
     }
 }
