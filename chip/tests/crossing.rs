@@ -134,11 +134,6 @@ fn what_is_no_crossing_of_this_arm_is_refused() {
             crosses_at: 0.9 * plan.crosses_at,
             ..plan
         },
-        // It misses the condition: s̈ differs by 3.5 1/s² there.
-        CrossingMove {
-            law: [b0, b1, b2 + 10.0],
-            ..plan
-        },
         // It ends before the singularity.
         CrossingMove {
             to: [0.05, 0.08],
@@ -148,6 +143,15 @@ fn what_is_no_crossing_of_this_arm_is_refused() {
         let refused = refusal(&mut driven, 0, plan);
         assert_eq!(refused, MoveErrorKind::Crossing, "{plan:?}");
     }
+    // s̈ differs by 3.5 1/s² in the singularity.
+    let missed = CrossingMove {
+        law: [b0, b1, b2 + 10.0],
+        ..plan
+    };
+    assert_eq!(
+        refusal(&mut driven, 0, missed),
+        MoveErrorKind::CrossingCondition
+    );
     let number = CrossingMove {
         duration: f32::NAN,
         ..plan

@@ -6,6 +6,7 @@
 
 use super::crossing_evidence::{CrankMotion, Evidence};
 use super::crossing_pieces::ArmOn;
+use super::error::LONGEST_CROSSING;
 use super::{End, MoveError, MoveErrorKind, Planner};
 use crate::controller::{
     CROSSING_PIECES, Controller, CrossingTimes, OUTSIDE_OF_ZONE, PlanningSnapshot, QUEUED_SEGMENTS,
@@ -20,8 +21,6 @@ use rtic_core::Mutex;
 
 /// The places at which a plan is checked.
 const PLACES: u16 = 200;
-/// The longest crossing [s].
-const LONGEST: f32 = 4.0;
 /// Greatest distance from the place of rest to the beginning of the line [m].
 const STEP: f32 = 2e-5;
 /// |sin(θ3−θ2)| of the gap, in which torques are interpolated: the equations are 0/0 in its middle.
@@ -137,9 +136,11 @@ impl Planner {
         }
         let no_crossing = refuse(MoveErrorKind::Crossing);
         let begins = (Vector2::from(plan.from) - start).norm() <= STEP;
-        let within = duration <= LONGEST && 0.0 < crosses_at && crosses_at < duration;
-        if !(begins && within) {
+        if !(begins && 0.0 < crosses_at && crosses_at < duration) {
             return Err(no_crossing);
+        }
+        if duration > LONGEST_CROSSING {
+            return Err(refuse(MoveErrorKind::TooLong));
         }
         let step = duration / f32::from(PLACES);
         let mut checked = CheckedCrossing {
@@ -168,8 +169,16 @@ impl Planner {
             let (size, moving) = (Scalar::abs(sine), 0 < place && place < PLACES);
             // Beside its time, the singularity has either side of it.
             let kept = (sine > 0.0) == (time < crosses_at) || Scalar::abs(time - crosses_at) < step;
-            if !kept || (size < self.envelope.workspace.margin && !moving) {
+            if !kept {
                 return Err(no_crossing);
+            }
+            if size < self.envelope.workspace.margin && !moving {
+                let [end, ..] = plan.motion(time);
+                return Err(MoveError {
+                    tag,
+                    kind: MoveErrorKind::ParallelSingularity,
+                    point: Some(end.into()),
+                });
             }
             if size < OUTSIDE_OF_ZONE {
                 let [first, end] = &mut checked.near;
@@ -200,8 +209,11 @@ impl Planner {
         let [begin, end] = *time;
         // From the time of a place to that of the gap.
         *change = change.map(|change| change * ((end - begin) / step));
-        if ends < 2 || begin == 0.0 || !checked.gap.is_closed() {
+        if ends < 2 || begin == 0.0 {
             return Err(no_crossing);
+        }
+        if !checked.gap.is_closed() {
+            return Err(refuse(MoveErrorKind::CrossingCondition));
         }
         // Friction is known badly, so the modes must differ by more.
         let [difference, friction] = evidence.into();

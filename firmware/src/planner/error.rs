@@ -9,6 +9,8 @@ use serde::{Deserialize, Serialize};
 /// The longest time that one move may take [s]: a day. The count of ticks would suffice for four
 /// days, but `f32` resolves the end of a day to 8 ms only.
 pub const LONGEST: f32 = 86_400.0;
+/// The longest crossing [s].
+pub(super) const LONGEST_CROSSING: f32 = 4.0;
 
 /// A move was refused; nothing has changed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -45,7 +47,7 @@ pub enum MoveErrorKind {
     ParallelSingularity,
     /// Joint 1 or 4 does not have the torque to hold the arm there.
     Torque(u8),
-    /// The move would take longer than [`LONGEST`].
+    /// The move would take longer than [`LONGEST`], or a crossing longer than 4 s.
     TooLong,
     /// The move does not go on where a timed motion is: in position, velocity and acceleration, or
     /// with a tool that needs a rest.
@@ -58,6 +60,8 @@ pub enum MoveErrorKind {
     Crossing,
     /// Behind the singularity the torques would not show which assembly mode the arm is in.
     IndistinctCrossing,
+    /// The torques on both sides of the singularity do not agree.
+    CrossingCondition,
 }
 
 impl MoveError {
@@ -179,7 +183,8 @@ impl fmt::Display for MoveErrorKind {
             }
             Self::TooLong => write!(
                 f,
-                "the move would take longer than {LONGEST} s; go faster, or in several moves"
+                "the move would take longer than {LONGEST} s, or a crossing longer than \
+                 {LONGEST_CROSSING} s; go faster, or in several moves"
             ),
             Self::Discontinuous => f.write_str(
                 "the move does not go on where the timed motion before it is; let that come to rest \
@@ -200,6 +205,10 @@ impl fmt::Display for MoveErrorKind {
             Self::IndistinctCrossing => f.write_str(
                 "behind the singularity the torques would not show which assembly mode the arm is in, \
                  because they differ by less than friction; cross in less time, or go farther behind it",
+            ),
+            Self::CrossingCondition => f.write_str(
+                "the torques on both sides of the singularity do not agree: the motion misses its \
+                 condition, or changes too fast there; cross in more time",
             ),
         }
     }

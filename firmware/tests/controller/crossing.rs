@@ -280,11 +280,6 @@ fn what_is_no_crossing_of_this_arm_is_refused() {
             crosses_at: 0.15,
             ..PLAN
         },
-        // It misses the condition: s̈ differs by 3.5 1/s² there.
-        CrossingMove {
-            law: [b0, b1, b2 + 10.0],
-            ..PLAN
-        },
         // It ends before the singularity.
         CrossingMove {
             to: [0.05, 0.08],
@@ -293,6 +288,12 @@ fn what_is_no_crossing_of_this_arm_is_refused() {
     ] {
         assert_eq!(refusal(0, plan), Err(MoveErrorKind::Crossing), "{plan:?}");
     }
+    // s̈ differs by 3.5 1/s² in the singularity.
+    let missed = CrossingMove {
+        law: [b0, b1, b2 + 10.0],
+        ..PLAN
+    };
+    assert_eq!(refusal(0, missed), Err(MoveErrorKind::CrossingCondition));
     let fast = CrossingMove {
         duration: 0.03,
         crosses_at: 0.0165,

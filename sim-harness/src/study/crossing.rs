@@ -2,9 +2,13 @@
 //!
 //! The mechanics are in [`fivebar_design::crossing`].
 
-use crate::input::robot::{CrossingRefusal, Robot};
+use crate::input::robot::{CrossingRefusal, MissingMasses, Robot};
+use crate::input::scenario::crossing_move;
 use crate::run::crossing::CrossingRun;
 use fivebar_design::crossing::{CrossingError, CrossingPlan, CrossingTask};
+use fivebar_firmware::planner::MoveError;
+use fivebar_firmware::settings::SettingsError;
+use fivebar_firmware::{Move, Planner};
 use serde_json::{Value, json};
 
 /// Why a crossing is refused.
@@ -17,6 +21,21 @@ pub enum CrossingStudyError {
     /// The crossing cannot be planned.
     #[error(transparent)]
     Crossing(#[from] CrossingError),
+}
+
+/// Why the controller would not do a crossing that the host has planned.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ControllerRefusal {
+    /// The robot has lengths only.
+    #[error(transparent)]
+    Masses(#[from] MissingMasses),
+    /// Its settings would be refused.
+    #[error("the robot's settings are not valid: {0}")]
+    Settings(SettingsError),
+    /// Its own check of the move.
+    #[error(transparent)]
+    Move(#[from] MoveError),
 }
 
 /// Plans a crossing along a line between two points [m] in `time` [s].
@@ -43,8 +62,39 @@ pub fn task(
     Ok(robot.crossing_task([from, to], time)?)
 }
 
-/// The plan as one JSON object, in SI units, with the simulated run if there is one.
-pub fn answer(plan: &CrossingPlan, run: Option<&CrossingRun>) -> Value {
+/// Asks the controller's own planner whether it would accept a crossing of an arm that is held where
+/// the line begins.
+///
+/// # Errors
+/// Why not.
+pub fn check_by_controller(
+    robot: &Robot,
+    task: &CrossingTask<'_>,
+    plan: &CrossingPlan,
+) -> Result<(), ControllerRefusal> {
+    let settings = robot.settings()?;
+    let settings = settings.check().map_err(ControllerRefusal::Settings)?;
+    let mut planner = Planner::new(&settings).in_mode(task.mode);
+    if planner.assembly() != plan.assembly[0] {
+        planner = planner.in_other_assembly();
+    }
+    let crossing = Move {
+        tag: 0,
+        tool: 0,
+        kind: crossing_move(task, plan),
+    };
+    let from = [task.from.x as f32, task.from.y as f32];
+    planner.check(from, &crossing)?;
+    Ok(())
+}
+
+/// The plan as one JSON object, in SI units, with what the controller says of it, and with the simulated
+/// run if there is one.
+pub fn answer(
+    plan: &CrossingPlan,
+    controller: &Result<(), ControllerRefusal>,
+    run: Option<&CrossingRun>,
+) -> Value {
     let mut answer = json!({
         "tc": plan.t_c,
         "s_c": plan.s_c,
@@ -56,7 +106,11 @@ pub fn answer(plan: &CrossingPlan, run: Option<&CrossingRun>) -> Value {
         "polynomial_in_t_over_tf": plan.law.coefficients,
         "peak_torque": plan.peak_torque,
         "assembly": plan.assembly,
+        "controller": { "accepts": controller.is_ok() },
     });
+    if let Err(refusal) = controller {
+        answer["controller"]["reason"] = refusal.to_string().into();
+    }
     if let Some(run) = run {
         answer["simulated"] = json!({
             "assembly": run.assembly,

@@ -165,6 +165,34 @@ fn a_crossing_has_every_key_and_takes_negative_coordinates_in_both_ways() {
 }
 
 #[test]
+fn a_crossing_tells_whether_the_controller_accepts_it_and_answers_in_any_case() {
+    let robot = shipped("robots/short_couplers.toml");
+    let ends = ["--from", "0.06,0.115", "--to", "0.03,0.012"];
+    let crossing = |time: &'static str| {
+        [
+            &["--crossing", "--robot", &robot, "--time", time],
+            &ends[..],
+        ]
+        .concat()
+    };
+    let text = |time| {
+        let output = plan(&crossing(time));
+        assert!(output.status.success());
+        String::from_utf8(output.stdout).unwrap()
+    };
+    assert_eq!(
+        answer(&crossing("0.3"))["controller"],
+        json!({ "accepts": true })
+    );
+    assert!(text("0.3").contains("the controller accepts it"));
+    let slow = answer(&crossing("1.0"));
+    assert_eq!(slow["controller"]["accepts"], false);
+    let reason = slow["controller"]["reason"].as_str().unwrap();
+    assert!(reason.contains("cross in less time") && slow["tc"].is_f64());
+    assert!(text("1.0").contains(&format!("the controller refuses it: {reason}")));
+}
+
+#[test]
 fn a_crossing_needs_its_robot_s_permission_and_its_three_values() {
     let ends = ["--crossing", "--from", "0.06,0.115", "--to", "0.03,0.012"];
     let message = refusal(

@@ -273,11 +273,6 @@ fn the_controller_refuses_what_is_no_crossing() {
             crosses_at: 0.9 * plan.crosses_at,
             ..plan
         },
-        // Another acceleration in the singularity: s̈ by 3.5 1/s².
-        CrossingMove {
-            law: [b0, b1, b2 + 10.0],
-            ..plan
-        },
         // An end before the singularity.
         CrossingMove {
             to: [0.05, 0.08],
@@ -291,6 +286,12 @@ fn the_controller_refuses_what_is_no_crossing() {
             "{plan:?}"
         );
     }
+    // Another acceleration in the singularity: s̈ by 3.5 1/s².
+    let missed = CrossingMove {
+        law: [b0, b1, b2 + 10.0],
+        ..plan
+    };
+    assert_eq!(refusal(missed, true), Err(MoveErrorKind::CrossingCondition));
     let fast = CrossingMove {
         duration: 0.03,
         crosses_at: 0.1 * plan.crosses_at,

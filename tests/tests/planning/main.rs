@@ -5,6 +5,7 @@ mod crossing_arm;
 mod crossing_controller;
 mod crossing_evidence;
 mod crossing_loop;
+mod crossing_verdict;
 mod jobs;
 mod mode_changes;
 mod regions;

@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 /// With --path, the fastest motion that the limits allow. The path file holds a path of lines,
 /// arcs and Fourier series, the working mode and the limits of torque, speed and acceleration;
 /// docs/time-optimal.md describes it. With --crossing, a motion from one assembly mode to the
-/// other, along a line through a singularity of type 2.
+/// other, along a line through a singularity of type 2, and whether the controller would accept it.
 #[derive(clap::Args)]
 pub(super) struct Args {
     /// A built-in robot or a robot file; by default the one that the path file names.
@@ -94,6 +94,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let robot = Robot::load(args.robot.as_deref().unwrap_or(BuiltIn::DEFAULT)).map_err(refused)?;
     let task = crossing::task(&robot, [from, to], time).map_err(refused)?;
     let plan = task.plan().map_err(refused)?;
+    let controller = crossing::check_by_controller(&robot, &task, &plan);
     let run = args.simulate.then(|| {
         let conditions = CrossingConditions::default();
         follow(&robot, &task, &plan, &conditions).map_err(refused)
@@ -105,7 +106,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         write_whole(&folder.join("report.html"), page).map_err(refused)?;
     }
     if args.json {
-        return say(crossing::answer(&plan, run.as_ref()));
+        return say(crossing::answer(&plan, &controller, run.as_ref()));
     }
     let [before, after] = plan.assembly;
     let [torque1, torque4] = plan.peak_torque;
@@ -118,6 +119,10 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         plan.s_dot_c,
         plan.s_ddot_c,
     ))?;
+    match controller {
+        Ok(()) => say("the controller accepts it")?,
+        Err(refusal) => say(format_args!("the controller refuses it: {refusal}"))?,
+    }
     let Some(run) = run else { return Ok(()) };
     say(format_args!(
         "simulated: ends in assembly {}, tip within {} of the plan, {} at the end",
