@@ -9,11 +9,15 @@
 //! | 0.1 to 0.5 | both, smoothly from one to the other |
 //! | below 0.1 | the plan's, and a PID of the cranks: nothing there divides by the sine |
 //!
+//! The sum passes a filter of the first order, because computed torque beside the zone makes steps of several
+//! mN·m of each count of the encoders. Set-point and measured state are taken so much ahead.
+//!
 //! θ1 and θ4 are the same in both assembly modes, so the mode is that of the plan until the planner finds in the
 //! torques whether it is (`planner/crossing_evidence.rs`). In the zone, below 0.2, the arm
 //! goes on whatever its cranks' errors are, because it cannot stop there; an arm that stays there is a fault.
 
 use super::Controller;
+use super::model::CROSSING_LAG;
 use super::path::{Path, QUEUED_SEGMENTS};
 use super::tick::TorqueCommand;
 use crate::safety::{Event, Fault, Limits, State};
@@ -74,6 +78,10 @@ pub(super) struct Crossing {
     is_over: bool,
     /// θ1d, θ4d [rad].
     angle: [f32; 2],
+    /// The share of the laws' torques that the demanded ones take in a tick.
+    smoothing: f32,
+    /// The demanded torques [N·m].
+    torque: [f32; 2],
 }
 
 /// The cranks in one tick of a crossing, as measured. Pairs are of joint 1 and joint 4.
@@ -112,6 +120,8 @@ impl Crossing {
             settling: [0; 2],
             is_over: false,
             angle: [0.0; 2],
+            smoothing: 0.0,
+            torque: [0.0; 2],
         }
     }
 }
@@ -156,9 +166,13 @@ impl Controller {
         self.crossing = Crossing {
             per_longest_cross: 1.0 / (l2 * l3),
             hardening: (1.0 - LEAST_FEEDBACK) / (0.5 * times.in_zone as f32).max(1.0),
+            smoothing: 1.0 / (1.0 + CROSSING_LAG * tick_rate),
+            torque: coefficients(&self.path, 1).map_or([0.0; 2], |[torque, ..]| (*torque).into()),
             times: CrossingTimes {
                 // The set-point leads by the lag, and what is reported is in this mode, too.
-                crosses_at: times.crosses_at + (self.model.lag * tick_rate) as u32 + 1,
+                crosses_at: times.crosses_at
+                    + ((self.model.lag + CROSSING_LAG) * tick_rate) as u32
+                    + 1,
                 ..*times
             },
             per_piece: times.rate * tick_rate,
@@ -213,12 +227,24 @@ impl Controller {
         (self.state == State::Crossing).then_some(self.crossing.times.tag)
     }
 
-    /// u(θ1d), u(θ4d).
-    pub(super) fn crossing_directions(&self) -> [Vector2<f32>; 2] {
-        match self.state {
-            State::Crossing => self.crossing.angle.map(Vector2::unit),
-            _ => self.setpoint.direction,
-        }
+    /// u(θ1), u(θ4) where the joints should be now: on the plan, the laws' lag ago.
+    pub(super) fn crossing_reference(&self) -> [Vector2<f32>; 2] {
+        let crossing = &self.crossing;
+        let lag = (self.model.lag + CROSSING_LAG) * self.settings.control.tick_rate;
+        let pieces = crossing.times.rate * (crossing.ticks as f32 - lag).max(0.0);
+        let piece = pieces as usize;
+        let angles = match coefficients(&self.path, 2 * piece) {
+            Some(joints) => {
+                let u = pieces - piece as f32;
+                let sum = joints
+                    .iter()
+                    .rev()
+                    .fold(Vector2::zeros(), |sum, c| sum * u + c);
+                sum.into()
+            }
+            None => crossing.angle,
+        };
+        Vector2::units(angles)
     }
 
     /// One tick of a crossing: the torques.
@@ -299,11 +325,15 @@ impl Controller {
             torque1 += share * (computed1 - torque1);
             torque4 += share * (computed4 - torque4);
         }
+        torque1 += axis1.friction.torque(omega1d);
+        torque4 += axis4.friction.torque(omega4d);
+        let [last1, last4] = crossing.torque;
         let demanded = [
-            torque1 + axis1.friction.torque(omega1d),
-            torque4 + axis4.friction.torque(omega4d),
+            last1 + crossing.smoothing * (torque1 - last1),
+            last4 + crossing.smoothing * (torque4 - last4),
         ];
         let (torque, limited) = model.torque_limit.apply(demanded);
+        crossing.torque = torque;
         loop1.integrate(&mut joint1.integral, error1, limited);
         loop4.integrate(&mut joint4.integral, error4, limited);
         let [settled, settling] = crossing.settling;

@@ -65,6 +65,8 @@ const STAGES: [[f32; 2]; 3] = [[1.0, 1.0], [0.36, 0.4], [0.126, 0.12]];
 /// The shares of an arm that crosses a singularity: of the position loop, its observer, and the current
 /// loop. A count of its encoders then gives little torque where nothing but its momentum carries it on.
 const CROSSING: [f32; 3] = [0.36, 0.15, 1.0];
+/// The lag of a crossing's torques behind its laws [s]. Its set-point leads by it, too.
+pub(crate) const CROSSING_LAG: f32 = 1.2e-3;
 /// Time for which the reference must rest, and the joints be near it, in each stage [s].
 const REST_TIME: f32 = 0.15;
 /// Greatest error of a joint that comes to rest or rests [counts].
@@ -142,6 +144,7 @@ impl Servo {
         axis: &AxisSettings,
         control: &ControlSettings,
         [share, of_observer, of_current]: [f32; 3],
+        lag: f32,
     ) -> Self {
         let period = 1.0 / control.tick_rate;
         let current_bandwidth = of_current * control.current_bandwidth;
@@ -158,7 +161,7 @@ impl Servo {
             position_loop: PositionLoop::new(
                 share * control.bandwidth,
                 control.damping,
-                1.0 / current_bandwidth + axis.encoder_latency,
+                1.0 / current_bandwidth + axis.encoder_latency + lag,
                 share * control.integral_rate,
                 period,
             ),
@@ -184,7 +187,7 @@ impl AxisModel {
 
     /// Gives the joint the servo of an arm that crosses a singularity.
     pub(crate) fn cross(&mut self, axis: &AxisSettings, control: &ControlSettings) {
-        self.servo = Servo::new(axis, control, CROSSING);
+        self.servo = Servo::new(axis, control, CROSSING, CROSSING_LAG);
         self.stage = Stage::Crosses;
     }
 
@@ -203,9 +206,9 @@ impl AxisModel {
         let [moving, settling, resting] =
             STAGES.map(|[share, of_current]| [share, share, of_current]);
         let servos = [
-            Servo::new(axis, control, moving),
-            Servo::new(axis, control, settling),
-            Servo::new(axis, control, resting),
+            Servo::new(axis, control, moving, 0.0),
+            Servo::new(axis, control, settling, 0.0),
+            Servo::new(axis, control, resting, 0.0),
         ];
         Self {
             servo: servos[0],

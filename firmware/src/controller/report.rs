@@ -75,8 +75,11 @@ impl Controller {
     /// Where the joints should be now: the set-point leads by the current loop's lag d, so it
     /// is turned back by ω d − ½ α d².
     fn reference_now(&self) -> [Vector2<f32>; 2] {
+        if self.state == State::Crossing {
+            return self.crossing_reference();
+        }
         let lag = self.model.lag;
-        let [d1, d4] = self.crossing_directions();
+        let [d1, d4] = self.setpoint.direction;
         let [omega1, omega4] = self.setpoint.omega;
         let [alpha1, alpha4] = self.setpoint.alpha;
         let back = |direction: Vector2<f32>, omega: f32, alpha: f32| {

@@ -89,7 +89,7 @@ pub(crate) fn assembly(robot: &Robot, sample: &Sample) -> Side {
 
 #[test]
 fn the_controller_crosses_under_the_declared_mismatch() {
-    for (name, most) in [("short", [2e-5, 2.7e-4]), ("pinched", [1.5e-4, 5.5e-4])] {
+    for (name, most) in [("short", [2e-5, 3.7e-4]), ("pinched", [1.5e-4, 7.7e-4])] {
         let case = case(name);
         for (mismatch, most) in [Mismatch::NONE, Mismatch::default()].into_iter().zip(most) {
             let scenario = scenario(allowed(&case), mismatch);
@@ -226,7 +226,7 @@ fn a_job_crosses_and_comes_back() {
             assembly(&scenario.robot, samples.last().unwrap()),
             Side::Left
         );
-        assert!(record.tip_error.max_m < 5e-4, "{:?}", record.tip_error);
+        assert!(record.tip_error.max_m < 6.5e-4, "{:?}", record.tip_error);
     }
 }
 
@@ -313,13 +313,13 @@ fn the_controller_refuses_what_is_no_crossing() {
     }
 }
 
-/// Where laws change, in the singularity and beside it, the demanded torque does not step. Encoders with 32 times
-/// the counts show it, because each count steps the torque, too.
+/// Where laws change, in the singularity and beside it, the demanded torque does not step, whatever the encoders'
+/// counts are.
 #[test]
 fn the_demanded_torque_is_continuous_from_law_to_law() {
     let case = case("short");
     let t_c = number(&case["tc"]);
-    for (counts, most) in [(524_288, [5e-4, 8e-4]), (16_384, [1e-3, 7e-3])] {
+    for (counts, most) in [(524_288, [5e-4, 8e-4]), (16_384, [6e-4, 1e-3])] {
         let mut robot = allowed(&case);
         for actuator in robot.actuators.iter_mut().flatten() {
             actuator.encoder_counts = counts;
