@@ -10,14 +10,18 @@ use super::run::PlanError;
 const CELLS_PER_PLACE: usize = 2;
 /// The relative excess of a limit above which a cell is split, while one of them is above the
 /// second.
-const SPLIT_ABOVE: f64 = 2.5e-3;
-const ACCEPTED: f64 = 3.5e-3;
+const SPLIT_ABOVE: f64 = 3.5e-3;
+const ACCEPTED: f64 = 4.5e-3;
 /// Most parts of a cell in one round, most rounds, and most cells per first cell.
 const MOST_PARTS: f64 = 8.0;
 const ROUNDS: usize = 8;
 const MOST_CELLS: usize = 16;
-/// Passes before each split: the viscous term need not be exact there.
+/// Room is made for so many cells per first cell at once: memory costs time when it is first written,
+/// and again when it grows.
+const ROOM: usize = 3;
+/// Passes before the first split, and before each other: the viscous term need not be exact there.
 const FIRST_PASSES: usize = 2;
+const NEXT_PASSES: usize = 1;
 /// Largest difference of the tangents of two pieces between which the run does not stop, relative.
 const KINK: f64 = 1e-4;
 /// |C′| as a share of that beside it, at most which the path has a cusp.
@@ -50,10 +54,21 @@ pub(super) struct Grid<'a> {
     demands: Vec<Demand>,
 }
 
-/// A grid with x at its nodes.
+/// A grid with x at its nodes, and the passes that gave it.
 pub(super) struct Solved<'a> {
     pub(super) grid: Grid<'a>,
     pub(super) x: Vec<f64>,
+    problem: Cells,
+}
+
+impl Solved<'_> {
+    /// Plans again with x at the nodes at most at `caps`.
+    pub(super) fn solve_below(&mut self, caps: &[f64]) {
+        for (ceiling, cap) in self.problem.ceiling.iter_mut().zip(caps) {
+            *ceiling = ceiling.min(*cap);
+        }
+        self.problem.solve(&mut self.x, MOST_PASSES);
+    }
 }
 
 impl<'a> Grid<'a> {
@@ -64,14 +79,15 @@ impl<'a> Grid<'a> {
         pieces: &'a [PathPiece],
         places: usize,
     ) -> Result<Self, PlanError> {
+        let cells = CELLS_PER_PLACE * (places + pieces.len());
         let mut grid = Self {
             arm,
             limits,
             pieces,
             length: Self::length_of(pieces),
             places,
-            cells: Vec::with_capacity(CELLS_PER_PLACE * (places + pieces.len())),
-            demands: Vec::with_capacity(2 * CELLS_PER_PLACE * (places + pieces.len())),
+            cells: Vec::with_capacity(cells),
+            demands: Vec::with_capacity(2 * ROOM * cells),
         };
         let close = 1e-9 * grid.length;
         let (mut begin, mut k) = (0.0, 0);
@@ -147,15 +163,13 @@ impl<'a> Grid<'a> {
         demand.map_err(|error| PlanError::Pose(s, error))
     }
 
+    /// The cell between two demands, about a third one.
     pub(super) fn cell(
         &mut self,
         piece: usize,
-        s: f64,
-        local: f64,
-        w: f64,
-        [start, end]: [usize; 2],
+        [s, local, w]: [f64; 3],
+        [start, middle, end]: [usize; 3],
     ) -> Result<Cell, PlanError> {
-        let middle = self.add(piece, local + 0.5 * w, s)?;
         let [start, end] = [start, end].map(|index| self.with_coulomb(index, middle));
         let demands = [start, middle, end].map(|index| self.at(index));
         let [a, b, c] = demands.map(|at| at.tangent.norm());
@@ -180,16 +194,25 @@ impl<'a> Grid<'a> {
     /// x at the nodes, on cells that are split until no limit is passed by much.
     pub(super) fn solve(mut self) -> Result<Solved<'a>, PlanError> {
         let most = MOST_CELLS * self.cells.len();
-        let mut x = self.problem()?.solve(None, FIRST_PASSES);
+        let mut problem = Cells::with_room(ROOM * self.cells.len());
+        self.fill(&mut problem)?;
+        let mut x = vec![0.0; self.cells.len() + 1];
+        problem.solve(&mut x, FIRST_PASSES);
         for _ in 0..ROUNDS {
             let Some(guess) = self.split(&x)? else { break };
-            x = self.problem()?.solve(Some(&guess), FIRST_PASSES);
+            x = guess;
+            self.fill(&mut problem)?;
+            problem.solve(&mut x, NEXT_PASSES);
             if self.cells.len() > most {
                 break;
             }
         }
-        x = self.problem()?.solve(Some(&x), MOST_PASSES);
-        Ok(Solved { grid: self, x })
+        problem.solve(&mut x, MOST_PASSES);
+        Ok(Solved {
+            grid: self,
+            x,
+            problem,
+        })
     }
 
     /// Splits the cells at whose ends a limit is passed, and gives x at the new nodes; none if
@@ -202,40 +225,57 @@ impl<'a> Grid<'a> {
         if excesses.iter().all(|excess| *excess <= ACCEPTED) {
             return Ok(None);
         }
-        let whole = std::mem::take(&mut self.cells);
-        let mut cells = Vec::with_capacity(2 * whole.len());
-        let mut guess = vec![x[0]];
+        let parts = |excess: f64| (excess / SPLIT_ABOVE).ceil().clamp(1.0, MOST_PARTS) as usize;
+        let count = excesses.iter().map(|excess| parts(*excess)).sum();
+        let whole = std::mem::replace(&mut self.cells, Vec::with_capacity(count));
+        let mut guess = Vec::with_capacity(count + 1);
+        guess.push(x[0]);
         for ((cell, ends), excess) in whole.iter().zip(x.windows(2)).zip(excesses) {
-            let excess = excess / SPLIT_ABOVE;
-            if excess <= 1.0 {
-                cells.push(*cell);
-                guess.push(ends[1]);
-                continue;
-            }
-            let parts = (1.3 * excess).ceil().min(MOST_PARTS);
-            let w = cell.w / parts;
-            let mut start = cell.start;
-            let mut part = 0.0;
-            while part < parts {
-                let (s, local) = (cell.s + part * w, cell.local + part * w);
-                part += 1.0;
-                let end = if part < parts {
-                    self.add(cell.piece, cell.local + part * w, s)?
-                } else {
-                    cell.end
-                };
-                cells.push(self.cell(cell.piece, s, local, w, [start, end])?);
-                start = end;
-                guess.push(ends[0] + (ends[1] - ends[0]) * part / parts);
-            }
+            let parts = parts(excess);
+            self.cut(cell, parts)?;
+            let step = (ends[1] - ends[0]) / parts as f64;
+            guess.extend((1..parts).map(|part| ends[0] + step * part as f64));
+            guess.push(ends[1]);
         }
-        self.cells = cells;
         Ok(Some(guess))
     }
 
-    /// The rows and bounds of all cells.
-    fn problem(&self) -> Result<Cells, PlanError> {
-        let mut problem = Cells::default();
+    /// Appends a cell in even parts. The demand of its middle is one of theirs.
+    fn cut(&mut self, whole: &Cell, parts: usize) -> Result<(), PlanError> {
+        if parts == 1 {
+            self.cells.push(*whole);
+            return Ok(());
+        }
+        let piece = whole.piece;
+        // In halves of a part, from the beginning.
+        let half = 0.5 * whole.w / parts as f64;
+        let demand = |grid: &mut Self, halves: usize| match halves {
+            0 => Ok(whole.start),
+            halves if halves == parts => Ok(whole.middle),
+            halves if halves == 2 * parts => Ok(whole.end),
+            halves => {
+                let way = half * halves as f64;
+                grid.add(piece, whole.local + way, whole.s + way)
+            }
+        };
+        let mut start = whole.start;
+        for part in 0..parts {
+            let way = 2.0 * half * part as f64;
+            let middle = demand(self, 2 * part + 1)?;
+            let end = demand(self, 2 * part + 2)?;
+            let place = [whole.s + way, whole.local + way, 2.0 * half];
+            let cell = self.cell(piece, place, [start, middle, end])?;
+            self.cells.push(cell);
+            start = end;
+        }
+        Ok(())
+    }
+
+    /// Writes the rows and bounds of all cells.
+    fn fill(&self, problem: &mut Cells) -> Result<(), PlanError> {
+        problem.width.clear();
+        problem.ceiling.clear();
+        problem.rows.clear();
         let mut last: Option<&Cell> = None;
         for cell in &self.cells {
             let before = problem.rows.len();
@@ -252,16 +292,7 @@ impl<'a> Grid<'a> {
             last = Some(cell);
         }
         problem.ceiling.push(0.0);
-        Ok(problem)
-    }
-
-    /// As [`Self::problem`], with x at the nodes at most at `caps`.
-    pub(super) fn problem_below(&self, caps: &[f64]) -> Result<Cells, PlanError> {
-        let mut problem = self.problem()?;
-        for (ceiling, cap) in problem.ceiling.iter_mut().zip(caps) {
-            *ceiling = ceiling.min(*cap);
-        }
-        Ok(problem)
+        Ok(())
     }
 
     /// The greatest x where a cell begins.

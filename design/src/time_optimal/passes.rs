@@ -13,7 +13,7 @@
 use super::limits::Row;
 
 /// A path in cells, with the rows at their middles.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct Cells {
     /// w of each cell.
     pub(super) width: Vec<f64>,
@@ -23,10 +23,13 @@ pub(super) struct Cells {
     pub(super) rows: Vec<Row>,
     /// Rows of a cell.
     pub(super) per_cell: usize,
+    /// Of the last pass: the strips of the rows, and K of each node.
+    strips: Vec<Strip>,
+    controllable: Vec<f64>,
 }
 
 /// lo ≤ u + β x ≤ hi.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Strip {
     beta: f64,
     lo: f64,
@@ -37,82 +40,97 @@ struct Strip {
 const CHANGE: f64 = 1e-7;
 /// The most passes; five are usual.
 pub(super) const MOST_PASSES: usize = 40;
+/// Rows of a cell for two torques and two accelerations.
+const USUAL_ROWS: usize = 4;
 /// The largest share of what is left of a row's limit that the viscous term's constant part takes,
 /// so that the arm can always be at rest.
 const VISCOUS_SHARE: f64 = 1.9;
 
 impl Cells {
-    /// x at the nodes for the least time, starting the viscous term at `guess` if there is one,
-    /// by `passes` at most.
-    pub(super) fn solve(&self, guess: Option<&[f64]>, passes: usize) -> Vec<f64> {
-        let mut strips = Vec::with_capacity(self.rows.len());
-        let mut x = guess.map_or_else(|| vec![0.0; self.ceiling.len()], <[f64]>::to_vec);
+    /// None yet, with room for a number of cells.
+    pub(super) fn with_room(cells: usize) -> Self {
+        Self {
+            width: Vec::with_capacity(cells),
+            ceiling: Vec::with_capacity(cells + 1),
+            rows: Vec::with_capacity(USUAL_ROWS * cells),
+            per_cell: 0,
+            strips: Vec::with_capacity(USUAL_ROWS * cells),
+            controllable: Vec::with_capacity(cells + 1),
+        }
+    }
+
+    /// Turns x at the nodes into that of the least time, by `passes` at most. The viscous term begins
+    /// with x as given.
+    pub(super) fn solve(&mut self, x: &mut [f64], passes: usize) {
         let viscous = self.rows.iter().any(|row| row.d != 0.0);
-        let mut last = f64::INFINITY;
+        let mut last = self.time(x);
         for _ in 0..passes {
-            self.strips(&x, &mut strips);
-            let controllable = self.backward(&strips);
-            self.forward(&strips, &controllable, &mut x);
-            let time = self.time(&x);
+            self.backward(x);
+            let time = self.forward(x);
             if !viscous || (time - last).abs() <= CHANGE * time || time.is_infinite() {
                 break;
             }
             last = time;
         }
-        x
     }
 
     /// Σ 2w/(√x + √x⁺).
-    pub(super) fn time(&self, x: &[f64]) -> f64 {
+    fn time(&self, x: &[f64]) -> f64 {
         let cells = self.width.iter().zip(x.windows(2));
         cells
             .map(|(w, ends)| 2.0 * w / (ends[0].sqrt() + ends[1].sqrt()))
             .sum()
     }
 
-    fn strips(&self, x: &[f64], strips: &mut Vec<Strip>) {
-        strips.clear();
-        let cells = self.width.iter().zip(x.windows(2));
-        for ((&w, ends), rows) in cells.zip(self.rows.chunks_exact(self.per_cell)) {
-            let root = (0.5 * (ends[0] + ends[1])).sqrt();
-            strips.extend(rows.iter().map(|row| row.strip(w, root)));
-        }
-    }
-
-    fn backward(&self, strips: &[Strip]) -> Vec<f64> {
-        let mut controllable = self.ceiling.clone();
+    /// The strips about x, and K of each node.
+    fn backward(&mut self, x: &[f64]) {
+        let per_cell = self.per_cell;
+        self.strips.resize(self.rows.len(), Strip::default());
+        self.controllable.clone_from(&self.ceiling);
         for i in (0..self.width.len()).rev() {
-            let w = self.width[i];
-            let own = &strips[i * self.per_cell..(i + 1) * self.per_cell];
+            let (w, root) = (self.width[i], (0.5 * (x[i] + x[i + 1])).sqrt());
+            let per_root = 1.0 / root;
+            let rows = &self.rows[i * per_cell..(i + 1) * per_cell];
+            let strips = &mut self.strips[i * per_cell..(i + 1) * per_cell];
             let beta = 0.5 / w;
             let next = Strip {
                 beta,
                 lo: 0.0,
-                hi: beta * controllable[i + 1],
+                hi: beta * self.controllable[i + 1],
             };
-            let mut most = controllable[i];
-            for (k, one) in own.iter().enumerate() {
+            let mut most = self.controllable[i];
+            for k in 0..per_cell {
+                let one = rows[k].strip(w, [root, per_root]);
                 most = one.with(&next, most);
-                for other in &own[k + 1..] {
+                for other in &strips[..k] {
                     most = one.with(other, most);
                 }
+                strips[k] = one;
             }
-            controllable[i] = most.max(0.0);
+            self.controllable[i] = most.max(0.0);
         }
-        controllable
     }
 
-    fn forward(&self, strips: &[Strip], controllable: &[f64], x: &mut [f64]) {
+    /// The greatest x from rest, and its time.
+    fn forward(&self, x: &mut [f64]) -> f64 {
         x[0] = 0.0;
-        for i in 0..self.width.len() {
-            let w = self.width[i];
-            let own = &strips[i * self.per_cell..(i + 1) * self.per_cell];
-            let to_next = 0.5 * (controllable[i + 1] - x[i]) / w;
-            let u = own
+        let (mut rate, mut time) = (0.0, 0.0);
+        let cells = self
+            .width
+            .iter()
+            .zip(self.strips.chunks_exact(self.per_cell));
+        for (i, (&w, strips)) in cells.enumerate() {
+            let most = self.controllable[i + 1];
+            let to_next = 0.5 * (most - x[i]) / w;
+            let u = strips
                 .iter()
                 .fold(to_next, |u, strip| u.min(strip.hi - strip.beta * x[i]));
-            x[i + 1] = (x[i] + 2.0 * w * u).clamp(0.0, controllable[i + 1]);
+            x[i + 1] = (x[i] + 2.0 * w * u).clamp(0.0, most);
+            let next = x[i + 1].sqrt();
+            time += 2.0 * w / (rate + next);
+            rate = next;
         }
+        time
     }
 }
 
@@ -122,7 +140,8 @@ pub(super) fn greatest_x(rows: &[Row], ceiling: f64) -> f64 {
     let (mut x, mut last) = (ceiling, f64::INFINITY);
     for pass in 0..MOST_PASSES {
         let root = if pass == 0 { 0.0 } else { x.sqrt() };
-        let strips: Vec<Strip> = rows.iter().map(|row| row.strip(0.0, root)).collect();
+        let about = [root, 1.0 / root];
+        let strips: Vec<Strip> = rows.iter().map(|row| row.strip(0.0, about)).collect();
         x = ceiling;
         for (k, one) in strips.iter().enumerate() {
             for other in &strips[k + 1..] {
@@ -139,17 +158,16 @@ pub(super) fn greatest_x(rows: &[Row], ceiling: f64) -> f64 {
 }
 
 impl Row {
-    /// The strip about √x̂.
-    fn strip(&self, w: f64, root: f64) -> Strip {
+    /// The strip about √x̂, which is given with its reciprocal.
+    fn strip(&self, w: f64, [mut root, mut per_root]: [f64; 2]) -> Strip {
         let (mut r, mut c) = (self.b, self.c);
         if self.d != 0.0 && root > 0.0 {
             let standing = VISCOUS_SHARE * (self.limit - self.c.abs());
-            let root = if root * self.d.abs() > standing {
-                (standing / self.d.abs()).max(f64::MIN_POSITIVE)
-            } else {
-                root
-            };
-            r += 0.5 * self.d / root;
+            if root * self.d.abs() > standing {
+                root = (standing / self.d.abs()).max(f64::MIN_POSITIVE);
+                per_root = 1.0 / root;
+            }
+            r += 0.5 * self.d * per_root;
             c += 0.5 * self.d * root;
         }
         // Without inertia a row bounds x alone: a tiny p does the same.

@@ -7,7 +7,6 @@
 use super::demand::DrivenArm;
 use super::grid::{Grid, Solved};
 use super::limits::PlanLimits;
-use super::passes::MOST_PASSES;
 use super::path::PathPiece;
 use super::run::{PlanError, check};
 use super::spline::{Spline, State, later, time_at};
@@ -73,8 +72,7 @@ pub fn plan_timed(
         if worst <= ACCEPTED {
             break;
         }
-        let problem = solved.grid.problem_below(&caps)?;
-        solved.x = problem.solve(Some(&solved.x), MOST_PASSES);
+        solved.solve_below(&caps);
     }
     let (mut excess, mut spline) = best.ok_or(PlanError::Jerk)?;
     let mut kappa = 1.0;

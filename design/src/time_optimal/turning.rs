@@ -37,7 +37,8 @@ impl Grid<'_> {
                 } else {
                     end
                 };
-                let cell = self.cell(piece, s, local, width, [start, next])?;
+                let middle = self.add(piece, local + 0.5 * width, s)?;
+                let cell = self.cell(piece, [s, local, width], [start, middle, next])?;
                 self.cells.push(cell);
                 start = next;
             }
