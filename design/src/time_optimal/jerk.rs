@@ -11,8 +11,8 @@ use super::demand::Demand;
 use super::grid::{Grid, Solved};
 use super::run::{ACTIVE, PlanError, Run, RunSample};
 
-/// Samples in time of the search; fewest and most of the result, and those within T2.
-const COARSE: usize = 300;
+/// Samples in time of the search, and those that refuse most of its attempts; fewest and most of the result, and those within T2.
+const COARSE: [usize; 2] = [25, 300];
 const FINE: [f64; 2] = [800.0, 8000.0];
 const WITHIN: f64 = 2.0;
 /// T1 as shares of T, in steps of this factor, and T2 as shares of T1.
@@ -84,11 +84,14 @@ impl Search<'_> {
         let t1 = duration * LEAST_SHARE * FACTOR.powi(step);
         let (windows, total) = ([t1, share * t1], duration + t1 * (1.0 + share));
         let least = self.best.map_or(SLOWEST, |(time, ..)| total / time);
-        if least < 1.0 {
-            let moments = Moments::new(self.grid, self.law, windows, COARSE);
-            if let Some(pace) = pace(self.grid, moments, self.jerk, least.max(SLOWEST)) {
-                self.best = Some((total / pace, step, windows));
-            }
+        let mut greatest = Some(1.0).filter(|pace| least < *pace);
+        for count in COARSE {
+            let moments = Moments::new(self.grid, self.law, windows, count);
+            greatest =
+                greatest.and_then(|_| pace(self.grid, moments, self.jerk, least.max(SLOWEST)));
+        }
+        if let Some(pace) = greatest {
+            self.best = Some((total / pace, step, windows));
         }
     }
 }
