@@ -134,10 +134,10 @@ impl Planner {
         self
     }
 
-    /// The same planner of an arm in its other assembly mode.
+    /// The same planner of an arm in this assembly mode.
     #[must_use]
-    pub fn in_other_assembly(mut self) -> Self {
-        self.assembly = self.assembly.opposite();
+    pub fn in_assembly(mut self, assembly: Side) -> Self {
+        self.assembly = assembly;
         self
     }
 

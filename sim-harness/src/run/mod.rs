@@ -4,6 +4,7 @@ pub mod crossing;
 pub mod drive;
 pub mod excitation;
 pub mod link;
+pub(crate) mod measured_pose;
 pub(crate) mod segment;
 pub mod simulation;
 pub mod time_optimal;

@@ -4,7 +4,7 @@
 //! do not apply: each run from rest to rest is as fast as the joints' torques, speeds and
 //! accelerations and the motors' voltage allow.
 
-use crate::input::robot::{HomeError, MissingMasses, Robot, WorkspaceError};
+use crate::input::robot::{MissingMasses, Robot, WorkspaceError};
 use crate::run::segment::segment;
 use fivebar_design::time_optimal::{
     DrivenArm, JobPath, PathPart, PathPiece, PlanError, PlanLimits, TimedPiece, TimedRun,
@@ -37,9 +37,6 @@ pub enum TimeOptimalError {
     /// The robot has no workspace.
     #[error(transparent)]
     Workspace(#[from] WorkspaceError),
-    /// The robot has no home pose.
-    #[error(transparent)]
-    Home(#[from] HomeError),
     /// The tool's power follows its speed, but the job's feed rates do not apply.
     #[error(
         "the tool's power follows its speed (`scale_with_speed`), so it needs the job's feed rates; \
@@ -94,7 +91,6 @@ pub struct JobPlanner {
     arm: DrivenArm,
     envelope: Envelope<f64>,
     limits: PlanLimits,
-    assembly: Side,
     waits: bool,
     /// [m/s].
     approach: f32,
@@ -142,14 +138,13 @@ impl JobPlanner {
                 tip_speed: None,
                 tip_acceleration: None,
             },
-            assembly: robot.home_pose()?.assembly(),
             waits: robot.tool_output.waits(),
             approach: robot.motion.max_speed as f32,
         })
     }
 
-    /// The same job by timed moves, with the tool at rest at `from` [m] before it in the working mode
-    /// of the controller's `planner`, which checks it. Dwells and joint
+    /// The same job by timed moves, with the tool at rest at `from` [m] before it in the working and
+    /// assembly mode of the controller's `planner`, which checks it. Dwells and joint
     /// moves stay as they are. The first move is a line to `from`, because an arm is never held
     /// quite there.
     ///
@@ -236,7 +231,7 @@ impl JobPlanner {
         let mut envelope = self.envelope;
         envelope.workspace.mode = planner.workspace().mode;
         let mut path = JobPath::new(self.waits);
-        let mut assembly = self.assembly;
+        let mut assembly = planner.assembly();
         let mut stages = Vec::new();
         let mut at = from;
         for (source, next) in moves.iter().enumerate() {

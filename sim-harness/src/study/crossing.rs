@@ -74,10 +74,9 @@ pub fn check_by_controller(
 ) -> Result<(), ControllerRefusal> {
     let settings = robot.settings()?;
     let settings = settings.check().map_err(ControllerRefusal::Settings)?;
-    let mut planner = Planner::new(&settings).in_mode(task.mode);
-    if planner.assembly() != plan.assembly[0] {
-        planner = planner.in_other_assembly();
-    }
+    let planner = Planner::new(&settings)
+        .in_mode(task.mode)
+        .in_assembly(plan.assembly[0]);
     let crossing = Move {
         tag: 0,
         tool: 0,

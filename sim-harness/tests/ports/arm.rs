@@ -13,7 +13,10 @@ pub(crate) fn robot() -> Robot {
 
 /// The arm, 0.03 rad before its home switches.
 pub(crate) fn plant() -> Plant {
-    let robot = robot();
+    plant_of(&robot())
+}
+
+fn plant_of(robot: &Robot) -> Plant {
     let before = |joint: usize| match robot.settings().expect("the robot has masses").axes[joint]
         .home_forward
     {
@@ -66,13 +69,19 @@ pub(crate) fn run(target: &mut impl Target) -> Record {
 
 /// The benchtop arm with a controller that has its own clock.
 pub(crate) fn driving() -> Loopback {
-    let mut plant = plant();
-    let period = 1.0 / robot().control.tick_rate;
+    driving_of(&robot())
+}
+
+/// The same with another arm.
+pub(crate) fn driving_of(robot: &Robot) -> Loopback {
+    let mut plant = plant_of(robot);
+    let period = 1.0 / robot.control.tick_rate;
     let step = move |command: &ActuatorCommand| -> SensorSample {
         plant.step(command, period);
         plant.sense()
     };
-    Loopback::driving(&settings(), Box::new(step)).expect("valid settings")
+    let settings = robot.settings().expect("the robot has masses");
+    Loopback::driving(&settings, Box::new(step)).expect("valid settings")
 }
 
 pub(crate) fn settings() -> Settings {

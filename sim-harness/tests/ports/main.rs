@@ -3,6 +3,7 @@
 mod arm;
 #[cfg(unix)]
 mod board;
+mod crossed;
 mod driving;
 #[cfg(unix)]
 mod hil;

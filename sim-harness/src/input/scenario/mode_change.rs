@@ -250,7 +250,8 @@ impl Scenario {
                 Action::Cross { to, time } => {
                     let crossing = crossing_moves(&self.robot, mode, [place, to], time, line);
                     moves.extend(crossing.map_err(refused)?);
-                    planner = planner.in_other_assembly();
+                    let other = planner.assembly().opposite();
+                    planner = planner.in_assembly(other);
                     at = Some(to);
                 }
                 _ => {

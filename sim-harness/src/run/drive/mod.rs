@@ -3,6 +3,7 @@
 mod error;
 
 use crate::run::link::{Client, LinkError};
+use crate::run::measured_pose::measured_pose;
 use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::protocol::{CommandError, HostCommand, Reply, SectionKey};
 use fivebar_firmware::safety::State;
@@ -111,17 +112,26 @@ impl<'a, L: Read + Write> Drive<'a, L> {
         self.fault_free_status()?.tool.ok_or(DriveError::NoTool)
     }
 
-    /// A planner like the controller's, in the arm's present working mode.
+    /// Whether the joint angles are known.
+    ///
+    /// # Errors
+    /// A failed connection.
+    pub fn is_homed(&mut self) -> Result<bool, DriveError> {
+        Ok(self.client.status()?.0.homed)
+    }
+
+    /// A planner like the controller's, in the arm's present working and assembly mode.
     ///
     /// # Errors
     /// A latched fault, an arm whose place is not known, or settings that are not valid.
     pub fn planner(&mut self, settings: &Settings) -> Result<Planner, DriveError> {
         let settings = settings.check().map_err(DriveError::Settings)?;
-        let [theta1, theta4] = self.fault_free_status()?.angle;
         let tool = settings.tool();
-        let pose = tool.geometry().forward(theta1, theta4, settings.assembly());
-        let mode = tool.working_mode(&pose.map_err(|_| DriveError::NoTool)?);
-        Ok(Planner::new(&settings).in_mode(mode))
+        let status = self.fault_free_status()?;
+        let pose = measured_pose(tool, &status).ok_or(DriveError::NoTool)?;
+        Ok(Planner::new(&settings)
+            .in_mode(tool.working_mode(&pose))
+            .in_assembly(pose.assembly()))
     }
 
     /// Arms, does the moves and disarms.

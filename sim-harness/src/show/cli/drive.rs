@@ -6,6 +6,7 @@ use super::port::{PortArgs, interrupted};
 use super::run_args::JobArgs;
 use super::say::{say, warn};
 use super::sim::{millimetres, path_lengths};
+use crate::input::scenario::RefusedModeChange;
 use crate::run::drive::{Drive, DriveError, Homing};
 use crate::run::simulation::{Sample, Trace};
 use crate::run::time_optimal::JobPlanner;
@@ -47,9 +48,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         warn(format_args!("{}, {warning}", scenario.job_file));
     }
     let settings = scenario.robot.settings().map_err(refused)?;
-    let moves = scenario.moves(&job);
-    let mut moves =
-        moves.map_err(|error| refused(scenario.named(error.line, &error.error.to_string())))?;
+    // Holds for an arm that is to be homed. One that is homed may be in other modes.
+    let refused_from_home = scenario.moves(&job).err();
 
     args.log.prepare()?;
     let interrupted = interrupted()?;
@@ -67,7 +67,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         let steps = job.steps.partition_point(|step| step.line <= line);
         steps.checked_sub(1).map_or(0.0, |last| lengths[last])
     };
-    let bar = ProgressBar::new(millimetres(done(moves.last()))).with_style(
+    let all = lengths.last().copied().unwrap_or_default();
+    let bar = ProgressBar::new(millimetres(all)).with_style(
         ProgressStyle::with_template("{bar:40} {pos}/{len} mm  {elapsed}  {msg}")
             .unwrap_or_else(|_| ProgressStyle::default_bar()),
     );
@@ -77,15 +78,23 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let tick_rate = f64::from(settings.control.tick_rate);
     let mut start = None;
     let mut trace = Trace::default();
-    let mut go = || {
+    let mut moves = Vec::new();
+    let mut has_crossed = false;
+    let go = || {
         if args.clear {
             drive.clear_fault()?;
         }
         drive.agree_on(&settings, args.upload)?;
+        if let Some(refusal) = refused_from_home
+            && !drive.is_homed()?
+        {
+            return Err(refusal.into());
+        }
         bar.set_message("homing");
         drive.home(homing)?;
         bar.set_message("");
         let mut planner = drive.planner(&settings)?;
+        has_crossed = planner.assembly() != settings.assembly();
         moves = scenario.moves_in(planner.workspace().mode, Some(planner.assembly()), &job)?;
         if let Some(share) = scenario.time_optimal {
             let job = JobPlanner::new(&scenario.robot, share)?;
@@ -116,7 +125,25 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             ))?;
             logged
         }
-        Err(DriveError::Move(error)) => Err(refused(scenario.named(error.tag, &error.to_string()))),
+        Err(DriveError::Move(error)) => {
+            let text = scenario.named(error.tag, &error.to_string());
+            Err(refused(text + way_out(has_crossed)))
+        }
+        Err(DriveError::ModeChange(RefusedModeChange { line, error })) => {
+            let text = scenario.named(line, &error.to_string());
+            Err(refused(text + way_out(has_crossed)))
+        }
         Err(error) => Err(refused(error)),
+    }
+}
+
+/// What to do about a job that is refused where the arm is.
+fn way_out(has_crossed: bool) -> &'static str {
+    match has_crossed {
+        true => {
+            "; the arm is in the other assembly mode since its last crossing: give an --origin with which \
+             the job lies in the reach of that, or cross back with M781 first"
+        }
+        false => "",
     }
 }

@@ -4,6 +4,7 @@ use super::message::{JobMessage, brief};
 use super::strokes::Strokes;
 use crate::input::job::{Action, Job};
 use crate::input::scenario::place_in_job;
+use crate::run::measured_pose::measured_pose;
 use crate::run::segment::segment;
 use fivebar_firmware::planner::Planner;
 use fivebar_firmware::settings::{CheckedSettings, SettingsError};
@@ -100,17 +101,9 @@ impl Preview {
         }
     }
 
-    /// The pose that the controller measures; none until the arm is homed. Its assembly mode is the
-    /// one that has the tool where the controller says.
+    /// The pose that the controller measures; none until the arm is homed.
     pub(super) fn pose(&self, status: &Status) -> Option<Pose<f32>> {
-        let [theta1, theta4] = status.angle;
-        let tool = vec2(status.tool.filter(|_| status.homed)?);
-        let geometry = self.tool.geometry();
-        let away = |pose: &Pose<f32>| (self.tool.point(pose) - tool).norm();
-        [Side::Left, Side::Right]
-            .into_iter()
-            .filter_map(|assembly| geometry.forward(theta1, theta4, assembly).ok())
-            .min_by(|a, b| away(a).total_cmp(&away(b)))
+        measured_pose(&self.tool, status)
     }
 
     /// The branch of a pose.
@@ -193,8 +186,7 @@ impl Preview {
         let planner = Planner::new(&self.settings.check()?);
         Ok(match start.branch {
             None => planner,
-            Some(branch) if branch.assembly == planner.assembly() => planner.in_mode(branch.mode()),
-            Some(branch) => planner.in_mode(branch.mode()).in_other_assembly(),
+            Some(branch) => planner.in_mode(branch.mode()).in_assembly(branch.assembly),
         })
     }
 }

@@ -254,8 +254,8 @@ impl Scenario {
                 let refuse = |error| RefusedModeChange { line, error };
                 let planner = self.planner().ok_or(ModeChangeError::NoPlanner);
                 let mut planner = planner.map_err(refuse)?;
-                if assembly.is_some_and(|assembly| assembly != planner.assembly()) {
-                    planner = planner.in_other_assembly();
+                if let Some(assembly) = assembly {
+                    planner = planner.in_assembly(assembly);
                 }
                 self.moves_with_changes(planner, mode, job)?
             }
