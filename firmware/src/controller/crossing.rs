@@ -19,6 +19,7 @@
 use super::Controller;
 use super::model::CROSSING_LAG;
 use super::path::{Path, QUEUED_SEGMENTS};
+use super::setpoint::Setpoint;
 use super::tick::TorqueCommand;
 use crate::safety::{Event, Fault, Limits, State};
 use fivebar_kinematics::five_bar::PoseError;
@@ -124,6 +125,20 @@ impl Crossing {
             torque: [0.0; 2],
         }
     }
+
+    /// Angles [rad], velocities [rad/s] and accelerations [rad/s²] at a share of a piece.
+    #[inline(always)]
+    fn joints_on(&self, joints: &[Vector2<f32>; 6], u: f32) -> [Vector2<f32>; 3] {
+        let [c0, c1, c2, c3, c4, c5] = joints;
+        // Horner's scheme thrice over.
+        let (p, d) = (c5 * u + c4, *c5);
+        let (p, d, e) = (p * u + c3, d * u + p, *c5);
+        let (p, d, e) = (p * u + c2, d * u + p, e * u + d);
+        let (p, d, e) = (p * u + c1, d * u + p, e * u + d);
+        let (p, d, e) = (p * u + c0, d * u + p, e * u + d);
+        let per_time = self.per_piece;
+        [p, d * per_time, e * (2.0 * per_time * per_time)]
+    }
 }
 
 /// The polynomials Σ ck u^k of a pair of values, as a segment: u is the share of its piece.
@@ -227,24 +242,21 @@ impl Controller {
         (self.state == State::Crossing).then_some(self.crossing.times.tag)
     }
 
-    /// u(θ1), u(θ4) where the joints should be now: on the plan, the laws' lag ago.
-    pub(super) fn crossing_reference(&self) -> [Vector2<f32>; 2] {
+    /// Where the joints should be now: on the plan, the laws' lag ago.
+    pub(super) fn crossing_reference(&self) -> Setpoint {
         let crossing = &self.crossing;
         let lag = (self.model.lag + CROSSING_LAG) * self.settings.control.tick_rate;
         let pieces = crossing.times.rate * (crossing.ticks as f32 - lag).max(0.0);
         let piece = pieces as usize;
-        let angles = match coefficients(&self.path, 2 * piece) {
-            Some(joints) => {
-                let u = pieces - piece as f32;
-                let sum = joints
-                    .iter()
-                    .rev()
-                    .fold(Vector2::zeros(), |sum, c| sum * u + c);
-                sum.into()
-            }
-            None => crossing.angle,
-        };
-        Vector2::units(angles)
+        let still = [crossing.angle.into(), Vector2::zeros(), Vector2::zeros()];
+        let [angle, omega, alpha] = coefficients(&self.path, 2 * piece).map_or(still, |joints| {
+            crossing.joints_on(joints, pieces - piece as f32)
+        });
+        Setpoint {
+            direction: Vector2::units(angle.into()),
+            omega: omega.into(),
+            alpha: alpha.into(),
+        }
     }
 
     /// One tick of a crossing: the torques.
@@ -371,17 +383,11 @@ impl Controller {
             setpoint.rest();
             return [0.0; 2];
         };
-        let (u, per_time) = (pieces - piece as f32, crossing.per_piece);
-        let [c0, c1, c2, c3, c4, c5] = joints;
-        // Horner's scheme thrice over.
-        let (p, d) = (c5 * u + c4, *c5);
-        let (p, d, e) = (p * u + c3, d * u + p, *c5);
-        let (p, d, e) = (p * u + c2, d * u + p, e * u + d);
-        let (p, d, e) = (p * u + c1, d * u + p, e * u + d);
-        let (p, d, e) = (p * u + c0, d * u + p, e * u + d);
-        crossing.angle = p.into();
-        setpoint.omega = (d * per_time).into();
-        setpoint.alpha = (e * (2.0 * per_time * per_time)).into();
+        let u = pieces - piece as f32;
+        let [angle, omega, alpha] = crossing.joints_on(joints, u);
+        crossing.angle = angle.into();
+        setpoint.omega = omega.into();
+        setpoint.alpha = alpha.into();
         let [c0, c1, c2, c3, ..] = torques;
         (((c3 * u + c2) * u + c1) * u + c0).into()
     }

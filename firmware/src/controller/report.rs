@@ -1,5 +1,6 @@
 //! The controller's status, computed when it is asked for and outside the tick.
 
+use super::setpoint::Setpoint;
 use super::{Controller, JointReference, Snapshot, Status};
 use crate::safety::State;
 use fivebar_kinematics::PlanarVector;
@@ -28,11 +29,11 @@ impl Controller {
                 .homed
                 .then(|| self.tool_at(self.angles().map(Vector2::unit)))
                 .flatten(),
-            reference: reference.and_then(|directions| self.tool_at(directions)),
-            joint_reference: reference.map(|directions| JointReference {
-                angle: directions.map(Vector2::polar_angle),
-                velocity: self.setpoint.omega,
-                acceleration: self.setpoint.alpha,
+            reference: reference.and_then(|now| self.tool_at(now.direction)),
+            joint_reference: reference.map(|now| JointReference {
+                angle: now.direction.map(Vector2::polar_angle),
+                velocity: now.omega,
+                acceleration: now.alpha,
             }),
             torque: self.torques(),
             current_demand: self.joints.each_ref().map(|joint| joint.demand),
@@ -74,18 +75,23 @@ impl Controller {
 
     /// Where the joints should be now: the set-point leads by the current loop's lag d, so it
     /// is turned back by ω d − ½ α d².
-    fn reference_now(&self) -> [Vector2<f32>; 2] {
+    fn reference_now(&self) -> Setpoint {
         if self.state == State::Crossing {
             return self.crossing_reference();
         }
         let lag = self.model.lag;
-        let [d1, d4] = self.setpoint.direction;
-        let [omega1, omega4] = self.setpoint.omega;
-        let [alpha1, alpha4] = self.setpoint.alpha;
+        let Setpoint {
+            direction: [d1, d4],
+            omega: [omega1, omega4],
+            alpha: [alpha1, alpha4],
+        } = self.setpoint;
         let back = |direction: Vector2<f32>, omega: f32, alpha: f32| {
             direction.to_base_frame(Vector2::unit(-lag * (omega - 0.5 * lag * alpha)))
         };
-        [back(d1, omega1, alpha1), back(d4, omega4, alpha4)]
+        Setpoint {
+            direction: [back(d1, omega1, alpha1), back(d4, omega4, alpha4)],
+            ..self.setpoint
+        }
     }
 
     /// The tool [m] with the driven links in these directions.
@@ -115,7 +121,10 @@ mod tests {
         controller.setpoint.alpha = alpha;
         let d = controller.model.lag;
         assert!(d > 1e-4, "{d} s");
-        let found = controller.reference_now().map(Vector2::polar_angle);
+        let found = controller
+            .reference_now()
+            .direction
+            .map(Vector2::polar_angle);
         for (((found, angle), omega), alpha) in found.into_iter().zip(angle).zip(omega).zip(alpha) {
             let expected = angle - omega * d + 0.5 * alpha * d * d;
             assert!((found - expected).abs() < 5e-7, "{found} for {expected}");
