@@ -1,4 +1,4 @@
-//! Time of time-optimal planning: the paths of the reference, some with a limit of jerk, and the whole
+//! Time of time-optimal planning: the paths of the reference, without and with limits of jerk, and the whole
 //! demonstration. To be compared with the motions, which take 0.11 to 0.32 s and 2.4 to 2.7 s. On one core:
 //! `RAYON_NUM_THREADS=1 cargo bench -p fivebar-benches --bench planning`.
 
@@ -21,9 +21,13 @@ fn planning(c: &mut Criterion) {
         group.bench_function(name, |b| {
             b.iter(|| PlanStudy::new(&robot, &case, 1.0, None).unwrap());
         });
-        if ["line", "circle", "eight_upright"].contains(&name) {
-            group.bench_function(format!("{name}, jerk 1e5"), |b| {
-                b.iter(|| PlanStudy::new(&robot, &case, 1.0, Some(1e5)).unwrap());
+        // The curvature of this path jumps, so no limit of jerk can be kept on it.
+        if name == "square_rounded" {
+            continue;
+        }
+        for jerk in [1e5, 3e5, 1e6] {
+            group.bench_function(format!("{name}, jerk {jerk:.0e}"), |b| {
+                b.iter(|| PlanStudy::new(&robot, &case, 1.0, Some(jerk)).unwrap());
             });
         }
     }

@@ -38,6 +38,13 @@ impl TimeLaw {
         self.t[self.t.len() - 1]
     }
 
+    /// The times of the nodes, and s̈ before and after each.
+    pub(super) fn jumps(&self) -> impl Iterator<Item = (f64, [f64; 2])> {
+        let before = std::iter::once(0.0).chain(self.u.iter().copied());
+        let u = before.zip(&self.u).map(|(before, after)| [before, *after]);
+        self.t.iter().copied().zip(u)
+    }
+
     /// The integrals at `t`; `node` is that of an earlier time, and becomes that of this one.
     fn at(&self, t: f64, node: &mut usize) -> Integrals {
         if t <= 0.0 {
@@ -75,11 +82,6 @@ impl<'a> Averages<'a> {
             windows,
             nodes: [0; 4],
         }
-    }
-
-    /// The duration of the averaged law [s].
-    pub(super) fn duration(&self) -> f64 {
-        self.law.duration() + self.windows[0] + self.windows[1]
     }
 
     /// s̄, ṡ̄, s̈̄ and s⃛̄ at a time not before that of the last call.

@@ -6,8 +6,11 @@ use super::passes::{Cells, MOST_PASSES};
 use super::path::PathPiece;
 use super::run::PlanError;
 
-/// Cells between two even places at first.
+/// At first: fewest cells between two even places, and of a piece, and by how much the path turns in a cell at
+/// most, nearly [rad].
 const CELLS_PER_PLACE: usize = 2;
+const CELLS_PER_PIECE: f64 = 16.0;
+const TURNING: f64 = 0.05;
 /// The relative excess of a limit above which a cell is split, while one of them is above the
 /// second.
 const SPLIT_ABOVE: f64 = 3.5e-3;
@@ -16,6 +19,8 @@ const ACCEPTED: f64 = 4.5e-3;
 const MOST_PARTS: f64 = 8.0;
 const ROUNDS: usize = 8;
 const MOST_CELLS: usize = 16;
+/// Most first cells of a run: planning them takes up to 2.5 GB.
+const MOST_FIRST: usize = 1_000_000;
 /// Room is made for so many cells per first cell at once: memory costs time when it is first written,
 /// and again when it grows.
 const ROOM: usize = 3;
@@ -106,8 +111,14 @@ impl<'a> Grid<'a> {
                 }
                 let even = grid.even_place(k);
                 let next = if even >= end - close { end } else { even };
-                let w = (next - s) / CELLS_PER_PLACE as f64;
-                for j in 0..CELLS_PER_PLACE {
+                let turning = piece.turning(s - begin, next - begin) / TURNING;
+                let of_piece = CELLS_PER_PIECE * (next - s) / piece.length();
+                let count = CELLS_PER_PLACE.max(turning.max(of_piece).ceil() as usize);
+                if count > MOST_FIRST - grid.cells.len() {
+                    return Err(PlanError::Long(s));
+                }
+                let w = (next - s) / count as f64;
+                for j in 0..count {
                     let s = s + w * j as f64;
                     start = grid.push(n, s, s - begin, w, start)?;
                 }

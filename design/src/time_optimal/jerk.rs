@@ -10,11 +10,14 @@ use super::averages::{Averages, TimeLaw};
 use super::demand::Demand;
 use super::grid::{Grid, Solved};
 use super::run::{ACTIVE, PlanError, Run, RunSample};
+use std::borrow::Borrow;
 
-/// Samples in time of the search, and those that refuse most of its attempts; fewest and most of the result, and those within T2.
-const COARSE: [usize; 2] = [25, 300];
-const FINE: [f64; 2] = [800.0, 8000.0];
-const WITHIN: f64 = 2.0;
+/// Even samples in time that refuse most attempts of the search; fewest and those per cell of the others, and of the result.
+const FIRST: usize = 25;
+const COARSE: (usize, f64) = (300, 0.25);
+const FINE: (usize, f64) = (800, 1.0);
+/// The share of the limit of jerk above which a jump of s̈ by itself is looked at.
+const NOTED: f64 = 0.1;
 /// T1 as shares of T, in steps of this factor, and T2 as shares of T1.
 const LEAST_SHARE: f64 = 4e-3;
 const FACTOR: f64 = 1.25;
@@ -35,38 +38,90 @@ struct Moment {
 
 /// The run of a solved path with joint jerks of at most `jerk` [rad/s³].
 pub(super) fn limited(solved: &Solved<'_>, places: usize, jerk: f64) -> Result<Run, PlanError> {
-    let (grid, law) = (&solved.grid, TimeLaw::new(solved));
+    let grid = &solved.grid;
     if let Some(s) = grid.curvature_jump(&solved.x) {
         return Err(PlanError::CurvatureJump(s));
     }
+    let law = TimeLaw::new(solved);
+    let jumps = Jump::all(grid, &law);
     let search = Search {
         grid,
         law: &law,
+        jumps: &jumps,
         jerk,
         best: None,
     };
     let windows = search.windows().ok_or(PlanError::Jerk)?;
-    let slow = law.duration() + windows[0] + windows[1];
-    let count = (WITHIN * slow / windows[1]).clamp(FINE[0], FINE[1]);
-    let mut moments = Vec::with_capacity(count as usize + 1);
-    moments.extend(Moments::new(grid, &law, windows, count as usize));
-    let pace = pace(grid, moments.iter(), jerk, SLOWEST).ok_or(PlanError::Jerk)?;
-    let total = slow / pace;
-    Ok(run(grid, &moments, places, (pace, total, jerk)))
+    let averaged = Averaged {
+        grid,
+        law: &law,
+        windows,
+    };
+    let even: Vec<Moment> = averaged.even(of_cells(grid, FINE)).collect();
+    let jumps: Vec<Moment> = averaged.at_jumps(&jumps, jerk).collect();
+    let all = || even.iter().chain(&jumps);
+    let pace = pace(grid, all(), jerk, SLOWEST).ok_or(PlanError::Jerk)?;
+    let used = |at: &Moment| at.used(grid, pace, jerk);
+    let excess = all().map(used).fold(0.0, f64::max) - 1.0;
+    let active = even[1..].iter().filter(|at| used(at) > ACTIVE).count();
+    let time = averaged.duration() / pace;
+    Ok(Run {
+        length: grid.length(),
+        time,
+        samples: samples(grid, &even, places, (pace, time)),
+        active_time: time * active as f64 / (even.len() - 1) as f64,
+        limit_excess: excess.max(0.0),
+    })
+}
+
+/// The number of samples of a run, of their fewest and those per cell.
+fn of_cells(grid: &Grid<'_>, (fewest, per_cell): (usize, f64)) -> usize {
+    fewest.max((per_cell * grid.cells.len() as f64) as usize)
+}
+
+/// A time at which s̈ jumps.
+struct Jump {
+    t: f64,
+    /// By which a joint's acceleration jumps there, the most of both [rad/s²].
+    acceleration: f64,
+}
+
+impl Jump {
+    /// Those at the nodes of a law.
+    fn all(grid: &Grid<'_>, law: &TimeLaw) -> Vec<Self> {
+        let starts = grid.cells.iter().map(|cell| cell.start);
+        let last = grid.cells.last().map(|cell| cell.end);
+        let jumps = starts.chain(last).zip(law.jumps());
+        let jump = |(node, (t, [before, after])): (usize, (f64, [f64; 2]))| {
+            let [one, four] = grid.at(node).q1.map(f64::abs);
+            Self {
+                t,
+                acceleration: one.max(four) * (after - before).abs(),
+            }
+        };
+        jumps.map(jump).collect()
+    }
 }
 
 /// Seeks T1 and T2 of the least time.
 struct Search<'a> {
     grid: &'a Grid<'a>,
     law: &'a TimeLaw,
+    jumps: &'a [Jump],
     jerk: f64,
     /// The least time, with the exponent of T1, T1 and T2.
     best: Option<(f64, i32, [f64; 2])>,
 }
 
 impl Search<'_> {
-    /// In coarse steps with one share, then around the best; none if no pace is enough.
+    /// Where the greatest jump takes the jerk to its limit, because a good time refuses most of the others soon; in
+    /// coarse steps with one share; then around the best. None if no pace is enough.
     fn windows(mut self) -> Option<[f64; 2]> {
+        let jump = self.jumps.iter().map(|jump| jump.acceleration);
+        let t1 = jump.fold(0.0, f64::max) / self.jerk;
+        let share = t1 / (LEAST_SHARE * self.law.duration());
+        let step = (share.ln() / FACTOR.ln()).round() as i32;
+        self.attempt(step.clamp(0, LAST_STEP), FIRST_SHARE);
         for step in (0..=LAST_STEP).rev().step_by(2) {
             self.attempt(step, FIRST_SHARE);
         }
@@ -80,18 +135,25 @@ impl Search<'_> {
     }
 
     fn attempt(&mut self, step: i32, share: f64) {
-        let duration = self.law.duration();
-        let t1 = duration * LEAST_SHARE * FACTOR.powi(step);
-        let (windows, total) = ([t1, share * t1], duration + t1 * (1.0 + share));
-        let least = self.best.map_or(SLOWEST, |(time, ..)| total / time);
-        let mut greatest = Some(1.0).filter(|pace| least < *pace);
-        for count in COARSE {
-            let moments = Moments::new(self.grid, self.law, windows, count);
-            greatest =
-                greatest.and_then(|_| pace(self.grid, moments, self.jerk, least.max(SLOWEST)));
+        let (grid, jerk) = (self.grid, self.jerk);
+        let t1 = self.law.duration() * LEAST_SHARE * FACTOR.powi(step);
+        let averaged = Averaged {
+            grid,
+            law: self.law,
+            windows: [t1, share * t1],
+        };
+        let total = averaged.duration();
+        let least = self.best.map_or(0.0, |(time, ..)| total / time);
+        if least >= 1.0 {
+            return;
         }
-        if let Some(pace) = greatest {
-            self.best = Some((total / pace, step, windows));
+        let least = least.max(SLOWEST);
+        let coarse = averaged
+            .even(FIRST)
+            .chain(averaged.at_jumps(self.jumps, jerk))
+            .chain(averaged.even(of_cells(grid, COARSE)));
+        if let Some(pace) = pace(grid, coarse, jerk, least) {
+            self.best = Some((total / pace, step, averaged.windows));
         }
     }
 }
@@ -99,7 +161,7 @@ impl Search<'_> {
 /// The greatest pace of at most 1 at which every limit holds; none if it is not above `least`.
 fn pace(
     grid: &Grid<'_>,
-    moments: impl Iterator<Item = impl std::borrow::Borrow<Moment>>,
+    moments: impl Iterator<Item = impl Borrow<Moment>>,
     jerk: f64,
     least: f64,
 ) -> Option<f64> {
@@ -113,54 +175,61 @@ fn pace(
     Some(pace)
 }
 
-/// The averaged motion at even times.
-struct Moments<'a> {
+/// The averages of a law over T1 and T2, as motions of the arm.
+struct Averaged<'a> {
     grid: &'a Grid<'a>,
-    averages: Averages<'a>,
-    dt: f64,
-    count: usize,
-    next: usize,
-    cell: usize,
+    law: &'a TimeLaw,
+    windows: [f64; 2],
 }
 
-impl<'a> Moments<'a> {
-    fn new(grid: &'a Grid<'a>, law: &'a TimeLaw, windows: [f64; 2], count: usize) -> Self {
-        let averages = Averages::new(law, windows);
-        Self {
-            grid,
-            dt: averages.duration() / count as f64,
-            averages,
-            count,
-            next: 0,
-            cell: 0,
-        }
+impl Averaged<'_> {
+    /// The duration at pace 1 [s].
+    fn duration(&self) -> f64 {
+        self.law.duration() + self.windows[0] + self.windows[1]
+    }
+
+    /// The motion at even times.
+    fn even(&self, count: usize) -> impl Iterator<Item = Moment> {
+        let dt = self.duration() / count as f64;
+        self.at((0..=count).map(move |k| k as f64 * dt))
+    }
+
+    /// The motion where s⃛ bends because of jumps that a limit of jerk [rad/s³] can notice: it is greatest
+    /// at such times.
+    fn at_jumps(&self, jumps: &[Jump], jerk: f64) -> impl Iterator<Item = Moment> {
+        let [t1, t2] = self.windows;
+        let least = NOTED * jerk * t1;
+        let shifts = [0.0, t2, t1, t1 + t2].into_iter();
+        shifts.flat_map(move |shift| {
+            let noted = jumps.iter().filter(move |jump| jump.acceleration >= least);
+            self.at(noted.map(move |jump| jump.t + shift))
+        })
+    }
+
+    /// The motion at rising times.
+    fn at(&self, times: impl Iterator<Item = f64>) -> impl Iterator<Item = Moment> {
+        let mut averages = Averages::new(self.law, self.windows);
+        let mut cell = 0;
+        times.map(move |t| Moment::new(self.grid, averages.at(t), &mut cell))
     }
 }
 
-impl Iterator for Moments<'_> {
-    type Item = Moment;
-
-    fn next(&mut self) -> Option<Moment> {
-        if self.next > self.count {
-            return None;
-        }
-        let [s, s_dot, s_ddot, s_dddot] = self.averages.at(self.next as f64 * self.dt);
-        self.next += 1;
-        let (s, s_dot) = (s.clamp(0.0, self.grid.length()), s_dot.max(0.0));
-        let (demand, q3) = self.grid.between(s, &mut self.cell);
+impl Moment {
+    /// The motion of s̄ and its derivatives; `cell` is as in [`Grid::between`].
+    fn new(grid: &Grid<'_>, [s, s_dot, s_ddot, s_dddot]: [f64; 4], cell: &mut usize) -> Self {
+        let (s, s_dot) = (s.clamp(0.0, grid.length()), s_dot.max(0.0));
+        let (demand, q3) = grid.between(s, cell);
         let (mixed, cube) = (3.0 * s_dot * s_ddot, s_dot * s_dot * s_dot);
         let jerks = [0, 1].map(|j| demand.q1[j] * s_dddot + demand.q2[j] * mixed + q3[j] * cube);
-        Some(Moment {
+        Self {
             demand,
             s,
             s_dot,
             s_ddot,
             jerk: jerks[0].abs().max(jerks[1].abs()),
-        })
+        }
     }
-}
 
-impl Moment {
     /// The greatest pace of at most `most` at which every limit holds.
     fn pace(&self, grid: &Grid<'_>, most: f64, jerk: f64) -> f64 {
         if self.used(grid, most, jerk) <= 1.0 {
@@ -178,16 +247,14 @@ impl Moment {
     }
 }
 
-/// The slowed run at even places.
-fn run(
+/// The slowed run at even places, between its moments at even times.
+fn samples(
     grid: &Grid<'_>,
     moments: &[Moment],
     places: usize,
-    (pace, total, jerk): (f64, f64, f64),
-) -> Run {
+    (pace, total): (f64, f64),
+) -> Vec<RunSample> {
     let dt = total / (moments.len() - 1) as f64;
-    let used: Vec<f64> = moments.iter().map(|at| at.used(grid, pace, jerk)).collect();
-    let active = used.windows(2).filter(|pair| pair[1] > ACTIVE).count();
     let mut samples = Vec::with_capacity(places);
     let mut cell = 0;
     for k in 0..places {
@@ -221,11 +288,5 @@ fn run(
             torque: [0, 1].map(|j| between(torques[0][j], torques[1][j])),
         });
     }
-    Run {
-        length: grid.length(),
-        time: total,
-        samples,
-        active_time: active as f64 * dt,
-        limit_excess: (used.iter().copied().fold(0.0, f64::max) - 1.0).max(0.0),
-    }
+    samples
 }

@@ -95,6 +95,23 @@ impl FourierSeries {
 }
 
 impl PathPiece {
+    /// The angle by which the tangent turns between two places, nearly [rad].
+    pub(super) fn turning(&self, from: f64, to: f64) -> f64 {
+        const PLACES: usize = 2;
+        match self {
+            Self::Line { .. } => 0.0,
+            Self::Arc { radius, .. } => (to - from) / radius,
+            Self::Curve { .. } | Self::Fourier { .. } => {
+                let step = (to - from) / PLACES as f64;
+                let rates = (0..PLACES).map(|k| {
+                    let at = self.at(from + step * (k as f64 + 0.5));
+                    at.tangent.perp(&at.curvature).abs() / at.tangent.norm_squared()
+                });
+                rates.sum::<f64>() * step
+            }
+        }
+    }
+
     /// The greatest s; the least is 0.
     pub fn length(&self) -> f64 {
         match self {

@@ -60,6 +60,8 @@ pub enum PlanError {
     Cusp(f64),
     /// The curvature jumps at s where the arm moves, so its jerk there has no bound.
     CurvatureJump(f64),
+    /// Up to s the run has as many pieces and turns as can be planned at once.
+    Long(f64),
     /// The limit of jerk cannot be kept.
     Jerk,
     /// At s, gravity and friction need more than a limit allows, so the arm cannot stand there.
@@ -96,6 +98,11 @@ impl fmt::Display for PlanError {
                 f,
                 "at s = {s:.6} the curvature of the path jumps, so no limit of jerk can be kept; \
                  stop at the corners, or plan without a limit of jerk"
+            ),
+            Self::Long(s) => write!(
+                f,
+                "the run is too long to be planned at once: from its beginning to s = {s:.6} it has \
+                 as many pieces and turns as are possible; divide it with stops"
             ),
             Self::Jerk => f.write_str(
                 "the limit of jerk cannot be kept: with averaging, gravity or friction needs more \

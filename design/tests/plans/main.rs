@@ -2,5 +2,6 @@
 //! known.
 
 mod bang_bang;
+mod long_runs;
 mod scaling;
 mod shared;
