@@ -1,5 +1,6 @@
 //! The arm with its motors, bridges and sensors, one tick at a time.
 
+mod injection;
 mod state;
 
 use crate::active_faults::ActiveFaults;
@@ -7,7 +8,7 @@ use crate::brake::Brake;
 use crate::drives::Drives;
 use crate::dynamics::{DRIVEN, Loads, Model, State};
 use crate::encoder::TrueEncoder;
-use crate::fault::{FaultKind, PlantFault};
+use crate::fault::PlantFault;
 use crate::index::Index;
 use crate::latency::Delay;
 use crate::mismatch::Mismatch;
@@ -199,15 +200,6 @@ impl Plant {
         self.record_angles();
     }
 
-    /// Injects each of these faults at its time from now.
-    pub fn schedule_faults(&mut self, faults: &[PlantFault]) {
-        self.pending.extend(faults.iter().map(|fault| PlantFault {
-            at: self.time + fault.at,
-            ..*fault
-        }));
-        self.pending.sort_by(|a, b| b.at.total_cmp(&a.at));
-    }
-
     /// Samples all sensors at once.
     pub fn sense(&mut self) -> SensorSample {
         let counts = [0, 1].map(|j| self.faults.frozen_counts[j].unwrap_or_else(|| self.counts(j)));
@@ -332,40 +324,6 @@ impl Plant {
                 .close_joints(&mut self.state.q, &mut self.state.v);
         } else if !self.faults.stalled[joint] {
             self.model.chain.bodies[link].inertia = self.free_inertia[joint];
-        }
-    }
-
-    fn inject_due_faults(&mut self) {
-        while let Some(fault) = self.pending.pop_if(|fault| fault.at <= self.time) {
-            self.inject(fault.kind);
-        }
-    }
-
-    /// Injects a fault now.
-    pub fn inject(&mut self, fault: FaultKind) {
-        match fault {
-            FaultKind::EncoderDead { joint } => {
-                self.faults.frozen_counts[joint] = Some(self.counts(joint));
-            }
-            FaultKind::EncoderJump { joint, counts } => {
-                self.count_origin[joint] = self.count_origin[joint].wrapping_add(counts);
-            }
-            FaultKind::SwitchStuck { joint, pressed } => {
-                self.faults.stuck_switch[joint] = Some(pressed);
-            }
-            FaultKind::MotorDisconnected { joint } => self.faults.disconnected[joint] = true,
-            FaultKind::MotorStalled { joint } => {
-                self.faults.stalled[joint] = true;
-                self.hold(joint, true);
-            }
-            FaultKind::CurrentOffset { joint, amperes } => {
-                let sensor = &mut self.sensors[joint];
-                sensor.current_offset += amperes / sensor.current_per_code;
-            }
-            FaultKind::BusVoltage { volts } => self.bus_voltage = volts,
-            FaultKind::DriverFault { joint } => self.faults.driver_fault[joint] = true,
-            FaultKind::EmergencyStop => self.faults.emergency_stop = true,
-            FaultKind::TicksMissed { ticks } => self.late_by = ticks,
         }
     }
 
