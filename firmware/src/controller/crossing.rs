@@ -62,6 +62,7 @@ pub(crate) struct CrossingTimes {
 }
 
 /// A crossing, and how far it is.
+#[derive(Clone)]
 pub(super) struct Crossing {
     times: CrossingTimes,
     /// Pieces in a second.

@@ -20,6 +20,7 @@ const TOLERANCE: f32 = 100.0;
 const FULL_SCALE: f32 = 4095.0;
 
 /// The sums of the codes, and what was found last.
+#[derive(Clone)]
 pub(super) struct CurrentZeros {
     sums: [u32; 2],
     /// Ticks since the bridges went off, or since the end of the last mean and the settling time.

@@ -8,6 +8,7 @@ use crate::settings::{AxisSettings, ENCODER_POINTS, ENCODER_UNIT, EncoderTable, 
 use core::f32::consts::TAU;
 
 /// An encoder with a known error. Its measured angle is counted in intervals of the table.
+#[derive(Clone)]
 pub(super) struct Encoder {
     intervals_per_count: f32,
     /// Per angle of the joint [1/rad].

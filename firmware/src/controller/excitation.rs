@@ -75,6 +75,7 @@ pub enum ExcitationEnd {
 }
 
 /// The excitation in progress.
+#[derive(Clone)]
 pub(super) struct ExcitationState {
     excitation: Excitation,
     /// Angles at its beginning [rad].

@@ -8,6 +8,7 @@ use fivebar_kinematics::control::{Bus, CurrentState, Drive, Integral, MotorHeat,
 
 /// The state of one joint from tick to tick, and what this tick measured.
 // In the order of `LatchedJoint` first.
+#[derive(Clone)]
 #[repr(C)]
 pub(crate) struct Joint {
     observer: ObserverState<f32>,

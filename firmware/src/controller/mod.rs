@@ -49,10 +49,11 @@ use setpoint::Setpoint;
 pub use status::{JointReference, Snapshot, Status};
 use transitions::Latched;
 
-/// The whole controller of an arm.
+/// The whole controller of an arm. A clone goes on from where it is: the exploration of all states needs that.
 ///
 /// What every tick needs comes first, here and in the model: a load of the FPU reaches 1 KiB
 /// from its base register, so one base register serves both.
+#[derive(Clone)]
 #[repr(C)]
 pub struct Controller {
     joints: [Joint; 2],

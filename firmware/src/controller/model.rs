@@ -22,6 +22,7 @@ pub(crate) const DUTY_LIMIT: f32 = 0.95;
 /// The constants of the tick. What every tick needs comes first, see [`Controller`].
 ///
 /// [`Controller`]: super::Controller
+#[derive(Clone)]
 #[repr(C)]
 pub(crate) struct Model {
     pub(crate) axes: [AxisModel; 2],
@@ -73,6 +74,7 @@ const REST_TIME: f32 = 0.15;
 const REST_COUNTS: f32 = 5.0;
 
 /// The constants of one joint.
+#[derive(Clone)]
 pub(crate) struct AxisModel {
     /// The servo in use: a copy, because the tick reads it with few instructions.
     pub(crate) servo: Servo,

@@ -19,6 +19,7 @@ const WEIGHT: f32 = 1.0 / 256.0;
 const GREATEST: f32 = 0.5;
 
 /// The mean change of a joint's current set-point.
+#[derive(Clone)]
 pub(super) struct Oscillation {
     /// The set-point half of the turns ago [A].
     before: f32,

@@ -19,6 +19,7 @@ pub(crate) enum Stage {
 }
 
 /// Whether the arm rests.
+#[derive(Clone)]
 pub(super) struct Rest {
     stage: Stage,
     /// Ticks of this stage for which reference and joints have been at rest.

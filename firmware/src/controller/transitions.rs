@@ -6,6 +6,7 @@ use super::joint::Joint;
 use crate::safety::{Event, Fault, Response, State};
 
 /// One joint in the tick that raised a fault.
+#[derive(Clone)]
 #[repr(C)]
 pub(super) struct LatchedJoint {
     /// θ̂ [rad].
@@ -20,6 +21,7 @@ pub(super) struct LatchedJoint {
 
 /// The latched fault and the tick that raised it: plain copies, so that latching takes few
 /// instructions.
+#[derive(Clone)]
 #[repr(C)]
 pub(super) struct Latched {
     pub(super) joints: [LatchedJoint; 2],

@@ -13,6 +13,7 @@ use nalgebra::Vector2;
 const ARC_TOLERANCE: f32 = 1e-4;
 
 /// A move that keeps the envelope along its whole length.
+#[derive(Clone)]
 pub(super) enum CheckedMove {
     /// The tool along a line or an arc.
     Path {

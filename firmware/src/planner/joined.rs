@@ -23,6 +23,7 @@ const FEW_PLANNED: usize = super::PLANNED_SEGMENTS / 8;
 const PATIENCE: u32 = 20;
 
 /// The latest line, which waits for one that goes on in its direction.
+#[derive(Clone)]
 pub(super) struct Waiting {
     /// As it was asked for, but for its end.
     asked: Move,

@@ -74,6 +74,7 @@ const TORQUE_SHARE: f32 = 0.8;
 /// assert_eq!(refused.kind, MoveErrorKind::LegSingularity(1));
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
+#[derive(Clone)]
 pub struct Planner {
     /// The envelope of the arm, with the working mode at the end of the queue.
     envelope: Envelope<f32>,

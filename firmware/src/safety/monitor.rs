@@ -23,6 +23,7 @@ pub(crate) const DISARM_TIMEOUT: f32 = 60.0;
 pub(crate) const NOTICED_WITHIN: u32 = 9;
 
 /// The trip points.
+#[derive(Clone)]
 pub(crate) struct Monitor {
     /// Greatest innovation of each joint [rad].
     jump: [f32; 2],

@@ -63,6 +63,7 @@ pub trait Board {
 }
 
 /// The state of the session with one host.
+#[derive(Clone)]
 struct Host {
     session: u32,
     /// The number of the command executed or refused last, and the reply to it.
@@ -71,6 +72,7 @@ struct Host {
 }
 
 /// The controller's side of the sessions with its hosts.
+#[derive(Clone)]
 pub struct Session {
     identity: Identity,
     host: Option<Host>,

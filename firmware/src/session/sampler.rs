@@ -1,6 +1,7 @@
 //! When a sample of telemetry is due, and its number.
 
 /// Counts the samples that are due.
+#[derive(Clone)]
 pub(super) struct Sampler {
     /// Ticks from one sample to the next; 0 for none.
     every: u16,

@@ -9,6 +9,7 @@ use crate::settings::CheckedSettings;
 use fivebar_kinematics::Scalar;
 
 /// A stop in progress.
+#[derive(Clone)]
 pub(super) struct Brake {
     /// x, 0…1.
     phase: f32,
@@ -19,6 +20,7 @@ pub(super) struct Brake {
 }
 
 /// The time scaling at one tick of a stop.
+#[derive(Clone)]
 pub(super) struct TimeScaling {
     /// ∫σ dt since the stop began [s].
     pub(super) advance: f32,

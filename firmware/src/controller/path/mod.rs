@@ -45,6 +45,7 @@ pub struct QueuedSegment {
 /// [`Controller`].
 ///
 /// [`Controller`]: super::Controller
+#[derive(Clone)]
 #[repr(C)]
 pub(crate) struct Path {
     /// Ticks in the first segment at full speed.

@@ -16,6 +16,7 @@ const VALUES: usize = 8;
 const LONGEST_DELAY: u32 = VALUES as u32 - 1;
 
 /// The output with its delay.
+#[derive(Clone)]
 pub(crate) struct PathOutput {
     now: Share,
     off: Share,

@@ -42,6 +42,7 @@ struct Extent {
 /// The queue, a ring buffer. What every tick needs comes first, see [`Controller`].
 ///
 /// [`Controller`]: crate::Controller
+#[derive(Clone)]
 #[repr(C)]
 pub(super) struct PathQueue {
     /// Number of segments passed so far.
