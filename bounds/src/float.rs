@@ -4,7 +4,7 @@
 //! is added to each.
 
 use crate::instruction::{Instruction, Stack};
-use crate::wide::unknown;
+use crate::wide::{PC, unknown};
 
 const SP: u32 = 13;
 /// The cycle that a result may be waited for.
@@ -48,7 +48,9 @@ fn memory(high: u32, low: u32) -> Instruction {
     let plain = Instruction::plain(4);
     if indexed && !writes_back {
         // A register of 64 bits has the coprocessor 11.
-        return plain.accesses(1 + (low >> 8 & 1));
+        return plain
+            .accesses(1 + (low >> 8 & 1))
+            .literals(high & 0xF == PC);
     }
     let stack = match (high & 0xF == SP && writes_back, up, load) {
         (false, ..) => Stack::Keep,

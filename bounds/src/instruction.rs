@@ -13,6 +13,8 @@ pub struct Instruction {
     pub cycles: u32,
     /// Accesses to memory over the data bus, one for each register that is read or written.
     pub accesses: u32,
+    /// How many of the accesses read constants that lie among the code.
+    pub literals: u32,
     /// It may change the flags that conditional instructions test.
     pub sets_flags: bool,
 }
@@ -84,6 +86,7 @@ impl Instruction {
             stack: Stack::Keep,
             cycles: 1,
             accesses: 0,
+            literals: 0,
             sets_flags: false,
         }
     }
@@ -107,6 +110,12 @@ impl Instruction {
             accesses: n,
             ..self
         }
+    }
+
+    /// Its accesses read constants that lie among the code, if `among_code`.
+    pub(crate) fn literals(self, among_code: bool) -> Self {
+        let literals = if among_code { self.accesses } else { 0 };
+        Self { literals, ..self }
     }
 
     pub(crate) fn sets_flags(self, sets_flags: bool) -> Self {

@@ -83,6 +83,11 @@ fn print(folder: &Path) -> Result<String, String> {
 
 fn check(folder: &Path) -> Result<String, String> {
     let now = print(folder)?;
+    let (_, rows) = report::read(&now);
+    let over = report::over_budget(&rows);
+    if !over.is_empty() {
+        return Err(format!("{now}{}", over.join("\n")));
+    }
     let differences = report::compare(COMMITTED, &now);
     if differences.is_empty() {
         return Ok(now);

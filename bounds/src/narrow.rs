@@ -60,7 +60,7 @@ fn registers(half: u16) -> Instruction {
         0x7 if half & 0x80 != 0 => plain.flow(Flow::CallRegister),
         0x7 if source == LR => plain.flow(Flow::Return),
         0x7 => plain.flow(Flow::Computed),
-        0x8..=0xF => plain.accesses(1),
+        0x8..=0xF => plain.accesses(1).literals(true),
         _ => plain,
     }
 }

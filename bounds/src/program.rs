@@ -8,14 +8,14 @@ use crate::image::Image;
 use crate::instruction::Stack;
 use crate::longest::{Bound, Cost, Longest, LoopError};
 use crate::stated::Stated;
-use crate::timing::Measure;
+use crate::timing::{MEASURES, Measure};
 use crate::{Defect, Fault};
 
 /// A function's bounds.
 #[derive(Clone, Debug, Default)]
 pub struct Bounds {
     /// The longest path by each of [`Measure::ALL`].
-    pub longest: [u64; 3],
+    pub longest: [u64; MEASURES],
     /// The deepest stack, without that of its caller [bytes].
     pub stack: u32,
     /// Whether it can return.

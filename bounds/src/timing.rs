@@ -4,7 +4,9 @@
 //! table 7-1), each at its largest: a division takes 12, a taken branch refills the pipeline in 3.
 //! The flash of the STM32F405 needs 5 wait states at 168 MHz and is read in lines of 16 bytes
 //! (RM0090, 3.5). Its accelerator keeps lines; what it keeps cannot be known here. So there are
-//! two figures: one where every line is there, and one where none is.
+//! three figures: one where every line is there; one where no line of the code is, which is the
+//! chip at its worst, because its RAM and its registers do not wait for the flash; and one where
+//! every access to data waits as well.
 
 use crate::graph::{Edge, Node};
 
@@ -15,6 +17,8 @@ pub enum Measure {
     Instructions,
     /// Cycles where the flash never waits.
     CyclesWithoutWaiting,
+    /// Cycles where no line of the flash is kept: the code waits, and the constants among it.
+    CyclesCodeWaits,
     /// Cycles where no line of the flash is kept, and every access to data waits as well.
     CyclesWaiting,
 }
@@ -31,11 +35,15 @@ const JUMP: u64 = 2 * WAIT;
 /// peripherals over a bridge to a slower bus wait as long.
 const ACCESS: u64 = 2 * WAIT;
 
+/// The number of measures.
+pub const MEASURES: usize = 4;
+
 impl Measure {
     /// All measures.
-    pub const ALL: [Self; 3] = [
+    pub const ALL: [Self; MEASURES] = [
         Self::Instructions,
         Self::CyclesWithoutWaiting,
+        Self::CyclesCodeWaits,
         Self::CyclesWaiting,
     ];
 
@@ -48,12 +56,16 @@ impl Measure {
         match self {
             Self::Instructions => 1,
             Self::CyclesWithoutWaiting => cycles,
-            Self::CyclesWaiting => {
+            Self::CyclesCodeWaits | Self::CyclesWaiting => {
                 let last = node.address + instruction.length - 1;
                 let begins_line = node.address.is_multiple_of(LINE);
                 let lines = last / LINE - node.address / LINE + u32::from(begins_line);
-                let accesses = u64::from(instruction.accesses) * ACCESS;
-                cycles + branches * JUMP + accesses + u64::from(lines) * WAIT
+                let waiting = if self == Self::CyclesWaiting {
+                    instruction.accesses
+                } else {
+                    instruction.literals
+                };
+                cycles + branches * JUMP + u64::from(waiting) * ACCESS + u64::from(lines) * WAIT
             }
         }
     }
@@ -62,7 +74,7 @@ impl Measure {
     pub fn edge(self, edge: Edge) -> u64 {
         match self {
             Self::CyclesWithoutWaiting if edge.taken => REFILL,
-            Self::CyclesWaiting if edge.taken => REFILL + JUMP,
+            Self::CyclesCodeWaits | Self::CyclesWaiting if edge.taken => REFILL + JUMP,
             _ => 0,
         }
     }
@@ -73,7 +85,7 @@ impl Measure {
             Self::Instructions => 0,
             Self::CyclesWithoutWaiting => 2 * FRAME,
             // The handler's address is read from the flash; the first line and that returned to.
-            Self::CyclesWaiting => 2 * FRAME + ACCESS + 2 * JUMP,
+            Self::CyclesCodeWaits | Self::CyclesWaiting => 2 * FRAME + ACCESS + 2 * JUMP,
         }
     }
 }

@@ -6,7 +6,7 @@ use crate::instruction::{Flow, Instruction, Stack};
 use crate::narrow::{signed, target};
 
 const SP: u32 = 13;
-const PC: u32 = 15;
+pub(crate) const PC: u32 = 15;
 
 /// The instruction of the halfwords `high` and `low` at `address`.
 pub fn decode(address: u32, high: u16, low: u16) -> Instruction {
@@ -62,7 +62,10 @@ fn dual(high: u32, low: u32) -> Instruction {
     if high & 0xFFF0 == 0xE8D0 && low & 0xFFE0 == 0xF000 {
         let entry = 1 + (low >> 4 & 1);
         let base = (base != PC).then_some(base);
-        return plain.accesses(1).flow(Flow::Table { entry, base });
+        return plain
+            .accesses(1)
+            .literals(true)
+            .flow(Flow::Table { entry, base });
     }
     if !indexed && !writes_back {
         return plain.accesses(1);
@@ -72,7 +75,10 @@ fn dual(high: u32, low: u32) -> Instruction {
         return unknown();
     }
     let stack = writes_back.then(|| moved(base, up, 4 * (low & 0xFF)));
-    plain.accesses(2).stack(stack.unwrap_or(Stack::Keep))
+    plain
+        .accesses(2)
+        .literals(base == PC)
+        .stack(stack.unwrap_or(Stack::Keep))
 }
 
 /// The base register moves by a constant.
@@ -201,8 +207,8 @@ const BARRIER: u32 = 20;
 
 /// Load and store of one register.
 fn single(high: u32, low: u32) -> Instruction {
-    let plain = Instruction::plain(4).accesses(1);
     let (base, register) = (high & 0xF, low >> 12);
+    let plain = Instruction::plain(4).accesses(1).literals(base == PC);
     let (load, size, sign) = (high & 0x10 != 0, high >> 5 & 3, high & 0x100 != 0);
     let has_offset_of_8_bits = high & 0x80 == 0 && low & 0x800 != 0 && base != PC;
     let writes_back = has_offset_of_8_bits && low & 0x100 != 0;

@@ -131,6 +131,23 @@ fn proved(name: &str) -> Row {
         .expect("a row of this name")
 }
 
+/// The tick's interrupt may take 60 % of the period where the code waits for the flash and the RAM
+/// does not, as on the chip. A path that is one cycle longer is refused.
+#[test]
+fn an_interrupt_over_its_budget_is_refused() {
+    let (_, mut rows) = report::read(FIGURES);
+    assert_eq!(report::over_budget(&rows), [""; 0]);
+    for row in &mut rows {
+        if let Some([_, _, code_waits, _]) = &mut row.longest {
+            *code_waits = (*code_waits).max(10_081);
+        }
+    }
+    assert_eq!(
+        report::over_budget(&rows),
+        ["stm32f405: ADC: 10081 cycles where the code waits, of at most 10080"]
+    );
+}
+
 /// What runs on the emulated and on the simulated board took at most.
 #[test]
 fn no_run_took_more_than_what_is_proved() {
@@ -156,5 +173,5 @@ fn no_run_took_more_than_what_is_proved() {
     assert!(figure("tick, most [instructions]:") <= interrupt as f64);
     let stack = proved("stm32f405: all nested").stack;
     assert!(figure("stack, most [bytes]:") <= f64::from(stack));
-    assert!(2 * stack <= proved("stm32f405: space").stack);
+    assert!(4 * stack <= 3 * proved("stm32f405: space").stack);
 }

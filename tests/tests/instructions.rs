@@ -1,5 +1,5 @@
 //! The instruction counts of the tick and of the library's solutions, against the committed
-//! counts and the budgets.
+//! counts and, of the solutions, the budgets.
 
 use std::collections::BTreeMap;
 use std::process::Command;
@@ -11,16 +11,9 @@ const COMMITTED: &str = include_str!("../data/instructions.txt");
 /// The share by which another compiler's counts may differ from the committed ones.
 const TOLERANCE: f64 = 0.1;
 /// The most instructions that each function may take.
-const BUDGETS: [(&str, u32); 9] = [
+const BUDGETS: [(&str, u32); 2] = [
     ("forward position", 140),
     ("inverse position, both legs", 180),
-    ("the whole tick along a line", 1_000),
-    ("the whole tick along lines shorter than a tick", 1_000),
-    ("the whole tick along arcs, as the host falls silent", 1_000),
-    ("the whole tick in corners, stopped now and then", 1_000),
-    ("tool beside C: lines shorter than a tick, stops", 1_000),
-    ("tool beside C: arcs, as the host falls silent", 1_000),
-    ("tool beside C: corners, stops", 1_000),
 ];
 
 /// Mean and maximum by function; a peer's line has no maximum.
