@@ -1,7 +1,10 @@
 //! The injected faults of the plant.
 
+use crate::sensor_defects::SensorDefects;
+use nalgebra::Vector2;
+
 /// The faults that are active.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct ActiveFaults {
     pub(crate) frozen_counts: [Option<i32>; 2],
     pub(crate) stuck_switch: [Option<bool>; 2],
@@ -9,4 +12,33 @@ pub(crate) struct ActiveFaults {
     pub(crate) stalled: [bool; 2],
     pub(crate) driver_fault: [bool; 2],
     pub(crate) emergency_stop: bool,
+    /// Whether the emergency stop's contact is welded.
+    pub(crate) stop_welded: bool,
+    pub(crate) brake_stuck: [bool; 2],
+    pub(crate) bridges: [Option<BridgeDefect>; 2],
+    pub(crate) sensors: SensorDefects,
+    /// Where the tool is caught [m].
+    pub(crate) caught: Option<Vector2<f64>>,
+}
+
+/// A defect of a bridge that is on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum BridgeDefect {
+    /// It drives in the direction of positive duties only.
+    OneDirection,
+    /// One of its transistors is shorted.
+    Shorted,
+    /// It keeps this duty.
+    Stuck(f64),
+}
+
+impl BridgeDefect {
+    /// The duty that acts in place of this one.
+    pub(crate) fn acting(self, duty: f64) -> f64 {
+        match self {
+            Self::OneDirection => duty.max(0.0),
+            Self::Shorted => 1.0,
+            Self::Stuck(stuck) => stuck,
+        }
+    }
 }

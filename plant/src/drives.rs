@@ -117,6 +117,13 @@ impl Drives {
         });
     }
 
+    /// Breaks a drive's belt; a rigid drive has none.
+    pub(crate) fn break_belt(&mut self, joint: usize) {
+        if let Some(spring) = &mut self.drives[joint].spring {
+            spring.break_apart();
+        }
+    }
+
     /// Advances the arm by `time` [s] under constant loads. `loads.voltage` is without the
     /// supply's resistance, `duty` times the supply's voltage.
     pub(crate) fn step(

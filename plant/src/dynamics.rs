@@ -46,7 +46,7 @@ pub struct Loads {
 /// The links that the motors turn.
 pub(crate) const DRIVEN: [usize; 2] = [0, 3];
 /// The link that carries the tool.
-const CARRIER: usize = 1;
+pub(crate) const CARRIER: usize = 1;
 
 /// Least integration step [s]. It resolves the fastest winding that a robot file may have;
 /// friction that changes its sign faster does so within one step.

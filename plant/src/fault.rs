@@ -15,6 +15,39 @@ pub enum FaultKind {
         /// The change of the counts.
         counts: i32,
     },
+    /// The encoder counts this many times as much from now on: −1 backwards, 0.5 half.
+    EncoderGain {
+        /// 0 or 1.
+        joint: usize,
+        /// The factor.
+        gain: f64,
+    },
+    /// The encoder's counts stop for this many ticks, and are that late from then on.
+    EncoderLate {
+        /// 0 or 1.
+        joint: usize,
+        /// The number of ticks.
+        ticks: u32,
+    },
+    /// One of the encoder's two channels stops: the counts go up and down by 1.
+    EncoderChannelStuck {
+        /// 0 or 1.
+        joint: usize,
+    },
+    /// Noise on the encoder's counts.
+    EncoderNoise {
+        /// 0 or 1.
+        joint: usize,
+        /// The greatest error of the counts.
+        counts: i32,
+    },
+    /// The encoder's index output no longer follows its disc.
+    IndexStuck {
+        /// 0 or 1.
+        joint: usize,
+        /// Whether it stays high.
+        high: bool,
+    },
     /// The home switch no longer follows the joint.
     SwitchStuck {
         /// 0 or 1.
@@ -24,6 +57,11 @@ pub enum FaultKind {
     },
     /// The motor's lead breaks.
     MotorDisconnected {
+        /// 0 or 1.
+        joint: usize,
+    },
+    /// Half of the motor's turns are shorted: they brake, the others drive.
+    WindingShorted {
         /// 0 or 1.
         joint: usize,
     },
@@ -39,18 +77,78 @@ pub enum FaultKind {
         /// The shift [A].
         amperes: f64,
     },
+    /// The current sensor's output stays where it is for this current.
+    CurrentStuck {
+        /// 0 or 1.
+        joint: usize,
+        /// The current [A].
+        amperes: f64,
+    },
+    /// The current sensor's output is late from now on.
+    CurrentLate {
+        /// 0 or 1.
+        joint: usize,
+        /// The number of ticks.
+        ticks: u32,
+    },
     /// The bus voltage changes: it sags or rises.
     BusVoltage {
         /// The new voltage [V].
         volts: f64,
+    },
+    /// The bus voltage's sensor stays at its present reading.
+    BusSensorStuck,
+    /// The bus voltage's sensor shows this many times the voltage.
+    BusSensorGain {
+        /// The factor.
+        gain: f64,
+    },
+    /// A bridge drives its motor in the direction of positive duties only.
+    BridgeOneDirection {
+        /// 0 or 1.
+        joint: usize,
+    },
+    /// A bridge's transistor is shorted: while it is on, its motor gets the whole bus voltage.
+    BridgeShorted {
+        /// 0 or 1.
+        joint: usize,
+    },
+    /// A bridge keeps its present duty.
+    DutyStuck {
+        /// 0 or 1.
+        joint: usize,
     },
     /// A bridge raises its fault output and turns itself off.
     DriverFault {
         /// 0 or 1.
         joint: usize,
     },
+    /// The fault output's wire is shorted to ground: a fault is reported, and the bridge works.
+    DriverFaultStuck {
+        /// 0 or 1.
+        joint: usize,
+    },
     /// The emergency stop is pressed.
     EmergencyStop,
+    /// The emergency stop's contact is welded: pressing it has no effect.
+    EmergencyStopWelded,
+    /// A brake stays engaged.
+    BrakeStuck {
+        /// 0 or 1.
+        joint: usize,
+    },
+    /// The belt of a drive that has a stiffness breaks.
+    BeltBreaks {
+        /// 0 or 1.
+        joint: usize,
+    },
+    /// The payload gets heavier, or lighter.
+    PayloadChanges {
+        /// The change of its mass [kg].
+        kilograms: f64,
+    },
+    /// The tool is caught: it stays where it is.
+    ToolCaught,
     /// The controller misses ticks once; the arm moves on with the last outputs.
     TicksMissed {
         /// The number of ticks.

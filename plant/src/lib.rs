@@ -21,6 +21,7 @@ mod parameters;
 mod planar;
 mod plant;
 mod ripple;
+mod sensor_defects;
 mod sensors;
 mod stop;
 mod supply;

@@ -61,4 +61,14 @@ impl Motor {
         let friction = self.viscous_friction + self.coulomb_friction / SIGN_WIDTH;
         (self.resistance / self.inductance).max(friction / inertia)
     }
+
+    /// Shorts half of the turns. The others drive; in the shorted ones the speed ω drives the current
+    /// (n k/2) ω/(R/2) [A], which brakes like viscous friction of n² k²/(2 R).
+    pub(crate) fn short_half(&mut self) {
+        let constant = self.gear_ratio * self.torque_constant;
+        self.viscous_friction += constant * constant / (2.0 * self.resistance);
+        self.torque_constant *= 0.5;
+        self.resistance *= 0.5;
+        self.inductance *= 0.25;
+    }
 }

@@ -1,11 +1,11 @@
 //! The arm as the controller knows it, and the plant's model made of it and a mismatch.
 
 use crate::chain::{Chain, JOINTS};
-use crate::dynamics::{DRIVEN, Model, State};
+use crate::dynamics::{CARRIER, DRIVEN, Model, State};
 use crate::encoder::Encoder;
 use crate::mismatch::Mismatch;
 use crate::motor::Motor;
-use crate::planar::{Body, PlanarVector, perp, rotation};
+use crate::planar::{Body, PlanarVector, perp, rotation, times};
 use crate::sensors::JointSensors;
 use crate::transmission::Transmission;
 use fivebar_firmware::Settings;
@@ -134,6 +134,18 @@ impl Model {
             tool: Vector2::new(l2 + along, aside) - com2,
             finer_steps: 1.0,
         }
+    }
+
+    /// Changes the payload by this mass [kg] while the arm moves: neither the links nor their
+    /// velocities change at that instant, but link 2's centre of mass does.
+    pub(crate) fn change_payload(&mut self, state: &mut State, mass: f64) {
+        let body = &mut self.chain.bodies[CARRIER];
+        let shift = add_point_mass(body, mass);
+        self.tool -= shift;
+        let shift = times(&rotation(state.q[CARRIER].angular), shift);
+        state.q[CARRIER].linear += shift;
+        let turning = perp(shift) * state.v[CARRIER].angular;
+        state.v[CARRIER].linear += turning;
     }
 
     /// The arm in a pose with the angular velocities `omega`, ω1…ω4 [rad/s], without currents.

@@ -218,17 +218,23 @@ impl Plant {
             bus_voltage: sensors::adc_code(self.bus_voltage() / self.volts_per_code),
             home,
             index,
-            emergency_stop: self.faults.emergency_stop || self.hands.emergency_stop,
+            emergency_stop: self.is_stopped(),
             driver_fault: self.faults.driver_fault,
             missed_ticks: self.missed_ticks,
         };
-        match &self.wiring {
+        let sample = match &self.wiring {
             None => sample,
             Some((wiring, origin)) => {
                 let zero = [0, 1].map(|j| self.sensors[j].current_zero_code);
                 wiring.seen(sample, *origin, zero)
             }
-        }
+        };
+        self.faults.sensors.seen(sample, &mut self.noise)
+    }
+
+    /// Whether the emergency stop's contact is open.
+    fn is_stopped(&self) -> bool {
+        (self.faults.emergency_stop || self.hands.emergency_stop) && !self.faults.stop_welded
     }
 
     /// Advances by one tick of `period` [s], and by the ticks that the controller misses.
@@ -252,7 +258,7 @@ impl Plant {
         let loads = Loads {
             voltage: duty.map(|duty| duty.map(|duty| duty * self.bus_voltage)),
             joint_torque: [0, 1].map(|j| self.brake(j, applied.brake) + self.stop(j)),
-            tool_force: self.tool_force,
+            tool_force: self.tool_force + self.catching_force(),
         };
         self.time += period;
         if let Some(wear) = &mut self.wear {
@@ -280,22 +286,22 @@ impl Plant {
 
     /// The duty of a bridge as its compare register holds it; none if it is off.
     fn duty(&self, command: &ActuatorCommand, joint: usize) -> Option<f64> {
-        let off = self.faults.disconnected[joint]
-            || self.faults.driver_fault[joint]
-            || self.faults.emergency_stop
-            || self.hands.emergency_stop;
+        let off =
+            self.faults.disconnected[joint] || self.faults.driver_fault[joint] || self.is_stopped();
         if off || !command.enable[joint] {
             return None;
         }
         // The compare register holds whole steps; NaN becomes 0.
         let duty = f64::from(command.duty[joint]).clamp(-1.0, 1.0);
         let register = (duty * PWM_STEPS).round() as i32;
-        Some(f64::from(register) / PWM_STEPS)
+        let duty = f64::from(register) / PWM_STEPS;
+        Some(self.faults.bridges[joint].map_or(duty, |defect| defect.acting(duty)))
     }
 
     /// Engages or releases a brake; returns its torque while it slows its joint down [N·m].
     fn brake(&mut self, joint: usize, engaged: bool) -> f64 {
         let omega = self.state.v[DRIVEN[joint]].angular;
+        let engaged = engaged || self.faults.brake_stuck[joint];
         let brake = &mut self.brakes[joint];
         let held = brake.holding;
         brake.set(engaged, omega);

@@ -62,6 +62,11 @@ impl Spring {
         })
     }
 
+    /// Transmits nothing from now on.
+    pub(crate) fn break_apart(&mut self) {
+        (self.stiffness, self.damping) = (0.0, 0.0);
+    }
+
     /// The deflection of the spring [rad] at x [rad].
     fn deflection(&self, x: f64) -> f64 {
         self.backlash.map_or(x, |backlash| backlash.outside(x))

@@ -18,6 +18,9 @@ pub(super) struct FaultEntry {
     amperes: Option<f64>,
     volts: Option<f64>,
     ticks: Option<u32>,
+    gain: Option<f64>,
+    high: Option<bool>,
+    kilograms: Option<f64>,
 }
 
 #[derive(Clone, Copy, Debug, Deserialize)]
@@ -25,13 +28,32 @@ pub(super) struct FaultEntry {
 enum Kind {
     EncoderDead,
     EncoderJump,
+    EncoderGain,
+    EncoderLate,
+    EncoderChannelStuck,
+    EncoderNoise,
+    IndexStuck,
     SwitchStuck,
     MotorDisconnected,
+    WindingShorted,
     MotorStalled,
     CurrentOffset,
+    CurrentStuck,
+    CurrentLate,
     BusVoltage,
+    BusSensorStuck,
+    BusSensorGain,
+    BridgeOneDirection,
+    BridgeShorted,
+    DutyStuck,
     DriverFault,
+    DriverFaultStuck,
     EmergencyStop,
+    EmergencyStopWelded,
+    BrakeStuck,
+    BeltBreaks,
+    PayloadChanges,
+    ToolCaught,
     TicksMissed,
 }
 
@@ -61,21 +83,52 @@ impl FaultEntry {
             Some(value) => Err(source.refuse(key(name), format!("must be finite, not {value:?}"))),
             None => Err(missing(name, what)),
         };
+        let gain = || finite("gain", self.gain, "the factor");
+        let level = |name, value: Option<bool>| value.ok_or_else(|| missing(name, "true or false"));
+        let ticks = || match self.ticks {
+            Some(ticks @ 1..=10_000) => Ok(ticks),
+            Some(other) => {
+                let reason = format!("is 1 to 10000, not {other}");
+                Err(source.refuse(key("ticks"), reason))
+            }
+            None => Err(missing("ticks", "a number from 1 to 10000")),
+        };
+        let counts = |what: &str| self.counts.ok_or_else(|| missing("counts", what));
         let kind = match self.kind {
             Kind::EncoderDead => FaultKind::EncoderDead { joint: joint()? },
             Kind::EncoderJump => FaultKind::EncoderJump {
                 joint: joint()?,
-                counts: self
-                    .counts
-                    .ok_or_else(|| missing("counts", "the change of the counts"))?,
+                counts: counts("the change of the counts")?,
+            },
+            Kind::EncoderGain => FaultKind::EncoderGain {
+                joint: joint()?,
+                gain: gain()?,
+            },
+            Kind::EncoderLate => FaultKind::EncoderLate {
+                joint: joint()?,
+                ticks: ticks()?,
+            },
+            Kind::EncoderChannelStuck => FaultKind::EncoderChannelStuck { joint: joint()? },
+            Kind::EncoderNoise => FaultKind::EncoderNoise {
+                joint: joint()?,
+                counts: match counts("the greatest error")? {
+                    counts @ 0.. => counts,
+                    other => {
+                        let reason = format!("must not be less than 0, as {other} is");
+                        return Err(source.refuse(key("counts"), reason));
+                    }
+                },
+            },
+            Kind::IndexStuck => FaultKind::IndexStuck {
+                joint: joint()?,
+                high: level("high", self.high)?,
             },
             Kind::SwitchStuck => FaultKind::SwitchStuck {
                 joint: joint()?,
-                pressed: self
-                    .pressed
-                    .ok_or_else(|| missing("pressed", "true or false"))?,
+                pressed: level("pressed", self.pressed)?,
             },
             Kind::MotorDisconnected => FaultKind::MotorDisconnected { joint: joint()? },
+            Kind::WindingShorted => FaultKind::WindingShorted { joint: joint()? },
             Kind::MotorStalled => FaultKind::MotorStalled { joint: joint()? },
             Kind::CurrentOffset => FaultKind::CurrentOffset {
                 joint: joint()?,
@@ -85,21 +138,37 @@ impl FaultEntry {
                     "the shift of the sensor's zero [A]",
                 )?,
             },
+            Kind::CurrentStuck => FaultKind::CurrentStuck {
+                joint: joint()?,
+                amperes: finite("amperes", self.amperes, "the current that it shows [A]")?,
+            },
+            Kind::CurrentLate => FaultKind::CurrentLate {
+                joint: joint()?,
+                ticks: ticks()?,
+            },
             Kind::BusVoltage => FaultKind::BusVoltage {
                 volts: finite("volts", self.volts, "the new bus voltage [V]")?,
             },
+            Kind::BusSensorStuck => FaultKind::BusSensorStuck,
+            Kind::BusSensorGain => FaultKind::BusSensorGain { gain: gain()? },
+            Kind::BridgeOneDirection => FaultKind::BridgeOneDirection { joint: joint()? },
+            Kind::BridgeShorted => FaultKind::BridgeShorted { joint: joint()? },
+            Kind::DutyStuck => FaultKind::DutyStuck { joint: joint()? },
             Kind::DriverFault => FaultKind::DriverFault { joint: joint()? },
+            Kind::DriverFaultStuck => FaultKind::DriverFaultStuck { joint: joint()? },
             Kind::EmergencyStop => FaultKind::EmergencyStop,
-            Kind::TicksMissed => FaultKind::TicksMissed {
-                ticks: match self.ticks {
-                    Some(ticks @ 1..=10_000) => ticks,
-                    Some(other) => {
-                        let reason = format!("is 1 to 10000, not {other}");
-                        return Err(source.refuse(key("ticks"), reason));
-                    }
-                    None => return Err(missing("ticks", "a number from 1 to 10000")),
-                },
+            Kind::EmergencyStopWelded => FaultKind::EmergencyStopWelded,
+            Kind::BrakeStuck => FaultKind::BrakeStuck { joint: joint()? },
+            Kind::BeltBreaks => FaultKind::BeltBreaks { joint: joint()? },
+            Kind::PayloadChanges => FaultKind::PayloadChanges {
+                kilograms: finite(
+                    "kilograms",
+                    self.kilograms,
+                    "the change of the payload [kg]",
+                )?,
             },
+            Kind::ToolCaught => FaultKind::ToolCaught,
+            Kind::TicksMissed => FaultKind::TicksMissed { ticks: ticks()? },
         };
         Ok((self.at, kind))
     }
