@@ -300,6 +300,18 @@ fn invalid_scenario_files_are_refused_with_their_line() {
             ["line 4", "1 to 10000, not 0"],
         ),
         (
+            format!("{job}[[fault]]\nkind = 'belt_breaks'\njoint = 1\n"),
+            ["line 3", "`stiffness`"],
+        ),
+        (
+            format!("{job}[[fault]]\nkind = 'brake_stuck'\njoint = 1\n"),
+            ["line 3", "`brake_torque`"],
+        ),
+        (
+            format!("{job}[[fault]]\nkind = 'payload_changes'\nkilograms = -0.04\n"),
+            ["line 4", "more than the payload"],
+        ),
+        (
             format!("job = '{PETAL}.nosuch'\n"),
             ["petal.gcode.nosuch", "cannot read"],
         ),

@@ -1,7 +1,7 @@
 //! `[[fault]]` of a scenario file: a fault to inject, and its time.
 
 use crate::input::source::{FileError, Key, Source};
-use fivebar_plant::FaultKind;
+use fivebar_plant::{FaultKind, Parameters};
 use serde::Deserialize;
 
 /// One fault as written. Its kind decides which keys it needs.
@@ -171,5 +171,32 @@ impl FaultEntry {
             Kind::TicksMissed => FaultKind::TicksMissed { ticks: ticks()? },
         };
         Ok((self.at, kind))
+    }
+
+    /// Refuses a fault of a part that the arm does not have.
+    pub(super) fn check_for(
+        &self,
+        parameters: &Parameters,
+        source: &Source<'_>,
+        index: usize,
+    ) -> Result<(), FileError> {
+        let refused =
+            |name, reason: &str| Err(source.refuse(Key::Of("fault", index, name), reason));
+        match self.fault(source, index)?.1 {
+            FaultKind::BeltBreaks { joint }
+                if parameters.transmissions[joint].stiffness.is_none() =>
+            {
+                refused("kind", "needs an arm whose drives have a `stiffness`")
+            }
+            FaultKind::BrakeStuck { joint } if parameters.brake_torque[joint] <= 0.0 => {
+                refused("kind", "needs an arm with a `brake_torque`")
+            }
+            FaultKind::PayloadChanges { kilograms }
+                if parameters.arm.payload() + kilograms < 0.0 =>
+            {
+                refused("kilograms", "takes more than the payload away")
+            }
+            _ => Ok(()),
+        }
     }
 }

@@ -95,6 +95,9 @@ impl Scenario {
         if let Ok(parameters) = robot.plant_parameters() {
             let fits = file.mismatch.check_for(&parameters);
             fits.map_err(|invalid| source.refuse(Key::In("mismatch", invalid.name), invalid))?;
+            for (index, entry) in file.fault.iter().enumerate() {
+                entry.check_for(&parameters, &source, index)?;
+            }
         }
         let job_file = beside(path, &file.job);
         let job_text = read_job(&job_file)?;
