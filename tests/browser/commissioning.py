@@ -1,10 +1,16 @@
 """The guided page of a commissioning: clicks do its steps, name a mistake, and stop the arm."""
 
+import contextlib
 import pathlib
+import socket
 import tempfile
+import threading
+import time
 
 import reach
-from live import Server
+from live import PAUSE, Server
+
+ESCAPE = "\ue00c"
 
 SWAPPED = 'job = "dot.gcode"\n[wiring]\nmotors_swapped = true\n'
 
@@ -37,16 +43,61 @@ def tasks_are_asked_for_and_a_mistake_is_named(browser):
     assert browser.text("#begin") == "Start motors", "the step is not done"
 
 
+def wait_for_the_stop(browser):
+    browser.wait("the stop", lambda: "the bridges are off" in browser.text("#trouble"))
+    browser.wait("the confirmation", lambda: "Emergency stop confirmed" in browser.text("#alarm"))
+    assert not browser.text("#begin"), "no step begins before a person has said that the arm is safe"
+
+
 def escape_stops_while_a_task_waits(browser):
     browser.script("document.querySelectorAll('#steps button')[1].click();")
     begin(browser, "emergency-stop")
     browser.wait("a task", lambda: browser.text("#ask"))
-    browser.press("\ue00c")
-    browser.wait("the stop", lambda: "the bridges are off" in browser.text("#trouble"))
+    browser.press(ESCAPE)
+    wait_for_the_stop(browser)
+    browser.click("#safe")
+    time.sleep(PAUSE)
     begin(browser, "emergency-stop")
     browser.wait("a task", lambda: browser.text("#ask"))
     browser.click("#emergency")
-    browser.wait("the stop", lambda: "the bridges are off" in browser.text("#trouble"))
+    wait_for_the_stop(browser)
+
+
+def three_clicks_in_one_place_do_not_begin_a_step_after_a_stop(browser):
+    spot = browser.middle("#safe")
+    browser.click_at(spot, times=4)
+    time.sleep(0.5)
+    assert not browser.text("#task"), "nothing has begun"
+    browser.press(ESCAPE)
+    wait_for_the_stop(browser)
+
+
+def an_emergency_stop_reaches_a_server_that_a_thousand_connections_a_second_keep_busy(server, browser):
+    """They show no token. The page has a connection already."""
+    ends = threading.Event()
+    host = ("127.0.0.1", server.port)
+    request = f"GET / HTTP/1.1\r\nHost: {server.host}\r\n\r\n".encode()
+
+    def connect_and_leave():
+        start, count = time.monotonic(), 0
+        while not ends.is_set():
+            count += 1
+            time.sleep(max(0, start + count / 250 - time.monotonic()))
+            with contextlib.suppress(OSError), socket.create_connection(host, 1) as stream:
+                stream.sendall(request)
+
+    floods = [threading.Thread(target=connect_and_leave) for _ in range(4)]
+    for flood in floods:
+        flood.start()
+    try:
+        for _ in range(5):
+            browser.script("document.getElementById('alarm').textContent = '';")
+            browser.press(ESCAPE)
+            browser.wait("the confirmation", lambda: "confirmed" in browser.text("#alarm"), timeout=5)
+    finally:
+        ends.set()
+        for flood in floods:
+            flood.join()
 
 
 def check(program, browser):
@@ -60,6 +111,8 @@ def check(program, browser):
             tasks_are_asked_for_and_a_mistake_is_named(browser)
             reach.has_no_serious_violation(browser, "the guided page")
             escape_stops_while_a_task_waits(browser)
+            three_clicks_in_one_place_do_not_begin_a_step_after_a_stop(browser)
+            an_emergency_stop_reaches_a_server_that_a_thousand_connections_a_second_keep_busy(server, browser)
         # The same record with the motors' plugs exchanged: the page goes on where it stopped. Steps that
         # were to be repeated and were not are still done.
         with Server(program, options=options[:2]) as server:

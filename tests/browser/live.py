@@ -18,6 +18,11 @@ LONG_JOB = "G21 G90 F3000\nM3\n" + 12 * SIDES  # half a minute
 TOO_LARGE = "G21 G90 F3000\nG1 X20 Y0\nG1 X500 Y0\n"
 
 
+# For so long after a fault is cleared, and after the button of the next step has changed, it does
+# nothing [s].
+PAUSE = 1.1
+
+
 class Server:
     """`fivebar serve` at a free port, for a `with` statement."""
 
@@ -60,9 +65,12 @@ class Server:
 
 
 class Wire:
-    """Forwards connections to a server. While it is cut they stay open and silent."""
+    """Forwards connections to a server. While it is cut they stay open and silent. A request that begins
+    with `holds` waits until `released` is set."""
 
-    def __init__(self, server):
+    def __init__(self, server, holds=None):
+        self.holds = holds
+        self.released = threading.Event()
         self.port = server.port
         self.whole = threading.Event()
         self.whole.set()
@@ -81,6 +89,8 @@ class Wire:
     def carry(self, source, sink):
         with contextlib.suppress(OSError):
             while data := source.recv(65536):
+                if self.holds and data.startswith(self.holds):
+                    self.released.wait()
                 self.whole.wait()
                 sink.sendall(data)
             sink.shutdown(socket.SHUT_WR)
@@ -149,6 +159,13 @@ class Page:
         self.request("arm")
         self.wait_for("Armed")
 
+    def choose_branch(self, elbows):
+        self.browser.click(f'[data-mode="{elbows}"]')
+
+    def alarm(self):
+        """The sentence that lies over the page."""
+        return self.browser.text("#alarm")
+
     def load_job(self, text, words):
         """Loads a job and waits for these words about it."""
         with tempfile.TemporaryDirectory() as folder:
@@ -164,5 +181,6 @@ class Page:
     def recover(self):
         self.request("clear_fault")
         self.wait_for("Stopped")
+        time.sleep(PAUSE)
         self.request("arm")
         self.wait_for("Armed")

@@ -17,6 +17,7 @@ import looks
 import moving
 import owning
 import reach
+import stopping
 import watching
 from live import Page, Server
 from webdriver import Browser
@@ -39,6 +40,8 @@ def main():
         browser.resize(1280, 900)
         moving.check(page)
         passed("keys, drags, refusals, branches, jobs, emergency stop")
+        stopping.check(page, server)
+        passed("stops from every control, double clicks, held keys, while the page loads")
         looks.check(page)
         passed("phone, light and dark")
         reach.check(page)

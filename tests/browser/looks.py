@@ -61,10 +61,7 @@ def the_map_is_of_the_chosen_branch(page):
         browser.script("await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));")
         return colours(page)
 
-    choose = """
-        const mode = document.getElementById('mode');
-        mode.value = '{}';
-        mode.dispatchEvent(new Event('change'));"""
+    choose = "document.querySelector('[data-mode=\"{}\"]').click();"
     own, corner = drawn(choose.format("right,left"))
     assert len(own) >= 15, f"{len(own)} colours: ten steps, whole and pale"
     assert corner == 0, "nothing beyond the reach"

@@ -66,7 +66,7 @@ def keys_alone_home_arm_jog_and_stop(page):
     browser.press(ENTER)
     browser.wait("home", lambda: page.state() == "Stopped" and len(page.angles()) == 2)
     go_to('[data-request="arm"]')
-    browser.press(SPACE)
+    browser.press(ENTER)
     page.wait_for("Armed")
     tool = page.tool()
     browser.press(UP)  # by 1 mm
@@ -102,12 +102,12 @@ def the_branch_changes_and_the_tool_returns(page):
     tool, elbows = page.tool(), browser.text("#elbows")
     assert elbows == "1 right, 4 left", elbows
     for chosen, shown in (("left,left", "1 left, 4 left"), ("right,left", "1 right, 4 left")):
-        browser.script(f"document.getElementById('mode').value = '{chosen}';")
+        page.choose_branch(chosen)
         page.ask("#change")
         browser.wait(shown, lambda: page.at_rest() and browser.text("#elbows") == shown)
         assert max(abs(a - b) for a, b in zip(page.tool(), tool)) < 0.1, page.tool()
     # With elbow 4 on the other side, joint 4 would leave its limits.
-    browser.script("document.getElementById('mode').value = 'right,right';")
+    page.choose_branch("right,right")
     page.ask("#change")
     page.wait_for_notice("the tool cannot be at")
     page.wait_for_rest()

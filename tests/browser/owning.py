@@ -2,7 +2,7 @@
 
 import time
 
-from live import LONG_JOB, Page
+from live import LONG_JOB, PAUSE, Page
 from watching import watch
 
 ESCAPE = "\ue00c"
@@ -50,15 +50,20 @@ def a_job_told_to_run_on_survives_a_closed_tab_and_any_page_stops_it_at_once(pag
     return watcher
 
 
-def one_button_leads_on_to_the_end_of_the_stop(page):
-    """The next step is always the same button: control, clear, arm, resume."""
+def the_bar_leads_on_to_the_end_of_the_stop(page):
+    """The bar has a button for the next step, or names one that is marked in its own place."""
     browser = page.browser
-    for words, state in (("Take control", "Fault"), ("Clear fault", "Stopped"), ("Arm", "Armed"),
-                         ("Resume", "Running")):
+    for words, marked, state in (("Take control", None, "Fault"), ("Wait", "Clear fault", "Stopped"),
+                                 ("Motors on", None, "Armed"), ("Wait", "Resume", "Running")):
         browser.wait(words, lambda: browser.text("#next") == words)
-        browser.click("#next")
+        time.sleep(PAUSE)
+        if marked:
+            assert browser.text(".marked") == marked
+        browser.click(".marked" if marked else "#next")
         page.wait_for(state)
     assert line(page)[0] > 3, "it does not begin anew"
+    # A stop needs no pause.
+    browser.wait("the stop", lambda: browser.text("#next") == "Stop")
     browser.click("#next")
     page.wait_for("Armed")
     browser.wait("its place", lambda: "stopped at line" in browser.text("#left"))
@@ -68,5 +73,5 @@ def check(page, url):
     """Returns the page that is left."""
     a_job_told_to_run_on_survives_a_reload(page, url)
     watcher = a_job_told_to_run_on_survives_a_closed_tab_and_any_page_stops_it_at_once(page, url)
-    one_button_leads_on_to_the_end_of_the_stop(watcher)
+    the_bar_leads_on_to_the_end_of_the_stop(watcher)
     return watcher

@@ -4,13 +4,19 @@ import time
 
 from live import LONG_JOB, Page, Wire
 
-ESCAPE = "\ue00c"
+ESCAPE, SPACE = "\ue00c", " "
 
 
 def watch(browser, url):
     """Opens another page in a new tab."""
     browser.new_tab()
     return Page(browser, url)
+
+
+def is_in_view(browser, selector):
+    return browser.script(f"""
+        const box = document.querySelector('{selector}').getBoundingClientRect();
+        return box.width > 200 && box.height > 20 && box.top >= 0 && box.bottom <= innerHeight;""")
 
 
 def take_control(browser):
@@ -95,11 +101,18 @@ def a_page_cut_off_keeps_its_emergency_stop(watcher, server):
     wire.whole.clear()
     holder.wait_for("offline")
     browser.press(ESCAPE)
-    holder.wait_for_notice("sent as soon as there is a connection")
+    browser.wait("the alarm", lambda: "NOT SENT: there is no connection" in holder.alarm())
+    assert "Use the switch at the arm" in holder.alarm(), holder.alarm()
+    assert is_in_view(browser, "#alarm")
+    browser.press(SPACE)
+    browser.wait("the alarm", lambda: "NOT SENT" in holder.alarm())
     watcher.show()
     wait_for_lost_page(watcher)
     wire.whole.set()
     browser.wait("the emergency stop", lambda: "emergency stop (10)" in browser.text("#fault"))
+    holder.show()
+    browser.wait("the confirmation", lambda: "NOT SENT" not in holder.alarm())
+    watcher.show()
 
 
 def check(holder, server):

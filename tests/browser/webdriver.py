@@ -104,6 +104,30 @@ class Browser:
         self.call("POST", "/actions", {"actions": [
             {"type": "key", "id": "keyboard", "actions": actions}]})
 
+    def key(self, kind, key, code, number, **more):
+        """One event of a key as the system sends it: `keyDown` or `keyUp`."""
+        self.chromium("Input.dispatchKeyEvent", type=kind, key=key, code=code,
+                      windowsVirtualKeyCode=number, **more)
+
+    def middle(self, selector):
+        """The middle of an element in the window, scrolled into view [px]."""
+        return self.script(f"""
+            const control = document.querySelector('{selector}');
+            control.scrollIntoView({{ block: 'center' }});
+            const {{ left, right, top, bottom }} = control.getBoundingClientRect();
+            return [Math.round((left + right) / 2), Math.round((top + bottom) / 2)];""")
+
+    def mouse(self, kind, place, **more):
+        """One event of the mouse: `mousePressed`, `mouseMoved` or `mouseReleased`."""
+        self.chromium("Input.dispatchMouseEvent", type=kind, x=place[0], y=place[1], **more)
+
+    def click_at(self, place, times=1, every=0.15):
+        """Clicks in one place of the window, some times in a row [s between them]."""
+        for count in range(1, times + 1):
+            for kind in ("mousePressed", "mouseReleased"):
+                self.mouse(kind, place, button="left", clickCount=count)
+            time.sleep(every)
+
     def type(self, selector, text):
         self.call("POST", f"/element/{self.find(selector)}/value", {"text": text})
 

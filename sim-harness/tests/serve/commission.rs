@@ -1,12 +1,14 @@
 //! The guided page of a commissioning: steps by clicks, tasks, mistakes, stops at any time, and a run
 //! that goes on where it stopped.
 
-use crate::program::Server;
+use crate::program::{Server, machine};
+use crate::stops::EndOnDrop;
 use serde_json::Value;
 use std::fs;
 use std::io::{Read as _, Write as _};
 use std::net::TcpStream;
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// Status and body of the answer to a request.
@@ -153,6 +155,7 @@ fn a_stop_ends_a_step_at_any_moment_and_the_step_can_be_done_again() {
     // While nothing is done, while a task waits, and while a motor has a voltage.
     assert_eq!(click(&server, "/stop", ""), 204);
     wait(&server, "a stop", |state| state["stops"] == 1);
+    go_on(&server);
     finish(&server, "supply");
     assert_eq!(click(&server, "/begin", "emergency-stop"), 204);
     wait(&server, "a task", |state| !state["task"].is_null());
@@ -162,6 +165,7 @@ fn a_stop_ends_a_step_at_any_moment_and_the_step_can_be_done_again() {
         stopped["task"].is_null() && stopped["running"].is_null(),
         "{stopped}"
     );
+    go_on(&server);
     for step in &BEFORE_MOTORS[1..] {
         finish(&server, step);
     }
@@ -174,6 +178,7 @@ fn a_stop_ends_a_step_at_any_moment_and_the_step_can_be_done_again() {
         let trouble = stopped["trouble"].as_str().unwrap();
         assert!(trouble.contains("the bridges are off"), "{trouble}");
         assert_eq!(stopped["next"], "electrics");
+        go_on(&server);
     }
     let rest = ["homing", "friction", "geometry", "dynamics", "tuning"];
     for (step, next) in ["electrics"].iter().chain(&rest).zip(&rest) {
@@ -188,6 +193,81 @@ fn a_stop_ends_a_step_at_any_moment_and_the_step_can_be_done_again() {
     for file in ["record.json", "robot.toml", "validation.svg"] {
         assert!(folder.path().join("out").join(file).exists(), "{file}");
     }
+}
+
+/// A person says that the arm is safe, and looks at it for a second.
+fn go_on(server: &Server) {
+    assert_eq!(click(server, "/safe", ""), 204);
+    std::thread::sleep(Duration::from_millis(1050));
+}
+
+#[test]
+fn after_a_stop_no_step_begins_before_a_person_has_said_that_the_arm_is_safe_and_a_second_has_passed()
+ {
+    let folder = tempfile::tempdir().unwrap();
+    let server = start(&folder.path().join("out"), &[]);
+    assert_eq!(click(&server, "/stop", ""), 204);
+    wait(&server, "a stop", |state| state["stopped"] == true);
+    assert_eq!(click(&server, "/begin", "supply"), 409);
+    assert_eq!(click(&server, "/safe", ""), 204);
+    let released = Instant::now();
+    assert_eq!(click(&server, "/begin", "supply"), 409);
+    assert!(released.elapsed() < Duration::from_secs(1));
+    std::thread::sleep(Duration::from_millis(1050));
+    finish(&server, "supply");
+}
+
+/// Connections that show no token: this many a second, until `ends`.
+fn connect_and_leave(server: &Server, rate: u32, ends: &AtomicBool) -> u32 {
+    let start = Instant::now();
+    let mut count = 0;
+    while !ends.load(Ordering::Relaxed) {
+        let due = start + count * Duration::from_secs(1) / rate;
+        std::thread::sleep(due.saturating_duration_since(Instant::now()));
+        if let Ok(mut stream) = TcpStream::connect(&server.host) {
+            let _ = write!(stream, "GET / HTTP/1.1\r\nHost: {}\r\n\r\n", server.host);
+        }
+        count += 1;
+    }
+    count
+}
+
+#[test]
+fn no_emergency_stop_is_lost_while_a_thousand_connections_a_second_show_no_token() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = start(&folder.path().join("out"), &[]);
+    let _machine = machine();
+    let mut page = server.page();
+    let ends = AtomicBool::new(false);
+    let mut times = Vec::new();
+    let begun = Instant::now();
+    let connections: u32 = std::thread::scope(|scope| {
+        let _end = EndOnDrop(&ends);
+        let floods: Vec<_> = (0..4)
+            .map(|_| scope.spawn(|| connect_and_leave(&server, 250, &ends)))
+            .collect();
+        for _ in 0..80 {
+            let asked = Instant::now();
+            page.request("emergency_stop");
+            page.stopped("emergency_stop");
+            times.push(asked.elapsed());
+            while asked.elapsed() < Duration::from_millis(60) {
+                page.next();
+            }
+        }
+        ends.store(true, Ordering::Relaxed);
+        floods.into_iter().map(|flood| flood.join().unwrap()).sum()
+    });
+    times.sort();
+    let rate = f64::from(connections) / begun.elapsed().as_secs_f64();
+    eprintln!(
+        "80 stops under {rate:.0} connections a second: {:?} in the middle, {:?} at most",
+        times[40], times[79]
+    );
+    assert!(times[76] < Duration::from_millis(500), "{times:?}");
+    page.wait("the news of it", |message| {
+        (message.get("guide")?["stops"].as_u64()? >= 80).then_some(())
+    });
 }
 
 #[test]

@@ -224,6 +224,22 @@ impl Page {
         panic!("waited in vain for {what}; the last messages were {last:?}");
     }
 
+    /// Waits until the server confirms a stop of this name.
+    pub(crate) fn stopped(&mut self, name: &str) {
+        self.wait("a confirmation", |message| {
+            (message.get("stopped")? == name).then_some(())
+        });
+    }
+
+    /// Waits for a refusal with these words.
+    pub(crate) fn refused(&mut self, words: &str) {
+        self.wait(words, |message| {
+            let notice = message.get("notice")?;
+            let text = notice["text"].as_str()?;
+            (notice["refused"] == true && text.contains(words)).then_some(())
+        });
+    }
+
     /// The next state for which `wanted` holds.
     pub(crate) fn state(&mut self, what: &str, wanted: impl Fn(&Value) -> bool) -> Value {
         self.wait(what, |message| {
@@ -253,6 +269,7 @@ impl Page {
                 Some("Armed") => return,
                 // The fault of an arm that still swings cannot be cleared yet.
                 Some("Fault") => self.request("clear_fault"),
+                // Both are refused in the first second after a fault is cleared.
                 Some("Stopped") if state["homed"] == true => self.request("arm"),
                 Some("Stopped") => self.request("home"),
                 _ => {}

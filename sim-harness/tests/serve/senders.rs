@@ -91,3 +91,19 @@ fn a_sender_is_not_admitted_while_a_page_moves_the_arm() {
     let mut sender = Sender::connect(&server);
     sender.wait_for("Grbl 1.1");
 }
+
+#[test]
+fn an_emergency_stop_is_latched_and_confirmed_while_a_sender_is_connected_and_the_bridges_are_off()
+{
+    let server = Server::start(&["--senders", "127.0.0.1:0"]);
+    let mut page = server.page();
+    page.latest_state();
+    let mut sender = Sender::connect(&server);
+    sender.wait_for("Grbl 1.1");
+    page.state("the sender", |state| state["sender"] == true);
+    page.request("emergency_stop");
+    page.stopped("emergency_stop");
+    let state = page.state_named("Fault");
+    assert_eq!(state["fault"], 10);
+    sender.wait_for("ALARM:3");
+}

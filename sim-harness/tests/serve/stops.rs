@@ -195,3 +195,83 @@ fn a_stop_drops_the_moves_that_were_asked_for_before_it() {
     let moved = number(&after["tool"][1]) - number(&before["tool"][1]);
     assert!(moved.abs() < 2e-3, "{moved} m");
 }
+
+#[test]
+fn an_emergency_stop_is_latched_and_confirmed_in_every_state() {
+    let server = Server::start(&[]);
+    let mut page = server.page();
+    page.latest_state();
+    let stop = |page: &mut Page, before: &str| {
+        assert_eq!(page.latest_state()["state"], before);
+        page.request("emergency_stop");
+        page.stopped("emergency_stop");
+        let state = page.state_named("Fault");
+        assert_eq!(state["fault"], 10, "after {before}");
+        assert_eq!(state["duty"], json!([0.0, 0.0]), "after {before}");
+    };
+    let clear = |page: &mut Page| {
+        page.request("clear_fault");
+        page.state_named("Stopped");
+        let cleared = Instant::now();
+        while cleared.elapsed() < Duration::from_millis(1100) {
+            page.next();
+        }
+    };
+    stop(&mut page, "Stopped");
+    stop(&mut page, "Fault");
+    clear(&mut page);
+    page.request("home");
+    page.state_named("Homing");
+    stop(&mut page, "Homing");
+    page.take_control_and_arm();
+    stop(&mut page, "Armed");
+    page.take_control_and_arm();
+    page.run_long_job();
+    stop(&mut page, "Running");
+    // A page that watches gets the confirmation, too, and a stop on the path is confirmed as well.
+    page.take_control_and_arm();
+    let mut watcher = server.page();
+    watcher.latest_state();
+    page.request("stop");
+    watcher.stopped("stop");
+}
+
+/// Messages come as fast as a program sends them, and clicks of one finger several times a second.
+#[test]
+fn after_a_fault_is_cleared_nothing_powers_the_motors_for_a_second() {
+    let server = Server::start(&[]);
+    let mut page = server.page();
+    page.take_control_and_arm();
+    page.run_long_job();
+    emergency_stop(&mut page);
+    page.state("rest", |state| {
+        state["velocity"] == json!([0.0, 0.0]) || time(state) > 1.0
+    });
+    let cleared = loop {
+        page.request("clear_fault");
+        let asked = Instant::now();
+        page.latest_state();
+        if page.latest_state()["state"] == "Stopped" {
+            break asked;
+        }
+    };
+    for request in ["arm", "home"] {
+        page.request(request);
+        page.send(&json!("resume"));
+        page.refused("cleared a moment ago");
+    }
+    // Another page has no other right.
+    let mut other = server.page();
+    other.send(&json!("control"));
+    other.request("arm");
+    other.refused("cleared a moment ago");
+    while cleared.elapsed() < Duration::from_millis(900) {
+        other.request("arm");
+        assert_eq!(other.latest_state()["state"], "Stopped");
+    }
+    while cleared.elapsed() < Duration::from_millis(1100) {
+        other.next();
+    }
+    other.request("arm");
+    other.state_named("Armed");
+}

@@ -1,7 +1,7 @@
 //! The thread that exchanges messages with the controller.
 //!
-//! Before each exchange it does the stops that pages ask for, so a stop waits for one exchange
-//! at most.
+//! Before each exchange it does the stops that pages ask for ([`Self::stop_if_asked`]
+//! (ControllerThread::stop_if_asked)), so a stop waits for one exchange at most.
 
 use super::ServeError;
 use super::channels::ControllerEnd;
@@ -16,19 +16,18 @@ use super::pace::SpeedMeter;
 use super::parsed_job::ParsedJob;
 use super::preview::{JobStart, Preview};
 use super::source::Opened;
-use super::stop_signal::Stop;
 use crate::input::robot::Robot;
 use crate::run::link::LinkError;
 use crate::run::simulation::fault_name;
 use crate::run::time_optimal::JobPlanner;
 use crate::show::bridge::{Machine, Seat};
+use fivebar_firmware::Status;
 use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::protocol::{CommandError, HostCommand, Reply};
-use fivebar_firmware::safety::{self, Fault};
-use fivebar_firmware::{Request, Status};
+use fivebar_firmware::safety::Fault;
 use fivebar_kinematics::five_bar::Side;
 use std::sync::{Arc, mpsc};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// States sent to pages per second of the controller's time [Hz].
 const SAMPLES: f32 = 30.0;
@@ -38,8 +37,6 @@ const SAMPLES_STEPPED: f32 = 200.0;
 const EVENTS_PER_CYCLE: usize = 64;
 /// Places of the tool in one state.
 const MOST_PLACES: usize = 32;
-/// Longest time for the arm to come to rest when the program ends.
-const LONGEST_STOP: Duration = Duration::from_secs(5);
 
 /// One controller and the pages that show it.
 pub(super) struct ControllerThread {
@@ -66,6 +63,8 @@ pub(super) struct ControllerThread {
     pub(super) run_asked_by: Option<(PageId, u32)>,
     /// Whether the job runs on when no page is in control.
     pub(super) run_on: bool,
+    /// When a page last cleared a fault.
+    pub(super) cleared: Option<Instant>,
     speed: SpeedMeter,
 }
 
@@ -116,6 +115,7 @@ impl ControllerThread {
             loaded: None,
             run_asked_by: None,
             run_on: false,
+            cleared: None,
             speed: SpeedMeter::from(0.0, Instant::now()),
         })
     }
@@ -175,39 +175,6 @@ impl ControllerThread {
         Ok(())
     }
 
-    /// Does the stops that pages have asked for; returns whether there was one.
-    fn stop_if_asked(&mut self) -> Result<bool, LinkError> {
-        let mut asked = false;
-        for _ in 0..Stop::KINDS {
-            let Some((stop, page)) = self.pages.shared.stop.take() else {
-                break;
-            };
-            asked = true;
-            if self.machine.is_taken() {
-                match stop {
-                    Stop::OnPath => self.machine.hold()?,
-                    Stop::Emergency => self.machine.emergency_stop()?,
-                }
-                continue;
-            }
-            let was_running = self.feeder.is_running();
-            self.feeder.stop();
-            if was_running {
-                self.report_job(JobStatus::Held);
-            }
-            self.run_asked_by = None;
-            self.mode_wanted = None;
-            let answer = self
-                .machine
-                .client
-                .command(HostCommand::Request(stop.into()))?;
-            if let Err(refusal) = answer {
-                self.refuse(Some(page), sentence(&refusal));
-            }
-        }
-        Ok(asked)
-    }
-
     /// Drops the moves of a page that is no longer in control. Its job keeps its place, or goes on
     /// if it was told to.
     fn drop_moves_of_a_lost_page(&mut self) {
@@ -229,7 +196,7 @@ impl ControllerThread {
         self.run_on && self.feeder.is_running()
     }
 
-    fn report_job(&self, status: JobStatus) {
+    pub(super) fn report_job(&self, status: JobStatus) {
         match status {
             JobStatus::Unchanged => {}
             JobStatus::Finished => self.notice("The job is done."),
@@ -293,37 +260,6 @@ impl ControllerThread {
         if let Some([x, y]) = status.tool.filter(|_| self.trail.len() < MOST_PLACES) {
             self.trail.push([x, y, status.tool_level]);
         }
-    }
-
-    /// Whether the arm rests, with bridges on or off.
-    pub(super) fn rests(&self) -> bool {
-        use safety::State::{Armed, Crossing, Exciting, Fault, Homing, Running, Stopped, Stopping};
-        match self.machine.status.state {
-            Stopped | Armed | Fault => true,
-            Homing | Running | Stopping | Exciting | Crossing => false,
-        }
-    }
-
-    fn stop_arm(&mut self) -> Result<(), LinkError> {
-        let deadline = Instant::now() + LONGEST_STOP;
-        // Both requests are refused if a fault is latched: then the controller itself
-        // brings the arm to rest.
-        let _ = self
-            .machine
-            .client
-            .command(HostCommand::Request(Request::Stop))?;
-        loop {
-            (self.machine.status, _) = self.machine.client.status()?;
-            if self.rests() || Instant::now() > deadline {
-                break;
-            }
-            self.machine.pass_time()?;
-        }
-        let _ = self
-            .machine
-            .client
-            .command(HostCommand::Request(Request::Disarm))?;
-        Ok(())
     }
 
     fn send_state(&mut self) -> Result<(), LinkError> {

@@ -1,5 +1,6 @@
 //! The JSON messages between pages and server; docs/live-page.md describes them.
 
+use super::commission::PageState;
 use super::lease::PageId;
 use super::stop_signal::Stop;
 use fivebar_firmware::Status;
@@ -138,6 +139,10 @@ pub(super) enum ServerMessage<'a> {
         /// The sentence.
         text: String,
     },
+    /// The controller has accepted a stop.
+    Stopped(Stop),
+    /// The state of a guided commissioning.
+    Guide(&'a PageState),
     /// The latched fault; none: no fault is latched.
     Fault(Option<FaultMessage>),
     /// The loaded job.

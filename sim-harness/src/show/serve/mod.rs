@@ -26,7 +26,7 @@
 //! | `job_thread`, `parsed_job` | the thread that reads, checks and plans jobs; a job |
 //! | `mode_thread` | the thread that plans changes of the working mode |
 //! | `preview`, `strokes` | the arm and its jobs as lines to draw |
-//! | `stop_signal` | stops, on a path past every queue |
+//! | `stop_signal`, `stops` | stops, on a path past every queue; what they do |
 //! | `lease` | which page is in control, and whether it is alive |
 //! | `channels` | what else passes between pages and controller |
 //! | `news` | what the controller's thread tells the pages, without waiting for them |
@@ -67,6 +67,7 @@ mod simulated;
 mod socket;
 pub(super) mod source;
 mod stop_signal;
+mod stops;
 mod strokes;
 mod web;
 

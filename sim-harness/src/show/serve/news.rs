@@ -84,10 +84,11 @@ impl News {
         }
         let text = message.json();
         self.queue(match message {
-            ServerMessage::State(_) => Item::State(text),
+            ServerMessage::State(_) | ServerMessage::Guide(_) => Item::State(text),
             ServerMessage::Fault(_) => Item::Fault(text),
             ServerMessage::Job(_) => Item::Job(text),
             ServerMessage::Notice { to, .. } => Item::Notice((*to, text)),
+            ServerMessage::Stopped(_) => Item::Notice((None, text)),
         });
     }
 

@@ -1,7 +1,6 @@
 //! Turns the requests of pages into host commands, targets and jobs, or into a refusal.
 
 use super::channels::{Event, EventKind, Page};
-use super::command_error::sentence;
 use super::controller_thread::ControllerThread;
 use super::job_thread::JobSource;
 use super::lease::PageId;
@@ -10,14 +9,17 @@ use super::move_feeder::{MoveEnd, takes_moves};
 use super::preview::nearest;
 use super::stop_signal::Stop;
 use crate::run::link::LinkError;
-use fivebar_firmware::protocol::HostCommand;
 use fivebar_firmware::safety::State;
 use fivebar_firmware::{MoveKind, Request};
 use fivebar_kinematics::five_bar::Side;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Speed of joint moves, as a share of the joints' greatest speed.
 pub(super) const JOINT_SPEED: f32 = 0.4;
+
+/// After a fault is cleared the bridges stay off for this time, so that quick clicks, or messages,
+/// that clear it do not go on to move the arm.
+const PAUSE: Duration = Duration::from_secs(1);
 
 /// Why a request is refused, as a sentence.
 pub(super) type Refused = String;
@@ -193,8 +195,18 @@ impl ControllerThread {
                 return Ok(Ok(()));
             }
         };
-        let answer = self.machine.client.command(HostCommand::Request(request))?;
-        Ok(answer.map_err(|refusal| sentence(&refusal)))
+        let powers = matches!(request, Request::Arm | Request::Home);
+        if powers && self.cleared.is_some_and(|at| at.elapsed() < PAUSE) {
+            return Ok(Err(
+                "A fault was cleared a moment ago: look at the arm, wait a second, then ask again."
+                    .into(),
+            ));
+        }
+        let answer = self.ask_controller(request)?;
+        if request == Request::ClearFault && answer.is_ok() {
+            self.cleared = Some(Instant::now());
+        }
+        Ok(answer)
     }
 
     fn jog(&mut self, [dx, dy]: [f32; 2]) -> Result<(), Refused> {

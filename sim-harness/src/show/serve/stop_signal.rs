@@ -1,14 +1,17 @@
 //! Stops that pages ask for, on a path past every queue.
 
 use super::lease::PageId;
+use serde::Serialize;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// A request that any page may make, because it makes the arm safer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub(super) enum Stop {
     /// Along the path to rest.
+    #[serde(rename = "stop")]
     OnPath,
     /// Bridges off.
+    #[serde(rename = "emergency_stop")]
     Emergency,
 }
 

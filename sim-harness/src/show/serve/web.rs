@@ -36,7 +36,7 @@ type Asset = (&'static str, &'static str, &'static str);
 
 const SCRIPT: &str = "text/javascript; charset=utf-8";
 
-const ASSETS: [Asset; 12] = [
+const ASSETS: [Asset; 15] = [
     (
         "/",
         "text/html; charset=utf-8",
@@ -48,11 +48,14 @@ const ASSETS: [Asset; 12] = [
         include_str!("page/style.css"),
     ),
     ("/app.js", SCRIPT, include_str!("page/app.js")),
+    ("/clicks.js", SCRIPT, include_str!("page/clicks.js")),
     ("/clock.js", SCRIPT, include_str!("page/clock.js")),
     ("/colour.js", SCRIPT, include_str!("page/colour.js")),
     ("/connection.js", SCRIPT, include_str!("page/connection.js")),
     ("/drawing.js", SCRIPT, include_str!("page/drawing.js")),
     ("/drag.js", SCRIPT, include_str!("page/drag.js")),
+    ("/emergency.js", SCRIPT, include_str!("page/emergency.js")),
+    ("/keys.js", SCRIPT, include_str!("page/keys.js")),
     ("/map.js", SCRIPT, include_str!("page/map.js")),
     ("/panel.js", SCRIPT, include_str!("page/panel.js")),
     ("/plots.js", SCRIPT, include_str!("page/plots.js")),
@@ -150,7 +153,8 @@ async fn authorize(State(guard): State<Arc<Guard>>, request: Request, next: Next
     response
 }
 
-async fn live(State(pages): State<WebEnd>, mut request: Request) -> Response {
+/// Makes a request a page's websocket.
+pub(super) async fn live(State(pages): State<WebEnd>, mut request: Request) -> Response {
     let reply = match create_response_with_body(&request, Body::empty) {
         Ok(reply) => reply,
         Err(error) => return (StatusCode::BAD_REQUEST, format!("{error}\n")).into_response(),

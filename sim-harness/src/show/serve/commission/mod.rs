@@ -1,27 +1,37 @@
 //! The guided page of a commissioning: `fivebar serve --commission`.
 //!
-//! A thread of its own does the steps of `show::commission`, one for each click. Pages ask for the state
-//! and send clicks as web requests. A stop passes no queue: it sets a flag that ends the exchange with the
-//! controller at once, and the thread then switches the bridges off.
+//! A thread of its own does the steps of `show::commission`, one for each click. Pages send clicks as web
+//! requests. Each has a standing connection, too, a websocket as the arm's page has it: the state comes over
+//! it and emergency stops go over it, so that no new connection is needed for a stop. A stop passes no
+//! queue: it sets a flag that ends the exchange with the controller at once, and the thread then switches the
+//! bridges off and confirms it.
 
 mod clicks;
 mod state;
 mod web;
 
 use super::accept;
+use super::channels::{self, ControllerEnd};
 use super::guard::Guard;
+use super::news::News;
 use super::{ServeError, web as live};
 use crate::show::commission::{Commissioning, Options, StepError};
 use clicks::{Click, PageVoice};
-use state::{PageState, Shared};
+use state::Shared;
 use std::net::SocketAddr;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-/// How often a thread looks for a stop and for the end of the program.
+pub(super) use state::PageState;
+
+/// How often a thread looks for the end of the program.
 const LOOK: Duration = Duration::from_millis(50);
+/// How often a thread looks for stops of pages.
+const LOOK_FOR_STOPS: Duration = Duration::from_millis(5);
+/// A state is sent at least as often, because a page without news takes the server for lost.
+const SIGN_OF_LIFE: Duration = Duration::from_millis(500);
 
 /// Serves the guided page until `ends` returns true. Calls `ready` with the address as soon as it is
 /// served.
@@ -38,7 +48,8 @@ pub(in crate::show) fn serve(
     let listener = accept::listen(address);
     let listener = listener.map_err(|source| ServeError::Listen { address, source })?;
     let (clicks, clicked) = channel();
-    let shared = Arc::new(Shared::new(clicks));
+    let (pages, from_pages, to_pages) = channels::channels();
+    let shared = Arc::new(Shared::new(clicks, News::start(to_pages)));
     let clicked = Arc::new(Mutex::new(clicked));
     let voice = PageVoice::new(Arc::clone(&shared), Arc::clone(&clicked));
     let stop = Arc::clone(&shared.stop);
@@ -46,8 +57,8 @@ pub(in crate::show) fn serve(
     let commissioning = commissioning.map_err(|error| ServeError::Commission(error.to_string()))?;
     shared.change(|state| *state = PageState::new(&commissioning, &options.out));
     ready(listener.local_addr()?);
-    watch(Arc::clone(&shared), ends);
-    let router = web::router(Arc::clone(&shared), guard);
+    watch(Arc::clone(&shared), from_pages, ends);
+    let router = web::router(Arc::clone(&shared), pages, guard);
     live::serve_until(
         listener,
         router,
@@ -58,11 +69,21 @@ pub(in crate::show) fn serve(
     )
 }
 
-/// Stops the arm when the program ends, also in the middle of a step.
-fn watch(shared: Arc<Shared>, ends: impl Fn() -> bool + Send + 'static) {
+/// Stops the arm when a page asks for it and when the program ends, also in the middle of a step.
+fn watch(shared: Arc<Shared>, pages: ControllerEnd, ends: impl Fn() -> bool + Send + 'static) {
     thread::spawn(move || {
+        let mut shown = Instant::now();
         while !ends() {
-            thread::sleep(LOOK);
+            thread::sleep(LOOK_FOR_STOPS);
+            while pages.shared.stop.take().is_some() {
+                shared.raise_stop();
+            }
+            // The requests of the arm's page mean nothing here.
+            while pages.events.try_recv().is_ok() {}
+            if shown.elapsed() > SIGN_OF_LIFE {
+                shown = Instant::now();
+                shared.change(|_| ());
+            }
         }
         shared.end();
     });
@@ -132,9 +153,12 @@ fn shown(error: &StepError, shared: &Shared) -> String {
 /// Switches the bridges off. What was clicked before begins nothing after it.
 fn stop(commissioning: &mut Commissioning, shared: &Shared, clicked: &Mutex<Receiver<Click>>) {
     let outcome = commissioning.switch_off();
+    if outcome.is_ok() {
+        shared.confirm_stop();
+    }
     shared.change(|state| {
         forget(clicked);
-        state.stops += 1;
+        state.stop();
         state.end(Err(match outcome {
             Ok(()) => "stopped: the bridges are off".into(),
             Err(error) => format!("the stop did not reach the controller: {error}"),

@@ -1,5 +1,8 @@
 //! What pages show of a commissioning.
 
+use super::super::message::ServerMessage;
+use super::super::news::News;
+use super::super::stop_signal::Stop;
 use super::clicks::Click;
 use crate::show::commission::{Commissioning, STEPS, where_to_find};
 use serde::Serialize;
@@ -7,9 +10,12 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Sender;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
 /// Lines of the step that are kept.
 const LINES: usize = 200;
+/// No step begins for this time after the end of a stop, so that quick clicks do not go on to move the arm.
+const PAUSE: Duration = Duration::from_secs(1);
 
 /// A step on the page.
 #[derive(Clone, Debug, Serialize)]
@@ -31,7 +37,7 @@ struct ShownTask {
 
 /// The state, as pages get it.
 #[derive(Clone, Debug, Default, Serialize)]
-pub(super) struct PageState {
+pub(in crate::show::serve) struct PageState {
     steps: Vec<ShownStep>,
     /// The first step that is not done.
     next: Option<&'static str>,
@@ -45,7 +51,12 @@ pub(super) struct PageState {
     /// Where the record is.
     place: String,
     /// Stops that have switched the bridges off.
-    pub(super) stops: u32,
+    stops: u32,
+    /// No step begins until a person has said that the arm is safe.
+    stopped: bool,
+    /// When that was said.
+    #[serde(skip)]
+    released: Option<Instant>,
     #[serde(skip)]
     pub(super) hand_does_all: bool,
 }
@@ -85,6 +96,26 @@ impl PageState {
         self.hand_does_all = false;
     }
 
+    /// A stop has ended the step.
+    pub(super) fn stop(&mut self) {
+        self.stops += 1;
+        self.stopped = true;
+    }
+
+    /// Whether a step may begin.
+    fn may_begin(&self) -> Result<(), &'static str> {
+        if self.running.is_some() {
+            return Err("a step is being done\n");
+        }
+        if self.stopped {
+            return Err("the arm was stopped: say first that it is safe\n");
+        }
+        if self.released.is_some_and(|at| at.elapsed() < PAUSE) {
+            return Err("the arm was stopped: look at it, wait a second, then start the step\n");
+        }
+        Ok(())
+    }
+
     /// The step has ended.
     pub(super) fn end(&mut self, outcome: Result<String, String>) {
         self.running = None;
@@ -109,6 +140,7 @@ impl PageState {
 pub(super) struct Shared {
     state: Mutex<PageState>,
     clicks: Sender<Click>,
+    news: News,
     /// A stop that has not switched the bridges off yet.
     pub(super) stop: Arc<AtomicBool>,
     /// The program ends.
@@ -116,10 +148,11 @@ pub(super) struct Shared {
 }
 
 impl Shared {
-    pub(super) fn new(clicks: Sender<Click>) -> Self {
+    pub(super) fn new(clicks: Sender<Click>, news: News) -> Self {
         Self {
             state: Mutex::default(),
             clicks,
+            news,
             stop: Arc::default(),
             ended: AtomicBool::new(false),
         }
@@ -134,12 +167,21 @@ impl Shared {
         read(&self.state())
     }
 
-    /// Changes the state.
+    /// Changes the state and shows it to the pages.
     pub(super) fn change(&self, change: impl FnOnce(&mut PageState)) {
         let mut state = self.state();
         change(&mut state);
         let surplus = state.lines.len().saturating_sub(LINES);
         state.lines.drain(..surplus);
+        self.news.send(&ServerMessage::Guide(&state));
+    }
+
+    /// A person says that the arm is safe after a stop.
+    pub(super) fn release(&self) {
+        self.change(|state| {
+            state.stopped = false;
+            state.released = Some(Instant::now());
+        });
     }
 
     /// The state as JSON.
@@ -151,13 +193,15 @@ impl Shared {
     pub(super) fn click(&self, click: Click) -> Result<(), &'static str> {
         let mut state = self.state();
         match &click {
-            Click::Begin(_) | Click::Again(_) if state.running.is_some() => {
-                return Err("a step is being done\n");
-            }
+            Click::Again(_) if state.running.is_some() => return Err("a step is being done\n"),
+            Click::Begin(_) => state.may_begin()?,
             Click::Done { .. } if state.task.is_none() => return Err("no task waits\n"),
-            // From now on, so that a second click is refused.
-            Click::Begin(step) => state.begin(step),
             Click::Again(_) | Click::Done { .. } => {}
+        }
+        if let Click::Begin(step) = &click {
+            // From now on, so that a second click is refused.
+            state.begin(step);
+            self.news.send(&ServerMessage::Guide(&state));
         }
         // Under the lock, so that whoever forgets the clicks and shows a state forgets this one, too.
         self.clicks
@@ -168,6 +212,11 @@ impl Shared {
     /// A page stops the arm.
     pub(super) fn raise_stop(&self) {
         self.stop.store(true, Ordering::Release);
+    }
+
+    /// A stop has switched the bridges off.
+    pub(super) fn confirm_stop(&self) {
+        self.news.send(&ServerMessage::Stopped(Stop::Emergency));
     }
 
     /// The program ends: stops the arm.

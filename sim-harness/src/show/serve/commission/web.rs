@@ -1,7 +1,8 @@
 //! The guided page's files and its requests.
 
+use super::super::channels::WebEnd;
 use super::super::guard::Guard;
-use super::super::web::guarded;
+use super::super::web::{guarded, live};
 use super::clicks::Click;
 use super::state::Shared;
 use crate::show::commission::STEPS;
@@ -19,7 +20,7 @@ const SCRIPT: &str = "text/javascript; charset=utf-8";
 const STYLE: &str = "text/css; charset=utf-8";
 
 /// The page's files: path, media type, text.
-const ASSETS: [(&str, &str, &str); 4] = [
+const ASSETS: [(&str, &str, &str); 8] = [
     (
         "/",
         "text/html; charset=utf-8",
@@ -36,10 +37,22 @@ const ASSETS: [(&str, &str, &str); 4] = [
         SCRIPT,
         include_str!("../page/commission.js"),
     ),
+    ("/clicks.js", SCRIPT, include_str!("../page/clicks.js")),
+    ("/clock.js", SCRIPT, include_str!("../page/clock.js")),
+    (
+        "/connection.js",
+        SCRIPT,
+        include_str!("../page/connection.js"),
+    ),
+    (
+        "/emergency.js",
+        SCRIPT,
+        include_str!("../page/emergency.js"),
+    ),
 ];
 
 /// The routes, behind the guard.
-pub(super) fn router(shared: Arc<Shared>, guard: Guard) -> Router {
+pub(super) fn router(shared: Arc<Shared>, pages: WebEnd, guard: Guard) -> Router {
     let mut router = Router::new();
     for (path, kind, text) in ASSETS {
         let answer = move || async move { ([(header::CONTENT_TYPE, kind)], text) };
@@ -50,10 +63,12 @@ pub(super) fn router(shared: Arc<Shared>, guard: Guard) -> Router {
         .route("/begin", post(begin))
         .route("/again", post(again))
         .route("/done", post(done))
+        .route("/safe", post(safe))
         .route("/stop", post(stop))
         .layer(DefaultBodyLimit::max(LONGEST))
         .with_state(shared);
-    guarded(router, guard)
+    let standing = Router::new().route("/live", get(live)).with_state(pages);
+    guarded(router.merge(standing), guard)
 }
 
 async fn state(State(shared): State<Arc<Shared>>) -> Response {
@@ -86,6 +101,11 @@ fn clicked(shared: &Shared, click: Click) -> Response {
         Ok(()) => StatusCode::NO_CONTENT.into_response(),
         Err(reason) => (StatusCode::CONFLICT, reason).into_response(),
     }
+}
+
+async fn safe(State(shared): State<Arc<Shared>>) -> StatusCode {
+    shared.release();
+    StatusCode::NO_CONTENT
 }
 
 /// Works at all times: it waits for nothing.

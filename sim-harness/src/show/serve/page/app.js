@@ -1,13 +1,18 @@
 // The page: shows the server's messages, and sends what the user does as requests.
-import { Connection } from "./connection.js";
+import { ClickGuard } from "./clicks.js";
 import { Drawing } from "./drawing.js";
 import { DragHandler } from "./drag.js";
+import { alarm, connection } from "./emergency.js";
+import { listen } from "./keys.js";
 import { WorkspaceMap } from "./map.js";
 import { nextStep, put, showFault, showJob, showNotice, showNumbers, stateText, whyNot } from "./panel.js";
 import { Plot } from "./plots.js";
 
 const DEGREE = Math.PI / 180;
 const SHIFT = 0.005; // m that a button moves the drawing by
+const STEPS = [0.0001, 0.001, 0.005, 0.02]; // m
+const TURNS = [0.1, 1, 5, 20]; // degrees
+const PAUSE = 1000; // ms for which the button of the next step does nothing after it has changed
 
 // An error of a script is shown, so that a failed page is not taken for a working one.
 const fail = (reason) => showNotice(`This page failed: ${reason}. Load it again.`, true);
@@ -18,7 +23,6 @@ const at = (id) => document.getElementById(id);
 const json = async (path) => (await fetch(path)).json();
 const arm = await json("arm.json");
 const map = new WorkspaceMap(await json("maps.json"));
-const connection = new Connection();
 const drawing = new Drawing(at("arm"), arm, map);
 const drag = new DragHandler(at("arm"), drawing);
 const plots = {
@@ -28,15 +32,23 @@ const plots = {
 };
 let me = null; // this page's number
 let elbows = null; // the sides of the arm's elbows
+let chosen = null; // the branch whose map is shown
 let last = null; // the last state; null without a connection
 let fault = null;
 let loaded = null; // the job that was loaded last
 let next = null; // the control that does the next step
+let nextBefore = null; // the one before
+let nextSince = -PAUSE; // when it changed [ms]
+const clicks = new ClickGuard();
 
 // Messages of the server.
 
-connection.onMessage = (message) => {
+function receive(message) {
   if (message.hello) me = message.hello;
+  if (message.stopped) {
+    drag.releaseArm();
+    muteKeys();
+  }
   if (message.state) showState(message.state);
   if (message.notice && (message.notice.to ?? me) === me) showNotice(message.notice.text, message.notice.refused);
   if ("fault" in message) {
@@ -56,14 +68,14 @@ connection.onMessage = (message) => {
     showControls();
     redraw();
   }
-};
+}
 
-connection.onLost = (reason) => {
+function lose(reason) {
   last = null;
   showStateText("offline", "No connection");
   showControls();
   if (reason) showNotice(reason, true);
-};
+}
 
 function showStateText(state, text) {
   document.body.dataset.state = state;
@@ -82,11 +94,15 @@ function showState(state) {
     elbows = String(state.elbows);
     chooseBranch(elbows);
   }
-  for (const option of at("mode").options) {
-    option.disabled = state.modes !== null && !state.modes.some((mode) => String(mode) === option.value);
+  for (const button of modes) {
+    const isOut = state.modes !== null && !state.modes.some((mode) => String(mode) === button.dataset.mode);
+    if (button.classList.contains("out") !== isOut) button.classList.toggle("out", isOut);
   }
   at("run-on").checked = state.run_on;
-  if (document.activeElement !== at("feed")) at("feed").value = String(Math.round(100 * state.feed) / 100);
+  if (document.activeElement !== at("feed")) {
+    at("feed").value = String(Math.round(100 * state.feed));
+    showSliders();
+  }
   const error = state.tool && state.reference
     ? 1e6 * Math.hypot(state.tool[0] - state.reference[0], state.tool[1] - state.reference[1]) : null;
   plots.error.add(state.time, [error]);
@@ -104,7 +120,11 @@ function nameOf(control) {
   return place || control.id === "grab" ? "place" : control.id;
 }
 
-const controls = [...document.querySelectorAll("#panel button")];
+// The controls that move the arm, or power its motors.
+const MOVING = ["home", "arm", "clear_fault", "control", "run", "run-from", "resume", "jog", "change"];
+const controls = [...document.querySelectorAll("#panel button:not([data-mode])")];
+const modes = [...document.querySelectorAll("[data-mode]")];
+const controlOf = (name) => document.querySelector(`[data-request="${name}"]`) ?? at(name);
 
 // Marks the controls that have no use now, and shows the next step.
 function showControls() {
@@ -115,18 +135,25 @@ function showControls() {
   const watching = last !== null && last.control !== me;
   const isControl = at("control").getAttribute("aria-disabled") === "true";
   if (isControl === watching) at("control").setAttribute("aria-disabled", !watching);
-  const [advice, control, words] = nextStep(last, loaded, fault, watching);
-  next = control;
+  const [advice, control, words, marked] = nextStep(last, loaded, fault, watching);
+  if (control !== next) [next, nextBefore, nextSince] = [control, next, performance.now()];
   put("advice", advice);
   put("next", words);
-  if ((at("next").getAttribute("aria-disabled") === "true") !== (control === null)) {
-    at("next").setAttribute("aria-disabled", control === null);
+  for (const other of controls) {
+    const isMarked = Boolean(marked) && other === controlOf(marked);
+    if (other.classList.contains("marked") !== isMarked) other.classList.toggle("marked", isMarked);
   }
+  const isUseless = control === null || isFresh();
+  if ((at("next").getAttribute("aria-disabled") === "true") !== isUseless) at("next").setAttribute("aria-disabled", isUseless);
 }
+
+// Whether the button of the next step has changed a moment ago, so that a click may be meant for the one before.
+const isFresh = () => next !== "stop" && performance.now() - nextSince < PAUSE;
 
 // Chooses the branch whose map is shown and to which "Change branch" leads.
 function chooseBranch(branch) {
-  at("mode").value = branch;
+  chosen = branch;
+  for (const button of modes) button.setAttribute("aria-pressed", button.dataset.mode === branch);
   map.choose(branch);
   redraw();
 }
@@ -158,20 +185,22 @@ function send(request) {
   if (!connection.send(request)) showNotice("Not sent: there is no connection.", true);
 }
 
-function emergencyStop() {
-  if (!connection.emergencyStop()) {
-    showNotice("No connection: a moving arm comes to rest, unless its job runs on. The emergency stop is "
-      + "sent as soon as there is a connection.", true);
+// Stops on the path, whatever this page has last heard of the arm. The hand lets go of what it drags.
+function stop() {
+  drag.releaseArm();
+  showNotice("");
+  if (!connection.send({ request: "stop" })) {
+    alarm("Stop NOT SENT: there is no connection. Use the switch at the arm.");
   }
 }
 
 function jog(x, y) {
-  const step = Number(at("step-size").value);
+  const step = STEPS[at("step-size").value];
   send({ jog: [x * step, y * step] });
 }
 
 function jogJoint(joint, sign) {
-  send({ jog_joint: { joint, by: sign * Number(at("turn").value) * DEGREE } });
+  send({ jog_joint: { joint, by: sign * TURNS[at("turn").value] * DEGREE } });
 }
 
 // Moves the drawing, and scales and turns it about its middle.
@@ -195,7 +224,7 @@ const ACTIONS = {
   run: () => send("run"),
   resume: () => send("resume"),
   "run-from": () => send({ run_from: Math.max(1, Math.round(Number(at("from").value))) }),
-  change: () => send({ mode: at("mode").value.split(",") }),
+  change: () => send({ mode: chosen.split(",") }),
   grab: () => setGrab(!drawing.grabs),
   demonstration: async () => {
     const answer = await fetch("demonstration.gcode");
@@ -211,10 +240,18 @@ function zoom(how) {
   redraw();
 }
 
-function act(button) {
-  const { request, jog: direction, turn, place: where, zoom: how } = button.dataset;
+function act(button, event) {
+  const { request, jog: direction, turn, place: where, zoom: how, mode } = button.dataset;
+  const name = nameOf(button);
+  const isMeant = clicks.admits(name, button, event);
+  // What this page has last heard keeps no stop back.
+  if (request === "stop") return stop();
   if (how) return zoom(how);
-  const why = button.closest("#panel") ? whyNot(nameOf(button), last, loaded) : null;
+  if (mode) return chooseBranch(mode);
+  if (!isMeant && MOVING.includes(name)) {
+    return showNotice("Not done, because a click in this place has just done something else. Look at the arm, then click again.", true);
+  }
+  const why = button.closest("#panel") ? whyNot(name, last, loaded) : null;
   if (why !== null && last?.control === me) return showNotice(why.includes(". ") ? why : `Not now: ${why}.`, true);
   if (request) send({ request });
   else if (direction) jog(...direction.split(",").map(Number));
@@ -225,16 +262,34 @@ function act(button) {
   } else ACTIONS[button.id]?.();
 }
 
-document.addEventListener("click", ({ target }) => {
-  const button = target.closest("button");
-  if (!button) return;
-  if (button.id === "emergency") return emergencyStop();
-  if (button.id !== "next") return act(button);
-  if (next) act(document.querySelector(`[data-request="${next}"]`) ?? at(next));
+// Does the next step. Where another one has just been the next, its click is not for this one.
+function actNext(event) {
+  if (next && !isFresh()) return act(controlOf(next), event);
+  clicks.admits("next", at("next"), event);
+  if (next && nextBefore === "stop") stop();
+}
+
+document.addEventListener("click", (event) => {
+  const button = event.target.closest("button");
+  if (button?.id === "next") actNext(event);
+  else if (button) act(button, event);
 });
+
+const percent = () => Number(at("feed").value);
+function showSliders() {
+  for (const [id, text] of [
+    ["feed", `${percent()} %`],
+    ["step-size", `${1000 * STEPS[at("step-size").value]} mm`],
+    ["turn", `${TURNS[at("turn").value]}°`],
+  ]) {
+    put(`${id}-value`, text);
+    if (at(id).ariaValueText !== text) at(id).ariaValueText = text;
+  }
+}
+
+for (const id of ["feed", "step-size", "turn"]) at(id).oninput = showSliders;
+at("feed").onchange = () => send({ feed: percent() / 100 });
 at("run-on").onchange = () => send({ run_on: at("run-on").checked });
-at("feed").onchange = () => send({ feed: Number(at("feed").value) });
-at("mode").onchange = () => chooseBranch(at("mode").value);
 at("map").onchange = () => {
   map.shown = at("map").checked;
   redraw();
@@ -242,6 +297,15 @@ at("map").onchange = () => {
 at("file").onchange = async () => {
   const [file] = at("file").files;
   if (file) load(file.name, await file.text());
+};
+// While the browser's window to choose a file is open, it takes the keys.
+at("file").onclick = (event) => {
+  if (!connection.mayMove) return;
+  event.preventDefault();
+  showNotice("Not now: the arm moves, and the window to choose a file would take the keys that stop it.", true);
+};
+at("file").oncancel = () => {
+  if (connection.mayMove) connection.emergencyStop();
 };
 
 const KEYS = {
@@ -259,16 +323,7 @@ const SHIFT_KEYS = {
   ArrowDown: () => jogJoint("theta4", -1),
   "+": KEYS["+"],
 };
-document.addEventListener("keydown", (event) => {
-  const { key, target } = event;
-  if (key === "Escape") return emergencyStop();
-  if (target.closest("select, input") || event.ctrlKey || event.altKey || event.metaKey) return;
-  const action = (event.shiftKey ? SHIFT_KEYS : KEYS)[key];
-  if (key === " " && !target.closest("button")) send({ request: "stop" });
-  else if (action) action();
-  else return;
-  event.preventDefault();
-});
+const muteKeys = listen(stop, KEYS, SHIFT_KEYS);
 
 drag.onStart = () => showNotice("");
 drag.onFollow = (point) => connection.send({ follow: point });
@@ -278,9 +333,10 @@ drag.onView = redraw;
 
 at("name").textContent = arm.name;
 at("place").textContent = arm.place;
-chooseBranch(at("mode").value);
+chooseBranch(modes[0].dataset.mode);
 showLegend();
 showControls();
+showSliders();
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
   map.paint();
   showLegend();
@@ -291,4 +347,4 @@ addEventListener("resize", () => {
   else drawing.showAll();
   redraw();
 });
-connection.open();
+connection.deliver(receive, lose);

@@ -1,7 +1,9 @@
 // The guided page of a commissioning: it shows the state that the server has, and sends clicks.
-"use strict";
+import { ClickGuard } from "./clicks.js";
+import { connection } from "./emergency.js";
 
 const part = (id) => document.getElementById(id);
+const clicks = new ClickGuard();
 let shown = "";
 
 async function send(what, body = "") {
@@ -9,9 +11,8 @@ async function send(what, body = "") {
     const answer = await fetch(what, { method: "POST", body });
     if (!answer.ok) trouble(await answer.text());
   } catch {
-    offline();
+    trouble("The click did not reach the server: click again.");
   }
-  look();
 }
 
 function trouble(text) {
@@ -22,6 +23,7 @@ function trouble(text) {
 function offline() {
   document.body.dataset.state = "offline";
   part("state").textContent = "offline: use the switch at the arm";
+  shown = "";
 }
 
 // Whether a step was done, with the way to do it again.
@@ -46,14 +48,15 @@ function entry(step, state) {
 function show(state) {
   const name = state.running ?? state.next;
   const step = state.steps.find((other) => other.name === name);
-  const word = state.running ? "Running" : name ? "Stopped" : "Done";
+  const word = state.running ? "Running" : state.stopped ? "Fault" : name ? "Stopped" : "Done";
   document.body.dataset.state = word === "Done" ? "Armed" : word;
-  part("state").textContent = state.running ? `doing ${name}` : name ? "waiting" : "finished";
+  part("state").textContent = state.running ? `doing ${name}` : state.stopped ? "stopped" : name ? "waiting" : "finished";
   part("now").textContent = !name ? "All steps are done" : `${state.running ? "Now" : "Next"}: ${name}`;
   part("does").textContent = step ? `It ${step.does}.` : "";
-  part("begin").hidden = Boolean(state.running) || !name;
+  part("begin").hidden = Boolean(state.running) || state.stopped || !name;
   part("begin").dataset.step = name ?? "";
   part("begin").textContent = name ? `Start ${name}` : "";
+  part("safe").hidden = !state.stopped;
   trouble(state.trouble);
   part("task").hidden = !state.task;
   part("ask").textContent = state.task ? `${state.task.text}.` : "";
@@ -67,26 +70,23 @@ function show(state) {
   part("steps").replaceChildren(...state.steps.map((each) => entry(each, state)));
 }
 
-async function look() {
-  try {
-    const answer = await fetch("state.json");
-    const text = await answer.text();
-    if (!answer.ok) throw new Error(text);
-    // Unchanged parts keep the focus.
-    if (text !== shown || document.body.dataset.state === "offline") show(JSON.parse(text));
-    shown = text;
-  } catch {
-    offline();
-    shown = "";
-  }
-}
+connection.deliver(({ guide }) => {
+  if (!guide) return;
+  // Unchanged parts keep the focus.
+  const text = JSON.stringify(guide);
+  if (text !== shown) show(guide);
+  shown = text;
+}, offline);
 
-part("begin").addEventListener("click", (event) => send("begin", event.target.dataset.step));
-part("done").addEventListener("click", () => send("done"));
-part("all").addEventListener("click", () => send("done", "all"));
-part("emergency").addEventListener("click", () => send("stop"));
-document.addEventListener("keydown", (event) => {
-  if (event.key === "Escape") send("stop");
+// Clicks on what moves the arm, and on what is in its place before.
+const actions = {
+  begin: (button) => send("begin", button.dataset.step),
+  done: () => send("done"),
+  all: () => send("done", "all"),
+  safe: () => send("safe"),
+};
+addEventListener("click", (event) => {
+  const button = event.target.closest("button");
+  if (!button) return;
+  if (clicks.admits(button.id || button.textContent, button, event)) actions[button.id]?.(button);
 });
-setInterval(look, 200);
-look();

@@ -96,6 +96,17 @@ export class DragHandler {
     else this.onTurn(this.#held, Math.atan2(y, x - (this.#held === "theta1" ? 0 : drawing.base)));
   }
 
+  // Lets go of the arm, after a stop.
+  releaseArm() {
+    if (this.#held !== "view" && this.#held !== "job") this.#release();
+  }
+
+  #release() {
+    this.#held = null;
+    this.#drawing.target = null;
+    this.#drawing.shift = [0, 0];
+  }
+
   #finish(event) {
     this.#move(event, true);
     if (this.#held === "job") this.onPlace(this.#drawing.shift);
@@ -104,8 +115,6 @@ export class DragHandler {
 
   #cancel(event) {
     this.#pointers.delete(event.pointerId);
-    this.#held = this.#pointers.size > 0 && this.#held === "view" ? "view" : null;
-    this.#drawing.target = null;
-    this.#drawing.shift = [0, 0];
+    if (this.#pointers.size === 0 || this.#held !== "view") this.#release();
   }
 }

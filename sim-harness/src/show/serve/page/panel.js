@@ -1,5 +1,7 @@
 // The server's messages as text and numbers.
 
+import { isMoving } from "./connection.js";
+
 const LIMITS = ["torque", "voltage", "speed"]; // by bit
 
 // What has happened and what to do, by the fault's number.
@@ -44,8 +46,6 @@ export function stateText(state, watching) {
   return parts.join(" · ");
 }
 
-export const isMoving = ({ state }) => ["Running", "Homing", "Stopping", "Crossing"].includes(state);
-
 // Whether a control has a use now: null, or why it has none.
 export function whyNot(control, state, job) {
   if (!state) return "there is no connection";
@@ -60,19 +60,21 @@ export function whyNot(control, state, job) {
     case "stop": return isMoving(state) ? null : "the arm rests";
     case "clear_fault": return name === "Fault" ? null : "there is no fault";
     case "jog": case "change":
-      return isJob ? "a job runs" : armed || running ? null : "the arm is not armed";
-    case "resume": return state.held === null ? "no job was stopped" : armed ? null : "the arm is not armed";
+      return isJob ? "a job runs" : armed || running ? null : `the arm is ${name}`;
+    case "resume": return state.held === null ? "no job was stopped" : armed ? null : "the motors are off";
     case "run": case "run-from":
       if (isJob) return "a job runs";
       if (!job) return "no job is loaded";
       if (job.refusal && homed) return `The job cannot be done. ${job.refusal}`;
-      return armed ? null : "the arm is not armed";
+      return armed ? null : "the motors are off";
     case "place": return isJob ? "a job runs" : job?.moves ? null : "no job is loaded";
     default: return null;
   }
 }
 
-// The next step: a sentence, and the control that does it (its name, and its words).
+// The next step: a sentence, the control that does it (its name, and its words), and the control that is
+// marked instead. Clearing a fault, switching the motors on and resuming a job are three buttons in three
+// places, so that clicks in one place do not lead from a stop to a motion.
 export function nextStep(state, job, fault, watching) {
   if (!state) return ["No connection. A moving arm comes to rest, unless its job runs on. The page connects again by itself.", null, "Wait"];
   const held = state.held !== null ? ` The job waits at line ${state.held}.` : "";
@@ -84,21 +86,21 @@ export function nextStep(state, job, fault, watching) {
   switch (state.state) {
     case "Fault": {
       const what = fault ? `Fault ${fault.fault}, ${fault.name}. ${CAUSES[fault.fault] ?? ""}` : "Fault.";
-      return [`${what} Repair the cause, then clear the fault.${held}`, "clear_fault", "Clear fault"];
+      return [`${what} Repair the cause, then press the marked button.${held}`, null, "Wait", "clear_fault"];
     }
     case "Homing": return ["The arm searches for its home switches.", "stop", "Stop"];
     case "Crossing": return ["The arm crosses a singularity.", null, "Wait"];
     case "Stopping": return ["The arm comes to rest on its path.", null, "Wait"];
     case "Stopped":
       if (!state.homed) return ["The joint angles are unknown: home the arm. It will move.", "home", "Home"];
-      return [`The bridges are off.${held} Arm, then it holds its position.`, "arm", "Arm"];
+      return [`The motors are off.${held} Switch them on, then the arm holds its position.`, "arm", "Motors on"];
     case "Running":
       if (state.left === null) return ["The arm moves.", "stop", "Stop"];
       return [`The job is at line ${state.tag ?? "–"}, about ${clock(state.left)} left.`, "stop", "Stop"];
     default:
       if (state.left !== null) return ["The job begins.", "stop", "Stop"];
-      if (held) return [`${held.trim()} Resume it, or run it from the start.`, "resume", "Resume"];
-      if (!job) return ["The arm is armed. Open a job, or drag the tool.", "demonstration", "Load demonstration"];
+      if (held) return [`${held.trim()} Resume it with the marked button, or run it from the start.`, null, "Wait", "resume"];
+      if (!job) return ["The motors hold the arm. Open a job, or drag the tool.", "demonstration", "Load demonstration"];
       if (job.refusal) return [`${job.name} does not fit as it lies: move it, make it smaller or turn it.`, "grab", "Move drawing"];
       return [`${job.name} fits. Run it.`, "run", "Run job"];
   }
@@ -128,7 +130,7 @@ export function showFault(fault) {
   at("fault").hidden = !fault;
   if (!fault) return;
   at("fault-name").textContent = `${fault.name} (${fault.fault})`;
-  at("cause").textContent = `${CAUSES[fault.fault] ?? ""} Repair the cause, clear the fault, arm.`;
+  at("cause").textContent = `${CAUSES[fault.fault] ?? ""} Repair the cause, clear the fault, wait a second, switch the motors on.`;
   const rows = [
     ["state", fault.state],
     ["tick", fault.tick],
