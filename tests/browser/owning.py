@@ -53,8 +53,8 @@ def a_job_told_to_run_on_survives_a_closed_tab_and_any_page_stops_it_at_once(pag
 def the_bar_leads_on_to_the_end_of_the_stop(page):
     """The bar has a button for the next step, or names one that is marked in its own place."""
     browser = page.browser
-    for words, marked, state in (("Take control", None, "Fault"), ("Wait", "Clear fault", "Stopped"),
-                                 ("Motors on", None, "Armed"), ("Wait", "Resume", "Running")):
+    for words, marked, state in (("Take control", None, "Fault"), ("Show it", "Clear fault", "Stopped"),
+                                 ("Motors on", None, "Armed"), ("Show it", "Resume", "Running")):
         browser.wait(words, lambda: browser.text("#next") == words)
         time.sleep(PAUSE)
         if marked:

@@ -12,6 +12,7 @@ CONTROLS = ["#run", "#resume", "#next", "#feed", "#step-size", "#from", "#file",
 
 
 def run(page):
+    page.browser.script("scrollTo(0, 0);")
     page.ask("#run")
     page.wait_for("Running")
 
@@ -69,7 +70,7 @@ def keys_with_others_and_of_input_methods_stop(page):
     for press in (lambda: browser.press(SHIFT, ESCAPE),
                   lambda: browser.press(CONTROL, ESCAPE),
                   # While an input method composes a text.
-                  lambda: browser.key("keyDown", "Process", "Escape", 229),
+                  lambda: [browser.key(kind, "Process", "Escape", 229) for kind in ("keyDown", "keyUp")],
                   # The browser's own list or menu has taken the key, and its release comes to the page.
                   lambda: browser.key("keyUp", "Escape", "Escape", 27)):
         browser.click("#from")

@@ -37,6 +37,7 @@ let last = null; // the last state; null without a connection
 let fault = null;
 let loaded = null; // the job that was loaded last
 let next = null; // the control that does the next step
+let marked = null; // the control that is marked, because the next step has its own place
 let nextBefore = null; // the one before
 let nextSince = -PAUSE; // when it changed [ms]
 const clicks = new ClickGuard();
@@ -135,15 +136,15 @@ function showControls() {
   const watching = last !== null && last.control !== me;
   const isControl = at("control").getAttribute("aria-disabled") === "true";
   if (isControl === watching) at("control").setAttribute("aria-disabled", !watching);
-  const [advice, control, words, marked] = nextStep(last, loaded, fault, watching);
+  const [advice, control, words, elsewhere] = nextStep(last, loaded, fault, watching);
+  marked = elsewhere ? controlOf(elsewhere) : null;
   if (control !== next) [next, nextBefore, nextSince] = [control, next, performance.now()];
   put("advice", advice);
   put("next", words);
   for (const other of controls) {
-    const isMarked = Boolean(marked) && other === controlOf(marked);
-    if (other.classList.contains("marked") !== isMarked) other.classList.toggle("marked", isMarked);
+    if (other.classList.contains("marked") !== (other === marked)) other.classList.toggle("marked");
   }
-  const isUseless = control === null || isFresh();
+  const isUseless = (control ?? marked) === null || isFresh();
   if ((at("next").getAttribute("aria-disabled") === "true") !== isUseless) at("next").setAttribute("aria-disabled", isUseless);
 }
 
@@ -266,7 +267,9 @@ function act(button, event) {
 function actNext(event) {
   if (next && !isFresh()) return act(controlOf(next), event);
   clicks.admits("next", at("next"), event);
-  if (next && nextBefore === "stop") stop();
+  if (isFresh() && nextBefore === "stop") return stop();
+  marked?.scrollIntoView({ block: "nearest" });
+  marked?.focus({ preventScroll: true });
 }
 
 document.addEventListener("click", (event) => {

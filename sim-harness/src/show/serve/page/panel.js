@@ -86,7 +86,7 @@ export function nextStep(state, job, fault, watching) {
   switch (state.state) {
     case "Fault": {
       const what = fault ? `Fault ${fault.fault}, ${fault.name}. ${CAUSES[fault.fault] ?? ""}` : "Fault.";
-      return [`${what} Repair the cause, then press the marked button.${held}`, null, "Wait", "clear_fault"];
+      return [`${what} Repair the cause, then press the marked button.${held}`, null, "Show it", "clear_fault"];
     }
     case "Homing": return ["The arm searches for its home switches.", "stop", "Stop"];
     case "Crossing": return ["The arm crosses a singularity.", null, "Wait"];
@@ -99,7 +99,7 @@ export function nextStep(state, job, fault, watching) {
       return [`The job is at line ${state.tag ?? "–"}, about ${clock(state.left)} left.`, "stop", "Stop"];
     default:
       if (state.left !== null) return ["The job begins.", "stop", "Stop"];
-      if (held) return [`${held.trim()} Resume it with the marked button, or run it from the start.`, null, "Wait", "resume"];
+      if (held) return [`${held.trim()} Resume it with the marked button, or run it from the start.`, null, "Show it", "resume"];
       if (!job) return ["The motors hold the arm. Open a job, or drag the tool.", "demonstration", "Load demonstration"];
       if (job.refusal) return [`${job.name} does not fit as it lies: move it, make it smaller or turn it.`, "grab", "Move drawing"];
       return [`${job.name} fits. Run it.`, "run", "Run job"];
