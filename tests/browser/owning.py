@@ -57,6 +57,7 @@ def the_bar_leads_on_to_the_end_of_the_stop(page):
                                  ("Motors on", None, "Armed"), ("Show it", "Resume", "Running")):
         browser.wait(words, lambda: browser.text("#next") == words)
         time.sleep(PAUSE)
+        browser.script("scrollTo(0, 0);")
         if marked:
             assert browser.text(".marked") == marked
         browser.click(".marked" if marked else "#next")
@@ -64,6 +65,7 @@ def the_bar_leads_on_to_the_end_of_the_stop(page):
     assert line(page)[0] > 3, "it does not begin anew"
     # A stop needs no pause.
     browser.wait("the stop", lambda: browser.text("#next") == "Stop")
+    browser.script("scrollTo(0, 0);")
     browser.click("#next")
     page.wait_for("Armed")
     browser.wait("its place", lambda: "stopped at line" in browser.text("#left"))
