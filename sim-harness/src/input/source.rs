@@ -127,7 +127,7 @@ impl<'a> Source<'a> {
     }
 
     /// The line of a key's value, or of the section that should hold it.
-    fn line_of(&self, key: Key) -> Option<usize> {
+    pub(crate) fn line_of(&self, key: Key) -> Option<usize> {
         self.place_of(key).map(|(start, _)| self.line(start))
     }
 

@@ -3,6 +3,7 @@
 mod approach;
 mod document;
 mod drive_keys;
+mod factors;
 mod gcode_codes;
 mod gcode_corpus;
 mod gcode_crossings;

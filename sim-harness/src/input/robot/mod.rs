@@ -13,6 +13,7 @@ mod home_index;
 mod home_method;
 mod homing;
 mod measured;
+mod plausible;
 mod servo;
 mod settings;
 mod slider;

@@ -91,14 +91,23 @@ impl Robot {
         let arm = self.arm()?;
         let drives = self.actuators.unwrap_or_else(|| {
             [0, 1].map(|joint| {
-                let torque = self.limits.max_torque.map_or_else(
-                    || ample_torque(arm, self.motion.max_acceleration),
-                    |torque| torque[joint],
-                );
+                let torque = self
+                    .limits
+                    .max_torque
+                    .map_or_else(|| self.ideal_torque(arm), |torque| torque[joint]);
                 ideal_torque_source(torque, self.limits.max_speed[joint], self.supply.voltage)
             })
         });
         Ok([0, 1].map(|joint| self.limited(joint, drives[joint])))
+    }
+
+    /// Torque of an ideal drive [N·m], more than any motion within the limits needs: for twice the whole
+    /// mass at the end of a straight leg, against gravity and with the greatest acceleration of the tool.
+    pub(super) fn ideal_torque(&self, arm: &Arm<f64>) -> f64 {
+        let [l1, l2, l3, l4, _] = arm.geometry().lengths();
+        let mass = arm.payload() + arm.links().iter().map(|link| link.mass).sum::<f64>();
+        let acceleration = arm.gravity().norm() + self.motion.max_acceleration;
+        2.0 * mass * (l1 + l2).max(l3 + l4) * acceleration
     }
 
     /// The arm for the simulated plant.
@@ -273,14 +282,6 @@ fn ideal_torque_source(torque: f64, max_speed: f64, voltage: f64) -> Actuator {
         encoder_latency: 0.0,
         encoder_error: Harmonics::NONE,
     }
-}
-
-/// More torque [N·m] than any motion within the limits needs: for twice the whole mass at the
-/// end of a straight leg, against gravity and with this acceleration [m/s²].
-fn ample_torque(arm: &Arm<f64>, acceleration: f64) -> f64 {
-    let [l1, l2, l3, l4, _] = arm.geometry().lengths();
-    let mass = arm.payload() + arm.links().iter().map(|link| link.mass).sum::<f64>();
-    2.0 * mass * (l1 + l2).max(l3 + l4) * (arm.gravity().norm() + acceleration)
 }
 
 fn largest([a, b]: [f64; 2]) -> f64 {

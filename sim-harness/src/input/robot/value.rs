@@ -109,3 +109,13 @@ pub(super) fn increasing(
         Err(source.refuse(key, reason))
     }
 }
+
+/// A number with three significant digits, for messages.
+pub(super) fn rounded(value: f64) -> String {
+    let value = format!("{value:.2e}").parse().unwrap_or(value);
+    if value == 0.0 || (1e-3..1e5).contains(&value) {
+        value.to_string()
+    } else {
+        format!("{value:e}")
+    }
+}
