@@ -27,6 +27,12 @@ fn within([least, greatest]: [f32; 2], value: f32) -> bool {
     least <= value && value <= greatest
 }
 
+/// Whether a trip point is above what both joints reach, and near enough to protect them.
+#[inline(never)]
+fn trips([a, b]: [f32; 2], trip: f32) -> bool {
+    within(range::TRIP.map(|share| share * a.max(b)), trip)
+}
+
 fn rising([low, high]: [f32; 2]) -> bool {
     low < high && low.is_finite() && high.is_finite()
 }
@@ -146,6 +152,12 @@ impl Settings {
         if let Some(field) = self.broken_field() {
             return Err(SettingsError::Field(field));
         }
+        let [_, bus] = self.protection.bus_voltage;
+        for (joint, axis) in [1, 4].into_iter().zip(&self.axes) {
+            if axis.peak_current * axis.resistance > range::STALL * bus {
+                return Err(SettingsError::Axis(joint, AxisField::PeakCurrent));
+            }
+        }
         if let Some(field) = self.tool_output.broken_field() {
             return Err(SettingsError::Field(field));
         }
@@ -240,20 +252,22 @@ impl Settings {
                 Field::FollowingError,
             ),
             (
-                protection.over_speed.is_finite()
-                    && protection.over_speed >= axis1.max_speed
-                    && protection.over_speed >= axis4.max_speed,
+                trips(
+                    [axis1, axis4].map(|axis| axis.max_speed),
+                    protection.over_speed,
+                ),
                 Field::OverSpeed,
             ),
             (
-                protection.over_current >= axis1.peak_current
-                    && protection.over_current >= axis4.peak_current
-                    && protection.over_current <= axis1.greatest_current()
+                trips(
+                    [axis1, axis4].map(|axis| axis.peak_current),
+                    protection.over_current,
+                ) && protection.over_current <= axis1.greatest_current()
                     && protection.over_current <= axis4.greatest_current(),
                 Field::OverCurrent,
             ),
             (
-                low > 0.0 && rising(protection.bus_voltage),
+                low > 0.0 && low >= range::BUS * high && rising(protection.bus_voltage),
                 Field::BusVoltage,
             ),
             (

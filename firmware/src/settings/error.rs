@@ -120,12 +120,16 @@ impl AxisField {
                 "max_acceleration",
                 "must lie in 0.001 to 1e7 rad/s², and stop the joint from max_speed within 10 s",
             ),
-            Self::PeakCurrent => ("peak_current", "must lie in 1e-4 to 1e5 A"),
+            Self::PeakCurrent => (
+                "peak_current",
+                "must lie in 1e-4 to 1e5 A, and be at most 4 times the stall current, the upper end of \
+                 bus_voltage over resistance",
+            ),
             Self::ContinuousCurrent => (
                 "continuous_current",
                 "must be positive and at most the peak current [A]",
             ),
-            Self::ThermalTimeConstant => ("thermal_time_constant", "must lie in 0.001 to 1e6 s"),
+            Self::ThermalTimeConstant => ("thermal_time_constant", "must lie in 0.1 to 3600 s"),
             Self::CurrentPerCode => ("current_per_code", "must lie in 1e-8 to 1000 A"),
         }
     }
@@ -186,13 +190,16 @@ impl Field {
             Self::FollowingError => ("protection.following_error", "must lie within 0 and 1 rad"),
             Self::OverSpeed => (
                 "protection.over_speed",
-                "must be at least the greatest max_speed [rad/s]",
+                "must be 1 to 5 times the greatest max_speed [rad/s]",
             ),
             Self::OverCurrent => (
                 "protection.over_current",
-                "must be at least the greatest peak_current, and within what the converters show [A]",
+                "must be 1 to 5 times the greatest peak_current, and within what the converters show [A]",
             ),
-            Self::BusVoltage => ("protection.bus_voltage", "must be positive and rising [V]"),
+            Self::BusVoltage => (
+                "protection.bus_voltage",
+                "must be positive and rising, and begin at a fiftieth of its end or above [V]",
+            ),
             Self::BusVoltagePerCode => (
                 "protection.bus_voltage_per_code",
                 "must be positive, and the converter must show more than bus_voltage's upper end [V]",

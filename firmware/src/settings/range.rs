@@ -21,8 +21,16 @@ pub const SPEED: [f32; 2] = [1e-3, 1e4];
 pub const ACCELERATION: [f32; 2] = [1e-3, 1e7];
 /// Motor current [A].
 pub const CURRENT: [f32; 2] = [1e-4, 1e5];
-/// Time constant of the motor's heating [s].
-pub const HEATING: [f32; 2] = [1e-3, 1e6];
+/// Time constant of the motor's heating [s]: of the winding of a tiny motor, of a large one with its housing.
+/// With a longer one the model of the heat would protect no motor.
+pub const HEATING: [f32; 2] = [0.1, 3600.0];
+/// The trip points of speed and current, over the greatest values of the joints.
+pub const TRIP: [f32; 2] = [1.0, 5.0];
+/// Greatest peak current over the stall current at the highest bus voltage. A motor that turns at its no-load
+/// speed can be braked with twice the stall current; beyond four times nothing can be measured.
+pub const STALL: f32 = 4.0;
+/// The lowest bus voltage over the highest.
+pub const BUS: f32 = 0.02;
 /// Width of a hobby servo's pulse [s].
 pub const PULSE_WIDTH: [f32; 2] = [1e-4, 5e-3];
 /// Pulses of a hobby servo per second [Hz].

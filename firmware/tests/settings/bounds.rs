@@ -61,7 +61,7 @@ fn either_joint_is_checked_by_its_number() {
 
 #[test]
 fn a_value_at_its_bound_is_allowed() {
-    let cases: [Change; 12] = [
+    let cases: [Change; 19] = [
         |s| s.control.tick_rate = 50_000.0,
         |s| s.control.current_bandwidth = 0.35 * s.control.tick_rate,
         |s| s.control.bandwidth = 0.25 * s.control.current_bandwidth,
@@ -74,6 +74,19 @@ fn a_value_at_its_bound_is_allowed() {
         |s| s.protection.over_current = s.axes[0].peak_current,
         |s| s.protection.command_timeout = 60.0,
         |s| s.motion.corner_tolerance = 0.0,
+        |s| s.axes[0].thermal_time_constant = 3600.0,
+        |s| s.axes[1].thermal_time_constant = 0.1,
+        |s| s.protection.over_speed = 5.0 * s.axes[0].max_speed,
+        |s| {
+            s.axes
+                .iter_mut()
+                .for_each(|axis| axis.current_per_code = 0.01);
+            s.protection.over_current = 5.0 * s.axes[0].peak_current;
+        },
+        // The trip point is that of the faster and of the stronger joint.
+        |s| s.axes[0].max_speed = 1.0,
+        |s| s.axes[1].resistance = s.protection.bus_voltage[1],
+        |s| s.protection.bus_voltage = [0.8, 40.0],
     ];
     for (number, change) in cases.into_iter().enumerate() {
         assert_eq!(result(change), None, "case {number}");
@@ -82,7 +95,7 @@ fn a_value_at_its_bound_is_allowed() {
 
 #[test]
 fn a_value_just_beyond_its_bound_is_refused() {
-    let cases: [(Change, Field); 16] = [
+    let cases: [(Change, Field); 19] = [
         (|s| s.control.tick_rate = 50_001.0, Field::TickRate),
         (
             |s| s.control.current_bandwidth = 0.0,
@@ -112,6 +125,23 @@ fn a_value_just_beyond_its_bound_is_refused() {
         (
             |s| s.protection.bus_voltage = [0.0, 30.0],
             Field::BusVoltage,
+        ),
+        (
+            |s| s.protection.bus_voltage = [0.79, 40.0],
+            Field::BusVoltage,
+        ),
+        (
+            |s| s.protection.over_speed = 5.01 * s.axes[0].max_speed,
+            Field::OverSpeed,
+        ),
+        (
+            |s| {
+                s.axes
+                    .iter_mut()
+                    .for_each(|axis| axis.current_per_code = 0.01);
+                s.protection.over_current = 5.01 * s.axes[0].peak_current;
+            },
+            Field::OverCurrent,
         ),
         (
             |s| s.protection.command_timeout = 60.1,
@@ -201,5 +231,40 @@ fn a_reversed_gear_has_the_bounds_of_the_same_gear_forward() {
         });
         let expected = SettingsError::Axis(4, AxisField::EncoderCounts);
         assert_eq!(refused, Some(expected), "{ratio}");
+    }
+}
+
+/// A value wrong by a thousand that would disable a protection.
+#[test]
+fn a_protection_that_protects_nothing_is_refused() {
+    let cases: [(Change, AxisField); 4] = [
+        (
+            |s| s.axes[0].thermal_time_constant = 12_000.0,
+            AxisField::ThermalTimeConstant,
+        ),
+        (
+            |s| s.axes[1].thermal_time_constant = 0.012,
+            AxisField::ThermalTimeConstant,
+        ),
+        // The sensors and the trip point follow the peak current.
+        (
+            |s| {
+                for axis in &mut s.axes {
+                    axis.peak_current *= 1000.0;
+                    axis.current_per_code *= 1000.0;
+                }
+                s.protection.over_current *= 1000.0;
+            },
+            AxisField::PeakCurrent,
+        ),
+        (
+            |s| s.axes.iter_mut().for_each(|axis| axis.resistance *= 1000.0),
+            AxisField::PeakCurrent,
+        ),
+    ];
+    for (number, (change, field)) in cases.into_iter().enumerate() {
+        let refused = result(change);
+        let named = matches!(refused, Some(SettingsError::Axis(_, found)) if found == field);
+        assert!(named, "case {number}: {refused:?}");
     }
 }

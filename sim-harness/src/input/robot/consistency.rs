@@ -283,13 +283,19 @@ fn setting(robot: &Robot, error: SettingsError) -> Option<InvalidValue> {
             Key::In("protection", "over_speed"),
             written(protection.over_speed),
             "",
-            "is times `max_speed` of [limits], and must be at least 1".into(),
+            "is times `max_speed` of [limits], and must be 1 to 5".into(),
         )),
         Field::OverCurrent => Some((
             Key::In("protection", "over_current"),
             written(protection.over_current),
             "",
-            "is times `peak_current`, and must be at least 1".into(),
+            "is times `peak_current`, and must be 1 to 5".into(),
+        )),
+        Field::BusVoltage => Some((
+            Key::In("supply", "range"),
+            written(robot.bus_range()[0]),
+            "V",
+            "must begin at a fiftieth of its end or above".into(),
         )),
         Field::CommandTimeout => Some((
             Key::In("protection", "command_timeout"),
