@@ -29,8 +29,8 @@ fn within([least, greatest]: [f32; 2], value: f32) -> bool {
 
 /// Whether a trip point is above what both joints reach, and near enough to protect them.
 #[inline(never)]
-fn trips([a, b]: [f32; 2], trip: f32) -> bool {
-    within(range::TRIP.map(|share| share * a.max(b)), trip)
+fn trips(range: [f32; 2], [a, b]: [f32; 2], trip: f32) -> bool {
+    within(range.map(|share| share * a.max(b)), trip)
 }
 
 fn rising([low, high]: [f32; 2]) -> bool {
@@ -253,6 +253,7 @@ impl Settings {
             ),
             (
                 trips(
+                    range::SPEED_TRIP,
                     [axis1, axis4].map(|axis| axis.max_speed),
                     protection.over_speed,
                 ),
@@ -260,6 +261,7 @@ impl Settings {
             ),
             (
                 trips(
+                    range::CURRENT_TRIP,
                     [axis1, axis4].map(|axis| axis.peak_current),
                     protection.over_current,
                 ) && protection.over_current <= axis1.greatest_current()

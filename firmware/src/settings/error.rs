@@ -190,7 +190,7 @@ impl Field {
             Self::FollowingError => ("protection.following_error", "must lie within 0 and 1 rad"),
             Self::OverSpeed => (
                 "protection.over_speed",
-                "must be 1 to 5 times the greatest max_speed [rad/s]",
+                "must be 1 to 100 times the greatest max_speed [rad/s]",
             ),
             Self::OverCurrent => (
                 "protection.over_current",

@@ -76,7 +76,7 @@ fn a_value_at_its_bound_is_allowed() {
         |s| s.motion.corner_tolerance = 0.0,
         |s| s.axes[0].thermal_time_constant = 3600.0,
         |s| s.axes[1].thermal_time_constant = 0.1,
-        |s| s.protection.over_speed = 5.0 * s.axes[0].max_speed,
+        |s| s.protection.over_speed = 100.0 * s.axes[0].max_speed,
         |s| {
             s.axes
                 .iter_mut()
@@ -131,7 +131,7 @@ fn a_value_just_beyond_its_bound_is_refused() {
             Field::BusVoltage,
         ),
         (
-            |s| s.protection.over_speed = 5.01 * s.axes[0].max_speed,
+            |s| s.protection.over_speed = 100.1 * s.axes[0].max_speed,
             Field::OverSpeed,
         ),
         (

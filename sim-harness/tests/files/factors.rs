@@ -196,7 +196,7 @@ fn the_refusal_of_a_value_in_another_unit_says_which_values_it_follows_from() {
             "peak_current = 4.0",
             "4000.0",
             "`peak_current` of [[actuator]] 1 must be 0.0209 to 20.9 A: 1/500 to 2 times the stall current, \
-             `voltage` of [supply] over `resistance`; it is 4000.0 A: is one of these values in another unit?",
+             `voltage` of [supply] over `resistance`; not 4000.0 A: is one of these values in another unit?",
         ),
         (
             "thermal_time_constant = 12.0",
@@ -205,7 +205,7 @@ fn the_refusal_of_a_value_in_another_unit_says_which_values_it_follows_from() {
         ),
         ("inductance = 0.24e-3", "0.24", "must be 2.3e-5 to 0.115 H"),
         ("encoder_counts = 16384", "16", "must be 157 at least"),
-        ("payload = 0.03", "30.0", "must be 0, or 1.15e-4 to 2.16 kg"),
+        ("payload = 0.03", "30.0", "must be 0, or 1.15e-4 to 11.5 kg"),
         ("mass = 0.07", "70.0", "must be 1e-4 to 8 kg"),
     ] {
         let (name, _) = key.split_once(" = ").unwrap();

@@ -63,8 +63,8 @@ fn values_that_the_controller_would_refuse_are_refused_with_line_key_and_bound()
         ("following_error", "1.0", ["less than 1 rad", "not 1.0 rad"]),
         ("over_speed", "0.9", ["`max_speed` of [limits]", "not 0.9"]),
         ("over_current", "0.9", ["`peak_current`", "not 0.9"]),
-        ("command_timeout", "9e-5", ["1e-4 s, to 60 s", "not 9e-5 s"]),
-        ("command_timeout", "61.0", ["1e-4 s, to 60 s", "not 61.0 s"]),
+        ("command_timeout", "9e-5", ["0.002 to 60 s", "not 9e-5 s"]),
+        ("command_timeout", "61.0", ["0.002 to 60 s", "not 61.0 s"]),
         (
             "encoder_counts",
             "600000",

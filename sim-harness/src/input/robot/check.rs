@@ -6,7 +6,7 @@ use super::value::{
     LEAST_ACCELERATION, LEAST_INERTIA, LEAST_JERK, LEAST_MASS, LEAST_SPEED, LONGEST, POSITIVE,
     SHORTEST, at_least, finite, increasing, near, not_negative, positive, sized,
 };
-use super::{Actuator, Robot, consistency, drive, homing, plausible, tolerance, tool_output};
+use super::{Actuator, Robot, consistency, drive, homing, tolerance, tool_output};
 use crate::input::source::{FileError, Key, Source};
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::dynamics::{Arm, Link};
@@ -100,7 +100,6 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
     }
     robot.control = file.control.completed(&robot);
     consistency::check(&source, &robot)?;
-    plausible::check(&source, &robot)?;
     Ok(robot)
 }
 

@@ -2,7 +2,7 @@
 //! name the keys of the robot file, from which the settings are made.
 
 use super::settings::ADC_CODES;
-use super::{Actuator, Robot};
+use super::{Actuator, Robot, plausible};
 use crate::input::source::{FileError, Key, Source};
 use fivebar_firmware::settings::{AxisField, Field, SettingsError};
 
@@ -19,6 +19,7 @@ pub(super) fn check(source: &Source<'_>, robot: &Robot) -> Result<(), FileError>
     if let Some(invalid) = invalid {
         return Err(refusal(source, invalid));
     }
+    plausible::check(source, robot)?;
     // An arm with lengths only has no controller.
     let Ok(settings) = robot.settings() else {
         return Ok(());

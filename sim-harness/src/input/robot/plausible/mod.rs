@@ -15,7 +15,7 @@ use super::value::rounded;
 use crate::input::source::{FileError, Key, Source};
 
 /// A value with its plausible range.
-pub(super) struct Plausible {
+struct Plausible {
     key: Key,
     /// A key that decides the range, whose line is named if the file leaves the value to its default.
     decisive: Option<Key>,
@@ -29,7 +29,7 @@ pub(super) struct Plausible {
 }
 
 impl Plausible {
-    pub(super) fn new(
+    fn new(
         key: Key,
         (value, unit): (f64, &'static str),
         range: [f64; 2],
@@ -46,14 +46,14 @@ impl Plausible {
         }
     }
 
-    pub(super) fn compared_with(self, key: Key) -> Self {
+    fn compared_with(self, key: Key) -> Self {
         Self {
             decisive: Some(key),
             ..self
         }
     }
 
-    pub(super) fn or_zero(self) -> Self {
+    fn or_zero(self) -> Self {
         Self {
             may_be_zero: true,
             ..self
@@ -66,42 +66,45 @@ impl Plausible {
         (least..=greatest).contains(&size) || (self.may_be_zero && size == 0.0)
     }
 
-    /// Refuses a value outside its range, with what follows for the user.
-    pub(super) fn check(&self, source: &Source<'_>) -> Result<(), FileError> {
+    /// Refuses a value outside its range. A default is refused only where a written value decides its range.
+    fn check(&self, source: &Source<'_>) -> Result<(), FileError> {
+        let mut written = [Some(self.key), self.decisive].into_iter().flatten();
+        let Some(written) = written.find(|key| source.holds(*key)) else {
+            return Ok(());
+        };
         if self.holds() {
             return Ok(());
         }
         let Self {
-            key,
             value,
             unit,
             range: [least, greatest],
             reason,
             ..
-        } = self;
-        let zero = if self.may_be_zero { "0, or " } else { "" };
+        } = *self;
         let space = if unit.is_empty() { "" } else { " " };
-        let default = if source.holds(*key) {
+        let unit = format!("{space}{unit}");
+        let zero = if self.may_be_zero { "0, or " } else { "" };
+        let bounds = if least == 0.0 {
+            format!("{}{unit} at most", rounded(greatest))
+        } else if greatest == f64::MAX {
+            format!("{}{unit} at least", rounded(least))
+        } else {
+            format!("{zero}{} to {}{unit}", rounded(least), rounded(greatest))
+        };
+        let default = if written == self.key {
             ""
         } else {
             ", the default"
         };
-        let unit = format!("{space}{unit}");
-        let bounds = if *least == 0.0 {
-            format!("{}{unit} at most", rounded(*greatest))
-        } else if *greatest == f64::MAX {
-            format!("{}{unit} at least", rounded(*least))
-        } else {
-            format!("{zero}{} to {}{unit}", rounded(*least), rounded(*greatest))
-        };
         let reason = format!(
-            "must be {bounds}: {reason}; it is {value:?}{unit}{default}: is one of these values in another \
-             unit?"
+            "must be {bounds}: {reason}; not {value:?}{unit}{default}: is one of these values in another unit?"
         );
-        let error = source.refuse(*key, reason);
-        let decisive = self.decisive.filter(|_| !source.holds(*key));
-        let line = decisive.and_then(|key| source.line_of(key)).or(error.line);
-        Err(FileError { line, ..error })
+        let line = source.line_of(written);
+        Err(FileError {
+            line,
+            ..source.refuse(self.key, reason)
+        })
     }
 }
 

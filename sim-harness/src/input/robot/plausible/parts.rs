@@ -84,8 +84,7 @@ pub(super) fn rules(robot: &Robot) -> Vec<Plausible> {
             (contact.bearing_radius, "m"),
             BEARING.map(|share| share * shortest),
             "1/1000 to 1/2 of the shortest length",
-        )
-        .compared_with(Key::Top("base")),
+        ),
         Plausible::new(
             Key::In("contact", "friction"),
             (contact.friction, ""),
