@@ -1,0 +1,87 @@
+//! A campaign of single faults of the simulated arm: random faults at random times in every state,
+//! on five arms, judged by what the arm itself does. `cargo test` runs a short part;
+//! `scripts/soak.sh faults` runs as many as it is told and writes docs/fault-campaign.md.
+//!
+//! After a fault the host goes on as before, and it does nothing once a fault is latched.
+
+mod arms;
+mod host;
+mod injected;
+mod outcome;
+mod table;
+mod trial;
+
+use injected::{KINDS, Kind};
+use outcome::Outcome;
+use std::sync::atomic::{AtomicU64, Ordering};
+use trial::Trial;
+
+const DOCUMENT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/fault-campaign.md");
+
+/// The trials of these seeds, on both cores; their order does not depend on the cores.
+fn campaign(seeds: std::ops::Range<u64>) -> Vec<(Trial, Outcome)> {
+    let arms = arms::all();
+    let next = AtomicU64::new(seeds.start);
+    let work = || {
+        let mut done = Vec::new();
+        loop {
+            let seed = next.fetch_add(1, Ordering::Relaxed);
+            if seed >= seeds.end {
+                return done;
+            }
+            let trial = Trial::of(seed, &arms);
+            let outcome = host::run(&trial, &arms[trial.arm]);
+            done.push((trial, outcome));
+        }
+    };
+    let mut all = std::thread::scope(|scope| {
+        let threads = [scope.spawn(work), scope.spawn(work)];
+        threads
+            .map(|thread| thread.join().expect("no panic"))
+            .concat()
+    });
+    all.sort_by_key(|(trial, _)| trial.seed);
+    all
+}
+
+/// The trials that break a bound, except those that the table states as unseen.
+fn broken(trials: &[(Trial, Outcome)]) -> Vec<String> {
+    let broken = trials
+        .iter()
+        .filter(|(trial, outcome)| outcome.is_broken() && KINDS[trial.kind].breaks.is_none());
+    broken
+        .map(|(trial, outcome)| format!("{trial:?}: {outcome:?}"))
+        .collect()
+}
+
+fn number(name: &str, default: u64) -> u64 {
+    std::env::var(name).map_or(default, |text| {
+        text.parse()
+            .unwrap_or_else(|error| panic!("{name}={text}: {error}"))
+    })
+}
+
+#[test]
+fn a_random_fault_in_any_state_keeps_current_speed_and_rest_or_stands_in_the_table() {
+    let broken = broken(&campaign(1..101));
+    assert!(broken.is_empty(), "{}", broken.join("\n"));
+}
+
+#[test]
+fn every_kind_of_fault_has_a_row_in_the_table() {
+    let document = std::fs::read_to_string(DOCUMENT).expect("docs/fault-campaign.md");
+    for Kind { name, .. } in KINDS {
+        assert!(document.contains(&format!("| `{name}` |")), "{name}");
+    }
+}
+
+/// `FAULTS_COUNT` trials from `FAULTS_SEED` on; writes docs/fault-campaign.md.
+#[test]
+#[ignore = "many minutes; scripts/soak.sh runs it"]
+fn many_random_faults_in_every_state_on_every_arm() {
+    let first = number("FAULTS_SEED", 1);
+    let trials = campaign(first..first + number("FAULTS_COUNT", 100));
+    std::fs::write(DOCUMENT, table::document(&trials)).expect("docs can be written");
+    let broken = broken(&trials);
+    assert!(broken.is_empty(), "{}", broken.join("\n"));
+}
