@@ -4,11 +4,13 @@ import time
 
 from live import LONG_JOB, PAUSE, Wire
 
-TAB, ENTER, ESCAPE, SPACE, SHIFT, CONTROL, RIGHT = "\ue004", "\ue007", "\ue00c", " ", "\ue008", "\ue009", "\ue014"
+ENTER, ESCAPE, SPACE, SHIFT, CONTROL = "\ue007", "\ue00c", " ", "\ue008", "\ue009"
 
 # A control of each kind.
 CONTROLS = ["#run", "#next", "#feed", "#from", "#file", "#run-on", "#arm", '[data-mode="left,left"]',
             "#emergency"]
+# Those of them that a click opens or changes, without a request to the arm.
+CLICKED = ["#feed", "#from", "#file", "#arm", '[data-mode="left,left"]']
 
 
 def run(page):
@@ -36,13 +38,31 @@ def no_control_of_the_browser_keeps_keys_to_itself(page):
     assert kept == 0, kept
 
 
+def escape_stops_though_a_list_of_the_browser_takes_the_key(page):
+    """The browser closes the list at once; the page gets only the release of the key."""
+    browser = page.browser
+    browser.script("""
+        const list = document.createElement('select');
+        list.append(new Option('a list'));
+        list.id = 'list';
+        document.getElementById('numbers').before(list);""")
+    run(page)
+    browser.click_at(browser.middle("#list"))
+    browser.wait("the list", lambda: browser.script("return document.querySelector('#list:open') !== null;"))
+    browser.press(ESCAPE)
+    stopped_at_once(page)
+    browser.script("document.getElementById('list').remove();")
+    page.recover()
+
+
 def escape_stops_from_every_control(page):
     browser = page.browser
     for selector in CONTROLS:
         run(page)
-        browser.script(f"document.querySelector('{selector}').focus();")
-        if selector in ("#feed", "#from"):
-            browser.press(RIGHT)
+        if selector in CLICKED:
+            browser.click_at(browser.middle(selector))
+        else:
+            browser.script(f"document.querySelector('{selector}').focus();")
         browser.press(ESCAPE)
         stopped_at_once(page)
         page.recover()
@@ -90,13 +110,16 @@ def keys_with_others_and_of_input_methods_stop(page):
 
 def a_menu_of_the_browser_does_not_open(page):
     browser = page.browser
-    for place in (browser.middle("#numbers"), browser.middle("#arm")):
-        run(page)
-        for kind in ("mousePressed", "mouseReleased"):
-            browser.mouse(kind, place, button="right", clickCount=1)
-        browser.press(ESCAPE)
-        stopped_at_once(page)
-        page.recover()
+    browser.script("""
+        window.opened = [];
+        for (const kind of ['contextmenu', 'dragstart']) {
+            addEventListener(kind, (event) => window.opened.push(!event.defaultPrevented));
+        }""")
+    for kind in ("mousePressed", "mouseReleased"):
+        browser.mouse(kind, browser.middle("#job"), button="right", clickCount=1)
+    browser.script("document.getElementById('job').dispatchEvent(new Event('dragstart', "
+                   "{ bubbles: true, cancelable: true }));")
+    assert browser.script("return window.opened;") == [False, False]
 
 
 def the_window_to_choose_a_file_does_not_open_while_the_arm_moves(page):
@@ -132,6 +155,10 @@ def a_held_enter_presses_a_button_once(page):
     page.wait_for("Stopped")
     time.sleep(PAUSE)
     browser.script("document.getElementById('next').focus();")
+    browser.script("""
+        window.states = [];
+        new MutationObserver(() => window.states.push(document.body.dataset.state))
+            .observe(document.body, { attributeFilter: ['data-state'] });""")
     browser.key("keyDown", "Enter", "Enter", 13, text="\r")
     for _ in range(40):
         browser.key("keyDown", "Enter", "Enter", 13, text="\r", autoRepeat=True)
@@ -139,6 +166,8 @@ def a_held_enter_presses_a_button_once(page):
     browser.key("keyUp", "Enter", "Enter", 13)
     page.wait_for("Armed")
     stays_at_rest(page)
+    seen = browser.script("return window.states;")
+    assert "Armed" in seen and "Running" not in seen, seen
 
 
 def clicks_in_one_place_do_not_lead_from_an_emergency_stop_to_a_motion(page):
@@ -218,6 +247,18 @@ def escape_stops_while_the_page_is_loading(page, server):
     page.recover()
 
 
+def the_page_says_that_keys_do_not_reach_it(page):
+    browser = page.browser
+    run(page)
+    assert not browser.text("#keys")
+    browser.script("document.hasFocus = () => false; dispatchEvent(new Event('blur'));")
+    assert "click on this page" in browser.text("#keys")
+    browser.script("delete document.hasFocus; dispatchEvent(new Event('focus'));")
+    assert not browser.text("#keys")
+    browser.press(SPACE)
+    page.wait_for("Armed")
+
+
 def check(page, server):
     page.load_job(LONG_JOB, "within the arm's limits")
     no_control_of_the_browser_keeps_keys_to_itself(page)
@@ -228,6 +269,8 @@ def check(page, server):
     a_stop_takes_the_arm_out_of_the_hand_that_drags_it(page)
     space_stops_from_every_control(page)
     escape_stops_from_every_control(page)
+    escape_stops_though_a_list_of_the_browser_takes_the_key(page)
+    the_page_says_that_keys_do_not_reach_it(page)
     keys_with_others_and_of_input_methods_stop(page)
     a_menu_of_the_browser_does_not_open(page)
     clicks_in_one_place_do_not_lead_from_an_emergency_stop_to_a_motion(page)

@@ -132,6 +132,7 @@ fn begin(
     shared.change(|state| {
         forget(clicked);
         state.show_steps(commissioning);
+        state.stopped |= shared.is_stopped();
         state.end(outcome.map_err(|error| shown(&error, shared)));
     });
 }
@@ -153,15 +154,17 @@ fn shown(error: &StepError, shared: &Shared) -> String {
 /// Switches the bridges off. What was clicked before begins nothing after it.
 fn stop(commissioning: &mut Commissioning, shared: &Shared, clicked: &Mutex<Receiver<Click>>) {
     let outcome = commissioning.switch_off();
-    if outcome.is_ok() {
-        shared.confirm_stop();
-    }
+    let reached = outcome.is_ok();
     shared.change(|state| {
         forget(clicked);
-        state.stop();
+        state.stops += 1;
+        state.stopped = true;
         state.end(Err(match outcome {
             Ok(()) => "stopped: the bridges are off".into(),
             Err(error) => format!("the stop did not reach the controller: {error}"),
         }));
     });
+    if reached {
+        shared.confirm_stop();
+    }
 }

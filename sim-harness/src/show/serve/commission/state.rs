@@ -51,9 +51,9 @@ pub(in crate::show::serve) struct PageState {
     /// Where the record is.
     place: String,
     /// Stops that have switched the bridges off.
-    stops: u32,
+    pub(super) stops: u32,
     /// No step begins until a person has said that the arm is safe.
-    stopped: bool,
+    pub(super) stopped: bool,
     /// When that was said.
     #[serde(skip)]
     released: Option<Instant>,
@@ -94,12 +94,6 @@ impl PageState {
         self.lines.clear();
         self.trouble = None;
         self.hand_does_all = false;
-    }
-
-    /// A stop has ended the step.
-    pub(super) fn stop(&mut self) {
-        self.stops += 1;
-        self.stopped = true;
     }
 
     /// Whether a step may begin.
@@ -194,6 +188,7 @@ impl Shared {
         let mut state = self.state();
         match &click {
             Click::Again(_) if state.running.is_some() => return Err("a step is being done\n"),
+            Click::Begin(_) if self.is_stopped() => return Err("the arm is being stopped\n"),
             Click::Begin(_) => state.may_begin()?,
             Click::Done { .. } if state.task.is_none() => return Err("no task waits\n"),
             Click::Again(_) | Click::Done { .. } => {}
