@@ -44,7 +44,8 @@ def tasks_are_asked_for_and_a_mistake_is_named(browser):
 
 
 def wait_for_the_stop(browser):
-    browser.wait("the stop", lambda: "the bridges are off" in browser.text("#trouble"))
+    browser.wait("the stop", lambda: browser.text("#safe"))
+    assert "the bridges are off" in browser.text("#trouble")
     browser.wait("the confirmation", lambda: "Emergency stop confirmed" in browser.text("#alarm"))
     assert not browser.text("#begin"), "no step begins before a person has said that the arm is safe"
 

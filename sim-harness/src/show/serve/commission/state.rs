@@ -174,6 +174,7 @@ impl Shared {
     pub(super) fn release(&self) {
         self.change(|state| {
             state.stopped = false;
+            state.trouble = None;
             state.released = Some(Instant::now());
         });
     }
