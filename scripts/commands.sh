@@ -104,7 +104,8 @@ serve() {
 # Starts the bridge, asks for its version at the printed address, and stops it.
 bridge() {
     local place=$1 address reply
-    start_server "$2" '^127' bridge.log
+    # The port is any free one.
+    start_server "$(sed -E 's| --listen( [0-9][^ ]*)?||' <<<"$2")" '^127' bridge.log
     address=$(sed -n 's|^\(127[0-9.:]*\) .*|\1|p' bridge.log)
     [ -n "$address" ] || fail "$place: no address within 10 s: $(cat bridge.log)"
     exec 3<>"/dev/tcp/${address%:*}/${address#*:}"

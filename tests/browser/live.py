@@ -34,7 +34,7 @@ class Server:
         while not self.said().endswith("\n"):
             assert self.process.poll() is None, self.said()
             time.sleep(0.02)
-        self.url = self.said().split()[-1]
+        self.url = next(word for word in self.said().split() if "?token=" in word)
         self.host = self.url.split("/")[2]
         self.port = int(self.host.split(":")[1])
         self.token = self.url.split("?token=")[1]

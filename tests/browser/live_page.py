@@ -17,6 +17,7 @@ import looks
 import moving
 import owning
 import reach
+import senders
 import stopping
 import watching
 from live import Page, Server
@@ -58,6 +59,8 @@ def main():
         passed("a report on a phone")
         looks.the_reports_of_studies_are_accessible(arguments.program, browser)
         passed("reports of studies: axe-core")
+        senders.check(arguments.program, browser)
+        passed("a page of another site at the senders' ports")
         commissioning.check(arguments.program, browser)
         passed("a guided commissioning: tasks, a mistake, stops, a run that goes on")
 

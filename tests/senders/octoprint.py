@@ -84,7 +84,7 @@ def main(octoprint, program, *options):
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         log = folder / "path.csv"
-        bridge = subprocess.Popen([program, "bridge", *options, "--listen", "127.0.0.1:0", "--log", log],
+        bridge = subprocess.Popen([program, "bridge", *options, "--log", log],
                                   stdout=subprocess.PIPE, text=True)
         _, terminal = bridge.stdout.readline().split()
         host = OctoPrint(octoprint, folder, terminal)

@@ -16,6 +16,8 @@ const PATIENCE: u32 = 5;
 /// A board at the far end of a pseudo-terminal.
 pub(crate) struct Board {
     pub(crate) port: String,
+    /// Whether its time advances whatever its host does.
+    pub(crate) waits_for_nobody: Arc<AtomicBool>,
     ends: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
@@ -29,6 +31,8 @@ impl Board {
         let port = near.name().expect("the port has a name");
         let ends = Arc::new(AtomicBool::new(false));
         let ended = Arc::clone(&ends);
+        let waits_for_nobody = Arc::new(AtomicBool::new(false));
+        let goes_on = Arc::clone(&waits_for_nobody);
         let thread = std::thread::spawn(move || {
             // The near end stays open; otherwise reads of the far end fail before the program
             // opens the port.
@@ -45,7 +49,7 @@ impl Board {
                 controller
                     .write_all(&bytes[..count])
                     .expect("the loopback link works");
-                if silence < PATIENCE
+                if (silence < PATIENCE || goes_on.load(Ordering::Relaxed))
                     && let Ok(count) = controller.read(&mut bytes)
                 {
                     // The write fails if the program has ended.
@@ -55,6 +59,7 @@ impl Board {
         });
         Self {
             port,
+            waits_for_nobody,
             ends,
             thread: Some(thread),
         }

@@ -1,150 +1,9 @@
 //! `fivebar bridge` with the simulated arm: a plain client in place of a sender.
 
-use std::io::{BufRead as _, BufReader, ErrorKind, Read as _, Write as _};
-use std::net::TcpStream;
-use std::process::{Child, Command, Stdio};
+use crate::bridge::{Bridge, Sender, near};
+use std::io::{Read as _, Write as _};
+use std::thread::sleep;
 use std::time::{Duration, Instant};
-
-/// Longest wait for an answer. Homing takes a few seconds.
-const LONGEST: Duration = Duration::from_secs(30);
-
-/// The program, which ends when this value is dropped.
-struct Bridge {
-    child: Child,
-    address: String,
-    terminal: String,
-}
-
-impl Bridge {
-    fn start() -> Self {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_fivebar"))
-            .args(["bridge", "--listen", "127.0.0.1:0"])
-            .stdout(Stdio::piped())
-            .stderr(Stdio::null())
-            .spawn()
-            .expect("the program starts");
-        let mut line = String::new();
-        BufReader::new(child.stdout.take().expect("its output"))
-            .read_line(&mut line)
-            .expect("a line of text");
-        let (address, terminal) = line.trim().split_once(' ').expect("two words");
-        Self {
-            child,
-            address: address.into(),
-            terminal: terminal.into(),
-        }
-    }
-
-    fn connect(&self) -> Sender {
-        let stream = TcpStream::connect(&self.address).expect("a bridge");
-        let timeout = Some(Duration::from_millis(20));
-        stream.set_read_timeout(timeout).expect("a timeout");
-        Sender {
-            stream,
-            received: String::new(),
-        }
-    }
-}
-
-impl Drop for Bridge {
-    fn drop(&mut self) {
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
-}
-
-struct Sender {
-    stream: TcpStream,
-    received: String,
-}
-
-impl Sender {
-    fn send(&mut self, text: &str) {
-        self.stream
-            .write_all(text.as_bytes())
-            .expect("a bridge that reads");
-    }
-
-    /// The next line that is not empty.
-    fn line(&mut self) -> String {
-        let deadline = Instant::now() + LONGEST;
-        loop {
-            if let Some((line, rest)) = self.received.split_once('\n') {
-                let (line, rest) = (line.trim().to_owned(), rest.to_owned());
-                self.received = rest;
-                if !line.is_empty() {
-                    return line;
-                }
-                continue;
-            }
-            assert!(
-                Instant::now() < deadline,
-                "no answer; received: {}",
-                self.received
-            );
-            let mut bytes = [0; 1024];
-            match self.stream.read(&mut bytes) {
-                Ok(0) => panic!("the bridge has closed the connection"),
-                Ok(count) => self.received += &String::from_utf8_lossy(&bytes[..count]),
-                Err(error)
-                    if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {}
-                Err(error) => panic!("{error}"),
-            }
-        }
-    }
-
-    /// Sends a line; returns the answer with what came before it.
-    fn ask(&mut self, text: &str) -> String {
-        self.send(&format!("{text}\n"));
-        let mut all = String::new();
-        loop {
-            let line = self.line();
-            all += &line;
-            if line.starts_with("ok") || line.starts_with("error:") {
-                return all;
-            }
-            all.push(' ');
-        }
-    }
-
-    /// State and machine position [mm] of a report.
-    fn report(&mut self) -> (String, [f64; 2]) {
-        self.send("?");
-        loop {
-            let line = self.line();
-            let Some(report) = line.strip_prefix('<') else {
-                continue;
-            };
-            let (state, rest) = report.split_once("|MPos:").expect("a position");
-            let numbers: Vec<f64> = rest
-                .split(['|', ','])
-                .take(2)
-                .map(|number| number.parse().expect("a number"))
-                .collect();
-            return (state.into(), [numbers[0], numbers[1]]);
-        }
-    }
-
-    fn wait_for(&mut self, state: &str) -> [f64; 2] {
-        let deadline = Instant::now() + LONGEST;
-        loop {
-            let (now, position) = self.report();
-            if now == state {
-                return position;
-            }
-            assert!(Instant::now() < deadline, "{now}, not {state}");
-            std::thread::sleep(Duration::from_millis(20));
-        }
-    }
-
-    fn home(&mut self) {
-        assert!(self.ask("$H").ends_with("ok"));
-    }
-}
-
-fn near([x, y]: [f64; 2], [to_x, to_y]: [f64; 2], within: f64) -> bool {
-    (x - to_x).hypot(y - to_y) < within
-}
 
 #[test]
 fn a_sender_homes_draws_pauses_and_resumes() {
@@ -158,7 +17,7 @@ fn a_sender_homes_draws_pauses_and_resumes() {
     for line in ["G21 G91", "G92 X0 Y0", "M3 S1000", "G1 X20 F900"] {
         assert_eq!(sender.ask(line), "ok", "{line}");
     }
-    std::thread::sleep(Duration::from_millis(300));
+    sleep(Duration::from_millis(300));
     sender.send("!");
     let held = sender.wait_for("Hold:0");
     assert!(
@@ -168,7 +27,7 @@ fn a_sender_homes_draws_pauses_and_resumes() {
     assert!((held[1] - home[1]).abs() < 0.1, "{held:?}");
     // Nothing moves while it is held, and a move waits for its answer.
     sender.send("G1 Y10\n");
-    std::thread::sleep(Duration::from_millis(300));
+    sleep(Duration::from_millis(300));
     let (state, still) = sender.report();
     assert_eq!(state, "Hold:0");
     assert!(near(still, held, 0.05), "{still:?} {held:?}");
@@ -215,7 +74,7 @@ fn a_jog_stops_when_it_is_released() {
     sender.home();
     let home = sender.wait_for("Idle");
     assert_eq!(sender.ask("$J=G91 X20 F600"), "ok");
-    std::thread::sleep(Duration::from_millis(300));
+    sleep(Duration::from_millis(300));
     assert_eq!(sender.report().0, "Jog");
     sender.stream.write_all(&[0x85]).unwrap();
     let end = sender.wait_for("Idle");
@@ -247,7 +106,7 @@ fn an_emergency_stop_waits_for_nothing() {
     );
     let (state, place) = sender.report();
     assert_eq!(state, "Alarm");
-    std::thread::sleep(Duration::from_millis(300));
+    sleep(Duration::from_millis(300));
     assert!(near(sender.report().1, place, 1.0), "the arm goes on");
     assert!(sender.ask("G1 X1").ends_with("error:9"));
     assert!(sender.ask("$X").ends_with("ok"));
@@ -265,7 +124,7 @@ fn the_arm_of_a_lost_sender_rests_before_another_one_is_in_control() {
     assert_eq!(sender.ask("G91 G1 X30 F300"), "ok");
     sender.wait_for("Run");
     drop(sender);
-    std::thread::sleep(Duration::from_millis(800));
+    sleep(Duration::from_millis(800));
     let mut next = bridge.connect();
     let (state, place) = next.report();
     assert_eq!(state, "Idle");
@@ -311,7 +170,7 @@ fn the_pseudo_terminal_takes_a_sender_too() {
         }
         assert!(text.contains("[VER:1.1h"), "{text}");
         drop(port);
-        std::thread::sleep(Duration::from_millis(300));
+        sleep(Duration::from_millis(300));
     }
 }
 
@@ -323,15 +182,15 @@ fn the_feed_rate_changes_within_a_second_and_a_half_of_the_override() {
     sender.send("G21 G91\nG1 X60 F600\n");
     let pace = |sender: &mut Sender| {
         let (before, then) = (sender.report().1[0], Instant::now());
-        std::thread::sleep(Duration::from_millis(500));
+        sleep(Duration::from_millis(500));
         (sender.report().1[0] - before) / then.elapsed().as_secs_f64()
     };
-    std::thread::sleep(Duration::from_millis(500));
+    sleep(Duration::from_millis(500));
     let whole = pace(&mut sender);
     for byte in [b"\x92"; 5] {
         sender.stream.write_all(byte).expect("a bridge that reads");
     }
-    std::thread::sleep(Duration::from_millis(1500));
+    sleep(Duration::from_millis(1500));
     let half = pace(&mut sender);
     // A busy machine slows both down.
     assert!(

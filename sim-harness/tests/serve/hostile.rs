@@ -157,3 +157,26 @@ fn a_page_that_joins_gets_the_job_without_the_others_getting_it_again() {
         assert!(!message.is_some_and(|message| has_job(&message)));
     }
 }
+
+#[test]
+fn a_page_connects_beside_300_silent_connections_although_the_system_allows_64_open_files() {
+    let server = Server::start_with_files(64);
+    let held: Vec<_> = (0..300).map(|_| server.connect()).collect();
+    let deadline = Instant::now() + Duration::from_secs(3);
+    let socket = loop {
+        if let Some(socket) = server.socket() {
+            break socket;
+        }
+        assert!(Instant::now() < deadline, "no page connects");
+    };
+    drop(socket);
+    let pages: Vec<_> = (0..4)
+        .map(|_| {
+            let mut page = server.page();
+            page.latest_state();
+            page
+        })
+        .collect();
+    assert!(server.open_files() < 64);
+    drop((held, pages));
+}

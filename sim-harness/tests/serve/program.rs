@@ -28,7 +28,21 @@ pub(crate) fn machine() -> MutexGuard<'static, ()> {
 
 impl Server {
     pub(crate) fn start(options: &[&str]) -> Self {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_fivebar"))
+        Self::run(&mut Command::new(env!("CARGO_BIN_EXE_fivebar")), options)
+    }
+
+    /// Starts it with at most so many open files.
+    pub(crate) fn start_with_files(most: u32) -> Self {
+        let limited = format!("ulimit -n {most}; exec \"$0\" \"$@\"");
+        let mut shell = Command::new("sh");
+        Self::run(
+            shell.args(["-c", &limited, env!("CARGO_BIN_EXE_fivebar")]),
+            &[],
+        )
+    }
+
+    fn run(program: &mut Command, options: &[&str]) -> Self {
+        let mut child = program
             .args(["serve", "--listen", "127.0.0.1:0"])
             .args(options)
             .stdout(Stdio::piped())

@@ -4,6 +4,7 @@ use crate::program::{Server, number, speed, time};
 use serde_json::json;
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::net::TcpStream;
+use std::thread::sleep;
 use std::time::Duration;
 
 /// A sender; the lines that it receives.
@@ -67,6 +68,10 @@ fn a_sender_moves_the_arm_while_pages_watch_and_any_page_stops_it() {
     page.request("emergency_stop");
     sender.wait_for("ALARM:3");
     page.state_named("Fault");
+    // A program that answers the stop by itself clears nothing.
+    sender.send(b"$X\n");
+    sender.wait_for("error:9");
+    sleep(Duration::from_secs(3));
     sender.send(b"$X\n");
     sender.wait_for("ok");
     drop(sender);
@@ -106,4 +111,36 @@ fn an_emergency_stop_is_latched_and_confirmed_while_a_sender_is_connected_and_th
     let state = page.state_named("Fault");
     assert_eq!(state["fault"], 10);
     sender.wait_for("ALARM:3");
+    for line in ["$H\n", "G28\n", "$X\n"] {
+        sender.send(line.as_bytes());
+        sender.wait_for("error:9");
+    }
+    // Nor by a new connection, again and again.
+    for _ in 0..5 {
+        drop(sender);
+        page.state("no sender", |state| state["sender"] == false);
+        sender = Sender::connect(&server);
+        sender.wait_for("Grbl 1.1");
+        sender.send(b"\x18$X\n$H\n");
+        sender.wait_for("error:9");
+        sender.wait_for("error:9");
+    }
+    assert_eq!(page.latest_state()["state"], "Fault");
+}
+
+#[test]
+fn pages_are_warned_that_no_password_protects_the_senders_address() {
+    let server = Server::start(&["--senders", "127.0.0.1:0"]);
+    let mut page = server.page();
+    let warning = format!("no password protects {}", server.senders);
+    page.wait("a warning", |message| {
+        let text = message["notice"]["text"].as_str()?;
+        text.contains(&warning).then_some(())
+    });
+    let _sender = Sender::connect(&server);
+    page.wait("a peer", |message| {
+        let text = message["notice"]["text"].as_str()?;
+        text.contains("a sender is connected: 127.0.0.1")
+            .then_some(())
+    });
 }

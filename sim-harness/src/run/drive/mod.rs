@@ -95,12 +95,12 @@ impl<'a, L: Read + Write> Drive<'a, L> {
                 return Ok(());
             }
             if (self.wants_stop)() {
-                self.request(Request::Stop)?;
+                self.bring_to_rest()?;
                 return Err(DriveError::Stopped(None));
             }
             self.client.poll()?;
         }
-        self.request(Request::Stop)?;
+        self.bring_to_rest()?;
         Err(DriveError::NeverHomed)
     }
 

@@ -1,46 +1,137 @@
-//! Senders' connections: over TCP and at a pseudo-terminal.
+//! A sender's connection, over TCP or at the pseudo-terminal: how it asks for control, is read and
+//! is written to.
 //!
 //! Each connection has a thread that reads and one that writes, so that neither a silent nor a
-//! slow sender delays the machine. One connection is in control at a time.
+//! slow sender delays the machine. Nothing is read before the machine has given the connection
+//! control, and one connection has it at a time.
 
-use super::BridgeError;
-use super::protocol::{Input, RealTime, Splitter};
+use super::protocol::{Gate, Input, RealTime};
+use super::{BridgeError, network, terminal};
 use crate::input::job::Dialect;
-use std::io::{self, ErrorKind, Read, Write};
-use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{self, Receiver, Sender, SyncSender};
+use std::io::{self, ErrorKind};
+use std::net::SocketAddr;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::{self, Receiver, SyncSender};
+use std::sync::{Arc, OnceLock};
 use std::thread;
 use std::time::{Duration, Instant};
 
 /// Answers that may wait for a sender that does not read.
 const ANSWERS: usize = 4096;
-/// Longest wait for a sender that does not read.
-const LONGEST_WRITE: Duration = Duration::from_secs(10);
-/// Time between two looks at a pseudo-terminal that no program has open.
-#[cfg(unix)]
-const LOOK: Duration = Duration::from_millis(20);
-const BUSY: &str = "[MSG:another sender is in control: disconnect it first]\nerror:9\n";
+/// Lines and commands of senders that may wait for the machine.
+const EVENTS: usize = 1 << 14;
 
 /// What the connections tell the machine.
 pub(super) enum Event {
-    /// A sender is in control.
-    Opened(Outlet),
-    /// It has sent this.
-    Input(Input),
-    /// It is lost, and why.
-    Closed(String),
+    /// A sender asks for control.
+    Asks(Visitor),
+    /// The sender in control has sent this.
+    Input(Arc<Presence>, Input),
+}
+
+/// A sender that waits for control.
+pub(super) struct Visitor {
+    outlet: Outlet,
+    verdict: SyncSender<bool>,
+}
+
+impl Visitor {
+    /// Gives it control; its connection is read from now on.
+    pub(super) fn admit(self) -> Outlet {
+        // It fails only if the connection's thread has ended.
+        let _ = self.verdict.try_send(true);
+        self.outlet
+    }
+
+    /// Tells it why it gets no control, and disconnects it.
+    pub(super) fn refuse(self, why: &str) {
+        self.outlet.send(why);
+        self.outlet.end();
+        let _ = self.verdict.try_send(false);
+    }
+}
+
+/// What both ends of a connection know of it.
+pub(super) struct Presence {
+    /// Who it is: an address, or the terminal.
+    pub(super) peer: String,
+    begun: Instant,
+    /// When the latest byte came [ms after `begun`].
+    heard: AtomicU64,
+    /// The sender waits for a report. One answers all that were asked for meanwhile, as Grbl does.
+    report: AtomicBool,
+    /// Why the connection has ended.
+    ended: OnceLock<String>,
+}
+
+impl Presence {
+    pub(super) fn new(peer: String) -> Arc<Self> {
+        Arc::new(Self {
+            peer,
+            begun: Instant::now(),
+            heard: AtomicU64::new(0),
+            report: AtomicBool::new(false),
+            ended: OnceLock::new(),
+        })
+    }
+
+    /// Time since the latest byte.
+    pub(super) fn silence(&self) -> Duration {
+        let heard = Duration::from_millis(self.heard.load(Ordering::SeqCst));
+        self.begun.elapsed().saturating_sub(heard)
+    }
+
+    /// Whether the sender has asked for a report since the last call.
+    pub(super) fn takes_report(&self) -> bool {
+        self.report.swap(false, Ordering::SeqCst)
+    }
+
+    /// Why the connection has ended, if it has.
+    pub(super) fn ended(&self) -> Option<&str> {
+        self.ended.get().map(String::as_str)
+    }
+
+    fn hear(&self) {
+        let time = self.begun.elapsed().as_millis() as u64;
+        self.heard.store(time, Ordering::SeqCst);
+    }
 }
 
 /// The way to a sender.
 pub(super) struct Outlet {
+    pub(super) presence: Arc<Presence>,
     /// A text to send; none: disconnect the sender.
     answers: SyncSender<Option<String>>,
     close: Arc<dyn Fn() + Send + Sync>,
 }
 
 impl Outlet {
+    /// Starts a thread that writes answers until one cannot be written, the connection has ended, or
+    /// the machine has dropped the way to it.
+    pub(super) fn start(
+        presence: Arc<Presence>,
+        mut write: impl FnMut(&str) -> bool + Send + 'static,
+        close: impl Fn() + Send + Sync + 'static,
+    ) -> Self {
+        let (answers, texts) = mpsc::sync_channel::<Option<String>>(ANSWERS);
+        let close: Arc<dyn Fn() + Send + Sync> = Arc::new(close);
+        let (ends, line) = (Arc::clone(&close), Arc::clone(&presence));
+        thread::spawn(move || {
+            while let Ok(text) = texts.recv() {
+                match text {
+                    Some(text) if line.ended().is_none() && write(&text) => {}
+                    Some(_) => return,
+                    None => return ends(),
+                }
+            }
+        });
+        Self {
+            presence,
+            answers,
+            close,
+        }
+    }
+
     /// Sends a text. A sender that has left too many answers unread is disconnected.
     pub(super) fn send(&self, text: &str) {
         if !text.is_empty() && self.answers.try_send(Some(text.into())).is_err() {
@@ -64,31 +155,78 @@ impl Outlet {
 /// What connections and machine share, past the queue of events.
 #[derive(Default)]
 pub(super) struct Shared {
-    /// An emergency stop was asked for. It is in the queue of events too, where it ends what was
-    /// sent before it.
-    pub(super) emergency: AtomicBool,
-    /// A sender is in control.
-    pub(super) taken: AtomicBool,
+    /// A stop with the bridges off was asked for. It is in the queue of events too, where it ends
+    /// what was sent before it.
+    stops: AtomicBool,
+    /// The stop is to be latched also if the bridges are off.
+    latches: AtomicBool,
 }
 
 impl Shared {
-    fn take(&self) -> bool {
-        !self.taken.swap(true, Ordering::SeqCst)
+    /// Asks for a stop with the bridges off, which is to be latched if they are off already.
+    pub(super) fn emergency_stop(&self) {
+        self.latches.store(true, Ordering::SeqCst);
+        self.reset();
+    }
+
+    /// Asks for the bridges to be off.
+    fn reset(&self) {
+        self.stops.store(true, Ordering::SeqCst);
+    }
+
+    /// The stop that was asked for, if there is one: whether it is to be latched in any case.
+    pub(super) fn take_stop(&self) -> Option<bool> {
+        let stops = self.stops.swap(false, Ordering::SeqCst);
+        stops.then(|| self.latches.swap(false, Ordering::SeqCst))
     }
 }
 
 /// What a connection needs to serve a sender.
 #[derive(Clone)]
-struct Desk {
+pub(super) struct Desk {
     shared: Arc<Shared>,
-    events: Sender<Event>,
+    events: SyncSender<Event>,
     dialect: Option<Dialect>,
 }
 
 impl Desk {
-    /// Passes on what `read` gives until it fails.
-    fn pass_on(&self, mut read: impl FnMut(&mut [u8]) -> io::Result<usize>) -> String {
-        let mut splitter = Splitter::new(self.dialect);
+    /// Asks for control; returns whether it was given. Waits for the machine's next look.
+    pub(super) fn ask(&self, outlet: Outlet) -> bool {
+        let (verdict, given) = mpsc::sync_channel(1);
+        let visitor = Visitor { outlet, verdict };
+        let asked = self.events.try_send(Event::Asks(visitor));
+        asked.is_ok() && given.recv() == Ok(true)
+    }
+
+    /// A gate for bytes that any program of the network may send.
+    pub(super) fn guarded_gate(&self) -> Gate {
+        Gate::guarded(self.dialect)
+    }
+
+    /// A gate for bytes of programs that may open the terminal.
+    #[cfg(unix)]
+    pub(super) fn open_gate(&self) -> Gate {
+        Gate::open(self.dialect)
+    }
+
+    /// Passes on what `read` gives until it fails or the gate closes.
+    pub(super) fn pass_on(
+        &self,
+        presence: &Arc<Presence>,
+        gate: Gate,
+        read: impl FnMut(&mut [u8]) -> io::Result<usize>,
+    ) {
+        let why = self.why_it_ends(presence, gate, read);
+        // This is its only place.
+        let _ = presence.ended.set(why);
+    }
+
+    fn why_it_ends(
+        &self,
+        presence: &Arc<Presence>,
+        mut gate: Gate,
+        mut read: impl FnMut(&mut [u8]) -> io::Result<usize>,
+    ) -> String {
         let mut bytes = [0; 1024];
         loop {
             let count = match read(&mut bytes) {
@@ -107,16 +245,26 @@ impl Desk {
                 }
                 Err(error) => return format!("the connection to the sender failed: {error}"),
             };
+            presence.hear();
             for &byte in &bytes[..count] {
-                for input in splitter.feed(byte) {
-                    if input == Input::Web {
-                        return "a web browser asked, which is no sender".into();
+                let inputs = match gate.feed(byte) {
+                    Ok(inputs) => inputs,
+                    Err(why) => return format!("{} is disconnected: {why}", presence.peer),
+                };
+                for input in inputs {
+                    match input {
+                        Input::RealTime(RealTime::Report) => {
+                            presence.report.store(true, Ordering::SeqCst);
+                            continue;
+                        }
+                        Input::RealTime(RealTime::Reset) => self.shared.reset(),
+                        Input::RealTime(RealTime::Emergency) => self.shared.emergency_stop(),
+                        Input::RealTime(_) | Input::Line(_) => {}
                     }
-                    if input == Input::RealTime(RealTime::Emergency) {
-                        self.shared.emergency.store(true, Ordering::SeqCst);
-                    }
-                    if self.events.send(Event::Input(input)).is_err() {
-                        return "the program ends".into();
+                    let event = Event::Input(Arc::clone(presence), input);
+                    if self.events.try_send(event).is_err() {
+                        return "the sender sends faster than it is served, and is disconnected"
+                            .into();
                     }
                 }
             }
@@ -124,163 +272,27 @@ impl Desk {
     }
 }
 
-/// Starts the threads that accept senders. Returns the address, the name of the
-/// pseudo-terminal if this system has one, and the events of the sender in control.
+/// The address and the terminal where senders connect, each if it is there, and their events.
+pub(super) type Listening = (Option<SocketAddr>, Option<String>, Receiver<Event>);
+
+/// Starts the threads that accept senders: at a pseudo-terminal if this system has one, and over
+/// TCP if an address is given.
 pub(super) fn listen(
-    address: SocketAddr,
+    address: Option<SocketAddr>,
     dialect: Option<Dialect>,
     shared: &Arc<Shared>,
-) -> Result<(SocketAddr, Option<String>, Receiver<Event>), BridgeError> {
-    let listener = TcpListener::bind(address);
-    let listener = listener.map_err(|source| BridgeError::Listen { address, source })?;
-    let bound = listener.local_addr().map_err(BridgeError::Terminal)?;
-    let (events, receiver) = mpsc::channel();
+) -> Result<Listening, BridgeError> {
+    let (events, receiver) = mpsc::sync_channel(EVENTS);
     let desk = Desk {
         shared: Arc::clone(shared),
         events,
         dialect,
     };
-    let terminal = terminal(desk.clone()).map_err(BridgeError::Terminal)?;
-    thread::spawn(move || {
-        for stream in listener.incoming().flatten() {
-            let desk = desk.clone();
-            thread::spawn(move || serve(&desk, stream));
-        }
-    });
+    let bound = address.map(|address| network::listen(address, desk.clone()));
+    let bound = bound.transpose()?;
+    let terminal = terminal::open(desk).map_err(BridgeError::Terminal)?;
+    if bound.is_none() && terminal.is_none() {
+        return Err(BridgeError::NoTerminal);
+    }
     Ok((bound, terminal, receiver))
-}
-
-fn serve(desk: &Desk, mut stream: TcpStream) {
-    let _ = stream.set_nodelay(true);
-    let _ = stream.set_write_timeout(Some(LONGEST_WRITE));
-    if !desk.shared.take() {
-        let _ = stream.write_all(BUSY.as_bytes());
-        return;
-    }
-    let (Ok(mut out), Ok(closer)) = (stream.try_clone(), stream.try_clone()) else {
-        desk.shared.taken.store(false, Ordering::SeqCst);
-        return;
-    };
-    let outlet = outlet(
-        move |text| out.write_all(text.as_bytes()).is_ok(),
-        move || {
-            let _ = closer.shutdown(Shutdown::Both);
-        },
-    );
-    let _ = desk.events.send(Event::Opened(outlet));
-    let why = desk.pass_on(|bytes| stream.read(bytes));
-    let _ = stream.shutdown(Shutdown::Both);
-    let _ = desk.events.send(Event::Closed(why));
-}
-
-/// A thread that writes answers until one cannot be written or the machine has dropped the way
-/// to it.
-fn outlet(
-    mut write: impl FnMut(&str) -> bool + Send + 'static,
-    close: impl Fn() + Send + Sync + 'static,
-) -> Outlet {
-    let (answers, texts) = mpsc::sync_channel::<Option<String>>(ANSWERS);
-    let close: Arc<dyn Fn() + Send + Sync> = Arc::new(close);
-    let ends = Arc::clone(&close);
-    thread::spawn(move || {
-        while let Ok(text) = texts.recv() {
-            match text {
-                Some(text) if write(&text) => {}
-                Some(_) => return,
-                None => return ends(),
-            }
-        }
-    });
-    Outlet { answers, close }
-}
-
-#[cfg(not(unix))]
-fn terminal(_: Desk) -> io::Result<Option<String>> {
-    Ok(None)
-}
-
-/// Opens a pseudo-terminal. A program that opens it is a sender until it closes it.
-#[cfg(unix)]
-fn terminal(desk: Desk) -> io::Result<Option<String>> {
-    use serialport::{SerialPort as _, TTYPort};
-
-    let (mut master, slave) = TTYPort::pair()?;
-    let name = slave.name();
-    let path = name.clone();
-    drop(slave);
-    let mut out = master.try_clone_native()?;
-    master.set_timeout(LOOK)?;
-    out.set_timeout(LOOK)?;
-    thread::spawn(move || {
-        loop {
-            // While no program has the terminal open, reading fails at once.
-            let mut first = [0; 1024];
-            let (mut count, is_open) = match master.read(&mut first) {
-                Ok(count) => (count, true),
-                Err(error) => (0, error.kind() == ErrorKind::TimedOut),
-            };
-            if !is_open {
-                thread::sleep(LOOK);
-                continue;
-            }
-            make_raw(path.as_deref());
-            if !desk.shared.take() {
-                let _ = out.write_all(BUSY.as_bytes());
-                while !matches!(master.read(&mut first), Err(error) if error.kind() != ErrorKind::TimedOut)
-                {
-                }
-                continue;
-            }
-            let Ok(mut writer) = out.try_clone_native() else {
-                desk.shared.taken.store(false, Ordering::SeqCst);
-                continue;
-            };
-            let closed = Arc::new(AtomicBool::new(false));
-            let close = Arc::clone(&closed);
-            let outlet = outlet(
-                move |text| write_slowly(&mut writer, text.as_bytes()).is_ok(),
-                move || close.store(true, Ordering::SeqCst),
-            );
-            let _ = desk.events.send(Event::Opened(outlet));
-            let why = desk.pass_on(|bytes| {
-                if closed.load(Ordering::SeqCst) {
-                    return Err(ErrorKind::ConnectionAborted.into());
-                }
-                if count > 0 {
-                    let taken = std::mem::take(&mut count);
-                    bytes[..taken].copy_from_slice(&first[..taken]);
-                    return Ok(taken);
-                }
-                master.read(bytes)
-            });
-            if desk.events.send(Event::Closed(why)).is_err() {
-                return;
-            }
-        }
-    });
-    Ok(name)
-}
-
-/// Sets the terminal to pass bytes unchanged, for programs that open it like a file. A program
-/// that has it for itself has done so.
-#[cfg(unix)]
-fn make_raw(path: Option<&str>) {
-    use serialport::TTYPort;
-
-    let builder = path.map(|path| serialport::new(path, 0));
-    drop(builder.map(|builder| TTYPort::open(&builder.exclusive(false))));
-}
-
-/// Writes to a terminal whose reader may be slow.
-#[cfg(unix)]
-fn write_slowly(out: &mut impl Write, mut bytes: &[u8]) -> io::Result<()> {
-    let deadline = Instant::now() + LONGEST_WRITE;
-    while !bytes.is_empty() {
-        match out.write(bytes) {
-            Ok(count) => bytes = &bytes[count..],
-            Err(error) if error.kind() == ErrorKind::TimedOut && Instant::now() < deadline => {}
-            Err(error) => return Err(error),
-        }
-    }
-    Ok(())
 }

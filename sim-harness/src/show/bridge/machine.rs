@@ -2,9 +2,10 @@
 
 use super::BridgeOptions;
 use super::connection::{Event, Shared};
+use super::events::CLEARING;
 use super::log::PathLog;
 use super::orders::Progress;
-use super::protocol::{Engine, MachineState, Refusal, Response, View};
+use super::protocol::{Engine, Refusal, Response};
 use super::sender::Sender;
 use crate::input::job::{Dialect, JobOptions, Placement};
 use crate::run::link::{Client, LinkError};
@@ -69,8 +70,12 @@ pub(in crate::show) struct Machine<'a> {
     all_room: u8,
     idle_since: Option<u32>,
     pub(super) fault: Option<Fault>,
+    /// What users are to know of the senders' address.
+    pub(in crate::show) warning: Option<String>,
+    /// When the sender in control may clear the fault.
+    pub(super) clears_from: Instant,
     /// A tick, the reference in it [m], and the speed up to it [m/s].
-    speed: (u32, Option<[f32; 2]>, f64),
+    pub(super) speed: (u32, Option<[f32; 2]>, f64),
 }
 
 impl<'a> Machine<'a> {
@@ -110,6 +115,8 @@ impl<'a> Machine<'a> {
             goes_on: false,
             held_at: None,
             fault: status.fault,
+            warning: None,
+            clears_from: Instant::now(),
             speed: (status.tick, None, 0.0),
             status,
             room,
@@ -123,15 +130,26 @@ impl<'a> Machine<'a> {
         while !ends() {
             self.cycle()?;
         }
+        self.stop_arm()
+    }
+
+    /// Brings the arm to rest and switches the bridges off.
+    pub(in crate::show) fn stop_arm(&mut self) -> Result<(), LinkError> {
         let deadline = Instant::now() + LONGEST_STOP;
-        // Both requests are refused if a fault is latched: then the controller itself brings the
-        // arm to rest.
+        // Refused if a fault is latched: then the controller itself brings the arm to rest.
         let _ = self.request(Request::Stop)?;
-        while self.moves() && Instant::now() < deadline {
-            self.pass_time()?;
+        loop {
             (self.status, _) = self.client.status()?;
+            if !self.moves() || Instant::now() > deadline {
+                break;
+            }
+            self.pass_time()?;
         }
         let _ = self.request(Request::Disarm)?;
+        // A fault may hold the arm with the bridges on; the emergency stop ends that.
+        if self.client.status()?.0.state != State::Stopped {
+            let _ = self.request(Request::EmergencyStop)?;
+        }
         Ok(())
     }
 
@@ -236,6 +254,7 @@ impl<'a> Machine<'a> {
     }
 
     fn report_fault(&mut self, fault: Fault) {
+        self.clears_from = Instant::now() + CLEARING;
         self.drop_path();
         self.phase = Phase::Ready;
         let why = format!("fault {}, {}", fault.number(), fault_name(fault));
@@ -353,44 +372,5 @@ impl<'a> Machine<'a> {
     pub(super) fn tool(&self) -> Option<[f64; 2]> {
         let tool = self.status.reference.or(self.status.tool)?;
         Some(tool.map(f64::from))
-    }
-
-    fn measure_speed(&mut self) {
-        let (tick, before, _) = self.speed;
-        let passed = self.status.tick.wrapping_sub(tick);
-        if passed == 0 {
-            return;
-        }
-        let speed = match (before, self.status.reference) {
-            (Some([x0, y0]), Some([x, y])) => {
-                let time = f64::from(passed) / f64::from(self.settings.control.tick_rate);
-                f64::from((x - x0).hypot(y - y0)) / time
-            }
-            _ => 0.0,
-        };
-        self.speed = (self.status.tick, self.status.reference, speed);
-    }
-
-    pub(super) fn view(&self) -> View {
-        let state = match self.phase {
-            _ if self.status.fault.is_some() => MachineState::Alarm,
-            Phase::Homing => MachineState::Home,
-            Phase::Hold { rests } => MachineState::Hold { rests },
-            _ if !self.status.homed => MachineState::Alarm,
-            _ if self.jogs => MachineState::Jog,
-            Phase::Ready if self.path.is_empty() && !self.moves() => MachineState::Idle,
-            Phase::Ready | Phase::Dropping => MachineState::Run,
-        };
-        View {
-            state,
-            homed: self.status.homed,
-            armed: matches!(self.status.state, State::Armed | State::Running),
-            tool: self.status.tool.map(|tool| tool.map(f64::from)),
-            speed: self.speed.2,
-            level: f64::from(self.status.tool_level),
-            shares: self.path.shares(),
-            room: self.room,
-            waiting: self.sender.as_ref().map_or(0, |sender| sender.waiting),
-        }
     }
 }

@@ -3,9 +3,11 @@
 //! | module | content |
 //! |---|---|
 //! | `protocol` | from text to orders and answers, without input or output |
-//! | `connection` | senders over TCP and at a pseudo-terminal, a thread each way |
+//! | `connection` | a sender's connection: a thread each way |
+//! | `network`, `terminal` | senders over TCP and at a pseudo-terminal |
 //! | `sender` | the sender in control: its lines, and the answers to them |
 //! | `machine`, `events` | the thread of the controller: stops at once, lines in order, reports |
+//! | `view` | what reports tell of the machine |
 //! | `seat` | the machine as a part of the live page's server |
 //! | `log` | the arm's path as a table |
 //! | `orders` | what each order of a line does |
@@ -19,10 +21,13 @@ mod connection;
 mod events;
 mod log;
 mod machine;
+mod network;
 mod orders;
 mod protocol;
 mod seat;
 mod sender;
+mod terminal;
+mod view;
 
 use crate::input::job::{Dialect, JobOptions, Placement};
 use crate::input::robot::{HomeError, Robot};
@@ -33,16 +38,16 @@ use fivebar_firmware::settings::CheckedSettings;
 use log::PathLog;
 pub(in crate::show) use machine::Machine;
 pub(in crate::show) use seat::Seat;
-use std::io;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::{fmt, io};
 
 /// What the bridge is asked for.
 #[derive(Clone, Debug)]
 pub struct BridgeOptions {
-    /// Where senders connect.
-    pub address: SocketAddr,
+    /// Where senders connect over TCP; none: at the pseudo-terminal only.
+    pub address: Option<SocketAddr>,
     /// The only dialect; none: Grbl's until a line is RepRap's.
     pub dialect: Option<Dialect>,
     /// The position of X0 Y0 before any G92 [m]; none: home.
@@ -54,8 +59,8 @@ pub struct BridgeOptions {
 }
 
 impl BridgeOptions {
-    /// Senders of either dialect at this address, X0 Y0 at home, no log.
-    pub fn at(address: SocketAddr) -> Self {
+    /// Senders of either dialect, also at this address, X0 Y0 at home, no log.
+    pub fn at(address: Option<SocketAddr>) -> Self {
         Self {
             address,
             dialect: None,
@@ -69,12 +74,37 @@ impl BridgeOptions {
 /// Where the bridge is reached.
 #[derive(Clone, Debug)]
 pub struct Endpoints {
-    /// The address for TCP.
-    pub address: SocketAddr,
+    /// The address for TCP, if it was asked for.
+    pub address: Option<SocketAddr>,
     /// The pseudo-terminal, on systems that have them.
     pub terminal: Option<String>,
     /// Where the controller runs.
     pub place: String,
+}
+
+/// The address and the terminal, two words.
+impl fmt::Display for Endpoints {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.address {
+            Some(address) => write!(f, "{address}")?,
+            None => write!(f, "no-tcp")?,
+        }
+        write!(f, " {}", self.terminal.as_deref().unwrap_or("no-terminal"))
+    }
+}
+
+impl Endpoints {
+    /// Who can move the arm over TCP, if anybody can.
+    pub fn warning(&self) -> Option<String> {
+        let address = self.address?;
+        let who = match address.ip().is_loopback() {
+            true => "every user and program of this computer",
+            false => "every computer that reaches it",
+        };
+        Some(format!(
+            "WARNING: no password protects {address}: {who} can move the arm there"
+        ))
+    }
 }
 
 /// Why the bridge ends.
@@ -89,7 +119,13 @@ pub enum BridgeError {
         /// The system's error.
         source: io::Error,
     },
-    /// There is no pseudo-terminal.
+    /// Senders have no way to connect.
+    #[error(
+        "this system has no pseudo-terminals: let senders connect over TCP, with an address such as \
+         127.0.0.1:8106; every program of this computer can move the arm then"
+    )]
+    NoTerminal,
+    /// The pseudo-terminal cannot be opened.
     #[error("cannot open a pseudo-terminal: {0}")]
     Terminal(io::Error),
     /// The log cannot be written.

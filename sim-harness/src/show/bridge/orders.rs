@@ -6,6 +6,7 @@ use crate::run::link::LinkError;
 use crate::run::simulation::fault_name;
 use fivebar_firmware::safety::State;
 use fivebar_firmware::{Move, Request};
+use std::time::Instant;
 
 /// Grbl's number for a target out of reach.
 const OUT_OF_REACH: u8 = 15;
@@ -38,8 +39,17 @@ impl Machine<'_> {
             Order::Home => self.home(),
             Order::Homed => self.homed(),
             Order::Unlock => {
-                if self.status.fault.is_none() {
+                let Some(fault) = self.status.fault else {
                     return Ok(Progress::Done);
+                };
+                let left = self.clears_from.saturating_duration_since(Instant::now());
+                if !left.is_zero() {
+                    let why = format!(
+                        "{} is latched: wait {:.1} s, then clear it",
+                        fault_name(fault),
+                        left.as_secs_f64()
+                    );
+                    return Ok(Progress::Refused(Refusal::locked(why)));
                 }
                 self.locked_until(Request::ClearFault)
             }
@@ -61,9 +71,8 @@ impl Machine<'_> {
         if self.phase != Phase::Ready || self.path.waiting() >= WAITING {
             return Ok(Progress::Waits);
         }
-        if let Some(fault) = self.status.fault {
-            let why = format!("{} is latched: $X or M999 clears it", fault_name(fault));
-            return Ok(Progress::Refused(Refusal::locked(why)));
+        if let Some(refusal) = self.latched() {
+            return Ok(Progress::Refused(refusal));
         }
         let mut from = self.path.end();
         if from.is_none() {
@@ -93,13 +102,19 @@ impl Machine<'_> {
         Ok(Progress::Begun(Order::Accepted))
     }
 
-    /// Homes with the bridges off before and after.
+    /// Why nothing may move, if a fault is latched.
+    fn latched(&self) -> Option<Refusal> {
+        let fault = fault_name(self.status.fault?);
+        let why = format!("{fault} is latched: $X or M999 clears it");
+        Some(Refusal::locked(why))
+    }
+
+    /// Homes with the bridges off before and after. It clears no fault.
     fn home(&mut self) -> Result<Progress, LinkError> {
-        if self.status.fault.is_some() {
-            if let Err(why) = self.request(Request::ClearFault)? {
-                return Ok(Progress::Refused(Refusal::locked(why)));
-            }
-        } else if !self.rests() {
+        if let Some(refusal) = self.latched() {
+            return Ok(Progress::Refused(refusal));
+        }
+        if !self.rests() {
             return Ok(Progress::Waits);
         } else if self.status.state == State::Armed {
             let _ = self.request(Request::Disarm)?;

@@ -1,5 +1,6 @@
 //! The machine as a part of the live page's server: pages watch while a sender is in control.
 
+use super::events::CLEARING;
 use super::machine::Machine;
 use super::protocol::RealTime;
 use super::{BridgeError, BridgeOptions, Endpoints, connection, placement};
@@ -8,28 +9,29 @@ use crate::run::link::LinkError;
 use crate::show::serve::ServeError;
 use crate::show::serve::source::Opened;
 use connection::{Event, Shared};
-use std::net::{Ipv4Addr, SocketAddr};
-use std::sync::atomic::Ordering;
 use std::sync::mpsc::Receiver;
 use std::sync::{Arc, mpsc};
+use std::time::Instant;
 
 /// Where senders connect to a server; none connect if nothing listens.
 pub(in crate::show) struct Seat {
     options: BridgeOptions,
     events: Receiver<Event>,
     shared: Arc<Shared>,
+    warning: Option<String>,
 }
 
 impl Seat {
     /// A seat that nobody takes.
     pub(in crate::show) fn empty() -> Self {
         let (_, events) = mpsc::channel();
-        let options = BridgeOptions::at(SocketAddr::from((Ipv4Addr::LOCALHOST, 0)));
+        let options = BridgeOptions::at(None);
         let shared = Arc::default();
         Self {
             options,
             events,
             shared,
+            warning: None,
         }
     }
 
@@ -51,6 +53,7 @@ impl Seat {
             options,
             events,
             shared,
+            warning: endpoints.warning(),
         };
         Ok((seat, endpoints))
     }
@@ -67,8 +70,11 @@ impl Seat {
             options,
             events,
             shared,
+            warning,
         } = self;
-        Machine::new(opened, placement, &options, events, shared, note, None)
+        let mut machine = Machine::new(opened, placement, &options, events, shared, note, None)?;
+        machine.warning = warning;
+        Ok(machine)
     }
 }
 
@@ -97,9 +103,11 @@ impl Machine<'_> {
         self.at_once(RealTime::Hold)
     }
 
-    /// Switches the bridges off and drops what the sender has sent.
+    /// Latches the emergency stop, whatever the state, and drops what the sender has sent.
     pub(in crate::show) fn emergency_stop(&mut self) -> Result<(), LinkError> {
-        self.shared.emergency.store(true, Ordering::SeqCst);
-        self.stop_if_asked()
+        self.shared.emergency_stop();
+        self.stop_if_asked()?;
+        self.clears_from = Instant::now() + CLEARING;
+        Ok(())
     }
 }

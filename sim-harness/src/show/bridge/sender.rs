@@ -52,6 +52,11 @@ impl Sender {
         is_one_too_many
     }
 
+    /// Whether no line waits or is in progress.
+    pub(super) fn has_no_lines(&self) -> bool {
+        self.lines.is_empty() && self.current.is_none()
+    }
+
     pub(super) fn drop_lines(&mut self) {
         self.lines.clear();
         self.waiting = 0;

@@ -12,20 +12,23 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
+/// Where senders connect over TCP if no address is given.
+pub(super) const DEFAULT_ADDRESS: &str = "127.0.0.1:8106";
+
 /// Lets senders such as UGS, Candle, LightBurn, OctoPrint or Printrun move the arm.
 ///
-/// It speaks Grbl 1.1 and, to a sender that speaks it, RepRap, over TCP and at a pseudo-terminal.
-/// The first line printed is host:port and the terminal's path. $H or G28 homes, the first move
-/// arms, and G92 X0 Y0 makes the tool's position the job's zero. By default the arm is simulated
-/// in real time.
+/// It speaks Grbl 1.1 and, to a sender that speaks it, RepRap, at a pseudo-terminal and, with
+/// --listen, over TCP. The first line printed is host:port, or no-tcp, and the terminal's path. $H or
+/// G28 homes, the first move arms, and G92 X0 Y0 makes the tool's position the job's zero. By default
+/// the arm is simulated in real time.
 #[derive(clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]
     controller: ControllerArgs,
-    /// The address to listen on; port 0 is any free port. Any program that reaches the address
-    /// can move the arm.
-    #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8106", value_parser = address)]
-    listen: SocketAddr,
+    /// Listen for senders over TCP, too, by default at 127.0.0.1:8106; port 0 is any free port. No
+    /// password protects the address: any user and program that reaches it can move the arm.
+    #[arg(long, value_name = "ADDRESS:PORT", num_args = 0..=1, default_missing_value = DEFAULT_ADDRESS, value_parser = address)]
+    listen: Option<SocketAddr>,
     /// Position of X0 Y0 before any G92, in the frame of the base, such as 30mm,160mm; by default
     /// home.
     #[arg(long, value_name = "X,Y", value_parser = place, allow_hyphen_values = true)]
@@ -48,9 +51,11 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         log: args.log.clone(),
     };
     let ready = |endpoints: &Endpoints| {
-        let terminal = endpoints.terminal.as_deref().unwrap_or("no-terminal");
-        say(format_args!("{} {terminal}", endpoints.address)).unwrap_or_else(warn);
+        say(endpoints).unwrap_or_else(warn);
         warn(format_args!("{}, {}", robot.name, endpoints.place));
+        if let Some(warning) = endpoints.warning() {
+            warn(warning);
+        }
     };
     let interrupted = interrupted()?;
     let ends = move || interrupted.load(Ordering::Relaxed);

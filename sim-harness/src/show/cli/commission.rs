@@ -1,12 +1,17 @@
 //! `fivebar commission`: the steps of a commissioning at the terminal.
 
 use super::failure::{Failure, refused};
-use super::say::say;
+use super::port::interrupted;
+use super::say::{say, warn};
 use crate::input::robot::BuiltIn;
 use crate::show::commission::{Commissioning, Options, STEPS, StepError, Voice, where_to_find};
 use std::io::{BufRead, stdin};
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
+use std::thread;
+use std::time::Duration;
 
 /// Puts a new arm into operation step by step: checks its wiring, measures it, and writes its
 /// robot file.
@@ -47,8 +52,31 @@ fn step_name(text: &str) -> Result<String, String> {
     Err(format!("a step is one of {}", names.join(", ")))
 }
 
+/// How often a wait for Enter looks for the end of the program.
+const LOOK: Duration = Duration::from_millis(50);
+
 /// A person at the terminal, who presses Enter when a task is done. The simulated arm's hand needs none.
-struct Terminal;
+struct Terminal {
+    /// A line was entered; it ends with the input.
+    entered: Receiver<()>,
+    ends: Arc<AtomicBool>,
+}
+
+impl Terminal {
+    /// Reads the input in a thread of its own, so that a signal ends a wait for Enter.
+    fn new(ends: Arc<AtomicBool>) -> Self {
+        let (enter, entered) = sync_channel(0);
+        thread::spawn(move || {
+            let mut line = String::new();
+            while let Ok(1..) = stdin().lock().read_line(&mut line) {
+                if enter.send(()).is_err() {
+                    return;
+                }
+            }
+        });
+        Self { entered, ends }
+    }
+}
 
 impl Voice for Terminal {
     fn tell(&mut self, line: &str) -> Result<(), StepError> {
@@ -60,21 +88,27 @@ impl Voice for Terminal {
             return Ok(());
         }
         print(format_args!("  → {task}, then press Enter."))?;
-        let mut line = String::new();
-        match stdin().lock().read_line(&mut line) {
-            Ok(1..) => Ok(()),
-            _ => Err(StepError::other(
-                "the input ended while a step waited for Enter; run the same command again to go on",
-            )),
+        while !self.ends.load(Ordering::Acquire) {
+            match self.entered.recv_timeout(LOOK) {
+                Ok(()) => return Ok(()),
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => {
+                    return Err(StepError::other(
+                        "the input ended while a step waited for Enter; run the same command again to go on",
+                    ));
+                }
+            }
         }
+        Err(StepError::other("stopped by the user"))
     }
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    commission(args).map_err(refused)
+    let ends = interrupted()?;
+    commission(args, &ends).map_err(refused)
 }
 
-fn commission(args: &Args) -> Result<(), StepError> {
+fn commission(args: &Args, ends: &Arc<AtomicBool>) -> Result<(), StepError> {
     let options = Options {
         port: args.port.clone(),
         robot: args.robot.clone(),
@@ -82,7 +116,23 @@ fn commission(args: &Args) -> Result<(), StepError> {
         out: args.out.clone(),
         points: args.points.clone(),
     };
-    let mut commissioning = Commissioning::open(&options, Box::new(Terminal), Arc::default())?;
+    let terminal = Terminal::new(Arc::clone(ends));
+    let mut commissioning = Commissioning::open(&options, Box::new(terminal), Arc::clone(ends))?;
+    let outcome = steps(args, &mut commissioning);
+    if outcome.is_err() {
+        let is_off = match ends.load(Ordering::Acquire) {
+            true => commissioning.switch_off(),
+            false => commissioning.switch_off_if_on(),
+        };
+        is_off.unwrap_or_else(|error| {
+            warn(format_args!("the bridges may be on: {error}"));
+        });
+    }
+    outcome
+}
+
+/// Does the steps that are not done yet.
+fn steps(args: &Args, commissioning: &mut Commissioning) -> Result<(), StepError> {
     if let Some(again) = &args.again {
         commissioning.forget_from(again);
     }

@@ -15,7 +15,8 @@ use fivebar_firmware::protocol::Board;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::sync::atomic::Ordering;
 
-/// Streams a job to a controller that drives motors; Ctrl-C stops the arm on its path.
+/// Streams a job to a controller that drives motors; Ctrl-C, and the
+/// signals of `kill` and of a terminal that closes, stop the arm on its path and switch the bridges off.
 #[derive(clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]

@@ -66,11 +66,18 @@ fn cause(reset: Reset) -> &'static str {
     }
 }
 
-/// A flag that becomes true at the first Ctrl-C.
+/// A flag that becomes true at the first signal to end: Ctrl-C, or the system's, as from `kill`, from
+/// a service manager, or from a terminal that closes. Another signal changes nothing: the arm comes to
+/// rest already.
 pub(super) fn interrupted() -> Result<Arc<AtomicBool>, Failure> {
     let flag = Arc::new(AtomicBool::new(false));
     let raised = Arc::clone(&flag);
-    ctrlc::set_handler(move || raised.store(true, Ordering::Relaxed))
-        .map_err(|error| refused(format_args!("cannot handle Ctrl-C: {error}")))?;
+    let mut is_first = true;
+    ctrlc::set_handler(move || {
+        if std::mem::take(&mut is_first) {
+            raised.store(true, Ordering::Release);
+        }
+    })
+    .map_err(|error| refused(format_args!("cannot handle Ctrl-C: {error}")))?;
     Ok(flag)
 }

@@ -26,10 +26,11 @@ pub(super) struct Args {
     /// which is needed to connect. The connection is not encrypted.
     #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8105", value_parser = address)]
     listen: SocketAddr,
-    /// Let senders of G-code move the arm, too, as `fivebar bridge` does; by default at
-    /// 127.0.0.1:8106. Any program that reaches the address can move the arm.
-    #[arg(long, value_name = "ADDRESS:PORT", num_args = 0..=1, default_missing_value = "127.0.0.1:8106", value_parser = address)]
-    senders: Option<SocketAddr>,
+    /// Let senders of G-code move the arm, too, as `fivebar bridge` does: at a pseudo-terminal and, if
+    /// an address is given, such as 127.0.0.1:8106, over TCP. No password protects the address: any user
+    /// and program that reaches it can move the arm.
+    #[arg(long, value_name = "ADDRESS:PORT", num_args = 0..=1, value_parser = address)]
+    senders: Option<Option<SocketAddr>>,
     /// Run the pages' jobs as fast as the arm's torque allows: feed rates and `[motion]` limits do
     /// not apply. Senders' moves keep theirs.
     #[arg(long)]
@@ -149,8 +150,10 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         ))
         .unwrap_or_else(warn);
         if let Some(endpoints) = endpoints {
-            let terminal = endpoints.terminal.as_deref().unwrap_or("no-terminal");
-            say(format_args!("senders: {} {terminal}", endpoints.address)).unwrap_or_else(warn);
+            say(format_args!("senders: {endpoints}")).unwrap_or_else(warn);
+            if let Some(warning) = endpoints.warning() {
+                warn(warning);
+            }
         }
     };
     let senders = args.senders.map(BridgeOptions::at);

@@ -22,6 +22,7 @@ use crate::run::link::{Client, LinkError, SerialLine};
 use bench::Bench;
 use fivebar_firmware::Request;
 use fivebar_firmware::protocol::HostCommand;
+use fivebar_firmware::safety::State;
 use line::{Line, Stoppable};
 use operator::Operator;
 use record::Record;
@@ -133,6 +134,17 @@ impl Commissioning {
             Err(error) => return Err(error.into()),
         }
         self.bench.client.command(stop)?.map_err(StepError::other)
+    }
+
+    /// Switches the bridges off if a step that failed has left them on.
+    ///
+    /// # Errors
+    /// The controller does not reply.
+    pub(super) fn switch_off_if_on(&mut self) -> Result<(), StepError> {
+        match self.bench.client.status()?.0.state {
+            State::Stopped => Ok(()),
+            _ => self.bench.request(Request::EmergencyStop),
+        }
     }
 
     /// Does a step, writes what it found, and returns it as a sentence.

@@ -28,6 +28,11 @@ const BUFFER: usize = 16 << 10;
 const BACKLOG: i32 = 1024;
 /// Wait after the system refuses a connection, as when this process has too many open files.
 const PAUSE: Duration = Duration::from_millis(50);
+/// Open files that are left to pages and to the controller after that: a page takes five.
+const RESERVE: usize = 16;
+/// Fewest connections at once that are no websockets, as few as the system may allow: a browser opens
+/// six.
+const FEWEST_CONNECTIONS: usize = 16;
 
 /// Opens the address.
 ///
@@ -52,6 +57,7 @@ pub(super) async fn serve(listener: TcpListener, router: Router) -> io::Result<(
     let mut visitors = Visitors::default();
     loop {
         let Ok((stream, peer)) = listener.accept().await else {
+            visitors.make_room();
             sleep(PAUSE).await;
             continue;
         };
@@ -68,25 +74,55 @@ pub(super) async fn serve(listener: TcpListener, router: Router) -> io::Result<(
     }
 }
 
-/// The connections that are no websockets, the oldest first.
-#[derive(Default)]
-struct Visitors(VecDeque<(IpAddr, AbortHandle)>);
+/// The connections that are no websockets.
+struct Visitors {
+    /// The oldest first.
+    open: VecDeque<(IpAddr, AbortHandle)>,
+    /// Most of them at once.
+    most: usize,
+}
+
+impl Default for Visitors {
+    fn default() -> Self {
+        Self {
+            open: VecDeque::new(),
+            most: MAX_CONNECTIONS,
+        }
+    }
+}
 
 impl Visitors {
+    /// Closes the oldest ones after the system has refused a connection, and admits fewer from now
+    /// on, so that there are open files for pages.
+    fn make_room(&mut self) {
+        self.open.retain(|(_, visit)| !visit.is_finished());
+        let fewer = self.open.len().saturating_sub(RESERVE);
+        self.most = self.most.min(fewer).max(FEWEST_CONNECTIONS);
+        while self.open.len() > self.most {
+            self.close(0);
+        }
+    }
+
+    fn close(&mut self, index: usize) {
+        if let Some((_, visit)) = self.open.remove(index) {
+            visit.abort();
+        }
+    }
+
     /// Adds a connection. If there are too many, the oldest one of the same peer, or of all, is
     /// closed: it has had the most time.
     fn admit(&mut self, peer: IpAddr, visit: AbortHandle) {
-        self.0.retain(|(_, visit)| !visit.is_finished());
-        let of_peer = self.0.iter().filter(|(other, _)| *other == peer).count();
-        let oldest = if of_peer >= MAX_OF_PEER {
-            self.0.iter().position(|(other, _)| *other == peer)
+        self.open.retain(|(_, visit)| !visit.is_finished());
+        let of_peer = self.open.iter().filter(|(other, _)| *other == peer);
+        let oldest = if of_peer.count() >= MAX_OF_PEER {
+            self.open.iter().position(|(other, _)| *other == peer)
         } else {
-            (self.0.len() >= MAX_CONNECTIONS).then_some(0)
+            (self.open.len() >= self.most).then_some(0)
         };
-        if let Some((_, oldest)) = oldest.and_then(|index| self.0.remove(index)) {
-            oldest.abort();
+        if let Some(index) = oldest {
+            self.close(index);
         }
-        self.0.push_back((peer, visit));
+        self.open.push_back((peer, visit));
     }
 }
 
@@ -97,7 +133,7 @@ mod tests {
 
     fn peers(visitors: &Visitors, peer: IpAddr) -> usize {
         visitors
-            .0
+            .open
             .iter()
             .filter(|(other, _)| *other == peer)
             .count()
@@ -134,6 +170,6 @@ mod tests {
             MAX_OF_PEER
         );
         assert_eq!(peers(&visitors, at), 1);
-        assert!(visitors.0.len() <= MAX_CONNECTIONS);
+        assert!(visitors.open.len() <= MAX_CONNECTIONS);
     }
 }

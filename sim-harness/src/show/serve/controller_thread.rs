@@ -126,7 +126,7 @@ impl ControllerThread {
         while !ends() {
             self.cycle()?;
         }
-        Ok(self.stop_arm()?)
+        Ok(self.machine.stop_arm()?)
     }
 
     fn cycle(&mut self) -> Result<(), LinkError> {

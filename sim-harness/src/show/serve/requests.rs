@@ -72,6 +72,9 @@ impl ControllerThread {
                     let lease = &self.pages.shared.lease;
                     lease.acquire(&page, received, now, false);
                 }
+                if let Some(warning) = self.machine.warning.clone() {
+                    self.refuse(Some(page.id), warning);
+                }
                 Ok(())
             }
             EventKind::LongMessage(message) if in_control => {

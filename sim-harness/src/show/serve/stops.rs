@@ -1,4 +1,4 @@
-//! What stops do: those that pages ask for, and the one when the program ends.
+//! What the stops do that pages ask for.
 
 use super::command_error::sentence;
 use super::controller_thread::ControllerThread;
@@ -10,10 +10,6 @@ use crate::run::link::LinkError;
 use fivebar_firmware::Request;
 use fivebar_firmware::protocol::HostCommand;
 use fivebar_firmware::safety::State;
-use std::time::{Duration, Instant};
-
-/// Longest time for the arm to come to rest when the program ends.
-const LONGEST_STOP: Duration = Duration::from_secs(5);
 
 impl ControllerThread {
     /// Does the stops that pages have asked for; returns whether there was one.
@@ -90,22 +86,5 @@ impl ControllerThread {
             Stopped | Armed | Fault => true,
             Homing | Running | Stopping | Exciting | Crossing => false,
         }
-    }
-
-    /// Brings the arm to rest and switches the bridges off, when the program ends.
-    pub(super) fn stop_arm(&mut self) -> Result<(), LinkError> {
-        let deadline = Instant::now() + LONGEST_STOP;
-        // Both requests are refused if a fault is latched: then the controller itself
-        // brings the arm to rest.
-        let _ = self.ask_controller(Request::Stop)?;
-        loop {
-            (self.machine.status, _) = self.machine.client.status()?;
-            if self.rests() || Instant::now() > deadline {
-                break;
-            }
-            self.machine.pass_time()?;
-        }
-        let _ = self.ask_controller(Request::Disarm)?;
-        Ok(())
     }
 }

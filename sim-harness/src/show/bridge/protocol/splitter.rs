@@ -14,7 +14,9 @@ pub(in crate::show::bridge) enum RealTime {
     Hold,
     /// `~` or M108: go on.
     Resume,
-    /// ^X or M112: bridges off at once.
+    /// ^X: bridges off at once.
+    Reset,
+    /// M112: the same, and latched also if the bridges are off already.
     Emergency,
     /// 0x85: stop jogging.
     CancelJog,
@@ -49,8 +51,6 @@ pub(in crate::show::bridge) struct Line {
 pub(in crate::show::bridge) enum Input {
     Line(Line),
     RealTime(RealTime),
-    /// A request of a web browser, which is no sender: the connection is to be closed.
-    Web,
 }
 
 /// Divides a sender's bytes. The dialect is Grbl's until a line has a checksum or one of M105,
@@ -80,7 +80,7 @@ impl Splitter {
         let is_grbl = self.dialect == Dialect::Grbl;
         let second_of_pair = byte == b'\n' && std::mem::take(&mut self.after_return);
         let at_once = match byte {
-            0x18 => Some(RealTime::Emergency),
+            0x18 => Some(RealTime::Reset),
             b'?' if is_grbl => Some(RealTime::Report),
             // 0x84: the safety door is open.
             b'!' | 0x84 if is_grbl => Some(RealTime::Hold),
@@ -101,7 +101,7 @@ impl Splitter {
             0x9D if is_grbl => Some(RealTime::Power(ShareChange::By(-1))),
             _ => None,
         };
-        if at_once == Some(RealTime::Emergency) {
+        if at_once == Some(RealTime::Reset) {
             self.line.clear();
             self.length = 0;
         }
@@ -125,13 +125,15 @@ impl Splitter {
         first.into_iter().chain(second)
     }
 
+    /// Whether the present line is longer than the longest that is read.
+    pub(super) fn is_too_long(&self) -> bool {
+        self.length >= LONGEST_LINE
+    }
+
     fn end(&mut self) -> (Option<Input>, Option<Input>) {
         let bytes = std::mem::take(&mut self.line);
         let length = std::mem::take(&mut self.length) + 1;
         let text = String::from_utf8_lossy(&bytes).trim().to_owned();
-        if text.contains(" HTTP/1.") {
-            return (Some(Input::Web), None);
-        }
         let command = command(&text);
         let is = |name| is(&command, name);
         let is_numbered = text.starts_with(['N', 'n']) && text.contains('*');
@@ -196,7 +198,6 @@ mod tests {
         all.map(|input| match input {
             Input::Line(line) => format!("{:?} {}", line.dialect, line.text),
             Input::RealTime(command) => format!("{command:?}"),
-            Input::Web => "Web".into(),
         })
         .collect()
     }
@@ -239,7 +240,7 @@ mod tests {
         let mut splitter = Splitter::new(None);
         assert_eq!(
             inputs(&mut splitter, b"G1 X1\x18$X\n"),
-            ["Emergency", "Grbl $X"]
+            ["Reset", "Grbl $X"]
         );
     }
 
@@ -276,13 +277,5 @@ mod tests {
             panic!("no line");
         };
         assert_eq!(line.length, 6);
-    }
-
-    #[test]
-    fn a_browser_is_recognized() {
-        assert_eq!(
-            inputs(&mut Splitter::new(None), b"POST / HTTP/1.1\r\n"),
-            ["Web"]
-        );
     }
 }

@@ -112,6 +112,9 @@ fn attend(mut commissioning: Commissioning, shared: &Shared, clicked: &Mutex<Rec
             stop(&mut commissioning, shared, clicked);
         }
     }
+    if shared.is_stopped() {
+        stop(&mut commissioning, shared, clicked);
+    }
 }
 
 /// Does a step, if it is the next one.
