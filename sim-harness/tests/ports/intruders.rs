@@ -202,6 +202,6 @@ fn a_sender_that_floods_and_leaves_frees_its_place_at_once() {
         drop(stream);
         connect(&bridge);
         let waited = left.elapsed();
-        assert!(waited < Duration::from_millis(700), "{flood:?}: {waited:?}");
+        assert!(waited < Duration::from_secs(1), "{flood:?}: {waited:?}");
     }
 }

@@ -10,7 +10,7 @@ use super::{BridgeError, network, terminal};
 use crate::input::job::Dialect;
 use std::io::{self, ErrorKind};
 use std::net::SocketAddr;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::sync::mpsc::{self, Receiver, SyncSender};
 use std::sync::{Arc, OnceLock};
 use std::thread;
@@ -20,6 +20,9 @@ use std::time::{Duration, Instant};
 const ANSWERS: usize = 4096;
 /// Lines and commands of senders that may wait for the machine.
 const EVENTS: usize = 1 << 14;
+/// Reports that a sender may ask for until one is sent: more than senders ask for in ten seconds.
+const MOST_REPORTS: u32 = 1000;
+const FLOODS: &str = "the sender sends faster than it is served, and is disconnected";
 
 /// What the connections tell the machine.
 pub(super) enum Event {
@@ -58,8 +61,8 @@ pub(super) struct Presence {
     begun: Instant,
     /// When the latest byte came [ms after `begun`].
     heard: AtomicU64,
-    /// The sender waits for a report. One answers all that were asked for meanwhile, as Grbl does.
-    report: AtomicBool,
+    /// Reports that the sender waits for. One answers all that were asked for meanwhile, as Grbl does.
+    reports: AtomicU32,
     /// Why the connection has ended.
     ended: OnceLock<String>,
 }
@@ -70,7 +73,7 @@ impl Presence {
             peer,
             begun: Instant::now(),
             heard: AtomicU64::new(0),
-            report: AtomicBool::new(false),
+            reports: AtomicU32::new(0),
             ended: OnceLock::new(),
         })
     }
@@ -83,7 +86,7 @@ impl Presence {
 
     /// Whether the sender has asked for a report since the last call.
     pub(super) fn takes_report(&self) -> bool {
-        self.report.swap(false, Ordering::SeqCst)
+        self.reports.swap(0, Ordering::SeqCst) > 0
     }
 
     /// Why the connection has ended, if it has.
@@ -254,7 +257,9 @@ impl Desk {
                 for input in inputs {
                     match input {
                         Input::RealTime(RealTime::Report) => {
-                            presence.report.store(true, Ordering::SeqCst);
+                            if presence.reports.fetch_add(1, Ordering::SeqCst) > MOST_REPORTS {
+                                return FLOODS.into();
+                            }
                             continue;
                         }
                         Input::RealTime(RealTime::Reset) => self.shared.reset(),
@@ -263,8 +268,7 @@ impl Desk {
                     }
                     let event = Event::Input(Arc::clone(presence), input);
                     if self.events.try_send(event).is_err() {
-                        return "the sender sends faster than it is served, and is disconnected"
-                            .into();
+                        return FLOODS.into();
                     }
                 }
             }
