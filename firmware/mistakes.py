@@ -49,7 +49,7 @@ MISTAKES = [
     ("a crossing that misses its condition", "planner/crossing.rs", "difference.norm() <= MISMATCH", "difference.norm() <= 100.0 * MISMATCH"),
     ("a crossing from another place", "planner/crossing.rs", "const STEP: f32 = 2e-5;", "const STEP: f32 = 2e-3;"),
     ("a stuck crossing stays powered", "controller/crossing.rs", "const PATIENCE: u32 = 2;", "const PATIENCE: u32 = 200;"),
-    ("a stuck crossing keeps its angles", "controller/crossing.rs", "self.homed = false;", ""),
+    ("a stuck crossing keeps its angles", "controller/transitions.rs", "self.settings.assembly();\n        self.homed = false;", "self.settings.assembly();"),
     ("no following error beside the zone of a crossing", "controller/crossing.rs", "if model.monitor.following_error_exceeded([error1, error4]) {", "if false {"),
     ("the assembly mode stays at a crossing", "controller/crossing.rs", "model.assembly = model.assembly.opposite();", ""),
     ("computed torque in the zone of a crossing", "controller/crossing.rs", "(sine > COMPUTED, &links)", "(sine > 0.0 * COMPUTED, &links)"),
@@ -290,6 +290,12 @@ MISTAKES = [
     ("a creeping speed at which pulses are missed", "settings/homing.rs", "search.speed <= fastest && axis.index_counts > 0", "axis.index_counts > 0"),
     ("an encoder without counts between its pulses", "settings/homing.rs", "search.speed <= fastest && axis.index_counts > 0", "search.speed <= fastest"),
     ("the way between pulses in turns of the joint", "controller/homing_state.rs", "TAU * axis.index_counts as f32 / axis.counts_per_turn()", "TAU * axis.index_counts as f32 / axis.encoder_counts as f32"),
+    ("an interrupted crossing keeps its angles", "controller/transitions.rs", "            self.forget_assembly();\n", ""),
+    ("a crossing drives bridges that wake up", "controller/tick.rs", "State::Armed | State::Homing | State::Crossing | State::Fault if", "State::Armed | State::Homing | State::Fault if"),
+    ("a held fault drives bridges that wake up", "controller/tick.rs", "State::Armed | State::Homing | State::Crossing | State::Fault if", "State::Armed | State::Homing | State::Crossing if"),
+    ("a crossing waits for its confirmation for ever", "controller/crossing.rs", "if settled > CONFIRMED_WITHIN * settling {", "if false {"),
+    ("a late path begins for a silent host", "controller/tracking.rs", "} else if self.host_timed_out() {", "} else if false {"),
+    ("missed ticks hide the emergency stop", "controller/tick.rs", "if other != Some(Fault::EmergencyStop) {", "{"),
 ]
 
 

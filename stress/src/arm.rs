@@ -1,12 +1,32 @@
 //! The arm of the sessions.
 
-use fivebar_firmware::Settings;
+use crate::orders;
+use fivebar_firmware::CrossingMove;
 use fivebar_kinematics::five_bar::{Geometry, Side};
 use fivebar_plant::{Mismatch, Parameters, Plant};
 
-/// The benchtop arm at these angles [rad], with or without the usual mismatch.
-pub(crate) fn plant(flags: u8, angles: [f32; 2]) -> Plant {
-    let settings = &Settings::BENCHTOP;
+/// A crossing that `fivebar plan --crossing` has planned for the arm that crosses.
+pub(crate) const CROSSING: CrossingMove = CrossingMove {
+    from: [0.06, 0.115],
+    to: [0.03, 0.012],
+    duration: 0.3,
+    crosses_at: 0.165,
+    law: [-3.770_132_3, -7.055_689, 0.061_562_1],
+};
+
+/// θ1, θ4 at the start of a session with these flags [rad]; of an arm that crosses, those where the
+/// crossing begins.
+pub(crate) fn start(flags: u8) -> [f32; 2] {
+    if orders::crosses(flags) {
+        [2.161_249, 0.578_428_03]
+    } else {
+        [2.2, 0.9]
+    }
+}
+
+/// The arm of these flags at its start, with or without the usual mismatch.
+pub(crate) fn plant(flags: u8) -> Plant {
+    let (settings, angles) = (&orders::settings(flags), start(flags));
     let parameters = Parameters::from_settings(settings, 24.0).expect("an arm");
     let geometry = Geometry::new(settings.lengths.map(f64::from)).expect("an arm");
     let [theta1, theta4] = angles.map(f64::from);

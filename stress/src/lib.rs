@@ -13,14 +13,19 @@
 
 mod arm;
 mod bytes;
+pub mod exploration;
+mod kinds;
 pub mod limits;
 mod orders;
 mod report;
 pub mod rules;
 mod samples;
+mod sections;
 mod session;
 mod timed;
+mod way_out;
 
+pub use kinds::KINDS;
 pub use report::Report;
 pub use rules::Violation;
 pub use timed::timed_run;

@@ -123,8 +123,9 @@ impl Limits {
         })
     }
 
-    /// Checks the set-point of a tick. `followed` is the kind of the move in progress. The
-    /// `generation` of the path changes when a path is dropped and another may begin elsewhere.
+    /// Checks the set-point of a tick. `followed` is the kind of the move in progress. The assembly
+    /// mode is that which the controller reports: a crossing changes it. The generation of the path
+    /// changes when a path is dropped and another may begin elsewhere.
     ///
     /// # Errors
     /// The limit that is exceeded, with both values.
@@ -133,6 +134,7 @@ impl Limits {
         status: &Status,
         followed: Option<Followed>,
         generation: u32,
+        assembly: Side,
     ) -> Result<Reached, String> {
         let before = self.last.take();
         let joints_before = self.joints.take();
@@ -185,7 +187,7 @@ impl Limits {
             acceleration,
             torque,
         } = self
-            .motion(theta, [omega1, omega4], [alpha1, alpha4])
+            .motion(assembly, theta, [omega1, omega4], [alpha1, alpha4])
             .map_err(|error| format!("no pose has the set-point: {error}"))?;
         let [leg1, leg4, parallel] = sines.map(f64::abs);
         // Before a path, or without one, an arm may rest with a straight leg while its tool changes.
@@ -259,15 +261,11 @@ impl Limits {
 
     fn motion(
         &self,
+        assembly: Side,
         [theta1, theta4]: [f64; 2],
         [omega1, omega4]: [f64; 2],
         [alpha1, alpha4]: [f64; 2],
     ) -> Result<ArmMotion, PoseError> {
-        let assembly = if self.settings.assembly_left {
-            Side::Left
-        } else {
-            Side::Right
-        };
         let geometry = self.tool.geometry();
         let pose = geometry.forward(theta1, theta4, assembly)?;
         let velocities = geometry.forward_velocities(&pose, omega1, omega4)?;

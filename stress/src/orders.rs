@@ -1,12 +1,15 @@
 //! What happens in a session, one event after the other.
 
+use crate::arm::CROSSING;
 use crate::bytes::Bytes;
 use crate::samples::Hostile;
+use crate::sections::{key, section};
 use crate::timed::TimedRun;
 use fivebar_firmware::controller::{Excitation, Excited};
-use fivebar_firmware::protocol::{HostCommand, Section, SectionKey, VERSION};
-use fivebar_firmware::settings::{HomingMethod, ToolOutputSettings};
-use fivebar_firmware::{MoveKind, Request, Settings};
+use fivebar_firmware::protocol::{HostCommand, VERSION};
+use fivebar_firmware::recorder::LogConfig;
+use fivebar_firmware::settings::ToolOutputSettings;
+use fivebar_firmware::{CrossingMove, MoveKind, Request, SensorSample, Settings};
 use fivebar_plant::FaultKind;
 
 /// An event of a session.
@@ -18,6 +21,8 @@ pub(crate) enum Event {
     Move(MoveKind),
     /// The host sends a motion that it has planned.
     Timed(TimedRun),
+    /// The host brings the arm to where a crossing begins, and sends it.
+    Crossing(CrossingMove),
     /// The host clears the fault, declares the angles and arms the arm.
     Recover,
     /// Somebody replaces the arm by a sound one at the pose of the start.
@@ -52,6 +57,24 @@ pub(crate) fn host_plans(flags: u8) -> bool {
     flags & 0x20 != 0 && flags & 0xc0 != 0
 }
 
+/// Whether the arm of a session with these flags can cross a singularity.
+pub(crate) fn crosses(flags: u8) -> bool {
+    flags & 0xe0 == 0xc0
+}
+
+/// The benchtop arm with couplers of 0.12 m can cross a singularity.
+pub(crate) fn cross(settings: &mut Settings) {
+    settings.lengths = [0.10, 0.12, 0.12, 0.10, 0.08];
+    let [_, link2, link3, _] = &mut settings.links;
+    (link2.com, link2.inertia) = ([0.06, 0.0], 1.65e-4);
+    (link3.com, link3.inertia) = ([0.045, 0.0], 1.2e-4);
+    settings.motion.singularity_margin = 0.1;
+    for axis in &mut settings.axes {
+        axis.angle_limits = [-1.0, 4.0];
+    }
+    settings.crossing_allowed = true;
+}
+
 /// The settings of a session with these flags: any tool, and for a host that plans, in two of three
 /// cases a lower limit of the joints' speed or acceleration. Else their torques limit every motion.
 pub(crate) fn settings(flags: u8) -> Settings {
@@ -59,6 +82,9 @@ pub(crate) fn settings(flags: u8) -> Settings {
         tool_output: tool_output(flags >> 2),
         ..Settings::BENCHTOP
     };
+    if crosses(flags) {
+        cross(&mut settings);
+    }
     if host_plans(flags) {
         let [speed, acceleration] = match flags >> 6 {
             1 => [0.15, 1.0],
@@ -73,10 +99,11 @@ pub(crate) fn settings(flags: u8) -> Settings {
     settings
 }
 
-/// The next event. The host `plans` motions itself, or not.
-pub(crate) fn next(bytes: &mut Bytes<'_>, tool: Tool, plans: bool, settings: &Settings) -> Event {
+/// The next event of a session with these flags.
+pub(crate) fn next(bytes: &mut Bytes<'_>, tool: Tool, flags: u8, settings: &Settings) -> Event {
     match bytes.byte() {
-        0..=44 if plans => Event::Timed(TimedRun::from_bytes(bytes)),
+        0..=44 if host_plans(flags) => Event::Timed(TimedRun::from_bytes(bytes)),
+        0..=29 if crosses(flags) => Event::Crossing(crossing(bytes)),
         0..=89 => Event::Move(motion(bytes, tool)),
         90..=139 => Event::Wait(u16::from(bytes.byte()) * 8),
         140..=159 => Event::Command(HostCommand::Request(request(bytes))),
@@ -94,9 +121,15 @@ pub(crate) fn next(bytes: &mut Bytes<'_>, tool: Tool, plans: bool, settings: &Se
         218..=237 => Event::Command(HostCommand::SetSection(section(bytes, settings))),
         238..=243 => Event::Command(HostCommand::ApplySettings),
         244..=245 => Event::Command(HostCommand::SaveSettings),
-        246 => Event::Command(HostCommand::GetSection(key(bytes))),
-        247 => Event::Command(HostCommand::Snapshot),
-        248 => Event::Command(HostCommand::Stack),
+        246 => Event::Command(log_command(bytes)),
+        247..=248 => Event::Command(match bytes.byte() % 6 {
+            0 => HostCommand::Snapshot,
+            1 => HostCommand::Stack,
+            2 => HostCommand::Sample,
+            3 => HostCommand::ExcitationEnd,
+            4 => HostCommand::GetSection(key(bytes)),
+            _ => HostCommand::Tick(SensorSample::default()),
+        }),
         249..=250 => Event::Command(HostCommand::Telemetry {
             every: bytes.short(),
         }),
@@ -106,6 +139,41 @@ pub(crate) fn next(bytes: &mut Bytes<'_>, tool: Tool, plans: bool, settings: &Se
         }),
         254..=255 => Event::Command(HostCommand::Status),
     }
+}
+
+fn log_command(bytes: &mut Bytes<'_>) -> HostCommand {
+    match bytes.byte() % 3 {
+        0 => HostCommand::ReadLog {
+            from: bytes.short(),
+        },
+        _ => HostCommand::BeginLog(LogConfig {
+            signals: bytes.byte(),
+            every: bytes.short() % 8,
+            powered: bytes.flag(),
+        }),
+    }
+}
+
+/// Three of four are the planned one; the others have another number.
+fn crossing(bytes: &mut Bytes<'_>) -> CrossingMove {
+    let mut plan = CROSSING;
+    let which = bytes.byte();
+    let [b0, _, b2] = &mut plan.law;
+    let numbers = [
+        &mut plan.from[0],
+        &mut plan.to[1],
+        &mut plan.duration,
+        &mut plan.crosses_at,
+        b0,
+        b2,
+    ];
+    if let Some(number) = numbers.into_iter().nth(usize::from(which % 24)) {
+        *number = match bytes.byte() {
+            0..=31 => f32::from_bits(bytes.word()),
+            _ => *number * bytes.within(0.9, 1.1),
+        };
+    }
+    plan
 }
 
 fn request(bytes: &mut Bytes<'_>) -> Request {
@@ -217,14 +285,6 @@ fn fault(bytes: &mut Bytes<'_>) -> FaultKind {
     }
 }
 
-fn key(bytes: &mut Bytes<'_>) -> SectionKey {
-    match bytes.byte() % 20 {
-        18 => SectionKey::Link(bytes.byte()),
-        19 => SectionKey::Axis(bytes.byte()),
-        index => SectionKey::ALL[usize::from(index) % SectionKey::ALL.len()],
-    }
-}
-
 /// The output for a tool, of any kind.
 pub(crate) fn tool_output(which: u8) -> ToolOutputSettings {
     match which & 3 {
@@ -246,126 +306,4 @@ pub(crate) fn tool_output(which: u8) -> ToolOutputSettings {
         },
         _ => ToolOutputSettings::None,
     }
-}
-
-/// A section of the settings in use, with one of its values changed or none.
-fn section(bytes: &mut Bytes<'_>, settings: &Settings) -> Section {
-    let Some(mut section) = key(bytes).of(settings) else {
-        return Section::Payload(bytes.number(0.0, 0.1));
-    };
-    let which = bytes.byte();
-    let change = |bytes: &mut Bytes<'_>, values: &mut [&mut f32]| {
-        let index = usize::from(which) % (values.len() + 1);
-        if let Some(value) = values.get_mut(index) {
-            **value = match bytes.byte() {
-                0..=7 => f32::from_bits(bytes.word()),
-                8..=15 => -**value,
-                _ => **value * bytes.within(0.5, 1.5),
-            };
-        }
-    };
-    match &mut section {
-        Section::Lengths(lengths) => change(bytes, &mut lengths.each_mut()),
-        Section::Link(_, link) => {
-            let [along, aside] = &mut link.com;
-            change(
-                bytes,
-                &mut [&mut link.mass, along, aside, &mut link.inertia],
-            );
-        }
-        Section::Payload(payload) => change(bytes, &mut [payload]),
-        Section::Gravity(pair) => *pair = bytes.pair(-10.0, 10.0),
-        Section::ToolOffset(pair) => *pair = bytes.pair(-0.02, 0.02),
-        Section::Elbows(elbows) => elbows[usize::from(which & 1)] ^= which & 2 == 0,
-        Section::Assembly(left) => *left ^= which & 7 == 0,
-        Section::Crossing(allowed) => *allowed ^= which & 1 == 0,
-        Section::Axis(_, axis) => {
-            if which & 31 == 0 {
-                axis.encoder_counts = bytes.word();
-            }
-            let [low, high] = &mut axis.angle_limits;
-            change(
-                bytes,
-                &mut [
-                    &mut axis.gear_ratio,
-                    &mut axis.rotor_inertia,
-                    &mut axis.torque_constant,
-                    &mut axis.resistance,
-                    &mut axis.inductance,
-                    &mut axis.viscous_friction,
-                    &mut axis.coulomb_friction,
-                    &mut axis.encoder_latency,
-                    &mut axis.home_angle,
-                    low,
-                    high,
-                    &mut axis.max_speed,
-                    &mut axis.max_acceleration,
-                    &mut axis.peak_current,
-                    &mut axis.continuous_current,
-                    &mut axis.thermal_time_constant,
-                    &mut axis.current_per_code,
-                ],
-            );
-        }
-        Section::Control(control) => {
-            control.computed_torque = which & 7 != 0;
-            change(
-                bytes,
-                &mut [
-                    &mut control.tick_rate,
-                    &mut control.bandwidth,
-                    &mut control.damping,
-                    &mut control.integral_rate,
-                    &mut control.observer_bandwidth,
-                    &mut control.current_bandwidth,
-                    &mut control.friction_smoothing,
-                ],
-            );
-        }
-        Section::Motion(motion) => change(
-            bytes,
-            &mut [
-                &mut motion.max_speed,
-                &mut motion.max_acceleration,
-                &mut motion.max_jerk,
-                &mut motion.corner_tolerance,
-                &mut motion.singularity_margin,
-            ],
-        ),
-        Section::Protection(protection) => {
-            let [low, high] = &mut protection.bus_voltage;
-            change(
-                bytes,
-                &mut [
-                    &mut protection.following_error,
-                    &mut protection.over_speed,
-                    &mut protection.over_current,
-                    low,
-                    high,
-                    &mut protection.bus_voltage_per_code,
-                    &mut protection.command_timeout,
-                ],
-            );
-        }
-        Section::ToolOutput(output) => *output = tool_output(which),
-        Section::EncoderShaft(_, ratio) => change(bytes, &mut [ratio]),
-        Section::EncoderPoints(_, points) => {
-            points[usize::from(which) % 16] = i16::from_le_bytes([bytes.byte(), which]);
-        }
-        Section::Homing(homing) => change(
-            bytes,
-            &mut [&mut homing.speed, &mut homing.back_off, &mut homing.current],
-        ),
-        Section::HomeReference(reference) => {
-            reference.samples = bytes.byte();
-            reference.method = [
-                HomingMethod::Switch,
-                HomingMethod::HardStop,
-                HomingMethod::Absolute,
-                HomingMethod::Given,
-                HomingMethod::Index,
-            ][usize::from(which) % 5];
-        }
-    }
-    section
 }

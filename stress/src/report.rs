@@ -1,5 +1,6 @@
 //! What happened in sessions.
 
+use crate::kinds::KINDS;
 use crate::limits::Reached;
 
 /// What happened in a session.
@@ -19,6 +20,12 @@ pub struct Report {
     pub settings: [u32; 2],
     /// Sessions in which a fault was latched.
     pub faults: u32,
+    /// Commands of each of the [`KINDS`](crate::KINDS), done or refused.
+    pub kinds: [u32; KINDS.len()],
+    /// Crossings that were accepted.
+    pub crossings: u32,
+    /// Sessions whose end had a way out to motion, and to a named reason.
+    pub ways_out: [u32; 2],
     /// The limits of accepted paths.
     pub reached: Reached,
 }
@@ -36,6 +43,9 @@ impl Report {
             timed: sum(self.timed, other.timed),
             settings: sum(self.settings, other.settings),
             faults: self.faults + other.faults,
+            kinds: std::array::from_fn(|kind| self.kinds[kind] + other.kinds[kind]),
+            crossings: self.crossings + other.crossings,
+            ways_out: sum(self.ways_out, other.ways_out),
             reached: self.reached.max(other.reached),
         }
     }

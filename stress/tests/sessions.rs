@@ -1,6 +1,6 @@
 //! Random sessions keep the rules of every tick, and reach what the rules are about.
 
-use fivebar_stress::{Report, bytes_of, run};
+use fivebar_stress::{KINDS, Report, bytes_of, run};
 use proptest::prelude::*;
 
 proptest! {
@@ -57,6 +57,31 @@ fn timed_moves_of_fixed_seeds_reach_the_limits_of_the_joints() {
         reached.joint_speed > 0.97 && reached.joint_acceleration > 0.9 && reached.torque > 0.97,
         "{sum:?}"
     );
+}
+
+/// The bytes of a session whose arm can cross a singularity.
+fn of_crossing_arm(mut bytes: Vec<u8>) -> Vec<u8> {
+    if let Some(flags) = bytes.first_mut() {
+        *flags = *flags & 0x1f | 0xc0;
+    }
+    bytes
+}
+
+/// A command that no session gives is checked by none.
+#[test]
+fn sessions_of_fixed_seeds_give_every_command_cross_and_leave_a_way_out() {
+    let mut sum = Report::default();
+    for seed in 0..48 {
+        match run(&of_crossing_arm(bytes_of(seed, 300))) {
+            Ok(report) => sum = sum.plus(report),
+            Err(violation) => panic!("seed {seed}: {violation}"),
+        }
+    }
+    for (kind, times) in KINDS.into_iter().zip(sum.kinds) {
+        assert!(times > 0 || kind == "Timed", "{kind}: {sum:?}");
+    }
+    let [to_motion, to_reason] = sum.ways_out;
+    assert!(sum.crossings > 5 && to_motion > 2 * to_reason, "{sum:?}");
 }
 
 /// The same seeds in every run: they show that sessions do more than to be refused.

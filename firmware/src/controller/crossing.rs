@@ -42,6 +42,8 @@ const RESTING_ERROR: f32 = 0.01;
 const PATIENCE: u32 = 2;
 /// Time after the plan in which the arm keeps the gains of a crossing [s].
 const SETTLING: f32 = 0.02;
+/// The longest time after the plan in which the planner confirms the assembly mode, in times of [`SETTLING`].
+const CONFIRMED_WITHIN: u32 = 5;
 
 /// The pieces of a plan; each takes two slots of the queue.
 pub(crate) const PIECES: usize = QUEUED_SEGMENTS / 2;
@@ -229,7 +231,6 @@ impl Controller {
             // Crossing accepts this event.
             let _ = self.dispatch(Event::Finish);
         } else {
-            self.model.assembly = self.settings.assembly();
             self.latch_fault(Fault::AssemblyMode);
         }
     }
@@ -301,9 +302,6 @@ impl Controller {
         if inside {
             crossing.in_zone += 1;
             if far && crossing.in_zone > PATIENCE * crossing.times.in_zone {
-                // Its assembly mode is unknown: it is homed again, in that of the settings.
-                model.assembly = self.settings.assembly();
-                self.homed = false;
                 return Err(Fault::Envelope);
             }
         } else {
@@ -350,6 +348,9 @@ impl Controller {
         loop1.integrate(&mut joint1.integral, error1, limited);
         loop4.integrate(&mut joint4.integral, error4, limited);
         let [settled, settling] = crossing.settling;
+        if settled > CONFIRMED_WITHIN * settling {
+            return Err(Fault::AssemblyMode);
+        }
         crossing.is_over = settled > settling && !(inside && far);
         Ok(TorqueCommand {
             torque,

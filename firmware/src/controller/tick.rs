@@ -139,13 +139,15 @@ impl Controller {
     #[inline(always)]
     pub(super) fn control_mode(&self) -> ControlMode {
         match self.state {
-            State::Armed | State::Homing if self.waking > 0 => ControlMode::Waking,
+            State::Stopped => ControlMode::Off,
+            State::Fault if !self.controlled_stop => ControlMode::Off,
+            State::Armed | State::Homing | State::Crossing | State::Fault if self.waking > 0 => {
+                ControlMode::Waking
+            }
             State::Exciting => ControlMode::Waking,
-            State::Armed | State::Running | State::Stopping => ControlMode::Tracking,
-            State::Fault if self.controlled_stop => ControlMode::Tracking,
             State::Homing => ControlMode::Homing,
             State::Crossing => ControlMode::Crossing,
-            State::Stopped | State::Fault => ControlMode::Off,
+            State::Armed | State::Running | State::Stopping | State::Fault => ControlMode::Tracking,
         }
     }
 
@@ -186,11 +188,13 @@ impl Controller {
     }
 
     /// Too many missed ticks, and what else was found: the observer and the loops have lost the
-    /// arm's motion.
+    /// arm's motion. An emergency stop in the same tick is the fault that is reported.
     #[cold]
     #[inline(never)]
     fn overrun(&mut self, other: Option<Fault>) {
-        self.latch_power_off(Fault::TickOverrun);
+        if other != Some(Fault::EmergencyStop) {
+            self.latch_power_off(Fault::TickOverrun);
+        }
         match other {
             Some(fault) => self.power_off(fault),
             None => self.unpowered(),

@@ -92,6 +92,10 @@ impl Controller {
                 if !self.path.tool_is_off() && self.host_timed_out() {
                     self.forget_path();
                 }
+            } else if self.host_timed_out() {
+                // A late planner, or bridges that wake up, have held the path back too long.
+                self.forget_path();
+                self.latch_fault(Fault::CommandTimeout);
             } else {
                 // The next tick follows the path. Armed accepts this event.
                 let _ = self.dispatch(Event::Begin);

@@ -59,6 +59,9 @@ impl Controller {
         let before = self.state;
         let next = before.after(event).ok_or(before)?;
         self.state = next;
+        if before == State::Crossing && !matches!(next, State::Crossing | State::Armed) {
+            self.forget_assembly();
+        }
         match (next, event) {
             (State::Stopped, _) => self.come_to_stopped(),
             (State::Homing, _) => self.start_homing(),
@@ -176,6 +179,15 @@ impl Controller {
         for (joint, model) in self.joints.iter_mut().zip(&self.model.axes) {
             joint.settle(model);
         }
+    }
+
+    /// After a crossing that did not end well the arm's assembly mode is unknown: it is homed again, in
+    /// that of the settings.
+    #[cold]
+    #[inline(never)]
+    fn forget_assembly(&mut self) {
+        self.model.assembly = self.settings.assembly();
+        self.homed = false;
     }
 
     /// Drops the path, and switches the tool off. The new path generation shows the planner that its plan is out of date.

@@ -322,4 +322,38 @@ mod tests {
             }
         }
     }
+
+    /// Whether events lead from one state to the other.
+    fn leads(from: State, to: State) -> bool {
+        let mut reached = State::ALL.map(|state| state == from);
+        for _ in State::ALL {
+            for (index, state) in State::ALL.into_iter().enumerate() {
+                for after in EVENTS.into_iter().filter_map(|event| state.after(event)) {
+                    let next = State::ALL.iter().position(|&other| other == after);
+                    reached[next.unwrap()] |= reached[index];
+                }
+            }
+        }
+        State::ALL
+            .into_iter()
+            .zip(reached)
+            .any(|(state, reached)| state == to && reached)
+    }
+
+    #[test]
+    fn every_state_is_reached_from_stopped_and_leads_back_to_it() {
+        for state in State::ALL {
+            assert!(leads(Stopped, state), "{state:?} is never reached");
+            assert!(leads(state, Stopped), "{state:?} is a trap");
+        }
+    }
+
+    /// From each state by one event that a host can give: a disarm, or clearing the fault.
+    #[test]
+    fn a_host_leads_every_state_to_stopped_by_one_event() {
+        for state in State::ALL {
+            let event = if state == Fault { Clear } else { Disarm };
+            assert_eq!(state.after(event), Some(Stopped), "{state:?}");
+        }
+    }
 }

@@ -211,6 +211,8 @@ impl Session {
                 self.sampler.begin(every, tick);
                 Ok(Reply::Done)
             }
+            // A refused command changes nothing, so it does not let the planner run, either.
+            HostCommand::Tick(_) if board.sample().is_some() => Err(CommandError::Unsupported),
             HostCommand::Tick(sample) => {
                 planner.run(controller);
                 controller

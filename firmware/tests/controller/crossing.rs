@@ -2,7 +2,7 @@
 //! a singularity, so its cranks follow their reference, or do what a test makes them do.
 
 use crate::rig::{Bench, WAKING_TICKS, with};
-use fivebar_firmware::controller::{Controller, Request};
+use fivebar_firmware::controller::{Controller, Request, RequestError};
 use fivebar_firmware::planner::{MoveErrorKind, Planner};
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::settings::Settings;
@@ -43,7 +43,7 @@ struct Rig {
 }
 
 impl Rig {
-    fn armed(settings: &Settings) -> Self {
+    fn stopped(settings: &Settings) -> Self {
         let checked = settings.check().unwrap();
         let mut rig = Self {
             controller: Controller::new(&checked),
@@ -52,6 +52,11 @@ impl Rig {
         };
         rig.bench.theta = START.map(f64::from);
         rig.tick();
+        rig
+    }
+
+    fn armed(settings: &Settings) -> Self {
+        let mut rig = Self::stopped(settings);
         rig.controller.request(Request::SetAngles(START)).unwrap();
         rig.controller.request(Request::Arm).unwrap();
         for _ in 0..=WAKING_TICKS {
@@ -159,7 +164,66 @@ fn cranks_that_stay_outside_the_zone_are_a_following_error() {
         (fault.fault, fault.state),
         (Fault::FollowingError, State::Crossing)
     );
-    assert!(rig.controller.status().homed);
+    assert!(!rig.controller.status().homed);
+}
+
+/// The planner compares the torques; an arm must not wait for it with power.
+#[test]
+fn an_assembly_mode_that_nobody_confirms_within_a_tenth_of_a_second_is_a_fault() {
+    let mut rig = Rig::crossing();
+    let mut ticks = 0;
+    while rig.controller.state() == State::Crossing && ticks < 10_000 {
+        let status = rig.controller.status();
+        if let Some(joints) = status.joint_reference {
+            rig.bench.theta =
+                [0, 1].map(|j| f64::from(joints.angle[j] + 1e-4 * joints.velocity[j]));
+        }
+        rig.controller.tick(&rig.bench.sense());
+        ticks += 1;
+    }
+    // The plan takes 3000 ticks and the filter's lag.
+    assert!((4_000..4_030).contains(&ticks), "{ticks} ticks");
+    let status = rig.controller.status();
+    assert_eq!(status.fault, Some(Fault::AssemblyMode));
+    assert!(!status.homed);
+}
+
+/// An arm without torque moves on, perhaps through the singularity.
+#[test]
+fn an_arm_whose_crossing_is_interrupted_must_be_homed_in_its_first_assembly_mode() {
+    for ticks in [1, 1_000, 1_700, 3_000] {
+        for request in [Request::Disarm, Request::EmergencyStop] {
+            let mut rig = Rig::crossing();
+            for _ in 0..ticks {
+                rig.follow();
+            }
+            rig.controller.request(request).unwrap();
+            assert!(!rig.tick().homed, "{request:?} after {ticks} ticks");
+            let _ = rig.controller.request(Request::ClearFault);
+            assert_eq!(
+                rig.controller.request(Request::Arm),
+                Err(RequestError::NotHomed)
+            );
+            let assembly = rig.controller.planning_snapshot().assembly;
+            assert_eq!(assembly, Side::Left);
+        }
+    }
+}
+
+#[test]
+fn a_crossing_waits_until_the_bridges_are_awake() {
+    let mut rig = Rig::stopped(&settings());
+    rig.controller.request(Request::SetAngles(START)).unwrap();
+    rig.controller.request(Request::Arm).unwrap();
+    rig.push(0, PLAN).unwrap();
+    for _ in 1..WAKING_TICKS {
+        rig.controller.feed_host_timeout();
+        let command = rig.controller.tick(&rig.bench.sense());
+        assert!(command.brake && command.duty == [0.0; 2], "{command:?}");
+    }
+    rig.tick();
+    let command = rig.controller.tick(&rig.bench.sense());
+    assert!(!command.brake);
 }
 
 /// The motor currents that the reference needs in an assembly mode [A]; beside the singularity, those demanded.

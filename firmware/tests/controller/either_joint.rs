@@ -204,3 +204,12 @@ fn an_encoder_that_jumps_while_ticks_are_missed_loses_the_angles() {
         assert!(!rig.controller.status().homed);
     }
 }
+
+#[test]
+fn an_emergency_stop_in_a_tick_after_missed_ones_is_the_fault_that_is_latched() {
+    let mut rig = Rig::armed(&settings());
+    rig.bench.overlay.missed_ticks = 5;
+    rig.bench.overlay.emergency_stop = true;
+    assert_eq!(rig.tick(), OFF);
+    assert_eq!(rig.controller.status().fault, Some(Fault::EmergencyStop));
+}

@@ -137,6 +137,27 @@ fn an_arm_that_only_holds_may_have_a_silent_host() {
     );
 }
 
+/// The planner had no time until the host fell silent.
+#[test]
+fn a_path_that_comes_late_does_not_begin_for_a_silent_host() {
+    let mut rig = Rig::armed(&settings());
+    let [x, y] = rig.tool_position();
+    let to = [x - 0.06, y];
+    rig.push(1, MoveKind::Line { to, feed: 0.1 }).unwrap();
+    let before = rig.controller.status().reference;
+    for _ in 0..1_010 {
+        rig.tick_alone();
+    }
+    for _ in 0..100 {
+        assert_eq!(silent(&mut rig).enable, [true; 2]);
+        let status = rig.controller.status();
+        assert_ne!(status.state, State::Running);
+        assert_eq!(status.reference, before);
+    }
+    assert_eq!(rig.controller.status().fault, Some(Fault::CommandTimeout));
+    assert_eq!(rig.controller.request(Request::ClearFault), Ok(()));
+}
+
 #[test]
 fn an_emergency_stop_switches_off_in_its_tick_in_every_state() {
     let homing = |rig: &mut Rig| rig.controller.request(Request::Home).unwrap();

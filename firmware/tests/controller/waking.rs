@@ -120,3 +120,17 @@ fn currents_and_voltages_are_judged_while_the_bridges_wake_up() {
         assert_eq!(rig.controller.status().fault, Some(fault));
     }
 }
+
+/// As when the board finds that the host is gone.
+#[test]
+fn a_held_fault_that_is_latched_while_the_bridges_wake_up_does_not_drive_them() {
+    let mut rig = homed();
+    rig.controller.request(Request::Arm).unwrap();
+    assert_eq!(rig.tick(), WAKING);
+    rig.controller.latch_fault(Fault::CommandTimeout);
+    for tick in 1..WAKING_TICKS {
+        assert_eq!(rig.tick(), WAKING, "tick {tick}");
+    }
+    let command = rig.tick();
+    assert_eq!((command.enable, command.brake), ([true; 2], false));
+}

@@ -1,6 +1,6 @@
 //! The events of a session: what the host does, and what happens to the arm.
 
-use super::{POLL, START, Session};
+use super::{POLL, Session};
 use crate::arm::plant;
 use crate::limits::Followed;
 use crate::orders::Event;
@@ -8,7 +8,7 @@ use crate::rules::Violation;
 use crate::timed::TimedRun;
 use fivebar_firmware::protocol::HostCommand;
 use fivebar_firmware::safety::State;
-use fivebar_firmware::{FULL_TOOL, Move, MoveKind, Planner, Request};
+use fivebar_firmware::{CrossingMove, FULL_TOOL, Move, MoveKind, Planner, Request};
 
 /// Ticks after which a move is offered again.
 const AGAIN: u16 = 20;
@@ -26,13 +26,11 @@ impl Session<'_> {
                 Ok(())
             }
             Event::Timed(run) => self.timed_run(&run),
-            Event::Recover => {
-                self.command(HostCommand::Request(Request::ClearFault))?;
-                self.declare_angles()?;
-                self.command(HostCommand::Request(Request::Arm))
-            }
+            Event::Crossing(plan) => self.crossing(plan),
+            Event::Recover => self.recover(),
             Event::Repair => {
-                self.plant = plant(self.flags, START);
+                self.plant = plant(self.flags);
+                self.is_sound = true;
                 Ok(())
             }
             Event::DeclareAngles => self.declare_angles(),
@@ -57,6 +55,7 @@ impl Session<'_> {
             }
             Event::Fault(kind) => {
                 self.plant.inject(kind);
+                self.is_sound = false;
                 Ok(())
             }
             Event::Planner(every) => {
@@ -64,6 +63,30 @@ impl Session<'_> {
                 Ok(())
             }
         }
+    }
+
+    fn recover(&mut self) -> Result<(), Violation> {
+        self.command(HostCommand::Request(Request::ClearFault))?;
+        self.declare_angles()?;
+        self.command(HostCommand::Request(Request::Arm))
+    }
+
+    /// Sends a crossing from its beginning. What happens next in the session happens during it.
+    fn crossing(&mut self, plan: CrossingMove) -> Result<(), Violation> {
+        self.command(HostCommand::Request(Request::Disarm))?;
+        self.plant = plant(self.flags);
+        self.is_sound = true;
+        // The counts of another arm are a jump.
+        self.wait(2, true)?;
+        self.recover()?;
+        self.wait(AGAIN, true)?;
+        let state = self.controller.state();
+        let accepted = self.send_move(0, MoveKind::Crossing(plan))?;
+        self.timed_end = None;
+        if state == State::Armed && accepted {
+            self.report.crossings += 1;
+        }
+        Ok(())
     }
 
     pub(super) fn declare_angles(&mut self) -> Result<(), Violation> {

@@ -1,9 +1,11 @@
 //! A session: host, line, controller and arm, one event after the other.
 
 mod events;
+mod way_out;
 
 use crate::arm::plant;
 use crate::bytes::Bytes;
+use crate::kinds::kind_of;
 use crate::limits::{Followed, Limits};
 use crate::orders;
 use crate::report::Report;
@@ -11,9 +13,10 @@ use crate::rules::{Rules, Violation};
 use crate::samples::Hostile;
 use fivebar_firmware::controller::Controller;
 use fivebar_firmware::protocol::{
-    Board as Kind, ControllerMessage, Decoder, HostCommand, HostMessage, Identity, Reply, Reset,
-    Sequence, VERSION, encode,
+    Board as Kind, CommandError, ControllerMessage, Decoder, HostCommand, HostMessage, Identity,
+    Reply, Reset, Sequence, VERSION, encode,
 };
+use fivebar_firmware::recorder::Recorder;
 use fivebar_firmware::safety::State;
 use fivebar_firmware::session::{self, Board};
 use fivebar_firmware::settings::CheckedSettings;
@@ -23,22 +26,31 @@ use fivebar_plant::Plant;
 
 /// Ticks between two requests of the status.
 const POLL: u32 = 100;
-/// θ1, θ4 at the start [rad].
-const START: [f32; 2] = [2.2, 0.9];
 
 /// The outputs of a tick, to be compared bit by bit.
 pub(crate) type Output = ([u32; 2], bool, State);
 
-/// Flash that accepts everything.
-struct Flash;
+/// A board with sensors of its own, whose flash accepts everything.
+struct Desk {
+    log: Recorder,
+    sample: SensorSample,
+}
 
-impl Board for Flash {
+impl Board for Desk {
     fn save(&mut self, _: &Settings) -> Result<(), StorageError> {
         Ok(())
     }
 
     fn tick(&mut self, _: &mut Controller, _: &SensorSample) -> Option<(ActuatorCommand, u32)> {
         None
+    }
+
+    fn recorder(&self) -> Option<&Recorder> {
+        Some(&self.log)
+    }
+
+    fn sample(&self) -> Option<SensorSample> {
+        Some(self.sample)
     }
 }
 
@@ -48,7 +60,10 @@ pub(crate) struct Session<'b> {
     planner: Planner,
     session: session::Session,
     decoder: Decoder<HostMessage>,
+    board: Box<Desk>,
     plant: Plant,
+    /// No fault has been injected into the plant.
+    is_sound: bool,
     flags: u8,
     rules: Rules,
     limits: Option<Limits>,
@@ -68,6 +83,8 @@ pub(crate) struct Session<'b> {
     refusals: Vec<bool>,
     /// In the second run: which commands to replace.
     replace: Option<Vec<bool>>,
+    /// Why the last command was refused, if it was.
+    refused: Option<CommandError>,
     report: Report,
 }
 
@@ -80,7 +97,12 @@ impl<'b> Session<'b> {
         let checked = settings.check().expect("the benchtop arm's are valid");
         let identity = Identity::new(Kind::Desktop, Reset::Power);
         let mut session = Self {
-            plant: plant(flags, START),
+            plant: plant(flags),
+            is_sound: true,
+            board: Box::new(Desk {
+                log: Recorder::new(),
+                sample: SensorSample::default(),
+            }),
             flags,
             controller: Controller::new(&checked),
             planner: Planner::new(&checked),
@@ -99,6 +121,7 @@ impl<'b> Session<'b> {
             outputs: Vec::new(),
             refusals: Vec::new(),
             replace,
+            refused: None,
             report: Report::default(),
             bytes,
         };
@@ -125,16 +148,20 @@ impl<'b> Session<'b> {
         }
         while !self.bytes.is_empty() && self.report.ticks < longest {
             let tool = self.tool();
-            let plans = orders::host_plans(self.flags);
-            let event = orders::next(&mut self.bytes, tool, plans, self.controller.settings());
+            let settings = self.controller.settings();
+            let event = orders::next(&mut self.bytes, tool, self.flags, settings);
             self.event(event)?;
         }
         // What was accepted is carried out.
-        self.wait((longest / 10) as u16, true)
+        self.wait((longest / 10) as u16, true)?;
+        self.report.faults = u32::from(self.controller.fault().is_some());
+        if self.replace.is_none() {
+            self.find_way_out()?;
+        }
+        Ok(())
     }
 
-    pub(crate) fn finish(mut self) -> (Report, Vec<Output>, Vec<bool>) {
-        self.report.faults = u32::from(self.controller.fault().is_some());
+    pub(crate) fn finish(self) -> (Report, Vec<Output>, Vec<bool>) {
         (self.report, self.outputs, self.refusals)
     }
 
@@ -177,9 +204,12 @@ impl<'b> Session<'b> {
     fn answer(&mut self, message: &HostMessage) -> Result<(), Violation> {
         let before = self.trace();
         self.rules.silence = 0;
-        let answer =
-            self.session
-                .answer(message, &mut self.controller, &mut self.planner, &mut Flash);
+        let answer = self.session.answer(
+            message,
+            &mut self.controller,
+            &mut self.planner,
+            &mut *self.board,
+        );
         let stop = message.command == HostCommand::Request(Request::EmergencyStop);
         if stop {
             // Executed whatever its number.
@@ -211,7 +241,11 @@ impl<'b> Session<'b> {
 
     /// Notes what an executed or refused command means for the rules.
     fn count(&mut self, command: &HostCommand, reply: &Reply, stop: bool) {
-        let refused = matches!(reply, Reply::Refused(_));
+        self.refused = match reply {
+            Reply::Refused(error) => Some(*error),
+            _ => None,
+        };
+        let refused = self.refused.is_some();
         if refused
             && !stop
             && let Some(last) = self.refusals.last_mut()
@@ -220,6 +254,7 @@ impl<'b> Session<'b> {
         }
         let column = usize::from(refused);
         self.report.commands[column] += 1;
+        self.report.kinds[kind_of(command)] += 1;
         match command {
             HostCommand::Move(next) => {
                 self.report.moves[column] += 1;
@@ -268,7 +303,13 @@ impl<'b> Session<'b> {
         let is_current =
             self.planner_is_current() && matches!(snapshot.state, State::Armed | State::Running);
         let queue = is_current.then(|| (self.planner.free_slots(), self.planner.is_empty()));
-        format!("{:?} {snapshot:?} {queue:?}", self.controller.status())
+        let log = self.board.log.page(0);
+        format!(
+            "{:?} {snapshot:?} {queue:?} {:?} {}",
+            self.controller.status(),
+            log.state,
+            log.words
+        )
     }
 
     /// Whether the planner knows of the path that the controller follows: of a dropped one it learns
@@ -291,17 +332,26 @@ impl<'b> Session<'b> {
                 self.hostile = None;
             }
         }
+        self.board.sample = sample;
         let command = self.controller.tick(&sample);
+        self.board
+            .log
+            .record(&sample, &command, self.controller.ticks());
         let status = self.controller.status();
         self.rules.check(tick, &sample, &command, &status)?;
         let followed = status
             .tag
             .and_then(|tag| self.kinds.get(tag as usize))
             .copied();
-        let generation = self.controller.planning_snapshot().path_generation;
+        let planning = self.controller.planning_snapshot();
         if let Some(limits) = &mut self.limits {
             let reached = limits
-                .check(&status, followed, generation)
+                .check(
+                    &status,
+                    followed,
+                    planning.path_generation,
+                    planning.assembly,
+                )
                 .map_err(|found| {
                     let found = format_args!(
                         "{found}; move {:?}, {:?}",

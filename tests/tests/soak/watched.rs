@@ -3,6 +3,7 @@
 use fivebar::run::link::{Target, TargetError};
 use fivebar_firmware::controller::Request;
 use fivebar_firmware::{ActuatorCommand, Move, MoveKind, SensorSample, Settings, Status};
+use fivebar_kinematics::five_bar::Side;
 use fivebar_stress::limits::{Followed, Limits, Reached};
 use fivebar_stress::rules::Rules;
 
@@ -11,6 +12,7 @@ pub(crate) struct Watched<T> {
     inner: T,
     rules: Rules,
     limits: Limits,
+    assembly: Side,
     kinds: Vec<Followed>,
     /// Ticks that were checked.
     pub(crate) ticks: u32,
@@ -33,6 +35,7 @@ impl<T> Watched<T> {
             // Every tick of such a run is a sign of life.
             rules: Rules::with_timeout(u32::MAX),
             limits: Limits::new(settings).expect("the settings of an arm"),
+            assembly: settings.check().expect("valid settings").assembly(),
             kinds: kinds.collect(),
             ticks: 0,
             reached: Reached::default(),
@@ -46,8 +49,8 @@ impl<T: Target> Target for Watched<T> {
         let (command, status) = self.inner.tick(sample)?;
         let rules = self.rules.check(self.ticks, sample, &command, &status);
         let tag = status.tag.and_then(|tag| self.kinds.get(tag as usize));
-        // Nothing drops a path and begins another one in these runs.
-        let limits = self.limits.check(&status, tag.copied(), 0);
+        // Nothing drops a path and begins another one in these runs, and nothing crosses.
+        let limits = self.limits.check(&status, tag.copied(), 0, self.assembly);
         let broken = rules.map_err(|violation| violation.to_string());
         match broken.and(limits) {
             Ok(reached) => self.reached = self.reached.max(reached),

@@ -1,0 +1,258 @@
+//! The controller explored: from power-up every event in every state, breadth first, until no new
+//! state appears. The code is that of the firmware: controller, planner and session. A state is what
+//! can be seen of it from outside ([`view`]); angles and times are left out.
+//!
+//! In every tick the [`rules`](crate::rules) hold, and those of [`history`]. From every state three
+//! things are tried: an arm comes to rest by a stop, and for a silent host; and there is a way out.
+
+mod arm;
+mod event;
+mod history;
+mod view;
+mod world;
+
+use crate::rules::Violation;
+use crate::way_out::{WayOut, way_out};
+use event::{Event, alphabet, planned_run};
+use fivebar_firmware::TimedMove;
+use fivebar_firmware::controller::Request;
+use fivebar_firmware::protocol::HostCommand;
+use fivebar_firmware::safety::{Fault, State};
+use std::collections::HashSet;
+use std::fmt;
+use view::View;
+use world::World;
+
+/// Longest time in which a stop brings an arm to rest, and a silent host does [ticks].
+const REST: u32 = 1_200;
+/// Ticks after which an arm without a host has no power.
+const ABANDONED: u32 = 121_000;
+
+/// What an exploration has found.
+#[derive(Clone, Debug, Default)]
+pub struct Exploration {
+    /// Abstract states.
+    pub states: usize,
+    /// Events that were tried in them.
+    pub edges: usize,
+    /// Ticks.
+    pub ticks: u64,
+    /// The controller's states that were reached.
+    pub reached: HashSet<State>,
+    /// The faults that were latched.
+    pub faults: HashSet<Fault>,
+    /// Those that a tick found by itself.
+    pub detected: HashSet<Fault>,
+    /// States from which the arm moves again, and those with a named reason why it cannot.
+    pub ways_out: [usize; 2],
+}
+
+/// A rule that was broken, and how.
+#[derive(Clone, Debug)]
+pub struct Counterexample {
+    violation: Violation,
+    /// The events from power-up on, each after its number of ticks.
+    events: Vec<String>,
+}
+
+impl fmt::Display for Counterexample {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}", self.violation)?;
+        for event in &self.events {
+            writeln!(f, "  {event}")?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for Counterexample {}
+
+/// A state with the world that reached it first.
+struct Node {
+    world: World,
+    /// The state before, and the event that led here.
+    came: Option<(usize, Event)>,
+}
+
+struct Search {
+    nodes: Vec<Node>,
+    known: HashSet<View>,
+    found: Exploration,
+    /// States of the controller in which the host has been absent for long.
+    abandoned: HashSet<(State, Option<Fault>)>,
+    run: Vec<TimedMove>,
+}
+
+/// Explores all states.
+///
+/// # Errors
+/// The first rule that is broken, with the events that lead there.
+pub fn explore() -> Result<Exploration, Counterexample> {
+    let at_start = |violation| Counterexample {
+        violation,
+        events: Vec::new(),
+    };
+    let mut search = Search {
+        nodes: Vec::new(),
+        known: HashSet::new(),
+        found: Exploration::default(),
+        abandoned: HashSet::new(),
+        run: Vec::new(),
+    };
+    for has_settings in [true, false] {
+        let world = World::new(has_settings).map_err(at_start)?;
+        search.run = planned_run(&world);
+        search.visit(&world, None);
+    }
+    let alphabet = alphabet();
+    let mut next = 0;
+    while next < search.nodes.len() {
+        search.expand(next, &alphabet)?;
+        next += 1;
+    }
+    search.found.states = search.nodes.len();
+    Ok(search.found)
+}
+
+impl Search {
+    /// Notes a world if its state is new.
+    fn visit(&mut self, world: &World, came: Option<(usize, Event)>) {
+        let view = world.view();
+        if self.known.insert(view) {
+            self.found.reached.insert(view.state);
+            self.found.faults.extend(view.fault);
+            let world = world.clone();
+            self.nodes.push(Node { world, came });
+        }
+    }
+
+    /// Tries every event in a state, and what must be possible from it.
+    fn expand(&mut self, index: usize, alphabet: &[Event]) -> Result<(), Counterexample> {
+        self.check(index)?;
+        let fault = self.nodes[index].world.view().fault;
+        for &event in alphabet.iter().filter(|event| event.is_tried_under(fault)) {
+            let mut world = self.nodes[index].world.clone();
+            let begun = world.ticks();
+            let mut last = world.view();
+            let (mut new, mut detected) = (Vec::new(), None);
+            let run = std::mem::take(&mut self.run);
+            let happened = world.happen(event, &run, &mut |world: &World| {
+                let view = world.view();
+                if last.fault.is_none() {
+                    detected = detected.or(view.fault);
+                }
+                if view != last && !self.known.contains(&view) {
+                    new.push(world.clone());
+                }
+                last = view;
+            });
+            self.run = run;
+            self.found.detected.extend(detected);
+            for world in &new {
+                self.visit(world, Some((index, event)));
+            }
+            self.visit(&world, Some((index, event)));
+            self.found.edges += 1;
+            self.found.ticks += u64::from(world.ticks() - begun);
+            happened.map_err(|violation| self.counterexample(index, Some(event), violation))?;
+        }
+        Ok(())
+    }
+
+    /// What must be possible from every state, without disturbance.
+    fn check(&mut self, index: usize) -> Result<(), Counterexample> {
+        let mut outcome = [Ok(()), Ok(()), Ok(())];
+        let world = &self.nodes[index].world;
+        outcome[0] = stops(world.clone());
+        outcome[1] = rests_for_silent_host(world.clone());
+        let view = world.view();
+        if view.has_power() && self.abandoned.insert((view.state, view.fault)) {
+            outcome[2] = is_switched_off(world.clone());
+        }
+        let mut undisturbed = world.clone();
+        undisturbed.disturb(None);
+        // Counts that go on may have jumped.
+        let way = undisturbed
+            .tick(true, &mut |_| ())
+            .and_then(|()| way_out(&mut undisturbed))
+            .and_then(|way| match way {
+                WayOut::Fault(fault) => Err(Violation::new(
+                    undisturbed.ticks(),
+                    "a sound arm raises no fault on its way out",
+                    format_args!("{fault:?}"),
+                )),
+                WayOut::Motion | WayOut::Reason(_) => Ok(way),
+            });
+        match &way {
+            Ok(WayOut::Motion) => self.found.ways_out[0] += 1,
+            Ok(_) => self.found.ways_out[1] += 1,
+            Err(_) => {}
+        }
+        outcome
+            .into_iter()
+            .chain([way.map(drop)])
+            .collect::<Result<(), _>>()
+            .map_err(|violation| self.counterexample(index, None, violation))
+    }
+
+    fn counterexample(
+        &self,
+        mut index: usize,
+        last: Option<Event>,
+        violation: Violation,
+    ) -> Counterexample {
+        let mut events: Vec<String> = last.iter().map(|event| format!("{event:?}")).collect();
+        while let Some((before, event)) = self.nodes[index].came {
+            let Node { world, .. } = &self.nodes[index];
+            events.push(format!(
+                "{event:?}, to tick {}: {:?}",
+                world.ticks(),
+                world.view()
+            ));
+            index = before;
+        }
+        events.reverse();
+        Counterexample { violation, events }
+    }
+}
+
+/// A stop brings an arm to rest; a crossing ends first.
+fn stops(mut world: World) -> Result<(), Violation> {
+    world.disturb(None);
+    world.command(HostCommand::Request(Request::Stop))?;
+    let rule = "a stop brings the arm to rest";
+    comes_to_rest(&mut world, true, rule)
+}
+
+/// An arm whose host is silent comes to rest.
+fn rests_for_silent_host(mut world: World) -> Result<(), Violation> {
+    comes_to_rest(&mut world, false, "the arm rests for a silent host")
+}
+
+fn comes_to_rest(world: &mut World, polls: bool, rule: &'static str) -> Result<(), Violation> {
+    for _ in 0..REST {
+        world.tick(polls, &mut |_| ())?;
+        let view = world.view();
+        if !view.is_moving() {
+            return Ok(());
+        }
+    }
+    let found = format_args!("it moves after {REST} ticks: {:?}", world.view());
+    Err(Violation::new(world.ticks(), rule, found))
+}
+
+/// An arm that is left alone for a minute has no power.
+fn is_switched_off(mut world: World) -> Result<(), Violation> {
+    for _ in 0..ABANDONED {
+        world.tick(false, &mut |_| ())?;
+    }
+    if !world.view().has_power() {
+        return Ok(());
+    }
+    let rule = "an arm without a host has no power after a minute";
+    Err(Violation::new(
+        world.ticks(),
+        rule,
+        format_args!("{:?}", world.view()),
+    ))
+}
