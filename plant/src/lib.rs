@@ -6,6 +6,7 @@ mod brake;
 mod causes;
 mod chain;
 pub mod contact;
+mod contactor;
 mod drive;
 mod drives;
 mod dynamics;

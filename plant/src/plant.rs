@@ -5,6 +5,7 @@ mod state;
 
 use crate::active_faults::ActiveFaults;
 use crate::brake::Brake;
+use crate::contactor::Contactor;
 use crate::drives::Drives;
 use crate::dynamics::{DRIVEN, Loads, Model, State};
 use crate::encoder::TrueEncoder;
@@ -53,7 +54,9 @@ pub struct Plant {
     brakes: [Brake; 2],
     /// Inertia of the driven links without the constraints of the loop [kg·m²].
     free_inertia: [f64; 2],
+    /// The supply's voltage [V].
     bus_voltage: f64,
+    contactor: Contactor,
     volts_per_code: f64,
     count_origin: [i32; 2],
     /// Index outputs, on an arm that finds its angles by them.
@@ -135,6 +138,7 @@ impl Plant {
             wear: None,
             sensors,
             bus_voltage: parameters.bus_voltage,
+            contactor: Contactor::CLOSED,
             volts_per_code: parameters.volts_per_code,
             count_origin,
             noise,
@@ -255,8 +259,10 @@ impl Plant {
         };
         let applied = std::mem::replace(&mut self.active, command);
         let duty = [0, 1].map(|j| self.duty(&applied, j));
+        let bus = self.contactor.behind(self.bus_voltage);
+        self.contactor.pass(self.is_stopped(), period);
         let loads = Loads {
-            voltage: duty.map(|duty| duty.map(|duty| duty * self.bus_voltage)),
+            voltage: duty.map(|duty| duty.map(|duty| duty * bus)),
             joint_torque: [0, 1].map(|j| self.brake(j, applied.brake) + self.stop(j)),
             tool_force: self.tool_force + self.catching_force(),
         };

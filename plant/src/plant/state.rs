@@ -29,11 +29,12 @@ impl Plant {
     pub fn tool(&self) -> Vector2<f64> {
         self.model.tool(&self.state)
     }
-    /// The bus voltage [V]: the supply's, less what its resistance takes.
+    /// The bus voltage [V]: the supply's behind the contactor, less what its resistance takes.
     pub fn bus_voltage(&self) -> f64 {
+        let bus = self.contactor.behind(self.bus_voltage);
         match &self.drives {
-            None => self.bus_voltage,
-            Some(drives) => self.bus_voltage - drives.voltage_drop(&self.state),
+            None => bus,
+            Some(drives) => bus - drives.voltage_drop(&self.state),
         }
     }
     /// The angle of a drive's rotor, 0 or 1, over the gear ratio [rad]; of a rigid drive, its

@@ -120,6 +120,18 @@ fn each_wrong_wiring_is_found_and_named() {
             "the current sensor of joint 4 reads code",
         ),
         (
+            "[[fault]]\nkind = \"contactor_welded\"",
+            "the bus stays at 24.0 V although the emergency stop is pressed",
+        ),
+        (
+            "[[fault]]\nkind = \"bus_sensor_stuck\"",
+            "the bus stays at 24.0 V although the emergency stop is pressed",
+        ),
+        (
+            "[[fault]]\nkind = \"emergency_stop_welded\"",
+            "the emergency stop was pressed and the controller does not see it",
+        ),
+        (
             "[[fault]]\nkind = \"emergency_stop\"",
             "the emergency stop reads as pressed",
         ),

@@ -4,7 +4,7 @@ use super::super::bench::Bench;
 use super::super::finding::StepError;
 use super::super::operator::{Task, number};
 use super::super::record::Value;
-use super::Outcome;
+use super::{Outcome, contactor};
 use crate::input::robot::HomeMethod;
 use fivebar_firmware::safety::Fault;
 use std::f64::consts::{FRAC_PI_4, TAU};
@@ -67,7 +67,8 @@ pub(in super::super) fn supply(bench: &mut Bench) -> Result<Outcome, StepError> 
     Ok(Outcome::new(found, values))
 }
 
-/// The emergency stop latches its fault, and stays until released and cleared.
+/// The emergency stop latches its fault, which stays until released and cleared, and takes the bus
+/// voltage away.
 pub(in super::super) fn emergency_stop(bench: &mut Bench) -> Result<Outcome, StepError> {
     let stuck = || {
         StepError::wrong(
@@ -78,6 +79,7 @@ pub(in super::super) fn emergency_stop(bench: &mut Bench) -> Result<Outcome, Ste
     if bench.sample()?.emergency_stop {
         return Err(stuck());
     }
+    let volts = contactor::bus(bench)?;
     bench.ask(Task::PressStop)?;
     let status = bench.pause(0.1)?;
     if status.fault != Some(Fault::EmergencyStop) {
@@ -87,10 +89,13 @@ pub(in super::super) fn emergency_stop(bench: &mut Bench) -> Result<Outcome, Ste
             "check S1a and its wire to the board; do not go on before it works",
         ));
     }
+    let fell = contactor::opens(bench, volts);
     bench.ask(Task::ReleaseStop)?;
+    let fell = fell?;
     if bench.sample()?.emergency_stop {
         return Err(stuck());
     }
+    contactor::closes(bench, volts)?;
     let status = bench.pause(0.1)?;
     if status.fault != Some(Fault::EmergencyStop) {
         return Err(StepError::other(
@@ -99,8 +104,12 @@ pub(in super::super) fn emergency_stop(bench: &mut Bench) -> Result<Outcome, Ste
     }
     bench.clear()?;
     Ok(Outcome::new(
-        "it latches fault 10 until it is released and cleared",
-        vec![],
+        "it latches fault 10 until it is released and cleared, and opens the contactor",
+        vec![Value::new(
+            "contactor_bus_fall_s",
+            fell,
+            "until the bus has 80 % of its voltage, the emergency stop pressed",
+        )],
     ))
 }
 

@@ -1,6 +1,7 @@
 //! The steps, in their order.
 
 mod arm;
+mod contactor;
 mod dynamics;
 mod electrics;
 mod encoder_errors;
@@ -64,7 +65,7 @@ pub(in crate::show) const STEPS: [Step; 12] = [
     },
     Step {
         name: "emergency-stop",
-        does: "asks for the emergency stop; nothing is switched on",
+        does: "asks for the emergency stop, and waits until the bus falls; nothing is switched on",
         run: inputs::emergency_stop,
     },
     Step {
