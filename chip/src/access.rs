@@ -3,6 +3,7 @@
 use crate::bus::{Unit, locate};
 use crate::mcu::Mcu;
 use crate::peripherals::adc::Adc;
+use crate::peripherals::capture_timer::CaptureTimer;
 use crate::peripherals::dma::Dma;
 use crate::peripherals::encoder_timer::EncoderTimer;
 use crate::peripherals::flash::Operation;
@@ -61,6 +62,10 @@ impl Mcu {
                 self.encoders[joint].read(offset)
             }
             Unit::Tool => self.tool.read(offset, self.now),
+            Unit::Capture => {
+                let clocks = self.capture_clocks();
+                self.capture.read(offset, self.now, clocks)
+            }
             Unit::Adc => self.adc.read(offset),
             Unit::Dma2 => self.dma.read(offset),
             Unit::Usart1 => self.usart.read(offset),
@@ -105,6 +110,7 @@ impl Mcu {
                 self.encoders[joint].write(offset, value)
             }
             Unit::Tool => self.tool.write(offset, value, self.now),
+            Unit::Capture => self.capture.write(offset, value, self.now),
             Unit::Adc => self.adc.write(offset, value, self.now),
             Unit::Dma2 => self.dma.write(offset, value),
             Unit::Usart1 => {
@@ -133,6 +139,9 @@ impl Mcu {
             if held {
                 *encoder = EncoderTimer::new();
             }
+        }
+        if self.rcc.in_reset(4) >> 18 & 1 != 0 {
+            self.capture = CaptureTimer::new();
         }
         if self.rcc.in_reset(3) >> 1 & 1 != 0 {
             self.tool = PwmTimer::new(self.core * self.rcc.timer_cycles(0));

@@ -1,13 +1,15 @@
 //! The simulated arm on the chip's pins: bridges, encoders, sensors, switches, buttons.
 
+use crate::amplifier::{BRIDGE_DELAYS, ringing};
+use crate::hold::Hold;
 use crate::peripherals::adc::SampleWindow;
 use crate::peripherals::gpio::Pin;
 use crate::peripherals::pwm_timer::Pulses;
 use crate::peripherals::tim1::Output;
 use crate::time::{MICROSECOND, NEVER, SECOND, Time};
-use crate::wiring::{Outputs, Wiring};
+use crate::wiring::{Edges, Outputs, Wiring};
 use fivebar_firmware::{ActuatorCommand, SensorSample};
-use fivebar_kinematics::five_bar::{Geometry, Pose, Side};
+use fivebar_kinematics::five_bar::{Geometry, Side};
 use fivebar_plant::{FaultKind, Hands, Plant, State};
 use std::cell::{RefCell, RefMut};
 use std::rc::Rc;
@@ -16,18 +18,14 @@ const STOP: Pin = Pin(1, 12);
 const HOME: [Pin; 2] = [Pin(2, 4), Pin(2, 5)];
 const INDEX: [Pin; 2] = [Pin(2, 8), Pin(2, 9)];
 const BRIDGE_FAULT: [Pin; 2] = [Pin(1, 0), Pin(1, 1)];
+const ENCODER: [[Pin; 2]; 2] = [[Pin(0, 0), Pin(0, 1)], [Pin(0, 15), Pin(1, 3)]];
 /// The serial line's input idles high.
 const SERIAL_IN: Pin = Pin(1, 7);
-/// Inputs of the converters.
+/// Inputs of the converters: PC0, PC1, PC2.
 const CURRENT: [u8; 2] = [10, 11];
 const BUS: u8 = 12;
 /// Samples are no older than this.
 const FRESH: Time = 20 * MICROSECOND;
-/// Time in which a hand turns the arm to another place.
-pub const HAND_TIME: Time = SECOND / 5;
-/// How far a sample is off that is taken while its bridge switches [codes].
-const RINGING: u16 = 400;
-
 /// What one tick of the program saw, and what the timer did meanwhile.
 #[derive(Clone, Copy, Debug)]
 pub struct Tick {
@@ -38,16 +36,6 @@ pub struct Tick {
     pub duty: [i32; 2],
     /// Whether both bridges were enabled up to this tick.
     pub enabled: bool,
-}
-
-/// A way along which a hand moves the arm: from the angles of both joints, by so much, since a time.
-#[derive(Clone, Copy, Debug)]
-struct Hold {
-    from: [f64; 2],
-    by: [f64; 2],
-    since: Time,
-    geometry: Geometry<f64>,
-    assembly: Side,
 }
 
 /// The arm and its electronics.
@@ -62,8 +50,12 @@ pub struct Arm {
     /// Time that a bridge needs to wake, during which its fault output is low.
     wake: Time,
     awake_at: [Time; 2],
+    /// Time from an edge at a bridge's input to that at its output.
+    pub bridge_delay: Time,
     stop_pressed: bool,
     broken: Vec<Pin>,
+    /// The encoders' counts as both lines of each gave them.
+    counts: [i32; 2],
     /// The hand that holds the arm, if one does.
     hand: Option<Hold>,
     /// How long the next disturbance of an encoder's inputs lasts, and counts that
@@ -72,7 +64,7 @@ pub struct Arm {
     added: [i32; 2],
     /// Contacts of the home switches that chatter: they read as pressed once.
     chatter: [bool; 2],
-    /// Samples that were taken while their bridge switched.
+    /// Samples that an edge of their bridge's output changed by a code or more.
     pub samples_on_edges: u64,
     /// The last windows in which current 1, current 4 and the bus were sampled.
     pub windows: [Option<SampleWindow>; 3],
@@ -101,8 +93,10 @@ impl Arm {
             sampled_at: 0,
             wake,
             awake_at: [NEVER; 2],
+            bridge_delay: BRIDGE_DELAYS[0],
             stop_pressed: false,
             broken: Vec::new(),
+            counts: sample.counts,
             hand: None,
             glitch: [0; 2],
             added: [0; 2],
@@ -182,9 +176,13 @@ impl Arm {
         self.hand = None;
     }
 
-    /// Breaks the wire of a switch or button: nothing drives the pin.
+    /// Breaks the wire to an input: nothing outside drives the pin but a resistor at the pin.
     pub fn break_wire(&mut self, pin: Pin) {
         self.broken.push(pin);
+    }
+
+    fn is_broken(&self, pin: Pin) -> bool {
+        self.broken.contains(&pin)
     }
 
     /// Disturbs an encoder: if a disturbance of this length passes the filter, it counts.
@@ -206,7 +204,7 @@ impl Arm {
     fn advance(&mut self, now: Time, next: ActuatorCommand) {
         let passed = now.saturating_sub(self.at) as f64 / SECOND as f64;
         self.at = self.at.max(now);
-        match self.held_pose() {
+        match self.hand.as_ref().and_then(|hold| hold.pose(self.at)) {
             Some(pose) => self.plant.hold_by_hand(&pose, passed),
             // The plant applies the command before this one for the time that has passed.
             None => self.plant.step(&next, passed),
@@ -215,21 +213,6 @@ impl Arm {
             self.history.push((now, next));
         }
         self.acting = next;
-    }
-
-    /// Where a hand holds the arm now.
-    fn held_pose(&self) -> Option<Pose<f64>> {
-        let Hold {
-            from,
-            by,
-            since,
-            geometry,
-            assembly,
-        } = self.hand.as_ref()?;
-        let share = (self.at.saturating_sub(*since) as f64 / HAND_TIME as f64).min(1.0);
-        let smooth = share * share * (3.0 - 2.0 * share);
-        let angle = |joint: usize| from[joint] + smooth * by[joint];
-        geometry.forward(angle(0), angle(1), *assembly).ok()
     }
 
     fn acts(&self, now: Time) -> ActuatorCommand {
@@ -317,7 +300,7 @@ impl Wiring for SharedArm {
         if now >= arm.sampled_at + 10 * FRESH {
             arm.refresh(now);
         }
-        if arm.broken.contains(&pin) {
+        if arm.is_broken(pin) {
             return None;
         }
         if pin == STOP {
@@ -331,9 +314,8 @@ impl Wiring for SharedArm {
                 return Some(arm.sample.index[joint]);
             }
             if pin == BRIDGE_FAULT[joint] {
-                // An open drain: the pull-up makes it high.
-                let low = arm.sample.driver_fault[joint] || arm.is_waking(now, joint);
-                return low.then_some(false);
+                // An open drain; the pull-up at the bridge is stronger than the chip's resistor.
+                return Some(!arm.sample.driver_fault[joint] && !arm.is_waking(now, joint));
             }
         }
         (pin == SERIAL_IN).then_some(true)
@@ -343,10 +325,14 @@ impl Wiring for SharedArm {
         let arm = &mut *self.get();
         let disturbed = std::mem::take(&mut arm.glitch[joint]) > filter;
         arm.added[joint] += i32::from(disturbed);
-        arm.sample.counts[joint].wrapping_add(arm.added[joint])
+        // One line alone counts a step to and fro.
+        if !ENCODER[joint].iter().any(|&pin| arm.is_broken(pin)) {
+            arm.counts[joint] = arm.sample.counts[joint];
+        }
+        arm.counts[joint].wrapping_add(arm.added[joint])
     }
 
-    fn sample(&mut self, window: &SampleWindow, switching: [bool; 2]) -> u16 {
+    fn sample(&mut self, window: &SampleWindow, edges: &[Edges; 2]) -> u16 {
         let arm = &mut *self.get();
         if window.from >= arm.sampled_at + FRESH {
             arm.refresh(window.from);
@@ -361,11 +347,17 @@ impl Wiring for SharedArm {
             let tick = arm.tick();
             arm.ticks.push(tick);
         }
+        if arm.is_broken(Pin(2, window.channel.wrapping_sub(10))) {
+            // The pull-down at the pin, or the lower resistor of the divider.
+            return 0;
+        }
         for joint in 0..2 {
             if window.channel == CURRENT[joint] {
-                let on_edge = switching[joint] && arm.acting.enable[joint];
-                arm.samples_on_edges += u64::from(on_edge);
-                let error = if on_edge { RINGING } else { 0 };
+                let error = match arm.acting.enable[joint] {
+                    true => ringing(&edges[joint], arm.bridge_delay),
+                    false => 0,
+                };
+                arm.samples_on_edges += u64::from(error > 0);
                 return arm.sample.current[joint] + error;
             }
         }

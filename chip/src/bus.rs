@@ -15,6 +15,8 @@ pub(crate) enum Unit {
     Dma2,
     /// TIM3.
     Tool,
+    /// TIM11.
+    Capture,
     Usart1,
     Iwdg,
     Pwr,
@@ -28,7 +30,7 @@ pub(crate) enum Unit {
 type Gate = Option<(usize, u32)>;
 
 /// Where the units are: first address, size, unit, and the bus and bit of its clock.
-const MAP: [(u32, u32, Unit, Gate); 14] = [
+const MAP: [(u32, u32, Unit, Gate); 15] = [
     (0x4000_0000, 0x400, Unit::Encoder(1), Some((3, 0))),
     (0x4000_0400, 0x400, Unit::Tool, Some((3, 1))),
     (0x4000_0c00, 0x400, Unit::Encoder(0), Some((3, 3))),
@@ -37,6 +39,7 @@ const MAP: [(u32, u32, Unit, Gate); 14] = [
     (0x4001_0000, 0x400, Unit::Tim1, Some((4, 0))),
     (0x4001_1000, 0x400, Unit::Usart1, Some((4, 4))),
     (0x4001_2000, 0x400, Unit::Adc, Some((4, 8))),
+    (0x4001_4800, 0x400, Unit::Capture, Some((4, 18))),
     (0x4002_0000, 0x2400, Unit::Gpio(0), Some((0, 0))),
     (0x4002_3800, 0x400, Unit::Rcc, None),
     (0x4002_3c00, 0x400, Unit::Flash, None),

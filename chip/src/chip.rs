@@ -9,7 +9,7 @@ use crate::figures::Figures;
 use crate::image::{CODE, Image};
 use crate::mcu::{Mcu, Options, RAM};
 use crate::peripherals::flash::{self, FlashEvent};
-use crate::peripherals::rcc::ResetCause;
+use crate::peripherals::reset_cause::ResetCause;
 use crate::peripherals::tim1::RepetitionReading;
 use crate::time::{NEVER, Time};
 use crate::trace;

@@ -6,7 +6,7 @@ use crate::image::{CODE, Image};
 use crate::locate::access_in;
 use crate::mcu::Mcu;
 use crate::nvic::Nvic;
-use crate::peripherals::rcc::ResetCause;
+use crate::peripherals::reset_cause::ResetCause;
 use crate::time::{Time, seconds};
 use crate::trace::{Step, Trace};
 use crate::unicorn::{Engine, Reg};

@@ -4,7 +4,7 @@ use crate::mcu::{Mcu, RAM};
 use crate::nvic::SYS_TICK;
 use crate::peripherals::gpio::{Mode, Pin};
 use crate::peripherals::pwm_timer::Pulses;
-use crate::peripherals::rcc::ResetCause;
+use crate::peripherals::reset_cause::ResetCause;
 use crate::peripherals::tim1::Output;
 use crate::time::Time;
 use crate::violation::refuse;
@@ -77,12 +77,12 @@ impl Mcu {
         self.triggered_at = Some(self.tim1.counter(at).0);
         let triggered = self.adc.trigger(at, bus);
         for (place, window) in self.note(triggered).unwrap_or_default() {
-            let switching = [[0, 1], [2, 3]].map(|bridge| {
-                bridge
-                    .iter()
-                    .any(|&channel| self.tim1.switches(channel, window.from, window.until))
+            let edges = [[0, 1], [2, 3]].map(|[in1, in2]| {
+                let ages = |channel| self.tim1.ages_of_edges(channel, window.until);
+                let ([a, b], [c, d]) = (ages(in1), ages(in2));
+                [a, b, c, d]
             });
-            let code = self.wiring.sample(&window, switching);
+            let code = self.wiring.sample(&window, &edges);
             self.adc.store(place, &window, code);
         }
     }

@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod access;
+mod amplifier;
 mod arm;
 mod bus;
 mod callbacks;
@@ -10,6 +11,7 @@ mod events;
 mod exceptions;
 mod figures;
 mod hand;
+mod hold;
 mod host;
 mod image;
 mod locate;
@@ -26,10 +28,12 @@ mod upsets;
 mod violation;
 mod wiring;
 
-pub use arm::{Arm, HAND_TIME, SharedArm, Tick};
+pub use amplifier::BRIDGE_DELAYS;
+pub use arm::{Arm, SharedArm, Tick};
 pub use chip::{Chip, Report};
 pub use figures::{Figures, Summary};
 pub use hand::Hand;
+pub use hold::HAND_TIME;
 pub use host::HostLine;
 pub use image::{Image, ImageError};
 pub use mcu::Options;
@@ -37,9 +41,9 @@ pub use peripherals::adc::SampleWindow;
 pub use peripherals::flash::FlashEvent;
 pub use peripherals::gpio::Pin;
 pub use peripherals::pwm_timer::Pulses;
-pub use peripherals::rcc::ResetCause;
+pub use peripherals::reset_cause::ResetCause;
 pub use peripherals::tim1::{Output, RepetitionReading};
 pub use trace::Step;
 pub use unicorn::EmulatorError;
 pub use violation::{Access, Violation};
-pub use wiring::{Outputs, Unwired, Wiring};
+pub use wiring::{Edges, Outputs, Unwired, Wiring};

@@ -2,13 +2,15 @@
 
 use crate::nvic::{NMI, Nvic};
 use crate::peripherals::adc::Adc;
+use crate::peripherals::capture_timer::{CaptureTimer, Clocks};
 use crate::peripherals::dma::Dma;
 use crate::peripherals::encoder_timer::EncoderTimer;
 use crate::peripherals::flash::Flash;
 use crate::peripherals::gpio::Port;
 use crate::peripherals::iwdg::Iwdg;
 use crate::peripherals::pwm_timer::PwmTimer;
-use crate::peripherals::rcc::{Rcc, ResetCause};
+use crate::peripherals::rcc::Rcc;
+use crate::peripherals::reset_cause::ResetCause;
 use crate::peripherals::tim1::Tim1;
 use crate::peripherals::usart::Usart;
 use crate::pwr::Pwr;
@@ -28,6 +30,8 @@ pub struct Options {
     pub crystal: f64,
     /// Whether the crystal starts.
     pub crystal_works: bool,
+    /// Frequency of the internal oscillator: 16 MHz − 8 to + 4.5 % [Hz].
+    pub hsi: f64,
     /// Frequency of the slow oscillator: 17 to 47 kHz [Hz].
     pub lsi: f64,
     /// Symbols per second that the host sends and receives.
@@ -39,6 +43,7 @@ impl Default for Options {
         Self {
             crystal: 8e6,
             crystal_works: true,
+            hsi: 16e6,
             lsi: 32e3,
             host_baud: 1_000_000,
         }
@@ -59,6 +64,8 @@ pub(crate) struct Mcu {
     pub(crate) encoders: [EncoderTimer; 2],
     /// TIM3.
     pub(crate) tool: PwmTimer,
+    /// TIM11.
+    pub(crate) capture: CaptureTimer,
     pub(crate) adc: Adc,
     pub(crate) dma: Dma,
     pub(crate) usart: Usart,
@@ -86,7 +93,7 @@ pub(crate) struct Mcu {
 
 impl Mcu {
     pub(crate) fn new(options: Options, sectors: Vec<u8>, wiring: Box<dyn Wiring>) -> Self {
-        let mut rcc = Rcc::new(options.crystal);
+        let mut rcc = Rcc::new(options.crystal, options.hsi);
         rcc.crystal_works = options.crystal_works;
         rcc.reset(ResetCause::Power);
         let core = rcc.core_period().unwrap_or(1);
@@ -100,6 +107,7 @@ impl Mcu {
             tim1: Tim1::new(core),
             encoders: [EncoderTimer::new(), EncoderTimer::new()],
             tool: PwmTimer::new(core),
+            capture: CaptureTimer::new(),
             adc: Adc::new(),
             dma: Dma::new(),
             usart: Usart::new(options.host_baud),
@@ -132,6 +140,7 @@ impl Mcu {
         self.tim1.reset();
         self.encoders = [EncoderTimer::new(), EncoderTimer::new()];
         self.tool = PwmTimer::new(self.core);
+        self.capture = CaptureTimer::new();
         self.adc = Adc::new();
         self.dma = Dma::new();
         self.usart.reset();
@@ -184,6 +193,13 @@ impl Mcu {
 
     pub(crate) fn bus_period(&self, bus: usize) -> Time {
         self.core * self.rcc.bus_cycles(bus)
+    }
+
+    pub(crate) fn capture_clocks(&self) -> Clocks {
+        Clocks {
+            timer: self.core * self.rcc.timer_cycles(1),
+            crystal: self.rcc.divided_crystal(),
+        }
     }
 
     pub(crate) fn note<T>(&mut self, result: Access<T>) -> Option<T> {

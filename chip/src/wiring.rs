@@ -29,6 +29,9 @@ impl Outputs {
     };
 }
 
+/// How long before the end of a sample's window the inputs of a bridge switched, the last edges only.
+pub type Edges = [Option<Time>; 4];
+
 /// The world around the chip.
 pub trait Wiring {
     /// What the chip drives has changed.
@@ -41,8 +44,8 @@ pub trait Wiring {
     /// must last to count.
     fn encoder(&mut self, now: Time, joint: usize, filter: Time) -> i32;
 
-    /// The code of a sample. `switching` tells which bridges switch while it is taken.
-    fn sample(&mut self, window: &SampleWindow, switching: [bool; 2]) -> u16;
+    /// The code of a sample. `edges` are those at the inputs of both bridges.
+    fn sample(&mut self, window: &SampleWindow, edges: &[Edges; 2]) -> u16;
 
     /// When something changes by itself.
     fn due(&self) -> Time {
@@ -68,7 +71,7 @@ impl Wiring for Unwired {
         0
     }
 
-    fn sample(&mut self, _: &SampleWindow, _: [bool; 2]) -> u16 {
+    fn sample(&mut self, _: &SampleWindow, _: &[Edges; 2]) -> u16 {
         0
     }
 }

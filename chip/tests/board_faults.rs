@@ -4,7 +4,7 @@ mod bench;
 
 use bench::{Bench, Driven, hear, image, save, say, settings, tell, used_flash};
 use fivebar_chip::time::{MICROSECOND, MILLISECOND, SECOND};
-use fivebar_chip::{FlashEvent, Options, RepetitionReading, ResetCause};
+use fivebar_chip::{FlashEvent, Options, ResetCause};
 use fivebar_firmware::Request;
 use fivebar_firmware::protocol::{
     ControllerMessage, HostCommand, HostMessage, Reply, Reset, Sequence, VERSION, encode,
@@ -149,48 +149,6 @@ fn a_bridge_is_given_its_time_to_wake() {
 }
 
 #[test]
-fn the_converter_samples_in_the_middle_of_the_braking_phase() {
-    let mut driven = Driven::new();
-    driven.arm();
-    driven.run(20 * MILLISECOND);
-    assert_eq!(driven.arm.get().samples_on_edges, 0);
-    assert_eq!(driven.chip().counter_at_last_trigger(), Some(0));
-}
-
-#[test]
-fn a_converter_triggered_in_the_drive_pulse_keeps_the_arm_off() {
-    let bench = Bench::with(Options::default(), Vec::new(), 0);
-    let reading = RepetitionReading::BySentence;
-    bench.line.chip().read_repetitions(reading);
-    let mut driven = bench.connect();
-    driven.run(10 * MILLISECOND);
-    assert_ne!(driven.chip().counter_at_last_trigger(), Some(0));
-    assert_eq!(driven.status().fault, Some(Fault::ClockFailure));
-    assert!(driven.request(Request::Arm).is_err());
-    driven.request(Request::ClearFault).expect("cleared");
-    driven.run(2 * TICK);
-    assert_eq!(driven.status().fault, Some(Fault::ClockFailure));
-}
-
-#[test]
-fn both_currents_are_sampled_at_once_and_away_from_every_edge() {
-    let mut driven = Driven::new();
-    driven.arm();
-    let [current1, current4, _] = driven.arm.get().windows;
-    let (current1, current4) = (current1.expect("a sample"), current4.expect("a sample"));
-    assert_eq!(current1.from, current4.from);
-    // At the greatest duty, 0.95, the bridges brake for 1.25 µs on each side of the middle.
-    let windows = driven.arm.get().windows;
-    for window in windows {
-        let window = window.expect("a sample");
-        let length = window.until - window.from;
-        assert!(length < MICROSECOND);
-        // The inputs' filters need this time to settle.
-        assert!(length > MICROSECOND / 2);
-    }
-}
-
-#[test]
 fn the_host_hears_of_a_crystal_that_dies() {
     let mut driven = Driven::new();
     driven.arm();
@@ -232,6 +190,42 @@ fn the_host_hears_of_a_crystal_that_does_not_start() {
         "a tick each millisecond: {ticks}"
     );
     assert_eq!(driven.chip().resets().len(), 1);
+}
+
+#[test]
+fn a_crystal_of_another_frequency_is_a_clock_failure() {
+    for crystal in [4e6, 7e6, 10e6, 12e6, 16e6, 25e6] {
+        let options = Options {
+            crystal,
+            ..Options::default()
+        };
+        let mut driven = Bench::with(options, Vec::new(), 0).connect();
+        assert_eq!(
+            driven.status().fault,
+            Some(Fault::ClockFailure),
+            "{crystal}"
+        );
+        driven.request(Request::ClearFault).expect("cleared");
+        driven.run(30 * TICK);
+        assert_eq!(
+            driven.status().fault,
+            Some(Fault::ClockFailure),
+            "{crystal}"
+        );
+        assert!(driven.request(Request::Arm).is_err());
+    }
+}
+
+#[test]
+fn the_crystal_is_taken_as_right_by_every_internal_oscillator_in_tolerance() {
+    for tolerance in [0.92, 1.0, 1.045] {
+        let options = Options {
+            hsi: 16e6 * tolerance,
+            ..Options::default()
+        };
+        let mut driven = Bench::with(options, Vec::new(), 0).connect();
+        assert_eq!(driven.status().fault, None, "{tolerance}");
+    }
 }
 
 #[test]

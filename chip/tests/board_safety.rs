@@ -47,25 +47,32 @@ fn the_break_and_the_flash_are_locked() {
 }
 
 #[test]
-fn a_broken_wire_reads_as_the_unsafe_case() {
+fn the_flash_accelerator_is_on_with_five_wait_states() {
+    let driven = Driven::new();
+    let acr = driven.chip().register(0x4002_3c00).expect("a register");
+    // DCEN, ICEN, PRFTEN, LATENCY.
+    assert_eq!(acr & 0x707, 0x705, "{acr:#x}");
+}
+
+/// A tick begins 30 µs late, the next one is missed, and the one after it is in time: from one
+/// beginning to the other it is less than two ticks.
+#[test]
+fn a_missed_tick_counts_though_the_one_before_was_late() {
     let mut driven = Driven::new();
-    driven.arm();
-    driven.arm.get().break_wire(Pin(1, 12));
-    driven.chip().pins_changed();
-    driven.run(2 * TICK);
-    assert!(driven.is_off());
-    assert_eq!(driven.status().fault, Some(Fault::EmergencyStop));
-    // A home switch that is always pressed cannot be left: homing fails.
-    let mut driven = Driven::new();
-    driven.arm.get().break_wire(Pin(2, 4));
-    driven.request(Request::Home).expect("homing");
-    for _ in 0..200 {
-        driven.run(20 * MILLISECOND);
-        if driven.status().fault.is_some() {
-            break;
-        }
-    }
-    assert_eq!(driven.status().fault, Some(Fault::Envelope));
+    let before = driven.status().missed_ticks;
+    let trigger = driven.arm.get().windows[0].expect("a sample").from;
+    let at = |ticks: u64, microseconds| trigger + ticks * TICK + microseconds * MICROSECOND;
+    let next = (driven.chip().now() - trigger) / TICK + 1;
+    let run_and_stall = |driven: &mut Driven, from: u64, until: u64| {
+        let now = driven.chip().now();
+        driven.run(from - now);
+        let now = driven.chip().now();
+        driven.chip().stall(until - now);
+    };
+    run_and_stall(&mut driven, at(next, 0) - MICROSECOND, at(next, 30));
+    run_and_stall(&mut driven, at(next, 60), at(next + 2, 5));
+    driven.run(10 * TICK);
+    assert_eq!(driven.status().missed_ticks - before, 1);
 }
 
 #[test]
@@ -74,7 +81,7 @@ fn the_cause_of_a_reset_is_that_of_the_last_one() {
     for (cause, reason) in [
         (ResetCause::Watchdog, Reset::Watchdog),
         (ResetCause::BrownOut, Reset::BrownOut),
-        (ResetCause::Pin, Reset::Power),
+        (ResetCause::Pin, Reset::Pin),
         (ResetCause::Watchdog, Reset::Watchdog),
         (ResetCause::Power, Reset::Power),
     ] {
@@ -104,12 +111,12 @@ fn a_press_of_the_emergency_stop_between_two_ticks_is_a_fault() {
 }
 
 #[test]
-fn every_input_of_a_cable_has_a_pull_up() {
+fn every_input_of_a_cable_has_a_resistor() {
     let mut driven = Driven::new();
     let pins = [
         (0, [0, 1, 15].as_slice()),
-        (1, &[0, 1, 3, 7, 12]),
-        (2, &[4, 5]),
+        (1, &[3, 7, 12]),
+        (2, &[4, 5, 8, 9]),
     ];
     for (port, pins) in pins {
         for &pin in pins {
@@ -124,6 +131,9 @@ fn every_input_of_a_cable_has_a_pull_up() {
             assert_ne!(levels & 1 << pin, 0, "port {port}, pin {pin}");
         }
     }
+    // The bridges' fault outputs are pulled down.
+    let pulls = driven.chip().register(0x4002_040c).expect("a register");
+    assert_eq!(pulls & 0b1111, 0b1010, "PB0 and PB1");
 }
 
 #[test]
@@ -167,6 +177,9 @@ fn each_fault_has_a_test_on_this_image() {
         include_str!("board_faults.rs"),
         include_str!("homing.rs"),
         include_str!("crossing.rs"),
+        include_str!("reset_paths.rs"),
+        include_str!("sampling.rs"),
+        include_str!("broken_wires.rs"),
     ]
     .concat();
     for fault in Fault::all() {

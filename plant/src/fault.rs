@@ -128,10 +128,17 @@ pub enum FaultKind {
         /// 0 or 1.
         joint: usize,
     },
+    /// The wire of a bridge's fault output breaks: it reads as a fault, and the bridge goes on.
+    DriverFaultOpen {
+        /// 0 or 1.
+        joint: usize,
+    },
     /// The emergency stop is pressed.
     EmergencyStop,
     /// The emergency stop's contact is welded: pressing it has no effect.
     EmergencyStopWelded,
+    /// The contactor's contact is welded: the emergency stop does not take the bridges' supply away.
+    ContactorWelded,
     /// A brake stays engaged.
     BrakeStuck {
         /// 0 or 1.

@@ -7,6 +7,9 @@ use crate::violation::{Access, refuse};
 /// Time from ADON to the first conversion.
 const STABILISATION: Time = 3 * MICROSECOND;
 
+/// Cycles of the converter from the trigger to the sequence, at most.
+const LATENCY: u64 = 3;
+
 /// One conversion's place in time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SampleWindow {
@@ -170,7 +173,7 @@ impl Adc {
             );
         }
         let bits = [12, 10, 8, 6][converter.cr1.field(24, 2) as usize];
-        let mut at = now;
+        let mut at = now + LATENCY * clock;
         for (place, channel) in sequence.into_iter().enumerate() {
             let until = at + converter.sample_cycles(channel) * clock;
             windows.push((

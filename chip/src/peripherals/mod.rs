@@ -2,6 +2,7 @@
 //! function of one that is not, ends the run.
 
 pub(crate) mod adc;
+pub(crate) mod capture_timer;
 pub(crate) mod dma;
 pub(crate) mod encoder_timer;
 pub(crate) mod flash;
@@ -9,5 +10,6 @@ pub(crate) mod gpio;
 pub(crate) mod iwdg;
 pub(crate) mod pwm_timer;
 pub(crate) mod rcc;
+pub(crate) mod reset_cause;
 pub(crate) mod tim1;
 pub(crate) mod usart;

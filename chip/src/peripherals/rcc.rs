@@ -1,5 +1,6 @@
 //! RCC: oscillators, PLL, bus clocks, clock gates, reset flags.
 
+use super::reset_cause::ResetCause;
 use crate::register::Register;
 use crate::time::{MICROSECOND, MILLISECOND, NEVER, Time, period};
 use crate::violation::{Access, refuse};
@@ -9,34 +10,6 @@ const CRYSTAL_START: Time = 2 * MILLISECOND;
 /// Time in which the PLL locks.
 const PLL_LOCK: Time = 200 * MICROSECOND;
 const LSI_START: Time = 40 * MICROSECOND;
-const HSI: f64 = 16e6;
-
-/// Flags of RCC_CSR that tell why the chip was reset.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ResetCause {
-    /// Power-on.
-    Power,
-    /// The supply fell below the brown-out level, but not to zero.
-    BrownOut,
-    /// The reset pin.
-    Pin,
-    /// SYSRESETREQ.
-    Software,
-    /// The independent watchdog.
-    Watchdog,
-}
-
-impl ResetCause {
-    fn flags(self) -> u32 {
-        match self {
-            Self::Power => 0b0111 << 25,
-            Self::BrownOut => 0b0011 << 25,
-            Self::Pin => 0b0010 << 25,
-            Self::Software => 0b1010 << 25,
-            Self::Watchdog => 0b1_0010 << 25,
-        }
-    }
-}
 
 /// The clocks of the chip.
 #[derive(Clone, Debug)]
@@ -53,8 +26,9 @@ pub(crate) struct Rcc {
     hse_ready_at: Time,
     pll_ready_at: Time,
     lsi_ready_at: Time,
-    /// Frequency of the crystal [Hz].
+    /// Frequencies of the crystal and of the internal oscillator [Hz].
     crystal: f64,
+    hsi: f64,
     pub(crate) crystal_works: bool,
 }
 
@@ -65,7 +39,7 @@ const APB1: u32 = 0x36fe_c9ff;
 const APB2: u32 = 0x0007_5f33;
 
 impl Rcc {
-    pub(crate) fn new(crystal: f64) -> Self {
+    pub(crate) fn new(crystal: f64, hsi: f64) -> Self {
         let gates = |name: [&'static str; 5], reset: [u32; 5]| {
             let masks = [AHB1, AHB2, AHB3, APB1, APB2];
             std::array::from_fn(|i| Register::new(name[i], reset[i], masks[i] | reset[i], 0))
@@ -110,6 +84,7 @@ impl Rcc {
             pll_ready_at: NEVER,
             lsi_ready_at: NEVER,
             crystal,
+            hsi,
             crystal_works: true,
         }
     }
@@ -117,7 +92,7 @@ impl Rcc {
     pub(crate) fn reset(&mut self, cause: ResetCause) {
         let flags = self.csr.value & 0xfe00_0000 | cause.flags();
         let works = self.crystal_works;
-        *self = Self::new(self.crystal);
+        *self = Self::new(self.crystal, self.hsi);
         self.crystal_works = works;
         self.csr.value = if cause == ResetCause::Power {
             cause.flags()
@@ -140,11 +115,20 @@ impl Rcc {
             _ => 512,
         };
         let source = match self.cfgr.field(2, 2) {
-            0 => HSI,
+            0 => self.hsi,
             1 => self.hse()?,
             _ => self.pll(1 + self.pllcfgr.field(16, 2))?,
         };
         Some(period(source) * divider)
+    }
+
+    /// Period of the crystal's clock divided as for the RTC; none without the crystal or a divider.
+    pub(crate) fn divided_crystal(&self) -> Option<Time> {
+        let divider = u64::from(self.cfgr.field(16, 5));
+        let runs = self.cr.bit(17) && divider >= 2;
+        self.hse()
+            .filter(|_| runs)
+            .map(|crystal| period(crystal) * divider)
     }
 
     fn hse(&self) -> Option<f64> {
@@ -156,7 +140,7 @@ impl Rcc {
         let source = if self.pllcfgr.bit(22) {
             self.hse()?
         } else {
-            HSI
+            self.hsi
         };
         let vco =
             source / f64::from(self.pllcfgr.field(0, 6)) * f64::from(self.pllcfgr.field(6, 9));
@@ -353,7 +337,7 @@ impl Rcc {
         let source = if self.pllcfgr.bit(22) {
             self.crystal
         } else {
-            HSI
+            self.hsi
         };
         let input = source / f64::from(self.pllcfgr.field(0, 6)).max(1.0);
         let vco = input * f64::from(self.pllcfgr.field(6, 9));

@@ -1,10 +1,15 @@
 //! Both phase currents and the bus voltage, sampled in step with the PWM.
 //!
-//! TIM1's update event, in the middle of the bridges' braking phase where the currents pass
-//! through their means, starts ADC1 and ADC2 together: PC0 (current 1) and PC1 (current 4) in the
-//! same 0.7 µs, then PC2 (bus) on ADC1. At the greatest duty the braking phase goes on for 1.25 µs
-//! from there, so neither current is sampled on an edge. The end of ADC1's sequence raises the
-//! interrupt that is the tick.
+//! TIM1's update event, in the middle of the braking phase at the bridges' inputs, starts ADC1 and
+//! ADC2 together: PC0 (current 1) and PC1 (current 4) at once, then PC2 (bus) on ADC1. The end of
+//! ADC1's sequence raises the interrupt that is the tick.
+//!
+//! The bridges' outputs follow their inputs 0.4 to 1.5 µs later, so the middle of their braking
+//! phase, where the currents pass through their means, comes so much later, too. The currents are
+//! therefore sampled for 1.3 µs and held 1.5 µs after the update. At the greatest duty, 0.95, the
+//! outputs brake for 2.5 µs: the last edge is then 1.2 µs old or more (a slow bridge), eight time
+//! constants of the amplifier; the next comes 0.2 µs later or more (a quick bridge). See
+//! `docs/wiring.md`.
 
 use stm32f4xx_hal::gpio::{Analog, PC0, PC1, PC2};
 use stm32f4xx_hal::pac::{ADC_COMMON, ADC1, ADC2, RCC};
@@ -35,8 +40,9 @@ pub struct Samples {
 impl CurrentsAndBus {
     /// Sets the sequences up; they run when TIM1 does.
     ///
-    /// The converters' clock is 84 MHz / 4 = 21 MHz (36 at most). A conversion takes 15 cycles
-    /// to sample and 12 to convert, 1.3 µs; both sequences together 2.6 µs.
+    /// The converters' clock is 84 MHz / 4 = 21 MHz (36 at most). A sequence starts up to 3 cycles
+    /// after its trigger. A conversion takes 28 cycles to sample a current, or 15 for the bus, and
+    /// 12 to convert: 3.3 µs together.
     pub fn new(
         (adc1, adc2): (ADC1, ADC2),
         common: &ADC_COMMON,
@@ -55,8 +61,8 @@ impl CurrentsAndBus {
                 .div4()
         });
         adc1.smpr1()
-            .modify(|_, w| w.smp10().cycles15().smp12().cycles15());
-        adc2.smpr1().modify(|_, w| w.smp11().cycles15());
+            .modify(|_, w| w.smp10().cycles28().smp12().cycles15());
+        adc2.smpr1().modify(|_, w| w.smp11().cycles28());
         // A sequence of n is the last n of the 4 places. SAFETY: channels are 0..=18.
         #[allow(unsafe_code)]
         unsafe {

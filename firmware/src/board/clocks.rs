@@ -1,5 +1,6 @@
-//! 168 MHz from the 8 MHz crystal, or 16 MHz from the internal oscillator if that fails.
+//! 168 MHz from the 8 MHz crystal, or 16 MHz from the internal oscillator if that fails or is another.
 
+use super::crystal;
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
 use stm32f4xx_hal::pac;
@@ -18,7 +19,8 @@ const SLOW_TICK: u32 = 16_000;
 pub enum Source {
     /// The crystal, through the PLL: 168 MHz.
     Crystal,
-    /// The internal oscillator, 16 MHz ± 1 %: the crystal or the PLL did not start.
+    /// The internal oscillator, 16 MHz ± 1 %: the crystal or the PLL did not start, or the crystal
+    /// is not one of 8 MHz.
     Internal,
 }
 
@@ -46,8 +48,9 @@ impl Source {
 /// The HAL's own start-up waits for a crystal without a bound; here every wait has one. If the
 /// crystal fails later, the clock security system switches the core to the internal oscillator,
 /// trips the timer's break input and raises the NMI.
-pub fn start(rcc: pac::RCC, flash: &pac::FLASH) -> (Rcc, Source) {
-    let source = if crystal_runs(&rcc) && core_follows(&rcc, flash) {
+pub fn start(mut rcc: pac::RCC, flash: &pac::FLASH, timer: &pac::TIM11) -> (Rcc, Source) {
+    let runs = crystal_starts(&rcc) && crystal::is_right(timer, &mut rcc);
+    let source = if runs && pll_locks(&rcc) && core_follows(&rcc, flash) {
         rcc.cr().modify(|_, w| w.csson().on());
         Source::Crystal
     } else {
@@ -78,12 +81,14 @@ fn core_follows(rcc: &pac::RCC, flash: &pac::FLASH) -> bool {
     follows
 }
 
-/// Starts the crystal and locks the PLL to it; false if either takes too long.
-fn crystal_runs(rcc: &pac::RCC) -> bool {
+/// Starts the crystal; false if that takes too long.
+fn crystal_starts(rcc: &pac::RCC) -> bool {
     rcc.cr().modify(|_, w| w.hseon().set_bit());
-    if !within_patience(|| rcc.cr().read().hserdy().bit_is_set()) {
-        return false;
-    }
+    within_patience(|| rcc.cr().read().hserdy().bit_is_set())
+}
+
+/// Locks the PLL to the crystal; false if that takes too long.
+fn pll_locks(rcc: &pac::RCC) -> bool {
     // 8 MHz / 4 · 168 / 2 = 168 MHz; / 7 = 48 MHz, the limit of the PLL's other output.
     rcc.pllcfgr().modify(|_, w| {
         w.pllsrc().hse();

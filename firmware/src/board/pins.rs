@@ -1,8 +1,10 @@
 //! The function of each pin: the table of `docs/wiring.md` as types.
 //!
-//! Inputs that a cable leads to have the chip's own pull-up, about 40 kΩ, so that a cable that is
+//! Inputs that a cable leads to have the chip's own resistor, about 40 kΩ, so that a cable that is
 //! off gives a level and no noise: a quiet serial line, encoders that stand still, and an
-//! emergency stop that is pressed, even if its own resistor is missing.
+//! emergency stop that is pressed, even if its own resistor is missing. It is a pull-up but for the
+//! bridges' fault outputs, whose pull-ups are at the bridges: without its wire, the input is low, a
+//! fault.
 
 use super::pwm;
 use crate::drivers::Inputs;
@@ -91,8 +93,8 @@ impl Pins {
                 index1: c.pc8.into_pull_up_input(),
                 index4: c.pc9.into_pull_up_input(),
                 emergency_stop: pulled_up(b.pb12.into_alternate()),
-                fault1: b.pb0.into_pull_up_input(),
-                fault4: b.pb1.into_pull_up_input(),
+                fault1: b.pb0.into_pull_down_input(),
+                fault4: b.pb1.into_pull_down_input(),
             },
             tool: c.pc7,
             serial: (b.pb6.into_alternate(), pulled_up(b.pb7.into_alternate())),

@@ -63,10 +63,18 @@ pub fn reset_reason(rcc: &RCC) -> Reset {
             FAULTED => Reset::HardFault,
             _ => Reset::Software,
         }
-    } else if flags.borrstf().bit_is_set() && !flags.porrstf().bit_is_set() {
-        Reset::BrownOut
-    } else {
+    } else if flags.lpwrrstf().bit_is_set() {
+        Reset::Unknown
+    } else if flags.porrstf().bit_is_set() {
+        // Power-up sets the flags of the brown-out and of the pin, too.
         Reset::Power
+    } else if flags.borrstf().bit_is_set() {
+        Reset::BrownOut
+    } else if flags.padrstf().bit_is_set() {
+        // Every reset sets this flag: the chip pulls its own pin.
+        Reset::Pin
+    } else {
+        Reset::Unknown
     };
     rcc.csr().modify(|_, w| w.rmvf().set_bit());
     reason

@@ -126,7 +126,7 @@ impl PwmTimer {
     /// Called at the beginning of every tick; it looks in the first few.
     ///
     /// The counter counts up for 25 µs from an update at the bottom, down from one at the top.
-    /// A tick of the first few begins about 3 µs after its update.
+    /// A tick of the first few begins about 4 µs after its update.
     #[inline]
     pub fn triggers_in_drive_pulse(&mut self) -> bool {
         if self.ticks_to_check == 0 {

@@ -33,7 +33,7 @@ pub enum Board {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Reset {
-    /// Power came on, or the reset pin was pulled.
+    /// Power came on.
     Power,
     /// A debugger or the program itself reset it.
     Software,
@@ -45,6 +45,10 @@ pub enum Reset {
     HardFault,
     /// The supply voltage was too low.
     BrownOut,
+    /// The reset pin was pulled.
+    Pin,
+    /// None of these: no flag says why, or that of a low-power mode, which no program here enters.
+    Unknown,
 }
 
 impl Identity {

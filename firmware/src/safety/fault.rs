@@ -69,6 +69,14 @@ pub enum Fault {
     IndexAmbiguous = 21,
     /// Behind a singularity that the arm crossed, its torques do not show that it is in the other assembly mode.
     AssemblyMode = 22,
+    /// The program panicked, and the controller restarted.
+    Panic = 27,
+    /// The processor raised a hard fault, and the controller restarted.
+    HardFault = 28,
+    /// The supply of the chip was too low, and the controller restarted.
+    BrownOut = 29,
+    /// The controller restarted by its reset pin, by a debugger, or for a reason that it does not know.
+    UnexpectedReset = 30,
 }
 
 /// What a fault does to the arm.
@@ -117,7 +125,11 @@ impl Fault {
             | Self::Oscillation
             | Self::IndexNotFound
             | Self::IndexAmbiguous
-            | Self::AssemblyMode => Response::PowerOff,
+            | Self::AssemblyMode
+            | Self::Panic
+            | Self::HardFault
+            | Self::BrownOut
+            | Self::UnexpectedReset => Response::PowerOff,
         }
     }
 

@@ -294,6 +294,8 @@ pub(crate) fn controller_message() -> impl Strategy<Value = ControllerMessage> {
             Reset::Panic,
             Reset::HardFault,
             Reset::BrownOut,
+            Reset::Pin,
+            Reset::Unknown,
         ]),
         any::<[u8; 3]>(),
     )

@@ -93,12 +93,13 @@ impl Plant {
                 let duty = f64::from(self.active.duty[joint]);
                 self.faults.bridges[joint] = Some(BridgeDefect::Stuck(duty));
             }
-            FaultKind::DriverFaultStuck { joint } => {
+            FaultKind::DriverFaultStuck { joint } | FaultKind::DriverFaultOpen { joint } => {
                 self.faults.sensors.driver_fault[joint] = true;
             }
             FaultKind::DriverFault { joint } => self.faults.driver_fault[joint] = true,
             FaultKind::EmergencyStop => self.faults.emergency_stop = true,
             FaultKind::EmergencyStopWelded => self.faults.stop_welded = true,
+            FaultKind::ContactorWelded => self.contactor.welded = true,
             FaultKind::BrakeStuck { joint } => self.faults.brake_stuck[joint] = true,
             FaultKind::BeltBreaks { joint } => {
                 if let Some(drives) = &mut self.drives {

@@ -5,7 +5,7 @@ use fivebar::run::link::Loopback;
 use fivebar_firmware::Request;
 use fivebar_firmware::controller;
 use fivebar_firmware::protocol::{CommandError, HostCommand, Reply, Reset, VERSION};
-use fivebar_firmware::safety::State;
+use fivebar_firmware::safety::{Fault, State};
 
 fn line() -> Loopback {
     Loopback::lockstep(&bench::robot().settings().expect("masses")).expect("valid settings")
@@ -13,14 +13,32 @@ fn line() -> Loopback {
 
 crate::injected_faults::test_every_injected_fault!(line);
 
-/// The watchdog resets the controller while the arm moves: it starts with the bridges off and the
-/// fault latched, without a session and not homed.
 #[test]
 fn a_reset_by_the_watchdog_in_motion() {
     let stated = stated("a_reset_by_the_watchdog_in_motion");
+    latches_after(Reset::Watchdog, stated.fault);
+}
+
+#[test]
+fn every_reset_in_motion_but_power_up_latches_its_cause() {
+    for (reset, fault) in [
+        (Reset::Panic, Fault::Panic),
+        (Reset::HardFault, Fault::HardFault),
+        (Reset::BrownOut, Fault::BrownOut),
+        (Reset::Software, Fault::UnexpectedReset),
+        (Reset::Pin, Fault::UnexpectedReset),
+        (Reset::Unknown, Fault::UnexpectedReset),
+    ] {
+        latches_after(reset, fault);
+    }
+}
+
+/// The controller is reset while the arm moves: it starts with the bridges off and the fault
+/// latched, without a session and not homed.
+fn latches_after(reset: Reset, fault: Fault) {
     let mut bench = Bench::moving(line());
     let board = bench.board.line().line();
-    board.restart(Reset::Watchdog).expect("valid settings");
+    board.restart(reset).expect("valid settings");
     let mut ask = |command| bench.board.call(command).expect("an answer");
     let sample = bench.plant.sense();
     let stranger = Reply::Refused(CommandError::NoSession);
@@ -30,15 +48,12 @@ fn a_reset_by_the_watchdog_in_motion() {
     let Reply::Hello(identity) = ask(HostCommand::Hello { version, session }) else {
         panic!("no hello");
     };
-    assert_eq!(identity.reset, Reset::Watchdog);
+    assert_eq!(identity.reset, reset);
     for _ in 0..50 {
         let Reply::StepResult(result) = ask(HostCommand::Tick(bench.plant.sense())) else {
             panic!("no tick");
         };
-        assert_eq!(
-            (result.state, result.fault),
-            (State::Fault, Some(stated.fault))
-        );
+        assert_eq!((result.state, result.fault), (State::Fault, Some(fault)));
         is_off(&result);
         bench.plant.step(&result.command, 1e-4);
         for request in [Request::Arm, Request::Home] {

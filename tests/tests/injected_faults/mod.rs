@@ -40,6 +40,7 @@ macro_rules! test_every_injected_fault {
             a_sagging_bus,
             a_pumped_up_bus,
             a_bridge_that_gives_up,
+            a_fault_output_without_its_wire,
             a_pressed_emergency_stop,
             a_silent_host,
             a_few_late_ticks,
@@ -124,6 +125,11 @@ pub(crate) fn a_pumped_up_bus(line: impl Read + Write) {
 pub(crate) fn a_bridge_that_gives_up(line: impl Read + Write) {
     let driver = FaultKind::DriverFault { joint: 1 };
     powers_off(line, "a_bridge_that_gives_up", driver);
+}
+
+pub(crate) fn a_fault_output_without_its_wire(line: impl Read + Write) {
+    let open = FaultKind::DriverFaultOpen { joint: 0 };
+    powers_off(line, "a_fault_output_without_its_wire", open);
 }
 
 pub(crate) fn a_pressed_emergency_stop(line: impl Read + Write) {

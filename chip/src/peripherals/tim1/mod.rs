@@ -58,6 +58,8 @@ pub(crate) struct Tim1 {
     prescaler: u32,
     top: u32,
     compare: [u32; 4],
+    /// What `compare` was before the last update.
+    compare_before: [u32; 4],
     repetitions: u32,
     pub(crate) reading: RepetitionReading,
     repetitions_written_running: bool,
@@ -100,6 +102,7 @@ impl Tim1 {
             prescaler: 0,
             top: 0xffff,
             compare: [0; 4],
+            compare_before: [0; 4],
             repetitions: 0,
             reading: RepetitionReading::AtUpdate,
             repetitions_written_running: false,
@@ -229,7 +232,7 @@ impl Tim1 {
         self.repetitions = self.rcr.value;
         self.prescaler = self.psc.value;
         self.top = self.arr.value;
-        self.compare = self.ccr.map(|ccr| ccr.value);
+        self.compare_before = std::mem::replace(&mut self.compare, self.ccr.map(|ccr| ccr.value));
         if !(by_software && self.cr1.bit(2)) {
             self.sr.set(UIF, true);
         }
@@ -307,25 +310,28 @@ impl Tim1 {
         Output::Pwm { high, period }
     }
 
-    /// Whether channel 0…3 switches between two times, which are less than a period apart.
-    pub(crate) fn switches(&self, channel: usize, from: Time, until: Time) -> bool {
-        let Output::Pwm { high, period } = self.output(channel) else {
-            return false;
-        };
-        if high == 0 || high == period || !self.runs() {
-            return false;
+    /// How long before `until` channel 0…3 switched: the edge of the half period before the last
+    /// update, and that of the half period after it. None where the output stays as it is, or if the
+    /// edge is not before `until`, which is less than half a period after the update.
+    pub(crate) fn ages_of_edges(&self, channel: usize, until: Time) -> [Option<Time>; 2] {
+        if !self.runs() || !self.is_centred() || !matches!(self.output(channel), Output::Pwm { .. })
+        {
+            return [None; 2];
         }
-        let compare = u64::from(self.compare[channel]);
-        let cycle = self.cycle();
-        let start = self.phase_at(from);
-        let length = (until - from) / self.count_time();
-        let edges = if self.is_centred() {
-            [compare, cycle - compare]
-        } else {
-            [compare, 0]
+        let since = (until - self.since) / self.count_time();
+        // Counted from the boundary: at the bottom the edge is where the counter meets the compare
+        // value, at the top where it comes back to it.
+        let distance = |compare: u32| match self.phase {
+            0 => u64::from(compare),
+            _ => u64::from(self.top.saturating_sub(compare)),
         };
-        edges
-            .into_iter()
-            .any(|edge| (edge + cycle - start) % cycle <= length)
+        let switches = |compare: u32| (1..self.top).contains(&compare);
+        let age = |counts: u64| counts * self.count_time();
+        let before = self.compare_before[channel];
+        let after = self.compare[channel];
+        [
+            switches(before).then(|| age(since + distance(before))),
+            (switches(after) && distance(after) <= since).then(|| age(since - distance(after))),
+        ]
     }
 }

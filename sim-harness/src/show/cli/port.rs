@@ -57,12 +57,14 @@ fn board(board: Board) -> &'static str {
 
 fn cause(reset: Reset) -> &'static str {
     match reset {
-        Reset::Power => "by power-up or the reset pin",
+        Reset::Power => "by power-up",
         Reset::Software => "by software or a debugger",
         Reset::Watchdog => "by the watchdog",
         Reset::Panic => "by a panic of the firmware",
         Reset::HardFault => "by a hard fault of the processor",
         Reset::BrownOut => "by a brown-out of the supply",
+        Reset::Pin => "by the reset pin",
+        Reset::Unknown => "for an unknown reason",
     }
 }
 

@@ -63,7 +63,7 @@ fn next_step(fault: Fault) -> &'static str {
         Fault::QueueUnderrun => "Check what delays the host or the planner.",
         Fault::TickOverrun => "Check what delays the tick.",
         Fault::NotANumber => "Report this as an error of the firmware, with the job.",
-        Fault::ClockFailure => "Check the crystal.",
+        Fault::ClockFailure => "Check the crystal: it must have 8 MHz and start.",
         Fault::WatchdogReset => "Report this as an error of the firmware, with the job.",
         Fault::SettingsCorrupt => "Store the settings again.",
         Fault::Oscillation => {
@@ -78,6 +78,13 @@ fn next_step(fault: Fault) -> &'static str {
         Fault::AssemblyMode => {
             "Look in which assembly mode the arm is, and what hindered it; put it into that of home by hand, \
              then home again."
+        }
+        Fault::Panic | Fault::HardFault => {
+            "Report this as an error of the firmware, with the job; then home again."
+        }
+        Fault::BrownOut => "Check the controller's supply and what else it feeds, then home again.",
+        Fault::UnexpectedReset => {
+            "Look for what reset the controller: its reset pin or a debugger; then home again."
         }
     }
 }
