@@ -3,7 +3,7 @@
 import { Connection } from "./connection.js";
 
 const SURE = 400; // ms without a confirmation after which the page says so
-const SHOWN = 4000; // ms for which a confirmation is shown
+const SHOWN = 4000; // ms for which a sentence is shown; that of a stop without confirmation is shown again and again
 
 export const connection = new Connection();
 
@@ -16,7 +16,7 @@ export function alarm(text, kind = "alarm") {
   clearTimeout(timer);
   place.dataset.kind = kind;
   if (place.textContent !== text) place.textContent = text;
-  if (kind === "confirmed") timer = setTimeout(() => { place.textContent = ""; }, SHOWN);
+  timer = setTimeout(() => { place.textContent = ""; }, SHOWN);
 }
 
 connection.onConfirmed = () => alarm("Emergency stop confirmed: the bridges are off.", "confirmed");
