@@ -69,9 +69,10 @@ pub(super) fn alphabet() -> Vec<Event> {
         Request::Stop,
         Request::EmergencyStop,
         Request::ClearFault,
-        Request::Excite(excitation(Excited::Voltage, 0.5)),
-        Request::Excite(excitation(Excited::Current, 0.2)),
-        Request::Excite(excitation(Excited::Voltage, 1e9)),
+        // As long as a host may be silent, and longer.
+        Request::Excite(excitation(Excited::Current, 0.2, 40)),
+        Request::Excite(excitation(Excited::Voltage, 0.05, 600)),
+        Request::Excite(excitation(Excited::Voltage, 1e9, 40)),
     ];
     let hello = |session| HostCommand::Hello {
         version: VERSION,
@@ -139,14 +140,14 @@ impl Event {
     }
 }
 
-fn excitation(of: Excited, offset: f32) -> Excitation {
+fn excitation(of: Excited, offset: f32, ticks: u32) -> Excitation {
     Excitation {
         joint: 0,
         of,
         offset,
         amplitude: 0.0,
         hold: 1,
-        ticks: 40,
+        ticks,
         current: 1.0,
         travel: 0.5,
     }

@@ -1,6 +1,7 @@
 //! What must have happened before power and motion, and in which order. It is known from the host's
 //! commands and the arm's samples alone, so a mistake of the controller does not hide itself.
 
+use super::view::moves;
 use fivebar_firmware::controller::Request;
 use fivebar_firmware::protocol::HostCommand;
 use fivebar_firmware::safety::{Event, Fault, Response, State};
@@ -37,6 +38,8 @@ pub(super) struct History {
     /// The fault was latched where the arm could be held, and holds it.
     is_held: bool,
     homed: bool,
+    /// The reference moved after the last tick or command.
+    is_moving: bool,
 }
 
 /// A rule, and what was found.
@@ -53,6 +56,7 @@ impl History {
             fault: None,
             is_held: false,
             homed: false,
+            is_moving: false,
         }
     }
 
@@ -79,15 +83,37 @@ impl History {
                     ClearFault => {}
                 }
                 match request {
-                    Disarm | ClearFault => breaks(
-                        "disarming and clearing a fault lead to Stopped",
-                        after.state == State::Stopped,
+                    Disarm | ClearFault => {
+                        breaks(
+                            "disarming and clearing a fault lead to Stopped",
+                            after.state == State::Stopped,
+                        )?;
+                        breaks(
+                            "a fault is cleared only when the arm rests",
+                            latched.is_none() || !self.is_moving,
+                        )?;
+                    }
+                    Stop => breaks(
+                        "a stop ends a path, a search and an excitation",
+                        !matches!(
+                            after.state,
+                            State::Running | State::Homing | State::Exciting
+                        ),
                     )?,
+                    SetAngles(_) => breaks(
+                        "angles are declared only while stopped",
+                        self.state == State::Stopped,
+                    )?,
+                    Excite(_) => breaks("a homed arm is not excited", !after.homed)?,
                     Home => breaks(
                         "an arm that is to be homed does not count as homed",
                         !after.homed,
                     )?,
-                    Arm | Excite(_) | EmergencyStop | Stop | SetAngles(_) => {}
+                    Arm | EmergencyStop => {}
+                }
+                // A crossing ends before the arm stops.
+                if matches!(request, Stop | Disarm) && after.state != State::Crossing {
+                    self.moves = 0;
                 }
                 let gives_angles = matches!(request, SetAngles(_));
                 self.step(after, gives_angles)
@@ -164,8 +190,8 @@ impl History {
                 return Err(("a pressed emergency stop switches off", found));
             }
         }
-        let moves = matches!(after.state, State::Running | State::Crossing);
-        if moves && self.moves == 0 {
+        let follows = matches!(after.state, State::Running | State::Crossing);
+        if follows && self.moves == 0 {
             let found = format!("{:?} without one", after.state);
             return Err((
                 "the arm moves along a path only for a move accepted since the path was dropped",
@@ -191,6 +217,15 @@ impl History {
                 found(),
             ));
         }
+        let loses = matches!(
+            after.fault,
+            Some(Fault::EncoderJump | Fault::EncoderDisagreement | Fault::AssemblyMode)
+        );
+        if loses && self.fault != after.fault && after.homed {
+            let rule = "a fault of the angles leaves the arm not homed";
+            return Err((rule, found()));
+        }
+        self.is_moving = moves(after);
         if after.homed && !self.homed && !gives_angles && before != State::Homing {
             return Err(("angles become known by homing or by the host", found()));
         }

@@ -185,6 +185,14 @@ impl World {
                 self.broken(Err(("a refused order changes nothing", found)))?;
             }
         } else {
+            let powers = matches!(
+                command,
+                HostCommand::Request(Request::Arm | Request::Home | Request::Excite(_))
+            );
+            if powers && !self.outside.has_settings {
+                let found = format!("{command:?}");
+                self.broken(Err(("default settings power no motor", found)))?;
+            }
             let kept = self.history.accepted(&command, &self.status);
             self.broken(kept)?;
             self.note(&command);
@@ -269,6 +277,11 @@ impl World {
         self.history.path_is(snapshot.path_generation);
         let kept = self.history.ticked(&sample, &self.command, &self.status);
         self.broken(kept)?;
+        let searches = matches!(self.status.state, State::Homing | State::Exciting);
+        if searches && self.rules.silence > self.rules.timeout + 2 {
+            let rule = "a search and an excitation end for a silent host";
+            self.broken(Err((rule, format!("{:?}", self.status.state))))?;
+        }
         self.arm.step(&self.command, &self.status, &self.settings);
         self.measure_zeros();
         let (view, ticks) = self.view;
