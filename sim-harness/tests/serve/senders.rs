@@ -118,6 +118,8 @@ fn an_emergency_stop_is_latched_and_confirmed_while_a_sender_is_connected_and_th
     // Nor by a new connection, again and again.
     for _ in 0..5 {
         drop(sender);
+        // Not one of the states that have waited since the last sender left.
+        page.latest_state();
         page.state("no sender", |state| state["sender"] == false);
         sender = Sender::connect(&server);
         sender.wait_for("Grbl 1.1");
