@@ -13,6 +13,7 @@ mod injected_faults;
 mod mobility_cases;
 mod plant_and_models;
 mod reference_vectors;
+mod safety_document;
 mod servo_loop;
 mod tool_offsets;
 mod tool_strokes;
