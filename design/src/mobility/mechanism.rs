@@ -4,6 +4,7 @@
 use super::Screw;
 use core::fmt;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use std::ops::RangeInclusive;
 
 /// The greatest number of single freedoms of a mechanism; the cost grows with its cube.
 pub const MAX_FREEDOMS: usize = 200;
@@ -21,6 +22,9 @@ pub enum Freedom {
         rod: Vector3<f64>,
     },
 }
+
+/// The greatest number of a twist, of a normal, of a rod: the ranks are computed from products of several.
+const SIZES: RangeInclusive<f64> = 1e-6..=1e6;
 
 impl Freedom {
     /// The instantaneous twist at home.
@@ -51,8 +55,18 @@ impl Freedom {
     }
 
     fn is_valid(&self) -> bool {
+        let sized = |vector: &[f64]| {
+            let largest = vector.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+            vector.iter().all(|x| x.is_finite()) && SIZES.contains(&largest)
+        };
         let twist = self.twist().to_vector();
-        twist.iter().all(|x| x.is_finite()) && twist.norm() > 0.0
+        let rod = match self {
+            Self::Screw(_) => true,
+            Self::Parallelogram { normal, rod } => {
+                sized(normal.as_slice()) && sized(rod.as_slice())
+            }
+        };
+        rod && sized(twist.as_slice())
     }
 }
 
@@ -132,7 +146,7 @@ pub enum MechanismError {
     Empty,
     /// The limb with this number (from 1) has no joint.
     EmptyLimb(usize),
-    /// The joint with this name has no freedom, a zero axis or a number that is not finite.
+    /// The joint with this name has no freedom, or its numbers are 0, too small or too large to compute with.
     InvalidJoint(String),
     /// The joint with this name refers to a body that does not exist, or joins a body to itself.
     InvalidBodies(String),
@@ -151,7 +165,8 @@ impl fmt::Display for MechanismError {
             Self::EmptyLimb(number) => write!(f, "limb {number} has no joint"),
             Self::InvalidJoint(name) => write!(
                 f,
-                "{name}: an axis must be finite and not zero, and a joint needs a freedom"
+                "{name}: an axis and its moment must be 1e-6 to 1e6 in size, in metres, and a joint needs a \
+                 freedom: check the units"
             ),
             Self::InvalidBodies(name) => {
                 write!(f, "{name}: it must join two different bodies that exist")

@@ -24,9 +24,9 @@ pub const CURRENT: [f32; 2] = [1e-4, 1e5];
 /// Time constant of the motor's heating [s]: of the winding of a tiny motor, of a large one with its housing.
 /// With a longer one the model of the heat would protect no motor.
 pub const HEATING: [f32; 2] = [0.1, 3600.0];
-/// The trip point of speed over the greatest speed of the joints, and that of current over their greatest peak
-/// current.
+/// The trip point of speed over the greatest speed of the joints.
 pub const SPEED_TRIP: [f32; 2] = [1.0, 100.0];
+/// The trip point of current over the greatest peak current of the motors.
 pub const CURRENT_TRIP: [f32; 2] = [1.0, 5.0];
 /// Greatest peak current over the stall current at the highest bus voltage. A motor that turns at its no-load
 /// speed can be braked with twice the stall current; beyond four times nothing can be measured.

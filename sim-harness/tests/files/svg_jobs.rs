@@ -191,3 +191,58 @@ fn deeply_nested_groups_do_not_exhaust_a_small_stack() {
     });
     reader.unwrap().join().unwrap();
 }
+
+/// A short file can be a large drawing, and the time for a text grows with the square of its length.
+#[test]
+fn a_drawing_that_would_take_minutes_is_refused_by_its_size() {
+    let repeated = |part: &str, count: usize| part.repeat(count);
+    let doubled: String = (1..20)
+        .map(|n| {
+            let inner = n - 1;
+            format!("<g id=\"a{n}\"><use href=\"#a{inner}\"/><use href=\"#a{inner}\"/></g>")
+        })
+        .collect();
+    let marked = format!(
+        "<marker id=\"m\">{}</marker><g marker-mid=\"url(#m)\"><path d=\"M0 0{}\"/></g>",
+        repeated("<path d=\"M0 0L1 1\"/>", 50),
+        repeated("L5 5L6 9", 1000)
+    );
+    let rules = format!(
+        "<style>{}</style>{}",
+        repeated(".c{fill:red}", 2000),
+        repeated("<path class=\"c\" d=\"M0 0L9 9\"/>", 2000)
+    );
+    for (content, words) in [
+        (
+            format!("<text>{}</text>", repeated("word ", 6_400)),
+            "32000 characters in a line of text, more than 2000: split it into lines, or convert it to paths",
+        ),
+        (
+            format!("<text>{}</text>", repeated("<tspan>a</tspan>", 1_000)),
+            "1000000 characters times pieces",
+        ),
+        (
+            repeated("<text>0123456789012345678901234</text>", 900),
+            "22500 characters of text, more than 20000",
+        ),
+        (repeated("<text>a</text>", 1_001), "1001 lines of text"),
+        (
+            format!("<defs><path id=\"a0\" d=\"M0 0L1 1\"/>{doubled}</defs><use href=\"#a19\"/>"),
+            "elements, with those drawn by reference, more than 50000: simplify it",
+        ),
+        (marked, "elements, with those drawn by reference"),
+        (rules, "rules of style sheets times elements"),
+        (
+            repeated("<circle r=\"1\"/>", 50_001),
+            "50002 elements, with those drawn by reference",
+        ),
+    ] {
+        let started = std::time::Instant::now();
+        let error = read(&page(&content)).unwrap_err().to_string();
+        assert!(error.contains(words), "`{words}` is missing in: {error}");
+        assert!(started.elapsed().as_secs() < 10, "{words}");
+    }
+    // Targets that refer to each other are no drawing, and no endless one.
+    let circle = "<g id=\"a\"><use href=\"#b\"/></g><g id=\"b\"><use href=\"#a\"/></g>";
+    assert!(read(&page(circle)).is_err());
+}

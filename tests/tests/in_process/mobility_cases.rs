@@ -258,7 +258,8 @@ fn unsound_descriptions_are_refused_in_one_sentence() {
     ));
     assert_eq!(
         zero,
-        "x.toml: limb 1, joint 1: an axis must be finite and not zero, and a joint needs a freedom"
+        "x.toml: limb 1, joint 1: an axis and its moment must be 1e-6 to 1e6 in size, in metres, and a joint \
+         needs a freedom: check the units"
     );
     assert!(refusal(&limb(r#"{ kind = "Q", axis = [0, 0, 1] }"#)).contains('Q'));
     assert!(refusal("name = \"x\"\nlimb = 3\n").starts_with("x.toml, line 2: "));
@@ -289,4 +290,42 @@ fn unsound_descriptions_are_refused_in_one_sentence() {
     let many = format!("{{\"parallel\":[{{\"name\":\"x\",\"limbs\":{many}}}]}}");
     assert!(refused("x.json", &many).contains("more than 200"));
     assert!(refused("x.json", "{\"parallel\":[]}").contains("no case"));
+}
+
+/// With a coordinate of 1e308 the answer held NaN: products of the numbers must stay finite.
+#[test]
+fn numbers_too_small_or_too_large_to_compute_with_are_refused_in_both_formats() {
+    let toml = |size: &str, what: &str| {
+        let joint = |axis: &str, point: &str| {
+            format!("{{ kind = \"R\", axis = {axis}, point = {point}, actuated = true }}")
+        };
+        let odd = match what {
+            "axis" => joint(&format!("[0, 0, {size}]"), "[0, 0, 0]"),
+            _ => joint("[0, 0, 1]", &format!("[{size}, 0, 0]")),
+        };
+        let limb = |joint: &str| format!("[[limb]]\njoints = [{joint}]\n");
+        let text =
+            "name = \"n\"\n".to_owned() + &limb(&odd) + &limb(&joint("[0, 0, 1]", "[1, 0, 0]"));
+        parse("n.toml", &text)
+    };
+    for size in ["1e308", "-1e308", "1e100", "2e6"] {
+        for what in ["axis", "point"] {
+            let error = toml(size, what).err().expect(size).to_string();
+            assert!(error.contains("1e-6 to 1e6 in size, in metres"), "{error}");
+        }
+    }
+    assert!(toml("1e-300", "axis").is_err());
+    for size in ["1e-6", "1.0", "1e6"] {
+        for what in ["axis", "point"] {
+            let cases = toml(size, what).unwrap();
+            let answer = answer(&cases[0].name, &cases[0].analyse()).to_string();
+            assert!(!answer.contains("null"), "{size}: {answer}");
+        }
+    }
+    let json = |size: f64| {
+        let twist = [0.0, 0.0, 1.0, size, 0.0, 0.0];
+        let case = json!({ "name": "n", "limbs": [[twist], [[0.0, 0.0, 1.0, 0.0, 0.0, 0.0]]] });
+        parse("n.json", &case.to_string())
+    };
+    assert!(json(1e308).is_err() && json(1e5).is_ok());
 }

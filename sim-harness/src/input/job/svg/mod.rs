@@ -7,6 +7,7 @@
 
 mod flatten;
 mod order;
+mod size;
 
 use super::motion::{MIN_LENGTH, within_reach};
 use super::{Action, Job, JobError, JobOptions, Placement, Step, Warning, WarningKind};
@@ -41,8 +42,18 @@ pub(super) fn interpret(
 }
 
 fn drawn(text: &str, placement: &Placement, options: &JobOptions) -> Result<Job, JobError> {
-    let tree = Tree::from_str(text, &reading())
-        .map_err(|error| JobError::Svg(format!("the file is no SVG that can be read: {error}")))?;
+    let unread =
+        |error: usvg::Error| JobError::Svg(format!("the file is no SVG that can be read: {error}"));
+    let parsing = usvg::roxmltree::ParsingOptions {
+        allow_dtd: true,
+        ..Default::default()
+    };
+    let document = usvg::roxmltree::Document::parse_with_options(text, parsing)
+        .map_err(|error| unread(usvg::Error::ParsingFailed(error)))?;
+    if let Some(reason) = size::refusal(&document) {
+        return Err(JobError::Svg(reason));
+    }
+    let tree = Tree::from_xmltree(&document, &reading()).map_err(unread)?;
     let mut reader = Reader {
         height: f64::from(tree.size().height()),
         flattener: Flattener::new(options.tolerance / PIXEL),
