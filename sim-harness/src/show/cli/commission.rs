@@ -4,7 +4,7 @@ use super::failure::{Failure, refused};
 use super::port::interrupted;
 use super::say::{say, warn};
 use crate::input::robot::BuiltIn;
-use crate::show::commission::{Commissioning, Options, STEPS, StepError, Voice, where_to_find};
+use crate::show::commission::{Commissioning, Options, STEPS, StepError, Voice};
 use std::io::{BufRead, stdin};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -153,9 +153,9 @@ fn steps(args: &Args, commissioning: &mut Commissioning) -> Result<(), StepError
         let found = commissioning.run(step)?;
         print(format_args!("  ✓ {found}"))?;
     }
-    print(where_to_find(&args.out))
+    print(commissioning.files())
 }
 
 fn print(line: impl std::fmt::Display) -> Result<(), StepError> {
-    say(line).map_err(|_| StepError::other("the output is closed"))
+    say(line).map_err(StepError::other)
 }

@@ -107,6 +107,11 @@ impl Commissioning {
         self.record.done(step)
     }
 
+    /// Which files of the commissioning there are, for the user.
+    pub(super) fn files(&self) -> String {
+        self.record.files()
+    }
+
     /// The first step that is not done.
     pub(super) fn next(&self) -> Option<&'static Step> {
         STEPS.iter().find(|step| self.done(step.name).is_none())
@@ -177,6 +182,7 @@ impl Commissioning {
             date: today(),
             found: outcome.found.clone(),
             values: outcome.values,
+            in_robot_file: new.is_some(),
         };
         self.record.add(done, new.as_deref())?;
         bench.placement = self.record.placement();
@@ -215,9 +221,4 @@ fn connect(
     }
     let (line, hand) = simulated::arm(&scenario, drawn)?;
     Ok((Box::new(line), Operator::new(voice, Some(hand))))
-}
-
-/// Where the record of a commissioning in this folder is, for the user.
-pub(super) fn where_to_find(out: &Path) -> String {
-    format!("the record and robot.toml are in {}", out.display())
 }

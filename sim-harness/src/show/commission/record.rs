@@ -58,6 +58,9 @@ pub(in crate::show) struct Done {
     pub(in crate::show) found: String,
     /// What was measured.
     pub(super) values: Vec<Value>,
+    /// Whether it changed the robot file.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub(super) in_robot_file: bool,
 }
 
 /// The whole record.
@@ -111,7 +114,31 @@ impl Record {
             )));
         }
         record.folder = folder.into();
+        let measured = record.steps.iter().find(|done| done.in_robot_file);
+        if let Some(done) = measured.filter(|_| !record.robot_path().exists()) {
+            return Err(StepError::other(format_args!(
+                "{} is not there, although step {} of {shown} changed it: put it back, or begin again in \
+                 another folder with --out",
+                record.robot_path().display(),
+                done.step
+            )));
+        }
         Ok(record)
+    }
+
+    /// Which of the files there are, for the user.
+    pub(super) fn files(&self) -> String {
+        let folder = self.folder.display();
+        let is_there = |name| self.folder.join(name).is_file();
+        match (is_there(RECORD), is_there(ROBOT)) {
+            (true, true) => format!("the record and robot.toml are in {folder}"),
+            (true, false) => format!(
+                "the record is in {folder}; robot.toml comes with the first step that measures a value of it"
+            ),
+            (false, _) => {
+                format!("{folder} has no record yet; each step that is done is written there")
+            }
+        }
     }
 
     /// The robot file with what was measured so far; none before the first measured value.

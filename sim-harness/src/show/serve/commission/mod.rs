@@ -55,7 +55,7 @@ pub(in crate::show) fn serve(
     let stop = Arc::clone(&shared.stop);
     let commissioning = Commissioning::open(options, Box::new(voice), stop);
     let commissioning = commissioning.map_err(|error| ServeError::Commission(error.to_string()))?;
-    shared.change(|state| *state = PageState::new(&commissioning, &options.out));
+    shared.change(|state| *state = PageState::new(&commissioning));
     ready(listener.local_addr()?);
     watch(Arc::clone(&shared), from_pages, ends);
     let router = web::router(Arc::clone(&shared), pages, guard);

@@ -4,9 +4,8 @@ use super::super::message::ServerMessage;
 use super::super::news::News;
 use super::super::stop_signal::Stop;
 use super::clicks::Click;
-use crate::show::commission::{Commissioning, STEPS, where_to_find};
+use crate::show::commission::{Commissioning, STEPS};
 use serde::Serialize;
-use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Sender;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -48,7 +47,7 @@ pub(in crate::show::serve) struct PageState {
     pub(super) lines: Vec<String>,
     /// What is wrong and what to do about it, of the last step.
     pub(super) trouble: Option<String>,
-    /// Where the record is.
+    /// Where record and robot file are.
     place: String,
     /// Stops that have switched the bridges off.
     pub(super) stops: u32,
@@ -62,11 +61,8 @@ pub(in crate::show::serve) struct PageState {
 }
 
 impl PageState {
-    pub(super) fn new(commissioning: &Commissioning, out: &Path) -> Self {
-        let mut state = Self {
-            place: where_to_find(out),
-            ..Self::default()
-        };
+    pub(super) fn new(commissioning: &Commissioning) -> Self {
+        let mut state = Self::default();
         state.show_steps(commissioning);
         state
     }
@@ -86,6 +82,7 @@ impl PageState {
             })
             .collect();
         self.next = commissioning.next().map(|step| step.name);
+        self.place = commissioning.files();
     }
 
     /// A step begins.
