@@ -111,6 +111,7 @@ MISTAKES = [
     ("joint 1's index input without a pull-up", "pins.rs", "c.pc8.into_pull_up_input()", "c.pc8.into_floating_input()"),
     ("joint 4's index input without a pull-up", "pins.rs", "c.pc9.into_pull_up_input()", "c.pc9.into_floating_input()"),
     ("the index of joint 1 for both", "drivers/inputs.rs", "self.index4.is_high().unwrap_or(true)", "self.index1.is_high().unwrap_or(true)"),
+    ("an index that is low in its pulse", "drivers/inputs.rs", "self.index1.is_high().unwrap_or(true)", "self.index1.is_low().unwrap_or(true)"),
     ("the flash accelerator left off", "clocks.rs", "w.prften().set_bit().icen().set_bit().dcen().set_bit()", "w.prften().clear_bit().icen().clear_bit().dcen().clear_bit()"),
     ("no prefetch from the flash", "clocks.rs", "w.prften().set_bit()", "w.prften().clear_bit()"),
     ("the watchdog's long time kept after a save", "watchdog.rs", "        let result = work();\n        self.set(RUNNING);\n        result\n", "        work()\n"),
@@ -127,7 +128,6 @@ MISTAKES = [
     ("too little allowed for the internal oscillator", "crystal.rs", "7_600_000..=8_750_000", "7_600_000..=8_100_000"),
     ("a fault output pulled up", "pins.rs", "fault1: b.pb0.into_pull_down_input()", "fault1: b.pb0.into_pull_up_input()"),
     ("joint 4's fault output without its pull-down", "pins.rs", "fault4: b.pb1.into_pull_down_input()", "fault4: b.pb1.into_floating_input()"),
-    ("an index that is low in its pulse", "drivers/inputs.rs", "self.index1.is_high().unwrap_or(true)", "self.index1.is_low().unwrap_or(true)"),
 ]
 
 
