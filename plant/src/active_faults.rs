@@ -15,10 +15,27 @@ pub(crate) struct ActiveFaults {
     /// Whether the emergency stop's contact is welded.
     pub(crate) stop_welded: bool,
     pub(crate) brake_stuck: [bool; 2],
+    pub(crate) slipping: [Option<Slip>; 2],
     pub(crate) bridges: [Option<BridgeDefect>; 2],
     pub(crate) sensors: SensorDefects,
     /// Where the tool is caught [m].
     pub(crate) caught: Option<Vector2<f64>>,
+}
+
+/// A coupling that slips.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Slip {
+    /// The angle at which it began [rad].
+    pub(crate) from: f64,
+    /// The share of the motor's motion that does not reach the joint.
+    pub(crate) share: f64,
+}
+
+impl Slip {
+    /// The angle of the motor, over the gear ratio, of a joint at this angle [rad].
+    pub(crate) fn motor(self, joint: f64) -> f64 {
+        self.from + (joint - self.from) / (1.0 - self.share)
+    }
 }
 
 /// A defect of a bridge that is on.

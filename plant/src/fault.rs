@@ -144,6 +144,25 @@ pub enum FaultKind {
         /// 0 or 1.
         joint: usize,
     },
+    /// A brake engages so much later than before.
+    BrakeLate {
+        /// 0 or 1.
+        joint: usize,
+        /// The additional time [s].
+        seconds: f64,
+    },
+    /// A brake loses its torque.
+    BrakeFails {
+        /// 0 or 1.
+        joint: usize,
+    },
+    /// The coupling between motor and joint slips from now on: the joint turns less than the motor.
+    CouplingSlips {
+        /// 0 or 1.
+        joint: usize,
+        /// The share of the motor's motion that is lost, 0 to 1.
+        share: f64,
+    },
     /// The belt of a drive that has a stiffness breaks.
     BeltBreaks {
         /// 0 or 1.

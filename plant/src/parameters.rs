@@ -31,6 +31,8 @@ pub struct Parameters {
     pub encoders: [Encoder; 2],
     /// Torques of the holding brakes [N·m]; zero without a brake.
     pub brake_torque: [f64; 2],
+    /// Times in which each brake engages and releases [s].
+    pub brake_times: [[f64; 2]; 2],
     /// Bus voltage [V].
     pub bus_voltage: f64,
     /// Bus voltage per ADC code [V].
@@ -77,6 +79,7 @@ impl Parameters {
             transmissions: [Transmission::default(); 2],
             encoders: [Encoder::default(); 2],
             brake_torque: [0.0; 2],
+            brake_times: [[0.0; 2]; 2],
             bus_voltage,
             volts_per_code: settings.protection.bus_voltage_per_code.into(),
             switches: None,

@@ -128,7 +128,12 @@ impl Plant {
         let mut plant = Self {
             stops,
             indices,
-            brakes: parameters.brake_torque.map(Brake::new),
+            brakes: [0, 1].map(|joint| {
+                Brake::new(
+                    parameters.brake_torque[joint],
+                    parameters.brake_times[joint],
+                )
+            }),
             free_inertia: DRIVEN.map(|link| model.chain.bodies[link].inertia),
             drives: Drives::new(parameters, mismatch, &model, &state),
             encoders,
@@ -263,7 +268,7 @@ impl Plant {
         self.contactor.pass(self.is_stopped(), period);
         let loads = Loads {
             voltage: duty.map(|duty| duty.map(|duty| duty * bus)),
-            joint_torque: [0, 1].map(|j| self.brake(j, applied.brake) + self.stop(j)),
+            joint_torque: [0, 1].map(|j| self.brake(j, applied.brake, period) + self.stop(j)),
             tool_force: self.tool_force + self.catching_force(),
         };
         self.time += period;
@@ -305,13 +310,13 @@ impl Plant {
     }
 
     /// Engages or releases a brake; returns its torque while it slows its joint down [N·m].
-    fn brake(&mut self, joint: usize, engaged: bool) -> f64 {
+    fn brake(&mut self, joint: usize, engage: bool, period: f64) -> f64 {
         let omega = self.state.v[DRIVEN[joint]].angular;
-        let engaged = engaged || self.faults.brake_stuck[joint];
+        let engage = engage || self.faults.brake_stuck[joint];
         let brake = &mut self.brakes[joint];
         let held = brake.holding;
-        brake.set(engaged, omega);
-        let slowing = brake.slowing(engaged, omega);
+        brake.command(engage, omega, period);
+        let slowing = brake.slowing(omega);
         if brake.holding != held {
             self.hold(joint, !held);
         }

@@ -5,15 +5,17 @@
 //! | duties are finite and within ±1, and zero without power | the bridges get nothing else |
 //! | both bridges have power, or none has | one motor alone would drag the arm |
 //! | without power the brake is engaged | nothing else holds the arm |
+//! | the motors drive against the brake only to hold the arm | it would wear out, and hide the torque |
 //! | power only after an accepted `Arm` or `Home` | the arm moves only when a host wants it |
 //! | no power under a fault that switches it off | it stays off until a host clears the fault |
 //! | no power in Stopped, and without known joint angles only while homing | |
-//! | a fault stays until it is cleared; only a power-off fault replaces another | |
+//! | a fault stays until it is cleared; only a power-off fault, or brakes that fail, replace another | |
 //! | a pressed emergency stop switches the power off in its tick | |
 //! | no motion along a path with a host silent for longer than its timeout | |
 //! | the tool is off in its tick where no path is followed, after a stop, a fault or silence | nothing marks what the host did not ask for |
 //! | the status holds finite numbers | hosts and reports read it |
 
+use fivebar_firmware::controller::JointReference;
 use fivebar_firmware::safety::{Fault, Response, State};
 use fivebar_firmware::{ActuatorCommand, SensorSample, Status};
 use std::fmt;
@@ -53,7 +55,7 @@ impl std::error::Error for Violation {}
 pub struct Rules {
     /// A host has armed the arm, or homes it, and nothing has ended that.
     pub permitted: bool,
-    /// The host has cleared the fault since the last tick.
+    /// The host has cleared the fault, which ends when the brakes have engaged.
     pub cleared: bool,
     /// The controller is a new one since the last tick.
     pub renewed: bool,
@@ -111,10 +113,11 @@ impl Rules {
                 format_args!("{command:?}"),
             );
         }
-        if command.brake && !idle {
+        let rests = |reference: JointReference| reference.velocity == [0.0; 2];
+        if command.brake && !idle && !status.joint_reference.is_some_and(rests) {
             return broken(
-                "nothing drives against the brake",
-                format_args!("{command:?}"),
+                "the motors drive against the brake only to hold the arm",
+                format_args!("{command:?}, {:?}", status.joint_reference),
             );
         }
         if power && !self.permitted {
@@ -193,9 +196,10 @@ impl Rules {
         if off || state == State::Stopped {
             self.permitted = false;
         }
+        self.cleared &= status.fault.is_some() && status.fault == self.fault;
         self.fault = status.fault;
         self.state = Some(state);
-        (self.cleared, self.renewed) = (false, false);
+        self.renewed = false;
         Ok(())
     }
 
@@ -204,7 +208,8 @@ impl Rules {
             return Ok(());
         };
         let replaced = status.fault.is_some_and(|now| {
-            before.response() == Response::ControlledStop && now.response() == Response::PowerOff
+            before.response() == Response::ControlledStop
+                && (now.response() == Response::PowerOff || now == Fault::BrakeFailed)
         });
         if status.fault == Some(before) || replaced || self.cleared || self.renewed {
             Ok(())

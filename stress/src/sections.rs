@@ -46,6 +46,10 @@ pub(crate) fn section(bytes: &mut Bytes<'_>, settings: &Settings) -> Section {
         Section::Elbows(elbows) => elbows[usize::from(which & 1)] ^= which & 2 == 0,
         Section::Assembly(left) => *left ^= which & 7 == 0,
         Section::Crossing(allowed) => *allowed ^= which & 1 == 0,
+        Section::Brake(brake) => {
+            let [engage_time, release_time] = bytes.pair(0.0, 0.05);
+            (brake.engage_time, brake.release_time) = (engage_time, release_time);
+        }
         Section::Axis(_, axis) => {
             if which & 31 == 0 {
                 axis.encoder_counts = bytes.word();

@@ -63,8 +63,13 @@ pub(crate) fn way_out(machine: &mut impl Machine) -> Result<WayOut, Violation> {
         done(machine, HostCommand::Request(Request::Disarm))?;
     }
     wait(machine, "the power does not go off", |status| {
-        status.state == State::Stopped && status.joint_reference.is_none()
+        is_off(status) || status.fault == Some(Fault::BrakeFailed)
     })?;
+    if machine.status().fault == Some(Fault::BrakeFailed) {
+        done(machine, HostCommand::Request(Request::EmergencyStop))?;
+        clear_fault(machine)?;
+        wait(machine, "the power does not go off", is_off)?;
+    }
     if let Some(error) = declare_and_arm(machine)? {
         match error {
             // New settings start a new controller.
@@ -105,6 +110,11 @@ pub(crate) fn way_out(machine: &mut impl Machine) -> Result<WayOut, Violation> {
     }
 }
 
+/// The bridges are off, and no fault is latched.
+fn is_off(status: &Status) -> bool {
+    status.state == State::Stopped && status.joint_reference.is_none()
+}
+
 /// Whether an arm that differs from its settings can raise this fault.
 fn is_of_the_arm(fault: Fault) -> bool {
     matches!(
@@ -118,6 +128,7 @@ fn is_of_the_arm(fault: Fault) -> bool {
             | Fault::OverVoltage
             | Fault::Envelope
             | Fault::Oscillation
+            | Fault::LostCounts
     )
 }
 

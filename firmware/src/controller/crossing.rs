@@ -236,7 +236,7 @@ impl Controller {
     }
 
     fn is_free(&self) -> bool {
-        self.state == State::Armed && self.path.is_empty()
+        self.state == State::Armed && self.path.is_empty() && self.brake.lets_cross()
     }
 
     /// The tag of the crossing in progress.

@@ -4,7 +4,8 @@
 //! The other motor's terminals are shorted by its bridge, which slows its joint down. Three limits
 //! are checked in each tick: the measured current, the time, and the travel of either joint. At the
 //! first one that is reached the excitation ends: both motors are shorted until the joints rest,
-//! because that brakes whatever the signs of wiring and sensors are, and then the bridges go off.
+//! because that brakes whatever the signs of wiring and sensors are. Then the holding brakes engage, and
+//! the bridges go off.
 //! Faults are detected as ever, and a silent host is one.
 
 use super::homing_state::limited;
@@ -201,6 +202,9 @@ impl Controller {
             self.power_off(fault);
             return Bridges::Off;
         }
+        if self.brake.still_releases(self.ticks) {
+            return Bridges::Excited;
+        }
         let angles = self.angles();
         let excitation = &mut self.excitation;
         if excitation.ticks == 0 && excitation.end.is_none() {
@@ -255,20 +259,23 @@ impl Controller {
         if excitation.ticks < most && !(rests && excitation.ticks >= least) {
             return Bridges::Excited;
         }
+        if !self.brake.engages(self.ticks) {
+            return Bridges::Excited;
+        }
         // Exciting accepts this event.
         let _ = self.dispatch(Event::Finish);
         self.unpowered();
         Bridges::Off
     }
 
-    /// Both bridges on with the joints' duties; brake off.
+    /// Both bridges on with the joints' duties.
     #[inline(always)]
     pub(super) fn excited(&self) -> ActuatorCommand {
         let [joint1, joint4] = &self.joints;
         ActuatorCommand {
             duty: [joint1.duty, joint4.duty],
             enable: [true; 2],
-            brake: false,
+            brake: self.brake.is_on(),
             ..self.off()
         }
     }

@@ -11,6 +11,7 @@ use crate::safety::{Event, Fault, Limits};
 use crate::settings::{AxisSettings, HomingMethod};
 use core::f32::consts::TAU;
 use fivebar_kinematics::PlanarVector;
+use fivebar_kinematics::five_bar::Pose;
 use nalgebra::Vector2;
 
 impl Controller {
@@ -41,6 +42,7 @@ impl Controller {
         if self.host_timed_out() {
             return Err(Fault::CommandTimeout);
         }
+        let moves = self.brake.lets_move();
         let model = &self.model;
         let [joint1, joint4] = &self.joints;
         let [axis1, axis4] = &model.axes;
@@ -56,7 +58,7 @@ impl Controller {
             inertia1,
             state1,
             config1,
-            [closed1, index1],
+            moves.then_some([closed1, index1]),
         )?;
         let (error4, torque4) = homing_step(
             model,
@@ -65,15 +67,14 @@ impl Controller {
             inertia4,
             state4,
             config4,
-            [closed4, index4],
+            moves.then_some([closed4, index4]),
         )?;
         self.error = [error1, error4];
         if self.model.monitor.following_error_exceeded(self.error) {
             return Err(Fault::FollowingError);
         }
-        let [state1, state4] = &self.homing;
-        if let (Some(counts1), Some(counts4)) = (state1.found(), state4.found()) {
-            self.finish_homing([counts1, counts4])?;
+        if moves && self.homing.iter().all(|state| state.found().is_some()) {
+            self.end_homing()?;
         }
         Ok(TorqueCommand {
             torque: [torque1, torque4],
@@ -81,22 +82,46 @@ impl Controller {
         })
     }
 
-    /// Both switches are found. The angles are absolute from now on, if a pose on the branch of
-    /// the settings has them.
-    fn finish_homing(&mut self, counts: [i32; 2]) -> Result<(), Fault> {
+    /// Both joints have found their angles.
+    fn end_homing(&mut self) -> Result<(), Fault> {
+        if self.brake.takes_time() {
+            // Homing accepts this event.
+            let _ = self.switch_off(Event::Homed);
+            return Ok(());
+        }
+        self.finish_homing()
+    }
+
+    /// Ends homing. The angles are absolute from now on, if a pose on the branch of the settings has
+    /// them.
+    pub(super) fn finish_homing(&mut self) -> Result<(), Fault> {
+        self.use_found_angles()?;
+        self.homed = true;
+        // Homing accepts this event.
+        let _ = self.dispatch(Event::Homed);
+        Ok(())
+    }
+
+    /// Counts the joints' angles from where they were found. Returns the arm's pose.
+    pub(super) fn use_found_angles(&mut self) -> Result<Pose<f32>, Fault> {
+        let [state1, state4] = &self.homing;
+        let (Some(counts1), Some(counts4)) = (state1.found(), state4.found()) else {
+            return Err(Fault::Envelope);
+        };
         for ((((joint, axis), encoder), settings), counts) in self
             .joints
             .iter_mut()
             .zip(&self.model.axes)
             .zip(&mut self.encoders)
             .zip(&self.settings.axes)
-            .zip(counts)
+            .zip([counts1, counts4])
         {
             joint.set_origin(axis, counts, settings.home_angle);
             if let Some(encoder) = encoder {
                 encoder.set_origin(settings.home_angle, encoder.shown_at_home);
             }
         }
+        self.homed_by_index = self.settings.home_reference.method == HomingMethod::Index;
         let [u1, u4] = self.angles().map(Vector2::unit);
         let tool = &self.model.tool;
         let pose = tool
@@ -106,10 +131,7 @@ impl Controller {
         if tool.working_mode(&pose) != self.settings.working_mode() {
             return Err(Fault::EncoderDisagreement);
         }
-        self.homed = true;
-        // Homing accepts this event.
-        let _ = self.dispatch(Event::Homed);
-        Ok(())
+        Ok(pose)
     }
 }
 
@@ -125,7 +147,8 @@ fn home_counts(axis: &AxisSettings, now: i32) -> i32 {
     (whole as f32 * per_turn) as i32
 }
 
-/// One joint's tick of the search: its error [rad] and its torque [N·m].
+/// One joint's tick of the search, with what its switch and its index read: its error [rad] and its
+/// torque [N·m]. Without them the joint comes to rest.
 #[inline(always)]
 fn homing_step(
     model: &Model,
@@ -134,16 +157,20 @@ fn homing_step(
     inertia: f32,
     state: &mut HomingState,
     config: &HomingConfig,
-    [closed, index]: [bool; 2],
+    read: Option<[bool; 2]>,
 ) -> Result<(f32, f32), Fault> {
-    let closed = match &config.stop {
-        None if state.seeks_index() => index,
-        None => closed,
-        Some(stop) => stop.is_felt(joint.current, joint.velocity()),
-    };
-    state
-        .step(config, closed, joint.angle(), joint.counts(), model.period)
-        .map_err(Fault::from)?;
+    if let Some([closed, index]) = read {
+        let closed = match &config.stop {
+            None if state.seeks_index() => index,
+            None => closed,
+            Some(stop) => stop.is_felt(joint.current, joint.velocity()),
+        };
+        state
+            .step(config, closed, joint.angle(), joint.counts(), model.period)
+            .map_err(Fault::from)?;
+    } else {
+        state.advance(0.0, config, model.period);
+    }
     let error = state.angle - joint.angle();
     let rate = state.rate - joint.velocity();
     let alpha = axis

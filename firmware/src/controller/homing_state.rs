@@ -312,10 +312,16 @@ impl HomingState {
             }
             Phase::Found { .. } => 0.0,
         };
+        self.advance(wanted, config, period);
+        Ok(())
+    }
+
+    /// Advances the reference by one tick of `period` [s], towards this speed [rad/s].
+    #[inline(always)]
+    pub(super) fn advance(&mut self, wanted: f32, config: &HomingConfig, period: f32) {
         let most = config.acceleration * period;
         self.rate += limited(wanted - self.rate, most);
         self.angle += self.rate * period;
-        Ok(())
     }
 }
 

@@ -4,7 +4,13 @@
 use super::encoder::Scale;
 use super::model::AxisModel;
 use super::oscillation::Oscillation;
+use crate::settings::AxisSettings;
 use fivebar_kinematics::control::{Bus, CurrentState, Drive, Integral, MotorHeat, ObserverState};
+
+/// The heat of the motors at a start, as a share of their limit. Nothing tells how hot they were when
+/// the power went off, or how long ago that was: a motor that was switched off by its heat, and at
+/// once on again, must not count as cold. What is left is enough for homing and a first job.
+pub(crate) const START_HEAT: f32 = 0.65;
 
 /// The state of one joint from tick to tick, and what this tick measured.
 // In the order of `LatchedJoint` first.
@@ -31,19 +37,35 @@ pub(crate) struct Joint {
 }
 
 impl Joint {
-    pub(crate) fn new() -> Self {
+    /// A joint at rest. Its motor may have been hot when the power went off, see [`START_HEAT`].
+    pub(crate) fn new(axis: &AxisSettings) -> Self {
         Self {
             counts: 0,
             origin: 0,
             angle_at_origin: 0.0,
             observer: ObserverState::at_rest(0.0),
-            heat: MotorHeat::cold(),
+            heat: MotorHeat::at_share(START_HEAT, axis.continuous_current),
             current_state: CurrentState(0.0),
             integral: Integral(0.0),
             current: 0.0,
             demand: 0.0,
             duty: 0.0,
             oscillation: Oscillation::NONE,
+        }
+    }
+
+    /// Takes the motor's heat over from the joint before new settings: all of it if the motor has the
+    /// same ratings, else its share of the limit, and at least that of a start.
+    pub(crate) fn keep_heat(&mut self, axis: &AxisSettings, before: &Self, old: &AxisSettings) {
+        if axis.continuous_current == old.continuous_current
+            && axis.thermal_time_constant == old.thermal_time_constant
+        {
+            self.heat = before.heat;
+            return;
+        }
+        let share = before.heat.share(old.continuous_current);
+        if share > START_HEAT {
+            self.heat = MotorHeat::at_share(share, axis.continuous_current);
         }
     }
 
@@ -187,9 +209,9 @@ mod tests {
         let model = Model::new(&Settings::BENCHTOP.check().unwrap());
         let [axis, _] = &model.axes;
         let bus = Bus::new(24.0, 0.95);
-        let mut fresh = Joint::new();
+        let mut fresh = Joint::new(&Settings::BENCHTOP.axes[0]);
         fresh.drive(axis, 0.05, &bus);
-        let mut used = Joint::new();
+        let mut used = Joint::new(&Settings::BENCHTOP.axes[0]);
         for _ in 0..20 {
             used.drive(axis, 0.05, &bus);
         }

@@ -6,11 +6,13 @@ mod current_zeros;
 mod encoder;
 mod excitation;
 mod faults;
+mod holding_brake;
 mod homing;
 mod homing_state;
 mod joint;
 mod model;
 mod oscillation;
+mod passing;
 mod path;
 mod planning;
 mod report;
@@ -35,10 +37,12 @@ use encoder::Encoder;
 use excitation::ExcitationState;
 pub use excitation::{Excitation, ExcitationEnd, Excited, FARTHEST_EXCITATION, LONGEST_EXCITATION};
 use fivebar_kinematics::five_bar::WorkingMode;
+use holding_brake::HoldingBrake;
 use homing_state::HomingState;
 use joint::Joint;
 use model::Model;
 use nalgebra::Vector2;
+use passing::Landmarks;
 use path::{Path, PathOutput};
 pub use path::{QUEUED_SEGMENTS, QueuedSegment};
 pub(crate) use path::{least_rest, stopping_time};
@@ -68,12 +72,15 @@ pub struct Controller {
     /// Ticks until the bridges are awake; [`Model::wake_up_ticks`] while they are off.
     waking: u32,
     state: State,
+    brake: HoldingBrake,
     /// The working mode that the arm is in.
     mode: WorkingMode,
     limits: Limits,
     /// The first tick has run.
     begun: bool,
     homed: bool,
+    /// The joints' counts were 0 in an index pulse.
+    homed_by_index: bool,
     /// The latched fault allows a controlled stop: the bridges stay on.
     controlled_stop: bool,
     /// This tick reaches the end of the path or of a stop; a turn changes the state.
@@ -89,6 +96,8 @@ pub struct Controller {
     /// The settings in use, which were checked.
     settings: Settings,
     homing: [HomingState; 2],
+    /// Where the joints pass their switches and index pulses.
+    landmarks: [Landmarks; 2],
     excitation: ExcitationState,
     zeros: CurrentZeros,
     /// The latched fault, as it was raised.
@@ -107,10 +116,13 @@ impl Controller {
             model: Model::new(settings),
             encoders: encoder::encoders(settings),
             settings: **settings,
-            joints: [Joint::new(), Joint::new()],
+            joints: settings.axes.each_ref().map(Joint::new),
+            brake: HoldingBrake::new(&settings.brake, settings.control.tick_rate),
+            landmarks: Landmarks::of(settings),
             begun: false,
             state: State::Stopped,
             homed: false,
+            homed_by_index: false,
             mode: settings.working_mode(),
             latched: None,
             controlled_stop: false,
@@ -135,6 +147,19 @@ impl Controller {
             missed_ticks: 0,
             heard_at: 0,
             path_generation: 0,
+        }
+    }
+
+    /// Takes the motors' heat over from the controller in use before: new settings cool no motor.
+    /// Motors of other ratings are at least as hot as at a start.
+    pub fn keep_heat(&mut self, before: &Self) {
+        for ((joint, axis), (old, old_axis)) in self
+            .joints
+            .iter_mut()
+            .zip(&self.settings.axes)
+            .zip(before.joints.iter().zip(&before.settings.axes))
+        {
+            joint.keep_heat(axis, old, old_axis);
         }
     }
 

@@ -68,7 +68,7 @@ impl Controller {
             path_generation: self.path_generation,
             working_mode: self.mode,
             assembly: self.model.assembly,
-            hold: (self.state == State::Armed).then(|| Hold {
+            hold: (self.state == State::Armed && !self.brake.is_ending()).then(|| Hold {
                 direction: self.setpoint.direction,
                 measured: self.angles(),
             }),
@@ -83,7 +83,8 @@ impl Controller {
     /// is full, or if the arm follows no path in this state; the next snapshot shows each of
     /// these.
     pub fn extend_path(&mut self, path_generation: u32, queued: QueuedSegment) {
-        if self.state.follows_paths() && path_generation == self.path_generation {
+        let follows = self.state.follows_paths() && !self.brake.is_ending();
+        if follows && path_generation == self.path_generation {
             self.path.push(queued);
         }
     }

@@ -104,6 +104,7 @@ impl Controller {
         let event = match request {
             Request::Arm => {
                 self.prepare_to_hold()?;
+                self.stay_armed();
                 Event::Arm
             }
             Request::Excite(excitation) => {
@@ -113,19 +114,24 @@ impl Controller {
                 self.prepare_excitation(&excitation)?;
                 Event::Excite
             }
-            Request::Disarm => Event::Disarm,
+            Request::Disarm => return self.switch_off(Event::Disarm).map_err(RequestError::State),
             Request::Home => {
                 self.require_rest_for_given_angles()?;
                 Event::Home
             }
             Request::SetAngles(angles) => return self.set_angles(angles),
+            Request::Stop if self.state == State::Homing => {
+                return self.switch_off(Event::Stop).map_err(RequestError::State);
+            }
             Request::Stop => Event::Stop,
             Request::EmergencyStop => {
                 self.latch_fault(Fault::EmergencyStop);
                 return Ok(());
             }
             Request::ClearFault if self.moves_under_fault() => return Err(RequestError::Moving),
-            Request::ClearFault => Event::Clear,
+            Request::ClearFault => {
+                return self.switch_off(Event::Clear).map_err(RequestError::State);
+            }
         };
         self.dispatch(event).map_err(RequestError::State)
     }
@@ -179,6 +185,7 @@ impl Controller {
             }
         }
         self.homed = true;
+        self.homed_by_index = false;
         Ok(())
     }
 

@@ -63,7 +63,8 @@ impl Controller {
     ///
     /// When the bridges are switched on, they are given [`WAKE_UP_TIME`]: the duties are zero, the
     /// brake stays engaged, the loops stay cleared, and the bridges' fault outputs are not
-    /// judged. A path or a search for the switches begins after it.
+    /// judged. Then they hold the arm while the brake is released. A path or a search for the
+    /// switches begins when it is free.
     ///
     /// [`WAKE_UP_TIME`]: crate::drivers::WAKE_UP_TIME
     ///
@@ -112,7 +113,8 @@ impl Controller {
             self.pending_off = Some(Fault::NotANumber);
             return self.off();
         };
-        self.take_turn();
+        self.compare_pulses(sample);
+        self.take_turn(sample);
         command.tool = self.path.tool_output();
         command
     }
@@ -165,8 +167,9 @@ impl Controller {
         let [joint1, joint4] = &mut self.joints;
         let [model1, model4] = &self.model.axes;
         let [torque1, torque4] = command.torque;
-        let limited1 = joint1.drive(model1, torque1, &bus);
-        let limited4 = joint4.drive(model4, torque4, &bus);
+        let share = self.brake.share;
+        let limited1 = joint1.drive(model1, share * torque1, &bus);
+        let limited4 = joint4.drive(model4, share * torque4, &bus);
         self.limits = command.limits.with(Limits::VOLTAGE, limited1 || limited4);
         let duty = [joint1.duty, joint4.duty];
         // Each duty is within ±1 or not a number, so one look at their sum checks both.
@@ -181,7 +184,7 @@ impl Controller {
         Some(ActuatorCommand {
             duty,
             enable: [true; 2],
-            brake: false,
+            brake: self.brake.is_on(),
             // Of the end of the tick.
             tool: 0,
         })
@@ -249,6 +252,9 @@ impl Controller {
             }
             None if wakes => {
                 self.waking = self.waking.saturating_sub(1);
+                if self.waking == 0 {
+                    self.brake.release();
+                }
                 self.zeros.restart();
                 self.release();
                 Bridges::Waking
@@ -265,6 +271,7 @@ impl Controller {
     #[inline(always)]
     pub(super) fn unpowered(&mut self) {
         self.waking = self.model.wake_up_ticks;
+        self.brake.lose_power();
         self.release();
         self.path.switch_tool_off();
     }

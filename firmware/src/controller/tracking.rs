@@ -96,7 +96,7 @@ impl Controller {
                 // A late planner, or bridges that wake up, have held the path back too long.
                 self.forget_path();
                 self.latch_fault(Fault::CommandTimeout);
-            } else {
+            } else if self.brake.lets_move() {
                 // The next tick follows the path. Armed accepts this event.
                 let _ = self.dispatch(Event::Begin);
             }

@@ -114,9 +114,10 @@ impl Controller {
         let _ = self.dispatch(Event::Fault);
     }
 
-    /// Latches a fault for which the arm stops on its path and is held: in Armed, Running and
-    /// Stopping, where no fault is latched.
-    fn begin_controlled_stop(&mut self, fault: Fault) {
+    /// Latches a fault for which the arm stops on its path and is held. It takes the place of one
+    /// that holds the arm already.
+    pub(super) fn begin_controlled_stop(&mut self, fault: Fault) {
+        self.brake.stay_powered();
         self.latched = Some(self.snapshot(fault));
         self.controlled_stop = true;
         // Every state accepts this event.
@@ -126,6 +127,7 @@ impl Controller {
     /// Latches a fault as [`Self::begin_controlled_stop`] does, where the stop has begun.
     #[inline(always)]
     pub(super) fn latch_stop(&mut self, fault: Fault) {
+        self.brake.stay_powered();
         self.latched = Some(self.snapshot(fault));
         // So the transition leaves the path alone.
         self.controlled_stop = false;
@@ -171,8 +173,11 @@ impl Controller {
         self.controlled_stop && !self.path.is_empty()
     }
 
-    /// Entry of Stopped: clears the fault and the path; the joints start at rest at their counts.
+    /// Entry of Stopped: clears the fault and the path; the joints start at rest at their counts. Whoever
+    /// asks for power in the same tick wakes the bridges and releases the brakes anew.
     fn come_to_stopped(&mut self) {
+        self.waking = self.model.wake_up_ticks;
+        self.brake.lose_power();
         self.latched = None;
         self.controlled_stop = false;
         self.forget_path();

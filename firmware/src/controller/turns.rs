@@ -8,6 +8,7 @@ use super::Controller;
 use super::encoder::Scale;
 use super::joint::Joint;
 use super::model::AxisModel;
+use crate::io::SensorSample;
 use crate::safety::{Fault, State};
 
 /// Ticks in which each turn comes once; what concerns the path comes twice.
@@ -21,18 +22,28 @@ const _: () = assert!(REACTION <= crate::safety::NOTICED_WITHIN + 1);
 impl Controller {
     /// This tick's turn.
     #[inline(always)]
-    pub(super) fn take_turn(&mut self) {
+    pub(super) fn take_turn(&mut self, sample: &SensorSample) {
         match self.ticks % TURNS {
             0 => self.watch(0, 1),
             8 => self.watch(1, 0),
-            1 | 9 => self.end_path(),
+            1 | 9 => {
+                self.end_path();
+                self.turn_brake();
+            }
             2 => self.change_gains(0),
             10 => self.change_gains(1),
             3 | 11 => self.correct_encoder(0, Joint::set_scale),
             4 | 12 => self.pending_stop = self.stopping_fault(),
             5 | 13 => self.begin_pending_stop(),
             6 | 14 => self.latch_pending_stop(),
-            7 | 15 => self.correct_encoder(1, Joint::set_scale),
+            7 => {
+                self.correct_encoder(1, Joint::set_scale);
+                self.compare_switch(0, sample);
+            }
+            15 => {
+                self.correct_encoder(1, Joint::set_scale);
+                self.compare_switch(1, sample);
+            }
             // There is no other number, so the machine code has no comparison for it.
             _ => {}
         }
@@ -91,7 +102,7 @@ impl Controller {
         } else if joint.oscillates(axis) {
             self.pending_off = Some(Fault::Oscillation);
         } else if self.abandoned() {
-            self.pending_off = Some(Fault::CommandTimeout);
+            self.abandon();
         }
     }
 
@@ -146,7 +157,7 @@ mod tests {
         for tick in 0..ticks {
             controller.ticks = tick;
             controller.joints[joint].demand = demand(tick);
-            controller.take_turn();
+            controller.take_turn(&SensorSample::default());
         }
     }
 

@@ -1,8 +1,8 @@
 //! The settings in sections, each small enough for a frame.
 
 use crate::settings::{
-    AxisSettings, ControlSettings, ENCODER_POINTS, HomeReference, HomingSettings, LinkSettings,
-    MotionSettings, ProtectionSettings, Settings, ToolOutputSettings,
+    AxisSettings, BrakeSettings, ControlSettings, ENCODER_POINTS, HomeReference, HomingSettings,
+    LinkSettings, MotionSettings, ProtectionSettings, Settings, ToolOutputSettings,
 };
 use serde::{Deserialize, Serialize};
 
@@ -46,6 +46,8 @@ pub enum SectionKey {
     HomeReference,
     /// Whether crossings are allowed.
     Crossing,
+    /// The holding brakes.
+    Brake,
 }
 
 /// A section with its value; units as in [`Settings`].
@@ -86,11 +88,13 @@ pub enum Section {
     HomeReference(HomeReference),
     /// [`Settings::crossing_allowed`].
     Crossing(bool),
+    /// [`Settings::brake`].
+    Brake(BrakeSettings),
 }
 
 impl SectionKey {
     /// Every section. Together they are the whole settings.
-    pub const ALL: [Self; 29] = [
+    pub const ALL: [Self; 30] = [
         Self::Lengths,
         Self::Link(0),
         Self::Link(1),
@@ -120,6 +124,7 @@ impl SectionKey {
         Self::EncoderPoints(7),
         Self::HomeReference,
         Self::Crossing,
+        Self::Brake,
     ];
 
     /// This section of `settings`; `None` if there is no such link or axis.
@@ -149,6 +154,7 @@ impl SectionKey {
             }
             Self::HomeReference => Section::HomeReference(settings.home_reference),
             Self::Crossing => Section::Crossing(settings.crossing_allowed),
+            Self::Brake => Section::Brake(settings.brake),
         })
     }
 }
@@ -184,6 +190,7 @@ impl Section {
             }
             Self::HomeReference(value) => settings.home_reference = value,
             Self::Crossing(value) => settings.crossing_allowed = value,
+            Self::Brake(value) => settings.brake = value,
         }
         Some(())
     }

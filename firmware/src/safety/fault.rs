@@ -69,6 +69,11 @@ pub enum Fault {
     IndexAmbiguous = 21,
     /// Behind a singularity that the arm crossed, its torques do not show that it is in the other assembly mode.
     AssemblyMode = 22,
+    /// An index pulse or a home switch comes where the counts say that it cannot: counts were lost, or a
+    /// coupling slipped. The joint angles are unknown: home again.
+    LostCounts = 25,
+    /// The holding brakes do not hold the arm, which was to be switched off: the bridges hold it.
+    BrakeFailed = 26,
     /// The program panicked, and the controller restarted.
     Panic = 27,
     /// The processor raised a hard fault, and the controller restarted.
@@ -101,11 +106,13 @@ impl Fault {
     }
 
     /// What the fault does to the arm. A controlled stop needs loops that still work, which is
-    /// so for two faults: a silent host and a queue underrun. Outside the envelope the branch,
+    /// so for three faults: a silent host, a queue underrun, and brakes that do not hold the arm. Outside the envelope the branch,
     /// and with it the sign of the model, is uncertain, so the bridges are switched off.
     pub const fn response(self) -> Response {
         match self {
-            Self::CommandTimeout | Self::QueueUnderrun => Response::ControlledStop,
+            Self::CommandTimeout | Self::QueueUnderrun | Self::BrakeFailed => {
+                Response::ControlledStop
+            }
             Self::EncoderJump
             | Self::EncoderDisagreement
             | Self::FollowingError
@@ -126,6 +133,7 @@ impl Fault {
             | Self::IndexNotFound
             | Self::IndexAmbiguous
             | Self::AssemblyMode
+            | Self::LostCounts
             | Self::Panic
             | Self::HardFault
             | Self::BrownOut
@@ -137,7 +145,7 @@ impl Fault {
     pub(crate) const fn loses_angles(self) -> bool {
         matches!(
             self,
-            Self::EncoderJump | Self::EncoderDisagreement | Self::AssemblyMode
+            Self::EncoderJump | Self::EncoderDisagreement | Self::AssemblyMode | Self::LostCounts
         )
     }
 }
@@ -185,9 +193,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_a_silent_host_and_an_empty_queue_leave_the_arm_held() {
+    fn only_a_silent_host_an_empty_queue_and_failed_brakes_leave_the_arm_held() {
         for fault in Fault::all() {
-            let held = matches!(fault, Fault::CommandTimeout | Fault::QueueUnderrun);
+            let held = matches!(
+                fault,
+                Fault::CommandTimeout | Fault::QueueUnderrun | Fault::BrakeFailed
+            );
             assert_eq!(
                 fault.response() == Response::ControlledStop,
                 held,
@@ -197,11 +208,14 @@ mod tests {
     }
 
     #[test]
-    fn only_encoders_and_an_unknown_assembly_mode_lose_the_angles() {
+    fn only_encoders_lost_counts_and_an_unknown_assembly_mode_lose_the_angles() {
         for fault in Fault::all() {
             let lost = matches!(
                 fault,
-                Fault::EncoderJump | Fault::EncoderDisagreement | Fault::AssemblyMode
+                Fault::EncoderJump
+                    | Fault::EncoderDisagreement
+                    | Fault::AssemblyMode
+                    | Fault::LostCounts
             );
             assert_eq!(fault.loses_angles(), lost, "{fault:?}");
         }

@@ -276,9 +276,10 @@ impl Session {
             checked.map_err(|_| CommandError::Settings)?;
         }
         let settings = self.draft.check().map_err(|_| CommandError::Settings)?;
-        let new_controller = Controller::new(&settings);
+        let mut new_controller = Controller::new(&settings);
         controller.lock(|controller| {
             only_stopped(controller)?;
+            new_controller.keep_heat(controller);
             *controller = new_controller;
             Ok(())
         })?;

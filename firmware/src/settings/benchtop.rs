@@ -3,8 +3,8 @@
 //! instruction counts are measured with them.
 
 use super::{
-    AxisSettings, ControlSettings, EncoderTable, HomeReference, HomingSettings, LinkSettings,
-    MotionSettings, ProtectionSettings, Settings, ToolOutputSettings,
+    AxisSettings, BrakeSettings, ControlSettings, EncoderTable, HomeReference, HomingSettings,
+    LinkSettings, MotionSettings, ProtectionSettings, Settings, ToolOutputSettings,
 };
 
 const CRANK: LinkSettings = LinkSettings {
@@ -99,5 +99,6 @@ impl Settings {
         tool_output: ToolOutputSettings::None,
         encoder_tables: [EncoderTable::NONE; 2],
         crossing_allowed: false,
+        brake: BrakeSettings::NONE,
     };
 }

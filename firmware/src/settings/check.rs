@@ -282,6 +282,14 @@ impl Settings {
                     && protection.command_timeout <= 60.0,
                 Field::CommandTimeout,
             ),
+            (
+                within(range::BRAKE_TIME, self.brake.engage_time),
+                Field::BrakeEngageTime,
+            ),
+            (
+                within(range::BRAKE_TIME, self.brake.release_time),
+                Field::BrakeReleaseTime,
+            ),
         ])
     }
 }

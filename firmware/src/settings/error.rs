@@ -61,6 +61,8 @@ pub enum Field {
     BusVoltage,
     BusVoltagePerCode,
     CommandTimeout,
+    BrakeEngageTime,
+    BrakeReleaseTime,
     ToolPulseWidth,
     ToolFrameRate,
     ToolSettleTime,
@@ -208,6 +210,8 @@ impl Field {
                 "protection.command_timeout",
                 "must last at least one tick and at most 60 s",
             ),
+            Self::BrakeEngageTime => ("brake.engage_time", "must lie in 0 to 1 s"),
+            Self::BrakeReleaseTime => ("brake.release_time", "must lie in 0 to 1 s"),
             Self::ToolPulseWidth => (
                 "tool_output: up_width and down_width",
                 "must differ, lie in 0.0001 to 0.005 s, and take 90 % of a frame at most",

@@ -135,6 +135,23 @@ pub struct ProtectionSettings {
     pub command_timeout: f32,
 }
 
+/// The holding brakes, which engage without power. Without brakes both times are 0.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BrakeSettings {
+    /// Longest time from switching a brake off to its full torque [s].
+    pub engage_time: f32,
+    /// Longest time from switching a brake on to a free joint [s].
+    pub release_time: f32,
+}
+
+impl BrakeSettings {
+    /// No brakes.
+    pub const NONE: Self = Self {
+        engage_time: 0.0,
+        release_time: 0.0,
+    };
+}
+
 /// The controller's whole configuration, not checked yet. Index 0 of a pair is joint 1, index 1
 /// joint 4.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -172,4 +189,6 @@ pub struct Settings {
     /// Whether the links clear each other where B, C and D are in line, or B meets D, so that the arm
     /// may cross this singularity.
     pub crossing_allowed: bool,
+    /// The holding brakes.
+    pub brake: BrakeSettings,
 }

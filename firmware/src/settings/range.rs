@@ -39,6 +39,8 @@ pub const PULSE_WIDTH: [f32; 2] = [1e-4, 5e-3];
 pub const FRAME_RATE: [f32; 2] = [40.0, 400.0];
 /// Time for which the arm waits while the tool moves [s].
 pub const SETTLE_TIME: [f32; 2] = [0.0, 10.0];
+/// Time in which a holding brake engages or releases [s].
+pub const BRAKE_TIME: [f32; 2] = [0.0, 1.0];
 /// Frequency of a tool's PWM [Hz].
 pub const POWER_FREQUENCY: [f32; 2] = [10.0, 1e5];
 /// Current per ADC code [A].

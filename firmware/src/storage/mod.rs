@@ -20,7 +20,7 @@ use serde::{Deserialize, Serialize};
 
 /// Layout of the stored settings, and the key under which they are stored. Every change of
 /// [`Settings`] needs a new number, so that firmware never reads the bytes of another layout.
-pub const LAYOUT: u8 = 6;
+pub const LAYOUT: u8 = 7;
 
 /// Room for an item, its key and its padding [bytes].
 const BUFFER: usize = 1024;

@@ -52,6 +52,19 @@ impl<S: Scalar> MotorHeat<S> {
         }
     }
 
+    /// A motor with this share of the heat that it has permanently at `continuous_current` [A].
+    pub fn at_share(share: S, continuous_current: S) -> Self {
+        Self {
+            x: share * continuous_current * continuous_current,
+            lost: S::ZERO,
+        }
+    }
+
+    /// The heat as a share of that at `continuous_current` [A].
+    pub fn share(&self, continuous_current: S) -> S {
+        self.x / (continuous_current * continuous_current)
+    }
+
     /// x [A²].
     #[inline]
     pub fn squared_current(&self) -> S {

@@ -1,7 +1,7 @@
 //! What an injected fault changes in the arm.
 
 use super::Plant;
-use crate::active_faults::BridgeDefect;
+use crate::active_faults::{BridgeDefect, Slip};
 use crate::fault::{FaultKind, PlantFault};
 use crate::sensor_defects::{BusDefect, CurrentDefect, EncoderDefect, Late};
 use crate::sensors::adc_code;
@@ -101,6 +101,14 @@ impl Plant {
             FaultKind::EmergencyStopWelded => self.faults.stop_welded = true,
             FaultKind::ContactorWelded => self.contactor.welded = true,
             FaultKind::BrakeStuck { joint } => self.faults.brake_stuck[joint] = true,
+            FaultKind::BrakeLate { joint, seconds } => self.brakes[joint].engage_time += seconds,
+            FaultKind::BrakeFails { joint } => self.brakes[joint].fail(),
+            FaultKind::CouplingSlips { joint, share } => {
+                self.faults.slipping[joint] = Some(Slip {
+                    from: self.shaft(joint).0,
+                    share,
+                });
+            }
             FaultKind::BeltBreaks { joint } => {
                 if let Some(drives) = &mut self.drives {
                     drives.break_belt(joint);

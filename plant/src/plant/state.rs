@@ -81,7 +81,12 @@ impl Plant {
         let delay = self.delay.as_ref();
         let delayed = delay.and_then(|delay| delay.angle(joint, self.time));
         let angle = delayed.unwrap_or_else(|| self.shaft(joint).0);
-        let measured = self.encoders[joint].measured(angle);
+        let slip = self.faults.slipping[joint];
+        let turned = match (self.encoders[joint].side, slip) {
+            (EncoderSide::Motor, Some(slip)) => slip.motor(angle),
+            _ => angle,
+        };
+        let measured = self.encoders[joint].measured(turned);
         self.sensors[joint].counts(measured, self.count_origin[joint])
     }
 }

@@ -308,6 +308,14 @@ fn invalid_scenario_files_are_refused_with_their_line() {
             ["line 3", "`brake_torque`"],
         ),
         (
+            format!("{job}[[fault]]\nkind = 'brake_late'\njoint = 1\nseconds = -1\n"),
+            ["line 5", "0.0 to 10.0, not -1.0"],
+        ),
+        (
+            format!("{job}[[fault]]\nkind = 'coupling_slips'\njoint = 1\nshare = 1.0\n"),
+            ["line 5", "0.0 to 0.99, not 1.0"],
+        ),
+        (
             format!("{job}[[fault]]\nkind = 'payload_changes'\nkilograms = -0.04\n"),
             ["line 4", "more than the payload"],
         ),

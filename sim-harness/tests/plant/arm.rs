@@ -343,3 +343,30 @@ fn brakes_hold_the_unpowered_arm_against_gravity_and_stop_its_motion() {
     );
     assert!(largest_gap(plant.model(), plant.state()) <= 1e-10);
 }
+
+#[test]
+fn a_coupling_that_slips_turns_the_joint_less_than_the_motor() {
+    let robot = benchtop();
+    let home = robot.home_pose().unwrap();
+    let mut plant = Plant::new(
+        &robot.plant_parameters().unwrap(),
+        &Mismatch::NONE,
+        &home,
+        1,
+    );
+    let before = plant.sense().counts[0];
+    plant.inject(FaultKind::CouplingSlips {
+        joint: 0,
+        share: 0.1,
+    });
+    assert_eq!(plant.sense().counts[0], before, "it has not turned yet");
+    let [theta1, _, _, theta4] = home.angles();
+    let moved = robot
+        .geometry
+        .forward(theta1 - 0.3, theta4 + 0.3, home.assembly());
+    let moved = moved.unwrap();
+    plant.hold_by_hand(&moved, TICK);
+    let turned = f64::from(plant.sense().counts[0].wrapping_sub(before));
+    let expected = -0.3 / 0.9 * 8.0 * 16384.0 / std::f64::consts::TAU;
+    assert!((turned - expected).abs() < 2.0, "{turned} for {expected}");
+}

@@ -6,6 +6,7 @@ mod contact;
 mod elastic_drives;
 mod electrics;
 mod friction_at_rest;
+mod holding_brake;
 mod linkages;
 mod sensing;
 mod unchanged;

@@ -272,13 +272,8 @@ impl<'b> Session<'b> {
             HostCommand::Request(Request::Arm | Request::Home | Request::Excite(_)) => {
                 self.rules.permitted = true;
             }
-            HostCommand::Request(Request::Disarm | Request::EmergencyStop) => {
-                self.rules.permitted = false;
-            }
-            HostCommand::Request(Request::ClearFault) => {
-                self.rules.permitted = false;
-                self.rules.cleared = true;
-            }
+            HostCommand::Request(Request::EmergencyStop) => self.rules.permitted = false,
+            HostCommand::Request(Request::ClearFault) => self.rules.cleared = true,
             HostCommand::ApplySettings => {
                 let settings = self.controller.settings().check();
                 self.renew(&settings.expect("settings in use are valid"));

@@ -68,9 +68,10 @@ impl<T: Target> Target for Watched<T> {
         self.inner.request(request)?;
         match request {
             Request::Arm | Request::Home | Request::Excite(_) => self.rules.permitted = true,
-            Request::Disarm | Request::EmergencyStop => self.rules.permitted = false,
+            Request::EmergencyStop => self.rules.permitted = false,
             Request::ClearFault => self.rules.cleared = true,
-            Request::Stop | Request::SetAngles(_) => {}
+            // The bridges go off when the brakes have engaged; in Stopped nothing is permitted.
+            Request::Disarm | Request::Stop | Request::SetAngles(_) => {}
         }
         Ok(())
     }

@@ -233,6 +233,7 @@ fn actuators(
         ] {
             not_negative(source, key(name), value)?;
         }
+        drive::check_brake(source, index, a)?;
         drive::check(source, index, a)?;
     }
     Ok(Some(actuators))

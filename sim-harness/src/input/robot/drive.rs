@@ -7,6 +7,8 @@ use crate::input::source::{FileError, Key, Source};
 use fivebar_design::time_optimal::PlannedDrive;
 use fivebar_plant::{Bound, MismatchError, check_harmonics};
 
+/// Longest time in which a brake engages or releases [s], as the controller has it.
+const LONGEST_BRAKE_TIME: f64 = 1.0;
 /// Greatest latency of an encoder [s].
 const LONGEST_LATENCY: f64 = 0.1;
 
@@ -22,6 +24,28 @@ impl Robot {
             })
         })
     }
+}
+
+/// Checks that a brake's times are those of a brake.
+pub(super) fn check_brake(
+    source: &Source<'_>,
+    index: usize,
+    actuator: &Actuator,
+) -> Result<(), FileError> {
+    for (name, time) in [
+        ("brake_engage_time", actuator.brake_engage_time),
+        ("brake_release_time", actuator.brake_release_time),
+    ] {
+        let (key, time) = (Key::Of("actuator", index, name), time.unwrap_or(0.0));
+        Bound::Within(0.0, LONGEST_BRAKE_TIME, "s")
+            .check(name, time)
+            .map_err(|invalid| source.refuse(key, invalid))?;
+        if time > 0.0 && actuator.brake_torque <= 0.0 {
+            let reason = "needs a `brake_torque`: without it the joint has no brake";
+            return Err(source.refuse(key, reason));
+        }
+    }
+    Ok(())
 }
 
 pub(super) fn check(

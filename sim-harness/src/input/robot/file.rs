@@ -86,6 +86,11 @@ pub struct Actuator {
     /// without brakes falls while it is unpowered.
     #[serde(default)]
     pub brake_torque: f64,
+    /// Longest time from switching the holding brake off to its full torque [s]; none:
+    /// [`BRAKE_TIME`] with a brake, 0 without one.
+    pub brake_engage_time: Option<f64>,
+    /// Longest time from switching the holding brake on to a free joint [s]; likewise.
+    pub brake_release_time: Option<f64>,
     /// Encoder counts per motor turn, after quadrature. For an encoder at the joint: its
     /// counts per turn over the gear ratio.
     pub encoder_counts: u32,
@@ -113,6 +118,10 @@ pub struct Actuator {
     #[serde(default)]
     pub encoder_error: Harmonics,
 }
+
+/// Time in which a holding brake of this size engages or releases, if the file has none [s]: data
+/// sheets of spring-applied brakes have 0.02 to 0.05 s.
+pub(super) const BRAKE_TIME: f64 = 0.05;
 
 impl Actuator {
     /// The motor with its gear ratio and the friction at its joint.
@@ -143,6 +152,16 @@ impl Actuator {
             latency: self.encoder_latency,
             error: self.encoder_error,
         }
+    }
+
+    /// Longest times in which the holding brake engages and releases [s].
+    pub fn brake_times(&self) -> [f64; 2] {
+        let usual = if self.brake_torque > 0.0 {
+            BRAKE_TIME
+        } else {
+            0.0
+        };
+        [self.brake_engage_time, self.brake_release_time].map(|time| time.unwrap_or(usual))
     }
 
     /// Torque at the joint at peak current [N·m].

@@ -3,8 +3,8 @@
 use super::{Actuator, HomeMethod, MissingMasses, Robot, home_method};
 use fivebar_firmware::Settings;
 use fivebar_firmware::settings::{
-    AxisSettings, ControlSettings, EncoderTable, HomingSettings, LinkSettings, MotionSettings,
-    ProtectionSettings,
+    AxisSettings, BrakeSettings, ControlSettings, EncoderTable, HomingSettings, LinkSettings,
+    MotionSettings, ProtectionSettings,
 };
 use fivebar_kinematics::dynamics::Arm;
 use fivebar_kinematics::five_bar::Side;
@@ -79,6 +79,7 @@ impl Robot {
             },
             tool_output: self.tool_output,
             crossing_allowed: self.crossing.allowed,
+            brake: brakes(&actuators),
             encoder_tables: actuators.map(|actuator| encoder_table(&actuator)),
         })
     }
@@ -123,6 +124,7 @@ impl Robot {
             transmissions: drives.map(|drive| drive.transmission()),
             encoders: drives.map(|drive| drive.encoder()),
             brake_torque: drives.map(|drive| drive.brake_torque),
+            brake_times: drives.map(|drive| drive.brake_times()),
             bus_voltage: self.supply.voltage,
             volts_per_code: self.voltage_per_code(),
             switches: self.switches(&drives),
@@ -236,6 +238,16 @@ impl Robot {
     }
 }
 
+/// The brakes of both joints, which have one output: the longer times of the two.
+fn brakes(actuators: &[Actuator; 2]) -> BrakeSettings {
+    let [[engage1, release1], [engage4, release4]] =
+        actuators.each_ref().map(Actuator::brake_times);
+    BrakeSettings {
+        engage_time: single(engage1.max(engage4)),
+        release_time: single(release1.max(release4)),
+    }
+}
+
 /// The correction of an encoder's known error.
 fn encoder_table(actuator: &Actuator) -> EncoderTable {
     let error = actuator.encoder_error;
@@ -257,7 +269,7 @@ fn encoder_table(actuator: &Actuator) -> EncoderTable {
 /// always has enough voltage. A quarter of the bus voltage V equals the back-EMF at full
 /// speed, k ω = V/4, and a quarter drives the peak current, R i = V/4; the rest changes the
 /// current, with L/R = 1 ms. The encoder has 2²⁰ counts per turn; the brake holds the torque
-/// of the motor.
+/// of the motor, and acts at once.
 fn ideal_torque_source(torque: f64, max_speed: f64, voltage: f64) -> Actuator {
     let torque_constant = 0.25 * voltage / max_speed;
     let peak_current = torque / torque_constant;
@@ -271,6 +283,8 @@ fn ideal_torque_source(torque: f64, max_speed: f64, voltage: f64) -> Actuator {
         viscous_friction: 0.0,
         coulomb_friction: 0.0,
         brake_torque: torque,
+        brake_engage_time: Some(0.0),
+        brake_release_time: Some(0.0),
         encoder_counts: 1 << 20,
         peak_current,
         continuous_current: peak_current,

@@ -21,6 +21,8 @@ pub(super) struct FaultEntry {
     gain: Option<f64>,
     high: Option<bool>,
     kilograms: Option<f64>,
+    seconds: Option<f64>,
+    share: Option<f64>,
 }
 
 #[derive(Clone, Copy, Debug, Deserialize)]
@@ -53,6 +55,9 @@ enum Kind {
     EmergencyStopWelded,
     ContactorWelded,
     BrakeStuck,
+    BrakeLate,
+    BrakeFails,
+    CouplingSlips,
     BeltBreaks,
     PayloadChanges,
     ToolCaught,
@@ -83,6 +88,14 @@ impl FaultEntry {
         let finite = |name, value: Option<f64>, what: &str| match value {
             Some(value) if value.is_finite() => Ok(value),
             Some(value) => Err(source.refuse(key(name), format!("must be finite, not {value:?}"))),
+            None => Err(missing(name, what)),
+        };
+        let within = |name, value: Option<f64>, [least, most]: [f64; 2], what: &str| match value {
+            Some(value) if least <= value && value <= most => Ok(value),
+            Some(value) => {
+                let reason = format!("is {least:?} to {most:?}, not {value:?}");
+                Err(source.refuse(key(name), reason))
+            }
             None => Err(missing(name, what)),
         };
         let gain = || finite("gain", self.gain, "the factor");
@@ -163,6 +176,20 @@ impl FaultEntry {
             Kind::EmergencyStopWelded => FaultKind::EmergencyStopWelded,
             Kind::ContactorWelded => FaultKind::ContactorWelded,
             Kind::BrakeStuck => FaultKind::BrakeStuck { joint: joint()? },
+            Kind::BrakeLate => FaultKind::BrakeLate {
+                joint: joint()?,
+                seconds: within(
+                    "seconds",
+                    self.seconds,
+                    [0.0, 10.0],
+                    "the additional time [s]",
+                )?,
+            },
+            Kind::BrakeFails => FaultKind::BrakeFails { joint: joint()? },
+            Kind::CouplingSlips => FaultKind::CouplingSlips {
+                joint: joint()?,
+                share: within("share", self.share, [0.0, 0.99], "the share that is lost")?,
+            },
             Kind::BeltBreaks => FaultKind::BeltBreaks { joint: joint()? },
             Kind::PayloadChanges => FaultKind::PayloadChanges {
                 kilograms: finite(
@@ -192,7 +219,11 @@ impl FaultEntry {
             {
                 refused("kind", "needs an arm whose drives have a `stiffness`")
             }
-            FaultKind::BrakeStuck { joint } if parameters.brake_torque[joint] <= 0.0 => {
+            FaultKind::BrakeStuck { joint }
+            | FaultKind::BrakeLate { joint, .. }
+            | FaultKind::BrakeFails { joint }
+                if parameters.brake_torque[joint] <= 0.0 =>
+            {
                 refused("kind", "needs an arm with a `brake_torque`")
             }
             FaultKind::PayloadChanges { kilograms }

@@ -79,6 +79,13 @@ fn next_step(fault: Fault) -> &'static str {
             "Look in which assembly mode the arm is, and what hindered it; put it into that of home by hand, \
              then home again."
         }
+        Fault::LostCounts => {
+            "Check the encoders, their cables and the couplings between motors and joints, then the home \
+             switches and index outputs; then home again."
+        }
+        Fault::BrakeFailed => {
+            "Support the arm, press the emergency stop, which lets it go, and repair the brakes."
+        }
         Fault::Panic | Fault::HardFault => {
             "Report this as an error of the firmware, with the job; then home again."
         }

@@ -71,6 +71,13 @@ const UNITS: &[(&str, &[(&str, &str)])] = &[
         ],
     ),
     (
+        "brake",
+        &[
+            ("engage_time", "s, to full torque; 0 without brakes"),
+            ("release_time", "s, to a free joint; 0 without brakes"),
+        ],
+    ),
+    (
         "homing",
         &[
             ("speed", "rad/s"),
