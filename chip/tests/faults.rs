@@ -46,6 +46,18 @@ fn a_jumping_encoder() {
 }
 
 #[test]
+fn a_switch_stuck_in_motion() {
+    for joint in 0..2 {
+        let fault = FaultKind::SwitchStuck {
+            joint,
+            pressed: true,
+        };
+        let mut driven = powers_off("a_switch_stuck_in_motion", fault);
+        stays_off_until_cleared(&mut driven, Fault::LostCounts);
+    }
+}
+
+#[test]
 fn a_stalled_motor() {
     let mut driven = powers_off("a_stalled_motor", FaultKind::MotorStalled { joint: 1 });
     stays_off_until_cleared(&mut driven, Fault::FollowingError);

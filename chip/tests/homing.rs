@@ -181,3 +181,34 @@ fn given_angles_are_those_of_home_and_not_those_of_an_arm_that_moves() {
     let (homed, off) = found(&driven, &status);
     assert!(homed && off < 1e-3, "{off} rad");
 }
+
+/// The benchtop arm upright, with holding brakes.
+fn upright(text: String) -> String {
+    text.replace("gravity = [0.0, 0.0]", "gravity = [0.0, -9.81]")
+        .replace("encoder_counts = ", "brake_torque = 0.5\nencoder_counts = ")
+}
+
+#[test]
+fn brakes_that_do_not_hold_an_upright_arm_after_homing() {
+    let (_, mut driven) = bench(upright, [-0.06, 0.04]);
+    driven.request(Request::Home).expect("homing begins");
+    driven.run(200 * MILLISECOND);
+    for joint in 0..2 {
+        let brake = FaultKind::BrakeFails { joint };
+        driven.arm.get().inject(brake);
+    }
+    let mut status = driven.status();
+    for _ in 0..600 {
+        driven.run(20 * MILLISECOND);
+        status = driven.status();
+        if status.state != State::Homing {
+            break;
+        }
+    }
+    assert_eq!(status.fault, Some(Fault::BrakeFailed));
+    let before = driven.arm.get().plant().tool();
+    driven.run(300 * MILLISECOND);
+    let fallen = (driven.arm.get().plant().tool() - before).norm();
+    assert!(fallen < 3e-3, "it fell by {fallen} m");
+    assert!(!driven.is_off(), "the motors hold it");
+}

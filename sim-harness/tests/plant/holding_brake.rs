@@ -116,7 +116,7 @@ fn an_upright_arm_falls_until_its_brakes_engage_when_its_power_is_cut() {
     let mut run = Run::armed();
     run.request(Request::EmergencyStop);
     run.ticks(3000);
-    assert!((0.008..0.014).contains(&run.fall), "{} m", run.fall);
+    assert!((0.012..0.017).contains(&run.fall), "{} m", run.fall);
 }
 
 #[test]

@@ -33,6 +33,7 @@ macro_rules! test_every_injected_fault {
             a_jumping_encoder,
             a_switch_stuck_closed,
             a_switch_stuck_open,
+            a_switch_stuck_in_motion,
             a_stalled_motor,
             a_disconnected_motor,
             a_current_sensor_somewhat_off,
@@ -70,6 +71,17 @@ pub(crate) fn a_jumping_encoder(line: impl Read + Write) {
     };
     let mut bench = powers_off(line, "a_jumping_encoder", jump);
     // The joint's angle is unknown.
+    let error = bench.is_refused(HostCommand::Request(Request::Arm));
+    assert_eq!(error, CommandError::Request(RequestError::NotHomed));
+}
+
+pub(crate) fn a_switch_stuck_in_motion(line: impl Read + Write) {
+    let switch = FaultKind::SwitchStuck {
+        joint: 1,
+        pressed: true,
+    };
+    let mut bench = powers_off(line, "a_switch_stuck_in_motion", switch);
+    // Either the switch or the counts are wrong.
     let error = bench.is_refused(HostCommand::Request(Request::Arm));
     assert_eq!(error, CommandError::Request(RequestError::NotHomed));
 }
