@@ -177,7 +177,7 @@ impl Controller {
     /// asks for power in the same tick wakes the bridges and releases the brakes anew.
     fn come_to_stopped(&mut self) {
         self.waking = self.model.wake_up_ticks;
-        self.brake.lose_power();
+        self.brake.stay_powered();
         self.latched = None;
         self.controlled_stop = false;
         self.forget_path();

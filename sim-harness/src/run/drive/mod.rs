@@ -71,10 +71,18 @@ impl<'a, L: Read + Write> Drive<'a, L> {
     /// # Errors
     /// The controller refuses, for example because the arm still moves.
     pub fn clear_fault(&mut self) -> Result<(), DriveError> {
-        match self.client.status()?.0.fault {
-            Some(_) => self.request(Request::ClearFault),
-            None => Ok(()),
+        if self.client.status()?.0.fault.is_none() {
+            return Ok(());
         }
+        self.request(Request::ClearFault)?;
+        // A fault that holds the arm ends when the holding brakes have engaged.
+        for _ in 0..LONGEST_STOP {
+            if self.client.status()?.0.fault.is_none() {
+                return Ok(());
+            }
+            self.client.poll()?;
+        }
+        Ok(())
     }
 
     /// Homes the arm, unless it is homed.

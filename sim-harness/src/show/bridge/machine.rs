@@ -145,12 +145,28 @@ impl<'a> Machine<'a> {
             }
             self.pass_time()?;
         }
-        let _ = self.request(Request::Disarm)?;
+        if self.request(Request::Disarm)?.is_ok() {
+            self.wait_until_off()?;
+        }
         // A fault may hold the arm with the bridges on; the emergency stop ends that.
         if self.client.status()?.0.state != State::Stopped {
             let _ = self.request(Request::EmergencyStop)?;
         }
         Ok(())
+    }
+
+    /// Waits until an accepted request has switched the bridges off: holding brakes engage before. If they do
+    /// not hold, the arm stays held under a fault.
+    pub(super) fn wait_until_off(&mut self) -> Result<(), LinkError> {
+        let deadline = Instant::now() + LONGEST_STOP;
+        loop {
+            (self.status, _) = self.client.status()?;
+            let failed = self.status.fault == Some(Fault::BrakeFailed);
+            if self.status.state == State::Stopped || failed || Instant::now() > deadline {
+                return Ok(());
+            }
+            self.pass_time()?;
+        }
     }
 
     fn cycle(&mut self) -> Result<(), LinkError> {

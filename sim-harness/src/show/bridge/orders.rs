@@ -118,6 +118,7 @@ impl Machine<'_> {
             return Ok(Progress::Waits);
         } else if self.status.state == State::Armed {
             let _ = self.request(Request::Disarm)?;
+            self.wait_until_off()?;
         }
         if let Err(why) = self.request(Request::Home)? {
             return Ok(Progress::Refused(Refusal::locked(why)));
@@ -147,7 +148,7 @@ impl Machine<'_> {
         if let Err(why) = self.request(request)? {
             return Ok(Progress::Refused(Refusal::locked(why)));
         }
-        (self.status, _) = self.client.status()?;
+        self.wait_until_off()?;
         self.drop_path();
         Ok(Progress::Done)
     }

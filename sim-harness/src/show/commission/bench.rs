@@ -16,6 +16,9 @@ use std::f64::consts::TAU;
 use std::fmt::Display;
 use std::path::PathBuf;
 
+/// Number of pauses of 10 ms after which the wait for a cleared fault ends: 5 s.
+const LONGEST_CLEARING: u32 = 500;
+
 /// The bench.
 pub(super) struct Bench {
     pub(super) client: Client<Box<dyn Line>>,
@@ -202,6 +205,13 @@ impl Bench {
     pub(super) fn clear(&mut self) -> Result<(), StepError> {
         if self.client.status()?.0.fault.is_some() {
             self.request(Request::ClearFault)?;
+        }
+        // A fault that holds the arm ends when the holding brakes have engaged.
+        for _ in 0..LONGEST_CLEARING {
+            if self.client.status()?.0.fault.is_none() {
+                break;
+            }
+            self.pause(0.01)?;
         }
         Ok(())
     }
