@@ -296,6 +296,15 @@ MISTAKES = [
     ("a crossing waits for its confirmation for ever", "controller/crossing.rs", "if settled > CONFIRMED_WITHIN * settling {", "if false {"),
     ("a late path begins for a silent host", "controller/tracking.rs", "} else if self.host_timed_out() {", "} else if false {"),
     ("missed ticks hide the emergency stop", "controller/tick.rs", "if other != Some(Fault::EmergencyStop) {", "{"),
+    ("joint limits unchecked in a crossing", "controller/crossing.rs", "if model.monitor.outside([joint1.angle(), joint4.angle()]) {", "if false {"),
+    ("joint 1's limits for both joints in a crossing", "controller/crossing.rs", "if model.monitor.outside([joint1.angle(), joint4.angle()]) {", "if model.monitor.outside([joint1.angle(); 2]) {"),
+    ("a dropped timed motion still in motion", "planner/mod.rs", "            self.end = None;\n            self.in_motion = None;\n", "            self.end = None;\n"),
+    ("a dropped waiting line still drawn", "planner/mod.rs", "            self.waiting = None;\n            self.used_before = 0.0;\n", "            self.used_before = 0.0;\n"),
+    ("a tolerance kept for other moves", "planner/mod.rs", "                self.envelope.corner_tolerance = self.deviation;\n", ""),
+    ("a dropped path's tool level kept", "planner/mod.rs", "            self.level = 0;\n", ""),
+    ("a trip point of current without an upper end", "settings/range.rs", "pub const CURRENT_TRIP: [f32; 2] = [1.0, 5.0];", "pub const CURRENT_TRIP: [f32; 2] = [1.0, 5000.0];"),
+    ("a peak current beyond what the motor can take", "settings/range.rs", "pub const STALL: f32 = 4.0;", "pub const STALL: f32 = 4000.0;"),
+    ("a heat model that never warms", "settings/range.rs", "pub const HEATING: [f32; 2] = [0.1, 3600.0];", "pub const HEATING: [f32; 2] = [0.1, 36000.0];"),
 ]
 
 

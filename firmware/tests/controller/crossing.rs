@@ -149,6 +149,42 @@ fn cranks_that_stay_in_the_zone_lose_their_torque_and_their_angles_in_the_stated
     assert!((560..590).contains(&ticks), "{ticks} ticks");
 }
 
+/// The planner has checked the plan; the monitor looks where the cranks are, in each tick.
+#[test]
+fn a_crank_behind_a_joint_limit_while_it_crosses_has_left_the_envelope() {
+    let mut rig = Rig::crossing();
+    let mut ranges = START.map(|angle| [angle; 2]);
+    while rig.controller.state() == State::Crossing {
+        if let Some(joints) = rig.follow().joint_reference {
+            for ([low, high], angle) in ranges.iter_mut().zip(joints.angle) {
+                (*low, *high) = (low.min(angle), high.max(angle));
+            }
+        }
+    }
+    let mut passed = 0;
+    for joint in 0..2 {
+        for side in 0..2 {
+            let (start, end) = (START[joint], ranges[joint][side]);
+            if (end - start).abs() < 0.1 {
+                continue;
+            }
+            let mut narrow = settings();
+            narrow.axes[joint].angle_limits[side] = 0.5 * (start + end);
+            let mut rig = Rig::armed(&narrow);
+            // A planner that does not know of the limit.
+            rig.planner = Planner::new(&settings().check().unwrap());
+            rig.push(0, PLAN).unwrap();
+            while rig.controller.state() == State::Crossing {
+                rig.follow();
+            }
+            let fault = rig.controller.status().fault;
+            assert_eq!(fault, Some(Fault::Envelope), "joint {joint}, side {side}");
+            passed += 1;
+        }
+    }
+    assert!(passed >= 2, "{ranges:?}");
+}
+
 #[test]
 fn cranks_that_stay_outside_the_zone_are_a_following_error() {
     let mut rig = Rig::crossing();

@@ -175,3 +175,47 @@ fn distance([x, y]: [f64; 2], [ax, ay]: [f64; 2], [bx, by]: [f64; 2]) -> f64 {
     };
     (x - ax - share * dx).hypot(y - ay - share * dy)
 }
+
+/// A joined line uses a share of the corner tolerance, and the corners of lines beside it have the rest. A corner of
+/// two arcs has all of it.
+#[test]
+fn a_corner_of_arcs_behind_joined_lines_has_the_whole_tolerance() {
+    let tolerance = 1e-3_f32;
+    let settings = with(|settings| settings.motion.corner_tolerance = tolerance);
+    // The distance [m] of the motion from the corner of two half circles behind a line that is bent by this [m].
+    let cut = |bend: f32| {
+        let mut rig = Rig::armed(&settings);
+        let [x, y] = rig.tool_position();
+        let corner = [x - 0.01, y + 0.01];
+        let arc = |to, center, clockwise| MoveKind::Arc {
+            to,
+            center,
+            clockwise,
+            feed: 0.1,
+        };
+        let line = |to| MoveKind::Line { to, feed: 0.1 };
+        for kind in [
+            line([x - 0.005, y + bend]),
+            line([x - 0.01, y]),
+            arc(corner, [x - 0.01, y + 0.005], false),
+            arc([x - 0.02, y + 0.01], [x - 0.015, y + 0.01], false),
+        ] {
+            rig.push(1, kind).unwrap();
+        }
+        let mut nearest = f32::MAX;
+        while rig.controller.state() != State::Armed || !rig.planner.is_empty() {
+            rig.tick();
+            let status = rig.controller.status();
+            assert_eq!(status.fault, None);
+            let [rx, ry] = status.reference.expect("armed");
+            nearest = nearest.min((rx - corner[0]).hypot(ry - corner[1]));
+        }
+        nearest
+    };
+    let [straight, bent] = [0.0, 0.19 * tolerance].map(cut);
+    assert!(straight > 0.3 * tolerance, "{straight} m");
+    assert!(
+        (bent - straight).abs() < 0.03 * straight,
+        "{bent} m, not {straight} m"
+    );
+}

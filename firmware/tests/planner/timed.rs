@@ -169,6 +169,31 @@ fn a_stop_on_a_timed_motion_stays_on_its_line_and_ends_at_rest() {
     assert_eq!(push(&mut rig, again[0]), Ok(()));
 }
 
+/// A timed motion that a stop drops has not ended at rest, and the arm has: what follows begins there.
+#[test]
+fn after_a_stop_in_a_timed_motion_that_goes_on_any_move_begins_at_rest() {
+    for follows_timed in [false, true] {
+        let mut rig = Rig::armed(&settings());
+        for piece in &pieces(&rig, 0.05, 0.24)[..2] {
+            assert_eq!(push(&mut rig, *piece), Ok(()));
+        }
+        rig.run(300);
+        rig.controller.request(Request::Stop).unwrap();
+        rig.run(2000);
+        assert_eq!(rig.controller.state(), State::Armed);
+        let pushed = if follows_timed {
+            let again = pieces(&rig, 0.01, 0.1);
+            push(&mut rig, again[0])
+        } else {
+            let [x, y] = rig.tool_position();
+            let to = [x + 0.01, y];
+            let line = rig.push(2, MoveKind::Line { to, feed: 0.1 });
+            line.map_err(|error| error.kind)
+        };
+        assert_eq!(pushed, Ok(()), "timed: {follows_timed}");
+    }
+}
+
 /// Offers the piece in each tick until it is taken. Returns the ticks that this took.
 fn push_when_free(rig: &mut Rig, piece: TimedMove) -> u32 {
     for ticks in 0..2000 {
