@@ -4,6 +4,7 @@
 mod rig;
 
 mod crossing;
+mod crossing_limits;
 mod current_zeros;
 mod drives;
 mod either_joint;
