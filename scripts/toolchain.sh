@@ -15,6 +15,11 @@ debian_rustc=/usr/bin/rustc
 debian_source=/usr/lib/rustlib/src/rust/library/core/src/lib.rs
 cargo_flags=()
 
+# The images name their sources without the folders of this machine, so that two machines make the
+# same file.
+export CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS="--remap-path-prefix=$PWD=/fivebar\
+ --remap-path-prefix=${CARGO_HOME:-$HOME/.cargo}=/cargo"
+
 as_root() { if [ "$(id -u)" -eq 0 ]; then "$@"; else sudo -n "$@"; fi; }
 
 install_packages() {
