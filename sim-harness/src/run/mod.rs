@@ -3,6 +3,7 @@
 pub mod crossing;
 pub mod drive;
 pub mod excitation;
+pub(crate) mod held;
 pub mod link;
 pub(crate) mod measured_pose;
 pub(crate) mod segment;

@@ -133,6 +133,27 @@ fn a_signal_switches_the_bridges_off_also_while_a_fault_holds_the_arm() {
     }
 }
 
+/// The same with a job that `drive` sends.
+#[test]
+fn a_drive_that_a_fault_holds_ends_with_the_bridges_off() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let job = folder.path().join("job.gcode");
+    let text = format!("G21 G90 F1200\nM3\n{}", "G1 X20\nG1 X0\n".repeat(200));
+    std::fs::write(&job, text).expect("a file");
+    let (board, powered) = board();
+    let mut child = board.fivebar(&["drive", job.to_str().expect("UTF-8 text")]);
+    wait_for(&powered);
+    sleep(Duration::from_secs(3));
+    board.waits_for_nobody.store(true, Ordering::Relaxed);
+    send("-STOP", &child);
+    sleep(Duration::from_secs(1));
+    assert!(powered.load(Ordering::SeqCst), "the fault holds the arm");
+    send("-CONT", &child);
+    assert_eq!(child.wait().expect("an end").code(), Some(1));
+    sleep(Duration::from_millis(20));
+    assert!(!powered.load(Ordering::SeqCst), "the bridges are on");
+}
+
 /// During homing, and during the job.
 #[test]
 fn a_signal_ends_a_drive_with_the_bridges_off() {

@@ -2,6 +2,7 @@
 
 mod error;
 
+use crate::run::held;
 use crate::run::link::{Client, LinkError};
 use crate::run::measured_pose::measured_pose;
 use fivebar_firmware::planner::MoveErrorKind;
@@ -164,9 +165,11 @@ impl<'a, L: Read + Write> Drive<'a, L> {
         if outcome.is_err() {
             self.bring_to_rest()?;
         }
-        // With a latched fault the bridges are off or the arm is held, and the controller
-        // refuses to disarm; `outcome` then holds the fault.
+        // With a latched fault the controller refuses to disarm; `outcome` then holds the fault.
         let disarmed = self.request(Request::Disarm);
+        if held::ends_by_emergency_stop(&self.client.status()?.0) {
+            self.request(Request::EmergencyStop)?;
+        }
         outcome.and(disarmed)
     }
 
@@ -226,17 +229,10 @@ impl<'a, L: Read + Write> Drive<'a, L> {
         // Refused if a fault is latched: then the controller itself brings the arm to rest.
         let _ = self.client.command(HostCommand::Request(Request::Stop))?;
         for _ in 0..LONGEST_STOP {
-            let (status, _) = self.client.status()?;
-            match status.state {
-                State::Running
-                | State::Stopping
-                | State::Crossing
-                | State::Homing
-                | State::Exciting => {
-                    self.client.poll()?;
-                }
-                State::Stopped | State::Armed | State::Fault => break,
+            if !held::moves(&self.client.status()?.0) {
+                break;
             }
+            self.client.poll()?;
         }
         Ok(())
     }

@@ -8,6 +8,7 @@ use super::orders::Progress;
 use super::protocol::{Engine, Refusal, Response};
 use super::sender::Sender;
 use crate::input::job::{Dialect, JobOptions, Placement};
+use crate::run::held;
 use crate::run::link::{Client, LinkError};
 use crate::run::simulation::fault_name;
 use crate::show::path_queue::{PathQueue, way_back};
@@ -140,7 +141,7 @@ impl<'a> Machine<'a> {
         let _ = self.request(Request::Stop)?;
         loop {
             (self.status, _) = self.client.status()?;
-            if !self.moves() || Instant::now() > deadline {
+            if !held::moves(&self.status) || Instant::now() > deadline {
                 break;
             }
             self.pass_time()?;
@@ -148,8 +149,8 @@ impl<'a> Machine<'a> {
         if self.request(Request::Disarm)?.is_ok() {
             self.wait_until_off()?;
         }
-        // A fault may hold the arm with the bridges on; the emergency stop ends that.
-        if self.client.status()?.0.state != State::Stopped {
+        // A fault may hold the arm with the bridges on.
+        if held::ends_by_emergency_stop(&self.client.status()?.0) {
             let _ = self.request(Request::EmergencyStop)?;
         }
         Ok(())

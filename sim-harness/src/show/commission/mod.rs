@@ -26,7 +26,7 @@ use fivebar_firmware::safety::State;
 use line::{Line, Stoppable};
 use operator::Operator;
 use record::Record;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
