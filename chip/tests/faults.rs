@@ -32,7 +32,7 @@ fn powers_off(test: &str, fault: FaultKind) -> Driven {
 #[test]
 fn a_dead_encoder() {
     let mut driven = powers_off("a_dead_encoder", FaultKind::EncoderDead { joint: 0 });
-    stays_off_until_cleared(&mut driven, Fault::FollowingError);
+    stays_off_until_cleared(&mut driven, Fault::EncoderStuck);
 }
 
 #[test]
@@ -67,7 +67,16 @@ fn a_stalled_motor() {
 fn a_disconnected_motor() {
     let fault = FaultKind::MotorDisconnected { joint: 0 };
     let mut driven = powers_off("a_disconnected_motor", fault);
-    stays_off_until_cleared(&mut driven, Fault::FollowingError);
+    stays_off_until_cleared(&mut driven, Fault::CurrentSensor);
+}
+
+#[test]
+fn a_dead_current_sensor() {
+    for joint in 0..2 {
+        let fault = FaultKind::CurrentDead { joint };
+        let mut driven = powers_off("a_dead_current_sensor", fault);
+        stays_off_until_cleared(&mut driven, Fault::CurrentSensor);
+    }
 }
 
 #[test]

@@ -77,6 +77,18 @@ pub enum FaultKind {
         /// The shift [A].
         amperes: f64,
     },
+    /// The current sensor shows no current.
+    CurrentDead {
+        /// 0 or 1.
+        joint: usize,
+    },
+    /// The current sensor shows this many times the current: −1 reversed, 0.5 half.
+    CurrentGain {
+        /// 0 or 1.
+        joint: usize,
+        /// The factor.
+        gain: f64,
+    },
     /// The current sensor's output stays where it is for this current.
     CurrentStuck {
         /// 0 or 1.

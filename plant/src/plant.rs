@@ -3,7 +3,7 @@
 mod injection;
 mod state;
 
-use crate::active_faults::ActiveFaults;
+use crate::active_faults::{ActiveFaults, BridgeDefect};
 use crate::brake::Brake;
 use crate::contactor::Contactor;
 use crate::drives::Drives;
@@ -56,6 +56,8 @@ pub struct Plant {
     free_inertia: [f64; 2],
     /// The supply's voltage [V].
     bus_voltage: f64,
+    /// Currents that the bridges do not exceed by themselves [A].
+    bridge_limits: [f64; 2],
     contactor: Contactor,
     volts_per_code: f64,
     count_origin: [i32; 2],
@@ -143,6 +145,10 @@ impl Plant {
             wear: None,
             sensors,
             bus_voltage: parameters.bus_voltage,
+            bridge_limits: settings.axes.map(|axis| {
+                let over_current = settings.protection.over_current;
+                0.5 * f64::from(axis.peak_current + over_current)
+            }),
             contactor: Contactor::CLOSED,
             volts_per_code: parameters.volts_per_code,
             count_origin,
@@ -282,7 +288,27 @@ impl Plant {
                 self.model.step(&mut self.state, &loads, period / steps);
             }
         }
+        self.limit_currents(duty);
         self.record_angles();
+    }
+
+    /// A bridge shorts its motor for a while when its current is at the limit. The mean of that is modelled: a
+    /// current that stays at it.
+    fn limit_currents(&mut self, duty: [Option<f64>; 2]) {
+        for (j, duty) in duty.into_iter().enumerate() {
+            let missing = self
+                .wiring
+                .is_some_and(|(wiring, _)| wiring.bridge_limit_missing[j]);
+            let shorted = self.faults.bridges[j] == Some(BridgeDefect::Shorted);
+            let Some(duty) = duty.filter(|_| !missing && !shorted) else {
+                continue;
+            };
+            let (current, limit) = (&mut self.state.current[j], self.bridge_limits[j]);
+            // A motor that is driven by its joint gets its current from its speed, which no bridge limits.
+            if *current * duty > 0.0 && current.abs() > limit {
+                *current = limit.copysign(*current);
+            }
+        }
     }
 
     /// Records the encoders' shafts for encoders with latency.

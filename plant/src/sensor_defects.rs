@@ -33,6 +33,8 @@ pub(crate) enum EncoderDefect {
 /// A defect of a current sensor.
 #[derive(Clone, Debug)]
 pub(crate) enum CurrentDefect {
+    /// It shows this many times the current; the first value is its code at no current.
+    Gain(f64, f64),
     /// It shows this code.
     Stuck(u16),
     /// Its codes are late.
@@ -91,6 +93,7 @@ impl EncoderDefect {
 impl CurrentDefect {
     fn shown(&mut self, code: u16) -> u16 {
         match self {
+            Self::Gain(zero, gain) => adc_code(*zero + *gain * (f64::from(code) - *zero)),
             Self::Stuck(stuck) => *stuck,
             Self::Late(late) => late.shown(code),
         }
@@ -144,6 +147,13 @@ mod tests {
             [100, 101, 102, 103, 104, 99],
         );
         assert_eq!(stuck, [100, 100, 101, 101, 100, 101]);
+    }
+
+    #[test]
+    fn a_current_sensor_shows_half_of_its_current_or_shows_it_reversed() {
+        let shown = |gain, code| CurrentDefect::Gain(2048.0, gain).shown(code);
+        assert_eq!([shown(0.5, 2148), shown(-1.0, 2148)], [2098, 1948]);
+        assert_eq!([shown(0.0, 2148), shown(1e9, 2148)], [2048, 4095]);
     }
 
     #[test]

@@ -29,6 +29,8 @@ pub struct Wiring {
     pub index_dead: [bool; 2],
     /// The current sensor is not connected: it reads no current.
     pub current_dead: [bool; 2],
+    /// The bridge has no current limit of its own: no resistor at IPROPI, or no reference at VREF.
+    pub bridge_limit_missing: [bool; 2],
     /// Excess of the encoder's counts per turn of the joint, as a share: 1 is twice as many.
     pub counts: [f64; 2],
 }

@@ -21,6 +21,10 @@ use serde::{Deserialize, Serialize};
 
 /// The longest excitation [s].
 pub const LONGEST_EXCITATION: f32 = 2.0;
+/// The longest pulse whose current may reach the over-current [s]: the bridge's own limit shows in it.
+pub const LONGEST_PULSE: f32 = 2e-3;
+/// Greatest duty that a voltage gives.
+pub const MOST_DUTY: f32 = DUTY_LIMIT;
 /// The farthest travel of a joint during an excitation [rad].
 pub const FARTHEST_EXCITATION: f32 = 2.0;
 /// Joint speed below which the shorted motors have brought an arm to rest [rad/s].
@@ -57,7 +61,7 @@ pub struct Excitation {
     /// Duration [ticks], at most [`LONGEST_EXCITATION`].
     pub ticks: u32,
     /// Measured current of either motor at which it ends [A]; at most the motor's continuous
-    /// current. Voltages are at most twice what drives it through the winding at rest.
+    /// current, or the over-current for a voltage of at most [`LONGEST_PULSE`]. Voltages are at most twice what drives it through the winding at rest.
     pub current: f32,
     /// Travel of either joint at which it ends [rad]; at most [`FARTHEST_EXCITATION`].
     pub travel: f32,
@@ -103,9 +107,16 @@ impl Excitation {
         };
         let size = Scalar::abs(self.offset) + Scalar::abs(self.amplitude);
         // A comparison with NaN is false.
-        let small = size <= most && self.current > 0.0 && self.current <= axis.continuous_current;
+        let rate = settings.control.tick_rate;
+        let is_pulse = self.of == Excited::Voltage && (self.ticks as f32) <= LONGEST_PULSE * rate;
+        let greatest = if is_pulse {
+            settings.protection.over_current
+        } else {
+            axis.continuous_current
+        };
+        let small = size <= most && self.current > 0.0 && self.current <= greatest;
         let near = self.travel > 0.0 && self.travel <= FARTHEST_EXCITATION;
-        let short = (self.ticks as f32) <= LONGEST_EXCITATION * settings.control.tick_rate;
+        let short = (self.ticks as f32) <= LONGEST_EXCITATION * rate;
         small && near && short && self.ticks > 0 && self.hold > 0
     }
 }
@@ -198,7 +209,8 @@ impl Controller {
     /// One tick of an excitation.
     pub(super) fn excite(&mut self, sample: &SensorSample, measurement: &Measurement) -> Bridges {
         let silent = self.host_timed_out().then_some(Fault::CommandTimeout);
-        if let Some(fault) = self.sampled_fault(sample, measurement).or(silent) {
+        let fault = self.sampled_fault(sample, measurement).or(silent);
+        if let Some(fault) = fault.or_else(|| self.excited_motor_fault()) {
             self.power_off(fault);
             return Bridges::Off;
         }
@@ -222,6 +234,17 @@ impl Controller {
         let value = excitation.value();
         excitation.ticks += 1;
         self.drive_excited(value)
+    }
+
+    /// The fault that a motor's equation shows while the current loop drives. A voltage is not checked: it
+    /// cannot drive more than twice the continuous current, and whoever excites the motor finds by it
+    /// what is wrong with sensors and wiring.
+    fn excited_motor_fault(&mut self) -> Option<Fault> {
+        let excitation = &self.excitation;
+        match (excitation.excitation.of, excitation.end) {
+            (Excited::Current, None) => self.motor_fault(),
+            (Excited::Current, Some(_)) | (Excited::Voltage, _) => None,
+        }
     }
 
     /// The voltage or the current on one motor; the other one is shorted.

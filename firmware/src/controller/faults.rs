@@ -46,6 +46,17 @@ impl Controller {
         None
     }
 
+    /// The fault that a motor's equation shows, in a tick in which the current loops drive.
+    #[inline(always)]
+    pub(super) fn motor_fault(&mut self) -> Option<Fault> {
+        let [joint1, joint4] = &mut self.joints;
+        let [model1, model4] = &self.model.axes;
+        let [error1, error4] = self.error;
+        let fault1 = joint1.motor_fault(model1, error1, self.bus_voltage);
+        let fault4 = joint4.motor_fault(model4, error4, self.bus_voltage);
+        fault1.or(fault4)
+    }
+
     /// The faults that do not need the bridges to be on.
     #[inline(always)]
     pub(super) fn unpowered_fault(

@@ -3,8 +3,11 @@
 
 use super::encoder::Scale;
 use super::model::AxisModel;
+use super::motor_check::{MotorCheck, MotorSample};
 use super::oscillation::Oscillation;
+use crate::safety::Fault;
 use crate::settings::AxisSettings;
+use fivebar_kinematics::Scalar;
 use fivebar_kinematics::control::{Bus, CurrentState, Drive, Integral, MotorHeat, ObserverState};
 
 /// The heat of the motors at a start, as a share of their limit. Nothing tells how hot they were when
@@ -33,6 +36,7 @@ pub(crate) struct Joint {
     pub(crate) integral: Integral<f32>,
     /// Duty of the bridge.
     pub(crate) duty: f32,
+    motor: MotorCheck,
     oscillation: Oscillation,
 }
 
@@ -50,6 +54,7 @@ impl Joint {
             current: 0.0,
             demand: 0.0,
             duty: 0.0,
+            motor: MotorCheck::released(),
             oscillation: Oscillation::NONE,
         }
     }
@@ -100,10 +105,34 @@ impl Joint {
             .update(&mut self.observer, counted, alpha)
     }
 
-    /// Advances the motor's heat by two ticks at its current; true while it is too hot.
+    /// Checks the motor after [`Joint::measure`] in a tick with power: the fault that its equation shows.
+    /// `error` is the position error of the tick before [rad].
+    #[inline(always)]
+    pub(crate) fn motor_fault(
+        &mut self,
+        model: &AxisModel,
+        error: f32,
+        bus_voltage: f32,
+    ) -> Option<Fault> {
+        let sample = MotorSample {
+            counts: self.counts,
+            velocity: self.observer.velocity,
+            error,
+            current: self.current,
+            demand: self.demand,
+            duty: self.duty,
+            bus_voltage,
+        };
+        self.motor.fault(&model.motor_limits, &sample)
+    }
+
+    /// Advances the motor's heat by all turns at its current; true while it is too hot. A sensor that
+    /// shows less than the least current that the motor's equation admits is not believed.
     #[inline(always)]
     pub(crate) fn warm(&mut self, model: &AxisModel) -> bool {
-        model.heating.update(&mut self.heat, self.current)
+        let (measured, least) = (Scalar::abs(self.current), self.motor.least_current());
+        let current = if measured > least { measured } else { least };
+        model.heating.update(&mut self.heat, current)
     }
 
     /// Half of the turns before [`Joint::oscillates`].
@@ -188,6 +217,7 @@ impl Joint {
         self.integral = Integral(0.0);
         self.demand = 0.0;
         self.duty = 0.0;
+        self.motor = MotorCheck::released();
         self.oscillation = Oscillation::NONE;
     }
 

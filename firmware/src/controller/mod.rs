@@ -11,6 +11,7 @@ mod homing;
 mod homing_state;
 mod joint;
 mod model;
+mod motor_check;
 mod oscillation;
 mod passing;
 mod path;
@@ -35,7 +36,10 @@ pub(crate) use crossing::{
 use current_zeros::CurrentZeros;
 use encoder::Encoder;
 use excitation::ExcitationState;
-pub use excitation::{Excitation, ExcitationEnd, Excited, FARTHEST_EXCITATION, LONGEST_EXCITATION};
+pub use excitation::{
+    Excitation, ExcitationEnd, Excited, FARTHEST_EXCITATION, LONGEST_EXCITATION, LONGEST_PULSE,
+    MOST_DUTY,
+};
 use fivebar_kinematics::five_bar::WorkingMode;
 use holding_brake::HoldingBrake;
 use homing_state::HomingState;

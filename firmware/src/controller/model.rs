@@ -1,6 +1,7 @@
 //! The constants of the tick, computed once from the settings.
 
 use super::homing_state::HomingConfig;
+use super::motor_check::MotorLimits;
 use super::oscillation;
 use super::rest::Stage;
 use super::turns::TURNS;
@@ -85,6 +86,7 @@ pub(crate) struct AxisModel {
     /// Greatest error of a joint that comes to rest or rests [rad].
     pub(crate) rest_error: f32,
     pub(crate) heating: MotorHeating<f32>,
+    pub(super) motor_limits: MotorLimits,
     pub(crate) friction: FrictionCompensation<f32>,
     /// Of the joint [rad]; changes with the correction of its encoder's error.
     pub(crate) radians_per_count: f32,
@@ -223,6 +225,7 @@ impl AxisModel {
                 axis.thermal_time_constant,
                 TURNS as f32 * period,
             ),
+            motor_limits: MotorLimits::new(axis, settings),
             friction: FrictionCompensation::new(
                 axis.viscous_friction,
                 axis.coulomb_friction,

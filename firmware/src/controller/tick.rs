@@ -91,7 +91,8 @@ impl Controller {
                 Bridges::Excited => self.excited(),
             };
         }
-        if let Some(fault) = self.sampled_fault(sample, &measurement) {
+        let fault = self.sampled_fault(sample, &measurement);
+        if let Some(fault) = fault.or_else(|| self.motor_fault()) {
             self.power_off(fault);
             return self.off();
         }

@@ -69,6 +69,11 @@ pub enum Fault {
     IndexAmbiguous = 21,
     /// Behind a singularity that the arm crossed, its torques do not show that it is in the other assembly mode.
     AssemblyMode = 22,
+    /// A motor's measured current is not the one that its voltage and speed drive: its sensor, its leads or
+    /// its bridge are at fault.
+    CurrentSensor = 23,
+    /// An encoder does not count while its motor turns. The joint angles are unknown: home again.
+    EncoderStuck = 24,
     /// An index pulse or a home switch comes where the counts say that it cannot: counts were lost, or a
     /// coupling slipped. The joint angles are unknown: home again.
     LostCounts = 25,
@@ -133,6 +138,8 @@ impl Fault {
             | Self::IndexNotFound
             | Self::IndexAmbiguous
             | Self::AssemblyMode
+            | Self::CurrentSensor
+            | Self::EncoderStuck
             | Self::LostCounts
             | Self::Panic
             | Self::HardFault
@@ -145,7 +152,11 @@ impl Fault {
     pub(crate) const fn loses_angles(self) -> bool {
         matches!(
             self,
-            Self::EncoderJump | Self::EncoderDisagreement | Self::AssemblyMode | Self::LostCounts
+            Self::EncoderJump
+                | Self::EncoderDisagreement
+                | Self::AssemblyMode
+                | Self::EncoderStuck
+                | Self::LostCounts
         )
     }
 }
@@ -215,6 +226,7 @@ mod tests {
                 Fault::EncoderJump
                     | Fault::EncoderDisagreement
                     | Fault::AssemblyMode
+                    | Fault::EncoderStuck
                     | Fault::LostCounts
             );
             assert_eq!(fault.loses_angles(), lost, "{fault:?}");

@@ -1,104 +1,14 @@
-//! A crossing: what is refused, what its monitors tolerate, and how it ends. The bench has no arm that passes
-//! a singularity, so its cranks follow their reference, or do what a test makes them do.
+//! A crossing: what is refused, what its monitors tolerate, and how it ends.
 
-use crate::rig::{Bench, WAKING_TICKS, with};
-use fivebar_firmware::controller::{Controller, Request, RequestError};
-use fivebar_firmware::planner::{MoveErrorKind, Planner};
+use crate::crossing_rig::{PLAN, Rig, START, settings, strong};
+use crate::rig::WAKING_TICKS;
+use fivebar_firmware::controller::{Request, RequestError};
+use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::settings::Settings;
-use fivebar_firmware::{CrossingMove, FULL_TOOL, Move, MoveKind, Status};
+use fivebar_firmware::{CrossingMove, FULL_TOOL, Status};
 use fivebar_kinematics::five_bar::Side;
 use nalgebra::Vector2;
-
-/// The benchtop arm with couplers of 0.12 m, as in the built-in example of crossings.
-pub(crate) fn settings() -> Settings {
-    with(|settings| {
-        settings.lengths = [0.10, 0.12, 0.12, 0.10, 0.08];
-        let [_, link2, link3, _] = &mut settings.links;
-        (link2.com, link2.inertia) = ([0.06, 0.0], 1.65e-4);
-        (link3.com, link3.inertia) = ([0.045, 0.0], 1.2e-4);
-        settings.motion.singularity_margin = 0.1;
-        for axis in &mut settings.axes {
-            axis.angle_limits = [-1.0, 4.0];
-        }
-        settings.crossing_allowed = true;
-    })
-}
-
-/// From the plan of `fivebar plan --crossing`.
-pub(crate) const PLAN: CrossingMove = CrossingMove {
-    from: [0.06, 0.115],
-    to: [0.03, 0.012],
-    duration: 0.3,
-    crosses_at: 0.165,
-    law: [-3.770_132_3, -7.055_689, 0.061_562_1],
-};
-/// θ1, θ4 at its beginning [rad].
-pub(crate) const START: [f32; 2] = [2.161_249, 0.578_428_03];
-
-pub(crate) struct Rig {
-    pub(crate) controller: Controller,
-    pub(crate) planner: Planner,
-    pub(crate) bench: Bench,
-}
-
-impl Rig {
-    fn stopped(settings: &Settings) -> Self {
-        let checked = settings.check().unwrap();
-        let mut rig = Self {
-            controller: Controller::new(&checked),
-            planner: Planner::new(&checked),
-            bench: Bench::new(settings),
-        };
-        rig.bench.theta = START.map(f64::from);
-        rig.tick();
-        rig
-    }
-
-    pub(crate) fn armed(settings: &Settings) -> Self {
-        let mut rig = Self::stopped(settings);
-        rig.controller.request(Request::SetAngles(START)).unwrap();
-        rig.controller.request(Request::Arm).unwrap();
-        for _ in 0..=WAKING_TICKS {
-            rig.tick();
-        }
-        rig
-    }
-
-    /// One tick, after which the cranks stay where they are.
-    fn tick(&mut self) -> Status {
-        self.controller.feed_host_timeout();
-        self.planner.run(&mut self.controller);
-        self.controller.tick(&self.bench.sense());
-        self.controller.status()
-    }
-
-    /// One tick, after which the cranks are at their reference, with the currents that are demanded.
-    pub(crate) fn follow(&mut self) -> Status {
-        let status = self.tick();
-        self.bench.current = status.current_demand.map(f64::from);
-        if let Some(joints) = status.joint_reference {
-            self.bench.theta =
-                [0, 1].map(|j| f64::from(joints.angle[j] + 1e-4 * joints.velocity[j]));
-        }
-        status
-    }
-
-    pub(crate) fn push(&mut self, tool: u16, plan: CrossingMove) -> Result<(), MoveErrorKind> {
-        let kind = MoveKind::Crossing(plan);
-        let pushed = self
-            .planner
-            .push(&mut self.controller, &Move { tag: 7, tool, kind });
-        pushed.map_err(|error| error.kind)
-    }
-
-    /// A crossing that has begun.
-    pub(crate) fn crossing() -> Self {
-        let mut rig = Self::armed(&settings());
-        rig.push(0, PLAN).unwrap();
-        rig
-    }
-}
 
 #[test]
 fn cranks_that_follow_cross_with_little_torque_to_the_other_assembly_mode() {
@@ -173,12 +83,7 @@ fn an_assembly_mode_that_nobody_confirms_within_a_tenth_of_a_second_is_a_fault()
     let mut rig = Rig::crossing();
     let mut ticks = 0;
     while rig.controller.state() == State::Crossing && ticks < 10_000 {
-        let status = rig.controller.status();
-        if let Some(joints) = status.joint_reference {
-            rig.bench.theta =
-                [0, 1].map(|j| f64::from(joints.angle[j] + 1e-4 * joints.velocity[j]));
-        }
-        rig.controller.tick(&rig.bench.sense());
+        rig.follow_alone();
         ticks += 1;
     }
     // The plan takes 3000 ticks and the filter's lag.
@@ -260,7 +165,7 @@ fn the_currents_behind_the_singularity_tell_the_assembly_mode() {
         (Side::Right, 0.05, None),
         (Side::Left, f32::INFINITY, Some(Fault::AssemblyMode)),
     ] {
-        let mut rig = Rig::crossing();
+        let mut rig = Rig::crossing_with(&strong());
         for tick in 0.. {
             let status = rig.follow();
             if status.state != State::Crossing {
@@ -287,10 +192,10 @@ fn the_currents_behind_the_singularity_tell_the_assembly_mode() {
 /// Constant currents, as of a broken sensor.
 #[test]
 fn currents_that_fit_neither_assembly_mode_confirm_none() {
-    let mut rig = Rig::crossing();
+    let mut rig = Rig::crossing_with(&strong());
     let status = loop {
         let status = rig.follow();
-        rig.bench.current = [3.0, -3.0];
+        rig.bench.current = [1.5, -1.5];
         if status.state != State::Crossing {
             break status;
         }

@@ -1,6 +1,6 @@
 //! The joint limits while the arm crosses a singularity.
 
-use crate::crossing::{PLAN, Rig, START, settings};
+use crate::crossing_rig::{PLAN, Rig, START, settings};
 use fivebar_firmware::planner::Planner;
 use fivebar_firmware::safety::{Fault, State};
 

@@ -145,6 +145,36 @@ fn a_sequence_takes_both_values_and_holds_each() {
     );
 }
 
+/// The whole voltage, to see the bridge's own current limit.
+#[test]
+fn a_voltage_of_2_ms_may_reach_the_over_current_and_a_longer_one_may_not() {
+    let pulse = Excitation {
+        offset: 12.0,
+        ticks: 20,
+        current: 6.0,
+        ..GENTLE
+    };
+    let (_, current, travel) = excite(&mut Rig::new(&settings()), pulse);
+    assert!((4.5..5.3).contains(&current), "{current} A");
+    assert!(travel < 0.2, "{travel} rad");
+    for beyond in [
+        Excitation { ticks: 21, ..pulse },
+        Excitation {
+            current: 6.01,
+            ..pulse
+        },
+        Excitation {
+            of: Excited::Current,
+            offset: 2.0,
+            ..pulse
+        },
+    ] {
+        let request = Request::Excite(beyond);
+        let refused = Rig::new(&settings()).controller.request(request);
+        assert_eq!(refused, Err(RequestError::Excitation), "{beyond:?}");
+    }
+}
+
 #[test]
 fn values_beyond_their_bounds_are_refused_and_nothing_moves() {
     let beyond: [(&str, Excitation); 12] = [

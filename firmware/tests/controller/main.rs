@@ -5,6 +5,7 @@ mod rig;
 
 mod crossing;
 mod crossing_limits;
+mod crossing_rig;
 mod current_zeros;
 mod drives;
 mod either_joint;
@@ -20,6 +21,7 @@ mod homing_methods;
 mod independent_joints;
 mod left_behind;
 mod lost_counts;
+mod motor_check;
 mod moving;
 mod stopping;
 mod tool;

@@ -89,6 +89,12 @@ pub(crate) struct Bench {
     pub(crate) no_index: bool,
     /// Added to the counts.
     pub(crate) extra_counts: [i32; 2],
+    /// What each current sensor shows of a current [A].
+    pub(crate) current_sensor: [fn(f64) -> f64; 2],
+    /// The counts of encoders that are stuck.
+    pub(crate) stuck_counts: [Option<i32>; 2],
+    /// Whether a joint is held, whatever acts on it.
+    pub(crate) jammed: [bool; 2],
     /// Measured less true angle of each encoder's shaft, by the measured angle [rad].
     pub(crate) encoder_error: fn(f64) -> f64,
     command: ActuatorCommand,
@@ -124,6 +130,9 @@ impl Bench {
             switch_behind: [0.0; 2],
             no_index: false,
             extra_counts: [0; 2],
+            current_sensor: [|current| current; 2],
+            stuck_counts: [None; 2],
+            jammed: [false; 2],
             encoder_error: |_| 0.0,
             command: ActuatorCommand::default(),
         }
@@ -140,7 +149,8 @@ impl Bench {
             counts.wrapping_add(self.extra_counts[joint])
         };
         let code = |joint: usize| {
-            let codes = self.current[joint] / f64::from(axes[joint].current_per_code);
+            let shown = self.current_sensor[joint](self.current[joint]);
+            let codes = shown / f64::from(axes[joint].current_per_code);
             (codes + f64::from(axes[joint].current_zero_code)).round() as u16
         };
         let switch = |joint: usize| {
@@ -164,7 +174,7 @@ impl Bench {
         SensorSample {
             home: self.stuck.unwrap_or([switch(0), switch(1)]),
             index: [index(0), index(1)],
-            counts: [counts(0), counts(1)],
+            counts: [0, 1].map(|joint| self.stuck_counts[joint].unwrap_or_else(|| counts(joint))),
             current: [code(0), code(1)],
             bus_voltage: (self.bus * 100.0).round() as u16,
             ..self.overlay
@@ -198,6 +208,9 @@ impl Bench {
             let alpha = self.accelerations(torque);
             for joint in 0..2 {
                 self.omega[joint] += dt * alpha[joint];
+                if self.jammed[joint] {
+                    self.omega[joint] = 0.0;
+                }
                 self.theta[joint] += dt * self.omega[joint];
             }
         }

@@ -21,6 +21,7 @@ mod current;
 mod discrete;
 
 mod friction;
+mod motor_equation;
 mod observer;
 mod position;
 mod thermal;
@@ -29,6 +30,7 @@ mod torque_limit;
 pub use current::{Bus, CurrentLoop, CurrentState, Drive};
 
 pub use friction::FrictionCompensation;
+pub use motor_equation::{MotorEquation, MotorEstimate};
 pub use observer::{ObserverState, VelocityObserver};
 pub use position::{Integral, PositionLoop};
 pub use thermal::{MotorHeat, MotorHeating};

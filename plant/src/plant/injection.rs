@@ -66,6 +66,14 @@ impl Plant {
                 let sensor = &mut self.sensors[joint];
                 sensor.current_offset += amperes / sensor.current_per_code;
             }
+            FaultKind::CurrentDead { joint } => {
+                let code = self.current_code(joint, 0.0);
+                self.faults.sensors.currents[joint] = Some(CurrentDefect::Stuck(code));
+            }
+            FaultKind::CurrentGain { joint, gain } => {
+                let zero = self.sensors[joint].current_zero_code;
+                self.faults.sensors.currents[joint] = Some(CurrentDefect::Gain(zero, gain));
+            }
             FaultKind::CurrentStuck { joint, amperes } => {
                 let code = self.current_code(joint, amperes);
                 self.faults.sensors.currents[joint] = Some(CurrentDefect::Stuck(code));

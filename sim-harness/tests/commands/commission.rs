@@ -96,6 +96,14 @@ fn each_wrong_wiring_is_found_and_named() {
             "current sensor of joint 4 is dead",
         ),
         (
+            "[wiring]\nbridge_limit_missing = [true, false]",
+            "the current limit of the bridge of joint 1 is missing",
+        ),
+        (
+            "[wiring]\nbridge_limit_missing = [false, true]",
+            "the current limit of the bridge of joint 4 is missing",
+        ),
+        (
             "[wiring]\ncounts = [1.0, 0.0]",
             "the counts or the gear ratio of joint 1 are wrong",
         ),

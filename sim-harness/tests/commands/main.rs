@@ -29,4 +29,5 @@ mod query_slider;
 mod random_arms;
 mod shell_help;
 mod sim;
+mod sim_motors;
 mod workspace;

@@ -337,7 +337,7 @@ fn every_built_in_scenario_ends_as_described() {
         ("realistic", None),
         ("bus_sags", Some("under voltage")),
         ("emergency_stop", Some("emergency stop")),
-        ("encoder_dies", Some("following error")),
+        ("encoder_dies", Some("encoder stuck")),
         ("late_ticks", Some("tick overrun")),
         ("motor_stalls", Some("following error")),
         ("sensor_drifts", None),

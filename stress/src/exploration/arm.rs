@@ -57,7 +57,7 @@ pub(super) enum Disturbance {
     FrozenCounts,
     /// Somebody pushes joint 4.
     Push,
-    /// The currents do not belong to the motion.
+    /// The current sensors show the currents reversed.
     WrongTorque,
     /// The home switches read closed.
     SwitchesClosed,
@@ -93,6 +93,8 @@ pub(super) struct FollowingArm {
     velocity: [f64; 2],
     /// [A].
     current: [f32; 2],
+    /// The duties that act until the next tick.
+    acting: [f32; 2],
     /// Counts that an encoder has jumped by.
     jumped: i32,
     /// Joint 1's counts when they stopped.
@@ -108,6 +110,7 @@ impl FollowingArm {
             angle: start(CROSSES).map(f64::from),
             velocity: [0.0; 2],
             current: [0.0; 2],
+            acting: [0.0; 2],
             jumped: 0,
             frozen: None,
             disturbance: None,
@@ -180,10 +183,9 @@ impl FollowingArm {
     pub(super) fn step(&mut self, command: &ActuatorCommand, status: &Status, settings: &Settings) {
         let period = 1.0 / f64::from(settings.control.tick_rate);
         let powered = command.enable == [true; 2];
-        self.current = status.current_demand;
         match (status.state, status.joint_reference) {
-            _ if !powered => (self.velocity, self.current) = ([0.0; 2], [0.0; 2]),
-            (State::Homing | State::Exciting, _) => self.turn_freely(command, settings, period),
+            _ if !powered => self.velocity = [0.0; 2],
+            (State::Homing | State::Exciting, _) => self.turn_freely(settings, period),
             (_, Some(joints)) => {
                 self.velocity = joints.velocity.map(f64::from);
                 for (angle, reference) in self.angle.iter_mut().zip(joints.angle) {
@@ -197,6 +199,24 @@ impl FollowingArm {
         if self.disturbance == Some(Disturbance::Push) {
             self.angle[1] += PUSH * period;
         }
+        self.drive(command, powered, settings);
+    }
+
+    /// The currents that the duties drive in this tick; those of the command act in the next one.
+    fn drive(&mut self, command: &ActuatorCommand, powered: bool, settings: &Settings) {
+        let period = 1.0 / settings.control.tick_rate;
+        let acting = std::mem::replace(&mut self.acting, command.duty);
+        for (joint, axis) in settings.axes.iter().enumerate() {
+            let kept = (-axis.resistance * period / axis.inductance).exp();
+            let back_emf = axis.gear_ratio * axis.torque_constant * self.velocity[joint] as f32;
+            let through = (acting[joint] * BUS - back_emf) / axis.resistance;
+            let current = &mut self.current[joint];
+            *current = if powered {
+                kept * *current + (1.0 - kept) * through
+            } else {
+                0.0
+            };
+        }
     }
 
     fn turn(&mut self, period: f64) {
@@ -205,14 +225,10 @@ impl FollowingArm {
         }
     }
 
-    /// Each joint by itself, under its motor's current or voltage.
-    fn turn_freely(&mut self, command: &ActuatorCommand, settings: &Settings, period: f64) {
+    /// Each joint by itself, under its motor's current.
+    fn turn_freely(&mut self, settings: &Settings, period: f64) {
         for (joint, axis) in settings.axes.iter().enumerate() {
-            let current = &mut self.current[joint];
-            if *current == 0.0 {
-                *current = command.duty[joint] * BUS / axis.resistance;
-            }
-            let torque = f64::from(axis.torque_constant * axis.gear_ratio * *current);
+            let torque = f64::from(axis.torque_constant * axis.gear_ratio * self.current[joint]);
             let velocity = &mut self.velocity[joint];
             *velocity += (torque - FRICTION * *velocity) / INERTIA * period;
         }

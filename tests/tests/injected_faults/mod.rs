@@ -36,6 +36,8 @@ macro_rules! test_every_injected_fault {
             a_switch_stuck_in_motion,
             a_stalled_motor,
             a_disconnected_motor,
+            a_dead_current_sensor,
+            a_reversed_current_sensor,
             a_current_sensor_somewhat_off,
             a_current_sensor_far_off,
             a_sagging_bus,
@@ -61,7 +63,10 @@ fn powers_off<L: Read + Write>(line: L, test: &str, fault: FaultKind) -> Bench<L
 }
 
 pub(crate) fn a_dead_encoder(line: impl Read + Write) {
-    powers_off(line, "a_dead_encoder", FaultKind::EncoderDead { joint: 0 });
+    let mut bench = powers_off(line, "a_dead_encoder", FaultKind::EncoderDead { joint: 0 });
+    // The joint has turned unseen.
+    let error = bench.is_refused(HostCommand::Request(Request::Arm));
+    assert_eq!(error, CommandError::Request(RequestError::NotHomed));
 }
 
 pub(crate) fn a_jumping_encoder(line: impl Read + Write) {
@@ -97,6 +102,19 @@ pub(crate) fn a_stalled_motor(line: impl Read + Write) {
 pub(crate) fn a_disconnected_motor(line: impl Read + Write) {
     let lead = FaultKind::MotorDisconnected { joint: 0 };
     powers_off(line, "a_disconnected_motor", lead);
+}
+
+pub(crate) fn a_dead_current_sensor(line: impl Read + Write) {
+    let dead = FaultKind::CurrentDead { joint: 1 };
+    powers_off(line, "a_dead_current_sensor", dead);
+}
+
+pub(crate) fn a_reversed_current_sensor(line: impl Read + Write) {
+    let reversed = FaultKind::CurrentGain {
+        joint: 0,
+        gain: -1.0,
+    };
+    powers_off(line, "a_reversed_current_sensor", reversed);
 }
 
 /// The position loop's integral compensates for it.

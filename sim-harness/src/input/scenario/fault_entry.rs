@@ -40,6 +40,8 @@ enum Kind {
     WindingShorted,
     MotorStalled,
     CurrentOffset,
+    CurrentDead,
+    CurrentGain,
     CurrentStuck,
     CurrentLate,
     BusVoltage,
@@ -152,6 +154,11 @@ impl FaultEntry {
                     self.amperes,
                     "the shift of the sensor's zero [A]",
                 )?,
+            },
+            Kind::CurrentDead => FaultKind::CurrentDead { joint: joint()? },
+            Kind::CurrentGain => FaultKind::CurrentGain {
+                joint: joint()?,
+                gain: gain()?,
             },
             Kind::CurrentStuck => FaultKind::CurrentStuck {
                 joint: joint()?,

@@ -50,6 +50,8 @@ pub(super) struct Pulse {
     pub(super) time: f64,
     /// Travel at which it ends [rad].
     pub(super) travel: f64,
+    /// Current of either motor at which it ends [A].
+    pub(super) current: f64,
     /// What is logged, and every how many ticks.
     pub(super) signals: Signals,
     pub(super) every: u16,
@@ -273,7 +275,6 @@ impl Bench {
             powered: true,
         };
         let rate = self.robot.control.tick_rate;
-        let drive = self.drive(pulse.joint)?;
         self.begin_log(config)?;
         self.request(Request::Excite(Excitation {
             joint: pulse.joint as u8,
@@ -282,7 +283,7 @@ impl Bench {
             amplitude: pulse.volts[1] as f32,
             hold: 2,
             ticks: (pulse.time * rate) as u32,
-            current: drive.continuous_current as f32,
+            current: pulse.current as f32,
             travel: pulse.travel as f32,
         }))?;
         loop {

@@ -75,6 +75,11 @@ fn next_step(fault: Fault) -> &'static str {
             "Move a switch, or an encoder's disc, so that the switch closes half a turn of the encoder \
              behind the index pulse."
         }
+        Fault::CurrentSensor => {
+            "Check the motor's current sensor, its leads and its bridge; the robot file's resistance and \
+             torque constant."
+        }
+        Fault::EncoderStuck => "Check the encoder, its cable and its supply, then home again.",
         Fault::AssemblyMode => {
             "Look in which assembly mode the arm is, and what hindered it; put it into that of home by hand, \
              then home again."

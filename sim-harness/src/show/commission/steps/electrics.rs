@@ -6,6 +6,7 @@ use super::super::finding::StepError;
 use super::super::log::LogRows;
 use super::super::operator::number;
 use super::super::record::Value;
+use super::bridge_limit::bridge_limit;
 use super::fit::least_squares;
 use super::{Outcome, measured};
 use crate::input::robot::MeasuredKey;
@@ -73,6 +74,8 @@ pub(in super::super) fn electrics(bench: &mut Bench) -> Result<Outcome, StepErro
     let mut found = Vec::new();
     for joint in [0, 1] {
         let [[r, r_sd], [l, l_sd]] = winding(bench, joint)?;
+        let (limit, pulse_current) = bridge_limit(bench, joint, r)?;
+        values.push(pulse_current);
         let [k, k_sd] = torque_constant(bench, joint, [r, l])?;
         let drive = bench.drive(joint)?;
         let this = number(joint);
@@ -91,7 +94,7 @@ pub(in super::super) fn electrics(bench: &mut Bench) -> Result<Outcome, StepErro
             }
         }
         found.push(format!(
-            "joint {this}: {r:.3} Ω, {:.3} mH, {:.2} mN·m/A",
+            "joint {this}: {r:.3} Ω, {:.3} mH, {:.2} mN·m/A, {limit}",
             1e3 * l,
             1e3 * k
         ));
@@ -139,6 +142,7 @@ fn winding(bench: &mut Bench, joint: usize) -> Result<[[f64; 2]; 2], StepError> 
         volts: [0.0, applied_exactly(bench, 0.85 * holding)],
         time: 0.28,
         travel: 0.3,
+        current: drive.continuous_current,
         signals: SIGNALS[joint],
         every: 1,
     };
@@ -205,6 +209,16 @@ fn rates(values: &[f64], period: f64, half: usize) -> Vec<f64> {
         .collect()
 }
 
+/// The sign of a voltage that turns a joint away from its switch.
+pub(super) fn away_from_switch(bench: &Bench, joint: usize) -> Result<f64, StepError> {
+    let away = if bench.settings.axes[joint].home_forward {
+        -1.0
+    } else {
+        1.0
+    };
+    Ok(away * bench.drive(joint)?.gear_ratio.signum())
+}
+
 /// The torque constant [N·m/A] with its deviation, by constant voltages both ways:
 /// u − R i − L di/dt = N K ω + v0 sign ω. The current falls while the joint gains speed: without its
 /// rate K comes out 0.3 % too great on the benchtop arm.
@@ -216,12 +230,7 @@ fn torque_constant(
     let drive = bench.drive(joint)?;
     let (mut rows, mut rights) = (Vec::new(), Vec::new());
     // Away from the switch first, and back over the same stretch.
-    let away = if bench.settings.axes[joint].home_forward {
-        -1.0
-    } else {
-        1.0
-    };
-    let away = away * drive.gear_ratio.signum();
+    let away = away_from_switch(bench, joint)?;
     let holding = drive.continuous_current * drive.resistance;
     for share in [0.3, 0.45, 0.6, 0.75] {
         for sign in [away, -away] {
@@ -230,6 +239,7 @@ fn torque_constant(
                 volts: [applied_exactly(bench, sign * share * holding), 0.0],
                 time: 0.8,
                 travel: 0.45,
+                current: drive.continuous_current,
                 signals: SIGNALS[joint],
                 every: 3,
             };

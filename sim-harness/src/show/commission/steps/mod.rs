@@ -1,6 +1,7 @@
 //! The steps, in their order.
 
 mod arm;
+mod bridge_limit;
 mod contactor;
 mod dynamics;
 mod electrics;
@@ -87,7 +88,8 @@ pub(in crate::show) const STEPS: [Step; 12] = [
     Step {
         name: "electrics",
         does: "puts voltages on one motor at a time, for 0.8 s and 0.45 rad at most, up to the \
-               motor's continuous current; the joints must be free to turn away from their switches",
+               motor's continuous current, and the whole voltage for 2 ms, up to the bridge's own current \
+               limit; the joints must be free to turn away from their switches",
         run: electrics::electrics,
     },
     Step {

@@ -33,6 +33,7 @@ pub(in super::super) fn directions(bench: &mut Bench) -> Result<Outcome, StepErr
                 volts: [volts, 0.0],
                 time: 0.15,
                 travel: PULSE_TRAVEL,
+                current: drive.continuous_current,
                 signals: Signals::COUNTS_1
                     | Signals::COUNTS_4
                     | Signals::CURRENT_1
