@@ -14,6 +14,7 @@ mod doctor;
 #[cfg(unix)]
 mod emulator_lifetime;
 mod export;
+mod extremes;
 mod full_disk;
 mod home_index;
 mod home_methods;

@@ -2,7 +2,7 @@
 //! by 1000: the file is refused, with the line and what the value must be, or a table states why
 //! such a value cannot be told from a meant one.
 
-use fivebar::input::robot::{BUILT_IN, Robot};
+use fivebar::input::robot::{BUILT_IN, Robot, SliderRobot};
 use toml::{Table, Value};
 
 /// The upright benchtop arm with a value other than 0 for every key of a robot file that has numbers.
@@ -186,6 +186,16 @@ fn each_number_of_a_robot_wrong_by_a_thousand_is_refused_or_stated() {
         assert!(unstated.is_empty(), "{name}: {unstated:#?}");
     }
     assert!(all > 700, "{all}");
+}
+
+#[test]
+fn each_number_of_a_slider_wrong_by_a_thousand_is_refused_or_stated() {
+    let text = include_str!("../../robots/slider.toml");
+    let read = |text: &str| SliderRobot::parse("slider.toml", text).map(|_| ());
+    let (taken, tried) = taken(text, read);
+    assert!(tried >= 22, "{tried}");
+    let unstated = unstated(taken);
+    assert!(unstated.is_empty(), "{unstated:#?}");
 }
 
 #[test]

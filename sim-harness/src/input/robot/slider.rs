@@ -3,7 +3,7 @@
 
 use super::file::ToleranceFile;
 use super::tolerance::each;
-use super::{BuiltIn, Robot, read};
+use super::{BuiltIn, Robot, plausible, read};
 use crate::input::source::{FileError, Key, Source};
 use fivebar_design::accuracy::slider::{SliderTolerance, TolerancedSlider};
 use fivebar_design::linkage::dyad::SlideBranch;
@@ -158,6 +158,8 @@ impl SliderRobot {
             input_max: each(&source, "input_max", &given.input_max, inputs)?,
             clearance_radius: each(&source, "clearance_radius", &given.clearance_radius, pins)?,
         };
+        let lengths = [file.left_link, file.right_link, file.platform];
+        plausible::slider(&source, lengths, travel.as_ref(), &tolerance)?;
         let [left, right] = file.working_mode;
         Ok(Self {
             name: file.name,

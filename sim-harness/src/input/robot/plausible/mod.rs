@@ -9,10 +9,13 @@ mod arm;
 mod drive;
 mod motion;
 mod parts;
+mod slider;
 
 use super::Robot;
 use super::value::rounded;
 use crate::input::source::{FileError, Key, Source};
+use fivebar_design::accuracy::slider::SliderTolerance;
+use fivebar_design::slider::Travel;
 
 /// A value with its plausible range.
 struct Plausible {
@@ -116,6 +119,17 @@ pub(super) fn check(source: &Source<'_>, robot: &Robot) -> Result<(), FileError>
         .chain(drive::rules(robot))
         .chain(motion::rules(robot))
         .chain(parts::rules(robot));
+    rules.into_iter().try_for_each(|rule| rule.check(source))
+}
+
+/// The same of a slider-driven mechanism: left link, right link and platform [m], travel and tolerances.
+pub(super) fn slider(
+    source: &Source<'_>,
+    lengths: [f64; 3],
+    travel: Option<&Travel<f64>>,
+    tolerance: &SliderTolerance,
+) -> Result<(), FileError> {
+    let rules = slider::rules(lengths, travel, tolerance);
     rules.into_iter().try_for_each(|rule| rule.check(source))
 }
 

@@ -5,8 +5,8 @@ use crate::input::robot::Robot;
 use crate::input::source::Key;
 
 /// Tolerances and clearances, as shares of the shortest length.
-const LENGTH: f64 = 0.05;
-const CLEARANCE: f64 = 0.01;
+pub(super) const LENGTH: f64 = 0.05;
+pub(super) const CLEARANCE: f64 = 0.01;
 
 /// Error of a driven angle [rad]: two degrees.
 const INPUT: f64 = 0.035;
