@@ -184,22 +184,6 @@ fn a_joint_that_jams_is_a_following_error_as_ever() {
     }
 }
 
-/// No tick sees the bridges off, so the motor keeps its current.
-#[test]
-fn a_motor_that_is_powered_again_at_once_keeps_its_current_and_is_sound() {
-    let mut rig = holding();
-    for _ in 0..10 {
-        for request in [
-            Request::Disarm,
-            Request::SetAngles(rig.bench.theta.map(|a| a as f32)),
-            Request::Arm,
-        ] {
-            rig.controller.request(request).unwrap();
-        }
-        assert_eq!(latched(&mut rig, 20), None);
-    }
-}
-
 /// Settings that differ from the motors: the bench keeps the motors of the settings.
 fn mistaken(change: impl Fn(&mut AxisSettings)) -> Settings {
     with(|settings| settings.axes.iter_mut().for_each(change))
