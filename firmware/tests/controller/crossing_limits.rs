@@ -18,8 +18,8 @@ fn a_crank_behind_a_joint_limit_while_it_crosses_has_left_the_envelope() {
     }
     let mut passed = 0;
     for joint in 0..2 {
-        for side in 0..2 {
-            let (start, end) = (START[joint], ranges[joint][side]);
+        for (side, end) in ranges[joint].into_iter().enumerate() {
+            let start = START[joint];
             if (end - start).abs() < 0.1 {
                 continue;
             }

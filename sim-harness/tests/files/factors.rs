@@ -12,7 +12,7 @@ fn whole() -> String {
         ("gravity = [0.0, 0.0]", "gravity = [0.0, -9.81]"),
         (
             "[[actuator]]",
-            "[[actuator]]\nbrake_torque = 0.5\ncurrent_per_code = 0.004\nstiffness = 2500.0\n\
+            "[[actuator]]\nbrake_torque = 0.5\nbrake_engage_time = 0.05\nbrake_release_time = 0.05\ncurrent_per_code = 0.004\nstiffness = 2500.0\n\
              drive_damping = 0.008\nencoder_latency = 1e-4\n\
              encoder_error = [{ harmonic = 1, amplitude = 1e-3, phase = 0.5 }]",
         ),

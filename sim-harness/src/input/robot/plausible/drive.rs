@@ -29,6 +29,9 @@ const HEATING: [f64; 2] = [0.1, 3600.0];
 /// Holding torque of a brake over the motor's peak torque at the joint.
 const BRAKE: [f64; 2] = [0.01, 100.0];
 
+/// Time in which a brake engages or releases [s].
+const BRAKE_TIMES: [f64; 2] = [1e-3, 1.0];
+
 /// Greatest angle by which the peak torque twists gear or belt [rad].
 const TWIST: f64 = 0.2;
 
@@ -84,6 +87,16 @@ fn joint_rules(robot: &Robot, joint: usize, motor: &Actuator) -> Vec<Plausible> 
         )
         .or_zero(),
     ]);
+    for (name, time) in [
+        ("brake_engage_time", motor.brake_engage_time),
+        ("brake_release_time", motor.brake_release_time),
+    ] {
+        if let Some(time) = time {
+            let time = (time, "s");
+            let reason = "no brake moves in less, and power must hold the arm until it does";
+            rules.push(Plausible::new(key(name), time, BRAKE_TIMES, reason).or_zero());
+        }
+    }
     if let Some(stiffness) = motor.stiffness {
         rules.push(Plausible::new(
             key("stiffness"),
