@@ -87,7 +87,8 @@ mod app {
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
         // The emulator has no clock control and runs from the internal oscillator.
-        let (mut rcc, source) = clocks::start(cx.device.RCC, &cx.device.FLASH, &cx.device.TIM11);
+        let (mut rcc, source) =
+            clocks::start(cx.device.RCC, &cx.device.FLASH, &cx.device.TIM11, |_| {});
         let pins = cx.device.GPIOB.split(&mut rcc);
         let pins = (pins.pb6.into_alternate(), pins.pb7.into_alternate());
         let (usart, dma) = (&cx.device.USART1, &cx.device.DMA2);

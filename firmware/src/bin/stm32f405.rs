@@ -83,7 +83,10 @@ mod app {
         let (device, mut core) = (cx.device, cx.core);
         let reset = post_mortem::reset_reason(&device.RCC);
         brown_out::enable_reset(&device.FLASH);
-        let (mut rcc, source) = clocks::start(device.RCC, &device.FLASH, &device.TIM11);
+        let (mut rcc, source) =
+            clocks::start(device.RCC, &device.FLASH, &device.TIM11, |frequency| {
+                defmt::error!("the crystal has {} Hz, not 8 MHz", frequency)
+            });
         let pins = Pins::new(device.GPIOA, device.GPIOB, device.GPIOC, &mut rcc);
         let (tool_timer, tool) = tool::new(device.TIM3, pins.tool, source.tool_timer(), &mut rcc);
         let outputs = BoardOutputs::new(device.TIM1, pins.outputs, tool, &mut rcc);

@@ -43,13 +43,18 @@ impl Source {
     }
 }
 
-/// Starts the clocks.
+/// Starts the clocks; `wrong_crystal` is given the frequency of a crystal that has not 8 MHz [Hz].
 ///
 /// The HAL's own start-up waits for a crystal without a bound; here every wait has one. If the
 /// crystal fails later, the clock security system switches the core to the internal oscillator,
 /// trips the timer's break input and raises the NMI.
-pub fn start(mut rcc: pac::RCC, flash: &pac::FLASH, timer: &pac::TIM11) -> (Rcc, Source) {
-    let runs = crystal_starts(&rcc) && crystal::is_right(timer, &mut rcc);
+pub fn start(
+    mut rcc: pac::RCC,
+    flash: &pac::FLASH,
+    timer: &pac::TIM11,
+    wrong_crystal: impl FnOnce(Option<u32>),
+) -> (Rcc, Source) {
+    let runs = crystal_starts(&rcc) && crystal::is_right(timer, &mut rcc, wrong_crystal);
     let source = if runs && pll_locks(&rcc) && core_follows(&rcc, flash) {
         rcc.cr().modify(|_, w| w.csson().on());
         Source::Crystal

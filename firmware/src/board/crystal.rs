@@ -25,13 +25,13 @@ const RIGHT: RangeInclusive<u32> = 7_600_000..=8_750_000;
 /// crystal of 4 MHz.
 const PATIENCE: u32 = 30_000;
 
-/// Whether the running crystal has 8 MHz. The core must run from the internal oscillator, with the
-/// second bus undivided.
-pub fn is_right(timer: &TIM11, rcc: &mut RCC) -> bool {
+/// Whether the running crystal has 8 MHz; else `wrong` is given its frequency [Hz], none if it cannot be
+/// measured. The core must run from the internal oscillator, with the second bus undivided.
+pub fn is_right(timer: &TIM11, rcc: &mut RCC, wrong: impl FnOnce(Option<u32>)) -> bool {
     let frequency = frequency(timer, rcc);
     let right = frequency.is_some_and(|frequency| RIGHT.contains(&frequency));
     if !right {
-        defmt::error!("the crystal has {} Hz, not 8 MHz", frequency);
+        wrong(frequency);
     }
     right
 }

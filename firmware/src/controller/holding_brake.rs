@@ -11,6 +11,7 @@
 use super::Controller;
 use super::setpoint::Setpoint;
 use super::turns::TURNS;
+use crate::io::ActuatorCommand;
 use crate::safety::{Event, Fault, State};
 use crate::settings::BrakeSettings;
 use fivebar_kinematics::Scalar;
@@ -52,6 +53,8 @@ pub(super) struct HoldingBrake {
     pub(super) share: f32,
     /// The event that waits for the brakes: it switches the bridges off.
     ending: Option<Event>,
+    /// What their test has found in the tick before.
+    verdict: Option<Verdict>,
     /// Turns that the brakes need.
     release_turns: u32,
     engage_turns: u32,
@@ -73,6 +76,7 @@ impl HoldingBrake {
             phase: Phase::Engaged,
             share: 1.0,
             ending: None,
+            verdict: None,
             release_turns: turns(settings.release_time),
             engage_turns: turns(settings.engage_time),
             test_turns: falling + no_torque,
@@ -118,7 +122,14 @@ impl HoldingBrake {
     #[inline(always)]
     pub(super) fn stay_powered(&mut self) {
         self.ending = None;
+        self.verdict = None;
         self.share = 1.0;
+    }
+
+    /// What the test of the brakes has found in the tick before, once.
+    #[inline(always)]
+    pub(super) fn take_verdict(&mut self) -> Option<Verdict> {
+        self.verdict.take()
     }
 
     /// The bridges are awake: releases the brakes.
@@ -171,31 +182,34 @@ impl HoldingBrake {
         }
     }
 
-    /// One turn of the test of brakes that hold a resting arm with these angles [rad].
-    fn test(&mut self, angles: [f32; 2]) -> Test {
+    /// One turn of the test of brakes that hold a resting arm with these angles [rad], before this event.
+    fn test(&mut self, angles: [f32; 2], event: Event) {
         let Phase::IsTested(turns, before) = self.phase else {
             self.phase = Phase::IsTested(self.test_turns, angles);
-            return Test::GoesOn;
+            return;
         };
         let ([angle1, angle4], [before1, before4]) = (angles, before);
         if Scalar::abs(angle1 - before1) > BRAKE_PLAY || Scalar::abs(angle4 - before4) > BRAKE_PLAY
         {
-            return Test::Fails;
+            self.verdict = Some(Verdict::Fails);
+            return;
         }
         if turns == 0 {
-            return Test::IsOver;
+            self.verdict = Some(Verdict::Holds(event));
+            return;
         }
         let falling = turns.saturating_sub(self.no_torque_turns);
         self.share = falling as f32 * self.per_falling_turn;
         self.phase = Phase::IsTested(turns - 1, before);
-        Test::GoesOn
     }
 }
 
-/// What a turn of the test of the brakes finds.
-enum Test {
-    GoesOn,
-    IsOver,
+/// What the test of the brakes finds.
+#[derive(Clone, Copy)]
+pub(super) enum Verdict {
+    /// They hold the arm: this event switches the bridges off.
+    Holds(Event),
+    /// They do not.
     Fails,
 }
 
@@ -288,19 +302,34 @@ impl Controller {
         if !rests || !self.brake.engage() {
             return;
         }
-        match self.brake.test(self.angles()) {
-            Test::GoesOn => {}
-            Test::Fails => self.hold_without_brake(),
-            Test::IsOver => {
-                let ended = match event {
-                    Event::Homed => self.finish_homing(),
-                    Event::Fault => Err(Fault::CommandTimeout),
-                    // The state accepts it: it did when it was given.
-                    event => self.dispatch(event).map_err(|_| Fault::CommandTimeout),
-                };
-                self.pending_off = ended.err();
-            }
+        self.brake.test(self.angles(), event);
+    }
+
+    /// The tick after the test of the brakes: it has no reference, and no turn. Arms that the brakes do
+    /// not hold keep the duties of the tick before.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn end_test(&mut self, verdict: Verdict) -> ActuatorCommand {
+        let Verdict::Holds(event) = verdict else {
+            self.hold_without_brake();
+            return ActuatorCommand {
+                duty: self.joints.each_ref().map(|joint| joint.duty),
+                enable: [true; 2],
+                brake: self.brake.is_on(),
+                tool: self.path.tool_output(),
+            };
+        };
+        let ended = match event {
+            Event::Homed => self.finish_homing(),
+            Event::Fault => Err(Fault::CommandTimeout),
+            // The state accepts it: it did when it was given.
+            event => self.dispatch(event).map_err(|_| Fault::CommandTimeout),
+        };
+        match ended {
+            Ok(()) => self.unpowered(),
+            Err(fault) => self.power_off(fault),
         }
+        self.off()
     }
 
     /// The brakes do not hold the arm: the bridges do, until the emergency stop. An arm whose angles

@@ -36,9 +36,9 @@ impl Controller {
         };
     }
 
-    /// One tick of homing: the torques.
+    /// One tick of homing: the torques; none if it has ended homing.
     #[inline(always)]
-    pub(super) fn home(&mut self, sample: &SensorSample) -> Result<TorqueCommand, Fault> {
+    pub(super) fn home(&mut self, sample: &SensorSample) -> Result<Option<TorqueCommand>, Fault> {
         if self.host_timed_out() {
             return Err(Fault::CommandTimeout);
         }
@@ -74,22 +74,17 @@ impl Controller {
             return Err(Fault::FollowingError);
         }
         if moves && self.homing.iter().all(|state| state.found().is_some()) {
-            self.end_homing()?;
-        }
-        Ok(TorqueCommand {
-            torque: [torque1, torque4],
-            limits: Limits::empty(),
-        })
-    }
-
-    /// Both joints have found their angles.
-    fn end_homing(&mut self) -> Result<(), Fault> {
-        if self.brake.takes_time() {
+            if !self.brake.takes_time() {
+                self.finish_homing()?;
+                return Ok(None);
+            }
             // Homing accepts this event.
             let _ = self.switch_off(Event::Homed);
-            return Ok(());
         }
-        self.finish_homing()
+        Ok(Some(TorqueCommand {
+            torque: [torque1, torque4],
+            limits: Limits::empty(),
+        }))
     }
 
     /// Ends homing. The angles are absolute from now on, if a pose on the branch of the settings has

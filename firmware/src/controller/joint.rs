@@ -54,7 +54,7 @@ impl Joint {
             current: 0.0,
             demand: 0.0,
             duty: 0.0,
-            motor: MotorCheck::released(),
+            motor: MotorCheck::new(),
             oscillation: Oscillation::NONE,
         }
     }
@@ -217,7 +217,7 @@ impl Joint {
         self.integral = Integral(0.0);
         self.demand = 0.0;
         self.duty = 0.0;
-        self.motor = MotorCheck::released();
+        self.motor.release();
         self.oscillation = Oscillation::NONE;
     }
 

@@ -96,8 +96,7 @@ impl MotorLimits {
 }
 
 impl MotorCheck {
-    /// The loops are cleared. The bridge may have been on until now, with a current.
-    pub(super) fn released() -> Self {
+    pub(super) fn new() -> Self {
         Self {
             estimate: MotorEstimate::of(0.0),
             acting: 0.0,
@@ -106,6 +105,13 @@ impl MotorCheck {
             ticks: 0,
             unknown: RELEASED,
         }
+    }
+
+    /// The loops are cleared. The bridge may have been on until now, with a current. What else is kept is
+    /// taken anew in the ticks after it.
+    pub(super) fn release(&mut self) {
+        self.estimate.current = 0.0;
+        self.unknown = RELEASED;
     }
 
     /// The least current that flows by the motor's equation [A].

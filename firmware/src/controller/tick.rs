@@ -96,14 +96,21 @@ impl Controller {
             self.power_off(fault);
             return self.off();
         }
+        if let Some(verdict) = self.brake.take_verdict() {
+            return self.end_test(verdict);
+        }
         let torques = match mode {
             ControlMode::Off | ControlMode::Waking => return self.off(),
             ControlMode::Homing => self.home(sample),
-            ControlMode::Crossing => self.cross(),
-            ControlMode::Tracking => self.track(),
+            ControlMode::Crossing => self.cross().map(Some),
+            ControlMode::Tracking => self.track().map(Some),
         };
         let torques = match torques {
-            Ok(torques) => torques,
+            Ok(Some(torques)) => torques,
+            Ok(None) => {
+                self.unpowered();
+                return self.off();
+            }
             Err(fault) => {
                 self.power_off(fault);
                 return self.off();
