@@ -10,9 +10,8 @@ use fivebar_kinematics::five_bar::{Pose, WorkingMode};
 use fivebar_plant::Parameters;
 use nalgebra::Vector2;
 
-/// The share of the torque limits that time-optimal plans use. With it the motors of the benchtop arm stand the
-/// job for some seconds.
-const TORQUE_SHARE: f64 = 0.5;
+/// The share of the torque limits that time-optimal plans use: the motors stand the job for ever.
+const TORQUE_SHARE: f64 = 0.33;
 /// Where the crossing of the arm with short couplers begins and ends [m], and its time [s].
 const CROSSING: [[f64; 2]; 2] = [[0.06, 0.115], [0.03, 0.012]];
 const CROSSING_TIME: f64 = 0.3;

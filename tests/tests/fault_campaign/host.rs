@@ -130,8 +130,7 @@ impl<'a> Host<'a> {
                     During::TimeOptimal => &self.arm.timed,
                     _ => &self.arm.fast,
                 };
-                self.job(job, 0.1)?;
-                self.fault_comes();
+                self.fault_comes_after(0.1);
                 self.job(job, ON)
             }
             During::Stopping => {
@@ -204,7 +203,12 @@ impl<'a> Host<'a> {
     }
 
     fn fault_comes(&mut self) {
-        self.due = Some(self.time + self.trial.after);
+        self.fault_comes_after(0.0);
+    }
+
+    /// The state begins in this time [s].
+    fn fault_comes_after(&mut self, begins: f64) {
+        self.due = Some(self.time + begins + self.trial.after);
     }
 
     fn declare_angles(&mut self) -> Result<(), Over> {
@@ -260,7 +264,9 @@ impl<'a> Host<'a> {
     }
 
     fn is_at_rest(&self) -> bool {
-        self.planner.is_empty() && self.controller.state() == State::Armed
+        let snapshot = self.controller.planning_snapshot();
+        let is_over = snapshot.state == State::Armed && snapshot.path_left <= 0.0;
+        self.planner.is_empty() && is_over
     }
 
     /// Offers a move until it is taken, or until the end [s].

@@ -68,19 +68,11 @@ fn row(kind: &Kind, all: &All<'_>) -> String {
         most(|o| o.speed_share),
         count(Outcome::is_broken),
         count(|o| o.fell),
-        reasons(kind, missed > 0, count(Outcome::is_broken) > 0),
+        if missed == 0 { "" } else { kind.unseen },
     )
 }
 
-/// Why faults of a kind were not found, and why they broke a bound.
-fn reasons(kind: &Kind, missed: bool, broken: bool) -> String {
-    let missed = missed.then_some(kind.unseen);
-    let broken = kind.breaks.filter(|_| broken);
-    let broken = broken.map(|reason| format!("broken: {reason}"));
-    let reasons = missed.map(Into::into).into_iter().chain(broken);
-    reasons.collect::<Vec<String>>().join("; ")
-}
-
+/// What came of a kind in a state.
 fn cell_text(all: &All<'_>) -> String {
     if all.is_empty() {
         return String::new();
