@@ -284,3 +284,22 @@ fn what_is_no_crossing_of_this_arm_is_refused() {
     }
     assert!(matches!(refusal(0, fast), Err(MoveErrorKind::Overload(_))));
 }
+
+#[test]
+fn a_crossing_waits_for_free_brakes_and_an_arm_that_is_switched_off_has_none() {
+    let mut braked = settings();
+    braked.brake.engage_time = 0.04;
+    braked.brake.release_time = 0.05;
+    let mut rig = Rig::armed(&braked);
+    assert_eq!(rig.push(0, PLAN), Err(MoveErrorKind::Full));
+    for _ in 0..540 {
+        rig.follow();
+    }
+    rig.controller.request(Request::Disarm).unwrap();
+    assert!(rig.push(0, PLAN).is_err());
+    rig.controller.request(Request::Arm).unwrap();
+    for _ in 0..540 {
+        rig.follow();
+    }
+    assert_eq!(rig.push(0, PLAN), Ok(()));
+}

@@ -1,7 +1,7 @@
 //! The order of power, holding brakes and motion.
 
 use crate::rig::{Rig, START, WAKING_TICKS, settings, with};
-use fivebar_firmware::controller::Request;
+use fivebar_firmware::controller::{Excitation, Excited, Request};
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::settings::BrakeSettings;
 use fivebar_firmware::{ActuatorCommand, MoveKind, Settings};
@@ -287,6 +287,44 @@ fn an_arm_with_brakes_that_failed_is_switched_off_when_its_host_has_left() {
     let off = (0..601_000).any(|_| rig.tick_alone().enable == [false; 2]);
     assert!(off, "it is not held for ever");
     assert_eq!(rig.controller.status().fault, Some(Fault::CommandTimeout));
+}
+
+#[test]
+fn an_excitation_waits_for_the_brakes_and_ends_when_they_hold() {
+    let mut rig = Rig::new(&braked());
+    let excitation = Excitation {
+        joint: 0,
+        of: Excited::Voltage,
+        offset: 0.5,
+        amplitude: 0.0,
+        hold: 1,
+        ticks: 100,
+        current: 1.0,
+        travel: 0.5,
+    };
+    rig.controller.request(Request::Excite(excitation)).unwrap();
+    rig.run(WAKING_TICKS);
+    let released = (0..2000)
+        .take_while(|_| {
+            let command = rig.tick();
+            assert_eq!((command.enable, command.brake), ([true; 2], false));
+            command.duty == [0.0; 2]
+        })
+        .count();
+    assert!((RELEASING as usize..=(RELEASING + LATE) as usize).contains(&released));
+    while !rig.tick().brake {}
+    let braked = (1..2000)
+        .take_while(|_| {
+            let command = rig.tick();
+            assert!(command.duty == [0.0; 2] && command.brake);
+            command.enable == [true; 2]
+        })
+        .count();
+    assert!(
+        (ENGAGING as usize..=(ENGAGING + 3 * LATE) as usize).contains(&braked),
+        "{braked} ticks"
+    );
+    assert_eq!(rig.controller.state(), State::Stopped);
 }
 
 #[test]

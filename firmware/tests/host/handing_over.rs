@@ -6,7 +6,7 @@ use fivebar_firmware::controller::{Excitation, Excited, QueuedSegment, Request};
 use fivebar_firmware::protocol::{
     Board, CommandError, HostCommand, Identity, Reply, Reset, Section, VERSION,
 };
-use fivebar_firmware::safety::{Limits, State};
+use fivebar_firmware::safety::{Fault, Limits, State};
 use fivebar_firmware::{Move, MoveKind};
 use fivebar_kinematics::trajectory::TrajectorySegment;
 use nalgebra::Vector2;
@@ -60,6 +60,17 @@ fn a_segment_is_taken_in_armed_and_running_and_for_the_present_path_only() {
     let after = rig.controller.planning_snapshot();
     assert_eq!((after.state, after.path_left), (State::Stopped, 0.0));
     assert_ne!(after.path_generation, generation);
+
+    // With holding brakes it is dropped at once, too, and nothing follows while they engage.
+    let mut braked = settings();
+    braked.brake.engage_time = 0.04;
+    let mut rig = Rig::armed(&braked);
+    rig.run(20);
+    rig.controller.request(Request::Disarm).unwrap();
+    let waiting = rig.controller.planning_snapshot();
+    assert_eq!(waiting.state, State::Armed);
+    rig.controller.extend_path(waiting.path_generation, dwell());
+    assert_eq!(rig.controller.planning_snapshot().path_left, 0.0);
 }
 
 #[test]
@@ -193,4 +204,27 @@ fn no_motor_is_excited_on_default_settings() {
     assert_eq!(desk.ask(HostCommand::ApplySettings), Reply::Done);
     desk.tick();
     assert_eq!(desk.ask(excite), Reply::Done);
+}
+
+#[test]
+fn a_hot_motor_stays_hot_when_a_host_applies_settings() {
+    let mut desk = Desk::greeted();
+    // 3 A for 3 s, where 1.3 A are allowed; then the current's zero is measured.
+    for tick in 0..32_500 {
+        let mut sample = desk.bench.sense();
+        if tick < 30_000 {
+            sample.current[1] += 768;
+        }
+        desk.controller.tick(&sample);
+    }
+    assert_eq!(desk.ask(HostCommand::ApplySettings), Reply::Done);
+    desk.tick();
+    for request in [Request::SetAngles(START), Request::Arm] {
+        assert_eq!(desk.ask(HostCommand::Request(request)), Reply::Done);
+    }
+    for _ in 0..50 {
+        desk.tick();
+    }
+    let status = desk.controller.status();
+    assert_eq!(status.fault, Some(Fault::OverTemperature));
 }
