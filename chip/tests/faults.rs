@@ -226,7 +226,8 @@ fn a_motor_that_gets_too_hot() {
             axis.thermal_time_constant = 0.5;
         }
     });
-    // 0.6 A flow whatever the bridge does: hot after 0.5 ln(0.36/(0.36 − 0.09)) s = 0.144 s.
+    // 0.6 A flow whatever the bridge does: from 0.65 of the heat it is hot after
+    // 0.5 ln((0.36 − 0.06)/(0.36 − 0.09)) s = 0.055 s.
     driven
         .arm
         .get()
@@ -236,7 +237,7 @@ fn a_motor_that_gets_too_hot() {
         amperes: 0.6,
     };
     driven.arm.get().inject(offset);
-    driven.run(120 * MILLISECOND);
+    driven.run(40 * MILLISECOND);
     assert!(!driven.is_off());
     ticks_until_off(&mut driven, 500);
     stays_off_until_cleared(&mut driven, Fault::OverTemperature);
