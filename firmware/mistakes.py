@@ -161,7 +161,7 @@ MISTAKES = [
     ("homing at more current than joint 1's peak", "settings/check.rs", "&& homing.current <= axis1.peak_current", ""),
     ("joint 1 unchecked", "settings/check.rs", "for (joint, axis) in [1, 4].into_iter().zip(&self.axes) {\n            if let", "for (joint, axis) in [1, 4].into_iter().zip(&self.axes).skip(1) {\n            if let"),
     ("a board's count rate of one joint only", "settings/board.rs", "settings.axes.iter().all(", "settings.axes.iter().take(1).all("),
-    ("a fault that holds the arm leaves the tool down in its tick", "controller/tick.rs", "self.take_turn(sample);\n        command.tool = self.path.tool_output();", "command.tool = self.path.tool_output();\n        self.take_turn(sample);"),
+    ("a fault that holds the arm leaves the tool down in its tick", "controller/tick.rs", "self.take_turn(sample);\n        if", "command.tool = self.path.tool_output();\n        self.take_turn(sample);\n        if", "        }\n        command.tool = self.path.tool_output();\n", "        }\n"),
     ("the tool not switched off when off", "controller/tick.rs", "        self.release();\n        self.path.switch_tool_off();\n", "        self.release();\n"),
     ("a stop on the path leaves the tool down", "controller/path/mod.rs", "pub(crate) fn brake(&mut self) {\n        self.output.switch_off();", "pub(crate) fn brake(&mut self) {"),
     ("a stop passes segments that switch the tool on", "controller/path/mod.rs", "changes_tool && advance.is_none()", "changes_tool", ".time_scaled(sigma, sigma_dot);\n", ".time_scaled(sigma, sigma_dot);\n            if self.output.is_busy() {\n                self.output.step(segment.tool_output(), 1.0);\n            }\n"),

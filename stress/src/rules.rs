@@ -66,7 +66,6 @@ pub struct Rules {
     /// The output with the tool off.
     pub tool_off: u16,
     fault: Option<Fault>,
-    state: Option<State>,
 }
 
 impl Rules {
@@ -137,10 +136,7 @@ impl Rules {
             State::Fault => status.fault.is_some_and(holds),
             State::Stopped => false,
         };
-        // The tick that ends a search for the switches still has power.
-        let ended =
-            matches!(self.state, Some(State::Homing | State::Exciting)) && state == State::Stopped;
-        if power && !(may || ended) {
+        if power && !may {
             return broken(
                 "no power in Stopped or under a power-off fault",
                 format_args!("{state:?}, {:?}", status.fault),
@@ -198,7 +194,6 @@ impl Rules {
         }
         self.cleared &= status.fault.is_some() && status.fault == self.fault;
         self.fault = status.fault;
-        self.state = Some(state);
         self.renewed = false;
         Ok(())
     }

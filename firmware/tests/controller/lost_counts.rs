@@ -94,11 +94,14 @@ fn counts_that_are_lost_are_a_fault_at_the_next_pulses() {
 #[test]
 fn a_pulse_says_nothing_of_angles_that_were_given() {
     let mut rig = homed(&with_index());
+    // To somewhere between two pulses.
+    let [x, y] = rig.tool_position();
+    let to = [x + 0.01, y - 0.02];
+    rig.push(9, MoveKind::Line { to, feed: 0.1 }).unwrap();
+    rig.run(10_000);
     rig.controller.request(Request::Disarm).unwrap();
-    rig.run(1);
-    // 0.02 rad off: 200 counts.
+    rig.run(1000);
     let angles = rig.bench.theta.map(|theta| theta as f32);
-    let angles = [angles[0] - 0.02, angles[1] + 0.02];
     rig.controller.request(Request::SetAngles(angles)).unwrap();
     rig.controller.request(Request::Arm).unwrap();
     rig.run(100);

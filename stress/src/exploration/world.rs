@@ -207,12 +207,8 @@ impl World {
             HostCommand::Request(Request::Arm | Request::Home | Request::Excite(_)) => {
                 self.rules.permitted = true;
             }
-            HostCommand::Request(Request::Disarm | Request::EmergencyStop) => {
-                self.rules.permitted = false;
-            }
-            HostCommand::Request(Request::ClearFault) => {
-                (self.rules.permitted, self.rules.cleared) = (false, true);
-            }
+            HostCommand::Request(Request::EmergencyStop) => self.rules.permitted = false,
+            HostCommand::Request(Request::ClearFault) => self.rules.cleared = true,
             HostCommand::ApplySettings => {
                 (self.rules.permitted, self.rules.renewed) = (false, true);
                 self.outside.has_settings = true;
@@ -339,7 +335,8 @@ impl World {
     /// All that an order could change.
     fn trace(&self) -> (Status, u32, f32, Option<(usize, bool)>) {
         let snapshot = self.controller.planning_snapshot();
-        let follows = matches!(snapshot.state, State::Armed | State::Running);
+        // Where no path is followed, and while brakes engage, the queue waits to be dropped.
+        let follows = snapshot.hold.is_some() || snapshot.state == State::Running;
         let queue = follows.then(|| (self.planner.free_slots(), self.planner.is_empty()));
         (
             self.controller.status(),
