@@ -123,11 +123,6 @@ impl Controller {
         };
         self.compare_pulses(sample);
         self.take_turn(sample);
-        if self.state == State::Stopped {
-            // Homing, or the holding of an arm that its brakes hold now, has ended in this tick.
-            self.unpowered();
-            return self.off();
-        }
         command.tool = self.path.tool_output();
         command
     }
