@@ -123,7 +123,7 @@ MISTAKES = [
     ("a software reset without a note taken for power-up", "post_mortem.rs", "_ => Reset::Software,", "_ => Reset::Power,"),
     ("the reset pin taken for power-up", "post_mortem.rs", "        Reset::Pin\n", "        Reset::Power\n"),
     ("a low-power reset taken for power-up", "post_mortem.rs", "flags.lpwrrstf().bit_is_set() {\n        Reset::Unknown", "flags.lpwrrstf().bit_is_set() {\n        Reset::Power"),
-    ("the crystal not measured", "clocks.rs", "crystal_starts(&rcc) && crystal::is_right(timer, &mut rcc)", "crystal_starts(&rcc)"),
+    ("the crystal not measured", "clocks.rs", "crystal_starts(&rcc) && crystal::is_right(timer, &mut rcc, wrong_crystal)", "crystal_starts(&rcc)"),
     ("a crystal of 7 MHz taken as right", "crystal.rs", "7_600_000..=8_750_000", "6_800_000..=8_750_000"),
     ("too little allowed for the internal oscillator", "crystal.rs", "7_600_000..=8_750_000", "7_600_000..=8_100_000"),
     ("a fault output pulled up", "pins.rs", "fault1: b.pb0.into_pull_down_input()", "fault1: b.pb0.into_pull_up_input()"),

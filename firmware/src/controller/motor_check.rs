@@ -19,7 +19,7 @@ use fivebar_kinematics::Scalar;
 use fivebar_kinematics::control::{MotorEquation, MotorEstimate};
 
 /// Counts within which a joint stands.
-const STILL: i32 = 2;
+const STILL: u32 = 2;
 /// Ticks after which a joint whose counts are within them stands.
 const STANDS: u32 = 5;
 /// Growth of the error of a joint that stands, as a share of the greatest following error.
@@ -137,7 +137,7 @@ impl MotorCheck {
             return None;
         }
         let turned = sample.counts.wrapping_sub(self.place);
-        if turned > STILL || turned < -STILL {
+        if turned.unsigned_abs() > STILL {
             self.place = sample.counts;
             self.error = sample.error;
             self.ticks = 0;

@@ -111,8 +111,9 @@ impl Fault {
     }
 
     /// What the fault does to the arm. A controlled stop needs loops that still work, which is
-    /// so for three faults: a silent host, a queue underrun, and brakes that do not hold the arm. Outside the envelope the branch,
-    /// and with it the sign of the model, is uncertain, so the bridges are switched off.
+    /// so for three faults: a silent host, a queue underrun, and brakes that do not hold the arm. Outside
+    /// the envelope the branch, and with it the sign of the model, is uncertain, so the bridges are
+    /// switched off.
     pub const fn response(self) -> Response {
         match self {
             Self::CommandTimeout | Self::QueueUnderrun | Self::BrakeFailed => {

@@ -118,9 +118,11 @@ impl Measure {
         let speed = [0, 3].map(|link: usize| state.v[link].angular.abs());
         let fastest = speed[0].max(speed[1]);
         let outcome = &mut self.outcome;
-        for j in 0..2 {
-            outcome.speed_share = outcome.speed_share.max(speed[j] / self.limit[j]);
-            self.squares[j] += state.current[j] * state.current[j];
+        for (speed, limit) in speed.into_iter().zip(self.limit) {
+            outcome.speed_share = outcome.speed_share.max(speed / limit);
+        }
+        for (squares, current) in self.squares.iter_mut().zip(state.current) {
+            *squares += current * current;
         }
         if outcome.found.is_none() || outcome.after == seen.time {
             outcome.speed = fastest;
