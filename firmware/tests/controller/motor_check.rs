@@ -9,9 +9,13 @@ use fivebar_firmware::{FULL_TOOL, Move, MoveKind};
 
 /// A current sensor's defect.
 type Sensor = fn(f64) -> f64;
+/// An arm in one of its states, by name.
+type InState = (&'static str, fn() -> Rig);
+/// A difference of a motor from its settings, by name.
+type Change = (&'static str, fn(&mut AxisSettings));
 
 /// An arm in each state with power whose current loops drive, a motion or a load on its joints in it.
-const STATES: [(&str, fn() -> Rig); 6] = [
+const STATES: [InState; 6] = [
     ("holding against a load", holding),
     ("running", || drawing(&settings(), 0.2)),
     ("stopping", || {
@@ -191,7 +195,7 @@ fn mistaken(change: impl Fn(&mut AxisSettings)) -> Settings {
 
 #[test]
 fn motors_that_differ_from_their_settings_are_sound() {
-    let changes: [(&str, fn(&mut AxisSettings)); 6] = [
+    let changes: [Change; 6] = [
         ("R as of hot copper", |axis| axis.resistance /= 1.4),
         ("R 10 % less", |axis| axis.resistance /= 0.9),
         ("k 10 % more", |axis| axis.torque_constant /= 1.1),

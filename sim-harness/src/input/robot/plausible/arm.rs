@@ -4,9 +4,8 @@ use super::{Plausible, longest, reach};
 use crate::input::robot::Robot;
 use crate::input::source::Key;
 
-/// Strongest and weakest gravity in the plane of an arm that does not lie flat [m/s²]: Earth's and a
-/// half, and Earth's on a table that leans by a tenth of a degree.
-const GRAVITY: [f64; 2] = [0.015, 15.0];
+/// Strongest gravity in the plane of an arm [m/s²]: Earth's and a half.
+const GRAVITY: f64 = 15.0;
 
 /// The shortest of the five lengths, as a share of the longest.
 const LENGTH: f64 = 0.01;
@@ -16,28 +15,25 @@ const LENGTH: f64 = 0.01;
 const MASS: [f64; 2] = [0.1, 8000.0];
 
 /// Radius of gyration about the centre of mass, as a share of the length. A slender rod has 0.29.
-const GYRATION: [f64; 2] = [0.02, 2.0];
+const GYRATION: [f64; 2] = [0.02, 4.0];
 
 /// Distance of a point of a link or of the tool, as a multiple of the longest link.
-const POINT: f64 = 3.0;
+const POINT: f64 = 10.0;
 
-/// The payload as a multiple of the links' mass.
-const PAYLOAD: [f64; 2] = [5e-4, 50.0];
+/// The greatest payload as a multiple of the links' mass.
+const PAYLOAD: f64 = 50.0;
 
 /// The torque for the payload, as a multiple of the motors' peak torque. A payload a little too heavy is found
 /// by the run, which says where the torque ends.
 const LOAD: f64 = 20.0;
 
 pub(super) fn rules(robot: &Robot) -> Vec<Plausible> {
-    let mut rules = vec![
-        Plausible::new(
-            Key::Top("gravity"),
-            (robot.gravity.norm(), "m/s²"),
-            GRAVITY,
-            "Earth has 9.81, and an arm that lies flat has 0",
-        )
-        .or_zero(),
-    ];
+    let mut rules = vec![Plausible::new(
+        Key::Top("gravity"),
+        (robot.gravity.norm(), "m/s²"),
+        [0.0, GRAVITY],
+        "Earth has 9.81",
+    )];
     rules.extend(lengths(robot));
     if let Ok(arm) = robot.arm() {
         let lengths = robot.geometry.lengths();
@@ -56,7 +52,7 @@ pub(super) fn rules(robot: &Robot) -> Vec<Plausible> {
                     key("com"),
                     (link.com.norm(), "m"),
                     [0.0, POINT * length],
-                    "three times the link's `length`",
+                    "ten times the link's `length`",
                 ),
                 Plausible::new(
                     key("inertia"),
@@ -91,7 +87,7 @@ fn lengths(robot: &Robot) -> impl Iterator<Item = Plausible> {
         Key::In("tool", "offset"),
         (along.hypot(left), "m"),
         [0.0, POINT * longest],
-        "three times the longest link",
+        "ten times the longest link",
     );
     lengths.into_iter().enumerate().map(length).chain([offset])
 }
@@ -104,19 +100,19 @@ fn payload(robot: &Robot) -> Option<Plausible> {
     let torque = drives.map(|drive| drive.peak_torque());
     let acceleration = robot.gravity.norm() + robot.motion.max_acceleration;
     let carried = LOAD * torque[0].max(torque[1]) / (reach(robot) * acceleration);
-    let [least, greatest] = PAYLOAD.map(|share| share * links);
+    let greatest = PAYLOAD * links;
     let mut payload = Plausible::new(
         Key::Top("payload"),
         (arm.payload(), "kg"),
-        [least, greatest],
-        "1/2000 to 50 times the mass of the links",
+        [0.0, greatest],
+        "50 times the mass of the links",
     );
     // An ideal drive has torque for what it carries.
     if robot.actuators.is_some() && carried < greatest {
-        payload.range = [least, carried];
-        payload.reason = "1/2000 of the mass of the links, to what 20 times the motors' peak \
+        payload.range = [0.0, carried];
+        payload.reason = "what 20 times the motors' peak \
                           torque holds at the full reach, and accelerates by the `max_acceleration` \
                           of [motion]";
     }
-    Some(payload.or_zero())
+    Some(payload)
 }
