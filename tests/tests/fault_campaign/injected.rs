@@ -112,12 +112,12 @@ pub(crate) const KINDS: &[Kind] = &[
     Kind {
         name: "index_stuck", suits: |arm| arm.has_index,
         make: |d| { let high = d.level(); Fault::Plant(FaultKind::IndexStuck { joint: d.joint, high }) },
-        unseen: "the index is read while homing searches for it",
+        unseen: "the index is read at the end of homing, later than the 3 s of a trial: fault 20 then",
     },
     Kind {
         name: "switch_stuck", suits: ANY,
         make: |d| { let pressed = d.level(); Fault::Plant(FaultKind::SwitchStuck { joint: d.joint, pressed }) },
-        unseen: "the switch is read while homing searches for it",
+        unseen: "it reads what it should here, or homing searches for it for longer than the 3 s of a trial: fault 11 then",
     },
     Kind {
         name: "current_offset", suits: ANY,
