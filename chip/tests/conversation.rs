@@ -39,7 +39,10 @@ fn sequence_and_session_are_checked() {
         panic!("{first:?}");
     };
     assert_eq!(stack.size, 64 * 1024);
-    assert!((1024..stack.size / 4 * 3).contains(&stack.most), "{stack:?}");
+    assert!(
+        (1024..stack.size / 4 * 3).contains(&stack.most),
+        "{stack:?}"
+    );
     // A repeat gets the stored reply, an old command none, and a gap is refused.
     assert_eq!(say(&driven, 6, HostCommand::Stack), first);
     assert_eq!(say(&driven, 3, HostCommand::Status), []);
