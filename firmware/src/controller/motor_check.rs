@@ -22,6 +22,9 @@ use fivebar_kinematics::control::{MotorEquation, MotorEstimate};
 const STILL: u32 = 2;
 /// Ticks after which a joint whose counts are within them stands.
 const STANDS: u32 = 5;
+/// Ticks in a row for which it must look like an encoder that has stopped: impacts in worn joints make
+/// shorter ones.
+const LASTS: u32 = 10;
 /// Growth of the error of a joint that stands, as a share of the greatest following error.
 const GROWN: f32 = 0.02;
 /// Least growth of this error [counts].
@@ -72,6 +75,8 @@ pub(super) struct MotorCheck {
     error: f32,
     /// Ticks for which it has been there.
     ticks: u32,
+    /// Ticks for which it has looked like an encoder that has stopped.
+    suspect: u32,
     /// Ticks in which the acting duty and the current are not known yet.
     unknown: u8,
 }
@@ -103,6 +108,7 @@ impl MotorCheck {
             place: 0,
             error: 0.0,
             ticks: 0,
+            suspect: 0,
             unknown: RELEASED,
         }
     }
@@ -132,6 +138,7 @@ impl MotorCheck {
                 place: sample.counts,
                 error: sample.error,
                 ticks: 0,
+                suspect: 0,
                 unknown: self.unknown - 1,
             };
             return None;
@@ -155,9 +162,15 @@ impl MotorCheck {
             let behind = Scalar::abs(sample.demand - current);
             let follows = behind <= share * Scalar::abs(current) + limits.follows;
             if follows && equation.turns(&self.estimate, current) {
-                return Some(Fault::EncoderStuck);
+                self.suspect += 1;
+                if self.suspect >= LASTS {
+                    return Some(Fault::EncoderStuck);
+                }
+                // What contradicts the equation is the encoder that may have stopped.
+                return None;
             }
         }
+        self.suspect = 0;
         contradicts.then_some(Fault::CurrentSensor)
     }
 }

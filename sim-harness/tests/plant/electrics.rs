@@ -136,7 +136,7 @@ fn the_bus_sags_by_the_resistance_of_the_supply() {
         supply_resistance: resistance,
         ..Mismatch::NONE
     };
-    for (duty, enable) in [([0.5, -0.3], [true; 2]), ([0.8, 0.7], [true, false])] {
+    for (duty, enable) in [([0.4, -0.3], [true; 2]), ([0.45, 0.7], [true, false])] {
         let mut plant = plant_at(&parameters, &mismatch, [2.3, 0.7]);
         plant.inject(FaultKind::MotorStalled { joint: 0 });
         plant.inject(FaultKind::MotorStalled { joint: 1 });
