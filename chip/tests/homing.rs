@@ -91,7 +91,7 @@ fn a_joint_whose_motor_has_no_current_is_not_homed() {
         driven.status();
     }
     let status = driven.status();
-    assert_eq!(status.fault, Some(Fault::FollowingError));
+    assert_eq!(status.fault, Some(Fault::CurrentSensor));
     assert!(!status.homed && driven.is_off());
 }
 

