@@ -306,7 +306,7 @@ MISTAKES = [
     ("a peak current beyond what the motor can take", "settings/range.rs", "pub const STALL: f32 = 4.0;", "pub const STALL: f32 = 4000.0;"),
     ("a heat model that never warms", "settings/range.rs", "pub const HEATING: [f32; 2] = [0.1, 3600.0];", "pub const HEATING: [f32; 2] = [0.1, 36000.0];"),
     ("new settings cool the motors", "session/mod.rs", "            new_controller.keep_heat(controller);\n", ""),
-    ("motors cold at a start", "controller/joint.rs", "START_HEAT: f32 = 0.1", "START_HEAT: f32 = 0.0"),
+    ("motors cold at a start", "controller/joint.rs", "START_HEAT: f32 = 0.3", "START_HEAT: f32 = 0.0"),
     ("motors of other ratings as warm as at a start, however hot", "controller/joint.rs", "if share > START_HEAT {", "if false {"),
     ("power cut before the brakes engage", "controller/holding_brake.rs", "if !self.waits_for_brake() {\n            return", "if true {\n            return"),
     ("a disarm in motion that does not stop on the path", "controller/holding_brake.rs", "State::Running => self.dispatch(Event::Stop)?,", "State::Running => {}"),

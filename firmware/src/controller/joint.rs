@@ -13,7 +13,7 @@ use fivebar_kinematics::control::{Bus, CurrentState, Drive, Integral, MotorHeat,
 /// The heat of the motors at a start, as a share of their limit. Nothing tells how hot they were when
 /// the power went off, or how long ago that was: a motor that was switched off by its heat, and at
 /// once on again, must not count as cold. What is left is enough for homing and a first job.
-pub(crate) const START_HEAT: f32 = 0.1;
+pub(crate) const START_HEAT: f32 = 0.3;
 
 /// The state of one joint from tick to tick, and what this tick measured.
 // In the order of `LatchedJoint` first.

@@ -125,7 +125,7 @@ fn links_2_and_3_nearly_in_line_leave_the_envelope_at_half_of_the_margin() {
     assert!((0.27..0.31).contains(&sine), "half of 0.6: {sine}");
 }
 
-/// 0.53 A against 0.3 A, from 0.1 of the heat: hot after 0.5 ln((0.28 − 0.01)/(0.28 − 0.09)) s = 0.18 s.
+/// 0.53 A against 0.3 A, from 0.3 of the heat: hot after 0.5 ln((0.28 − 0.03)/(0.28 − 0.09)) s = 0.14 s.
 #[test]
 fn a_motor_above_its_continuous_current_switches_off_when_the_model_says_so() {
     for joint in 0..2 {

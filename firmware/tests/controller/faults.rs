@@ -141,8 +141,8 @@ fn over_temperature() {
         s.axes[1].continuous_current = 0.3;
         s.axes[1].thermal_time_constant = 0.5;
     }));
-    // 0.53 A to hold against, from 0.1 of the heat: hot after 0.5 ln((0.28 − 0.01)/(0.28 − 0.09)) s
-    // = 0.18 s.
+    // 0.53 A to hold against, from 0.3 of the heat: hot after 0.5 ln((0.28 − 0.03)/(0.28 − 0.09)) s
+    // = 0.14 s.
     rig.bench.push = [0.0, 0.1];
     rig.run(500);
     assert_eq!(rig.controller.state(), State::Armed);
