@@ -205,8 +205,13 @@ fn a_joint_that_turns_too_fast() {
         // A weak loop drives no current, so the motor's equation sees no contradiction.
         settings.control.bandwidth = 0.5;
         settings.control.integral_rate = 0.0;
+        for axis in &mut settings.axes {
+            axis.continuous_current = axis.peak_current;
+            axis.max_speed = 35.0;
+        }
+        settings.protection.over_speed = 36.75;
     });
-    // The limit, 52.5 rad/s, is 109 counts in a tick.
+    // The limit, 36.75 rad/s, is 77 counts in a tick.
     driven
         .arm
         .get()
@@ -214,12 +219,12 @@ fn a_joint_that_turns_too_fast() {
     let mut counts = 0;
     while !driven.is_off() {
         counts += 1;
-        assert!(counts < 130, "{counts}");
+        assert!(counts < 95, "{counts}");
         let fault = FaultKind::EncoderJump { joint: 0, counts };
         driven.arm.get().inject(fault);
         driven.run(TICK);
     }
-    assert!(counts > 100, "{counts}");
+    assert!(counts > 70, "{counts}");
     stays_off_until_cleared(&mut driven, Fault::OverSpeed);
 }
 
