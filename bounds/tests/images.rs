@@ -52,7 +52,13 @@ fn places(image: &Image, function: &str) -> Vec<u32> {
 }
 
 /// The functions that hold the tick: of the image that has nothing else, and of the arm's.
-const TICKS: [(&str, &str); 2] = [("tick", "tick::__cortex_m_rt_main"), ("stm32f405", "ADC")];
+const TICKS: [(&str, &str); 2] = [
+    (
+        "tick",
+        "fivebar_firmware::controller::tick::<impl fivebar_firmware::controller::Controller>::tick",
+    ),
+    ("stm32f405", "ADC"),
+];
 
 #[track_caller]
 fn every_seed_is_found(code: u16, fault: Fault) {
