@@ -78,6 +78,8 @@ fn no_answer_holds_a_number_that_is_none() {
                 let args = args.replace("FILE", &path.display().to_string());
                 let output = Command::new(env!("CARGO_BIN_EXE_fivebar"))
                     .args(args.split(' '))
+                    // What a command writes beside its answer.
+                    .current_dir(folder.path())
                     .output()
                     .unwrap();
                 let said = String::from_utf8(output.stdout).unwrap().to_lowercase();
