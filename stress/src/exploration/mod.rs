@@ -1,8 +1,8 @@
 //! The controller explored: from power-up every event in every state, breadth first, until no new
 //! state appears. The code is that of the firmware: controller, planner and session. A state is what
-//! can be seen of it from outside ([`view`]); angles and times are left out.
+//! can be seen of it from outside (`view`); angles and times are left out.
 //!
-//! In every tick the [`rules`](crate::rules) hold, and those of [`history`]. From every state three
+//! In every tick the [`rules`](crate::rules) hold, and those of `history`. From every state three
 //! things are tried: an arm comes to rest by a stop, and for a silent host; and there is a way out.
 
 mod arm;

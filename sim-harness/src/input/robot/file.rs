@@ -87,7 +87,7 @@ pub struct Actuator {
     #[serde(default)]
     pub brake_torque: f64,
     /// Longest time from switching the holding brake off to its full torque [s]; none:
-    /// [`BRAKE_TIME`] with a brake, 0 without one.
+    /// `BRAKE_TIME` with a brake, 0 without one.
     pub brake_engage_time: Option<f64>,
     /// Longest time from switching the holding brake on to a free joint [s]; likewise.
     pub brake_release_time: Option<f64>,
