@@ -24,6 +24,7 @@ licences() { scripts/licences.sh; }
 # Status 77: this machine cannot check it. That is no failure and no pass, and the last line says so.
 advisories() { scripts/advisories.sh || { [ $? -eq 77 ] && not_checked+=(advisories); }; }
 actions() { scripts/actions.sh; }
+links() { scripts/links.py; }
 file_lengths() { scripts/file-lengths.sh; }
 # What needs a feature of the program has a word in its name by which it is chosen.
 tests() {
@@ -69,7 +70,7 @@ fuzz() {
 commands() { scripts/commands.sh; }
 demo() { cargo run --release --quiet -- --out target/demonstration; }
 
-all=(format file_lengths actions mistakes lint docs licences advisories tests demo package peers python senders browser setup firmware chip emulated fuzz commands)
+all=(format file_lengths links actions mistakes lint docs licences advisories tests demo package peers python senders browser setup firmware chip emulated fuzz commands)
 steps=("$@")
 [ $# -gt 0 ] || steps=("${all[@]}")
 

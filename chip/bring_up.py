@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Goes through docs/bring-up.md on the simulated board: the production image, the simulated arm on its
+"""Goes through docs/use/bring-up.md on the simulated board: the production image, the simulated arm on its
 pins, and a hand that does what `fivebar commission` asks for.
 
     chip/bring_up.py BOARD IMAGE PROGRAM [--until STEP]

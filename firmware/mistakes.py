@@ -2,7 +2,7 @@
 """Seeds mistakes into the controller's portable part, one at a time, in a copy of the sources,
 and runs the tests of fivebar-firmware. Each must be caught.
 
-    firmware/mistakes.py            all of them; the table goes to docs/mistakes.md
+    firmware/mistakes.py            all of them; the table goes to docs/verify/mistakes.md
     firmware/mistakes.py 3 7        those by number, without writing the table
     firmware/mistakes.py --check    only whether each old text occurs once in its file
 """
@@ -368,7 +368,7 @@ def main():
         "the tests that caught each. A run ends with the first test program in which one fails, so others\n"
         "may catch it, too.\n\n"
     )
-    seeded_mistakes.check(MISTAKES, copy, path_of, test, ROOT / "docs/mistakes.md", head)
+    seeded_mistakes.check(MISTAKES, copy, path_of, test, ROOT / "docs/verify/mistakes.md", head)
 
 
 if __name__ == "__main__":

@@ -2,7 +2,7 @@
 # Tests the live page in a headless Chromium from Debian: scripts/browser.sh [FOLDER]
 #
 # With a folder, it also writes pictures there, taken with the release build: of the page, of a
-# report and of a workspace map. The documents use the pictures in docs/.
+# report and of a workspace map. The documents use pictures that lie in docs/use and docs/design.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -25,6 +25,6 @@ cargo test "${manifest[@]}"
 image=$(chip/image.sh | tail -n 1)
 cargo run --quiet "${manifest[@]}" --bin figures "$image" "$CHIP_FIGURES" chip/figures.txt
 
-# docs/bring-up.md, step by step, with a hand at the simulated arm.
+# docs/use/bring-up.md, step by step, with a hand at the simulated arm.
 cargo build --quiet --package fivebar
 chip/bring_up.py chip/target/debug/board "$image" target/debug/fivebar --until dynamics

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Long runs from seeds; docs/soak.md has the results so far. A broken rule ends a run with the
+# Long runs from seeds; docs/verify/soak.md has the results so far. A broken rule ends a run with the
 # seed that repeats it.
 #
 #   scripts/soak.sh sessions FIRST_SEED SECONDS   sessions of random orders, samples and faults
@@ -9,7 +9,7 @@
 #   scripts/soak.sh links                         a job over bad links: the table
 #   scripts/soak.sh arms FIRST_SEED COUNT         commissioning of random simulated arms
 #   scripts/soak.sh faults FIRST_SEED COUNT       single faults of the arm in every state; writes
-#                                                 docs/fault-campaign.md
+#                                                 docs/verify/fault-campaign.md
 #   scripts/soak.sh serve MINUTES                 clients of the live page come and go: memory
 set -euo pipefail
 cd "$(dirname "$0")/.."

@@ -13,7 +13,7 @@
 //! ```
 //!
 //! The longest path is that of the graph. It may pass branches that no input takes together, so
-//! the true maximum can be smaller, and never larger. `docs/bounds.md` states what this relies on.
+//! the true maximum can be smaller, and never larger. `docs/verify/bounds.md` states what this relies on.
 
 pub mod depth;
 mod float;

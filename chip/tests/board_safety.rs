@@ -168,7 +168,7 @@ fn the_break_interrupts_the_tick_and_the_tick_interrupts_the_serial_line() {
 /// The document names a test of this folder for each fault.
 #[test]
 fn each_fault_has_a_test_on_this_image() {
-    let document = include_str!("../../docs/faults.md");
+    let document = include_str!("../../docs/use/faults.md");
     let (_, part) = document
         .split_once("## On the simulated chip")
         .expect("the table");

@@ -1,4 +1,4 @@
-//! Each wire of the table *Broken wires* of `docs/wiring.md`, off while the arm moves: the fault that
+//! Each wire of the table *Broken wires* of `docs/use/wiring.md`, off while the arm moves: the fault that
 //! the table states, and nothing that moves until it is cleared.
 
 mod bench;
@@ -12,10 +12,10 @@ use fivebar_firmware::safety::Fault;
 
 /// The fault that the document states for a broken wire.
 fn stated(test: &str) -> Fault {
-    let document = include_str!("../../docs/wiring.md");
+    let document = include_str!("../../docs/use/wiring.md");
     let name = format!("`{test}`");
     let row = document.lines().find(|line| line.contains(&name));
-    let row = row.unwrap_or_else(|| panic!("docs/wiring.md has no row of {test}"));
+    let row = row.unwrap_or_else(|| panic!("docs/use/wiring.md has no row of {test}"));
     let (_, after) = row.split_once("fault ").expect("a fault");
     let digits = after.split(|letter: char| !letter.is_ascii_digit()).next();
     let number = digits.and_then(|digits| digits.parse::<u8>().ok());

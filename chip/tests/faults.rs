@@ -1,4 +1,4 @@
-//! The faults of `docs/faults.md` that a board can meet, raised through its pins and registers
+//! The faults of `docs/use/faults.md` that a board can meet, raised through its pins and registers
 //! while the arm moves: the number, the bridges off within the stated ticks, and nothing that
 //! moves until the fault is cleared.
 

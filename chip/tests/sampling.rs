@@ -1,5 +1,5 @@
 //! When the currents are sampled: in the bridges' braking phase, between the edges of their outputs,
-//! which come later than those of their inputs. See *Sampling* in `docs/wiring.md`.
+//! which come later than those of their inputs. See *Sampling* in `docs/use/wiring.md`.
 
 mod bench;
 

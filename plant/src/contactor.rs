@@ -1,7 +1,7 @@
 //! The contactor in the bridges' supply, and the capacitor behind it.
 //!
 //! The emergency stop's second contact opens it without the controller. The capacitor C1 then
-//! discharges through R1, and charges through the NTC when the contactor closes (`docs/wiring.md`).
+//! discharges through R1, and charges through the NTC when the contactor closes (`docs/use/wiring.md`).
 
 /// R1 C1: 4.7 kΩ, 1000 µF [s].
 const DISCHARGE: f64 = 4.7;

@@ -5,7 +5,7 @@ use fivebar_stress::exploration::{Exploration, explore};
 use std::time::Instant;
 
 /// The figures are in this document.
-const FAULTS: &str = include_str!("../../docs/faults.md");
+const FAULTS: &str = include_str!("../../docs/use/faults.md");
 
 /// The number before a word in the sentence that states the figures.
 fn stated(word: &str) -> f64 {

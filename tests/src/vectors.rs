@@ -32,7 +32,7 @@ pub struct ReferenceArm {
 
 /// A state of an arm: the given values, and the results.
 #[derive(Debug, Deserialize)]
-#[expect(missing_docs, reason = "the letters of docs/notation.md")]
+#[expect(missing_docs, reason = "the letters of docs/design/notation.md")]
 pub struct Case {
     /// The index of the arm.
     pub robot: usize,

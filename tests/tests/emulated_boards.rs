@@ -113,7 +113,7 @@ fn the_doctor_tells_this_programs_image_from_another() {
     );
 }
 
-/// The proved bound of the tick's interrupt [instructions], see `docs/bounds.md`: no tick of a run
+/// The proved bound of the tick's interrupt [instructions], see `docs/verify/bounds.md`: no tick of a run
 /// takes more.
 fn longest_interrupt() -> u32 {
     let figures = include_str!("../../bounds/figures.txt");

@@ -13,7 +13,7 @@ pub(crate) const TICK: Time = 100 * MICROSECOND;
 /// What the document states about an injected fault: the fault, and the latest tick in which it
 /// is latched.
 pub(crate) fn stated(test: &str) -> (Fault, u64) {
-    let document = include_str!("../../../docs/faults.md");
+    let document = include_str!("../../../docs/use/faults.md");
     let name = format!("`{test}`");
     let (_, injected) = document
         .split_once("## Injected faults")
@@ -24,7 +24,7 @@ pub(crate) fn stated(test: &str) -> (Fault, u64) {
     let row = rows
         .filter(|cells| cells.len() == 7)
         .find(|cells| cells[5] == name)
-        .unwrap_or_else(|| panic!("docs/faults.md has no row of {test}"));
+        .unwrap_or_else(|| panic!("docs/use/faults.md has no row of {test}"));
     let number = |cell: &str| cell.split(' ').find_map(|word| word.parse::<u64>().ok());
     let fault = number(row[2]).expect("the number of a fault");
     let fault = Fault::try_from(fault as u8).expect("a known fault");

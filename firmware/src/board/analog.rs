@@ -9,7 +9,7 @@
 //! therefore sampled for 1.3 µs and held 1.5 µs after the update. At the greatest duty, 0.95, the
 //! outputs brake for 2.5 µs: the last edge is then 1.2 µs old or more (a slow bridge), eight time
 //! constants of the amplifier; the next comes 0.2 µs later or more (a quick bridge). See
-//! `docs/wiring.md`.
+//! `docs/use/wiring.md`.
 
 use stm32f4xx_hal::gpio::{Analog, PC0, PC1, PC2};
 use stm32f4xx_hal::pac::{ADC_COMMON, ADC1, ADC2, RCC};

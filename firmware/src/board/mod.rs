@@ -1,8 +1,8 @@
 //! The STM32F405RG: everything that accesses registers. The rest of the crate does not depend on
 //! the board.
 //!
-//! Each file holds one driver; `docs/wiring.md` lists the pins. Every wait has a bound. None of
-//! this has run on silicon yet: `docs/bring-up.md` says what the emulator has shown.
+//! Each file holds one driver; `docs/use/wiring.md` lists the pins. Every wait has a bound. None of
+//! this has run on silicon yet: `docs/use/bring-up.md` says what the emulator has shown.
 
 pub mod analog;
 pub mod brown_out;

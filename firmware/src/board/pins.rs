@@ -1,4 +1,4 @@
-//! The function of each pin: the table of `docs/wiring.md` as types.
+//! The function of each pin: the table of `docs/use/wiring.md` as types.
 //!
 //! Inputs that a cable leads to have the chip's own resistor, about 40 kΩ, so that a cable that is
 //! off gives a level and no noise: a quiet serial line, encoders that stand still, and an

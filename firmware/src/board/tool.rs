@@ -2,7 +2,7 @@
 //!
 //! PC7 is free in every start mode of the chip, also in its ROM loader, and TIM3 has no other task
 //! here. Until settings name an output the pin floats, and a resistor holds the tool off
-//! (`docs/wiring.md`).
+//! (`docs/use/wiring.md`).
 //!
 //! | output | counter | compare value |
 //! |---|---|---|

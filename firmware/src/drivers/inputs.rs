@@ -3,7 +3,7 @@
 //! Each is wired so that a broken wire reads as the unsafe case: switches are normally closed to
 //! ground with a pull-up, so open is pressed; a fault output has its pull-up at the bridge and a
 //! weaker pull-down at the controller, so open is low, a fault; an index that stays high has no
-//! pulse. See `docs/wiring.md`.
+//! pulse. See `docs/use/wiring.md`.
 
 use embedded_hal::digital::InputPin;
 

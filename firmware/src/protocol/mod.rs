@@ -1,5 +1,5 @@
 //! The protocol between a host and a controller, in two layers: a checked [frame](Frame) and the
-//! [message](HostMessage) in it. Both ends use this module; `docs/protocol.md` describes the
+//! [message](HostMessage) in it. Both ends use this module; `docs/design/protocol.md` describes the
 //! bytes.
 //!
 //! The host sends commands, the controller replies: one [`HostCommand`] at a time, each with a sequence

@@ -20,7 +20,7 @@ pub struct BoardLimits {
 }
 
 impl BoardLimits {
-    /// The STM32F405 as wired in `docs/wiring.md`.
+    /// The STM32F405 as wired in `docs/use/wiring.md`.
     pub const STM32F405: Self = Self {
         tick_rate: 10_000,
         count_rate: 1_500_000,

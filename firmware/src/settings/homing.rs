@@ -55,7 +55,7 @@ pub struct HomeReference {
 
 impl HomeReference {
     /// Home switches, which are believed after eight samples: 0.8 ms at 10 kHz. A disturbance by the
-    /// motors' PWM lasts one tick; the switches' RC filter in `docs/wiring.md` takes 1 ms.
+    /// motors' PWM lasts one tick; the switches' RC filter in `docs/use/wiring.md` takes 1 ms.
     pub const SWITCHES: Self = Self {
         method: HomingMethod::Switch,
         samples: 8,

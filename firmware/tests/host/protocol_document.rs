@@ -1,4 +1,4 @@
-//! Compares `docs/protocol.md` with the library, byte by byte.
+//! Compares `docs/design/protocol.md` with the library, byte by byte.
 
 use crate::messages;
 use fivebar_firmware::controller;
@@ -11,7 +11,7 @@ use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::TestRunner;
 use std::collections::{BTreeMap, BTreeSet};
 
-const DOCUMENT: &str = include_str!("../../../docs/protocol.md");
+const DOCUMENT: &str = include_str!("../../../docs/design/protocol.md");
 
 /// The bytes of each block fenced as ```` ```example NAME ````: two hexadecimal digits
 /// each, up to the first two spaces of a line.

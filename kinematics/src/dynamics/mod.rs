@@ -1,5 +1,5 @@
 //! Dynamics of the five-bar by Kane's method (Yu 2007, section 2). Letters, frames and
-//! signs are drawn in `docs/notation.md`.
+//! signs are drawn in `docs/design/notation.md`.
 
 mod base_parameters;
 mod body;

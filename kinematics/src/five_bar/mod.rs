@@ -1,6 +1,6 @@
 //! The planar five-bar: positions, velocities and accelerations both ways, on all
 //! eight branches (Yu 2007, section 1; corrected where its print errs). Letters, frames
-//! and signs are drawn in `docs/notation.md`.
+//! and signs are drawn in `docs/design/notation.md`.
 
 mod actuated;
 mod branch;

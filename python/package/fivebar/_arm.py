@@ -352,7 +352,7 @@ class Arm:
         joint with feed-forward of acceleration and friction. mismatch: how the arm differs from
         the controller's model: ``link_mass`` and ``friction`` as extra shares, ``payload``
         [kg], ``current_noise`` and ``current_offset`` [ADC codes], and the other keys of a
-        scenario's ``[mismatch]`` with their lists (docs/robot-file.md); ``fivebar.NO_MISMATCH``
+        scenario's ``[mismatch]`` with their lists (docs/use/robot-file.md); ``fivebar.NO_MISMATCH``
         for no difference.
 
         A fault of the arm ends the run and is part of its result. Raises

@@ -1,5 +1,5 @@
 //! What a commissioning may do to an arm at most, checked on the simulated arm's own energies and
-//! angles: neither its wiring nor its mismatch changes them. docs/bring-up.md states these limits.
+//! angles: neither its wiring nor its mismatch changes them. docs/use/bring-up.md states these limits.
 
 use serde_json::Value;
 use std::fs;

@@ -1,9 +1,9 @@
-//! Checks docs/robot-file.md: its examples are valid, and its defaults are those of the program.
+//! Checks docs/use/robot-file.md: its examples are valid, and its defaults are those of the program.
 
 use fivebar::input::robot::Robot;
 use fivebar::input::scenario::Scenario;
 
-const DOCUMENT: &str = include_str!("../../../docs/robot-file.md");
+const DOCUMENT: &str = include_str!("../../../docs/use/robot-file.md");
 
 /// The TOML examples, in order: robot, drives, other sections, scenario.
 fn examples() -> [&'static str; 4] {

@@ -216,7 +216,7 @@ fn unreadable_files_are_refused_with_the_reason() {
 
 #[test]
 fn the_files_in_the_documentation_are_valid() {
-    let text = include_str!("../../../docs/linkages.md");
+    let text = include_str!("../../../docs/design/linkages.md");
     let blocks = text.split("```toml\n").skip(1);
     let blocks: Vec<&str> = blocks
         .filter_map(|block| block.split("```").next())

@@ -110,7 +110,7 @@ fn an_upright_arm_does_not_fall_when_it_is_armed_homed_and_disarmed() {
     assert!(run.fall < 1e-4, "it falls by {} m when disarmed", run.fall);
 }
 
-/// The distance that docs/faults.md states.
+/// The distance that docs/use/faults.md states.
 #[test]
 fn an_upright_arm_falls_until_its_brakes_engage_when_its_power_is_cut() {
     let mut run = Run::armed();

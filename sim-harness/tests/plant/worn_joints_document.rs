@@ -1,10 +1,10 @@
-//! Compares docs/worn-joints.md with the output of its first command: all digits where the
+//! Compares docs/design/worn-joints.md with the output of its first command: all digits where the
 //! motion is regular, approximately where it is chaotic.
 
 use serde_json::Value;
 use std::process::Command;
 
-const DOCUMENT: &str = include_str!("../../../docs/worn-joints.md");
+const DOCUMENT: &str = include_str!("../../../docs/design/worn-joints.md");
 
 /// A row of the table: its value in a run's JSON, and the tolerated difference.
 struct Row {

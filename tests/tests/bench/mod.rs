@@ -16,7 +16,7 @@ use fivebar_plant::{FaultKind, Mismatch};
 use nalgebra::Vector2;
 use std::io::{Read, Write};
 
-/// A row of `docs/faults.md`: what an injected fault leads to.
+/// A row of `docs/use/faults.md`: what an injected fault leads to.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stated {
     /// The fault that it raises.
@@ -28,7 +28,7 @@ pub(crate) struct Stated {
 }
 
 /// The page that states what is tested.
-pub(crate) const DOCUMENT: &str = include_str!("../../../docs/faults.md");
+pub(crate) const DOCUMENT: &str = include_str!("../../../docs/use/faults.md");
 
 /// The row of the table of injected faults that names this test.
 #[track_caller]
@@ -41,7 +41,7 @@ pub(crate) fn stated(test: &str) -> Stated {
         .lines()
         .map(|line| line.split('|').map(str::trim).collect::<Vec<_>>())
         .find(|cells| cells.len() == 7 && cells[5] == name)
-        .unwrap_or_else(|| panic!("docs/faults.md has no row of {test}"));
+        .unwrap_or_else(|| panic!("docs/use/faults.md has no row of {test}"));
     let number = |cell: &str| cell.split(' ').find_map(|word| word.parse::<u32>().ok());
     let fault = number(row[2]).expect("the number of a fault");
     Stated {

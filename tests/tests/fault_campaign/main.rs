@@ -1,6 +1,6 @@
 //! A campaign of single faults of the simulated arm: random faults at random times in every state,
 //! on five arms, judged by what the arm itself does. `cargo test` runs a short part;
-//! `scripts/soak.sh faults` runs as many as it is told and writes docs/fault-campaign.md.
+//! `scripts/soak.sh faults` runs as many as it is told and writes docs/verify/fault-campaign.md.
 //!
 //! After a fault the host goes on as before, and it does nothing once a fault is latched.
 
@@ -16,7 +16,10 @@ use outcome::Outcome;
 use std::sync::atomic::{AtomicU64, Ordering};
 use trial::Trial;
 
-const DOCUMENT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/fault-campaign.md");
+const DOCUMENT: &str = concat!(
+    env!("CARGO_MANIFEST_DIR"),
+    "/../docs/verify/fault-campaign.md"
+);
 
 /// The trials of these seeds, on both cores; their order does not depend on the cores.
 fn campaign(seeds: std::ops::Range<u64>) -> Vec<(Trial, Outcome)> {
@@ -68,13 +71,13 @@ fn after_a_random_fault_in_any_state_current_and_speed_stay_bounded_and_a_latche
 
 #[test]
 fn every_kind_of_fault_has_a_row_in_the_table() {
-    let document = std::fs::read_to_string(DOCUMENT).expect("docs/fault-campaign.md");
+    let document = std::fs::read_to_string(DOCUMENT).expect("docs/verify/fault-campaign.md");
     for Kind { name, .. } in KINDS {
         assert!(document.contains(&format!("| `{name}` |")), "{name}");
     }
 }
 
-/// `FAULTS_COUNT` trials from `FAULTS_SEED` on; writes docs/fault-campaign.md.
+/// `FAULTS_COUNT` trials from `FAULTS_SEED` on; writes docs/verify/fault-campaign.md.
 #[test]
 #[ignore = "many minutes; scripts/soak.sh runs it"]
 fn many_random_faults_in_every_state_on_every_arm() {

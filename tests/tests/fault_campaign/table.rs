@@ -1,4 +1,4 @@
-//! The table of the campaign as docs/fault-campaign.md.
+//! The table of the campaign as docs/verify/fault-campaign.md.
 
 use crate::injected::{KINDS, Kind};
 use crate::outcome::{Found, Outcome};
@@ -12,7 +12,7 @@ type All<'a> = [&'a (Trial, Outcome)];
 pub(crate) fn document(trials: &[(Trial, Outcome)]) -> String {
     let seeds = trials.first().zip(trials.last());
     let (first, last) = seeds.map_or((0, 0), |(first, last)| (first.0.seed, last.0.seed));
-    let mut page = format!(include_str!("head.md"), first = first, last = last);
+    let mut page = format!(include_str!("head.txt"), first = first, last = last);
     for (index, kind) in KINDS.iter().enumerate() {
         let of_kind: Vec<_> = trials.iter().filter(|(t, _)| t.kind == index).collect();
         page += &row(kind, &of_kind);

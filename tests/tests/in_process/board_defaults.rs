@@ -25,7 +25,7 @@ fn pins(text: &str) -> BTreeSet<&str> {
 
 /// The part of the wiring's page under this heading.
 fn section(heading: &str) -> &'static str {
-    let page = include_str!("../../../docs/wiring.md");
+    let page = include_str!("../../../docs/use/wiring.md");
     let (_, after) = page
         .split_once(&format!("\n## {heading}\n"))
         .expect(heading);
@@ -40,7 +40,7 @@ fn the_wiring_names_every_pin_that_the_board_uses() {
     );
     let used: BTreeSet<_> = pins(code);
     assert!(used.len() >= 21, "{used:?}");
-    let drawing = pins(include_str!("../../../docs/wiring.svg"));
+    let drawing = pins(include_str!("../../../docs/use/wiring.svg"));
     for places in [pins(section("Pins")), pins(section("Reset")), drawing] {
         let missing: Vec<_> = used.difference(&places).collect();
         assert!(missing.is_empty(), "{missing:?}");

@@ -1,8 +1,8 @@
-//! Compares `docs/faults.md` with the controller; the tests that it names must exist.
+//! Compares `docs/use/faults.md` with the controller; the tests that it names must exist.
 
 use fivebar_firmware::safety::{Fault, Response};
 
-const DOCUMENT: &str = include_str!("../../../docs/faults.md");
+const DOCUMENT: &str = include_str!("../../../docs/use/faults.md");
 /// The files with the tests that it names.
 const TESTS: [&str; 13] = [
     include_str!("../../../firmware/tests/controller/crossing.rs"),

@@ -1,9 +1,9 @@
-//! The tests that `docs/safety.md` names must exist.
+//! The tests that `docs/design/safety.md` names must exist.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-const DOCUMENT: &str = include_str!("../../../docs/safety.md");
+const DOCUMENT: &str = include_str!("../../../docs/design/safety.md");
 /// Where tests are, from the repository's root.
 const FOLDERS: [&str; 8] = [
     "kinematics",

@@ -103,7 +103,7 @@ fn slow_crossings_are_told_apart_too() {
     }
 }
 
-/// `cargo test -p fivebar-tests --test planning a_hundred -- --ignored --nocapture`; docs/time-optimal.md has its
+/// `cargo test -p fivebar-tests --test planning a_hundred -- --ignored --nocapture`; docs/design/time-optimal.md has its
 /// figures.
 #[test]
 #[ignore = "takes a minute"]

@@ -167,7 +167,7 @@ fn a_job_over_a_bad_link_is_completed_or_ends_at_rest_with_a_reason() {
     );
 }
 
-/// The table of docs/soak.md.
+/// The table of docs/verify/soak.md.
 #[test]
 #[ignore = "a minute; scripts/soak.sh runs it"]
 fn every_link_of_the_table_completes_the_job_or_ends_at_rest_with_a_reason() {

@@ -1,5 +1,5 @@
 //! Long runs over random jobs, arms, faults and links, from seeds. `cargo test` runs a short part
-//! of each; scripts/soak.sh runs them for as long as it is told. docs/soak.md has the results.
+//! of each; scripts/soak.sh runs them for as long as it is told. docs/verify/soak.md has the results.
 
 #[cfg(feature = "emulator")]
 mod board;

@@ -1,6 +1,6 @@
 //! Jobs: from the text of a file to steps of the tool in metres, each with its line.
 //!
-//! G-code as Grbl, LinuxCNC and RepRap programs write it; docs/gcode.md lists every code with its
+//! G-code as Grbl, LinuxCNC and RepRap programs write it; docs/use/gcode.md lists every code with its
 //! meaning. What would change the drawing is refused with its line; what is skipped is noted. SVG
 //! drawings are read by the module `svg`. Every step of a job is kept, except steps of no length.
 

@@ -5,7 +5,7 @@ use crate::input::source::{FileError, Key};
 use fivebar_firmware::settings::SettingsError;
 use std::fmt;
 
-/// Ratios of the arm in docs/robot-file.md: crank to base, coupler to crank, and the mass of
+/// Ratios of the arm in docs/use/robot-file.md: crank to base, coupler to crank, and the mass of
 /// cranks and couplers per length [kg/m].
 const CRANK_PER_BASE: f64 = 1.25;
 const COUPLER_PER_CRANK: f64 = 1.6;

@@ -1,4 +1,4 @@
-//! The template of a robot file. It explains every key with the words of docs/robot-file.md,
+//! The template of a robot file. It explains every key with the words of docs/use/robot-file.md,
 //! which shows the same text.
 
 use crate::input::source::Key;

@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 ///
 /// With --path, the fastest motion that the limits allow. The path file holds a path of lines,
 /// arcs and Fourier series, the working mode and the limits of torque, speed and acceleration;
-/// docs/time-optimal.md describes it. With --crossing, a motion from one assembly mode to the
+/// docs/design/time-optimal.md describes it. With --crossing, a motion from one assembly mode to the
 /// other, along a line through a singularity of type 2, and whether the controller would accept it.
 #[derive(clap::Args)]
 pub(super) struct Args {

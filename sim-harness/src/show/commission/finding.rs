@@ -19,7 +19,7 @@ pub(in crate::show) enum StepError {
     },
     /// The controller latched a fault.
     #[error(
-        "the controller latched fault {}, {}.\nTo do: look it up in docs/faults.md, remove its \
+        "the controller latched fault {}, {}.\nTo do: look it up in docs/use/faults.md, remove its \
          cause, and run the same command again.",
         .0.number(), fault_name(*.0)
     )]

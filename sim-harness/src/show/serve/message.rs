@@ -1,4 +1,4 @@
-//! The JSON messages between pages and server; docs/live-page.md describes them.
+//! The JSON messages between pages and server; docs/use/live-page.md describes them.
 
 use super::commission::PageState;
 use super::lease::PageId;
@@ -239,7 +239,7 @@ mod tests {
     use super::{ClientRequest, MAX_TEXT, StateMessage, brief};
     use fivebar_firmware::{Controller, Settings};
 
-    const DOCUMENT: &str = include_str!("../../../../docs/live-page.md");
+    const DOCUMENT: &str = include_str!("../../../../docs/use/live-page.md");
 
     #[test]
     fn every_request_in_the_document_is_read_and_every_kind_has_an_example() {

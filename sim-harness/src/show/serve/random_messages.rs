@@ -4,7 +4,7 @@ use super::heard::{Heard, hear, text_frame};
 use super::message::{ClientRequest, brief};
 use proptest::prelude::*;
 
-const DOCUMENT: &str = include_str!("../../../../docs/live-page.md");
+const DOCUMENT: &str = include_str!("../../../../docs/use/live-page.md");
 
 /// Greatest length of the text of a refusal [characters].
 const LONGEST: usize = 301;

@@ -1,4 +1,4 @@
-//! The predictions of the models without contact for a job (`docs/accuracy.md`).
+//! The predictions of the models without contact for a job (`docs/design/accuracy.md`).
 
 use crate::input::job::Job;
 use crate::input::robot::Robot;

@@ -47,7 +47,7 @@ pub(super) fn bridge_limit(
                 "the current limit of the bridge of joint {this} is {current:.2} A, below the peak \
                  current of {peak:.2} A"
             ),
-            "check VREF and the resistor at IPROPI (docs/wiring.md, Current limit), or lower peak_current",
+            "check VREF and the resistor at IPROPI (docs/use/wiring.md, Current limit), or lower peak_current",
         ));
     }
     let found = format!("the bridge of joint {this} limits its current to {current:.2} A");
@@ -79,7 +79,7 @@ fn pulse_current(bench: &mut Bench, joint: usize, volts: f64) -> Result<f64, Ste
                      {over_current:.1} A: a short pulse of {:.1} V is an over-current",
                     volts.abs()
                 ),
-                "fit the resistor at IPROPI and the reference at VREF that docs/wiring.md works out \
+                "fit the resistor at IPROPI and the reference at VREF that docs/use/wiring.md works out \
                  (Current limit)",
             ));
         }
