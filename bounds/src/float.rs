@@ -3,10 +3,8 @@
 //! The result of an arithmetic instruction is ready one cycle later for another one. This cycle
 //! is added to each.
 
-use crate::instruction::{Instruction, Stack};
-use crate::wide::{PC, unknown};
+use crate::instruction::{Instruction, PC, SP, Stack};
 
-const SP: u32 = 13;
 /// The cycle that a result may be waited for.
 const RESULT: u32 = 1;
 
@@ -14,11 +12,11 @@ const RESULT: u32 = 1;
 pub(crate) fn decode(high: u32, low: u32) -> Instruction {
     // Coprocessors 10 and 11 are the FPU. The second half of the space is not ARMv7-M's FPU.
     if low & 0x0E00 != 0x0A00 || high & 0x1000 != 0 {
-        return unknown();
+        return Instruction::unknown();
     }
     let plain = Instruction::plain(4);
     match high & 0x0300 {
-        0x0300 => unknown(),
+        0x0300 => Instruction::unknown(),
         // Between the FPU and one of the core's registers; VMRS moves the flags.
         0x0200 if low & 0x10 != 0 => plain.sets_flags(high & 0xFFF0 == 0xEEF0),
         0x0200 => plain.cycles(RESULT + arithmetic(high, low)),

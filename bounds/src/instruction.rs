@@ -1,5 +1,10 @@
 //! What the analysis needs to know of one instruction.
 
+/// The number of the stack pointer's register.
+pub(crate) const SP: u32 = 13;
+/// The number of the program counter's register.
+pub(crate) const PC: u32 = 15;
+
 /// One machine instruction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Instruction {
@@ -89,6 +94,11 @@ impl Instruction {
             literals: 0,
             sets_flags: false,
         }
+    }
+
+    /// A wide instruction that the analysis does not know.
+    pub(crate) fn unknown() -> Self {
+        Self::plain(4).flow(Flow::Unknown)
     }
 
     pub(crate) fn flow(self, flow: Flow) -> Self {

@@ -2,11 +2,8 @@
 //! Reference Manual, A5.3.
 
 use crate::float;
-use crate::instruction::{Flow, Instruction, Stack};
+use crate::instruction::{Flow, Instruction, PC, SP, Stack};
 use crate::narrow::{signed, target};
-
-const SP: u32 = 13;
-pub(crate) const PC: u32 = 15;
 
 /// The instruction of the halfwords `high` and `low` at `address`.
 pub fn decode(address: u32, high: u16, low: u16) -> Instruction {
@@ -20,12 +17,8 @@ pub fn decode(address: u32, high: u16, low: u16) -> Instruction {
         (0b10, _) => immediate(high, low),
         (0b11, 0b00) => single(high, low),
         (0b11, 0b01) => registers(high, low),
-        _ => unknown(),
+        _ => Instruction::unknown(),
     }
-}
-
-pub(crate) fn unknown() -> Instruction {
-    Instruction::plain(4).flow(Flow::Unknown)
 }
 
 /// Load and store multiple.
@@ -35,7 +28,7 @@ fn multiple(high: u32, low: u32) -> Instruction {
     let plain = Instruction::plain(4).accesses(low.count_ones());
     let on_stack = base == SP && writes_back;
     let stack = match (high >> 7 & 3, on_stack, load) {
-        (0b00 | 0b11, ..) => return unknown(),
+        (0b00 | 0b11, ..) => return Instruction::unknown(),
         (_, false, _) => Stack::Keep,
         (0b10, true, false) => Stack::Push(bytes),
         (0b01, true, true) => Stack::Pop(bytes),
@@ -72,7 +65,7 @@ fn dual(high: u32, low: u32) -> Instruction {
     }
     let written = [low >> 12, low >> 8 & 0xF];
     if load && (written.contains(&SP) || written.contains(&PC)) {
-        return unknown();
+        return Instruction::unknown();
     }
     let stack = writes_back.then(|| moved(base, up, 4 * (low & 0xFF)));
     plain
@@ -180,7 +173,7 @@ fn branch(address: u32, high: u32, low: u32) -> Instruction {
             plain.flow(Flow::Branch(target(address, signed(short, 21))))
         }
         0x8000 => special(high, low),
-        _ => unknown(),
+        _ => Instruction::unknown(),
     }
 }
 
@@ -198,7 +191,7 @@ fn special(high: u32, low: u32) -> Instruction {
         0xF3B0 => plain.cycles(BARRIER),
         0xF3E0 => plain,
         0xF7F0 if low & 0xF000 == 0xA000 => plain.flow(Flow::Trap),
-        _ => unknown(),
+        _ => Instruction::unknown(),
     }
 }
 
@@ -213,7 +206,7 @@ fn single(high: u32, low: u32) -> Instruction {
     let has_offset_of_8_bits = high & 0x80 == 0 && low & 0x800 != 0 && base != PC;
     let writes_back = has_offset_of_8_bits && low & 0x100 != 0;
     if size == 3 {
-        return unknown();
+        return Instruction::unknown();
     }
     let up = low & 0x200 != 0;
     let stack = if writes_back {
@@ -242,7 +235,7 @@ fn registers(high: u32, low: u32) -> Instruction {
     let plain = Instruction::plain(4);
     let destination = low >> 8 & 0xF;
     if destination == SP || destination == PC {
-        return unknown();
+        return Instruction::unknown();
     }
     match high & 0xFFF0 {
         // SDIV, UDIV.

@@ -1,6 +1,7 @@
 //! What the emulator calls while the core runs.
 
 use crate::cpu::{Cpu, Stop};
+use crate::peripherals::flash::START;
 use crate::unicorn::Handle;
 use crate::violation::Violation;
 use std::ffi::{c_int, c_void};
@@ -30,7 +31,9 @@ pub(crate) extern "C" fn on_block(_: Handle, address: u64, size: u32, data: *mut
         cpu.turn();
     }
     cpu.figures.block(address as u32, size);
-    cpu.trace_block(address as u32);
+    if let Some(trace) = &mut cpu.trace {
+        trace.block(address as u32, &cpu.engine);
+    }
     // A cycle for every two bytes of code.
     cpu.mcu.now += u64::from(size / 2) * cpu.mcu.core;
 }
@@ -120,11 +123,7 @@ pub(crate) extern "C" fn read_sectors(_: Handle, offset: u64, size: u32, data: *
     match cpu.mcu.flash.load(offset as u32, size) {
         Ok(value) => value.into(),
         Err(violation) => {
-            cpu.refuse(
-                violation,
-                crate::peripherals::flash::START + offset as u32,
-                false,
-            );
+            cpu.refuse(violation, START + offset as u32, false);
             0
         }
     }

@@ -11,46 +11,19 @@ use crate::mcu::{Mcu, Options, RAM};
 use crate::peripherals::flash::{self, FlashEvent};
 use crate::peripherals::reset_cause::ResetCause;
 use crate::peripherals::tim1::RepetitionReading;
+use crate::report::Report;
 use crate::time::{NEVER, Time};
-use crate::trace;
+use crate::trace::{self, Step, Trace};
 use crate::unicorn::{EXECUTE, EmulatorError, Engine, READ, Reg, WRITE};
 use crate::violation::{Access, Violation, refuse};
 use crate::wiring::Wiring;
 use std::ffi::c_void;
-use std::fmt;
 use std::ptr::NonNull;
 use std::sync::Arc;
 
 const CCM: u32 = 0x1000_0000;
 /// System memory: the unique identifier and the flash's size are in this page.
 const SYSTEM: u32 = 0x1fff_7000;
-
-/// Why a run ended before its time.
-#[derive(Clone, Debug)]
-pub struct Report {
-    /// The broken rule.
-    pub violation: Violation,
-    /// The instruction that made the access; if it is not found, the beginning of its block.
-    pub pc: u32,
-    /// The function there.
-    pub function: String,
-    /// The source line there.
-    pub line: String,
-    /// When [s].
-    pub time: f64,
-}
-
-impl fmt::Display for Report {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "{} (at {:#x} in {}, {}, after {:.6} s)",
-            self.violation, self.pc, self.function, self.line, self.time
-        )
-    }
-}
-
-impl std::error::Error for Report {}
 
 /// A simulated STM32F405 and what is wired to it.
 pub struct Chip {
@@ -289,6 +262,28 @@ impl Chip {
     /// Which of the manual's readings of the repetition counter holds.
     pub fn read_repetitions(&mut self, reading: RepetitionReading) {
         self.mcu().tim1.reading = reading;
+    }
+
+    /// Protects the flash's sectors of these bits, and no others, from being written.
+    pub fn protect_sectors(&mut self, sectors: u32) {
+        self.mcu().flash.protect(sectors);
+    }
+
+    /// The flash takes the longest time that its data sheet gives for an erase.
+    pub fn slow_flash(&mut self) {
+        self.mcu().flash.is_slow = true;
+    }
+
+    /// Notes from now on what the program does between its control ticks.
+    pub fn trace(&mut self) {
+        let cpu = self.cpu_mut();
+        cpu.trace = Some(Trace::new(&cpu.image));
+    }
+
+    /// What the program has done since [`Chip::trace`], each step with the number of control ticks
+    /// that had begun before it.
+    pub fn steps(&self) -> &[(usize, Step)] {
+        self.cpu().trace.as_ref().map_or(&[], Trace::steps)
     }
 
     /// What the program did to the settings' sectors.

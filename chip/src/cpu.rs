@@ -1,12 +1,12 @@
 //! The core between emulator and peripherals: what it runs, and when it has to stop.
 
-use crate::chip::Report;
 use crate::figures::Figures;
 use crate::image::{CODE, Image};
 use crate::locate::access_in;
 use crate::mcu::Mcu;
 use crate::nvic::Nvic;
 use crate::peripherals::reset_cause::ResetCause;
+use crate::report::Report;
 use crate::time::{Time, seconds};
 use crate::trace::{Step, Trace};
 use crate::unicorn::{Engine, Reg};

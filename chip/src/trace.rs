@@ -1,9 +1,7 @@
 //! What the program's background loop did, and between which control ticks.
 
-use crate::chip::Chip;
-use crate::cpu::Cpu;
 use crate::image::Image;
-use crate::unicorn::Reg;
+use crate::unicorn::{Engine, Reg};
 use std::ops::Range;
 
 /// The exception of the control tick: ADC1 to ADC3.
@@ -32,27 +30,6 @@ pub(crate) struct Trace {
     steps: Vec<(usize, Step)>,
 }
 
-impl Chip {
-    /// Notes from now on what the program does between its control ticks.
-    pub fn trace(&mut self) {
-        let cpu = self.cpu_mut();
-        let code = |part: &str| {
-            let (address, size) = cpu.image.symbol(part).unwrap_or_default();
-            address & !1..(address & !1) + size
-        };
-        cpu.trace = Some(Trace {
-            background: [code("3app8converse"), code(PLANNER)],
-            ..Trace::default()
-        });
-    }
-
-    /// What the program has done since [`Chip::trace`], each step with the number of control ticks
-    /// that had begun before it.
-    pub fn steps(&self) -> &[(usize, Step)] {
-        self.cpu().trace.as_ref().map_or(&[], |trace| &trace.steps)
-    }
-}
-
 /// Part of the name of the planner's entry, which the background loop calls in each turn.
 const PLANNER: &str = "Planner$GT$3run";
 
@@ -61,24 +38,36 @@ pub(crate) fn planner(image: &Image) -> Option<u32> {
     image.symbol(PLANNER).map(|(address, _)| address & !1)
 }
 
-impl Cpu {
-    /// A block of code runs.
-    #[inline]
-    pub(crate) fn trace_block(&mut self, address: u32) {
-        let Some(trace) = &mut self.trace else {
-            return;
+impl Trace {
+    /// None yet, of the program in this image.
+    pub(crate) fn new(image: &Image) -> Self {
+        let code = |part: &str| {
+            let (address, size) = image.symbol(part).unwrap_or_default();
+            address & !1..(address & !1) + size
         };
-        if trace.background.iter().any(|code| code.contains(&address)) {
-            let locked = self.engine.get(Reg::BASEPRI) != 0;
-            if locked && !trace.locked {
-                trace.note(Step::Locked);
-            }
-            trace.locked = locked;
+        Self {
+            background: [code("3app8converse"), code(PLANNER)],
+            ..Self::default()
         }
     }
-}
 
-impl Trace {
+    /// Each step with the number of control ticks that had begun before it.
+    pub(crate) fn steps(&self) -> &[(usize, Step)] {
+        &self.steps
+    }
+
+    /// A block of code runs.
+    #[inline]
+    pub(crate) fn block(&mut self, address: u32, engine: &Engine) {
+        if self.background.iter().any(|code| code.contains(&address)) {
+            let locked = engine.get(Reg::BASEPRI) != 0;
+            if locked && !self.locked {
+                self.note(Step::Locked);
+            }
+            self.locked = locked;
+        }
+    }
+
     pub(crate) fn note(&mut self, step: Step) {
         self.steps.push((self.ticks, step));
     }

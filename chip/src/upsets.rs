@@ -1,6 +1,7 @@
 //! What a test does to the program: it hangs, loses its way, is late, or has no stack left.
 
-use crate::chip::{Chip, Report};
+use crate::chip::Chip;
+use crate::report::Report;
 use crate::time::{MICROSECOND, Time};
 use crate::unicorn::Reg;
 

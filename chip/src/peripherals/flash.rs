@@ -1,6 +1,5 @@
 //! The flash controller, the settings' sectors and the data cache in front of them.
 
-use crate::chip::Chip;
 use crate::register::Register;
 use crate::time::{MICROSECOND, MILLISECOND, Time};
 use crate::violation::{Access, refuse, refuse_read};
@@ -81,18 +80,6 @@ impl FlashEvent {
                 }
             }
         }
-    }
-}
-
-impl Chip {
-    /// Protects the flash's sectors of these bits, and no others, from being written.
-    pub fn protect_sectors(&mut self, sectors: u32) {
-        self.mcu().flash.protect(sectors);
-    }
-
-    /// The flash takes the longest time that its data sheet gives for an erase.
-    pub fn slow_flash(&mut self) {
-        self.mcu().flash.is_slow = true;
     }
 }
 
