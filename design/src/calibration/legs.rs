@@ -7,8 +7,8 @@
 //!
 //! |P|² = 2 P·G − k + 2c P·u(θ) + 2s P·n(θ) − 2e cos θ − 2f sin θ.
 
+use super::measurements::Touch;
 use super::parameters::{Parameters, within_a_turn};
-use super::plate::Touch;
 use crate::fit::{Loss, Rows, minimise};
 use fivebar_kinematics::PlanarVector;
 use nalgebra::{DMatrix, DVector, Vector2};

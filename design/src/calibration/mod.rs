@@ -35,6 +35,7 @@
 
 mod error;
 mod legs;
+mod measurements;
 mod mixed;
 mod observability;
 mod parameters;
@@ -45,12 +46,10 @@ mod tip;
 mod tip_error;
 
 pub use error::CalibrationError;
-pub use mixed::{
-    Bar, Deviations, HoleTouch, KindResult, Measurements, MixedCalibration, PhotoPoint,
-    calibrate_mixed,
-};
+pub use measurements::{Bar, Deviations, HoleTouch, Measurements, PhotoPoint, Plate, Touch};
+pub use mixed::{KindResult, MixedCalibration, calibrate_mixed};
 pub use parameters::{PARAMETER_NAMES, Parameters};
-pub use plate::{Calibration, Plate, Touch, calibrate};
+pub use plate::{Calibration, calibrate};
 pub use poses::{Proposal, propose};
 pub use tip::{Tip, tip};
 pub use tip_error::{TipError, tip_error, tip_error_before, tip_error_best_placed};

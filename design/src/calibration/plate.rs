@@ -2,7 +2,7 @@
 
 use super::error::CalibrationError;
 use super::legs::{LEAST_FOR_LEGS, joined, leg};
-use super::mixed::different;
+use super::measurements::{Plate, Touch, different};
 use super::observability::{check_seen, covariance, leave_out, rank_and_condition};
 use super::parameters::{Parameters, Vector10};
 use super::start::{placed, samples};
@@ -11,29 +11,6 @@ use crate::fit::{Loss, Rows, minimise};
 use core::f64::consts::{FRAC_PI_2, PI};
 use fivebar_kinematics::five_bar::{Geometry, Side};
 use nalgebra::{DMatrix, DVector, SMatrix, Vector2};
-
-/// The tip in a hole.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Touch {
-    /// The encoder angles of joints 1 and 4, each up to whole turns [rad].
-    pub encoder: [f64; 2],
-    /// The hole on the plate [m].
-    pub hole: Vector2<f64>,
-}
-
-/// What is known for a calibration.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Plate {
-    /// The measurements.
-    pub touches: Vec<Touch>,
-    /// The assembly mode in which they were made.
-    pub assembly: Side,
-    /// The standard deviation of a hole's x and of its y [m].
-    pub sigma: f64,
-    /// Whether Huber's loss with the threshold 1.5 σ is used, each coordinate a residual of its
-    /// own; else the sum of squares.
-    pub huber: bool,
-}
 
 /// An arm as calibrated.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! Where the joint fit starts: at the legs, and at the nominal arm where it fits the holes best.
 
+use super::measurements::Touch;
 use super::parameters::Parameters;
-use super::plate::Touch;
 use super::tip::posed;
 use crate::Noise;
 use fivebar_kinematics::five_bar::Side;

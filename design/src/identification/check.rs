@@ -1,7 +1,7 @@
 //! Checks of a log before its identification.
 
 use super::error::IdentificationError;
-use super::estimate::{Log, Observed};
+use super::log::{Log, Observed};
 use core::f64::consts::TAU;
 use fivebar_kinematics::five_bar::Geometry;
 

@@ -15,6 +15,7 @@ mod estimate;
 mod excitation;
 mod filter;
 mod least_squares;
+mod log;
 mod payload;
 mod physical;
 mod processing;
@@ -24,8 +25,9 @@ mod validation;
 
 pub use arm_masses::{base_parameters, standard_parameters};
 pub use error::IdentificationError;
-pub use estimate::{Identification, Log, Observed, identify};
+pub use estimate::{Identification, identify};
 pub use excitation::{Excitation, HARMONICS};
+pub use log::{Log, Observed};
 pub use payload::{Payload, identify_payload};
 pub use physical::{PhysicalLinks, physical_links};
 pub use proposal::{Bounds, ProposedExcitation, propose_excitation};

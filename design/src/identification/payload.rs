@@ -8,8 +8,9 @@
 use super::arm_masses::{base_parameters, standard_parameters};
 use super::check::{check_mode, check_motion, check_times};
 use super::error::IdentificationError;
-use super::estimate::{GREATEST_SHARE, Log, Observed};
+use super::estimate::GREATEST_SHARE;
 use super::least_squares::{Solution, solve};
+use super::log::{Log, Observed};
 use super::processing::{System, systems};
 use fivebar_kinematics::dynamics::Arm;
 use nalgebra::{DMatrix, DVector};

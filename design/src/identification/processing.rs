@@ -6,8 +6,8 @@
 //! k − 1 to k, so the torque at tick k is the mean of rows k and k + 1. After the filter, one
 //! row in some dozens holds all there is to know; the rest is dropped.
 
-use super::estimate::Observed;
 use super::filter::LowPass;
+use super::log::Observed;
 use super::regressor::Regressor;
 use fivebar_kinematics::five_bar::PoseError;
 use nalgebra::{DMatrix, DVector};

@@ -2,7 +2,7 @@
 
 use super::check::{check_mode, check_motion, check_times};
 use super::error::IdentificationError;
-use super::estimate::{Log, Observed};
+use super::log::{Log, Observed};
 use super::processing::systems;
 use nalgebra::DVector;
 

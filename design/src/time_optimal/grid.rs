@@ -1,10 +1,11 @@
 //! The cells of a path: even ones at first, then finer where a limit is passed between nodes.
 
 use super::demand::{Demand, DrivenArm};
+use super::error::PlanError;
 use super::limits::PlanLimits;
-use super::passes::{Cells, MOST_PASSES};
+use super::passes::Cells;
 use super::path::PathPiece;
-use super::run::PlanError;
+use super::strip::MOST_PASSES;
 
 /// At first: fewest cells between two even places, and of a piece, and by how much the path turns in a cell at
 /// most, nearly [rad].

@@ -8,8 +8,9 @@
 
 use super::averages::{Averages, TimeLaw};
 use super::demand::Demand;
+use super::error::PlanError;
 use super::grid::{Grid, Solved};
-use super::run::{ACTIVE, PlanError, Run, RunSample};
+use super::run::{ACTIVE, Run, RunSample};
 use std::borrow::Borrow;
 
 /// Even samples in time that refuse most attempts of the search; fewest and those per cell of the others, and of the result.

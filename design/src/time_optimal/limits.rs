@@ -10,7 +10,7 @@
 //! | tip speed | x ≤ (vmax/\|C′\|)² |
 
 use super::demand::{Demand, PlannedDrive};
-use super::passes::greatest_x;
+use super::strip::{Row, greatest_x};
 use fivebar_kinematics::PlanarVector;
 use nalgebra::Vector2;
 use std::f64::consts::PI;
@@ -31,16 +31,6 @@ pub struct PlanLimits {
     pub tip_speed: Option<f64>,
     /// Greatest acceleration of the tip [m/s²].
     pub tip_acceleration: Option<f64>,
-}
-
-/// One limit of the acceleration along the path at one place.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Row {
-    pub(super) a: f64,
-    pub(super) b: f64,
-    pub(super) c: f64,
-    pub(super) d: f64,
-    pub(super) limit: f64,
 }
 
 /// Directions of the polygon within the circle of the tip's acceleration, in half a turn.

@@ -6,21 +6,26 @@
 mod averages;
 mod blend;
 mod demand;
+mod error;
 mod grid;
 mod jerk;
 mod job_path;
 mod limits;
 mod passes;
 mod path;
+mod plan;
 mod run;
 mod spline;
+mod strip;
 mod timed;
 mod turning;
 
 pub use blend::blend;
 pub use demand::{Demand, DrivenArm, PlannedDrive};
+pub use error::PlanError;
 pub use job_path::{JobPath, PathPart};
 pub use limits::PlanLimits;
 pub use path::{FourierSeries, PathPiece, PathPoint};
-pub use run::{PlanError, Run, RunSample, plan};
+pub use plan::plan;
+pub use run::{Run, RunSample};
 pub use timed::{TimedPiece, TimedRun, plan_timed};

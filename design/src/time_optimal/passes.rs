@@ -1,16 +1,10 @@
 //! TOPP-RA (Pham & Pham 2018) in closed form: the greatest x = ṡ² that can still stop, backward,
 //! and the greatest acceleration from rest, forward.
 //!
-//! On a cell of width w, u is constant and x⁺ = x + 2 w u. A row holds at the cell's middle,
-//! where x is x + w u: with p = a + b w and the viscous term about x̂ of the last pass,
-//! √x ≈ ½√x̂ + x/(2√x̂),
-//!
-//! −limit ≤ p u + r x + c ≤ limit  ⇔  lo ≤ u + β x ≤ hi, β = r/p: a strip.
-//!
-//! Two strips k, l leave a u between them if (βk − βl) x ≤ hik − lol. The neighbour's bound
-//! 0 ≤ x⁺ ≤ K⁺ is a strip, too: β = 1/(2w), lo = 0, hi = K⁺/(2w).
+//! On a cell of width w, u is constant and x⁺ = x + 2 w u. Each row is a [`Strip`], and the
+//! neighbour's bound 0 ≤ x⁺ ≤ K⁺ is one, too: β = 1/(2w), lo = 0, hi = K⁺/(2w).
 
-use super::limits::Row;
+use super::strip::{CHANGE, Row, Strip};
 
 /// A path in cells, with the rows at their middles.
 #[derive(Clone, Debug)]
@@ -28,23 +22,8 @@ pub(super) struct Cells {
     controllable: Vec<f64>,
 }
 
-/// lo ≤ u + β x ≤ hi.
-#[derive(Clone, Copy, Debug, Default)]
-struct Strip {
-    beta: f64,
-    lo: f64,
-    hi: f64,
-}
-
-/// The relative change of the time from one pass to the next at which the passes end.
-const CHANGE: f64 = 1e-7;
-/// The most passes; five are usual.
-pub(super) const MOST_PASSES: usize = 40;
 /// Rows of a cell for two torques and two accelerations.
 const USUAL_ROWS: usize = 4;
-/// The largest share of what is left of a row's limit that the viscous term's constant part takes,
-/// so that the arm can always be at rest.
-const VISCOUS_SHARE: f64 = 1.9;
 
 impl Cells {
     /// None yet, with room for a number of cells.
@@ -131,73 +110,5 @@ impl Cells {
             rate = next;
         }
         time
-    }
-}
-
-/// The greatest x at a place at which some s̈ satisfies all rows: the square of the maximum
-/// velocity curve. `ceiling` bounds it from the speeds.
-pub(super) fn greatest_x(rows: &[Row], ceiling: f64) -> f64 {
-    let (mut x, mut last) = (ceiling, f64::INFINITY);
-    for pass in 0..MOST_PASSES {
-        let root = if pass == 0 { 0.0 } else { x.sqrt() };
-        let about = [root, 1.0 / root];
-        let strips: Vec<Strip> = rows.iter().map(|row| row.strip(0.0, about)).collect();
-        x = ceiling;
-        for (k, one) in strips.iter().enumerate() {
-            for other in &strips[k + 1..] {
-                x = one.with(other, x);
-            }
-        }
-        x = x.max(0.0);
-        if (x - last).abs() <= CHANGE * x {
-            break;
-        }
-        last = x;
-    }
-    x
-}
-
-impl Row {
-    /// The strip about √x̂, which is given with its reciprocal.
-    fn strip(&self, w: f64, [mut root, mut per_root]: [f64; 2]) -> Strip {
-        let (mut r, mut c) = (self.b, self.c);
-        if self.d != 0.0 && root > 0.0 {
-            let standing = VISCOUS_SHARE * (self.limit - self.c.abs());
-            if root * self.d.abs() > standing {
-                root = (standing / self.d.abs()).max(f64::MIN_POSITIVE);
-                per_root = 1.0 / root;
-            }
-            r += 0.5 * self.d * per_root;
-            c += 0.5 * self.d * root;
-        }
-        // Without inertia a row bounds x alone: a tiny p does the same.
-        let p = self.a + r * w;
-        let least = 1e-12 * (self.a.abs() + (r * w).abs()) + f64::MIN_POSITIVE;
-        let p = if p.abs() < least { least } else { p };
-        let per_p = 1.0 / p;
-        let (one, other) = ((-self.limit - c) * per_p, (self.limit - c) * per_p);
-        Strip {
-            beta: r * per_p,
-            lo: one.min(other),
-            hi: one.max(other),
-        }
-    }
-}
-
-impl Strip {
-    /// The greatest x, `most` at most, at which this strip and another have a common u.
-    fn with(&self, other: &Self, most: f64) -> f64 {
-        let slope = self.beta - other.beta;
-        let room = if slope > 0.0 {
-            self.hi - other.lo
-        } else {
-            other.hi - self.lo
-        };
-        let slope = slope.abs();
-        if room < slope * most {
-            room / slope
-        } else {
-            most
-        }
     }
 }

@@ -5,10 +5,11 @@
 //! the middle and at the ends of every cell.
 
 use super::demand::DrivenArm;
+use super::error::PlanError;
 use super::grid::{Grid, Solved};
 use super::limits::PlanLimits;
 use super::path::PathPiece;
-use super::run::{PlanError, check};
+use super::plan::check;
 use super::spline::{Spline, State, later, time_at};
 
 /// A cubic in time on one piece of the path.

@@ -1,7 +1,7 @@
 //! Where joints turn back: Coulomb friction jumps there, so cells end there.
 
+use super::error::PlanError;
 use super::grid::Grid;
-use super::run::PlanError;
 
 /// Most steps to where a joint turns back, and the least part of a cell.
 const TURN_STEPS: usize = 12;

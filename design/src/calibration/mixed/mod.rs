@@ -5,17 +5,14 @@
 //! photographs do not show the scale: at least one distance, or a plate, must be among the
 //! measurements.
 
-mod measurements;
 mod photo;
 mod problem;
 mod seen;
 
-pub(super) use measurements::different;
-pub use measurements::{Bar, Deviations, HoleTouch, Measurements, PhotoPoint};
-
 use super::error::CalibrationError;
+use super::measurements::{Measurements, Plate};
 use super::parameters::Parameters;
-use super::plate::{Plate, calibrate, half_a_turn_off, other_length};
+use super::plate::{calibrate, half_a_turn_off, other_length};
 use super::start::placed;
 use crate::fit::{Loss, minimise};
 use fivebar_kinematics::five_bar::{Geometry, Side};

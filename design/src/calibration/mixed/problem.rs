@@ -5,8 +5,8 @@
 //!
 //! plate: T − P, bar: |C − C′| − L, hole: C − H, photograph: C − q(pixel).
 
-use super::measurements::Measurements;
 use super::photo::{self, in_plane, normalised};
+use crate::calibration::measurements::{Measurements, PhotoPoint};
 use crate::calibration::parameters::{Parameters, Vector10};
 use crate::calibration::tip::{on_plate, posed};
 use crate::fit::Rows;
@@ -29,7 +29,7 @@ type Tip = (Vector2<f64>, SMatrix<f64, 2, BARE>);
 
 impl<'a> Problem<'a> {
     pub(super) fn new(measured: &'a Measurements, side: Side) -> Self {
-        let pixels = |photo: &Vec<super::PhotoPoint>| {
+        let pixels = |photo: &Vec<PhotoPoint>| {
             normalised(&photo.iter().map(|point| point.pixel).collect::<Vec<_>>())
         };
         Self {
@@ -228,9 +228,9 @@ impl Builder {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Bar, Deviations, HoleTouch, Measurements, PhotoPoint};
     use super::Problem;
     use crate::Noise;
+    use crate::calibration::measurements::{Bar, Deviations, HoleTouch, Measurements, PhotoPoint};
     use crate::calibration::{Parameters, Touch};
     use fivebar_kinematics::five_bar::Side;
     use nalgebra::Vector2;

@@ -1,6 +1,6 @@
 //! What measurements of any kinds determine of the arm.
 
-use crate::calibration::CalibrationError;
+use crate::calibration::error::CalibrationError;
 use crate::calibration::observability::{check_seen, covariance, rank_and_condition};
 use crate::calibration::parameters::Parameters;
 use nalgebra::{DMatrix, SMatrix};

@@ -1,8 +1,31 @@
-//! What can be measured besides a plate with known holes.
+//! What can be measured: touches of a plate with known holes, distances, unknown holes, photographs.
 
-use crate::calibration::{CalibrationError, Touch};
+use super::error::CalibrationError;
 use fivebar_kinematics::five_bar::Side;
 use nalgebra::Vector2;
+
+/// The tip in a hole.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Touch {
+    /// The encoder angles of joints 1 and 4, each up to whole turns [rad].
+    pub encoder: [f64; 2],
+    /// The hole on the plate [m].
+    pub hole: Vector2<f64>,
+}
+
+/// What is known for a calibration.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plate {
+    /// The measurements.
+    pub touches: Vec<Touch>,
+    /// The assembly mode in which they were made.
+    pub assembly: Side,
+    /// The standard deviation of a hole's x and of its y [m].
+    pub sigma: f64,
+    /// Whether Huber's loss with the threshold 1.5 σ is used, each coordinate a residual of its
+    /// own; else the sum of squares.
+    pub huber: bool,
+}
 
 /// Two poses of the tip whose distance is known: the balls of a ball-bar, or two drawn points
 /// between which a calliper was put.
@@ -119,7 +142,7 @@ impl Measurements {
 }
 
 /// How many of these poses are different, by more than two milliradians of one joint.
-pub(in crate::calibration) fn different(encoders: impl Iterator<Item = [f64; 2]>) -> usize {
+pub(super) fn different(encoders: impl Iterator<Item = [f64; 2]>) -> usize {
     let mut found: Vec<[f64; 2]> = Vec::new();
     for pose in encoders {
         let turned = |other: &[f64; 2], joint: usize| {
