@@ -5,6 +5,7 @@
 #   ./ci.sh tests      one step, or several, by name
 set -euo pipefail
 cd "$(dirname "$0")"
+source scripts/target-dir.sh
 exec </dev/null
 export CARGO_TERM_COLOR=${CARGO_TERM_COLOR:-never}
 
@@ -34,9 +35,9 @@ tests() {
 # Each published crate as a package, compiled from its own archive. Each run takes a new target folder, because
 # cargo unpacks an archive once for each path and version: at a known path it would compile the crates of an older run.
 package() {
-    mkdir -p target
+    mkdir -p "$built"
     local folder
-    folder=$(mktemp -d "$PWD/target/package-XXXXXX")
+    folder=$(mktemp -d "$built/package-XXXXXX")
     CARGO_TARGET_DIR=$folder cargo package --quiet --allow-dirty --package fivebar-kinematics \
         --package fivebar-design --package fivebar-firmware --package fivebar-plant --package fivebar
     rm -rf "$folder"
@@ -68,7 +69,7 @@ fuzz() {
     done
 }
 commands() { scripts/commands.sh; }
-demo() { cargo run --release --quiet -- --out target/demonstration; }
+demo() { cargo run --release --quiet -- --out "$built/demonstration"; }
 
 all=(format file_lengths links actions mistakes lint docs licences advisories tests demo package peers python senders browser setup firmware chip emulated fuzz commands)
 steps=("$@")

@@ -3,8 +3,9 @@
 # and prints its path in the last line.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+source scripts/target-dir.sh
 source scripts/toolchain.sh
 export DEFMT_LOG=${DEFMT_LOG:-info}
-cargo build --target "$target" --target-dir target/firmware "${cargo_flags[@]}" \
+cargo build --target "$target" --target-dir "$built/firmware" "${cargo_flags[@]}" \
     --package fivebar-firmware --bin stm32f405 --features board --profile firmware
-echo "$PWD/target/firmware/$target/firmware/stm32f405"
+echo "$built/firmware/$target/firmware/stm32f405"

@@ -137,16 +137,18 @@ def path_of(file):
 
 def main():
     seeded_mistakes.check_texts(MISTAKES, path_of)
-    copy = ROOT / "target" / "mistakes"
+    copy = seeded_mistakes.BUILT / "mistakes"
     seeded_mistakes.copy_sources(copy)
     # What is not ours is compiled already.
     for folder in ["target/firmware", "chip/target"]:
         if (ROOT / folder).exists() and not (copy / folder).exists():
             shutil.copytree(ROOT / folder, copy / folder)
 
+    environment = seeded_mistakes.without_target_dir()
+
     def test():
         manifest = str(copy / "chip/Cargo.toml")
-        done = seeded_mistakes.run("cargo", "test", "--manifest-path", manifest)
+        done = seeded_mistakes.run("cargo", "test", "--manifest-path", manifest, env=environment)
         return done.returncode, done.stdout + done.stderr
 
     head = (

@@ -6,7 +6,6 @@ and runs the tests of fivebar-firmware. Each must be caught.
     firmware/mistakes.py 3 7        those by number, without writing the table
     firmware/mistakes.py --check    only whether each old text occurs once in its file
 """
-import os
 import pathlib
 import sys
 
@@ -338,12 +337,10 @@ def path_of(file):
 
 def main():
     seeded_mistakes.check_texts(MISTAKES, path_of)
-    copy = ROOT / "target" / "mistakes-firmware"
+    copy = seeded_mistakes.BUILT / "mistakes-firmware"
     seeded_mistakes.copy_sources(copy)
-    # The copy has a target folder of its own: in a shared one, cargo takes what was compiled from
-    # the copy for what was compiled from here. Random tests need no smallest example.
-    environment = {**os.environ, "PROPTEST_MAX_SHRINK_ITERS": "0"}
-    environment.pop("CARGO_TARGET_DIR", None)
+    # Random tests need no smallest example.
+    environment = seeded_mistakes.without_target_dir(PROPTEST_MAX_SHRINK_ITERS="0")
     # What is quick comes first, because a run ends with the first test program that fails.
     slow = ["planner", "settings"]
     tests = sorted(path.parent.name for path in (ROOT / "firmware/tests").glob("*/main.rs"))

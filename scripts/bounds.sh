@@ -4,18 +4,19 @@
 # compares how each instruction is read with LLVM's disassembler, where that is installed.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+source scripts/target-dir.sh
 
-images=target/firmware/thumbv7em-none-eabihf/firmware
+images=$built/firmware/thumbv7em-none-eabihf/firmware
 cargo run --quiet --package fivebar-bounds -- check "$images"
 cargo test --quiet --package fivebar-bounds --features images
 
 if command -v llvm-objdump >/dev/null; then
     cargo build --quiet --package fivebar-bounds --example decode
     for image in tick stm32f405 qemu; do
-        target/debug/examples/decode "$images/$image" >target/decoded.txt
+        "$built/debug/examples/decode" "$images/$image" >"$built/decoded.txt"
         llvm-objdump --disassemble --triple=thumbv7em-none-eabihf --mcpu=cortex-m4 \
-            --no-show-raw-insn --no-print-imm-hex "$images/$image" >target/disassembled.txt
-        python3 bounds/compare_llvm.py target/decoded.txt target/disassembled.txt
+            --no-show-raw-insn --no-print-imm-hex "$images/$image" >"$built/disassembled.txt"
+        python3 bounds/compare_llvm.py "$built/decoded.txt" "$built/disassembled.txt"
     done
 else
     echo "bounds: no llvm-objdump; the decoder was not compared with it" >&2

@@ -5,6 +5,7 @@
 # report and of a workspace map. The documents use pictures that lie in docs/use and docs/design.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+source scripts/target-dir.sh
 
 as_root() { if [ "$(id -u)" -eq 0 ]; then "$@"; else sudo -n "$@"; fi; }
 
@@ -14,7 +15,7 @@ if ! command -v chromium >/dev/null || ! command -v chromedriver >/dev/null; the
     as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends \
         chromium chromium-driver >/dev/null
 fi
-axe=target/axe
+axe=$built/axe
 if [ ! -e "$axe/node_modules/axe-core/axe.min.js" ]; then
     command -v npm >/dev/null || { echo "browser: npm is needed (Debian: apt-get install npm)" >&2; exit 1; }
     mkdir -p "$axe"
@@ -22,7 +23,7 @@ if [ ! -e "$axe/node_modules/axe-core/axe.min.js" ]; then
 fi
 if [ $# -gt 0 ]; then
     cargo build --package fivebar --release
-    exec tests/browser/live_page.py target/release/fivebar --screenshots "$1"
+    exec tests/browser/live_page.py "$built/release/fivebar" --screenshots "$1"
 fi
 cargo build --package fivebar
-exec tests/browser/live_page.py target/debug/fivebar
+exec tests/browser/live_page.py "$built/debug/fivebar"

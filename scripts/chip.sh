@@ -4,6 +4,7 @@
 # missing.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+source scripts/target-dir.sh
 source scripts/toolchain.sh
 
 if ! [ -e /usr/include/unicorn/unicorn.h ] && ! install_packages libunicorn-dev; then
@@ -18,7 +19,8 @@ cargo fmt "${manifest[@]}" --check
 cargo clippy "${manifest[@]}" --all-targets --quiet -- -D warnings
 
 # What the tests ran, how long the tick was and how deep the stack, compared with what is committed.
-export CHIP_FIGURES=$PWD/chip/target/figures
+chip_built=${CARGO_TARGET_DIR:-$PWD/chip/target}
+export CHIP_FIGURES=$chip_built/figures
 rm -rf "$CHIP_FIGURES"
 mkdir -p "$CHIP_FIGURES"
 cargo test "${manifest[@]}"
@@ -27,4 +29,4 @@ cargo run --quiet "${manifest[@]}" --bin figures "$image" "$CHIP_FIGURES" chip/f
 
 # docs/use/bring-up.md, step by step, with a hand at the simulated arm.
 cargo build --quiet --package fivebar
-chip/bring_up.py chip/target/debug/board "$image" target/debug/fivebar --until dynamics
+chip/bring_up.py "$chip_built/debug/board" "$image" "$built/debug/fivebar" --until dynamics

@@ -9,10 +9,11 @@
 # that it can neither run nor find in this list.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+source scripts/target-dir.sh
 
 root=$PWD
-program=$root/target/release/fivebar
-scratch=$root/target/commands
+program=$built/release/fivebar
+scratch=$built/commands
 
 # Commands that are not run here, and why.
 reason_not_to_run() {

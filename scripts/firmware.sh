@@ -4,12 +4,13 @@
 # the crate kinematics by itself, with and without its features: it needs only what the target has.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+source scripts/target-dir.sh
 source scripts/toolchain.sh
 
 # What the production image logs over the debug probe: "off", "error", "info", …
 export DEFMT_LOG=${DEFMT_LOG:-info}
 
-build() { cargo build --target "$target" --target-dir target/firmware "${cargo_flags[@]}" "$@"; }
+build() { cargo build --target "$target" --target-dir "$built/firmware" "${cargo_flags[@]}" "$@"; }
 
 build --package fivebar-firmware --bins --features board --profile firmware
 build --package fivebar-kinematics

@@ -21,7 +21,7 @@ import seeded_mistakes
 import switchable
 from switchable import CONSTANT, COPY, ROOT
 
-REPORT = ROOT / "target/mutants"
+REPORT = seeded_mistakes.BUILT / "mutants"
 # A mutant that allocates without end fails, too.
 MEMORY = 4 << 30
 SURVIVES = "survives"

@@ -10,6 +10,7 @@
 # Further options are those of scripts/mutants.py.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+source scripts/target-dir.sh
 
 version=27.1.0
 sample=(firmware/src/safety/state.rs firmware/src/controller/transitions.rs)
@@ -27,7 +28,7 @@ esac
 if [ "$(cargo mutants --version 2>/dev/null)" != "cargo-mutants $version" ]; then
     cargo install cargo-mutants --version "$version" --locked --debug --quiet
 fi
-venv=target/mutants-venv
+venv=$built/mutants-venv
 if ! "$venv/bin/python" -c 'import tree_sitter_rust' 2>/dev/null; then
     python3 -m venv "$venv"
     "$venv/bin/pip" install --quiet tree-sitter==0.26.1 tree-sitter-rust==0.24.2

@@ -6,11 +6,12 @@
 #   scripts/octoprint.sh --emulated   with the firmware on the emulated board (scripts/firmware.sh)
 set -euo pipefail
 cd "$(dirname "$0")/.."
+source scripts/target-dir.sh
 
 cargo build --quiet --package fivebar
-venv=target/octoprint-venv
+venv=$built/octoprint-venv
 if ! "$venv/bin/octoprint" --version >/dev/null 2>&1; then
     python3 -m venv "$venv"
     "$venv/bin/pip" install --quiet --disable-pip-version-check octoprint==1.11.8
 fi
-exec python3 tests/senders/octoprint.py "$venv/bin/octoprint" target/debug/fivebar "$@"
+exec python3 tests/senders/octoprint.py "$venv/bin/octoprint" "$built/debug/fivebar" "$@"

@@ -3,13 +3,14 @@
 # does, and the reader of the MCAP project must find every sample in a run's log.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+source scripts/target-dir.sh
 
-venv=target/peers-venv
+venv=$built/peers-venv
 if ! "$venv/bin/python" -c 'import mujoco, mcap, mcap_ros1' 2>/dev/null; then
     python3 -m venv "$venv"
     "$venv/bin/pip" install --quiet mujoco mcap mcap-ros1-support
 fi
-out=target/peers
+out=$built/peers
 mkdir -p "$out"
 fivebar() { cargo run --quiet --release --features mcap -- "$@"; }
 

@@ -3,6 +3,7 @@
 # fresh virtual environment. Then it runs the package's tests, type checks, example and benchmark.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+source scripts/target-dir.sh
 
 (
     cd python
@@ -11,19 +12,20 @@ cd "$(dirname "$0")/.."
 )
 cargo build --quiet --release --package fivebar # the tests compare with the program
 
-venv=target/python-venv
+venv=$built/python-venv
 rm -rf "$venv"
 if ! python3 -m venv "$venv"; then
     echo "python: python3 with its venv module is needed (Debian: apt-get install python3-venv)" >&2
     exit 1
 fi
 "$venv/bin/pip" install --quiet --disable-pip-version-check './python[test]'
-python=$PWD/$venv/bin/python
-out=target/python-example
+root=$PWD
+python=$venv/bin/python
+out=$built/python-example
 mkdir -p "$out"
 
 (cd python && "$python" -m pytest --quiet)
-(cd python && "$python" -m mypy --cache-dir ../target/mypy package/fivebar examples/tour.py)
+(cd python && "$python" -m mypy --cache-dir "$built/mypy" package/fivebar examples/tour.py)
 (cd "$out" && "$python" -m mypy.stubtest --concise --ignore-disjoint-bases fivebar._native)
-(cd "$out" && "$python" ../../python/examples/tour.py)
+(cd "$out" && "$python" "$root/python/examples/tour.py")
 "$python" python/benches/inverse.py

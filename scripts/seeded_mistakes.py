@@ -1,6 +1,7 @@
 """Seeds mistakes into a copy of the sources, one at a time, and runs tests on it. Each mistake
 must be caught. firmware/mistakes.py and chip/mistakes.py hold the mistakes and name the tests."""
 import filecmp
+import os
 import pathlib
 import re
 import shutil
@@ -8,6 +9,14 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
+# Where cargo builds.
+BUILT = pathlib.Path(os.environ.get("CARGO_TARGET_DIR") or ROOT / "target").absolute()
+
+
+def without_target_dir(**variables):
+    """This process's environment for a cargo that compiles a copy. The copy has a target folder of its own: in
+    a shared one, cargo takes what was compiled from the copy for what was compiled from here."""
+    return {**{key: value for key, value in os.environ.items() if key != "CARGO_TARGET_DIR"}, **variables}
 
 
 def run(*command, **options):

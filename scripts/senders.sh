@@ -6,9 +6,10 @@
 #   scripts/senders.sh --emulated   with the firmware on the emulated board (scripts/firmware.sh)
 set -euo pipefail
 cd "$(dirname "$0")/.."
+source scripts/target-dir.sh
 
 cargo build --quiet --package fivebar
-venv=target/senders-venv
+venv=$built/senders-venv
 rm -rf "$venv"
 if ! python3 -m venv "$venv"; then
     echo "senders: python3 with its venv module is needed (Debian: apt-get install python3-venv)" >&2
@@ -17,4 +18,4 @@ fi
 # Without the packages that they name: those of Printrun are for its windows.
 "$venv/bin/pip" install --quiet --disable-pip-version-check --no-deps \
     --requirement tests/senders/requirements.txt
-"$venv/bin/python" tests/senders/senders.py target/debug/fivebar "$@"
+"$venv/bin/python" tests/senders/senders.py "$built/debug/fivebar" "$@"

@@ -7,7 +7,6 @@ the file MUTANTS_REACHED which ones its run reached.
 """
 import collections
 import json
-import os
 import re
 
 import tree_sitter
@@ -16,7 +15,7 @@ import tree_sitter_rust
 import seeded_mistakes
 
 ROOT = seeded_mistakes.ROOT
-COPY = ROOT / "target/mutants-tree"
+COPY = seeded_mistakes.BUILT / "mutants-tree"
 PARSER = tree_sitter.Parser(tree_sitter.Language(tree_sitter_rust.language()))
 CHAIN = ("binary_expression", "compound_assignment_expr")
 CONSTANT = "constant"
@@ -262,8 +261,7 @@ def write_sources(crate, sources, count, left_out):
 
 def build(package):
     """Builds the tests; gives their programs and the compiler's errors."""
-    environment = {**os.environ, "RUSTFLAGS": "--cap-lints=allow", "CARGO_INCREMENTAL": "1"}
-    environment.pop("CARGO_TARGET_DIR", None)
+    environment = seeded_mistakes.without_target_dir(RUSTFLAGS="--cap-lints=allow", CARGO_INCREMENTAL="1")
     command = ["cargo", "test", "--no-run", "--package", package, "--lib", "--tests", "--message-format=json"]
     done = seeded_mistakes.run(*command, cwd=COPY, env=environment)
     programs, errors = [], []

@@ -15,9 +15,10 @@ const STATED: &str = include_str!("../stated.txt");
 const FIGURES: &str = include_str!("../figures.txt");
 
 fn image(name: &str) -> Image {
-    let folder = "../target/firmware/thumbv7em-none-eabihf/firmware";
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join(folder)
+    let built = option_env!("CARGO_TARGET_DIR")
+        .unwrap_or(concat!(env!("CARGO_MANIFEST_DIR"), "/../target"));
+    let path = Path::new(built)
+        .join("firmware/thumbv7em-none-eabihf/firmware")
         .join(name);
     let file = std::fs::read(&path)
         .unwrap_or_else(|error| panic!("{}: {error}; run scripts/firmware.sh", path.display()));

@@ -1,6 +1,7 @@
 """Fixtures that the tests share."""
 
 import json
+import os
 from pathlib import Path
 
 import numpy as np
@@ -59,6 +60,6 @@ def robot_file(robot):
 @pytest.fixture(scope="session")
 def program():
     """The program `fivebar`, built before the tests: see scripts/python.sh."""
-    path = ROOT / "target/release/fivebar"
+    path = pathlib.Path(os.environ.get("CARGO_TARGET_DIR") or ROOT / "target") / "release/fivebar"
     assert path.exists(), f"no {path}: build it with `cargo build --release`"
     return path

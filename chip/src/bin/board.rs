@@ -21,10 +21,12 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
-const IMAGE: &str = concat!(
-    env!("CARGO_MANIFEST_DIR"),
-    "/../target/firmware/thumbv7em-none-eabihf/firmware/stm32f405"
-);
+/// Where scripts/firmware.sh builds the images.
+const BUILT: &str = match option_env!("CARGO_TARGET_DIR") {
+    Some(folder) => folder,
+    None => concat!(env!("CARGO_MANIFEST_DIR"), "/../target"),
+};
+const IMAGE: &str = "firmware/thumbv7em-none-eabihf/firmware/stm32f405";
 /// Linux's flags: read and write, no controlling terminal, do not block.
 const FLAGS: c_int = 0o2 | 0o400 | 0o4000;
 
@@ -73,7 +75,9 @@ fn main() -> ExitCode {
 
 fn run() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
-    let image = arguments.next().unwrap_or_else(|| IMAGE.to_owned());
+    let image = arguments
+        .next()
+        .unwrap_or_else(|| format!("{BUILT}/{IMAGE}"));
     let robot = Robot::load(
         &arguments
             .next()

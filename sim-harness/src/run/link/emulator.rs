@@ -19,6 +19,11 @@ const BOARD: [&str; 6] = [
     "-display",
     "none",
 ];
+/// Where cargo built this program, and scripts/firmware.sh the images.
+const BUILT: &str = match option_env!("CARGO_TARGET_DIR") {
+    Some(folder) => folder,
+    None => concat!(env!("CARGO_MANIFEST_DIR"), "/../target"),
+};
 /// How long the emulator may take to start.
 const START: Duration = Duration::from_secs(10);
 
@@ -58,8 +63,8 @@ pub enum EmulatorError {
 impl Emulator {
     /// The path at which `scripts/firmware.sh` leaves the image `name`.
     pub fn built_image(name: &str) -> PathBuf {
-        Path::new(env!("CARGO_MANIFEST_DIR"))
-            .join("../target/firmware/thumbv7em-none-eabihf/firmware")
+        Path::new(BUILT)
+            .join("firmware/thumbv7em-none-eabihf/firmware")
             .join(name)
     }
 

@@ -1,0 +1,6 @@
+# Sourced in the repository's root. `built` is the folder into which cargo builds: CARGO_TARGET_DIR, made absolute
+# because some scripts change their folder, or else target.
+if [ -n "${CARGO_TARGET_DIR:-}" ]; then
+    [[ $CARGO_TARGET_DIR == /* ]] || export CARGO_TARGET_DIR=$PWD/$CARGO_TARGET_DIR
+fi
+built=${CARGO_TARGET_DIR:-$PWD/target}
