@@ -4,7 +4,7 @@ use embedded_hal::digital::OutputPin;
 use embedded_hal::pwm::SetDutyCycle;
 
 /// How long a bridge takes from its sleep pin's rise until it drives [s]. The DRV8874 takes up to
-/// 1 ms (t_WAKE of its data sheet); half as much again is for others of its class and for the
+/// 1 ms (t_WAKE, SLVSF66, 6.5); half as much again is for others of its class and for the
 /// filter of its sleep line. Until then its outputs float whatever its inputs are, and its fault
 /// output may be low. The controller waits so long, see [`Controller::tick`].
 ///
