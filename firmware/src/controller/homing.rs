@@ -175,3 +175,32 @@ fn homing_step(
     let demanded = inertia * alpha + axis.friction.torque(state.rate);
     Ok((error, limited(demanded, axis.homing_torque)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::Settings;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn an_absolute_encoder_is_taken_in_the_turn_nearest_to_the_middle_of_the_range(
+            low in -9.0..9.0_f32,
+            width in 1.0..6.0_f32,
+            home in -3.0..3.0_f32,
+            gear in prop_oneof![Just(30.0_f32), Just(-30.0)],
+            now in -100_000..100_000,
+        ) {
+            let [mut axis, _] = Settings::BENCHTOP.axes;
+            (axis.gear_ratio, axis.home_angle) = (gear, home);
+            axis.angle_limits = [low, low + width];
+            let per_turn = axis.encoder_counts as f32 * gear;
+            let counts = home_counts(&axis, now);
+            let turns = counts as f32 / per_turn;
+            prop_assert!((turns - turns.round()).abs() < 1e-3, "{turns} turns");
+            let angle = home + TAU * (now - counts) as f32 / per_turn;
+            let away = angle - (low + 0.5 * width);
+            prop_assert!(away.abs() < 0.5 * TAU + 0.01, "{away} rad from the middle");
+        }
+    }
+}

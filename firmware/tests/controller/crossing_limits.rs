@@ -46,3 +46,97 @@ fn a_crank_behind_a_joint_limit_while_it_crosses_has_left_the_envelope() {
     }
     assert!(passed >= 2, "{ranges:?}");
 }
+
+/// The distance of the cranks' ends [m]; the couplers reach 0.24 m.
+fn span([theta1, theta4]: [f64; 2]) -> f64 {
+    let x = 0.08 + 0.1 * (theta4.cos() - theta1.cos());
+    let y = 0.1 * (theta4.sin() - theta1.sin());
+    x.hypot(y)
+}
+
+/// The cranks move apart by 0.2 rad each, with 5 rad/s, from this tick on.
+fn apart_from(tick: u32) -> Rig {
+    let mut tolerant = settings();
+    tolerant.protection.following_error = 0.3;
+    let mut rig = Rig::crossing_with(&tolerant);
+    let mut most = 0.0_f64;
+    for now in 0..3300 {
+        if rig.controller.state() != State::Crossing {
+            break;
+        }
+        let off = (5e-4 * f64::from(now) - 5e-4 * f64::from(tick)).clamp(0.0, 0.2);
+        let rate = if off > 0.0 && off < 0.2 { 5.0 } else { 0.0 };
+        rig.follow_off([off, -off], [rate, -rate]);
+        most = most.max(span(rig.bench.theta));
+    }
+    // The laws look ahead, by the lag.
+    assert!(most > 0.235, "{most} m");
+    rig
+}
+
+/// Where the plan is far from the singularity, such angles are an error of an encoder.
+#[test]
+fn cranks_farther_apart_than_the_couplers_reach_disagree_unless_the_plan_is_near_the_singularity() {
+    for (tick, within) in [(600, 900), (1450, 2200)] {
+        let rig = apart_from(tick);
+        let fault = rig.controller.fault().unwrap();
+        assert_eq!(fault.fault, Fault::EncoderDisagreement, "from {tick}");
+        let lasted = fault.tick;
+        assert!(lasted < within, "from {tick}: {lasted}");
+    }
+}
+
+/// The cranks follow their reference up to the singularity; then one goes on, and the other keeps the couplers stretched.
+fn stretched_by(joint: usize) -> (Rig, u32) {
+    let mut rig = Rig::crossing();
+    for _ in 0..1650 {
+        assert_eq!(rig.follow().state, State::Crossing);
+    }
+    for tick in 0..2000 {
+        let before = rig.bench.theta;
+        rig.follow();
+        let mut theta = rig.bench.theta;
+        theta[joint] = before[joint];
+        for _ in 0..20 {
+            let mut beside = theta;
+            beside[joint] += 1e-6;
+            let slope = (span(beside) - span(theta)) * 1e6;
+            theta[joint] -= ((span(theta) - 0.239_9) / slope).clamp(-1e-2, 1e-2);
+        }
+        rig.bench.theta = theta;
+        if rig.controller.state() != State::Crossing {
+            return (rig, tick);
+        }
+    }
+    (rig, 2000)
+}
+
+#[test]
+fn one_crank_alone_can_keep_an_arm_too_long_in_the_zone() {
+    for joint in 0..2 {
+        let (rig, ticks) = stretched_by(joint);
+        let fault = rig.controller.fault().map(|fault| fault.fault);
+        assert_eq!(fault, Some(Fault::Envelope), "joint {joint} after {ticks}");
+    }
+}
+
+#[test]
+fn an_arm_beside_the_end_of_its_crossing_has_crossed_whenever_the_planner_looks() {
+    let mut rig = Rig::crossing();
+    for tick in 0..3600_u32 {
+        // 0.012 rad behind the plan, which takes 3000 ticks.
+        let off = (1.2e-4 * (f64::from(tick) - 3020.0)).clamp(0.0, 0.012);
+        if tick < 3500 {
+            rig.controller.feed_host_timeout();
+            if tick < 3020 {
+                rig.follow();
+                continue;
+            }
+            let status = rig.follow_alone_off([off, -off], [0.0; 2]);
+            assert_eq!(status.state, State::Crossing, "{tick}: {:?}", status.fault);
+        } else {
+            rig.follow_off([off, -off], [0.0; 2]);
+        }
+    }
+    assert_eq!(rig.controller.state(), State::Armed);
+}

@@ -95,11 +95,26 @@ impl Rig {
 
     /// The same without planner and host.
     pub(crate) fn follow_alone(&mut self) -> Status {
+        self.follow_alone_off([0.0; 2], [0.0; 2])
+    }
+
+    /// One tick, after which the cranks are off their reference by these angles [rad], which change at these
+    /// rates [rad/s].
+    pub(crate) fn follow_off(&mut self, off: [f64; 2], rate: [f64; 2]) -> Status {
+        self.plan();
+        self.follow_alone_off(off, rate)
+    }
+
+    /// The same without planner and host.
+    pub(crate) fn follow_alone_off(&mut self, off: [f64; 2], rate: [f64; 2]) -> Status {
         let status = self.sample();
-        let mut velocity = [0.0; 2];
+        let mut velocity = rate;
         if let Some(joints) = status.joint_reference {
-            velocity = joints.velocity.map(f64::from);
-            self.bench.theta = [0, 1].map(|j| f64::from(joints.angle[j]) + 1e-4 * velocity[j]);
+            for j in 0..2 {
+                velocity[j] += f64::from(joints.velocity[j]);
+                self.bench.theta[j] =
+                    f64::from(joints.angle[j]) + 1e-4 * f64::from(joints.velocity[j]) + off[j];
+            }
         }
         self.drive(velocity);
         status

@@ -6,6 +6,7 @@ mod rig;
 mod crossing;
 mod crossing_limits;
 mod crossing_rig;
+mod crossing_torques;
 mod current_zeros;
 mod drives;
 mod either_joint;
