@@ -26,6 +26,7 @@ licences() { scripts/licences.sh; }
 advisories() { scripts/advisories.sh || { [ $? -eq 77 ] && not_checked+=(advisories); }; }
 actions() { scripts/actions.sh; }
 links() { scripts/links.py; }
+words() { scripts/words.sh; }
 file_lengths() { scripts/file-lengths.sh; }
 # What needs a feature of the program has a word in its name by which it is chosen.
 tests() {
@@ -44,6 +45,9 @@ package() {
 }
 # A sample, which runs only by name, and on CI as a job of its own: it compiles a copy of the sources.
 mutants() { scripts/mutants.sh --sample; }
+# By name only: they install a toolchain or a tool.
+msrv() { scripts/msrv.sh; }
+semver() { scripts/semver.sh || { [ $? -eq 77 ] && not_checked+=(semver); }; }
 peers() { scripts/peers.sh; }
 browser() { scripts/browser.sh; }
 python() { scripts/python.sh; }
@@ -71,7 +75,7 @@ fuzz() {
 commands() { scripts/commands.sh; }
 demo() { cargo run --release --quiet -- --out "$built/demonstration"; }
 
-all=(format file_lengths links actions mistakes lint docs licences advisories tests demo package peers python senders browser setup firmware chip emulated fuzz commands)
+all=(format file_lengths words links actions mistakes lint docs licences advisories tests demo package peers python senders browser setup firmware chip emulated fuzz commands)
 steps=("$@")
 [ $# -gt 0 ] || steps=("${all[@]}")
 

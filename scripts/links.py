@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Fails if a document links to a file or a heading that does not exist, if a text names a document of docs/
-that does not exist, or if docs/SUMMARY.md or docs/README.md leaves a document out."""
+that does not exist, if CONTRIBUTING.md names a file that does not exist, or if docs/SUMMARY.md or docs/README.md
+leaves a document out."""
 import pathlib
 import re
 import subprocess
@@ -41,6 +42,9 @@ def main():
         for name in re.findall(r"\bdocs/[\w/.-]+\.(?:md|svg|png)\b", source.read_text()):
             if not (ROOT / name).exists():
                 wrong.append(f"{source.relative_to(ROOT)}: no document {name}")
+    for name in re.findall(r"`([\w.-]+/[\w/.-]+)`", (ROOT / "CONTRIBUTING.md").read_text()):
+        if not (ROOT / name).exists():
+            wrong.append(f"CONTRIBUTING.md: no file {name}")
     for index in ("docs/SUMMARY.md", "docs/README.md"):
         text = (ROOT / index).read_text()
         for document in listed("docs/*/*.md"):

@@ -26,7 +26,7 @@ impl Hand {
     ///
     /// # Errors
     /// What is wrong with the line.
-    pub fn obey(&mut self, arm: &mut Arm, line: &str) -> Result<(), String> {
+    pub fn execute(&mut self, arm: &mut Arm, line: &str) -> Result<(), String> {
         let mut words = line.split_whitespace();
         let name = words.next().unwrap_or_default();
         let numbers: Result<Vec<f64>, _> = words.map(str::parse).collect();

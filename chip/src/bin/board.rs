@@ -3,7 +3,7 @@
 //!
 //! `board [image] [robot]` prints the terminal's path and runs, at the speed of real time or as
 //! fast as this machine allows, until it is interrupted. Lines of its input tell a hand at the arm
-//! what to do (`Hand::obey`); it prints `done` when the hand has done it.
+//! what to do (`Hand::execute`); it prints `done` when the hand has done it.
 
 use fivebar::input::robot::{BuiltIn, Robot};
 use fivebar_chip::time::{MILLISECOND, Time};
@@ -144,7 +144,7 @@ fn serve(
         if busy_until.is_none()
             && let Ok(order) = orders.try_recv()
         {
-            hand.obey(&mut arm.get(), &order)?;
+            hand.execute(&mut arm.get(), &order)?;
             busy_until = Some(chip.now() + HAND_TIME + HAND_TIME / 2);
         }
         let simulated = Duration::from_nanos(chip.now() / NANOSECOND);

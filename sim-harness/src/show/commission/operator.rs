@@ -63,7 +63,7 @@ impl Task {
     }
 }
 
-/// Who is told what happens, and asked for tasks.
+/// Receives progress and results, and does the tasks that a person has to do.
 pub(in crate::show) trait Voice: Send {
     /// Tells a line.
     ///

@@ -1,4 +1,4 @@
-//! When nothing waited last to be read from a connection.
+//! The time at which a connection's receive queue was last empty.
 
 use std::io::ErrorKind;
 use std::net::TcpStream;

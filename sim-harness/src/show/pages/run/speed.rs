@@ -12,7 +12,7 @@ const WIDTH: f64 = 760.0;
 const AIR: f64 = 12.0;
 
 /// A part of the drawing at about one speed.
-struct Stretch {
+struct BandedPath {
     band: usize,
     points: Vec<Point>,
 }
@@ -44,7 +44,7 @@ impl RunReport<'_> {
              aria-label=\"The drawing by its speed\" fill=\"none\" stroke-width=\"2.5\" \
              stroke-linecap=\"round\" stroke-linejoin=\"round\">\n"
         );
-        for Stretch { band, points } in stretches(&steps, fastest) {
+        for BandedPath { band, points } in stretches(&steps, fastest) {
             let [red, green, blue] = BANDS[band];
             let _ = write!(
                 svg,
@@ -69,15 +69,15 @@ impl RunReport<'_> {
 }
 
 /// The steps, those of one colour that follow one another as one.
-fn stretches(steps: &[(f64, [Point; 2])], fastest: f64) -> Vec<Stretch> {
-    let mut all: Vec<Stretch> = Vec::new();
+fn stretches(steps: &[(f64, [Point; 2])], fastest: f64) -> Vec<BandedPath> {
+    let mut all: Vec<BandedPath> = Vec::new();
     for &(speed, [from, to]) in steps {
         let band = ((BANDS.len() as f64 * speed / fastest) as usize).min(BANDS.len() - 1);
         match all.last_mut() {
             Some(last) if last.band == band && last.points.last() == Some(&from) => {
                 last.points.push(to);
             }
-            _ => all.push(Stretch {
+            _ => all.push(BandedPath {
                 band,
                 points: vec![from, to],
             }),
