@@ -6,7 +6,7 @@
 #   scripts/release.sh sbom FOLDER             what program, images and wheels are made of, as CycloneDX
 #   scripts/release.sh checksums FOLDER        SHA256SUMS of all files there
 #
-# `cargo binstall fivebar` finds the program by its name: sim-harness/Cargo.toml states it.
+# `cargo binstall fivebar` finds the program by its name, which the crate's Cargo.toml states.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source scripts/target-dir.sh
@@ -30,9 +30,11 @@ program() {
 # stm32f405 is for the board, qemu for `fivebar pil`.
 images() {
     scripts/firmware.sh
-    local host copy name
-    host=$(rustc -vV | sed -n 's/^host: //p')
-    copy=$(rustc --print sysroot)/lib/rustlib/$host/bin/rust-objcopy
+    local toolchain copy name
+    # The toolchain's own objcopy, and the library that it needs.
+    toolchain=$(rustc --print sysroot)
+    copy=$toolchain/lib/rustlib/$(rustc -vV | sed -n 's/^host: //p')/bin/rust-objcopy
+    export LD_LIBRARY_PATH=$toolchain/lib
     for name in stm32f405 qemu; do
         cp "$built/firmware/thumbv7em-none-eabihf/firmware/$name" "$folder/fivebar-$version-$name.elf"
         "$copy" -O ihex "$folder/fivebar-$version-$name.elf" "$folder/fivebar-$version-$name.hex"
@@ -41,19 +43,22 @@ images() {
 }
 
 sbom() {
-    local tool=0.5.9 manifest name
+    local tool=0.5.9
     if [ "$(cargo cyclonedx --version 2>/dev/null)" != "cargo-cyclonedx-cyclonedx $tool" ]; then
         cargo install cargo-cyclonedx --version "$tool" --locked --quiet
     fi
-    describe() { # NAME MANIFEST OPTION...: the list lands beside the manifest of each crate of the workspace.
-        name=fivebar-$version-$1 manifest=$2
-        cargo cyclonedx --format json --override-filename sbom --manifest-path "$manifest" "${@:3}"
-        mv "$(dirname "$manifest")/sbom.json" "$folder/$name.cdx.json"
-        git ls-files -z '*Cargo.toml' | xargs -0 -n 1 dirname | sed 's|$|/sbom.json|' | tr '\n' '\0' | xargs -0 rm -f
-    }
-    describe program sim-harness/Cargo.toml --features mcap,png
-    describe images firmware/Cargo.toml --features board --target thumbv7em-none-eabihf
-    describe python python/Cargo.toml
+    describe program fivebar --features mcap,png
+    describe images fivebar-firmware --features board --target thumbv7em-none-eabihf
+    describe python fivebar-python
+}
+
+# NAME CRATE OPTION...: the tool writes a list beside the manifest of each crate of the workspace.
+describe() {
+    local manifest
+    manifest=$(git ls-files '*Cargo.toml' | xargs grep -l "^name = \"$2\"$")
+    cargo cyclonedx --format json --override-filename sbom --manifest-path "$manifest" "${@:3}"
+    mv "$(dirname "$manifest")/sbom.json" "$folder/fivebar-$version-$1.cdx.json"
+    git ls-files '*Cargo.toml' | xargs dirname | sed 's|$|/sbom.json|' | xargs rm -f
 }
 
 checksums() { (cd "$folder" && rm -f SHA256SUMS && sha256sum -- * >SHA256SUMS); }
