@@ -15,6 +15,6 @@ case $name in
     settings_pages) length=4096 ;;
     *) length=6000 ;;
 esac
-exec nice -n 10 "target/$target/release/$name" -artifact_prefix="artifacts/$name/" \
+exec nice -n 10 "${CARGO_TARGET_DIR:-target}/$target/release/$name" -artifact_prefix="artifacts/$name/" \
     -max_len="$length" -timeout=20 -rss_limit_mb=1024 -print_final_stats=1 \
     "$@" "corpus/$name" "seeds/$name"
