@@ -3,7 +3,7 @@
 //! The output of a bridge switches later than its input: a DRV8874 takes 0.65 µs, and 0.3 µs of dead
 //! time and 0.15 µs of slope more, by the sign of the current (SLVSF66, 6.5, typical). The amplifier in the
 //! motor's lead sees the edge as a step of its common mode, and forgets it with its bandwidth. An INA241A also
-//! holds its output for 1 µs after an edge, which is not simulated: docs/wiring.md, Sampling.
+//! holds its output for 1 µs after an edge, which is not simulated: docs/use/wiring.md, Sampling.
 
 use crate::time::{MICROSECOND, Time};
 use crate::wiring::Edges;
