@@ -34,6 +34,13 @@ impl Loss {
     }
 }
 
+/// The upper median; none without values.
+pub(crate) fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
+}
+
 /// The unknowns with the least loss near `start`, and that loss. Without residuals at the start
 /// there is none.
 pub(crate) fn minimise(

@@ -17,6 +17,7 @@ mod index;
 mod latency;
 mod mismatch;
 mod mismatch_error;
+mod model;
 mod motor;
 mod parameters;
 mod planar;

@@ -118,15 +118,7 @@ impl Plant {
                 Index::new(at_home, settings.axes[j].index_counts)
             })
         });
-        // Incremental counters start anywhere, absolute ones in any turn.
-        let start = [noise.integer(), noise.integer()];
-        let count_origin = match method {
-            HomingMethod::Absolute => [0, 1].map(|j| sensors[j].absolute_origin(start[j] % 3)),
-            HomingMethod::Switch
-            | HomingMethod::HardStop
-            | HomingMethod::Given
-            | HomingMethod::Index => start,
-        };
+        let count_origin = count_origin(method, &sensors, &mut noise);
         let mut plant = Self {
             stops,
             indices,
@@ -378,5 +370,17 @@ impl Plant {
     /// Sets the external force on the tool [N].
     pub fn set_tool_force(&mut self, force: Vector2<f64>) {
         self.tool_force = force;
+    }
+}
+
+/// The counts at angle 0. Incremental counters start anywhere, absolute ones in any turn.
+fn count_origin(method: HomingMethod, sensors: &[JointSensors; 2], noise: &mut Noise) -> [i32; 2] {
+    let start = [noise.integer(), noise.integer()];
+    match method {
+        HomingMethod::Absolute => [0, 1].map(|j| sensors[j].absolute_origin(start[j] % 3)),
+        HomingMethod::Switch
+        | HomingMethod::HardStop
+        | HomingMethod::Given
+        | HomingMethod::Index => start,
     }
 }

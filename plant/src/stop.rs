@@ -1,4 +1,4 @@
-//! A hard stop at the end of a joint's way: a stiff spring with a damper, which only pushes.
+//! A hard stop at the end of a joint's travel: a stiff spring with a damper, which only pushes.
 
 use crate::sensors::JointSensors;
 

@@ -32,9 +32,10 @@ pub(crate) struct Spring {
     backlash: Option<Backlash>,
 }
 
-/// Natural frequency of a rotor on the flanks of a gear that is otherwise rigid [rad/s], and its
-/// damping ratio: stiff, yet slow enough for a few integration steps in each tick.
+/// Natural frequency of a rotor on the flanks of a gear that is otherwise rigid [rad/s]: 2 kHz, stiff,
+/// yet slow enough for a few integration steps in each tick.
 const FLANK_RESONANCE: f64 = TAU * 2e3;
+/// Damping ratio of that oscillation [1]: metal on metal damps little.
 const FLANK_DAMPING: f64 = 0.05;
 
 impl Spring {

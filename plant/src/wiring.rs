@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Wiring {
-    /// The motor of joint 1 is on the bridge of joint 4, and the other way round.
+    /// The motor of joint 1 is on the bridge of joint 4, and vice versa.
     pub motors_swapped: bool,
     /// The same of the encoders.
     pub encoders_swapped: bool,

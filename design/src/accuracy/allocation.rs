@@ -1,7 +1,7 @@
 //! Tolerance allocation: the cheapest choice of tolerance classes that keeps the scatter
 //! within a bound everywhere.
 //!
-//! To first order the variance at a place is Σ wi si², wi the squared sensitivity to
+//! To first order the variance at a position is Σ wi si², wi the squared sensitivity to
 //! dimension i there and si the standard deviation of its class. The choice is found
 //! exactly, by depth-first search that leaves a branch as soon as it cannot be cheaper than
 //! the best found, or cannot meet the bound even with the finest classes for the rest.
@@ -22,25 +22,25 @@ pub struct Allocation {
     pub choice: Vec<usize>,
     /// The total cost.
     pub cost: f64,
-    /// The largest variance at any place.
+    /// The largest variance at any position.
     pub worst_variance: f64,
 }
 
 struct BranchAndBound<'a> {
-    /// wi at each place (row).
+    /// wi at each position (row).
     weights: &'a [Vec<f64>],
     classes: &'a [Vec<ToleranceClass>],
     limit: f64,
-    /// For dimension i.. on: the least variance at each place, and the least cost.
+    /// For dimension i.. on: the least variance at each position, and the least cost.
     least_variance: Vec<Vec<f64>>,
     least_cost: Vec<f64>,
     best: Option<Allocation>,
 }
 
-/// Chooses a class for every dimension so that Σ wi si² ≤ `limit` at every place, at the
+/// Chooses a class for every dimension so that Σ wi si² ≤ `limit` at every position, at the
 /// least cost; none where even the finest classes exceed it.
 ///
-/// `weights` has a row for each place with an entry for each dimension, `classes` a list
+/// `weights` has a row for each position with an entry for each dimension, `classes` a list
 /// for each dimension.
 ///
 /// # Panics
@@ -78,8 +78,9 @@ pub fn allocate(
             .map(|c| c.cost)
             .fold(f64::INFINITY, f64::min);
         least_cost[i] = least_cost[i + 1] + cheapest;
-        for (place, row) in weights.iter().enumerate() {
-            least_variance[i][place] = least_variance[i + 1][place] + row[i] * finest * finest;
+        for (position, row) in weights.iter().enumerate() {
+            least_variance[i][position] =
+                least_variance[i + 1][position] + row[i] * finest * finest;
         }
     }
     let mut search = BranchAndBound {

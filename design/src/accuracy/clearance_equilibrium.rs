@@ -65,7 +65,7 @@ pub fn clearance_equilibrium(
     while equilibrium.iterations < MAX_ITERATIONS && !equilibrium.converged {
         let reactions = reactions(arm, &pose, inputs, external_force)?;
         let [a, b, c, d, e] = core::array::from_fn(|i| pressed(reactions[i], radii[i]));
-        // The reaction in C is that of link 2 on link 3: link 2 lies the other way.
+        // The reaction in C is that of link 2 on link 3: link 2 is displaced in the opposite direction.
         let offsets = [a, b, -c, d, e];
         let change = (0..5)
             .map(|i| (offsets[i] - equilibrium.offsets[i]).length())

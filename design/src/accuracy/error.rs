@@ -48,7 +48,7 @@ impl From<DyadError> for AccuracyError {
 /// Why a mechanism with tolerances cannot be analysed at a position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum PlaceError {
+pub enum AnalysisError {
     /// The five-bar has no pose or no motion there.
     Pose(PoseError),
     /// A worst case cannot be assembled, or the arm is singular there.
@@ -66,7 +66,7 @@ pub enum PlaceError {
     },
 }
 
-impl fmt::Display for PlaceError {
+impl fmt::Display for AnalysisError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Pose(error) => error.fmt(f),
@@ -81,27 +81,27 @@ impl fmt::Display for PlaceError {
     }
 }
 
-impl core::error::Error for PlaceError {}
+impl core::error::Error for AnalysisError {}
 
-impl From<PoseError> for PlaceError {
+impl From<PoseError> for AnalysisError {
     fn from(error: PoseError) -> Self {
         Self::Pose(error)
     }
 }
 
-impl From<AccuracyError> for PlaceError {
+impl From<AccuracyError> for AnalysisError {
     fn from(error: AccuracyError) -> Self {
         Self::Accuracy(error)
     }
 }
 
-impl From<ArmAccuracyError> for PlaceError {
+impl From<ArmAccuracyError> for AnalysisError {
     fn from(error: ArmAccuracyError) -> Self {
         Self::Arm(error)
     }
 }
 
-impl From<slider::PoseError> for PlaceError {
+impl From<slider::PoseError> for AnalysisError {
     fn from(error: slider::PoseError) -> Self {
         Self::Slider(error)
     }

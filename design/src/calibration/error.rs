@@ -14,7 +14,7 @@ pub enum CalibrationError {
     Collinear,
     /// The nominal lengths do not make an arm.
     Lengths,
-    /// These unknowns cannot be told apart by the points: their names, with the rank and how many
+    /// The points do not distinguish these unknowns: their names, with the rank and how many
     /// unknowns there are.
     NotSeen(Vec<&'static str>, usize, usize),
     /// No known length: all lengths may grow together.
@@ -110,18 +110,7 @@ impl fmt::Display for CalibrationError {
                  this table, or another, is not of this arm; check its units (metres), its columns and \
                  its stated deviation, and try the tables one by one"
             ),
-            Self::MixedNoFit(sigmas) => {
-                let why = if sigmas.is_finite() {
-                    format!("half of them are more than {sigmas:.0} σ from the best fit")
-                } else {
-                    "the robot file's arm has too few of the poses".into()
-                };
-                write!(
-                    f,
-                    "the measurements fit no arm in this assembly mode: {why}; check the counts per \
-                     turn, the order of the columns, the units (metres) and the arm"
-                )
-            }
+            Self::MixedNoFit(sigmas) => mixed_no_fit(f, *sigmas),
             Self::OtherAssembly => f.write_str(
                 "the points were measured in the other assembly mode: C lies on the other side of \
                  the line from B to D than the robot file's `working_mode` and `home` say; measure \
@@ -142,21 +131,36 @@ impl fmt::Display for CalibrationError {
                 number,
                 found,
                 nominal,
-            } => {
-                let part = match number {
-                    5 => "the base".to_owned(),
-                    link => format!("link {link}"),
-                };
-                write!(
-                    f,
-                    "the points are of another arm: they give {part} a length of {:.2} mm, the \
-                     robot file {:.2} mm",
-                    1e3 * found,
-                    1e3 * nominal
-                )
-            }
+            } => other_arm(f, *number, [*found, *nominal]),
         }
     }
+}
+
+fn mixed_no_fit(f: &mut fmt::Formatter<'_>, sigmas: f64) -> fmt::Result {
+    let why = if sigmas.is_finite() {
+        format!("half of them are more than {sigmas:.0} σ from the best fit")
+    } else {
+        "the robot file's arm has too few of the poses".into()
+    };
+    write!(
+        f,
+        "the measurements fit no arm in this assembly mode: {why}; check the counts per turn, the \
+         order of the columns, the units (metres) and the arm"
+    )
+}
+
+fn other_arm(f: &mut fmt::Formatter<'_>, number: usize, [found, nominal]: [f64; 2]) -> fmt::Result {
+    let part = match number {
+        5 => "the base".to_owned(),
+        link => format!("link {link}"),
+    };
+    write!(
+        f,
+        "the points are of another arm: they give {part} a length of {:.2} mm, the robot file \
+         {:.2} mm",
+        1e3 * found,
+        1e3 * nominal
+    )
 }
 
 impl core::error::Error for CalibrationError {}

@@ -9,7 +9,7 @@
 
 use super::measurements::Touch;
 use super::parameters::{Parameters, within_a_turn};
-use crate::fit::{Loss, Rows, minimise};
+use crate::fit::{Loss, Rows, median, minimise};
 use fivebar_kinematics::PlanarVector;
 use nalgebra::{DMatrix, DVector, Vector2};
 
@@ -143,12 +143,8 @@ pub(super) fn leg(
     loss: Loss,
 ) -> Option<Leg> {
     let typical = |leg: &Leg| {
-        let mut sizes: Vec<f64> = touches
-            .iter()
-            .map(|touch| leg.residual(touch, joint).abs())
-            .collect();
-        sizes.sort_by(f64::total_cmp);
-        sizes[sizes.len() / 2]
+        let sizes = touches.iter().map(|touch| leg.residual(touch, joint).abs());
+        median(sizes).unwrap_or(f64::INFINITY)
     };
     let sampled = samples
         .iter()
@@ -166,7 +162,7 @@ pub(super) fn leg(
 pub(super) fn joined(leg1: &Leg, leg4: &Leg) -> Parameters {
     let base = leg4.pivot - leg1.pivot;
     let turn = base.polar_angle();
-    // A crank of negative length points the other way.
+    // A crank of negative length points in the opposite direction.
     let crank = |leg: &Leg| {
         let reversed = if leg.crank < 0.0 {
             core::f64::consts::PI

@@ -37,7 +37,7 @@ pub struct Bar {
     pub length: f64,
 }
 
-/// The tip in a hole whose place is not known.
+/// The tip in a hole whose position is not known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HoleTouch {
     /// The hole: touches with the same number are of one hole.
@@ -51,7 +51,7 @@ pub struct HoleTouch {
 pub struct PhotoPoint {
     /// The encoder angles of joints 1 and 4, each up to whole turns [rad].
     pub encoder: [f64; 2],
-    /// Its place in the photograph, in pixels of any frame.
+    /// Its position in the photograph, in pixels of any frame.
     pub pixel: Vector2<f64>,
 }
 
@@ -75,9 +75,9 @@ pub struct Measurements {
     pub plate: Vec<Touch>,
     /// Known distances.
     pub bars: Vec<Bar>,
-    /// Touches of holes at unknown places.
+    /// Touches of holes at unknown positions.
     pub holes: Vec<HoleTouch>,
-    /// Photographs, each from a place of its own, of five points or more.
+    /// Photographs, each from a camera position of its own, of five points or more.
     pub photos: Vec<Vec<PhotoPoint>>,
     /// The assembly mode in which all was measured.
     pub assembly: Side,
@@ -110,11 +110,11 @@ impl Measurements {
         let angles = angles.chain(self.holes.iter().map(|touch| touch.encoder));
         let points = || self.photos.iter().flatten();
         let mut angles = angles.chain(points().map(|point| point.encoder)).flatten();
-        let places = self.plate.iter().map(|touch| touch.hole);
-        let mut places = places.chain(points().map(|point| point.pixel));
+        let positions = self.plate.iter().map(|touch| touch.hole);
+        let mut positions = positions.chain(points().map(|point| point.pixel));
         let finite = [plate, bar, hole, photo].into_iter().all(positive)
             && angles.all(f64::is_finite)
-            && places.all(|place| place.iter().all(|value| value.is_finite()));
+            && positions.all(|position| position.iter().all(|value| value.is_finite()));
         if !finite {
             return Err(CalibrationError::NotFinite);
         }

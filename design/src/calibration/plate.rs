@@ -7,7 +7,7 @@ use super::observability::{check_seen, covariance, leave_out, rank_and_condition
 use super::parameters::{Parameters, Vector10};
 use super::start::{placed, samples};
 use super::tip::{on_plate, posed, tip};
-use crate::fit::{Loss, Rows, minimise};
+use crate::fit::{Loss, Rows, median, minimise};
 use core::f64::consts::{FRAC_PI_2, PI};
 use fivebar_kinematics::five_bar::{Geometry, Side};
 use nalgebra::{DMatrix, DVector, SMatrix, Vector2};
@@ -44,7 +44,7 @@ pub struct Calibration {
 const GREATEST_CHANGE: f64 = 0.25;
 
 /// Finds lengths, joint offsets and placement of an arm from the touches of a plate. `nominal` are
-/// the lengths as drawn [m]; they serve as one of the starts and tell another arm.
+/// the lengths as drawn [m]; they serve as one of the starts, and show whether the touches are of another arm.
 ///
 /// # Errors
 /// What the points do not determine, and points of another mode, arm or order.
@@ -207,9 +207,7 @@ fn typical_distance(plate: &Plate, p: &Parameters, side: Side) -> f64 {
         let tip = tip(p, touch.encoder, side);
         tip.map_or(f64::INFINITY, |tip| (tip.position - touch.hole).norm())
     };
-    let mut distances: Vec<f64> = plate.touches.iter().map(distance).collect();
-    distances.sort_by(f64::total_cmp);
-    distances[distances.len() / 2]
+    median(plate.touches.iter().map(distance)).unwrap_or(f64::INFINITY)
 }
 
 /// The calibration at the best fit, checked.

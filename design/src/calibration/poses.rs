@@ -23,16 +23,16 @@ const MARGIN: f64 = 0.3;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Proposal {
     /// C in the arm's own frame [m].
-    pub places: Vec<Vector2<f64>>,
+    pub points: Vec<Vector2<f64>>,
     /// O1 = (∏ σi)^{1/10}/√K of the scaled Jacobian.
     pub observability: f64,
     /// The covariance of the unknowns for holes with a standard deviation of 1 m.
     pub covariance: Square,
 }
 
-/// The places of a grid that the arm reaches from its home without leaving its joint limits or
+/// The points of a grid that the arm reaches from its home without leaving its joint limits or
 /// its singularity margin, with the poses there. On an arm with links of half a metre together
-/// the places are 10 mm apart; they lie on multiples of the pitch.
+/// the points are 10 mm apart; they lie on multiples of the pitch.
 pub(super) fn reached(
     workspace: &Workspace<f64>,
     home: &Pose<f64>,
@@ -44,22 +44,22 @@ pub(super) fn reached(
     let count = (high / pitch).map(|value| value.ceil() as i32) - first;
     let columns = (count.x + 1) as usize;
     let cells = columns * (count.y + 1) as usize;
-    let place = |index: usize| {
+    let point = |index: usize| {
         let (x, y) = ((index % columns) as i32, (index / columns) as i32);
         Vector2::new(f64::from(first.x + x), f64::from(first.y + y)) * pitch
     };
     let found: Vec<_> = (0..cells)
         .map(|index| {
-            let pose = pose_within(workspace, place(index))?;
+            let pose = pose_within(workspace, point(index))?;
             (pose.0.assembly() == home.assembly()).then_some(pose)
         })
         .collect();
-    let distance = |index: &usize| (place(*index) - home.c).norm();
+    let distance = |index: &usize| (point(*index) - home.c).norm();
     let near = |a: &usize, b: &usize| distance(a).total_cmp(&distance(b));
     let start = (0..cells)
         .filter(|&index| found[index].is_some())
         .min_by(near);
-    // From place to place, without a jump of the joints.
+    // From point to point, without a jump of the joints.
     let mut is_reached = vec![false; cells];
     let mut open: Vec<usize> = start.into_iter().collect();
     while let Some(index) = open.pop() {
@@ -91,11 +91,11 @@ pub(super) fn reached(
     }
     (0..cells)
         .filter(|&index| is_reached[index])
-        .filter_map(|index| Some((place(index), found[index]?.0)))
+        .filter_map(|index| Some((point(index), found[index]?.0)))
         .collect()
 }
 
-/// The pose with C at a place and its θ1, θ4 within the limits, if each |sin| at the elbows and
+/// The pose with C at a point and its θ1, θ4 within the limits, if each |sin| at the elbows and
 /// at C is at least the margin.
 fn pose_within(workspace: &Workspace<f64>, c: Vector2<f64>) -> Option<(Pose<f64>, [f64; 2])> {
     let geometry = workspace.tool.geometry();
@@ -114,16 +114,16 @@ fn least_sine(pose: &Pose<f64>) -> f64 {
 }
 
 /// The `count` poses that an arm reaches from its home, in the working mode of C and the assembly
-/// mode there, that determine its ten unknowns best; none if it reaches too few places or `count`
+/// mode there, that determine its ten unknowns best; none if it reaches too few points or `count`
 /// is below 5.
 pub fn propose(workspace: &Workspace<f64>, home: &Pose<f64>, count: usize) -> Option<Proposal> {
     let p = Parameters {
         lengths: workspace.tool.geometry().lengths(),
         ..Parameters::default()
     };
-    let places = reached(workspace, home);
+    let points = reached(workspace, home);
     let candidates = |margin: f64| -> Vec<(Vector2<f64>, Row)> {
-        let within = places.iter().filter(|(_, pose)| least_sine(pose) >= margin);
+        let within = points.iter().filter(|(_, pose)| least_sine(pose) >= margin);
         let row = |(c, pose): &(Vector2<f64>, Pose<f64>)| {
             let mut row = on_plate(&p, pose).jacobian;
             for (mut column, scale) in row.column_iter_mut().zip(SCALES) {
@@ -149,7 +149,7 @@ pub fn propose(workspace: &Workspace<f64>, home: &Pose<f64>, count: usize) -> Op
     let covariance = information.try_inverse()?;
     let covariance = Square::from_fn(|i, j| covariance[(i, j)] * SCALES[i] * SCALES[j]);
     Some(Proposal {
-        places: chosen.iter().map(|&index| found[index].0).collect(),
+        points: chosen.iter().map(|&index| found[index].0).collect(),
         // det W is the square of the product of the singular values.
         observability: (0.05 * log_determinant(&information)).exp() / (count as f64).sqrt(),
         covariance,

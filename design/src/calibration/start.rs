@@ -7,10 +7,14 @@ use crate::Noise;
 use fivebar_kinematics::five_bar::Side;
 use nalgebra::{Isometry2, UnitComplex, Vector2};
 
+/// How many samples of the touches are drawn. If a fifth of the touches is wrong, one of nine is free
+/// of these in 13 % of the draws, and no sample at all in 10⁻⁷ of the cases.
+const SAMPLES: usize = 120;
+/// The touches of a sample: two more than the seven that a leg's linear start needs.
+const SIZE: usize = 9;
+
 /// Samples of nine touches for the linear starts; the same for the same touches.
 pub(super) fn samples(touches: &[Touch]) -> Vec<Vec<Touch>> {
-    const SAMPLES: usize = 120;
-    const SIZE: usize = 9;
     if touches.len() <= SIZE {
         return Vec::new();
     }

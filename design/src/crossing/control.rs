@@ -17,13 +17,15 @@ use super::search::{CrossingPlan, CrossingTask};
 use fivebar_kinematics::five_bar::Side;
 use nalgebra::Vector2;
 
-/// |sin(θ3−θ2)| of the zone, and from which on computed torque alone acts.
+/// |sin(θ3−θ2)| below which the arm is in the zone: computed torque divides by it.
 const ZONE: f64 = 0.2;
+/// |sin(θ3−θ2)| from which on computed torque alone acts.
 const OUTSIDE: f64 = 0.3;
-/// Bandwidth and damping of computed torque [rad/s].
+/// Bandwidth of computed torque, whose poles are both real and equal [rad/s].
 const BANDWIDTH: f64 = 120.0;
-/// The cranks' PD [N·m/rad, N·m·s/rad].
+/// Proportional gain of the cranks' PD in the zone [N·m/rad].
 const STIFFNESS: f64 = 120.0;
+/// Derivative gain of the cranks' PD in the zone [N·m·s/rad].
 const DAMPING: f64 = 1.0;
 /// The greatest error of a crank outside the zone [rad]: inside it the arm goes on.
 const FOLLOWING_ERROR: f64 = 0.05;
@@ -206,7 +208,7 @@ impl CrossingTask<'_> {
     }
 }
 
-/// Bridges the places next to the singularity, where the torque is 0/0, by straight lines.
+/// Bridges the ticks next to the singularity, where the torque is 0/0, by straight lines.
 fn interpolate_torque(setpoints: &mut [CrossingSetpoint]) {
     let known = |at: &CrossingSetpoint| at.torque.iter().all(|torque| torque.is_finite());
     let gaps: Vec<usize> = (0..setpoints.len())

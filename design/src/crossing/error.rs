@@ -23,7 +23,7 @@ pub enum CrossingError {
     Elbow(f64, f64),
     /// N·C′/(|N||C′|) is too small: no acceleration along this line satisfies the condition.
     Direction(f64),
-    /// No law goes forward all the way.
+    /// No law goes forward from its beginning to its end.
     NoLaw,
     /// A joint needs more torque [N·m] than its limit.
     Torque(Joint, f64, f64),

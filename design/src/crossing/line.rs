@@ -6,8 +6,8 @@ use super::search::CrossingTask;
 use fivebar_kinematics::five_bar::{Joint, JointLimits, Pose, Velocities};
 use nalgebra::Vector2;
 
-/// The places of a line that are checked.
-const PLACES: usize = 400;
+/// Steps of a line at whose ends it is checked.
+const STEPS: usize = 400;
 /// Halvings of the interval that holds the singularity: as many as a number has bits.
 const HALVINGS: usize = 60;
 /// The least |sin(θ3−θ2)| at which the torque is computed: it is f/sin, f being exact to 1e-15 N.
@@ -56,8 +56,8 @@ impl CrossingTask<'_> {
         let ranges = JointLimits::new(self.angle[0], self.angle[1]).ok();
         let mut found = Vec::new();
         let mut last = self.pose(0.0)?.sin32();
-        for k in 0..=PLACES {
-            let s = k as f64 / PLACES as f64;
+        for k in 0..=STEPS {
+            let s = k as f64 / STEPS as f64;
             let pose = self.pose(s)?;
             for sine in [pose.sin21(), pose.sin34()] {
                 if sine.abs() < self.elbow_margin {
@@ -70,7 +70,7 @@ impl CrossingTask<'_> {
             }
             let sine = pose.sin32();
             if sine * last < 0.0 {
-                found.push([s - 1.0 / PLACES as f64, s]);
+                found.push([s - 1.0 / STEPS as f64, s]);
             }
             if sine != 0.0 {
                 last = sine;

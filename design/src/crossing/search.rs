@@ -64,18 +64,23 @@ pub struct CrossingPlan {
     pub assembly: [Side; 2],
 }
 
-/// The ranges of vc tf and of τc.
+/// The range of ṡc tf that is searched [1]: 1 would be the mean rate of the whole crossing.
 const RATES: [f64; 2] = [0.8, 4.0];
+/// The range of τc = tc/tf that is searched [1]: the middle of the crossing, so that time is left to
+/// accelerate before and to brake after.
 const SHARES: [f64; 2] = [0.35, 0.65];
 /// Steps of the two ranges: the second grid is searched if the first holds no law.
 const GRIDS: [[usize; 2]; 2] = [[16, 6], [64, 30]];
-/// Samples of a candidate, and of the result.
+/// Samples of a candidate.
 const COARSE: usize = 240;
+/// Samples of the result, which is checked again.
 const FINE: usize = 2000;
 /// The least N·C′/(|N||C′|).
 const LEAST_COSINE: f64 = 0.05;
 /// |sin(θ3−θ2)| within which the drag acts against the momentum alone.
 const DRAG_ZONE: f64 = 0.05;
+/// Points of the line at which the zone's share of it is counted: to 1/400.
+const DRAG_SAMPLES: i32 = 400;
 
 impl CrossingTask<'_> {
     /// The crossing that needs the least torque.
@@ -190,13 +195,12 @@ impl CrossingTask<'_> {
         let n2 = self.pose(plan.s_c)?.u2.perpendicular();
         let speed = self.along().dot(&n2) * plan.s_dot_c;
         let energy = 0.5 * plan.condition.n.dot(&n2).abs() * speed * speed;
-        let places = 400;
         let mut inside = 0;
-        for k in 0..places {
-            let pose = self.pose((f64::from(k) + 0.5) / f64::from(places))?;
+        for k in 0..DRAG_SAMPLES {
+            let pose = self.pose((f64::from(k) + 0.5) / f64::from(DRAG_SAMPLES))?;
             inside += i32::from(pose.sin32().abs() < DRAG_ZONE);
         }
-        let work = self.drag * self.along().norm() * f64::from(inside) / f64::from(places);
+        let work = self.drag * self.along().norm() * f64::from(inside) / f64::from(DRAG_SAMPLES);
         if energy > work {
             Ok(())
         } else {

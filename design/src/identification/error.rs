@@ -14,7 +14,7 @@ pub enum IdentificationError {
     NotFinite(usize),
     /// Between this row, from 1, and the next this time passes [s].
     Gap(usize, f64),
-    /// The rows come at the first rate, the robot file says the second [Hz].
+    /// The rows come at the first rate, the robot file gives the second [Hz].
     Rate(f64, f64),
     /// The angle of this joint jumps behind this row, from 1.
     Jump(usize, usize),

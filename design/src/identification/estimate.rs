@@ -35,7 +35,7 @@ pub struct Identification {
     pub residual_share: [f64; 2],
 }
 
-/// The greatest condition with which parameters are told apart.
+/// The greatest condition with which parameters are distinguished.
 const GREATEST_CONDITION: f64 = 3e3;
 /// The greatest unexplained share of a torque.
 pub(super) const GREATEST_SHARE: f64 = 0.5;

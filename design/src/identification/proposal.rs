@@ -1,4 +1,4 @@
-//! The excitation that tells the parameters of an arm apart best, within its limits.
+//! The excitation within its limits that distinguishes the parameters of an arm best.
 
 use super::excitation::{Excitation, HARMONICS};
 use super::least_squares::scales;
@@ -48,9 +48,11 @@ pub struct ProposedExcitation {
     pub condition: f64,
 }
 
-/// Instants of a period at which a trajectory is judged during the search, and at its end.
+/// Instants of a period at which a trajectory is judged during the search.
 const COARSE: usize = 48;
+/// Instants of a period at which the result is judged: every 5 ms.
 const FINE: usize = 250;
+/// The period of a trajectory [s]: the first harmonic is 0.8 Hz, the fifth 4 Hz.
 const PERIOD: f64 = 1.25;
 
 /// An excitation by a random search from a seed; none if no trajectory within the bounds was

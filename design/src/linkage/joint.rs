@@ -23,7 +23,7 @@ pub enum Joint<S> {
 
 impl<S: Scalar> Joint<S> {
     /// The centre of the joint [m], the reference point of its moment.
-    pub fn place(&self) -> Vector2<S> {
+    pub fn position(&self) -> Vector2<S> {
         match *self {
             Self::Revolute { at } | Self::Prismatic { at, .. } => at,
         }

@@ -21,7 +21,7 @@ impl<S: Scalar> Element<S> {
 impl<S: Scalar> Linkage<S> {
     /// For each joint the index of its element and its index in that element, in the order
     /// of [`Linkage::joint_links`].
-    fn joint_places(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+    fn joint_indices(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         let elements = self.elements.iter().enumerate();
         elements
             .flat_map(|(index, element)| (0..element.group.pins().len()).map(move |k| (index, k)))
@@ -35,8 +35,8 @@ impl<S: Scalar> Linkage<S> {
 
     /// The clearance of each joint, in the order of [`Linkage::joint_links`].
     pub fn clearances(&self) -> impl Iterator<Item = Option<Clearance<S>>> + '_ {
-        let places = self.joint_places();
-        places.map(|(element, k)| self.elements[element].clearances[k])
+        let indices = self.joint_indices();
+        indices.map(|(element, k)| self.elements[element].clearances[k])
     }
 
     /// Moves a joint's pin away from the centre of its bearing. `joint` is an index in the
@@ -51,7 +51,7 @@ impl<S: Scalar> Linkage<S> {
         clearance: Clearance<S>,
     ) -> Result<(), LinkageError> {
         let (element, k) = self
-            .joint_places()
+            .joint_indices()
             .nth(joint)
             .ok_or(LinkageError::NotAPin)?;
         let element = &mut self.elements[element];
@@ -98,10 +98,10 @@ impl<S: Scalar> Linkage<S> {
     fn bar_end(&self, link: LinkId) -> Option<Vector2<S>> {
         let mut elements = self.elements.iter();
         let element = elements.find(|element| element.links().any(|own| own == link))?;
-        let place = link.0 - element.first_link.0;
+        let index = link.0 - element.first_link.0;
         let length = match &element.group {
-            Group::Rrr { dyad, .. } => dyad.lengths[place],
-            Group::Rrp { dyad, .. } if place == 0 => dyad.length,
+            Group::Rrr { dyad, .. } => dyad.lengths[index],
+            Group::Rrp { dyad, .. } if index == 0 => dyad.length,
             Group::Crank { .. } => {
                 let own = self.points.iter().filter(|point| point.link == link);
                 return own

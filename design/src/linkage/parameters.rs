@@ -53,9 +53,9 @@ impl<S: Scalar> Linkage<S> {
     ///
     /// With dual numbers this seeds a derivative; with `T = S` it perturbs a dimension.
     /// The directions of guides do not change.
-    pub fn map_parameters<T: Scalar>(
-        &self,
-        mut f: impl FnMut(Parameter<'_>, S) -> T,
+    pub fn map_parameters<'a, T: Scalar>(
+        &'a self,
+        mut f: impl FnMut(Parameter<'a>, S) -> T,
     ) -> Linkage<T> {
         let gravity = pair(&mut f, "", ParameterKind::Gravity, self.gravity);
         let mut links = Vec::with_capacity(self.links.len());
@@ -128,11 +128,21 @@ impl<S: Scalar> Linkage<S> {
         linkage.update_bar_inertias();
         linkage
     }
+
+    /// The parameters with their values, in the order of [`Self::map_parameters`].
+    pub fn parameters(&self) -> Vec<(Parameter<'_>, S)> {
+        let mut parameters = Vec::new();
+        self.map_parameters(|parameter, value| {
+            parameters.push((parameter, value));
+            value
+        });
+        parameters
+    }
 }
 
-fn pair<S: Scalar, T: Scalar>(
-    f: &mut impl FnMut(Parameter<'_>, S) -> T,
-    part: &str,
+fn pair<'a, S: Scalar, T: Scalar>(
+    f: &mut impl FnMut(Parameter<'a>, S) -> T,
+    part: &'a str,
     kind: impl Fn(usize) -> ParameterKind,
     value: Vector2<S>,
 ) -> Vector2<T> {

@@ -36,7 +36,7 @@ pub fn reactions<S: Scalar>(
     ];
     // Moments are about the inner joint, so that the rows have similar size far from the
     // origin too.
-    let centre = joints[1].place();
+    let centre = joints[1].position();
     let mut rows = [[S::ZERO; 7]; 6];
     for (j, [on1, on2]) in columns.iter().enumerate() {
         for (i, wrench) in [on1, on2].into_iter().enumerate() {

@@ -39,8 +39,8 @@ pub(super) fn finite_mobility(loops: &Loops) -> usize {
     if freedoms.ncols() == 0 || loops.count() == 0 {
         return freedoms.ncols();
     }
-    let dimension = |trial| {
-        let far = travel(loops, &freedoms, &mut Rand64::new(trial))?;
+    let dimension = |seed| {
+        let far = travel(loops, &freedoms, &mut Rand64::new(seed))?;
         Some(local_dimension(loops, &far))
     };
     (1..=TRIALS).filter_map(dimension).max().unwrap_or(0)

@@ -35,16 +35,22 @@ pub struct LoopPoint {
     pub loci: [Complex<f64>; 2],
 }
 
-/// Points of the loci before refinement, and the least frequency [rad/s].
+/// Points of the loci before refinement.
 const POINTS: usize = 240;
+/// The least frequency of the loci [rad/s]: far below any bandwidth, where the integral part makes the
+/// loop gain large.
 const LEAST: f64 = 1.0;
 /// Neighbours on a locus are no farther apart than this share of their distance from −1.
 const FINE: f64 = 0.15;
-/// Factors that are tried on the way to a gain margin, the greatest, and halvings between two.
+/// Factors of the gain that are tried between 1 and the expected gain margin, in even steps of their
+/// logarithm.
 const FACTORS: u32 = 48;
+/// The greatest factor of the gain that is tried, and the inverse of the least: no margin beyond is
+/// of use.
 const GREATEST_FACTOR: f64 = 1e3;
+/// Halvings between a stable and an unstable factor: 2⁻²⁴ of the distance of two factors is left.
 const HALVINGS: usize = 24;
-/// Halvings of an interval at most.
+/// Most halvings of an interval between two points of a locus.
 const DEPTH: usize = 10;
 
 /// The eigenvalues of a 2×2 matrix.
@@ -127,7 +133,7 @@ impl Servo {
         }
     }
 
-    /// The factor nearest to 1 at which the loop oscillates, on the way to a little beyond
+    /// The factor nearest to 1 at which the loop oscillates, from 1 to a little beyond
     /// `factor`.
     fn first_unstable(&self, gains: &Gains, factor: f64) -> Option<f64> {
         let unstable = |log: f64| self.spectral_radius(gains, log.exp()) >= 1.0;

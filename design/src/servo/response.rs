@@ -99,7 +99,7 @@ impl Servo {
     }
 }
 
-// Products of 2×2 matrices, written out: a search asks for some hundred thousand of them, and
+// Products of 2×2 matrices, written out: a search needs some hundred thousand of them, and
 // nalgebra's general product takes several times longer in a build for tests.
 
 /// A B.

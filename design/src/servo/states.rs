@@ -4,7 +4,7 @@ use super::arm::Servo;
 use super::law::Gains;
 use nalgebra::{DMatrix, Schur};
 
-/// Most readings of an encoder on their way: its greatest latency in ticks.
+/// Most encoder readings that are delayed at once: the greatest latency in ticks.
 pub const MOST_KEPT: usize = 64;
 /// Most steps of the search for the poles.
 const MOST_STEPS: usize = 10_000;
@@ -71,13 +71,9 @@ impl Servo {
                 } else {
                     x[old[j] + kept[j] - 1]
                 };
-                for place in 0..kept[j] {
-                    let before = if place == 0 {
-                        newest
-                    } else {
-                        x[old[j] + place - 1]
-                    };
-                    next[old[j] + place] = before;
+                for k in 0..kept[j] {
+                    let before = if k == 0 { newest } else { x[old[j] + k - 1] };
+                    next[old[j] + k] = before;
                 }
                 let o = law.observer;
                 let (angle, velocity) = (x[at], x[at + 1]);

@@ -38,8 +38,8 @@ fn corner(before: &PathPiece, after: &PathPiece, tolerance: f64) -> Option<(Path
     let (PathPiece::Line { from, to: at }, PathPiece::Line { to, .. }) = (before, after) else {
         return None;
     };
-    let room = 0.5 * before.length().min(after.length());
-    if room <= 0.0 {
+    let available = 0.5 * before.length().min(after.length());
+    if available <= 0.0 {
         return None;
     }
     let (u, v) = ((at - from).normalize(), (to - at).normalize());
@@ -48,7 +48,7 @@ fn corner(before: &PathPiece, after: &PathPiece, tolerance: f64) -> Option<(Path
         return None;
     }
     let half = 0.5 * turn.abs();
-    let d = (tolerance / (1.0 / half.cos() - 1.0) * half.tan()).min(room);
+    let d = (tolerance / (1.0 / half.cos() - 1.0) * half.tan()).min(available);
     let radius = d / half.tan();
     let inward = u.perpendicular() * turn.signum();
     let arc = PathPiece::Arc {

@@ -35,7 +35,7 @@ pub struct DrivenArm {
     drives: [PlannedDrive; 2],
 }
 
-/// The coefficients at one place of a path; pairs are of joint 1 and joint 4.
+/// The coefficients at one point of a path; pairs are of joint 1 and joint 4.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Demand {
     /// u(θ1), u(θ4).

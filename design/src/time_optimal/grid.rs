@@ -7,26 +7,36 @@ use super::passes::Cells;
 use super::path::PathPiece;
 use super::strip::MOST_PASSES;
 
-/// At first: fewest cells between two even places, and of a piece, and by how much the path turns in a cell at
-/// most, nearly [rad].
-const CELLS_PER_PLACE: usize = 2;
+/// Fewest first cells between two even points: the even point is a node, and the cell on either side
+/// of it shows a change.
+const CELLS_PER_EVEN_POINT: usize = 2;
+/// Fewest first cells of a piece of the path: a short arc between two even points is resolved, too.
 const CELLS_PER_PIECE: f64 = 16.0;
+/// The angle by which the path turns within a first cell at most, nearly [rad]: 126 cells in a full
+/// circle. The chord of such a cell is shorter than its arc by 0.05²/24, about 1e-4 of it.
 const TURNING: f64 = 0.05;
-/// The relative excess of a limit above which a cell is split, while one of them is above the
-/// second.
+/// The relative excess of a limit above which a cell is split. It is below [`ACCEPTED`], so that a
+/// round also splits the cells that the next round would find just above that.
 const SPLIT_ABOVE: f64 = 3.5e-3;
+/// The relative excess of a limit at which the splitting ends if no cell is above it.
 const ACCEPTED: f64 = 4.5e-3;
-/// Most parts of a cell in one round, most rounds, and most cells per first cell.
+/// Most parts of a cell in one round: the excess falls with the width only where the cells are
+/// narrow, so a wide one is split again in the next round instead.
 const MOST_PARTS: f64 = 8.0;
+/// Most rounds of splitting. They bound the time; most paths need fewer.
 const ROUNDS: usize = 8;
+/// Most cells per first cell: splitting ends beyond. It bounds time and memory.
 const MOST_CELLS: usize = 16;
 /// Most first cells of a run: planning them takes up to 2.5 GB.
 const MOST_FIRST: usize = 1_000_000;
-/// Room is made for so many cells per first cell at once: memory costs time when it is first written,
-/// and again when it grows.
-const ROOM: usize = 3;
-/// Passes before the first split, and before each other: the viscous term need not be exact there.
+/// Memory is reserved for so many cells per first cell at once: it costs time when it is first
+/// written, and again when it grows.
+const RESERVED_CELLS: usize = 3;
+/// Passes before the first split. The viscous term starts from x = 0: the second pass is the first
+/// with a real estimate of it.
 const FIRST_PASSES: usize = 2;
+/// Passes before each later split, which start from the x of the coarser cells: the viscous term
+/// need not be exact there.
 const NEXT_PASSES: usize = 1;
 /// Largest difference of the tangents of two pieces between which the run does not stop, relative.
 const KINK: f64 = 1e-4;
@@ -54,7 +64,7 @@ pub(super) struct Grid<'a> {
     limits: &'a PlanLimits,
     pieces: &'a [PathPiece],
     length: f64,
-    places: usize,
+    even_points: usize,
     pub(super) cells: Vec<Cell>,
     /// Cells that meet share a demand, and keep it when they are split.
     demands: Vec<Demand>,
@@ -78,22 +88,22 @@ impl Solved<'_> {
 }
 
 impl<'a> Grid<'a> {
-    /// Cells whose nodes hold the even places and the ends of the pieces.
+    /// Cells whose nodes hold the even points and the ends of the pieces.
     pub(super) fn new(
         arm: &'a DrivenArm,
         limits: &'a PlanLimits,
         pieces: &'a [PathPiece],
-        places: usize,
+        even_points: usize,
     ) -> Result<Self, PlanError> {
-        let cells = CELLS_PER_PLACE * (places + pieces.len());
+        let cells = CELLS_PER_EVEN_POINT * (even_points + pieces.len());
         let mut grid = Self {
             arm,
             limits,
             pieces,
             length: Self::length_of(pieces),
-            places,
+            even_points,
             cells: Vec::with_capacity(cells),
-            demands: Vec::with_capacity(2 * ROOM * cells),
+            demands: Vec::with_capacity(2 * RESERVED_CELLS * cells),
         };
         let close = 1e-9 * grid.length;
         let (mut begin, mut k) = (0.0, 0);
@@ -107,14 +117,14 @@ impl<'a> Grid<'a> {
             let mut s = begin;
             let mut start = grid.add(n, 0.0, s)?;
             while s < end {
-                while grid.even_place(k) <= s + close {
+                while grid.even_point(k) <= s + close {
                     k += 1;
                 }
-                let even = grid.even_place(k);
+                let even = grid.even_point(k);
                 let next = if even >= end - close { end } else { even };
                 let turning = piece.turning(s - begin, next - begin) / TURNING;
                 let of_piece = CELLS_PER_PIECE * (next - s) / piece.length();
-                let count = CELLS_PER_PLACE.max(turning.max(of_piece).ceil() as usize);
+                let count = CELLS_PER_EVEN_POINT.max(turning.max(of_piece).ceil() as usize);
                 if count > MOST_FIRST - grid.cells.len() {
                     return Err(PlanError::Long(s));
                 }
@@ -139,9 +149,9 @@ impl<'a> Grid<'a> {
         self.length
     }
 
-    /// s of the k-th even place.
-    pub(super) fn even_place(&self, k: usize) -> f64 {
-        self.length * k as f64 / (self.places - 1) as f64
+    /// s of the k-th even point.
+    pub(super) fn even_point(&self, k: usize) -> f64 {
+        self.length * k as f64 / (self.even_points - 1) as f64
     }
 
     /// The demand of an index.
@@ -149,7 +159,7 @@ impl<'a> Grid<'a> {
         &self.demands[index]
     }
 
-    /// Keeps the demand at a place, and returns its index.
+    /// Keeps the demand at a point of a piece, and returns its index.
     pub(super) fn add(&mut self, piece: usize, local: f64, s: f64) -> Result<usize, PlanError> {
         let demand = self.demand(piece, local, s)?;
         self.demands.push(demand);
@@ -206,7 +216,7 @@ impl<'a> Grid<'a> {
     /// x at the nodes, on cells that are split until no limit is passed by much.
     pub(super) fn solve(mut self) -> Result<Solved<'a>, PlanError> {
         let most = MOST_CELLS * self.cells.len();
-        let mut problem = Cells::with_room(ROOM * self.cells.len());
+        let mut problem = Cells::with_capacity(RESERVED_CELLS * self.cells.len());
         self.fill(&mut problem)?;
         let mut x = vec![0.0; self.cells.len() + 1];
         problem.solve(&mut x, FIRST_PASSES);
@@ -266,17 +276,17 @@ impl<'a> Grid<'a> {
             halves if halves == parts => Ok(whole.middle),
             halves if halves == 2 * parts => Ok(whole.end),
             halves => {
-                let way = half * halves as f64;
-                grid.add(piece, whole.local + way, whole.s + way)
+                let offset = half * halves as f64;
+                grid.add(piece, whole.local + offset, whole.s + offset)
             }
         };
         let mut start = whole.start;
         for part in 0..parts {
-            let way = 2.0 * half * part as f64;
+            let offset = 2.0 * half * part as f64;
             let middle = demand(self, 2 * part + 1)?;
             let end = demand(self, 2 * part + 2)?;
-            let place = [whole.s + way, whole.local + way, 2.0 * half];
-            let cell = self.cell(piece, place, [start, middle, end])?;
+            let span = [whole.s + offset, whole.local + offset, 2.0 * half];
+            let cell = self.cell(piece, span, [start, middle, end])?;
             self.cells.push(cell);
             start = end;
         }
@@ -341,7 +351,7 @@ impl<'a> Grid<'a> {
     }
 
     /// The demand at s of the path, between those of its cell, and q‴; `cell` is the index for an earlier
-    /// place, and becomes that of this one.
+    /// point, and becomes that of this one.
     pub(super) fn between(&self, s: f64, cell: &mut usize) -> (Demand, [f64; 2]) {
         while self.cells.get(*cell + 1).is_some_and(|next| next.s <= s) {
             *cell += 1;

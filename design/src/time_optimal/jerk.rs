@@ -13,19 +13,42 @@ use super::grid::{Grid, Solved};
 use super::run::{ACTIVE, Run, RunSample};
 use std::borrow::Borrow;
 
-/// Even samples in time that refuse most attempts of the search; fewest and those per cell of the others, and of the result.
-const FIRST: usize = 25;
-const COARSE: (usize, f64) = (300, 0.25);
-const FINE: (usize, f64) = (800, 1.0);
-/// The share of the limit of jerk above which a jump of s̈ by itself is looked at.
+/// How many even samples in time stand for a run.
+struct Sampling {
+    /// The fewest.
+    fewest: usize,
+    /// Those per cell of the path, if that gives more.
+    per_cell: f64,
+}
+
+/// Even samples in time with which an attempt of the search begins: most attempts are refused by
+/// these few, which takes little time.
+const FIRST_SAMPLES: usize = 25;
+/// Even samples in time of an attempt that the first samples do not refuse.
+const COARSE: Sampling = Sampling {
+    fewest: 300,
+    per_cell: 0.25,
+};
+/// Even samples in time of the result: about one a cell, as the path itself is resolved.
+const FINE: Sampling = Sampling {
+    fewest: 800,
+    per_cell: 1.0,
+};
+/// The share of the limit of jerk above which a jump of s̈ by itself, averaged over T1, is sampled.
+/// Smaller ones hardly change the greatest jerk.
 const NOTED: f64 = 0.1;
-/// T1 as shares of T, in steps of this factor, and T2 as shares of T1.
+/// The shortest T1, as a share of T.
 const LEAST_SHARE: f64 = 4e-3;
+/// The factor from one T1 of the search to the next.
 const FACTOR: f64 = 1.25;
+/// The number of the longest T1 of the search: 4e-3·1.25²⁶ T = 1.3 T.
 const LAST_STEP: i32 = 26;
+/// T2 as a share of T1 while T1 is searched: the middle one of [`SHARES`].
 const FIRST_SHARE: f64 = 0.2;
+/// T2 as shares of T1 that are tried about the best T1, each twice the last. The averages over T1
+/// and T2 commute, so shares above 1 would repeat those below.
 const SHARES: [f64; 5] = [0.05, 0.1, 0.2, 0.4, 0.8];
-/// The least pace.
+/// The least pace: a run that would be more than 20 times slower is refused.
 const SLOWEST: f64 = 0.05;
 
 /// A motion at one time, at pace 1.
@@ -38,7 +61,11 @@ struct Moment {
 }
 
 /// The run of a solved path with joint jerks of at most `jerk` [rad/s³].
-pub(super) fn limited(solved: &Solved<'_>, places: usize, jerk: f64) -> Result<Run, PlanError> {
+pub(super) fn limited(
+    solved: &Solved<'_>,
+    even_points: usize,
+    jerk: f64,
+) -> Result<Run, PlanError> {
     let grid = &solved.grid;
     if let Some(s) = grid.curvature_jump(&solved.x) {
         return Err(PlanError::CurvatureJump(s));
@@ -58,7 +85,7 @@ pub(super) fn limited(solved: &Solved<'_>, places: usize, jerk: f64) -> Result<R
         law: &law,
         windows,
     };
-    let even: Vec<Moment> = averaged.even(of_cells(grid, FINE)).collect();
+    let even: Vec<Moment> = averaged.even(FINE.count(grid)).collect();
     let jumps: Vec<Moment> = averaged.at_jumps(&jumps, jerk).collect();
     let all = || even.iter().chain(&jumps);
     let pace = pace(grid, all(), jerk, SLOWEST).ok_or(PlanError::Jerk)?;
@@ -69,15 +96,18 @@ pub(super) fn limited(solved: &Solved<'_>, places: usize, jerk: f64) -> Result<R
     Ok(Run {
         length: grid.length(),
         time,
-        samples: samples(grid, &even, places, (pace, time)),
+        samples: samples(grid, &even, even_points, (pace, time)),
         active_time: time * active as f64 / (even.len() - 1) as f64,
         limit_excess: excess.max(0.0),
     })
 }
 
-/// The number of samples of a run, of their fewest and those per cell.
-fn of_cells(grid: &Grid<'_>, (fewest, per_cell): (usize, f64)) -> usize {
-    fewest.max((per_cell * grid.cells.len() as f64) as usize)
+impl Sampling {
+    /// The number of samples for a path in these cells.
+    fn count(&self, grid: &Grid<'_>) -> usize {
+        let by_cells = (self.per_cell * grid.cells.len() as f64) as usize;
+        self.fewest.max(by_cells)
+    }
 }
 
 /// A time at which s̈ jumps.
@@ -110,8 +140,18 @@ struct Search<'a> {
     law: &'a TimeLaw,
     jumps: &'a [Jump],
     jerk: f64,
-    /// The least time, with the exponent of T1, T1 and T2.
-    best: Option<(f64, i32, [f64; 2])>,
+    best: Option<Attempt>,
+}
+
+/// An attempt of the search that keeps every limit.
+#[derive(Clone, Copy)]
+struct Attempt {
+    /// (T + T1 + T2)/k [s].
+    time: f64,
+    /// The number of T1, from 0.
+    step: i32,
+    /// T1, T2 [s].
+    windows: [f64; 2],
 }
 
 impl Search<'_> {
@@ -126,13 +166,13 @@ impl Search<'_> {
         for step in (0..=LAST_STEP).rev().step_by(2) {
             self.attempt(step, FIRST_SHARE);
         }
-        let (_, around, _) = self.best?;
+        let around = self.best?.step;
         for step in (around - 3..=around + 2).rev() {
             for share in SHARES {
                 self.attempt(step, share);
             }
         }
-        self.best.map(|(_, _, windows)| windows)
+        self.best.map(|best| best.windows)
     }
 
     fn attempt(&mut self, step: i32, share: f64) {
@@ -144,17 +184,21 @@ impl Search<'_> {
             windows: [t1, share * t1],
         };
         let total = averaged.duration();
-        let least = self.best.map_or(0.0, |(time, ..)| total / time);
+        let least = self.best.map_or(0.0, |best| total / best.time);
         if least >= 1.0 {
             return;
         }
         let least = least.max(SLOWEST);
         let coarse = averaged
-            .even(FIRST)
+            .even(FIRST_SAMPLES)
             .chain(averaged.at_jumps(self.jumps, jerk))
-            .chain(averaged.even(of_cells(grid, COARSE)));
+            .chain(averaged.even(COARSE.count(grid)));
         if let Some(pace) = pace(grid, coarse, jerk, least) {
-            self.best = Some((total / pace, step, averaged.windows));
+            self.best = Some(Attempt {
+                time: total / pace,
+                step,
+                windows: averaged.windows,
+            });
         }
     }
 }
@@ -248,18 +292,18 @@ impl Moment {
     }
 }
 
-/// The slowed run at even places, between its moments at even times.
+/// The slowed run at even points, between its moments at even times.
 fn samples(
     grid: &Grid<'_>,
     moments: &[Moment],
-    places: usize,
+    even_points: usize,
     (pace, total): (f64, f64),
 ) -> Vec<RunSample> {
     let dt = total / (moments.len() - 1) as f64;
-    let mut samples = Vec::with_capacity(places);
+    let mut samples = Vec::with_capacity(even_points);
     let mut cell = 0;
-    for k in 0..places {
-        let s = grid.even_place(k);
+    for k in 0..even_points {
+        let s = grid.even_point(k);
         let i = moments
             .partition_point(|at| at.s < s)
             .clamp(1, moments.len() - 1);
@@ -281,7 +325,7 @@ fn samples(
             s,
             s_dot,
             s_ddot,
-            t: if k + 1 == places {
+            t: if k + 1 == even_points {
                 total
             } else {
                 dt * ((i - 1) as f64 + share)

@@ -6,7 +6,7 @@ use fivebar_kinematics::trajectory::{
     Envelope, LookaheadPlanner, PathError, PathSegment, Reference, ToolOutput, TrajectorySegment,
 };
 
-/// Room of the look-ahead.
+/// Capacity of the look-ahead [segments].
 const PLANNED: usize = 64;
 /// Speeds below this are rest [m/s].
 const REST: f64 = 1e-6;
@@ -65,7 +65,7 @@ impl JobPath {
         }
         let output = ToolOutput::constant(f64::from(level));
         self.lookahead.set_tool_output(output);
-        // The limits are finite, and there is room.
+        // The limits are finite, and a slot is free.
         let _ = self
             .lookahead
             .push(segment, limits, source as u32, envelope);

@@ -37,7 +37,7 @@ pub struct PlanLimits {
 const DIRECTIONS: usize = 16;
 
 impl PlanLimits {
-    /// Appends the rows of a place; their number is the same at every place.
+    /// Appends the rows of a point; their number is the same at every point.
     pub(super) fn rows(&self, at: &Demand, drives: &[PlannedDrive; 2], rows: &mut Vec<Row>) {
         let c = at.c();
         for (j, drive) in drives.iter().enumerate() {
@@ -95,7 +95,7 @@ impl PlanLimits {
         }
     }
 
-    /// ṡ of the maximum velocity curve at a place: the greatest at which some s̈ satisfies every
+    /// ṡ of the maximum velocity curve at a point: the greatest at which some s̈ satisfies every
     /// limit; infinite where none bounds it.
     pub fn maximum_velocity(&self, at: &Demand, drives: &[PlannedDrive; 2]) -> f64 {
         let mut rows = Vec::new();
@@ -103,7 +103,7 @@ impl PlanLimits {
         greatest_x(&rows, self.ceiling(at)).sqrt()
     }
 
-    /// The least k at which k ṡ, k² s̈ reach a limit at a place: every slower motion keeps all of them.
+    /// The least k at which k ṡ, k² s̈ reach a limit at a point: every slower motion keeps all of them.
     pub(super) fn pace(&self, at: &Demand, drives: &[PlannedDrive; 2], rate: f64, u: f64) -> f64 {
         let (x, c) = (rate * rate, at.c());
         let mut pace = self.ceiling(at).sqrt() / rate;
@@ -127,7 +127,7 @@ impl PlanLimits {
         pace.min((acceleration / tip).sqrt())
     }
 
-    /// The greatest share of a limit that a motion uses at a place; 1 is at the limit.
+    /// The greatest share of a limit that a motion uses at a point; 1 is at the limit.
     pub(super) fn used(&self, at: &Demand, drives: &[PlannedDrive; 2], x: f64, u: f64) -> f64 {
         let rate = x.max(0.0).sqrt();
         let torque = at.torque(x, u);

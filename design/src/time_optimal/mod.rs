@@ -1,7 +1,8 @@
 //! Time-optimal motion along a path under limits of torque, speed and acceleration.
 //!
-//! [`demand`](DrivenArm::demand) gives the coefficients of the limits at a place, the passes the
-//! greatest speed along the path, [`plan`] a run from rest to rest.
+//! [`demand`](DrivenArm::demand) gives the coefficients of the limits at a point. Two passes give the greatest
+//! speed along the path: backward, what can still stop, and forward, what can be reached.
+//! [`plan`] gives a run from rest to rest, [`plan_timed`] one that a controller can follow.
 
 mod averages;
 mod blend;

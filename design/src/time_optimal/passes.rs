@@ -26,8 +26,8 @@ pub(super) struct Cells {
 const USUAL_ROWS: usize = 4;
 
 impl Cells {
-    /// None yet, with room for a number of cells.
-    pub(super) fn with_room(cells: usize) -> Self {
+    /// No cells yet, with memory for a number of them.
+    pub(super) fn with_capacity(cells: usize) -> Self {
         Self {
             width: Vec::with_capacity(cells),
             ceiling: Vec::with_capacity(cells + 1),

@@ -95,15 +95,15 @@ impl FourierSeries {
 }
 
 impl PathPiece {
-    /// The angle by which the tangent turns between two places, nearly [rad].
+    /// The angle by which the tangent turns between two points, nearly [rad].
     pub(super) fn turning(&self, from: f64, to: f64) -> f64 {
-        const PLACES: usize = 2;
+        const SAMPLES: usize = 2;
         match self {
             Self::Line { .. } => 0.0,
             Self::Arc { radius, .. } => (to - from) / radius,
             Self::Curve { .. } | Self::Fourier { .. } => {
-                let step = (to - from) / PLACES as f64;
-                let rates = (0..PLACES).map(|k| {
+                let step = (to - from) / SAMPLES as f64;
+                let rates = (0..SAMPLES).map(|k| {
                     let at = self.at(from + step * (k as f64 + 0.5));
                     at.tangent.perp(&at.curvature).abs() / at.tangent.norm_squared()
                 });

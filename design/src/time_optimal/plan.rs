@@ -8,8 +8,8 @@ use super::limits::PlanLimits;
 use super::path::PathPiece;
 use super::run::{self, Run};
 
-/// Even places of a run.
-const PLACES: usize = 201;
+/// Even points of a run, its ends included: 0.5 % of its length apart.
+const EVEN_POINTS: usize = 201;
 /// Largest gap between two pieces [m].
 const GAP: f64 = 1e-6;
 /// The least-time run along pieces that follow one another, from rest to rest. It stops where two
@@ -17,7 +17,7 @@ const GAP: f64 = 1e-6;
 /// [rad/s³], the law in time is averaged and slowed until the joints' jerks are within it.
 ///
 /// # Errors
-/// [`PlanError`], with the place.
+/// [`PlanError`], with s where it was found.
 pub fn plan(
     arm: &DrivenArm,
     limits: &PlanLimits,
@@ -25,10 +25,10 @@ pub fn plan(
     jerk: Option<f64>,
 ) -> Result<Run, PlanError> {
     check(limits, pieces)?;
-    let solved = Grid::new(arm, limits, pieces, PLACES)?.solve()?;
+    let solved = Grid::new(arm, limits, pieces, EVEN_POINTS)?.solve()?;
     match jerk {
-        None => Ok(run::fastest(&solved, PLACES)),
-        Some(jerk) if jerk > 0.0 => jerk::limited(&solved, PLACES, jerk),
+        None => Ok(run::fastest(&solved, EVEN_POINTS)),
+        Some(jerk) if jerk > 0.0 => jerk::limited(&solved, EVEN_POINTS, jerk),
         Some(_) => Err(PlanError::Limit),
     }
 }

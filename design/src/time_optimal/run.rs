@@ -3,7 +3,7 @@
 use super::demand::Demand;
 use super::grid::{Grid, Solved};
 
-/// The run at one of its even places.
+/// The run at one of its even points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RunSample {
     /// s.
@@ -27,7 +27,7 @@ pub struct Run {
     pub length: f64,
     /// Its duration [s].
     pub time: f64,
-    /// The run at even places.
+    /// The run at even points.
     pub samples: Vec<RunSample>,
     /// The time with a limit above 95 % [s].
     pub active_time: f64,
@@ -39,11 +39,11 @@ pub struct Run {
 pub(super) const ACTIVE: f64 = 0.95;
 
 /// The run of a solved path at so many even points.
-pub(super) fn fastest(solved: &Solved<'_>, places: usize) -> Run {
+pub(super) fn fastest(solved: &Solved<'_>, even_points: usize) -> Run {
     let (grid, x) = (&solved.grid, &solved.x[..]);
     let length = grid.length();
     let (mut time, mut active_time, mut most) = (0.0, 0.0, 0.0_f64);
-    let mut samples: Vec<RunSample> = Vec::with_capacity(places);
+    let mut samples: Vec<RunSample> = Vec::with_capacity(even_points);
     for (i, cell) in grid.cells.iter().enumerate() {
         let u = 0.5 * (x[i + 1] - x[i]) / cell.w;
         let sample = |s: f64, t: f64, x: f64, at: &Demand| RunSample {
@@ -54,9 +54,9 @@ pub(super) fn fastest(solved: &Solved<'_>, places: usize) -> Run {
             torque: at.torque(x, u),
             demand: *at,
         };
-        let place = grid.even_place(samples.len());
-        if (cell.s - place).abs() < 1e-9 * length {
-            samples.push(sample(place, time, x[i], grid.at(cell.start)));
+        let even = grid.even_point(samples.len());
+        if (cell.s - even).abs() < 1e-9 * length {
+            samples.push(sample(even, time, x[i], grid.at(cell.start)));
         }
         most = most.max(grid.excess(cell, x[i], x[i + 1]));
         let dt = 2.0 * cell.w / (x[i].sqrt() + x[i + 1].sqrt());
@@ -78,9 +78,9 @@ pub(super) fn fastest(solved: &Solved<'_>, places: usize) -> Run {
     }
 }
 
-/// Keeps s̈ of every place between its means up to the places on either side. At a zero-inertia
+/// Keeps s̈ of every point between its means up to the points on either side. At a zero-inertia
 /// point s̈ of a cell alternates with the cells' width; its mean does not. Where the means pass a
-/// limit, the path bends between two places and s̈ stays as it is.
+/// limit, the path bends between two points and s̈ stays as it is.
 fn smooth(grid: &Grid<'_>, samples: &mut [RunSample]) {
     let square = |sample: &RunSample| sample.s_dot * sample.s_dot;
     for k in 1..samples.len().saturating_sub(1) {

@@ -7,7 +7,7 @@
 //!
 //! Two strips k, l leave a u between them if (βk − βl) x ≤ hik − lol.
 
-/// One limit of the acceleration along the path at one place.
+/// One limit of the acceleration along the path at one point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Row {
     pub(super) a: f64,
@@ -64,21 +64,21 @@ impl Strip {
     /// The greatest x, `most` at most, at which this strip and another have a common u.
     pub(super) fn with(&self, other: &Self, most: f64) -> f64 {
         let slope = self.beta - other.beta;
-        let room = if slope > 0.0 {
+        let gap = if slope > 0.0 {
             self.hi - other.lo
         } else {
             other.hi - self.lo
         };
         let slope = slope.abs();
-        if room < slope * most {
-            room / slope
+        if gap < slope * most {
+            gap / slope
         } else {
             most
         }
     }
 }
 
-/// The greatest x at a place at which some s̈ satisfies all rows: the square of the maximum
+/// The greatest x at a point at which some s̈ satisfies all rows: the square of the maximum
 /// velocity curve. `ceiling` bounds it from the speeds.
 pub(super) fn greatest_x(rows: &[Row], ceiling: f64) -> f64 {
     let (mut x, mut last) = (ceiling, f64::INFINITY);

@@ -51,7 +51,7 @@ const SLOWEST: f64 = 1.5;
 /// [s]. The shorter the interval, the faster and the less smooth the run.
 ///
 /// # Errors
-/// [`PlanError`], with the place.
+/// [`PlanError`], with s where it was found.
 pub fn plan_timed(
     arm: &DrivenArm,
     limits: &PlanLimits,
@@ -59,8 +59,8 @@ pub fn plan_timed(
     interval: f64,
 ) -> Result<TimedRun, PlanError> {
     check(limits, pieces)?;
-    let places = 2 + (Grid::length_of(pieces) / 1e-3).ceil() as usize;
-    let mut solved = Grid::new(arm, limits, pieces, places)?.solve()?;
+    let even_points = 2 + (Grid::length_of(pieces) / 1e-3).ceil() as usize;
+    let mut solved = Grid::new(arm, limits, pieces, even_points)?.solve()?;
     let mut caps = vec![f64::INFINITY; solved.x.len()];
     let mut best: Option<(f64, Spline)> = None;
     for _ in 0..ROUNDS {

@@ -31,14 +31,14 @@
 
 mod grid;
 mod map;
-mod places;
+mod placement;
 mod reach;
 mod rectangle;
 mod singularity_curves;
 
 pub use grid::{Grid, GridError, reach_bounds, round_down};
 pub use map::{Areas, Cell, WorkspaceMap};
-pub use places::Place;
+pub use placement::Placement;
 pub use reach::{Arc, reach_boundary, reachable_area};
 pub use rectangle::Rectangle;
 pub use singularity_curves::{SingularityCurve, singularity_curves};

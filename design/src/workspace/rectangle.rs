@@ -126,13 +126,13 @@ impl WorkspaceMap {
 
     /// Whether every position along a line is clear in an assembly mode.
     fn is_free(&self, [from, to]: [Vector2<f64>; 2], assembly: Side) -> bool {
-        let way = to - from;
-        let steps = (way.length() / (STEP * self.grid().pitch()))
+        let line = to - from;
+        let steps = (line.length() / (STEP * self.grid().pitch()))
             .ceil()
             .max(1.0);
         (0..=steps as usize).all(|step| {
-            let place = from + way * (step as f64 / steps);
-            let pose = self.workspace().check(place);
+            let point = from + line * (step as f64 / steps);
+            let pose = self.workspace().check(point);
             pose.is_ok_and(|pose| pose.assembly() == assembly)
         })
     }

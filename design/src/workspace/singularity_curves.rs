@@ -58,11 +58,11 @@ pub fn singularity_curves(tool: &Tool<f64>, mode: WorkingMode) -> Vec<Singularit
     let mut curves = Vec::new();
     for family in families {
         for curve in family.curves() {
-            let place = |t: f64| {
-                let (place, elbows) = family.at(curve, t.rem_euclid(TAU))?;
-                family.is_in(elbows, mode).then_some(place)
+            let position = |t: f64| {
+                let (position, elbows) = family.at(curve, t.rem_euclid(TAU))?;
+                family.is_in(elbows, mode).then_some(position)
             };
-            let pieces = connected_pieces(place, chord);
+            let pieces = connected_pieces(position, chord);
             curves.extend(pieces.into_iter().map(|points| SingularityCurve {
                 singularity: family.singularity,
                 points,
@@ -213,23 +213,23 @@ fn in_line(tool: &Tool<f64>, sign: f64, u1: Vector2<f64>) -> Vector2<f64> {
     u1 * tool.geometry().l1() + back.to_base_frame(bt) * tool.geometry().l2()
 }
 
-/// The connected parts of a closed curve, t ∈ 0…2π, on which `place` gives a position. Their ends
+/// The connected parts of a closed curve, t ∈ 0…2π, on which `position` gives a position. Their ends
 /// are found by bisection. Neighbouring points are at most `chord` [m] apart, within the limit
 /// of [`MAX_REFINEMENTS`].
 fn connected_pieces(
-    place: impl Fn(f64) -> Option<Vector2<f64>>,
+    position: impl Fn(f64) -> Option<Vector2<f64>>,
     chord: f64,
 ) -> Vec<Vec<Vector2<f64>>> {
     let step = TAU / f64::from(POINTS);
     // Half a step of offset avoids the points at which both branches coincide.
     let t = |index: u32| (f64::from(index) + 0.5) * step;
-    let start = (0..POINTS).find(|&index| place(t(index)).is_none());
+    let start = (0..POINTS).find(|&index| position(t(index)).is_none());
     let closed = start.is_none();
     let start = start.unwrap_or(0);
     let edge = |mut inside: f64, mut outside: f64| {
         for _ in 0..BISECTIONS {
             let middle = 0.5 * (inside + outside);
-            match place(middle) {
+            match position(middle) {
                 Some(_) => inside = middle,
                 None => outside = middle,
             }
@@ -238,15 +238,15 @@ fn connected_pieces(
     };
     let (mut pieces, mut piece) = (Vec::new(), Vec::new());
     let extend = |piece: &mut Vec<(f64, Vector2<f64>)>, t: f64| {
-        let Some(point) = place(t) else { return };
+        let Some(point) = position(t) else { return };
         if let Some(&last) = piece.last() {
-            between(&place, last, (t, point), chord, MAX_REFINEMENTS, piece);
+            between(&position, last, (t, point), chord, MAX_REFINEMENTS, piece);
         }
         piece.push((t, point));
     };
     for index in start..=start + POINTS {
         let now = t(index);
-        if place(now).is_some() {
+        if position(now).is_some() {
             if piece.is_empty() && !closed {
                 extend(&mut piece, edge(now, now - step));
             }
@@ -265,7 +265,7 @@ fn connected_pieces(
 
 /// Adds positions between two that are more than `chord` [m] apart.
 fn between(
-    place: &impl Fn(f64) -> Option<Vector2<f64>>,
+    position: &impl Fn(f64) -> Option<Vector2<f64>>,
     from: (f64, Vector2<f64>),
     to: (f64, Vector2<f64>),
     chord: f64,
@@ -276,10 +276,10 @@ fn between(
         return;
     }
     let t = 0.5 * (from.0 + to.0);
-    if let Some(point) = place(t) {
+    if let Some(point) = position(t) {
         let middle = (t, point);
-        between(place, from, middle, chord, halvings - 1, piece);
+        between(position, from, middle, chord, halvings - 1, piece);
         piece.push(middle);
-        between(place, middle, to, chord, halvings - 1, piece);
+        between(position, middle, to, chord, halvings - 1, piece);
     }
 }

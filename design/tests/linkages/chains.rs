@@ -20,10 +20,6 @@ const MASSLESS: Link<f64> = Link {
     inertia: 0.0,
 };
 
-fn vec2([x, y]: [f64; 2]) -> Vector2<f64> {
-    Vector2::new(x, y)
-}
-
 /// The five-bar as two cranks and a dyad, its tool loaded with `payload` and `force`.
 fn five_bar(
     lengths: [f64; 5],
@@ -37,13 +33,13 @@ fn five_bar(
     let mut linkage = Linkage::new(gravity).unwrap();
     let mut driven = |at: f64, length: f64, inertia| {
         let pivot = linkage
-            .add_point("pivot", LinkId::GROUND, vec2([at, 0.0]))
+            .add_point("pivot", LinkId::GROUND, Vector2::from([at, 0.0]))
             .unwrap();
         let crank = linkage.add_group("crank", Group::Crank { pivot }).unwrap();
         let crank = crank.links().next().unwrap();
         linkage.set_link(crank, "crank", inertia).unwrap();
         linkage
-            .add_point("elbow", crank, vec2([length, 0.0]))
+            .add_point("elbow", crank, Vector2::from([length, 0.0]))
             .unwrap()
     };
     let ends = [driven(0.0, l1, links[0]), driven(base, l4, links[3])];
@@ -64,16 +60,18 @@ fn five_bar(
 fn four_bar([frame, input, coupler, output]: [f64; 4], side: Side) -> Linkage<f64> {
     let mut linkage = Linkage::new(Vector2::zeros()).unwrap();
     let a = linkage
-        .add_point("A", LinkId::GROUND, vec2([0.0, 0.0]))
+        .add_point("A", LinkId::GROUND, Vector2::from([0.0, 0.0]))
         .unwrap();
     let d = linkage
-        .add_point("D", LinkId::GROUND, vec2([frame, 0.0]))
+        .add_point("D", LinkId::GROUND, Vector2::from([frame, 0.0]))
         .unwrap();
     let crank = linkage
         .add_group("crank", Group::Crank { pivot: a })
         .unwrap();
     let crank = crank.links().next().unwrap();
-    let b = linkage.add_point("B", crank, vec2([input, 0.0])).unwrap();
+    let b = linkage
+        .add_point("B", crank, Vector2::from([input, 0.0]))
+        .unwrap();
     let dyad = Rrr {
         lengths: [coupler, output],
         side,
@@ -109,8 +107,8 @@ proptest! {
         left in any::<bool>(),
     ) {
         let side = if left { Side::Left } else { Side::Right };
-        let links = masses.map(|[mass, x, y, inertia]| Link { mass, com: vec2([x, y]), inertia });
-        let [gravity, force] = world.map(vec2);
+        let links = masses.map(|[mass, x, y, inertia]| Link { mass, com: Vector2::from([x, y]), inertia });
+        let [gravity, force] = world.map(Vector2::from);
         let geometry = Geometry::new(lengths);
         prop_assume!(geometry.is_ok());
         let arm = Arm::new(geometry.unwrap(), links, payload, gravity, [0.0; 2]).unwrap();
@@ -281,13 +279,15 @@ fn heavy_slider() -> Linkage<f64> {
             .find(|link| linkage.links()[link.index()].name == name)
     };
     let output = id("output").unwrap();
-    let end = linkage.add_point("E", output, vec2([0.2, 0.05])).unwrap();
+    let end = linkage
+        .add_point("E", output, Vector2::from([0.2, 0.05]))
+        .unwrap();
     let through = linkage
-        .add_point("G", LinkId::GROUND, vec2([0.0, 0.4]))
+        .add_point("G", LinkId::GROUND, Vector2::from([0.0, 0.4]))
         .unwrap();
     let guide = Guide {
         through,
-        direction: vec2([1.0, 0.1]),
+        direction: Vector2::from([1.0, 0.1]),
     };
     let dyad = Rrp {
         length: 0.5,
@@ -300,13 +300,13 @@ fn heavy_slider() -> Linkage<f64> {
     for (link, name) in added.links().zip(["rod", "ram"]) {
         let inertia = Link {
             mass: 0.8,
-            com: vec2([0.2, 0.01]),
+            com: Vector2::from([0.2, 0.01]),
             inertia: 2e-3,
         };
         linkage.set_link(link, name, inertia).unwrap();
     }
     linkage
-        .set_load(added.inner_pin().unwrap(), 0.3, vec2([-40.0, 5.0]))
+        .set_load(added.inner_pin().unwrap(), 0.3, Vector2::from([-40.0, 5.0]))
         .unwrap();
     linkage
 }

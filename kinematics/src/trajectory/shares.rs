@@ -19,8 +19,10 @@ use super::path_segment::PathSegment;
 use super::ramp::{MotionLimits, greatest_entry_speed};
 use crate::Scalar;
 
-/// Shares of the acceleration and of the jerk along the path that are tried.
+/// Shares of the acceleration along the path that are tried: most of it for a sharp corner, little for
+/// a flat arc.
 const ACCELERATIONS: [f64; 5] = [0.9, 0.65, 0.45, 0.25, 0.08];
+/// Shares of the jerk along the path that are tried with each of them.
 const JERKS: [f64; 4] = [0.75, 0.5, 0.3, 0.2];
 
 /// The share of the limits that is used. The rest covers what lies between the places.

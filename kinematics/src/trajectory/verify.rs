@@ -25,9 +25,10 @@ use crate::{PlanarVector, Scalar};
 use core::f64::consts::{PI, TAU};
 use nalgebra::Vector2;
 
-/// Reserves: a hundredth of the singularity margin, and a thousandth of a radian of the
-/// joint limits. Without them the steps next to a limit would become infinitely short.
+/// The reserve to the singularity margin, as a share of it. Without it the steps next to the margin
+/// would become infinitely short.
 const RESERVE_SHARE: f64 = 0.01;
+/// The reserve to the joint limits [rad], for the same reason.
 const RESERVE_ANGLE: f64 = 0.001;
 
 /// After this number of steps a path is refused as too near a singularity. Only a long path

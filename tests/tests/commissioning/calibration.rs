@@ -175,7 +175,7 @@ fn proposed_poses_are_as_good_as_the_reference() {
         (40, 0.043, 10e-6, 14e-6),
     ] {
         let found = propose(&workspace, &home, count).unwrap();
-        assert_eq!(found.places.len(), count);
+        assert_eq!(found.points.len(), count);
         let o1 = found.observability;
         assert!(o1 >= least, "{count}: {o1}");
         let nominal = Parameters {

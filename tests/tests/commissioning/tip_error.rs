@@ -27,7 +27,7 @@ fn counted(truth: &Parameters, geometry: &Geometry<f64>, place: Vector2<f64>) ->
 /// rising order. `wrong` of the 24 holes are 0.5 mm off.
 fn trials(wrong: usize) -> Vec<f64> {
     let (workspace, home) = benchtop();
-    let places = propose(&workspace, &home, 24).unwrap().places;
+    let places = propose(&workspace, &home, 24).unwrap().points;
     let mut noise = Noise::new(8);
     let mut errors: Vec<f64> = (0..100)
         .map(|_| {

@@ -5,7 +5,7 @@ use super::{
 };
 use crate::accuracy::arm::{ArmAccuracyModel, DrivenJointMotion, PRIMITIVES};
 use crate::accuracy::clearance_equilibrium::{ClearanceEquilibrium, clearance_equilibrium};
-use crate::accuracy::{PlaceError, Primitive, Scatter, sensitivities};
+use crate::accuracy::{AnalysisError, Primitive, Scatter, sensitivities};
 use fivebar_kinematics::dynamics::Arm;
 use fivebar_kinematics::five_bar::{Geometry, Pose, WorkingMode};
 use nalgebra::{DMatrix, Vector2};
@@ -137,7 +137,10 @@ pub(super) const SCATTERED: [usize; 7] = [0, 1, 6, 7, 8, 9, 10];
 ///
 /// # Errors
 /// The reason why the arm cannot be in this state.
-pub fn analyse(arm: &TolerancedArm<'_>, state: &ToolState) -> Result<AccuracyAnalysis, PlaceError> {
+pub fn analyse(
+    arm: &TolerancedArm<'_>,
+    state: &ToolState,
+) -> Result<AccuracyAnalysis, AnalysisError> {
     let geometry = arm.geometry;
     let pose = geometry.inverse(state.position, arm.working_mode)?;
     let rates = geometry.inverse_velocities(&pose, state.velocity)?;

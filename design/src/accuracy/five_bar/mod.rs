@@ -26,6 +26,7 @@ pub use map::{AccuracyCell, AccuracyMap, MapError, accuracy_map, cheapest_classe
 pub use monte_carlo::{MonteCarlo, draws, monte_carlo, sample_forces, sample_positions};
 
 use super::AccuracyError;
+use crate::accuracy::corners::CORNERS;
 use crate::linkage::dyad::Rrr;
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::{Geometry, Pose, PoseError, Singularity};
@@ -116,8 +117,6 @@ pub fn worst_input_error(
     }
     Ok(worst)
 }
-
-const CORNERS: [(f64, f64); 4] = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
 
 /// The displacement of C by joint clearances.
 #[derive(Clone, Copy, Debug, PartialEq)]

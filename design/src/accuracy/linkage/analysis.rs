@@ -1,7 +1,7 @@
 //! The accuracy of a linkage: the scatter of its motion and forces at one instant and over its
 //! sweep, by analysis and by sampling.
 
-use super::point_error::{self, PointError};
+use super::point_error::{self, PinRadius, PointError};
 use super::{LinkageAccuracyModel, LinkageTolerance, ResultKind, clearance_equilibrium};
 use crate::accuracy::sampling::{Deviations, Progress, Sampling, sample};
 use crate::accuracy::{DifferentiableModel as _, Primitive, Scatter, sensitivities};
@@ -108,10 +108,10 @@ pub fn analyse_linkage(
     let tolerance = driven.tolerance;
     let inputs: Vec<_> = driven.laws.iter().map(|law| law.at(time)).collect();
     let (linkage, settled) = with_pin_offsets(driven, &inputs)?;
-    let (varied, mut parameters, pins) = varied(tolerance, &linkage);
+    let varied = Varied::of(tolerance, &linkage);
     let model = LinkageAccuracyModel {
         linkage: &linkage,
-        varied,
+        varied: varied.indices,
     };
     let nominal = model.primitives(&inputs);
     let names = driven.linkage.driven_links();
@@ -130,17 +130,19 @@ pub fn analyse_linkage(
             })
         })
         .collect();
-    primitives.append(&mut parameters);
+    let first_parameter = primitives.len();
+    primitives.extend(varied.primitives);
     for (primitive, &mean) in primitives.iter_mut().zip(&nominal) {
         primitive.mean = mean;
     }
     let t = sensitivities(&model, &nominal)?;
     let results = model.result_kinds();
     let values = model.evaluate(&nominal)?;
-    let pins: Vec<_> = pins
-        .into_iter()
-        .map(|(radius, place)| (radius, 3 * inputs.len() + place))
-        .collect();
+    let pins = varied.radii.into_iter().map(|pin| PinRadius {
+        column: first_parameter + pin.column,
+        ..pin
+    });
+    let pins: Vec<_> = pins.collect();
     let motion = linkage.motion(&inputs)?;
     let corners = point_error::input_worst(&linkage, &inputs, &tolerance.input_max, &motion);
     let point_errors = point_error::point_errors(&motion, &pins, corners.as_deref(), &t, &results);
@@ -179,60 +181,74 @@ fn with_pin_offsets(
     Ok((equilibrium.linkage, equilibrium.converged))
 }
 
-/// The parameters that have a scatter or belong to a pin: their indices in the order of
-/// [`Linkage::map_parameters`], and the parameters; for each pin its radius and the index of
-/// the radius among them, which the angle follows.
-type Varied = (Vec<usize>, Vec<Primitive>, Vec<(f64, usize)>);
+/// The parameters that have a scatter or belong to a pin.
+struct Varied {
+    /// Their indices in the order of [`Linkage::map_parameters`].
+    indices: Vec<usize>,
+    /// A primitive for each of them.
+    primitives: Vec<Primitive>,
+    /// The pins' radii, each with its index among the primitives.
+    radii: Vec<PinRadius>,
+}
 
-fn varied(tolerance: &LinkageTolerance, linkage: &Linkage<f64>) -> Varied {
-    let has_section = |name: &str| {
-        let mut links = linkage.links().iter();
-        links.any(|link| link.name == name && link.section.is_some())
-    };
-    let (mut varied, mut primitives) = (Vec::new(), Vec::<Primitive>::new());
-    let mut pins = Vec::new();
-    // The pins come in the order of the joints, each with its radius before its angle.
-    let mut radii = tolerance.pins.iter();
-    let mut angles = tolerance.pins.iter();
-    let mut number = 0;
-    linkage.map_parameters(|parameter, mean: f64| {
-        let of = parameter.part;
-        let found = match parameter.kind {
-            ParameterKind::Clearance(_) => {
-                pins.push((mean, primitives.len()));
-                let pin = radii.next();
-                pin.map(|pin| (format!("clearance of {}", pin.name), pin.radius_sd))
-            }
-            ParameterKind::ClearanceAngle(_) => {
-                let pin = angles.next();
-                pin.map(|pin| (format!("clearance angle of {}", pin.name), pin.angle_sd))
-            }
-            ParameterKind::Mass if mean == 0.0 || has_section(of) => None,
-            kind => {
-                let what = match kind {
-                    ParameterKind::Length => "length of",
-                    ParameterKind::Offset => "offset of",
-                    ParameterKind::Local(0) => "x of",
-                    ParameterKind::Local(_) => "y of",
-                    ParameterKind::Mass => "mass of",
-                    _ => "section of",
-                };
-                let deviation = tolerance.deviation(parameter);
-                (deviation > 0.0).then(|| (format!("{what} {of}"), deviation))
-            }
+impl Varied {
+    fn of(tolerance: &LinkageTolerance, linkage: &Linkage<f64>) -> Self {
+        let has_section = |name: &str| {
+            let mut links = linkage.links().iter();
+            links.any(|link| link.name == name && link.section.is_some())
         };
-        if let Some((name, deviation)) = found {
-            varied.push(number);
-            primitives.push(Primitive {
-                name,
-                mean,
-                deviation,
-            });
+        let mut varied = Self {
+            indices: Vec::new(),
+            primitives: Vec::new(),
+            radii: Vec::new(),
+        };
+        // The pins come in the order of the joints, each with its radius before its angle.
+        let mut radii = tolerance.pins.iter();
+        let mut angles = tolerance.pins.iter();
+        for (index, (parameter, mean)) in linkage.parameters().into_iter().enumerate() {
+            let part = parameter.part;
+            let found = match parameter.kind {
+                ParameterKind::Clearance(_) => {
+                    varied.radii.push(PinRadius {
+                        radius: mean,
+                        column: varied.primitives.len(),
+                    });
+                    let pin = radii.next();
+                    pin.map(|pin| (format!("clearance of {}", pin.name), pin.radius_sd))
+                }
+                ParameterKind::ClearanceAngle(_) => {
+                    let pin = angles.next();
+                    pin.map(|pin| (format!("clearance angle of {}", pin.name), pin.angle_sd))
+                }
+                ParameterKind::Mass if mean == 0.0 || has_section(part) => None,
+                kind => {
+                    let deviation = tolerance.deviation(parameter);
+                    (deviation > 0.0).then(|| (format!("{} of {part}", noun(kind)), deviation))
+                }
+            };
+            if let Some((name, deviation)) = found {
+                varied.indices.push(index);
+                varied.primitives.push(Primitive {
+                    name,
+                    mean,
+                    deviation,
+                });
+            }
         }
-        number += 1;
-        mean
-    });
-    (varied, primitives, pins)
+        varied
+    }
+}
+
+/// What a parameter with a scatter measures, in a word.
+fn noun(kind: ParameterKind) -> &'static str {
+    match kind {
+        ParameterKind::Length => "length",
+        ParameterKind::Offset => "offset",
+        ParameterKind::Local(0) => "x",
+        ParameterKind::Local(_) => "y",
+        ParameterKind::Mass => "mass",
+        _ => "section",
+    }
 }
 
 /// Samples the results with normally distributed errors of all primitives.

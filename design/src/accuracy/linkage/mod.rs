@@ -62,15 +62,8 @@ impl LinkageAccuracyModel<'_> {
         let mut values: Vec<f64> = inputs.iter().map(|input| input.value).collect();
         values.extend(inputs.iter().map(|input| input.rate));
         values.extend(inputs.iter().map(|input| input.acceleration));
-        let mut number = 0;
-        let mut varied = self.varied.iter().peekable();
-        self.linkage.map_parameters(|_, value: f64| {
-            if varied.next_if(|&&varied| varied == number).is_some() {
-                values.push(value);
-            }
-            number += 1;
-            value
-        });
+        let parameters = self.linkage.parameters();
+        values.extend(self.varied.iter().map(|&index| parameters[index].1));
         values
     }
 
@@ -165,7 +158,7 @@ impl DifferentiableModel for LinkageAccuracyModel<'_> {
         }
         results.extend(&forces.driving);
         for Reaction { joint, wrench, .. } in &forces.reactions {
-            let moment = wrench.moment_about(joint.place());
+            let moment = wrench.moment_about(joint.position());
             results.extend([wrench.force.x, wrench.force.y, moment]);
         }
         Ok(results)

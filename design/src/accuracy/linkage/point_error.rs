@@ -46,11 +46,20 @@ impl PinSensitivity {
     }
 }
 
-/// The worst errors of each point. `pins` holds the radius of each pin and the radius's column
-/// in `t`, which the angle's column follows; `corners` is the result of [`input_worst`].
+/// The clearance of a pin as a primitive.
+#[derive(Clone, Copy)]
+pub(super) struct PinRadius {
+    /// r [m].
+    pub(super) radius: f64,
+    /// The radius's column among the primitives; the next one is the angle's.
+    pub(super) column: usize,
+}
+
+/// The worst errors of each point. `pins` have their columns in `t`; `corners` is the result of
+/// [`input_worst`].
 pub(super) fn point_errors(
     motion: &LinkageMotion<f64>,
-    pins: &[(f64, usize)],
+    pins: &[PinRadius],
     corners: Option<&[f64]>,
     t: &DMatrix<f64>,
     results: &[ResultKind],
@@ -61,9 +70,9 @@ pub(super) fn point_errors(
             continue;
         };
         let by = |column: usize| Vector2::new(t[(row, column)], t[(row + 1, column)]);
-        let pins = pins.iter().filter(|(radius, _)| *radius > 0.0);
+        let pins = pins.iter().filter(|pin| pin.radius > 0.0);
         let answers: Vec<PinSensitivity> = pins
-            .map(|&(radius, column)| PinSensitivity {
+            .map(|&PinRadius { radius, column }| PinSensitivity {
                 radius,
                 columns: [by(column), by(column + 1) * (1.0 / radius)],
             })

@@ -5,7 +5,7 @@ use super::{
     ClearanceEquilibrium, ClearanceError, clearance_equilibrium, clearance_error, worst_input_error,
 };
 use crate::accuracy::sampling::{Moments, Progress, Sampling, sample};
-use crate::accuracy::{PlaceError, Primitive, Scatter};
+use crate::accuracy::{AnalysisError, Primitive, Scatter};
 use crate::linkage::dyad::Rrr;
 use crate::slider::{ErrorTransfer, Geometry, Pose, Travel, WorkingMode};
 use core::f64::consts::TAU;
@@ -95,7 +95,7 @@ pub fn analyse_slider(
     mechanism: &TolerancedSlider<'_>,
     at: Vector2<f64>,
     force: Vector2<f64>,
-) -> Result<SliderAnalysis, PlaceError> {
+) -> Result<SliderAnalysis, AnalysisError> {
     let TolerancedSlider {
         geometry,
         tolerance,
@@ -107,7 +107,7 @@ pub fn analyse_slider(
         .is_some_and(|travel| !travel.contains(&pose))
     {
         let (x2, x8) = (pose.x2, pose.x8);
-        return Err(PlaceError::BeyondTravel { x2, x8 });
+        return Err(AnalysisError::BeyondTravel { x2, x8 });
     }
     let transfer = geometry.error_transfer(&pose)?;
     let means = [

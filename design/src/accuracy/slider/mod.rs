@@ -16,6 +16,7 @@ pub use analysis::{
 };
 
 use super::five_bar::ClearanceError;
+use crate::accuracy::corners::CORNERS;
 use crate::slider::{Geometry, Pose, PoseError};
 use fivebar_kinematics::PlanarVector;
 use nalgebra::Vector2;
@@ -38,8 +39,6 @@ pub fn worst_input_error(
     }
     Ok(worst)
 }
-
-const CORNERS: [(f64, f64); 4] = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
 
 /// The error of P for clearances of these radii at each limb's slider and platform, left limb
 /// first [m].

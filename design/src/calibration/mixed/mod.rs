@@ -14,7 +14,8 @@ use super::measurements::{Measurements, Plate};
 use super::parameters::Parameters;
 use super::plate::{calibrate, half_a_turn_off, other_length};
 use super::start::placed;
-use crate::fit::{Loss, minimise};
+use crate::fit::{Loss, median, minimise};
+use core::cmp::Ordering;
 use fivebar_kinematics::five_bar::{Geometry, Side};
 use nalgebra::{DVector, SMatrix};
 use problem::Problem;
@@ -92,9 +93,10 @@ pub fn calibrate_mixed(
     };
     let fit = |arm: Option<Parameters>, side: Side| {
         let problem = Problem::new(measured, side);
-        let found = minimise(&problem.start(&arm?)?, &|x| problem.rows(x), loss)?;
-        let typical = typical(&problem.rows(&found.0)?.0);
-        Some((found.0, found.1, typical))
+        let (x, loss) = minimise(&problem.start(&arm?)?, &|x| problem.rows(x), loss)?;
+        let (residuals, _) = problem.rows(&x)?;
+        let typical = median(residuals.iter().map(|r| r.abs())).unwrap_or(f64::INFINITY);
+        Some(Fit { x, loss, typical })
     };
     if measured.plate.is_empty() && measured.bars.is_empty() {
         // Whatever the fit, all lengths may grow together.
@@ -111,10 +113,8 @@ pub fn calibrate_mixed(
         .map(|found| found.parameters);
     let starts = [start(nominal, [0.0; 2], here), by_plate];
     let fits = starts.into_iter().filter_map(|arm| fit(arm, here));
-    let found = fits.min_by(|a, b| a.1.total_cmp(&b.1));
-    let off = found
-        .as_ref()
-        .map_or(f64::INFINITY, |(_, _, typical)| *typical);
+    let found = fits.min_by(Fit::by_loss);
+    let off = found.as_ref().map_or(f64::INFINITY, |fit| fit.typical);
     if off > 6.0 {
         // Half a turn off in the other assembly mode the joints are exchanged.
         let there = here.opposite();
@@ -122,11 +122,8 @@ pub fn calibrate_mixed(
             fit(start(nominal, [0.0; 2], there), there),
             fit(start([l4, l3, l2, l1, l5], half_turn, there), there),
         ];
-        let other = others
-            .into_iter()
-            .flatten()
-            .min_by(|a, b| a.1.total_cmp(&b.1));
-        if let Some((x, _, typical)) = other
+        let other = others.into_iter().flatten().min_by(Fit::by_loss);
+        if let Some(Fit { x, typical, .. }) = other
             && typical < 0.25 * off
             && typical <= CREDIBLE
         {
@@ -138,17 +135,24 @@ pub fn calibrate_mixed(
         }
     }
     let problem = Problem::new(measured, here);
-    match found.filter(|(_, _, typical)| *typical <= CREDIBLE) {
-        Some((x, _, _)) => judged(measured, &problem, &x, nominal),
+    match found.filter(|fit| fit.typical <= CREDIBLE) {
+        Some(fit) => judged(measured, &problem, &fit.x, nominal),
         None => Err(CalibrationError::MixedNoFit(off)),
     }
 }
 
-/// The median size of the residuals [σ].
-fn typical(residuals: &DVector<f64>) -> f64 {
-    let mut sizes: Vec<f64> = residuals.iter().map(|r| r.abs()).collect();
-    sizes.sort_by(f64::total_cmp);
-    sizes.get(sizes.len() / 2).copied().unwrap_or(f64::INFINITY)
+/// The unknowns with the least loss near one start.
+struct Fit {
+    x: DVector<f64>,
+    loss: f64,
+    /// The median size of the residuals [σ].
+    typical: f64,
+}
+
+impl Fit {
+    fn by_loss(&self, other: &Self) -> Ordering {
+        self.loss.total_cmp(&other.loss)
+    }
 }
 
 /// The calibration at the best fit, checked.
@@ -163,7 +167,13 @@ fn judged(
     let mut used = Vec::new();
     let mut kinds = Vec::new();
     let mut first = 0;
-    for (kind, count, size, sigma) in kinds_of(measured) {
+    for Kind {
+        name,
+        count,
+        size,
+        sigma,
+    } in Kind::all(measured)
+    {
         let rows = |k: usize| first + size * k..first + size * (k + 1);
         let distance = |k| residuals.rows_range(rows(k)).norm();
         let distances: Vec<f64> = (0..count).map(distance).collect();
@@ -172,7 +182,7 @@ fn judged(
         let kept: Vec<usize> = kept.flat_map(rows).collect();
         let squares: f64 = kept.iter().map(|&row| residuals[row].powi(2)).sum();
         kinds.push(KindResult {
-            kind,
+            kind: name,
             residual_rms: sigma * (squares / kept.len().max(1) as f64).sqrt(),
             distances: distances.iter().map(|distance| sigma * distance).collect(),
             rejected,
@@ -206,17 +216,37 @@ fn judged(
     })
 }
 
-/// Name, count, rows of each and σ of the kinds that were measured, in the order of the rows.
-fn kinds_of(measured: &Measurements) -> Vec<(String, usize, usize, f64)> {
-    let sigma = measured.deviations;
-    let mut kinds = vec![
-        ("plate".into(), measured.plate.len(), 2, sigma.plate),
-        ("bars".into(), measured.bars.len(), 1, sigma.bar),
-        ("holes".into(), measured.holes.len(), 2, sigma.hole),
-    ];
-    for (index, photo) in measured.photos.iter().enumerate() {
-        kinds.push((format!("photo {}", index + 1), photo.len(), 2, sigma.photo));
+/// A kind of measurement and its rows.
+struct Kind {
+    name: String,
+    /// How many were measured.
+    count: usize,
+    /// Rows of each.
+    size: usize,
+    /// Standard deviation of a row [m].
+    sigma: f64,
+}
+
+impl Kind {
+    /// The kinds that were measured, in the order of their rows.
+    fn all(measured: &Measurements) -> Vec<Self> {
+        let kind = |name: &str, count, size, sigma| Self {
+            name: name.into(),
+            count,
+            size,
+            sigma,
+        };
+        let sigma = measured.deviations;
+        let mut kinds = vec![
+            kind("plate", measured.plate.len(), 2, sigma.plate),
+            kind("bars", measured.bars.len(), 1, sigma.bar),
+            kind("holes", measured.holes.len(), 2, sigma.hole),
+        ];
+        for (index, photo) in measured.photos.iter().enumerate() {
+            let name = format!("photo {}", index + 1);
+            kinds.push(kind(&name, photo.len(), 2, sigma.photo));
+        }
+        kinds.retain(|kind| kind.count > 0);
+        kinds
     }
-    kinds.retain(|(_, count, _, _)| *count > 0);
-    kinds
 }

@@ -20,7 +20,7 @@ pub(super) fn normalised(pixels: &[Vector2<f64>]) -> Vec<Vector2<f64>> {
     pixels.iter().map(|p| (p - middle) / size).collect()
 }
 
-/// The place in the plane, with its derivatives by the eight unknowns; none where the photograph
+/// The position in the plane, with its derivatives by the eight unknowns; none where the photograph
 /// shows infinity.
 pub(super) fn in_plane(
     unknowns: &[f64],
@@ -54,7 +54,7 @@ pub(super) fn in_plane(
     Some((q, jacobian))
 }
 
-/// The unknowns for which A w + b − q (c·w) = q, by least squares over points with their places.
+/// The unknowns for which A w + b − q (c·w) = q, by least squares over points with their positions in the plane.
 pub(super) fn start(points: &[(Vector2<f64>, Vector2<f64>)]) -> Option<Vector8> {
     let rows: Vec<f64> = points
         .iter()
@@ -67,8 +67,8 @@ pub(super) fn start(points: &[(Vector2<f64>, Vector2<f64>)]) -> Option<Vector8> 
         .flatten()
         .collect();
     let matrix = DMatrix::from_row_slice(2 * points.len(), UNKNOWNS, &rows);
-    let places = points.iter().flat_map(|(_, q)| [q.x, q.y]);
-    let wanted = DVector::from_iterator(2 * points.len(), places);
+    let positions = points.iter().flat_map(|(_, q)| [q.x, q.y]);
+    let wanted = DVector::from_iterator(2 * points.len(), positions);
     let found = matrix.svd(true, true).solve(&wanted, 1e-12).ok()?;
     Some(Vector8::from_column_slice(found.as_slice()))
 }

@@ -154,9 +154,9 @@ impl<'a> Problem<'a> {
             let unknowns = &x.as_slice()[at..at + photo::UNKNOWNS];
             for (point, &w) in points.iter().zip(w) {
                 let tip = self.tip(&p, point.encoder);
-                let (place, own) = in_plane(unknowns, w)?;
+                let (position, own) = in_plane(unknowns, w)?;
                 let own = DMatrix::from_column_slice(2, photo::UNKNOWNS, (-own).as_slice());
-                rows.tip_less(tip, place, (at, own), far, sigma.photo);
+                rows.tip_less(tip, position, (at, own), far, sigma.photo);
             }
         }
         Some((rows.residuals, rows.jacobian))
@@ -207,11 +207,11 @@ impl Builder {
         self.filled += 2;
     }
 
-    /// C − `place`; `own` are the derivatives of −`place`.
+    /// C − `position`; `own` are the derivatives of −`position`.
     fn tip_less(
         &mut self,
         tip: Option<Tip>,
-        place: Vector2<f64>,
+        position: Vector2<f64>,
         own: Part,
         far: Vector2<f64>,
         sigma: f64,
@@ -219,7 +219,7 @@ impl Builder {
         match tip {
             Some((c, j)) => {
                 let j = DMatrix::from_column_slice(2, BARE, j.as_slice());
-                self.pair(c - place, [(0, j), own], sigma);
+                self.pair(c - position, [(0, j), own], sigma);
             }
             None => self.pair(far, [], sigma),
         }

@@ -54,7 +54,7 @@ impl<S: Scalar> Rrr<S> {
         Ok(p1 + d * a + d.perpendicular() * self.side.sign(h_squared.sqrt()))
     }
 
-    /// P3 by the vector loop P1 + l1 u1 = P2 + l2 u2 (WUT's second way): u1 eliminated,
+    /// P3 by the vector loop P1 + l1 u1 = P2 + l2 u2 (WUT's second method): u1 eliminated,
     /// A sin θ2 + B cos θ2 + C = 0 with A = 2 d l2 sin ω, B = 2 d l2 cos ω,
     /// C = d² + l2² − l1² and ω the angle of P1→P2; θ2 = 2 atan[(A ± √(A²+B²−C²))/(B−C)].
     ///

@@ -6,7 +6,7 @@ use super::crossing::crossing_moves;
 use crate::input::job::{Action, Job};
 use crate::input::robot::CrossingRefusal;
 use fivebar_design::crossing::CrossingError;
-use fivebar_design::joint_path::way;
+use fivebar_design::joint_path::find_path;
 use fivebar_firmware::planner::{MoveErrorKind, Planner};
 use fivebar_firmware::{Move, MoveKind};
 use fivebar_kinematics::five_bar::{
@@ -147,7 +147,7 @@ pub fn change_of_mode(
     });
     let mut refusal = None;
     for to in targets {
-        let corners = way(
+        let corners = find_path(
             ranges64,
             from.map(f64::from),
             to.map(f64::from),

@@ -215,7 +215,7 @@ fn proposed(args: &Args, robot: &Robot, count: usize) -> Result<(), Failure> {
     let study = propose_poses(robot, count, args.sigma).map_err(refused)?;
     if let Some(path) = &args.plate {
         leave_output_to(path);
-        write_whole(path, plate(&study.proposal.places)).map_err(refused)?;
+        write_whole(path, plate(&study.proposal.points)).map_err(refused)?;
     }
     if args.json {
         say(proposal_answer(robot, &study))

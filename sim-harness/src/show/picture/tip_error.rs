@@ -63,12 +63,12 @@ fn band(error: f64, worst: f64) -> usize {
 /// A square at each place, as wide as the places are apart.
 fn places(map: &TipError, frame: &PictureFrame) -> String {
     let apart = map
-        .places
+        .points
         .windows(2)
         .map(|pair| (pair[1].0 - pair[0].0).norm());
     let pitch = apart.fold(f64::INFINITY, f64::min);
     let mut svg = String::from("<g shape-rendering=\"crispEdges\">\n");
-    for (place, error) in &map.places {
+    for (place, error) in &map.points {
         let half = nalgebra::Vector2::repeat(0.5 * pitch);
         let ([x0, y1], [x1, y0]) = (
             frame.to_picture(place - half),
@@ -119,7 +119,7 @@ mod tests {
         let geometry = Geometry::new([0.10, 0.16, 0.16, 0.10, 0.08]).unwrap();
         let tool = Tool::new(geometry, Vector2::zeros()).unwrap();
         let map = |size: f64| TipError {
-            places: vec![
+            points: vec![
                 (Vector2::new(0.02, 0.2), size),
                 (Vector2::new(0.03, 0.2), 0.1 * size),
             ],

@@ -29,7 +29,7 @@ pub struct Calibrated<'a> {
 /// Proposed holes, and what to expect of them.
 pub fn proposal(name: &str, study: &ProposalStudy) -> String {
     let mut text = format!("{name}: holes to touch, in the arm's own frame\n");
-    for (index, place) in study.proposal.places.iter().enumerate() {
+    for (index, place) in study.proposal.points.iter().enumerate() {
         let _ = writeln!(
             text,
             "  {:>3}  x {:>8.1} mm  y {:>8.1} mm",

@@ -1,6 +1,6 @@
 //! Why an accuracy study has no result.
 
-use fivebar_design::accuracy::PlaceError;
+use fivebar_design::accuracy::AnalysisError;
 use fivebar_design::accuracy::five_bar::MapError;
 
 /// Why an accuracy study has no result.
@@ -13,7 +13,7 @@ pub enum AccuracyStudyError {
         /// The position of C or P [m].
         place: [f64; 2],
         /// The reason.
-        reason: PlaceError,
+        reason: AnalysisError,
     },
     /// A position on a job's path cannot be analysed.
     #[error("line {line}: {error}")]

@@ -90,7 +90,7 @@ pub fn warnings(robot: &Robot, study: &CalibrationStudy) -> Vec<String> {
 
 /// Proposed poses as JSON.
 pub fn proposal_answer(robot: &Robot, study: &ProposalStudy) -> Value {
-    let places = study.proposal.places.iter();
+    let places = study.proposal.points.iter();
     let poses: Vec<[f64; 2]> = places.map(|place| [place.x, place.y]).collect();
     json!({
         "robot": robot.name,

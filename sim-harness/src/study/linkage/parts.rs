@@ -33,5 +33,5 @@ pub(crate) fn sliding_joints(group: &Group<f64>) -> usize {
 /// The moment of a reaction about its joint's centre [N·m]: in a driven pin the driving
 /// torque, in a free pin zero, in a slide the moment that keeps the slider from tilting.
 pub(crate) fn moment(reaction: &Reaction<f64>) -> f64 {
-    reaction.wrench.moment_about(reaction.joint.place())
+    reaction.wrench.moment_about(reaction.joint.position())
 }

@@ -84,7 +84,7 @@ impl Reach {
             return Vec::new();
         }
         let shape = outline.cells(grid.pitch());
-        let mut places = self.map.places(self.assembly, &shape);
+        let mut places = self.map.placements(self.assembly, &shape);
         places.sort_by(|a, b| b.inverse_condition.total_cmp(&a.inverse_condition));
         let corner = |cell: [i32; 2]| {
             let index = cell[1] as usize * grid.columns() + cell[0] as usize;

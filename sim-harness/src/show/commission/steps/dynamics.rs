@@ -94,7 +94,7 @@ fn motion(bench: &mut Bench, rounds: Range<usize>) -> Result<Vec<[f64; 5]>, Step
 /// switches are found.
 fn excitation(bench: &mut Bench, rounds: Range<usize>) -> Result<Vec<Move>, StepError> {
     let proposed = propose_poses(&bench.robot, 12, 20e-6).map_err(StepError::other)?;
-    let places = proposed.proposal.places;
+    let places = proposed.proposal.points;
     let settings = bench.settings.check().map_err(StepError::other)?;
     let planner = Planner::new(&settings);
     let mut tool = tool(bench)?;

@@ -163,7 +163,7 @@ fn touched(bench: &mut Bench) -> Result<Vec<[f64; 4]>, StepError> {
     let mut noise = Noise::new(7);
     let mut rows = Vec::new();
     let mut first = None;
-    for (index, place) in proposal.proposal.places.iter().enumerate() {
+    for (index, place) in proposal.proposal.points.iter().enumerate() {
         let stated = [place.x, place.y];
         // A simulated plate has its holes where a drill has put them.
         let true_place = match simulated {

@@ -1,11 +1,11 @@
-//! Places at which a shape is clear as a whole.
+//! Placements at which a shape is clear as a whole.
 
 use super::WorkspaceMap;
 use fivebar_kinematics::five_bar::Side;
 
-/// A place of a shape on a map.
+/// A placement of a shape on a map.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
+pub struct Placement {
     /// The column and the row that are added to the shape's.
     pub cell: [i32; 2],
     /// The least 1/κ in the shape's cells.
@@ -13,7 +13,7 @@ pub struct Place {
 }
 
 impl WorkspaceMap {
-    /// All places at which every cell of a shape is clear in this assembly mode. `shape` has the
+    /// All placements at which every cell of a shape is clear in this assembly mode. `shape` has the
     /// columns and rows of its cells, from 0.
     ///
     /// ```
@@ -27,14 +27,14 @@ impl WorkspaceMap {
     /// let map = WorkspaceMap::new(workspace, Grid::over(&tool, 4e-3)?);
     /// // A line of 40 cells to the right, 160 mm.
     /// let line: Vec<[i32; 2]> = (0..40).map(|column| [column, 0]).collect();
-    /// let places = map.places(Side::Left, &line);
-    /// assert!(!places.is_empty());
-    /// // A longer shape has fewer places.
+    /// let placements = map.placements(Side::Left, &line);
+    /// assert!(!placements.is_empty());
+    /// // A longer shape has fewer placements.
     /// let longer: Vec<[i32; 2]> = (0..50).map(|column| [column, 0]).collect();
-    /// assert!(map.places(Side::Left, &longer).len() < places.len());
+    /// assert!(map.placements(Side::Left, &longer).len() < placements.len());
     /// # Ok::<(), Box<dyn core::error::Error>>(())
     /// ```
-    pub fn places(&self, assembly: Side, shape: &[[i32; 2]]) -> Vec<Place> {
+    pub fn placements(&self, assembly: Side, shape: &[[i32; 2]]) -> Vec<Placement> {
         let columns = self.grid().columns() as i32;
         let rows = self.grid().rows() as i32;
         let greatest = |axis: usize| shape.iter().map(|cell| cell[axis]).max();
@@ -53,20 +53,20 @@ impl WorkspaceMap {
             .iter()
             .map(|&[column, row]| (row * columns + column) as usize)
             .collect();
-        let mut places = Vec::new();
+        let mut placements = Vec::new();
         for row in 0..rows - height {
             for column in 0..columns - width {
                 let from = (row * columns + column) as usize;
                 let least = least_clear(&clear[from..], &indices);
                 if least > 0.0 {
-                    places.push(Place {
+                    placements.push(Placement {
                         cell: [column, row],
                         inverse_condition: least,
                     });
                 }
             }
         }
-        places
+        placements
     }
 }
 
