@@ -47,6 +47,7 @@ impl Brake {
             self.commanded_for = 0.0;
         } else if self.commanded_for >= time {
             self.engaged = engage;
+            self.commanded_for = 0.0;
         } else {
             self.commanded_for += period;
         }
