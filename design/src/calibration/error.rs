@@ -14,9 +14,15 @@ pub enum CalibrationError {
     Collinear,
     /// The nominal lengths do not make an arm.
     Lengths,
-    /// The points do not distinguish these unknowns: their names, with the rank and how many
-    /// unknowns there are.
-    NotSeen(Vec<&'static str>, usize, usize),
+    /// The points do not determine these unknowns.
+    NotSeen {
+        /// Their names.
+        names: Vec<&'static str>,
+        /// The rank of the Jacobian.
+        rank: usize,
+        /// How many unknowns there are.
+        unknowns: usize,
+    },
     /// No known length: all lengths may grow together.
     NoScale,
     /// The length of the bar with this index is not positive.
@@ -73,7 +79,11 @@ impl fmt::Display for CalibrationError {
                  spread over the workspace (--propose 12 lists such poses)",
             ),
             Self::Lengths => f.write_str("the lengths of the robot file do not make an arm"),
-            Self::NotSeen(names, rank, unknowns) => write!(
+            Self::NotSeen {
+                names,
+                rank,
+                unknowns,
+            } => write!(
                 f,
                 "these points do not determine {} (rank {rank} of {unknowns}): use holes spread over the \
                  workspace (--propose 12 lists such poses)",

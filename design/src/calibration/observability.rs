@@ -69,11 +69,11 @@ pub(super) fn check_seen(
     }
     let names = PARAMETER_NAMES.iter().zip(share);
     let names = names.filter(|(_, share)| *share > 0.2);
-    Err(CalibrationError::NotSeen(
-        names.map(|(name, _)| *name).collect(),
+    Err(CalibrationError::NotSeen {
+        names: names.map(|(name, _)| *name).collect(),
         rank,
         unknowns,
-    ))
+    })
 }
 
 /// σ² (JᵀJ)⁻¹; the Jacobian has full rank.

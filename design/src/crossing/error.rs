@@ -26,11 +26,32 @@ pub enum CrossingError {
     /// No law goes forward from its beginning to its end.
     NoLaw,
     /// A joint needs more torque [N·m] than its limit.
-    Torque(Joint, f64, f64),
+    Torque {
+        /// The joint.
+        joint: Joint,
+        /// What it needs.
+        needed: f64,
+        /// Its limit.
+        limit: f64,
+    },
     /// A joint needs more speed [rad/s] than its limit.
-    Speed(Joint, f64, f64),
+    Speed {
+        /// The joint.
+        joint: Joint,
+        /// What it needs.
+        needed: f64,
+        /// Its limit.
+        limit: f64,
+    },
     /// A joint needs more acceleration [rad/s²] than its limit.
-    Acceleration(Joint, f64, f64),
+    Acceleration {
+        /// The joint.
+        joint: Joint,
+        /// What it needs.
+        needed: f64,
+        /// Its limit.
+        limit: f64,
+    },
     /// The energy of the motion that no crank drives, and the work of the drag [J].
     TooSlow(f64, f64),
 }
@@ -71,19 +92,31 @@ impl fmt::Display for CrossingError {
                 "no motion along the line goes forward all the way and satisfies the condition; \
                  choose another time",
             ),
-            Self::Torque(joint, needed, limit) => {
+            Self::Torque {
+                joint,
+                needed,
+                limit,
+            } => {
                 write!(
                     f,
                     "{joint} needs {needed:.3} N·m of {limit:.3}: choose a longer time"
                 )
             }
-            Self::Speed(joint, needed, limit) => {
+            Self::Speed {
+                joint,
+                needed,
+                limit,
+            } => {
                 write!(
                     f,
                     "{joint} needs {needed:.1} rad/s of {limit:.1}: choose a longer time"
                 )
             }
-            Self::Acceleration(joint, needed, limit) => {
+            Self::Acceleration {
+                joint,
+                needed,
+                limit,
+            } => {
                 write!(
                     f,
                     "{joint} needs {needed:.0} rad/s² of {limit:.0}: choose a longer time"

@@ -138,13 +138,25 @@ impl CrossingTask<'_> {
                 (needed[j] > limit[j]).then_some((needed[j], limit[j]))
             };
             if let Some((needed, limit)) = passed(needs.torque, self.torque) {
-                return Err(CrossingError::Torque(joint, needed, limit));
+                return Err(CrossingError::Torque {
+                    joint,
+                    needed,
+                    limit,
+                });
             }
             if let Some((needed, limit)) = passed(needs.speed, self.speed) {
-                return Err(CrossingError::Speed(joint, needed, limit));
+                return Err(CrossingError::Speed {
+                    joint,
+                    needed,
+                    limit,
+                });
             }
             if let Some((needed, limit)) = passed(needs.acceleration, self.acceleration) {
-                return Err(CrossingError::Acceleration(joint, needed, limit));
+                return Err(CrossingError::Acceleration {
+                    joint,
+                    needed,
+                    limit,
+                });
             }
         }
         Ok(())

@@ -125,15 +125,15 @@ fn smoothed(solved: &Solved<'_>, times: &[f64], interval: f64) -> Spline {
     Spline::new(&samples, h)
 }
 
-/// Walks along a spline by s.
-struct Walk<'a> {
+/// A point that moves along a spline by s.
+struct SplineCursor<'a> {
     spline: &'a Spline,
     interval: usize,
     state: State,
     end: f64,
 }
 
-impl<'a> Walk<'a> {
+impl<'a> SplineCursor<'a> {
     fn new(spline: &'a Spline) -> Self {
         Self {
             spline,
@@ -158,14 +158,14 @@ impl<'a> Walk<'a> {
 /// The excess of each cell: the most by which a limit is passed at its ends or in its middle.
 fn excesses(solved: &Solved<'_>, spline: &Spline) -> Vec<f64> {
     let grid = &solved.grid;
-    let mut walk = Walk::new(spline);
+    let mut cursor = SplineCursor::new(spline);
     let used = |[_, v, a, _]: State, index| grid.used(index, v * v, a);
-    let mut start = walk.at(0.0);
+    let mut start = cursor.at(0.0);
     let cells = grid.cells.iter();
     cells
         .map(|cell| {
-            let middle = walk.at(cell.s + 0.5 * cell.w);
-            let end = walk.at(cell.s + cell.w);
+            let middle = cursor.at(cell.s + 0.5 * cell.w);
+            let end = cursor.at(cell.s + cell.w);
             let most = used(start, cell.start)
                 .max(used(middle, cell.middle))
                 .max(used(end, cell.end));

@@ -47,9 +47,20 @@ impl Default for Contact {
     }
 }
 
+/// A value of `[contact]` that is not valid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InvalidValue {
+    /// Its key.
+    pub key: &'static str,
+    /// The value.
+    pub value: f64,
+    /// What it must be, in words.
+    pub must: &'static str,
+}
+
 impl Contact {
-    /// The first key whose value is not valid, the value, and what it must be.
-    pub fn first_invalid(&self) -> Option<(&'static str, f64, &'static str)> {
+    /// The first key whose value is not valid.
+    pub fn first_invalid(&self) -> Option<InvalidValue> {
         let positive = |x: f64| x > 0.0 && x.is_finite();
         [
             (
@@ -84,6 +95,8 @@ impl Contact {
             ),
         ]
         .into_iter()
-        .find_map(|(is_valid, key, value, must)| (!is_valid).then_some((key, value, must)))
+        .find_map(|(is_valid, key, value, must)| {
+            (!is_valid).then_some(InvalidValue { key, value, must })
+        })
     }
 }

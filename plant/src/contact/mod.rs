@@ -16,4 +16,4 @@ mod material;
 
 pub use dormand_prince::{DormandPrince45, HybridSystem};
 pub use journal::{ClearanceError, ContactForce, Eccentricity, Journal, Phase};
-pub use material::{Contact, Restitution};
+pub use material::{Contact, InvalidValue, Restitution};

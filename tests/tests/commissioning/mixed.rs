@@ -213,7 +213,10 @@ fn what_tells_too_little_or_is_of_another_mode_is_refused() {
         ..nothing()
     };
     assert!(
-        matches!(refused(&four), CalibrationError::NotSeen(_, _, 7)),
+        matches!(
+            refused(&four),
+            CalibrationError::NotSeen { unknowns: 7, .. }
+        ),
         "{:?}",
         refused(&four)
     );

@@ -109,7 +109,7 @@ fn degenerate_sets_of_points_are_refused() {
         .map(|s| Vector2::new(0.04, 0.18) + 1e-3 * Vector2::new((9.0 * s).cos(), (9.0 * s).sin()));
     assert!(matches!(
         touched(spot.collect()),
-        Err(CalibrationError::NotSeen(..))
+        Err(CalibrationError::NotSeen { .. })
     ));
     // Joint 4 at rest: nothing of leg 4 is seen alone.
     let d = geometry
@@ -120,6 +120,6 @@ fn degenerate_sets_of_points_are_refused() {
         steps(20).map(|s| d + 0.16 * Vector2::new((1.9 + 0.8 * s).cos(), (1.9 + 0.8 * s).sin()));
     assert!(matches!(
         touched(arc.collect()),
-        Err(CalibrationError::NotSeen(..))
+        Err(CalibrationError::NotSeen { .. })
     ));
 }

@@ -89,8 +89,9 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
         contact: file.contact,
         crossing: file.crossing,
     };
-    if let Some((key, value, must)) = robot.contact.first_invalid() {
-        return Err(source.refuse(Key::In("contact", key), format!("{must}, not {value:?}")));
+    if let Some(invalid) = robot.contact.first_invalid() {
+        let reason = format!("{}, not {:?}", invalid.must, invalid.value);
+        return Err(source.refuse(Key::In("contact", invalid.key), reason));
     }
     not_negative(&source, Key::In("crossing", "drag"), robot.crossing.drag)?;
     sections(&source, &robot)?;
