@@ -189,6 +189,7 @@ fn folder_of(path: &Path) -> &Path {
 fn written(path: &Path, bytes: &[u8]) -> io::Result<NamedTempFile> {
     let folder = folder_of(path);
     fs::create_dir_all(folder)?;
+    #[cfg_attr(not(unix), expect(unused_mut))]
     let mut builder = tempfile::Builder::new();
     // A temporary file is private by default; the final file must obey the umask.
     #[cfg(unix)]

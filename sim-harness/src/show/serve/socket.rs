@@ -147,20 +147,22 @@ impl<S: Connection> Reader<'_, S> {
                 return Ok(());
             }
         };
+        let stop = match &request {
+            ClientRequest::Request(wanted) => wanted.kind().ok(),
+            _ => None,
+        };
+        if let Some(stop) = stop {
+            if !self.stops.admit(now) {
+                return Err(Some(
+                    format!("This page sent more than {MAX_STOPS_PER_SECOND} stops in a second.")
+                        .into(),
+                ));
+            }
+            self.pages.shared.stop.raise(stop, self.page.id);
+            return Ok(());
+        }
         match request {
             ClientRequest::Alive => Ok(()),
-            ClientRequest::Request(wanted) if let Ok(stop) = wanted.kind() => {
-                if !self.stops.admit(now) {
-                    return Err(Some(
-                        format!(
-                            "This page sent more than {MAX_STOPS_PER_SECOND} stops in a second."
-                        )
-                        .into(),
-                    ));
-                }
-                self.pages.shared.stop.raise(stop, self.page.id);
-                Ok(())
-            }
             request => self.queue(EventKind::Request(request)),
         }
     }
