@@ -1,136 +1,13 @@
 //! The check of settings, field by field.
 
-use super::range;
-use super::{AxisField, AxisSettings, CheckedSettings, Field, Settings, SettingsError};
-use core::f32::consts::TAU;
-use fivebar_kinematics::Scalar;
+use super::{AxisField, CheckedSettings, Field, Settings, SettingsError};
+use core::ops::ControlFlow;
+use fivebar_kinematics::dynamics::{Arm, ModelError};
+use fivebar_kinematics::five_bar::Tool;
+use heapless::Vec;
 
-/// Counts of a whole turn that `f32` can resolve, with two bits to spare.
-const MAX_COUNTS_PER_TURN: f32 = 4_194_304.0;
-
-/// The greatest code of the 12-bit converters.
-const FULL_SCALE: f32 = 4095.0;
-
-// Called in many places, not time-critical: not inlined, to save flash.
-#[inline(never)]
-fn positive(value: f32) -> bool {
-    value > 0.0 && value.is_finite()
-}
-
-#[inline(never)]
-fn not_negative(value: f32) -> bool {
-    value >= 0.0 && value.is_finite()
-}
-
-#[inline(never)]
-fn within([least, greatest]: [f32; 2], value: f32) -> bool {
-    least <= value && value <= greatest
-}
-
-/// Whether a trip point is above what both joints reach, and near enough to protect them.
-#[inline(never)]
-fn trips(range: [f32; 2], [a, b]: [f32; 2], trip: f32) -> bool {
-    within(range.map(|share| share * a.max(b)), trip)
-}
-
-fn rising([low, high]: [f32; 2]) -> bool {
-    low < high && low.is_finite() && high.is_finite()
-}
-
-/// The field of the first rule that is broken.
-fn first_broken<F: Copy>(rules: &[(bool, F)]) -> Option<F> {
-    rules
-        .iter()
-        .find_map(|&(holds, field)| if holds { None } else { Some(field) })
-}
-
-/// The longest that a stop may take [s]. The planner hands out the path for a stop in advance, and
-/// nobody waits longer for an arm to stop.
-const LONGEST_STOP: f32 = 10.0;
-
-/// Whether a stop from `speed` at no more than `acceleration` takes at most [`LONGEST_STOP`].
-fn stops_in_time(speed: f32, acceleration: f32) -> bool {
-    1.5 * speed <= LONGEST_STOP * acceleration
-}
-
-impl AxisSettings {
-    /// The greatest current [A] that the converter can tell from its full scale, in either
-    /// direction.
-    fn greatest_current(&self) -> f32 {
-        let zero = f32::from(self.current_zero_code);
-        (zero.min(FULL_SCALE - zero) - 1.0) * self.current_per_code
-    }
-
-    fn broken_field(&self) -> Option<AxisField> {
-        let counts = self.encoder_counts as f32 * Scalar::abs(self.gear_ratio);
-        first_broken(&[
-            (
-                within(range::GEAR_RATIO, Scalar::abs(self.gear_ratio)),
-                AxisField::GearRatio,
-            ),
-            (
-                within(range::ROTOR_INERTIA, self.rotor_inertia),
-                AxisField::RotorInertia,
-            ),
-            (
-                within(range::TORQUE_CONSTANT, self.torque_constant),
-                AxisField::TorqueConstant,
-            ),
-            (
-                within(range::RESISTANCE, self.resistance),
-                AxisField::Resistance,
-            ),
-            (
-                within(range::INDUCTANCE, self.inductance),
-                AxisField::Inductance,
-            ),
-            (
-                within(range::FRICTION, self.viscous_friction),
-                AxisField::ViscousFriction,
-            ),
-            (
-                within(range::FRICTION, self.coulomb_friction),
-                AxisField::CoulombFriction,
-            ),
-            (
-                self.encoder_counts > 0 && counts <= MAX_COUNTS_PER_TURN,
-                AxisField::EncoderCounts,
-            ),
-            (
-                within(range::LATENCY, self.encoder_latency),
-                AxisField::EncoderLatency,
-            ),
-            (Scalar::abs(self.home_angle) <= TAU, AxisField::HomeAngle),
-            (
-                rising(self.angle_limits)
-                    && self.angle_limits.iter().all(|&a| Scalar::abs(a) <= TAU),
-                AxisField::AngleLimits,
-            ),
-            (within(range::SPEED, self.max_speed), AxisField::MaxSpeed),
-            (
-                within(range::ACCELERATION, self.max_acceleration)
-                    && stops_in_time(self.max_speed, self.max_acceleration),
-                AxisField::MaxAcceleration,
-            ),
-            (
-                within(range::CURRENT, self.peak_current),
-                AxisField::PeakCurrent,
-            ),
-            (
-                positive(self.continuous_current) && self.continuous_current <= self.peak_current,
-                AxisField::ContinuousCurrent,
-            ),
-            (
-                within(range::HEATING, self.thermal_time_constant),
-                AxisField::ThermalTimeConstant,
-            ),
-            (
-                within(range::CURRENT_PER_CODE, self.current_per_code),
-                AxisField::CurrentPerCode,
-            ),
-        ])
-    }
-}
+/// More faults than settings can have: those of two axes, of the other fields, and of the arm.
+const MOST_FAULTS: usize = 2 * AxisField::ALL.len() + Field::ALL.len() + 1;
 
 impl Settings {
     /// Checks every field, and that the arm which they describe can take a pose.
@@ -139,30 +16,10 @@ impl Settings {
     /// The first field that is invalid, by name.
     #[inline(never)]
     pub fn check(&self) -> Result<CheckedSettings, SettingsError> {
-        for (joint, axis) in [1, 4].into_iter().zip(&self.axes) {
-            if let Some(field) = axis.broken_field() {
-                return Err(SettingsError::Axis(joint, field));
-            }
+        if let ControlFlow::Break(error) = self.each_broken(ControlFlow::Break) {
+            return Err(error);
         }
-        for (joint, table) in [1, 4].into_iter().zip(&self.encoder_tables) {
-            if !table.is_sound() {
-                return Err(SettingsError::Axis(joint, AxisField::EncoderTable));
-            }
-        }
-        if let Some(field) = self.broken_field() {
-            return Err(SettingsError::Field(field));
-        }
-        let [_, bus] = self.protection.bus_voltage;
-        for (joint, axis) in [1, 4].into_iter().zip(&self.axes) {
-            if axis.peak_current * axis.resistance > range::STALL * bus {
-                return Err(SettingsError::Axis(joint, AxisField::PeakCurrent));
-            }
-        }
-        if let Some(field) = self.tool_output.broken_field() {
-            return Err(SettingsError::Field(field));
-        }
-        let arm = self.arm()?;
-        let tool = self.tool(&arm)?;
+        let (arm, tool) = self.models()?;
         Ok(CheckedSettings {
             nominal_inertia: self.nominal_inertia(&arm, &tool)?,
             settings: *self,
@@ -171,125 +28,110 @@ impl Settings {
         })
     }
 
-    fn broken_field(&self) -> Option<Field> {
+    /// Everything that is wrong with the settings; nothing if [`check`](Self::check) accepts them.
+    /// A field that is compared with one that is itself invalid is not named.
+    ///
+    /// ```
+    /// use fivebar_firmware::Settings;
+    ///
+    /// let mut settings = Settings::BENCHTOP;
+    /// settings.control.damping = 9.0;
+    /// settings.axes[1].resistance = -2.3;
+    /// let faults = settings.faults();
+    /// assert_eq!(faults[0].to_string(), "joint 4: resistance must lie in 1e-5 to 1e5 Ω");
+    /// assert_eq!(faults[1].to_string(), "control.damping must lie in 0.2 to 2");
+    /// assert_eq!(faults.len(), 2);
+    /// ```
+    pub fn faults(&self) -> Vec<SettingsError, MOST_FAULTS> {
+        let mut broken: Vec<_, MOST_FAULTS> = Vec::new();
+        let _ = self.each_broken(|error| {
+            if !broken.contains(&error) {
+                // It has room for every field.
+                let _ = broken.push(error);
+            }
+            ControlFlow::Continue(())
+        });
+        let mut faults: Vec<_, MOST_FAULTS> = broken
+            .iter()
+            .filter(|error| !self.follows(error))
+            .copied()
+            .collect();
+        let of_the_arm = match self.models() {
+            // Of an axis, which is named already.
+            Err(SettingsError::Inertia(ModelError::RotorInertia)) if !broken.is_empty() => None,
+            Err(error) => Some(error),
+            Ok((arm, tool)) if broken.is_empty() => self.nominal_inertia(&arm, &tool).err(),
+            Ok(_) => None,
+        };
+        faults.extend(of_the_arm);
+        faults
+    }
+
+    /// Whether an error may follow from those of the fields that its field is compared with.
+    fn follows(&self, error: &SettingsError) -> bool {
         let [axis1, axis4] = &self.axes;
-        let control = &self.control;
-        let motion = &self.motion;
-        let protection = &self.protection;
-        let homing = &self.homing;
-        let [low, high] = protection.bus_voltage;
-        first_broken(&[
-            (
-                self.tool_offset.iter().all(|x| x.is_finite()),
-                Field::ToolOffset,
-            ),
-            (
-                (100.0..=50_000.0).contains(&control.tick_rate),
-                Field::TickRate,
-            ),
-            (
-                positive(control.current_bandwidth)
-                    && control.current_bandwidth <= 0.35 * control.tick_rate,
-                Field::CurrentBandwidth,
-            ),
-            (
-                positive(control.bandwidth)
-                    && control.bandwidth <= 0.25 * control.current_bandwidth,
-                Field::Bandwidth,
-            ),
-            ((0.2..=2.0).contains(&control.damping), Field::Damping),
-            (
-                (0.0..=0.25 * control.bandwidth).contains(&control.integral_rate),
-                Field::IntegralRate,
-            ),
-            (
-                (2.0 * control.bandwidth..=control.tick_rate).contains(&control.observer_bandwidth),
-                Field::ObserverBandwidth,
-            ),
-            (
-                positive(control.friction_smoothing),
-                Field::FrictionSmoothing,
-            ),
-            (
-                positive(homing.speed)
-                    && homing.speed <= axis1.max_speed
-                    && homing.speed <= axis4.max_speed,
-                Field::HomingSpeed,
-            ),
-            (
-                positive(homing.back_off) && homing.back_off < 1.0,
-                Field::HomingBackOff,
-            ),
-            (
-                positive(homing.current)
-                    && homing.current <= axis1.peak_current
-                    && homing.current <= axis4.peak_current,
-                Field::HomingCurrent,
-            ),
-            (self.home_reference.samples > 0, Field::HomingSamples),
-            (self.homing_method_fits(), Field::HomingMethod),
-            (positive(motion.max_speed), Field::MaxSpeed),
-            (
-                positive(motion.max_acceleration)
-                    && stops_in_time(motion.max_speed, motion.max_acceleration),
-                Field::MaxAcceleration,
-            ),
-            (
-                positive(motion.max_jerk)
-                    && 6.0 * motion.max_speed <= LONGEST_STOP * LONGEST_STOP * motion.max_jerk,
-                Field::MaxJerk,
-            ),
-            (
-                not_negative(motion.corner_tolerance),
-                Field::CornerTolerance,
-            ),
-            (
-                positive(motion.singularity_margin) && motion.singularity_margin < 1.0,
-                Field::SingularityMargin,
-            ),
-            (
-                positive(protection.following_error) && protection.following_error < 1.0,
-                Field::FollowingError,
-            ),
-            (
-                trips(
-                    range::SPEED_TRIP,
-                    [axis1, axis4].map(|axis| axis.max_speed),
-                    protection.over_speed,
-                ),
-                Field::OverSpeed,
-            ),
-            (
-                trips(
-                    range::CURRENT_TRIP,
-                    [axis1, axis4].map(|axis| axis.peak_current),
-                    protection.over_current,
-                ) && protection.over_current <= axis1.greatest_current()
-                    && protection.over_current <= axis4.greatest_current(),
-                Field::OverCurrent,
-            ),
-            (
-                low > 0.0 && low >= range::BUS * high && rising(protection.bus_voltage),
-                Field::BusVoltage,
-            ),
-            (
-                positive(protection.bus_voltage_per_code)
-                    && high <= (FULL_SCALE - 1.0) * protection.bus_voltage_per_code,
-                Field::BusVoltagePerCode,
-            ),
-            (
-                protection.command_timeout * control.tick_rate >= 1.0
-                    && protection.command_timeout <= 60.0,
-                Field::CommandTimeout,
-            ),
-            (
-                within(range::BRAKE_TIME, self.brake.engage_time),
-                Field::BrakeEngageTime,
-            ),
-            (
-                within(range::BRAKE_TIME, self.brake.release_time),
-                Field::BrakeReleaseTime,
-            ),
-        ])
+        let of_joint = |joint| if joint == 1 { [axis1; 2] } else { [axis4; 2] };
+        let (axes, (fields, of_axes)) = match *error {
+            // Its own bounds, or its share of the stall current.
+            SettingsError::Axis(joint, AxisField::PeakCurrent) => {
+                let axes = of_joint(joint);
+                let beside: (&[_], &[_]) = (&[Field::BusVoltage], &[AxisField::Resistance]);
+                if !axes.iter().all(|axis| AxisField::PeakCurrent.holds(axis)) {
+                    return false;
+                }
+                (axes, beside)
+            }
+            SettingsError::Axis(joint, field) => (of_joint(joint), field.beside()),
+            SettingsError::Field(field) => ([axis1, axis4], field.beside()),
+            _ => return false,
+        };
+        fields.iter().any(|field| !field.holds(self))
+            || of_axes
+                .iter()
+                .any(|field| axes.iter().any(|axis| !field.holds(axis)))
+    }
+
+    /// Tells of each field that is invalid, in this order, until `tell` breaks off.
+    fn each_broken(
+        &self,
+        mut tell: impl FnMut(SettingsError) -> ControlFlow<SettingsError>,
+    ) -> ControlFlow<SettingsError> {
+        for (joint, axis) in [1, 4].into_iter().zip(&self.axes) {
+            for field in AxisField::ALL {
+                if !field.holds(axis) {
+                    tell(SettingsError::Axis(joint, *field))?;
+                }
+            }
+        }
+        for (joint, table) in [1, 4].into_iter().zip(&self.encoder_tables) {
+            if !table.is_sound() {
+                tell(SettingsError::Axis(joint, AxisField::EncoderTable))?;
+            }
+        }
+        // The currents are compared with the bus voltage, which must be valid itself.
+        let (arm, tool) = Field::ALL.split_at(Field::ToolFrameRate as usize);
+        for field in arm {
+            if !field.holds(self) {
+                tell(SettingsError::Field(*field))?;
+            }
+        }
+        for (joint, axis) in [1, 4].into_iter().zip(&self.axes) {
+            if self.is_overloaded(axis) {
+                tell(SettingsError::Axis(joint, AxisField::PeakCurrent))?;
+            }
+        }
+        for field in tool {
+            if !field.holds(self) {
+                tell(SettingsError::Field(*field))?;
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// The arm, and its tool.
+    fn models(&self) -> Result<(Arm<f32>, Tool<f32>), SettingsError> {
+        let arm = self.arm()?;
+        let tool = self.tool(&arm)?;
+        Ok((arm, tool))
     }
 }

@@ -1,6 +1,6 @@
 //! The known error of an encoder, as a table over one turn of its shaft.
 
-use super::range;
+use super::AxisField;
 use fivebar_kinematics::Scalar;
 use serde::{Deserialize, Serialize};
 
@@ -62,7 +62,8 @@ impl EncoderTable {
             return true;
         }
         let ratio = Scalar::abs(self.shaft_ratio);
-        let [least, greatest] = range::GEAR_RATIO;
+        let [least, greatest] =
+            const { AxisField::GearRatio.row().range }.map(|ratio| ratio as f32);
         let points = self.points.as_flattened();
         let next = points.iter().cycle().skip(1);
         (least..=greatest).contains(&ratio)

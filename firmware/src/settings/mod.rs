@@ -10,7 +10,8 @@ mod checked;
 mod encoder_table;
 mod error;
 mod homing;
-pub mod range;
+mod row;
+mod table;
 mod tool_output;
 
 use serde::{Deserialize, Serialize};
@@ -18,9 +19,11 @@ use serde::{Deserialize, Serialize};
 pub use board::BoardLimits;
 pub use checked::CheckedSettings;
 pub use encoder_table::{ENCODER_POINTS, ENCODER_UNIT, EncoderTable};
-pub use error::{AxisField, Field, SettingsError};
+pub use error::SettingsError;
 pub(crate) use homing::{CREEP, INDEX_SAMPLES};
 pub use homing::{HomeReference, HomingMethod, HomingSettings, INDEX_MARGIN};
+pub use row::{Must, Row};
+pub use table::{AxisField, Field, LONGEST_STOP, rows};
 pub use tool_output::{ALWAYS, Share, ToolOutputSettings};
 
 /// Inertia of one link, see `fivebar_kinematics::dynamics::Link`.

@@ -1,7 +1,6 @@
 //! The output for a tool: a hobby servo that lifts a pen, a switch, or a power set by PWM.
 
-use super::Field;
-use super::range::{FRAME_RATE, POWER_FREQUENCY, PULSE_WIDTH, SETTLE_TIME};
+use super::table::LONGEST_PULSE;
 use crate::motion::FULL_TOOL;
 use fivebar_kinematics::trajectory::ToolOutput;
 use serde::{Deserialize, Serialize};
@@ -17,9 +16,6 @@ const WHOLE: f32 = 65_536.0;
 
 /// What is added to a share, so that cutting rounds it.
 const ROUNDING: f32 = 0.5;
-
-/// Greatest part of a frame that a servo's pulse may take.
-const LONGEST_PULSE: f32 = 0.9;
 
 /// The kind of the tool's output.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -139,35 +135,60 @@ impl ToolOutputSettings {
         ((f32::from(output) + ROUNDING - up) / (down - up)).clamp(0.0, 1.0)
     }
 
-    /// The first field that is invalid.
-    pub(super) fn broken_field(&self) -> Option<Field> {
-        let within = |[least, greatest]: [f32; 2], value| least <= value && value <= greatest;
-        let settles = |down, up| within(SETTLE_TIME, down) && within(SETTLE_TIME, up);
+    /// Pulses of a servo per second [Hz].
+    pub(super) fn frame_rate(&self) -> Option<[f32; 1]> {
         match *self {
-            Self::None => None,
+            Self::Servo { frame_rate, .. } => Some([frame_rate]),
+            _ => None,
+        }
+    }
+
+    /// The pulse widths of a servo [s].
+    pub(super) fn pulse_widths(&self) -> Option<[f32; 2]> {
+        match *self {
+            Self::Servo {
+                up_width,
+                down_width,
+                ..
+            } => Some([up_width, down_width]),
+            _ => None,
+        }
+    }
+
+    /// Whether the pulses of a servo differ, and are not too long for its frames.
+    pub(super) fn pulses_fit(&self) -> bool {
+        match *self {
             Self::Servo {
                 up_width,
                 down_width,
                 frame_rate,
-                down_time,
-                up_time,
+                ..
             } => {
-                let fits =
-                    |width| within(PULSE_WIDTH, width) && width * frame_rate <= LONGEST_PULSE;
-                if !within(FRAME_RATE, frame_rate) {
-                    Some(Field::ToolFrameRate)
-                } else if !(fits(up_width) && fits(down_width) && up_width != down_width) {
-                    Some(Field::ToolPulseWidth)
-                } else {
-                    (!settles(down_time, up_time)).then_some(Field::ToolSettleTime)
-                }
+                let fits = |width| width * frame_rate <= LONGEST_PULSE;
+                fits(up_width) && fits(down_width) && up_width != down_width
             }
-            Self::Switch {
+            _ => true,
+        }
+    }
+
+    /// The times for which the arm waits [s].
+    pub(super) fn settle_times(&self) -> Option<[f32; 2]> {
+        match *self {
+            Self::Servo {
                 down_time, up_time, ..
-            } => (!settles(down_time, up_time)).then_some(Field::ToolSettleTime),
-            Self::Power { frequency, .. } => {
-                (!within(POWER_FREQUENCY, frequency)).then_some(Field::ToolFrequency)
             }
+            | Self::Switch {
+                down_time, up_time, ..
+            } => Some([down_time, up_time]),
+            Self::None | Self::Power { .. } => None,
+        }
+    }
+
+    /// Frequency of a power's PWM [Hz].
+    pub(super) fn frequency(&self) -> Option<[f32; 1]> {
+        match *self {
+            Self::Power { frequency, .. } => Some([frequency]),
+            _ => None,
         }
     }
 }

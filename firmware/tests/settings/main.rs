@@ -6,6 +6,7 @@ mod nor;
 mod rig;
 
 mod bounds;
+mod faults;
 mod storage;
 mod tool_output;
 mod values;

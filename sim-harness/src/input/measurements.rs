@@ -32,9 +32,8 @@ fn parse_columns<const N: usize>(
         .trim(csv::Trim::All)
         .from_reader(bytes);
     let refuse = |line: Option<u64>, reason: String| FileError {
-        file: file.into(),
         line: line.map(|line| line as usize),
-        reason,
+        ..FileError::new(file, reason)
     };
     let broken = |error: csv::Error| {
         let line = error.position().map(csv::Position::line);

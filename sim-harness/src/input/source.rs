@@ -3,11 +3,16 @@
 use super::similar::did_you_mean;
 use super::text_file::LARGEST_TOML;
 use std::fmt;
+use std::ops::Range;
 use toml::de::{DeTable, DeValue};
 
 /// Why a file is refused.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{file}{}: {reason}", line.map(|line| format!(", line {line}")).unwrap_or_default())]
+#[error(
+    "{file}{}: {reason}{}",
+    line.map(|line| format!(", line {line}")).unwrap_or_default(),
+    more.iter().map(|other| format!("\n{other}")).collect::<String>()
+)]
 pub struct FileError {
     /// The file, as the user named it.
     pub file: String,
@@ -15,6 +20,8 @@ pub struct FileError {
     pub line: Option<usize>,
     /// The reason, with the key.
     pub reason: String,
+    /// What else is wrong with the file.
+    pub more: Vec<FileError>,
 }
 
 impl FileError {
@@ -24,6 +31,59 @@ impl FileError {
             file: file.to_string(),
             line: None,
             reason: reason.to_string(),
+            more: Vec::new(),
+        }
+    }
+}
+
+/// All that is wrong with a file, so that its author is told at once.
+#[derive(Default)]
+pub(crate) struct Refusals(Vec<FileError>);
+
+impl Refusals {
+    /// Notes what is refused. The result is returned as it is, for the value or to give up later.
+    pub(crate) fn noted<T>(&mut self, result: Result<T, FileError>) -> Result<T, FileError> {
+        if let Err(error) = &result {
+            self.0.push(error.clone());
+        }
+        result
+    }
+
+    /// Notes what is refused.
+    pub(crate) fn check<T>(&mut self, result: Result<T, FileError>) {
+        self.0.extend(result.err());
+    }
+
+    pub(crate) fn add(&mut self, error: FileError) {
+        self.0.push(error);
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Whether the value of this key is refused already.
+    pub(crate) fn has(&self, key: Key) -> bool {
+        let key = key.to_string();
+        self.0.iter().any(|error| error.reason.starts_with(&key))
+    }
+
+    /// Whether a value of the n-th `[[section]]`, from 0, is refused already.
+    pub(crate) fn has_of(&self, section: &str, index: usize) -> bool {
+        let section = format!(" of [[{section}]] {} ", index + 1);
+        self.0.iter().any(|error| error.reason.contains(&section))
+    }
+
+    /// # Errors
+    /// The first, with all others.
+    pub(crate) fn done(self) -> Result<(), FileError> {
+        let mut errors = self.0.into_iter();
+        match errors.next() {
+            None => Ok(()),
+            Some(first) => Err(FileError {
+                more: errors.collect(),
+                ..first
+            }),
         }
     }
 }
@@ -83,6 +143,7 @@ impl<'a> Source<'a> {
                     Some(key) => format!("`{key}`: {reason}"),
                     None => reason,
                 },
+                more: Vec::new(),
             }
         };
         // A table of values refuses the third of three numbers for a pair, but its errors have no
@@ -118,26 +179,50 @@ impl<'a> Source<'a> {
             file: self.file.into(),
             line: self.line_of(key),
             reason: format!("{key} {reason}"),
+            more: Vec::new(),
+        }
+    }
+
+    /// The number of a key, also as it is written: of a list, the one at `index`.
+    pub(crate) fn number_of(&self, key: Key, index: usize) -> Option<(f64, String)> {
+        let document: toml::Table = self.text.parse().ok()?;
+        let value = match key {
+            Key::Top(name) => document.get(name)?,
+            Key::In(section, name) => document.get(section)?.get(name)?,
+            Key::Of(section, index, name) => document.get(section)?.get(index)?.get(name)?,
+        };
+        let value = value
+            .as_array()
+            .map_or(Some(value), |items| items.get(index))?;
+        match *value {
+            toml::Value::Integer(number) => Some((number as f64, number.to_string())),
+            toml::Value::Float(number) => Some((number, format!("{number:?}"))),
+            _ => None,
         }
     }
 
     /// Whether the file has a value for a key.
     pub(crate) fn holds(&self, key: Key) -> bool {
-        self.place_of(key).is_some_and(|(_, held)| held)
+        self.span_of(key).is_some()
     }
 
     /// The line of a key's value, or of the section that should hold it.
     pub(crate) fn line_of(&self, key: Key) -> Option<usize> {
-        self.place_of(key).map(|(start, _)| self.line(start))
+        self.place_of(key).map(|(span, _)| self.line(span.start))
     }
 
-    /// The offset of a key's value, and true; without a value, the offset of its section, and
-    /// false.
-    fn place_of(&self, key: Key) -> Option<(usize, bool)> {
+    /// The bytes of a key's value; none if the file has no value for it.
+    pub(crate) fn span_of(&self, key: Key) -> Option<Range<usize>> {
+        let (span, held) = self.place_of(key)?;
+        held.then_some(span)
+    }
+
+    /// The bytes of a key's value, and true; without a value, those of its section, and false.
+    fn place_of(&self, key: Key) -> Option<(Range<usize>, bool)> {
         let document = DeTable::parse(self.text).ok()?;
         let document = document.get_ref();
         let (section, name) = match key {
-            Key::Top(name) => return Some((document.get(name)?.span().start, true)),
+            Key::Top(name) => return Some((document.get(name)?.span(), true)),
             Key::In(section, name) => (document.get(section)?, name),
             Key::Of(section, index, name) => {
                 let items = document.get(section)?.get_ref().as_array()?;
@@ -146,24 +231,9 @@ impl<'a> Source<'a> {
         };
         let held = section.get_ref().as_table().and_then(|it| it.get(name));
         Some(match held {
-            Some(value) => (value.span().start, true),
-            None => (section.span().start, false),
+            Some(value) => (value.span(), true),
+            None => (section.span(), false),
         })
-    }
-
-    /// The bytes of a key's value; none if the file has no value for it.
-    pub(crate) fn span_of(&self, key: Key) -> Option<std::ops::Range<usize>> {
-        let document = DeTable::parse(self.text).ok()?;
-        let document = document.get_ref();
-        let value = match key {
-            Key::Top(name) => document.get(name)?,
-            Key::In(section, name) => document.get(section)?.get_ref().as_table()?.get(name)?,
-            Key::Of(section, index, name) => {
-                let items = document.get(section)?.get_ref().as_array()?;
-                items.get(index)?.get_ref().as_table()?.get(name)?
-            }
-        };
-        Some(value.span())
     }
 
     /// The key whose value lies at `offset`.

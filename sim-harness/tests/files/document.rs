@@ -2,6 +2,7 @@
 
 use fivebar::input::robot::Robot;
 use fivebar::input::scenario::Scenario;
+use fivebar_firmware::settings::{Row, rows};
 
 const DOCUMENT: &str = include_str!("../../../docs/use/robot-file.md");
 
@@ -76,4 +77,53 @@ fn the_scenario_of_the_document_is_read_with_its_defaults() {
         (bare.name.as_str(), whole.name.as_str()),
         ("bare", "worn supply")
     );
+}
+
+/// The lines between which the table of the settings stands.
+const TABLE: [&str; 2] = [
+    "| key | unit | what it must be | default | meaning |\n|---|---|---|---|---|\n",
+    "\nWhere two keys",
+];
+
+/// The table of the settings, a line a row.
+fn table() -> String {
+    let line = |row: Row| {
+        let Row {
+            key,
+            unit,
+            must,
+            meaning,
+            ..
+        } = row;
+        let default = row.default.map_or_else(String::new, |default| {
+            let plain = default.to_string();
+            if plain.len() > 6 {
+                format!("{default:e}")
+            } else {
+                plain
+            }
+        });
+        let meaning = meaning.replace('|', "\\|");
+        format!("| `{key}` | {unit} | {must} | {default} | {meaning} |\n")
+    };
+    rows().filter(|row| !row.key.is_empty()).map(line).collect()
+}
+
+/// With `FIVEBAR_UPDATE` in the environment, the document is written anew instead.
+#[test]
+fn the_document_shows_the_table_of_the_settings() {
+    let [begin, end] = TABLE;
+    let start = DOCUMENT.find(begin).expect("the table") + begin.len();
+    let length = DOCUMENT[start..].find(end).expect("the end of the table");
+    let new = [&DOCUMENT[..start], &table(), &DOCUMENT[start + length..]].concat();
+    if std::env::var_os("FIVEBAR_UPDATE").is_some() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/robot-file.md");
+        std::fs::write(path, new).unwrap();
+    } else {
+        let hint = "FIVEBAR_UPDATE=1 cargo test -p fivebar --test files writes it anew";
+        assert!(
+            new == DOCUMENT,
+            "docs/robot-file.md is not up to date; {hint}"
+        );
+    }
 }

@@ -12,6 +12,7 @@ mod gcode_jobs;
 mod homing_keys;
 mod linkage_files;
 mod placed;
+mod robot_faults;
 mod robot_files;
 mod robot_values;
 mod svg_jobs;

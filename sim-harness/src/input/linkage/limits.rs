@@ -62,11 +62,7 @@ pub(super) fn largest(source: &Source<'_>, linkage: &Linkage<f64>) -> Result<(),
     });
     too_large.map_or(Ok(()), |what| {
         let reason = format!("{what} is beyond {LARGEST:e} in SI units: check its unit");
-        Err(FileError {
-            file: source.file.into(),
-            line: None,
-            reason,
-        })
+        Err(FileError::new(source.file, reason))
     })
 }
 

@@ -6,8 +6,12 @@ use super::value::{
     LEAST_ACCELERATION, LEAST_INERTIA, LEAST_JERK, LEAST_MASS, LEAST_SPEED, LONGEST, POSITIVE,
     SHORTEST, at_least, finite, increasing, near, not_negative, positive, sized,
 };
-use super::{Actuator, Robot, consistency, drive, homing, tolerance, tool_output};
-use crate::input::source::{FileError, Key, Source};
+use super::{
+    Actuator, Control, Limits, Protection, Robot, Supply, Tool, ToolLimits, consistency, drive,
+    homing, tolerance, tool_output,
+};
+use crate::input::source::{FileError, Key, Refusals, Source};
+use fivebar_firmware::settings::LONGEST_STOP;
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::dynamics::{Arm, Link};
 use fivebar_kinematics::five_bar::{self, Geometry, GeometryError, Side, WorkingMode};
@@ -16,29 +20,62 @@ use std::f64::consts::TAU;
 
 pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
     let file: RobotFile = source.parse()?;
+    // Every value is checked before the first refusal ends the reading.
+    let mut refusals = Refusals::default();
     if file.name.trim().is_empty() {
-        return Err(source.refuse(Key::Top("name"), "must not be empty"));
+        refusals.add(source.refuse(Key::Top("name"), "must not be empty"));
+    } else if file.name.contains(char::is_control) {
+        // XML and tables cannot hold control characters.
+        let reason = "must be one line of plain characters";
+        refusals.add(source.refuse(Key::Top("name"), reason));
     }
-    // XML and tables cannot hold control characters.
-    if file.name.contains(char::is_control) {
-        return Err(source.refuse(Key::Top("name"), "must be one line of plain characters"));
-    }
-    let gravity = finite(&source, Key::Top("gravity"), file.gravity)?;
+    let gravity = refusals.noted(finite(&source, Key::Top("gravity"), file.gravity));
     let payload = file.payload.unwrap_or(0.0);
-    not_negative(&source, Key::Top("payload"), payload)?;
-    let links: [LinkFile; 4] = file.link.try_into().map_err(|links: Vec<_>| {
-        let reason = format!(
-            "must be given four times, not {}: links 1 to 4",
-            links.len()
-        );
-        source.refuse(Key::Top("link"), reason)
-    })?;
-    let geometry = geometry(&source, &links, file.base)?;
-    let actuators = actuators(&source, file.actuator)?;
+    let payload = refusals.noted(not_negative(&source, Key::Top("payload"), payload));
+    let links: Result<[LinkFile; 4], _> =
+        refusals.noted(file.link.try_into().map_err(|links: Vec<_>| {
+            let reason = format!(
+                "must be given four times, not {}: links 1 to 4",
+                links.len()
+            );
+            source.refuse(Key::Top("link"), reason)
+        }));
+    let of_links = links.as_ref().map_err(FileError::clone).map(|links| {
+        let geometry = refusals.noted(geometry(&source, links, file.base));
+        (geometry, inertias(&source, links, &mut refusals))
+    });
+    let actuators = actuators(&source, file.actuator, &mut refusals);
+    let sides = file.working_mode.each_ref().map(|name| side(&source, name));
+    let [elbow1, elbow4] = sides.map(|side| refusals.noted(side));
+    let tool_output = refusals.noted(tool_output::read(&source, &file.tool_output));
+    let tolerance = refusals.noted(tolerance::read(&source, &file.tolerance));
+    if let Some(invalid) = file.contact.first_invalid() {
+        let reason = format!("{}, not {:?}", invalid.must, invalid.value);
+        refusals.add(source.refuse(Key::In("contact", invalid.key), reason));
+    }
+    if let Some(angles) = file.home {
+        refusals.check(finite(&source, Key::Top("home"), angles));
+    }
+    let drag = Key::In("crossing", "drag");
+    refusals.check(not_negative(&source, drag, file.crossing.drag));
+    let sections = Sections {
+        tool: file.tool,
+        limits: file.limits,
+        motion: file.motion,
+        control: file.control.given(),
+        supply: file.supply,
+        protection: file.protection,
+    };
+    sections.check(&source, &mut refusals);
+    refusals.done()?;
+
+    let (gravity, payload, actuators) = (gravity?, payload?, actuators?);
+    let (geometry, inertias) = of_links?;
+    let (geometry, elbows) = (geometry?, WorkingMode::new(elbow1?, elbow4?));
     let rotors = actuators.map_or([0.0; 2], |actuators| {
         actuators.map(|a| a.rotor_inertia * a.gear_ratio * a.gear_ratio)
     });
-    let arm = match inertias(&source, &links)? {
+    let arm = match inertias? {
         None => None,
         Some(_) if file.payload.is_none() => {
             let reason = "is missing: links with masses need it; write 0.0 for no payload";
@@ -49,25 +86,17 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
             Some(arm.map_err(|error| source.refuse(Key::Top("link"), error))?)
         }
     };
-    let elbows = WorkingMode::new(
-        side(&source, &file.working_mode[0])?,
-        side(&source, &file.working_mode[1])?,
-    );
+    let [along, left] = file.tool.offset;
+    let tool = five_bar::Tool::new(geometry, Vector2::new(along, left))
+        .map_err(|_| source.refuse(Key::In("tool", "offset"), "must not put the tool on B"))?;
     let home = match file.home {
         None => {
-            let [along, left] = file.tool.offset;
-            // A tool without sense is refused below.
-            five_bar::Tool::new(geometry, Vector2::new(along, left))
-                .ok()
-                .and_then(|tool| best_conditioned(&tool, elbows, &file.limits, |_| true))
-                .map_or([0.0; 2], |pose| {
-                    [pose.u1.polar_angle(), pose.u4.polar_angle()]
-                })
+            let pose = best_conditioned(&tool, elbows, &file.limits, |_| true);
+            pose.map_or([0.0; 2], |pose| {
+                [pose.u1.polar_angle(), pose.u4.polar_angle()]
+            })
         }
-        Some(angles) => {
-            finite(&source, Key::Top("home"), angles)?;
-            angles
-        }
+        Some(angles) => angles,
     };
     let mut robot = Robot {
         name: file.name,
@@ -78,29 +107,25 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
         home,
         actuators,
         tool: file.tool,
-        tool_output: tool_output::read(&source, &file.tool_output)?,
+        tool_output: tool_output?,
         limits: file.limits,
         motion: file.motion,
-        control: file.control.given(),
+        control: sections.control,
         supply: file.supply,
         protection: file.protection,
         homing: file.homing,
-        tolerance: tolerance::read(&source, &file.tolerance)?,
+        tolerance: tolerance?,
         contact: file.contact,
         crossing: file.crossing,
     };
-    if let Some(invalid) = robot.contact.first_invalid() {
-        let reason = format!("{}, not {:?}", invalid.must, invalid.value);
-        return Err(source.refuse(Key::In("contact", invalid.key), reason));
-    }
-    not_negative(&source, Key::In("crossing", "drag"), robot.crossing.drag)?;
-    sections(&source, &robot)?;
-    homing::check(&source, &robot)?;
+    let mut refusals = Refusals::default();
+    refusals.check(homing::check(&source, &robot));
     if file.home.is_some() {
-        home_fits(&source, &robot)?;
+        refusals.check(home_fits(&source, &robot));
     }
     robot.control = file.control.completed(&robot);
-    consistency::check(&source, &robot)?;
+    consistency::check(&source, &robot, &mut refusals);
+    refusals.done()?;
     Ok(robot)
 }
 
@@ -158,6 +183,7 @@ fn geometry(
 fn inertias(
     source: &Source<'_>,
     links: &[LinkFile; 4],
+    refusals: &mut Refusals,
 ) -> Result<Option<[Link<f64>; 4]>, FileError> {
     let bare = |link: &LinkFile| (link.mass, link.com, link.inertia) == (None, None, None);
     if links.iter().all(bare) {
@@ -177,13 +203,16 @@ fn inertias(
                  them out of all four",
             )
         };
-        let mass = link.mass.ok_or_else(|| missing("mass"))?;
-        let com = link.com.ok_or_else(|| missing("com"))?;
-        let moment = link.inertia.ok_or_else(|| missing("inertia"))?;
+        let mass = refusals.noted(link.mass.ok_or_else(|| missing("mass")))?;
+        let com = refusals.noted(link.com.ok_or_else(|| missing("com")))?;
+        let moment = refusals.noted(link.inertia.ok_or_else(|| missing("inertia")))?;
+        refusals.check(at_least(source, key("mass"), mass, LEAST_MASS));
+        refusals.check(near(source, key("com"), com));
+        refusals.check(at_least(source, key("inertia"), moment, LEAST_INERTIA));
         *inertia = Link {
-            mass: at_least(source, key("mass"), mass, LEAST_MASS)?,
-            com: near(source, key("com"), com)?,
-            inertia: at_least(source, key("inertia"), moment, LEAST_INERTIA)?,
+            mass,
+            com: Vector2::from(com),
+            inertia: moment,
         };
     }
     Ok(Some(inertias))
@@ -192,17 +221,18 @@ fn inertias(
 fn actuators(
     source: &Source<'_>,
     given: Vec<Actuator>,
+    refusals: &mut Refusals,
 ) -> Result<Option<[Actuator; 2]>, FileError> {
     if given.is_empty() {
         return Ok(None);
     }
-    let actuators: [Actuator; 2] = given.try_into().map_err(|given: Vec<_>| {
+    let actuators: [Actuator; 2] = refusals.noted(given.try_into().map_err(|given: Vec<_>| {
         let reason = format!(
             "must be given twice, not {}: joint 1 and joint 4",
             given.len()
         );
         source.refuse(Key::Top("actuator"), reason)
-    })?;
+    }))?;
     for (index, a) in actuators.iter().enumerate() {
         let key = |name| Key::Of("actuator", index, name);
         if a.gear_ratio == 0.0 || !a.gear_ratio.is_finite() {
@@ -211,9 +241,10 @@ fn actuators(
                  not {:?}",
                 a.gear_ratio
             );
-            return Err(source.refuse(key("gear_ratio"), reason));
+            refusals.add(source.refuse(key("gear_ratio"), reason));
+        } else {
+            refusals.check(sized(source, key("gear_ratio"), a.gear_ratio));
         }
-        sized(source, key("gear_ratio"), a.gear_ratio)?;
         for (name, value) in [
             ("torque_constant", a.torque_constant),
             ("resistance", a.resistance),
@@ -224,7 +255,7 @@ fn actuators(
             ("thermal_time_constant", a.thermal_time_constant),
             ("current_per_code", a.current_per_code.unwrap_or(1.0)),
         ] {
-            positive(source, key(name), value)?;
+            refusals.check(positive(source, key(name), value));
         }
         for (name, value) in [
             ("rotor_inertia", a.rotor_inertia),
@@ -232,121 +263,135 @@ fn actuators(
             ("coulomb_friction", a.coulomb_friction),
             ("brake_torque", a.brake_torque),
         ] {
-            not_negative(source, key(name), value)?;
+            refusals.check(not_negative(source, key(name), value));
         }
-        drive::check_brake(source, index, a)?;
-        drive::check(source, index, a)?;
+        refusals.check(drive::check_brake(source, index, a));
+        if !refusals.has_of("actuator", index) {
+            refusals.check(drive::check(source, index, a));
+        }
     }
     Ok(Some(actuators))
 }
 
-fn sections(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
-    let Robot {
-        limits,
-        motion,
-        control,
-        supply,
-        protection,
-        tool,
-        ..
-    } = robot;
-    near(source, Key::In("tool", "offset"), tool.offset)?;
-    robot
-        .tool_on_link()
-        .map_err(|_| source.refuse(Key::In("tool", "offset"), "must not put the tool on B"))?;
-    for range in limits.angle {
-        let key = Key::In("limits", "angle");
-        increasing(source, key, range)?;
-        if range.iter().any(|angle| angle.abs() > TAU) {
-            let reason = format!("is in radians, within ±2π, not {range:?}");
-            return Err(source.refuse(key, reason));
+/// The sections of the file whose values are checked each by itself.
+struct Sections {
+    tool: Tool,
+    limits: Limits,
+    motion: ToolLimits,
+    control: Control,
+    supply: Supply,
+    protection: Protection,
+}
+
+impl Sections {
+    fn check(&self, source: &Source<'_>, refusals: &mut Refusals) {
+        let Self {
+            tool,
+            limits,
+            motion,
+            control,
+            supply,
+            protection,
+        } = self;
+        refusals.check(near(source, Key::In("tool", "offset"), tool.offset));
+        for range in limits.angle {
+            let key = Key::In("limits", "angle");
+            if let Err(error) = increasing(source, key, range) {
+                refusals.add(error);
+            } else if range.iter().any(|angle| angle.abs() > TAU) {
+                let reason = format!("is in radians, within ±2π, not {range:?}");
+                refusals.add(source.refuse(key, reason));
+            }
+        }
+        if let Some(range) = supply.range {
+            refusals.check(increasing(source, Key::In("supply", "range"), range));
+        }
+        for (key, of_joints, least) in [
+            ("max_speed", limits.max_speed, (LEAST_SPEED, "rad/s")),
+            (
+                "max_acceleration",
+                limits.max_acceleration,
+                (LEAST_ACCELERATION, "rad/s²"),
+            ),
+        ] {
+            for value in of_joints {
+                refusals.check(at_least(source, Key::In("limits", key), value, least));
+            }
+        }
+        for value in limits.max_torque.unwrap_or([1.0; 2]) {
+            refusals.check(positive(source, Key::In("limits", "max_torque"), value));
+        }
+        for (key, value, least) in [
+            ("max_speed", motion.max_speed, (LEAST_SPEED, "m/s")),
+            (
+                "max_acceleration",
+                motion.max_acceleration,
+                (LEAST_ACCELERATION, "m/s²"),
+            ),
+            ("max_jerk", motion.max_jerk, (LEAST_JERK, "m/s³")),
+        ] {
+            refusals.check(at_least(source, Key::In("motion", key), value, least));
+        }
+        self.check_stops(source, refusals);
+        for (section, key, value) in [
+            ("control", "tick_rate", control.tick_rate),
+            ("control", "bandwidth", control.bandwidth),
+            ("control", "damping", control.damping),
+            ("control", "observer_bandwidth", control.observer_bandwidth),
+            ("control", "current_bandwidth", control.current_bandwidth),
+            ("supply", "voltage", supply.voltage),
+            (
+                "supply",
+                "voltage_per_code",
+                supply.voltage_per_code.unwrap_or(1.0),
+            ),
+            ("protection", "following_error", protection.following_error),
+            ("protection", "over_speed", protection.over_speed),
+            ("protection", "over_current", protection.over_current),
+            ("protection", "command_timeout", protection.command_timeout),
+        ] {
+            refusals.check(positive(source, Key::In(section, key), value));
+        }
+        for (section, key, value) in [
+            ("motion", "corner_tolerance", motion.corner_tolerance),
+            ("control", "integral_rate", control.integral_rate),
+        ] {
+            refusals.check(not_negative(source, Key::In(section, key), value));
+        }
+        if !(0.0..1.0).contains(&limits.singularity_margin) {
+            let reason = format!("is a sine: in 0…1, not {:?}", limits.singularity_margin);
+            refusals.add(source.refuse(Key::In("limits", "singularity_margin"), reason));
         }
     }
-    if let Some(range) = supply.range {
-        increasing(source, Key::In("supply", "range"), range)?;
-    }
-    for (key, of_joints, least) in [
-        ("max_speed", limits.max_speed, (LEAST_SPEED, "rad/s")),
-        (
-            "max_acceleration",
-            limits.max_acceleration,
-            (LEAST_ACCELERATION, "rad/s²"),
-        ),
-    ] {
-        for value in of_joints {
-            at_least(source, Key::In("limits", key), value, least)?;
-        }
-    }
-    for value in limits.max_torque.unwrap_or([1.0; 2]) {
-        positive(source, Key::In("limits", "max_torque"), value)?;
-    }
-    for (key, value, least) in [
-        ("max_speed", motion.max_speed, (LEAST_SPEED, "m/s")),
-        (
-            "max_acceleration",
+
+    /// The controller's own rules: a stop from full speed takes at most [`LONGEST_STOP`].
+    fn check_stops(&self, source: &Source<'_>, refusals: &mut Refusals) {
+        let Self { limits, motion, .. } = self;
+        let longest = f64::from(LONGEST_STOP);
+        let mut gains = vec![(
+            ("motion", "max_acceleration"),
             motion.max_acceleration,
-            (LEAST_ACCELERATION, "m/s²"),
-        ),
-        ("max_jerk", motion.max_jerk, (LEAST_JERK, "m/s³")),
-    ] {
-        at_least(source, Key::In("motion", key), value, least)?;
-    }
-    // The controller's own rules: a stop from full speed takes at most 10 s.
-    let mut gains = vec![(
-        Key::In("motion", "max_acceleration"),
-        motion.max_acceleration,
-        0.15 * motion.max_speed,
-        "m/s²",
-    )];
-    let jerk = Key::In("motion", "max_jerk");
-    gains.push((jerk, motion.max_jerk, 0.06 * motion.max_speed, "m/s³"));
-    for (speed, acceleration) in limits.max_speed.into_iter().zip(limits.max_acceleration) {
-        let key = Key::In("limits", "max_acceleration");
-        gains.push((key, acceleration, 0.15 * speed, "rad/s²"));
-    }
-    for (key, value, least, unit) in gains {
-        if value < least {
-            let reason = format!(
-                "is {value:?} {unit}: a stop from max_speed would take more than 10 s; at least \
-                 {least:.4} {unit} is needed"
-            );
-            return Err(source.refuse(key, reason));
+            1.5 / longest * motion.max_speed,
+            "m/s²",
+        )];
+        let jerk = 6.0 / (longest * longest) * motion.max_speed;
+        gains.push((("motion", "max_jerk"), motion.max_jerk, jerk, "m/s³"));
+        for (speed, acceleration) in limits.max_speed.into_iter().zip(limits.max_acceleration) {
+            let key = ("limits", "max_acceleration");
+            gains.push((key, acceleration, 1.5 / longest * speed, "rad/s²"));
+        }
+        for ((section, name), value, least, unit) in gains {
+            let key = Key::In(section, name);
+            let follows = refusals.has(key) || refusals.has(Key::In(section, "max_speed"));
+            if value < least && !follows {
+                let reason = format!(
+                    "is {value:?} {unit}: a stop from max_speed would take more than 10 s; at least \
+                     {least:.4} {unit} is needed"
+                );
+                refusals.add(source.refuse(key, reason));
+            }
         }
     }
-    for (section, key, value) in [
-        ("control", "tick_rate", control.tick_rate),
-        ("control", "bandwidth", control.bandwidth),
-        ("control", "damping", control.damping),
-        ("control", "observer_bandwidth", control.observer_bandwidth),
-        ("control", "current_bandwidth", control.current_bandwidth),
-        ("supply", "voltage", supply.voltage),
-        (
-            "supply",
-            "voltage_per_code",
-            supply.voltage_per_code.unwrap_or(1.0),
-        ),
-        ("protection", "following_error", protection.following_error),
-        ("protection", "over_speed", protection.over_speed),
-        ("protection", "over_current", protection.over_current),
-        ("protection", "command_timeout", protection.command_timeout),
-    ] {
-        positive(source, Key::In(section, key), value)?;
-    }
-    not_negative(
-        source,
-        Key::In("motion", "corner_tolerance"),
-        motion.corner_tolerance,
-    )?;
-    not_negative(
-        source,
-        Key::In("control", "integral_rate"),
-        control.integral_rate,
-    )?;
-    if !(0.0..1.0).contains(&limits.singularity_margin) {
-        let reason = format!("is a sine: in 0…1, not {:?}", limits.singularity_margin);
-        return Err(source.refuse(Key::In("limits", "singularity_margin"), reason));
-    }
-    Ok(())
 }
 
 /// Checks that home is a pose in the working mode and within the joint limits.

@@ -3,8 +3,8 @@
 
 use super::settings::ADC_CODES;
 use super::{Actuator, Robot, plausible};
-use crate::input::source::{FileError, Key, Source};
-use fivebar_firmware::settings::{AxisField, Field, SettingsError};
+use crate::input::source::{FileError, Key, Refusals, Source};
+use fivebar_firmware::settings::{AxisField, Row, SettingsError};
 
 /// Least and greatest time constant of a winding [s]; real ones have 20 µs to 50 ms. Beyond
 /// them single precision is not enough for the current loop.
@@ -14,30 +14,84 @@ const WINDING: [f64; 2] = [1e-6, 1.0];
 type InvalidValue = (Key, String, &'static str, String);
 
 /// Checks values that are valid on their own.
-pub(super) fn check(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
-    let invalid = motors(robot).or_else(|| bus(robot));
-    if let Some(invalid) = invalid {
-        return Err(refusal(source, invalid));
+pub(super) fn check(source: &Source<'_>, robot: &Robot, refusals: &mut Refusals) {
+    for invalid in motors(robot).into_iter().chain(bus(robot)) {
+        refusals.add(refusal(source, invalid));
     }
-    plausible::check(source, robot)?;
+    plausible::check(source, robot, refusals);
     // An arm with lengths only has no controller.
     let Ok(settings) = robot.settings() else {
-        return Ok(());
+        return;
     };
-    match settings.check() {
-        // An arm without a pose to control can still be analysed.
-        Ok(_)
-        | Err(SettingsError::Geometry(_) | SettingsError::Inertia(_) | SettingsError::NoPose) => {
-            Ok(())
+    for error in settings.faults() {
+        // Of [[actuator]] the first joint's, unless it is of one joint.
+        let (joint, row, value, bounds) = match error {
+            // An arm without a pose to control can still be analysed.
+            SettingsError::Geometry(_) | SettingsError::Inertia(_) | SettingsError::NoPose => {
+                continue;
+            }
+            SettingsError::Axis(joint, field) => {
+                let joint = usize::from(joint != 1);
+                let axis = &settings.axes[joint];
+                (joint, field.row(), field.value(axis), field.bounds(axis))
+            }
+            SettingsError::Field(field) => {
+                let bounds = field.bounds(&settings);
+                (0, field.row(), field.value(&settings), bounds)
+            }
+            _ => continue,
+        };
+        let invalid = match (key_of(&row, joint), &robot.actuators) {
+            // An ideal torque source is made from the supply's voltage and the limits.
+            (Key::Of(..), None) => {
+                let must = format!("makes an ideal motor out of bounds: {error}");
+                let voltage = written(robot.supply.voltage);
+                (Key::In("supply", "voltage"), voltage, "V", must)
+            }
+            (key, Some(motors)) if row == AxisField::EncoderCounts.row() => {
+                let motor = &motors[joint];
+                let must = format!(
+                    "times `gear_ratio` must be at most 4194304 per turn of the joint, the \
+                     resolution of single precision: at most {:.0} with this gear",
+                    4_194_304.0 / motor.gear_ratio.abs()
+                );
+                (key, motor.encoder_counts.to_string(), "", must)
+            }
+            (key, _) => {
+                // As the file has it, unless the setting is made from it and others.
+                let text = source.number_of(key, joint);
+                let text = text.filter(|(number, _)| (*number as f32).abs() == value.abs());
+                let text = text.map_or_else(|| format!("{value:?}"), |(_, text)| text);
+                (key, text, row.unit, must(&row, bounds))
+            }
+        };
+        let (key, ..) = invalid;
+        // After other refusals, what the file leaves out follows from them.
+        if !refusals.has(key) && (refusals.is_empty() || source.holds(key)) {
+            refusals.add(refusal(source, invalid));
         }
-        Err(error) => Err(match setting(robot, error) {
-            Some(invalid) => refusal(source, invalid),
-            None => FileError {
-                file: source.file.into(),
-                line: None,
-                reason: format!("the controller refuses this robot: {error}"),
-            },
-        }),
+    }
+}
+
+/// The key of a robot file that decides a setting.
+fn key_of(row: &Row, joint: usize) -> Key {
+    match row.key.split_once('.') {
+        None => Key::Top(row.key),
+        Some((section @ "actuator", name)) => Key::Of(section, joint, name),
+        Some((section, name)) => Key::In(section, name),
+    }
+}
+
+/// What a setting must be. Where other keys bound it, also between which numbers.
+fn must(row: &Row, [least, greatest]: [f32; 2]) -> String {
+    let must = row.must.to_string();
+    let space = if row.unit.is_empty() { "" } else { " " };
+    if !must.contains('`') || !greatest.is_finite() {
+        must
+    } else if least > f32::MIN_POSITIVE {
+        format!("{must}, {least} to {greatest}{space}{}", row.unit)
+    } else {
+        format!("{must}, {greatest}{space}{}", row.unit)
     }
 }
 
@@ -67,10 +121,11 @@ fn written(value: f64) -> String {
     format!("{value:?}")
 }
 
-fn motors(robot: &Robot) -> Option<InvalidValue> {
+/// The first such value of each motor.
+fn motors(robot: &Robot) -> Vec<InvalidValue> {
     let limited = robot.drives().ok();
     let motors = robot.actuators.iter().flatten().enumerate();
-    motors.into_iter().find_map(|(index, motor)| {
+    let invalid = motors.filter_map(|(index, motor)| {
         let key = |name| Key::Of("actuator", index, name);
         let [least, greatest] = WINDING;
         let winding = motor.inductance / motor.resistance;
@@ -98,7 +153,8 @@ fn motors(robot: &Robot) -> Option<InvalidValue> {
              {over_current:.3} A"
         );
         Some((key("current_per_code"), written(per_code), "A", must))
-    })
+    });
+    invalid.collect()
 }
 
 /// Least and greatest no-load speed, in greatest speeds of the joint. A motor is chosen within a
@@ -157,153 +213,4 @@ fn bus(robot: &Robot) -> Option<InvalidValue> {
     );
     let key = Key::In("supply", "voltage_per_code");
     Some((key, written(per_code), "V", must))
-}
-
-/// The key and value of the robot file behind an invalid field of a motor or its joint. The
-/// fields of an ideal torque source are made from the supply's voltage and the limits.
-fn motor_setting(
-    robot: &Robot,
-    index: usize,
-    field: AxisField,
-    error: &str,
-) -> Option<InvalidValue> {
-    let (_, must) = error.split_once(" must ")?;
-    let (name, value) = match (field, robot.actuators) {
-        (AxisField::MaxSpeed, _) => ("max_speed", robot.limits.max_speed[index]),
-        (AxisField::MaxAcceleration, _) => {
-            ("max_acceleration", robot.limits.max_acceleration[index])
-        }
-        (_, None) => {
-            let must = format!("makes an ideal motor out of bounds: {error}");
-            let voltage = written(robot.supply.voltage);
-            return Some((Key::In("supply", "voltage"), voltage, "V", must));
-        }
-        (_, Some(motors)) => {
-            let motor = &motors[index];
-            let (name, value) = match field {
-                AxisField::GearRatio => ("gear_ratio", motor.gear_ratio),
-                AxisField::EncoderLatency => ("encoder_latency", motor.encoder_latency),
-                AxisField::RotorInertia => ("rotor_inertia", motor.rotor_inertia),
-                AxisField::TorqueConstant => ("torque_constant", motor.torque_constant),
-                AxisField::Resistance => ("resistance", motor.resistance),
-                AxisField::Inductance => ("inductance", motor.inductance),
-                AxisField::ViscousFriction => ("viscous_friction", motor.viscous_friction),
-                AxisField::CoulombFriction => ("coulomb_friction", motor.coulomb_friction),
-                AxisField::ThermalTimeConstant => {
-                    ("thermal_time_constant", motor.thermal_time_constant)
-                }
-                AxisField::CurrentPerCode if motor.current_per_code.is_some() => {
-                    ("current_per_code", motor.current_per_code?)
-                }
-                _ => ("peak_current", motor.peak_current),
-            };
-            let must = format!("must {must}");
-            return Some((Key::Of("actuator", index, name), written(value), "", must));
-        }
-    };
-    Some((
-        Key::In("limits", name),
-        written(value),
-        "",
-        format!("must {must}"),
-    ))
-}
-
-/// The key and value of the robot file behind an error of the settings; none for errors that
-/// the checks of the file already exclude.
-fn setting(robot: &Robot, error: SettingsError) -> Option<InvalidValue> {
-    let Robot {
-        control,
-        limits,
-        protection,
-        ..
-    } = robot;
-    let field = match error {
-        SettingsError::Axis(joint, AxisField::EncoderCounts) => {
-            let index = usize::from(joint != 1);
-            let motor = &robot.actuators?[index];
-            let must = format!(
-                "times `gear_ratio` must be at most 4194304 per turn of the joint, the resolution \
-                 of single precision: at most {:.0} with this gear",
-                4_194_304.0 / motor.gear_ratio.abs()
-            );
-            let key = Key::Of("actuator", index, "encoder_counts");
-            return Some((key, motor.encoder_counts.to_string(), "", must));
-        }
-        SettingsError::Axis(joint, field) => {
-            return motor_setting(robot, usize::from(joint != 1), field, &error.to_string());
-        }
-        SettingsError::Field(field) => field,
-        _ => return None,
-    };
-    let in_control =
-        |name, value, unit, must| Some((Key::In("control", name), written(value), unit, must));
-    let rate = "rad/s";
-    match field {
-        Field::TickRate => {
-            let must = "must be 100 to 50000 Hz".into();
-            in_control("tick_rate", control.tick_rate, "Hz", must)
-        }
-        Field::CurrentBandwidth => {
-            let greatest = 0.35 * control.tick_rate;
-            let must = format!("must be at most 0.35 times `tick_rate`, {greatest} rad/s");
-            in_control("current_bandwidth", control.current_bandwidth, rate, must)
-        }
-        Field::Bandwidth => {
-            let greatest = 0.25 * control.current_bandwidth;
-            let must =
-                format!("must be at most a quarter of `current_bandwidth`, {greatest} rad/s");
-            in_control("bandwidth", control.bandwidth, rate, must)
-        }
-        Field::Damping => in_control("damping", control.damping, "", "must be 0.2 to 2".into()),
-        Field::IntegralRate => {
-            let greatest = 0.25 * control.bandwidth;
-            let must = format!("must be at most a quarter of `bandwidth`, {greatest} rad/s");
-            in_control("integral_rate", control.integral_rate, rate, must)
-        }
-        Field::ObserverBandwidth => {
-            let [least, greatest] = [2.0 * control.bandwidth, control.tick_rate];
-            let must = format!(
-                "must lie between twice `bandwidth` and `tick_rate`, {least} to {greatest} rad/s"
-            );
-            in_control("observer_bandwidth", control.observer_bandwidth, rate, must)
-        }
-        Field::SingularityMargin => Some((
-            Key::In("limits", "singularity_margin"),
-            written(limits.singularity_margin),
-            "",
-            "must be more than 0 and less than 1".into(),
-        )),
-        Field::FollowingError => Some((
-            Key::In("protection", "following_error"),
-            written(protection.following_error),
-            "rad",
-            "must be less than 1 rad".into(),
-        )),
-        Field::OverSpeed => Some((
-            Key::In("protection", "over_speed"),
-            written(protection.over_speed),
-            "",
-            "is times `max_speed` of [limits], and must be 1 to 5".into(),
-        )),
-        Field::OverCurrent => Some((
-            Key::In("protection", "over_current"),
-            written(protection.over_current),
-            "",
-            "is times `peak_current`, and must be 1 to 5".into(),
-        )),
-        Field::BusVoltage => Some((
-            Key::In("supply", "range"),
-            written(robot.bus_range()[0]),
-            "V",
-            "must begin at a fiftieth of its end or above".into(),
-        )),
-        Field::CommandTimeout => Some((
-            Key::In("protection", "command_timeout"),
-            written(protection.command_timeout),
-            "s",
-            format!("must be a tick, {:e} s, to 60 s", 1.0 / control.tick_rate),
-        )),
-        _ => None,
-    }
 }

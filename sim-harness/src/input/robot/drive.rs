@@ -5,12 +5,14 @@ use super::value::{not_negative, positive};
 use super::{Actuator, Robot};
 use crate::input::source::{FileError, Key, Source};
 use fivebar_design::time_optimal::PlannedDrive;
+use fivebar_firmware::settings::{AxisField, Field, Row};
 use fivebar_plant::{Bound, MismatchError, check_harmonics};
 
-/// Longest time in which a brake engages or releases [s], as the controller has it.
-const LONGEST_BRAKE_TIME: f64 = 1.0;
-/// Greatest latency of an encoder [s].
-const LONGEST_LATENCY: f64 = 0.1;
+/// A bound of the controller.
+fn bound(row: &Row) -> Bound {
+    let [least, greatest] = row.range;
+    Bound::Within(least, greatest, row.unit)
+}
 
 impl Robot {
     /// The joints' drives as plans of motion have them; ideal without `[[actuator]]`.
@@ -32,12 +34,20 @@ pub(super) fn check_brake(
     index: usize,
     actuator: &Actuator,
 ) -> Result<(), FileError> {
-    for (name, time) in [
-        ("brake_engage_time", actuator.brake_engage_time),
-        ("brake_release_time", actuator.brake_release_time),
+    for (name, field, time) in [
+        (
+            "brake_engage_time",
+            Field::BrakeEngageTime,
+            actuator.brake_engage_time,
+        ),
+        (
+            "brake_release_time",
+            Field::BrakeReleaseTime,
+            actuator.brake_release_time,
+        ),
     ] {
         let (key, time) = (Key::Of("actuator", index, name), time.unwrap_or(0.0));
-        Bound::Within(0.0, LONGEST_BRAKE_TIME, "s")
+        bound(&field.row())
             .check(name, time)
             .map_err(|invalid| source.refuse(key, invalid))?;
         if time > 0.0 && actuator.brake_torque <= 0.0 {
@@ -57,7 +67,7 @@ pub(super) fn check(
     let refused = |invalid: MismatchError| source.refuse(key(invalid.name), invalid);
     let latency = ("encoder_latency", actuator.encoder_latency);
     let damping = ("drive_damping", actuator.drive_damping);
-    Bound::Within(0.0, LONGEST_LATENCY, "s")
+    bound(&AxisField::EncoderLatency.row())
         .check(latency.0, latency.1)
         .map_err(refused)?;
     check_harmonics("encoder_error", &actuator.encoder_error).map_err(refused)?;

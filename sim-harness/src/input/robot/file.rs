@@ -4,10 +4,16 @@
 
 use super::homing::HomeSearch;
 use super::tool_output::ToolOutputFile;
+use fivebar_firmware::settings::{AxisField, Field, Row};
 use fivebar_plant::contact::Contact;
 use fivebar_plant::{Encoder, EncoderSide, Harmonics, Motor, Transmission};
 use serde::Deserialize;
 use std::f64::consts::TAU;
+
+/// The default of a setting that has the same one on every arm; of another, not a number.
+pub(super) fn default_of(row: &Row) -> f64 {
+    row.default.unwrap_or(f64::NAN)
+}
 
 /// The whole file.
 #[derive(Debug, Deserialize)]
@@ -204,10 +210,10 @@ impl Default for Limits {
     fn default() -> Self {
         Self {
             angle: [[-TAU, TAU]; 2],
-            max_speed: [20.0; 2],
-            max_acceleration: [1000.0; 2],
+            max_speed: [default_of(&AxisField::MaxSpeed.row()); 2],
+            max_acceleration: [default_of(&AxisField::MaxAcceleration.row()); 2],
             max_torque: None,
-            singularity_margin: 0.1,
+            singularity_margin: default_of(&Field::SingularityMargin.row()),
         }
     }
 }
@@ -239,10 +245,10 @@ pub struct ToolLimits {
 impl Default for ToolLimits {
     fn default() -> Self {
         Self {
-            max_speed: 0.3,
-            max_acceleration: 3.0,
-            max_jerk: 150.0,
-            corner_tolerance: 5e-5,
+            max_speed: default_of(&Field::MaxSpeed.row()),
+            max_acceleration: default_of(&Field::MaxAcceleration.row()),
+            max_jerk: default_of(&Field::MaxJerk.row()),
+            corner_tolerance: default_of(&Field::CornerTolerance.row()),
         }
     }
 }
@@ -281,12 +287,12 @@ impl Default for Control {
     /// it; all are much slower than the tick of 10 kHz.
     fn default() -> Self {
         Self {
-            tick_rate: 10_000.0,
-            bandwidth: 200.0,
-            damping: 1.0,
-            integral_rate: 20.0,
-            observer_bandwidth: 1500.0,
-            current_bandwidth: 3000.0,
+            tick_rate: default_of(&Field::TickRate.row()),
+            bandwidth: default_of(&Field::Bandwidth.row()),
+            damping: default_of(&Field::Damping.row()),
+            integral_rate: default_of(&Field::IntegralRate.row()),
+            observer_bandwidth: default_of(&Field::ObserverBandwidth.row()),
+            current_bandwidth: default_of(&Field::CurrentBandwidth.row()),
         }
     }
 }
@@ -330,10 +336,10 @@ pub struct Protection {
 impl Default for Protection {
     fn default() -> Self {
         Self {
-            following_error: 0.1,
+            following_error: default_of(&Field::FollowingError.row()),
             over_speed: 1.5,
             over_current: 1.5,
-            command_timeout: 0.1,
+            command_timeout: default_of(&Field::CommandTimeout.row()),
         }
     }
 }

@@ -1,9 +1,11 @@
 //! `[homing]`: how the controller finds the joints' angles.
 
 use super::Robot;
+use super::file::default_of;
 use super::home_method::{self, HomeMethod};
 use super::value::positive;
 use crate::input::source::{FileError, Key, Source};
+use fivebar_firmware::settings::Field;
 use serde::Deserialize;
 
 /// Where the joints' angles come from, and the search for switches, index pulses or stops.
@@ -37,7 +39,7 @@ impl Default for HomeSearch {
             samples: None,
             forward: None,
             speed: None,
-            back_off: 0.05,
+            back_off: default_of(&Field::HomingBackOff.row()),
             switch: None,
             current: None,
         }

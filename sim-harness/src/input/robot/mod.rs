@@ -169,14 +169,13 @@ fn read(path: &str) -> Result<String, FileError> {
             return FileError::new(path, error);
         }
         let names: Vec<_> = BUILT_IN.iter().map(|robot| robot.name).collect();
-        FileError {
-            file: path.into(),
-            line: None,
-            reason: format!(
+        FileError::new(
+            path,
+            format_args!(
                 "no such robot: it is no built-in robot ({}), and as a file: {error}{}",
                 names.join(", "),
                 did_you_mean(path, names.iter().copied())
             ),
-        }
+        )
     })
 }

@@ -1,8 +1,7 @@
 //! `[tool_output]`: the output for a tool.
 
 use crate::input::source::{FileError, Key, Source};
-use fivebar_firmware::settings::ToolOutputSettings;
-use fivebar_firmware::settings::range::{FRAME_RATE, POWER_FREQUENCY, PULSE_WIDTH, SETTLE_TIME};
+use fivebar_firmware::settings::{Field, ToolOutputSettings};
 use serde::Deserialize;
 
 const SECTION: &str = "tool_output";
@@ -85,25 +84,27 @@ pub(super) fn read(
         );
         return refuse(stray, reason);
     }
-    let number =
-        |name, value: Option<f64>, default: Option<f64>, [least, greatest]: [f32; 2], unit| {
-            let Some(value) = value.or(default) else {
-                let reason = format!("is missing: kind \"{kind}\" needs it");
-                return Err(source.refuse(Key::In(SECTION, name), reason));
-            };
-            // As the controller compares them, in single precision.
-            if (least..=greatest).contains(&(value as f32)) {
-                return Ok(value as f32);
-            }
-            let reason = format!("must be {least:?} to {greatest:?} {unit}, not {value:?}");
-            Err(source.refuse(Key::In(SECTION, name), reason))
+    let number = |name, value: Option<f64>, field: Field| {
+        let row = field.row();
+        let Some(value) = value.or(row.default) else {
+            let reason = format!("is missing: kind \"{kind}\" needs it");
+            return Err(source.refuse(Key::In(SECTION, name), reason));
         };
-    let settle = |name, value| number(name, value, None, SETTLE_TIME, "s");
+        // As the controller compares them, in single precision.
+        let [least, greatest] = row.range.map(|bound| bound as f32);
+        if (least..=greatest).contains(&(value as f32)) {
+            return Ok(value as f32);
+        }
+        let unit = row.unit;
+        let reason = format!("must be {least:?} to {greatest:?} {unit}, not {value:?}");
+        Err(source.refuse(Key::In(SECTION, name), reason))
+    };
+    let settle = |name, value| number(name, value, Field::ToolSettleTime);
     Ok(match kind {
         "servo" => {
-            let frame_rate = number("frame_rate", file.frame_rate, Some(50.0), FRAME_RATE, "Hz")?;
+            let frame_rate = number("frame_rate", file.frame_rate, Field::ToolFrameRate)?;
             let width = |name, value| {
-                let width = number(name, value, None, PULSE_WIDTH, "s")?;
+                let width = number(name, value, Field::ToolPulseWidth)?;
                 let longest = LONGEST_PULSE / f64::from(frame_rate);
                 if f64::from(width) > longest * (1.0 - 1e-6) {
                     let reason =
@@ -131,7 +132,7 @@ pub(super) fn read(
             up_time: settle("up_time", file.up_time)?,
         },
         _ => ToolOutputSettings::Power {
-            frequency: number("frequency", file.frequency, None, POWER_FREQUENCY, "Hz")?,
+            frequency: number("frequency", file.frequency, Field::ToolFrequency)?,
             scale_with_speed: file.scale_with_speed.unwrap_or(false),
         },
     })

@@ -1,7 +1,7 @@
 //! `fivebar new`: a robot file for the user's own arm.
 
 use super::failure::{Failure, refused};
-use super::questions::{ARM, MOTOR, Question, asks_for_own_motor};
+use super::questions::{ARM, Question, asks_for_own_motor, motor};
 use super::say::{hint, leave_output_to, say, warn};
 use crate::input::robot::{BuiltIn, Draft};
 use crate::run::simulation::find_demo_scale;
@@ -89,7 +89,7 @@ fn interview(draft: &mut Draft, input: &mut impl BufRead) -> Result<(), Failure>
         last = ask(question, draft, input)?;
     }
     if asks_for_own_motor(&last) {
-        for question in &MOTOR {
+        for question in &motor() {
             ask(question, draft, input)?;
         }
     }

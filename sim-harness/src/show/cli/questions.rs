@@ -1,6 +1,8 @@
 //! The questions of `fivebar new`, and the reading of their answers.
 
 use crate::input::robot::{Draft, Motor};
+use fivebar_firmware::settings::AxisField;
+use std::borrow::Cow;
 use std::str::FromStr;
 
 /// Why an answer is not valid.
@@ -17,7 +19,7 @@ pub(super) enum AnswerError {
 /// A question about the arm.
 pub(super) struct Question {
     /// Its text, with the unit.
-    pub(super) text: &'static str,
+    pub(super) text: Cow<'static, str>,
     /// The answer of an empty line.
     pub(super) default: fn(&Draft) -> String,
     /// Puts an answer into the draft, or returns why it is not valid.
@@ -27,7 +29,7 @@ pub(super) struct Question {
 /// The questions about the arm.
 pub(super) const ARM: [Question; 10] = [
     Question {
-        text: "Name of the arm",
+        text: Cow::Borrowed("Name of the arm"),
         default: |draft| draft.name.clone(),
         take: |draft, answer| {
             draft.name = answer.into();
@@ -35,7 +37,7 @@ pub(super) const ARM: [Question; 10] = [
         },
     },
     Question {
-        text: "Plane of the arm: flat (horizontal) or upright (vertical)",
+        text: Cow::Borrowed("Plane of the arm: flat (horizontal) or upright (vertical)"),
         default: |_| "flat".into(),
         take: |draft, answer| {
             draft.upright = choice(answer, ["flat", "upright"])? == 1;
@@ -43,7 +45,7 @@ pub(super) const ARM: [Question; 10] = [
         },
     },
     Question {
-        text: "Base, from A to E [m]",
+        text: Cow::Borrowed("Base, from A to E [m]"),
         default: |draft| shown(draft.base),
         take: |draft, answer| {
             draft.set_base(length(answer)?);
@@ -51,7 +53,7 @@ pub(super) const ARM: [Question; 10] = [
         },
     },
     Question {
-        text: "Cranks, links 1 and 4 [m]; two numbers if they are unlike",
+        text: Cow::Borrowed("Cranks, links 1 and 4 [m]; two numbers if they are unlike"),
         default: |draft| both(draft.cranks),
         take: |draft, answer| {
             draft.set_cranks(pair(answer, length)?);
@@ -59,7 +61,7 @@ pub(super) const ARM: [Question; 10] = [
         },
     },
     Question {
-        text: "Couplers, links 2 and 3 [m]; two numbers if they are unlike",
+        text: Cow::Borrowed("Couplers, links 2 and 3 [m]; two numbers if they are unlike"),
         default: |draft| both(draft.couplers),
         take: |draft, answer| {
             draft.set_couplers(pair(answer, length)?);
@@ -67,7 +69,7 @@ pub(super) const ARM: [Question; 10] = [
         },
     },
     Question {
-        text: "Mass of a crank [kg]; two numbers if they are unlike",
+        text: Cow::Borrowed("Mass of a crank [kg]; two numbers if they are unlike"),
         default: |draft| both(draft.crank_masses),
         take: |draft, answer| {
             draft.crank_masses = pair(answer, number)?;
@@ -75,7 +77,7 @@ pub(super) const ARM: [Question; 10] = [
         },
     },
     Question {
-        text: "Mass of a coupler [kg]; two numbers if they are unlike",
+        text: Cow::Borrowed("Mass of a coupler [kg]; two numbers if they are unlike"),
         default: |draft| both(draft.coupler_masses),
         take: |draft, answer| {
             draft.coupler_masses = pair(answer, number)?;
@@ -83,7 +85,7 @@ pub(super) const ARM: [Question; 10] = [
         },
     },
     Question {
-        text: "Payload at C [kg]",
+        text: Cow::Borrowed("Payload at C [kg]"),
         default: |draft| shown(draft.payload),
         take: |draft, answer| {
             draft.payload = number(answer)?;
@@ -91,7 +93,7 @@ pub(super) const ARM: [Question; 10] = [
         },
     },
     Question {
-        text: "Supply voltage [V]",
+        text: Cow::Borrowed("Supply voltage [V]"),
         default: |draft| shown(draft.voltage),
         take: |draft, answer| {
             draft.voltage = number(answer)?;
@@ -99,7 +101,7 @@ pub(super) const ARM: [Question; 10] = [
         },
     },
     Question {
-        text: "Motors: typical (20 W), own (your data), or ideal torque sources",
+        text: Cow::Borrowed("Motors: typical (20 W), own (your data), or ideal torque sources"),
         default: |_| "typical".into(),
         take: |draft, answer| {
             draft.motor = match choice(answer, ["typical", "own", "ideal"])? {
@@ -111,15 +113,15 @@ pub(super) const ARM: [Question; 10] = [
     },
 ];
 
-/// Whether the answer to the last question of the arm asks for [`MOTOR`].
+/// Whether the answer to the last question of the arm asks for the questions of [`motor`].
 pub(super) fn asks_for_own_motor(answer: &str) -> bool {
     choice(answer, ["own"]).is_ok()
 }
 
 macro_rules! of_motor {
-    ($text:literal, $field:ident) => {
+    ($key:ident, $field:ident) => {
         Question {
-            text: $text,
+            text: asked(AxisField::$key),
             default: |draft| match &draft.motor {
                 Some(motor) => shown(motor.$field),
                 None => String::new(),
@@ -136,20 +138,28 @@ macro_rules! of_motor {
 }
 
 /// The questions about the motor; both joints have the same motor.
-pub(super) const MOTOR: [Question; 9] = [
-    of_motor!("Gear ratio, motor turns per joint turn", gear_ratio),
-    of_motor!("Rotor inertia [kg·m²]", rotor_inertia),
-    of_motor!("Torque constant [N·m/A]", torque_constant),
-    of_motor!("Winding resistance [Ω]", resistance),
-    of_motor!("Winding inductance [H]", inductance),
-    of_motor!(
-        "Encoder counts per motor turn, after quadrature",
-        encoder_counts
-    ),
-    of_motor!("Peak current [A]", peak_current),
-    of_motor!("Continuous current [A]", continuous_current),
-    of_motor!("Time constant of heating [s]", thermal_time_constant),
-];
+pub(super) fn motor() -> [Question; 9] {
+    [
+        of_motor!(GearRatio, gear_ratio),
+        of_motor!(RotorInertia, rotor_inertia),
+        of_motor!(TorqueConstant, torque_constant),
+        of_motor!(Resistance, resistance),
+        of_motor!(Inductance, inductance),
+        of_motor!(EncoderCounts, encoder_counts),
+        of_motor!(PeakCurrent, peak_current),
+        of_motor!(ContinuousCurrent, continuous_current),
+        of_motor!(ThermalTimeConstant, thermal_time_constant),
+    ]
+}
+
+/// The text of a question for a setting.
+fn asked(field: AxisField) -> Cow<'static, str> {
+    let row = field.row();
+    if row.unit.is_empty() {
+        return row.meaning.into();
+    }
+    format!("{} [{}]", row.meaning, row.unit).into()
+}
 
 fn shown(value: impl Into<f64>) -> String {
     let value = value.into();

@@ -3,6 +3,7 @@
 use super::Plausible;
 use crate::input::robot::{Actuator, Robot};
 use crate::input::source::Key;
+use fivebar_firmware::settings::AxisField;
 use fivebar_plant::Harmonic;
 use std::f64::consts::TAU;
 
@@ -22,9 +23,8 @@ const CONTINUOUS: [f64; 2] = [0.02, 1.0];
 /// Codes of the current sensor for the peak current, at least.
 const CODES: f64 = 40.0;
 
-/// Time constant of a motor's heating [s]: of the winding of a tiny motor, of a large one with its
-/// housing.
-const HEATING: [f64; 2] = [0.1, 3600.0];
+/// Time constant of a motor's heating [s]: the controller's bounds.
+const HEATING: [f64; 2] = AxisField::ThermalTimeConstant.row().range;
 
 /// Holding torque of a brake over the motor's peak torque at the joint.
 const BRAKE: [f64; 2] = [0.01, 100.0];

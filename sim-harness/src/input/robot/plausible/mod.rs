@@ -13,7 +13,7 @@ mod slider;
 
 use super::Robot;
 use super::value::rounded;
-use crate::input::source::{FileError, Key, Source};
+use crate::input::source::{FileError, Key, Refusals, Source};
 use fivebar_design::accuracy::slider::SliderTolerance;
 use fivebar_design::slider::Travel;
 
@@ -111,18 +111,27 @@ impl Plausible {
     }
 }
 
-/// Refuses the first value that is not plausible.
-pub(super) fn check(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
+/// Refuses each value that is not plausible. Values of one link or one actuator are compared with each
+/// other, so the first of them is refused alone.
+pub(super) fn check(source: &Source<'_>, robot: &Robot, refusals: &mut Refusals) {
     let arm = arm::rules(robot);
     let rules = arm
         .into_iter()
         .chain(drive::rules(robot))
         .chain(motion::rules(robot))
         .chain(parts::rules(robot));
-    rules.into_iter().try_for_each(|rule| rule.check(source))
+    for rule in rules {
+        let is_refused = match rule.key {
+            Key::Of(section, index, _) => refusals.has_of(section, index),
+            key => refusals.has(key),
+        };
+        if !is_refused {
+            refusals.check(rule.check(source));
+        }
+    }
 }
 
-/// The same of a slider-driven mechanism: left link, right link and platform [m], travel and tolerances.
+/// Refuses the first value of a slider-driven mechanism that is not plausible: left link, right link and platform [m], travel and tolerances.
 pub(super) fn slider(
     source: &Source<'_>,
     lengths: [f64; 3],

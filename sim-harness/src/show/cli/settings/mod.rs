@@ -135,7 +135,13 @@ fn of_file(file: &Path) -> Result<Settings, Failure> {
     let text = text_file::read_text(file, text_file::LARGEST_TOML)
         .map_err(|error| refused(format_args!("cannot read {shown}: {error}")))?;
     let new = text::parse(&text).map_err(|error| refused(format_args!("{shown}: {error}")))?;
-    new.check()
-        .map_err(|error| refused(format_args!("{shown}: {error}")))?;
-    Ok(new)
+    let faults = new.faults();
+    if faults.is_empty() {
+        return Ok(new);
+    }
+    let lines: Vec<_> = faults
+        .iter()
+        .map(|fault| format!("{shown}: {fault}"))
+        .collect();
+    Err(refused(lines.join("\n")))
 }

@@ -1,137 +1,21 @@
 //! A controller's settings as TOML, with the unit of each value.
 
 use fivebar_firmware::Settings;
+use fivebar_firmware::settings::{Row, rows};
 
-/// The unit of each key, by the table that it stands in; "" for numbers without a unit.
-const UNITS: &[(&str, &[(&str, &str)])] = &[
-    (
-        "",
-        &[
-            ("lengths", "m: l1, l2, l3, l4, base"),
-            ("payload", "kg"),
-            ("gravity", "m/s²"),
-            ("tool_offset", "m"),
-            ("elbows_left", ""),
-            ("assembly_left", ""),
-            ("crossing_allowed", ""),
-            ("tool_output", ""),
-        ],
-    ),
-    (
-        "links",
-        &[
-            ("mass", "kg"),
-            ("com", "m"),
-            ("inertia", "kg·m², about the centre of mass"),
-        ],
-    ),
-    (
-        "axes",
-        &[
-            ("gear_ratio", ""),
-            ("rotor_inertia", "kg·m², at the motor's shaft"),
-            ("torque_constant", "N·m/A"),
-            ("resistance", "Ω"),
-            ("inductance", "H"),
-            ("viscous_friction", "N·m·s/rad, at the joint"),
-            ("coulomb_friction", "N·m, at the joint"),
-            ("encoder_counts", "counts per motor turn"),
-            ("index_counts", "counts from one index pulse to the next"),
-            ("encoder_latency", "s"),
-            ("home_angle", "rad"),
-            ("home_forward", ""),
-            ("angle_limits", "rad"),
-            ("max_speed", "rad/s"),
-            ("max_acceleration", "rad/s²"),
-            ("peak_current", "A"),
-            ("continuous_current", "A"),
-            ("thermal_time_constant", "s"),
-            ("current_per_code", "A per ADC code"),
-            ("current_zero_code", "ADC code"),
-        ],
-    ),
-    (
-        "encoder_tables",
-        &[
-            ("shaft_ratio", "turns of the encoder per turn of the joint"),
-            ("points", "error of the shaft, in 1/32768 rad"),
-        ],
-    ),
-    (
-        "control",
-        &[
-            ("tick_rate", "Hz"),
-            ("bandwidth", "rad/s"),
-            ("damping", ""),
-            ("integral_rate", "rad/s"),
-            ("observer_bandwidth", "rad/s"),
-            ("current_bandwidth", "rad/s"),
-            ("friction_smoothing", "rad/s"),
-            ("computed_torque", ""),
-        ],
-    ),
-    (
-        "brake",
-        &[
-            ("engage_time", "s, to full torque; 0 without brakes"),
-            ("release_time", "s, to a free joint; 0 without brakes"),
-        ],
-    ),
-    (
-        "homing",
-        &[
-            ("speed", "rad/s"),
-            ("back_off", "rad"),
-            ("current", "A, of the motor"),
-        ],
-    ),
-    ("home_reference", &[("method", ""), ("samples", "in a row")]),
-    (
-        "motion",
-        &[
-            ("max_speed", "m/s"),
-            ("max_acceleration", "m/s²"),
-            ("max_jerk", "m/s³"),
-            ("corner_tolerance", "m"),
-            ("singularity_margin", ""),
-        ],
-    ),
-    (
-        "protection",
-        &[
-            ("following_error", "rad"),
-            ("over_speed", "rad/s"),
-            ("over_current", "A"),
-            ("bus_voltage", "V"),
-            ("bus_voltage_per_code", "V per ADC code"),
-            ("command_timeout", "s"),
-        ],
-    ),
-    (
-        "tool_output.Servo",
-        &[
-            ("up_width", "s"),
-            ("down_width", "s"),
-            ("frame_rate", "Hz"),
-            ("down_time", "s"),
-            ("up_time", "s"),
-        ],
-    ),
-    (
-        "tool_output.Switch",
-        &[("active_low", ""), ("down_time", "s"), ("up_time", "s")],
-    ),
-    (
-        "tool_output.Power",
-        &[("frequency", "Hz"), ("scale_with_speed", "")],
-    ),
-];
-
-fn unit(table: &str, key: &str) -> Option<&'static str> {
-    let (_, keys) = UNITS.iter().find(|(name, _)| *name == table)?;
-    keys.iter()
-        .find(|(name, _)| *name == key)
-        .map(|(_, unit)| *unit)
+/// The unit of a key of a table, and what it refers to; none for what is no number.
+fn unit(table: &str, key: &str) -> Option<String> {
+    // The kinds of output for a tool have one table each.
+    let table = table.split('.').next().unwrap_or_default();
+    let path = [table, key].join(".");
+    let path = path.trim_start_matches('.');
+    let Row { unit, note, .. } = rows().find(|row| row.path == path)?;
+    let between = match (unit, note) {
+        ("", _) | (_, "") => "",
+        _ if note.starts_with("per ") => " ",
+        _ => ", ",
+    };
+    Some([unit, between, note].concat())
 }
 
 /// Settings as TOML, which [`parse`] reads back, each number with its unit as a comment.
@@ -151,7 +35,7 @@ pub(super) fn write(settings: &Settings) -> Result<String, toml::ser::Error> {
             && !unit.is_empty()
         {
             lines += "  # ";
-            lines += unit;
+            lines += &unit;
         }
         lines += "\n";
     }
@@ -212,14 +96,16 @@ mod tests {
     }
 
     #[test]
-    fn every_key_has_its_unit_or_is_known_to_have_none() {
+    fn every_number_has_a_row_in_the_table_of_settings() {
         let mut table = String::new();
         let mut keys = 0;
         for settings in all() {
             for line in write(&settings).unwrap().lines() {
                 if line.starts_with('[') {
                     table = line.trim_matches(['[', ']']).into();
-                } else if let Some((key, _)) = line.split_once(" = ") {
+                } else if let Some((key, value)) = line.split_once(" = ")
+                    && value.contains(|letter: char| letter.is_ascii_digit())
+                {
                     assert!(unit(&table, key).is_some(), "[{table}] {key}");
                     keys += 1;
                 }
