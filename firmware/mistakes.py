@@ -149,7 +149,7 @@ MISTAKES = [
     ("checksum unchecked", "protocol/decoder.rs", "if CRC.checksum(checked) != u32::from_le_bytes(*crc) {", "if CRC.checksum(checked) != u32::from_le_bytes(*crc) && checked.is_empty() {"),
     ("frames of the own end accepted", "protocol/decoder.rs", "if sender != M::SENDER as u8 {", "if sender == 0 && sender != M::SENDER as u8 {"),
     ("bytes behind a message accepted", "protocol/decoder.rs", "Ok((message, [])) => Ok(message),", "Ok((message, _)) => Ok(message),"),
-    ("settings of another layout accepted", "storage/mod.rs", "pub const LAYOUT: u8 = 7;", "pub const LAYOUT: u8 = 4;"),
+    ("settings of another layout accepted", "storage/mod.rs", "const FIRST_LAYOUT: u8 = 7;", "const FIRST_LAYOUT: u8 = 4;"),
     ("a save not read back", "storage/mod.rs", "if self.newest()? == Some((item, half)) {", "if self.newest()? == Some((item, half)) || item.number > 0 {", "Some(found) if found == *item => Ok(())", "Some(_) => Ok(())"),
     ("the half with the newest settings overwritten", "storage/mod.rs", "Some((newest, half)) if half == first => (newest.number.wrapping_add(1), second),", "Some((newest, half)) if half == second => (newest.number.wrapping_add(1), second),"),
     ("damaged settings are no fault at the start", "session/start.rs", "Some(StorageError::Corrupt) => Some(Fault::SettingsCorrupt),", "Some(StorageError::Corrupt) => None,"),

@@ -123,6 +123,7 @@ pub(crate) fn section(bytes: &mut Bytes<'_>, settings: &Settings) -> Section {
         Section::EncoderPoints(_, points) => {
             points[usize::from(which) % 16] = i16::from_le_bytes([bytes.byte(), which]);
         }
+        Section::Advanced(advanced) => change(bytes, &mut advanced.values_mut()),
         Section::Homing(homing) => change(
             bytes,
             &mut [&mut homing.speed, &mut homing.back_off, &mut homing.current],

@@ -1,8 +1,8 @@
 //! The settings in sections, each small enough for a frame.
 
 use crate::settings::{
-    AxisSettings, BrakeSettings, ControlSettings, ENCODER_POINTS, HomeReference, HomingSettings,
-    LinkSettings, MotionSettings, ProtectionSettings, Settings, ToolOutputSettings,
+    AdvancedSettings, AxisSettings, BrakeSettings, ControlSettings, ENCODER_POINTS, HomeReference,
+    HomingSettings, LinkSettings, MotionSettings, ProtectionSettings, Settings, ToolOutputSettings,
 };
 use serde::{Deserialize, Serialize};
 
@@ -48,6 +48,8 @@ pub enum SectionKey {
     Crossing,
     /// The holding brakes.
     Brake,
+    /// Numbers that fit most arms.
+    Advanced,
 }
 
 /// A section with its value; units as in [`Settings`].
@@ -90,11 +92,13 @@ pub enum Section {
     Crossing(bool),
     /// [`Settings::brake`].
     Brake(BrakeSettings),
+    /// [`Settings::advanced`].
+    Advanced(AdvancedSettings),
 }
 
 impl SectionKey {
     /// Every section. Together they are the whole settings.
-    pub const ALL: [Self; 30] = [
+    pub const ALL: [Self; 31] = [
         Self::Lengths,
         Self::Link(0),
         Self::Link(1),
@@ -125,6 +129,7 @@ impl SectionKey {
         Self::HomeReference,
         Self::Crossing,
         Self::Brake,
+        Self::Advanced,
     ];
 
     /// This section of `settings`; `None` if there is no such link or axis.
@@ -155,6 +160,7 @@ impl SectionKey {
             Self::HomeReference => Section::HomeReference(settings.home_reference),
             Self::Crossing => Section::Crossing(settings.crossing_allowed),
             Self::Brake => Section::Brake(settings.brake),
+            Self::Advanced => Section::Advanced(settings.advanced),
         })
     }
 }
@@ -191,6 +197,7 @@ impl Section {
             Self::HomeReference(value) => settings.home_reference = value,
             Self::Crossing(value) => settings.crossing_allowed = value,
             Self::Brake(value) => settings.brake = value,
+            Self::Advanced(value) => settings.advanced = value,
         }
         Some(())
     }

@@ -3,8 +3,8 @@
 //! instruction counts are measured with them.
 
 use super::{
-    AxisSettings, BrakeSettings, ControlSettings, EncoderTable, HomeReference, HomingSettings,
-    LinkSettings, MotionSettings, ProtectionSettings, Settings, ToolOutputSettings,
+    AdvancedSettings, AxisSettings, BrakeSettings, ControlSettings, EncoderTable, HomeReference,
+    HomingSettings, LinkSettings, MotionSettings, ProtectionSettings, Settings, ToolOutputSettings,
 };
 
 const CRANK: LinkSettings = LinkSettings {
@@ -100,5 +100,6 @@ impl Settings {
         encoder_tables: [EncoderTable::NONE; 2],
         crossing_allowed: false,
         brake: BrakeSettings::NONE,
+        advanced: AdvancedSettings::DEFAULT,
     };
 }

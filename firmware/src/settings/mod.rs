@@ -23,7 +23,7 @@ pub use error::SettingsError;
 pub(crate) use homing::{CREEP, INDEX_SAMPLES};
 pub use homing::{HomeReference, HomingMethod, HomingSettings, INDEX_MARGIN};
 pub use row::{Must, Row};
-pub use table::{AxisField, Field, LONGEST_STOP, rows};
+pub use table::{AdvancedSettings, AxisField, Field, LONGEST_STOP, rows};
 pub use tool_output::{ALWAYS, Share, ToolOutputSettings};
 
 /// Inertia of one link, see `fivebar_kinematics::dynamics::Link`.
@@ -194,4 +194,7 @@ pub struct Settings {
     pub crossing_allowed: bool,
     /// The holding brakes.
     pub brake: BrakeSettings,
+    /// Numbers that fit most arms.
+    #[serde(default)]
+    pub advanced: AdvancedSettings,
 }

@@ -39,9 +39,19 @@ impl Must {
 impl fmt::Display for Must {
     /// With spaces between the thousands, as in "10 000".
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut parts = self.0.trim_end().split("_000");
-        f.write_str(parts.next().unwrap_or_default())?;
-        parts.try_for_each(|part| write!(f, " 000{part}"))
+        let is_digit = |letter: char| letter.is_ascii_digit();
+        let mut before = "";
+        for part in self.0.trim_end().split('_') {
+            let thousands = before.ends_with(is_digit) && part.starts_with(is_digit);
+            f.write_str(match before {
+                "" => "",
+                _ if thousands => " ",
+                _ => "_",
+            })?;
+            f.write_str(part)?;
+            before = part;
+        }
+        Ok(())
     }
 }
 
@@ -182,6 +192,43 @@ macro_rules! fields {
     };
 }
 
+/// Makes the struct of the numbers that fit most arms, from their names and their rows.
+macro_rules! advanced {
+    ($($name:ident: $field:ident,)*) => {
+        /// Numbers of the controller that fit most arms. They are the last of the settings.
+        #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+        #[serde(default, deny_unknown_fields)]
+        pub struct AdvancedSettings {
+            $(#[doc = concat!("[`Field::", stringify!($field), "`]")] pub $name: f32,)*
+        }
+
+        impl AdvancedSettings {
+            /// The defaults of the table.
+            pub const DEFAULT: Self = Self {
+                $($name: match Field::$field.row().default {
+                    Some(default) => default as f32,
+                    None => f32::NAN,
+                },)*
+            };
+
+            /// How many they are.
+            pub const COUNT: usize = Self::FIELDS.len();
+            const FIELDS: &[Field] = &[$(Field::$field),*];
+
+            /// All of them, in their order.
+            pub fn values_mut(&mut self) -> [&mut f32; Self::COUNT] {
+                [$(&mut self.$name),*]
+            }
+        }
+
+        impl Default for AdvancedSettings {
+            fn default() -> Self {
+                Self::DEFAULT
+            }
+        }
+    };
+}
+
 macro_rules! default {
     () => {
         None
@@ -266,4 +313,4 @@ macro_rules! value {
     };
 }
 
-pub(super) use {bounds, default, fields, holds, must, range, value};
+pub(super) use {advanced, bounds, default, fields, holds, must, range, value};

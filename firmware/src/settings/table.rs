@@ -4,10 +4,11 @@
 //!
 //! The check needs the bounds alone, so the texts are in no image.
 
-use super::row::{Row, fields};
+use super::row::{Row, advanced, fields};
 use super::{AxisSettings, Settings};
 use core::f32::consts::TAU;
 use fivebar_kinematics::Scalar;
+use serde::{Deserialize, Serialize};
 
 /// Counts of a whole turn that `f32` can resolve, with two bits to spare.
 const MAX_COUNTS_PER_TURN: f32 = 4_194_304.0;
@@ -342,6 +343,10 @@ fields! {
         each all.tool_output.frequency() => 10 to 100_000
     }
 }
+
+// What a new number of the controller needs is a row above and a line here. Lines are added at the
+// end and stay: the stored settings of an older firmware end before them.
+advanced! {}
 
 /// Numbers that other fields are checked with, or that every value fits.
 const OTHERS: &[Row] = &[

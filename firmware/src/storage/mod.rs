@@ -10,6 +10,7 @@
 mod blocking;
 
 use crate::Settings;
+use crate::settings::AdvancedSettings;
 use blocking::{Blocking, finish};
 use core::ops::Range;
 use embedded_storage::nor_flash::NorFlash;
@@ -18,9 +19,18 @@ use sequential_storage::cache::{Cache, Uncached};
 use sequential_storage::map::{MapConfig, MapStorage, PostcardValue};
 use serde::{Deserialize, Serialize};
 
-/// Layout of the stored settings, and the key under which they are stored. Every change of
-/// [`Settings`] needs a new number, so that firmware never reads the bytes of another layout.
-pub const LAYOUT: u8 = 7;
+/// The layout of settings without [`AdvancedSettings`].
+const FIRST_LAYOUT: u8 = 7;
+
+/// Layout of the stored settings, and the key under which they are stored. Each number of
+/// [`AdvancedSettings`] makes a new layout, which begins with the one before. So settings of an older
+/// firmware are read, with the defaults of the numbers that they lack. Every other change of
+/// [`Settings`] needs another [`FIRST_LAYOUT`], so that firmware never reads the bytes of a layout
+/// that it does not know.
+pub const LAYOUT: u8 = FIRST_LAYOUT + AdvancedSettings::COUNT as u8;
+
+/// Bytes of each of these numbers.
+const NUMBER: usize = size_of::<f32>();
 
 /// Room for an item, its key and its padding [bytes].
 const BUFFER: usize = 1024;
@@ -58,6 +68,20 @@ impl PostcardValue<'_> for Item {}
 /// The buffer, aligned as some flash controllers need it.
 #[repr(align(8))]
 struct Buffer([u8; BUFFER]);
+
+impl Buffer {
+    /// The item at this place, with the defaults of so many numbers that it lacks at its end.
+    fn item(&mut self, place: Range<usize>, lacking: u8) -> Option<Item> {
+        let Self(bytes) = self;
+        let mut defaults = [0; NUMBER * AdvancedSettings::COUNT];
+        postcard::to_slice(&AdvancedSettings::DEFAULT, &mut defaults).ok()?;
+        let held = defaults.len().checked_sub(NUMBER * usize::from(lacking))?;
+        let lacking = defaults.get(held..)?;
+        let behind = bytes.get_mut(place.end..place.end + lacking.len())?;
+        behind.copy_from_slice(lacking);
+        postcard::from_bytes(bytes.get(place.start..)?).ok()
+    }
+}
 
 type Log<'f, F> = MapStorage<u8, Blocking<&'f mut F>, Cache<Uncached, Uncached, Uncached, u8>>;
 
@@ -143,16 +167,34 @@ impl<F: NorFlash> SettingsStorage<F> {
         }
     }
 
-    /// The item saved last, and its half.
+    /// The item saved last, and its half. What an older firmware has saved counts until this one has
+    /// saved its first.
     fn newest(&mut self) -> Result<Option<(Item, Range<u32>)>, StorageError> {
+        for layout in (FIRST_LAYOUT..=LAYOUT).rev() {
+            let newest = self.newest_of(layout)?;
+            if newest.is_some() {
+                return Ok(newest);
+            }
+        }
+        Ok(None)
+    }
+
+    /// The item of this layout saved last, and its half.
+    fn newest_of(&mut self, layout: u8) -> Result<Option<(Item, Range<u32>)>, StorageError> {
         let mut newest: Option<(Item, Range<u32>)> = None;
         for half in &self.halves {
             let mut buffer = Buffer([0; BUFFER]);
             let mut log = log(&mut self.flash, half)?;
-            let item: Item = match finish(log.fetch_item(&mut buffer.0, &LAYOUT)) {
-                Ok(Some(item)) => item,
+            let bytes: &[u8] = match finish(log.fetch_item(&mut buffer.0, &layout)) {
+                Ok(Some(bytes)) => bytes,
                 Err(Error::Storage { .. }) => return Err(StorageError::Flash),
                 Ok(None) | Err(_) => continue,
+            };
+            // The item lies anywhere in the buffer.
+            let (start, length) = (bytes.as_ptr().addr(), bytes.len());
+            let start = start - buffer.0.as_ptr().addr();
+            let Some(item) = buffer.item(start..start + length, LAYOUT - layout) else {
+                continue;
             };
             // Numbers wrap: the newer one is ahead by less than half the range.
             let is_newer = newest

@@ -4,8 +4,8 @@ use crate::messages::{number, pair};
 use fivebar_firmware::Settings;
 use fivebar_firmware::protocol::{Section, SectionKey};
 use fivebar_firmware::settings::{
-    AxisSettings, BrakeSettings, ControlSettings, HomeReference, HomingMethod, HomingSettings,
-    LinkSettings, MotionSettings, ProtectionSettings, ToolOutputSettings,
+    AdvancedSettings, AxisSettings, BrakeSettings, ControlSettings, HomeReference, HomingMethod,
+    HomingSettings, LinkSettings, MotionSettings, ProtectionSettings, ToolOutputSettings,
 };
 use proptest::prelude::*;
 
@@ -109,6 +109,13 @@ pub(crate) fn section() -> impl Strategy<Value = Section> {
         (any::<u8>(), prop::array::uniform16(any::<i16>()))
             .prop_map(|(index, points)| Section::EncoderPoints(index, points)),
         any::<bool>().prop_map(Section::Crossing),
+        number().prop_map(|value| {
+            let mut advanced = AdvancedSettings::DEFAULT;
+            for number in advanced.values_mut() {
+                *number = value;
+            }
+            Section::Advanced(advanced)
+        }),
         pair().prop_map(|[engage_time, release_time]| {
             Section::Brake(BrakeSettings {
                 engage_time,

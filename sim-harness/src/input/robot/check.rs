@@ -117,6 +117,7 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
         tolerance: tolerance?,
         contact: file.contact,
         crossing: file.crossing,
+        advanced: file.advanced,
     };
     let mut refusals = Refusals::default();
     refusals.check(homing::check(&source, &robot));

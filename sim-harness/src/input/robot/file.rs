@@ -4,7 +4,7 @@
 
 use super::homing::HomeSearch;
 use super::tool_output::ToolOutputFile;
-use fivebar_firmware::settings::{AxisField, Field, Row};
+use fivebar_firmware::settings::{AdvancedSettings, AxisField, Field, Row};
 use fivebar_plant::contact::Contact;
 use fivebar_plant::{Encoder, EncoderSide, Harmonics, Motor, Transmission};
 use serde::Deserialize;
@@ -52,6 +52,8 @@ pub(super) struct RobotFile {
     pub(super) contact: Contact,
     #[serde(default)]
     pub(super) crossing: Crossing,
+    #[serde(default)]
+    pub(super) advanced: AdvancedSettings,
 }
 
 fn elbows_out() -> [String; 2] {

@@ -39,7 +39,7 @@ use crate::input::did_you_mean;
 use crate::input::source::{FileError, Key, Source};
 use crate::input::text_file;
 use fivebar_design::accuracy::five_bar::{ArmTolerance, TolerancedArm};
-use fivebar_firmware::settings::ToolOutputSettings;
+use fivebar_firmware::settings::{AdvancedSettings, ToolOutputSettings};
 use fivebar_kinematics::dynamics::Arm;
 use fivebar_kinematics::five_bar::{Geometry, WorkingMode};
 use fivebar_plant::contact::Contact;
@@ -95,6 +95,8 @@ pub struct Robot {
     pub contact: Contact,
     /// Whether it may cross singularities of type 2.
     pub crossing: Crossing,
+    /// Numbers of the controller that fit most arms.
+    pub advanced: AdvancedSettings,
 }
 
 /// The robot has lengths only, but dynamics need masses.

@@ -79,6 +79,7 @@ impl Robot {
             },
             tool_output: self.tool_output,
             crossing_allowed: self.crossing.allowed,
+            advanced: self.advanced,
             brake: brakes(&actuators),
             encoder_tables: actuators.map(|actuator| encoder_table(&actuator)),
         })
