@@ -214,7 +214,7 @@ MISTAKES = [
     ("an encoder's error not counted from the home angle", "controller/homing.rs", "encoder.set_origin(settings.home_angle, encoder.shown_at_home);", "let _ = encoder;"),
     ("an encoder's error counted from home for declared angles", "controller/request.rs", "encoder.set_origin(angle, encoder.shown_at(angle));", "encoder.set_origin(angle, encoder.shown_at_home);"),
     ("a stop keeps the path behind it", "controller/transitions.rs", "(State::Armed, Event::Stop | Event::Rest) => self.forget_path(),", "(State::Armed, Event::Stop | Event::Rest) => self.path.finish(),"),
-    ("an abandoned arm powered for ten minutes", "safety/monitor.rs", "DISARM_TIMEOUT: f32 = 60.0", "DISARM_TIMEOUT: f32 = 600.0"),
+    ("an abandoned arm powered for ten minutes", "safety/monitor.rs", "in_time(settings.advanced.disarm_timeout * rate)", "in_time(10.0 * settings.advanced.disarm_timeout * rate)"),
     ("jumps of forty counts pass", "safety/monitor.rs", "JUMP_COUNTS: f32 = 4.0", "JUMP_COUNTS: f32 = 40.0"),
     ("creeping without end", "controller/homing_state.rs", "gone(from) > 6.0 * config.back_off", "gone(from) > 600.0 * config.back_off"),
     ("excitations of twenty seconds", "controller/excitation.rs", "LONGEST_EXCITATION: f32 = 2.0", "LONGEST_EXCITATION: f32 = 20.0"),

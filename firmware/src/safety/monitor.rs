@@ -15,10 +15,6 @@ const JUMP_COUNTS: f32 = 4.0;
 /// So many missed ticks in a row are counted and raise no fault.
 pub(crate) const TOLERATED_TICKS: u32 = 2;
 
-/// Silence of the host after which an arm that is powered, at rest or held under a fault, is
-/// switched off [s]. An arm that nobody commands must not stay powered for ever.
-pub(crate) const DISARM_TIMEOUT: f32 = 60.0;
-
 /// Ticks within which the tick notices that a host is silent, and latches the fault.
 pub(crate) const NOTICED_WITHIN: u32 = 9;
 
@@ -74,7 +70,8 @@ impl Monitor {
             }),
             margin: 0.5 * settings.motion.singularity_margin * l2 * l3,
             silence: in_time(protection.command_timeout * rate),
-            abandonment: in_time(DISARM_TIMEOUT * rate),
+            // An arm that nobody commands must not stay powered for ever.
+            abandonment: in_time(settings.advanced.disarm_timeout * rate),
         }
     }
 

@@ -342,11 +342,19 @@ fields! {
         "Frequency of a power's PWM" ["Hz"];
         each all.tool_output.frequency() => 10 to 100_000
     }
+    DisarmTimeout {
+        "advanced.disarm_timeout" as "advanced.disarm_timeout",
+        "Silence of the host after which an arm that is powered, at rest or held, is switched off"
+            ["s"] = 60.0;
+        all.advanced.disarm_timeout => 1 to 86_400
+    }
 }
 
 // What a new number of the controller needs is a row above and a line here. Lines are added at the
 // end and stay: the stored settings of an older firmware end before them.
-advanced! {}
+advanced! {
+    disarm_timeout: DisarmTimeout,
+}
 
 /// Numbers that other fields are checked with, or that every value fits.
 const OTHERS: &[Row] = &[

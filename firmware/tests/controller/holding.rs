@@ -1,6 +1,6 @@
 //! The armed arm holds its position against a force.
 
-use crate::rig::{Rig, START, settings};
+use crate::rig::{Rig, START, settings, with};
 use fivebar_firmware::safety::{Fault, State};
 
 #[test]
@@ -62,6 +62,13 @@ fn an_armed_arm_that_its_host_has_left_is_switched_off_after_a_minute() {
     assert_in_a_minute(ticks_until_off(&mut rig));
     assert_eq!(rig.controller.state(), State::Fault);
     assert_eq!(rig.controller.status().fault, Some(Fault::CommandTimeout));
+}
+
+#[test]
+fn an_arm_left_alone_is_switched_off_after_its_disarm_timeout() {
+    let mut rig = Rig::armed(&with(|s| s.advanced.disarm_timeout = 2.0));
+    let ticks = ticks_until_off(&mut rig);
+    assert!((20_000 - 10..=20_000).contains(&ticks), "{ticks} ticks");
 }
 
 #[test]

@@ -61,7 +61,9 @@ fn either_joint_is_checked_by_its_number() {
 
 #[test]
 fn a_value_at_its_bound_is_allowed() {
-    let cases: [Change; 19] = [
+    let cases: [Change; 21] = [
+        |s| s.advanced.disarm_timeout = 1.0,
+        |s| s.advanced.disarm_timeout = 86_400.0,
         |s| s.control.tick_rate = 50_000.0,
         |s| s.control.current_bandwidth = 0.35 * s.control.tick_rate,
         |s| s.control.bandwidth = 0.25 * s.control.current_bandwidth,
@@ -95,7 +97,16 @@ fn a_value_at_its_bound_is_allowed() {
 
 #[test]
 fn a_value_just_beyond_its_bound_is_refused() {
-    let cases: [(Change, Field); 19] = [
+    let cases: [(Change, Field); 22] = [
+        (|s| s.advanced.disarm_timeout = 0.99, Field::DisarmTimeout),
+        (
+            |s| s.advanced.disarm_timeout = 86_401.0,
+            Field::DisarmTimeout,
+        ),
+        (
+            |s| s.advanced.disarm_timeout = f32::NAN,
+            Field::DisarmTimeout,
+        ),
         (|s| s.control.tick_rate = 50_001.0, Field::TickRate),
         (
             |s| s.control.current_bandwidth = 0.0,

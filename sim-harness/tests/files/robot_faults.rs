@@ -100,3 +100,26 @@ fn values_that_are_not_plausible_and_those_of_the_controller_are_answered_togeth
         ],
     );
 }
+
+#[test]
+fn a_number_of_the_controller_is_read_and_refused_with_its_line() {
+    let with = |value: &str| changed(&[]) + "\n[advanced]\ndisarm_timeout = " + value + "\n";
+    let timeout = |text: &str| {
+        let robot = Robot::parse("arm.toml", text).unwrap();
+        robot.settings().unwrap().advanced.disarm_timeout
+    };
+    assert_eq!(timeout(&changed(&[])), 60.0);
+    assert_eq!(timeout(&with("2.5")), 2.5);
+    assert_refused(
+        &with("0.1"),
+        &[(
+            "disarm_timeout = ",
+            "`disarm_timeout` of [advanced] must lie in 1 to 86 400 s, not 0.1 s",
+        )],
+    );
+    let unknown = refusals(&with("2.0\ndisarm_time = 1.0"));
+    assert!(
+        unknown[0].contains("did you mean `disarm_timeout`?"),
+        "{unknown:?}"
+    );
+}
