@@ -58,6 +58,37 @@ fn settings_are_sent_shown_saved_and_sent_back_without_motion() {
 }
 
 #[test]
+fn settings_with_three_faults_get_three_answers() {
+    let board = Board::start(Some(arm::driving()));
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = folder.path().join("settings.toml");
+    let name = file.to_str().expect("UTF-8 text");
+    let (_, mut text, _) = run(&board, &["settings", "show"]);
+    for (from, to) in [
+        ("payload = ", "payload = -"),
+        ("damping = ", "damping = 9"),
+        ("back_off = ", "back_off = -"),
+    ] {
+        assert!(text.contains(from), "{text}");
+        text = text.replacen(from, to, 1);
+    }
+    std::fs::write(&file, text).expect("the file can be written");
+    let (status, _, err) = run(&board, &["settings", "upload", "--settings", name]);
+    assert_eq!(status, Some(1), "{err}");
+    for answer in [
+        "control.damping must lie in 0.2 to 2",
+        "homing.back_off must be positive and under 1 rad",
+        "payload must be finite and not negative",
+    ] {
+        assert!(
+            err.contains(&format!("{name}: {answer}")),
+            "{answer}: {err}"
+        );
+    }
+    assert_eq!(err.matches(name).count(), 3, "{err}");
+}
+
+#[test]
 fn settings_that_are_not_valid_are_refused_before_they_are_sent() {
     let board = Board::start(Some(arm::driving()));
     let folder = tempfile::tempdir().expect("a temporary folder");
