@@ -201,6 +201,16 @@ fn currents_that_fit_neither_assembly_mode_confirm_none() {
         }
     };
     assert_eq!(status.fault, Some(Fault::AssemblyMode));
+    // The arm is homed again, and what the last crossing showed is forgotten.
+    rig.bench.current = [0.0; 2];
+    rig.controller.request(Request::ClearFault).unwrap();
+    rig.controller.request(Request::SetAngles(START)).unwrap();
+    rig.controller.request(Request::Arm).unwrap();
+    for _ in 0..100 {
+        rig.tick();
+    }
+    let status = rig.tick();
+    assert_eq!((status.state, status.fault), (State::Armed, None));
 }
 
 #[test]
