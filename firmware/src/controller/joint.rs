@@ -250,4 +250,28 @@ mod tests {
         used.drive(axis, 0.05, &bus);
         assert_eq!(used.duty, fresh.duty);
     }
+
+    /// The share of the heat's limit after new settings, from this share before: with this change of
+    /// the motor's ratings.
+    fn kept(share: f32, change: impl FnOnce(&mut AxisSettings)) -> f32 {
+        let [old, _] = Settings::BENCHTOP.axes;
+        let mut new = old;
+        change(&mut new);
+        let (mut before, mut joint) = (Joint::new(&old), Joint::new(&new));
+        before.heat = MotorHeat::at_share(share, old.continuous_current);
+        joint.keep_heat(&new, &before, &old);
+        joint.heat.share(new.continuous_current)
+    }
+
+    #[test]
+    fn the_same_motor_keeps_its_heat_and_another_one_its_share_and_that_of_a_start() {
+        let stronger = |axis: &mut AxisSettings| axis.continuous_current *= 2.0;
+        let slower = |axis: &mut AxisSettings| axis.thermal_time_constant *= 2.0;
+        for share in [0.05, 0.6, 0.95] {
+            let near = |kept: f32, wanted: f32| (kept - wanted).abs() < 1e-5;
+            assert!(near(kept(share, |_| ()), share));
+            assert!(near(kept(share, stronger), share.max(START_HEAT)));
+            assert!(near(kept(share, slower), share.max(START_HEAT)));
+        }
+    }
 }

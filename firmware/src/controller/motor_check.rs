@@ -174,3 +174,37 @@ impl MotorCheck {
         contradicts.then_some(Fault::CurrentSensor)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_flows_in_the_two_ticks_after_a_release_is_not_judged() {
+        let settings = Settings::BENCHTOP;
+        let [axis, _] = &settings.axes;
+        let limits = MotorLimits::new(axis, &settings);
+        // More than a tick's contradiction: 15 times the continuous current.
+        let sample = MotorSample {
+            counts: 0,
+            velocity: 0.0,
+            error: 0.0,
+            current: 20.0 * axis.continuous_current,
+            demand: 0.0,
+            duty: 0.0,
+            bus_voltage: 24.0,
+        };
+        let mut check = MotorCheck::new();
+        let faults = [(); 2].map(|()| check.fault(&limits, &sample));
+        assert_eq!(faults, [None; 2]);
+        // From then on it is, from the current that flowed.
+        let shorted = MotorSample {
+            current: -sample.current,
+            ..sample
+        };
+        let fault = check.fault(&limits, &shorted);
+        assert_eq!(fault, Some(Fault::CurrentSensor));
+        check.release();
+        assert_eq!(check.fault(&limits, &sample), None);
+    }
+}

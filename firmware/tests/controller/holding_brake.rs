@@ -267,6 +267,15 @@ fn brakes_that_do_not_hold_leave_the_arm_held_until_the_emergency_stop() {
     assert_eq!(rig.controller.state(), State::Stopped);
 }
 
+#[test]
+fn an_armed_arm_that_is_armed_again_keeps_its_free_brakes() {
+    let mut rig = free(&braked());
+    rig.controller.request(Request::Arm).unwrap();
+    push_line(&mut rig);
+    rig.run(LATE);
+    assert_eq!(rig.controller.state(), State::Running);
+}
+
 /// The bench's joints are free of each other: an upright arm's fall together.
 #[test]
 fn a_brake_that_does_not_hold_one_joint_is_found() {

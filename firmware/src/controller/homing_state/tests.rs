@@ -2,7 +2,7 @@
 
 use super::HomingError::{self, IndexAmbiguous, IndexNotFound, SwitchNotFound};
 use super::{Debounced, HomingConfig, HomingState, Phase, StopDetection, limited};
-use crate::settings::{AxisSettings, HomingMethod, INDEX_SAMPLES, Settings};
+use crate::settings::{AxisSettings, CREEP, HomingMethod, INDEX_SAMPLES, Settings};
 use core::f32::consts::TAU;
 
 /// Samples after which a switch is believed.
@@ -339,5 +339,32 @@ fn the_way_between_two_pulses_is_that_of_the_joint() {
         let axis = AxisSettings { gear_ratio, ..axis };
         let between = HomingConfig::new(&axis, &settings).index.expect("pulses");
         assert!((between - TAU / 8.0).abs() < 1e-6, "{between} rad");
+    }
+}
+
+#[test]
+fn what_is_found_slowly_is_found_at_the_creeping_share_of_the_speed() {
+    let config = HomingConfig {
+        speed: 0.4,
+        ..CONFIG
+    };
+    for (phase, rate) in [
+        (Phase::Creep { from: 0.0 }, CREEP * 0.4),
+        (Phase::Index { from: 0.0 }, -CREEP * 0.4),
+        (
+            Phase::Leave {
+                from: 0.0,
+                counts: 7,
+            },
+            -CREEP * 0.4,
+        ),
+    ] {
+        let mut search = search(phase, false);
+        let config = HomingConfig {
+            index: Some(1.0),
+            ..config.clone()
+        };
+        search.step(&config, false, 0.1, 7, 1e-3).unwrap();
+        assert!((search.rate - rate).abs() < 1e-6, "{}", search.rate);
     }
 }
