@@ -207,4 +207,40 @@ mod tests {
         check.release();
         assert_eq!(check.fault(&limits, &sample), None);
     }
+
+    /// A joint that stands while its error has grown, at 2 A where its voltage would drive 3 A: the fault
+    /// within 50 ticks, at a current this much behind its set-point [A].
+    fn standing(behind: f32) -> Option<Fault> {
+        let settings = Settings::BENCHTOP;
+        let [axis, _] = &settings.axes;
+        let limits = MotorLimits::new(axis, &settings);
+        let mut check = MotorCheck::new();
+        let mut sample = MotorSample {
+            counts: 5,
+            velocity: 0.0,
+            error: 0.0,
+            current: 2.0,
+            demand: 2.0 + behind,
+            duty: 3.0 * axis.resistance / 24.0,
+            bus_voltage: 24.0,
+        };
+        for _ in 0..10 {
+            assert_eq!(check.fault(&limits, &sample), None);
+        }
+        sample.error = 2.0 * limits.grown;
+        (0..50).find_map(|_| check.fault(&limits, &sample))
+    }
+
+    #[test]
+    fn an_encoder_has_stopped_only_if_the_current_follows_its_set_point() {
+        // A quarter of 2 A, and 0.13 A.
+        for (behind, fault) in [
+            (0.55, Some(Fault::EncoderStuck)),
+            (-0.55, Some(Fault::EncoderStuck)),
+            (0.75, None),
+            (-0.75, None),
+        ] {
+            assert_eq!(standing(behind), fault, "{behind} A");
+        }
+    }
 }

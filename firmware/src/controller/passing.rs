@@ -212,10 +212,12 @@ mod tests {
                 (true, -0.19, 0.0, true),
                 (true, -0.21, 0.0, false),
                 (true, -0.21, 10.0, true),
+                (true, -0.25, 2.0, false),
                 (false, -1.0, 0.0, true),
                 (false, behind + 0.04, 0.0, true),
                 (false, behind + 0.06, 0.0, false),
                 (false, behind + 0.06, -10.0, true),
+                (false, behind + 0.1, -2.0, false),
                 (true, behind + 1.0, 0.0, true),
             ] {
                 let joint = &mut landmarks(method)[joint];

@@ -276,6 +276,18 @@ fn an_armed_arm_that_is_armed_again_keeps_its_free_brakes() {
     assert_eq!(rig.controller.state(), State::Running);
 }
 
+#[test]
+fn a_stop_on_the_path_leaves_the_brakes_free() {
+    let mut rig = free(&braked());
+    push_line(&mut rig);
+    rig.run(1000);
+    assert_eq!(rig.controller.state(), State::Running);
+    rig.controller.request(Request::Stop).unwrap();
+    let command = rig.run(5000);
+    assert_eq!(rig.controller.state(), State::Armed);
+    assert_eq!((command.enable, command.brake), ([true; 2], false));
+}
+
 /// The bench's joints are free of each other: an upright arm's fall together.
 #[test]
 fn a_brake_that_does_not_hold_one_joint_is_found() {
