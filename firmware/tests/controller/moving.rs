@@ -67,3 +67,28 @@ fn stops_on_the_path_on_request() {
     rig.run(12_000);
     assert!((rig.bench.tool()[0] - f64::from(x)).abs() < 2e-5);
 }
+
+/// Its gains at rest are a tenth of those in motion.
+#[test]
+fn an_arm_that_moves_on_after_a_rest_is_as_stiff_as_before() {
+    let error_in_motion = |rest: u32| {
+        let mut rig = Rig::armed(&settings());
+        rig.run(rest);
+        let [x, y] = rig.tool_position();
+        let to = [x - 0.04, y];
+        rig.push(3, MoveKind::Line { to, feed: 0.1 }).unwrap();
+        rig.run(1000);
+        rig.bench.push = [0.1, 0.0];
+        let mut greatest = 0.0_f32;
+        for _ in 0..300 {
+            rig.tick();
+            let status = rig.controller.status();
+            assert_eq!(status.state, State::Running);
+            let reference = status.joint_reference.unwrap();
+            greatest = greatest.max((status.angle[0] - reference.angle[0]).abs());
+        }
+        greatest
+    };
+    let (soon, late) = (error_in_motion(0), error_in_motion(20_000));
+    assert!(late < 1.2 * soon && soon > 1e-4, "{soon}, {late} rad");
+}
