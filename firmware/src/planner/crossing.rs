@@ -302,3 +302,27 @@ impl Planner {
         Ok(squares.into())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whether a gap is closed that begins with a torque and its change, and ends with others [N·m].
+    fn is_closed(torque: [f32; 2], change: [f32; 2]) -> bool {
+        let only = |value: f32| Vector2::new(0.0, value);
+        Gap {
+            time: [0.0, 1.0],
+            torque: torque.map(only),
+            change: change.map(only),
+        }
+        .is_closed()
+    }
+
+    #[test]
+    fn a_gap_is_closed_if_both_sides_go_on_to_the_same_torque() {
+        assert!(is_closed([0.1, 0.3], [0.2, 0.2]));
+        assert!(is_closed([0.1, 0.3], [0.2, 0.17]));
+        assert!(!is_closed([0.1, 0.3], [0.2, 0.14]));
+        assert!(!is_closed([0.1, 0.3], [0.0, 0.2]));
+    }
+}

@@ -5,7 +5,7 @@ use crate::rig::WAKING_TICKS;
 use fivebar_firmware::controller::{Request, RequestError};
 use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::safety::{Fault, State};
-use fivebar_firmware::settings::Settings;
+use fivebar_firmware::settings::{AxisSettings, Settings};
 use fivebar_firmware::{CrossingMove, FULL_TOOL, Status};
 use fivebar_kinematics::five_bar::Side;
 use nalgebra::Vector2;
@@ -312,4 +312,75 @@ fn a_crossing_waits_for_free_brakes_and_an_arm_that_is_switched_off_has_none() {
         rig.follow();
     }
     assert_eq!(rig.push(0, PLAN), Ok(()));
+}
+
+#[test]
+fn a_plan_with_a_value_that_is_no_number_is_refused_as_one() {
+    let nan = f32::NAN;
+    let [x, _] = PLAN.from;
+    let [b0, b1, _] = PLAN.law;
+    for plan in [
+        CrossingMove {
+            from: [x, nan],
+            ..PLAN
+        },
+        CrossingMove {
+            to: [nan, 0.012],
+            ..PLAN
+        },
+        CrossingMove {
+            law: [b0, b1, nan],
+            ..PLAN
+        },
+        CrossingMove {
+            duration: f32::INFINITY,
+            ..PLAN
+        },
+        CrossingMove {
+            crosses_at: nan,
+            ..PLAN
+        },
+        CrossingMove {
+            duration: 0.0,
+            ..PLAN
+        },
+    ] {
+        let refused = Rig::armed(&settings()).push(0, plan);
+        assert_eq!(refused, Err(MoveErrorKind::Number), "{plan:?}");
+    }
+}
+
+#[test]
+fn a_crossing_keeps_each_joints_limits_of_speed_acceleration_and_torque() {
+    let refused = |joint: usize, change: fn(&mut AxisSettings)| {
+        let mut weak = settings();
+        change(&mut weak.axes[joint]);
+        Rig::armed(&weak).push(0, PLAN)
+    };
+    // The plan needs 2.7 and 7.1 rad/s.
+    assert_eq!(refused(0, |axis| axis.max_speed = 2.9), Ok(()));
+    let slow = refused(0, |axis| axis.max_speed = 2.5);
+    assert_eq!(slow, Err(MoveErrorKind::Overload(1)));
+    assert_eq!(refused(1, |axis| axis.max_speed = 7.3), Ok(()));
+    let slow = refused(1, |axis| axis.max_speed = 6.8);
+    assert_eq!(slow, Err(MoveErrorKind::Overload(4)));
+    let gentle = refused(1, |axis| axis.max_acceleration = 60.0);
+    assert_eq!(gentle, Err(MoveErrorKind::Overload(4)));
+    // Friction is a part of the torques: it alone is too much for a weak motor.
+    let stiff = refused(1, |axis| axis.viscous_friction = 0.2);
+    assert_eq!(stiff, Err(MoveErrorKind::Overload(4)));
+}
+
+#[test]
+fn a_crossing_of_more_than_four_seconds_is_too_long() {
+    for (duration, refused) in [(3.9, false), (4.1, true)] {
+        let crosses_at = PLAN.crosses_at * (duration / PLAN.duration);
+        let slow = CrossingMove {
+            duration,
+            crosses_at,
+            ..PLAN
+        };
+        let answer = Rig::armed(&settings()).push(0, slow);
+        assert_eq!(answer == Err(MoveErrorKind::TooLong), refused, "{answer:?}");
+    }
 }
