@@ -153,7 +153,7 @@ def summarise(report):
     # A line of the list justifies one survivor, so that it does not hide another one in the same
     # function. Names are without line and column, which change with every edit.
     lines = (ROOT / "scripts/mutants.txt").read_text().splitlines()
-    justified = collections.Counter(line.split(" | ")[0] for line in lines)
+    justified = collections.Counter(line.rsplit(" | ", 1)[0] for line in lines)
     rows, unjustified = collections.defaultdict(collections.Counter), []
     for mutant in report:
         outcome = mutant["outcome"]

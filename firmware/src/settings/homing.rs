@@ -122,3 +122,16 @@ impl AxisSettings {
         (0.0..=back_off).contains(&room)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn at_the_fastest_creep_to_an_index_a_count_lasts_twice_its_samples() {
+        let (counts_per_turn, tick_rate) = (65_536.0, 10_000.0);
+        let speed = CREEP * HomingSettings::fastest_to_index(counts_per_turn, tick_rate);
+        let ticks_per_count = tick_rate / (speed / TAU * counts_per_turn);
+        assert!((ticks_per_count - 2.0 * f32::from(INDEX_SAMPLES)).abs() < 1e-3);
+    }
+}
