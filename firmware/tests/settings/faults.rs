@@ -5,6 +5,8 @@ use fivebar_firmware::Settings;
 use fivebar_firmware::settings::{AxisField, Field, SettingsError, rows};
 use fivebar_kinematics::dynamics::ModelError;
 
+type Change = fn(&mut Settings);
+
 fn named(change: impl FnOnce(&mut Settings)) -> Vec<SettingsError> {
     let settings = with(change);
     let faults = settings.faults();
@@ -47,7 +49,7 @@ fn three_faults_get_three_answers() {
 /// Each of these makes others wrong that are compared with it.
 #[test]
 fn what_follows_from_a_fault_is_not_named() {
-    let cases: [(fn(&mut Settings), SettingsError); 7] = [
+    let cases: [(Change, SettingsError); 7] = [
         (
             |s| s.control.tick_rate = 99.0,
             SettingsError::Field(Field::TickRate),
